@@ -1,0 +1,43 @@
+//! Backlash: a dead zone between screw and table.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Coordinate, Kind, Stage, Surroundings};
+
+/// A gap between screw nut and table; the screw spring acts only where the gap is closed.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Backlash {
+    /// Total width of the gap.
+    pub width_um: f64,
+}
+
+impl Backlash {
+    /// The part of a deflection (screw − table, m) that the gap swallows.
+    #[must_use]
+    pub fn swallowed_m(&self, deflection_m: f64) -> f64 {
+        let half_m = 0.5e-6 * self.width_um;
+        deflection_m.clamp(-half_m, half_m)
+    }
+}
+
+impl Kind for Backlash {
+    const STAGES: &'static [Stage] = &[Stage::Table, Stage::Force, Stage::Motor];
+
+    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
+        let sees_table = around.stages.contains(&Stage::Table);
+        if sees_table { vec![Self { width_um: 3.0 }] } else { Vec::new() }
+    }
+
+    fn coordinates(&self) -> Vec<Coordinate> {
+        vec![Coordinate::between(self.width_um, 0.1, 0.0, 1000.0)]
+    }
+
+    fn at(&self, x: &[f64]) -> Self {
+        Self { width_um: x[0] }
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        vec![("width_um", self.width_um)]
+    }
+}

@@ -1,0 +1,202 @@
+//! The catalogue: what a machine may do that its declared model does not say.
+//!
+//! One effect is one file. The same struct bends the simulated machine ([`crate::plant`] holds one
+//! of each) and explains the measured one ([`crate::trace`] fits its coordinates); its serde form
+//! is the `[[axis.NAME.effect]]` entry of the machine file.
+
+mod backlash;
+mod constant_load;
+mod crosstalk;
+mod friction_asymmetry;
+pub mod harmonic;
+mod intalk;
+mod latency;
+mod pitch_cyclic;
+mod pitch_progressive;
+mod resolver_dividing;
+mod resonance;
+mod servo_mismatch;
+mod squareness;
+mod straightness;
+mod stribeck;
+mod thermal_drift;
+mod torque_ripple;
+mod velocity_lag;
+mod windup;
+
+pub use backlash::Backlash;
+pub use constant_load::ConstantLoad;
+pub use crosstalk::Crosstalk;
+pub use friction_asymmetry::FrictionAsymmetry;
+pub use intalk::Intalk;
+pub use latency::Latency;
+pub use pitch_cyclic::PitchCyclic;
+pub use pitch_progressive::PitchProgressive;
+pub use resolver_dividing::ResolverDividing;
+pub use resonance::Resonance;
+pub use servo_mismatch::ServoMismatch;
+pub use squareness::Squareness;
+pub use straightness::Straightness;
+pub use stribeck::Stribeck;
+pub use thermal_drift::ThermalDrift;
+pub use torque_ripple::TorqueRipple;
+pub use velocity_lag::VelocityLag;
+pub use windup::Windup;
+
+use serde::{Deserialize, Serialize};
+
+use crate::machine::Axis;
+
+/// A place in the chain command → motor → table → tool at which the model is held against the log,
+/// each driven by the measured signal upstream of it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Stage {
+    /// Motor reading against the declared loop driven by the command.
+    Motor,
+    /// Table scale against the mechanics driven by the measured motor.
+    Table,
+    /// Tool point against the structure driven by the measured tables.
+    Tool,
+    /// Drive force against the force that the measured motion needs.
+    Force,
+}
+
+/// One of the numbers that an optimiser may move.
+///
+/// A coordinate is not always a reported parameter: a harmonic is fitted as its cosine and sine
+/// parts, in which the model is linear, and reported as amplitude and phase.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Coordinate {
+    /// The value, in the unit of the effect's file entry.
+    pub value: f64,
+    /// A change that is small beside what the effect does and large beside rounding.
+    pub step: f64,
+    /// Least value that has a meaning.
+    pub lower: f64,
+    /// Greatest value that has a meaning.
+    pub upper: f64,
+}
+
+impl Coordinate {
+    /// A coordinate that may take any sign.
+    #[must_use]
+    pub const fn signed(value: f64, step: f64, limit: f64) -> Self {
+        Self { value, step, lower: -limit, upper: limit }
+    }
+
+    /// A coordinate between two bounds.
+    #[must_use]
+    pub const fn between(value: f64, step: f64, lower: f64, upper: f64) -> Self {
+        Self { value, step, lower, upper }
+    }
+}
+
+/// What starting values may be drawn from: the axis as declared, and its neighbours.
+#[derive(Clone, Copy, Debug)]
+pub struct Surroundings<'a> {
+    /// Declared axis.
+    pub axis: &'a Axis,
+    /// Whether the axis is the machine's first.
+    pub first: bool,
+    /// Names of the machine's other axes.
+    pub others: &'a [String],
+    /// Which stages the logs and the declared model allow, in no order.
+    pub stages: &'a [Stage],
+}
+
+/// One kind of effect.
+pub trait Kind: Sized + Clone {
+    /// The stages whose residual it shapes, the one that it is first looked for in at the head.
+    const STAGES: &'static [Stage];
+
+    /// The points from which a fit of this effect is started: none if the axis lacks what the
+    /// effect needs. Several where the error is not convex (a period, a time constant).
+    fn starts(around: &Surroundings<'_>) -> Vec<Self>;
+
+    /// The numbers to fit.
+    fn coordinates(&self) -> Vec<Coordinate>;
+
+    /// The same effect at other coordinates, in the order of [`Kind::coordinates`].
+    #[must_use]
+    fn at(&self, coordinates: &[f64]) -> Self;
+
+    /// Name and value of each reported parameter, in contract units.
+    fn parameters(&self) -> Vec<(&'static str, f64)>;
+}
+
+macro_rules! catalogue {
+    ($($variant:ident = $name:literal),+ $(,)?) => {
+        /// An effect with its parameters, as it stands in a machine file.
+        #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+        #[serde(tag = "name", rename_all = "snake_case")]
+        pub enum Effect { $(
+            #[doc = concat!("See [`", stringify!($variant), "`].")]
+            $variant($variant),
+        )+ }
+
+        /// The names of all effects, in catalogue order.
+        pub const NAMES: &[&str] = &[$($name),+];
+
+        impl Effect {
+            /// The contract's name of the effect.
+            #[must_use]
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$variant(_) => $name,)+ }
+            }
+
+            /// The stages whose residual the effect shapes.
+            #[must_use]
+            pub fn stages(&self) -> &'static [Stage] {
+                match self { $(Self::$variant(_) => <$variant as Kind>::STAGES,)+ }
+            }
+
+            /// The numbers to fit.
+            #[must_use]
+            pub fn coordinates(&self) -> Vec<Coordinate> {
+                match self { $(Self::$variant(e) => e.coordinates(),)+ }
+            }
+
+            /// The same effect at other coordinates.
+            #[must_use]
+            pub fn at(&self, x: &[f64]) -> Self {
+                match self { $(Self::$variant(e) => Self::$variant(e.at(x)),)+ }
+            }
+
+            /// Name and value of each reported parameter.
+            #[must_use]
+            pub fn parameters(&self) -> Vec<(&'static str, f64)> {
+                match self { $(Self::$variant(e) => e.parameters(),)+ }
+            }
+        }
+
+        /// Every starting point of every effect that the surroundings allow.
+        #[must_use]
+        pub fn candidates(around: &Surroundings<'_>) -> Vec<Effect> {
+            let mut all = Vec::new();
+            $(all.extend(<$variant as Kind>::starts(around).into_iter().map(Effect::$variant));)+
+            all
+        }
+    };
+}
+
+catalogue! {
+    Backlash = "backlash",
+    PitchProgressive = "pitch_progressive",
+    PitchCyclic = "pitch_cyclic",
+    ResolverDividing = "resolver_dividing",
+    Windup = "windup",
+    Stribeck = "stribeck",
+    FrictionAsymmetry = "friction_asymmetry",
+    TorqueRipple = "torque_ripple",
+    ConstantLoad = "constant_load",
+    ServoMismatch = "servo_mismatch",
+    VelocityLag = "velocity_lag",
+    Intalk = "intalk",
+    Crosstalk = "crosstalk",
+    Squareness = "squareness",
+    Straightness = "straightness",
+    ThermalDrift = "thermal_drift",
+    Latency = "latency",
+    Resonance = "resonance",
+}

@@ -1,0 +1,59 @@
+//! Dividing error of the resolver: the motor reading wobbles once an electrical turn.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Coordinate, Kind, Stage, Surroundings, harmonic};
+
+/// Motor reading = motor + amplitude·sin(2π·motor/period + phase), after Soeda, section (D).
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ResolverDividing {
+    /// Half of peak to peak.
+    pub amplitude_um: f64,
+    /// Lead / pole pairs.
+    pub period_mm: f64,
+    /// Phase at motor position zero.
+    #[serde(default)]
+    pub phase_rad: f64,
+}
+
+impl ResolverDividing {
+    /// Reading − true motor position, m.
+    #[must_use]
+    pub fn error_m(&self, motor_m: f64) -> f64 {
+        1e-6 * self.amplitude_um * harmonic::wave(1e3 * motor_m, self.period_mm, self.phase_rad)
+    }
+}
+
+impl Kind for ResolverDividing {
+    const STAGES: &'static [Stage] = &[Stage::Table, Stage::Force, Stage::Motor];
+
+    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
+        let sees_table = around.stages.contains(&Stage::Table);
+        let lead = around.axis.lead_mm.filter(|_| sees_table);
+        let poles = around.axis.resolver_pole_pairs;
+        let start = |(lead, poles): (f64, u32)| Self {
+            amplitude_um: 0.0,
+            period_mm: lead / f64::from(poles),
+            phase_rad: 0.0,
+        };
+        lead.zip(poles).into_iter().map(start).collect()
+    }
+
+    fn coordinates(&self) -> Vec<Coordinate> {
+        harmonic::parts(self.amplitude_um, self.phase_rad, 0.1, 1e3)
+    }
+
+    fn at(&self, x: &[f64]) -> Self {
+        let (amplitude_um, phase_rad) = harmonic::polar(x);
+        Self { amplitude_um, phase_rad, ..self.clone() }
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        vec![
+            ("amplitude_um", self.amplitude_um),
+            ("period_mm", self.period_mm),
+            ("phase_rad", self.phase_rad),
+        ]
+    }
+}

@@ -1,0 +1,34 @@
+//! Velocity lag: the speed that the velocity loop sees is late.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Coordinate, Kind, Stage, Surroundings};
+
+/// The drive averages or filters its velocity reading; the loop acts on a speed that is `ms` old.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VelocityLag {
+    /// Mean age of the reading beyond that of a plain difference; at most one period of the loop.
+    pub ms: f64,
+}
+
+impl Kind for VelocityLag {
+    const STAGES: &'static [Stage] = &[Stage::Motor];
+
+    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
+        let sees_motor = around.stages.contains(&Stage::Motor);
+        if sees_motor { vec![Self::default()] } else { Vec::new() }
+    }
+
+    fn coordinates(&self) -> Vec<Coordinate> {
+        vec![Coordinate::between(self.ms, 0.02, 0.0, 100.0)]
+    }
+
+    fn at(&self, x: &[f64]) -> Self {
+        Self { ms: x[0] }
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        vec![("ms", self.ms)]
+    }
+}

@@ -1,0 +1,143 @@
+//! Whether the times of a log are those of one uniform clock.
+
+/// How far a step between two samples may be from the usual one, as a part of it.
+const STEP_TOLERANCE: f64 = 0.01;
+/// How far any sample may be from the even grid through first and last sample, in samples.
+const GRID_TOLERANCE: f64 = 0.1;
+/// No rounding explains an odd step larger than this part of the usual one: a lost sample would
+/// look the same.
+const LARGEST_ROUNDING: f64 = 0.4;
+/// A step that is odd because the printed time was rounded comes again and again; a jump does not.
+const FEWEST_ROUNDED: usize = 3;
+
+/// A sample whose time is not that of a uniform clock.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub(super) struct Irregular {
+    /// Which sample, from 0.
+    pub sample: usize,
+    /// The time at which a uniform clock would have taken it.
+    pub expected_s: f64,
+    /// Whether the time did not increase at all.
+    pub backwards: bool,
+}
+
+/// The period of the clock that gave the times, which were printed with `decimals` decimals.
+///
+/// There have to be two times at least.
+pub(super) fn sample_time_s(times_s: &[f64], decimals: usize) -> Result<f64, Irregular> {
+    let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
+    let usual_s = median(&steps);
+    let irregular = |step: usize, backwards| Irregular {
+        sample: step + 1,
+        expected_s: times_s[step] + usual_s.max(0.0),
+        backwards,
+    };
+    if let Some(step) = steps.iter().position(|&step_s| step_s <= 0.0) {
+        return Err(irregular(step, true));
+    }
+    let slack_s = STEP_TOLERANCE * usual_s;
+    let odd = |allowed_s: f64| move |step_s: &&f64| (**step_s - usual_s).abs() > allowed_s;
+    let often = steps.iter().filter(odd(slack_s)).count() >= FEWEST_ROUNDED;
+    let printed_s = 0.1_f64.powf(decimals as f64);
+    let rounding_s = if often { printed_s.min(LARGEST_ROUNDING * usual_s) } else { 0.0 };
+    if let Some(step) = steps.iter().position(|step| odd(slack_s + rounding_s)(&step)) {
+        return Err(irregular(step, false));
+    }
+    on_grid(times_s, rounding_s)
+}
+
+/// Many small deviations may still add up: the period through both ends has to hold in between.
+fn on_grid(times_s: &[f64], rounding_s: f64) -> Result<f64, Irregular> {
+    let last = times_s.len() - 1;
+    let period_s = (times_s[last] - times_s[0]) / last as f64;
+    let grid = |sample: usize| times_s[0] + sample as f64 * period_s;
+    let allowed_s = GRID_TOLERANCE * period_s + rounding_s;
+    match (0..=last).find(|&i| (times_s[i] - grid(i)).abs() > allowed_s) {
+        Some(sample) => {
+            Err(Irregular { sample, expected_s: grid(sample), backwards: false })
+        }
+        None => Ok(period_s),
+    }
+}
+
+fn median(steps: &[f64]) -> f64 {
+    let mut sorted = steps.to_vec();
+    let middle = sorted.len() / 2;
+    *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// Times of a clock as a file shows them.
+    fn printed(start_s: f64, period_s: f64, count: u32, decimals: usize) -> Vec<f64> {
+        let unit = 10_f64.powf(decimals as f64);
+        let time = |i: u32| ((start_s + f64::from(i) * period_s) * unit).round() / unit;
+        (0..count).map(time).collect()
+    }
+
+    #[test]
+    fn a_uniform_clock_is_known_through_the_rounding_of_its_times() {
+        let clocks = [
+            (0.0, 1e-3, 3),
+            (122.315, 1e-3, 3),
+            (1.7e9, 1e-3, 6),
+            (0.0, 1.0 / 3e3, 4),
+            (0.0, 1.0 / 4096.0, 6),
+            (0.0, 1.0003e-3, 4),
+            (0.0, 1.0 / 8192.0, 9),
+        ];
+        for (start_s, period_s, decimals) in clocks {
+            let times = printed(start_s, period_s, 20_000, decimals);
+            let found = sample_time_s(&times, decimals);
+            let found = found.unwrap_or_else(|e| panic!("{period_s} at {decimals}: {e:?}"));
+            assert!((found / period_s - 1.0).abs() < 1e-4, "{found} for {period_s}");
+        }
+    }
+
+    #[test]
+    fn a_lost_sample_is_found_where_it_was_lost() {
+        for (period_s, decimals) in [(1e-3, 3), (1e-3, 6), (2e-3, 3), (1.0 / 3e3, 4), (0.25, 2)] {
+            for at in [1, 2, 500, 998] {
+                let mut times = printed(3.0, period_s, 1000, decimals);
+                let lost = times.remove(at);
+                let error = sample_time_s(&times, decimals).expect_err("a gap");
+                assert_eq!((error.sample, error.backwards), (at, false), "{period_s}");
+                assert!((error.expected_s - lost).abs() < 0.5 * period_s);
+            }
+        }
+    }
+
+    #[test]
+    fn a_jump_of_half_a_sample_is_found() {
+        let mut times = printed(0.0, 2e-3, 100, 3);
+        times[40..].iter_mut().for_each(|time| *time += 1e-3);
+        assert_eq!(sample_time_s(&times, 3).expect_err("a jump").sample, 40);
+    }
+
+    #[test]
+    fn times_that_stand_still_or_go_back_are_found() {
+        for change_s in [-1e-3, -5e-3] {
+            let mut times = printed(0.0, 1e-3, 100, 3);
+            times[40] += change_s;
+            let error = sample_time_s(&times, 3).expect_err("not increasing");
+            assert_eq!((error.sample, error.backwards), (40, true));
+        }
+    }
+
+    #[test]
+    fn a_clock_that_changes_its_period_is_found() {
+        let mut times = printed(0.0, 4e-3, 500, 3);
+        let end_s = times[499];
+        times.extend(printed(end_s + 5e-3, 5e-3, 400, 3));
+        assert!(sample_time_s(&times, 3).is_err());
+    }
+
+    #[test]
+    fn jitter_beyond_the_tolerance_is_found() {
+        let mut times = printed(0.0, 1e-3, 1000, 6);
+        times.iter_mut().step_by(7).for_each(|time| *time += 5e-5);
+        assert!(sample_time_s(&times, 6).is_err());
+    }
+}

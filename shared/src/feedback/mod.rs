@@ -1,0 +1,4 @@
+//! From sensors to the position that the loop closes on.
+
+pub mod dual;
+pub mod encoder;

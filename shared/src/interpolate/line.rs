@@ -1,0 +1,61 @@
+//! A straight line through N axes.
+
+use super::{PathError, scaled};
+use crate::units::Position;
+
+/// A line as a function of the distance along it.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Line<const N: usize> {
+    start: [Position; N],
+    end: [Position; N],
+    /// Direction cosines with 62 fraction bits.
+    direction: [i64; N],
+    length: i64,
+}
+
+impl<const N: usize> Line<N> {
+    /// Plans the line.
+    ///
+    /// # Errors
+    /// [`PathError::ZeroLength`] where start and end coincide.
+    pub fn plan(start: [Position; N], end: [Position; N]) -> Result<Self, PathError> {
+        let mut squares = 0u128;
+        for (from, to) in start.iter().zip(&end) {
+            let distance = u128::from(to.beyond(*from).unsigned_abs());
+            squares += distance * distance;
+        }
+        let length = squares.isqrt();
+        if length == 0 {
+            return Err(PathError::ZeroLength);
+        }
+        #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "|direction| ≤ 1, length < 2⁵⁹")]
+        let along = |axis: usize| {
+            let distance = i128::from(end[axis].beyond(start[axis]));
+            ((distance << 62) / length as i128) as i64
+        };
+        #[expect(clippy::cast_possible_truncation, reason = "travel is limited to ±100 m, 2⁵⁷ units")]
+        Ok(Self { start, end, direction: core::array::from_fn(along), length: length as i64 })
+    }
+
+    /// Distance from start to end, position units.
+    #[must_use]
+    pub const fn length(&self) -> i64 {
+        self.length
+    }
+
+    /// Where the line ends.
+    #[must_use]
+    pub const fn end(&self) -> [Position; N] {
+        self.end
+    }
+
+    /// The point at a distance from the start, each axis within one position unit of exact.
+    #[must_use]
+    pub fn at(&self, distance: i64) -> [Position; N] {
+        let mut point = self.start;
+        for (place, direction) in point.iter_mut().zip(&self.direction) {
+            *place = place.moved(scaled::<62>(distance, *direction));
+        }
+        point
+    }
+}

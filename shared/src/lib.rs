@@ -1,0 +1,14 @@
+#![no_std]
+#![forbid(unsafe_code)]
+#![doc = include_str!("front.md")]
+
+pub mod axis;
+pub mod config;
+pub mod control;
+pub mod feedback;
+pub mod interpolate;
+pub mod machine;
+pub mod protocol;
+pub mod safety;
+pub mod scalar;
+pub mod units;

@@ -1,0 +1,86 @@
+//! Machine units, and the one place where they meet SI.
+//!
+//! | quantity | machine unit | why |
+//! |---|---|---|
+//! | position | [`Position`]: i64, 2⁻²⁰ nm | exact on ±8,796 km·10⁻³; a difference is exact anywhere on the travel |
+//! | error, distance | 1.024 µm = 2³⁰ position units | a fixed-point signal then resolves 1/16 nm and holds ±134 mm |
+//! | increment per tick | 16 nm = 2²⁴ position units | resolves 2⁻¹⁰ nm, holds ±2.1 mm a tick |
+//! | velocity | 16.384 µm/s | resolves 1 nm/s, holds ±2.147 m/s |
+//! | force | 1 N | resolves 61 µN, holds ±131 kN |
+//!
+//! "Resolves" and "holds" are those of the fixed-point signal; floating point has its own.
+//! On a rotary axis read 1 µdeg for 1 nm (so 1 deg for 1 mm) and N·m for N.
+
+/// Position units in one nanometre.
+pub const PER_NM: i64 = 1 << 20;
+
+/// Position units in one metre.
+pub const PER_M: f64 = 1e9 * PER_NM as f64;
+
+/// Metres per second in one velocity unit.
+pub const VELOCITY_M_PER_S: f64 = 16.384e-6;
+
+/// Metres in one unit of a per-tick increment.
+pub const INCREMENT_M: f64 = 16e-9;
+
+/// Metres in one unit of error or distance.
+pub const LENGTH_M: f64 = 1.024e-6;
+
+/// Greatest position that is accepted, either way, m: far inside i64, so that sums and squares of
+/// differences stay exact.
+pub const TRAVEL_LIMIT_M: f64 = 100.0;
+
+/// A place on an axis in units of 2⁻²⁰ nm, the same in every build.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+pub struct Position(pub i64);
+
+impl Position {
+    /// The position nearest to a place in metres; `None` beyond ±[`TRAVEL_LIMIT_M`] or not a number.
+    #[must_use]
+    pub fn from_m(m: f64) -> Option<Self> {
+        // A NaN fails the comparison, too.
+        (m.abs() <= TRAVEL_LIMIT_M).then(|| {
+            #[expect(clippy::cast_possible_truncation, reason = "within the travel limit")]
+            Self(libm::rint(m * PER_M) as i64)
+        })
+    }
+
+    /// The place in metres, to double precision.
+    #[must_use]
+    pub fn to_m(self) -> f64 {
+        self.0 as f64 / PER_M
+    }
+
+    /// How far this lies beyond another place, in position units: exact.
+    #[must_use]
+    pub const fn beyond(self, other: Self) -> i64 {
+        self.0.wrapping_sub(other.0)
+    }
+
+    /// The place `distance` position units further on.
+    #[must_use]
+    pub const fn moved(self, distance: i64) -> Self {
+        Self(self.0.wrapping_add(distance))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_metre_and_a_picometre_survive_together() {
+        // 1 m + 1 pm = 1.048576e15 + 1048.6 units: the sum is exact, f32 would lose 60 nm of it.
+        let metre = Position::from_m(1.0).unwrap();
+        let further = metre.moved(1049);
+        assert_eq!(further.beyond(metre), 1049);
+        assert_eq!(metre.0, 1_048_576_000_000_000);
+    }
+
+    #[test]
+    fn refuses_what_it_cannot_hold() {
+        for m in [f64::NAN, f64::INFINITY, 100.1, -100.1] {
+            assert_eq!(Position::from_m(m), None);
+        }
+    }
+}
