@@ -33,7 +33,12 @@ impl InputError {
     /// A problem that does not fit the form of [`InputError::expected`].
     #[must_use]
     pub fn saying(file: &str, problem: impl Into<String>) -> Self {
-        Self { file: file.to_owned(), line: None, key: None, problem: one_line(&problem.into()) }
+        Self {
+            file: file.to_owned(),
+            line: None,
+            key: None,
+            problem: one_line(&problem.into()),
+        }
     }
 
     /// A file that cannot be read at all.
@@ -45,13 +50,19 @@ impl InputError {
     /// The same, at a line of the file, counted from 1.
     #[must_use]
     pub fn at_line(self, line: usize) -> Self {
-        Self { line: Some(line), ..self }
+        Self {
+            line: Some(line),
+            ..self
+        }
     }
 
     /// The same, at a key (`axis.x.lead_mm`) or a column (`x_motor_mm`).
     #[must_use]
     pub fn at_key(self, key: &str) -> Self {
-        Self { key: Some(one_line(key)), ..self }
+        Self {
+            key: Some(one_line(key)),
+            ..self
+        }
     }
 }
 
@@ -74,7 +85,7 @@ pub(crate) fn shortened(found: &str) -> String {
 #[must_use]
 pub(crate) fn line_at(text: &[u8], offset: usize) -> usize {
     let before = &text[..offset.min(text.len())];
-    1 + before.iter().filter(|&&byte| byte == b'\n').count()
+    before.split(|&byte| byte == b'\n').count()
 }
 
 /// White space of any kind, line ends included, becomes one space.
@@ -123,7 +134,10 @@ mod tests {
 
     #[test]
     fn places_that_are_not_known_are_left_out() {
-        assert_eq!(InputError::saying("a.csv", "is a picture").to_string(), "a.csv: is a picture");
+        assert_eq!(
+            InputError::saying("a.csv", "is a picture").to_string(),
+            "a.csv: is a picture"
+        );
     }
 
     #[test]

@@ -2,7 +2,15 @@
 //! and its declared model lacks.
 
 pub mod controller;
+mod document;
 pub mod effects;
 pub mod error;
+pub mod link;
 pub mod log;
 pub mod machine;
+pub mod motion;
+pub mod output;
+pub mod plant;
+pub mod servo;
+pub mod simulate;
+pub mod trace;

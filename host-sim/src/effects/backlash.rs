@@ -13,24 +13,31 @@ pub struct Backlash {
 }
 
 impl Backlash {
+    /// Half of the gap, m.
+    #[must_use]
+    pub fn half_m(&self) -> f64 {
+        0.5e-6 * self.width_um
+    }
+
     /// The part of a deflection (screw − table, m) that the gap swallows.
     #[must_use]
     pub fn swallowed_m(&self, deflection_m: f64) -> f64 {
-        let half_m = 0.5e-6 * self.width_um;
-        deflection_m.clamp(-half_m, half_m)
+        deflection_m.clamp(-self.half_m(), self.half_m())
     }
 }
 
 impl Kind for Backlash {
-    const STAGES: &'static [Stage] = &[Stage::Table, Stage::Force, Stage::Motor];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Table, Stage::Force, Stage::Motor]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let sees_table = around.stages.contains(&Stage::Table);
-        if sees_table { vec![Self { width_um: 3.0 }] } else { Vec::new() }
+        if sees_table { vec![Self { width_um: 2.0 }] } else { Vec::new() }
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::between(self.width_um, 0.1, 0.0, 1000.0)]
+        vec![Coordinate::between(self.width_um, 0.2, 0.0, 1000.0)]
     }
 
     fn at(&self, x: &[f64]) -> Self {

@@ -13,7 +13,9 @@ pub struct ConstantLoad {
 }
 
 impl Kind for ConstantLoad {
-    const STAGES: &'static [Stage] = &[Stage::Force, Stage::Table, Stage::Motor];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Force, Stage::Table, Stage::Motor]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         if around.axis.has_mass() { vec![Self { force_n: 0.0 }] } else { Vec::new() }

@@ -23,7 +23,9 @@ impl Crosstalk {
 }
 
 impl Kind for Crosstalk {
-    const STAGES: &'static [Stage] = &[Stage::Tool];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Tool]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let start = |source: &String| Self { um_s2_per_m: 0.0, source: source.clone() };

@@ -23,7 +23,9 @@ impl FrictionAsymmetry {
 }
 
 impl Kind for FrictionAsymmetry {
-    const STAGES: &'static [Stage] = &[Stage::Force, Stage::Table, Stage::Motor];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Force, Stage::Table, Stage::Motor]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         if around.axis.has_mass() { vec![Self::default()] } else { Vec::new() }

@@ -21,7 +21,9 @@ impl Intalk {
 }
 
 impl Kind for Intalk {
-    const STAGES: &'static [Stage] = &[Stage::Tool];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Tool]
+    }
 
     fn starts(_around: &Surroundings<'_>) -> Vec<Self> {
         vec![Self::default()]

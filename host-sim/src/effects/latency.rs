@@ -25,7 +25,12 @@ pub enum Channel {
 }
 
 impl Kind for Latency {
-    const STAGES: &'static [Stage] = &[Stage::Table, Stage::Tool];
+    fn stages(&self) -> &'static [Stage] {
+        match self.channel {
+            Channel::Table => &[Stage::Table],
+            Channel::Tool => &[Stage::Tool],
+        }
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         [(Stage::Table, Channel::Table), (Stage::Tool, Channel::Tool)]

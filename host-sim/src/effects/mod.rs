@@ -29,7 +29,7 @@ pub use constant_load::ConstantLoad;
 pub use crosstalk::Crosstalk;
 pub use friction_asymmetry::FrictionAsymmetry;
 pub use intalk::Intalk;
-pub use latency::Latency;
+pub use latency::{Channel, Latency};
 pub use pitch_cyclic::PitchCyclic;
 pub use pitch_progressive::PitchProgressive;
 pub use resolver_dividing::ResolverDividing;
@@ -108,7 +108,7 @@ pub struct Surroundings<'a> {
 /// One kind of effect.
 pub trait Kind: Sized + Clone {
     /// The stages whose residual it shapes, the one that it is first looked for in at the head.
-    const STAGES: &'static [Stage];
+    fn stages(&self) -> &'static [Stage];
 
     /// The points from which a fit of this effect is started: none if the axis lacks what the
     /// effect needs. Several where the error is not convex (a period, a time constant).
@@ -148,7 +148,7 @@ macro_rules! catalogue {
             /// The stages whose residual the effect shapes.
             #[must_use]
             pub fn stages(&self) -> &'static [Stage] {
-                match self { $(Self::$variant(_) => <$variant as Kind>::STAGES,)+ }
+                match self { $(Self::$variant(e) => e.stages(),)+ }
             }
 
             /// The numbers to fit.

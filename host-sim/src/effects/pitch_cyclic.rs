@@ -26,7 +26,9 @@ impl PitchCyclic {
 }
 
 impl Kind for PitchCyclic {
-    const STAGES: &'static [Stage] = &[Stage::Table];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Table]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let lead = around.axis.lead_mm.filter(|_| around.stages.contains(&Stage::Table));

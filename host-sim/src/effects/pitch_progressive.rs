@@ -21,7 +21,9 @@ impl PitchProgressive {
 }
 
 impl Kind for PitchProgressive {
-    const STAGES: &'static [Stage] = &[Stage::Table];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Table]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let sees_table = around.stages.contains(&Stage::Table);

@@ -26,7 +26,9 @@ impl ResolverDividing {
 }
 
 impl Kind for ResolverDividing {
-    const STAGES: &'static [Stage] = &[Stage::Table, Stage::Force, Stage::Motor];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Table, Stage::Force, Stage::Motor]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let sees_table = around.stages.contains(&Stage::Table);

@@ -23,7 +23,9 @@ fn tool() -> Channel {
 }
 
 impl Kind for Resonance {
-    const STAGES: &'static [Stage] = &[Stage::Tool];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Tool]
+    }
 
     fn starts(_around: &Surroundings<'_>) -> Vec<Self> {
         [15.0, 30.0, 60.0, 120.0]

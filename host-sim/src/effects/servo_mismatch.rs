@@ -21,7 +21,9 @@ impl ServoMismatch {
 }
 
 impl Kind for ServoMismatch {
-    const STAGES: &'static [Stage] = &[Stage::Motor];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Motor]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let sees_motor = around.stages.contains(&Stage::Motor);

@@ -21,7 +21,9 @@ impl Squareness {
 }
 
 impl Kind for Squareness {
-    const STAGES: &'static [Stage] = &[Stage::Tool];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Tool]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         if around.first && around.others.len() == 1 { vec![Self::default()] } else { Vec::new() }

@@ -23,7 +23,9 @@ impl Straightness {
 }
 
 impl Kind for Straightness {
-    const STAGES: &'static [Stage] = &[Stage::Tool];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Tool]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let start = |source: &String| Self { um_per_m2: 0.0, source: source.clone() };

@@ -34,7 +34,9 @@ impl Stribeck {
 }
 
 impl Kind for Stribeck {
-    const STAGES: &'static [Stage] = &[Stage::Force, Stage::Table, Stage::Motor];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Force, Stage::Table, Stage::Motor]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let speeds: &[f64] = if around.axis.has_mass() { &[2.0, 8.0, 30.0] } else { &[] };

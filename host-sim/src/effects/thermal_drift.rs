@@ -23,7 +23,9 @@ impl ThermalDrift {
 }
 
 impl Kind for ThermalDrift {
-    const STAGES: &'static [Stage] = &[Stage::Tool];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Tool]
+    }
 
     fn starts(_around: &Surroundings<'_>) -> Vec<Self> {
         [5.0, 20.0, 80.0, 320.0]

@@ -29,7 +29,9 @@ impl TorqueRipple {
 }
 
 impl Kind for TorqueRipple {
-    const STAGES: &'static [Stage] = &[Stage::Force, Stage::Motor];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Force, Stage::Motor]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let lead = around.axis.lead_mm.filter(|_| around.axis.has_mass());

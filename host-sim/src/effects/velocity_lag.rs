@@ -13,7 +13,9 @@ pub struct VelocityLag {
 }
 
 impl Kind for VelocityLag {
-    const STAGES: &'static [Stage] = &[Stage::Motor];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Motor]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let sees_motor = around.stages.contains(&Stage::Motor);

@@ -13,7 +13,9 @@ pub struct Windup {
 }
 
 impl Kind for Windup {
-    const STAGES: &'static [Stage] = &[Stage::Table, Stage::Force, Stage::Motor];
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Table, Stage::Force, Stage::Motor]
+    }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let declared = around.axis.stiffness_n_per_um;

@@ -53,8 +53,14 @@ pub enum Channel {
 
 impl Channel {
     /// All channels, in the order in which columns are written.
-    pub const ALL: [Self; 6] =
-        [Self::Command, Self::Motor, Self::Table, Self::Tool, Self::Force, Self::AddedForce];
+    pub const ALL: [Self; 6] = [
+        Self::Command,
+        Self::Motor,
+        Self::Table,
+        Self::Tool,
+        Self::Force,
+        Self::AddedForce,
+    ];
 
     /// The middle part of a column's name.
     #[must_use]
@@ -140,13 +146,20 @@ impl AxisLog {
     }
 
     fn column(&self, channel: Channel) -> String {
-        format!("{}_{}_{}", self.name, channel.word(), self.unit.suffix(channel))
+        format!(
+            "{}_{}_{}",
+            self.name,
+            channel.word(),
+            self.unit.suffix(channel)
+        )
     }
 
     fn slice(&self, range: &Range<usize>) -> Self {
         let mut part = Self::new(self.name.clone(), self.unit);
         for channel in Channel::ALL {
-            let samples = self.channel(channel).map(|samples| samples[range.clone()].to_vec());
+            let samples = self
+                .channel(channel)
+                .map(|samples| samples[range.clone()].to_vec());
             *part.channel_mut(channel) = samples;
         }
         part
@@ -171,7 +184,13 @@ impl Log {
     #[must_use]
     pub fn len(&self) -> usize {
         let channels = |axis| Channel::ALL.map(|channel| AxisLog::channel(axis, channel));
-        self.axes.iter().flat_map(channels).flatten().map(<[f64]>::len).next().unwrap_or(0)
+        self.axes
+            .iter()
+            .flat_map(channels)
+            .flatten()
+            .map(<[f64]>::len)
+            .next()
+            .unwrap_or(0)
     }
 
     /// Whether there is no sample at all.
@@ -208,19 +227,4 @@ impl Log {
 }
 
 #[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_slice_keeps_its_times() {
-        let mut axis = AxisLog::new("x", Unit::Millimetre);
-        axis.motor = Some((0..10).map(f64::from).collect());
-        let log = Log { source: String::new(), start_s: 5.0, sample_time_s: 0.5, axes: vec![axis] };
-        let part = log.slice(4..7);
-        assert_eq!(part.axes[0].motor, Some(vec![4.0, 5.0, 6.0]));
-        assert_eq!(part.axes[0].table, None);
-        assert_eq!((part.len(), part.is_empty()), (3, false));
-        assert!((part.start_s - 7.0).abs() < 1e-12);
-        assert!((part.time_s(2) - log.time_s(6)).abs() < 1e-12);
-    }
-}
+mod tests;

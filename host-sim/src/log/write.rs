@@ -1,6 +1,6 @@
 //! Writing a log.
 
-use std::io::{self, Write};
+use std::io::{self, BufWriter, Write};
 use std::path::Path;
 
 use flate2::{Compression, write::GzEncoder};
@@ -21,14 +21,17 @@ impl Log {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), OutputError> {
-        let packed = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
+        let packed = path
+            .extension()
+            .is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
         write_whole(path, |out| {
             if !packed {
                 return self.write_csv(out);
             }
-            let mut encoder = GzEncoder::new(out, Compression::default());
-            self.write_csv(&mut encoder)?;
-            encoder.finish().map(drop)
+            // The encoder is slow with many small pieces.
+            let mut buffer = BufWriter::new(GzEncoder::new(out, Compression::default()));
+            self.write_csv(&mut buffer)?;
+            buffer.into_inner()?.finish().map(drop)
         })
     }
 
@@ -55,22 +58,29 @@ impl Log {
     fn columns(&self) -> Vec<(String, &[f64], usize)> {
         let columns = self.axes.iter().flat_map(|axis| {
             Channel::ALL.map(|channel| {
-                let decimals = if channel.is_force() { FORCE_DECIMALS } else { POSITION_DECIMALS };
+                let decimals = if channel.is_force() {
+                    FORCE_DECIMALS
+                } else {
+                    POSITION_DECIMALS
+                };
                 Some((axis.column(channel), axis.channel(channel)?, decimals))
             })
         });
         columns.flatten().collect()
     }
 
+    /// As many decimals as start and step need; a step that never comes out even gets the most.
     fn time_decimals(&self) -> usize {
-        let round = |time_s: f64, unit: f64| {
-            let ticks = time_s * unit;
-            (ticks - ticks.round()).abs() < 1e-4
-        };
+        let off = |ticks: f64| (ticks - ticks.round()).abs();
         let enough = |decimals: &usize| {
-            let unit = 10_f64.powf(*decimals as f64);
-            round(self.start_s, unit) && round(self.sample_time_s, unit)
+            let ticks_per_s = 10_f64.powf(*decimals as f64);
+            let step = self.sample_time_s * ticks_per_s;
+            // The step's error adds up over the log, that of the start does not.
+            step > 0.5 && off(step) < 1e-8 && off(self.start_s * ticks_per_s) < 1e-3
         };
-        TIME_DECIMALS.clone().find(enough).unwrap_or(*TIME_DECIMALS.end())
+        TIME_DECIMALS
+            .clone()
+            .find(enough)
+            .unwrap_or(*TIME_DECIMALS.end())
     }
 }

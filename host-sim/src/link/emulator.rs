@@ -1,0 +1,149 @@
+//! A core that QEMU emulates, at the end of two pipes.
+//!
+//! The program reads frames from the emulator's standard input and writes answers to its standard
+//! output through semihosting. It runs as fast as it can; its clock is its own count of
+//! instructions, so that nothing depends on the speed of this computer.
+
+use std::ffi::OsStr;
+use std::io::{self, BufRead, BufReader, Read, Write};
+use std::path::{Path, PathBuf};
+use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, Stdio};
+use std::thread::{self, JoinHandle};
+
+use super::remote::{Connection, Frame};
+
+const QEMU: &str = "qemu-system-arm";
+
+/// 2¹⁰ ns of the emulated clock for an instruction; the program's meter divides by that.
+const MACHINE: &[&str] = &["-machine", "mps2-an386", "-icount", "shift=10"];
+
+const PIPES_ONLY: &[&str] = &["-display", "none", "-monitor", "none", "-serial", "none", "-no-reboot"];
+
+const SEMIHOSTING: &[&str] = &["-semihosting-config", "enable=on,target=native"];
+
+/// A running emulator. It ends with this value.
+#[derive(Debug)]
+pub struct Emulator {
+    child: Child,
+    orders: ChildStdin,
+    answers: ChildStdout,
+    /// Gives the last line of what the emulator complained of, once it has ended.
+    complaint: Option<JoinHandle<String>>,
+}
+
+/// Where `cargo emulated` puts its program.
+#[must_use]
+pub fn default_program() -> PathBuf {
+    let built = std::env::var_os("CARGO_TARGET_DIR").map_or_else(
+        || Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("target"),
+        PathBuf::from,
+    );
+    built.join("thumbv7em-none-eabihf/firmware/emulated")
+}
+
+impl Emulator {
+    /// Starts the emulator on a program.
+    ///
+    /// # Errors
+    /// One line: the program or the emulator is missing, or the system does not start it.
+    pub fn start(program: &Path) -> Result<Self, String> {
+        if !program.is_file() {
+            return Err(format!("{}: no such program, build it with `cargo emulated`", program.display()));
+        }
+        let Some(qemu) = installed(QEMU) else {
+            return Err(format!("{QEMU} is not installed (Debian package qemu-system-arm)"));
+        };
+        Self::spawn(Command::new(qemu).args(MACHINE).args(PIPES_ONLY).args(SEMIHOSTING).arg("-kernel").arg(program))
+            .map_err(|error| format!("{QEMU} cannot be started: {error}"))
+    }
+
+    fn spawn(command: &mut Command) -> io::Result<Self> {
+        let mut child = command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
+        let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
+        let (Some(orders), Some(answers), Some(complaints)) = pipes else {
+            return Err(io::Error::other("no pipe to it"));
+        };
+        // Read all the time, so that a talkative emulator does not block.
+        let complaint = thread::spawn(move || last_line(complaints));
+        Ok(Self { child, orders, answers, complaint: Some(complaint) })
+    }
+
+    /// Why the emulator is gone.
+    fn epitaph(&mut self) -> String {
+        // It may still be on its way out; its pipes are closed already.
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        let said = self.complaint.take().and_then(|reader| reader.join().ok()).unwrap_or_default();
+        if said.is_empty() { "the emulator has ended".to_owned() } else { format!("the emulator has ended: {said}") }
+    }
+}
+
+impl Connection for Emulator {
+    fn exchange(&mut self, frame: &mut Frame) -> Result<(), String> {
+        let exchanged = self.orders.write_all(frame).and_then(|()| self.answers.read_exact(frame));
+        exchanged.map_err(|_| self.epitaph())
+    }
+}
+
+impl Drop for Emulator {
+    fn drop(&mut self) {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+    }
+}
+
+/// The path of an installed program.
+fn installed(program: &str) -> Option<PathBuf> {
+    let folders = std::env::var_os("PATH")?;
+    std::env::split_paths(&folders).map(|folder| folder.join(OsStr::new(program))).find(|path| path.is_file())
+}
+
+/// The last line that is not empty, read to the end.
+fn last_line(from: ChildStderr) -> String {
+    let mut last = String::new();
+    for line in BufReader::new(from).split(b'\n').map_while(Result::ok) {
+        let line = String::from_utf8_lossy(&line).trim().to_owned();
+        if !line.is_empty() {
+            last = line;
+        }
+    }
+    last
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn shell(script: &str) -> Emulator {
+        Emulator::spawn(Command::new("sh").args(["-c", script])).unwrap()
+    }
+
+    #[test]
+    fn a_child_that_ends_is_an_error_with_its_last_line() {
+        let mut child = shell("echo first >&2; echo could not load kernel >&2; exit 1");
+        let mut frame = [0; 256];
+        assert_eq!(child.exchange(&mut frame).unwrap_err(), "the emulator has ended: could not load kernel");
+        // Asked again, it says the same without the words, which have been told.
+        assert_eq!(child.exchange(&mut frame).unwrap_err(), "the emulator has ended");
+    }
+
+    #[test]
+    fn a_child_that_ends_within_an_answer_is_an_error() {
+        let mut child = shell("head -c 100; exit 0");
+        assert_eq!(child.exchange(&mut [0; 256]).unwrap_err(), "the emulator has ended");
+    }
+
+    #[test]
+    fn a_frame_goes_there_and_back() {
+        let mut child = shell("cat");
+        let mut frame = core::array::from_fn(|i| u8::try_from(i).unwrap());
+        let sent = frame;
+        child.exchange(&mut frame).unwrap();
+        assert_eq!(frame, sent);
+    }
+
+    #[test]
+    fn the_default_program_lies_where_cargo_builds_it() {
+        assert!(default_program().ends_with("thumbv7em-none-eabihf/firmware/emulated"));
+    }
+}

@@ -1,0 +1,284 @@
+//! A controller that answers one frame with one frame, wherever it is.
+
+use shared::axis::Reading;
+use shared::config::{AxisSettings, Rates};
+use shared::interpolate::planned::Planned;
+use shared::machine::MachineError;
+use shared::protocol::{self, AXES, Answer, FRAME, Order, Refusal, Setup, Ticked};
+use shared::scalar::{Fixed, Scalar};
+use shared::units::Position;
+
+use crate::controller::{
+    AxisOutput, Controller, ControllerError, Format, PathBlock, PathShape, Status, in_process,
+};
+
+/// One frame of the protocol.
+pub type Frame = [u8; FRAME];
+
+/// Something that answers frames.
+pub trait Connection {
+    /// Sends the frame and replaces it by the answer.
+    ///
+    /// # Errors
+    /// What is wrong with the connection, in one line.
+    fn exchange(&mut self, frame: &mut Frame) -> Result<(), String>;
+}
+
+/// A machine of one or two axes at the other end of a connection.
+///
+/// The protocol has two axes. A machine of one gets a second one that stands still at 0: its share of
+/// every path length is exactly nothing, so that the first axis computes what it would alone.
+#[derive(Debug)]
+pub struct Remote<C: Connection> {
+    connection: C,
+    format: Format,
+    axes: usize,
+}
+
+impl<C: Connection> Remote<C> {
+    /// Makes the machine at the other end, drives off.
+    ///
+    /// # Errors
+    /// [`ControllerError::Refused`] where this process, with the same code, refuses the settings;
+    /// [`ControllerError::Link`] for more axes than the protocol has, or a broken connection.
+    pub fn set_up(
+        connection: C,
+        format: Format,
+        rates: Rates,
+        settings: &[AxisSettings],
+        start: &[Position],
+    ) -> Result<Self, ControllerError> {
+        in_process(format, rates, settings, start)?;
+        let axes = settings.len();
+        if axes > AXES {
+            return Err(ControllerError::Link(format!("a machine of {axes} axes: the controller there has {AXES}")));
+        }
+        let setup = Setup {
+            format: match format {
+                Format::Fixed => protocol::Format::Fixed,
+                Format::F32 => protocol::Format::F32,
+                Format::F64 => protocol::Format::F64,
+            },
+            rates,
+            axes: padded(settings, settings[0]),
+            start: padded(start, Position(0)),
+        };
+        let mut remote = Self { connection, format, axes };
+        remote.order(&Order::Setup(setup))?;
+        Ok(remote)
+    }
+
+    fn ask(&mut self, order: &Order) -> Result<Answer, ControllerError> {
+        let mut frame = [0; FRAME];
+        protocol::encode(order, &mut frame).map_err(|error| broken(&error))?;
+        self.connection.exchange(&mut frame).map_err(ControllerError::Link)?;
+        match protocol::decode(&frame).map_err(|error| broken(&error))? {
+            Answer::Refused(Refusal::Path(error)) => Err(MachineError::Path(error).into()),
+            Answer::Refused(refusal) => Err(broken(&refusal)),
+            answer => Ok(answer),
+        }
+    }
+
+    /// An order that is answered by no more than "ready".
+    fn order(&mut self, order: &Order) -> Result<(), ControllerError> {
+        match self.ask(order)? {
+            Answer::Ready => Ok(()),
+            other => Err(broken(&other)),
+        }
+    }
+}
+
+impl<C: Connection> Controller for Remote<C> {
+    fn push(&mut self, block: &PathBlock) -> Result<(), ControllerError> {
+        let block = match (&block.shape, self.axes) {
+            (PathShape::Line { to_m }, 1) if to_m.len() == 1 => {
+                PathBlock { shape: PathShape::Line { to_m: vec![to_m[0], 0.0] }, ..block.clone() }
+            }
+            // With its second axis the board would turn it; a machine of one axis refuses.
+            (PathShape::Arc { .. }, 1) => {
+                let alone = block.for_axes::<1>().ok_or(ControllerError::Axes(1))?;
+                let refused = Planned::new(&alone, [Position(0)], 1.0).map_err(MachineError::Path);
+                return refused.map(|_| ()).map_err(ControllerError::Refused);
+            }
+            (PathShape::Line { to_m }, axes) if to_m.len() != axes => return Err(ControllerError::Axes(axes)),
+            _ => block.clone(),
+        };
+        let block = block.for_axes::<AXES>().ok_or(ControllerError::Axes(self.axes))?;
+        self.order(&Order::Block(block))
+    }
+
+    fn enable(&mut self) -> Result<(), ControllerError> {
+        self.order(&Order::Enable)
+    }
+
+    fn tick(&mut self, readings: &[Reading], outputs: &mut [AxisOutput]) -> Result<Status, ControllerError> {
+        if readings.len() != self.axes {
+            return Err(ControllerError::Axes(readings.len()));
+        }
+        let still = Reading { motor: Position(0), table: Some(Position(0)) };
+        let ticked = match self.ask(&Order::Tick(padded(readings, still)))? {
+            Answer::Tick(ticked) => ticked,
+            other => return Err(broken(&other)),
+        };
+        let Ticked { force_bits, commands, power, done, cost } = ticked;
+        for ((out, bits), command) in outputs.iter_mut().zip(force_bits).zip(commands) {
+            *out = AxisOutput { force_n: force_n(self.format, bits), force_bits: bits, command };
+        }
+        Ok(Status { power, done, cost: Some(cost) })
+    }
+}
+
+/// The first elements from a slice, the others as given.
+fn padded<T: Copy>(given: &[T], other: T) -> [T; AXES] {
+    core::array::from_fn(|axis| given.get(axis).copied().unwrap_or(other))
+}
+
+/// The force whose bits these are in a number format.
+#[expect(clippy::cast_possible_truncation, reason = "the narrow formats fill the low bits")]
+fn force_n(format: Format, bits: u64) -> f64 {
+    match format {
+        Format::Fixed => Scalar::value(Fixed::from_bits((bits as u32).cast_signed())),
+        Format::F32 => Scalar::value(f32::from_bits(bits as u32)),
+        Format::F64 => f64::from_bits(bits),
+    }
+}
+
+/// What only a program of another protocol, or a damaged line, would say.
+fn broken(what: &impl core::fmt::Debug) -> ControllerError {
+    ControllerError::Link(format!("unexpected answer {what:?}: is the program there of this version?"))
+}
+
+#[cfg(test)]
+mod tests {
+    use shared::session::{NoMeter, Session};
+
+    use super::*;
+
+    /// The board's own code without a board.
+    #[derive(Default)]
+    struct Here {
+        session: Session,
+        damage: bool,
+    }
+
+    impl Connection for Here {
+        fn exchange(&mut self, frame: &mut Frame) -> Result<(), String> {
+            let answer = self.session.answer(frame, &mut NoMeter).ok_or("ended")?;
+            protocol::encode(&answer, frame).map_err(|error| error.to_string())?;
+            if self.damage {
+                frame.fill(0xff);
+            }
+            Ok(())
+        }
+    }
+
+    const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
+    const FORMATS: [Format; 3] = [Format::Fixed, Format::F32, Format::F64];
+
+    fn line(to_m: &[f64]) -> PathBlock {
+        PathBlock {
+            shape: PathShape::Line { to_m: to_m.to_vec() },
+            feed_m_per_s: 0.1,
+            acceleration_m_per_s2: 2.0,
+        }
+    }
+
+    fn arc(plane: [u8; 2]) -> PathBlock {
+        let shape = PathShape::Arc { plane, centre_m: [0.02, 0.0], turns: 0.3 };
+        PathBlock { shape, ..line(&[]) }
+    }
+
+    /// Both controllers on an axis that follows its command a tick late.
+    fn assert_same(mut ours: Box<dyn Controller>, mut theirs: Remote<Here>, blocks: &[PathBlock], axes: usize) {
+        for controller in [ours.as_mut(), &mut theirs as &mut dyn Controller] {
+            for block in blocks {
+                controller.push(block).unwrap();
+            }
+            controller.enable().unwrap();
+        }
+        let mut outputs = vec![AxisOutput::default(); axes];
+        let mut others = outputs.clone();
+        for k in 0..5000 {
+            let reading = |out: &AxisOutput| Reading {
+                motor: out.command.moved(1000 * k),
+                table: Some(out.command.moved(500 * k)),
+            };
+            let readings: Vec<_> = outputs.iter().map(reading).collect();
+            let status = ours.tick(&readings, &mut outputs).unwrap();
+            let other = theirs.tick(&readings, &mut others).unwrap();
+            assert_eq!((&outputs, status.power, status.done), (&others, other.power, other.done), "tick {k}");
+        }
+    }
+
+    #[test]
+    fn one_axis_computes_what_it_would_alone() {
+        let sensors = shared::config::Sensors::Dual { time_constant_s: 0.01 };
+        let settings = [AxisSettings { sensors, ..AxisSettings::default() }];
+        // A start that f64 metres do not hold exactly.
+        let start = [Position((1 << 56) + 12_345_677)];
+        for format in FORMATS {
+            let ours = in_process(format, RATES, &settings, &start).unwrap();
+            let theirs = Remote::set_up(Here::default(), format, RATES, &settings, &start).unwrap();
+            assert_same(ours, theirs, &[line(&[68.73]), line(&[68.71])], 1);
+        }
+    }
+
+    #[test]
+    fn two_axes_compute_what_they_would_here() {
+        let settings = [AxisSettings::default(), AxisSettings { law: shared::config::Law::Hpc, ..AxisSettings::default() }];
+        let start = [Position(0), Position(0)];
+        for format in FORMATS {
+            let ours = in_process(format, RATES, &settings, &start).unwrap();
+            let theirs = Remote::set_up(Here::default(), format, RATES, &settings, &start).unwrap();
+            assert_same(ours, theirs, &[arc([0, 1]), line(&[0.0, 0.0])], 2);
+        }
+    }
+
+    #[test]
+    fn refuses_with_the_words_of_this_process() {
+        let here = |settings: &[AxisSettings], start: &[Position]| {
+            in_process(Format::Fixed, RATES, settings, start).err().map(|error| error.to_string())
+        };
+        let there = |settings: &[AxisSettings], start: &[Position]| {
+            Remote::set_up(Here::default(), Format::Fixed, RATES, settings, start).err().map(|error| error.to_string())
+        };
+        let good = AxisSettings::default();
+        let bad = AxisSettings { position_gain_per_s: -1.0, ..good };
+        for settings in [&[good, bad][..], &[bad], &[], &[good; 4]] {
+            let start = vec![Position(0); settings.len()];
+            assert!(here(settings, &start).is_some());
+            assert_eq!(there(settings, &start), here(settings, &start));
+        }
+        assert_eq!(
+            there(&[good; 3], &[Position(0); 3]).unwrap(),
+            "link: a machine of 3 axes: the controller there has 2"
+        );
+    }
+
+    #[test]
+    fn refuses_blocks_with_the_words_of_this_process() {
+        let far = PathBlock {
+            shape: PathShape::Arc { plane: [0, 0], centre_m: [1e9, 0.0], turns: 1.0 },
+            ..line(&[])
+        };
+        let blocks = [line(&[0.0]), line(&[0.0, 0.0]), line(&[f64::NAN, 1.0]), arc([0, 1]), arc([0, 2]), far];
+        for axes in [1, 2] {
+            let settings = vec![AxisSettings::default(); axes];
+            let start = vec![Position(0); axes];
+            for block in &blocks {
+                let mut ours = in_process(Format::Fixed, RATES, &settings, &start).unwrap();
+                let mut theirs = Remote::set_up(Here::default(), Format::Fixed, RATES, &settings, &start).unwrap();
+                let words = |pushed: Result<(), ControllerError>| pushed.map_err(|error| error.to_string());
+                assert_eq!(words(theirs.push(block)), words(ours.push(block)), "{axes} axes, {block:?}");
+            }
+        }
+    }
+
+    #[test]
+    fn an_answer_that_is_none_is_an_error_of_the_link() {
+        let connection = Here { damage: true, ..Here::default() };
+        let error = Remote::set_up(connection, Format::Fixed, RATES, &[AxisSettings::default()], &[Position(0)]).err();
+        let Some(ControllerError::Link(message)) = error else { panic!("{error:?}") };
+        assert!(message.contains("unexpected answer") && !message.contains('\n'), "{message}");
+    }
+}

@@ -1,0 +1,296 @@
+//! What a machine file has to fulfil beyond having the right keys of the right types.
+
+use super::{AXIS_NAME, Axis, Feedback, Machine, is_axis_name};
+use crate::document::Document;
+use crate::effects::{Effect, NAMES};
+use crate::error::InputError;
+
+/// Faster loops than this are a slip of the unit.
+const HIGHEST_RATE_HZ: f64 = 1e6;
+/// Velocity steps within one position step; more is a slip, and would take for ever to simulate.
+const MOST_VELOCITY_STEPS: f64 = 1000.0;
+
+/// The range of a number, in the words of the error.
+#[derive(Clone, Copy)]
+enum Range {
+    Positive,
+    NotNegative,
+    UpTo(f64),
+}
+
+impl Range {
+    fn holds(self, value: f64) -> bool {
+        match self {
+            Self::Positive => value > 0.0,
+            Self::NotNegative => value >= 0.0,
+            Self::UpTo(greatest) => (0.0..=greatest).contains(&value),
+        }
+    }
+
+    fn words(self) -> String {
+        match self {
+            Self::Positive => "a number above 0".to_owned(),
+            Self::NotNegative => "a number not below 0".to_owned(),
+            Self::UpTo(greatest) => format!("a number from 0 to {greatest}"),
+        }
+    }
+
+    fn check(self, key: &str, value: f64, document: &Document<'_>) -> Result<(), InputError> {
+        if self.holds(value) {
+            Ok(())
+        } else {
+            Err(document.refuse(key, &self.words()))
+        }
+    }
+}
+
+/// Checks a machine that was read from a document.
+pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
+    rates(machine, document)?;
+    if machine.axis.is_empty() {
+        return Err(document.refuse("axis", "at least one table [axis.NAME]"));
+    }
+    // Before anything else: in a key, a name with a point in it would look like two.
+    if let Some(name) = machine.axis.keys().find(|name| !is_axis_name(name)) {
+        return Err(document.refuse(&format!("axis.{name}"), AXIS_NAME));
+    }
+    for (name, axis) in &machine.axis {
+        let key = format!("axis.{name}");
+        let context = Context {
+            key: &key,
+            axis,
+            document,
+        };
+        context.ranges()?;
+        context.controller()?;
+        context.mechanics()?;
+        for (index, effect) in axis.effect.iter().enumerate() {
+            parameters(effect, &format!("{key}.effect[{index}]"), document)?;
+        }
+        sources(&machine.others(name), &key, document)?;
+    }
+    Ok(())
+}
+
+fn rates(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
+    let possible = |rate_hz: f64| rate_hz > 0.0 && rate_hz <= HIGHEST_RATE_HZ;
+    let what = format!("a rate above 0 and up to {HIGHEST_RATE_HZ}");
+    if !possible(machine.sample_rate_hz) {
+        return Err(document.refuse("sample_rate_hz", &what));
+    }
+    let (velocity_hz, key) = (machine.velocity_rate_hz(), "velocity_loop_rate_hz");
+    if !possible(velocity_hz) {
+        return Err(document.refuse(key, &what));
+    }
+    let steps = velocity_hz / machine.sample_rate_hz;
+    let whole = (steps - steps.round()).abs() < 1e-9 * steps;
+    if whole && (1.0..=MOST_VELOCITY_STEPS).contains(&steps.round()) {
+        return Ok(());
+    }
+    let times = format!(
+        "sample_rate_hz ({}) times 1 to {MOST_VELOCITY_STEPS}",
+        machine.sample_rate_hz
+    );
+    Err(document.refuse(key, &format!("{times}, a whole number")))
+}
+
+/// An axis and where it stands.
+struct Context<'a> {
+    key: &'a str,
+    axis: &'a Axis,
+    document: &'a Document<'a>,
+}
+
+impl Context<'_> {
+    fn refuse(&self, key: &str, what: &str) -> InputError {
+        self.document.refuse(&format!("{}.{key}", self.key), what)
+    }
+
+    fn ranges(&self) -> Result<(), InputError> {
+        use Range::{NotNegative, Positive, UpTo};
+
+        let a = self.axis;
+        let numbers = [
+            ("position_gain_per_s", a.position_gain_per_s, Positive),
+            ("feedforward_percent", a.feedforward_percent, UpTo(200.0)),
+            (
+                "velocity_gain_n_s_per_m",
+                a.velocity_gain_n_s_per_m,
+                Positive,
+            ),
+            (
+                "velocity_integral_time_s",
+                a.velocity_integral_time_s,
+                Positive,
+            ),
+            ("force_limit_n", a.force_limit_n, Positive),
+            ("motor_mass_kg", a.motor_mass_kg, NotNegative),
+            ("table_mass_kg", a.table_mass_kg, NotNegative),
+            ("stiffness_n_per_um", a.stiffness_n_per_um, Positive),
+            ("damping_n_s_per_m", a.damping_n_s_per_m, NotNegative),
+            ("coulomb_n", a.coulomb_n, NotNegative),
+            ("viscous_n_s_per_m", a.viscous_n_s_per_m, NotNegative),
+            ("motor_coulomb_n", a.motor_coulomb_n, NotNegative),
+            (
+                "presliding_stiffness_n_per_um",
+                a.presliding_stiffness_n_per_um,
+                Positive,
+            ),
+            (
+                "presliding_damping_n_s_per_m",
+                a.presliding_damping_n_s_per_m,
+                NotNegative,
+            ),
+            (
+                "plant_tolerance_percent",
+                a.plant_tolerance_percent,
+                UpTo(100.0),
+            ),
+            ("lead_mm", a.lead_mm, Positive),
+            (
+                "resolver_pole_pairs",
+                a.resolver_pole_pairs.map(f64::from),
+                Positive,
+            ),
+            (
+                "dual_feedback_time_constant_s",
+                a.dual_feedback_time_constant_s,
+                Positive,
+            ),
+        ];
+        for (name, value, range) in numbers {
+            if let Some(value) = value {
+                range.check(&format!("{}.{name}", self.key), value, self.document)?;
+            }
+        }
+        Ok(())
+    }
+
+    /// Some of the controller's keys without the others would silently leave out the motor stage.
+    fn controller(&self) -> Result<(), InputError> {
+        let axis = self.axis;
+        let needed = [
+            ("controller", axis.controller.is_some()),
+            ("position_gain_per_s", axis.position_gain_per_s.is_some()),
+            (
+                "velocity_gain_n_s_per_m",
+                axis.velocity_gain_n_s_per_m.is_some(),
+            ),
+        ];
+        let optional = [
+            ("feedforward_percent", axis.feedforward_percent.is_some()),
+            (
+                "velocity_integral_time_s",
+                axis.velocity_integral_time_s.is_some(),
+            ),
+            ("force_limit_n", axis.force_limit_n.is_some()),
+        ];
+        let present = needed.iter().chain(&optional).find(|(_, present)| *present);
+        let missing = needed.iter().find(|(_, present)| !present);
+        if let (Some((present, _)), Some((missing, _))) = (present, missing) {
+            return Err(self.refuse(missing, &format!("this key, as {present} is given")));
+        }
+        if axis.feedback == Feedback::Dual && axis.dual_feedback_time_constant_s.is_none() {
+            let what = "this key, as feedback is \"dual\"";
+            return Err(self.refuse("dual_feedback_time_constant_s", what));
+        }
+        Ok(())
+    }
+
+    fn mechanics(&self) -> Result<(), InputError> {
+        let axis = self.axis;
+        let masses = [
+            ("motor_mass_kg", axis.motor_mass_kg),
+            ("table_mass_kg", axis.table_mass_kg),
+        ];
+        let massless = masses.iter().find(|(_, mass)| mass.unwrap_or(0.0) <= 0.0);
+        if let (Some((key, _)), false) = (massless, axis.is_rigid()) {
+            return Err(self.refuse(key, "a mass above 0, as stiffness_n_per_um is given"));
+        }
+        let presliding = axis.presliding_stiffness_n_per_um;
+        if presliding.is_none() && axis.presliding_damping_n_s_per_m.is_some() {
+            let what = "this key, as presliding_damping_n_s_per_m is given";
+            return Err(self.refuse("presliding_stiffness_n_per_um", what));
+        }
+        // The bristles bend by coulomb / stiffness: without Coulomb friction there are none.
+        if presliding.is_some() && axis.coulomb_n.unwrap_or(0.0) <= 0.0 {
+            let what = "a friction above 0, as presliding_stiffness_n_per_um is given";
+            return Err(self.refuse("coulomb_n", what));
+        }
+        Ok(())
+    }
+}
+
+/// Reads each effect alone: within the whole file serde loses the place of what is wrong in one.
+pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
+    for axis in document.inside("axis") {
+        for effect in entries(axis, document) {
+            let name_key = format!("{effect}.name");
+            let name: String = document.deserialize_at(&name_key)?;
+            if !NAMES.contains(&name.as_str()) {
+                let what = format!("one of {}", NAMES.join(", "));
+                return Err(document.refuse(&name_key, &what));
+            }
+            numbers(effect, document)?;
+            document.deserialize_at::<Effect>(effect)?;
+        }
+    }
+    Ok(())
+}
+
+/// Keys of the `[[axis.NAME.effect]]` entries of an axis.
+fn entries<'d>(axis: &str, document: &'d Document<'_>) -> Vec<&'d str> {
+    let inside = document.inside(&format!("{axis}.effect")).into_iter();
+    // Were it a table by mistake, these would be its keys.
+    inside.filter(|key| key.ends_with(']')).collect()
+}
+
+/// The parameters of an effect are numbers, but for the two that name something.
+fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
+    let names = ["name", "source", "channel"].map(|name| format!("{effect}.{name}"));
+    for key in document.inside(effect) {
+        if names.iter().any(|name| name == key) {
+            document.deserialize_at::<String>(key)?;
+        } else if !document.is_number(key) {
+            return Err(document.refuse(key, "a number"));
+        }
+    }
+    Ok(())
+}
+
+/// Values at which an effect means nothing, or divides by zero.
+fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(), InputError> {
+    for (name, value) in effect.parameters() {
+        let range = match name {
+            "period_mm" | "time_constant_s" | "velocity_mm_s" | "frequency_hz"
+            | "stiffness_n_per_um" => Range::Positive,
+            "width_um" | "damping_ratio" | "static_excess_n" => Range::NotNegative,
+            _ => continue,
+        };
+        range.check(&format!("{key}.{name}"), value, document)?;
+    }
+    match effect {
+        Effect::ServoMismatch(mismatch) if mismatch.factor() <= 0.0 => {
+            Err(document.refuse(&format!("{key}.percent"), "a number above -100"))
+        }
+        _ => Ok(()),
+    }
+}
+
+fn sources(others: &[String], key: &str, document: &Document<'_>) -> Result<(), InputError> {
+    for effect in entries(key, document) {
+        let source = format!("{effect}.source");
+        if !document.inside(effect).contains(&source.as_str()) {
+            continue;
+        }
+        if !others.contains(&document.deserialize_at(&source)?) {
+            let names = if others.is_empty() {
+                "there is none".to_owned()
+            } else {
+                others.join(", ")
+            };
+            return Err(document.refuse(&source, &format!("the name of another axis ({names})")));
+        }
+    }
+    Ok(())
+}

@@ -1,0 +1,209 @@
+//! The table behind a motor whose motion is known: what the tracer drives with a measured motor.
+//!
+//! Unknown is only the deflection d = screw − table: m·d″ = m·a + friction + load − k·dz(d) − c·d′,
+//! with the screw's acceleration a given and dz the dead zone. The step is implicit in d and in the
+//! bristles: where motor and table are in quasi-static balance it is exact at any step, and it damps
+//! the ringing of the table against a motor that is held in place. The real motor is not held, it
+//! gives way; but its giving way, nanometres at the frequency of that ringing, is lost in the noise of
+//! its encoder, and a step that does not damp would ring where the machine does not.
+
+use super::friction::Friction;
+use super::parameters::AxisParameters;
+use super::screw::Spring;
+
+/// Where the screw is, m, and how it moves, m/s and m/s².
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Prescribed {
+    /// Where the screw would carry an unloaded table.
+    pub nominal_m: f64,
+    /// Its velocity.
+    pub velocity: f64,
+    /// Its acceleration.
+    pub acceleration: f64,
+}
+
+/// The table's state, relative to the screw.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct DrivenTable {
+    deflection_m: f64,
+    deflection_rate: f64,
+    table_velocity: f64,
+    bristle_m: f64,
+    /// Where a rigid screw left the table.
+    table_m: f64,
+    /// Force of the screw on the table, N.
+    pub transmitted_n: f64,
+}
+
+impl DrivenTable {
+    /// In balance behind a screw that moves steadily, or at rest without any force.
+    #[must_use]
+    pub fn settled(parameters: &AxisParameters, screw: Prescribed) -> Self {
+        // Bristles are bent through within micrometres; slower than this they may still be upright.
+        const MOVING_M_PER_S: f64 = 1e-3;
+        let mut table = Self { table_m: screw.nominal_m, table_velocity: screw.velocity, ..Self::default() };
+        if screw.velocity.abs() < MOVING_M_PER_S {
+            return table;
+        }
+        let friction = &parameters.friction;
+        let level = friction.level_n(screw.velocity).copysign(screw.velocity);
+        if friction.has_bristles() {
+            table.bristle_m = level / friction.bristle_stiffness_n_per_m;
+        }
+        table.transmitted_n = parameters.table_mass_kg * screw.acceleration
+            + level
+            + friction.viscous_n(screw.velocity)
+            + parameters.load.force_n;
+        let gap_m = parameters.screw.backlash.half_m().copysign(table.transmitted_n);
+        if let Some(spring) = &parameters.spring {
+            table.deflection_m = table.transmitted_n / spring.stiffness_n_per_m + gap_m;
+        } else {
+            table.table_m -= gap_m;
+        }
+        table
+    }
+
+    /// Bend of the guide's bristles, m.
+    #[must_use]
+    pub fn bristle_m(&self) -> f64 {
+        self.bristle_m
+    }
+
+    /// Table position, m.
+    #[must_use]
+    pub fn position_m(&self, parameters: &AxisParameters, screw: Prescribed) -> f64 {
+        if parameters.spring.is_some() { screw.nominal_m - self.deflection_m } else { self.table_m }
+    }
+
+    /// One step that ends where `screw` says.
+    pub fn step(&mut self, parameters: &AxisParameters, screw: Prescribed, step_s: f64) {
+        match &parameters.spring {
+            Some(spring) => self.step_elastic(parameters, spring, screw, step_s),
+            None => self.step_rigid(parameters, screw, step_s),
+        }
+    }
+
+    fn step_rigid(&mut self, parameters: &AxisParameters, screw: Prescribed, step_s: f64) {
+        self.table_m = parameters.screw.carried_m(screw.nominal_m, self.table_m);
+        let friction = parameters.friction.step(&mut self.bristle_m, screw.velocity, step_s);
+        self.transmitted_n =
+            parameters.table_mass_kg * screw.acceleration + friction + parameters.load.force_n;
+    }
+
+    fn step_elastic(&mut self, parameters: &AxisParameters, spring: &Spring, screw: Prescribed, step_s: f64) {
+        let (mass, h) = (parameters.table_mass_kg, step_s);
+        let friction = Linear::of(&parameters.friction, self.bristle_m, self.table_velocity, h);
+        // Everything that does not act through the screw, as rest + inertia·d.
+        let inertia = mass / (h * h) + friction.slope / h;
+        let rest = mass * (screw.acceleration + self.deflection_m / (h * h) + self.deflection_rate / h)
+            + friction.offset
+            + friction.slope * (screw.velocity + self.deflection_m / h)
+            + parameters.load.force_n;
+        let free = rest / inertia;
+        let half_m = parameters.screw.backlash.half_m();
+        let deflection = if free.abs() <= half_m {
+            free
+        } else {
+            let drag = spring.damping_n_s_per_m / h;
+            let gap = half_m.copysign(free);
+            (rest + spring.stiffness_n_per_m * gap + drag * self.deflection_m)
+                / (inertia + spring.stiffness_n_per_m + drag)
+        };
+        let rate = (deflection - self.deflection_m) / h;
+        self.table_velocity = screw.velocity - rate;
+        self.bristle_m = friction.bristle(self.bristle_m, self.table_velocity, h);
+        self.transmitted_n = if free.abs() <= half_m {
+            0.0
+        } else {
+            spring.stiffness_n_per_m * (deflection - half_m.copysign(free)) + spring.damping_n_s_per_m * rate
+        };
+        self.deflection_m = deflection;
+        self.deflection_rate = rate;
+    }
+}
+
+/// Friction over one step as offset + slope·v, v the velocity at its end.
+struct Linear {
+    offset: f64,
+    slope: f64,
+    hold: f64,
+}
+
+impl Linear {
+    fn of(friction: &Friction, bristle_m: f64, velocity_before: f64, step_s: f64) -> Self {
+        let viscous = friction.viscous_n_s_per_m;
+        let one_way = friction.asymmetry.force_n(velocity_before);
+        if !friction.has_bristles() {
+            let mut none = 0.0;
+            let dry = friction.step(&mut none, velocity_before, step_s) - friction.viscous_n(velocity_before);
+            return Self { offset: dry + one_way, slope: viscous, hold: 0.0 };
+        }
+        let (stiffness, damping) = (friction.bristle_stiffness_n_per_m, friction.bristle_damping_n_s_per_m);
+        let level = friction.level_n(velocity_before).max(1e-9);
+        let hold = 1.0 / (1.0 + stiffness * velocity_before.abs() * step_s / level);
+        Self {
+            offset: stiffness * bristle_m * hold + damping * bristle_m * (hold - 1.0) / step_s + one_way,
+            slope: (stiffness * step_s + damping) * hold + viscous,
+            hold,
+        }
+    }
+
+    fn bristle(&self, bristle_m: f64, velocity: f64, step_s: f64) -> f64 {
+        (bristle_m + velocity * step_s) * self.hold
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Backlash;
+
+    fn axis() -> AxisParameters {
+        AxisParameters {
+            table_mass_kg: 200.0,
+            spring: Some(Spring { stiffness_n_per_m: 200e6, damping_n_s_per_m: 1e4 }),
+            friction: Friction {
+                coulomb_n: 200.0,
+                viscous_n_s_per_m: 1000.0,
+                bristle_stiffness_n_per_m: 4e7,
+                bristle_damping_n_s_per_m: 2000.0,
+                ..Friction::default()
+            },
+            ..AxisParameters::default()
+        }
+    }
+
+    /// Goes back and forth over ±1 mm at 20 mm/s and tells where the table lags behind, way out and way
+    /// back, m.
+    fn lag(parameters: &AxisParameters) -> (f64, f64) {
+        let h = 5e-4;
+        let mut table = DrivenTable::default();
+        let mut screw = Prescribed::default();
+        let mut lags = (0.0, 0.0);
+        for (velocity, steps) in [(0.02, 100), (-0.02, 200), (0.02, 200)] {
+            for _ in 0..steps {
+                screw = Prescribed { nominal_m: screw.nominal_m + velocity * h, velocity, acceleration: 0.0 };
+                table.step(parameters, screw, h);
+            }
+            let lag = screw.nominal_m - table.position_m(parameters, screw);
+            if velocity > 0.0 { lags.0 = lag } else { lags.1 = lag }
+        }
+        lags
+    }
+
+    #[test]
+    fn stretches_by_friction_over_stiffness() {
+        // (200 N + 1000 N·s/m · 0.02 m/s)/200 N/µm = 1.1 µm either way.
+        let (out, back) = lag(&axis());
+        assert!((out - 1.1e-6).abs() < 1e-9 && (back + 1.1e-6).abs() < 1e-9, "{out:e} {back:e}");
+    }
+
+    #[test]
+    fn loses_the_gap_at_reversal() {
+        let mut with_gap = axis();
+        with_gap.screw.backlash = Backlash { width_um: 10.0 };
+        let (out, back) = lag(&with_gap);
+        // Half the gap on either side, on top of the stretch.
+        assert!((out - 6.1e-6).abs() < 1e-9 && (back + 6.1e-6).abs() < 1e-9, "{out:e} {back:e}");
+    }
+}

@@ -1,0 +1,162 @@
+//! What an axis is made of: the machine file's axis in SI, with its effects put where they act.
+
+use crate::effects::{
+    ConstantLoad, Crosstalk, Effect, Intalk, Latency, Resonance, ResolverDividing, ServoMismatch, Squareness,
+    Straightness, ThermalDrift, TorqueRipple, VelocityLag,
+};
+use crate::machine::Axis;
+
+use super::friction::Friction;
+use super::screw::{Screw, Spring};
+
+/// Sharpness of the motor's own friction, m/s (the contract's tanh(v/0.2 mm/s)).
+const MOTOR_SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
+
+/// Everything that the simulation of one axis needs, SI.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct AxisParameters {
+    /// Motor side, reflected to the table.
+    pub motor_mass_kg: f64,
+    /// Table side.
+    pub table_mass_kg: f64,
+    /// Level of the motor's own friction.
+    pub motor_coulomb_n: f64,
+    /// Errors between motor and table.
+    pub screw: Screw,
+    /// Elasticity between motor and table; `None`: rigid, one mass.
+    pub spring: Option<Spring>,
+    /// Of the table.
+    pub friction: Friction,
+    /// On the table.
+    pub load: ConstantLoad,
+    /// On the motor.
+    pub ripple: Vec<TorqueRipple>,
+    /// Of the motor reading.
+    pub dividing: Option<ResolverDividing>,
+    /// Between table and tool.
+    pub tool: ToolParameters,
+    /// Of the controller.
+    pub servo: ServoParameters,
+    /// Channels that are logged late.
+    pub late: Vec<Latency>,
+}
+
+/// Effects between table and tool.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ToolParameters {
+    /// Per own acceleration.
+    pub intalk: Intalk,
+    /// Per another axis's acceleration.
+    pub crosstalk: Vec<Crosstalk>,
+    /// Per the other axis's position.
+    pub squareness: Squareness,
+    /// Per the square of another axis's position.
+    pub straightness: Vec<Straightness>,
+    /// Over the session.
+    pub drift: Option<ThermalDrift>,
+    /// Swing behind the table.
+    pub resonance: Option<Resonance>,
+}
+
+/// Effects that sit in the controller.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ServoParameters {
+    /// Of Kp.
+    pub mismatch: ServoMismatch,
+    /// Of the velocity reading.
+    pub lag: VelocityLag,
+}
+
+impl AxisParameters {
+    /// The axis of a machine file. Masses that it lacks are zero.
+    #[must_use]
+    pub fn of(axis: &Axis) -> Self {
+        let mut parameters = Self::without_effects(axis);
+        for effect in &axis.effect {
+            parameters.add(effect);
+        }
+        parameters
+    }
+
+    fn without_effects(axis: &Axis) -> Self {
+        let si = |value: Option<f64>| value.unwrap_or(0.0);
+        Self {
+            motor_mass_kg: si(axis.motor_mass_kg),
+            table_mass_kg: si(axis.table_mass_kg),
+            motor_coulomb_n: si(axis.motor_coulomb_n),
+            spring: axis.stiffness_n_per_um.map(|stiffness| Spring {
+                stiffness_n_per_m: 1e6 * stiffness,
+                damping_n_s_per_m: si(axis.damping_n_s_per_m),
+            }),
+            friction: Friction {
+                coulomb_n: si(axis.coulomb_n),
+                viscous_n_s_per_m: si(axis.viscous_n_s_per_m),
+                bristle_stiffness_n_per_m: 1e6 * si(axis.presliding_stiffness_n_per_um),
+                bristle_damping_n_s_per_m: si(axis.presliding_damping_n_s_per_m),
+                ..Friction::default()
+            },
+            ..Self::default()
+        }
+    }
+
+    /// Puts an effect where it acts.
+    fn add(&mut self, effect: &Effect) {
+        match effect.clone() {
+            Effect::Stribeck(e) => self.friction.stribeck = e,
+            Effect::FrictionAsymmetry(e) => self.friction.asymmetry = e,
+            Effect::TorqueRipple(e) => self.ripple.push(e),
+            Effect::ConstantLoad(e) => self.load.force_n += e.force_n,
+            Effect::ServoMismatch(e) => self.servo.mismatch = e,
+            Effect::VelocityLag(e) => self.servo.lag = e,
+            Effect::ResolverDividing(e) => self.dividing = Some(e),
+            Effect::Intalk(e) => self.tool.intalk = e,
+            Effect::Crosstalk(e) => self.tool.crosstalk.push(e),
+            Effect::Squareness(e) => self.tool.squareness = e,
+            Effect::Straightness(e) => self.tool.straightness.push(e),
+            Effect::ThermalDrift(e) => self.tool.drift = Some(e),
+            Effect::Resonance(e) => self.tool.resonance = Some(e),
+            Effect::Latency(e) => self.late.push(e),
+            Effect::Backlash(e) => self.screw.backlash = e,
+            Effect::PitchProgressive(e) => self.screw.progressive = e,
+            Effect::PitchCyclic(e) => self.screw.cyclic = Some(e),
+            Effect::Windup(e) => {
+                if let Some(spring) = &mut self.spring {
+                    spring.stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;
+                }
+            }
+        }
+    }
+
+    /// Friction of the motor itself, N, against its velocity (m/s).
+    #[must_use]
+    pub fn motor_friction_n(&self, velocity: f64) -> f64 {
+        if self.motor_coulomb_n == 0.0 {
+            return 0.0;
+        }
+        self.motor_coulomb_n * (velocity / MOTOR_SIGN_WIDTH_M_PER_S).tanh()
+    }
+
+    /// Force of all torque ripple, N, at a motor position (m).
+    #[must_use]
+    pub fn ripple_n(&self, motor_m: f64) -> f64 {
+        self.ripple.iter().map(|ripple| ripple.force_n(motor_m)).sum()
+    }
+
+    /// Reading − true position of the motor, m.
+    #[must_use]
+    pub fn dividing_m(&self, motor_m: f64) -> f64 {
+        self.dividing.as_ref().map_or(0.0, |dividing| dividing.error_m(motor_m))
+    }
+
+    /// A step (s) in which the stiffest spring turns its masses by no more than 0.06 rad.
+    #[must_use]
+    pub fn step_s(&self) -> f64 {
+        let bristles = self.friction.bristle_stiffness_n_per_m;
+        let (inverse_mass, stiffness) = match &self.spring {
+            Some(spring) => (self.motor_mass_kg.recip() + self.table_mass_kg.recip(), spring.stiffness_n_per_m + bristles),
+            None => ((self.motor_mass_kg + self.table_mass_kg).recip(), bristles),
+        };
+        let fastest = (stiffness * inverse_mass).sqrt();
+        if fastest > 0.0 { 0.06 / fastest } else { 1e-3 }
+    }
+}

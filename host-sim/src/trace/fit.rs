@@ -1,0 +1,271 @@
+//! Least squares over the stages of a scope, within bounds (Levenberg and Marquardt).
+//!
+//! Each stage is weighted by its own residual, so that the product of the stages' errors becomes
+//! small, whatever their units. The normal equations are kept by block of the log: leaving blocks out
+//! then costs a small linear solve, not another fit ([`super::held_out`]).
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::model::{AxisModel, Slot};
+use super::residual::{Evidence, Part, rms};
+use super::scope::Scope;
+use crate::effects::Stage;
+
+/// Blocks that each log is cut into.
+pub const BLOCKS: usize = 12;
+
+/// A fit ends when a step lowers the error by less than this share.
+const ENOUGH: f64 = 1e-4;
+
+/// Most steps of a fit.
+const MOST_STEPS: usize = 12;
+
+/// Normal equations of one block of one stage: Σr², Jᵀr and JᵀJ, weighted.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// Stage.
+    pub stage: Stage,
+    /// Number of the log.
+    pub log: usize,
+    /// Number within the log, 0 to [`BLOCKS`] − 1.
+    pub part: usize,
+    /// Samples that count.
+    pub samples: usize,
+    /// Σ r².
+    pub squares: f64,
+    /// Jᵀr.
+    pub gradient: DVector<f64>,
+    /// JᵀJ.
+    pub curvature: DMatrix<f64>,
+}
+
+/// A fitted model with what is around its optimum.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// At its optimum.
+    pub model: AxisModel,
+    /// Its slots there.
+    pub slots: Vec<Slot>,
+    /// The normal equations there.
+    pub blocks: Vec<Block>,
+    /// Weight of each stage of the scope: 1/its error.
+    pub weights: Vec<(Stage, f64)>,
+}
+
+impl Fitted {
+    /// Weighted Σr² of a stage.
+    #[must_use]
+    pub fn squares(&self, stage: Stage) -> f64 {
+        self.blocks.iter().filter(|block| block.stage == stage).map(|block| block.squares).sum()
+    }
+
+    /// Samples that count in a stage.
+    #[must_use]
+    pub fn samples(&self, stage: Stage) -> usize {
+        self.blocks.iter().filter(|block| block.stage == stage).map(|block| block.samples).sum()
+    }
+}
+
+/// Weights of a scope's stages for residuals: 1/max(rms, noise).
+#[must_use]
+pub fn weights(evidence: &Evidence<'_>, model: &AxisModel, scope: &Scope, parts: &[Part]) -> Vec<(Stage, f64)> {
+    let weight = |&stage: &Stage| {
+        let error = rms(parts, stage, evidence).max(evidence.noise(model, stage)).max(1e-12);
+        (stage, error.recip())
+    };
+    scope.stages.iter().map(weight).collect()
+}
+
+/// Fits a scope's slots, from where the model stands.
+#[must_use]
+pub fn fit(evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope, steps: usize) -> Fitted {
+    let mut model = start.clone();
+    let mut parts = evidence.residuals(&model, scope);
+    let mut weights = weights(evidence, &model, scope, &parts);
+    let mut damping = 1e-3;
+    let mut blocks = Vec::new();
+    for step in 0..=steps.min(MOST_STEPS) {
+        let slots = model.slots(scope);
+        blocks = linearise(evidence, &model, scope, &slots, &parts, &weights);
+        if step == steps.min(MOST_STEPS) {
+            break;
+        }
+        let cost = cost(&parts, &weights, &slots);
+        let (curvature, gradient) = normal(&blocks, &slots);
+        let mut gained = 0.0;
+        // A handful of dampings: then the optimum is as near as differences can tell.
+        for _ in 0..5 {
+            let moved = stepped(&slots, &curvature, &gradient, damping);
+            let candidate = model.at(scope, &moved);
+            let candidate_parts = evidence.residuals(&candidate, scope);
+            let candidate_cost = self::cost(&candidate_parts, &weights, &candidate.slots(scope));
+            if candidate_cost < cost {
+                gained = 1.0 - candidate_cost / cost;
+                (model, parts) = (candidate, candidate_parts);
+                damping = (0.1 * damping).max(1e-9);
+                break;
+            }
+            damping *= 10.0;
+        }
+        weights = self::weights(evidence, &model, scope, &parts);
+        if gained < ENOUGH {
+            let slots = model.slots(scope);
+            if gained > 0.0 {
+                blocks = linearise(evidence, &model, scope, &slots, &parts, &weights);
+            }
+            break;
+        }
+    }
+    Fitted { slots: model.slots(scope), model, blocks, weights }
+}
+
+/// Weighted Σr² with the pull of what is known beforehand.
+fn cost(parts: &[Part], weights: &[(Stage, f64)], slots: &[Slot]) -> f64 {
+    let data: f64 = parts
+        .iter()
+        .map(|part| weight_of(weights, part.stage).powi(2) * part.values.iter().map(|r| r * r).sum::<f64>())
+        .sum();
+    let pull = |slot: &Slot| slot.prior.map_or(0.0, |(centre, spread)| ((slot.coordinate.value - centre) / spread).powi(2));
+    data + slots.iter().map(pull).sum::<f64>()
+}
+
+fn weight_of(weights: &[(Stage, f64)], stage: Stage) -> f64 {
+    weights.iter().find(|(s, _)| *s == stage).map_or(0.0, |(_, weight)| *weight)
+}
+
+/// Derivatives of all residuals by one-sided differences, slot by slot, in parallel.
+#[must_use]
+pub fn derivatives(evidence: &Evidence<'_>, model: &AxisModel, scope: &Scope, slots: &[Slot], parts: &[Part]) -> Vec<Vec<Part>> {
+    let values: Vec<f64> = slots.iter().map(|slot| slot.coordinate.value).collect();
+    (0..slots.len())
+        .into_par_iter()
+        .map(|j| {
+            let coordinate = &slots[j].coordinate;
+            let inside = coordinate.value + coordinate.step <= coordinate.upper;
+            let step = if inside { coordinate.step } else { -coordinate.step };
+            let mut moved = values.clone();
+            moved[j] += step;
+            let mut column = evidence.residuals(&model.at(scope, &moved), scope);
+            for (part, base) in column.iter_mut().zip(parts) {
+                for (value, base) in part.values.iter_mut().zip(&base.values) {
+                    *value = (*value - base) / step;
+                }
+            }
+            column
+        })
+        .collect()
+}
+
+fn linearise(
+    evidence: &Evidence<'_>,
+    model: &AxisModel,
+    scope: &Scope,
+    slots: &[Slot],
+    parts: &[Part],
+    weights: &[(Stage, f64)],
+) -> Vec<Block> {
+    let columns = derivatives(evidence, model, scope, slots, parts);
+    blocks(evidence, &columns.iter().collect::<Vec<_>>(), parts, weights)
+}
+
+/// Normal equations by block from residuals and their derivatives.
+#[must_use]
+pub fn blocks(evidence: &Evidence<'_>, columns: &[&Vec<Part>], parts: &[Part], weights: &[(Stage, f64)]) -> Vec<Block> {
+    let n = columns.len();
+    let of_part = |(p, part): (usize, &Part)| {
+        let weight = weight_of(weights, part.stage).powi(2);
+        let length = part.values.len().div_ceil(BLOCKS).max(1);
+        let settling = evidence.settling(part.log);
+        let mut blocks = Vec::with_capacity(BLOCKS);
+        for (number, start) in (0..part.values.len()).step_by(length).enumerate() {
+            let range = start..(start + length).min(part.values.len());
+            let residual = &part.values[range.clone()];
+            let slices: Vec<&[f64]> = columns.iter().map(|column| &column[p].values[range.clone()]).collect();
+            let mut gradient = DVector::zeros(n);
+            let mut curvature = DMatrix::zeros(n, n);
+            for i in 0..n {
+                gradient[i] = weight * dot(slices[i], residual);
+                for j in 0..=i {
+                    let product = weight * dot(slices[i], slices[j]);
+                    curvature[(i, j)] = product;
+                    curvature[(j, i)] = product;
+                }
+            }
+            blocks.push(Block {
+                stage: part.stage,
+                log: part.log,
+                part: number,
+                samples: range.len() - settling.saturating_sub(start).min(range.len()),
+                squares: weight * dot(residual, residual),
+                gradient,
+                curvature,
+            });
+        }
+        blocks
+    };
+    parts.par_iter().enumerate().flat_map_iter(of_part).collect()
+}
+
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    a.iter().zip(b).map(|(a, b)| a * b).sum()
+}
+
+/// The sum of blocks, with the pull of what is known beforehand.
+#[must_use]
+pub fn normal<'a>(blocks: impl IntoIterator<Item = &'a Block>, slots: &[Slot]) -> (DMatrix<f64>, DVector<f64>) {
+    let n = slots.len();
+    let mut curvature = DMatrix::zeros(n, n);
+    let mut gradient = DVector::zeros(n);
+    for block in blocks {
+        curvature += &block.curvature;
+        gradient += &block.gradient;
+    }
+    for (i, slot) in slots.iter().enumerate() {
+        if let Some((centre, spread)) = slot.prior {
+            curvature[(i, i)] += spread.powi(-2);
+            gradient[i] += (slot.coordinate.value - centre) / (spread * spread);
+        }
+    }
+    (curvature, gradient)
+}
+
+/// The slots' values after a damped Gauss–Newton step, kept within bounds: what hits a bound is held
+/// there and the rest solved again.
+#[must_use]
+pub fn stepped(slots: &[Slot], curvature: &DMatrix<f64>, gradient: &DVector<f64>, damping: f64) -> Vec<f64> {
+    let n = slots.len();
+    let mut fixed: Vec<Option<f64>> = vec![None; n];
+    loop {
+        let free: Vec<usize> = (0..n).filter(|&i| fixed[i].is_none()).collect();
+        let mut matrix = curvature.select_rows(&free).select_columns(&free);
+        let mut right = -gradient.select_rows(&free);
+        for (row, &i) in free.iter().enumerate() {
+            // The small constant lets a coordinate without any influence stay where it is.
+            matrix[(row, row)] += damping * curvature[(i, i)] + 1e-12 + 1e-12 * curvature[(i, i)];
+            for (j, step) in fixed.iter().enumerate() {
+                right[row] -= step.map_or(0.0, |step| curvature[(i, j)] * step);
+            }
+        }
+        let steps = matrix.cholesky().map_or_else(|| DVector::zeros(free.len()), |c| c.solve(&right));
+        let mut hit = false;
+        for (&i, &step) in free.iter().zip(&steps) {
+            let coordinate = &slots[i].coordinate;
+            let wanted = coordinate.value + step;
+            if wanted < coordinate.lower || wanted > coordinate.upper {
+                fixed[i] = Some(wanted.clamp(coordinate.lower, coordinate.upper) - coordinate.value);
+                hit = true;
+            }
+        }
+        if !hit {
+            let mut values: Vec<f64> = slots.iter().map(|slot| slot.coordinate.value).collect();
+            for (i, step) in fixed.iter().enumerate() {
+                values[i] += step.unwrap_or(0.0);
+            }
+            for (&i, step) in free.iter().zip(&steps) {
+                values[i] += step;
+            }
+            return values;
+        }
+    }
+}

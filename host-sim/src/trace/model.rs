@@ -1,0 +1,181 @@
+//! The model of one axis and the numbers in it that a fit may move.
+
+use super::scope::Scope;
+use crate::effects::{Coordinate, Effect, Stage};
+use crate::machine::Axis;
+
+/// A declared number with a tolerance.
+struct Declared {
+    name: &'static str,
+    get: fn(&Axis) -> Option<f64>,
+    set: fn(&mut Axis, f64),
+}
+
+macro_rules! declared {
+    ($($key:ident),+) => {
+        &[$(Declared {
+            name: stringify!($key),
+            get: |axis| axis.$key,
+            set: |axis, value| axis.$key = Some(value),
+        }),+]
+    };
+}
+
+/// The mechanical values that `plant_tolerance_percent` is about.
+const DECLARED: &[Declared] = declared!(
+    motor_mass_kg,
+    table_mass_kg,
+    stiffness_n_per_um,
+    damping_n_s_per_m,
+    coulomb_n,
+    viscous_n_s_per_m,
+    motor_coulomb_n,
+    presliding_stiffness_n_per_um,
+    presliding_damping_n_s_per_m
+);
+
+/// One axis: what is declared of it, with values and effects as fitted so far.
+#[derive(Clone, Debug)]
+pub struct AxisModel {
+    /// As in the machine file; the centre of the tolerances.
+    declared: Axis,
+    /// With fitted values, declared and found effects.
+    pub axis: Axis,
+    /// Zero of the linear scale against the motor's, µm.
+    pub table_zero_um: f64,
+    /// Zero of the tool-point probe against the table's, µm.
+    pub tool_zero_um: f64,
+}
+
+/// A number that a fit may move.
+#[derive(Clone, Copy, Debug)]
+pub struct Slot {
+    /// Value, step and bounds.
+    pub coordinate: Coordinate,
+    /// What is known of it beforehand: centre and spread.
+    pub prior: Option<(f64, f64)>,
+}
+
+impl AxisModel {
+    /// The declared model.
+    #[must_use]
+    pub fn new(declared: &Axis) -> Self {
+        Self { declared: declared.clone(), axis: declared.clone(), table_zero_um: 0.0, tool_zero_um: 0.0 }
+    }
+
+    /// The effects that were found.
+    #[must_use]
+    pub fn found(&self) -> &[Effect] {
+        &self.axis.effect[self.declared.effect.len()..]
+    }
+
+    /// The same model with one effect more.
+    #[must_use]
+    pub fn with(&self, effect: Effect) -> Self {
+        let mut model = self.clone();
+        model.axis.effect.push(effect);
+        model
+    }
+
+    /// The same model without the found effect at an index of [`AxisModel::found`].
+    #[must_use]
+    pub fn without(&self, found: usize) -> Self {
+        let mut model = self.clone();
+        model.axis.effect.remove(self.declared.effect.len() + found);
+        model
+    }
+
+    /// Where the coordinates of a found effect stand among the slots of a scope.
+    #[must_use]
+    pub fn slots_of(&self, scope: &Scope, found: usize) -> std::ops::Range<usize> {
+        let index = self.declared.effect.len() + found;
+        let mut start = self.slots(scope).len();
+        for effect in self.axis.effect[index..].iter().filter(|effect| scope.holds(effect)) {
+            start -= effect.coordinates().len();
+        }
+        let width = self.axis.effect.get(index).map_or(0, |effect| effect.coordinates().len());
+        start..start + width
+    }
+
+    /// The numbers that a fit of a scope may move: zeros, declared values, effects.
+    #[must_use]
+    pub fn slots(&self, scope: &Scope) -> Vec<Slot> {
+        let free = |coordinate| Slot { coordinate, prior: None };
+        let mut slots = Vec::new();
+        for (stage, zero) in [(Stage::Table, self.table_zero_um), (Stage::Tool, self.tool_zero_um)] {
+            if scope.stages.contains(&stage) {
+                slots.push(free(Coordinate::signed(zero, 0.01, 1e6)));
+            }
+        }
+        if scope.mechanics {
+            slots.extend(self.adjustable().map(|(key, centre)| {
+                let value = (key.get)(&self.axis).unwrap_or(centre);
+                self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre)
+            }));
+        }
+        for (i, effect) in self.effects_of(scope) {
+            let declared = self.declared.effect.get(i).map(Effect::coordinates);
+            for (j, coordinate) in effect.coordinates().into_iter().enumerate() {
+                slots.push(match &declared {
+                    None => free(coordinate),
+                    Some(declared) => self.tolerated(coordinate, declared[j].value),
+                });
+            }
+        }
+        slots
+    }
+
+    /// The model at other values of its [`AxisModel::slots`].
+    #[must_use]
+    pub fn at(&self, scope: &Scope, values: &[f64]) -> Self {
+        let mut model = self.clone();
+        let mut values = values.iter().copied();
+        let mut next = |old: f64| values.next().unwrap_or(old);
+        if scope.stages.contains(&Stage::Table) {
+            model.table_zero_um = next(self.table_zero_um);
+        }
+        if scope.stages.contains(&Stage::Tool) {
+            model.tool_zero_um = next(self.tool_zero_um);
+        }
+        if scope.mechanics {
+            for (key, centre) in self.adjustable() {
+                (key.set)(&mut model.axis, next(centre));
+            }
+        }
+        for (i, effect) in self.effects_of(scope) {
+            let moved: Vec<f64> = effect.coordinates().iter().map(|c| next(c.value)).collect();
+            model.axis.effect[i] = effect.at(&moved);
+        }
+        model
+    }
+
+    fn tolerance(&self) -> f64 {
+        0.01 * self.declared.plant_tolerance_percent.unwrap_or(0.0)
+    }
+
+    /// Declared keys with a tolerance, and their declared values.
+    fn adjustable(&self) -> impl Iterator<Item = (&'static Declared, f64)> {
+        // Wind-up takes the place of the declared stiffness, which then shapes nothing.
+        let winds_up = self.axis.effect.iter().any(|effect| matches!(effect, Effect::Windup(_)));
+        let has_tolerance = self.tolerance() > 0.0;
+        DECLARED
+            .iter()
+            .filter(move |key| has_tolerance && !(winds_up && key.name == "stiffness_n_per_um"))
+            .filter_map(|key| (key.get)(&self.declared).filter(|&centre| centre > 0.0).map(|centre| (key, centre)))
+    }
+
+    /// A coordinate that may lie as far from its declared value as the machine file tolerates.
+    fn tolerated(&self, coordinate: Coordinate, declared: f64) -> Slot {
+        let spread = self.tolerance() * declared.abs();
+        let bounded = Coordinate {
+            lower: coordinate.lower.max(declared - spread),
+            upper: coordinate.upper.min(declared + spread),
+            ..coordinate
+        };
+        Slot { coordinate: bounded, prior: (spread > 0.0).then_some((declared, spread)) }
+    }
+
+    fn effects_of(&self, scope: &Scope) -> impl Iterator<Item = (usize, &Effect)> {
+        self.axis.effect.iter().enumerate().filter(move |(_, effect)| scope.holds(effect))
+    }
+}

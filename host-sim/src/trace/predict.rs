@@ -1,0 +1,203 @@
+//! What the model gives for each stage, driven by the measured signal upstream of it.
+
+use shared::axis::{AxisState, Reading};
+use shared::config::{AxisConfig, AxisSettings, Rates};
+use shared::units::Position;
+
+use super::signals::{AxisSignals, Signals, Smooth};
+use crate::effects::Channel;
+use crate::machine::Axis;
+use crate::plant::driven::{DrivenTable, Prescribed};
+use crate::plant::mechanics::AxisMotion;
+use crate::plant::parameters::AxisParameters;
+use crate::plant::structure::{self, Swing, Tables};
+
+/// Longest step of the driven table, s.
+const DRIVEN_STEP_S: f64 = 5e-4;
+
+/// Table and force stage of one log.
+#[derive(Clone, Debug, Default)]
+pub struct Driven {
+    /// Linear scale, m.
+    pub table_m: Vec<f64>,
+    /// Force of the velocity tick that ends at the sample, N.
+    pub force_n: Vec<f64>,
+}
+
+/// Drives the mechanics with the measured motor.
+///
+/// `hold_n_s2_per_m` is what the logged force lacks per acceleration because the velocity command is
+/// held while the velocity goes on: see [`hold`].
+#[must_use]
+pub fn driven(parameters: &AxisParameters, motor: &Smooth, sample_s: f64, hold_n_s2_per_m: f64) -> Driven {
+    let n = motor.position.len();
+    let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
+    let Some(&first) = motor.position.first() else { return result };
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
+    let steps = (sample_s / DRIVEN_STEP_S).ceil().max(1.0) as u32;
+    let step_s = sample_s / f64::from(steps);
+    let truth = |reading: f64| reading - parameters.dividing_m(reading);
+    // Sensor noise must not wear the bristles straight while the axis stands: the mechanics see the
+    // motor through a play of that width, and the table is given what the play held back.
+    let play_m = 1.5 * motor.noise;
+    let late_s = late_s(parameters, Channel::Table);
+
+    let mut motor_m = truth(first);
+    let nominal_m = parameters.screw.nominal_m(motor_m);
+    let mut screw = Prescribed { nominal_m, velocity: motor.velocity[0], acceleration: motor.acceleration[0] };
+    let mut table = DrivenTable::settled(parameters, screw);
+    let mut table_before = table.position_m(parameters, screw);
+    let mut force_before = None;
+    let mut held_back = 0.0;
+    for i in 0..n {
+        for step in 1..=(if i == 0 { 0 } else { steps }) {
+            let fraction = f64::from(step) / f64::from(steps);
+            let seen_m = truth(hermite(motor, i - 1, fraction, sample_s));
+            motor_m = motor_m.clamp(seen_m - play_m, seen_m + play_m);
+            held_back = seen_m - motor_m;
+            let nominal_m = parameters.screw.nominal_m(motor_m);
+            let between = |values: &[f64]| values[i - 1] + fraction * (values[i] - values[i - 1]);
+            screw = Prescribed {
+                nominal_m,
+                velocity: (nominal_m - screw.nominal_m) / step_s,
+                acceleration: between(&motor.acceleration),
+            };
+            table.step(parameters, screw, step_s);
+        }
+        let table_m = table.position_m(parameters, screw);
+        let force = (parameters.motor_mass_kg - hold_n_s2_per_m) * motor.acceleration[i]
+            + parameters.motor_friction_n(motor.velocity[i])
+            - parameters.ripple_n(motor_m)
+            + table.transmitted_n;
+        let velocity = (table_m - table_before) / sample_s;
+        let behind = late_s * (velocity - 0.5 * late_s * motor.acceleration[i]);
+        result.table_m.push(table_m + held_back - behind);
+        result.force_n.push(0.5 * (force + force_before.unwrap_or(force)));
+        (table_before, force_before) = (table_m, Some(force));
+    }
+    result
+}
+
+/// Difference between the mean force of a sample's interval and the force of its last velocity tick,
+/// which is the one that is logged, per acceleration (N per m/s²).
+///
+/// The velocity command stands for D ticks of T while the velocity grows by a·T each: the last tick's
+/// velocity error lies a·T·(D − 1)/2 below the mean, and its force Kv times that.
+#[must_use]
+pub fn hold(axis: &Axis, rates: Rates) -> f64 {
+    let ticks = f64::from(rates.position_loop_divider) - 1.0;
+    axis.velocity_gain_n_s_per_m.unwrap_or(0.0) * 0.5 * ticks / rates.velocity_loop_hz
+}
+
+/// Motor position between samples `i` and `i + 1` (fraction 0 to 1) by positions and slopes.
+fn hermite(motor: &Smooth, i: usize, fraction: f64, sample_s: f64) -> f64 {
+    let (p0, p1) = (motor.position[i], motor.position[i + 1]);
+    let (m0, m1) = (motor.velocity[i] * sample_s, motor.velocity[i + 1] * sample_s);
+    let rise = p1 - p0;
+    let t = fraction;
+    p0 + t * (m0 + t * ((3.0 * rise - 2.0 * m0 - m1) + t * (m0 + m1 - 2.0 * rise)))
+}
+
+fn late_s(parameters: &AxisParameters, channel: Channel) -> f64 {
+    let of = |late: &crate::effects::Latency| if late.channel == channel { 1e-3 * late.ms } else { 0.0 };
+    parameters.late.iter().map(of).sum()
+}
+
+/// Closes the loop in simulation on the measured command. Gives the motor reading, m, or `None` when
+/// the settings are refused.
+#[must_use]
+pub fn closed_loop(
+    parameters: &AxisParameters,
+    settings: &AxisSettings,
+    rates: Rates,
+    command: &[f64],
+    start: Option<&Smooth>,
+) -> Option<Loop> {
+    let config = AxisConfig::<f64>::new(settings, rates).ok()?;
+    let tick_s = 1.0 / rates.velocity_loop_hz;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
+    let substeps = (tick_s / parameters.step_s()).ceil().clamp(2.0, 1e4) as u32;
+    let step_s = tick_s / f64::from(substeps);
+    let position = |m: f64| Position::from_m(m).unwrap_or_default();
+
+    let (&first, &second) = (command.first()?, command.get(1)?);
+    let (motor, velocity) = start.map_or((first, 0.0), |motor| (motor.position[0], motor.velocity[0]));
+    let mut motion = in_motion(parameters, motor - parameters.dividing_m(motor), velocity);
+    let read = |motion: &AxisMotion| Reading {
+        motor: position(motion.motor_m + parameters.dividing_m(motion.motor_m)),
+        table: Some(position(motion.table_m)),
+    };
+    let before = |m: f64, velocity: f64| position(m - velocity * tick_s);
+    let command_before = position(first - (second - first));
+    let reading_before = Reading { motor: before(motor, velocity), table: Some(before(motion.table_m, velocity)) };
+    let mut state = AxisState::<f64>::at_rest(command_before, reading_before);
+
+    let mut result = Loop { motor_m: Vec::with_capacity(command.len()), table_m: Vec::with_capacity(command.len()) };
+    for &command in command {
+        let reading = read(&motion);
+        result.motor_m.push(reading.motor.to_m());
+        result.table_m.push(motion.table_m);
+        state.position_tick(&config, position(command), reading);
+        for tick in 0..rates.position_loop_divider {
+            let reading = if tick == 0 { reading } else { read(&motion) };
+            let force = state.velocity_tick(&config, reading);
+            for _ in 0..substeps {
+                motion.step(parameters, force, step_s);
+            }
+        }
+    }
+    Some(result)
+}
+
+/// An axis that moves steadily with its motor at a place, m.
+fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
+    let screw = Prescribed { nominal_m: parameters.screw.nominal_m(motor_m), velocity, acceleration: 0.0 };
+    let table = DrivenTable::settled(parameters, screw);
+    AxisMotion {
+        motor_m,
+        motor_m_per_s: velocity,
+        table_m: table.position_m(parameters, screw),
+        table_m_per_s: velocity,
+        bristle_m: table.bristle_m(),
+        ..AxisMotion::default()
+    }
+}
+
+/// A simulated closed loop.
+#[derive(Clone, Debug)]
+pub struct Loop {
+    /// Motor reading, m.
+    pub motor_m: Vec<f64>,
+    /// Table, m.
+    pub table_m: Vec<f64>,
+}
+
+/// Tool point of one axis from the measured tables, m. `None` where the axis has no table channel.
+#[must_use]
+pub fn tool(parameters: &AxisParameters, axis: usize, names: &[String], signals: &Signals) -> Option<Vec<f64>> {
+    let tables: Vec<Option<&Smooth>> = signals.axes.iter().map(AxisSignals::table_or_motor).collect();
+    let own = tables.get(axis).copied().flatten()?;
+    let late_s = late_s(parameters, Channel::Tool);
+    let mut swing = Swing::default();
+    let mut positions = vec![0.0; names.len()];
+    let mut accelerations = vec![0.0; names.len()];
+    let mut result = Vec::with_capacity(own.raw.len());
+    for i in 0..own.raw.len() {
+        for (other, table) in tables.iter().enumerate() {
+            positions[other] = table.map_or(0.0, |table| table.position[i]);
+            accelerations[other] = table.map_or(0.0, |table| table.acceleration[i]);
+        }
+        let all = Tables { names, position_m: &positions, acceleration: &accelerations };
+        let time_s = signals.start_s + i as f64 * signals.sample_s;
+        if let Some(resonance) = &parameters.tool.resonance {
+            const STEPS: u32 = 10;
+            for _ in 0..STEPS {
+                let step_s = signals.sample_s / f64::from(STEPS);
+                swing.step(resonance, own.acceleration[i], own.velocity[i], step_s);
+            }
+        }
+        let behind = late_s * (own.velocity[i] - 0.5 * late_s * own.acceleration[i]);
+        result.push(own.position[i] + swing.offset_m - behind + structure::offset_m(&parameters.tool, axis, &all, time_s));
+    }
+    Some(result)
+}

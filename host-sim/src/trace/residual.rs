@@ -1,0 +1,148 @@
+//! Measured minus modelled, stage by stage, in µm and N.
+
+use shared::config::Rates;
+
+use super::model::AxisModel;
+use super::predict;
+use super::scope::Scope;
+use super::signals::{AxisSignals, Signals, Smooth};
+use crate::effects::Stage;
+use crate::plant::parameters::AxisParameters;
+use crate::servo;
+
+/// What an axis is explained from.
+#[derive(Clone, Copy, Debug)]
+pub struct Evidence<'a> {
+    /// The logs.
+    pub logs: &'a [Signals],
+    /// Names of the machine's axes.
+    pub names: &'a [String],
+    /// Which of them is explained.
+    pub axis: usize,
+    /// Its loops.
+    pub rates: Rates,
+}
+
+/// The residual of one stage over one log, sample by sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Part {
+    /// Stage.
+    pub stage: Stage,
+    /// Number of the log.
+    pub log: usize,
+    /// µm, or N for the force stage. Samples before the axis has settled are zero.
+    pub values: Vec<f64>,
+}
+
+/// Settling at the start of a log that is left out, s: what came before it is not known.
+const SETTLING_S: f64 = 0.3;
+
+impl Evidence<'_> {
+    fn signals(&self, log: usize) -> &AxisSignals {
+        &self.logs[log].axes[self.axis]
+    }
+
+    /// Samples at the start of each log that no residual counts.
+    #[must_use]
+    pub fn settling(&self, log: usize) -> usize {
+        let log = &self.logs[log];
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0.3 s of samples")]
+        let samples = (SETTLING_S / log.sample_s) as usize;
+        samples.min(log.len() / 4)
+    }
+
+    /// The residuals of a scope's stages over all logs: log by log, the scope's stages in order.
+    #[must_use]
+    pub fn residuals(&self, model: &AxisModel, scope: &Scope) -> Vec<Part> {
+        let parameters = AxisParameters::of(&model.axis);
+        (0..self.logs.len()).flat_map(|log| self.of_log(model, &parameters, scope, log)).collect()
+    }
+
+    fn of_log(&self, model: &AxisModel, parameters: &AxisParameters, scope: &Scope, log: usize) -> Vec<Part> {
+        let signals = self.signals(log);
+        let sample_s = self.logs[log].sample_s;
+        let drives = scope.stages.iter().any(|stage| matches!(stage, Stage::Table | Stage::Force));
+        let driven = signals
+            .motor
+            .as_ref()
+            .filter(|_| drives)
+            .map(|motor| predict::driven(parameters, motor, sample_s, predict::hold(&model.axis, self.rates)))
+            .unwrap_or_default();
+        let part = |stage: &Stage| {
+            let mut values = match stage {
+                Stage::Table => {
+                    let measured = signals.table.as_ref().map_or(&[][..], |table| &table.position);
+                    difference(measured, &driven.table_m, 1e6, model.table_zero_um)
+                }
+                Stage::Force => {
+                    let measured = signals.force.as_ref().map_or(&[][..], |force| &force.position);
+                    difference(measured, &driven.force_n, 1.0, 0.0)
+                }
+                Stage::Motor => self.motor(model, parameters, signals),
+                Stage::Tool => {
+                    let tool = predict::tool(parameters, self.axis, self.names, &self.logs[log]);
+                    let measured = signals.tool.as_ref().map_or(&[][..], |tool| &tool.position);
+                    difference(measured, &tool.unwrap_or_default(), 1e6, model.tool_zero_um)
+                }
+            };
+            let settling = self.settling(log).min(values.len());
+            values[..settling].fill(0.0);
+            Part { stage: *stage, log, values }
+        };
+        scope.stages.iter().map(part).collect()
+    }
+
+    fn motor(&self, model: &AxisModel, parameters: &AxisParameters, signals: &AxisSignals) -> Vec<f64> {
+        let (Some(motor), Some(command)) = (&signals.motor, &signals.command) else { return Vec::new() };
+        let settings = servo::settings(&model.axis, &parameters.servo).ok();
+        let simulated = settings
+            .and_then(|settings| predict::closed_loop(parameters, &settings, self.rates, command, Some(motor)))
+            .map(|simulated| simulated.motor_m);
+        // A loop that cannot run explains nothing: the residual is the following error itself.
+        difference(&motor.raw, simulated.as_ref().unwrap_or(command), 1e6, 0.0)
+    }
+
+    /// Standard deviation of the white noise in a stage's residual, µm or N: what no model can remove.
+    #[must_use]
+    pub fn noise(&self, model: &AxisModel, stage: Stage) -> f64 {
+        let squares = (0..self.logs.len()).map(|log| self.noise_of_log(model, stage, log).powi(2));
+        (squares.sum::<f64>() / self.logs.len().max(1) as f64).sqrt()
+    }
+
+    fn noise_of_log(&self, model: &AxisModel, stage: Stage, log: usize) -> f64 {
+        let signals = self.signals(log);
+        let of = |smooth: &Option<Smooth>, value: fn(&Smooth) -> f64| smooth.as_ref().map_or(0.0, value);
+        let position = |smooth: &Option<Smooth>| 1e6 * of(smooth, |smooth| smooth.position_noise);
+        match stage {
+            Stage::Motor => 1e6 * of(&signals.motor, |motor| motor.noise),
+            Stage::Table => position(&signals.table).hypot(position(&signals.motor)),
+            Stage::Tool => {
+                let table = if signals.table.is_some() { &signals.table } else { &signals.motor };
+                position(&signals.tool).hypot(position(table))
+            }
+            Stage::Force => {
+                let axis = &model.axis;
+                let mass = if axis.is_rigid() { axis.table_mass_kg.unwrap_or(0.0) } else { 0.0 }
+                    + axis.motor_mass_kg.unwrap_or(0.0);
+                of(&signals.force, |force| force.position_noise)
+                    .hypot(mass * of(&signals.motor, |motor| motor.acceleration_noise))
+            }
+        }
+    }
+}
+
+/// (measured − modelled)·scale − zero.
+fn difference(measured: &[f64], modelled: &[f64], scale: f64, zero: f64) -> Vec<f64> {
+    measured.iter().zip(modelled).map(|(measured, modelled)| scale * (measured - modelled) - zero).collect()
+}
+
+/// Root mean square of a stage over all its parts, settling left out.
+#[must_use]
+pub fn rms(parts: &[Part], stage: Stage, evidence: &Evidence<'_>) -> f64 {
+    let (mut squares, mut count) = (0.0, 0usize);
+    for part in parts.iter().filter(|part| part.stage == stage) {
+        squares += part.values.iter().map(|r| r * r).sum::<f64>();
+        count += part.values.len() - evidence.settling(part.log).min(part.values.len());
+    }
+    (squares / count.max(1) as f64).sqrt()
+}

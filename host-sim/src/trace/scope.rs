@@ -1,0 +1,82 @@
+//! Which stages are explained together, because the same parameters shape them.
+
+use super::signals::{AxisSignals, Signals};
+use crate::effects::{Effect, Stage};
+use crate::machine::Axis;
+
+/// A set of stages with the parameters that are fitted on them.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Scope {
+    /// Stages whose residuals are made small together.
+    pub stages: Vec<Stage>,
+    /// Whether masses, stiffness, friction and mechanical effects are fitted here.
+    pub mechanics: bool,
+}
+
+/// A stage that cannot be formed, and what it would need.
+#[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
+pub struct NotTestable {
+    /// Stage.
+    pub stage: Stage,
+    /// The missing channels or keys.
+    pub needs: String,
+}
+
+impl Scope {
+    /// Whether an effect is looked for and fitted here. A mechanical effect shapes the motor stage,
+    /// too, but is fitted there only where neither table nor force show it more directly.
+    #[must_use]
+    pub fn holds(&self, effect: &Effect) -> bool {
+        match effect.stages() {
+            [Stage::Motor] => self.stages.contains(&Stage::Motor),
+            [Stage::Tool] => self.stages.contains(&Stage::Tool),
+            stages => self.mechanics && stages.iter().any(|stage| self.stages.contains(stage)),
+        }
+    }
+}
+
+/// The scopes of an axis for what its logs and its declared model allow, in the order in which they
+/// are explained (the servo loop holds the mechanics), and the stages that cannot be formed.
+#[must_use]
+pub fn scopes(axis: &Axis, index: usize, logs: &[Signals]) -> (Vec<Scope>, Vec<NotTestable>) {
+    let all_have = |has: fn(&AxisSignals) -> bool| !logs.is_empty() && logs.iter().all(|log| has(&log.axes[index]));
+    let [command, motor, table, tool, force] = [
+        all_have(|a| a.command.is_some()),
+        all_have(|a| a.motor.is_some()),
+        all_have(|a| a.table.is_some()),
+        all_have(|a| a.tool.is_some()),
+        all_have(|a| a.force.is_some()),
+    ];
+    let conditions = [
+        (Stage::Motor, vec![
+            (command, "a command channel"),
+            (motor, "a motor channel"),
+            (axis.has_controller(), "the controller's keys in the machine file"),
+            (axis.has_mass(), "masses in the machine file"),
+        ]),
+        (Stage::Table, vec![(motor, "a motor channel"), (table, "a table channel")]),
+        (Stage::Tool, vec![(table || motor, "a table or motor channel"), (tool, "a tool channel")]),
+        (Stage::Force, vec![
+            (motor, "a motor channel"),
+            (force, "a force channel"),
+            (axis.has_mass(), "masses in the machine file"),
+        ]),
+    ];
+    let mut formed = Vec::new();
+    let mut not_testable = Vec::new();
+    for (stage, needs) in conditions {
+        let missing: Vec<&str> = needs.iter().filter(|(there, _)| !there).map(|(_, what)| *what).collect();
+        if missing.is_empty() {
+            formed.push(stage);
+        } else {
+            not_testable.push(NotTestable { stage, needs: missing.join(", ") });
+        }
+    }
+    let among = |wanted: &[Stage]| wanted.iter().copied().filter(|stage| formed.contains(stage)).collect::<Vec<_>>();
+    let mechanics = among(&[Stage::Table, Stage::Force]);
+    let servo = Scope { stages: among(&[Stage::Motor]), mechanics: mechanics.is_empty() };
+    let structure = Scope { stages: among(&[Stage::Tool]), mechanics: false };
+    let mechanics = Scope { stages: mechanics, mechanics: true };
+    let scopes = [mechanics, servo, structure].into_iter().filter(|scope| !scope.stages.is_empty()).collect();
+    (scopes, not_testable)
+}

@@ -1,0 +1,272 @@
+//! A log made ready for tracing: SI, smoothed, differentiated, with the noise of each channel.
+
+use crate::log::{AxisLog, Log};
+
+/// Half width of the smoothing window, s: it passes what a servo loop can follow and takes the
+/// sensor's noise out of velocities.
+const SMOOTHING_HALF_S: f64 = 0.005;
+
+/// One axis of one log, SI (rotary axes: mm and N stand for deg and N·m).
+#[derive(Clone, Debug)]
+pub struct AxisSignals {
+    /// What the controller was asked for.
+    pub command: Option<Vec<f64>>,
+    /// Motor reading.
+    pub motor: Option<Smooth>,
+    /// Linear scale.
+    pub table: Option<Smooth>,
+    /// Tool-point probe.
+    pub tool: Option<Smooth>,
+    /// Drive force over the velocity tick that ends at the sample, N; its filtered value is
+    /// [`Smooth::position`].
+    pub force: Option<Smooth>,
+}
+
+/// A channel with what was derived from it.
+///
+/// Measured and modelled signals pass the same filter before they are compared, so that what the
+/// filter takes away is missing on both sides: `velocity` and `acceleration` are differences of the
+/// filtered `position`.
+#[derive(Clone, Debug)]
+pub struct Smooth {
+    /// As measured, m.
+    pub raw: Vec<f64>,
+    /// Filtered, m.
+    pub position: Vec<f64>,
+    /// Central difference of it, m/s.
+    pub velocity: Vec<f64>,
+    /// Second difference of it, m/s².
+    pub acceleration: Vec<f64>,
+    /// Standard deviation of the noise of `raw`.
+    pub noise: f64,
+    /// What is left of it in `position`.
+    pub position_noise: f64,
+    /// What becomes of it in `acceleration`.
+    pub acceleration_noise: f64,
+}
+
+/// One log.
+#[derive(Clone, Debug)]
+pub struct Signals {
+    /// Where it came from.
+    pub source: String,
+    /// First time of the session's clock, s.
+    pub start_s: f64,
+    /// Sample time, s.
+    pub sample_s: f64,
+    /// In the order of the machine's axes.
+    pub axes: Vec<AxisSignals>,
+}
+
+impl Signals {
+    /// Prepares a log for a machine with these axes; axes that it lacks have no channels.
+    #[must_use]
+    pub fn new(log: &Log, axes: &[String]) -> Self {
+        let sample_s = log.sample_time_s;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+        let half_window = ((SMOOTHING_HALF_S / sample_s).round() as usize).clamp(2, 50);
+        let prepared = |name: &String| {
+            let found = log.axes.iter().find(|axis| axis.name == *name);
+            AxisSignals::new(found, sample_s, half_window)
+        };
+        Self {
+            source: log.source.clone(),
+            start_s: log.start_s,
+            sample_s,
+            axes: axes.iter().map(prepared).collect(),
+        }
+    }
+
+    /// Samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.axes.iter().find_map(AxisSignals::len).unwrap_or(0)
+    }
+
+    /// Whether there is no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl AxisSignals {
+    fn new(axis: Option<&AxisLog>, sample_s: f64, half: usize) -> Self {
+        let metres = |channel: &Option<Vec<f64>>| -> Option<Vec<f64>> {
+            channel.as_ref().map(|mm| mm.iter().map(|mm| 1e-3 * mm).collect())
+        };
+        let smooth = |channel| metres(channel).map(|raw| Smooth::new(raw, sample_s, half));
+        let Some(axis) = axis else {
+            return Self { command: None, motor: None, table: None, tool: None, force: None };
+        };
+        Self {
+            command: metres(&axis.command),
+            motor: smooth(&axis.motor),
+            table: smooth(&axis.table),
+            tool: smooth(&axis.tool),
+            force: axis.force.clone().map(|raw| Smooth::new(raw, sample_s, half)),
+        }
+    }
+
+    /// The table, or the motor where no scale was logged: what a tool is carried by.
+    #[must_use]
+    pub fn table_or_motor(&self) -> Option<&Smooth> {
+        self.table.as_ref().or(self.motor.as_ref())
+    }
+
+    fn len(&self) -> Option<usize> {
+        let smooth = [&self.motor, &self.table, &self.tool, &self.force];
+        let smooth = smooth.into_iter().flatten().map(|smooth| smooth.raw.len());
+        self.command.as_ref().map(Vec::len).into_iter().chain(smooth).next()
+    }
+}
+
+impl Smooth {
+    /// Takes the middle of the cubic through 2·half + 1 samples around each (Savitzky and Golay,
+    /// 1964); the ends take the cubic of the outermost full window.
+    #[must_use]
+    pub fn new(raw: Vec<f64>, sample_s: f64, half: usize) -> Self {
+        let n = raw.len();
+        let cubic = Cubic::new(half);
+        let mut position = raw.clone();
+        if n > 2 * half {
+            for (centre, value) in position.iter_mut().enumerate() {
+                let middle = centre.clamp(half, n - half - 1);
+                let offset = centre as f64 - middle as f64;
+                *value = cubic.value(&raw[middle - half..=middle + half], offset);
+            }
+        }
+        let (velocity, acceleration) = differences(&position, sample_s);
+        let noise = noise(&raw);
+        Self {
+            noise,
+            position_noise: noise * norm(&cubic.middle),
+            acceleration_noise: noise * norm(&second_difference(&cubic.middle)) / (sample_s * sample_s),
+            raw,
+            position,
+            velocity,
+            acceleration,
+        }
+    }
+}
+
+/// First and second differences; the ends repeat their neighbours.
+fn differences(position: &[f64], sample_s: f64) -> (Vec<f64>, Vec<f64>) {
+    let n = position.len();
+    if n < 3 {
+        return (vec![0.0; n], vec![0.0; n]);
+    }
+    let inner = |i: usize| i.clamp(1, n - 2);
+    let first = |i: usize| (position[inner(i) + 1] - position[inner(i) - 1]) / (2.0 * sample_s);
+    let second = |i: usize| {
+        let i = inner(i);
+        ((position[i + 1] - position[i]) - (position[i] - position[i - 1])) / (sample_s * sample_s)
+    };
+    ((0..n).map(first).collect(), (0..n).map(second).collect())
+}
+
+/// Least-squares cubic over a symmetric window: its four coefficients are four weighted sums.
+struct Cubic {
+    weights: Vec<[f64; 4]>,
+    /// Weights of the value in the middle.
+    middle: Vec<f64>,
+}
+
+impl Cubic {
+    fn new(half: usize) -> Self {
+        let offsets: Vec<f64> = (0..=2 * half).map(|i| i as f64 - half as f64).collect();
+        let moment = |p: i32| offsets.iter().map(|t| t.powi(p)).sum::<f64>();
+        let (s0, s2, s4, s6) = (moment(0), moment(2), moment(4), moment(6));
+        // Even and odd powers separate; each pair is a 2×2 system.
+        let even = s0 * s4 - s2 * s2;
+        let odd = s2 * s6 - s4 * s4;
+        let weights: Vec<[f64; 4]> = offsets
+            .iter()
+            .map(|t| {
+                [
+                    (s4 - s2 * t * t) / even,
+                    t * (s6 - s4 * t * t) / odd,
+                    (s0 * t * t - s2) / even,
+                    t * (s2 * t * t - s4) / odd,
+                ]
+            })
+            .collect();
+        let middle = weights.iter().map(|w| w[0]).collect();
+        Self { weights, middle }
+    }
+
+    /// Value of the cubic through a window at an offset from its middle.
+    fn value(&self, window: &[f64], offset: f64) -> f64 {
+        // Relative to the middle: positions of a metre keep their nanometres.
+        let middle = window[window.len() / 2];
+        let mut sums = [0.0; 4];
+        for (value, weights) in window.iter().zip(&self.weights) {
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum += (value - middle) * weight;
+            }
+        }
+        let [a, b, c, d] = sums;
+        middle + a + offset * (b + offset * (c + offset * d))
+    }
+}
+
+fn norm(weights: &[f64]) -> f64 {
+    weights.iter().map(|w| w * w).sum::<f64>().sqrt()
+}
+
+/// The second difference of a kernel, which is longer by one on either side.
+fn second_difference(kernel: &[f64]) -> Vec<f64> {
+    let padded: Vec<f64> =
+        [0.0; 2].into_iter().chain(kernel.iter().copied()).chain([0.0; 2]).collect();
+    padded.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect()
+}
+
+/// Standard deviation of the white noise in a channel, from its third differences, which take out
+/// whatever a parabola follows: their variance is 20 times that of the noise. The median over
+/// stretches of the log keeps corners out of it.
+#[must_use]
+pub fn noise(values: &[f64]) -> f64 {
+    const STRETCH: usize = 64;
+    let thirds: Vec<f64> = values.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).collect();
+    let mut variances: Vec<f64> = thirds
+        .chunks(STRETCH)
+        .map(|stretch| stretch.iter().map(|d| d * d).sum::<f64>() / (20.0 * stretch.len() as f64))
+        .collect();
+    variances.sort_by(f64::total_cmp);
+    variances.get(variances.len() / 2).copied().unwrap_or(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cubic_passes_unchanged_with_its_derivatives() {
+        let dt = 1e-3;
+        let f = |t: f64| 2.0 + 0.3 * t - 5.0 * t * t + 40.0 * t * t * t;
+        let raw = (0..200).map(|i| f(f64::from(i) * dt)).collect();
+        let smooth = Smooth::new(raw, dt, 5);
+        for i in [1, 3, 100, 198] {
+            let t = f64::from(i) * dt;
+            let i = usize::try_from(i).unwrap();
+            assert!((smooth.position[i] - f(t)).abs() < 1e-12);
+            // A central difference of t³ is off by dt²: 40·1e-6.
+            assert!((smooth.velocity[i] - (0.3 - 10.0 * t + 120.0 * t * t)).abs() < 5e-5);
+            assert!((smooth.acceleration[i] - (-10.0 + 240.0 * t)).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn noise_is_found_beside_motion() {
+        // ±1 alternating at random has σ = 1; 100 samples of it repeat without a pattern of period 3.
+        let mut state = 1u32;
+        let values: Vec<f64> = (0..20_000)
+            .map(|i| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let sign = if state >> 31 == 0 { 1.0 } else { -1.0 };
+                1e4 * (f64::from(i) * 1e-3).sin() + sign
+            })
+            .collect();
+        assert!((noise(&values) - 1.0).abs() < 0.1, "{}", noise(&values));
+    }
+}
