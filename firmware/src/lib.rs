@@ -1,1 +1,14 @@
+//! The controller of [`shared`] on a chip. What can be tested on a host is there; here are only the
+//! registers, one module for each program:
+//!
+//! | program | chip | built by |
+//! |---|---|---|
+//! | `board` | STM32F405 with two drives | `cargo board` |
+//! | `emulated` | QEMU's `mps2-an386`, in step with a host | `cargo emulated` |
 #![no_std]
+
+#[cfg(feature = "board")]
+pub mod board;
+#[cfg(feature = "emulated")]
+pub mod emulated;
+pub mod setup;

@@ -1,6 +1,7 @@
 //! Lost Motion: closes the loop against a simulated machine, and traces what a measured log holds
 //! and its declared model lacks.
 
+pub mod cli;
 pub mod controller;
 mod document;
 pub mod effects;

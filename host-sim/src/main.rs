@@ -1,1 +1,7 @@
-fn main() {}
+//! The program `lost-motion`.
+
+use std::process::ExitCode;
+
+fn main() -> ExitCode {
+    host_sim::cli::run()
+}

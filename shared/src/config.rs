@@ -122,6 +122,12 @@ impl core::fmt::Display for ConfigError {
 
 impl core::error::Error for ConfigError {}
 
+/// Slowest velocity loop, Hz: far below any, and Kp·tick stays a number.
+const LEAST_RATE_HZ: f64 = 1.0;
+
+/// Fastest velocity loop, Hz.
+const MOST_RATE_HZ: f64 = 1e6;
+
 /// One axis in machine units: what a tick computes with.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisConfig<S: Scalar> {
@@ -145,6 +151,7 @@ impl<S: Scalar> AxisConfig<S> {
     /// does not fit the number format `S`.
     pub fn new(settings: &AxisSettings, rates: Rates) -> Result<Self, ConfigError> {
         let rate = positive("velocity_loop_hz", rates.velocity_loop_hz)?;
+        let rate = ranged("velocity_loop_hz", rate, LEAST_RATE_HZ, MOST_RATE_HZ)?;
         let divider = positive("position_loop_divider", f64::from(rates.position_loop_divider))?;
         let (tick, position_rate) = (1.0 / rate, rate / divider);
 
@@ -234,8 +241,14 @@ mod tests {
     #[test]
     fn names_what_it_refuses() {
         assert_eq!(refusal(|s| s.position_gain_per_s = 0.0), ConfigError::NotPositive("position_gain_per_s"));
-        assert_eq!(refusal(|s| s.position_gain_per_s = f64::NAN), ConfigError::NotFinite("position_gain_per_s"));
-        assert_eq!(refusal(|s| s.velocity_integral_time_s = Some(-1.0)), ConfigError::NotPositive("velocity_integral_time_s"));
+        assert_eq!(
+            refusal(|s| s.position_gain_per_s = f64::NAN),
+            ConfigError::NotFinite("position_gain_per_s")
+        );
+        assert_eq!(
+            refusal(|s| s.velocity_integral_time_s = Some(-1.0)),
+            ConfigError::NotPositive("velocity_integral_time_s")
+        );
         assert_eq!(
             refusal(|s| s.force_limit_n = 1e6),
             ConfigError::OutOfRange { name: "force_limit_n", least: 0.0, most: 131_072.0 }

@@ -5,10 +5,12 @@
 pub mod axis;
 pub mod config;
 pub mod control;
+pub mod drive;
 pub mod feedback;
 pub mod interpolate;
 pub mod machine;
 pub mod protocol;
 pub mod safety;
 pub mod scalar;
+pub mod session;
 pub mod units;

@@ -63,6 +63,10 @@ pub struct Machine<S: Scalar, const N: usize> {
     until_position_tick: u32,
     power: Power,
     enable_requested: bool,
+    /// Whether the drives were on in the tick before.
+    was_on: bool,
+    /// Whether they have been on at all: until then the path keeps the start that it was given.
+    has_been_on: bool,
 }
 
 impl<S: Scalar, const N: usize> Machine<S, N> {
@@ -70,7 +74,11 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     ///
     /// # Errors
     /// [`MachineError::Config`] with the axis and the setting that was refused.
-    pub fn new(rates: Rates, settings: &[AxisSettings; N], start: [Position; N]) -> Result<Self, MachineError> {
+    pub fn new(
+        rates: Rates,
+        settings: &[AxisSettings; N],
+        start: [Position; N],
+    ) -> Result<Self, MachineError> {
         let configured = |axis: usize, settings: &AxisSettings| {
             AxisConfig::new(settings, rates).map_err(|error| MachineError::Config { axis, error })
         };
@@ -88,6 +96,8 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
             until_position_tick: 0,
             power: Power::Off,
             enable_requested: false,
+            was_on: false,
+            has_been_on: false,
         })
     }
 
@@ -110,7 +120,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         self.enable_requested = true;
     }
 
-    /// Switches the drives off, or acknowledges a fault.
+    /// Switches the drives off, or acknowledges a fault. The path is forgotten.
     pub fn disable(&mut self) {
         self.enable_requested = false;
         self.power = self.power.after(Event::Disable);
@@ -128,7 +138,13 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     }
 
     /// One tick of the velocity loops, and of path and position loops where they are due.
+    ///
+    /// A path that the drives going off has broken off is forgotten. From then on, with nothing left to
+    /// travel, the command goes where the axes are moved, so that they do not jump when enabled again.
     pub fn tick(&mut self, readings: &[Reading; N]) -> Output<S, N> {
+        if self.power != Power::On && self.has_been_on && (self.was_on || self.path.is_done()) {
+            self.stand(readings);
+        }
         if core::mem::take(&mut self.enable_requested) && self.power == Power::Off {
             self.switch_on(readings);
         }
@@ -146,6 +162,8 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
                 *force = state.velocity_tick(axis, *reading);
             }
         }
+        self.was_on = self.power == Power::On;
+        self.has_been_on |= self.was_on;
         Output {
             forces,
             commands: self.path.command(),
@@ -182,8 +200,17 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         }
         if let Some(fault) = found {
             self.power = self.power.after(Event::Fault(fault));
-            self.path.stand_at(readings.map(|reading| reading.motor));
+            self.stand(readings);
         }
+    }
+
+    /// Forgets the path and makes the command what the position loops read: no error, no jump.
+    fn stand(&mut self, readings: &[Reading; N]) {
+        let mut place = self.path.command();
+        for ((place, axis), reading) in place.iter_mut().zip(&self.axes).zip(readings) {
+            *place = axis.feedback.settled(reading.motor, reading.table);
+        }
+        self.path.stand_at(place);
     }
 }
 

@@ -3,7 +3,7 @@
 //! | state | event | next state |
 //! |---|---|---|
 //! | Off | enable | On |
-//! | On | disable | Off |
+//! | On | disable | Off: drives off, path forgotten |
 //! | On | fault | Faulted: drives off, path forgotten |
 //! | Faulted | disable (acknowledge) | Off |
 //! | Faulted | enable | Faulted: nothing moves without a fresh enable after the acknowledgement |

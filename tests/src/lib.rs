@@ -1,1 +1,3 @@
-//! placeholder
+//! What several of the tests need.
+
+pub mod firmware;

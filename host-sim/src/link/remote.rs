@@ -51,7 +51,9 @@ impl<C: Connection> Remote<C> {
         in_process(format, rates, settings, start)?;
         let axes = settings.len();
         if axes > AXES {
-            return Err(ControllerError::Link(format!("a machine of {axes} axes: the controller there has {AXES}")));
+            return Err(ControllerError::Link(format!(
+                "a machine of {axes} axes: the controller there has {AXES}"
+            )));
         }
         let setup = Setup {
             format: match format {
@@ -100,7 +102,9 @@ impl<C: Connection> Controller for Remote<C> {
                 let refused = Planned::new(&alone, [Position(0)], 1.0).map_err(MachineError::Path);
                 return refused.map(|_| ()).map_err(ControllerError::Refused);
             }
-            (PathShape::Line { to_m }, axes) if to_m.len() != axes => return Err(ControllerError::Axes(axes)),
+            (PathShape::Line { to_m }, axes) if to_m.len() != axes => {
+                return Err(ControllerError::Axes(axes));
+            }
             _ => block.clone(),
         };
         let block = block.for_axes::<AXES>().ok_or(ControllerError::Axes(self.axes))?;
@@ -189,7 +193,12 @@ mod tests {
     }
 
     /// Both controllers on an axis that follows its command a tick late.
-    fn assert_same(mut ours: Box<dyn Controller>, mut theirs: Remote<Here>, blocks: &[PathBlock], axes: usize) {
+    fn assert_same(
+        mut ours: Box<dyn Controller>,
+        mut theirs: Remote<Here>,
+        blocks: &[PathBlock],
+        axes: usize,
+    ) {
         for controller in [ours.as_mut(), &mut theirs as &mut dyn Controller] {
             for block in blocks {
                 controller.push(block).unwrap();
@@ -225,7 +234,10 @@ mod tests {
 
     #[test]
     fn two_axes_compute_what_they_would_here() {
-        let settings = [AxisSettings::default(), AxisSettings { law: shared::config::Law::Hpc, ..AxisSettings::default() }];
+        let settings = [
+            AxisSettings::default(),
+            AxisSettings { law: shared::config::Law::Hpc, ..AxisSettings::default() },
+        ];
         let start = [Position(0), Position(0)];
         for format in FORMATS {
             let ours = in_process(format, RATES, &settings, &start).unwrap();
@@ -240,7 +252,9 @@ mod tests {
             in_process(Format::Fixed, RATES, settings, start).err().map(|error| error.to_string())
         };
         let there = |settings: &[AxisSettings], start: &[Position]| {
-            Remote::set_up(Here::default(), Format::Fixed, RATES, settings, start).err().map(|error| error.to_string())
+            Remote::set_up(Here::default(), Format::Fixed, RATES, settings, start)
+                .err()
+                .map(|error| error.to_string())
         };
         let good = AxisSettings::default();
         let bad = AxisSettings { position_gain_per_s: -1.0, ..good };
@@ -267,7 +281,8 @@ mod tests {
             let start = vec![Position(0); axes];
             for block in &blocks {
                 let mut ours = in_process(Format::Fixed, RATES, &settings, &start).unwrap();
-                let mut theirs = Remote::set_up(Here::default(), Format::Fixed, RATES, &settings, &start).unwrap();
+                let mut theirs =
+                    Remote::set_up(Here::default(), Format::Fixed, RATES, &settings, &start).unwrap();
                 let words = |pushed: Result<(), ControllerError>| pushed.map_err(|error| error.to_string());
                 assert_eq!(words(theirs.push(block)), words(ours.push(block)), "{axes} axes, {block:?}");
             }
@@ -277,7 +292,9 @@ mod tests {
     #[test]
     fn an_answer_that_is_none_is_an_error_of_the_link() {
         let connection = Here { damage: true, ..Here::default() };
-        let error = Remote::set_up(connection, Format::Fixed, RATES, &[AxisSettings::default()], &[Position(0)]).err();
+        let error =
+            Remote::set_up(connection, Format::Fixed, RATES, &[AxisSettings::default()], &[Position(0)])
+                .err();
         let Some(ControllerError::Link(message)) = error else { panic!("{error:?}") };
         assert!(message.contains("unexpected answer") && !message.contains('\n'), "{message}");
     }

@@ -1,7 +1,8 @@
 //! Motion of one axis: two masses and a screw, or one rigid mass.
 //!
-//! Semi-implicit Euler (velocities first, positions with the new velocities): it keeps the energy of
-//! the spring bounded and costs one force evaluation a step.
+//! Half a step of drift, forces in the middle, half a step of drift (position Verlet): it keeps the
+//! energy of the spring bounded, costs one force evaluation a step, and is of second order. A first
+//! order shows: half a step of 30 µs between position and velocity is half a percent of mass.
 
 use super::parameters::AxisParameters;
 
@@ -31,33 +32,38 @@ impl AxisMotion {
 
     /// One step under a drive force, N.
     pub fn step(&mut self, parameters: &AxisParameters, force_n: f64, step_s: f64) {
+        let half_s = 0.5 * step_s;
+        self.motor_m += self.motor_m_per_s * half_s;
         let drive = force_n + parameters.ripple_n(self.motor_m) - parameters.motor_friction_n(self.motor_m_per_s);
         match &parameters.spring {
-            None => self.step_rigid(parameters, drive, step_s),
+            None => self.kick_rigid(parameters, drive, step_s),
             Some(spring) => {
+                self.table_m += self.table_m_per_s * half_s;
                 let nominal = parameters.screw.nominal_m(self.motor_m);
                 let table = (self.table_m, self.table_m_per_s);
                 let spring = parameters.screw.force_n(spring, nominal, self.motor_m_per_s, table);
                 self.motor_m_per_s += (drive - spring) / parameters.motor_mass_kg * step_s;
-                self.motor_m += self.motor_m_per_s * step_s;
-                self.step_table(parameters, spring, step_s);
+                self.kick_table(parameters, spring, step_s);
+                self.table_m += self.table_m_per_s * half_s;
             }
+        }
+        self.motor_m += self.motor_m_per_s * half_s;
+        if parameters.spring.is_none() {
+            self.follow_rigidly(parameters, step_s);
         }
     }
 
-    /// One step of the table alone under the force of the screw, N.
-    pub fn step_table(&mut self, parameters: &AxisParameters, spring_n: f64, step_s: f64) {
+    fn kick_table(&mut self, parameters: &AxisParameters, spring_n: f64, step_s: f64) {
         let friction = parameters.friction.step(&mut self.bristle_m, self.table_m_per_s, step_s);
         let force = spring_n - friction - parameters.load.force_n;
         self.table_m_per_s2 = force / parameters.table_mass_kg;
         self.table_m_per_s += self.table_m_per_s2 * step_s;
-        self.table_m += self.table_m_per_s * step_s;
     }
 
-    fn step_rigid(&mut self, parameters: &AxisParameters, drive_n: f64, step_s: f64) {
+    fn kick_rigid(&mut self, parameters: &AxisParameters, drive_n: f64, step_s: f64) {
         let mass = parameters.motor_mass_kg + parameters.table_mass_kg;
         let friction = &parameters.friction;
-        let velocity = if friction.has_bristles() {
+        self.motor_m_per_s = if friction.has_bristles() {
             let resistance = friction.step(&mut self.bristle_m, self.motor_m_per_s, step_s);
             self.motor_m_per_s + (drive_n - resistance - parameters.load.force_n) / mass * step_s
         } else {
@@ -65,14 +71,11 @@ impl AxisMotion {
             let free = self.motor_m_per_s + (drive_n - resistance) / mass * step_s;
             friction.stopped(free, mass, step_s)
         };
-        self.motor_m_per_s = velocity;
-        self.motor_m += velocity * step_s;
-        self.follow_rigidly(parameters, self.motor_m, step_s);
     }
 
-    /// Puts the table where a rigid screw carries it for a motor position, m.
-    pub fn follow_rigidly(&mut self, parameters: &AxisParameters, motor_m: f64, step_s: f64) {
-        let table_m = parameters.screw.carried_m(parameters.screw.nominal_m(motor_m), self.table_m);
+    /// Puts the table where a rigid screw carries it.
+    fn follow_rigidly(&mut self, parameters: &AxisParameters, step_s: f64) {
+        let table_m = parameters.screw.carried_m(parameters.screw.nominal_m(self.motor_m), self.table_m);
         let velocity = (table_m - self.table_m) / step_s;
         self.table_m_per_s2 = (velocity - self.table_m_per_s) / step_s;
         self.table_m_per_s = velocity;

@@ -1,8 +1,10 @@
 //! Least squares over the stages of a scope, within bounds (Levenberg and Marquardt).
 //!
-//! Each stage is weighted by its own residual, so that the product of the stages' errors becomes
-//! small, whatever their units. The normal equations are kept by block of the log: leaving blocks out
+//! Each stage of each log is weighted by its own residual, so that the product of their errors becomes
+//! small, whatever their units and however rough the motion. The normal equations are kept by block of the log: leaving blocks out
 //! then costs a small linear solve, not another fit ([`super::held_out`]).
+
+use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -30,6 +32,8 @@ pub struct Block {
     pub log: usize,
     /// Number within the log, 0 to [`BLOCKS`] − 1.
     pub part: usize,
+    /// Weight of its residuals.
+    pub weight: f64,
     /// Samples that count.
     pub samples: usize,
     /// Σ r².
@@ -49,8 +53,8 @@ pub struct Fitted {
     pub slots: Vec<Slot>,
     /// The normal equations there.
     pub blocks: Vec<Block>,
-    /// Weight of each stage of the scope: 1/its error.
-    pub weights: Vec<(Stage, f64)>,
+    /// Weight of each part of the residuals.
+    pub weights: Vec<f64>,
 }
 
 impl Fitted {
@@ -67,14 +71,14 @@ impl Fitted {
     }
 }
 
-/// Weights of a scope's stages for residuals: 1/max(rms, noise).
+/// Weight of each part: 1/max(rms, noise) of its stage over its log.
 #[must_use]
-pub fn weights(evidence: &Evidence<'_>, model: &AxisModel, scope: &Scope, parts: &[Part]) -> Vec<(Stage, f64)> {
-    let weight = |&stage: &Stage| {
-        let error = rms(parts, stage, evidence).max(evidence.noise(model, stage)).max(1e-12);
-        (stage, error.recip())
+pub fn weights(evidence: &Evidence<'_>, model: &AxisModel, parts: &[Part]) -> Vec<f64> {
+    let weight = |part: &Part| {
+        let error = rms(std::slice::from_ref(part), part.stage, evidence);
+        error.max(evidence.noise_of_log(model, part.stage, part.log)).max(1e-12).recip()
     };
-    scope.stages.iter().map(weight).collect()
+    parts.iter().map(weight).collect()
 }
 
 /// Fits a scope's slots, from where the model stands.
@@ -82,7 +86,7 @@ pub fn weights(evidence: &Evidence<'_>, model: &AxisModel, scope: &Scope, parts:
 pub fn fit(evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope, steps: usize) -> Fitted {
     let mut model = start.clone();
     let mut parts = evidence.residuals(&model, scope);
-    let mut weights = weights(evidence, &model, scope, &parts);
+    let mut weights = weights(evidence, &model, &parts);
     let mut damping = 1e-3;
     let mut blocks = Vec::new();
     for step in 0..=steps.min(MOST_STEPS) {
@@ -108,7 +112,7 @@ pub fn fit(evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope, steps: usi
             }
             damping *= 10.0;
         }
-        weights = self::weights(evidence, &model, scope, &parts);
+        weights = self::weights(evidence, &model, &parts);
         if gained < ENOUGH {
             let slots = model.slots(scope);
             if gained > 0.0 {
@@ -121,24 +125,25 @@ pub fn fit(evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope, steps: usi
 }
 
 /// Weighted Σr² with the pull of what is known beforehand.
-fn cost(parts: &[Part], weights: &[(Stage, f64)], slots: &[Slot]) -> f64 {
-    let data: f64 = parts
-        .iter()
-        .map(|part| weight_of(weights, part.stage).powi(2) * part.values.iter().map(|r| r * r).sum::<f64>())
-        .sum();
+fn cost(parts: &[Part], weights: &[f64], slots: &[Slot]) -> f64 {
+    let squares = |part: &Part| part.values.iter().map(|r| r * r).sum::<f64>();
+    let data: f64 = parts.iter().zip(weights).map(|(part, weight)| weight * weight * squares(part)).sum();
     let pull = |slot: &Slot| slot.prior.map_or(0.0, |(centre, spread)| ((slot.coordinate.value - centre) / spread).powi(2));
     data + slots.iter().map(pull).sum::<f64>()
 }
 
-fn weight_of(weights: &[(Stage, f64)], stage: Stage) -> f64 {
-    weights.iter().find(|(s, _)| *s == stage).map_or(0.0, |(_, weight)| *weight)
-}
-
-/// Derivatives of all residuals by one-sided differences, slot by slot, in parallel.
+/// Derivatives of all residuals for a range of a model's slots, by one-sided differences, in parallel.
 #[must_use]
-pub fn derivatives(evidence: &Evidence<'_>, model: &AxisModel, scope: &Scope, slots: &[Slot], parts: &[Part]) -> Vec<Vec<Part>> {
+pub fn derivatives(
+    evidence: &Evidence<'_>,
+    model: &AxisModel,
+    scope: &Scope,
+    range: Range<usize>,
+    parts: &[Part],
+) -> Vec<Vec<Part>> {
+    let slots = model.slots(scope);
     let values: Vec<f64> = slots.iter().map(|slot| slot.coordinate.value).collect();
-    (0..slots.len())
+    range
         .into_par_iter()
         .map(|j| {
             let coordinate = &slots[j].coordinate;
@@ -163,18 +168,18 @@ fn linearise(
     scope: &Scope,
     slots: &[Slot],
     parts: &[Part],
-    weights: &[(Stage, f64)],
+    weights: &[f64],
 ) -> Vec<Block> {
-    let columns = derivatives(evidence, model, scope, slots, parts);
+    let columns = derivatives(evidence, model, scope, 0..slots.len(), parts);
     blocks(evidence, &columns.iter().collect::<Vec<_>>(), parts, weights)
 }
 
 /// Normal equations by block from residuals and their derivatives.
 #[must_use]
-pub fn blocks(evidence: &Evidence<'_>, columns: &[&Vec<Part>], parts: &[Part], weights: &[(Stage, f64)]) -> Vec<Block> {
+pub fn blocks(evidence: &Evidence<'_>, columns: &[&Vec<Part>], parts: &[Part], weights: &[f64]) -> Vec<Block> {
     let n = columns.len();
     let of_part = |(p, part): (usize, &Part)| {
-        let weight = weight_of(weights, part.stage).powi(2);
+        let weight = weights[p] * weights[p];
         let length = part.values.len().div_ceil(BLOCKS).max(1);
         let settling = evidence.settling(part.log);
         let mut blocks = Vec::with_capacity(BLOCKS);
@@ -196,6 +201,7 @@ pub fn blocks(evidence: &Evidence<'_>, columns: &[&Vec<Part>], parts: &[Part], w
                 stage: part.stage,
                 log: part.log,
                 part: number,
+                weight: weights[p],
                 samples: range.len() - settling.saturating_sub(start).min(range.len()),
                 squares: weight * dot(residual, residual),
                 gradient,

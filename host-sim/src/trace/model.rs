@@ -1,12 +1,11 @@
 //! The model of one axis and the numbers in it that a fit may move.
 
-use super::scope::Scope;
+use super::scope::{Mechanics, Scope};
 use crate::effects::{Coordinate, Effect, Stage};
 use crate::machine::Axis;
 
 /// A declared number with a tolerance.
 struct Declared {
-    name: &'static str,
     get: fn(&Axis) -> Option<f64>,
     set: fn(&mut Axis, f64),
 }
@@ -14,8 +13,7 @@ struct Declared {
 macro_rules! declared {
     ($($key:ident),+) => {
         &[$(Declared {
-            name: stringify!($key),
-            get: |axis| axis.$key,
+                get: |axis| axis.$key,
             set: |axis, value| axis.$key = Some(value),
         }),+]
     };
@@ -107,12 +105,10 @@ impl AxisModel {
                 slots.push(free(Coordinate::signed(zero, 0.01, 1e6)));
             }
         }
-        if scope.mechanics {
-            slots.extend(self.adjustable().map(|(key, centre)| {
-                let value = (key.get)(&self.axis).unwrap_or(centre);
-                self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre)
-            }));
-        }
+        slots.extend(self.adjustable(scope).map(|(key, centre)| {
+            let value = (key.get)(&self.axis).unwrap_or(centre);
+            self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre)
+        }));
         for (i, effect) in self.effects_of(scope) {
             let declared = self.declared.effect.get(i).map(Effect::coordinates);
             for (j, coordinate) in effect.coordinates().into_iter().enumerate() {
@@ -137,10 +133,8 @@ impl AxisModel {
         if scope.stages.contains(&Stage::Tool) {
             model.tool_zero_um = next(self.tool_zero_um);
         }
-        if scope.mechanics {
-            for (key, centre) in self.adjustable() {
-                (key.set)(&mut model.axis, next(centre));
-            }
+        for (key, centre) in self.adjustable(scope) {
+            (key.set)(&mut model.axis, next(centre));
         }
         for (i, effect) in self.effects_of(scope) {
             let moved: Vec<f64> = effect.coordinates().iter().map(|c| next(c.value)).collect();
@@ -153,15 +147,19 @@ impl AxisModel {
         0.01 * self.declared.plant_tolerance_percent.unwrap_or(0.0)
     }
 
-    /// Declared keys with a tolerance, and their declared values.
-    fn adjustable(&self) -> impl Iterator<Item = (&'static Declared, f64)> {
-        // Wind-up takes the place of the declared stiffness, which then shapes nothing.
-        let winds_up = self.axis.effect.iter().any(|effect| matches!(effect, Effect::Windup(_)));
-        let has_tolerance = self.tolerance() > 0.0;
-        DECLARED
+    /// Declared keys that a scope fits, and their declared values. A rigid axis has its mass where the
+    /// file puts it: the first mass that is not zero stands for both.
+    fn adjustable(&self, scope: &Scope) -> impl Iterator<Item = (&'static Declared, f64)> {
+        let tolerance = self.tolerance();
+        let keys = DECLARED
             .iter()
-            .filter(move |key| has_tolerance && !(winds_up && key.name == "stiffness_n_per_um"))
-            .filter_map(|key| (key.get)(&self.declared).filter(|&centre| centre > 0.0).map(|centre| (key, centre)))
+            .filter_map(move |key| (key.get)(&self.declared).filter(|&v| v > 0.0).map(|v| (key, v)))
+            .filter(move |_| tolerance > 0.0);
+        keys.take(match scope.mechanics {
+            Mechanics::All => DECLARED.len(),
+            Mechanics::MotorMass => 1,
+            Mechanics::None => 0,
+        })
     }
 
     /// A coordinate that may lie as far from its declared value as the machine file tolerates.

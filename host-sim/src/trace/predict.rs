@@ -26,6 +26,9 @@ pub struct Driven {
 
 /// Drives the mechanics with the measured motor.
 ///
+/// The measured motor is filtered, and what follows it linearly is so with it; friction, gaps and
+/// wobbles do not, and pass the same filter afterwards.
+///
 /// `hold_n_s2_per_m` is what the logged force lacks per acceleration because the velocity command is
 /// held while the velocity goes on: see [`hold`].
 #[must_use]
@@ -41,6 +44,9 @@ pub fn driven(parameters: &AxisParameters, motor: &Smooth, sample_s: f64, hold_n
     // motor through a play of that width, and the table is given what the play held back.
     let play_m = 1.5 * motor.noise;
     let late_s = late_s(parameters, Channel::Table);
+
+    // Stretch of the spring per acceleration of the table.
+    let give = parameters.spring.as_ref().map_or(0.0, |spring| parameters.table_mass_kg / spring.stiffness_n_per_m);
 
     let mut motor_m = truth(first);
     let nominal_m = parameters.screw.nominal_m(motor_m);
@@ -65,17 +71,28 @@ pub fn driven(parameters: &AxisParameters, motor: &Smooth, sample_s: f64, hold_n
             table.step(parameters, screw, step_s);
         }
         let table_m = table.position_m(parameters, screw);
-        let force = (parameters.motor_mass_kg - hold_n_s2_per_m) * motor.acceleration[i]
-            + parameters.motor_friction_n(motor.velocity[i])
-            - parameters.ripple_n(motor_m)
-            + table.transmitted_n;
+        let force = parameters.motor_friction_n(motor.velocity[i]) - parameters.ripple_n(motor_m)
+            + table.transmitted_n
+            - parameters.table_mass_kg * motor.acceleration[i];
         let velocity = (table_m - table_before) / sample_s;
         let behind = late_s * (velocity - 0.5 * late_s * motor.acceleration[i]);
-        result.table_m.push(table_m + held_back - behind);
+        result.table_m.push(table_m + held_back - behind - motor.position[i] + give * motor.acceleration[i]);
         result.force_n.push(0.5 * (force + force_before.unwrap_or(force)));
         (table_before, force_before) = (table_m, Some(force));
     }
-    result
+    let mass = parameters.motor_mass_kg + parameters.table_mass_kg - hold_n_s2_per_m;
+    let acceleration = |i: usize| motor.acceleration[i];
+    Driven {
+        table_m: linear(&motor.filtered(&result.table_m), |i| motor.position[i] - give * acceleration(i)),
+        force_n: linear(&motor.filtered(&result.force_n), |i| {
+            0.5 * mass * (acceleration(i) + acceleration(i.saturating_sub(1)))
+        }),
+    }
+}
+
+/// Values with a part added that follows the filtered motor linearly.
+fn linear(values: &[f64], part: impl Fn(usize) -> f64) -> Vec<f64> {
+    values.iter().enumerate().map(|(i, value)| value + part(i)).collect()
 }
 
 /// Difference between the mean force of a sample's interval and the force of its last velocity tick,

@@ -109,7 +109,9 @@ impl Evidence<'_> {
         (squares.sum::<f64>() / self.logs.len().max(1) as f64).sqrt()
     }
 
-    fn noise_of_log(&self, model: &AxisModel, stage: Stage, log: usize) -> f64 {
+    /// The same for one log.
+    #[must_use]
+    pub fn noise_of_log(&self, model: &AxisModel, stage: Stage, log: usize) -> f64 {
         let signals = self.signals(log);
         let of = |smooth: &Option<Smooth>, value: fn(&Smooth) -> f64| smooth.as_ref().map_or(0.0, value);
         let position = |smooth: &Option<Smooth>| 1e6 * of(smooth, |smooth| smooth.position_noise);

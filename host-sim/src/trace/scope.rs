@@ -4,13 +4,25 @@ use super::signals::{AxisSignals, Signals};
 use crate::effects::{Effect, Stage};
 use crate::machine::Axis;
 
+/// Which of the declared mechanical values are fitted on a set of stages.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Mechanics {
+    /// All of them, and the mechanical effects.
+    All,
+    /// The motor's mass: the loop shows the sum of the masses to a few per mille, better than a force
+    /// whose motion is differentiated; what the loop's own effects explain must not be such an error.
+    MotorMass,
+    /// None.
+    None,
+}
+
 /// A set of stages with the parameters that are fitted on them.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Scope {
     /// Stages whose residuals are made small together.
     pub stages: Vec<Stage>,
-    /// Whether masses, stiffness, friction and mechanical effects are fitted here.
-    pub mechanics: bool,
+    /// Masses, stiffness, friction and mechanical effects that are fitted here.
+    pub mechanics: Mechanics,
 }
 
 /// A stage that cannot be formed, and what it would need.
@@ -30,7 +42,7 @@ impl Scope {
         match effect.stages() {
             [Stage::Motor] => self.stages.contains(&Stage::Motor),
             [Stage::Tool] => self.stages.contains(&Stage::Tool),
-            stages => self.mechanics && stages.iter().any(|stage| self.stages.contains(stage)),
+            stages => self.mechanics == Mechanics::All && stages.iter().any(|stage| self.stages.contains(stage)),
         }
     }
 }
@@ -74,9 +86,10 @@ pub fn scopes(axis: &Axis, index: usize, logs: &[Signals]) -> (Vec<Scope>, Vec<N
     }
     let among = |wanted: &[Stage]| wanted.iter().copied().filter(|stage| formed.contains(stage)).collect::<Vec<_>>();
     let mechanics = among(&[Stage::Table, Stage::Force]);
-    let servo = Scope { stages: among(&[Stage::Motor]), mechanics: mechanics.is_empty() };
-    let structure = Scope { stages: among(&[Stage::Tool]), mechanics: false };
-    let mechanics = Scope { stages: mechanics, mechanics: true };
+    let on_motor = if mechanics.is_empty() { Mechanics::All } else { Mechanics::MotorMass };
+    let servo = Scope { stages: among(&[Stage::Motor]), mechanics: on_motor };
+    let structure = Scope { stages: among(&[Stage::Tool]), mechanics: Mechanics::None };
+    let mechanics = Scope { stages: mechanics, mechanics: Mechanics::All };
     let scopes = [mechanics, servo, structure].into_iter().filter(|scope| !scope.stages.is_empty()).collect();
     (scopes, not_testable)
 }

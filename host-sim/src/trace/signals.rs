@@ -43,6 +43,8 @@ pub struct Smooth {
     pub position_noise: f64,
     /// What becomes of it in `acceleration`.
     pub acceleration_noise: f64,
+    /// Samples on either side of one that the filter uses.
+    half: usize,
 }
 
 /// One log.
@@ -126,16 +128,8 @@ impl Smooth {
     /// 1964); the ends take the cubic of the outermost full window.
     #[must_use]
     pub fn new(raw: Vec<f64>, sample_s: f64, half: usize) -> Self {
-        let n = raw.len();
         let cubic = Cubic::new(half);
-        let mut position = raw.clone();
-        if n > 2 * half {
-            for (centre, value) in position.iter_mut().enumerate() {
-                let middle = centre.clamp(half, n - half - 1);
-                let offset = centre as f64 - middle as f64;
-                *value = cubic.value(&raw[middle - half..=middle + half], offset);
-            }
-        }
+        let position = cubic.filtered(&raw);
         let (velocity, acceleration) = differences(&position, sample_s);
         let noise = noise(&raw);
         Self {
@@ -146,7 +140,14 @@ impl Smooth {
             position,
             velocity,
             acceleration,
+            half,
         }
+    }
+
+    /// Passes a modelled signal through the filter that this channel has passed.
+    #[must_use]
+    pub fn filtered(&self, values: &[f64]) -> Vec<f64> {
+        Cubic::new(self.half).filtered(values)
     }
 }
 
@@ -195,9 +196,25 @@ impl Cubic {
         Self { weights, middle }
     }
 
+    /// Every sample replaced by the cubic around it; the ends by that of the outermost full window.
+    fn filtered(&self, raw: &[f64]) -> Vec<f64> {
+        let (n, half) = (raw.len(), self.middle.len() / 2);
+        if n <= 2 * half {
+            return raw.to_vec();
+        }
+        let inner = raw.windows(2 * half + 1).map(|window| {
+            // Relative to the middle: positions of a metre keep their nanometres.
+            let middle = window[half];
+            middle + window.iter().zip(&self.middle).map(|(value, weight)| (value - middle) * weight).sum::<f64>()
+        });
+        let (first, last) = (&raw[..=2 * half], &raw[n - 2 * half - 1..]);
+        let before = (0..half).map(|i| self.value(first, i as f64 - half as f64));
+        let after = (1..=half).map(|i| self.value(last, i as f64));
+        before.chain(inner).chain(after).collect()
+    }
+
     /// Value of the cubic through a window at an offset from its middle.
     fn value(&self, window: &[f64], offset: f64) -> f64 {
-        // Relative to the middle: positions of a metre keep their nanometres.
         let middle = window[window.len() / 2];
         let mut sums = [0.0; 4];
         for (value, weights) in window.iter().zip(&self.weights) {

@@ -37,6 +37,15 @@ impl<S: Scalar> State<S> {
 }
 
 impl<S: Scalar> Feedback<S> {
+    /// Where the loop finds the axis when it starts on these readings.
+    #[must_use]
+    pub fn settled(&self, motor: Position, table: Option<Position>) -> Position {
+        match self {
+            Self::Motor => motor,
+            Self::Table | Self::Dual { .. } => table.unwrap_or(motor),
+        }
+    }
+
     /// The position to close the loop on. Without a table reading the last correction holds.
     pub fn position(&self, state: &mut State<S>, motor: Position, table: Option<Position>) -> Position {
         match (self, table) {

@@ -1,6 +1,6 @@
 //! From blocks to a command position every tick.
 //!
-//! A [`Block`] in SI is planned once ([`planned`]): its geometry becomes a [`line`] or an [`arc`]
+//! A [`Block`] in SI is planned once ([`planned`]): its geometry becomes a [`mod@line`] or an [`arc`]
 //! over the path length, its speed a [`trapezoid`] over time. All of it is integer.
 
 pub mod arc;

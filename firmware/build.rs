@@ -1,0 +1,22 @@
+//! Gives the linker script of cortex-m-rt the memory map of the chip that the feature names.
+
+use std::path::PathBuf;
+use std::{env, fs};
+
+fn main() {
+    println!("cargo:rerun-if-changed=memory");
+    let chosen = |feature: &str| env::var_os(format!("CARGO_FEATURE_{feature}")).is_some();
+    let map = match (chosen("BOARD"), chosen("EMULATED")) {
+        (true, false) => "memory/board.x",
+        (false, true) => "memory/emulated.x",
+        // Without a feature there is no program to link.
+        (false, false) => return,
+        (true, true) => panic!("choose one of the features board and emulated: their memory maps differ"),
+    };
+    let out = PathBuf::from(env::var_os("OUT_DIR").expect("cargo sets OUT_DIR"));
+    fs::copy(map, out.join("memory.x")).expect("OUT_DIR can be written to");
+    println!("cargo:rustc-link-search={}", out.display());
+    // Sections are not aligned to pages: flash has none.
+    println!("cargo:rustc-link-arg-bins=--nmagic");
+    println!("cargo:rustc-link-arg-bins=-Tlink.x");
+}

@@ -1,0 +1,64 @@
+//! The controller on an STM32F405: a timer interrupt runs the tick, 20,000 times a second.
+#![no_std]
+#![no_main]
+
+use core::panic::PanicInfo;
+
+use cortex_m_rt::{ExceptionFrame, exception};
+use firmware::board::drives_off;
+
+#[rtic::app(device = stm32f4xx_hal::pac)]
+mod app {
+    use firmware::board::Hardware;
+    use firmware::setup::AXES;
+    use shared::drive::Station;
+    use shared::scalar::Fixed;
+
+    #[shared]
+    struct Shared {}
+
+    #[local]
+    struct Local {
+        hardware: Hardware,
+        station: Station<Fixed, AXES>,
+    }
+
+    #[init]
+    fn init(context: init::Context) -> (Shared, Local) {
+        let (hardware, station) =
+            Hardware::new(context.device).expect("a test on the host has tried these values");
+        (Shared {}, Local { hardware, station })
+    }
+
+    #[task(binds = TIM2, local = [hardware, station])]
+    fn tick(context: tick::Context) {
+        let tick::LocalResources { hardware, station, .. } = context.local;
+        hardware.begin_tick();
+        station.tick(hardware);
+    }
+}
+
+/// A panic, which only the start can reach: drives off, until the watchdog or a hand resets the chip.
+#[panic_handler]
+fn panic(_: &PanicInfo) -> ! {
+    stop()
+}
+
+/// What the processor itself refuses. Its default would leave the drives as they are.
+#[exception]
+unsafe fn HardFault(_: &ExceptionFrame) -> ! {
+    stop()
+}
+
+/// An interrupt or exception that nobody handles.
+#[exception]
+unsafe fn DefaultHandler(_: i16) -> ! {
+    stop()
+}
+
+fn stop() -> ! {
+    cortex_m::interrupt::disable();
+    loop {
+        drives_off();
+    }
+}

@@ -1,0 +1,109 @@
+//! The machine on the board: what a builder of another one changes, and nothing else.
+//!
+//! Two screws of 5 mm lead with 5000-line encoders on their motors, 15 kg each as the motor feels it.
+//! The values have to be accepted by [`Machine::new`] and [`Amplifier::new`]; a test on the host sees to that.
+
+use shared::config::{AxisSettings, Law, Rates, Sensors};
+use shared::drive::{Amplifier, DriveError, EnableSwitch, Station};
+use shared::feedback::encoder::Encoder;
+use shared::interpolate::Block;
+use shared::interpolate::block::Shape;
+use shared::machine::{Machine, MachineError};
+use shared::scalar::Fixed;
+use shared::units::Position;
+
+/// Axes of the board.
+pub const AXES: usize = 2;
+
+/// Ticks a second, and every how many of them the position loops run.
+pub const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
+
+/// Frequency of [`RATES`] for the tick timer, Hz.
+pub const TICK_HZ: u32 = 20_000;
+
+/// The crystal, Hz.
+pub const CRYSTAL_HZ: u32 = 8_000_000;
+
+/// Frequency of the PWM, Hz: inaudible, and 8400 counts at 168 MHz.
+pub const PWM_HZ: u32 = 20_000;
+
+/// Lead over counts of a turn (four a line): 0.25 µm.
+pub const METRES_PER_COUNT: [f64; AXES] = [5e-3 / 20_000.0; AXES];
+
+/// Force at full duty, N.
+pub const FULL_DUTY_N: [f64; AXES] = [400.0; AXES];
+
+/// Ticks that the enable switch has to stand still before closing counts: 20 ms.
+pub const SWITCH_SETTLING_TICKS: u32 = 400;
+
+/// The loops. Kv gives 15 kg a velocity loop of 32 Hz, where one encoder count, 5 mm/s in one tick, is
+/// 15 N; Kp is a quarter of what that allows. The feed of [`PROGRAM`] would lag 1.3 mm without feed-forward.
+pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
+    law: Law::P,
+    position_gain_per_s: 25.0,
+    feedforward_percent: 100.0,
+    velocity_gain_n_s_per_m: 3_000.0,
+    velocity_integral_time_s: Some(0.02),
+    velocity_lag_s: 0.0,
+    force_limit_n: 200.0,
+    sensors: Sensors::Motor,
+    // Small, for it is also how far the axes may have been pushed by hand before the first enable.
+    following_error_limit_m: 1e-3,
+}; AXES];
+
+/// What the board travels once it is enabled: a second to stand back, then two turns of a circle of
+/// 10 mm radius at 2 m/min that starts and ends where it stands.
+pub const PROGRAM: [Block<AXES>; 2] = [
+    Block::dwell(1.0),
+    Block {
+        shape: Shape::Arc { plane: [0, 1], centre_m: [-0.01, 0.0], turns: 2.0 },
+        feed_m_per_s: 2.0 / 60.0,
+        acceleration_m_per_s2: 0.5,
+    },
+];
+
+/// Why the values above make no machine.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum SetupError {
+    /// Loops or program.
+    Machine(MachineError),
+    /// Power stage.
+    Drive(DriveError),
+    /// Metres per count.
+    Encoder,
+}
+
+impl From<MachineError> for SetupError {
+    fn from(error: MachineError) -> Self {
+        Self::Machine(error)
+    }
+}
+
+impl From<DriveError> for SetupError {
+    fn from(error: DriveError) -> Self {
+        Self::Drive(error)
+    }
+}
+
+/// The controller with its program queued, drives off, for power stages of `full_counts` PWM counts.
+///
+/// # Errors
+/// The [`SetupError`] that says which value is wrong.
+pub fn station(full_counts: u16) -> Result<Station<Fixed, AXES>, SetupError> {
+    let mut machine = Machine::new(RATES, &SETTINGS, [Position(0); AXES])?;
+    for block in &PROGRAM {
+        machine.push(block).map_err(MachineError::from)?;
+    }
+    let [x, y] = FULL_DUTY_N;
+    let amplifiers = [Amplifier::new(x, full_counts)?, Amplifier::new(y, full_counts)?];
+    Ok(Station::new(machine, amplifiers, EnableSwitch::new(SWITCH_SETTLING_TICKS)))
+}
+
+/// The encoders, at zero where their counters stand.
+///
+/// # Errors
+/// [`SetupError::Encoder`] where a count is not from 1 pm to 1 mm.
+pub fn encoders(raw: [u16; AXES]) -> Result<[Encoder; AXES], SetupError> {
+    let encoder = |axis: usize| Encoder::new(METRES_PER_COUNT[axis], raw[axis]).ok_or(SetupError::Encoder);
+    Ok([encoder(0)?, encoder(1)?])
+}

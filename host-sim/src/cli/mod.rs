@@ -1,0 +1,38 @@
+//! The command line: arguments in, results to stdout, progress to stderr, exit codes.
+
+mod trace;
+
+use std::process::ExitCode;
+
+use clap::{Parser, Subcommand};
+
+use crate::error::InputError;
+
+/// Finds out what a machine does that its model does not say, and gets rid of it.
+#[derive(Parser)]
+#[command(name = "lost-motion", version, about)]
+struct Arguments {
+    #[command(subcommand)]
+    command: Command,
+}
+
+#[derive(Subcommand)]
+enum Command {
+    /// Find the residual of a log, name its causes, report before and after.
+    Trace(trace::Arguments),
+}
+
+/// Runs the program. 0: done, 1: the job failed, 2: unusable arguments or input.
+#[must_use]
+pub fn run() -> ExitCode {
+    let outcome = match Arguments::parse().command {
+        Command::Trace(arguments) => trace::run(&arguments),
+    };
+    match outcome {
+        Ok(()) => ExitCode::SUCCESS,
+        Err(error) => {
+            eprintln!("lost-motion: {error:#}");
+            ExitCode::from(if error.is::<InputError>() { 2 } else { 1 })
+        }
+    }
+}

@@ -1,0 +1,316 @@
+//! One axis traced: fit what is declared, add what held-out data support, one after the other.
+
+use nalgebra::{DMatrix, DVector};
+use serde::Serialize;
+
+use super::candidates::{Candidate, rank};
+use super::fit::{self, Fitted, normal};
+use super::held_out::{compare, scores};
+use super::model::AxisModel;
+use super::residual::{Evidence, rms};
+use super::scope::{NotTestable, Scope, scopes};
+use super::unexplained::{Unexplained, unexplained};
+use crate::effects::{Effect, Stage, Surroundings, candidates};
+use crate::machine::Axis;
+
+/// Most effects that one scope may gain.
+const MOST_EFFECTS: usize = 5;
+
+/// Steps of the fit of the declared values.
+const FIT_STEPS: usize = 10;
+
+/// 97.5 % point of Student's t at 35 degrees of freedom: blocks of three logs.
+const T_975: f64 = 2.03;
+
+/// One round of the search: what was tried, and whether the best was taken.
+#[derive(Clone, Debug)]
+pub struct Round {
+    /// Where it was looked for.
+    pub stages: Vec<Stage>,
+    /// All candidates, best first.
+    pub candidates: Vec<Candidate>,
+    /// Whether the first of them was added.
+    pub added: bool,
+}
+
+/// An effect that was found, as reported.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Found {
+    /// The effect at its final parameters.
+    pub effect: Effect,
+    /// Half widths of the 95 % confidence intervals, in the order of [`Effect::parameters`].
+    pub half_widths: Vec<f64>,
+    /// Stage that it improves most on the validation logs.
+    pub stage: Stage,
+    /// By how much it lowers that stage's residual there, percent of the residual before it.
+    pub validate_reduction_percent: f64,
+}
+
+/// The error of one stage, µm or N.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StageError {
+    /// Stage.
+    pub stage: Stage,
+    /// Declared model, fitted within its tolerance.
+    pub before: Pair,
+    /// With the effects found.
+    pub after: Pair,
+    /// What no model can remove.
+    pub noise: f64,
+}
+
+/// A figure on the logs that were fitted and on those that were not.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Pair {
+    /// Fit logs.
+    pub fit: f64,
+    /// Validation logs.
+    pub validate: f64,
+}
+
+/// What came out for one axis.
+#[derive(Clone, Debug)]
+pub struct AxisTrace {
+    /// Name.
+    pub axis: String,
+    /// The declared model, fitted.
+    pub declared: AxisModel,
+    /// The model with the effects found.
+    pub model: AxisModel,
+    /// Stages that could be formed.
+    pub scopes: Vec<Scope>,
+    /// Stages that could not, and why.
+    pub not_testable: Vec<NotTestable>,
+    /// Effects, in the order in which they were added.
+    pub found: Vec<Found>,
+    /// Errors by stage.
+    pub errors: Vec<StageError>,
+    /// What stays above the noise.
+    pub unexplained: Vec<Unexplained>,
+    /// The search.
+    pub rounds: Vec<Round>,
+}
+
+/// Traces one axis. `say` is told what is being tried.
+#[must_use]
+pub fn trace(
+    declared: &Axis,
+    fit_logs: &Evidence<'_>,
+    validate: &Evidence<'_>,
+    say: &(dyn Fn(&str) + Sync),
+) -> AxisTrace {
+    let name = &fit_logs.names[fit_logs.axis];
+    let (scopes, not_testable) = scopes(declared, fit_logs.axis, fit_logs.logs);
+    let mut search = Search { fit_logs, name, say, rounds: Vec::new() };
+
+    let mut before = AxisModel::new(declared);
+    for scope in &scopes {
+        say(&format!("{name}: fitting the declared values to {}", stage_names(&scope.stages)));
+        before = fit::fit(fit_logs, &before, scope, FIT_STEPS).model;
+    }
+    let mut model = before.clone();
+    let mut final_fits = Vec::new();
+    for scope in &scopes {
+        let fitted = search.explain(&model, scope);
+        model = fitted.model.clone();
+        final_fits.push(fitted);
+    }
+    let found = reported(fit_logs, validate, &before, &model, &scopes, &final_fits);
+    let mut errors = Vec::new();
+    let mut rest = Vec::new();
+    for scope in &scopes {
+        let [fit_before, fit_after] = [&before, &model].map(|m| fit_logs.residuals(m, scope));
+        let [validate_before, validate_after] = [&before, &model].map(|m| validate.residuals(m, scope));
+        for &stage in &scope.stages {
+            let noise = fit_logs.noise(&model, stage);
+            let pair = |fit, held| Pair { fit: rms(fit, stage, fit_logs), validate: rms(held, stage, validate) };
+            errors.push(StageError {
+                stage,
+                before: pair(&fit_before, &validate_before),
+                after: pair(&fit_after, &validate_after),
+                noise,
+            });
+            rest.extend(unexplained(fit_logs, &fit_after, stage, noise, name));
+        }
+    }
+    AxisTrace {
+        axis: name.clone(),
+        declared: before,
+        model,
+        scopes,
+        not_testable,
+        found,
+        errors,
+        unexplained: rest,
+        rounds: search.rounds,
+    }
+}
+
+struct Search<'a> {
+    fit_logs: &'a Evidence<'a>,
+    name: &'a str,
+    say: &'a (dyn Fn(&str) + Sync),
+    rounds: Vec<Round>,
+}
+
+impl Search<'_> {
+    /// Adds effects to one scope until nothing is supported; drops what a later one made needless.
+    fn explain(&mut self, start: &AxisModel, scope: &Scope) -> Fitted {
+        let mut base = fit::fit(self.fit_logs, start, scope, FIT_STEPS);
+        let mut added = 0;
+        while added < MOST_EFFECTS {
+            (self.say)(&format!("{}: trying the catalogue on {}", self.name, stage_names(&scope.stages)));
+            let starts = self.starts(&base.model, scope);
+            let candidates = rank(self.fit_logs, &base, scope, starts);
+            let best = candidates.first().filter(|best| best.is_supported()).cloned();
+            self.rounds.push(Round { stages: scope.stages.clone(), candidates, added: best.is_some() });
+            let Some(Candidate { effect, fitted: Some(fitted), .. }) = best else { break };
+            (self.say)(&format!("{}: added {}", self.name, effect.name()));
+            base = fitted;
+            added += 1;
+        }
+        if added > 1 {
+            base = self.prune(base, scope);
+        }
+        base
+    }
+
+    /// Every starting point of every effect that the model has not yet.
+    fn starts(&self, model: &AxisModel, scope: &Scope) -> Vec<Effect> {
+        let names = self.fit_logs.names;
+        let others: Vec<String> = names.iter().filter(|name| *name != self.name).cloned().collect();
+        let around = Surroundings {
+            axis: &model.axis,
+            first: self.fit_logs.axis == 0,
+            others: &others,
+            stages: &scope.stages,
+        };
+        let mut starts = candidates(&around);
+        starts.retain(|effect| !model.found().iter().any(|found| is_same(found, effect)));
+        starts
+    }
+
+    fn prune(&self, mut full: Fitted, scope: &Scope) -> Fitted {
+        let mut index = 0;
+        while index < full.model.found().len() {
+            if scope.holds(&full.model.found()[index]) {
+                let without = fit::fit(self.fit_logs, &full.model.without(index), scope, FIT_STEPS);
+                let comparison = compare(&scores(&without), &scores(&full), &scope.stages);
+                let effect = full.model.found()[index].clone();
+                let gain = comparison.iter().map(|c| c.gain).sum();
+                let judged = Candidate { effect, comparison, gain, fitted: None };
+                if !judged.is_supported() {
+                    (self.say)(&format!("{}: {} is no longer needed", self.name, judged.effect.name()));
+                    full = without;
+                    continue;
+                }
+            }
+            index += 1;
+        }
+        full
+    }
+}
+
+/// Whether two entries would be the same effect twice: name, and source where there is one.
+fn is_same(a: &Effect, b: &Effect) -> bool {
+    match (a, b) {
+        (Effect::Crosstalk(a), Effect::Crosstalk(b)) => a.source == b.source,
+        (Effect::Straightness(a), Effect::Straightness(b)) => a.source == b.source,
+        (Effect::Latency(a), Effect::Latency(b)) => a.channel == b.channel,
+        _ => a.name() == b.name(),
+    }
+}
+
+/// Names of stages for people.
+#[must_use]
+pub fn stage_names(stages: &[Stage]) -> String {
+    let name = |stage: &Stage| match stage {
+        Stage::Motor => "motor",
+        Stage::Table => "table",
+        Stage::Tool => "tool",
+        Stage::Force => "force",
+    };
+    stages.iter().map(name).collect::<Vec<_>>().join(" and ")
+}
+
+/// The effects found with confidence intervals, and what each is worth on the validation logs: the
+/// residual with all effects up to it against that with those before it.
+fn reported(
+    fit_logs: &Evidence<'_>,
+    validate: &Evidence<'_>,
+    before: &AxisModel,
+    model: &AxisModel,
+    scopes: &[Scope],
+    fits: &[Fitted],
+) -> Vec<Found> {
+    let mut found = Vec::new();
+    for (scope, fitted) in scopes.iter().zip(fits) {
+        let covariance = covariance(fitted);
+        let mut last = before.clone();
+        for (index, effect) in model.found().iter().enumerate() {
+            if !scope.holds(effect) {
+                continue;
+            }
+            let next = fit::fit(fit_logs, &last.with(effect.clone()), scope, FIT_STEPS).model;
+            let [worse, better] = [&last, &next].map(|m| validate.residuals(m, scope));
+            let reduction = |&stage: &Stage| {
+                let before = rms(&worse, stage, validate);
+                (stage, 100.0 * (1.0 - rms(&better, stage, validate) / before.max(f64::MIN_POSITIVE)))
+            };
+            let (stage, validate_reduction_percent) =
+                scope.stages.iter().map(reduction).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((scope.stages[0], 0.0));
+            let slots = fitted.model.slots_of(scope, index);
+            let own = covariance.view((slots.start, slots.start), (slots.len(), slots.len())).into_owned();
+            found.push(Found {
+                effect: effect.clone(),
+                half_widths: half_widths(effect, &own),
+                stage,
+                validate_reduction_percent,
+            });
+            last = next;
+        }
+    }
+    found
+}
+
+/// Covariance of a fit's slots: H⁻¹·(Σ g gᵀ)·H⁻¹ over the blocks of the logs, which holds for errors
+/// that are correlated within a block.
+fn covariance(fitted: &Fitted) -> DMatrix<f64> {
+    let n = fitted.slots.len();
+    let (curvature, _) = normal(&fitted.blocks, &fitted.slots);
+    let regular = curvature.clone() + DMatrix::from_diagonal(&(curvature.diagonal() * 1e-9).add_scalar(1e-12));
+    let inverse = regular.cholesky().map_or_else(|| DMatrix::zeros(n, n), |c| c.inverse());
+    // Blocks of all stages over one stretch of one log go together.
+    let mut stretches: Vec<((usize, usize), DVector<f64>)> = Vec::new();
+    for block in &fitted.blocks {
+        let key = (block.log, block.part);
+        match stretches.iter_mut().find(|(k, _)| *k == key) {
+            Some((_, sum)) => *sum += &block.gradient,
+            None => stretches.push((key, block.gradient.clone())),
+        }
+    }
+    let meat = stretches.iter().fold(DMatrix::zeros(n, n), |sum, (_, g)| sum + g * g.transpose());
+    &inverse * meat * &inverse
+}
+
+/// Half widths of the parameters' intervals from the covariance of the coordinates.
+fn half_widths(effect: &Effect, covariance: &DMatrix<f64>) -> Vec<f64> {
+    let coordinates = effect.coordinates();
+    let values: Vec<f64> = coordinates.iter().map(|c| c.value).collect();
+    let parameters = effect.parameters();
+    let mut jacobian = DMatrix::zeros(parameters.len(), values.len());
+    for (j, coordinate) in coordinates.iter().enumerate() {
+        let mut moved = values.clone();
+        let step = 1e-3 * coordinate.step;
+        moved[j] += step;
+        for (i, (name, value)) in effect.at(&moved).parameters().iter().enumerate() {
+            let mut change = value - parameters[i].1;
+            if name.starts_with("phase") {
+                change = (change + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+            }
+            jacobian[(i, j)] = change / step;
+        }
+    }
+    let spread = &jacobian * covariance * jacobian.transpose();
+    spread.diagonal().iter().map(|variance| T_975 * variance.max(0.0).sqrt()).collect()
+}

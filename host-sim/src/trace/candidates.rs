@@ -1,0 +1,131 @@
+//! The catalogue tried on a residual: screened by one linear step, then fitted, then held out.
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::fit::{self, Fitted, blocks, derivatives, normal, stepped};
+use super::held_out::{Comparison, FOLDS, Score, compare, scores};
+use super::model::AxisModel;
+use super::residual::{Evidence, Part};
+use super::scope::Scope;
+use crate::effects::Effect;
+
+/// Candidates that get a full fit.
+const FITTED: usize = 4;
+
+/// Steps of a candidate's fit.
+const FIT_STEPS: usize = 6;
+
+/// A candidate must take this share of Σr² of some stage away on held-out data…
+pub const LEAST_REDUCTION: f64 = 0.04;
+
+/// …by this many standard errors over the blocks of the logs. With some thirty candidates a round, a
+/// normal deviate passes 3.5 by chance in one round of a hundred; blocks are few and their errors
+/// have long tails, so a clean machine is tested besides (`tests/`).
+pub const LEAST_T: f64 = 2.5;
+
+/// A candidate and what it is worth.
+#[derive(Clone, Debug)]
+pub struct Candidate {
+    /// The effect at its best parameters.
+    pub effect: Effect,
+    /// On held-out data, by stage; empty if it was screened out.
+    pub comparison: Vec<Comparison>,
+    /// Gain per sample in the log-likelihood, summed over stages; held out if fitted, else predicted.
+    pub gain: f64,
+    /// The fit with it.
+    pub fitted: Option<Fitted>,
+}
+
+impl Candidate {
+    /// Whether held-out data support it: some stage gets better beyond chance and in every fold, and no
+    /// stage of any log loses more than chance or a tenth of what the best one gains.
+    #[must_use]
+    pub fn is_supported(&self) -> bool {
+        let better =
+            |c: &&Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
+        let best = self.comparison.iter().filter(better).map(|c| c.reduction).fold(0.0, f64::max);
+        let tolerable = LEAST_REDUCTION.max(0.1 * best);
+        best > 0.0 && self.comparison.iter().all(|c| c.worst_log > -tolerable)
+    }
+}
+
+/// Tries every starting point; the best come first, fitted ones with their held-out comparison.
+#[must_use]
+pub fn rank(evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, starts: Vec<Effect>) -> Vec<Candidate> {
+    let parts = evidence.residuals(&base.model, scope);
+    let columns = derivatives(evidence, &base.model, scope, 0..base.slots.len(), &parts);
+    let mut screened: Vec<Candidate> = starts
+        .into_par_iter()
+        .filter(|effect| scope.holds(effect))
+        .map(|effect| screen(evidence, base, scope, effect, &columns))
+        .collect();
+    screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    keep_best_start(&mut screened);
+
+    let held_out = scores(base);
+    let fitted = screened.len().min(FITTED);
+    screened[..fitted]
+        .par_iter_mut()
+        .for_each(|candidate| try_out(evidence, &base.model, scope, candidate, &held_out));
+    screened[..fitted].sort_by(|a, b| b.gain.total_cmp(&a.gain));
+    screened
+}
+
+/// One linear step from the candidate's start, all slots free: what it could gain at the best.
+fn screen(
+    evidence: &Evidence<'_>,
+    base: &Fitted,
+    scope: &Scope,
+    effect: Effect,
+    columns: &[Vec<Part>],
+) -> Candidate {
+    let model = base.model.with(effect.clone());
+    let slots = model.slots(scope);
+    let parts = evidence.residuals(&model, scope);
+    // The new effect's slots are the last ones; the derivatives of the others hold near the start, too.
+    let shared = columns.len();
+    let own = derivatives(evidence, &model, scope, shared..slots.len(), &parts);
+    let all: Vec<&Vec<Part>> = columns.iter().chain(&own).collect();
+    let blocks = blocks(evidence, &all, &parts, &base.weights);
+    let (curvature, gradient) = normal(&blocks, &slots);
+    let stood = DVector::from_iterator(slots.len(), slots.iter().map(|slot| slot.coordinate.value));
+    let mut moved = DVector::from_vec(stepped(&slots, &curvature, &gradient, 1e-4));
+    let step = &moved - &stood;
+    let after = |stage| {
+        let blocks = blocks.iter().filter(|block| block.stage == stage);
+        blocks.map(|b| b.squares + 2.0 * b.gradient.dot(&step) + step.dot(&(&b.curvature * &step))).sum::<f64>()
+    };
+    let gain = scope.stages.iter().map(|&s| 0.5 * (base.squares(s) / after(s).max(1e-9)).ln()).sum();
+    // A full fit starts from the base model with the effect where the step took it.
+    moved.rows_mut(0, shared).copy_from(&stood.rows(0, shared));
+    let effect = model.at(scope, moved.as_slice()).axis.effect.last().cloned().unwrap_or(effect);
+    Candidate { effect, comparison: Vec::new(), gain, fitted: None }
+}
+
+/// Of several starts of one effect the best stays; the sources of one effect are different effects.
+fn keep_best_start(sorted: &mut Vec<Candidate>) {
+    let mut seen: Vec<(&'static str, Option<String>)> = Vec::new();
+    sorted.retain(|candidate| {
+        let source = match &candidate.effect {
+            Effect::Crosstalk(e) => Some(e.source.clone()),
+            Effect::Straightness(e) => Some(e.source.clone()),
+            _ => None,
+        };
+        let kind = (candidate.effect.name(), source);
+        let new = !seen.contains(&kind);
+        seen.push(kind);
+        new
+    });
+}
+
+/// Fits a candidate with everything else free, and holds it against held-out data.
+fn try_out(evidence: &Evidence<'_>, base: &AxisModel, scope: &Scope, candidate: &mut Candidate, held_out: &[Score]) {
+    let fitted = fit::fit(evidence, &base.with(candidate.effect.clone()), scope, FIT_STEPS);
+    candidate.comparison = compare(held_out, &scores(&fitted), &scope.stages);
+    candidate.gain = candidate.comparison.iter().map(|c| c.gain).sum();
+    if let Some(effect) = fitted.model.axis.effect.last() {
+        candidate.effect = effect.clone();
+    }
+    candidate.fitted = Some(fitted);
+}

@@ -1,0 +1,81 @@
+//! The trace as programs read it; see the contract's `trace --json`.
+
+use serde_json::{Map, Value, json};
+
+use super::Trace;
+use super::axis::{AxisTrace, Found, StageError};
+use crate::effects::{Effect, Stage};
+
+/// The JSON of `trace --json`.
+#[must_use]
+pub fn json(trace: &Trace) -> Value {
+    let residual: Vec<Value> =
+        trace.axes.iter().flat_map(|axis| axis.errors.iter().map(move |e| residual(axis, e))).collect();
+    let unexplained: Vec<Value> =
+        trace.axes.iter().flat_map(|axis| &axis.unexplained).filter_map(|u| serde_json::to_value(u).ok()).collect();
+    let not_testable: Vec<Value> = trace
+        .axes
+        .iter()
+        .flat_map(|axis| {
+            let one = |n: &super::scope::NotTestable| json!({"channel": n.stage, "axis": axis.axis, "needs": n.needs});
+            axis.not_testable.iter().map(one).collect::<Vec<_>>()
+        })
+        .collect();
+    json!({
+        "residual": residual,
+        "effects": effects(trace),
+        "unexplained": unexplained,
+        "not_testable": not_testable,
+    })
+}
+
+/// The effects found on all axes.
+#[must_use]
+pub fn effects(trace: &Trace) -> Vec<Value> {
+    trace.axes.iter().flat_map(|axis| axis.found.iter().map(|found| effect(&axis.axis, found))).collect()
+}
+
+fn residual(axis: &AxisTrace, error: &StageError) -> Value {
+    let unit = if error.stage == Stage::Force { "n" } else { "um" };
+    let mut entry = Map::new();
+    entry.insert("channel".to_owned(), json!(error.stage));
+    entry.insert("axis".to_owned(), json!(axis.axis));
+    entry.insert("unit".to_owned(), json!(unit));
+    entry.insert(format!("before_{unit}"), json!(error.before));
+    entry.insert(format!("after_{unit}"), json!(error.after));
+    entry.insert(format!("noise_{unit}"), json!(error.noise));
+    Value::Object(entry)
+}
+
+fn effect(axis: &str, found: &Found) -> Value {
+    let parameters: Map<String, Value> = found
+        .effect
+        .parameters()
+        .into_iter()
+        .zip(&found.half_widths)
+        .map(|((name, value), half)| {
+            (name.to_owned(), json!({"value": value, "ci95": [value - half, value + half]}))
+        })
+        .collect();
+    let mut entry = json!({
+        "name": found.effect.name(),
+        "axis": axis,
+        "parameters": parameters,
+        "channel": found.stage,
+        "validate_reduction_percent": found.validate_reduction_percent,
+    });
+    if let (Some(source), Value::Object(entry)) = (source(&found.effect), &mut entry) {
+        entry.insert("source".to_owned(), json!(source));
+    }
+    entry
+}
+
+/// The axis that an effect comes from, where that is another one.
+#[must_use]
+pub fn source(effect: &Effect) -> Option<&str> {
+    match effect {
+        Effect::Crosstalk(e) => Some(&e.source),
+        Effect::Straightness(e) => Some(&e.source),
+        _ => None,
+    }
+}

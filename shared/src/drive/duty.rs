@@ -1,0 +1,119 @@
+//! From a force to what a power stage is told: a direction, and how many counts of its PWM are on.
+//!
+//! counts = |force| · full counts / full-scale force, rounded. The ratio is brought to 32 … 64 by a
+//! power of two, where a fixed-point gain is good to 2⁻³⁰, so that a tick multiplies once and shifts.
+
+use super::DriveError;
+use crate::scalar::Scalar;
+
+/// Greatest full-scale force that is accepted, N: with a gain below 64 the product stays in range.
+const MOST_N: f64 = 131_000.0;
+
+/// Fraction bits of [`Scalar::to_distance`], and those of the gain's greatest value, 64.
+const EXPONENT: i32 = 30 + 6;
+
+/// What a power stage is told.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Duty {
+    /// Whether the force is negative.
+    pub reverse: bool,
+    /// PWM counts that are on, from 0 to the greatest duty that [`Amplifier::new`] was told.
+    pub counts: u16,
+}
+
+/// A power stage that gives force in proportion to its duty.
+#[derive(Clone, Copy, Debug)]
+pub struct Amplifier<S: Scalar> {
+    gain: S::Gain,
+    shift: u32,
+    most: u16,
+}
+
+impl<S: Scalar> Amplifier<S> {
+    /// A power stage that gives `full_scale_n` at `full_counts`, never driven beyond that.
+    ///
+    /// # Errors
+    /// [`DriveError::FullScale`] unless the force is from 1 mN to 131 kN, [`DriveError::NoPwm`] where
+    /// there are no counts.
+    pub fn new(full_scale_n: f64, full_counts: u16) -> Result<Self, DriveError> {
+        if !(1e-3..=MOST_N).contains(&full_scale_n) {
+            return Err(DriveError::FullScale);
+        }
+        if full_counts == 0 {
+            return Err(DriveError::NoPwm);
+        }
+        // mantissa·2^exponent, mantissa from ½ to 1.
+        let (mantissa, exponent) = libm::frexp(f64::from(full_counts) / full_scale_n);
+        Ok(Self {
+            gain: S::gain(mantissa * 64.0),
+            // The ratio is from 2⁻¹⁷ to 2²⁶: a shift of 10 to 52.
+            shift: (EXPONENT - exponent).clamp(1, 62).cast_unsigned(),
+            most: full_counts,
+        })
+    }
+
+    /// The duty for a force. A force that is not a number gives none.
+    #[must_use]
+    pub fn duty(&self, force: S) -> Duty {
+        // `as` in `to_distance` saturates and makes nothing of a NaN; so the magnitude fits, too.
+        let scaled = S::to_distance(force.times(self.gain));
+        let rounded = (scaled.unsigned_abs() >> (self.shift - 1)).wrapping_add(1) >> 1;
+        let counts = u16::try_from(rounded).unwrap_or(self.most).min(self.most);
+        Duty { reverse: scaled < 0 && counts > 0, counts }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::scalar::Fixed;
+
+    /// Farthest from force·full/scale in counts, over the whole range and beyond.
+    fn worst<S: Scalar>(full_scale_n: f64, full_counts: u16) -> f64 {
+        let amplifier = Amplifier::<S>::new(full_scale_n, full_counts).unwrap();
+        let full = f64::from(full_counts);
+        (-1500i32..=1500)
+            .map(|step| {
+                let force = S::signal(f64::from(step) / 1000.0 * full_scale_n);
+                let Duty { reverse, counts } = amplifier.duty(force);
+                let signed = if reverse { -f64::from(counts) } else { f64::from(counts) };
+                (signed - (Scalar::value(force) / full_scale_n * full).clamp(-full, full)).abs()
+            })
+            .fold(0.0, f64::max)
+    }
+
+    proptest! {
+        /// Half a count of rounding, and 2⁻³⁰ of 65,535 counts of gain in fixed point, 2⁻²² in f32.
+        #[test]
+        fn is_the_nearest_count(scale in 1e-3..80_000.0f64, counts in 1u16..) {
+            prop_assert!(worst::<Fixed>(scale, counts) < 0.501);
+            prop_assert!(worst::<f32>(scale, counts) < 0.53);
+            prop_assert!(worst::<f64>(scale, counts) < 0.500_001);
+        }
+    }
+
+    #[test]
+    fn a_force_that_is_no_number_gives_no_duty() {
+        assert_eq!(Amplifier::<f32>::new(100.0, 8400).unwrap().duty(f32::NAN), Duty::default());
+        assert_eq!(Amplifier::<f64>::new(100.0, 8400).unwrap().duty(f64::NAN), Duty::default());
+    }
+
+    #[test]
+    fn stays_within_full_scale_whatever_the_force() {
+        let full = |reverse| Duty { reverse, counts: 8400 };
+        let fixed = Amplifier::<Fixed>::new(1e-3, 8400).unwrap();
+        assert_eq!((fixed.duty(Fixed::MAX), fixed.duty(Fixed::MIN)), (full(false), full(true)));
+        let float = Amplifier::<f32>::new(1e-3, 8400).unwrap();
+        assert_eq!((float.duty(f32::INFINITY), float.duty(f32::MIN)), (full(false), full(true)));
+    }
+
+    #[test]
+    fn refuses_what_it_cannot_scale() {
+        for force in [0.0, -1.0, f64::NAN, f64::INFINITY, 2e5] {
+            assert_eq!(Amplifier::<Fixed>::new(force, 8400).unwrap_err(), DriveError::FullScale);
+        }
+        assert_eq!(Amplifier::<Fixed>::new(1.0, 0).unwrap_err(), DriveError::NoPwm);
+    }
+}

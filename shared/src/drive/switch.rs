@@ -1,0 +1,95 @@
+//! The enable switch: opening it acts at once, closing it only as a fresh, settled edge.
+//!
+//! A switch that is closed at power-up, or that a fault finds closed, enables nothing: it has to be seen
+//! open and then closed, each for the settling time. So a contact that bounces while it opens
+//! cannot acknowledge a fault and enable again.
+
+/// What the operator has done.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Turn {
+    /// Asked for the drives.
+    Enable,
+    /// Asked for them to be off; acknowledges a fault.
+    Disable,
+}
+
+/// The switch, looked at once a tick.
+#[derive(Clone, Copy, Debug)]
+pub struct EnableSwitch {
+    settling_ticks: u32,
+    closed: bool,
+    /// Ticks for which the switch has stood as it stands.
+    steady_ticks: u32,
+    /// Whether it was open for the settling time since it last enabled.
+    armed: bool,
+}
+
+impl EnableSwitch {
+    /// A switch that has not been seen open yet, with a settling time in ticks.
+    #[must_use]
+    pub const fn new(settling_ticks: u32) -> Self {
+        Self { settling_ticks, closed: true, steady_ticks: 0, armed: false }
+    }
+
+    /// Takes what the switch shows in this tick.
+    pub fn look(&mut self, closed: bool) -> Option<Turn> {
+        let changed = core::mem::replace(&mut self.closed, closed) != closed;
+        self.steady_ticks = if changed { 0 } else { self.steady_ticks.saturating_add(1) };
+        let settled = self.steady_ticks >= self.settling_ticks;
+        if !closed {
+            self.armed |= settled;
+            return changed.then_some(Turn::Disable);
+        }
+        (settled && core::mem::take(&mut self.armed)).then_some(Turn::Enable)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// What a sequence of (closed, ticks) gives in the end and how often each turn came.
+    fn turns(switch: &mut EnableSwitch, sequence: &[(bool, u32)]) -> (u32, u32) {
+        let mut count = (0, 0);
+        for &(closed, ticks) in sequence {
+            for _ in 0..ticks {
+                match switch.look(closed) {
+                    Some(Turn::Enable) => count.0 += 1,
+                    Some(Turn::Disable) => count.1 += 1,
+                    None => {}
+                }
+            }
+        }
+        count
+    }
+
+    #[test]
+    fn a_switch_closed_at_power_up_enables_nothing() {
+        let mut switch = EnableSwitch::new(10);
+        assert_eq!(turns(&mut switch, &[(true, 1000)]), (0, 0));
+        assert_eq!(turns(&mut switch, &[(false, 20), (true, 1000)]), (1, 1));
+    }
+
+    #[test]
+    fn opens_at_once_and_closes_when_settled() {
+        let mut switch = EnableSwitch::new(10);
+        assert_eq!(turns(&mut switch, &[(false, 11), (true, 10)]), (0, 1));
+        assert_eq!(switch.look(true), Some(Turn::Enable));
+        assert_eq!(switch.look(true), None);
+        assert_eq!(switch.look(false), Some(Turn::Disable));
+    }
+
+    #[test]
+    fn a_bounce_while_opening_does_not_enable() {
+        let mut switch = EnableSwitch::new(10);
+        assert_eq!(turns(&mut switch, &[(false, 20), (true, 20)]), (1, 1));
+        let bounce = [(false, 3), (true, 5), (false, 2), (true, 9), (false, 30)];
+        assert_eq!(turns(&mut switch, &bounce), (0, 3));
+    }
+
+    #[test]
+    fn a_spike_on_an_open_line_does_not_enable() {
+        let mut switch = EnableSwitch::new(10);
+        assert_eq!(turns(&mut switch, &[(false, 50), (true, 9), (false, 50)]).0, 0);
+    }
+}

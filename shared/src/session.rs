@@ -1,0 +1,297 @@
+//! The board's side of the [`crate::protocol`]: orders in, answers out, whatever the bytes are.
+
+use crate::axis::Reading;
+use crate::machine::{Machine, MachineError, Output};
+use crate::protocol::{AXES, Answer, FRAME, Format, Order, Refusal, Setup, Ticked, decode};
+use crate::scalar::{Fixed, Scalar};
+
+/// Counts what a tick costs.
+pub trait Meter {
+    /// Called right before a tick.
+    fn start(&mut self);
+
+    /// Called right after it: its cost in instructions or cycles.
+    fn stop(&mut self) -> u32;
+}
+
+/// A meter that counts nothing.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct NoMeter;
+
+impl Meter for NoMeter {
+    fn start(&mut self) {}
+
+    fn stop(&mut self) -> u32 {
+        0
+    }
+}
+
+/// The machine that the host has set up, in the format that it asked for.
+#[derive(Debug, Default)]
+pub enum Session {
+    /// None yet.
+    #[default]
+    Empty,
+    /// In fixed point.
+    Fixed(Machine<Fixed, AXES>),
+    /// In single precision.
+    F32(Machine<f32, AXES>),
+    /// In double precision.
+    F64(Machine<f64, AXES>),
+}
+
+impl Session {
+    /// Carries out the order in a frame. `None`: the host has ended the run.
+    pub fn answer(&mut self, frame: &[u8; FRAME], meter: &mut impl Meter) -> Option<Answer> {
+        let order = match decode(frame) {
+            Ok(Order::End) => return None,
+            Ok(Order::Setup(setup)) => return Some(self.set_up(&setup)),
+            Ok(order) => order,
+            Err(_) => return Some(Answer::Refused(Refusal::Unreadable)),
+        };
+        Some(match self {
+            Self::Empty => Answer::Refused(Refusal::NotSetUp),
+            Self::Fixed(machine) => carry_out(machine, &order, meter),
+            Self::F32(machine) => carry_out(machine, &order, meter),
+            Self::F64(machine) => carry_out(machine, &order, meter),
+        })
+    }
+
+    fn set_up(&mut self, setup: &Setup) -> Answer {
+        fn machine<S: Scalar>(setup: &Setup) -> Result<Machine<S, AXES>, MachineError> {
+            Machine::new(setup.rates, &setup.axes, setup.start)
+        }
+        let made = match setup.format {
+            Format::Fixed => machine(setup).map(Self::Fixed),
+            Format::F32 => machine(setup).map(Self::F32),
+            Format::F64 => machine(setup).map(Self::F64),
+        };
+        match made {
+            Ok(session) => {
+                *self = session;
+                Answer::Ready
+            }
+            Err(MachineError::Path(error)) => Answer::Refused(Refusal::Path(error)),
+            #[expect(clippy::cast_possible_truncation, reason = "the protocol has two axes")]
+            Err(MachineError::Config { axis, .. }) => Answer::Refused(Refusal::Settings { axis: axis as u8 }),
+        }
+    }
+}
+
+fn carry_out<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &mut impl Meter) -> Answer {
+    match order {
+        Order::Block(block) => match machine.push(block) {
+            Ok(()) => Answer::Ready,
+            Err(error) => Answer::Refused(Refusal::Path(error)),
+        },
+        Order::Enable => {
+            machine.enable();
+            Answer::Ready
+        }
+        Order::Disable => {
+            machine.disable();
+            Answer::Ready
+        }
+        Order::Tick(readings) => {
+            meter.start();
+            let output = tick(machine, readings);
+            let cost = meter.stop();
+            Answer::Tick(Ticked {
+                force_bits: output.forces.map(Scalar::bits),
+                commands: output.commands,
+                power: machine.power(),
+                done: output.done,
+                cost,
+            })
+        }
+        // Handled before a machine is asked for.
+        Order::Setup(_) | Order::End => Answer::Refused(Refusal::Unreadable),
+    }
+}
+
+/// The tick by itself, a function of its own also after optimisation: it is what the meter counts, and
+/// where the test that looks for panics in the chip's program starts.
+#[inline(never)]
+fn tick<S: Scalar>(machine: &mut Machine<S, AXES>, readings: &[Reading; AXES]) -> Output<S, AXES> {
+    machine.tick(readings)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use proptest::prelude::*;
+
+    use super::*;
+    use crate::config::{AxisSettings, Law, Rates, Sensors};
+    use crate::interpolate::block::Shape;
+    use crate::interpolate::{Block, PathError};
+    use crate::protocol::encode;
+    use crate::safety::Power;
+    use crate::units::Position;
+
+    fn ask(session: &mut Session, order: Order) -> Option<Answer> {
+        let mut frame = [0; FRAME];
+        encode(&order, &mut frame).unwrap();
+        session.answer(&frame, &mut NoMeter)
+    }
+
+    fn setup(format: Format, second: AxisSettings) -> Order {
+        let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
+        Order::Setup(Setup {
+            format,
+            rates,
+            axes: [AxisSettings::default(), second],
+            start: [Position(0); AXES],
+        })
+    }
+
+    #[test]
+    fn answers_as_the_machine_itself_would() {
+        for format in [Format::Fixed, Format::F32, Format::F64] {
+            let mut session = Session::default();
+            assert_eq!(ask(&mut session, setup(format, AxisSettings::default())), Some(Answer::Ready));
+            assert_eq!(
+                ask(&mut session, Order::Block(Block::line([0.1, 0.0], 0.1, 1.0))),
+                Some(Answer::Ready)
+            );
+            assert_eq!(ask(&mut session, Order::Enable), Some(Answer::Ready));
+            let away = Reading { motor: Position(-(1 << 40)), table: None };
+            let Some(Answer::Tick(ticked)) = ask(&mut session, Order::Tick([away; AXES])) else { panic!() };
+            assert_eq!((ticked.power, ticked.done), (Power::On, false));
+            assert_ne!(ticked.force_bits, [0; AXES]);
+            assert_eq!(ask(&mut session, Order::End), None);
+        }
+    }
+
+    #[test]
+    fn says_why_it_refuses() {
+        let mut session = Session::default();
+        let refused = |refusal| Some(Answer::Refused(refusal));
+        assert_eq!(ask(&mut session, Order::Enable), refused(Refusal::NotSetUp));
+        let bad = AxisSettings { force_limit_n: 0.0, ..AxisSettings::default() };
+        assert_eq!(ask(&mut session, setup(Format::F32, bad)), refused(Refusal::Settings { axis: 1 }));
+        assert_eq!(ask(&mut session, setup(Format::F32, AxisSettings::default())), Some(Answer::Ready));
+        let nowhere = Order::Block(Block::line([0.0; AXES], 0.1, 1.0));
+        assert_eq!(ask(&mut session, nowhere), refused(Refusal::Path(PathError::ZeroLength)));
+        assert_eq!(session.answer(&[0xff; FRAME], &mut NoMeter), refused(Refusal::Unreadable));
+    }
+
+    /// Numbers that break arithmetic, and some that do not.
+    fn number() -> impl Strategy<Value = f64> {
+        prop_oneof![
+            any::<f64>(),
+            prop::sample::select(std::vec![
+                0.0,
+                1.0,
+                1e-310,
+                1e308,
+                -1.0,
+                f64::NAN,
+                f64::INFINITY,
+                1e-3,
+                1e3,
+                1e6
+            ]),
+            (-6.0..6.0).prop_map(|power| libm::pow(10.0, power)),
+        ]
+    }
+
+    fn axis() -> impl Strategy<Value = AxisSettings> {
+        let sensors = prop_oneof![
+            Just(Sensors::Motor),
+            Just(Sensors::Table),
+            number().prop_map(|time_constant_s| Sensors::Dual { time_constant_s }),
+        ];
+        let gains = (number(), 0.0..200.0f64, number(), prop::option::of(number()));
+        (any::<bool>(), gains, number(), number(), sensors).prop_map(
+            |(hpc, (kp, kf, kv, ti), force_limit_n, following_error_limit_m, sensors)| AxisSettings {
+                law: if hpc { Law::Hpc } else { Law::P },
+                position_gain_per_s: kp,
+                feedforward_percent: kf,
+                velocity_gain_n_s_per_m: kv,
+                velocity_integral_time_s: ti,
+                velocity_lag_s: 0.0,
+                force_limit_n,
+                sensors,
+                following_error_limit_m,
+            },
+        )
+    }
+
+    fn block() -> impl Strategy<Value = Block<AXES>> {
+        let shape = prop_oneof![
+            number().prop_map(|seconds| Shape::Dwell { seconds }),
+            [number(), number()].prop_map(|to_m| Shape::Line { to_m }),
+            (any::<[u8; 2]>(), [number(), number()], number()).prop_map(|(plane, centre_m, turns)| {
+                Shape::Arc { plane: plane.map(|p| p % 3), centre_m, turns }
+            }),
+        ];
+        (shape, number(), number()).prop_map(|(shape, feed_m_per_s, acceleration_m_per_s2)| Block {
+            shape,
+            feed_m_per_s,
+            acceleration_m_per_s2,
+        })
+    }
+
+    proptest! {
+        #![proptest_config(ProptestConfig::with_cases(4096))]
+
+        /// Any numbers in an order get an answer.
+        #[test]
+        fn takes_any_numbers(
+            format in prop::sample::select(std::vec![Format::Fixed, Format::F32, Format::F64]),
+            rate in number(), divider in prop_oneof![any::<u32>(), 0..10u32],
+            axes in [axis(), axis()],
+            start in [-100.0..100.0f64, -100.0..100.0],
+            blocks in prop::collection::vec(block(), 0..4),
+            readings in prop::collection::vec(any::<[i64; AXES]>(), 1..20),
+        ) {
+            let mut session = Session::default();
+            let rates = Rates { velocity_loop_hz: rate, position_loop_divider: divider };
+            let start = start.map(|m| Position::from_m(m).unwrap());
+            if ask(&mut session, Order::Setup(Setup { format, rates, axes, start })) != Some(Answer::Ready) {
+                // With rates and gains that are taken, the path and the readings get their turn.
+                let axes = axes.map(|axis| AxisSettings { law: axis.law, ..AxisSettings::default() });
+                let rates = Rates { velocity_loop_hz: 1e4, position_loop_divider: 1 };
+                prop_assert_eq!(ask(&mut session, Order::Setup(Setup { format, rates, axes, start })), Some(Answer::Ready));
+            }
+            for block in blocks {
+                ask(&mut session, Order::Block(block));
+            }
+            ask(&mut session, Order::Enable);
+            for motor in readings {
+                let readings = motor.map(|motor| Reading { motor: Position(motor), table: Some(Position(motor / 2)) });
+                ask(&mut session, Order::Tick(readings));
+                ask(&mut session, Order::Disable);
+                ask(&mut session, Order::Enable);
+            }
+        }
+
+        /// Any bytes get an answer, before and after a machine was set up, and damaged orders do.
+        #[test]
+        fn takes_any_bytes(
+            frames in prop::collection::vec(prop::collection::vec(any::<u8>(), FRAME), 1..40),
+            damaged in 0..FRAME, by in any::<u8>(),
+        ) {
+            let mut session = Session::default();
+            let mut orders = [[0; FRAME]; 4];
+            let block = Block::line([0.1, 0.2], 0.1, 1.0);
+            let reading = Reading { motor: Position(5), table: Some(Position(7)) };
+            encode(&setup(Format::Fixed, AxisSettings::default()), &mut orders[0]).unwrap();
+            encode(&Order::Block(block), &mut orders[1]).unwrap();
+            encode(&Order::Enable, &mut orders[2]).unwrap();
+            encode(&Order::Tick([reading; AXES]), &mut orders[3]).unwrap();
+            for order in &orders {
+                session.answer(order, &mut NoMeter);
+            }
+            for frame in &frames {
+                session.answer(frame.as_slice().try_into().unwrap(), &mut NoMeter);
+            }
+            for mut order in orders {
+                order[damaged] ^= by;
+                session.answer(&order, &mut NoMeter);
+            }
+        }
+    }
+}

@@ -1,0 +1,109 @@
+//! What of an ELF file a walk through its code needs.
+
+use std::collections::BTreeMap;
+
+use object::read::elf::ElfFile32;
+use object::{Endianness, Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
+
+/// A stretch of bytes at an address.
+pub struct Section {
+    pub address: u32,
+    pub bytes: Vec<u8>,
+}
+
+/// A function: its names (one body may have several) and where it ends.
+#[derive(Clone, Debug, Default, PartialEq, Eq)]
+pub struct Function {
+    pub names: Vec<String>,
+    pub end: u32,
+}
+
+/// The program of a chip.
+#[derive(Default)]
+pub struct Image {
+    pub sections: Vec<Section>,
+    /// By the address of the first instruction.
+    pub functions: BTreeMap<u32, Function>,
+    /// From each of these addresses on there is code (true) or data (false): `$t` and `$d` of the ABI.
+    pub marks: BTreeMap<u32, bool>,
+}
+
+impl Image {
+    /// Reads an ELF file for a little-endian 32-bit ARM.
+    pub fn read(file: &[u8]) -> Self {
+        let elf = ElfFile32::<Endianness>::parse(file).expect("cargo links an ELF file");
+        let mut image = Self::default();
+        let mut code_ends = Vec::new();
+        for section in elf.sections() {
+            let address = u32::try_from(section.address()).expect("32 bit");
+            if section.kind() == SectionKind::Text {
+                code_ends.push(address + u32::try_from(section.size()).expect("32 bit"));
+            }
+            if matches!(section.kind(), SectionKind::Text | SectionKind::ReadOnlyData) {
+                let bytes = section.data().expect("stands in the file").to_vec();
+                image.sections.push(Section { address, bytes });
+            }
+        }
+        for symbol in elf.symbols() {
+            let name = symbol.name().expect("UTF-8");
+            let address = u32::try_from(symbol.address()).expect("32 bit");
+            match name {
+                "$t" => _ = image.marks.insert(address, true),
+                "$d" => _ = image.marks.insert(address, false),
+                _ if symbol.kind() == SymbolKind::Text && symbol.is_definition() => {
+                    // The lowest bit says Thumb.
+                    let function = image.functions.entry(address & !1).or_default();
+                    function.names.push(name.to_owned());
+                    let size = u32::try_from(symbol.size()).expect("32 bit");
+                    function.end = function.end.max((address & !1) + size);
+                }
+                _ => {}
+            }
+        }
+        image.end_the_endless(&code_ends);
+        image
+    }
+
+    /// Assembly gives no sizes: such a function goes as far as the next one, or its section.
+    fn end_the_endless(&mut self, code_ends: &[u32]) {
+        let starts: Vec<u32> = self.functions.keys().copied().collect();
+        for (&start, function) in &mut self.functions {
+            if function.end <= start {
+                let next = starts.iter().chain(code_ends).copied().filter(|&end| end > start).min();
+                function.end = next.expect("code lies in a section");
+            }
+        }
+    }
+
+    /// The 16 bits at an address; `None` where the file holds none.
+    pub fn half(&self, address: u32) -> Option<u16> {
+        self.sections.iter().find_map(|section| {
+            let at = usize::try_from(address.checked_sub(section.address)?).ok()?;
+            Some(u16::from_le_bytes([*section.bytes.get(at)?, *section.bytes.get(at + 1)?]))
+        })
+    }
+
+    /// The 32 bits at an address.
+    pub fn word(&self, address: u32) -> Option<u32> {
+        Some(u32::from(self.half(address)?) | u32::from(self.half(address + 2)?) << 16)
+    }
+
+    /// Whether instructions stand at an address.
+    pub fn is_code(&self, address: u32) -> bool {
+        self.marks.range(..=address).next_back().is_some_and(|(_, &code)| code)
+    }
+
+    /// The function that an address lies in, by its start.
+    pub fn function_at(&self, address: u32) -> Option<(u32, &Function)> {
+        let (&start, function) = self.functions.range(..=address).next_back()?;
+        (address < function.end).then_some((start, function))
+    }
+
+    /// Starts of the functions that one of whose names fulfils a condition.
+    pub fn named(&self, condition: impl Fn(&str) -> bool) -> Vec<u32> {
+        let with = |(&start, function): (&u32, &Function)| {
+            function.names.iter().any(|name| condition(name)).then_some(start)
+        };
+        self.functions.iter().filter_map(with).collect()
+    }
+}

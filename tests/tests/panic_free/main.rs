@@ -1,0 +1,89 @@
+//! Nothing that the tick of a chip can reach panics: read from the bytes that go to the chip.
+//!
+//! A servo drive that stops in a panic handler is a machine that has lost its axis. So the linked
+//! program is taken apart: from the tick on, every call and jump is followed.
+
+mod image;
+mod thumb;
+mod walk;
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use image::{Function, Image, Section};
+use walk::{Walk, walk};
+
+/// Position of TIM2 in the vector table of an STM32F405: 16 of the core and interrupt 28.
+const TIM2: u32 = 16 + 28;
+
+/// Where that table stands.
+const FLASH: u32 = 0x0800_0000;
+
+fn program(name: &str) -> Image {
+    let path = tests::firmware::built(name);
+    Image::read(&fs::read(&path).expect("cargo has just built it"))
+}
+
+/// The tick reaches no panic, nothing unknown, and enough to be the whole controller.
+fn assert_free(image: &Image, walk: &Walk, functions: usize, instructions: usize) {
+    assert_eq!(walk.panics(image), Vec::<String>::new());
+    assert!(walk.traps.is_empty(), "traps at {:x?}", walk.traps);
+    assert!(walk.indirect.is_empty(), "calls through a register at {:x?}: to what?", walk.indirect);
+    assert!(walk.lost.is_empty(), "jumps to no function at {:x?}", walk.lost);
+    println!("{} functions, {} instructions", walk.reached.len(), walk.instructions);
+    assert!(walk.reached.len() >= functions && walk.instructions >= instructions);
+}
+
+#[test]
+fn the_interrupt_of_the_board_reaches_no_panic() {
+    let image = program("board");
+    let tick = image.word(FLASH + 4 * TIM2).expect("the vector table") & !1;
+    assert_eq!(image.functions[&tick].names, ["TIM2"], "RTIC names the handler after its interrupt");
+    // Interpolation of an arc, two position and velocity loops, two outputs: 2,000 instructions at least.
+    assert_free(&image, &walk(&image, &[tick]), 5, 1500);
+}
+
+#[test]
+fn the_same_walk_finds_the_panics_of_the_start() {
+    let image = program("board");
+    let walk = walk(&image, &image.named(|name| name == "Reset"));
+    // `init` expects values that are right; its panics are there, and the walk has to see them.
+    let panics = walk.panics(&image);
+    assert!(panics.iter().any(|way| way.starts_with("Reset → ") && way.contains("panicking")), "{panics:#?}");
+}
+
+#[test]
+fn the_ticks_of_the_emulated_core_reach_no_panic() {
+    let image = program("emulated");
+    let ticks = image.named(|name| name.contains("7session4tick"));
+    assert_eq!(ticks.len(), 3, "one a number format");
+    for tick in ticks {
+        assert_free(&image, &walk(&image, &[tick]), 3, 1500);
+    }
+}
+
+/// Code put together by hand at 0x1000: a tick that jumps into a function that calls a panic.
+#[test]
+fn a_call_over_a_tail_call_to_a_panic_is_found_and_data_is_not_read_as_code() {
+    let halves: [u16; 8] = [
+        0xb500, // tick: push {lr}
+        0xe001, //       b.n other
+        0xf7ff, 0xfffe, // data that would be a call
+        0xf000, 0xf800, // other: bl panic
+        0xbd00, //       pop {pc}
+        0xe7fe, // panic: b.n panic
+    ];
+    let mut image = Image::default();
+    let bytes = halves.iter().flat_map(|half| half.to_le_bytes()).collect();
+    image.sections.push(Section { address: 0x1000, bytes });
+    image.marks = BTreeMap::from([(0x1000, true), (0x1004, false), (0x1008, true)]);
+    let mut function = |start, end, name: &str| {
+        image.functions.insert(start, Function { names: vec![name.to_owned()], end });
+    };
+    function(0x1000, 0x1008, "tick");
+    function(0x1008, 0x100c, "other");
+    function(0x100c, 0x1010, "core::panicking::panic");
+    let found = walk(&image, &[0x1000]);
+    assert_eq!(found.panics(&image), ["tick → other → core::panicking::panic"]);
+    assert_eq!(found.instructions, 5);
+}

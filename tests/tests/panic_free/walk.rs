@@ -1,0 +1,83 @@
+//! The functions that can be reached from some, by the calls and jumps that their bytes hold.
+
+use std::collections::{BTreeMap, BTreeSet};
+
+use crate::image::Image;
+use crate::thumb::{Flow, decode};
+
+/// What a walk found. Places are addresses of instructions.
+#[derive(Debug, Default)]
+pub struct Walk {
+    /// Every function that was reached, with the one that it was first reached from.
+    pub reached: BTreeMap<u32, Option<u32>>,
+    pub instructions: usize,
+    pub indirect: BTreeSet<u32>,
+    pub traps: BTreeSet<u32>,
+    /// Jumps to where there is no function.
+    pub lost: BTreeSet<u32>,
+}
+
+/// Walks from the given functions. Every instruction of a function counts as reached.
+pub fn walk(image: &Image, roots: &[u32]) -> Walk {
+    let mut walk = Walk::default();
+    let mut waiting: Vec<(u32, Option<u32>)> = roots.iter().map(|&root| (root, None)).collect();
+    while let Some((start, from)) = waiting.pop() {
+        if walk.reached.contains_key(&start) {
+            continue;
+        }
+        walk.reached.insert(start, from);
+        let end = image.functions[&start].end;
+        let mut at = start;
+        while at < end {
+            if !image.is_code(at) {
+                at += 2;
+                continue;
+            }
+            let (flow, length) = decode(at, image.half(at).unwrap_or(0), image.half(at + 2).unwrap_or(0));
+            walk.instructions += 1;
+            match flow {
+                Flow::To(target) if !(start..end).contains(&target) => match image.function_at(target) {
+                    Some((function, _)) => waiting.push((function, Some(start))),
+                    None => _ = walk.lost.insert(at),
+                },
+                Flow::Indirect => _ = walk.indirect.insert(at),
+                Flow::Trap => _ = walk.traps.insert(at),
+                Flow::On | Flow::To(_) => {}
+            }
+            at += length;
+        }
+    }
+    walk
+}
+
+impl Walk {
+    /// The reached functions of the panic machinery, each with the calls that lead there.
+    pub fn panics(&self, image: &Image) -> Vec<String> {
+        let is_panic = |start: &&u32| image.functions[start].names.iter().any(|name| panics(name));
+        self.reached.keys().filter(is_panic).map(|&start| self.way_to(image, start)).collect()
+    }
+
+    fn way_to(&self, image: &Image, start: u32) -> String {
+        let mut way = vec![start];
+        while let Some(&Some(from)) = way.last().and_then(|last| self.reached.get(last)) {
+            way.push(from);
+        }
+        let names: Vec<_> = way.iter().rev().map(|start| image.functions[start].names[0].as_str()).collect();
+        names.join(" → ")
+    }
+}
+
+/// Whether a function is one that only a panic runs, mangled either way.
+fn panics(name: &str) -> bool {
+    [
+        "panicking",
+        "panic_fmt",
+        "rust_begin_unwind",
+        "unwrap_failed",
+        "expect_failed",
+        "slice_index_fail",
+        "slice_error_fail",
+    ]
+    .iter()
+    .any(|part| name.contains(part))
+}
