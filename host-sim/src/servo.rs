@@ -31,8 +31,8 @@ pub fn settings(axis: &Axis, effects: &ServoParameters) -> Result<AxisSettings, 
     Ok(AxisSettings {
         law,
         position_gain_per_s: factor * axis.position_gain_per_s.ok_or("position_gain_per_s")?,
-        // The lead Kf/Kp was set for the declared gain, and stays.
-        feedforward_percent: factor * axis.feedforward_percent.unwrap_or(0.0),
+        // Velocity feed-forward passes the same gain: the lead is Kf over the true Kp.
+        feedforward_percent: axis.feedforward_percent.unwrap_or(0.0),
         velocity_gain_n_s_per_m: axis.velocity_gain_n_s_per_m.ok_or("velocity_gain_n_s_per_m")?,
         velocity_integral_time_s: axis.velocity_integral_time_s,
         velocity_lag_s: 1e-3 * effects.lag.ms,

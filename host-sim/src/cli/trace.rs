@@ -50,8 +50,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
             println!("  {u:?}");
         }
         for r in &axis.rounds {
-            println!("  round {:?} added {}", r.stages, r.added);
+            println!("  round {:?} added {:?}", r.stages, r.added);
             for c in r.candidates.iter().take(5) {
+                if let Some(f) = &c.fitted { println!("       {:?}", f.slots.iter().map(|s| (s.coordinate.lower, s.coordinate.value, s.coordinate.upper)).collect::<Vec<_>>()); }
                 println!("     {:.4} {:?} {:?}", c.gain, c.effect, c.comparison.iter().map(|c| (c.stage, (c.reduction * 1e3).round() / 1e3, (c.t*100.).round()/100., c.folds_better, (c.worst_log*1e3).round()/1e3)).collect::<Vec<_>>());
             }
         }

@@ -44,6 +44,7 @@ pub use velocity_lag::VelocityLag;
 pub use windup::Windup;
 
 use serde::{Deserialize, Serialize};
+use shared::config::Rates;
 
 use crate::machine::Axis;
 
@@ -117,6 +118,11 @@ pub trait Kind: Sized + Clone {
     /// The numbers to fit.
     fn coordinates(&self) -> Vec<Coordinate>;
 
+    /// Whether it is larger than what a declared model leaves open in any case.
+    fn is_material(&self, _rates: Rates) -> bool {
+        true
+    }
+
     /// The same effect at other coordinates, in the order of [`Kind::coordinates`].
     #[must_use]
     fn at(&self, coordinates: &[f64]) -> Self;
@@ -155,6 +161,12 @@ macro_rules! catalogue {
             #[must_use]
             pub fn coordinates(&self) -> Vec<Coordinate> {
                 match self { $(Self::$variant(e) => e.coordinates(),)+ }
+            }
+
+            /// Whether it is larger than what a declared model leaves open in any case.
+            #[must_use]
+            pub fn is_material(&self, rates: Rates) -> bool {
+                match self { $(Self::$variant(e) => e.is_material(rates),)+ }
             }
 
             /// The same effect at other coordinates.

@@ -1,6 +1,7 @@
 //! Velocity lag: the speed that the velocity loop sees is late.
 
 use serde::{Deserialize, Serialize};
+use shared::config::Rates;
 
 use super::{Coordinate, Kind, Stage, Surroundings};
 
@@ -24,6 +25,12 @@ impl Kind for VelocityLag {
 
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![Coordinate::between(self.ms, 0.02, 0.0, 100.0)]
+    }
+
+    /// A tenth of a tick: a machine file does not say how the drive steps its filters, and the choices
+    /// differ by that much.
+    fn is_material(&self, rates: Rates) -> bool {
+        1e-3 * self.ms * rates.velocity_loop_hz > 0.1
     }
 
     fn at(&self, x: &[f64]) -> Self {

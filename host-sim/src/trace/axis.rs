@@ -29,8 +29,8 @@ pub struct Round {
     pub stages: Vec<Stage>,
     /// All candidates, best first.
     pub candidates: Vec<Candidate>,
-    /// Whether the first of them was added.
-    pub added: bool,
+    /// Number of the one that was added: the best of those that held-out data support.
+    pub added: Option<usize>,
 }
 
 /// An effect that was found, as reported.
@@ -107,12 +107,14 @@ pub fn trace(
     for scope in &scopes {
         say(&format!("{name}: fitting the declared values to {}", stage_names(&scope.stages)));
         before = fit::fit(fit_logs, &before, scope, FIT_STEPS).model;
+        before.weigh(scope);
     }
     let mut model = before.clone();
     let mut final_fits = Vec::new();
     for scope in &scopes {
         let fitted = search.explain(&model, scope);
         model = fitted.model.clone();
+        model.weigh(scope);
         final_fits.push(fitted);
     }
     let found = reported(fit_logs, validate, &before, &model, &scopes, &final_fits);
@@ -162,8 +164,9 @@ impl Search<'_> {
             (self.say)(&format!("{}: trying the catalogue on {}", self.name, stage_names(&scope.stages)));
             let starts = self.starts(&base.model, scope);
             let candidates = rank(self.fit_logs, &base, scope, starts);
-            let best = candidates.first().filter(|best| best.is_supported()).cloned();
-            self.rounds.push(Round { stages: scope.stages.clone(), candidates, added: best.is_some() });
+            let added_index = candidates.iter().position(Candidate::is_supported);
+            let best = added_index.map(|index| candidates[index].clone());
+            self.rounds.push(Round { stages: scope.stages.clone(), candidates, added: added_index });
             let Some(Candidate { effect, fitted: Some(fitted), .. }) = best else { break };
             (self.say)(&format!("{}: added {}", self.name, effect.name()));
             base = fitted;
@@ -198,7 +201,7 @@ impl Search<'_> {
                 let comparison = compare(&scores(&without), &scores(&full), &scope.stages);
                 let effect = full.model.found()[index].clone();
                 let gain = comparison.iter().map(|c| c.gain).sum();
-                let judged = Candidate { effect, comparison, gain, fitted: None };
+                let judged = Candidate { effect, comparison, gain, fitted: None, material: true };
                 if !judged.is_supported() {
                     (self.say)(&format!("{}: {} is no longer needed", self.name, judged.effect.name()));
                     full = without;

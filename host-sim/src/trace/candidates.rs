@@ -22,7 +22,7 @@ pub const LEAST_REDUCTION: f64 = 0.04;
 /// …by this many standard errors over the blocks of the logs. With some thirty candidates a round, a
 /// normal deviate passes 3.5 by chance in one round of a hundred; blocks are few and their errors
 /// have long tails, so a clean machine is tested besides (`tests/`).
-pub const LEAST_T: f64 = 2.5;
+pub const LEAST_T: f64 = 3.5;
 
 /// A candidate and what it is worth.
 #[derive(Clone, Debug)]
@@ -35,18 +35,21 @@ pub struct Candidate {
     pub gain: f64,
     /// The fit with it.
     pub fitted: Option<Fitted>,
+    /// Whether it is larger than what a declared model leaves open in any case.
+    pub material: bool,
 }
 
 impl Candidate {
     /// Whether held-out data support it: some stage gets better beyond chance and in every fold, and no
-    /// stage of any log loses more than chance or a tenth of what the best one gains.
+    /// stage of any log loses more than chance, or than a tenth of what is gained in all.
     #[must_use]
     pub fn is_supported(&self) -> bool {
-        let better =
-            |c: &&Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
-        let best = self.comparison.iter().filter(better).map(|c| c.reduction).fold(0.0, f64::max);
-        let tolerable = LEAST_REDUCTION.max(0.1 * best);
-        best > 0.0 && self.comparison.iter().all(|c| c.worst_log > -tolerable)
+        let better = |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
+        let loss = |c: &Comparison| 0.5 * (1.0 - c.worst_log.min(0.0)).ln();
+        let tolerable = (0.5 * LEAST_REDUCTION).max(0.1 * self.gain);
+        self.material
+            && self.comparison.iter().any(better)
+            && self.comparison.iter().all(|c| loss(c) < tolerable)
     }
 }
 
@@ -100,7 +103,7 @@ fn screen(
     // A full fit starts from the base model with the effect where the step took it.
     moved.rows_mut(0, shared).copy_from(&stood.rows(0, shared));
     let effect = model.at(scope, moved.as_slice()).axis.effect.last().cloned().unwrap_or(effect);
-    Candidate { effect, comparison: Vec::new(), gain, fitted: None }
+    Candidate { effect, comparison: Vec::new(), gain, fitted: None, material: false }
 }
 
 /// Of several starts of one effect the best stays; the sources of one effect are different effects.
@@ -127,5 +130,6 @@ fn try_out(evidence: &Evidence<'_>, base: &AxisModel, scope: &Scope, candidate: 
     if let Some(effect) = fitted.model.axis.effect.last() {
         candidate.effect = effect.clone();
     }
+    candidate.material = candidate.effect.is_material(evidence.rates);
     candidate.fitted = Some(fitted);
 }

@@ -254,16 +254,21 @@ pub fn stepped(slots: &[Slot], curvature: &DMatrix<f64>, gradient: &DVector<f64>
             }
         }
         let steps = matrix.cholesky().map_or_else(|| DVector::zeros(free.len()), |c| c.solve(&right));
-        let mut hit = false;
+        // Of the slots that would leave their bounds the one that gets there first is held; the others
+        // may turn round when it is.
+        let mut first: Option<(f64, usize, f64)> = None;
         for (&i, &step) in free.iter().zip(&steps) {
             let coordinate = &slots[i].coordinate;
-            let wanted = coordinate.value + step;
-            if wanted < coordinate.lower || wanted > coordinate.upper {
-                fixed[i] = Some(wanted.clamp(coordinate.lower, coordinate.upper) - coordinate.value);
-                hit = true;
+            let inside = (coordinate.value + step).clamp(coordinate.lower, coordinate.upper) - coordinate.value;
+            let share = inside / step;
+            // The sum of value and step may miss the bound by a rounding.
+            if share < 1.0 - 1e-9 && first.is_none_or(|(least, ..)| share < least) {
+                first = Some((share, i, inside));
             }
         }
-        if !hit {
+        if let Some((_, i, inside)) = first {
+            fixed[i] = Some(inside);
+        } else {
             let mut values: Vec<f64> = slots.iter().map(|slot| slot.coordinate.value).collect();
             for (i, step) in fixed.iter().enumerate() {
                 values[i] += step.unwrap_or(0.0);

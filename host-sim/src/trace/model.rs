@@ -43,7 +43,13 @@ pub struct AxisModel {
     pub table_zero_um: f64,
     /// Zero of the tool-point probe against the table's, µm.
     pub tool_zero_um: f64,
+    /// The mass that [`Mechanics::MotorMass`] fits, as the mechanics were fitted with it.
+    weighed_kg: Option<f64>,
 }
+
+/// How far the motor stage may move a mass that was fitted to the force, as a share of all masses:
+/// what filtering and stepping leave uncertain.
+const WEIGHING: f64 = 0.01;
 
 /// A number that a fit may move.
 #[derive(Clone, Copy, Debug)]
@@ -58,7 +64,22 @@ impl AxisModel {
     /// The declared model.
     #[must_use]
     pub fn new(declared: &Axis) -> Self {
-        Self { declared: declared.clone(), axis: declared.clone(), table_zero_um: 0.0, tool_zero_um: 0.0 }
+        Self {
+            declared: declared.clone(),
+            axis: declared.clone(),
+            table_zero_um: 0.0,
+            tool_zero_um: 0.0,
+            weighed_kg: None,
+        }
+    }
+
+    /// Holds the mass where the mechanics were fitted with it: the motor stage may only trim it.
+    pub fn weigh(&mut self, scope: &Scope) {
+        if scope.mechanics == Mechanics::All {
+            let weighing = Scope { stages: Vec::new(), mechanics: Mechanics::MotorMass };
+            let weighed = self.adjustable(&weighing).next().and_then(|(key, _)| (key.get)(&self.axis));
+            self.weighed_kg = weighed;
+        }
     }
 
     /// The effects that were found.
@@ -107,7 +128,13 @@ impl AxisModel {
         }
         slots.extend(self.adjustable(scope).map(|(key, centre)| {
             let value = (key.get)(&self.axis).unwrap_or(centre);
-            self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre)
+            let mut slot = self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre);
+            if let (Mechanics::MotorMass, Some(weighed)) = (scope.mechanics, self.weighed_kg) {
+                let masses = [self.declared.motor_mass_kg, self.declared.table_mass_kg];
+                let trim = WEIGHING * masses.into_iter().flatten().sum::<f64>();
+                slot.coordinate = Coordinate { lower: weighed - trim, upper: weighed + trim, ..slot.coordinate };
+            }
+            slot
         }));
         for (i, effect) in self.effects_of(scope) {
             let declared = self.declared.effect.get(i).map(Effect::coordinates);
