@@ -3,6 +3,7 @@
 
 pub mod cli;
 pub mod controller;
+pub mod demo;
 mod document;
 pub mod effects;
 pub mod error;
@@ -11,6 +12,7 @@ pub mod log;
 pub mod machine;
 pub mod motion;
 pub mod output;
+pub mod path;
 pub mod plant;
 pub mod servo;
 pub mod simulate;

@@ -1,5 +1,6 @@
 //! The command line: arguments in, results to stdout, progress to stderr, exit codes.
 
+mod demo;
 mod trace;
 
 use std::process::ExitCode;
@@ -18,6 +19,8 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
+    /// The main job with nothing to prepare: run, log, trace, and reveal the truth.
+    Demo(demo::Arguments),
     /// Find the residual of a log, name its causes, report before and after.
     Trace(trace::Arguments),
 }
@@ -26,6 +29,7 @@ enum Command {
 #[must_use]
 pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
+        Command::Demo(arguments) => demo::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
     match outcome {

@@ -29,6 +29,22 @@ pub struct Instruments {
     pub seed: u64,
 }
 
+impl Instruments {
+    /// What a well-kept machine is measured with: encoders and scale of 10 nm, a grid encoder at the
+    /// tool, and a drive whose current loop takes 0.1 ms.
+    #[must_use]
+    pub fn typical(seed: u64) -> Self {
+        Self {
+            motor: Sensor { resolution: 10e-9, noise: 10e-9 },
+            table: Sensor { resolution: 10e-9, noise: 20e-9 },
+            tool: Sensor { resolution: 10e-9, noise: 80e-9 },
+            force: Sensor { resolution: 0.1, noise: 1.0 },
+            drive_time_constant_s: 1e-4,
+            seed,
+        }
+    }
+}
+
 /// One row of measurements of one axis, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Row {

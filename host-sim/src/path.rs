@@ -1,0 +1,60 @@
+//! A motion file made into the blocks of a machine: names become axis numbers, mm become m.
+
+use crate::controller::{PathBlock, PathShape};
+use crate::error::InputError;
+use crate::machine::Machine;
+use crate::motion::{Block, Motion};
+
+/// Where a machine starts, and what it does.
+#[derive(Clone, Debug, PartialEq)]
+pub struct MachinePath {
+    /// One an axis, m.
+    pub start_m: Vec<f64>,
+    /// Blocks in the machine's axes.
+    pub blocks: Vec<PathBlock>,
+}
+
+/// The path of a motion on a machine. Axes that the motion does not name stand at zero; `source` is
+/// the motion's file, for messages.
+///
+/// # Errors
+/// When the motion names an axis that the machine has not.
+pub fn of(motion: &Motion, machine: &Machine, source: &str) -> Result<MachinePath, InputError> {
+    for name in motion.start_mm.keys() {
+        if !machine.axis.contains_key(name) {
+            let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
+            let expected = format!("axes of the machine ({})", names.join(", "));
+            return Err(InputError::expected(source, expected, format!("axis {name}")).at_key("start_mm"));
+        }
+    }
+    let metres = |at: &indexmap::IndexMap<String, f64>| -> Vec<f64> {
+        machine.axis.keys().map(|name| 1e-3 * at.get(name).copied().unwrap_or(0.0)).collect()
+    };
+    let block = |block: &Block| match block {
+        Block::Dwell { seconds } => PathBlock {
+            shape: PathShape::Dwell { seconds: *seconds },
+            feed_m_per_s: 0.0,
+            acceleration_m_per_s2: 0.0,
+        },
+        Block::Line { to_mm, feed_mm_per_min, acceleration_m_per_s2 } => PathBlock {
+            shape: PathShape::Line { to_m: metres(to_mm) },
+            feed_m_per_s: feed_mm_per_min / 60e3,
+            acceleration_m_per_s2: *acceleration_m_per_s2,
+        },
+        Block::Arc { plane, centre_mm, turns, feed_mm_per_min, acceleration_m_per_s2 } => PathBlock {
+            shape: PathShape::Arc {
+                plane: plane.each_ref().map(|name| number(machine, name)),
+                centre_m: centre_mm.map(|mm| 1e-3 * mm),
+                turns: *turns,
+            },
+            feed_m_per_s: feed_mm_per_min / 60e3,
+            acceleration_m_per_s2: *acceleration_m_per_s2,
+        },
+    };
+    Ok(MachinePath { start_m: metres(&motion.start_mm), blocks: motion.blocks.iter().map(block).collect() })
+}
+
+/// Number of an axis that the motion's start names, and so the machine has.
+fn number(machine: &Machine, name: &str) -> u8 {
+    machine.axis.get_index_of(name).and_then(|index| u8::try_from(index).ok()).unwrap_or(u8::MAX)
+}

@@ -1,0 +1,240 @@
+//! What was found and what was not, in the words of somebody who builds machines.
+
+use super::number::{percent, significant, with_spread};
+use crate::effects::{Channel, Effect, Stage};
+use crate::trace::Trace;
+use crate::trace::axis::{AxisTrace, Found, stage_names};
+use crate::trace::scope::NotTestable;
+use crate::trace::unexplained::{Unexplained, Variable};
+
+/// What an effect does, with its parameters. The half widths of their intervals are in the order of
+/// [`Effect::parameters`]; those that are missing are not told.
+#[must_use]
+pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
+    let parameters = effect.parameters();
+    let half = |i: usize| half_widths.get(i).copied().unwrap_or(0.0);
+    let of = |i: usize, unit: &str| format!("{} {unit}", with_spread(parameters[i].1, half(i)));
+    let size = |i: usize, unit: &str| format!("{} {unit}", with_spread(parameters[i].1.abs(), half(i)));
+    let is_positive = parameters[0].1 >= 0.0;
+    match effect {
+        Effect::Backlash(_) => format!("{} backlash between screw and table", of(0, "µm")),
+        Effect::PitchProgressive(_) => {
+            let how = if is_positive { "further" } else { "less far" };
+            format!("the screw carries the table {} {how} than its nominal lead", size(0, "µm/m"))
+        }
+        Effect::PitchCyclic(_) => {
+            format!("the screw's pitch wobbles by {} every {}", of(0, "µm (amplitude)"), of(1, "mm"))
+        }
+        Effect::ResolverDividing(_) => {
+            format!("the motor reading wobbles by {} every {}", of(0, "µm (amplitude)"), of(1, "mm"))
+        }
+        Effect::Windup(_) => {
+            format!("the drive train is softer than declared, {} between motor and table", of(0, "N/µm"))
+        }
+        Effect::Stribeck(_) => {
+            format!("friction rises by {} towards standstill, below {}", of(0, "N"), of(1, "mm/s"))
+        }
+        Effect::FrictionAsymmetry(_) => {
+            let [more, less] = if is_positive { ["+", "−"] } else { ["−", "+"] };
+            let size = size(0, "N·s/m");
+            format!("viscous friction is {size} higher in {more} direction and as much lower in {less} direction")
+        }
+        Effect::TorqueRipple(_) => {
+            format!("the drive force ripples by {} every {}", of(0, "N (amplitude)"), of(1, "mm"))
+        }
+        Effect::ConstantLoad(_) => {
+            let direction = if is_positive { "+" } else { "−" };
+            format!("a constant load of {} against motion in {direction} direction", size(0, "N"))
+        }
+        Effect::ServoMismatch(_) => {
+            let how = if is_positive { "above" } else { "below" };
+            format!("the position gain lies {} {how} the declared one", size(0, "%"))
+        }
+        Effect::VelocityLag(_) => format!("the velocity loop acts on a speed that is {} old", of(0, "ms")),
+        Effect::Intalk(_) => format!("the tool leans by {} of the axis's own acceleration", of(0, "µm per m/s²")),
+        Effect::Crosstalk(e) => {
+            format!("the tool leans by {} of acceleration of axis {}", of(0, "µm per m/s²"), e.source)
+        }
+        Effect::Squareness(_) => {
+            format!("out of square, the tool goes astray by {} of the other axis's travel", of(0, "µm per m"))
+        }
+        Effect::Straightness(e) => {
+            let near = significant(0.01 * e.um_per_m2.abs(), 2);
+            format!(
+                "the guide of axis {} is bent, which moves the tool by {} ({near} µm at 100 mm)",
+                e.source,
+                of(0, "µm/m²")
+            )
+        }
+        Effect::ThermalDrift(_) => format!(
+            "the tool drifts by {} while the machine warms up, with a time constant of {}",
+            of(0, "µm"),
+            of(1, "s")
+        ),
+        Effect::Latency(e) => {
+            let channel = match e.channel {
+                Channel::Table => "table",
+                Channel::Tool => "tool",
+            };
+            let how = if is_positive { "late" } else { "early" };
+            format!("the {channel} reading is logged {} {how}", size(0, "ms"))
+        }
+        Effect::Resonance(_) => format!(
+            "the tool swings behind the table at {}, with a damping ratio of {}",
+            of(0, "Hz"),
+            of(1, "").trim_end()
+        ),
+    }
+}
+
+/// The sentence for an effect that was found.
+#[must_use]
+pub fn sentence(axis: &str, found: &Found) -> String {
+    let what = effect(&found.effect, &found.half_widths);
+    let stage = stage_names(&[found.stage]);
+    let unseen = "on motions not used to find it";
+    let gain = found.validate_reduction_percent;
+    if gain >= 0.0 {
+        format!("{axis}: {what}; takes away {} of the {stage} residual {unseen}.", percent(gain))
+    } else {
+        format!("{axis}: {what}; the {stage} residual is {} larger with it {unseen}.", percent(-gain))
+    }
+}
+
+/// One sentence for each effect found, and one for each axis on which there is none.
+#[must_use]
+pub fn summary(trace: &Trace) -> Vec<String> {
+    let of_axis = |axis: &AxisTrace| -> Vec<String> {
+        if axis.found.is_empty() {
+            return vec![format!("{}: nothing found that the declared model lacks.", axis.axis)];
+        }
+        axis.found.iter().map(|found| sentence(&axis.axis, found)).collect()
+    };
+    trace.axes.iter().flat_map(of_axis).collect()
+}
+
+/// What stays of one stage.
+#[must_use]
+pub fn remainder(axis: &AxisTrace, rest: &Unexplained) -> String {
+    let (unit, remains) = match (rest.rms_um, rest.rms_n) {
+        (Some(um), _) => ("µm", um),
+        (None, n) => ("N", n.unwrap_or(0.0)),
+    };
+    let noise = axis.errors.iter().find(|error| error.stage == rest.channel).map_or(0.0, |error| error.noise);
+    let share = percent(rest.share_percent);
+    let follows = match rest.variable {
+        Variable::None => "it follows none of the variables tried".to_owned(),
+        Variable::Time => {
+            let hertz = significant(rest.frequency_hz.unwrap_or(0.0), 3);
+            format!("{share} of its power swings at {hertz} Hz")
+        }
+        Variable::Position => {
+            let at = significant(rest.centre_mm.unwrap_or(0.0), 3);
+            format!("{share} of its power follows the position, most of all near {at} mm")
+        }
+        Variable::Velocity => format!("{share} of its power follows the velocity"),
+        Variable::Acceleration => format!("{share} of its power follows the acceleration"),
+        Variable::Direction => format!("{share} of its power follows the direction of travel"),
+        Variable::Force => format!("{share} of its power follows the drive force"),
+        Variable::OtherPosition => format!("{share} of its power follows the other axis's position"),
+        Variable::OtherAcceleration => format!("{share} of its power follows the other axis's acceleration"),
+    };
+    format!(
+        "{}, {}: {} {unit} rms stay on the logs that were fitted, where the sensors' noise is {} {unit}; {follows}.",
+        axis.axis,
+        stage_names(&[rest.channel]),
+        significant(remains, 3),
+        significant(noise, 3),
+    )
+}
+
+/// Why a stage was not looked at.
+#[must_use]
+pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
+    format!("{axis}, {}: could not be tested; it needs {}.", stage_names(&[stage.stage]), stage.needs)
+}
+
+/// Unit of a stage's residual.
+#[must_use]
+pub fn unit(stage: Stage) -> &'static str {
+    if stage == Stage::Force { "N" } else { "µm" }
+}
+
+#[cfg(test)]
+#[expect(clippy::unwrap_used, reason = "a test may end there")]
+mod tests {
+    use super::*;
+    use crate::effects::{NAMES, Surroundings, candidates};
+    use crate::machine::Axis;
+
+    /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.
+    fn one_of_each() -> Vec<Effect> {
+        let axis = Axis {
+            table_mass_kg: Some(100.0),
+            stiffness_n_per_um: Some(200.0),
+            lead_mm: Some(10.0),
+            resolver_pole_pairs: Some(2),
+            ..Axis::default()
+        };
+        let around = Surroundings {
+            axis: &axis,
+            first: true,
+            others: &["q".to_owned()],
+            stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
+        };
+        let all = candidates(&around);
+        let first = |name: &&str| all.iter().find(|effect| effect.name() == *name).unwrap().clone();
+        let moved = |effect: Effect| {
+            let values: Vec<f64> = effect.coordinates().iter().map(|c| 7.25_f64.clamp(c.lower, c.upper)).collect();
+            effect.at(&values)
+        };
+        NAMES.iter().map(first).map(moved).collect()
+    }
+
+    #[test]
+    fn every_effect_of_the_catalogue_has_a_sentence_with_its_axis_and_values() {
+        for effect in one_of_each() {
+            let parameters = effect.parameters();
+            let half_widths = vec![0.01; parameters.len()];
+            let stage = effect.stages()[0];
+            let found = Found { effect, half_widths, stage, validate_reduction_percent: 90.6 };
+            let said = sentence("ax", &found);
+            assert!(said.starts_with("ax: "), "{said}");
+            assert!(said.ends_with("residual on motions not used to find it."), "{said}");
+            assert!(said.contains("91 %"), "{said}");
+            for (name, value) in parameters.iter().filter(|(name, _)| !name.starts_with("phase")) {
+                let value = with_spread(*value, 0.01);
+                assert!(said.contains(&value), "{name} {value} in: {said}");
+            }
+            if let Some(source) = crate::trace::report::source(&found.effect) {
+                assert!(said.contains(&format!("axis {source}")), "{said}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_sign_is_told_in_words() {
+        let said = |text: &str| {
+            let effect: Effect = toml::from_str(text).unwrap();
+            super::effect(&effect, &[])
+        };
+        assert_eq!(
+            said("name = 'constant_load'\nforce_n = -3.5"),
+            "a constant load of 3.500 N against motion in − direction"
+        );
+        assert!(said("name = 'servo_mismatch'\npercent = -4").contains("4.000 % below"));
+        assert!(said("name = 'latency'\nchannel = 'tool'\nms = 2").contains("tool reading is logged 2.000 ms late"));
+        assert!(said("name = 'pitch_progressive'\nslope_um_per_m = -40").contains("40.00 µm/m less far"));
+    }
+
+    #[test]
+    fn an_effect_that_does_not_help_is_not_praised() {
+        let effect: Effect = toml::from_str("name = 'backlash'\nwidth_um = 9.8").unwrap();
+        let found = Found { effect, half_widths: vec![0.1], stage: Stage::Table, validate_reduction_percent: -3.2 };
+        assert_eq!(
+            sentence("x", &found),
+            "x: 9.8 ± 0.1 µm backlash between screw and table; the table residual is 3 % larger with it on motions \
+             not used to find it."
+        );
+    }
+}
