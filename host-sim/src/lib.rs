@@ -14,6 +14,7 @@ pub mod motion;
 pub mod output;
 pub mod path;
 pub mod plant;
+pub mod report;
 pub mod servo;
 pub mod simulate;
 pub mod trace;

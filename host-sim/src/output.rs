@@ -11,9 +11,9 @@ use thiserror::Error;
 #[derive(Debug, Error)]
 #[error("{}: not written: {cause}", path.display())]
 pub struct OutputError {
-    path: PathBuf,
+    pub(crate) path: PathBuf,
     // Not marked as the source: the message holds it already, and a printed chain would repeat it.
-    cause: io::Error,
+    pub(crate) cause: io::Error,
 }
 
 /// Writes what `fill` gives to a temporary file in the same folder, which then takes the name.

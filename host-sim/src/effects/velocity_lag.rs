@@ -27,10 +27,10 @@ impl Kind for VelocityLag {
         vec![Coordinate::between(self.ms, 0.02, 0.0, 100.0)]
     }
 
-    /// A tenth of a tick: a machine file does not say how the drive steps its filters, and the choices
+    /// A quarter of a tick: a machine file does not say how the drive steps its filters, and the choices
     /// differ by that much.
     fn is_material(&self, rates: Rates) -> bool {
-        1e-3 * self.ms * rates.velocity_loop_hz > 0.1
+        1e-3 * self.ms * rates.velocity_loop_hz > 0.25
     }
 
     fn at(&self, x: &[f64]) -> Self {

@@ -27,7 +27,6 @@ pub struct Prescribed {
 pub struct DrivenTable {
     deflection_m: f64,
     deflection_rate: f64,
-    table_velocity: f64,
     bristle_m: f64,
     /// Where a rigid screw left the table.
     table_m: f64,
@@ -41,7 +40,7 @@ impl DrivenTable {
     pub fn settled(parameters: &AxisParameters, screw: Prescribed) -> Self {
         // Bristles are bent through within micrometres; slower than this they may still be upright.
         const MOVING_M_PER_S: f64 = 1e-3;
-        let mut table = Self { table_m: screw.nominal_m, table_velocity: screw.velocity, ..Self::default() };
+        let mut table = Self { table_m: screw.nominal_m, ..Self::default() };
         if screw.velocity.abs() < MOVING_M_PER_S {
             return table;
         }
@@ -92,7 +91,9 @@ impl DrivenTable {
 
     fn step_elastic(&mut self, parameters: &AxisParameters, spring: &Spring, screw: Prescribed, step_s: f64) {
         let (mass, h) = (parameters.table_mass_kg, step_s);
-        let friction = Linear::of(&parameters.friction, self.bristle_m, self.table_velocity, h);
+        // The screw's mean velocity over the step, and the deflection's as it was.
+        let sliding = screw.velocity - self.deflection_rate;
+        let friction = Linear::of(&parameters.friction, self.bristle_m, sliding, h);
         // Everything that does not act through the screw, as rest + inertia·d.
         let inertia = mass / (h * h) + friction.slope / h;
         let rest = mass * (screw.acceleration + self.deflection_m / (h * h) + self.deflection_rate / h)
@@ -110,8 +111,8 @@ impl DrivenTable {
                 / (inertia + spring.stiffness_n_per_m + drag)
         };
         let rate = (deflection - self.deflection_m) / h;
-        self.table_velocity = screw.velocity - rate;
-        self.bristle_m = friction.bristle(self.bristle_m, self.table_velocity, h);
+        let velocity = screw.velocity - rate;
+        self.bristle_m = friction.bristle(self.bristle_m, velocity, h);
         self.transmitted_n = if free.abs() <= half_m {
             0.0
         } else {
@@ -122,34 +123,41 @@ impl DrivenTable {
     }
 }
 
-/// Friction over one step as offset + slope·v, v the velocity at its end.
+/// Friction over one step as offset + slope·v, v the mean velocity of the step.
+///
+/// Bristles relax exactly for a velocity that stays: z′ = z·e⁻ʳ + v·h·(1 − e⁻ʳ)/r, r = σ0·|v|·h/g. A
+/// reversal takes few steps, and a first-order rule would show there as a Stribeck effect.
 struct Linear {
     offset: f64,
     slope: f64,
-    hold: f64,
+    keeps: f64,
+    takes: f64,
 }
 
 impl Linear {
-    fn of(friction: &Friction, bristle_m: f64, velocity_before: f64, step_s: f64) -> Self {
+    fn of(friction: &Friction, bristle_m: f64, about: f64, step_s: f64) -> Self {
         let viscous = friction.viscous_n_s_per_m;
-        let one_way = friction.asymmetry.force_n(velocity_before);
+        let one_way = friction.asymmetry.force_n(about);
         if !friction.has_bristles() {
             let mut none = 0.0;
-            let dry = friction.step(&mut none, velocity_before, step_s) - friction.viscous_n(velocity_before);
-            return Self { offset: dry + one_way, slope: viscous, hold: 0.0 };
+            let dry = friction.step(&mut none, about, step_s) - friction.viscous_n(about);
+            return Self { offset: dry + one_way, slope: viscous, keeps: 0.0, takes: 0.0 };
         }
         let (stiffness, damping) = (friction.bristle_stiffness_n_per_m, friction.bristle_damping_n_s_per_m);
-        let level = friction.level_n(velocity_before).max(1e-9);
-        let hold = 1.0 / (1.0 + stiffness * velocity_before.abs() * step_s / level);
+        let level = friction.level_n(about).max(1e-9);
+        let relaxation = stiffness * about.abs() * step_s / level;
+        let keeps = (-relaxation).exp();
+        let takes = if relaxation > 1e-6 { (1.0 - keeps) / relaxation } else { 1.0 };
         Self {
-            offset: stiffness * bristle_m * hold + damping * bristle_m * (hold - 1.0) / step_s + one_way,
-            slope: (stiffness * step_s + damping) * hold + viscous,
-            hold,
+            offset: stiffness * bristle_m * keeps + damping * bristle_m * (keeps - 1.0) / step_s + one_way,
+            slope: (stiffness * step_s + damping) * takes + viscous,
+            keeps,
+            takes,
         }
     }
 
     fn bristle(&self, bristle_m: f64, velocity: f64, step_s: f64) -> f64 {
-        (bristle_m + velocity * step_s) * self.hold
+        bristle_m * self.keeps + velocity * step_s * self.takes
     }
 }
 

@@ -103,9 +103,10 @@ impl Chart<'_> {
 
     fn draw(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), Failure> {
         let ((left, right), (low, high)) = self.range();
-        let text = |size: f64| TextStyle::from(("sans-serif", size).into_font()).color(&Ink::Label.colour());
         // plotters takes a font's height for its size.
         let size = f64::from(FINE) * 11.0 * 1.24;
+        let colour = Ink::Label.colour();
+        let words = TextStyle::from(("sans-serif", size).into_font()).color(&colour);
         let mut chart = ChartBuilder::on(area)
             .margin_top(2 * FINE)
             .margin_right(12 * FINE)
@@ -120,8 +121,8 @@ impl Chart<'_> {
             .axis_style(Ink::Axis.colour())
             .disable_x_mesh()
             .set_all_tick_mark_size(4 * FINE)
-            .label_style(text(size))
-            .axis_desc_style(text(size))
+            .label_style(words.clone())
+            .axis_desc_style(words)
             .x_labels(columns)
             .y_labels(rows)
             .x_label_formatter(&|x| tick(*x, right - left, columns))

@@ -160,6 +160,16 @@ pub fn unit(stage: Stage) -> &'static str {
     if stage == Stage::Force { "N" } else { "µm" }
 }
 
+/// Name of a parameter without its unit; empty where the unit is all of it.
+#[must_use]
+pub fn parameter(key: &str) -> String {
+    const UNITS: [&str; 13] =
+        ["um_s2_per_m", "um_per_m2", "um_per_m", "n_per_um", "n_s_per_m", "mm_s", "um", "mm", "ms", "rad", "hz", "n", "s"];
+    let unit = UNITS.iter().find(|unit| key.strip_suffix(**unit).is_some_and(|name| name.is_empty() || name.ends_with('_')));
+    let name = unit.map_or(key, |unit| &key[..key.len() - unit.len()]);
+    name.replace('_', " ").trim_end().replace("percent", "")
+}
+
 #[cfg(test)]
 #[expect(clippy::unwrap_used, reason = "a test may end there")]
 mod tests {
@@ -210,6 +220,13 @@ mod tests {
                 assert!(said.contains(&format!("axis {source}")), "{said}");
             }
         }
+    }
+
+    #[test]
+    fn a_parameter_is_named_without_its_unit() {
+        let names = ["width_um", "static_excess_n", "um_per_m2", "ms", "percent", "damping_ratio", "velocity_mm_s"];
+        let said = names.map(parameter);
+        assert_eq!(said, ["width", "static excess", "", "", "", "damping ratio", "velocity"]);
     }
 
     #[test]

@@ -1,0 +1,136 @@
+//! The report: one page that says what was found, shows it, and says what was not.
+//!
+//! [`words`] puts effects into sentences; [`tables`] holds figures; [`polar`] draws a circle as
+//! ballbar users do ([`circle`] finds one in a log, [`deviation`] is how far the machine ran off it);
+//! [`curves`] draws residuals against time and against a [`variable`]; [`ranking`] lists what was
+//! tried. [`plot`] and [`markup`] are what these are made of.
+//!
+//! The page needs nothing but itself: no script, no address. The same trace gives the same bytes.
+
+mod circle;
+mod curves;
+mod deviation;
+mod markup;
+mod number;
+mod plot;
+mod polar;
+mod ranking;
+mod stages;
+mod tables;
+mod variable;
+pub mod words;
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use crate::effects::Effect;
+use crate::output::{OutputError, write_whole};
+use crate::trace::Trace;
+use crate::trace::axis::AxisTrace;
+use markup::{list, paragraph, section, text};
+use stages::AxisView;
+
+/// Name of the page in its folder.
+pub const FILE_NAME: &str = "report.html";
+
+const STYLE: &str = include_str!("style.css");
+
+/// What a report holds beside the trace.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extra {
+    /// Heading of the page.
+    pub title: String,
+    /// Sentences that stand on top.
+    pub lead: Vec<String>,
+    /// The effects that the machine had in truth, each with its axis, where that is known.
+    pub truth: Option<Vec<(String, Effect)>>,
+}
+
+/// Writes the page into a folder, which is made where it is missing, and gives its path.
+///
+/// # Errors
+/// If the folder cannot be made or the page not be written.
+pub fn write(folder: &Path, trace: &Trace, extra: &Extra) -> Result<PathBuf, OutputError> {
+    let path = folder.join(FILE_NAME);
+    fs::create_dir_all(folder).map_err(|cause| OutputError { path: folder.to_owned(), cause })?;
+    write_whole(&path, |out| out.write_all(html(trace, extra).as_bytes()))?;
+    Ok(path)
+}
+
+/// The page.
+#[must_use]
+pub fn html(trace: &Trace, extra: &Extra) -> String {
+    let views = AxisView::all(trace);
+    let title = text(&extra.title);
+    let lead: String = extra.lead.iter().map(|sentence| paragraph(sentence)).collect();
+    let sections = [
+        section("What was found", &found(trace, extra)),
+        section("Residuals before and after", &tables::errors(&trace.axes)),
+        section("The circle", &polar::body(trace, &views)),
+        section("Where the residual comes from", &curves::body(trace, &views)),
+        section("What was tried", &ranking::body(&trace.axes)),
+        section("What stays unexplained", &unexplained(&trace.axes)),
+    ]
+    .concat();
+    format!(
+        "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
+         content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n\
+         <body>\n<main>\n<header>\n<h1>{title}</h1>\n{lead}<p class=\"small\">{}</p>\n</header>\n{sections}</main>\n\
+         </body>\n</html>\n",
+        text(&sources(trace))
+    )
+}
+
+/// One sentence an effect, and the truth where it is known.
+fn found(trace: &Trace, extra: &Extra) -> String {
+    let items: String = words::summary(trace).iter().map(|said| format!("<li>{}</li>\n", text(said))).collect();
+    let truth = extra.truth.as_ref().map(|truth| tables::truth(&trace.axes, truth)).unwrap_or_default();
+    format!("<ul class=\"found\">\n{items}</ul>\n{truth}")
+}
+
+/// Which logs were fitted and which were not.
+fn sources(trace: &Trace) -> String {
+    let names = |logs: &[crate::trace::signals::Signals]| {
+        logs.iter().map(|log| file_name(&log.source)).collect::<Vec<_>>().join(", ")
+    };
+    let (fit, validate) = (names(&trace.fit_logs), names(&trace.validate_logs));
+    if fit == validate {
+        format!("Machine {}. Fitted to {fit}, judged on the last part of it, which no fit saw.", trace.machine.name)
+    } else {
+        format!("Machine {}. Fitted to {fit}; judged on {validate}, which no fit saw.", trace.machine.name)
+    }
+}
+
+/// What stays, what could not be tested, and what is down to noise.
+fn unexplained(axes: &[AxisTrace]) -> String {
+    let stays: Vec<String> = axes
+        .iter()
+        .flat_map(|axis| {
+            let rests = axis.unexplained.iter().map(|rest| words::remainder(axis, rest));
+            rests.chain(axis.not_testable.iter().map(|stage| words::not_testable(&axis.axis, stage)))
+        })
+        .collect();
+    let is_explained = |axis: &AxisTrace, error: &crate::trace::axis::StageError| {
+        !axis.unexplained.iter().any(|rest| rest.channel == error.stage)
+    };
+    let quiet: Vec<String> = axes
+        .iter()
+        .flat_map(|axis| {
+            let explained = axis.errors.iter().filter(|error| is_explained(axis, error));
+            explained.map(|error| format!("{} {}", axis.axis, crate::trace::axis::stage_names(&[error.stage])))
+        })
+        .collect();
+    let mut body = if stays.is_empty() { String::new() } else { list(&stays) };
+    if !quiet.is_empty() {
+        body += &paragraph(&format!("Down to the sensors' noise: {}.", quiet.join(", ")));
+    }
+    body
+}
+
+/// The last part of a path: where a log lay is nobody's business who reads the page.
+fn file_name(source: &str) -> &str {
+    source.rsplit(['/', '\\']).next().unwrap_or(source)
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,114 @@
+//! The candidates of each round: what each is worth on held-out data, and why it was taken or not.
+
+use super::markup::text;
+use super::number::{fixed, percent};
+use super::words;
+use crate::trace::axis::{AxisTrace, Round, stage_names};
+use crate::trace::candidates::{Candidate, LEAST_REDUCTION, LEAST_T};
+use crate::trace::held_out::{Comparison, FOLDS};
+use crate::trace::report::source;
+
+/// Most candidates of a round that are shown.
+const SHOWN: usize = 6;
+
+/// The section's body.
+pub fn body(axes: &[AxisTrace]) -> String {
+    let tables: String = axes.iter().map(of_axis).collect();
+    if tables.is_empty() {
+        return tables;
+    }
+    let what = "In each round every effect of the catalogue is tried on what is left, the most promising are fitted \
+                with everything else free, and held against parts of the fit logs that the fit did not see. Gain: by \
+                how much the residual of the stage that it helps most gets smaller there. The best that is supported \
+                is added, and the next round begins.";
+    format!("<p class=\"small\">{}</p>\n{tables}", text(what))
+}
+
+fn of_axis(axis: &AxisTrace) -> String {
+    let mut number = 0;
+    let mut last: &[_] = &[];
+    let mut rounds = String::new();
+    for round in &axis.rounds {
+        number = if round.stages == last { number + 1 } else { 1 };
+        last = &round.stages;
+        rounds += &of_round(axis, round, number);
+    }
+    if rounds.is_empty() {
+        return rounds;
+    }
+    format!(
+        "<h3>{}</h3>\n<table class=\"ranking\">\n<thead><tr><th scope=\"col\">candidate</th><th scope=\"col\" \
+         class=\"n\">gain</th><th scope=\"col\"><span class=\"hidden\">bar</span></th><th scope=\"col\">\
+         verdict</th></tr></thead>\n{rounds}</table>\n",
+        text(&axis.axis)
+    )
+}
+
+fn of_round(axis: &AxisTrace, round: &Round, number: usize) -> String {
+    let fitted = round.candidates.iter().enumerate().filter(|(_, candidate)| best(candidate).is_some());
+    let rows: String =
+        fitted.take(SHOWN).map(|(i, candidate)| row(axis, candidate, round.added == Some(i))).collect();
+    if rows.is_empty() {
+        return rows;
+    }
+    let heading = text(&format!("{}, round {number}", stage_names(&round.stages)));
+    format!("<tbody>\n<tr><th colspan=\"4\" scope=\"rowgroup\">{heading}</th></tr>\n{rows}</tbody>\n")
+}
+
+fn row(axis: &AxisTrace, candidate: &Candidate, is_added: bool) -> String {
+    let gain = best(candidate).map_or(0.0, gain_percent);
+    let shown = if gain < -999.5 { "far worse".to_owned() } else { format!("{} %", fixed(gain, 1)) };
+    let class = if is_added { "taken" } else { "left" };
+    let width = fixed(gain.clamp(0.0, 100.0), 1);
+    let name = candidate.effect.name();
+    let bar = format!(
+        "<svg class=\"bar\" viewBox=\"0 0 100 8\" preserveAspectRatio=\"none\" aria-hidden=\"true\"><rect \
+         class=\"{class}\" x=\"0\" y=\"1\" width=\"{width}\" height=\"6\"/></svg>"
+    );
+    format!(
+        "<tr><td><code>{}</code> {}</td><td class=\"n\">{}</td><td>{bar}</td><td>{}</td></tr>\n",
+        text(name),
+        text(&words::effect(&candidate.effect, &[])),
+        text(&shown),
+        text(&verdict(axis, candidate, is_added))
+    )
+}
+
+/// The stage that a candidate helps most, on held-out data; none if it was not fitted.
+fn best(candidate: &Candidate) -> Option<&Comparison> {
+    candidate.comparison.iter().max_by(|a, b| a.reduction.total_cmp(&b.reduction))
+}
+
+/// By how much the residual itself gets smaller, percent; comparisons are of its square.
+fn gain_percent(comparison: &Comparison) -> f64 {
+    100.0 * (1.0 - (1.0 - comparison.reduction).max(0.0).sqrt())
+}
+
+/// Why a candidate was added or not, the first reason that holds.
+fn verdict(axis: &AxisTrace, candidate: &Candidate, is_added: bool) -> String {
+    let Some(best) = best(candidate) else { return String::new() };
+    if is_added {
+        let is_kept = axis.found.iter().any(|found| {
+            found.effect.name() == candidate.effect.name() && source(&found.effect) == source(&candidate.effect)
+        });
+        return if is_kept { "added" } else { "added; dropped when a later one made it needless" }.to_owned();
+    }
+    let supported = |c: &&Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
+    let least = 100.0 * (1.0 - (1.0 - LEAST_REDUCTION).sqrt());
+    if candidate.is_supported() {
+        "supported, but another one was better".to_owned()
+    } else if !candidate.material {
+        "too small to be told from what a model leaves open".to_owned()
+    } else if best.reduction <= 0.0 {
+        "makes it worse".to_owned()
+    } else if best.reduction < LEAST_REDUCTION {
+        format!("too small: below {} %", fixed(least, 0))
+    } else if candidate.comparison.iter().find(supported).is_some() {
+        let worst = candidate.comparison.iter().map(|c| c.worst_log).fold(0.0, f64::min);
+        format!("worse on another log or stage, by {}", percent(100.0 * ((1.0 - worst).sqrt() - 1.0)))
+    } else if best.folds_better < FOLDS {
+        format!("not better everywhere: in {} of {FOLDS} parts of the logs", best.folds_better)
+    } else {
+        format!("may be chance: {} standard errors, below {}", fixed(best.t, 1), fixed(LEAST_T, 1))
+    }
+}
