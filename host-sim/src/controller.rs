@@ -135,7 +135,8 @@ impl<S: Scalar, const N: usize> Controller for Machine<S, N> {
     }
 
     fn tick(&mut self, readings: &[Reading], outputs: &mut [AxisOutput]) -> Result<Status, ControllerError> {
-        let readings: &[Reading; N] = readings.try_into().map_err(|_| ControllerError::Axes(readings.len()))?;
+        let readings: &[Reading; N] =
+            readings.try_into().map_err(|_| ControllerError::Axes(readings.len()))?;
         let output = Machine::tick(self, readings);
         for ((out, force), command) in outputs.iter_mut().zip(output.forces).zip(output.commands) {
             *out = AxisOutput { force_n: force.value(), force_bits: force.bits(), command };

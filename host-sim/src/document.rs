@@ -50,12 +50,7 @@ impl<'a> Document<'a> {
         })?;
         let mut places = IndexMap::new();
         collect("", root.get_ref(), &mut places);
-        let document = Self {
-            source,
-            text,
-            root,
-            places,
-        };
+        let document = Self { source, text, root, places };
         document.check_finite()?;
         Ok(document)
     }
@@ -63,10 +58,7 @@ impl<'a> Document<'a> {
     /// The whole as a type.
     pub(crate) fn deserialize<T: DeserializeOwned>(&self) -> Result<T, InputError> {
         T::deserialize(Deserializer::from(self.root.clone())).map_err(|error| {
-            let key = error
-                .span()
-                .and_then(|span| self.key_at(&span))
-                .unwrap_or_default();
+            let key = error.span().and_then(|span| self.key_at(&span)).unwrap_or_default();
             self.misfit(key, &error)
         })
     }
@@ -74,32 +66,20 @@ impl<'a> Document<'a> {
     /// One value as a type. A misfit is reported at `key` even where serde has lost the place, as
     /// it does inside tagged enums.
     pub(crate) fn deserialize_at<T: DeserializeOwned>(&self, key: &str) -> Result<T, InputError> {
-        let place = self
-            .places
-            .get(key)
-            .ok_or_else(|| self.refuse(key, "this key"))?;
-        T::deserialize(ValueDeserializer::from(place.value.clone()))
-            .map_err(|error| self.misfit(key, &error))
+        let place = self.places.get(key).ok_or_else(|| self.refuse(key, "this key"))?;
+        T::deserialize(ValueDeserializer::from(place.value.clone())).map_err(|error| self.misfit(key, &error))
     }
 
     /// The error that says what was expected at a key, and repeats what stands there.
     pub(crate) fn refuse(&self, key: &str, what: &str) -> InputError {
-        self.located(
-            key,
-            InputError::expected(self.source, what, self.found(key)),
-        )
+        self.located(key, InputError::expected(self.source, what, self.found(key)))
     }
 
     /// The keys directly in the table, or elements directly in the array, at `key`, in the order
     /// of the file: the parser itself sorts tables by name.
     pub(crate) fn inside(&self, key: &str) -> Vec<&str> {
         let direct = |candidate: &&String| parent(candidate) == key;
-        let mut keys: Vec<&str> = self
-            .places
-            .keys()
-            .filter(direct)
-            .map(String::as_str)
-            .collect();
+        let mut keys: Vec<&str> = self.places.keys().filter(direct).map(String::as_str).collect();
         keys.sort_by_key(|key| self.places[*key].name.start);
         keys
     }
@@ -122,11 +102,7 @@ impl<'a> Document<'a> {
     }
 
     fn located(&self, key: &str, error: InputError) -> InputError {
-        let error = if key.is_empty() {
-            error
-        } else {
-            error.at_key(key)
-        };
+        let error = if key.is_empty() { error } else { error.at_key(key) };
         match self.line(key) {
             Some(line) => error.at_line(line),
             None => error,
@@ -157,11 +133,7 @@ impl<'a> Document<'a> {
     /// The innermost key whose name or value has exactly this span.
     fn key_at(&self, span: &Range<usize>) -> Option<&str> {
         let hit = |place: &Place<'_>| place.name == *span || place.value.span() == *span;
-        self.places
-            .iter()
-            .rev()
-            .find(|(_, place)| hit(place))
-            .map(|(key, _)| key.as_str())
+        self.places.iter().rev().find(|(_, place)| hit(place)).map(|(key, _)| key.as_str())
     }
 
     /// What serde has to say about the value at `key`, in our words.
@@ -177,11 +149,7 @@ impl<'a> Document<'a> {
         match between(problem, "unknown field `", "`") {
             Some(name) => {
                 let inner = join(key, name);
-                let key = if self.places.contains_key(&inner) {
-                    &inner
-                } else {
-                    key
-                };
+                let key = if self.places.contains_key(&inner) { &inner } else { key };
                 let problem = format!("unknown key, expected {expected}");
                 self.located(key, InputError::saying(self.source, problem))
             }
@@ -202,13 +170,7 @@ fn add<'a>(
     value: &Spanned<DeValue<'a>>,
     places: &mut IndexMap<String, Place<'a>>,
 ) {
-    places.insert(
-        key.to_owned(),
-        Place {
-            name,
-            value: value.clone(),
-        },
-    );
+    places.insert(key.to_owned(), Place { name, value: value.clone() });
     match value.get_ref() {
         DeValue::Table(table) => collect(key, table, places),
         DeValue::Array(array) => {
@@ -226,11 +188,7 @@ fn parent(key: &str) -> &str {
 }
 
 fn join(table: &str, name: &str) -> String {
-    if table.is_empty() {
-        name.to_owned()
-    } else {
-        format!("{table}.{name}")
-    }
+    if table.is_empty() { name.to_owned() } else { format!("{table}.{name}") }
 }
 
 fn between<'t>(text: &'t str, before: &str, after: &str) -> Option<&'t str> {
@@ -271,18 +229,9 @@ mod tests {
     fn refusal_names_line_key_and_value() {
         let document = Document::parse(TEXT, "f.toml").unwrap();
         let said = |key| document.refuse(key, "Z").to_string();
-        assert_eq!(
-            said("a.b[1]"),
-            "f.toml: line 3: a.b[1]: expected Z, found 2.5e0"
-        );
-        assert_eq!(
-            said("t.u[0].k"),
-            "f.toml: line 5: t.u[0].k: expected Z, found 'v'"
-        );
-        assert_eq!(
-            said("t.u[1].k"),
-            "f.toml: line 6: t.u[1].k: expected Z, found none"
-        );
+        assert_eq!(said("a.b[1]"), "f.toml: line 3: a.b[1]: expected Z, found 2.5e0");
+        assert_eq!(said("t.u[0].k"), "f.toml: line 5: t.u[0].k: expected Z, found 'v'");
+        assert_eq!(said("t.u[1].k"), "f.toml: line 6: t.u[1].k: expected Z, found none");
         assert_eq!(said("a"), "f.toml: line 3: a: expected Z, found a table");
         assert_eq!(said("nothing"), "f.toml: nothing: expected Z, found none");
     }
@@ -298,10 +247,7 @@ mod tests {
     #[test]
     fn text_that_is_no_toml_is_refused_in_one_line() {
         let said = message("a = 1\nb c\n");
-        assert!(
-            said.starts_with("f.toml: line 2: expected valid TOML: "),
-            "{said}"
-        );
+        assert!(said.starts_with("f.toml: line 2: expected valid TOML: "), "{said}");
         assert!(!said.contains('\n'), "{said}");
         assert!(message("a = 1\na = 2\n").contains("line 2"));
     }
@@ -309,10 +255,7 @@ mod tests {
     #[test]
     fn numbers_are_finite() {
         let said = message("[t]\na = [1, -inf]");
-        assert_eq!(
-            said,
-            "f.toml: line 2: t.a[1]: expected a finite number, found -inf"
-        );
+        assert_eq!(said, "f.toml: line 2: t.a[1]: expected a finite number, found -inf");
         assert!(message("a = nan").ends_with("a: expected a finite number, found nan"));
         assert!(message("a = 1e400").ends_with("a: expected a finite number, found 1e400"));
     }

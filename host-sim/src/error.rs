@@ -33,12 +33,7 @@ impl InputError {
     /// A problem that does not fit the form of [`InputError::expected`].
     #[must_use]
     pub fn saying(file: &str, problem: impl Into<String>) -> Self {
-        Self {
-            file: file.to_owned(),
-            line: None,
-            key: None,
-            problem: one_line(&problem.into()),
-        }
+        Self { file: file.to_owned(), line: None, key: None, problem: one_line(&problem.into()) }
     }
 
     /// A file that cannot be read at all.
@@ -50,19 +45,13 @@ impl InputError {
     /// The same, at a line of the file, counted from 1.
     #[must_use]
     pub fn at_line(self, line: usize) -> Self {
-        Self {
-            line: Some(line),
-            ..self
-        }
+        Self { line: Some(line), ..self }
     }
 
     /// The same, at a key (`axis.x.lead_mm`) or a column (`x_motor_mm`).
     #[must_use]
     pub fn at_key(self, key: &str) -> Self {
-        Self {
-            key: Some(one_line(key)),
-            ..self
-        }
+        Self { key: Some(one_line(key)), ..self }
     }
 }
 
@@ -134,10 +123,7 @@ mod tests {
 
     #[test]
     fn places_that_are_not_known_are_left_out() {
-        assert_eq!(
-            InputError::saying("a.csv", "is a picture").to_string(),
-            "a.csv: is a picture"
-        );
+        assert_eq!(InputError::saying("a.csv", "is a picture").to_string(), "a.csv: is a picture");
     }
 
     #[test]

@@ -34,16 +34,10 @@ pub fn write_whole(
         Ok(_) => fs::canonicalize(path).and_then(|target| replace(&target, fill)),
         Err(_) => replace(path, fill),
     };
-    written.map_err(|cause| OutputError {
-        path: path.to_owned(),
-        cause,
-    })
+    written.map_err(|cause| OutputError { path: path.to_owned(), cause })
 }
 
-fn write_in_place(
-    path: &Path,
-    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
-) -> io::Result<()> {
+fn write_in_place(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut buffer = BufWriter::new(File::options().write(true).open(path)?);
     fill(&mut buffer)?;
     buffer.flush()
@@ -57,10 +51,7 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
     drop(buffer);
     // Otherwise a power cut may leave the new name on an empty file.
     temporary.as_file().sync_all()?;
-    temporary
-        .persist(path)
-        .map(drop)
-        .map_err(|refused| refused.error)
+    temporary.persist(path).map(drop).map_err(|refused| refused.error)
 }
 
 /// A temporary file in the folder of `path`, so that the renaming does not cross file systems.
@@ -70,10 +61,7 @@ fn beside(path: &Path) -> io::Result<NamedTempFile> {
         _ => Path::new("."),
     };
     if !folder.is_dir() {
-        return Err(io::Error::other(format!(
-            "there is no folder {}",
-            folder.display()
-        )));
+        return Err(io::Error::other(format!("there is no folder {}", folder.display())));
     }
     let mut builder = Builder::new();
     builder.prefix(".lost-motion-");
@@ -99,9 +87,7 @@ mod tests {
 
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();
-        entries
-            .map(|entry| entry.unwrap().file_name().into_string().unwrap())
-            .collect()
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
     }
 
     #[test]
@@ -125,10 +111,7 @@ mod tests {
             Err(io::Error::other("the other half is missing"))
         };
         let error = write_whole(&path, half).unwrap_err().to_string();
-        assert!(
-            error.contains("out.json: not written: the other half is missing"),
-            "{error}"
-        );
+        assert!(error.contains("out.json: not written: the other half is missing"), "{error}");
         assert_eq!(fs::read_to_string(&path).unwrap(), "before");
         assert_eq!(names(folder.path()), ["out.json"]);
     }
@@ -138,13 +121,8 @@ mod tests {
         let folder = tempfile::tempdir().unwrap();
         let missing = folder.path().join("missing").join("out.csv");
         let error = write_whole(&missing, |_| Ok(())).unwrap_err().to_string();
-        assert!(
-            error.contains("out.csv: not written: there is no folder"),
-            "{error}"
-        );
-        let error = write_whole(folder.path(), |_| Ok(()))
-            .unwrap_err()
-            .to_string();
+        assert!(error.contains("out.csv: not written: there is no folder"), "{error}");
+        let error = write_whole(folder.path(), |_| Ok(())).unwrap_err().to_string();
         assert!(error.contains("expected a file, found a folder"), "{error}");
     }
 
@@ -154,12 +132,7 @@ mod tests {
         use std::os::unix::fs::PermissionsExt;
 
         let folder = tempfile::tempdir().unwrap();
-        let mode = |name| {
-            fs::metadata(folder.path().join(name))
-                .unwrap()
-                .permissions()
-                .mode()
-        };
+        let mode = |name| fs::metadata(folder.path().join(name)).unwrap().permissions().mode();
         fs::write(folder.path().join("plain"), "").unwrap();
         write_whole(&folder.path().join("ours"), |_| Ok(())).unwrap();
         assert_eq!(mode("ours"), mode("plain"));

@@ -47,7 +47,11 @@ pub enum SimulationError {
 ///
 /// # Errors
 /// When the file lacks a key or a setting is refused.
-pub fn controller(machine: &Machine, format: Format, start_m: &[f64]) -> Result<Box<dyn Controller>, SimulationError> {
+pub fn controller(
+    machine: &Machine,
+    format: Format,
+    start_m: &[f64],
+) -> Result<Box<dyn Controller>, SimulationError> {
     let (settings, start) = set_up(machine, start_m)?;
     Ok(crate::controller::in_process(format, servo::rates(machine), &settings, &start)?)
 }
@@ -153,7 +157,9 @@ impl Run<'_> {
     fn fault(&self, fault: Fault, time_s: f64) -> SimulationError {
         let name = |axis: u8| self.machine.axis.get_index(usize::from(axis)).map_or("?", |(name, _)| name);
         let what = match fault {
-            Fault::FollowingError { axis } => format!("axis.{}: following error beyond its limit", name(axis)),
+            Fault::FollowingError { axis } => {
+                format!("axis.{}: following error beyond its limit", name(axis))
+            }
             Fault::ScaleLost { axis } => format!("axis.{}: no reading of the linear scale", name(axis)),
             Fault::Overrun => "a tick took longer than its period".to_owned(),
         };

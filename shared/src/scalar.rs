@@ -17,7 +17,9 @@ use fixed::types::{I8F24, I18F14, I26F38};
 pub type Fixed = I18F14;
 
 /// A number that control laws compute with. The units are those of [`crate::units`].
-pub trait Scalar: Copy + Default + PartialOrd + Neg<Output = Self> + core::fmt::Debug + Send + Sync + 'static {
+pub trait Scalar:
+    Copy + Default + PartialOrd + Neg<Output = Self> + core::fmt::Debug + Send + Sync + 'static
+{
     /// A constant that signals are multiplied by.
     type Gain: Copy + core::fmt::Debug + Send + Sync + 'static;
     /// What products are added up in.
@@ -170,7 +172,12 @@ macro_rules! float {
                 Self::gain(value)
             }
 
-            #[allow(clippy::unnecessary_cast, clippy::cast_lossless, clippy::allow_attributes, reason = "one source for two types")]
+            #[allow(
+                clippy::unnecessary_cast,
+                clippy::cast_lossless,
+                clippy::allow_attributes,
+                reason = "one source for two types"
+            )]
             fn value(self) -> f64 {
                 self as f64
             }

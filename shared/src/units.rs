@@ -31,7 +31,9 @@ pub const LENGTH_M: f64 = 1.024e-6;
 pub const TRAVEL_LIMIT_M: f64 = 100.0;
 
 /// A place on an axis in units of 2⁻²⁰ nm, the same in every build.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize)]
+#[derive(
+    Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
+)]
 pub struct Position(pub i64);
 
 impl Position {

@@ -4,18 +4,25 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use crate::demo;
+use super::progress::Progress;
+use super::summary;
+use crate::demo::{self, Demo};
 use crate::output::write_whole;
+use crate::report::{self, Extra, words};
+use crate::trace::axis::stage_names;
 
 /// Arguments of `demo`.
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Draws the machine's true values, its undeclared effect, and all noise.
-    #[arg(long, default_value_t = 7)]
+    #[arg(long, default_value_t = 2)]
     seed: u64,
     /// Write the result as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
+    /// Write report.html into this folder.
+    #[arg(long, default_value = "report")]
+    report: PathBuf,
 }
 
 /// Runs the command.
@@ -23,12 +30,47 @@ pub struct Arguments {
 /// # Errors
 /// When the simulated machine does not run or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let demo = demo::run(arguments.seed, &|what| eprintln!("{what}"))?;
-    println!("{} {:?} named {} {:?}", demo.drawn.axis, demo.drawn.effect, demo.is_named(), demo.headline());
-    for axis in &demo.trace.axes { for f in &axis.found { println!("   {} {:?} {:?}", axis.axis, f.effect, f.half_widths); } }
+    let progress = Progress::start();
+    let demo = demo::run(arguments.seed, &|what| progress.say(what))?;
+    drop(progress);
+    println!(
+        "A two-axis machine ran circles, its travel and a corner; its logs were traced against its declared model."
+    );
+    println!();
+    summary::print(&demo.trace);
+    println!();
+    println!("{}", headline(&demo));
+    println!("{}", reveal(&demo));
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&demo.json())?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
+    let extra = Extra {
+        title: format!("Lost motion of the demo machine, seed {}", demo.seed),
+        lead: vec![headline(&demo), reveal(&demo)],
+        truth: Some(vec![(demo.drawn.axis.clone(), demo.drawn.effect.clone())]),
+    };
+    let path = report::write(&arguments.report, &demo.trace, &extra)?;
+    println!("Report: {}", path.display());
     Ok(())
+}
+
+/// Before and after on what was not fitted.
+fn headline(demo: &Demo) -> String {
+    let Some(h) = demo.headline() else { return "Nothing could be measured.".to_owned() };
+    format!(
+        "On motions not used in any fit the {} residual of {} went from {:.3} to {:.3} µm; its noise is {:.3} µm.",
+        stage_names(&[h.stage]),
+        demo.drawn.axis,
+        h.before,
+        h.after,
+        h.noise
+    )
+}
+
+/// The truth, which the tracer was not told.
+fn reveal(demo: &Demo) -> String {
+    let verdict = if demo.is_named() { "named" } else { "not named" };
+    let truth = words::effect(&demo.drawn.effect, &[]);
+    format!("The truth, drawn from seed {}: {}: {truth} ({verdict}).", demo.seed, demo.drawn.axis)
 }

@@ -1,6 +1,8 @@
 //! The command line: arguments in, results to stdout, progress to stderr, exit codes.
 
 mod demo;
+mod progress;
+mod summary;
 mod trace;
 
 use std::process::ExitCode;

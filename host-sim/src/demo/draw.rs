@@ -76,10 +76,18 @@ fn effect(axis: &Axis, other: String, random: &mut ChaCha8Rng) -> Effect {
     match kind {
         0 => Effect::Backlash(Backlash { width_um: between(4.0, 15.0) }),
         1 => Effect::PitchProgressive(PitchProgressive { slope_um_per_m: sign * between(30.0, 120.0) }),
-        2 => Effect::PitchCyclic(PitchCyclic { amplitude_um: between(2.0, 6.0), period_mm: lead_mm, phase_rad }),
+        2 => Effect::PitchCyclic(PitchCyclic {
+            amplitude_um: between(2.0, 6.0),
+            period_mm: lead_mm,
+            phase_rad,
+        }),
         3 => {
             let period_mm = lead_mm / f64::from(axis.resolver_pole_pairs.unwrap_or(1));
-            Effect::ResolverDividing(ResolverDividing { amplitude_um: between(1.5, 4.0), period_mm, phase_rad })
+            Effect::ResolverDividing(ResolverDividing {
+                amplitude_um: between(1.5, 4.0),
+                period_mm,
+                phase_rad,
+            })
         }
         4 => {
             let (static_excess_n, velocity_mm_s) = (between(70.0, 150.0), between(3.0, 10.0));
@@ -97,9 +105,7 @@ fn effect(axis: &Axis, other: String, random: &mut ChaCha8Rng) -> Effect {
         8 => Effect::Intalk(Intalk { um_s2_per_m: sign * between(0.8, 3.0) }),
         9 => Effect::Crosstalk(Crosstalk { um_s2_per_m: sign * between(0.8, 3.0), source: other }),
         10 => Effect::Squareness(Squareness { um_per_m: sign * between(40.0, 120.0) }),
-        11 => {
-            Effect::Straightness(Straightness { um_per_m2: sign * between(200.0, 600.0), source: other })
-        }
+        11 => Effect::Straightness(Straightness { um_per_m2: sign * between(200.0, 600.0), source: other }),
         12 => Effect::ServoMismatch(ServoMismatch { percent: sign * between(3.0, 8.0) }),
         13 => {
             let (amplitude_um, time_constant_s) = (sign * between(5.0, 12.0), between(15.0, 60.0));

@@ -115,7 +115,8 @@ impl Demo {
     #[must_use]
     pub fn headline(&self) -> Option<Headline> {
         let errors = self.axis()?.errors.iter().filter(|error| error.stage != Stage::Force);
-        let highest = errors.max_by(|a, b| (a.before.validate / a.noise).total_cmp(&(b.before.validate / b.noise)))?;
+        let highest =
+            errors.max_by(|a, b| (a.before.validate / a.noise).total_cmp(&(b.before.validate / b.noise)))?;
         Some(Headline {
             stage: highest.stage,
             before: highest.before.validate,

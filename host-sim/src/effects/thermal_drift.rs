@@ -28,9 +28,7 @@ impl Kind for ThermalDrift {
     }
 
     fn starts(_around: &Surroundings<'_>) -> Vec<Self> {
-        [5.0, 20.0, 80.0, 320.0]
-            .map(|time_constant_s| Self { amplitude_um: 0.0, time_constant_s })
-            .to_vec()
+        [5.0, 20.0, 80.0, 320.0].map(|time_constant_s| Self { amplitude_um: 0.0, time_constant_s }).to_vec()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {

@@ -55,10 +55,6 @@ impl Kind for TorqueRipple {
     }
 
     fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![
-            ("amplitude_n", self.amplitude_n),
-            ("period_mm", self.period_mm),
-            ("phase_rad", self.phase_rad),
-        ]
+        vec![("amplitude_n", self.amplitude_n), ("period_mm", self.period_mm), ("phase_rad", self.phase_rad)]
     }
 }

@@ -39,15 +39,8 @@ pub(super) fn sample_time_s(times_s: &[f64], decimals: usize) -> Result<f64, Irr
     let odd = |allowed_s: f64| move |step_s: &&f64| (**step_s - usual_s).abs() > allowed_s;
     let often = steps.iter().filter(odd(slack_s)).count() >= FEWEST_ROUNDED;
     let printed_s = 0.1_f64.powf(decimals as f64);
-    let rounding_s = if often {
-        printed_s.min(LARGEST_ROUNDING * usual_s)
-    } else {
-        0.0
-    };
-    if let Some(step) = steps
-        .iter()
-        .position(|step| odd(slack_s + rounding_s)(&step))
-    {
+    let rounding_s = if often { printed_s.min(LARGEST_ROUNDING * usual_s) } else { 0.0 };
+    if let Some(step) = steps.iter().position(|step| odd(slack_s + rounding_s)(&step)) {
         return Err(irregular(step, false));
     }
     on_grid(times_s, rounding_s)
@@ -60,11 +53,7 @@ fn on_grid(times_s: &[f64], rounding_s: f64) -> Result<f64, Irregular> {
     let grid = |sample: usize| times_s[0] + sample as f64 * period_s;
     let allowed_s = GRID_TOLERANCE * period_s + rounding_s;
     match (0..=last).find(|&i| (times_s[i] - grid(i)).abs() > allowed_s) {
-        Some(sample) => Err(Irregular {
-            sample,
-            expected_s: grid(sample),
-            backwards: false,
-        }),
+        Some(sample) => Err(Irregular { sample, expected_s: grid(sample), backwards: false }),
         None => Ok(period_s),
     }
 }
@@ -101,10 +90,7 @@ mod tests {
             let times = printed(start_s, period_s, 20_000, decimals);
             let found = sample_time_s(&times, decimals);
             let found = found.unwrap_or_else(|e| panic!("{period_s} at {decimals}: {e:?}"));
-            assert!(
-                (found / period_s - 1.0).abs() < 1e-4,
-                "{found} for {period_s}"
-            );
+            assert!((found / period_s - 1.0).abs() < 1e-4, "{found} for {period_s}");
         }
     }
 

@@ -53,14 +53,8 @@ pub enum Channel {
 
 impl Channel {
     /// All channels, in the order in which columns are written.
-    pub const ALL: [Self; 6] = [
-        Self::Command,
-        Self::Motor,
-        Self::Table,
-        Self::Tool,
-        Self::Force,
-        Self::AddedForce,
-    ];
+    pub const ALL: [Self; 6] =
+        [Self::Command, Self::Motor, Self::Table, Self::Tool, Self::Force, Self::AddedForce];
 
     /// The middle part of a column's name.
     #[must_use]
@@ -146,20 +140,13 @@ impl AxisLog {
     }
 
     fn column(&self, channel: Channel) -> String {
-        format!(
-            "{}_{}_{}",
-            self.name,
-            channel.word(),
-            self.unit.suffix(channel)
-        )
+        format!("{}_{}_{}", self.name, channel.word(), self.unit.suffix(channel))
     }
 
     fn slice(&self, range: &Range<usize>) -> Self {
         let mut part = Self::new(self.name.clone(), self.unit);
         for channel in Channel::ALL {
-            let samples = self
-                .channel(channel)
-                .map(|samples| samples[range.clone()].to_vec());
+            let samples = self.channel(channel).map(|samples| samples[range.clone()].to_vec());
             *part.channel_mut(channel) = samples;
         }
         part
@@ -184,13 +171,7 @@ impl Log {
     #[must_use]
     pub fn len(&self) -> usize {
         let channels = |axis| Channel::ALL.map(|channel| AxisLog::channel(axis, channel));
-        self.axes
-            .iter()
-            .flat_map(channels)
-            .flatten()
-            .map(<[f64]>::len)
-            .next()
-            .unwrap_or(0)
+        self.axes.iter().flat_map(channels).flatten().map(<[f64]>::len).next().unwrap_or(0)
     }
 
     /// Whether there is no sample at all.

@@ -26,15 +26,9 @@ impl Log {
     /// If it cannot be read, is no table of the known columns, or is not uniformly sampled.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let source = path.display().to_string();
-        let bytes = if source == "-" {
-            stdin()
-        } else {
-            fs::read(path)
-        };
+        let bytes = if source == "-" { stdin() } else { fs::read(path) };
         let bytes = bytes.map_err(|cause| InputError::unreadable(&source, &cause))?;
-        let named_gzip = path
-            .extension()
-            .is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
+        let named_gzip = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
         if bytes.starts_with(&GZIP) || (named_gzip && !bytes.is_empty()) {
             return Self::parse(&unpacked(&bytes, &source)?, &source);
         }
@@ -61,12 +55,7 @@ impl Log {
         let sample_time_s = clock::sample_time_s(times_s, decimals)
             .map_err(|irregular| table.irregular(times_s, &irregular))?;
         let start_s = times_s[0];
-        Ok(Self {
-            source: source.to_owned(),
-            start_s,
-            sample_time_s,
-            axes: header.axes(columns),
-        })
+        Ok(Self { source: source.to_owned(), start_s, sample_time_s, axes: header.axes(columns) })
     }
 }
 
@@ -80,10 +69,7 @@ fn unpacked(bytes: &[u8], source: &str) -> Result<Vec<u8>, InputError> {
     let mut unpacked = Vec::with_capacity(8 * bytes.len());
     match MultiGzDecoder::new(bytes).read_to_end(&mut unpacked) {
         Ok(_) => Ok(unpacked),
-        Err(cause) => Err(InputError::saying(
-            source,
-            format!("expected a whole gzip file: {cause}"),
-        )),
+        Err(cause) => Err(InputError::saying(source, format!("expected a whole gzip file: {cause}"))),
     }
 }
 
@@ -98,11 +84,7 @@ fn checked_text<'a>(bytes: &'a [u8], source: &str) -> Result<&'a str, InputError
     let text = str::from_utf8(bytes).map_err(|error| not_text(error.valid_up_to()))?;
     let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
     if text.trim().is_empty() {
-        return Err(InputError::expected(
-            source,
-            "a header line",
-            "an empty file",
-        ));
+        return Err(InputError::expected(source, "a header line", "an empty file"));
     }
     Ok(text)
 }
@@ -117,20 +99,12 @@ impl<'a> Table<'a> {
     fn rows(&self) -> Reader<&'a [u8]> {
         let mut builder = ReaderBuilder::new();
         // Rows of another length are refused here, with our words.
-        builder
-            .has_headers(false)
-            .flexible(true)
-            .from_reader(self.text.as_bytes())
+        builder.has_headers(false).flexible(true).from_reader(self.text.as_bytes())
     }
 
     /// The next row, if there is one.
-    fn next(
-        &self,
-        rows: &mut Reader<&'a [u8]>,
-        record: &mut ByteRecord,
-    ) -> Result<bool, InputError> {
-        rows.read_byte_record(record)
-            .map_err(|error| InputError::saying(self.source, error.to_string()))
+    fn next(&self, rows: &mut Reader<&'a [u8]>, record: &mut ByteRecord) -> Result<bool, InputError> {
+        rows.read_byte_record(record).map_err(|error| InputError::saying(self.source, error.to_string()))
     }
 
     /// All values, column by column, and the most decimals that a time was printed with.
@@ -148,10 +122,8 @@ impl<'a> Table<'a> {
                 return Err(self.refuse(&record, &what, record.len()));
             }
             for ((column, field), name) in columns.iter_mut().zip(&record).zip(&header.names) {
-                let value = number(field).ok_or_else(|| {
-                    self.refuse(&record, "a finite number", found(field))
-                        .at_key(name)
-                })?;
+                let value = number(field)
+                    .ok_or_else(|| self.refuse(&record, "a finite number", found(field)).at_key(name))?;
                 column.push(value);
             }
             decimals = decimals.max(printed_decimals(&record[header.time]));
@@ -169,13 +141,8 @@ impl<'a> Table<'a> {
     fn line(&self, record: &ByteRecord) -> usize {
         let bytes = self.text.as_bytes();
         let start = record.position().map_or(0, csv::Position::byte);
-        let start = usize::try_from(start)
-            .unwrap_or(usize::MAX)
-            .min(bytes.len());
-        let blank = bytes[start..]
-            .iter()
-            .take_while(|byte| b"\r\n".contains(byte))
-            .count();
+        let start = usize::try_from(start).unwrap_or(usize::MAX).min(bytes.len());
+        let blank = bytes[start..].iter().take_while(|byte| b"\r\n".contains(byte)).count();
         line_at(bytes, start + blank)
     }
 
@@ -209,11 +176,7 @@ fn number(field: &[u8]) -> Option<f64> {
 
 fn found(field: &[u8]) -> String {
     let text = String::from_utf8_lossy(field);
-    if text.trim().is_empty() {
-        "nothing".to_owned()
-    } else {
-        quoted(&text)
-    }
+    if text.trim().is_empty() { "nothing".to_owned() } else { quoted(&text) }
 }
 
 /// Digits after the point. A time with an exponent counts as exact.
@@ -242,30 +205,19 @@ impl Header {
         if let [only] = &names[..]
             && let Some(other) = only.chars().find(|c| matches!(c, ';' | '\t'))
         {
-            return Err(refuse(
-                "commas between the columns",
-                quoted(&other.to_string()),
-            ));
+            return Err(refuse("commas between the columns", quoted(&other.to_string())));
         }
-        let mut header = Self {
-            names,
-            time: 0,
-            channels: Vec::new(),
-            axes: Vec::new(),
-        };
+        let mut header = Self { names, time: 0, channels: Vec::new(), axes: Vec::new() };
         for index in 0..header.names.len() {
-            header.add(index).map_err(|(what, found)| {
-                refuse(&what, found).at_key(&shown(&header.names[index]))
-            })?;
+            header
+                .add(index)
+                .map_err(|(what, found)| refuse(&what, found).at_key(&shown(&header.names[index])))?;
         }
         let Some(time) = header.channels.iter().position(Option::is_none) else {
             return Err(refuse("this column", "none".to_owned()).at_key(TIME));
         };
         if header.axes.is_empty() {
-            return Err(refuse(
-                &format!("a column of an axis ({ALLOWED})"),
-                "none".to_owned(),
-            ));
+            return Err(refuse(&format!("a column of an axis ({ALLOWED})"), "none".to_owned()));
         }
         Ok(Self { time, ..header })
     }
@@ -274,10 +226,7 @@ impl Header {
     fn add(&mut self, index: usize) -> Result<(), (String, String)> {
         let name = self.names[index].clone();
         if self.names[..index].contains(&name) {
-            return Err((
-                "one column of this name".to_owned(),
-                "a second one".to_owned(),
-            ));
+            return Err(("one column of this name".to_owned(), "a second one".to_owned()));
         }
         if name == TIME {
             self.channels.push(None);
@@ -293,16 +242,10 @@ impl Header {
         });
         let wanted = self.axes[axis].unit;
         if unit != wanted {
-            let first = self
-                .channels
-                .iter()
-                .position(|c| c.is_some_and(|(a, _)| a == axis));
+            let first = self.channels.iter().position(|c| c.is_some_and(|(a, _)| a == axis));
             let first = first.map_or("", |column| &self.names[column]);
             let wanted = wanted.suffix(channel);
-            return Err((
-                format!("unit {wanted} as {first} has it"),
-                unit.suffix(channel).into(),
-            ));
+            return Err((format!("unit {wanted} as {first} has it"), unit.suffix(channel).into()));
         }
         self.channels.push(Some((axis, channel)));
         Ok(())
@@ -321,28 +264,17 @@ impl Header {
 
 /// A column's name in a message: whatever was found there, short and visible.
 fn shown(name: &str) -> String {
-    if name.is_empty() {
-        "unnamed column".to_owned()
-    } else {
-        shortened(name)
-    }
+    if name.is_empty() { "unnamed column".to_owned() } else { shortened(name) }
 }
 
 /// Axis, channel and unit of a column. The longest ending wins: `x_added_force_n` is not the force
 /// of an axis `x_added`.
 fn split(name: &str) -> Option<(&str, Channel, Unit)> {
     let endings = Channel::ALL.iter().rev().flat_map(|&channel| {
-        Unit::ALL.map(|unit| {
-            (
-                format!("_{}_{}", channel.word(), unit.suffix(channel)),
-                channel,
-                unit,
-            )
-        })
+        Unit::ALL.map(|unit| (format!("_{}_{}", channel.word(), unit.suffix(channel)), channel, unit))
     });
     let mut matching = endings.filter_map(|(ending, channel, unit)| {
-        name.strip_suffix(ending.as_str())
-            .map(|axis| (axis, channel, unit))
+        name.strip_suffix(ending.as_str()).map(|axis| (axis, channel, unit))
     });
     matching.next().filter(|(axis, ..)| is_axis_name(axis))
 }

@@ -19,10 +19,7 @@ time_s,x_command_mm,x_motor_mm,x_force_n,c_motor_deg,c_force_nm
 
 fn said(bytes: &[u8]) -> String {
     let result = Log::parse(bytes, "fit.csv");
-    result
-        .err()
-        .unwrap_or_else(|| panic!("accepted"))
-        .to_string()
+    result.err().unwrap_or_else(|| panic!("accepted")).to_string()
 }
 
 fn packed(bytes: &[u8]) -> Vec<u8> {
@@ -34,10 +31,7 @@ fn packed(bytes: &[u8]) -> Vec<u8> {
 #[test]
 fn a_log_reads_as_it_stands_in_the_file() {
     let log = Log::parse(LOG.as_bytes(), "fit.csv").unwrap();
-    assert_eq!(
-        (log.source.as_str(), log.len(), log.axes.len()),
-        ("fit.csv", 4, 2)
-    );
+    assert_eq!((log.source.as_str(), log.len(), log.axes.len()), ("fit.csv", 4, 2));
     assert!((log.start_s - 5.0).abs() < 1e-12 && (log.sample_time_s - 1e-3).abs() < 1e-12);
     let (x, c) = (log.axis("x").unwrap(), log.axis("c").unwrap());
     assert_eq!((x.unit, c.unit), (Unit::Millimetre, Unit::Degree));
@@ -58,115 +52,50 @@ fn what_programs_put_around_the_numbers_does_not_matter() {
         LOG.replace("x_motor_mm", "\"x_motor_mm\""),
     ];
     for text in variants {
-        assert_eq!(
-            Log::parse(text.as_bytes(), "fit.csv").unwrap(),
-            wanted,
-            "{text:?}"
-        );
+        assert_eq!(Log::parse(text.as_bytes(), "fit.csv").unwrap(), wanted, "{text:?}");
     }
 }
 
 #[test]
 fn names_of_axes_may_hold_digits_and_underscores() {
-    let text = LOG
-        .replace("c_", "a1_b_")
-        .replace("x_command_mm", "x_added_force_n");
+    let text = LOG.replace("c_", "a1_b_").replace("x_command_mm", "x_added_force_n");
     let log = Log::parse(text.as_bytes(), "fit.csv").unwrap();
     assert!(log.axis("a1_b").is_some());
-    assert!(
-        log.axis("x").unwrap().added_force.is_some(),
-        "not the force of an axis x_added"
-    );
+    assert!(log.axis("x").unwrap().added_force.is_some(), "not the force of an axis x_added");
 }
 
 #[test]
 fn bad_headers_are_refused_with_column_and_expectation() {
     let cases = [
-        (
-            "time_s",
-            "x_tool_mm",
-            "line 1: time_s: expected this column, found none",
-        ),
+        ("time_s", "x_tool_mm", "line 1: time_s: expected this column, found none"),
         (
             "x_motor_mm",
             "x_command_mm",
             "line 1: x_command_mm: expected one column of this name, found a second one",
         ),
-        (
-            "x_motor_mm",
-            "time_s",
-            "line 1: time_s: expected one column of this name, found a second one",
-        ),
+        ("x_motor_mm", "time_s", "line 1: time_s: expected one column of this name, found a second one"),
         (
             "x_motor_mm",
             "x_motr_mm",
             "line 1: x_motr_mm: expected a column time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm, found \"x_motr_mm\"",
         ),
-        (
-            "x_motor_mm",
-            "x_motor_um",
-            "line 1: x_motor_um: expected a column time_s, NAME_",
-        ),
-        (
-            "x_motor_mm",
-            "_motor_mm",
-            "line 1: _motor_mm: expected a column time_s, NAME_",
-        ),
-        (
-            "x_motor_mm",
-            "1x_motor_mm",
-            "line 1: 1x_motor_mm: expected a column time_s, NAME_",
-        ),
-        (
-            "x_motor_mm",
-            "",
-            "line 1: unnamed column: expected a column time_s, NAME_",
-        ),
+        ("x_motor_mm", "x_motor_um", "line 1: x_motor_um: expected a column time_s, NAME_"),
+        ("x_motor_mm", "_motor_mm", "line 1: _motor_mm: expected a column time_s, NAME_"),
+        ("x_motor_mm", "1x_motor_mm", "line 1: 1x_motor_mm: expected a column time_s, NAME_"),
+        ("x_motor_mm", "", "line 1: unnamed column: expected a column time_s, NAME_"),
         (
             "x_motor_mm",
             "x_motor_deg",
             "line 1: x_motor_deg: expected unit mm as x_command_mm has it, found deg",
         ),
-        (
-            "x_force_n",
-            "x_force_nm",
-            "line 1: x_force_nm: expected unit n as x_command_mm has it, found nm",
-        ),
-        (
-            LOG,
-            "time_s\n0\n1\n",
-            "line 1: expected a column of an axis (time_s, NAME_",
-        ),
-        (
-            LOG,
-            "speed_rpm,torque_mnm\n1,2\n",
-            "line 1: speed_rpm: expected a column time_s",
-        ),
-        (
-            LOG,
-            "0.0,1.0\n0.1,2.0\n",
-            "line 1: 0.0: expected a column time_s, NAME_",
-        ),
-        (
-            LOG,
-            "time_s;x_motor_mm\n0;1\n",
-            "line 1: expected commas between the columns, found \";\"",
-        ),
-        (
-            LOG,
-            "time_s\tx_motor_mm\n0\t1\n",
-            "line 1: expected commas between the columns, found \"\\t\"",
-        ),
-        (
-            LOG,
-            "Dear reader,\nthis is a letter.\n",
-            "line 1: Dear reader: expected a column time_s",
-        ),
-        (
-            LOG,
-            "Dear reader\nthis is a letter.\n",
-            "line 1: Dear reader: expected a column time_s",
-        ),
+        ("x_force_n", "x_force_nm", "line 1: x_force_nm: expected unit n as x_command_mm has it, found nm"),
+        (LOG, "time_s\n0\n1\n", "line 1: expected a column of an axis (time_s, NAME_"),
+        (LOG, "speed_rpm,torque_mnm\n1,2\n", "line 1: speed_rpm: expected a column time_s"),
+        (LOG, "0.0,1.0\n0.1,2.0\n", "line 1: 0.0: expected a column time_s, NAME_"),
+        (LOG, "time_s;x_motor_mm\n0;1\n", "line 1: expected commas between the columns, found \";\""),
+        (LOG, "time_s\tx_motor_mm\n0\t1\n", "line 1: expected commas between the columns, found \"\\t\""),
+        (LOG, "Dear reader,\nthis is a letter.\n", "line 1: Dear reader: expected a column time_s"),
+        (LOG, "Dear reader\nthis is a letter.\n", "line 1: Dear reader: expected a column time_s"),
     ];
     check(&cases);
 }
@@ -174,76 +103,20 @@ fn bad_headers_are_refused_with_column_and_expectation() {
 #[test]
 fn bad_rows_are_refused_with_line_and_column() {
     let cases = [
-        (
-            "3.5",
-            "NaN",
-            "line 4: x_motor_mm: expected a finite number, found \"NaN\"",
-        ),
-        (
-            "3.5",
-            "-inf",
-            "line 4: x_motor_mm: expected a finite number, found \"-inf\"",
-        ),
-        (
-            "3.5",
-            "1e999",
-            "line 4: x_motor_mm: expected a finite number, found \"1e999\"",
-        ),
-        (
-            "3.5",
-            "",
-            "line 4: x_motor_mm: expected a finite number, found nothing",
-        ),
-        (
-            "3.5",
-            "3.5mm",
-            "line 4: x_motor_mm: expected a finite number, found \"3.5mm\"",
-        ),
-        (
-            "5.002",
-            "noon",
-            "line 4: time_s: expected a finite number, found \"noon\"",
-        ),
-        (
-            "3.5,",
-            "",
-            "line 4: expected 6 values as in the header, found 5",
-        ),
-        (
-            "3.5,",
-            "3.5,3.5,",
-            "line 4: expected 6 values as in the header, found 7",
-        ),
-        (
-            "\n5.002",
-            "\n\n\n5.oo2",
-            "line 6: time_s: expected a finite number",
-        ),
-        (
-            "5.002",
-            "5.001",
-            "line 4: time_s: expected a time after 5.001, found 5.001",
-        ),
-        (
-            "5.002",
-            "4.002",
-            "line 4: time_s: expected a time after 5.001, found 4.002",
-        ),
-        (
-            "5.003",
-            "5.004",
-            "line 5: time_s: expected 5.003 (uniform sampling without gaps), found 5.004",
-        ),
-        (
-            "5.003",
-            "5.0031",
-            "line 5: time_s: expected 5.003 (uniform sampling without gaps), found 5.0031",
-        ),
-        (
-            "5.003",
-            "9.0",
-            "line 5: time_s: expected 5.003 (uniform sampling without gaps), found 9",
-        ),
+        ("3.5", "NaN", "line 4: x_motor_mm: expected a finite number, found \"NaN\""),
+        ("3.5", "-inf", "line 4: x_motor_mm: expected a finite number, found \"-inf\""),
+        ("3.5", "1e999", "line 4: x_motor_mm: expected a finite number, found \"1e999\""),
+        ("3.5", "", "line 4: x_motor_mm: expected a finite number, found nothing"),
+        ("3.5", "3.5mm", "line 4: x_motor_mm: expected a finite number, found \"3.5mm\""),
+        ("5.002", "noon", "line 4: time_s: expected a finite number, found \"noon\""),
+        ("3.5,", "", "line 4: expected 6 values as in the header, found 5"),
+        ("3.5,", "3.5,3.5,", "line 4: expected 6 values as in the header, found 7"),
+        ("\n5.002", "\n\n\n5.oo2", "line 6: time_s: expected a finite number"),
+        ("5.002", "5.001", "line 4: time_s: expected a time after 5.001, found 5.001"),
+        ("5.002", "4.002", "line 4: time_s: expected a time after 5.001, found 4.002"),
+        ("5.003", "5.004", "line 5: time_s: expected 5.003 (uniform sampling without gaps), found 5.004"),
+        ("5.003", "5.0031", "line 5: time_s: expected 5.003 (uniform sampling without gaps), found 5.0031"),
+        ("5.003", "9.0", "line 5: time_s: expected 5.003 (uniform sampling without gaps), found 9"),
     ];
     check(&cases);
 }
@@ -251,28 +124,16 @@ fn bad_rows_are_refused_with_line_and_column() {
 #[test]
 fn texts_without_a_series_are_refused() {
     let header = "time_s,x_motor_mm\n";
-    assert_eq!(
-        said(b""),
-        "fit.csv: expected a header line, found an empty file"
-    );
-    assert_eq!(
-        said(b"\n \n"),
-        "fit.csv: expected a header line, found an empty file"
-    );
+    assert_eq!(said(b""), "fit.csv: expected a header line, found an empty file");
+    assert_eq!(said(b"\n \n"), "fit.csv: expected a header line, found an empty file");
     let none = said(header.as_bytes());
     assert_eq!(none, "fit.csv: expected two samples or more, found none");
     let one = said(format!("{header}0,1\n").as_bytes());
     assert_eq!(one, "fit.csv: expected two samples or more, found one");
     let binary = said(b"time_s,x_motor_mm\n\x00\x01");
-    assert_eq!(
-        binary,
-        "fit.csv: line 2: expected a CSV text in UTF-8, found byte 0x00"
-    );
+    assert_eq!(binary, "fit.csv: line 2: expected a CSV text in UTF-8, found byte 0x00");
     let png = said(b"\x89PNG\r\n");
-    assert_eq!(
-        png,
-        "fit.csv: line 1: expected a CSV text in UTF-8, found byte 0x89"
-    );
+    assert_eq!(png, "fit.csv: line 1: expected a CSV text in UTF-8, found byte 0x89");
 }
 
 /// Each change to the log above gives the message, with either kind of line end.
@@ -293,10 +154,7 @@ fn check(cases: &[(&str, &str, &str)]) {
 fn a_row_in_an_unclosed_quote_is_refused_in_one_short_line() {
     let text = LOG.replacen("3.5", "\"3.5", 1);
     let said = said(text.as_bytes());
-    assert!(
-        said.contains("line 4: expected 6 values as in the header, found 3"),
-        "{said}"
-    );
+    assert!(said.contains("line 4: expected 6 values as in the header, found 3"), "{said}");
 }
 
 /// Whatever one slip of the finger makes of a log, it is read or refused in one line.
@@ -319,10 +177,7 @@ fn files_that_cannot_be_read_are_named() {
     let said = |path: &Path| Log::read(path).unwrap_err().to_string();
     assert!(said(folder.path()).contains(": expected a readable file: "));
     let missing = said(&folder.path().join("no.csv"));
-    assert!(
-        missing.contains("no.csv: expected a readable file: "),
-        "{missing}"
-    );
+    assert!(missing.contains("no.csv: expected a readable file: "), "{missing}");
 }
 
 #[test]
@@ -337,45 +192,24 @@ fn gzip_is_known_by_name_or_content_and_has_to_be_whole() {
     for name in ["a.csv.gz", "a.csv", "A.CSV.GZ"] {
         assert_eq!(Log::read(&save(name, &whole)).unwrap().len(), 4, "{name}");
     }
-    for (name, bytes) in [
-        ("cut.csv.gz", &whole[..whole.len() - 12]),
-        ("plain.csv.gz", LOG.as_bytes()),
-    ] {
+    for (name, bytes) in [("cut.csv.gz", &whole[..whole.len() - 12]), ("plain.csv.gz", LOG.as_bytes())] {
         let said = Log::read(&save(name, bytes)).unwrap_err().to_string();
-        assert!(
-            said.contains(&format!("{name}: expected a whole gzip file: ")),
-            "{said}"
-        );
+        assert!(said.contains(&format!("{name}: expected a whole gzip file: ")), "{said}");
         assert!(!said.contains('\n'), "{said}");
     }
-    let empty = Log::read(&save("empty.csv.gz", b""))
-        .unwrap_err()
-        .to_string();
-    assert!(
-        empty.contains("expected a header line, found an empty file"),
-        "{empty}"
-    );
+    let empty = Log::read(&save("empty.csv.gz", b"")).unwrap_err().to_string();
+    assert!(empty.contains("expected a header line, found an empty file"), "{empty}");
 }
 
 #[test]
 fn a_log_written_reads_as_itself() {
     let folder = tempfile::tempdir().unwrap();
     let base = Log::parse(LOG.as_bytes(), "fit.csv").unwrap();
-    let clocks = [
-        (5.0, 1e-3),
-        (122.315, 1e-3),
-        (0.1234, 1.0 / 3000.0),
-        (0.0, 0.25),
-        (7.0, 5e-8),
-    ];
+    let clocks = [(5.0, 1e-3), (122.315, 1e-3), (0.1234, 1.0 / 3000.0), (0.0, 0.25), (7.0, 5e-8)];
     for name in ["out.csv", "out.csv.gz"] {
         for (start_s, sample_time_s) in clocks {
             let path = folder.path().join(name);
-            let log = Log {
-                start_s,
-                sample_time_s,
-                ..base.clone()
-            };
+            let log = Log { start_s, sample_time_s, ..base.clone() };
             log.write(&path).unwrap();
             let back = Log::read(&path).unwrap();
             assert_eq!(back.axes, log.axes);
@@ -392,12 +226,7 @@ fn written_values_keep_a_tenth_of_a_nanometre_and_of_a_millinewton() {
     let mut axis = AxisLog::new("x", Unit::Millimetre);
     axis.tool = Some(vec![-1_234.567_890_12, 0.000_000_1]);
     axis.force = Some(vec![0.1234, -20_000.0]);
-    let log = Log {
-        source: String::new(),
-        start_s: 0.0,
-        sample_time_s: 2.5e-4,
-        axes: vec![axis],
-    };
+    let log = Log { source: String::new(), start_s: 0.0, sample_time_s: 2.5e-4, axes: vec![axis] };
     let mut bytes = Vec::new();
     log.write_csv(&mut bytes).unwrap();
     let wanted = "time_s,x_tool_mm,x_force_n\n\
@@ -425,11 +254,7 @@ fn measured_logs_and_cases_read() {
             if path.extension().is_some_and(|suffix| suffix == "gz") {
                 let log = Log::read(&path).unwrap();
                 assert_eq!(log.axes.len(), 2);
-                assert!(
-                    (log.sample_time_s - 1e-3).abs() < 1e-9,
-                    "{}",
-                    path.display()
-                );
+                assert!((log.sample_time_s - 1e-3).abs() < 1e-9, "{}", path.display());
                 count += 1;
             }
         }
@@ -441,12 +266,7 @@ fn measured_logs_and_cases_read() {
 fn a_slice_keeps_its_times() {
     let mut axis = AxisLog::new("x", Unit::Millimetre);
     axis.motor = Some((0..10).map(f64::from).collect());
-    let log = Log {
-        source: String::new(),
-        start_s: 5.0,
-        sample_time_s: 0.5,
-        axes: vec![axis],
-    };
+    let log = Log { source: String::new(), start_s: 5.0, sample_time_s: 0.5, axes: vec![axis] };
     let part = log.slice(4..7);
     assert_eq!(part.axes[0].motor, Some(vec![4.0, 5.0, 6.0]));
     assert_eq!(part.axes[0].table, None);

@@ -21,9 +21,7 @@ impl Log {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), OutputError> {
-        let packed = path
-            .extension()
-            .is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
+        let packed = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
         write_whole(path, |out| {
             if !packed {
                 return self.write_csv(out);
@@ -58,11 +56,7 @@ impl Log {
     fn columns(&self) -> Vec<(String, &[f64], usize)> {
         let columns = self.axes.iter().flat_map(|axis| {
             Channel::ALL.map(|channel| {
-                let decimals = if channel.is_force() {
-                    FORCE_DECIMALS
-                } else {
-                    POSITION_DECIMALS
-                };
+                let decimals = if channel.is_force() { FORCE_DECIMALS } else { POSITION_DECIMALS };
                 Some((axis.column(channel), axis.channel(channel)?, decimals))
             })
         });
@@ -78,9 +72,6 @@ impl Log {
             // The step's error adds up over the log, that of the start does not.
             step > 0.5 && off(step) < 1e-8 && off(self.start_s * ticks_per_s) < 1e-3
         };
-        TIME_DECIMALS
-            .clone()
-            .find(enough)
-            .unwrap_or(*TIME_DECIMALS.end())
+        TIME_DECIMALS.clone().find(enough).unwrap_or(*TIME_DECIMALS.end())
     }
 }

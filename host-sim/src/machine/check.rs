@@ -36,11 +36,7 @@ impl Range {
     }
 
     fn check(self, key: &str, value: f64, document: &Document<'_>) -> Result<(), InputError> {
-        if self.holds(value) {
-            Ok(())
-        } else {
-            Err(document.refuse(key, &self.words()))
-        }
+        if self.holds(value) { Ok(()) } else { Err(document.refuse(key, &self.words())) }
     }
 }
 
@@ -56,11 +52,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
     }
     for (name, axis) in &machine.axis {
         let key = format!("axis.{name}");
-        let context = Context {
-            key: &key,
-            axis,
-            document,
-        };
+        let context = Context { key: &key, axis, document };
         context.ranges()?;
         context.controller()?;
         context.mechanics()?;
@@ -87,10 +79,7 @@ fn rates(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
     if whole && (1.0..=MOST_VELOCITY_STEPS).contains(&steps.round()) {
         return Ok(());
     }
-    let times = format!(
-        "sample_rate_hz ({}) times 1 to {MOST_VELOCITY_STEPS}",
-        machine.sample_rate_hz
-    );
+    let times = format!("sample_rate_hz ({}) times 1 to {MOST_VELOCITY_STEPS}", machine.sample_rate_hz);
     Err(document.refuse(key, &format!("{times}, a whole number")))
 }
 
@@ -113,16 +102,8 @@ impl Context<'_> {
         let numbers = [
             ("position_gain_per_s", a.position_gain_per_s, Positive),
             ("feedforward_percent", a.feedforward_percent, UpTo(200.0)),
-            (
-                "velocity_gain_n_s_per_m",
-                a.velocity_gain_n_s_per_m,
-                Positive,
-            ),
-            (
-                "velocity_integral_time_s",
-                a.velocity_integral_time_s,
-                Positive,
-            ),
+            ("velocity_gain_n_s_per_m", a.velocity_gain_n_s_per_m, Positive),
+            ("velocity_integral_time_s", a.velocity_integral_time_s, Positive),
             ("force_limit_n", a.force_limit_n, Positive),
             ("motor_mass_kg", a.motor_mass_kg, NotNegative),
             ("table_mass_kg", a.table_mass_kg, NotNegative),
@@ -131,32 +112,12 @@ impl Context<'_> {
             ("coulomb_n", a.coulomb_n, NotNegative),
             ("viscous_n_s_per_m", a.viscous_n_s_per_m, NotNegative),
             ("motor_coulomb_n", a.motor_coulomb_n, NotNegative),
-            (
-                "presliding_stiffness_n_per_um",
-                a.presliding_stiffness_n_per_um,
-                Positive,
-            ),
-            (
-                "presliding_damping_n_s_per_m",
-                a.presliding_damping_n_s_per_m,
-                NotNegative,
-            ),
-            (
-                "plant_tolerance_percent",
-                a.plant_tolerance_percent,
-                UpTo(100.0),
-            ),
+            ("presliding_stiffness_n_per_um", a.presliding_stiffness_n_per_um, Positive),
+            ("presliding_damping_n_s_per_m", a.presliding_damping_n_s_per_m, NotNegative),
+            ("plant_tolerance_percent", a.plant_tolerance_percent, UpTo(100.0)),
             ("lead_mm", a.lead_mm, Positive),
-            (
-                "resolver_pole_pairs",
-                a.resolver_pole_pairs.map(f64::from),
-                Positive,
-            ),
-            (
-                "dual_feedback_time_constant_s",
-                a.dual_feedback_time_constant_s,
-                Positive,
-            ),
+            ("resolver_pole_pairs", a.resolver_pole_pairs.map(f64::from), Positive),
+            ("dual_feedback_time_constant_s", a.dual_feedback_time_constant_s, Positive),
         ];
         for (name, value, range) in numbers {
             if let Some(value) = value {
@@ -172,17 +133,11 @@ impl Context<'_> {
         let needed = [
             ("controller", axis.controller.is_some()),
             ("position_gain_per_s", axis.position_gain_per_s.is_some()),
-            (
-                "velocity_gain_n_s_per_m",
-                axis.velocity_gain_n_s_per_m.is_some(),
-            ),
+            ("velocity_gain_n_s_per_m", axis.velocity_gain_n_s_per_m.is_some()),
         ];
         let optional = [
             ("feedforward_percent", axis.feedforward_percent.is_some()),
-            (
-                "velocity_integral_time_s",
-                axis.velocity_integral_time_s.is_some(),
-            ),
+            ("velocity_integral_time_s", axis.velocity_integral_time_s.is_some()),
             ("force_limit_n", axis.force_limit_n.is_some()),
         ];
         let present = needed.iter().chain(&optional).find(|(_, present)| *present);
@@ -199,10 +154,7 @@ impl Context<'_> {
 
     fn mechanics(&self) -> Result<(), InputError> {
         let axis = self.axis;
-        let masses = [
-            ("motor_mass_kg", axis.motor_mass_kg),
-            ("table_mass_kg", axis.table_mass_kg),
-        ];
+        let masses = [("motor_mass_kg", axis.motor_mass_kg), ("table_mass_kg", axis.table_mass_kg)];
         let massless = masses.iter().find(|(_, mass)| mass.unwrap_or(0.0) <= 0.0);
         if let (Some((key, _)), false) = (massless, axis.is_rigid()) {
             return Err(self.refuse(key, "a mass above 0, as stiffness_n_per_um is given"));
@@ -262,8 +214,9 @@ fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
 fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(), InputError> {
     for (name, value) in effect.parameters() {
         let range = match name {
-            "period_mm" | "time_constant_s" | "velocity_mm_s" | "frequency_hz"
-            | "stiffness_n_per_um" => Range::Positive,
+            "period_mm" | "time_constant_s" | "velocity_mm_s" | "frequency_hz" | "stiffness_n_per_um" => {
+                Range::Positive
+            }
             "width_um" | "damping_ratio" | "static_excess_n" => Range::NotNegative,
             _ => continue,
         };
@@ -284,11 +237,7 @@ fn sources(others: &[String], key: &str, document: &Document<'_>) -> Result<(), 
             continue;
         }
         if !others.contains(&document.deserialize_at(&source)?) {
-            let names = if others.is_empty() {
-                "there is none".to_owned()
-            } else {
-                others.join(", ")
-            };
+            let names = if others.is_empty() { "there is none".to_owned() } else { others.join(", ") };
             return Err(document.refuse(&source, &format!("the name of another axis ({names})")));
         }
     }

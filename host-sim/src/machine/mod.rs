@@ -169,10 +169,7 @@ impl Machine {
 
     /// The text of a machine file that reads as this machine.
     #[must_use]
-    #[expect(
-        clippy::missing_panics_doc,
-        reason = "it cannot happen: see the message"
-    )]
+    #[expect(clippy::missing_panics_doc, reason = "it cannot happen: see the message")]
     pub fn to_toml(&self) -> String {
         toml::to_string(self).expect("texts, numbers and tables under text keys fit into TOML")
     }
@@ -186,17 +183,12 @@ impl Machine {
     /// Names of all axes but one.
     #[must_use]
     pub fn others(&self, name: &str) -> Vec<String> {
-        self.axis
-            .keys()
-            .filter(|other| *other != name)
-            .cloned()
-            .collect()
+        self.axis.keys().filter(|other| *other != name).cloned().collect()
     }
 }
 
 /// What [`is_axis_name`] accepts, for messages.
-pub(crate) const AXIS_NAME: &str =
-    "a name that starts with a letter and goes on with letters, digits or _";
+pub(crate) const AXIS_NAME: &str = "a name that starts with a letter and goes on with letters, digits or _";
 
 /// Whether a text can name an axis, in a log's columns too.
 #[must_use]

@@ -52,10 +52,7 @@ ms = 0.4
 fn said(from: &str, to: &str) -> String {
     let text = MACHINE.replacen(from, to, 1);
     assert_ne!(text, MACHINE);
-    Machine::parse(&text, "m.toml")
-        .err()
-        .unwrap_or_else(|| panic!("accepted:\n{text}"))
-        .to_string()
+    Machine::parse(&text, "m.toml").err().unwrap_or_else(|| panic!("accepted:\n{text}")).to_string()
 }
 
 #[test]
@@ -64,14 +61,8 @@ fn a_machine_reads_with_its_axes_in_the_order_of_the_file() {
     assert_eq!(machine.axis.keys().collect::<Vec<_>>(), ["y", "x"]);
     let (y, x) = (&machine.axis["y"], &machine.axis["x"]);
     assert_eq!(y.lead_mm, Some(16.0));
-    assert_eq!(
-        (y.controller, y.feedback),
-        (Some(Controller::Hpc), Feedback::Dual)
-    );
-    assert_eq!(
-        y.effect.iter().map(Effect::name).collect::<Vec<_>>(),
-        ["backlash", "crosstalk", "latency"]
-    );
+    assert_eq!((y.controller, y.feedback), (Some(Controller::Hpc), Feedback::Dual));
+    assert_eq!(y.effect.iter().map(Effect::name).collect::<Vec<_>>(), ["backlash", "crosstalk", "latency"]);
     assert!(y.has_controller() && y.has_mass() && !y.is_rigid());
     assert!(!x.has_controller() && !x.has_mass() && x.is_rigid());
     assert_eq!(x.feedback, Feedback::Motor);
@@ -89,23 +80,11 @@ fn the_velocity_loop_runs_at_the_sample_rate_unless_declared() {
 fn a_machine_written_reads_as_itself() {
     let machine = Machine::parse(MACHINE, "m.toml").unwrap();
     let text = machine.to_toml();
-    assert_eq!(
-        Machine::parse(&text, "again.toml").unwrap(),
-        machine,
-        "{text}"
-    );
+    assert_eq!(Machine::parse(&text, "again.toml").unwrap(), machine, "{text}");
     let lines: Vec<&str> = text.lines().collect();
-    let place = |line: &str| {
-        lines
-            .iter()
-            .position(|l| *l == line)
-            .unwrap_or_else(|| panic!("{text}"))
-    };
+    let place = |line: &str| lines.iter().position(|l| *l == line).unwrap_or_else(|| panic!("{text}"));
     assert!(place("[axis.y]") < place("controller = \"hpc\""), "{text}");
-    assert!(
-        place("controller = \"hpc\"") < place("[[axis.y.effect]]"),
-        "{text}"
-    );
+    assert!(place("controller = \"hpc\"") < place("[[axis.y.effect]]"), "{text}");
     assert!(place("[[axis.y.effect]]") < place("[axis.x]"), "{text}");
 }
 
@@ -119,69 +98,29 @@ fn every_effect_written_reads_as_itself() {
         [Motor, Table, Tool, Force]
     };
     let others = ["x".to_owned()];
-    let around = crate::effects::Surroundings {
-        axis: &axis,
-        first: true,
-        others: &others,
-        stages: &stages,
-    };
+    let around = crate::effects::Surroundings { axis: &axis, first: true, others: &others, stages: &stages };
     let all = crate::effects::candidates(&around);
     let names: Vec<&str> = all.iter().map(Effect::name).collect();
-    assert!(
-        crate::effects::NAMES
-            .iter()
-            .all(|name| names.contains(name))
-    );
+    assert!(crate::effects::NAMES.iter().all(|name| names.contains(name)));
     machine.axis["y"].effect = all;
-    assert_eq!(
-        Machine::parse(&machine.to_toml(), "again.toml").unwrap(),
-        machine
-    );
+    assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
 }
 
 /// Change to the machine above, and what has to be said of it.
 const BAD_MACHINES: &[(&str, &str, &str)] = &[
-    (
-        "1000",
-        "0",
-        "line 2: sample_rate_hz: expected a rate above 0 and up to 1000000, found 0",
-    ),
-    (
-        "1000",
-        "\"fast\"",
-        "line 2: sample_rate_hz: expected a number, found \"fast\"",
-    ),
-    (
-        "4000.0",
-        "-1",
-        "line 3: velocity_loop_rate_hz: expected a rate above 0",
-    ),
+    ("1000", "0", "line 2: sample_rate_hz: expected a rate above 0 and up to 1000000, found 0"),
+    ("1000", "\"fast\"", "line 2: sample_rate_hz: expected a number, found \"fast\""),
+    ("4000.0", "-1", "line 3: velocity_loop_rate_hz: expected a rate above 0"),
     (
         "4000.0",
         "4100.0",
         "line 3: velocity_loop_rate_hz: expected sample_rate_hz (1000) times 1 to 1000, a whole \
              number, found 4100.0",
     ),
-    (
-        "4000.0",
-        "500.0",
-        "line 3: velocity_loop_rate_hz: expected sample_rate_hz (1000) times",
-    ),
-    (
-        "name = \"m\"",
-        "",
-        "m.toml: name: expected this key, found none",
-    ),
-    (
-        "sample_rate_hz = 1000\n",
-        "",
-        "m.toml: sample_rate_hz: expected this key, found none",
-    ),
-    (
-        "name =",
-        "colour =",
-        "line 1: colour: unknown key, expected one of name",
-    ),
+    ("4000.0", "500.0", "line 3: velocity_loop_rate_hz: expected sample_rate_hz (1000) times"),
+    ("name = \"m\"", "", "m.toml: name: expected this key, found none"),
+    ("sample_rate_hz = 1000\n", "", "m.toml: sample_rate_hz: expected this key, found none"),
+    ("name =", "colour =", "line 1: colour: unknown key, expected one of name"),
     (
         "motor_mass_kg =",
         "motr_mass_kg =",
@@ -192,11 +131,7 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
         "mass_kg = -3",
         "line 12: axis.y.motor_mass_kg: expected a number not below 0, found -3",
     ),
-    (
-        "120.0",
-        "nan",
-        "line 13: axis.y.table_mass_kg: expected a finite number, found nan",
-    ),
+    ("120.0", "nan", "line 13: axis.y.table_mass_kg: expected a finite number, found nan"),
     (
         "120.0",
         "0",
@@ -212,16 +147,8 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
         "per_s = 0.0",
         "line 7: axis.y.position_gain_per_s: expected a number above 0, found 0.0",
     ),
-    (
-        "5e4",
-        "0",
-        "line 9: axis.y.velocity_gain_n_s_per_m: expected a number above 0, found 0",
-    ),
-    (
-        "\"hpc\"",
-        "\"pid\"",
-        "line 6: axis.y.controller: expected p or hpc, found \"pid\"",
-    ),
+    ("5e4", "0", "line 9: axis.y.velocity_gain_n_s_per_m: expected a number above 0, found 0"),
+    ("\"hpc\"", "\"pid\"", "line 6: axis.y.controller: expected p or hpc, found \"pid\""),
     (
         "controller = \"hpc\"\n",
         "",
@@ -232,11 +159,7 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
         "",
         "line 5: axis.y.velocity_gain_n_s_per_m: expected this key, as controller is given",
     ),
-    (
-        "60.0",
-        "200.1",
-        "line 8: axis.y.feedforward_percent: expected a number from 0 to 200, found 200.1",
-    ),
+    ("60.0", "200.1", "line 8: axis.y.feedforward_percent: expected a number from 0 to 200, found 200.1"),
     (
         "percent = 10.0",
         "percent = 101",
@@ -247,11 +170,7 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
         "",
         "axis.y.dual_feedback_time_constant_s: expected this key, as feedback is \"dual\"",
     ),
-    (
-        "\"dual\"",
-        "\"both\"",
-        "line 24: axis.y.feedback: expected one of motor, table, dual, found \"both\"",
-    ),
+    ("\"dual\"", "\"both\"", "line 24: axis.y.feedback: expected one of motor, table, dual, found \"both\""),
     (
         "presliding_stiffness_n_per_um = 40.0\n",
         "",
@@ -267,53 +186,22 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
         "pairs = 2.5",
         "line 23: axis.y.resolver_pole_pairs: expected a whole number not below 0, found 2.5",
     ),
-    (
-        "pairs = 5",
-        "pairs = 0",
-        "line 23: axis.y.resolver_pole_pairs: expected a number above 0, found 0",
-    ),
-    (
-        "pairs = 5",
-        "pairs = -1",
-        "line 23: axis.y.resolver_pole_pairs: expected",
-    ),
-    (
-        "[axis.x]",
-        "[axis.\"x 1\"]",
-        "line 41: axis.x 1: expected a name that starts with a letter",
-    ),
+    ("pairs = 5", "pairs = 0", "line 23: axis.y.resolver_pole_pairs: expected a number above 0, found 0"),
+    ("pairs = 5", "pairs = -1", "line 23: axis.y.resolver_pole_pairs: expected"),
+    ("[axis.x]", "[axis.\"x 1\"]", "line 41: axis.x 1: expected a name that starts with a letter"),
     ("[axis.x]", "axis = 3", "m.toml: line 4"),
-    (
-        "[axis.x]",
-        "[axis.x]\neffect = 3",
-        "line 42: axis.x.effect: expected an array, found 3",
-    ),
-    (
-        "[axis.x]",
-        "[axis.x.effect]\nname = \"backlash\"",
-        "axis.x.effect: expected an array, found a table",
-    ),
-    (
-        "[axis.x]",
-        "[axis.x]\ncoulomb_nm = 3",
-        "line 42: axis.x.coulomb_nm: unknown key",
-    ),
+    ("[axis.x]", "[axis.x]\neffect = 3", "line 42: axis.x.effect: expected an array, found 3"),
+    ("[axis.x]", "[axis.x.effect]\nname = \"backlash\"", "axis.x.effect: expected an array, found a table"),
+    ("[axis.x]", "[axis.x]\ncoulomb_nm = 3", "line 42: axis.x.coulomb_nm: unknown key"),
     ("[axis.y]", "[axis.y", "line 5: expected valid TOML"),
-    (
-        "force_limit_n",
-        "lead_mm",
-        "line 22: expected valid TOML: duplicate key",
-    ),
+    ("force_limit_n", "lead_mm", "line 22: expected valid TOML: duplicate key"),
 ];
 
 #[test]
 fn bad_machines_are_refused_with_line_key_and_expectation() {
     for (from, to, wanted) in BAD_MACHINES {
         let said = said(from, to);
-        assert!(
-            said.starts_with("m.toml: ") && said.contains(wanted),
-            "{said}\nwanted {wanted}"
-        );
+        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
         assert!(!said.contains('\n'), "{said}");
     }
 }
@@ -325,41 +213,17 @@ const BAD_EFFECTS: &[(&str, &str, &str)] = &[
         "\"slop\"",
         "line 28: axis.y.effect[0].name: expected one of backlash, pitch_progressive, ",
     ),
-    (
-        "name = \"backlash\"\n",
-        "",
-        "line 27: axis.y.effect[0].name: expected this key, found none",
-    ),
-    (
-        "width_um = 9.5",
-        "",
-        "line 27: axis.y.effect[0].width_um: expected this key, found none",
-    ),
+    ("name = \"backlash\"\n", "", "line 27: axis.y.effect[0].name: expected this key, found none"),
+    ("width_um = 9.5", "", "line 27: axis.y.effect[0].width_um: expected this key, found none"),
     (
         "width_um = 9.5",
         "width_mm = 9.5",
         "line 29: axis.y.effect[0].width_mm: unknown key, expected width_um",
     ),
-    (
-        "width_um = 9.5",
-        "width_um = 9.5\nlead = 1",
-        "line 30: axis.y.effect[0].lead: unknown key",
-    ),
-    (
-        "9.5",
-        "\"wide\"",
-        "line 29: axis.y.effect[0].width_um: expected a number, found \"wide\"",
-    ),
-    (
-        "9.5",
-        "inf",
-        "line 29: axis.y.effect[0].width_um: expected a finite number, found inf",
-    ),
-    (
-        "9.5",
-        "-1",
-        "line 29: axis.y.effect[0].width_um: expected a number not below 0, found -1",
-    ),
+    ("width_um = 9.5", "width_um = 9.5\nlead = 1", "line 30: axis.y.effect[0].lead: unknown key"),
+    ("9.5", "\"wide\"", "line 29: axis.y.effect[0].width_um: expected a number, found \"wide\""),
+    ("9.5", "inf", "line 29: axis.y.effect[0].width_um: expected a finite number, found inf"),
+    ("9.5", "-1", "line 29: axis.y.effect[0].width_um: expected a number not below 0, found -1"),
     (
         "\"x\"",
         "\"z\"",
@@ -370,21 +234,9 @@ const BAD_EFFECTS: &[(&str, &str, &str)] = &[
         "\"y\"",
         "line 34: axis.y.effect[1].source: expected the name of another axis (x), found \"y\"",
     ),
-    (
-        "\"x\"",
-        "7",
-        "line 34: axis.y.effect[1].source: expected a text in quotes, found 7",
-    ),
-    (
-        "\"table\"",
-        "\"motor\"",
-        "axis.y.effect[2]: expected table or tool",
-    ),
-    (
-        "[axis.x]",
-        "[axis.x]\neffect = [1]",
-        "line 42: axis.x.effect[0].name: expected this key",
-    ),
+    ("\"x\"", "7", "line 34: axis.y.effect[1].source: expected a text in quotes, found 7"),
+    ("\"table\"", "\"motor\"", "axis.y.effect[2]: expected table or tool"),
+    ("[axis.x]", "[axis.x]\neffect = [1]", "line 42: axis.x.effect[0].name: expected this key"),
     (
         "[axis.x]",
         "[[axis.x.effect]]\nname = \"pitch_cyclic\"\namplitude_um = 1\nperiod_mm = 0",
@@ -401,10 +253,7 @@ const BAD_EFFECTS: &[(&str, &str, &str)] = &[
 fn bad_effects_are_refused_with_line_key_and_expectation() {
     for (from, to, wanted) in BAD_EFFECTS {
         let said = said(from, to);
-        assert!(
-            said.starts_with("m.toml: ") && said.contains(wanted),
-            "{said}\nwanted {wanted}"
-        );
+        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
         assert!(!said.contains('\n'), "{said}");
     }
 }
@@ -414,21 +263,12 @@ fn files_that_are_no_machines_are_refused() {
     let cases = [
         ("", "name: expected this key"),
         ("time_s,x_command_mm\n0,1\n", "line 1: expected valid TOML"),
-        (
-            "name = \"m\"\nsample_rate_hz = 1",
-            "axis: expected this key, found none",
-        ),
-        (
-            "name = \"m\"\nsample_rate_hz = 1\n[axis]",
-            "line 3: axis: expected at least one table",
-        ),
+        ("name = \"m\"\nsample_rate_hz = 1", "axis: expected this key, found none"),
+        ("name = \"m\"\nsample_rate_hz = 1\n[axis]", "line 3: axis: expected at least one table"),
     ];
     for (text, wanted) in cases {
         let said = Machine::parse(text, "m.toml").unwrap_err().to_string();
-        assert!(
-            said.starts_with("m.toml: ") && said.contains(wanted),
-            "{said}\nwanted {wanted}"
-        );
+        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
         assert!(!said.contains('\n'), "{said}");
     }
     let folder = tempfile::tempdir().unwrap();

@@ -113,11 +113,7 @@ impl Motion {
         if blocks.is_empty() {
             return Err(document.refuse("block", "at least one [[block]]"));
         }
-        Ok(Self {
-            name: raw.name,
-            start_mm: run.start_mm,
-            blocks,
-        })
+        Ok(Self { name: raw.name, start_mm: run.start_mm, blocks })
     }
 }
 
@@ -163,9 +159,7 @@ impl<'a> Run<'a> {
             (Some(seconds), None, None) => self.dwell(seconds, pace, key),
             (None, Some(to_mm), None) => self.line(&to_mm, pace, key),
             (None, None, Some(arc)) => self.arc(arc, pace, key),
-            _ => Err(self
-                .document
-                .refuse(key, "exactly one of dwell_s, line_to_mm, arc")),
+            _ => Err(self.document.refuse(key, "exactly one of dwell_s, line_to_mm, arc")),
         }
     }
 
@@ -176,9 +170,7 @@ impl<'a> Run<'a> {
         key: &str,
     ) -> Result<Block, InputError> {
         if pace != (None, None) {
-            return Err(self
-                .document
-                .refuse(key, "a dwell without feed or acceleration"));
+            return Err(self.document.refuse(key, "a dwell without feed or acceleration"));
         }
         let seconds = positive(seconds, &format!("{key}.dwell_s"), self.document)?;
         self.lasts(seconds, key)?;
@@ -197,40 +189,22 @@ impl<'a> Run<'a> {
             *to_mm.get_mut(name).ok_or_else(|| self.unknown_axis(&key))? = target_mm;
             within_travel(target_mm, &key, self.document)?;
         }
-        let steps_mm = to_mm
-            .values()
-            .zip(self.position_mm.values())
-            .map(|(to, from)| to - from);
-        let length_mm = steps_mm
-            .map(|step_mm| step_mm * step_mm)
-            .sum::<f64>()
-            .sqrt();
+        let steps_mm = to_mm.values().zip(self.position_mm.values()).map(|(to, from)| to - from);
+        let length_mm = steps_mm.map(|step_mm| step_mm * step_mm).sum::<f64>().sqrt();
         if length_mm < SHORTEST_MM {
             let what = "a target away from where the axes stand";
             return Err(self.document.refuse(&format!("{key}.line_to_mm"), what));
         }
         let (feed_mm_per_min, acceleration_m_per_s2) = self.pace(pace, length_mm, key)?;
         self.position_mm.clone_from(&to_mm);
-        Ok(Block::Line {
-            to_mm,
-            feed_mm_per_min,
-            acceleration_m_per_s2,
-        })
+        Ok(Block::Line { to_mm, feed_mm_per_min, acceleration_m_per_s2 })
     }
 
-    fn arc(
-        &mut self,
-        arc: RawArc,
-        pace: (Option<f64>, Option<f64>),
-        key: &str,
-    ) -> Result<Block, InputError> {
+    fn arc(&mut self, arc: RawArc, pace: (Option<f64>, Option<f64>), key: &str) -> Result<Block, InputError> {
         let document = self.document;
         let inner = |name: &str| format!("{key}.arc.{name}");
         let centre_mm = self.centre(&arc, key)?;
-        let from_mm = [
-            self.position_mm[&arc.plane[0]],
-            self.position_mm[&arc.plane[1]],
-        ];
+        let from_mm = [self.position_mm[&arc.plane[0]], self.position_mm[&arc.plane[1]]];
         let radius_mm = (from_mm[0] - centre_mm[0]).hypot(from_mm[1] - centre_mm[1]);
         if radius_mm < SHORTEST_MM {
             let what = "a centre away from where the axes stand";
@@ -247,19 +221,12 @@ impl<'a> Run<'a> {
         let (feed_mm_per_min, acceleration_m_per_s2) = self.pace(pace, length_mm, key)?;
         self.turn(&arc, from_mm, centre_mm);
         let RawArc { plane, turns, .. } = arc;
-        Ok(Block::Arc {
-            plane,
-            centre_mm,
-            turns,
-            feed_mm_per_min,
-            acceleration_m_per_s2,
-        })
+        Ok(Block::Arc { plane, centre_mm, turns, feed_mm_per_min, acceleration_m_per_s2 })
     }
 
     /// The centre in the order of the plane, which has to be two axes of the motion.
     fn centre(&self, arc: &RawArc, key: &str) -> Result<[f64; 2], InputError> {
-        let refuse =
-            |name: &str, what: &str| self.document.refuse(&format!("{key}.arc.{name}"), what);
+        let refuse = |name: &str, what: &str| self.document.refuse(&format!("{key}.arc.{name}"), what);
         let [first, second] = &arc.plane;
         for (index, name) in arc.plane.iter().enumerate() {
             if !self.start_mm.contains_key(name) {
@@ -284,10 +251,7 @@ impl<'a> Run<'a> {
     fn turn(&mut self, arc: &RawArc, from_mm: [f64; 2], centre_mm: [f64; 2]) {
         let (sin, cos) = (TAU * arc.turns.fract()).sin_cos();
         let (x, y) = (from_mm[0] - centre_mm[0], from_mm[1] - centre_mm[1]);
-        let end_mm = [
-            centre_mm[0] + x * cos - y * sin,
-            centre_mm[1] + x * sin + y * cos,
-        ];
+        let end_mm = [centre_mm[0] + x * cos - y * sin, centre_mm[1] + x * sin + y * cos];
         for (name, end_mm) in arc.plane.iter().zip(end_mm) {
             self.position_mm[name] = end_mm;
         }
@@ -319,29 +283,19 @@ impl<'a> Run<'a> {
 
     fn unknown_axis(&self, key: &str) -> InputError {
         let names: Vec<&str> = self.start_mm.keys().map(String::as_str).collect();
-        self.document.refuse(
-            key,
-            &format!("an axis that start_mm names ({})", names.join(", ")),
-        )
+        self.document.refuse(key, &format!("an axis that start_mm names ({})", names.join(", ")))
     }
 }
 
 fn positive(value: f64, key: &str, document: &Document<'_>) -> Result<f64, InputError> {
-    if value > 0.0 {
-        Ok(value)
-    } else {
-        Err(document.refuse(key, "a number above 0"))
-    }
+    if value > 0.0 { Ok(value) } else { Err(document.refuse(key, "a number above 0")) }
 }
 
 fn within_travel(value_mm: f64, key: &str, document: &Document<'_>) -> Result<(), InputError> {
     if value_mm.abs() <= LONGEST_TRAVEL_MM {
         return Ok(());
     }
-    Err(document.refuse(
-        key,
-        &format!("a travel within {LONGEST_TRAVEL_MM} mm of zero"),
-    ))
+    Err(document.refuse(key, &format!("a travel within {LONGEST_TRAVEL_MM} mm of zero")))
 }
 
 #[cfg(test)]

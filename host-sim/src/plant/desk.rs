@@ -90,7 +90,11 @@ impl Desk {
             })
             .collect();
         let finest = axes.iter().map(|a| a.parameters.step_s()).fold(tick_s, f64::min);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful of steps a tick")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a handful of steps a tick"
+        )]
         let substeps = (tick_s / finest).ceil() as u32;
         Self {
             names: machine.axis.keys().cloned().collect(),
@@ -109,7 +113,8 @@ impl Desk {
         for (axis, reading) in self.axes.iter().zip(readings) {
             let motor = axis.motion.motor_m + axis.parameters.dividing_m(axis.motion.motor_m);
             reading.motor = position(self.instruments.motor.read(motor, &mut self.random));
-            reading.table = Some(position(self.instruments.table.read(axis.motion.table_m, &mut self.random)));
+            reading.table =
+                Some(position(self.instruments.table.read(axis.motion.table_m, &mut self.random)));
         }
     }
 
@@ -156,7 +161,8 @@ impl Desk {
 impl DeskAxis {
     /// How far the table moved while a late channel was on its way: v·τ − a·τ²/2.
     fn behind_m(&self, channel: Channel) -> f64 {
-        let late_s = |late: &crate::effects::Latency| if late.channel == channel { 1e-3 * late.ms } else { 0.0 };
+        let late_s =
+            |late: &crate::effects::Latency| if late.channel == channel { 1e-3 * late.ms } else { 0.0 };
         let tau: f64 = self.parameters.late.iter().map(late_s).sum();
         tau * (self.motion.table_m_per_s - 0.5 * tau * self.motion.table_m_per_s2)
     }

@@ -49,14 +49,17 @@ impl Friction {
     /// Bends the bristles (m) for a step and gives the whole friction force against the motion, N.
     pub fn step(&self, bristle: &mut f64, velocity: f64, step_s: f64) -> f64 {
         if !self.has_bristles() {
-            return self.level_n(velocity) * (velocity / SIGN_WIDTH_M_PER_S).tanh() + self.viscous_n(velocity);
+            return self.level_n(velocity) * (velocity / SIGN_WIDTH_M_PER_S).tanh()
+                + self.viscous_n(velocity);
         }
         let level = self.level_n(velocity).max(1e-9);
         let relaxation = self.bristle_stiffness_n_per_m * velocity.abs() * step_s / level;
         let bent = (*bristle + velocity * step_s) / (1.0 + relaxation);
         let rate = (bent - *bristle) / step_s;
         *bristle = bent;
-        self.bristle_stiffness_n_per_m * bent + self.bristle_damping_n_s_per_m * rate + self.viscous_n(velocity)
+        self.bristle_stiffness_n_per_m * bent
+            + self.bristle_damping_n_s_per_m * rate
+            + self.viscous_n(velocity)
     }
 
     /// Velocity after a free step to `velocity`, with Coulomb friction as an impulse that can stop the

@@ -34,7 +34,8 @@ impl AxisMotion {
     pub fn step(&mut self, parameters: &AxisParameters, force_n: f64, step_s: f64) {
         let half_s = 0.5 * step_s;
         self.motor_m += self.motor_m_per_s * half_s;
-        let drive = force_n + parameters.ripple_n(self.motor_m) - parameters.motor_friction_n(self.motor_m_per_s);
+        let drive =
+            force_n + parameters.ripple_n(self.motor_m) - parameters.motor_friction_n(self.motor_m_per_s);
         match &parameters.spring {
             None => self.kick_rigid(parameters, drive, step_s),
             Some(spring) => {

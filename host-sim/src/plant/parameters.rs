@@ -1,7 +1,7 @@
 //! What an axis is made of: the machine file's axis in SI, with its effects put where they act.
 
 use crate::effects::{
-    ConstantLoad, Crosstalk, Effect, Intalk, Latency, Resonance, ResolverDividing, ServoMismatch, Squareness,
+    ConstantLoad, Crosstalk, Effect, Intalk, Latency, ResolverDividing, Resonance, ServoMismatch, Squareness,
     Straightness, ThermalDrift, TorqueRipple, VelocityLag,
 };
 use crate::machine::Axis;
@@ -153,7 +153,9 @@ impl AxisParameters {
     pub fn step_s(&self) -> f64 {
         let bristles = self.friction.bristle_stiffness_n_per_m;
         let (inverse_mass, stiffness) = match &self.spring {
-            Some(spring) => (self.motor_mass_kg.recip() + self.table_mass_kg.recip(), spring.stiffness_n_per_m + bristles),
+            Some(spring) => {
+                (self.motor_mass_kg.recip() + self.table_mass_kg.recip(), spring.stiffness_n_per_m + bristles)
+            }
             None => ((self.motor_mass_kg + self.table_mass_kg).recip(), bristles),
         };
         let fastest = (stiffness * inverse_mass).sqrt();

@@ -58,7 +58,8 @@ pub fn find(logs: &[Signals]) -> Option<Circle> {
 }
 
 fn of_log(log: usize, x: &[f64], y: &[f64]) -> Option<Circle> {
-    let mut arcs: Vec<Circle> = moving(x, y).into_iter().filter_map(|samples| fit(log, x, y, samples)).collect();
+    let mut arcs: Vec<Circle> =
+        moving(x, y).into_iter().filter_map(|samples| fit(log, x, y, samples)).collect();
     arcs.sort_by(|a, b| b.radius.total_cmp(&a.radius));
     arcs.iter().find_map(|largest| {
         let near = SAME * largest.radius;
@@ -66,7 +67,8 @@ fn of_log(log: usize, x: &[f64], y: &[f64]) -> Option<Circle> {
             let apart = (arc.centre[0] - largest.centre[0]).hypot(arc.centre[1] - largest.centre[1]);
             apart < near && (arc.radius - largest.radius).abs() < near
         };
-        let mut together: Vec<Arc> = arcs.iter().filter(is_same).flat_map(|circle| circle.arcs.clone()).collect();
+        let mut together: Vec<Arc> =
+            arcs.iter().filter(is_same).flat_map(|circle| circle.arcs.clone()).collect();
         together.sort_by_key(|arc| arc.samples.start);
         let swept: f64 = together.iter().map(|arc| arc.swept).sum();
         (swept >= LEAST_CIRCLE).then(|| Circle { arcs: together, ..largest.clone() })
@@ -148,7 +150,9 @@ mod tests {
     /// Points of a path with its corners, straight or on arcs, at a constant speed.
     fn arc(centre: [f64; 2], radius: f64, from: f64, to: f64, samples: usize) -> Vec<(f64, f64)> {
         let angle = |i: usize| from + (to - from) * i as f64 / samples as f64;
-        (0..=samples).map(|i| (centre[0] + radius * angle(i).cos(), centre[1] + radius * angle(i).sin())).collect()
+        (0..=samples)
+            .map(|i| (centre[0] + radius * angle(i).cos(), centre[1] + radius * angle(i).sin()))
+            .collect()
     }
 
     fn of(path: &[(f64, f64)]) -> Option<Circle> {

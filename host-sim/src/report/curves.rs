@@ -18,8 +18,8 @@ const MOST_VARIABLES: usize = 3;
 
 /// The section's body; empty where no stage could be formed.
 pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> String {
-    let stages = views.iter().flat_map(|view| view.trace.errors.iter().map(move |error| (view, error.stage)));
-    let panels: String = stages.map(|(view, stage)| panel(trace, view, stage)).collect();
+    let of_axis = |view| stages_of(view).into_iter().map(move |stage| panel(trace, view, stage));
+    let panels: String = views.iter().flat_map(of_axis).collect();
     if panels.is_empty() {
         return panels;
     }
@@ -39,14 +39,26 @@ fn panel(trace: &Trace, view: &AxisView<'_>, stage: Stage) -> String {
     let name = &view.trace.axis;
     let Some(log) = view.telling_log(stage) else { return String::new() };
     let variables = variables(trace, view, stage);
-    let beside: Vec<String> = variables.iter().filter_map(|&across| curve(trace, view, stage, across)).collect();
+    let beside: Vec<String> =
+        variables.iter().filter_map(|&across| curve(trace, view, stage, across)).collect();
     let over_time = over_time(trace, view, stage, log, if beside.is_empty() { 960 } else { 590 });
     let mut pictures = figure(if beside.is_empty() { "wide" } else { "" }, &over_time.0, &over_time.1);
     for (i, picture) in beside.iter().enumerate() {
         pictures += &figure(if i == 0 { "" } else { "right" }, picture, "");
     }
-    let heading = format!("{name}: {} — {}", stage_names(&[stage]), meaning(stage));
-    format!("<h3>{}</h3>\n<div class=\"stage\">\n{pictures}</div>\n", text(&heading))
+    format!(
+        "<h3>{}, {} <span class=\"small\">{}</span></h3>\n<div class=\"stage\">\n{pictures}</div>\n",
+        text(name),
+        stage_names(&[stage]),
+        text(meaning(stage))
+    )
+}
+
+/// The stages of an axis in the order of the chain.
+fn stages_of(view: &AxisView<'_>) -> Vec<Stage> {
+    let mut stages: Vec<Stage> = view.trace.errors.iter().map(|error| error.stage).collect();
+    stages.sort();
+    stages
 }
 
 fn meaning(stage: Stage) -> &'static str {
@@ -62,22 +74,19 @@ fn meaning(stage: Stage) -> &'static str {
 fn variables(trace: &Trace, view: &AxisView<'_>, stage: Stage) -> Vec<Across> {
     let own = view.evidence.axis;
     let mut variables = Vec::new();
-    let mut add = |across: Across| {
+    for found in view.trace.found.iter().filter(|found| found.stage == stage) {
+        let across = Across::of_effect(&found.effect, &trace.names, own);
         if !variables.contains(&across) && variables.len() < MOST_VARIABLES {
             variables.push(across);
         }
-    };
-    let found = &view.trace.found;
-    let here: Vec<_> = found.iter().filter(|found| found.stage == stage).collect();
-    here.iter().for_each(|found| add(Across::of_effect(&found.effect, &trace.names, own)));
-    if here.is_empty() && view.is_changed(stage) {
-        let touching = found.iter().find(|found| found.effect.stages().contains(&stage));
-        touching.into_iter().for_each(|found| add(Across::of_effect(&found.effect, &trace.names, own)));
     }
-    if here.is_empty() {
+    if variables.is_empty() && view.is_changed(stage) {
+        let touching = view.trace.found.iter().find(|found| found.effect.stages().contains(&stage));
+        variables.extend(touching.map(|found| Across::of_effect(&found.effect, &trace.names, own)));
+    }
+    if variables.is_empty() {
         let rest = view.trace.unexplained.iter().find(|rest| rest.channel == stage);
-        let across = rest.and_then(|rest| Across::of_rest(rest.variable, trace.names.len(), own));
-        across.into_iter().for_each(add);
+        variables.extend(rest.and_then(|rest| Across::of_rest(rest.variable, trace.names.len(), own)));
     }
     variables
 }
@@ -91,23 +100,30 @@ fn over_time(trace: &Trace, view: &AxisView<'_>, stage: Stage, log: usize, width
     let mut layers = Vec::new();
     if is_changed {
         let (skipped, values) = view.settled(&view.before, stage, log);
-        layers.push(Layer { ink: Ink::BeforeRange, points: outline(values, |i| seconds(skipped + i)) });
+        layers.push(Layer {
+            ink: Ink::BeforeRange,
+            points: outline(values, |i| seconds(skipped + i)),
+            is_marked: false,
+        });
     }
     let (skipped, values) = view.settled(&view.after, stage, log);
-    layers.push(Layer { ink: Ink::After, points: envelope(values, |i| seconds(skipped + i)) });
+    layers.push(Layer {
+        ink: Ink::After,
+        points: envelope(values, |i| seconds(skipped + i)),
+        is_marked: false,
+    });
 
     let source = super::file_name(&signals.source);
     let error = |parts| {
-        let error = part(parts, stage, log).map(|part| {
-            crate::trace::residual::rms(std::slice::from_ref(part), stage, &view.evidence)
-        });
+        let error = part(parts, stage, log)
+            .map(|part| crate::trace::residual::rms(std::slice::from_ref(part), stage, &view.evidence));
         format!("{} {unit}", significant(error.unwrap_or(0.0), 3))
     };
     let noise = view.evidence.noise_of_log(&view.trace.model, stage, log);
     let figures = if is_changed {
         format!("{} rms before, {} after", error(&view.before), error(&view.after))
     } else {
-        format!("{} rms; no effect found changes it", error(&view.after))
+        format!("{} rms; what was found does not change it", error(&view.after))
     };
     let caption = format!("{source}: {figures}.");
     let chart = Chart {
@@ -124,12 +140,13 @@ fn over_time(trace: &Trace, view: &AxisView<'_>, stage: Stage, log: usize, width
 
 /// The mean over a variable.
 fn curve(trace: &Trace, view: &AxisView<'_>, stage: Stage, across: Across) -> Option<String> {
-    let mut layers = Vec::new();
-    if view.is_changed(stage) {
-        layers.push(Layer { ink: Ink::Before, points: means(view, &view.before, stage, across) });
-    }
-    layers.push(Layer { ink: Ink::After, points: means(view, &view.after, stage, across) });
-    if layers.iter().any(|layer| layer.points.is_empty()) {
+    let runs = |ink, parts| {
+        let layer = move |points| Layer { ink, points, is_marked: true };
+        means(view, parts, stage, across).into_iter().map(layer)
+    };
+    let before = runs(Ink::Before, &view.before).filter(|_| view.is_changed(stage));
+    let layers: Vec<Layer> = before.chain(runs(Ink::After, &view.after)).collect();
+    if layers.is_empty() {
         return None;
     }
     let label = across.label(&trace.names);

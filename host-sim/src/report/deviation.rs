@@ -48,8 +48,9 @@ impl Run<'_> {
 
     /// The position stages that both axes have.
     pub fn stages(&self) -> Vec<Stage> {
-        let is_there =
-            |stage: &Stage| self.axes.iter().all(|axis| part(&axis.before, *stage, self.circle.log).is_some());
+        let is_there = |stage: &Stage| {
+            self.axes.iter().all(|axis| part(&axis.before, *stage, self.circle.log).is_some())
+        };
         [Stage::Motor, Stage::Table, Stage::Tool].into_iter().filter(is_there).collect()
     }
 

@@ -1,11 +1,19 @@
 //! The few pieces of HTML that more than one section needs.
 
-/// Text as it may stand between tags and in attributes.
+/// Text as it may stand between tags and in attributes. What stands between a number and its unit or
+/// its uncertainty is no place for a line to end.
 #[must_use]
 pub fn text(plain: &str) -> String {
     let mut escaped = String::with_capacity(plain.len());
-    for c in plain.chars() {
+    let mut rest = plain.chars().peekable();
+    let mut last = ' ';
+    while let Some(c) = rest.next() {
         match c {
+            ' ' if matches!(last, '±' | '−' | '+')
+                || last.is_ascii_digit() && matches!(rest.peek(), Some('%' | 'µ' | '±')) =>
+            {
+                escaped.push_str("&nbsp;");
+            }
             '&' => escaped.push_str("&amp;"),
             '<' => escaped.push_str("&lt;"),
             '>' => escaped.push_str("&gt;"),
@@ -13,6 +21,7 @@ pub fn text(plain: &str) -> String {
             '\'' => escaped.push_str("&#39;"),
             c => escaped.push(c),
         }
+        last = c;
     }
     escaped
 }
@@ -20,7 +29,11 @@ pub fn text(plain: &str) -> String {
 /// A section with its heading; the body is markup. Nothing where the body is empty.
 #[must_use]
 pub fn section(heading: &str, body: &str) -> String {
-    if body.is_empty() { String::new() } else { format!("<section>\n<h2>{}</h2>\n{body}</section>\n", text(heading)) }
+    if body.is_empty() {
+        String::new()
+    } else {
+        format!("<section>\n<h2>{}</h2>\n{body}</section>\n", text(heading))
+    }
 }
 
 /// A paragraph of plain text.
@@ -39,10 +52,7 @@ pub fn list(sentences: &[String]) -> String {
 /// A picture with its caption in plain text.
 #[must_use]
 pub fn figure(class: &str, picture: &str, caption: &str) -> String {
-    format!(
-        "<figure class=\"{class}\">\n{picture}<figcaption>{}</figcaption>\n</figure>\n",
-        text(caption)
-    )
+    format!("<figure class=\"{class}\">\n{picture}<figcaption>{}</figcaption>\n</figure>\n", text(caption))
 }
 
 /// An inline picture that tells a screen reader what it shows. The body is markup.
@@ -64,7 +74,9 @@ pub fn key(class: &str, is_surface: bool, meaning: &str) -> String {
         format!("<line class=\"{class}\" x1=\"0\" y1=\"6\" x2=\"32\" y2=\"6\"/>")
     };
     let meaning = text(meaning);
-    format!("<span class=\"key\"><svg viewBox=\"0 0 32 12\" aria-hidden=\"true\">{sample}</svg>{meaning}</span>\n")
+    format!(
+        "<span class=\"key\"><svg viewBox=\"0 0 32 12\" aria-hidden=\"true\">{sample}</svg>{meaning}</span>\n"
+    )
 }
 
 #[cfg(test)]
@@ -74,6 +86,7 @@ mod tests {
     #[test]
     fn markup_in_a_text_is_text() {
         assert_eq!(text("a<b> & \"c\" 'd'"), "a&lt;b&gt; &amp; &quot;c&quot; &#39;d&#39;");
+        assert_eq!(text("3 ± 1 µm, 5 m"), "3&nbsp;±&nbsp;1&nbsp;µm, 5 m");
         assert_eq!(section("<", ""), "");
         assert!(figure("wide", "", "<script>").contains("&lt;script&gt;"));
     }

@@ -67,7 +67,7 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
         section("What was found", &found(trace, extra)),
         section("Residuals before and after", &tables::errors(&trace.axes)),
         section("The circle", &polar::body(trace, &views)),
-        section("Where the residual comes from", &curves::body(trace, &views)),
+        section("The residual of each stage", &curves::body(trace, &views)),
         section("What was tried", &ranking::body(&trace.axes)),
         section("What stays unexplained", &unexplained(&trace.axes)),
     ]
@@ -83,7 +83,8 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
 
 /// One sentence an effect, and the truth where it is known.
 fn found(trace: &Trace, extra: &Extra) -> String {
-    let items: String = words::summary(trace).iter().map(|said| format!("<li>{}</li>\n", text(said))).collect();
+    let items: String =
+        words::summary(trace).iter().map(|said| format!("<li>{}</li>\n", text(said))).collect();
     let truth = extra.truth.as_ref().map(|truth| tables::truth(&trace.axes, truth)).unwrap_or_default();
     format!("<ul class=\"found\">\n{items}</ul>\n{truth}")
 }
@@ -95,7 +96,10 @@ fn sources(trace: &Trace) -> String {
     };
     let (fit, validate) = (names(&trace.fit_logs), names(&trace.validate_logs));
     if fit == validate {
-        format!("Machine {}. Fitted to {fit}, judged on the last part of it, which no fit saw.", trace.machine.name)
+        format!(
+            "Machine {}. Fitted to {fit}, judged on the last part of it, which no fit saw.",
+            trace.machine.name
+        )
     } else {
         format!("Machine {}. Fitted to {fit}; judged on {validate}, which no fit saw.", trace.machine.name)
     }
@@ -117,7 +121,8 @@ fn unexplained(axes: &[AxisTrace]) -> String {
         .iter()
         .flat_map(|axis| {
             let explained = axis.errors.iter().filter(|error| is_explained(axis, error));
-            explained.map(|error| format!("{} {}", axis.axis, crate::trace::axis::stage_names(&[error.stage])))
+            explained
+                .map(|error| format!("{} {}", axis.axis, crate::trace::axis::stage_names(&[error.stage])))
         })
         .collect();
     let mut body = if stays.is_empty() { String::new() } else { list(&stays) };

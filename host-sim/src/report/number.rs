@@ -22,7 +22,9 @@ pub fn fixed(value: f64, decimals: usize) -> String {
 /// A value with this many significant digits.
 #[must_use]
 pub fn significant(value: f64, digits: i32) -> String {
-    fixed(value, decimals(value, digits))
+    let unit = 10_f64.powf(value.abs().log10().floor() - f64::from(digits - 1));
+    let rounded = if value != 0.0 && unit > 1.0 { (value / unit).round() * unit } else { value };
+    fixed(rounded, decimals(value, digits))
 }
 
 /// A value with a sign in any case.
@@ -76,6 +78,7 @@ mod tests {
         assert_eq!(significant(0.0, 3), "0.00");
         assert_eq!(signed(-1.25, 2), "−1.2");
         assert_eq!(signed(0.123, 2), "+0.12");
+        assert_eq!(significant(5973.0, 2), "6000");
     }
 
     #[test]

@@ -8,7 +8,7 @@ use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
 use plotters::coord::types::RangedCoordf64;
 use plotters::drawing::{DrawingArea, DrawingAreaErrorKind, IntoDrawingArea};
-use plotters::element::{PathElement, Polygon};
+use plotters::element::{Circle, PathElement, Polygon};
 use plotters::prelude::{Cartesian2d, SVGBackend};
 use plotters::style::{Color, IntoFont, RGBColor, TextStyle};
 
@@ -63,6 +63,8 @@ pub struct Layer {
     pub ink: Ink,
     /// Its corners; those of a surface go around it.
     pub points: Vec<(f64, f64)>,
+    /// Whether a line's corners are marked.
+    pub is_marked: bool,
 }
 
 /// A chart of residuals over something.
@@ -113,7 +115,7 @@ impl Chart<'_> {
             .x_label_area_size(34 * FINE)
             .y_label_area_size(54 * FINE)
             .build_cartesian_2d(left..right, low..high)?;
-        let (columns, rows) = (((self.size.0 / 90) as usize).max(3), 6);
+        let (columns, rows) = (((self.size.0 / 60) as usize).max(3), 6);
         chart
             .configure_mesh()
             .light_line_style(plotters::style::TRANSPARENT)
@@ -132,7 +134,8 @@ impl Chart<'_> {
             .draw()?;
         let plane = chart.plotting_area();
         if self.noise > 0.0 {
-            let corners = vec![(left, -self.noise), (left, self.noise), (right, self.noise), (right, -self.noise)];
+            let corners =
+                vec![(left, -self.noise), (left, self.noise), (right, self.noise), (right, -self.noise)];
             surface(plane, Ink::Noise, corners)?;
         }
         plane.draw(&PathElement::new(vec![(left, 0.0), (right, 0.0)], Ink::Zero.colour()))?;
@@ -141,6 +144,9 @@ impl Chart<'_> {
                 surface(plane, layer.ink, layer.points.clone())?;
             } else {
                 plane.draw(&PathElement::new(layer.points.clone(), layer.ink.colour()))?;
+            }
+            for point in layer.points.iter().filter(|_| layer.is_marked) {
+                plane.draw(&Circle::new(*point, 2 * FINE, layer.ink.colour()))?;
             }
         }
         area.present()
@@ -178,10 +184,12 @@ fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 /// A label with the digits that its neighbours differ in.
 fn tick(value: f64, range: f64, count: usize) -> String {
-    let least = range / count as f64;
+    // That many labels have one step less between them, and up to two beside them.
+    let least = range / (count + 1) as f64;
     let power = 10_f64.powf(least.log10().floor());
     // Steps are 1, 2 or 5 times a power of ten.
-    let step = [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|step| *step >= least).unwrap_or(power);
+    let step =
+        [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|step| *step >= least).unwrap_or(power);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 9")]
     let decimals = (-(step * 1.001).log10().floor()).clamp(0.0, 9.0) as usize;
     fixed(value, decimals)
@@ -193,7 +201,8 @@ fn named(drawn: &str) -> String {
     for (ink, class) in INKS {
         let RGBColor(r, g, b) = ink.colour();
         for attribute in ["fill", "stroke"] {
-            named = named.replace(&format!("{attribute}=\"#{r:02X}{g:02X}{b:02X}\""), &format!("class=\"{class}\""));
+            named = named
+                .replace(&format!("{attribute}=\"#{r:02X}{g:02X}{b:02X}\""), &format!("class=\"{class}\""));
         }
     }
     for needless in [" fill=\"none\"", " stroke=\"none\"", " font-family=\"sans-serif\""] {
@@ -208,7 +217,7 @@ mod tests {
 
     #[test]
     fn a_chart_names_its_inks_and_holds_no_colour_of_its_own() {
-        let line = |ink| Layer { ink, points: vec![(0.0, 1.0), (1.0, -2.0), (2.0, 0.5)] };
+        let line = |ink| Layer { ink, points: vec![(0.0, 1.0), (1.0, -2.0), (2.0, 0.5)], is_marked: false };
         let chart = Chart {
             size: (400, 200),
             title: "a < b",
@@ -219,7 +228,10 @@ mod tests {
             layers: vec![line(Ink::BeforeRange), line(Ink::Before), line(Ink::After)],
         };
         let svg = chart.svg();
-        assert!(svg.starts_with("<svg viewBox=\"0 0 1600 800\" role=\"img\">\n<title>a &lt; b</title>"), "{svg}");
+        assert!(
+            svg.starts_with("<svg viewBox=\"0 0 1600 800\" role=\"img\">\n<title>a &lt; b</title>"),
+            "{svg}"
+        );
         assert!(!svg.contains('#') && !svg.contains("http"), "{svg}");
         for (_, class) in INKS {
             assert!(svg.contains(&format!("class=\"{class}\"")), "{class} in {svg}");
@@ -230,7 +242,7 @@ mod tests {
 
     #[test]
     fn labels_have_the_digits_they_need() {
-        assert_eq!(tick(0.05, 0.4, 6), "0.0");
+        assert_eq!(tick(0.05, 0.31, 6), "0.05");
         assert_eq!(tick(0.1, 0.5, 6), "0.1");
         assert_eq!(tick(-0.02, 0.06, 6), "−0.02");
         assert_eq!(tick(1500.0, 6000.0, 6), "1500");

@@ -6,17 +6,17 @@ use std::fmt::Write;
 use super::circle::find;
 use super::deviation::{Lap, Run};
 use super::markup::{figure, key, paragraph, svg, text};
-use super::number::{significant, signed};
+use super::number::{signed, significant};
 use super::stages::AxisView;
 use crate::trace::Trace;
 
 /// Pixels of the page: the picture, radius of the circle, and one division.
 const SIDE: u32 = 310;
-const BASE: f64 = 84.0;
-const DIVISION: f64 = 19.0;
+const BASE: f64 = 80.0;
+const DIVISION: f64 = 15.0;
 
 /// Divisions on either side of the circle.
-const DIVISIONS: i32 = 3;
+const DIVISIONS: i32 = 4;
 
 /// The section's body; empty where no log holds a circle with the channels for it.
 pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> String {
@@ -43,7 +43,10 @@ pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> String {
                   Unexplained after: the same with the effects found, at the same magnification.";
     }
     let keys = [key("cw", false, "clockwise"), key("ccw", false, "counter-clockwise")].concat();
-    format!("{}<div class=\"circles\">\n{pictures}</div>\n<p class=\"legend\">{keys}</p>\n", paragraph(&intro))
+    format!(
+        "{}<div class=\"circles\">\n{pictures}</div>\n<p class=\"legend\">{keys}</p>\n",
+        paragraph(&intro)
+    )
 }
 
 /// The least of 1, 2 and 5 times a power of ten µm at which all deviations fit the divisions.

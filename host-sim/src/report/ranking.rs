@@ -38,8 +38,7 @@ fn of_axis(axis: &AxisTrace) -> String {
     }
     format!(
         "<h3>{}</h3>\n<table class=\"ranking\">\n<thead><tr><th scope=\"col\">candidate</th><th scope=\"col\" \
-         class=\"n\">gain</th><th scope=\"col\"><span class=\"hidden\">bar</span></th><th scope=\"col\">\
-         verdict</th></tr></thead>\n{rounds}</table>\n",
+         colspan=\"2\">gain</th><th scope=\"col\">verdict</th></tr></thead>\n{rounds}</table>\n",
         text(&axis.axis)
     )
 }
@@ -60,15 +59,13 @@ fn row(axis: &AxisTrace, candidate: &Candidate, is_added: bool) -> String {
     let shown = if gain < -999.5 { "far worse".to_owned() } else { format!("{} %", fixed(gain, 1)) };
     let class = if is_added { "taken" } else { "left" };
     let width = fixed(gain.clamp(0.0, 100.0), 1);
-    let name = candidate.effect.name();
     let bar = format!(
         "<svg class=\"bar\" viewBox=\"0 0 100 8\" preserveAspectRatio=\"none\" aria-hidden=\"true\"><rect \
          class=\"{class}\" x=\"0\" y=\"1\" width=\"{width}\" height=\"6\"/></svg>"
     );
     format!(
-        "<tr><td><code>{}</code> {}</td><td class=\"n\">{}</td><td>{bar}</td><td>{}</td></tr>\n",
-        text(name),
-        text(&words::effect(&candidate.effect, &[])),
+        "<tr><td>{}</td><td class=\"n\">{}</td><td>{bar}</td><td>{}</td></tr>\n",
+        text(&words::brief(&candidate.effect)),
         text(&shown),
         text(&verdict(axis, candidate, is_added))
     )
@@ -89,11 +86,13 @@ fn verdict(axis: &AxisTrace, candidate: &Candidate, is_added: bool) -> String {
     let Some(best) = best(candidate) else { return String::new() };
     if is_added {
         let is_kept = axis.found.iter().any(|found| {
-            found.effect.name() == candidate.effect.name() && source(&found.effect) == source(&candidate.effect)
+            found.effect.name() == candidate.effect.name()
+                && source(&found.effect) == source(&candidate.effect)
         });
         return if is_kept { "added" } else { "added; dropped when a later one made it needless" }.to_owned();
     }
-    let supported = |c: &&Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
+    let supported =
+        |c: &&Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
     let least = 100.0 * (1.0 - (1.0 - LEAST_REDUCTION).sqrt());
     if candidate.is_supported() {
         "supported, but another one was better".to_owned()

@@ -23,8 +23,9 @@ impl<'a> AxisView<'a> {
     pub fn all(trace: &'a Trace) -> Vec<Self> {
         let of_axis = |(index, axis): (usize, &'a AxisTrace)| {
             let evidence = trace.evidence(&trace.validate_logs, index);
-            let residuals =
-                |model: &AxisModel| axis.scopes.iter().flat_map(|scope| evidence.residuals(model, scope)).collect();
+            let residuals = |model: &AxisModel| {
+                axis.scopes.iter().flat_map(|scope| evidence.residuals(model, scope)).collect()
+            };
             let (before, after) = (residuals(&axis.declared), residuals(&axis.model));
             Self { trace: axis, evidence, before, after }
         };

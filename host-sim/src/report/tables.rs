@@ -9,7 +9,12 @@ use crate::trace::report::source;
 
 /// Errors before and after, by axis and stage; empty where no stage could be formed.
 pub fn errors(axes: &[AxisTrace]) -> String {
-    let rows: String = axes.iter().flat_map(|axis| axis.errors.iter().map(|error| row(&axis.axis, error))).collect();
+    let of_axis = |axis: &AxisTrace| -> String {
+        let mut errors: Vec<&StageError> = axis.errors.iter().collect();
+        errors.sort_by_key(|error| error.stage);
+        errors.into_iter().map(|error| row(&axis.axis, error)).collect()
+    };
+    let rows: String = axes.iter().map(of_axis).collect();
     if rows.is_empty() {
         return rows;
     }
@@ -29,8 +34,21 @@ pub fn errors(axes: &[AxisTrace]) -> String {
 
 fn row(axis: &str, error: &StageError) -> String {
     let (name, unit) = (stage_names(&[error.stage]), words::unit(error.stage));
-    let figures = [error.before.fit, error.before.validate, error.after.fit, error.after.validate, error.noise];
-    let figures: String = figures.iter().map(|v| format!("<td class=\"n\">{}</td>", fixed(*v, 3))).collect();
+    let cell = |value: f64| format!("<td class=\"n\">{}</td>", fixed(value, 3));
+    // What the effects found made smaller stands out.
+    let gained = |before: f64, after: f64| {
+        let value = cell(after);
+        if after < 0.95 * before { value.replace("\"n\"", "\"n gained\"") } else { value }
+    };
+    let (before, after) = (&error.before, &error.after);
+    let figures = [
+        cell(before.fit),
+        cell(before.validate),
+        gained(before.fit, after.fit),
+        gained(before.validate, after.validate),
+        cell(error.noise),
+    ]
+    .concat();
     format!("<tr><th scope=\"row\">{}</th><td>{name}</td><td>{unit}</td>{figures}</tr>\n", text(axis))
 }
 
@@ -41,15 +59,19 @@ pub fn truth(axes: &[AxisTrace], truth: &[(String, Effect)]) -> String {
     for (axis, effect) in truth {
         let found = of_axis(axis).iter().find(|found| is_same(&found.effect, effect));
         let (said, errors) = match found {
-            Some(found) => (words::effect(&found.effect, &found.half_widths), parameter_errors(effect, found)),
+            Some(found) => {
+                (words::effect(&found.effect, &found.half_widths), parameter_errors(effect, found))
+            }
             None => ("not found".to_owned(), String::new()),
         };
         rows += &truth_row(axis, &words::effect(effect, &[]), &said, &errors);
     }
     for axis in axes {
-        let is_false = |found: &&Found| !truth.iter().any(|(a, e)| *a == axis.axis && is_same(e, &found.effect));
+        let is_false =
+            |found: &&Found| !truth.iter().any(|(a, e)| *a == axis.axis && is_same(e, &found.effect));
         for found in axis.found.iter().filter(is_false) {
-            rows += &truth_row(&axis.axis, "not there", &words::effect(&found.effect, &found.half_widths), "");
+            rows +=
+                &truth_row(&axis.axis, "not there", &words::effect(&found.effect, &found.half_widths), "");
         }
     }
     if rows.is_empty() {
@@ -79,7 +101,7 @@ fn parameter_errors(truth: &Effect, found: &Found) -> String {
     let pairs = truth.parameters().into_iter().zip(found.effect.parameters());
     let errors = pairs.filter_map(|((key, truth), (_, found))| {
         let error = found - truth;
-        let name = words::parameter(key);
+        let (name, _) = words::parameter(key);
         if key.starts_with("phase") {
             let apart = (error + 0.5 * TURN).rem_euclid(TURN) - 0.5 * TURN;
             Some(format!("{name} {}°", signed(apart.to_degrees(), 2)))

@@ -48,7 +48,9 @@ impl Across {
             Effect::PitchCyclic(e) => Self::Folded(e.period_mm),
             Effect::ResolverDividing(e) => Self::Folded(e.period_mm),
             Effect::TorqueRipple(e) => Self::Folded(e.period_mm),
-            Effect::Windup(_) | Effect::VelocityLag(_) | Effect::Intalk(_) | Effect::Resonance(_) => Self::Acceleration,
+            Effect::Windup(_) | Effect::VelocityLag(_) | Effect::Intalk(_) | Effect::Resonance(_) => {
+                Self::Acceleration
+            }
             Effect::Crosstalk(e) => Self::OtherAcceleration(named(&e.source)),
             Effect::Straightness(e) => Self::OtherPosition(named(&e.source)),
             Effect::Squareness(_) => Self::OtherPosition(other(names.len(), own).unwrap_or(own)),
@@ -116,8 +118,9 @@ fn other(axes: usize, own: usize) -> Option<usize> {
 }
 
 /// Mean residual of a stage over all logs in equal bins of a variable: the middle of each bin, and
-/// the mean there. Empty where the variable was not measured or never changes.
-pub fn means(view: &AxisView<'_>, parts: &[Part], stage: Stage, across: Across) -> Vec<(f64, f64)> {
+/// the mean there, in runs of bins that hold samples. Empty where the variable was not measured or
+/// never changes.
+pub fn means(view: &AxisView<'_>, parts: &[Part], stage: Stage, across: Across) -> Vec<Vec<(f64, f64)>> {
     let mut pairs: Vec<(f64, f64)> = Vec::new();
     for part in parts.iter().filter(|part| part.stage == stage) {
         let Some(values) = across.values(view, part.log) else { return Vec::new() };
@@ -138,6 +141,10 @@ pub fn means(view: &AxisView<'_>, parts: &[Part], stage: Stage, across: Across) 
         bin.1 += residual;
     }
     let middle = |i: usize| least + (i as f64 + 0.5) * width;
-    let used = bins.iter().enumerate().filter(|(_, (count, _))| *count >= LEAST_SAMPLES);
-    used.map(|(i, (count, sum))| (middle(i), sum / *count as f64)).collect()
+    let bins: Vec<(usize, (usize, f64))> = bins.into_iter().enumerate().collect();
+    let is_used = |bin: &(usize, (usize, f64))| bin.1.0 >= LEAST_SAMPLES;
+    bins.chunk_by(|a, b| is_used(a) && is_used(b))
+        .filter(|run| is_used(&run[0]))
+        .map(|run| run.iter().map(|(i, (count, sum))| (middle(*i), sum / *count as f64)).collect())
+        .collect()
 }

@@ -1,6 +1,6 @@
 //! What was found and what was not, in the words of somebody who builds machines.
 
-use super::number::{percent, significant, with_spread};
+use super::number::{fixed, percent, significant, with_spread};
 use crate::effects::{Channel, Effect, Stage};
 use crate::trace::Trace;
 use crate::trace::axis::{AxisTrace, Found, stage_names};
@@ -37,7 +37,9 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
         Effect::FrictionAsymmetry(_) => {
             let [more, less] = if is_positive { ["+", "−"] } else { ["−", "+"] };
             let size = size(0, "N·s/m");
-            format!("viscous friction is {size} higher in {more} direction and as much lower in {less} direction")
+            format!(
+                "viscous friction is {size} higher in {more} direction and as much lower in {less} direction"
+            )
         }
         Effect::TorqueRipple(_) => {
             format!("the drive force ripples by {} every {}", of(0, "N (amplitude)"), of(1, "mm"))
@@ -51,7 +53,9 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
             format!("the position gain lies {} {how} the declared one", size(0, "%"))
         }
         Effect::VelocityLag(_) => format!("the velocity loop acts on a speed that is {} old", of(0, "ms")),
-        Effect::Intalk(_) => format!("the tool leans by {} of the axis's own acceleration", of(0, "µm per m/s²")),
+        Effect::Intalk(_) => {
+            format!("the tool leans by {} of the axis's own acceleration", of(0, "µm per m/s²"))
+        }
         Effect::Crosstalk(e) => {
             format!("the tool leans by {} of acceleration of axis {}", of(0, "µm per m/s²"), e.source)
         }
@@ -160,14 +164,48 @@ pub fn unit(stage: Stage) -> &'static str {
     if stage == Stage::Force { "N" } else { "µm" }
 }
 
-/// Name of a parameter without its unit; empty where the unit is all of it.
+/// How the names of parameters end, and the unit that this stands for; longer ones first.
+const UNITS: [(&str, &str); 14] = [
+    ("um_s2_per_m", "µm per m/s²"),
+    ("um_per_m2", "µm/m²"),
+    ("um_per_m", "µm/m"),
+    ("n_per_um", "N/µm"),
+    ("n_s_per_m", "N·s/m"),
+    ("percent", "%"),
+    ("mm_s", "mm/s"),
+    ("um", "µm"),
+    ("mm", "mm"),
+    ("ms", "ms"),
+    ("rad", "rad"),
+    ("hz", "Hz"),
+    ("n", "N"),
+    ("s", "s"),
+];
+
+/// Name of a parameter, empty where its key is a unit only, and its unit.
 #[must_use]
-pub fn parameter(key: &str) -> String {
-    const UNITS: [&str; 13] =
-        ["um_s2_per_m", "um_per_m2", "um_per_m", "n_per_um", "n_s_per_m", "mm_s", "um", "mm", "ms", "rad", "hz", "n", "s"];
-    let unit = UNITS.iter().find(|unit| key.strip_suffix(**unit).is_some_and(|name| name.is_empty() || name.ends_with('_')));
-    let name = unit.map_or(key, |unit| &key[..key.len() - unit.len()]);
-    name.replace('_', " ").trim_end().replace("percent", "")
+pub fn parameter(key: &str) -> (String, &'static str) {
+    let of_unit = |(end, unit): &(&str, &'static str)| {
+        let name = key.strip_suffix(end)?;
+        (name.is_empty() || name.ends_with('_'))
+            .then(|| (name.replace('_', " ").trim_end().to_owned(), *unit))
+    };
+    UNITS.iter().find_map(of_unit).unwrap_or_else(|| (key.replace('_', " "), ""))
+}
+
+/// Name and parameters of an effect, for a table.
+#[must_use]
+pub fn brief(effect: &Effect) -> String {
+    let name = effect.name().replace('_', " ");
+    let from =
+        crate::trace::report::source(effect).map_or_else(String::new, |source| format!(" from {source}"));
+    let value = |(key, value): (&str, f64)| {
+        let (name, unit) = parameter(key);
+        let value = if value.abs() < 0.1 { fixed(value, 4) } else { significant(value, 3) };
+        format!("{name} {value} {unit}").trim().to_owned()
+    };
+    let shown = effect.parameters().into_iter().filter(|(key, _)| !key.starts_with("phase"));
+    format!("{name}{from}: {}", shown.map(value).collect::<Vec<_>>().join(", "))
 }
 
 #[cfg(test)]
@@ -195,7 +233,8 @@ mod tests {
         let all = candidates(&around);
         let first = |name: &&str| all.iter().find(|effect| effect.name() == *name).unwrap().clone();
         let moved = |effect: Effect| {
-            let values: Vec<f64> = effect.coordinates().iter().map(|c| 7.25_f64.clamp(c.lower, c.upper)).collect();
+            let values: Vec<f64> =
+                effect.coordinates().iter().map(|c| 7.25_f64.clamp(c.lower, c.upper)).collect();
             effect.at(&values)
         };
         NAMES.iter().map(first).map(moved).collect()
@@ -224,9 +263,27 @@ mod tests {
 
     #[test]
     fn a_parameter_is_named_without_its_unit() {
-        let names = ["width_um", "static_excess_n", "um_per_m2", "ms", "percent", "damping_ratio", "velocity_mm_s"];
-        let said = names.map(parameter);
-        assert_eq!(said, ["width", "static excess", "", "", "", "damping ratio", "velocity"]);
+        assert_eq!(parameter("static_excess_n"), ("static excess".to_owned(), "N"));
+        assert_eq!(parameter("velocity_mm_s"), ("velocity".to_owned(), "mm/s"));
+        assert_eq!(parameter("um_per_m2"), (String::new(), "µm/m²"));
+        assert_eq!(parameter("damping_ratio"), ("damping ratio".to_owned(), ""));
+        let crosstalk: Effect =
+            toml::from_str("name = 'crosstalk'\num_s2_per_m = 1.4147\nsource = 'y'").unwrap();
+        assert_eq!(brief(&crosstalk), "crosstalk from y: 1.41 µm per m/s²");
+        let ripple = "name = 'torque_ripple'\namplitude_n = 0.4438\nperiod_mm = 5.0\nphase_rad = 2.0";
+        assert_eq!(
+            brief(&toml::from_str(ripple).unwrap()),
+            "torque ripple: amplitude 0.444 N, period 5.00 mm"
+        );
+    }
+
+    #[test]
+    fn every_effect_has_units_that_a_table_can_name() {
+        for effect in one_of_each() {
+            for (key, _) in effect.parameters() {
+                assert!(!parameter(key).1.is_empty() || key == "damping_ratio", "{key}");
+            }
+        }
     }
 
     #[test]
@@ -240,14 +297,18 @@ mod tests {
             "a constant load of 3.500 N against motion in − direction"
         );
         assert!(said("name = 'servo_mismatch'\npercent = -4").contains("4.000 % below"));
-        assert!(said("name = 'latency'\nchannel = 'tool'\nms = 2").contains("tool reading is logged 2.000 ms late"));
+        assert!(
+            said("name = 'latency'\nchannel = 'tool'\nms = 2")
+                .contains("tool reading is logged 2.000 ms late")
+        );
         assert!(said("name = 'pitch_progressive'\nslope_um_per_m = -40").contains("40.00 µm/m less far"));
     }
 
     #[test]
     fn an_effect_that_does_not_help_is_not_praised() {
         let effect: Effect = toml::from_str("name = 'backlash'\nwidth_um = 9.8").unwrap();
-        let found = Found { effect, half_widths: vec![0.1], stage: Stage::Table, validate_reduction_percent: -3.2 };
+        let found =
+            Found { effect, half_widths: vec![0.1], stage: Stage::Table, validate_reduction_percent: -3.2 };
         assert_eq!(
             sentence("x", &found),
             "x: 9.8 ± 0.1 µm backlash between screw and table; the table residual is 3 % larger with it on motions \

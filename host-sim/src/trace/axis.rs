@@ -3,14 +3,14 @@
 use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
-use super::candidates::{Candidate, rank};
+use super::candidates::{Candidate, LEAST_REDUCTION, rank};
 use super::fit::{self, Fitted, normal};
 use super::held_out::{compare, scores};
 use super::model::AxisModel;
-use super::residual::{Evidence, rms};
+use super::residual::{Evidence, Part, rms};
 use super::scope::{NotTestable, Scope, scopes};
 use super::unexplained::{Unexplained, unexplained};
-use crate::effects::{Effect, Stage, Surroundings, candidates};
+use crate::effects::{Coordinate, Effect, Stage, Surroundings, candidates};
 use crate::machine::Axis;
 
 /// Most effects that one scope may gain.
@@ -101,7 +101,8 @@ pub fn trace(
 ) -> AxisTrace {
     let name = &fit_logs.names[fit_logs.axis];
     let (scopes, not_testable) = scopes(declared, fit_logs.axis, fit_logs.logs);
-    let mut search = Search { fit_logs, name, say, rounds: Vec::new() };
+    let servo = scopes.iter().find(|scope| scope.stages == [Stage::Motor]).cloned();
+    let mut search = Search { fit_logs, name, say, servo, rounds: Vec::new() };
 
     let mut before = AxisModel::new(declared);
     for scope in &scopes {
@@ -125,7 +126,8 @@ pub fn trace(
         let [validate_before, validate_after] = [&before, &model].map(|m| validate.residuals(m, scope));
         for &stage in &scope.stages {
             let noise = fit_logs.noise(&model, stage);
-            let pair = |fit, held| Pair { fit: rms(fit, stage, fit_logs), validate: rms(held, stage, validate) };
+            let pair =
+                |fit, held| Pair { fit: rms(fit, stage, fit_logs), validate: rms(held, stage, validate) };
             errors.push(StageError {
                 stage,
                 before: pair(&fit_before, &validate_before),
@@ -152,6 +154,8 @@ struct Search<'a> {
     fit_logs: &'a Evidence<'a>,
     name: &'a str,
     say: &'a (dyn Fn(&str) + Sync),
+    /// The motor stage, where it can be formed.
+    servo: Option<Scope>,
     rounds: Vec<Round>,
 }
 
@@ -164,7 +168,8 @@ impl Search<'_> {
             (self.say)(&format!("{}: trying the catalogue on {}", self.name, stage_names(&scope.stages)));
             let starts = self.starts(&base.model, scope);
             let candidates = rank(self.fit_logs, &base, scope, starts);
-            let added_index = candidates.iter().position(Candidate::is_supported);
+            let added_index =
+                candidates.iter().position(|c| c.is_supported() && self.loop_agrees(&base.model, c, scope));
             let best = added_index.map(|index| candidates[index].clone());
             self.rounds.push(Round { stages: scope.stages.clone(), candidates, added: added_index });
             let Some(Candidate { effect, fitted: Some(fitted), .. }) = best else { break };
@@ -176,6 +181,24 @@ impl Search<'_> {
             base = self.prune(base, scope);
         }
         base
+    }
+
+    /// Whether the closed loop, which took no part in fitting a mechanical effect, does not speak
+    /// against it: the motor stage may lose no more with the effect than chance.
+    fn loop_agrees(&self, base: &AxisModel, candidate: &Candidate, scope: &Scope) -> bool {
+        let shapes_loop = candidate.effect.stages().contains(&Stage::Motor);
+        let (Some(servo), Some(fitted), true) = (&self.servo, &candidate.fitted, shapes_loop) else {
+            return true;
+        };
+        if servo.stages == scope.stages {
+            return true;
+        }
+        let [before, after] = [base, &fitted.model].map(|model| self.fit_logs.residuals(model, servo));
+        let of_log =
+            |parts: &[Part], log: usize| rms(&parts[log..=log], Stage::Motor, self.fit_logs).max(1e-12);
+        let logs = before.len();
+        let loss = (0..logs).map(|log| (of_log(&after, log) / of_log(&before, log)).ln()).sum::<f64>();
+        loss / logs.max(1) as f64 <= 0.5 * LEAST_REDUCTION
     }
 
     /// Every starting point of every effect that the model has not yet.
@@ -260,8 +283,12 @@ fn reported(
                 let before = rms(&worse, stage, validate);
                 (stage, 100.0 * (1.0 - rms(&better, stage, validate) / before.max(f64::MIN_POSITIVE)))
             };
-            let (stage, validate_reduction_percent) =
-                scope.stages.iter().map(reduction).max_by(|a, b| a.1.total_cmp(&b.1)).unwrap_or((scope.stages[0], 0.0));
+            let (stage, validate_reduction_percent) = scope
+                .stages
+                .iter()
+                .map(reduction)
+                .max_by(|a, b| a.1.total_cmp(&b.1))
+                .unwrap_or((scope.stages[0], 0.0));
             let slots = fitted.model.slots_of(scope, index);
             let own = covariance.view((slots.start, slots.start), (slots.len(), slots.len())).into_owned();
             found.push(Found {
@@ -281,7 +308,16 @@ fn reported(
 fn covariance(fitted: &Fitted) -> DMatrix<f64> {
     let n = fitted.slots.len();
     let (curvature, _) = normal(&fitted.blocks, &fitted.slots);
-    let regular = curvature.clone() + DMatrix::from_diagonal(&(curvature.diagonal() * 1e-9).add_scalar(1e-12));
+    let mut regular =
+        curvature.clone() + DMatrix::from_diagonal(&(curvature.diagonal() * 1e-9).add_scalar(1e-12));
+    // A slot at its bound is held there: the others are as certain as if it were known.
+    for (i, slot) in fitted.slots.iter().enumerate() {
+        let Coordinate { value, lower, upper, .. } = slot.coordinate;
+        let near = 1e-6 * (upper - lower);
+        if value - lower < near || upper - value < near {
+            regular[(i, i)] += 1e9 * (1.0 + curvature[(i, i)]);
+        }
+    }
     let inverse = regular.cholesky().map_or_else(|| DMatrix::zeros(n, n), |c| c.inverse());
     // Blocks of all stages over one stretch of one log go together.
     let mut stretches: Vec<((usize, usize), DVector<f64>)> = Vec::new();
@@ -309,7 +345,8 @@ fn half_widths(effect: &Effect, covariance: &DMatrix<f64>) -> Vec<f64> {
         for (i, (name, value)) in effect.at(&moved).parameters().iter().enumerate() {
             let mut change = value - parameters[i].1;
             if name.starts_with("phase") {
-                change = (change + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+                change =
+                    (change + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
             }
             jacobian[(i, j)] = change / step;
         }

@@ -44,7 +44,8 @@ impl Candidate {
     /// stage of any log loses more than chance, or than a tenth of what is gained in all.
     #[must_use]
     pub fn is_supported(&self) -> bool {
-        let better = |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
+        let better =
+            |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
         let loss = |c: &Comparison| 0.5 * (1.0 - c.worst_log.min(0.0)).ln();
         let tolerable = (0.5 * LEAST_REDUCTION).max(0.1 * self.gain);
         self.material
@@ -97,7 +98,9 @@ fn screen(
     let step = &moved - &stood;
     let after = |stage| {
         let blocks = blocks.iter().filter(|block| block.stage == stage);
-        blocks.map(|b| b.squares + 2.0 * b.gradient.dot(&step) + step.dot(&(&b.curvature * &step))).sum::<f64>()
+        blocks
+            .map(|b| b.squares + 2.0 * b.gradient.dot(&step) + step.dot(&(&b.curvature * &step)))
+            .sum::<f64>()
     };
     let gain = scope.stages.iter().map(|&s| 0.5 * (base.squares(s) / after(s).max(1e-9)).ln()).sum();
     // A full fit starts from the base model with the effect where the step took it.
@@ -123,7 +126,13 @@ fn keep_best_start(sorted: &mut Vec<Candidate>) {
 }
 
 /// Fits a candidate with everything else free, and holds it against held-out data.
-fn try_out(evidence: &Evidence<'_>, base: &AxisModel, scope: &Scope, candidate: &mut Candidate, held_out: &[Score]) {
+fn try_out(
+    evidence: &Evidence<'_>,
+    base: &AxisModel,
+    scope: &Scope,
+    candidate: &mut Candidate,
+    held_out: &[Score],
+) {
     let fitted = fit::fit(evidence, &base.with(candidate.effect.clone()), scope, FIT_STEPS);
     candidate.comparison = compare(held_out, &scores(&fitted), &scope.stages);
     candidate.gain = candidate.comparison.iter().map(|c| c.gain).sum();

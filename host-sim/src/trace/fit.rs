@@ -128,7 +128,9 @@ pub fn fit(evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope, steps: usi
 fn cost(parts: &[Part], weights: &[f64], slots: &[Slot]) -> f64 {
     let squares = |part: &Part| part.values.iter().map(|r| r * r).sum::<f64>();
     let data: f64 = parts.iter().zip(weights).map(|(part, weight)| weight * weight * squares(part)).sum();
-    let pull = |slot: &Slot| slot.prior.map_or(0.0, |(centre, spread)| ((slot.coordinate.value - centre) / spread).powi(2));
+    let pull = |slot: &Slot| {
+        slot.prior.map_or(0.0, |(centre, spread)| ((slot.coordinate.value - centre) / spread).powi(2))
+    };
     data + slots.iter().map(pull).sum::<f64>()
 }
 
@@ -176,7 +178,12 @@ fn linearise(
 
 /// Normal equations by block from residuals and their derivatives.
 #[must_use]
-pub fn blocks(evidence: &Evidence<'_>, columns: &[&Vec<Part>], parts: &[Part], weights: &[f64]) -> Vec<Block> {
+pub fn blocks(
+    evidence: &Evidence<'_>,
+    columns: &[&Vec<Part>],
+    parts: &[Part],
+    weights: &[f64],
+) -> Vec<Block> {
     let n = columns.len();
     let of_part = |(p, part): (usize, &Part)| {
         let weight = weights[p] * weights[p];
@@ -219,7 +226,10 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
 
 /// The sum of blocks, with the pull of what is known beforehand.
 #[must_use]
-pub fn normal<'a>(blocks: impl IntoIterator<Item = &'a Block>, slots: &[Slot]) -> (DMatrix<f64>, DVector<f64>) {
+pub fn normal<'a>(
+    blocks: impl IntoIterator<Item = &'a Block>,
+    slots: &[Slot],
+) -> (DMatrix<f64>, DVector<f64>) {
     let n = slots.len();
     let mut curvature = DMatrix::zeros(n, n);
     let mut gradient = DVector::zeros(n);
@@ -259,7 +269,8 @@ pub fn stepped(slots: &[Slot], curvature: &DMatrix<f64>, gradient: &DVector<f64>
         let mut first: Option<(f64, usize, f64)> = None;
         for (&i, &step) in free.iter().zip(&steps) {
             let coordinate = &slots[i].coordinate;
-            let inside = (coordinate.value + step).clamp(coordinate.lower, coordinate.upper) - coordinate.value;
+            let inside =
+                (coordinate.value + step).clamp(coordinate.lower, coordinate.upper) - coordinate.value;
             let share = inside / step;
             // The sum of value and step may miss the bound by a rounding.
             if share < 1.0 - 1e-9 && first.is_none_or(|(least, ..)| share < least) {

@@ -34,7 +34,8 @@ fn fold_of(block: &Block) -> usize {
 /// Scores of all blocks of a fit, in the order of [`Fitted::blocks`].
 #[must_use]
 pub fn scores(fitted: &Fitted) -> Vec<Score> {
-    let values = DVector::from_iterator(fitted.slots.len(), fitted.slots.iter().map(|slot| slot.coordinate.value));
+    let values =
+        DVector::from_iterator(fitted.slots.len(), fitted.slots.iter().map(|slot| slot.coordinate.value));
     let steps: Vec<DVector<f64>> = (0..FOLDS)
         .map(|fold| {
             let seen = fitted.blocks.iter().filter(|block| fold_of(block) != fold);

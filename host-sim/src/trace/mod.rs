@@ -88,8 +88,7 @@ pub fn trace(
     } else {
         (prepared(fit), prepared(validate))
     };
-    let mut trace =
-        Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine: machine.clone() };
+    let mut trace = Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine: machine.clone() };
     let of_axis = |(i, axis): (usize, &crate::machine::Axis)| {
         let evidence = trace.evidence(&trace.fit_logs, i);
         axis::trace(axis, &evidence, &trace.evidence(&trace.validate_logs, i), say)
@@ -121,7 +120,10 @@ fn check(machine: &Machine, log: &Log) -> Result<(), InputError> {
     for axis in &log.axes {
         if !machine.axis.contains_key(&axis.name) {
             let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
-            return refuse(format!("axes of the machine file ({})", names.join(", ")), format!("axis {}", axis.name));
+            return refuse(
+                format!("axes of the machine file ({})", names.join(", ")),
+                format!("axis {}", axis.name),
+            );
         }
     }
     if log.len() < LEAST_SAMPLES {

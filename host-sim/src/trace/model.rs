@@ -132,7 +132,8 @@ impl AxisModel {
             if let (Mechanics::MotorMass, Some(weighed)) = (scope.mechanics, self.weighed_kg) {
                 let masses = [self.declared.motor_mass_kg, self.declared.table_mass_kg];
                 let trim = WEIGHING * masses.into_iter().flatten().sum::<f64>();
-                slot.coordinate = Coordinate { lower: weighed - trim, upper: weighed + trim, ..slot.coordinate };
+                slot.coordinate =
+                    Coordinate { lower: weighed - trim, upper: weighed + trim, ..slot.coordinate };
             }
             slot
         }));

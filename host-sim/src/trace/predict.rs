@@ -46,11 +46,13 @@ pub fn driven(parameters: &AxisParameters, motor: &Smooth, sample_s: f64, hold_n
     let late_s = late_s(parameters, Channel::Table);
 
     // Stretch of the spring per acceleration of the table.
-    let give = parameters.spring.as_ref().map_or(0.0, |spring| parameters.table_mass_kg / spring.stiffness_n_per_m);
+    let give =
+        parameters.spring.as_ref().map_or(0.0, |spring| parameters.table_mass_kg / spring.stiffness_n_per_m);
 
     let mut motor_m = truth(first);
     let nominal_m = parameters.screw.nominal_m(motor_m);
-    let mut screw = Prescribed { nominal_m, velocity: motor.velocity[0], acceleration: motor.acceleration[0] };
+    let mut screw =
+        Prescribed { nominal_m, velocity: motor.velocity[0], acceleration: motor.acceleration[0] };
     let mut table = DrivenTable::settled(parameters, screw);
     let mut table_before = table.position_m(parameters, screw);
     let mut force_before = None;
@@ -146,10 +148,12 @@ pub fn closed_loop(
     };
     let before = |m: f64, velocity: f64| position(m - velocity * tick_s);
     let command_before = position(first - (second - first));
-    let reading_before = Reading { motor: before(motor, velocity), table: Some(before(motion.table_m, velocity)) };
+    let reading_before =
+        Reading { motor: before(motor, velocity), table: Some(before(motion.table_m, velocity)) };
     let mut state = AxisState::<f64>::at_rest(command_before, reading_before);
 
-    let mut result = Loop { motor_m: Vec::with_capacity(command.len()), table_m: Vec::with_capacity(command.len()) };
+    let mut result =
+        Loop { motor_m: Vec::with_capacity(command.len()), table_m: Vec::with_capacity(command.len()) };
     for &command in command {
         let reading = read(&motion);
         result.motor_m.push(reading.motor.to_m());
@@ -191,7 +195,12 @@ pub struct Loop {
 
 /// Tool point of one axis from the measured tables, m. `None` where the axis has no table channel.
 #[must_use]
-pub fn tool(parameters: &AxisParameters, axis: usize, names: &[String], signals: &Signals) -> Option<Vec<f64>> {
+pub fn tool(
+    parameters: &AxisParameters,
+    axis: usize,
+    names: &[String],
+    signals: &Signals,
+) -> Option<Vec<f64>> {
     let tables: Vec<Option<&Smooth>> = signals.axes.iter().map(AxisSignals::table_or_motor).collect();
     let own = tables.get(axis).copied().flatten()?;
     let late_s = late_s(parameters, Channel::Tool);
@@ -214,7 +223,10 @@ pub fn tool(parameters: &AxisParameters, axis: usize, names: &[String], signals:
             }
         }
         let behind = late_s * (own.velocity[i] - 0.5 * late_s * own.acceleration[i]);
-        result.push(own.position[i] + swing.offset_m - behind + structure::offset_m(&parameters.tool, axis, &all, time_s));
+        result.push(
+            own.position[i] + swing.offset_m - behind
+                + structure::offset_m(&parameters.tool, axis, &all, time_s),
+        );
     }
     Some(result)
 }

@@ -11,8 +11,12 @@ use crate::effects::{Effect, Stage};
 pub fn json(trace: &Trace) -> Value {
     let residual: Vec<Value> =
         trace.axes.iter().flat_map(|axis| axis.errors.iter().map(move |e| residual(axis, e))).collect();
-    let unexplained: Vec<Value> =
-        trace.axes.iter().flat_map(|axis| &axis.unexplained).filter_map(|u| serde_json::to_value(u).ok()).collect();
+    let unexplained: Vec<Value> = trace
+        .axes
+        .iter()
+        .flat_map(|axis| &axis.unexplained)
+        .filter_map(|u| serde_json::to_value(u).ok())
+        .collect();
     let not_testable: Vec<Value> = trace
         .axes
         .iter()

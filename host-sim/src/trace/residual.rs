@@ -96,7 +96,9 @@ impl Evidence<'_> {
         let (Some(motor), Some(command)) = (&signals.motor, &signals.command) else { return Vec::new() };
         let settings = servo::settings(&model.axis, &parameters.servo).ok();
         let simulated = settings
-            .and_then(|settings| predict::closed_loop(parameters, &settings, self.rates, command, Some(motor)))
+            .and_then(|settings| {
+                predict::closed_loop(parameters, &settings, self.rates, command, Some(motor))
+            })
             .map(|simulated| simulated.motor_m);
         // A loop that cannot run explains nothing: the residual is the following error itself.
         difference(&motor.raw, simulated.as_ref().unwrap_or(command), 1e6, 0.0)

@@ -42,7 +42,9 @@ impl Scope {
         match effect.stages() {
             [Stage::Motor] => self.stages.contains(&Stage::Motor),
             [Stage::Tool] => self.stages.contains(&Stage::Tool),
-            stages => self.mechanics == Mechanics::All && stages.iter().any(|stage| self.stages.contains(stage)),
+            stages => {
+                self.mechanics == Mechanics::All && stages.iter().any(|stage| self.stages.contains(stage))
+            }
         }
     }
 }
@@ -51,7 +53,8 @@ impl Scope {
 /// are explained (the servo loop holds the mechanics), and the stages that cannot be formed.
 #[must_use]
 pub fn scopes(axis: &Axis, index: usize, logs: &[Signals]) -> (Vec<Scope>, Vec<NotTestable>) {
-    let all_have = |has: fn(&AxisSignals) -> bool| !logs.is_empty() && logs.iter().all(|log| has(&log.axes[index]));
+    let all_have =
+        |has: fn(&AxisSignals) -> bool| !logs.is_empty() && logs.iter().all(|log| has(&log.axes[index]));
     let [command, motor, table, tool, force] = [
         all_have(|a| a.command.is_some()),
         all_have(|a| a.motor.is_some()),
@@ -60,19 +63,25 @@ pub fn scopes(axis: &Axis, index: usize, logs: &[Signals]) -> (Vec<Scope>, Vec<N
         all_have(|a| a.force.is_some()),
     ];
     let conditions = [
-        (Stage::Motor, vec![
-            (command, "a command channel"),
-            (motor, "a motor channel"),
-            (axis.has_controller(), "the controller's keys in the machine file"),
-            (axis.has_mass(), "masses in the machine file"),
-        ]),
+        (
+            Stage::Motor,
+            vec![
+                (command, "a command channel"),
+                (motor, "a motor channel"),
+                (axis.has_controller(), "the controller's keys in the machine file"),
+                (axis.has_mass(), "masses in the machine file"),
+            ],
+        ),
         (Stage::Table, vec![(motor, "a motor channel"), (table, "a table channel")]),
         (Stage::Tool, vec![(table || motor, "a table or motor channel"), (tool, "a tool channel")]),
-        (Stage::Force, vec![
-            (motor, "a motor channel"),
-            (force, "a force channel"),
-            (axis.has_mass(), "masses in the machine file"),
-        ]),
+        (
+            Stage::Force,
+            vec![
+                (motor, "a motor channel"),
+                (force, "a force channel"),
+                (axis.has_mass(), "masses in the machine file"),
+            ],
+        ),
     ];
     let mut formed = Vec::new();
     let mut not_testable = Vec::new();
@@ -84,7 +93,8 @@ pub fn scopes(axis: &Axis, index: usize, logs: &[Signals]) -> (Vec<Scope>, Vec<N
             not_testable.push(NotTestable { stage, needs: missing.join(", ") });
         }
     }
-    let among = |wanted: &[Stage]| wanted.iter().copied().filter(|stage| formed.contains(stage)).collect::<Vec<_>>();
+    let among =
+        |wanted: &[Stage]| wanted.iter().copied().filter(|stage| formed.contains(stage)).collect::<Vec<_>>();
     let mechanics = among(&[Stage::Table, Stage::Force]);
     let on_motor = if mechanics.is_empty() { Mechanics::All } else { Mechanics::MotorMass };
     let servo = Scope { stages: among(&[Stage::Motor]), mechanics: on_motor };

@@ -205,7 +205,12 @@ impl Cubic {
         let inner = raw.windows(2 * half + 1).map(|window| {
             // Relative to the middle: positions of a metre keep their nanometres.
             let middle = window[half];
-            middle + window.iter().zip(&self.middle).map(|(value, weight)| (value - middle) * weight).sum::<f64>()
+            middle
+                + window
+                    .iter()
+                    .zip(&self.middle)
+                    .map(|(value, weight)| (value - middle) * weight)
+                    .sum::<f64>()
         });
         let (first, last) = (&raw[..=2 * half], &raw[n - 2 * half - 1..]);
         let before = (0..half).map(|i| self.value(first, i as f64 - half as f64));
@@ -233,8 +238,7 @@ fn norm(weights: &[f64]) -> f64 {
 
 /// The second difference of a kernel, which is longer by one on either side.
 fn second_difference(kernel: &[f64]) -> Vec<f64> {
-    let padded: Vec<f64> =
-        [0.0; 2].into_iter().chain(kernel.iter().copied()).chain([0.0; 2]).collect();
+    let padded: Vec<f64> = [0.0; 2].into_iter().chain(kernel.iter().copied()).chain([0.0; 2]).collect();
     padded.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect()
 }
 

@@ -227,7 +227,10 @@ fn vibration(evidence: &Evidence<'_>, parts: &[&Part]) -> Option<(f64, f64)> {
     let line: f64 = power[around.clone()].iter().sum();
     let weighted: f64 = around.map(|bin| bin as f64 * power[bin]).sum();
     // Parseval: two sides of the spectrum, divided by its length, make Σr².
-    Some((hertz * weighted / line.max(f64::MIN_POSITIVE), 2.0 * line / length as f64 / total.max(f64::MIN_POSITIVE)))
+    Some((
+        hertz * weighted / line.max(f64::MIN_POSITIVE),
+        2.0 * line / length as f64 / total.max(f64::MIN_POSITIVE),
+    ))
 }
 
 fn spectrum(fft: &dyn Fft<f64>, values: &[f64], length: usize) -> Vec<f64> {
@@ -237,4 +240,3 @@ fn spectrum(fft: &dyn Fft<f64>, values: &[f64], length: usize) -> Vec<f64> {
     fft.process(&mut buffer);
     buffer[..length / 2].iter().map(Complex::norm_sqr).collect()
 }
-

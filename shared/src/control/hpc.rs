@@ -71,7 +71,9 @@ mod tests {
         let hpc = Hpc::<S>::new(x);
         let mut state = State::default();
         (1..=4000)
-            .map(|k| (hpc.filter(&mut state, S::signal(1000.0)).value() - 1000.0 * exact(f64::from(k) * x)).abs())
+            .map(|k| {
+                (hpc.filter(&mut state, S::signal(1000.0)).value() - 1000.0 * exact(f64::from(k) * x)).abs()
+            })
             .fold(0.0, f64::max)
     }
 

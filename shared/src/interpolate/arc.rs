@@ -36,7 +36,12 @@ impl<const N: usize> Arc<N> {
     /// # Errors
     /// [`PathError::BadPlane`], [`PathError::ZeroRadius`], and for turns that are zero, not finite or
     /// more than 1000 either way the error that names them.
-    pub fn plan(start: [Position; N], plane: [usize; 2], centre: [Position; 2], turns: f64) -> Result<Self, PathError> {
+    pub fn plan(
+        start: [Position; N],
+        plane: [usize; 2],
+        centre: [Position; 2],
+        turns: f64,
+    ) -> Result<Self, PathError> {
         let [first, second] = plane;
         let (Some(&x), Some(&y)) = (start.get(first), start.get(second)) else {
             return Err(PathError::BadPlane);
@@ -61,24 +66,18 @@ impl<const N: usize> Arc<N> {
         }
         // One turn: 2πR, with R below 2⁵⁹ the product stays below 2¹²³.
         let circumference = (length_of_radius * TAU_Q61) >> 61;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 < turns ≤ 1000: below 2⁴²; the phase rate is below 2⁶⁴ by the least radius")]
-        let (turns_q32, phase_per_unit) = (
-            libm::rint(libm::fabs(turns) * 4_294_967_296.0) as u128,
-            ((1u128 << 96) / circumference) as u64,
-        );
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0 < turns ≤ 1000: below 2⁴²; the phase rate is below 2⁶⁴ by the least radius"
+        )]
+        let (turns_q32, phase_per_unit) =
+            (libm::rint(libm::fabs(turns) * 4_294_967_296.0) as u128, ((1u128 << 96) / circumference) as u64);
         // circumference < 2⁶²·turns < 2¹⁰ could leave i64: such an arc is 4,000 km long.
         let length = (circumference >> 8) * turns_q32 >> 24;
         let length = i64::try_from(length).map_err(|_| PathError::TooLarge(Field::Turns))?;
-        let mut arc = Self {
-            start,
-            end: start,
-            plane,
-            centre,
-            radius,
-            phase_per_unit,
-            clockwise: turns < 0.0,
-            length,
-        };
+        let mut arc =
+            Self { start, end: start, plane, centre, radius, phase_per_unit, clockwise: turns < 0.0, length };
         // The fraction of a turn decides the end point; whole turns end where they start.
         #[expect(clippy::cast_possible_truncation, reason = "the lower 32 bits are the fraction")]
         let fraction = (turns_q32 as u64) << 32;

@@ -28,7 +28,11 @@ impl<const N: usize> Line<N> {
         if length == 0 {
             return Err(PathError::ZeroLength);
         }
-        #[expect(clippy::cast_possible_truncation, clippy::cast_possible_wrap, reason = "|direction| ≤ 1, length < 2⁵⁹")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_possible_wrap,
+            reason = "|direction| ≤ 1, length < 2⁵⁹"
+        )]
         let along = |axis: usize| {
             let distance = i128::from(end[axis].beyond(start[axis]));
             ((distance << 62) / length as i128) as i64
