@@ -92,11 +92,14 @@ impl PathBlock {
 #[derive(Debug, thiserror::Error)]
 pub enum ControllerError {
     /// Settings or blocks were refused.
-    #[error("{0}")]
+    #[error(transparent)]
     Refused(#[from] MachineError),
     /// A machine of this many axes cannot be controlled.
     #[error("{0} axes: expected 1 to {MOST_AXES}")]
     Axes(usize),
+    /// There is no such port, or its board has not what the machine needs.
+    #[error("port: {0}")]
+    Port(String),
     /// The link to a board failed.
     #[error("link: {0}")]
     Link(String),

@@ -209,7 +209,6 @@ fn in_our_words(expected: &str) -> String {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test may end there")]
 mod tests {
     use super::*;
 

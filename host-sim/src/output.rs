@@ -81,7 +81,6 @@ fn readable_by_others(builder: &mut Builder<'_, '_>) {
 fn readable_by_others(_builder: &mut Builder<'_, '_>) {}
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test may end there")]
 mod tests {
     use super::*;
 

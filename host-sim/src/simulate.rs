@@ -22,6 +22,14 @@ pub enum SimulationError {
     /// The controller refused the machine or the motion, or the link broke.
     #[error(transparent)]
     Controller(#[from] ControllerError),
+    /// A block of the path was refused.
+    #[error("block {index}: {error}")]
+    Block {
+        /// Counted from 0.
+        index: usize,
+        /// What is wrong with it.
+        error: PathError,
+    },
     /// The machine file lacks what a simulation needs.
     #[error("axis.{axis}: a simulation needs the key {key}")]
     Lacks {
@@ -108,7 +116,7 @@ impl Run<'_> {
         let (tick_s, divider) = (1.0 / rates.velocity_loop_hz, u64::from(rates.position_loop_divider));
         let mut desk = Desk::new(self.machine, self.instruments, self.start_m);
         let mut log = self.empty_log();
-        let mut waiting = self.blocks.iter().peekable();
+        let mut waiting = self.blocks.iter().enumerate().peekable();
         let mut readings = vec![Reading { motor: Position(0), table: None }; self.start_m.len()];
         let mut outputs = vec![AxisOutput::default(); self.start_m.len()];
         controller.enable()?;
@@ -170,12 +178,15 @@ impl Run<'_> {
 /// Hands over blocks while the controller has room for them.
 fn feed<'a>(
     controller: &mut dyn Controller,
-    waiting: &mut std::iter::Peekable<impl Iterator<Item = &'a PathBlock>>,
+    waiting: &mut std::iter::Peekable<impl Iterator<Item = (usize, &'a PathBlock)>>,
 ) -> Result<(), SimulationError> {
-    while let Some(block) = waiting.peek() {
+    while let Some(&(index, block)) = waiting.peek() {
         match controller.push(block) {
             Ok(()) => drop(waiting.next()),
             Err(ControllerError::Refused(MachineError::Path(PathError::QueueFull))) => break,
+            Err(ControllerError::Refused(MachineError::Path(error))) => {
+                return Err(SimulationError::Block { index, error });
+            }
             Err(error) => return Err(error.into()),
         }
     }

@@ -183,7 +183,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
 
     /// The next command, the position loops, and the check of each axis.
     fn position_tick(&mut self, readings: &[Reading; N]) {
-        let commands = self.path.next();
+        let commands = self.path.advance();
         let mut found = None;
         for (i, (((state, axis), command), reading)) in
             self.states.iter_mut().zip(&self.axes).zip(commands).zip(readings).enumerate()

@@ -2,6 +2,9 @@
 
 mod demo;
 mod progress;
+mod record;
+mod refusal;
+mod simulate;
 mod summary;
 mod trace;
 
@@ -23,6 +26,10 @@ struct Arguments {
 enum Command {
     /// The main job with nothing to prepare: run, log, trace, and reveal the truth.
     Demo(demo::Arguments),
+    /// Close the loop on a simulated machine and log it.
+    Simulate(simulate::Arguments),
+    /// The same motion with the controller on a board, or on the emulated one.
+    Record(record::Arguments),
     /// Find the residual of a log, name its causes, report before and after.
     Trace(trace::Arguments),
 }
@@ -32,6 +39,8 @@ enum Command {
 pub fn run() -> ExitCode {
     let outcome = match Arguments::parse().command {
         Command::Demo(arguments) => demo::run(&arguments),
+        Command::Simulate(arguments) => simulate::run(&arguments),
+        Command::Record(arguments) => record::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
     match outcome {

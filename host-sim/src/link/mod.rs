@@ -12,6 +12,7 @@ use shared::config::{AxisSettings, Rates};
 use shared::units::Position;
 
 use crate::controller::{Controller, ControllerError, Format};
+use crate::error::quoted;
 use emulator::Emulator;
 use remote::Remote;
 
@@ -22,7 +23,8 @@ use remote::Remote;
 ///
 /// # Errors
 /// [`ControllerError::Refused`] as from [`crate::controller::in_process`] where settings are refused;
-/// [`ControllerError::Link`] where there is no such port, or the program or the emulator is missing.
+/// [`ControllerError::Port`] where there is no such port, or it has too few axes;
+/// [`ControllerError::Link`] where the program or the emulator is missing.
 pub fn open(
     port: &str,
     format: Format,
@@ -34,9 +36,9 @@ pub fn open(
         None if port == "emulated" => emulator::default_program(),
         Some(("emulated", path)) if !path.is_empty() => PathBuf::from(path),
         _ => {
-            let port = port.escape_debug();
-            return Err(ControllerError::Link(format!(
-                "port \"{port}\": expected emulated or emulated:PROGRAM (a board on a serial port cannot be reached yet)"
+            return Err(ControllerError::Port(format!(
+                "expected emulated or emulated:PROGRAM (a board on a serial port cannot be reached yet), found {}",
+                quoted(port)
             )));
         }
     };

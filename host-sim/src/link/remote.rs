@@ -40,7 +40,8 @@ impl<C: Connection> Remote<C> {
     ///
     /// # Errors
     /// [`ControllerError::Refused`] where this process, with the same code, refuses the settings;
-    /// [`ControllerError::Link`] for more axes than the protocol has, or a broken connection.
+    /// [`ControllerError::Port`] for more axes than the protocol has; [`ControllerError::Link`] for a
+    /// broken connection.
     pub fn set_up(
         connection: C,
         format: Format,
@@ -51,8 +52,8 @@ impl<C: Connection> Remote<C> {
         in_process(format, rates, settings, start)?;
         let axes = settings.len();
         if axes > AXES {
-            return Err(ControllerError::Link(format!(
-                "a machine of {axes} axes: the controller there has {AXES}"
+            return Err(ControllerError::Port(format!(
+                "expected a machine of 1 to {AXES} axes, found {axes}"
             )));
         }
         let setup = Setup {
@@ -265,7 +266,7 @@ mod tests {
         }
         assert_eq!(
             there(&[good; 3], &[Position(0); 3]).unwrap(),
-            "link: a machine of 3 axes: the controller there has 2"
+            "port: expected a machine of 1 to 2 axes, found 3"
         );
     }
 

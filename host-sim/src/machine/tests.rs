@@ -1,5 +1,3 @@
-#![expect(clippy::unwrap_used, reason = "a test may end there")]
-
 use std::env;
 use std::path::PathBuf;
 

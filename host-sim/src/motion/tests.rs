@@ -1,5 +1,3 @@
-#![expect(clippy::unwrap_used, reason = "a test may end there")]
-
 use std::fs;
 use std::path::PathBuf;
 

@@ -143,7 +143,6 @@ fn least_squares(x: &[f64], y: &[f64], points: &[usize]) -> Option<([f64; 2], f6
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test may end there")]
 mod tests {
     use super::*;
 

@@ -1,6 +1,6 @@
 //! The residual of each stage against time, and against what it follows.
 
-use super::markup::{figure, key, text};
+use super::markup::{figure, key, note, text};
 use super::number::significant;
 use super::plot::{Chart, Ink, Layer};
 use super::stages::{AxisView, part};
@@ -32,7 +32,7 @@ pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> String {
     let what = "Measured minus modelled, each stage driven by the measured signal upstream of it, on motions that \
                 took part in no fit. Before: the declared model at its best within its tolerance. After: with the \
                 effects found.";
-    format!("<p class=\"small\">{}</p>\n<p class=\"legend\">{}</p>\n{panels}", text(what), keys.concat())
+    format!("{}<p class=\"legend\">{}</p>\n{panels}", note(what), keys.concat())
 }
 
 fn panel(trace: &Trace, view: &AxisView<'_>, stage: Stage) -> String {
@@ -75,14 +75,14 @@ fn variables(trace: &Trace, view: &AxisView<'_>, stage: Stage) -> Vec<Across> {
     let own = view.evidence.axis;
     let mut variables = Vec::new();
     for found in view.trace.found.iter().filter(|found| found.stage == stage) {
-        let across = Across::of_effect(&found.effect, &trace.names, own);
+        let across = Across::of_effect(&found.effect, view);
         if !variables.contains(&across) && variables.len() < MOST_VARIABLES {
             variables.push(across);
         }
     }
     if variables.is_empty() && view.is_changed(stage) {
         let touching = view.trace.found.iter().find(|found| found.effect.stages().contains(&stage));
-        variables.extend(touching.map(|found| Across::of_effect(&found.effect, &trace.names, own)));
+        variables.extend(touching.map(|found| Across::of_effect(&found.effect, view)));
     }
     if variables.is_empty() {
         let rest = view.trace.unexplained.iter().find(|rest| rest.channel == stage);

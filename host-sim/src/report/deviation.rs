@@ -33,7 +33,8 @@ pub struct Run<'a> {
 impl Run<'_> {
     /// Deviation of the measured point nearest to the tool, and the name of its channel.
     pub fn measured(&self) -> Option<(&'static str, Vec<Lap>)> {
-        let channels: [(&str, fn(&AxisSignals) -> Option<&Smooth>); 3] = [
+        type Channel = fn(&AxisSignals) -> Option<&Smooth>;
+        let channels: [(&str, Channel); 3] = [
             ("tool", |axis| axis.tool.as_ref()),
             ("table", |axis| axis.table.as_ref()),
             ("motor", |axis| axis.motor.as_ref()),

@@ -42,6 +42,12 @@ pub fn paragraph(plain: &str) -> String {
     format!("<p>{}</p>\n", text(plain))
 }
 
+/// A paragraph that explains what follows.
+#[must_use]
+pub fn note(plain: &str) -> String {
+    format!("<p class=\"small\">{}</p>\n", text(plain))
+}
+
 /// A list of plain sentences.
 #[must_use]
 pub fn list(sentences: &[String]) -> String {
@@ -52,7 +58,13 @@ pub fn list(sentences: &[String]) -> String {
 /// A picture with its caption in plain text.
 #[must_use]
 pub fn figure(class: &str, picture: &str, caption: &str) -> String {
-    format!("<figure class=\"{class}\">\n{picture}<figcaption>{}</figcaption>\n</figure>\n", text(caption))
+    let class = if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") };
+    let caption = if caption.is_empty() {
+        String::new()
+    } else {
+        format!("<figcaption>{}</figcaption>\n", text(caption))
+    };
+    format!("<figure{class}>\n{picture}{caption}</figure>\n")
 }
 
 /// An inline picture that tells a screen reader what it shows. The body is markup.

@@ -27,7 +27,7 @@ use crate::effects::Effect;
 use crate::output::{OutputError, write_whole};
 use crate::trace::Trace;
 use crate::trace::axis::AxisTrace;
-use markup::{list, paragraph, section, text};
+use markup::{list, note, paragraph, section, text};
 use stages::AxisView;
 
 /// Name of the page in its folder.
@@ -75,16 +75,19 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n\
-         <body>\n<main>\n<header>\n<h1>{title}</h1>\n{lead}<p class=\"small\">{}</p>\n</header>\n{sections}</main>\n\
+         <body>\n<main>\n<header>\n<h1>{title}</h1>\n{lead}{}</header>\n{sections}</main>\n\
          </body>\n</html>\n",
-        text(&sources(trace))
+        note(&sources(trace))
     )
 }
 
 /// One sentence an effect, and the truth where it is known.
 fn found(trace: &Trace, extra: &Extra) -> String {
-    let items: String =
-        words::summary(trace).iter().map(|said| format!("<li>{}</li>\n", text(said))).collect();
+    let of_axis = |axis: &AxisTrace| -> String {
+        let class = if axis.found.is_empty() { " class=\"none\"" } else { "" };
+        words::of_axis(axis).iter().map(|said| format!("<li{class}>{}</li>\n", text(said))).collect()
+    };
+    let items: String = trace.axes.iter().map(of_axis).collect();
     let truth = extra.truth.as_ref().map(|truth| tables::truth(&trace.axes, truth)).unwrap_or_default();
     format!("<ul class=\"found\">\n{items}</ul>\n{truth}")
 }

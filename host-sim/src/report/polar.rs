@@ -5,7 +5,7 @@ use std::fmt::Write;
 
 use super::circle::find;
 use super::deviation::{Lap, Run};
-use super::markup::{figure, key, paragraph, svg, text};
+use super::markup::{figure, key, note, svg, text};
 use super::number::{signed, significant};
 use super::stages::AxisView;
 use crate::trace::Trace;
@@ -43,10 +43,7 @@ pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> String {
                   Unexplained after: the same with the effects found, at the same magnification.";
     }
     let keys = [key("cw", false, "clockwise"), key("ccw", false, "counter-clockwise")].concat();
-    format!(
-        "{}<div class=\"circles\">\n{pictures}</div>\n<p class=\"legend\">{keys}</p>\n",
-        paragraph(&intro)
-    )
+    format!("{}<div class=\"circles\">\n{pictures}</div>\n<p class=\"legend\">{keys}</p>\n", note(&intro))
 }
 
 /// The least of 1, 2 and 5 times a power of ten µm at which all deviations fit the divisions.

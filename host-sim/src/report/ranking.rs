@@ -1,12 +1,11 @@
 //! The candidates of each round: what each is worth on held-out data, and why it was taken or not.
 
-use super::markup::text;
+use super::markup::{note, text};
 use super::number::{fixed, percent};
 use super::words;
-use crate::trace::axis::{AxisTrace, Round, stage_names};
+use crate::trace::axis::{AxisTrace, Round, is_same, stage_names};
 use crate::trace::candidates::{Candidate, LEAST_REDUCTION, LEAST_T};
 use crate::trace::held_out::{Comparison, FOLDS};
-use crate::trace::report::source;
 
 /// Most candidates of a round that are shown.
 const SHOWN: usize = 6;
@@ -21,7 +20,7 @@ pub fn body(axes: &[AxisTrace]) -> String {
                 with everything else free, and held against parts of the fit logs that the fit did not see. Gain: by \
                 how much the residual of the stage that it helps most gets smaller there. The best that is supported \
                 is added, and the next round begins.";
-    format!("<p class=\"small\">{}</p>\n{tables}", text(what))
+    note(what) + &tables
 }
 
 fn of_axis(axis: &AxisTrace) -> String {
@@ -37,7 +36,7 @@ fn of_axis(axis: &AxisTrace) -> String {
         return rounds;
     }
     format!(
-        "<h3>{}</h3>\n<table class=\"ranking\">\n<thead><tr><th scope=\"col\">candidate</th><th scope=\"col\" \
+        "<h3>Axis {}</h3>\n<table class=\"ranking\">\n<colgroup><col><col><col><col></colgroup>\n<thead><tr><th scope=\"col\">candidate</th><th scope=\"col\" \
          colspan=\"2\">gain</th><th scope=\"col\">verdict</th></tr></thead>\n{rounds}</table>\n",
         text(&axis.axis)
     )
@@ -45,8 +44,8 @@ fn of_axis(axis: &AxisTrace) -> String {
 
 fn of_round(axis: &AxisTrace, round: &Round, number: usize) -> String {
     let fitted = round.candidates.iter().enumerate().filter(|(_, candidate)| best(candidate).is_some());
-    let rows: String =
-        fitted.take(SHOWN).map(|(i, candidate)| row(axis, candidate, round.added == Some(i))).collect();
+    let row = |(i, candidate)| row(candidate, &verdict(axis, round, i), round.added == Some(i));
+    let rows: String = fitted.take(SHOWN).map(row).collect();
     if rows.is_empty() {
         return rows;
     }
@@ -54,7 +53,7 @@ fn of_round(axis: &AxisTrace, round: &Round, number: usize) -> String {
     format!("<tbody>\n<tr><th colspan=\"4\" scope=\"rowgroup\">{heading}</th></tr>\n{rows}</tbody>\n")
 }
 
-fn row(axis: &AxisTrace, candidate: &Candidate, is_added: bool) -> String {
+fn row(candidate: &Candidate, verdict: &str, is_added: bool) -> String {
     let gain = best(candidate).map_or(0.0, gain_percent);
     let shown = if gain < -999.5 { "far worse".to_owned() } else { format!("{} %", fixed(gain, 1)) };
     let class = if is_added { "taken" } else { "left" };
@@ -67,7 +66,7 @@ fn row(axis: &AxisTrace, candidate: &Candidate, is_added: bool) -> String {
         "<tr><td>{}</td><td class=\"n\">{}</td><td>{bar}</td><td>{}</td></tr>\n",
         text(&words::brief(&candidate.effect)),
         text(&shown),
-        text(&verdict(axis, candidate, is_added))
+        text(verdict)
     )
 }
 
@@ -81,32 +80,33 @@ fn gain_percent(comparison: &Comparison) -> f64 {
     100.0 * (1.0 - (1.0 - comparison.reduction).max(0.0).sqrt())
 }
 
-/// Why a candidate was added or not, the first reason that holds.
-fn verdict(axis: &AxisTrace, candidate: &Candidate, is_added: bool) -> String {
+/// Why the candidate at a place of a round was added or not, the first reason that holds.
+fn verdict(axis: &AxisTrace, round: &Round, place: usize) -> String {
+    let candidate = &round.candidates[place];
     let Some(best) = best(candidate) else { return String::new() };
-    if is_added {
-        let is_kept = axis.found.iter().any(|found| {
-            found.effect.name() == candidate.effect.name()
-                && source(&found.effect) == source(&candidate.effect)
-        });
+    if round.added == Some(place) {
+        let is_kept = axis.found.iter().any(|found| is_same(&found.effect, &candidate.effect));
         return if is_kept { "added" } else { "added; dropped when a later one made it needless" }.to_owned();
     }
     let supported =
-        |c: &&Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
+        |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
     let least = 100.0 * (1.0 - (1.0 - LEAST_REDUCTION).sqrt());
     if candidate.is_supported() {
-        "supported, but another one was better".to_owned()
+        // The best that is supported is added, unless the closed loop speaks against it.
+        let is_vetoed = round.added.is_none_or(|added| place < added);
+        let why = if is_vetoed { "makes the closed loop worse" } else { "another one is better" };
+        format!("supported here, but {why}")
     } else if !candidate.material {
-        "too small to be told from what a model leaves open".to_owned()
+        "too small to tell from what any model leaves open".to_owned()
     } else if best.reduction <= 0.0 {
         "makes it worse".to_owned()
     } else if best.reduction < LEAST_REDUCTION {
         format!("too small: below {} %", fixed(least, 0))
-    } else if candidate.comparison.iter().find(supported).is_some() {
+    } else if candidate.comparison.iter().any(supported) {
         let worst = candidate.comparison.iter().map(|c| c.worst_log).fold(0.0, f64::min);
         format!("worse on another log or stage, by {}", percent(100.0 * ((1.0 - worst).sqrt() - 1.0)))
     } else if best.folds_better < FOLDS {
-        format!("not better everywhere: in {} of {FOLDS} parts of the logs", best.folds_better)
+        format!("better in {} of {FOLDS} parts of the logs only", best.folds_better)
     } else {
         format!("may be chance: {} standard errors, below {}", fixed(best.t, 1), fixed(LEAST_T, 1))
     }

@@ -1,11 +1,10 @@
 //! The residuals of all stages as a table, and what was found beside the truth.
 
-use super::markup::text;
+use super::markup::{note, text};
 use super::number::{fixed, signed};
 use super::words;
 use crate::effects::Effect;
-use crate::trace::axis::{AxisTrace, Found, StageError, stage_names};
-use crate::trace::report::source;
+use crate::trace::axis::{AxisTrace, Found, StageError, is_same, stage_names};
 
 /// Errors before and after, by axis and stage; empty where no stage could be formed.
 pub fn errors(axes: &[AxisTrace]) -> String {
@@ -22,13 +21,13 @@ pub fn errors(axes: &[AxisTrace]) -> String {
                 part in no fit and no choice. Before: the declared model at its best within its tolerance. Noise: \
                 what the sensors make of a perfect model.";
     format!(
-        "<p class=\"small\">{}</p>\n<table>\n<thead>\n<tr><th rowspan=\"2\" scope=\"col\">axis</th><th rowspan=\"2\" \
+        "{}<table>\n<thead>\n<tr><th rowspan=\"2\" scope=\"col\">axis</th><th rowspan=\"2\" \
          scope=\"col\">channel</th><th rowspan=\"2\" scope=\"col\">unit</th><th class=\"n\" colspan=\"2\" \
          scope=\"colgroup\">before</th><th class=\"n\" colspan=\"2\" scope=\"colgroup\">after</th><th class=\"n\" \
          rowspan=\"2\" scope=\"col\">noise</th></tr>\n<tr><th class=\"n\" scope=\"col\">fit</th><th class=\"n\" \
          scope=\"col\">validate</th><th class=\"n\" scope=\"col\">fit</th><th class=\"n\" scope=\"col\">validate</th>\
          </tr>\n</thead>\n<tbody>\n{rows}</tbody>\n</table>\n",
-        text(what)
+        note(what)
     )
 }
 
@@ -87,11 +86,6 @@ pub fn truth(axes: &[AxisTrace], truth: &[(String, Effect)]) -> String {
 fn truth_row(axis: &str, truth: &str, found: &str, errors: &str) -> String {
     let [axis, truth, found, errors] = [axis, truth, found, errors].map(text);
     format!("<tr><th scope=\"row\">{axis}</th><td>{truth}</td><td>{found}</td><td>{errors}</td></tr>\n")
-}
-
-/// Whether two effects are the same but for their parameters.
-fn is_same(a: &Effect, b: &Effect) -> bool {
-    a.name() == b.name() && source(a) == source(b) && a.stages() == b.stages()
 }
 
 /// Error of each parameter that is not known beforehand: an angle in degrees, else in percent of the

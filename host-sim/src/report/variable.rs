@@ -35,7 +35,9 @@ pub enum Across {
 
 impl Across {
     /// The variable that what an effect does is a function of, or that shows it best.
-    pub fn of_effect(effect: &Effect, names: &[String], own: usize) -> Self {
+    pub fn of_effect(effect: &Effect, view: &AxisView<'_>) -> Self {
+        let (names, own) = (view.evidence.names, view.evidence.axis);
+        let is_force_known = view.evidence.logs.iter().all(|log| log.axes[own].force.is_some());
         let named = |name: &String| names.iter().position(|other| other == name).unwrap_or(own);
         match effect {
             Effect::Backlash(_)
@@ -48,6 +50,7 @@ impl Across {
             Effect::PitchCyclic(e) => Self::Folded(e.period_mm),
             Effect::ResolverDividing(e) => Self::Folded(e.period_mm),
             Effect::TorqueRipple(e) => Self::Folded(e.period_mm),
+            Effect::Windup(_) if is_force_known => Self::Force,
             Effect::Windup(_) | Effect::VelocityLag(_) | Effect::Intalk(_) | Effect::Resonance(_) => {
                 Self::Acceleration
             }

@@ -105,15 +105,18 @@ pub fn sentence(axis: &str, found: &Found) -> String {
     }
 }
 
-/// One sentence for each effect found, and one for each axis on which there is none.
+/// One sentence for each effect found on an axis, or one that says that there is none.
+#[must_use]
+pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
+    if axis.found.is_empty() {
+        return vec![format!("{}: nothing found that the declared model lacks.", axis.axis)];
+    }
+    axis.found.iter().map(|found| sentence(&axis.axis, found)).collect()
+}
+
+/// The sentences of all axes.
 #[must_use]
 pub fn summary(trace: &Trace) -> Vec<String> {
-    let of_axis = |axis: &AxisTrace| -> Vec<String> {
-        if axis.found.is_empty() {
-            return vec![format!("{}: nothing found that the declared model lacks.", axis.axis)];
-        }
-        axis.found.iter().map(|found| sentence(&axis.axis, found)).collect()
-    };
     trace.axes.iter().flat_map(of_axis).collect()
 }
 
@@ -209,7 +212,6 @@ pub fn brief(effect: &Effect) -> String {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test may end there")]
 mod tests {
     use super::*;
     use crate::effects::{NAMES, Surroundings, candidates};

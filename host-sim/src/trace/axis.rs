@@ -238,7 +238,8 @@ impl Search<'_> {
 }
 
 /// Whether two entries would be the same effect twice: name, and source where there is one.
-fn is_same(a: &Effect, b: &Effect) -> bool {
+#[must_use]
+pub fn is_same(a: &Effect, b: &Effect) -> bool {
     match (a, b) {
         (Effect::Crosstalk(a), Effect::Crosstalk(b)) => a.source == b.source,
         (Effect::Straightness(a), Effect::Straightness(b)) => a.source == b.source,

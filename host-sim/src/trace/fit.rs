@@ -23,7 +23,7 @@ const ENOUGH: f64 = 1e-4;
 /// Most steps of a fit.
 const MOST_STEPS: usize = 12;
 
-/// Normal equations of one block of one stage: Σr², Jᵀr and JᵀJ, weighted.
+/// Normal equations of one block of one stage: Σr², `Jᵀr` and `JᵀJ`, weighted.
 #[derive(Clone, Debug)]
 pub struct Block {
     /// Stage.
@@ -38,9 +38,9 @@ pub struct Block {
     pub samples: usize,
     /// Σ r².
     pub squares: f64,
-    /// Jᵀr.
+    /// `Jᵀr`.
     pub gradient: DVector<f64>,
-    /// JᵀJ.
+    /// `JᵀJ`.
     pub curvature: DMatrix<f64>,
 }
 

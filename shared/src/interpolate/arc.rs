@@ -74,7 +74,7 @@ impl<const N: usize> Arc<N> {
         let (turns_q32, phase_per_unit) =
             (libm::rint(libm::fabs(turns) * 4_294_967_296.0) as u128, ((1u128 << 96) / circumference) as u64);
         // circumference < 2⁶²·turns < 2¹⁰ could leave i64: such an arc is 4,000 km long.
-        let length = (circumference >> 8) * turns_q32 >> 24;
+        let length = ((circumference >> 8) * turns_q32) >> 24;
         let length = i64::try_from(length).map_err(|_| PathError::TooLarge(Field::Turns))?;
         let mut arc =
             Self { start, end: start, plane, centre, radius, phase_per_unit, clockwise: turns < 0.0, length };
@@ -124,6 +124,7 @@ impl<const N: usize> Arc<N> {
 }
 
 #[cfg(test)]
+#[expect(clippy::cast_possible_truncation, reason = "lengths below 2⁵³ as f64 and back")]
 mod tests {
     use proptest::prelude::*;
 
@@ -138,7 +139,7 @@ mod tests {
         /// sine, the rounding of the radius), and a whole number of turns closes exactly.
         #[test]
         fn stays_on_the_circle(
-            centre in -2.0..2.0f64, radius in 1e-3..1.0f64, angle in 0.0..6.28f64, way in 0.0..1.0f64,
+            centre in -2.0..2.0f64, radius in 1e-3..1.0f64, angle in 0.0..core::f64::consts::TAU, way in 0.0..1.0f64,
             turns in -3i32..=3,
         ) {
             prop_assume!(turns != 0);

@@ -60,7 +60,7 @@ impl<const N: usize> Path<N> {
         self.current.is_none() && self.waiting.is_empty()
     }
 
-    /// The command that [`Path::next`] gave last.
+    /// The command that [`Path::advance`] gave last.
     #[must_use]
     pub const fn command(&self) -> [Position; N] {
         self.command
@@ -72,7 +72,7 @@ impl<const N: usize> Path<N> {
     }
 
     /// Goes one tick on.
-    pub fn next(&mut self) -> [Position; N] {
+    pub fn advance(&mut self) -> [Position; N] {
         if self.current.is_none() {
             self.current = self.waiting.pop_front();
             self.progress = Progress::default();

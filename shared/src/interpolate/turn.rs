@@ -58,7 +58,6 @@ fn tabled(k: u8) -> i64 {
 #[must_use]
 pub fn sin_cos(phase: u64) -> (i64, i64) {
     let nearest = phase.wrapping_add(1 << 55) >> 56;
-    #[expect(clippy::cast_possible_truncation, reason = "eight bits are left")]
     let k = nearest as u8;
     let (sine, cosine) = (tabled(k), tabled(k.wrapping_add(64)));
 

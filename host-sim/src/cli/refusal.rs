@@ -1,0 +1,63 @@
+//! Which input is to blame where the controller refuses a machine or a motion.
+
+use anyhow::Error;
+use shared::config::ConfigError;
+use shared::machine::MachineError;
+
+use crate::controller::{ControllerError, MOST_AXES};
+use crate::error::InputError;
+use crate::machine::Machine;
+use crate::simulate::SimulationError;
+
+/// What was given to the controller, and from which files.
+pub struct Given<'a> {
+    /// The machine.
+    pub machine: &'a Machine,
+    /// Its file.
+    pub machine_file: &'a str,
+    /// The motion's file.
+    pub motion_file: &'a str,
+}
+
+impl Given<'_> {
+    /// An [`InputError`] where an input was refused; what went wrong with good input stays as it is.
+    pub fn blamed(&self, error: impl Into<SimulationError>) -> Error {
+        use SimulationError::{Block, Controller, Lacks};
+
+        let error = error.into();
+        let input = match &error {
+            Lacks { axis, key } => {
+                InputError::expected(self.machine_file, "this key, as the loop is to be closed", "none")
+                    .at_key(&format!("axis.{axis}.{key}"))
+            }
+            Controller(ControllerError::Refused(MachineError::Config { axis, error })) => {
+                self.setting(*axis, error)
+            }
+            Controller(ControllerError::Axes(found)) => {
+                let what = format!("1 to {MOST_AXES} axes");
+                InputError::expected(self.machine_file, what, found).at_key("axis")
+            }
+            Controller(ControllerError::Port(problem)) => InputError::saying("--port", problem),
+            Block { index, error } => {
+                let problem = format!("expected a block that the controller can run: {error}");
+                InputError::saying(self.motion_file, problem).at_key(&format!("block[{index}]"))
+            }
+            _ => return error.into(),
+        };
+        input.into()
+    }
+
+    fn setting(&self, axis: usize, error: &ConfigError) -> InputError {
+        let (ConfigError::NotFinite(name)
+        | ConfigError::NotPositive(name)
+        | ConfigError::OutOfRange { name, .. }) = error;
+        let key = match (*name, self.machine.axis.get_index(axis)) {
+            ("velocity_loop_hz", _) | (_, None) => "velocity_loop_rate_hz".to_owned(),
+            ("velocity_lag_s", Some((axis, _))) => format!("axis.{axis}.effect"),
+            (name, Some((axis, _))) => format!("axis.{axis}.{name}"),
+        };
+        let text = error.to_string();
+        let problem = text.strip_prefix(&format!("{name}: ")).unwrap_or(&text);
+        InputError::saying(self.machine_file, problem).at_key(&key)
+    }
+}

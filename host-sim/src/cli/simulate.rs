@@ -1,0 +1,65 @@
+//! `lost-motion simulate`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use super::progress::Progress;
+use super::refusal::Given;
+use super::summary;
+use crate::controller::Format;
+use crate::machine::Machine;
+use crate::motion::Motion;
+use crate::path;
+use crate::plant::desk::Instruments;
+use crate::simulate::{self, Run};
+
+/// Arguments of `simulate`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Machine file, effects included.
+    #[arg(long)]
+    machine: PathBuf,
+    /// Motion file.
+    #[arg(long)]
+    motion: PathBuf,
+    /// Log to write (CSV, or .csv.gz).
+    #[arg(long)]
+    out: PathBuf,
+    /// Number format of the controller.
+    #[arg(long, value_enum, default_value_t)]
+    scalar: Format,
+    /// Seed of the sensors' noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Input that cannot be used, a loop that does not hold, output that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let machine = Machine::read(&arguments.machine)?;
+    let motion = Motion::read(&arguments.motion)?;
+    let machine_file = &arguments.machine.display().to_string();
+    let motion_file = &arguments.motion.display().to_string();
+    let given = Given { machine: &machine, machine_file, motion_file };
+    let path = path::of(&motion, &machine, motion_file)?;
+    let controller = simulate::controller(&machine, arguments.scalar, &path.start_m);
+    let mut controller = controller.map_err(|error| given.blamed(error))?;
+    let run = Run {
+        machine: &machine,
+        instruments: Instruments::typical(arguments.seed),
+        start_m: &path.start_m,
+        blocks: &path.blocks,
+        start_s: 0.0,
+    };
+    let progress = Progress::start();
+    let log = run.log(controller.as_mut(), |time_s, _, _| progress.machine_time(time_s));
+    drop(progress);
+    let log = log.map_err(|error| given.blamed(error))?;
+    log.write(&arguments.out)?;
+    println!("{} ran {}: {} samples in {}.", machine.name, motion.name, log.len(), arguments.out.display());
+    summary::print_log(&log);
+    Ok(())
+}

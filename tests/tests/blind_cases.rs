@@ -1,0 +1,48 @@
+//! Simulated machines made by a program that shares no code with this one, traced blind.
+
+use std::collections::BTreeSet;
+
+use host_sim::log::Log;
+use host_sim::machine::Machine;
+use host_sim::trace::trace;
+use tests::data;
+
+type Named = BTreeSet<(String, String)>;
+
+/// Effects of a case's `truth.json` that the catalogue has.
+fn truth(folder: &std::path::Path) -> Named {
+    let text = std::fs::read_to_string(folder.join("truth.json")).unwrap();
+    let truth: serde_json::Value = serde_json::from_str(&text).unwrap();
+    let word = |effect: &serde_json::Value, key: &str| effect[key].as_str().unwrap().to_owned();
+    let effects = truth["effects"].as_array().unwrap().iter();
+    effects
+        .map(|effect| (word(effect, "axis"), word(effect, "name")))
+        .filter(|(_, name)| host_sim::effects::NAMES.contains(&name.as_str()))
+        .collect()
+}
+
+fn logs(folder: &std::path::Path, kind: &str) -> Vec<Log> {
+    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let mut files: Vec<_> =
+        files.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with(kind)).collect();
+    files.sort();
+    files.iter().map(|path| Log::read(path).unwrap()).collect()
+}
+
+#[test]
+fn every_case_comes_out_as_it_was_made() {
+    let Some(cases) = data("cases") else { return };
+    let mut folders: Vec<_> = std::fs::read_dir(cases).unwrap().map(|entry| entry.unwrap().path()).collect();
+    folders.sort();
+    assert!(folders.len() >= 9);
+    for folder in folders {
+        let machine = Machine::read(&folder.join("machine.toml")).unwrap();
+        let trace = trace(&machine, &logs(&folder, "fit_"), &logs(&folder, "validate_"), &|_| {}).unwrap();
+        let found: Named = trace
+            .axes
+            .iter()
+            .flat_map(|axis| axis.found.iter().map(|f| (axis.axis.clone(), f.effect.name().to_owned())))
+            .collect();
+        assert_eq!(found, truth(&folder), "{}", folder.display());
+    }
+}

@@ -1,0 +1,6 @@
+//! The command line as people and scripts meet it: exit codes, one-line errors, whole outputs.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod desk;
+mod good;
+mod refused;

@@ -1,0 +1,272 @@
+//! Bad input: exit code 2, one line that names the place and what was expected, no output.
+
+use super::desk::{Desk, MACHINE, MOTION, SIMULATE, TRACE, log};
+
+const RECORD: &str = "record --port emulated --machine machine.toml --motion motion.toml --out out.csv";
+
+/// A command that is given a bad input, and what its one line has to contain.
+struct Bad {
+    command: String,
+    file: &'static str,
+    content: Vec<u8>,
+    said: &'static [&'static str],
+}
+
+/// One file of the desk is bad.
+fn bad(command: &str, file: &'static str, content: impl Into<Vec<u8>>, said: &'static [&'static str]) -> Bad {
+    Bad { command: command.to_owned(), file, content: content.into(), said }
+}
+
+fn bad_log(content: impl Into<Vec<u8>>, said: &'static [&'static str]) -> Bad {
+    bad(TRACE, "fit.csv", content, said)
+}
+
+/// A text with something else in one place, which it has to have.
+fn with(text: &str, old: &str, new: &str) -> String {
+    assert!(text.contains(old), "{old}");
+    text.replacen(old, new, 1)
+}
+
+/// The log with its lines (counted from 1, as in messages) changed; `None` removes one.
+fn lines(change: impl Fn(usize, &str) -> Option<String>) -> String {
+    let changed = log().lines().enumerate().filter_map(|(index, line)| change(index + 1, line));
+    changed.map(|line| line + "\n").collect()
+}
+
+/// The log with one line changed.
+fn line(number: usize, change: impl Fn(&str) -> String) -> String {
+    lines(|at, line| Some(if at == number { change(line) } else { line.to_owned() }))
+}
+
+/// The log with other times from some line on.
+fn times(from: usize, change: impl Fn(f64) -> f64) -> String {
+    lines(|at, line| {
+        let (time, rest) = line.split_once(',').unwrap();
+        let changed = || format!("{:.6},{rest}", change(time.parse().unwrap()));
+        Some(if at < from { line.to_owned() } else { changed() })
+    })
+}
+
+/// Without a column: `time_s` is the first.
+fn without_time() -> String {
+    lines(|_, line| Some(line.split_once(',').unwrap().1.to_owned()))
+}
+
+fn refuse(cases: impl IntoIterator<Item = Bad>) {
+    for Bad { command, file, content, said } in cases {
+        let mut files: Vec<(&str, &[u8])> =
+            vec![("machine.toml", MACHINE.as_bytes()), ("motion.toml", MOTION.as_bytes())];
+        files.push(("fit.csv", log().as_bytes()));
+        files.retain(|(name, _)| *name != file);
+        files.push((file, &content));
+        let desk = Desk::with(&files);
+        let before = desk.content();
+        let output = desk.run(&command);
+        let error = String::from_utf8(output.stderr).unwrap();
+        let context = format!("{command}, {said:?}:\n{error}");
+        assert_eq!(output.status.code(), Some(2), "{context}");
+        assert!(error.lines().count() == 1 && error.ends_with('\n'), "{context}");
+        assert!(said.iter().all(|words| error.contains(words)), "{context}");
+        assert!(error.contains("expected"), "{context}");
+        assert!(output.stdout.is_empty(), "{context}");
+        assert!(desk.content() == before, "outputs were written: {context}");
+    }
+}
+
+#[test]
+fn logs_that_are_no_table_of_the_known_columns() {
+    refuse([
+        bad_log(without_time(), &["fit.csv: line 1: time_s: expected this column"]),
+        bad_log(
+            with(log(), "x_motor_mm", "x_moter_mm"),
+            &["fit.csv: line 1: x_moter_mm: expected a column time_s, NAME_command"],
+        ),
+        bad_log(
+            with(log(), "x_table_mm", "x_table_deg"),
+            &["fit.csv: line 1: x_table_deg: expected unit mm as x_command_mm has it"],
+        ),
+        bad_log("Dear all,\nthe log is attached.\n", &["fit.csv: line 1: Dear all: expected a column"]),
+        bad_log((0..=255).collect::<Vec<u8>>(), &["fit.csv: line 1: expected a CSV text in UTF-8"]),
+        bad_log(b"\x1f\x8b\x08\x00 no gzip", &["fit.csv: expected a whole gzip file"]),
+        bad_log("", &["fit.csv: expected a header line, found an empty file"]),
+        bad_log(log().lines().next().unwrap(), &["fit.csv: expected two samples or more, found none"]),
+    ]);
+}
+
+#[test]
+fn logs_with_a_bad_line() {
+    let last_value = |line: &str| line.rsplit_once(',').unwrap().0.to_owned();
+    refuse([
+        bad_log(
+            line(50, |line| last_value(line) + ",NaN"),
+            &["fit.csv: line 50: y_force_n: expected a finite number, found \"NaN\""],
+        ),
+        bad_log(
+            line(51, |line| last_value(line) + ","),
+            &["fit.csv: line 51: y_force_n: expected a finite number, found nothing"],
+        ),
+        bad_log(line(52, last_value), &["fit.csv: line 52: expected 11 values as in the header, found 10"]),
+        bad_log(
+            lines(|at, line| (!(100..110).contains(&at)).then(|| line.to_owned())),
+            &["fit.csv: line 100: time_s: expected 0.098 (uniform sampling without gaps), found 0.108"],
+        ),
+        bad_log(
+            times(200, |time_s| time_s + 5.0),
+            &["fit.csv: line 200: time_s: expected 0.198 (uniform", "found 5.198"],
+        ),
+        bad_log(
+            times(300, |time_s| time_s - 0.1),
+            &["fit.csv: line 300: time_s: expected a time after 0.297, found 0.198"],
+        ),
+    ]);
+}
+
+#[test]
+fn logs_of_another_machine() {
+    let renamed = |line: &str| line.replace("y_", "z_");
+    let slower = lines(|at, line| (at == 1 || at % 2 == 0).then(|| line.to_owned()));
+    let short: String = log().lines().take(100).map(|line| line.to_owned() + "\n").collect();
+    refuse([
+        bad_log(slower, &["fit.csv: expected samples at the machine's sample_rate_hz of 1000", "found 500"]),
+        bad_log(line(1, renamed), &["fit.csv: expected axes of the machine file (x, y), found axis z"]),
+        bad_log(short, &["fit.csv: expected at least 200 samples, found 99"]),
+    ]);
+}
+
+#[test]
+fn a_bad_log_for_validation() {
+    let command = format!("{TRACE} --validate held_out.csv");
+    refuse([bad(&command, "held_out.csv", without_time(), &["held_out.csv: line 1: time_s"])]);
+}
+
+#[test]
+fn missing_files() {
+    let missing =
+        |command: &str, given: &str, said| bad(&with(command, given, "nowhere"), "other.txt", "", said);
+    let file: &[&str] = &["nowhere: expected a readable file"];
+    refuse([
+        missing(TRACE, "machine.toml", file),
+        missing(TRACE, "fit.csv", file),
+        missing(SIMULATE, "machine.toml", file),
+        missing(SIMULATE, "motion.toml", file),
+        missing(RECORD, "motion.toml", file),
+    ]);
+}
+
+#[test]
+fn machine_files() {
+    let effect = |text: &str| format!("{MACHINE}\n[[axis.y.effect]]\n{text}\n");
+    let of_both = |content: String, said: &'static [&'static str]| {
+        [SIMULATE, TRACE].map(|command| bad(command, "machine.toml", content.clone(), said))
+    };
+    let line_of = |key: &str| MACHINE.lines().position(|line| line.starts_with(key)).unwrap() + 1;
+    assert_eq!((line_of("lead_mm"), line_of("table_mass_kg")), (23, 14), "lines that are named below");
+    let cases = [
+        of_both(
+            with(MACHINE, "lead_mm", "leed_mm"),
+            &["machine.toml: line 23: axis.x.leed_mm: unknown key, expected one of"],
+        ),
+        of_both(
+            with(MACHINE, "table_mass_kg = 160.0", "table_mass_kg = -160.0"),
+            &["machine.toml: line 14: axis.x.table_mass_kg: expected a number", "found -160.0"],
+        ),
+        of_both(
+            with(MACHINE, "lead_mm = 10.0", "lead_mm = \"10 mm\""),
+            &["machine.toml: line 23: axis.x.lead_mm: expected a number, found \"10 mm\""],
+        ),
+        of_both(
+            with(MACHINE, "lead_mm = 10.0", "lead_mm = "),
+            &["machine.toml: line 23: expected valid TOML"],
+        ),
+        of_both(
+            effect("name = \"gremlin\""),
+            &["machine.toml: line ", "axis.y.effect[0].name: expected one of backlash,", "found \"gremlin\""],
+        ),
+        of_both(
+            effect("name = \"backlash\"\nwidth_mm = 0.01"),
+            &["machine.toml: line ", "axis.y.effect[0].width_mm: unknown key, expected"],
+        ),
+    ];
+    refuse(cases.into_iter().flatten());
+}
+
+#[test]
+fn machines_that_cannot_be_controlled() {
+    let without = |keys: &[&str]| -> String {
+        let kept = MACHINE.lines().filter(|line| !keys.iter().any(|key| line.starts_with(key)));
+        kept.map(|line| line.to_owned() + "\n").collect()
+    };
+    let no_controller =
+        without(&["controller", "position_gain", "feedforward", "velocity_gain", "velocity_int", "force_"]);
+    let no_mass = without(&["motor_mass", "table_mass", "stiffness", "damping"]);
+    let huge = with(MACHINE, "position_gain_per_s = 50.0", "position_gain_per_s = 1e9");
+    let axis = &MACHINE[MACHINE.find("[axis.y]").unwrap()..];
+    let more = ["z", "u"].map(|name| with(axis, "axis.y", &format!("axis.{name}")));
+    let four = [MACHINE, &more[0], &more[1]].join("\n");
+    let keys = [SIMULATE, RECORD].map(|command| {
+        [
+            bad(
+                command,
+                "machine.toml",
+                no_controller.clone(),
+                &["machine.toml: axis.x.controller: expected"],
+            ),
+            bad(command, "machine.toml", no_mass.clone(), &["machine.toml: axis.x.table_mass_kg: expected"]),
+        ]
+    });
+    refuse(keys.into_iter().flatten());
+    refuse([
+        bad(SIMULATE, "machine.toml", four, &["machine.toml: axis: expected 1 to 3 axes, found 4"]),
+        bad(
+            SIMULATE,
+            "machine.toml",
+            huge,
+            &["machine.toml: axis.x.position_gain_per_s: expected a number from 0", "in this number format"],
+        ),
+    ]);
+}
+
+#[test]
+fn motions() {
+    let of = |old: &str, new: &str, said| bad(SIMULATE, "motion.toml", with(MOTION, old, new), said);
+    let name = "name = \"short\"";
+    refuse([
+        of(
+            "line_to_mm = { x = 20.0, y",
+            "line_to_mm = { x = 20.0, w",
+            &["motion.toml: line 7: block[0].line_to_mm.w: expected an axis that start_mm names (x, y)"],
+        ),
+        of(
+            "start_mm = { x = 10.0, y = 0.0 }",
+            "start_mm = { x = 10.0, y = 0.0, w = 0.0 }",
+            &["motion.toml: start_mm: expected axes of the machine (x, y), found axis w"],
+        ),
+        of(
+            name,
+            "name = \"short\"\nfeed_mm_per_s = 50.0",
+            &["motion.toml: line 2: feed_mm_per_s: unknown key"],
+        ),
+        of(
+            "centre_mm = { x = 0.0, y = 0.0 }",
+            "centre_mm = { x = 10.0, y = 0.0 }",
+            &[
+                "motion.toml: line 13: block[2].arc.centre_mm: expected a centre away from where the axes stand",
+            ],
+        ),
+        // Long enough for a file, too short for the controller.
+        of(
+            "centre_mm = { x = 0.0, y = 0.0 }",
+            "centre_mm = { x = 10.0001, y = 0.0 }",
+            &["motion.toml: block[2]: expected a block that the controller can run: the arc's radius"],
+        ),
+        of("turns = 0.25", "turns = 1e9", &["motion.toml: line 12: block[2]: expected an end within 3600 s"]),
+    ]);
+}
+
+#[test]
+fn ports() {
+    for port in ["/dev/ttyUSB0", "emulator", "emulated:"] {
+        let command = with(RECORD, "emulated", port);
+        refuse([bad(&command, "other.txt", "", &["--port: expected emulated or emulated:PROGRAM"])]);
+    }
+}

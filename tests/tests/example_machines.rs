@@ -1,0 +1,95 @@
+//! The machines that ship run the motions that ship: stably, near their path, to a standstill.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::path::{Path, PathBuf};
+
+use host_sim::controller::{Format, PathBlock, PathShape};
+use host_sim::log::{AxisLog, Log};
+use host_sim::machine::{Axis, Machine};
+use host_sim::motion::{Block, Motion};
+use host_sim::path;
+use host_sim::plant::desk::Instruments;
+use host_sim::simulate::{Run, controller};
+
+/// Standstill after the motion, s: the slowest machine has Kp = 33 1/s, and e^(−33·0.5) = 7e-8.
+const REST_S: f64 = 0.5;
+
+/// The part of it that is looked at, in samples at 1 kHz.
+const AT_REST: usize = 200;
+
+/// Files of a folder of `host-sim`.
+fn shipped(folder: &str) -> Vec<PathBuf> {
+    let folder = Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("host-sim").join(folder);
+    let mut files: Vec<_> = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    files.sort();
+    files
+}
+
+/// The log of a motion and of a rest behind it, and the greatest feed on the way, mm/s.
+fn run(machine: &Machine, motion: &Path) -> (Log, f64) {
+    let source = motion.display().to_string();
+    let motion = Motion::read(motion).unwrap();
+    let mut path = path::of(&motion, machine, &source).unwrap();
+    path.blocks.push(PathBlock {
+        shape: PathShape::Dwell { seconds: REST_S },
+        feed_m_per_s: 0.0,
+        acceleration_m_per_s2: 0.0,
+    });
+    let run = Run {
+        machine,
+        instruments: Instruments::typical(1),
+        start_m: &path.start_m,
+        blocks: &path.blocks,
+        start_s: 0.0,
+    };
+    let mut controller = controller(machine, Format::Fixed, &path.start_m).unwrap();
+    let feed = |block: &Block| match block {
+        Block::Dwell { .. } => 0.0,
+        Block::Line { feed_mm_per_min, .. } | Block::Arc { feed_mm_per_min, .. } => feed_mm_per_min / 60.0,
+    };
+    let greatest_feed = motion.blocks.iter().map(feed).fold(0.0, f64::max);
+    (run.log(controller.as_mut(), |_, _, _| {}).unwrap(), greatest_feed)
+}
+
+fn greatest(values: impl Iterator<Item = f64>) -> f64 {
+    values.map(f64::abs).fold(0.0, f64::max)
+}
+
+/// Bounds of the following error, mm, and of the force, N.
+fn assert_good(axis: &Axis, log: &AxisLog, feed_mm_s: f64, context: &str) {
+    let [command, motor, force] = [&log.command, &log.motor, &log.force].map(|c| c.as_deref().unwrap());
+    let following: Vec<f64> = command.iter().zip(motor).map(|(command, motor)| command - motor).collect();
+
+    // At a steady speed P control is behind by v/Kp, of which the feed-forward makes up its share.
+    let lag_s = (1.0 - axis.feedforward_percent.unwrap() / 100.0) / axis.position_gain_per_s.unwrap();
+    let most = greatest(following.iter().copied());
+    assert!(most < 1.15 * lag_s * feed_mm_s, "{context}: behind by {most} mm at {feed_mm_s} mm/s");
+
+    let most = greatest(force.iter().copied());
+    let limit = axis.force_limit_n.unwrap();
+    assert!(most < 0.5 * limit, "{context}: {most} N of {limit} N");
+
+    // What is left is what the guideway's bristles hold: they bend by Coulomb over σ0, some µm.
+    let rest = following.len() - AT_REST;
+    let bend_mm = 1e-3 * axis.coulomb_n.unwrap() / axis.presliding_stiffness_n_per_um.unwrap();
+    let left = greatest(following[rest..].iter().copied());
+    assert!(left < bend_mm, "{context}: {left} mm from the end, bristles bend {bend_mm} mm");
+    let travelled = greatest(motor[rest..].iter().map(|place| place - motor[rest]));
+    assert!(travelled < 0.5e-3, "{context}: still moved by {travelled} mm at rest");
+}
+
+#[test]
+fn every_machine_runs_every_motion_and_settles() {
+    let (machines, motions) = (shipped("machines"), shipped("motions"));
+    assert!(machines.len() >= 3 && motions.len() >= 5, "{machines:?} {motions:?}");
+    for file in &machines {
+        let machine = Machine::read(file).unwrap();
+        for motion in &motions {
+            let (log, feed_mm_s) = run(&machine, motion);
+            for (name, axis) in &machine.axis {
+                let context = format!("{}, {}, {name}", file.display(), motion.display());
+                assert_good(axis, log.axis(name).unwrap(), feed_mm_s, &context);
+            }
+        }
+    }
+}
