@@ -2,7 +2,7 @@
 
 use super::markup::{note, text};
 use super::number::{fixed, percent};
-use super::words;
+use super::parameters;
 use crate::trace::axis::{AxisTrace, Round, is_same, stage_names};
 use crate::trace::candidates::{Candidate, LEAST_REDUCTION, LEAST_T};
 use crate::trace::held_out::{Comparison, FOLDS};
@@ -64,7 +64,7 @@ fn row(candidate: &Candidate, verdict: &str, is_added: bool) -> String {
     );
     format!(
         "<tr><td>{}</td><td class=\"n\">{}</td><td>{bar}</td><td>{}</td></tr>\n",
-        text(&words::brief(&candidate.effect)),
+        text(&parameters::brief(&candidate.effect)),
         text(&shown),
         text(verdict)
     )

@@ -2,7 +2,7 @@
 
 use super::markup::{note, text};
 use super::number::{fixed, signed};
-use super::words;
+use super::{parameters, words};
 use crate::effects::Effect;
 use crate::trace::axis::{AxisTrace, Found, StageError, is_same, stage_names};
 
@@ -95,7 +95,7 @@ fn parameter_errors(truth: &Effect, found: &Found) -> String {
     let pairs = truth.parameters().into_iter().zip(found.effect.parameters());
     let errors = pairs.filter_map(|((key, truth), (_, found))| {
         let error = found - truth;
-        let (name, _) = words::parameter(key);
+        let (name, _) = parameters::parameter(key);
         if key.starts_with("phase") {
             let apart = (error + 0.5 * TURN).rem_euclid(TURN) - 0.5 * TURN;
             Some(format!("{name} {}°", signed(apart.to_degrees(), 2)))
