@@ -212,3 +212,44 @@ catalogue! {
     Latency = "latency",
     Resonance = "resonance",
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::machine::Machine;
+
+    fn all() -> Vec<Effect> {
+        let machine = Machine::parse(crate::demo::MACHINE, "demo.toml").unwrap();
+        let others = machine.others("x");
+        let stages = [Stage::Motor, Stage::Table, Stage::Tool, Stage::Force];
+        let around = Surroundings { axis: &machine.axis["x"], first: true, others: &others, stages: &stages };
+        candidates(&around)
+    }
+
+    #[test]
+    fn every_effect_is_tried_on_a_machine_that_shows_everything() {
+        let tried: std::collections::BTreeSet<&str> = all().iter().map(Effect::name).collect();
+        assert_eq!(tried, NAMES.iter().copied().collect());
+    }
+
+    #[test]
+    fn coordinates_lead_back_to_the_same_effect() {
+        for effect in all() {
+            let moved: Vec<f64> = effect.coordinates().iter().map(|c| c.value + c.step).collect();
+            let there = effect.at(&moved);
+            let back: Vec<f64> = there.coordinates().iter().map(|c| c.value).collect();
+            for (moved, back) in moved.iter().zip(&back) {
+                assert!((moved - back).abs() < 1e-9 * moved.abs().max(1.0), "{effect:?}: {moved} {back}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_file_entry_reads_back_as_it_was_written() {
+        for effect in all() {
+            let text = toml::to_string(&effect).unwrap();
+            assert!(text.contains(&format!("name = \"{}\"", effect.name())), "{text}");
+            assert_eq!(toml::from_str::<Effect>(&text).unwrap(), effect);
+        }
+    }
+}

@@ -1,10 +1,10 @@
 //! The report: one page that says what was found, shows it, and says what was not.
 //!
-//! [`words`] puts effects into sentences, [`parameters`] into a few words; [`tables`] holds figures;
-//! [`polar`] draws a circle as ballbar users do ([`circle`] finds one in a log, [`deviation`] is how
-//! far the machine ran off it); [`curves`] draws residuals against time and against a [`variable`],
-//! those of [`stages`] before and after; [`ranking`] lists what was tried. [`plot`], [`markup`] and
-//! [`number`] are what these are made of.
+//! [`words`] puts effects into sentences, `parameters` into a few words; `tables` holds figures;
+//! `polar` draws a circle as ballbar users do (`circle` finds one in a log, `deviation` is how
+//! far the machine ran off it); `curves` draws residuals against time and against a `variable`,
+//! those of `stages` before and after; `ranking` lists what was tried. `plot`, `markup` and
+//! `number` are what these are made of.
 //!
 //! The page needs nothing but itself: no script, no address. The same trace gives the same bytes.
 

@@ -48,7 +48,6 @@ pub fn brief(effect: &Effect) -> String {
 }
 
 #[cfg(test)]
-#[expect(clippy::unwrap_used, reason = "a test may end there")]
 mod tests {
     use super::super::words::tests::one_of_each;
     use super::*;

@@ -291,3 +291,37 @@ pub fn stepped(slots: &[Slot], curvature: &DMatrix<f64>, gradient: &DVector<f64>
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::Coordinate;
+
+    fn slot(value: f64, lower: f64, upper: f64) -> Slot {
+        Slot { coordinate: Coordinate::between(value, 0.1, lower, upper), prior: None }
+    }
+
+    /// ½xᵀHx + gᵀx with H = [[2, −1.9], [−1.9, 2]]: free, its minimum is at H⁻¹·(−g).
+    fn curvature() -> DMatrix<f64> {
+        DMatrix::from_row_slice(2, 2, &[2.0, -1.9, -1.9, 2.0])
+    }
+
+    #[test]
+    fn steps_to_the_minimum_where_it_may() {
+        let gradient = DVector::from_vec(vec![-1.0, 0.0]);
+        let slots = [slot(0.0, -100.0, 100.0), slot(0.0, -100.0, 100.0)];
+        // Determinant 4 − 3.61 = 0.39: x = 2/0.39, y = 1.9/0.39.
+        let moved = stepped(&slots, &curvature(), &gradient, 0.0);
+        assert!((moved[0] - 2.0 / 0.39).abs() < 1e-6 && (moved[1] - 1.9 / 0.39).abs() < 1e-6, "{moved:?}");
+    }
+
+    #[test]
+    fn holds_the_slot_that_meets_its_bound_first_and_lets_the_other_turn_round() {
+        // Free, both would go down; with the first held at −1 the second minimises y² + 1.9·y + g·y.
+        let gradient = DVector::from_vec(vec![1.0, -0.8]);
+        let slots = [slot(0.0, -1.0, 100.0), slot(0.0, -100.0, 100.0)];
+        let moved = stepped(&slots, &curvature(), &gradient, 0.0);
+        // Free minimum: x = −(2 − 0.8·1.9)/0.39 < −1, y = −(1.9 − 1.6)/0.39; held: y = (0.8 − 1.9)/2.
+        assert!((moved[0] + 1.0).abs() < 1e-9 && (moved[1] + 0.55).abs() < 1e-6, "{moved:?}");
+    }
+}

@@ -240,3 +240,59 @@ fn spectrum(fft: &dyn Fft<f64>, values: &[f64], length: usize) -> Vec<f64> {
     fft.process(&mut buffer);
     buffer[..length / 2].iter().map(Complex::norm_sqr).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::{AxisLog, Log, Unit};
+    use crate::trace::signals::Signals;
+    use shared::config::Rates;
+
+    /// 10 s at 1 kHz of an axis that goes to and fro over 100 mm.
+    fn signals() -> Signals {
+        let mut axis = AxisLog::new("x", Unit::Millimetre);
+        let at = |i: u32| 50.0 * (f64::from(i) * 1e-3 * 0.7).sin();
+        axis.table = Some((0..10_000).map(at).collect());
+        let log = Log { source: "test".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] };
+        Signals::new(&log, &["x".to_owned()])
+    }
+
+    fn what_follows(residual: impl Fn(u32, f64) -> f64) -> Unexplained {
+        let logs = [signals()];
+        let names = ["x".to_owned()];
+        let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
+        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates };
+        let places = &logs[0].axes[0].table.as_ref().unwrap().position;
+        let values = places.iter().zip(0..).map(|(m, i)| residual(i, 1e3 * m)).collect();
+        let parts = [Part { stage: Stage::Tool, log: 0, values }];
+        unexplained(&evidence, &parts, Stage::Tool, 0.01, "x").unwrap()
+    }
+
+    #[test]
+    fn a_vibration_is_named_by_its_frequency() {
+        let found = what_follows(|i, _| (std::f64::consts::TAU * 61.2e-3 * f64::from(i)).sin());
+        assert_eq!(found.variable, Variable::Time);
+        assert!((found.frequency_hz.unwrap() - 61.2).abs() < 0.1, "{found:?}");
+        assert!(found.share_percent > 90.0 && found.share_percent < 101.0, "{found:?}");
+        // A sine of amplitude 1 over all but the settling.
+        assert!((found.rms_um.unwrap() - 0.5f64.sqrt()).abs() < 0.02, "{found:?}");
+    }
+
+    #[test]
+    fn a_local_defect_is_named_by_its_place() {
+        let found = what_follows(|_, mm| (-((mm - 20.0) / 3.0).powi(2)).exp());
+        assert_eq!(found.variable, Variable::Position);
+        // A bin of a 64th of 100 mm is 1.6 mm wide.
+        assert!((found.centre_mm.unwrap() - 20.0).abs() < 1.6, "{found:?}");
+    }
+
+    #[test]
+    fn what_is_within_its_noise_is_not_told() {
+        let logs = [signals()];
+        let names = ["x".to_owned()];
+        let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
+        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates };
+        let parts = [Part { stage: Stage::Tool, log: 0, values: vec![0.1; 10_000] }];
+        assert_eq!(unexplained(&evidence, &parts, Stage::Tool, 0.1, "x"), None);
+    }
+}
