@@ -1,4 +1,5 @@
 //! Measured logs as regressions: what is found on them, and by how much it lowers the held-out error.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use host_sim::effects::Stage;
 use host_sim::log::Log;

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use super::progress::Progress;
-use super::summary;
+use super::{say, summary};
 use crate::demo::{self, Demo};
 use crate::output::write_whole;
 use crate::report::{self, Extra, words};
@@ -33,27 +33,27 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let progress = Progress::start();
     let demo = demo::run(arguments.seed, &|what| progress.say(what))?;
     drop(progress);
-    println!(
-        "A two-axis machine ran circles, its travel and a corner; its logs were traced against its declared model."
-    );
-    println!();
-    summary::print(&demo.trace);
-    println!();
-    println!("{}", headline(&demo));
-    println!("{}", reveal(&demo));
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&demo.json())?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
     let extra = Extra {
         title: format!("Lost motion of the demo machine, seed {}", demo.seed),
-        lead: vec![headline(&demo), reveal(&demo)],
+        lead: vec![INTRODUCTION.to_owned(), headline(&demo)],
         truth: Some(vec![(demo.drawn.axis.clone(), demo.drawn.effect.clone())]),
     };
     let path = report::write(&arguments.report, &demo.trace, &extra)?;
-    println!("Report: {}", path.display());
-    Ok(())
+    say(&format!(
+        "{INTRODUCTION}\n\n{}\n\n{}\n{}\nReport: {}",
+        summary::of_trace(&demo.trace),
+        headline(&demo),
+        reveal(&demo),
+        path.display()
+    ))
 }
+
+const INTRODUCTION: &str = "A two-axis machine ran circles, its travel and a corner; its logs were traced against \
+                            its declared model.";
 
 /// Before and after on what was not fitted.
 fn headline(demo: &Demo) -> String {

@@ -8,6 +8,7 @@ mod simulate;
 mod summary;
 mod trace;
 
+use std::io::{ErrorKind, Write, stdout};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
@@ -49,5 +50,13 @@ pub fn run() -> ExitCode {
             eprintln!("lost-motion: {error:#}");
             ExitCode::from(if error.is::<InputError>() { 2 } else { 1 })
         }
+    }
+}
+
+/// Says the result on stdout. Files are written before; a reader that has gone away is no failure.
+fn say(text: &str) -> anyhow::Result<()> {
+    match writeln!(stdout().lock(), "{text}") {
+        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
+        _ => Ok(()),
     }
 }

@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use super::progress::Progress;
 use super::refusal::Given;
-use super::summary;
+use super::{say, summary};
 use crate::controller::Format;
 use crate::demo;
 use crate::link;
@@ -74,18 +74,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     drop(progress);
     let log = log.map_err(|error| given.blamed(error))?;
     log.write(&arguments.out)?;
-    println!(
-        "{} ran {} on {}: {} samples in {}.",
+    let mut said = format!(
+        "{} ran {} on {}: {} samples in {}.\n\n{}",
         machine.name,
         motion.name,
         arguments.port,
         log.len(),
-        arguments.out.display()
+        arguments.out.display(),
+        summary::of_log(&log)
     );
-    summary::print_log(&log);
     costs.sort_unstable();
     if let (Some(median), Some(worst)) = (costs.get(costs.len() / 2), costs.last()) {
-        println!("\n{} ticks: {median} instructions in the median, {worst} at the worst.", costs.len());
+        said +=
+            &format!("\n\n{} ticks: {median} instructions in the median, {worst} at the worst.", costs.len());
     }
-    Ok(())
+    say(&said)
 }

@@ -6,7 +6,7 @@ use anyhow::Result;
 
 use super::progress::Progress;
 use super::refusal::Given;
-use super::summary;
+use super::{say, summary};
 use crate::controller::Format;
 use crate::machine::Machine;
 use crate::motion::Motion;
@@ -59,7 +59,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     drop(progress);
     let log = log.map_err(|error| given.blamed(error))?;
     log.write(&arguments.out)?;
-    println!("{} ran {}: {} samples in {}.", machine.name, motion.name, log.len(), arguments.out.display());
-    summary::print_log(&log);
-    Ok(())
+    say(&format!(
+        "{} ran {}: {} samples in {}.\n\n{}",
+        machine.name,
+        motion.name,
+        log.len(),
+        arguments.out.display(),
+        summary::of_log(&log)
+    ))
 }

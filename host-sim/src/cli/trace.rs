@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use super::progress::Progress;
-use super::summary;
+use super::{say, summary};
 use crate::log::Log;
 use crate::machine::Machine;
 use crate::output::write_whole;
@@ -47,7 +47,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (fit, validate) = (read(&arguments.fit)?, read(&arguments.validate)?);
     let trace = trace::trace(&machine, &fit, &validate, &|what| progress.say(what))?;
     drop(progress);
-    summary::print(&trace);
+    let mut said = summary::of_trace(&trace);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&trace::report::json(&trace))?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
@@ -58,7 +58,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let Some(folder) = &arguments.report {
         let title = format!("Lost motion of {}", machine.name);
         let path = report::write(folder, &trace, &Extra { title, ..Extra::default() })?;
-        println!("\nReport: {}", path.display());
+        said += &format!("\n\nReport: {}", path.display());
     }
-    Ok(())
+    say(&said)
 }

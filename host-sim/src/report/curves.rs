@@ -5,10 +5,9 @@ use super::number::significant;
 use super::plot::{Chart, Ink, Layer};
 use super::stages::{AxisView, part};
 use super::variable::{Across, means};
-use super::words::unit;
 use crate::effects::Stage;
 use crate::trace::Trace;
-use crate::trace::axis::stage_names;
+use crate::trace::axis::{residual_unit, stage_names};
 
 /// Most pieces that a log is cut into for a picture; each is drawn by its least and greatest value.
 const PIECES: usize = 700;
@@ -94,7 +93,7 @@ fn variables(trace: &Trace, view: &AxisView<'_>, stage: Stage) -> Vec<Across> {
 /// The picture over time of one log, and its caption.
 fn over_time(trace: &Trace, view: &AxisView<'_>, stage: Stage, log: usize, width: u32) -> (String, String) {
     let signals = &trace.validate_logs[log];
-    let unit = unit(stage);
+    let (unit, _) = residual_unit(view.trace.unit, stage);
     let seconds = |i: usize| signals.start_s + i as f64 * signals.sample_s;
     let is_changed = view.is_changed(stage);
     let mut layers = Vec::new();
@@ -155,7 +154,7 @@ fn curve(trace: &Trace, view: &AxisView<'_>, stage: Stage, across: Across) -> Op
         title: &format!("Mean residual of {}, {} over {label}", view.trace.axis, stage_names(&[stage])),
         description: "All validation logs together.",
         x: &label,
-        y: &format!("mean residual, {}", unit(stage)),
+        y: &format!("mean residual, {}", residual_unit(view.trace.unit, stage).0),
         noise: 0.0,
         layers,
     };

@@ -4,14 +4,14 @@ use super::markup::{note, text};
 use super::number::{fixed, signed};
 use super::{parameters, words};
 use crate::effects::Effect;
-use crate::trace::axis::{AxisTrace, Found, StageError, is_same, stage_names};
+use crate::trace::axis::{AxisTrace, Found, StageError, is_same, residual_unit, stage_names};
 
 /// Errors before and after, by axis and stage; empty where no stage could be formed.
 pub fn errors(axes: &[AxisTrace]) -> String {
     let of_axis = |axis: &AxisTrace| -> String {
         let mut errors: Vec<&StageError> = axis.errors.iter().collect();
         errors.sort_by_key(|error| error.stage);
-        errors.into_iter().map(|error| row(&axis.axis, error)).collect()
+        errors.into_iter().map(|error| row(axis, error)).collect()
     };
     let rows: String = axes.iter().map(of_axis).collect();
     if rows.is_empty() {
@@ -31,8 +31,8 @@ pub fn errors(axes: &[AxisTrace]) -> String {
     )
 }
 
-fn row(axis: &str, error: &StageError) -> String {
-    let (name, unit) = (stage_names(&[error.stage]), words::unit(error.stage));
+fn row(axis: &AxisTrace, error: &StageError) -> String {
+    let (name, unit) = (stage_names(&[error.stage]), residual_unit(axis.unit, error.stage).0);
     let cell = |value: f64| format!("<td class=\"n\">{}</td>", fixed(value, 3));
     // What the effects found made smaller stands out.
     let gained = |before: f64, after: f64| {
@@ -48,7 +48,7 @@ fn row(axis: &str, error: &StageError) -> String {
         cell(error.noise),
     ]
     .concat();
-    format!("<tr><th scope=\"row\">{}</th><td>{name}</td><td>{unit}</td>{figures}</tr>\n", text(axis))
+    format!("<tr><th scope=\"row\">{}</th><td>{name}</td><td>{unit}</td>{figures}</tr>\n", text(&axis.axis))
 }
 
 /// What the machine had in truth beside what was found, with the error of each parameter.

@@ -1,9 +1,9 @@
 //! What was found and what was not, in the words of somebody who builds machines.
 
 use super::number::{percent, significant, with_spread};
-use crate::effects::{Channel, Effect, Stage};
+use crate::effects::{Channel, Effect};
 use crate::trace::Trace;
-use crate::trace::axis::{AxisTrace, Found, stage_names};
+use crate::trace::axis::{AxisTrace, Found, residual_unit, stage_names};
 use crate::trace::scope::NotTestable;
 use crate::trace::unexplained::{Unexplained, Variable};
 
@@ -123,10 +123,7 @@ pub fn summary(trace: &Trace) -> Vec<String> {
 /// What stays of one stage.
 #[must_use]
 pub fn remainder(axis: &AxisTrace, rest: &Unexplained) -> String {
-    let (unit, remains) = match (rest.rms_um, rest.rms_n) {
-        (Some(um), _) => ("µm", um),
-        (None, n) => ("N", n.unwrap_or(0.0)),
-    };
+    let (unit, _) = residual_unit(axis.unit, rest.channel);
     let noise = axis.errors.iter().find(|error| error.stage == rest.channel).map_or(0.0, |error| error.noise);
     let share = percent(rest.share_percent);
     let follows = match rest.variable {
@@ -150,7 +147,7 @@ pub fn remainder(axis: &AxisTrace, rest: &Unexplained) -> String {
         "{}, {}: {} {unit} rms stay on the logs that were fitted, where the sensors' noise is {} {unit}; {follows}.",
         axis.axis,
         stage_names(&[rest.channel]),
-        significant(remains, 3),
+        significant(rest.rms, 3),
         significant(noise, 3),
     )
 }
@@ -161,16 +158,10 @@ pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
     format!("{axis}, {}: could not be tested; it needs {}.", stage_names(&[stage.stage]), stage.needs)
 }
 
-/// Unit of a stage's residual.
-#[must_use]
-pub fn unit(stage: Stage) -> &'static str {
-    if stage == Stage::Force { "N" } else { "µm" }
-}
-
 #[cfg(test)]
 pub(super) mod tests {
     use super::*;
-    use crate::effects::{NAMES, Surroundings, candidates};
+    use crate::effects::{NAMES, Stage, Surroundings, candidates};
     use crate::machine::Axis;
 
     /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.

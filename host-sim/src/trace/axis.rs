@@ -11,6 +11,7 @@ use super::residual::{Evidence, Part, rms};
 use super::scope::{NotTestable, Scope, scopes};
 use super::unexplained::{Unexplained, unexplained};
 use crate::effects::{Coordinate, Effect, Stage, Surroundings, candidates};
+use crate::log::Unit;
 use crate::machine::Axis;
 
 /// Most effects that one scope may gain.
@@ -73,6 +74,8 @@ pub struct Pair {
 pub struct AxisTrace {
     /// Name.
     pub axis: String,
+    /// Unit of its channels.
+    pub unit: Unit,
     /// The declared model, fitted.
     pub declared: AxisModel,
     /// The model with the effects found.
@@ -139,6 +142,7 @@ pub fn trace(
     }
     AxisTrace {
         axis: name.clone(),
+        unit: fit_logs.logs.iter().find_map(|log| log.axes[fit_logs.axis].unit).unwrap_or(Unit::Millimetre),
         declared: before,
         model,
         scopes,
@@ -245,6 +249,17 @@ pub fn is_same(a: &Effect, b: &Effect) -> bool {
         (Effect::Straightness(a), Effect::Straightness(b)) => a.source == b.source,
         (Effect::Latency(a), Effect::Latency(b)) => a.channel == b.channel,
         _ => a.name() == b.name(),
+    }
+}
+
+/// Unit of a stage's residual as people write it, and as a key of the JSON ends.
+#[must_use]
+pub const fn residual_unit(unit: Unit, stage: Stage) -> (&'static str, &'static str) {
+    match (unit, stage) {
+        (Unit::Millimetre, Stage::Force) => ("N", "n"),
+        (Unit::Millimetre, _) => ("µm", "um"),
+        (Unit::Degree, Stage::Force) => ("N·m", "nm"),
+        (Unit::Degree, _) => ("mdeg", "mdeg"),
     }
 }
 

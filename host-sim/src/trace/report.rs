@@ -3,20 +3,18 @@
 use serde_json::{Map, Value, json};
 
 use super::Trace;
-use super::axis::{AxisTrace, Found, StageError};
-use crate::effects::{Effect, Stage};
+use super::axis::{AxisTrace, Found, StageError, residual_unit};
+use super::unexplained::Unexplained;
+use crate::effects::Effect;
 
 /// The JSON of `trace --json`.
 #[must_use]
 pub fn json(trace: &Trace) -> Value {
     let residual: Vec<Value> =
         trace.axes.iter().flat_map(|axis| axis.errors.iter().map(move |e| residual(axis, e))).collect();
-    let unexplained: Vec<Value> = trace
-        .axes
-        .iter()
-        .flat_map(|axis| &axis.unexplained)
-        .filter_map(|u| serde_json::to_value(u).ok())
-        .collect();
+    let rest = |axis| move |rest| unexplained(axis, rest);
+    let unexplained: Vec<Value> =
+        trace.axes.iter().flat_map(|axis| axis.unexplained.iter().map(rest(axis))).collect();
     let not_testable: Vec<Value> = trace
         .axes
         .iter()
@@ -40,7 +38,7 @@ pub fn effects(trace: &Trace) -> Vec<Value> {
 }
 
 fn residual(axis: &AxisTrace, error: &StageError) -> Value {
-    let unit = if error.stage == Stage::Force { "n" } else { "um" };
+    let (_, unit) = residual_unit(axis.unit, error.stage);
     let mut entry = Map::new();
     entry.insert("channel".to_owned(), json!(error.stage));
     entry.insert("axis".to_owned(), json!(axis.axis));
@@ -49,6 +47,15 @@ fn residual(axis: &AxisTrace, error: &StageError) -> Value {
     entry.insert(format!("after_{unit}"), json!(error.after));
     entry.insert(format!("noise_{unit}"), json!(error.noise));
     Value::Object(entry)
+}
+
+fn unexplained(axis: &AxisTrace, rest: &Unexplained) -> Value {
+    let mut entry = json!(rest);
+    if let Value::Object(entry) = &mut entry {
+        let (_, unit) = residual_unit(axis.unit, rest.channel);
+        entry.insert(format!("rms_{unit}"), json!(rest.rms));
+    }
+    entry
 }
 
 fn effect(axis: &str, found: &Found) -> Value {

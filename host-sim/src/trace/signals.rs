@@ -1,6 +1,6 @@
 //! A log made ready for tracing: SI, smoothed, differentiated, with the noise of each channel.
 
-use crate::log::{AxisLog, Log};
+use crate::log::{AxisLog, Log, Unit};
 
 /// Half width of the smoothing window, s: it passes what a servo loop can follow and takes the
 /// sensor's noise out of velocities.
@@ -9,6 +9,8 @@ const SMOOTHING_HALF_S: f64 = 0.005;
 /// One axis of one log, SI (rotary axes: mm and N stand for deg and N·m).
 #[derive(Clone, Debug)]
 pub struct AxisSignals {
+    /// Unit of the axis in its log; `None` where the log has no such axis.
+    pub unit: Option<Unit>,
     /// What the controller was asked for.
     pub command: Option<Vec<f64>>,
     /// Motor reading.
@@ -99,9 +101,10 @@ impl AxisSignals {
         };
         let smooth = |channel| metres(channel).map(|raw| Smooth::new(raw, sample_s, half));
         let Some(axis) = axis else {
-            return Self { command: None, motor: None, table: None, tool: None, force: None };
+            return Self { unit: None, command: None, motor: None, table: None, tool: None, force: None };
         };
         Self {
+            unit: Some(axis.unit),
             command: metres(&axis.command),
             motor: smooth(&axis.motor),
             table: smooth(&axis.table),

@@ -30,12 +30,9 @@ pub struct Unexplained {
     pub channel: Stage,
     /// Axis.
     pub axis: String,
-    /// What remains on the fit logs, µm; absent for the force stage.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rms_um: Option<f64>,
-    /// What remains, N; for the force stage.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub rms_n: Option<f64>,
+    /// What remains on the fit logs, in the unit of the stage's residual; written under its name.
+    #[serde(skip)]
+    pub rms: f64,
     /// Share of its square that the variable explains.
     pub share_percent: f64,
     /// What it follows best.
@@ -107,12 +104,10 @@ pub fn unexplained(
     }
     let (variable, share, frequency_hz, centre_mm) =
         if best.1 < LEAST_SHARE { (Variable::None, best.1, None, None) } else { best };
-    let is_force = stage == Stage::Force;
     Some(Unexplained {
         channel: stage,
         axis: axis.to_owned(),
-        rms_um: (!is_force).then_some(remains),
-        rms_n: is_force.then_some(remains),
+        rms: remains,
         share_percent: 100.0 * share.max(0.0),
         variable,
         frequency_hz,
@@ -275,7 +270,7 @@ mod tests {
         assert!((found.frequency_hz.unwrap() - 61.2).abs() < 0.1, "{found:?}");
         assert!(found.share_percent > 90.0 && found.share_percent < 101.0, "{found:?}");
         // A sine of amplitude 1 over all but the settling.
-        assert!((found.rms_um.unwrap() - 0.5f64.sqrt()).abs() < 0.02, "{found:?}");
+        assert!((found.rms - 0.5f64.sqrt()).abs() < 0.02, "{found:?}");
     }
 
     #[test]
