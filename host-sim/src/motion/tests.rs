@@ -183,14 +183,17 @@ fn duration_s(motion: &Motion) -> f64 {
 }
 
 #[test]
-fn the_motions_that_ship_read_and_last_5_to_20_s() {
+fn the_motions_that_ship_read_and_last_as_long_as_a_test_should() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).join("motions");
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let motion = Motion::read(&path).unwrap();
         let seconds = duration_s(&motion);
-        assert!((5.0..=20.0).contains(&seconds), "{} lasts {seconds} s", path.display());
+        // Long enough for reversals and corners; the demo's are shorter, as all of it ends within 10 s.
+        let is_demo = path.file_stem().unwrap().to_str().unwrap().starts_with("demo");
+        let least = if is_demo { 3.0 } else { 5.0 };
+        assert!((least..=20.0).contains(&seconds), "{} lasts {seconds} s", path.display());
         assert_eq!(motion.start_mm.keys().collect::<Vec<_>>(), ["x", "y"]);
         names.push(path.file_stem().unwrap().to_str().unwrap().to_owned());
     }

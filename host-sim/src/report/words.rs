@@ -97,7 +97,7 @@ pub fn sentence(axis: &str, found: &Found) -> String {
     let what = effect(&found.effect, &found.half_widths);
     let stage = stage_names(&[found.stage]);
     let unseen = "on motions not used to find it";
-    let gain = found.validate_reduction_percent;
+    let gain = found.validate_reduction_percent();
     if gain >= 0.0 {
         format!("{axis}: {what}; takes away {} of the {stage} residual {unseen}.", percent(gain))
     } else {
@@ -163,6 +163,7 @@ pub(super) mod tests {
     use super::*;
     use crate::effects::{NAMES, Stage, Surroundings, candidates};
     use crate::machine::Axis;
+    use crate::trace::axis::Pair;
 
     /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.
     pub(in crate::report) fn one_of_each() -> Vec<Effect> {
@@ -195,7 +196,8 @@ pub(super) mod tests {
             let parameters = effect.parameters();
             let half_widths = vec![0.01; parameters.len()];
             let stage = effect.stages()[0];
-            let found = Found { effect, half_widths, stage, validate_reduction_percent: 90.6 };
+            let [before, after] = [100.0, 9.4].map(|validate| Pair { fit: 1.0, validate });
+            let found = Found { effect, half_widths, stage, before, after };
             let said = sentence("ax", &found);
             assert!(said.starts_with("ax: "), "{said}");
             assert!(said.ends_with("residual on motions not used to find it."), "{said}");
@@ -231,8 +233,8 @@ pub(super) mod tests {
     #[test]
     fn an_effect_that_does_not_help_is_not_praised() {
         let effect: Effect = toml::from_str("name = 'backlash'\nwidth_um = 9.8").unwrap();
-        let found =
-            Found { effect, half_widths: vec![0.1], stage: Stage::Table, validate_reduction_percent: -3.2 };
+        let [before, after] = [100.0, 103.2].map(|validate| Pair { fit: 1.0, validate });
+        let found = Found { effect, half_widths: vec![0.1], stage: Stage::Table, before, after };
         assert_eq!(
             sentence("x", &found),
             "x: 9.8 ± 0.1 µm backlash between screw and table; the table residual is 3 % larger with it on motions \

@@ -43,8 +43,18 @@ pub struct Found {
     pub half_widths: Vec<f64>,
     /// Stage that it improves most on the validation logs.
     pub stage: Stage,
-    /// By how much it lowers that stage's residual there, percent of the residual before it.
-    pub validate_reduction_percent: f64,
+    /// That stage's residual with the effects found before it.
+    pub before: Pair,
+    /// That stage's residual with it.
+    pub after: Pair,
+}
+
+impl Found {
+    /// By how much it lowers the residual on the validation logs, percent of the residual before it.
+    #[must_use]
+    pub fn validate_reduction_percent(&self) -> f64 {
+        100.0 * (1.0 - self.after.validate / self.before.validate.max(f64::MIN_POSITIVE))
+    }
 }
 
 /// The error of one stage, µm or N.
@@ -286,32 +296,35 @@ fn reported(
     fits: &[Fitted],
 ) -> Vec<Found> {
     let mut found = Vec::new();
+    let mut last = before.clone();
     for (scope, fitted) in scopes.iter().zip(fits) {
         let covariance = covariance(fitted);
-        let mut last = before.clone();
         for (index, effect) in model.found().iter().enumerate() {
             if !scope.holds(effect) {
                 continue;
             }
             let next = fit::fit(fit_logs, &last.with(effect.clone()), scope, FIT_STEPS).model;
-            let [worse, better] = [&last, &next].map(|m| validate.residuals(m, scope));
-            let reduction = |&stage: &Stage| {
-                let before = rms(&worse, stage, validate);
-                (stage, 100.0 * (1.0 - rms(&better, stage, validate) / before.max(f64::MIN_POSITIVE)))
+            let [worse, better] = [&last, &next].map(|model| {
+                let of =
+                    |evidence: &Evidence<'_>, stage| rms(&evidence.residuals(model, scope), stage, evidence);
+                let pair = |&stage: &Stage| {
+                    (stage, Pair { fit: of(fit_logs, stage), validate: of(validate, stage) })
+                };
+                scope.stages.iter().map(pair).collect::<Vec<_>>()
+            });
+            let reduction = |(before, after): &(&(Stage, Pair), &(Stage, Pair))| {
+                1.0 - after.1.validate / before.1.validate.max(f64::MIN_POSITIVE)
             };
-            let (stage, validate_reduction_percent) = scope
-                .stages
-                .iter()
-                .map(reduction)
-                .max_by(|a, b| a.1.total_cmp(&b.1))
-                .unwrap_or((scope.stages[0], 0.0));
+            let most = worse.iter().zip(&better).max_by(|a, b| reduction(a).total_cmp(&reduction(b)));
+            let Some((&(stage, before), &(_, after))) = most else { continue };
             let slots = fitted.model.slots_of(scope, index);
             let own = covariance.view((slots.start, slots.start), (slots.len(), slots.len())).into_owned();
             found.push(Found {
                 effect: effect.clone(),
                 half_widths: half_widths(effect, &own),
                 stage,
-                validate_reduction_percent,
+                before,
+                after,
             });
             last = next;
         }

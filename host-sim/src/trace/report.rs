@@ -34,7 +34,7 @@ pub fn json(trace: &Trace) -> Value {
 /// The effects found on all axes.
 #[must_use]
 pub fn effects(trace: &Trace) -> Vec<Value> {
-    trace.axes.iter().flat_map(|axis| axis.found.iter().map(|found| effect(&axis.axis, found))).collect()
+    trace.axes.iter().flat_map(|axis| axis.found.iter().map(|found| effect(axis, found))).collect()
 }
 
 fn residual(axis: &AxisTrace, error: &StageError) -> Value {
@@ -58,7 +58,7 @@ fn unexplained(axis: &AxisTrace, rest: &Unexplained) -> Value {
     entry
 }
 
-fn effect(axis: &str, found: &Found) -> Value {
+fn effect(axis: &AxisTrace, found: &Found) -> Value {
     let parameters: Map<String, Value> = found
         .effect
         .parameters()
@@ -70,13 +70,18 @@ fn effect(axis: &str, found: &Found) -> Value {
         .collect();
     let mut entry = json!({
         "name": found.effect.name(),
-        "axis": axis,
+        "axis": axis.axis,
         "parameters": parameters,
         "channel": found.stage,
-        "validate_reduction_percent": found.validate_reduction_percent,
+        "validate_reduction_percent": found.validate_reduction_percent(),
     });
-    if let (Some(source), Value::Object(entry)) = (source(&found.effect), &mut entry) {
-        entry.insert("source".to_owned(), json!(source));
+    if let Value::Object(entry) = &mut entry {
+        let (_, unit) = residual_unit(axis.unit, found.stage);
+        entry.insert(format!("before_{unit}"), json!(found.before));
+        entry.insert(format!("after_{unit}"), json!(found.after));
+        if let Some(source) = source(&found.effect) {
+            entry.insert("source".to_owned(), json!(source));
+        }
     }
     entry
 }
