@@ -16,6 +16,9 @@ use crate::servo;
 /// The longest run, s of machine time: a path that never ends is stopped there.
 pub const LONGEST_S: f64 = 3600.0;
 
+/// Most plant steps a tick: a stiffer machine is refused.
+const MOST_SUBSTEPS: f64 = 500.0;
+
 /// Why a simulation stopped.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulationError {
@@ -78,7 +81,13 @@ pub fn set_up(
         if !axis.has_mass() {
             return Err(lacks("table_mass_kg"));
         }
-        settings.push(servo::settings(axis, &AxisParameters::of(axis).servo).map_err(lacks)?);
+        let parameters = AxisParameters::of(axis);
+        if parameters.step_s() * machine.velocity_rate_hz() * MOST_SUBSTEPS < 1.0 {
+            return Err(lacks(
+                "stiffness_n_per_um (or masses) that a step of a millionth of a second can follow",
+            ));
+        }
+        settings.push(servo::settings(axis, &parameters.servo).map_err(lacks)?);
     }
     let start = start_m.iter().map(|&m| Position::from_m(m).unwrap_or_default()).collect();
     Ok((settings, start))
@@ -130,7 +139,14 @@ impl Run<'_> {
                 return Err(self.fault(fault, time_s));
             }
             if tick.is_multiple_of(divider) {
-                append(&mut log, &readings, &outputs, &desk.row(&readings, self.start_s + time_s));
+                let rows = desk.row(&readings, self.start_s + time_s);
+                if rows.iter().any(|row| !(row.tool_m + row.table_m).is_finite()) {
+                    return Err(SimulationError::Fault {
+                        what: "a position is no finite number".to_owned(),
+                        time_s,
+                    });
+                }
+                append(&mut log, &readings, &outputs, &rows);
                 if status.done && waiting.peek().is_none() {
                     break;
                 }

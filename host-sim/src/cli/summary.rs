@@ -36,16 +36,11 @@ pub fn of_trace(trace: &Trace) -> String {
 fn row(axis: &AxisTrace, error: &StageError) -> String {
     let (unit, _) = residual_unit(axis.unit, error.stage);
     let (before, after) = (error.before, error.after);
-    format!(
-        "{:<6}{:<8}{unit:>5}{:>11.3}{:>11.3}{:>11.3}{:>11.3}{:>11.3}",
-        axis.axis,
-        stage_names(&[error.stage]),
-        before.fit,
-        before.validate,
-        after.fit,
-        after.validate,
-        error.noise
-    )
+    let figures = [before.fit, before.validate, after.fit, after.validate, error.noise];
+    // Validation logs may lack the channel: then there is no figure.
+    let cell =
+        |figure: f64| if figure.is_nan() { format!("{:>11}", "–") } else { format!("{figure:>11.3}") };
+    format!("{:<6}{:<8}{unit:>5}{}", axis.axis, stage_names(&[error.stage]), figures.map(cell).concat())
 }
 
 /// What a log holds: following error and force of each axis.

@@ -14,6 +14,9 @@ fn decimals(value: f64, digits: i32) -> usize {
 /// A value with a fixed number of digits behind the point.
 #[must_use]
 pub fn fixed(value: f64, decimals: usize) -> String {
+    if value.is_nan() {
+        return "–".to_owned();
+    }
     let text = format!("{:.decimals$}", value.abs());
     let is_zero = text.chars().all(|c| c == '0' || c == '.');
     if value < 0.0 && !is_zero { format!("{MINUS}{text}") } else { text }

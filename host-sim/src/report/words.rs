@@ -108,6 +108,12 @@ pub fn sentence(axis: &str, found: &Found) -> String {
 /// One sentence for each effect found on an axis, or one that says that there is none.
 #[must_use]
 pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
+    if axis.errors.is_empty() {
+        return vec![format!(
+            "{}: nothing could be tested with these logs and this machine file.",
+            axis.axis
+        )];
+    }
     if axis.found.is_empty() {
         return vec![format!("{}: nothing found that the declared model lacks.", axis.axis)];
     }

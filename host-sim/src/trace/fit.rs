@@ -188,7 +188,6 @@ pub fn blocks(
     let of_part = |(p, part): (usize, &Part)| {
         let weight = weights[p] * weights[p];
         let length = part.values.len().div_ceil(BLOCKS).max(1);
-        let settling = evidence.settling(part.log);
         let mut blocks = Vec::with_capacity(BLOCKS);
         for (number, start) in (0..part.values.len()).step_by(length).enumerate() {
             let range = start..(start + length).min(part.values.len());
@@ -209,7 +208,7 @@ pub fn blocks(
                 log: part.log,
                 part: number,
                 weight: weights[p],
-                samples: range.len() - settling.saturating_sub(start).min(range.len()),
+                samples: range.clone().filter(|&i| evidence.counts(part.stage, part.log, i)).count(),
                 squares: weight * dot(residual, residual),
                 gradient,
                 curvature,

@@ -80,6 +80,18 @@ pub fn trace(
     for log in fit.iter().chain(validate) {
         check(machine, log)?;
     }
+    for (i, log) in fit.iter().enumerate() {
+        if let Some(twin) =
+            fit[..i].iter().find(|other| other.start_s == log.start_s && other.axes == log.axes)
+        {
+            // Counted twice, its chances would look like evidence.
+            return Err(InputError::expected(
+                &log.source,
+                "a log of its own",
+                format!("the data of {}", twin.source),
+            ));
+        }
+    }
     let names: Vec<String> = machine.axis.keys().cloned().collect();
     let prepared = |logs: &[Log]| logs.par_iter().map(|log| Signals::new(log, &names)).collect::<Vec<_>>();
     let (fit_logs, validate_logs) = if validate.is_empty() {
@@ -108,6 +120,9 @@ fn split(log: &Log) -> (Log, Log) {
 /// Refuses a log that is not of this machine, or that nothing can be learned from.
 fn check(machine: &Machine, log: &Log) -> Result<(), InputError> {
     const LEAST_SAMPLES: usize = 200;
+    // Less is presliding and noise, more a slip of the unit.
+    const LEAST_TRAVEL_MM: f64 = 0.01;
+    const MOST_TRAVEL_MM: f64 = 1e6;
     let refuse = |what: String, found: String| Err(InputError::expected(&log.source, what, found));
     let rate = 1.0 / log.sample_time_s;
     // Printed times round: a per mille is far beyond that and far below any other rate.
@@ -126,8 +141,68 @@ fn check(machine: &Machine, log: &Log) -> Result<(), InputError> {
             );
         }
     }
+    let travels =
+        log.axes.iter().flat_map(|axis| [&axis.command, &axis.motor, &axis.table]).flatten().map(|places| {
+            let least = places.iter().copied().fold(f64::INFINITY, f64::min);
+            places.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
+        });
+    let travel = travels.fold(0.0, f64::max);
+    if !(LEAST_TRAVEL_MM..=MOST_TRAVEL_MM).contains(&travel) {
+        return refuse(
+            format!("motion over {LEAST_TRAVEL_MM} to {MOST_TRAVEL_MM} mm (or deg) on some axis"),
+            format!("{travel}"),
+        );
+    }
     if log.len() < LEAST_SAMPLES {
         return refuse(format!("at least {LEAST_SAMPLES} samples"), log.len().to_string());
     }
     Ok(())
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::{AxisLog, Unit};
+
+    fn machine(effect: &str) -> Machine {
+        let text = format!(
+            "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ntable_mass_kg = 100.0\ncoulomb_n = 20.0\n\
+             viscous_n_s_per_m = 100.0\nplant_tolerance_percent = 10.0\n{effect}"
+        );
+        Machine::parse(&text, "m.toml").unwrap()
+    }
+
+    /// 3 s of a rigid axis that swings over `travel_mm` under the force that its model says.
+    fn log(travel_mm: f64) -> Log {
+        let mut axis = AxisLog::new("x", Unit::Millimetre);
+        let omega = 4.0;
+        let phase = |i: u32| omega * 1e-3 * f64::from(i);
+        axis.motor = Some((0..3000).map(|i| 0.5 * travel_mm * phase(i).sin()).collect());
+        let force = |i: u32| {
+            let amplitude_m = 0.5e-3 * travel_mm;
+            let velocity = amplitude_m * omega * phase(i).cos();
+            20.0 * velocity.signum() + 100.0 * velocity - 100.0 * amplitude_m * omega * omega * phase(i).sin()
+        };
+        axis.force = Some((0..3000).map(force).collect());
+        Log { source: "log.csv".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] }
+    }
+
+    #[test]
+    fn a_log_in_which_nothing_moves_tells_nothing() {
+        let error = trace(&machine(""), &[log(0.0)], &[], &|_| {}).unwrap_err();
+        assert!(error.to_string().starts_with("log.csv: expected motion over 0.01"), "{error}");
+    }
+
+    #[test]
+    fn the_same_log_twice_is_no_evidence() {
+        let error = trace(&machine(""), &[log(100.0), log(100.0)], &[], &|_| {}).unwrap_err();
+        assert!(error.to_string().contains("a log of its own"), "{error}");
+    }
+
+    #[test]
+    fn a_declared_effect_may_lie_where_no_fit_would_go() {
+        let effect = "[[axis.x.effect]]\nname = \"stribeck\"\nstatic_excess_n = 1.0\nvelocity_mm_s = 0.01\n";
+        let trace = trace(&machine(effect), &[log(100.0)], &[], &|_| {}).unwrap();
+        assert!(trace.axes[0].found.is_empty(), "{:?}", trace.axes[0].found);
+    }
 }

@@ -132,8 +132,9 @@ impl AxisModel {
             if let (Mechanics::MotorMass, Some(weighed)) = (scope.mechanics, self.weighed_kg) {
                 let masses = [self.declared.motor_mass_kg, self.declared.table_mass_kg];
                 let trim = WEIGHING * masses.into_iter().flatten().sum::<f64>();
-                slot.coordinate =
-                    Coordinate { lower: weighed - trim, upper: weighed + trim, ..slot.coordinate };
+                let Coordinate { lower, upper, .. } = slot.coordinate;
+                slot.coordinate.lower = lower.max(weighed - trim);
+                slot.coordinate.upper = upper.min(weighed + trim);
             }
             slot
         }));
@@ -194,8 +195,8 @@ impl AxisModel {
     fn tolerated(&self, coordinate: Coordinate, declared: f64) -> Slot {
         let spread = self.tolerance() * declared.abs();
         let bounded = Coordinate {
-            lower: coordinate.lower.max(declared - spread),
-            upper: coordinate.upper.min(declared + spread),
+            lower: coordinate.lower.max(declared - spread).min(declared),
+            upper: coordinate.upper.min(declared + spread).max(declared),
             ..coordinate
         };
         Slot { coordinate: bounded, prior: (spread > 0.0).then_some((declared, spread)) }

@@ -30,7 +30,7 @@ pub struct Part {
     pub stage: Stage,
     /// Number of the log.
     pub log: usize,
-    /// µm, or N for the force stage. Samples before the axis has settled are zero.
+    /// µm, or N for the force stage. Samples that do not count are zero.
     pub values: Vec<f64>,
 }
 
@@ -49,6 +49,14 @@ impl Evidence<'_> {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0.3 s of samples")]
         let samples = (SETTLING_S / log.sample_s) as usize;
         samples.min(log.len() / 4)
+    }
+
+    /// Whether a sample counts: after the settling and, in the stages that hang on friction, in motion.
+    #[must_use]
+    pub fn counts(&self, stage: Stage, log: usize, sample: usize) -> bool {
+        let hangs_on_friction = matches!(stage, Stage::Table | Stage::Force);
+        let stands = || self.signals(log).standing.get(sample).copied().unwrap_or(false);
+        sample >= self.settling(log) && !(hangs_on_friction && stands())
     }
 
     /// The residuals of a scope's stages over all logs: log by log, the scope's stages in order.
@@ -85,8 +93,11 @@ impl Evidence<'_> {
                     difference(measured, &tool.unwrap_or_default(), 1e6, model.tool_zero_um)
                 }
             };
-            let settling = self.settling(log).min(values.len());
-            values[..settling].fill(0.0);
+            for (i, value) in values.iter_mut().enumerate() {
+                if !self.counts(*stage, log, i) {
+                    *value = 0.0;
+                }
+            }
             Part { stage: *stage, log, values }
         };
         scope.stages.iter().map(part).collect()
@@ -107,8 +118,9 @@ impl Evidence<'_> {
     /// Standard deviation of the white noise in a stage's residual, µm or N: what no model can remove.
     #[must_use]
     pub fn noise(&self, model: &AxisModel, stage: Stage) -> f64 {
-        let squares = (0..self.logs.len()).map(|log| self.noise_of_log(model, stage, log).powi(2));
-        (squares.sum::<f64>() / self.logs.len().max(1) as f64).sqrt()
+        // The sensors are the same in all logs: the quietest shows their noise, the others chatter, too.
+        let noise = (0..self.logs.len()).map(|log| self.noise_of_log(model, stage, log));
+        noise.reduce(f64::min).unwrap_or(0.0)
     }
 
     /// The same for one log.
@@ -140,13 +152,13 @@ fn difference(measured: &[f64], modelled: &[f64], scale: f64, zero: f64) -> Vec<
     measured.iter().zip(modelled).map(|(measured, modelled)| scale * (measured - modelled) - zero).collect()
 }
 
-/// Root mean square of a stage over all its parts, settling left out.
+/// Root mean square of a stage over all samples that count; not a number where none does.
 #[must_use]
 pub fn rms(parts: &[Part], stage: Stage, evidence: &Evidence<'_>) -> f64 {
     let (mut squares, mut count) = (0.0, 0usize);
     for part in parts.iter().filter(|part| part.stage == stage) {
         squares += part.values.iter().map(|r| r * r).sum::<f64>();
-        count += part.values.len() - evidence.settling(part.log).min(part.values.len());
+        count += (0..part.values.len()).filter(|&i| evidence.counts(stage, part.log, i)).count();
     }
-    (squares / count.max(1) as f64).sqrt()
+    if count == 0 { f64::NAN } else { (squares / count as f64).sqrt() }
 }

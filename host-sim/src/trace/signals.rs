@@ -19,6 +19,9 @@ pub struct AxisSignals {
     pub table: Option<Smooth>,
     /// Tool-point probe.
     pub tool: Option<Smooth>,
+    /// Samples at which the axis stands still: there friction is whatever it was left at, and creeps by
+    /// what sensor noise makes the machine move; no model of the motion tells it.
+    pub standing: Vec<bool>,
     /// Drive force over the velocity tick that ends at the sample, N; its filtered value is
     /// [`Smooth::position`].
     pub force: Option<Smooth>,
@@ -101,12 +104,23 @@ impl AxisSignals {
         };
         let smooth = |channel| metres(channel).map(|raw| Smooth::new(raw, sample_s, half));
         let Some(axis) = axis else {
-            return Self { unit: None, command: None, motor: None, table: None, tool: None, force: None };
+            return Self {
+                unit: None,
+                command: None,
+                motor: None,
+                table: None,
+                tool: None,
+                standing: Vec::new(),
+                force: None,
+            };
         };
+        let motor = smooth(&axis.motor);
+        let standing = motor.as_ref().map_or_else(Vec::new, |motor| standing(motor, sample_s));
         Self {
             unit: Some(axis.unit),
             command: metres(&axis.command),
-            motor: smooth(&axis.motor),
+            motor,
+            standing,
             table: smooth(&axis.table),
             tool: smooth(&axis.tool),
             force: axis.force.clone().map(|raw| Smooth::new(raw, sample_s, half)),
@@ -152,6 +166,26 @@ impl Smooth {
     pub fn filtered(&self, values: &[f64]) -> Vec<f64> {
         Cubic::new(self.half).filtered(values)
     }
+}
+
+/// Samples within a standstill of 50 ms or more. A reversal is none: it passes through zero at once.
+fn standing(motor: &Smooth, sample_s: f64) -> Vec<bool> {
+    const LEAST_S: f64 = 0.05;
+    const SLOWEST_M_PER_S: f64 = 10e-6;
+    // The difference of two filtered samples, with room for four standard deviations.
+    let slow = SLOWEST_M_PER_S.max(4.0 * motor.position_noise / (motor.half as f64 * sample_s));
+    let mut standing = vec![false; motor.velocity.len()];
+    let mut start = 0;
+    for end in 0..=motor.velocity.len() {
+        if motor.velocity.get(end).is_some_and(|velocity| velocity.abs() < slow) {
+            continue;
+        }
+        if (end - start) as f64 * sample_s >= LEAST_S {
+            standing[start..end].fill(true);
+        }
+        start = end + 1;
+    }
+    standing
 }
 
 /// First and second differences; the ends repeat their neighbours.
