@@ -81,9 +81,7 @@ pub fn trace(
         check(machine, log)?;
     }
     for (i, log) in fit.iter().enumerate() {
-        if let Some(twin) =
-            fit[..i].iter().find(|other| other.start_s == log.start_s && other.axes == log.axes)
-        {
+        if let Some(twin) = fit[..i].iter().find(|other| other.axes == log.axes) {
             // Counted twice, its chances would look like evidence.
             return Err(InputError::expected(
                 &log.source,
