@@ -17,7 +17,7 @@ if command -v rustup >/dev/null; then
 fi
 if ! command -v qemu-system-arm >/dev/null; then
   as_root=""
-  [ "$(id -u)" = 0 ] || as_root="sudo"
+  [ "$(id -u)" = 0 ] || as_root="$(command -v sudo || true)"
   if command -v apt-get >/dev/null; then
     $as_root apt-get update -qq
     $as_root env DEBIAN_FRONTEND=noninteractive apt-get install -y -qq --no-install-recommends qemu-system-arm >/dev/null

@@ -7,7 +7,6 @@ use shared::config::{AxisSettings, Law, Rates, Sensors};
 use shared::drive::{Amplifier, DriveError, EnableSwitch, Station};
 use shared::feedback::encoder::Encoder;
 use shared::interpolate::Block;
-use shared::interpolate::block::Shape;
 use shared::machine::{Machine, MachineError};
 use shared::scalar::Fixed;
 use shared::units::Position;
@@ -53,14 +52,8 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
 
 /// What the board travels once it is enabled: a second to stand back, then two turns of a circle of
 /// 10 mm radius at 2 m/min that starts and ends where it stands.
-pub const PROGRAM: [Block<AXES>; 2] = [
-    Block::dwell(1.0),
-    Block {
-        shape: Shape::Arc { plane: [0, 1], centre_m: [-0.01, 0.0], turns: 2.0 },
-        feed_m_per_s: 2.0 / 60.0,
-        acceleration_m_per_s2: 0.5,
-    },
-];
+pub const PROGRAM: [Block<AXES>; 2] =
+    [Block::dwell(1.0), Block::arc([0, 1], [-0.01, 0.0], 2.0, 2.0 / 60.0, 0.5)];
 
 /// Why the values above make no machine.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -2,7 +2,7 @@
 
 use shared::axis::Reading;
 use shared::config::{AxisSettings, Rates};
-use shared::interpolate::Block;
+use shared::interpolate::{Block, Joint, Ramps};
 use shared::machine::{Machine, MachineError};
 use shared::safety::Power;
 use shared::scalar::{Fixed, Scalar};
@@ -40,8 +40,12 @@ pub struct PathBlock {
     pub shape: PathShape,
     /// Along the path, m/s.
     pub feed_m_per_s: f64,
-    /// Along the path, m/s².
+    /// m/s².
     pub acceleration_m_per_s2: f64,
+    /// How the speed rises and falls.
+    pub ramps: Ramps,
+    /// How the path goes on behind it.
+    pub joint: Joint,
 }
 
 /// Geometry of a [`PathBlock`].
@@ -69,6 +73,18 @@ pub enum PathShape {
 }
 
 impl PathBlock {
+    /// A shape with trapezoidal ramps, from rest to rest.
+    #[must_use]
+    pub const fn new(shape: PathShape, feed_m_per_s: f64, acceleration_m_per_s2: f64) -> Self {
+        Self { shape, feed_m_per_s, acceleration_m_per_s2, ramps: Ramps::Trapezoid, joint: Joint::Stop }
+    }
+
+    /// A pause.
+    #[must_use]
+    pub const fn dwell(seconds: f64) -> Self {
+        Self::new(PathShape::Dwell { seconds }, 0.0, 0.0)
+    }
+
     /// The block for a machine of `N` axes; `None` if it is for another number.
     #[must_use]
     pub fn for_axes<const N: usize>(&self) -> Option<Block<N>> {
@@ -84,6 +100,8 @@ impl PathBlock {
             shape,
             feed_m_per_s: self.feed_m_per_s,
             acceleration_m_per_s2: self.acceleration_m_per_s2,
+            ramps: self.ramps,
+            joint: self.joint,
         })
     }
 }

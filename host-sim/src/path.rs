@@ -31,25 +31,16 @@ pub fn of(motion: &Motion, machine: &Machine, source: &str) -> Result<MachinePat
         machine.axis.keys().map(|name| 1e-3 * at.get(name).copied().unwrap_or(0.0)).collect()
     };
     let block = |block: &Block| match block {
-        Block::Dwell { seconds } => PathBlock {
-            shape: PathShape::Dwell { seconds: *seconds },
-            feed_m_per_s: 0.0,
-            acceleration_m_per_s2: 0.0,
-        },
-        Block::Line { to_mm, feed_mm_per_min, acceleration_m_per_s2 } => PathBlock {
-            shape: PathShape::Line { to_m: metres(to_mm) },
-            feed_m_per_s: feed_mm_per_min / 60e3,
-            acceleration_m_per_s2: *acceleration_m_per_s2,
-        },
-        Block::Arc { plane, centre_mm, turns, feed_mm_per_min, acceleration_m_per_s2 } => PathBlock {
-            shape: PathShape::Arc {
-                plane: plane.each_ref().map(|name| number(machine, name)),
-                centre_m: centre_mm.map(|mm| 1e-3 * mm),
-                turns: *turns,
-            },
-            feed_m_per_s: feed_mm_per_min / 60e3,
-            acceleration_m_per_s2: *acceleration_m_per_s2,
-        },
+        Block::Dwell { seconds } => PathBlock::dwell(*seconds),
+        Block::Line { to_mm, feed_mm_per_min, acceleration_m_per_s2 } => {
+            let shape = PathShape::Line { to_m: metres(to_mm) };
+            PathBlock::new(shape, feed_mm_per_min / 60e3, *acceleration_m_per_s2)
+        }
+        Block::Arc { plane, centre_mm, turns, feed_mm_per_min, acceleration_m_per_s2 } => {
+            let plane = plane.each_ref().map(|name| number(machine, name));
+            let shape = PathShape::Arc { plane, centre_m: centre_mm.map(|mm| 1e-3 * mm), turns: *turns };
+            PathBlock::new(shape, feed_mm_per_min / 60e3, *acceleration_m_per_s2)
+        }
     };
     Ok(MachinePath { start_m: metres(&motion.start_mm), blocks: motion.blocks.iter().map(block).collect() })
 }

@@ -125,7 +125,7 @@ mod tests {
     use super::*;
     use crate::config::{AxisSettings, Law, Rates, Sensors};
     use crate::interpolate::block::Shape;
-    use crate::interpolate::{Block, PathError};
+    use crate::interpolate::{Block, Joint, PathError, Ramps};
     use crate::protocol::encode;
     use crate::safety::Power;
     use crate::units::Position;
@@ -220,18 +220,33 @@ mod tests {
     }
 
     fn block() -> impl Strategy<Value = Block<AXES>> {
+        let ramps = prop_oneof![
+            Just(Ramps::Trapezoid),
+            Just(Ramps::Exponential),
+            Just(Ramps::AfterInterpolation),
+            number().prop_map(|jerk_m_per_s3| Ramps::SCurve { jerk_m_per_s3 }),
+        ];
+        let joint =
+            prop_oneof![Just(Joint::Stop), number().prop_map(|tolerance_m| Joint::Within { tolerance_m })];
         let shape = prop_oneof![
             number().prop_map(|seconds| Shape::Dwell { seconds }),
             [number(), number()].prop_map(|to_m| Shape::Line { to_m }),
             (any::<[u8; 2]>(), [number(), number()], number()).prop_map(|(plane, centre_m, turns)| {
                 Shape::Arc { plane: plane.map(|p| p % 3), centre_m, turns }
             }),
+            (any::<bool>(), [number(), number()], [number(), number()]).prop_map(
+                |(positive, centre_m, to_m)| { Shape::ArcTo { plane: [0, 1], centre_m, to_m, positive } }
+            ),
         ];
-        (shape, number(), number()).prop_map(|(shape, feed_m_per_s, acceleration_m_per_s2)| Block {
-            shape,
-            feed_m_per_s,
-            acceleration_m_per_s2,
-        })
+        (shape, number(), number(), ramps, joint).prop_map(
+            |(shape, feed_m_per_s, acceleration_m_per_s2, ramps, joint)| Block {
+                shape,
+                feed_m_per_s,
+                acceleration_m_per_s2,
+                ramps,
+                joint,
+            },
+        )
     }
 
     proptest! {

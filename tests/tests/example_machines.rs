@@ -3,7 +3,7 @@
 
 use std::path::{Path, PathBuf};
 
-use host_sim::controller::{Format, PathBlock, PathShape};
+use host_sim::controller::{Format, PathBlock};
 use host_sim::log::{AxisLog, Log};
 use host_sim::machine::{Axis, Machine};
 use host_sim::motion::{Block, Motion};
@@ -30,11 +30,7 @@ fn run(machine: &Machine, motion: &Path) -> (Log, f64) {
     let source = motion.display().to_string();
     let motion = Motion::read(motion).unwrap();
     let mut path = path::of(&motion, machine, &source).unwrap();
-    path.blocks.push(PathBlock {
-        shape: PathShape::Dwell { seconds: REST_S },
-        feed_m_per_s: 0.0,
-        acceleration_m_per_s2: 0.0,
-    });
+    path.blocks.push(PathBlock::dwell(REST_S));
     let run = Run {
         machine,
         instruments: Instruments::typical(1),

@@ -1,13 +1,23 @@
 //! Measured logs as regressions: what is found on them, and by how much it lowers the held-out error.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use std::fs;
+use std::path::{Path, PathBuf};
+
 use host_sim::effects::Stage;
-use host_sim::log::Log;
+use host_sim::log::{Log, Unit};
 use host_sim::machine::Machine;
 use host_sim::trace::{Trace, trace};
 use tests::data;
 
-fn traced(folder: &std::path::Path, log: &str) -> Trace {
+/// What a folder holds, in the order of the names.
+fn entries(folder: &Path) -> Vec<PathBuf> {
+    let mut entries: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
+    entries.sort();
+    entries
+}
+
+fn traced(folder: &Path, log: &str) -> Trace {
     let machine = Machine::read(&folder.join("machine.toml")).unwrap();
     let log = Log::read(&folder.join(log)).unwrap();
     trace(&machine, &[log], &[], &|_| {}).unwrap()
@@ -63,5 +73,39 @@ fn what_cannot_be_tested_is_said() {
         let stages: Vec<Stage> = axis.not_testable.iter().map(|n| n.stage).collect();
         assert_eq!(stages, [Stage::Motor, Stage::Tool, Stage::Force], "{}", axis.axis);
         assert_eq!(axis.errors.len(), 1);
+    }
+}
+
+#[test]
+fn measured_logs_and_cases_read() {
+    let (Some(data), Some(cases)) = (data("data"), data("cases")) else { return };
+    let emps = Log::read(&data.join("emps/train.csv")).unwrap();
+    assert_eq!((emps.len(), emps.axes.len()), (24_841, 1));
+    assert!((emps.sample_time_s - 1e-3).abs() < 1e-12);
+    let kuka = Log::read(&data.join("kuka/recording_a.csv")).unwrap();
+    assert_eq!((kuka.axes.len(), kuka.axes[2].unit), (3, Unit::Degree));
+    assert!((kuka.sample_time_s - 4e-3).abs() < 1e-12);
+    let mut count = 0;
+    for file in entries(&cases).iter().flat_map(|folder| entries(folder)) {
+        if file.extension().is_some_and(|suffix| suffix == "gz") {
+            let log = Log::read(&file).unwrap();
+            assert_eq!(log.axes.len(), 2);
+            assert!((log.sample_time_s - 1e-3).abs() < 1e-9, "{}", file.display());
+            count += 1;
+        }
+    }
+    assert!(count > 0, "no log in {}", cases.display());
+}
+
+#[test]
+fn declared_machines_read_and_written_read_as_themselves() {
+    let (Some(data), Some(cases)) = (data("data"), data("cases")) else { return };
+    let folders = [entries(&data), entries(&cases)].concat();
+    let files = folders.iter().map(|folder| folder.join("machine.toml"));
+    let files: Vec<PathBuf> = files.filter(|file| file.exists()).collect();
+    assert!(files.len() >= 11, "EMPS, KUKA and nine cases at least: {files:?}");
+    for file in files {
+        let machine = Machine::read(&file).unwrap();
+        assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
     }
 }

@@ -68,7 +68,7 @@ const START_M: [f64; 2] = [0.01, 0.0];
 
 /// A line out and back, a circle of 10 mm radius at 3 m/min one way and `turns` the other.
 fn motion(turns: f64) -> Vec<PathBlock> {
-    let moving = |shape| PathBlock { shape, feed_m_per_s: 0.05, acceleration_m_per_s2: 2.0 };
+    let moving = |shape| PathBlock::new(shape, 0.05, 2.0);
     let line = |x, y| moving(PathShape::Line { to_m: vec![x, y] });
     let arc = |turns| moving(PathShape::Arc { plane: [0, 1], centre_m: [0.0, 0.0], turns });
     let dwell = moving(PathShape::Dwell { seconds: 0.02 });

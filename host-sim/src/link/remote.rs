@@ -2,7 +2,7 @@
 
 use shared::axis::Reading;
 use shared::config::{AxisSettings, Rates};
-use shared::interpolate::planned::Planned;
+use shared::interpolate::PathError;
 use shared::machine::MachineError;
 use shared::protocol::{self, AXES, Answer, FRAME, Order, Refusal, Setup, Ticked};
 use shared::scalar::{Fixed, Scalar};
@@ -99,9 +99,7 @@ impl<C: Connection> Controller for Remote<C> {
             }
             // With its second axis the board would turn it; a machine of one axis refuses.
             (PathShape::Arc { .. }, 1) => {
-                let alone = block.for_axes::<1>().ok_or(ControllerError::Axes(1))?;
-                let refused = Planned::new(&alone, [Position(0)], 1.0).map_err(MachineError::Path);
-                return refused.map(|_| ()).map_err(ControllerError::Refused);
+                return Err(ControllerError::Refused(MachineError::Path(PathError::BadPlane)));
             }
             (PathShape::Line { to_m }, axes) if to_m.len() != axes => {
                 return Err(ControllerError::Axes(axes));
@@ -181,11 +179,7 @@ mod tests {
     const FORMATS: [Format; 3] = [Format::Fixed, Format::F32, Format::F64];
 
     fn line(to_m: &[f64]) -> PathBlock {
-        PathBlock {
-            shape: PathShape::Line { to_m: to_m.to_vec() },
-            feed_m_per_s: 0.1,
-            acceleration_m_per_s2: 2.0,
-        }
+        PathBlock::new(PathShape::Line { to_m: to_m.to_vec() }, 0.1, 2.0)
     }
 
     fn arc(plane: [u8; 2]) -> PathBlock {

@@ -1,6 +1,3 @@
-use std::env;
-use std::path::PathBuf;
-
 use super::*;
 
 const MACHINE: &str = r#"name = "m"
@@ -276,27 +273,6 @@ fn files_that_are_no_machines_are_refused() {
     let binary = folder.path().join("binary.toml");
     std::fs::write(&binary, b"name = 1\n\xff").unwrap();
     assert!(said(&binary).contains("line 2: expected UTF-8 text, found byte 0xFF"));
-}
-
-#[test]
-fn declared_machines_of_the_measured_data_read() {
-    let Some(root) = env::var_os("LOST_MOTION_DATA").map(PathBuf::from) else {
-        eprintln!("skipped: LOST_MOTION_DATA does not name the folder of data/ and cases/");
-        return;
-    };
-    let mut count = 0;
-    for kind in ["data", "cases"] {
-        for entry in std::fs::read_dir(root.join(kind)).unwrap() {
-            let path = entry.unwrap().path().join("machine.toml");
-            if path.exists() {
-                let machine = Machine::read(&path).unwrap();
-                let again = Machine::parse(&machine.to_toml(), "again.toml").unwrap();
-                assert_eq!(again, machine);
-                count += 1;
-            }
-        }
-    }
-    assert!(count >= 2, "EMPS and KUKA at least");
 }
 
 /// Whatever one slip of the finger makes of a machine file, it is read or refused in one line.

@@ -2,10 +2,11 @@
 //!
 //! The radius vector of the start point is turned by the phase that belongs to the distance:
 //! x = cx + dx·cos φ − dy·sin φ, y = cy + dx·sin φ + dy·cos φ. So the arc starts on its start point
-//! exactly, and a whole turn closes exactly.
+//! exactly, and a whole turn closes exactly. An end point that is given, and lies on the circle only to
+//! the digits it was written with, is met exactly: what it is off is spread evenly over the arc.
 
-use super::turn::sin_cos;
-use super::{Field, PathError, scaled};
+use super::turn::{ONE, sin_cos};
+use super::{Field, PathError, scaled, share};
 use crate::units::{PER_NM, Position};
 
 /// 2π with 61 fraction bits.
@@ -13,6 +14,12 @@ const TAU_Q61: u128 = 14_488_038_916_154_245_685;
 
 /// Turns that keep the phase within 0.1 nm on a radius of 1 m.
 const MOST_TURNS: f64 = 1000.0;
+
+/// One turn, of which turns have 48 fraction bits.
+const TURN_Q48: f64 = 281_474_976_710_656.0;
+
+/// An end point may lie so far off the circle, nm: coordinates written in µm do.
+pub const END_TOLERANCE_NM: i64 = 2000;
 
 /// An arc as a function of the distance along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -23,10 +30,24 @@ pub struct Arc<const N: usize> {
     centre: [Position; 2],
     /// Start − centre, position units.
     radius: [i64; 2],
-    /// 2⁻⁹⁶ turns per position unit, sign included in `clockwise`.
+    /// Turns per position unit, with `phase_shift` + 64 fraction bits: 62 bits of it, so that the phase at the
+    /// end of the longest arc is exact to 2⁻⁶¹ of it.
     phase_per_unit: u64,
+    phase_shift: u32,
     clockwise: bool,
     length: i64,
+    /// Length of the radius, position units.
+    curvature_radius: i64,
+    off: Option<Off>,
+}
+
+/// How far the given end lies off the circle.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Off {
+    /// In the axes of the plane, position units.
+    by: [i64; 2],
+    /// 2⁻⁹⁶ of the arc per position unit.
+    share_per_unit: u64,
 }
 
 impl<const N: usize> Arc<N> {
@@ -42,13 +63,6 @@ impl<const N: usize> Arc<N> {
         centre: [Position; 2],
         turns: f64,
     ) -> Result<Self, PathError> {
-        let [first, second] = plane;
-        let (Some(&x), Some(&y)) = (start.get(first), start.get(second)) else {
-            return Err(PathError::BadPlane);
-        };
-        if first == second {
-            return Err(PathError::BadPlane);
-        }
         if !turns.is_finite() {
             return Err(PathError::NotFinite(Field::Turns));
         }
@@ -58,31 +72,97 @@ impl<const N: usize> Arc<N> {
         if turns.abs() > MOST_TURNS {
             return Err(PathError::TooLarge(Field::Turns));
         }
-        let radius = [x.beyond(centre[0]), y.beyond(centre[1])];
-        let squares = radius.map(|r| u128::from(r.unsigned_abs()).pow(2));
-        let length_of_radius = (squares[0] + squares[1]).isqrt();
-        if length_of_radius < 1000 * u128::from(PER_NM.unsigned_abs()) {
-            return Err(PathError::ZeroRadius);
-        }
-        // One turn: 2πR, with R below 2⁵⁹ the product stays below 2¹²³.
-        let circumference = (length_of_radius * TAU_Q61) >> 61;
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "0 < turns ≤ 1000: below 2⁴²; the phase rate is below 2⁶⁴ by the least radius"
+            reason = "0 < turns ≤ 1000: below 2⁵⁸"
         )]
-        let (turns_q32, phase_per_unit) =
-            (libm::rint(libm::fabs(turns) * 4_294_967_296.0) as u128, ((1u128 << 96) / circumference) as u64);
-        // circumference < 2⁶²·turns < 2¹⁰ could leave i64: such an arc is 4,000 km long.
-        let length = ((circumference >> 8) * turns_q32) >> 24;
-        let length = i64::try_from(length).map_err(|_| PathError::TooLarge(Field::Turns))?;
-        let mut arc =
-            Self { start, end: start, plane, centre, radius, phase_per_unit, clockwise: turns < 0.0, length };
+        let turns_q48 = libm::rint(libm::fabs(turns) * TURN_Q48) as u64;
+        let mut arc = Self::circle(start, plane, centre)?;
+        arc.clockwise = turns < 0.0;
+        let length = (u128::from(arc.length.unsigned_abs()) * u128::from(turns_q48)) >> 48;
+        arc.length = i64::try_from(length).map_err(|_| PathError::TooLarge(Field::Turns))?;
+        if arc.length == 0 {
+            return Err(PathError::ZeroLength);
+        }
         // The fraction of a turn decides the end point; whole turns end where they start.
-        #[expect(clippy::cast_possible_truncation, reason = "the lower 32 bits are the fraction")]
-        let fraction = (turns_q32 as u64) << 32;
-        arc.end = arc.turned(fraction);
+        arc.end = arc.turned(turns_q48 << 16);
         Ok(arc)
+    }
+
+    /// Plans the arc from `start` around `centre` to `end` (both in the plane's two axes).
+    ///
+    /// # Errors
+    /// As [`Arc::plan`]; [`PathError::CoincidentEndPoints`] where start and end are one point,
+    /// [`PathError::EndOffArc`] where the end lies further off the circle than [`END_TOLERANCE_NM`].
+    pub fn plan_to(
+        start: [Position; N],
+        plane: [usize; 2],
+        centre: [Position; 2],
+        end: [Position; 2],
+        positive: bool,
+    ) -> Result<Self, PathError> {
+        let circle = Self::circle(start, plane, centre)?;
+        let to = [end[0].beyond(centre[0]), end[1].beyond(centre[1])];
+        if to == circle.radius {
+            return Err(PathError::CoincidentEndPoints);
+        }
+        let off = length_of(to).abs_diff(circle.curvature_radius.unsigned_abs().into());
+        if off > u128::from((END_TOLERANCE_NM * PER_NM).unsigned_abs()) {
+            return Err(PathError::EndOffArc);
+        }
+        let angle = |[x, y]: [i64; 2]| libm::atan2(y as f64, x as f64) / core::f64::consts::TAU;
+        let turn = angle(to) - angle(circle.radius);
+        let forward = if turn > 0.0 { turn } else { turn + 1.0 };
+        let mut arc = Self::plan(start, plane, centre, if positive { forward } else { forward - 1.0 })?;
+        let [x, y] = plane;
+        let (Some(end_x), Some(end_y)) = (arc.end.get_mut(x).copied(), arc.end.get_mut(y).copied()) else {
+            return Err(PathError::BadPlane);
+        };
+        let by = [end[0].beyond(end_x), end[1].beyond(end_y)];
+        #[expect(clippy::cast_possible_truncation, reason = "below 2⁶⁴ from 2³² units on; see below")]
+        let share_per_unit = ((1u128 << 96) / u128::from(arc.length.unsigned_abs().max(1 << 33))) as u64;
+        arc.off = (by != [0; 2]).then_some(Off { by, share_per_unit });
+        for (axis, place) in plane.into_iter().zip(end) {
+            if let Some(end) = arc.end.get_mut(axis) {
+                *end = place;
+            }
+        }
+        Ok(arc)
+    }
+
+    /// One whole turn.
+    fn circle(start: [Position; N], plane: [usize; 2], centre: [Position; 2]) -> Result<Self, PathError> {
+        let [first, second] = plane;
+        let (Some(&x), Some(&y)) = (start.get(first), start.get(second)) else {
+            return Err(PathError::BadPlane);
+        };
+        if first == second {
+            return Err(PathError::BadPlane);
+        }
+        let radius = [x.beyond(centre[0]), y.beyond(centre[1])];
+        let length_of_radius = length_of(radius);
+        if length_of_radius < 1000 * u128::from(PER_NM.unsigned_abs()) {
+            return Err(PathError::ZeroRadius);
+        }
+        // 2πR, with R below 2⁵⁹, is below 2⁶².
+        let circumference = (length_of_radius * TAU_Q61) >> 61;
+        // 2^(shift + 64)/circumference has 63 or 64 bits; by the least radius the shift is 31 at least.
+        let phase_shift = circumference.ilog2() - 1;
+        #[expect(clippy::cast_possible_truncation, reason = "see above")]
+        Ok(Self {
+            start,
+            end: start,
+            plane,
+            centre,
+            radius,
+            phase_per_unit: ((1u128 << (phase_shift + 64)) / circumference) as u64,
+            phase_shift,
+            clockwise: false,
+            length: circumference as i64,
+            curvature_radius: length_of_radius as i64,
+            off: None,
+        })
     }
 
     /// Distance from start to end along the arc, position units.
@@ -91,23 +171,73 @@ impl<const N: usize> Arc<N> {
         self.length
     }
 
+    /// Length of the radius, position units.
+    #[must_use]
+    pub const fn curvature_radius(&self) -> i64 {
+        self.curvature_radius
+    }
+
     /// Where the arc ends.
     #[must_use]
     pub const fn end(&self) -> [Position; N] {
         self.end
     }
 
+    /// Direction of travel at a distance from the start, 62 fraction bits.
+    #[must_use]
+    pub fn direction(&self, distance: i64) -> [i64; N] {
+        let mut direction = [0; N];
+        let (sine, cosine) = self.phase(self.phase_of(distance));
+        // The radius of length one, turned by the phase and a quarter more.
+        let length = i128::from(self.curvature_radius.max(1));
+        #[expect(clippy::cast_possible_truncation, reason = "at most the length")]
+        let [x, y] = self.radius.map(|r| (i128::from(r) * i128::from(ONE) / length) as i64);
+        let sign = if self.clockwise { -1 } else { 1 };
+        let tangent = [
+            -(scaled::<62>(x, sine) + scaled::<62>(y, cosine)) * sign,
+            (scaled::<62>(x, cosine) - scaled::<62>(y, sine)) * sign,
+        ];
+        for (axis, along) in self.plane.into_iter().zip(tangent) {
+            if let Some(place) = direction.get_mut(axis) {
+                *place = along;
+            }
+        }
+        direction
+    }
+
     /// The point at a distance from the start.
     #[must_use]
     pub fn at(&self, distance: i64) -> [Position; N] {
-        let phase = (u128::from(distance.unsigned_abs()) * u128::from(self.phase_per_unit)) >> 32;
+        let mut point = self.turned(self.phase_of(distance));
+        if let Some(off) = &self.off {
+            let part = (u128::from(distance.unsigned_abs()) * u128::from(off.share_per_unit)) >> 64;
+            let part = u32::try_from(part).unwrap_or(u32::MAX);
+            for (axis, by) in self.plane.into_iter().zip(off.by) {
+                if let Some(place) = point.get_mut(axis) {
+                    *place = place.moved(share(by, part));
+                }
+            }
+        }
+        point
+    }
+
+    /// The phase for a distance, 2⁶⁴ a turn; whole turns drop out.
+    fn phase_of(&self, distance: i64) -> u64 {
+        let phase =
+            (u128::from(distance.unsigned_abs()) * u128::from(self.phase_per_unit)) >> self.phase_shift;
         #[expect(clippy::cast_possible_truncation, reason = "whole turns drop out")]
-        self.turned(phase as u64)
+        let phase = phase as u64;
+        phase
+    }
+
+    /// Sine and cosine of a phase in the arc's direction.
+    fn phase(&self, phase: u64) -> (i64, i64) {
+        sin_cos(if self.clockwise { phase.wrapping_neg() } else { phase })
     }
 
     /// The start point turned about the centre by a phase (2⁶⁴ a turn) in the arc's direction.
     fn turned(&self, phase: u64) -> [Position; N] {
-        let (sine, cosine) = sin_cos(if self.clockwise { phase.wrapping_neg() } else { phase });
+        let (sine, cosine) = self.phase(phase);
         let [dx, dy] = self.radius;
         let x = self.centre[0].moved(scaled::<62>(dx, cosine).wrapping_sub(scaled::<62>(dy, sine)));
         let y = self.centre[1].moved(scaled::<62>(dx, sine).wrapping_add(scaled::<62>(dy, cosine)));
@@ -121,6 +251,12 @@ impl<const N: usize> Arc<N> {
         }
         point
     }
+}
+
+/// √(x² + y²), rounded down.
+fn length_of(vector: [i64; 2]) -> u128 {
+    let [x, y] = vector.map(|r| u128::from(r.unsigned_abs()).pow(2));
+    (x + y).isqrt()
 }
 
 #[cfg(test)]

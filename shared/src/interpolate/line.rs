@@ -47,6 +47,12 @@ impl<const N: usize> Line<N> {
         self.length
     }
 
+    /// Direction, 62 fraction bits.
+    #[must_use]
+    pub const fn direction(&self) -> [i64; N] {
+        self.direction
+    }
+
     /// Where the line ends.
     #[must_use]
     pub const fn end(&self) -> [Position; N] {

@@ -1,18 +1,25 @@
 //! From blocks to a command position every tick.
 //!
 //! A [`Block`] in SI is planned once ([`planned`]): its geometry becomes a [`mod@line`] or an [`arc`]
-//! over the path length, its speed a [`trapezoid`] over time. All of it is integer.
+//! over the path length; its length over time becomes a [`profile`], whose ramps [`ramp`] plans, or an
+//! [`exponential`]. At a [`joint`] the path passes from block to block at speed, or stops. Behind it,
+//! [`smooth`] can filter each axis. All of it is integer.
 
 pub mod arc;
 pub mod block;
+pub mod exponential;
+pub mod joint;
 pub mod line;
 pub mod path;
 pub mod planned;
-pub mod trapezoid;
+pub mod profile;
+pub mod ramp;
+pub mod smooth;
 pub mod turn;
 
-pub use block::Block;
+pub use block::{Block, Joint, Ramps};
 pub use path::Path;
+pub use smooth::Smoothing;
 
 /// Why a block was refused. The path is as it was before.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -29,6 +36,13 @@ pub enum PathError {
     ZeroRadius,
     /// An arc names an axis that the machine has not, or one axis twice.
     BadPlane,
+    /// The end point of an arc is its start point: whether that is a full circle or none has to be
+    /// said in turns.
+    CoincidentEndPoints,
+    /// The end point of an arc lies further from the circle than [`arc::END_TOLERANCE_NM`].
+    EndOffArc,
+    /// The block would last longer than can be counted.
+    TooLong,
     /// The queue holds no more blocks.
     QueueFull,
 }
@@ -46,8 +60,14 @@ pub enum Field {
     Feed,
     /// Acceleration along the path.
     Acceleration,
+    /// Jerk along the path.
+    Jerk,
+    /// Tolerance of a joint.
+    Tolerance,
     /// Length of a dwell.
     Dwell,
+    /// Times of the filter behind the path.
+    Smoothing,
 }
 
 impl core::fmt::Display for PathError {
@@ -61,6 +81,11 @@ impl core::fmt::Display for PathError {
             Self::ZeroLength => write!(f, "the block ends where it starts"),
             Self::ZeroRadius => write!(f, "the arc's radius is below 1 µm"),
             Self::BadPlane => write!(f, "the arc's plane must name two different axes of the machine"),
+            Self::CoincidentEndPoints => {
+                write!(f, "the arc ends where it starts: a full circle is to be given in turns")
+            }
+            Self::EndOffArc => write!(f, "the arc's end point lies off its circle"),
+            Self::TooLong => write!(f, "the block lasts longer than the controller can count"),
             Self::QueueFull => write!(f, "the queue of blocks is full"),
         }
     }
@@ -75,4 +100,29 @@ pub(crate) fn scaled<const SHIFT: u32>(a: i64, b: i64) -> i64 {
     #[expect(clippy::cast_possible_truncation, reason = "callers keep |a·b| below 2^(63 + SHIFT)")]
     let scaled = (product >> SHIFT) as i64;
     scaled
+}
+
+/// `value`·`part`/2³², rounded down.
+#[must_use]
+pub(crate) fn share(value: i64, part: u32) -> i64 {
+    let (high, low) = (value >> 32, value & 0xffff_ffff);
+    let low = (low.cast_unsigned() * u64::from(part)) >> 32;
+    (high.wrapping_mul(i64::from(part))).wrapping_add(low.cast_signed())
+}
+
+/// Fraction bits of positions and speeds that are added up.
+pub(crate) const FRACTION: u32 = 64;
+
+/// Whole position units of a distance with 64 fraction bits.
+#[must_use]
+pub(crate) const fn whole(distance: i128) -> i64 {
+    (distance >> FRACTION) as i64
+}
+
+/// A speed with 16 fraction bits, of one with 64, which is not negative.
+#[must_use]
+pub(crate) const fn speed(velocity: i128) -> u64 {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "feeds are below 2⁵⁷")]
+    let speed = (velocity >> (FRACTION - 16)) as u64;
+    speed
 }

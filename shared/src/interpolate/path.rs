@@ -1,26 +1,45 @@
-//! The queue of planned blocks and the place that has been reached.
+//! The queue of planned blocks, how fast they pass into each other, and the place that has been reached.
 
 use heapless::Deque;
 
-use super::PathError;
 use super::block::Block;
-use super::planned::Planned;
-use super::trapezoid::Progress;
+use super::planned::{Planned, Progress};
+use super::profile::Step;
+use super::ramp::TICK;
+use super::smooth::{self, Filter, Rounding, Smoothing};
+use super::{FRACTION, PathError, joint, whole};
 use crate::units::Position;
 
-/// Blocks that wait, at the most.
+/// Blocks that the queue holds, the one that is being travelled among them.
 pub const QUEUE: usize = 16;
 
-/// A path of exact stops: each block ends at rest before the next one starts.
+/// A path through N axes, and the filter of each axis behind it.
 #[derive(Clone, Debug)]
 pub struct Path<const N: usize> {
-    waiting: Deque<Planned<N>, QUEUE>,
-    current: Option<Planned<N>>,
-    progress: Progress,
+    blocks: Deque<Planned<N>, QUEUE>,
+    /// How far the first block has come, once it has been started.
+    progress: Option<Progress>,
+    braking: Option<Brake>,
+    /// The place on the path, and where the filters have brought the command behind it.
+    place: [Position; N],
     command: [Position; N],
+    filters: [Filter; N],
+    behind: [smooth::State; N],
+    rounding: Rounding,
     /// Where the last planned block ends: the start of the next one.
     planned_to: [Position; N],
     rate_hz: f64,
+}
+
+/// A stop along the path.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct Brake {
+    /// Per tick² with 16 fraction bits.
+    deceleration: u64,
+    /// Per tick with 16 fraction bits.
+    speed: u64,
+    /// Along the first block, position units with 64 fraction bits.
+    distance: i128,
 }
 
 impl<const N: usize> Path<N> {
@@ -28,36 +47,111 @@ impl<const N: usize> Path<N> {
     #[must_use]
     pub fn new(start: [Position; N], rate_hz: f64) -> Self {
         Self {
-            waiting: Deque::new(),
-            current: None,
-            progress: Progress::default(),
+            blocks: Deque::new(),
+            progress: None,
+            braking: None,
+            place: start,
             command: start,
+            filters: [Filter::Pass; N],
+            behind: start.map(smooth::State::at),
+            rounding: Filter::Pass.rounding(),
             planned_to: start,
             rate_hz,
         }
     }
 
-    /// Plans a block and puts it at the end of the queue. Not part of a tick.
+    /// Puts filters behind the path; to be done while it has no blocks.
+    ///
+    /// # Errors
+    /// The [`PathError`] that names what is wrong with one; the path is unchanged.
+    pub fn smooth(&mut self, smoothing: &[Smoothing; N]) -> Result<(), PathError> {
+        let mut filters = [Filter::Pass; N];
+        let mut rounding: Option<Rounding> = None;
+        for (filter, smoothing) in filters.iter_mut().zip(smoothing) {
+            *filter = Filter::new(smoothing, self.rate_hz)?;
+            let this = filter.rounding();
+            rounding = Some(rounding.map_or(this, |other| other.worse(this)));
+        }
+        self.filters = filters;
+        self.rounding = rounding.unwrap_or_else(|| Filter::Pass.rounding());
+        Ok(())
+    }
+
+    /// Plans a block, puts it at the end of the queue and lets those before it pass into it. Not part of a
+    /// tick. A block that is being travelled already stops at its end if it was to do so.
     ///
     /// # Errors
     /// The [`PathError`] that names what is wrong; the path is unchanged.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
-        let planned = Planned::new(block, self.planned_to, self.rate_hz)?;
-        self.waiting.push_back(planned).map_err(|_| PathError::QueueFull)?;
+        let mut planned = Planned::new(block, self.planned_to, self.rate_hz, &self.rounding)?;
+        if self.blocks.is_full() {
+            return Err(PathError::QueueFull);
+        }
+        let started = usize::from(self.progress.is_some());
+        let waits = self.blocks.len() > started;
+        if let Some(last) = self.blocks.back_mut().filter(|_| waits) {
+            planned.enters = last.joint_with(&planned, &self.rounding);
+            last.leaves = planned.enters;
+        }
         self.planned_to = planned.end();
+        let _ = self.blocks.push_back(planned);
+        if !self.look_ahead() {
+            self.stop_before_last();
+            let _ = self.look_ahead();
+        }
         Ok(())
+    }
+
+    /// Finds the speeds at the joints: backwards, so that each block can slow down to the next, then forwards,
+    /// so that each can speed up from the one before.
+    ///
+    /// False, with nothing changed, where the block that is entered next cannot be: what the last joint takes of
+    /// its acceleration would leave too little.
+    fn look_ahead(&mut self) -> bool {
+        let started = usize::from(self.progress.is_some());
+        let mut entries = [0; QUEUE + 1];
+        let mut exit = 0;
+        for (entry, block) in entries.iter_mut().zip(&self.blocks).skip(started).rev() {
+            *entry = block.reachable(exit, block.enters.speed);
+            exit = *entry;
+        }
+        let mut entry = self.blocks.front().filter(|_| started > 0).map_or(0, |block| block.exit);
+        if exit < entry {
+            return false;
+        }
+        for (most, block) in entries[1..].iter().skip(started).zip(self.blocks.iter_mut().skip(started)) {
+            let exit = block.reachable(entry, *most);
+            block.pass(entry, exit);
+            entry = exit;
+        }
+        true
+    }
+
+    /// Takes the last joint back.
+    fn stop_before_last(&mut self) {
+        let mut last = self.blocks.iter_mut().rev();
+        if let Some(block) = last.next() {
+            block.enters = joint::Joint::default();
+        }
+        if let Some(block) = last.next() {
+            block.leaves = joint::Joint::default();
+        }
     }
 
     /// Whether another block would find a place.
     #[must_use]
     pub fn has_room(&self) -> bool {
-        !self.waiting.is_full()
+        !self.blocks.is_full()
     }
 
-    /// Whether every block has been travelled.
+    /// Whether every block has been travelled, and the command stands on the end of the last.
     #[must_use]
     pub fn is_done(&self) -> bool {
-        self.current.is_none() && self.waiting.is_empty()
+        self.blocks.is_empty() && self.is_settled()
+    }
+
+    fn is_settled(&self) -> bool {
+        self.behind.iter().zip(&self.filters).all(|(behind, filter)| behind.is_settled(filter))
     }
 
     /// The command that [`Path::advance`] gave last.
@@ -68,22 +162,94 @@ impl<const N: usize> Path<N> {
 
     /// Forgets every block and stands at a place.
     pub fn stand_at(&mut self, place: [Position; N]) {
-        *self = Self::new(place, self.rate_hz);
+        self.blocks.clear();
+        self.progress = None;
+        self.braking = None;
+        (self.place, self.command, self.planned_to) = (place, place, place);
+        for (behind, place) in self.behind.iter_mut().zip(place) {
+            behind.stand_at(place);
+        }
+    }
+
+    /// Starts a stop along the path with a deceleration, per tick² with 16 fraction bits, or with that of
+    /// the block where that is more: so that the path ends no later than planned.
+    pub fn brake(&mut self, deceleration: u64) {
+        if self.braking.is_some() {
+            return;
+        }
+        let (distance, speed) = self.progress.map_or((0, 0), |at| (at.distance(), at.speed()));
+        self.braking = Some(Brake { deceleration, speed, distance: i128::from(distance) << FRACTION });
+    }
+
+    /// Whether a stop has been asked for and the command stands.
+    #[must_use]
+    pub fn has_stopped(&self) -> bool {
+        self.braking.is_some_and(|brake| brake.speed == 0) && self.is_settled()
     }
 
     /// Goes one tick on.
     pub fn advance(&mut self) -> [Position; N] {
-        if self.current.is_none() {
-            self.current = self.waiting.pop_front();
-            self.progress = Progress::default();
+        match self.braking {
+            None => self.along(),
+            Some(brake) => self.braking = Some(self.along_braking(brake)),
         }
-        if let Some(block) = &self.current {
-            let (command, ended) = block.advance(&mut self.progress);
-            self.command = command;
-            if ended {
-                self.current = None;
-            }
+        for (((command, behind), filter), place) in
+            self.command.iter_mut().zip(&mut self.behind).zip(&self.filters).zip(self.place)
+        {
+            *command = behind.step(filter, place);
         }
         self.command
+    }
+
+    /// The place on the path a tick further on. Blocks are changed within the tick, where none of them stops.
+    fn along(&mut self) {
+        let mut time = TICK;
+        for _ in 0..QUEUE {
+            let Some(block) = self.blocks.front() else { return };
+            let mut progress = match self.progress {
+                Some(progress) => progress,
+                None if block.entry > 0 || self.is_settled() => block.start(),
+                None => return,
+            };
+            match block.advance(&mut progress, time) {
+                Step::Within(distance) => {
+                    self.place = block.at(distance);
+                    self.progress = Some(progress);
+                    return;
+                }
+                Step::Beyond(rest) => {
+                    self.place = block.end();
+                    self.progress = None;
+                    let stops = block.exit == 0;
+                    let _ = self.blocks.pop_front();
+                    if stops {
+                        return;
+                    }
+                    time = rest;
+                }
+            }
+        }
+    }
+
+    /// The same with a speed that falls to nothing.
+    fn along_braking(&mut self, mut brake: Brake) -> Brake {
+        let Some(block) = self.blocks.front() else { return Brake { speed: 0, ..brake } };
+        brake.speed = brake.speed.saturating_sub(brake.deceleration.max(block.acceleration()));
+        brake.distance += i128::from(brake.speed) << (FRACTION - 16);
+        let beyond = brake.distance - (i128::from(block.length()) << FRACTION);
+        if beyond < 0 {
+            self.place = block.at(whole(brake.distance));
+        } else {
+            self.place = block.end();
+            if block.exit == 0 {
+                return Brake { speed: 0, ..brake };
+            }
+            brake.distance = beyond;
+            let _ = self.blocks.pop_front();
+            if let Some(next) = self.blocks.front() {
+                self.place = next.at(whole(beyond));
+            }
+        }
+        brake
     }
 }

@@ -1,20 +1,41 @@
-//! A block made ready for the tick: geometry and speed profile in machine units.
+//! A block made ready for the tick: geometry and length over time in machine units.
 
 use super::arc::Arc;
-use super::block::{Block, Shape};
+use super::block::{self, Block, Ramps, Shape};
+use super::exponential::{self, Exponential};
+use super::joint::{End, Joint};
 use super::line::Line;
-use super::trapezoid::{Limits, Progress, Trapezoid};
+use super::profile::{self, Profile, Step};
+use super::ramp::{Limits, MOST_TICKS, TICK};
+use super::smooth::Rounding;
 use super::{Field, PathError};
-use crate::units::{PER_M, Position};
+use crate::units::{self, PER_M, Position};
 
-/// Longest dwell, s: a day.
-const LONGEST_DWELL_S: f64 = 86_400.0;
+/// Fraction bits of speeds, accelerations and jerks.
+const ONE: f64 = 65_536.0;
+
+/// Greatest speed, position units per tick: 2 m/s at 1 kHz, 40 m/s at 20 kHz.
+const MOST_FEED: f64 = 2_199_023_255_552.0;
 
 /// A planned block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Planned<const N: usize> {
     geometry: Geometry<N>,
-    profile: Trapezoid,
+    time: Time,
+    /// What the time was planned within: `limits` but for what the joints take.
+    timed_within: Limits,
+    limits: Limits,
+    ramps: Kind,
+    /// Position units; `None`: stop.
+    tolerance: Option<u64>,
+    /// Speed at which the block is entered, per tick with 16 fraction bits.
+    pub entry: u64,
+    /// Speed at which it is left; 0: the path stops there, and waits for the filters behind it.
+    pub exit: u64,
+    /// The joint with the block before.
+    pub enters: Joint,
+    /// The joint with the block behind.
+    pub leaves: Joint,
 }
 
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -24,43 +45,175 @@ enum Geometry<const N: usize> {
     Arc(Arc<N>),
 }
 
+/// Length over time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Time {
+    Pieces(Profile),
+    Lag(Exponential),
+}
+
+/// What the speeds at the ends may be.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Kind {
+    /// Anything that is within reach.
+    Ramps,
+    /// Nothing but rest.
+    FromRest,
+    /// Nothing but the feed.
+    Steady,
+}
+
+/// How far a block has come.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Progress {
+    /// Of a curve in pieces.
+    Pieces(profile::Progress),
+    /// Of an exponential.
+    Lag(exponential::Progress),
+}
+
 impl<const N: usize> Planned<N> {
-    /// Plans a block that starts at `start`, for a command every 1/`rate_hz`.
+    /// Plans a block that starts at `start`, from rest to rest, for a command every 1/`rate_hz` and filters
+    /// behind the path that round as `rounding` says.
     ///
     /// # Errors
     /// The [`PathError`] that names what is wrong with the block.
-    pub fn new(block: &Block<N>, start: [Position; N], rate_hz: f64) -> Result<Self, PathError> {
-        let geometry = match block.shape {
-            Shape::Dwell { seconds } => {
-                let ticks = whole(seconds * rate_hz, LONGEST_DWELL_S * rate_hz, Field::Dwell)?;
-                return Ok(Self { geometry: Geometry::Stand(start), profile: Trapezoid::dwell(ticks) });
-            }
-            Shape::Line { to_m } => {
-                let mut end = start;
-                for (place, &m) in end.iter_mut().zip(&to_m) {
-                    *place = position(m, Field::EndPoint)?;
-                }
-                Geometry::Line(Line::plan(start, end)?)
-            }
-            Shape::Arc { plane, centre_m: [x, y], turns } => {
-                let centre = [position(x, Field::Centre)?, position(y, Field::Centre)?];
-                Geometry::Arc(Arc::plan(start, plane.map(usize::from), centre, turns)?)
+    pub fn new(
+        block: &Block<N>,
+        start: [Position; N],
+        rate_hz: f64,
+        rounding: &Rounding,
+    ) -> Result<Self, PathError> {
+        let tolerance = match block.joint {
+            block::Joint::Stop => None,
+            block::Joint::Within { tolerance_m } => {
+                Some(whole(tolerance_m * PER_M, 0.0, units::TRAVEL_LIMIT_M * PER_M, Field::Tolerance)?)
             }
         };
-        let limits = Limits {
-            feed: whole(block.feed_m_per_s * PER_M / rate_hz, 1e15, Field::Feed)?,
-            acceleration: whole(
-                block.acceleration_m_per_s2 * PER_M / (rate_hz * rate_hz),
-                1e15,
-                Field::Acceleration,
-            )?,
+        let geometry = Geometry::plan(&block.shape, start)?;
+        let rest = Self {
+            geometry,
+            time: Time::Pieces(Profile::default()),
+            timed_within: Limits::new(0, 0, None),
+            limits: Limits::new(0, 0, None),
+            ramps: Kind::FromRest,
+            tolerance,
+            entry: 0,
+            exit: 0,
+            enters: Joint::default(),
+            leaves: Joint::default(),
         };
-        let length = match &geometry {
+        if let Shape::Dwell { seconds } = block.shape {
+            let ticks = whole(seconds * rate_hz, 1.0, MOST_TICKS as f64 - 1.0, Field::Dwell)?;
+            return Ok(Self { time: Time::Pieces(Profile::dwell(ticks)), tolerance: None, ..rest });
+        }
+        let mut limits = limits(block, rate_hz)?;
+        if let Geometry::Arc(arc) = &geometry {
+            limits = limits.on_radius(arc.curvature_radius());
+        }
+        let ramps = match block.ramps {
+            Ramps::Trapezoid | Ramps::SCurve { .. } => Kind::Ramps,
+            Ramps::Exponential => Kind::FromRest,
+            Ramps::AfterInterpolation => {
+                let stretched = (u128::from(limits.acceleration) * u128::from(rounding.stretch)) >> 16;
+                limits.feed = limits.feed.min(u64::try_from(stretched).unwrap_or(u64::MAX)).max(1);
+                Kind::Steady
+            }
+        };
+        let mut planned = Self { limits, timed_within: limits, ramps, ..rest };
+        planned.time = planned.timed()?;
+        Ok(planned)
+    }
+
+    /// Plans the time again between speeds that look-ahead has found for its ends.
+    pub fn pass(&mut self, entry: u64, exit: u64) {
+        let limits = self.limits_of_ramps();
+        if (entry, exit) == (self.entry, self.exit) && limits == self.timed_within {
+            return;
+        }
+        (self.entry, self.exit, self.timed_within) = (entry, exit, limits);
+        // Faster ends take less time: what was not too long does not become it.
+        if let Ok(time) = self.timed() {
+            self.time = time;
+        }
+    }
+
+    fn timed(&self) -> Result<Time, PathError> {
+        let length = self.length();
+        Ok(match self.ramps {
+            _ if length == 0 => self.time,
+            Kind::Ramps => Time::Pieces(Profile::plan(length, self.entry, self.exit, &self.timed_within)?),
+            Kind::Steady => Time::Pieces(Profile::steady(length, self.limits.feed)?),
+            Kind::FromRest => Time::Lag(Exponential::plan(length, &self.limits)?),
+        })
+    }
+
+    fn limits_of_ramps(&self) -> Limits {
+        self.limits.beside(&self.enters, &self.leaves)
+    }
+
+    /// How the path passes from this block to the next.
+    #[must_use]
+    pub fn joint_with(&self, next: &Self, rounding: &Rounding) -> Joint {
+        let (Some(tolerance), Some((_, from)), Some((to, _))) = (self.tolerance, self.ends(), next.ends())
+        else {
+            return Joint::default();
+        };
+        let limits = self.limits.both(&next.limits);
+        let between = |ramps| Joint::between(&from, &to, &limits, ramps, rounding, tolerance);
+        match (self.ramps, next.ramps) {
+            (Kind::Ramps, Kind::Ramps) => between(self.limits.acceleration.max(next.limits.acceleration)),
+            // Without ramps it is the feed of both or nothing.
+            (Kind::Steady, Kind::Steady) if self.limits.feed == next.limits.feed => {
+                Some(between(0)).filter(|joint| joint.speed == limits.feed).unwrap_or_default()
+            }
+            _ => Joint::default(),
+        }
+    }
+
+    /// The greatest speed up to `most` at one end for a speed at the other.
+    #[must_use]
+    pub fn reachable(&self, speed: u64, most: u64) -> u64 {
+        match self.ramps {
+            Kind::Ramps if most > speed => {
+                super::ramp::reachable(self.length(), speed, most, &self.limits_of_ramps())
+            }
+            _ => most,
+        }
+    }
+
+    /// Direction and curvature at both ends, where there is a direction.
+    fn ends(&self) -> Option<(End<N>, End<N>)> {
+        match &self.geometry {
+            Geometry::Stand(_) => None,
+            Geometry::Line(line) => {
+                let end = End { direction: line.direction(), radius: None };
+                Some((end, end))
+            }
+            Geometry::Arc(arc) => {
+                let end = |distance| End {
+                    direction: arc.direction(distance),
+                    radius: Some(arc.curvature_radius()),
+                };
+                Some((end(0), end(arc.length())))
+            }
+        }
+    }
+
+    /// Distance from start to end, position units.
+    #[must_use]
+    pub const fn length(&self) -> i64 {
+        match &self.geometry {
             Geometry::Stand(_) => 0,
             Geometry::Line(line) => line.length(),
             Geometry::Arc(arc) => arc.length(),
-        };
-        Ok(Self { geometry, profile: Trapezoid::plan(length, limits) })
+        }
+    }
+
+    /// Greatest acceleration along the path, per tick² with 16 fraction bits.
+    #[must_use]
+    pub const fn acceleration(&self) -> u64 {
+        self.limits.acceleration
     }
 
     /// Where the block ends.
@@ -73,26 +226,98 @@ impl<const N: usize> Planned<N> {
         }
     }
 
-    /// Ticks from start to end.
+    /// The start of the block.
     #[must_use]
-    pub const fn ticks(&self) -> u64 {
-        self.profile.ticks()
+    pub const fn start(&self) -> Progress {
+        match &self.time {
+            Time::Pieces(profile) => Progress::Pieces(profile.start()),
+            Time::Lag(_) => Progress::Lag(exponential::Progress::START),
+        }
     }
 
-    /// Goes one tick on. The command, and whether the block has ended with it.
+    /// Goes on by a part of a tick.
     #[must_use]
-    pub fn advance(&self, progress: &mut Progress) -> ([Position; N], bool) {
-        let (distance, ended) = self.profile.advance(progress);
-        if ended {
-            return (self.end(), true);
+    pub fn advance(&self, progress: &mut Progress, time: u64) -> Step {
+        match (&self.time, progress) {
+            (Time::Pieces(profile), Progress::Pieces(progress)) => profile.advance(progress, time),
+            (Time::Lag(curve), Progress::Lag(progress)) => match curve.advance(progress) {
+                (_, true) => Step::Beyond(0),
+                (distance, false) => Step::Within(distance),
+            },
+            // A block advances its own progress only.
+            _ => Step::Beyond(TICK),
         }
-        let point = match &self.geometry {
+    }
+
+    /// The point at a distance from the start.
+    #[must_use]
+    pub fn at(&self, distance: i64) -> [Position; N] {
+        match &self.geometry {
             Geometry::Stand(place) => *place,
             Geometry::Line(line) => line.at(distance),
             Geometry::Arc(arc) => arc.at(distance),
-        };
-        (point, false)
+        }
     }
+}
+
+impl Progress {
+    /// Position units from the start of the block.
+    #[must_use]
+    pub const fn distance(&self) -> i64 {
+        match self {
+            Self::Pieces(progress) => progress.distance(),
+            Self::Lag(progress) => progress.distance(),
+        }
+    }
+
+    /// Speed, per tick with 16 fraction bits.
+    #[must_use]
+    pub const fn speed(&self) -> u64 {
+        match self {
+            Self::Pieces(progress) => progress.speed(),
+            Self::Lag(progress) => progress.speed(),
+        }
+    }
+}
+
+impl<const N: usize> Geometry<N> {
+    fn plan(shape: &Shape<N>, start: [Position; N]) -> Result<Self, PathError> {
+        let centre = |[x, y]: [f64; 2]| Ok([position(x, Field::Centre)?, position(y, Field::Centre)?]);
+        Ok(match *shape {
+            Shape::Dwell { .. } => Self::Stand(start),
+            Shape::Line { to_m } => {
+                let mut end = start;
+                for (place, &m) in end.iter_mut().zip(&to_m) {
+                    *place = position(m, Field::EndPoint)?;
+                }
+                Self::Line(Line::plan(start, end)?)
+            }
+            Shape::Arc { plane, centre_m, turns } => {
+                Self::Arc(Arc::plan(start, plane.map(usize::from), centre(centre_m)?, turns)?)
+            }
+            Shape::ArcTo { plane, centre_m, to_m: [x, y], positive } => {
+                let end = [position(x, Field::EndPoint)?, position(y, Field::EndPoint)?];
+                Self::Arc(Arc::plan_to(start, plane.map(usize::from), centre(centre_m)?, end, positive)?)
+            }
+        })
+    }
+}
+
+/// Feed, acceleration and jerk of a block per tick with 16 fraction bits, rounded down so that they are kept.
+fn limits<const N: usize>(block: &Block<N>, rate_hz: f64) -> Result<Limits, PathError> {
+    let feed = block.feed_m_per_s * PER_M / rate_hz;
+    let acceleration = block.acceleration_m_per_s2 * PER_M / (rate_hz * rate_hz);
+    let jerk = match block.ramps {
+        Ramps::SCurve { jerk_m_per_s3 } => {
+            let jerk = jerk_m_per_s3 * PER_M / (rate_hz * rate_hz * rate_hz);
+            Some(whole(jerk * ONE, 1.0, MOST_FEED * ONE, Field::Jerk)?)
+        }
+        _ => None,
+    };
+    // A feed below one position unit a tick would be lost in rounding.
+    let feed = whole(feed * ONE, ONE, MOST_FEED * ONE, Field::Feed)?;
+    let acceleration = whole(acceleration * ONE, 1.0, MOST_FEED * ONE, Field::Acceleration)?;
+    Ok(Limits::new(feed, acceleration, jerk))
 }
 
 fn position(m: f64, field: Field) -> Result<Position, PathError> {
@@ -102,17 +327,21 @@ fn position(m: f64, field: Field) -> Result<Position, PathError> {
     Position::from_m(m).ok_or(PathError::TooLarge(field))
 }
 
-/// A number that must be at least 1 and at most `most`, rounded down so that a limit is kept.
-fn whole(value: f64, most: f64, field: Field) -> Result<u64, PathError> {
+/// A number from `least` to `most`, rounded down.
+fn whole(value: f64, least: f64, most: f64, field: Field) -> Result<u64, PathError> {
     if !value.is_finite() {
         return Err(PathError::NotFinite(field));
     }
-    if value < 1.0 {
+    if value < least {
         return Err(PathError::NotPositive(field));
     }
     if value > most {
         return Err(PathError::TooLarge(field));
     }
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1 ≤ value ≤ most")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "0 ≤ least ≤ value ≤ most < 2⁶⁴"
+    )]
     Ok(value as u64)
 }

@@ -1,0 +1,300 @@
+//! What a path promises, seen from outside: every command against geometry computed in f64, whose 53 bits
+//! hold 2 m to 0.4 fm.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::f64::consts::{E, TAU};
+
+use proptest::prelude::*;
+use shared::interpolate::{Block, Path, Ramps, Smoothing};
+use shared::units::{PER_M, Position};
+
+type Point = [f64; 2];
+
+fn at(point: Point) -> [Position; 2] {
+    point.map(|m| Position::from_m(m).unwrap())
+}
+
+/// All commands, with the start before them and some standstill behind.
+fn travel(start: Point, rate_hz: f64, smoothing: Smoothing, blocks: &[Block<2>]) -> Vec<[Position; 2]> {
+    let mut path = Path::new(at(start), rate_hz);
+    path.smooth(&[smoothing; 2]).unwrap();
+    let mut blocks = blocks.iter();
+    let mut next = blocks.next();
+    let mut commands = vec![path.command(); 4];
+    loop {
+        while let Some(block) = next
+            && path.has_room()
+        {
+            path.push(block).unwrap();
+            next = blocks.next();
+        }
+        if path.is_done() {
+            commands.extend([path.command(); 4]);
+            return commands;
+        }
+        commands.push(path.advance());
+        assert!(commands.len() < 5_000_000, "no end");
+    }
+}
+
+fn metres(commands: &[[Position; 2]]) -> Vec<Point> {
+    commands.iter().map(|point| point.map(Position::to_m)).collect()
+}
+
+/// Greatest length of the n-th difference of the commands, SI.
+fn greatest(commands: &[[Position; 2]], rate_hz: f64, order: u32) -> f64 {
+    let mut rows: Vec<[i64; 2]> = commands.iter().map(|point| point.map(|place| place.0)).collect();
+    for _ in 0..order {
+        rows = rows.windows(2).map(|w| [w[1][0] - w[0][0], w[1][1] - w[0][1]]).collect();
+    }
+    let most = rows.iter().map(|[x, y]| (*x as f64).hypot(*y as f64)).fold(0.0, f64::max);
+    most / PER_M * rate_hz.powi(order.cast_signed())
+}
+
+/// What rounding of both axes to position units can add to the n-th difference: 2ⁿ half units each.
+fn quantum(rate_hz: f64, order: u32) -> f64 {
+    f64::from(1 << order) * 0.5 * 2f64.sqrt() / PER_M * rate_hz.powi(order.cast_signed())
+}
+
+fn from_line([x, y]: Point, [ax, ay]: Point, [bx, by]: Point) -> f64 {
+    let (dx, dy) = (bx - ax, by - ay);
+    let along = (((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)).clamp(0.0, 1.0);
+    (x - ax - along * dx).hypot(y - ay - along * dy)
+}
+
+fn ramps() -> impl Strategy<Value = Ramps> {
+    prop_oneof![
+        Just(Ramps::Trapezoid),
+        Just(Ramps::Exponential),
+        (20.0..5000.0f64).prop_map(|jerk_m_per_s3| Ramps::SCurve { jerk_m_per_s3 }),
+    ]
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 1 } else { 48 }))]
+
+    /// Radii up to 1 m anywhere on ±2 m: within 0.5 nm of the circle at every tick, closed exactly, and
+    /// within feed, acceleration (of both axes together) and jerk at every tick, to 1e-6 and the rounding to
+    /// position units.
+    #[test]
+    fn a_circle_is_exact_and_keeps_its_limits(
+        centre in [-1.0..1.0f64, -1.0..1.0], radius in 1e-3..1.0f64, angle in 0.0..TAU, ramps in ramps(),
+        turns in prop::sample::select(vec![1.0, -1.0, 2.0]), feed in 0.05..1.0f64, acceleration in 0.5..20.0f64,
+    ) {
+        let rate = 4000.0;
+        prop_assume!(TAU * radius / feed < 20.0);
+        let start = [centre[0] + radius * angle.cos(), centre[1] + radius * angle.sin()];
+        let block = Block::arc([0, 1], centre, turns, feed, acceleration).with_ramps(ramps);
+        let commands = travel(start, rate, Smoothing::None, &[block]);
+        prop_assert_eq!(commands.last(), commands.first(), "not closed");
+        // The start is rounded to position units: the circle goes through that.
+        let of = |[x, y]: Point| (x - Position::from_m(centre[0]).unwrap().to_m()).hypot(y - Position::from_m(centre[1]).unwrap().to_m());
+        let points = metres(&commands);
+        let exact = of(points[0]);
+        let worst = points.iter().map(|&point| (of(point) - exact).abs()).fold(0.0, f64::max);
+        prop_assert!(worst < 0.5e-9, "{worst:e} m off");
+        let kept = |limit: f64, order| greatest(&commands, rate, order) <= limit * (1.0 + 1e-6) + quantum(rate, order);
+        prop_assert!(kept(feed, 1));
+        prop_assert!(kept(acceleration, 2), "{} m/s² of {acceleration}", greatest(&commands, rate, 2));
+        if let Ramps::SCurve { jerk_m_per_s3 } = ramps {
+            prop_assert!(kept(jerk_m_per_s3, 3), "{} m/s³ of {jerk_m_per_s3}", greatest(&commands, rate, 3));
+        }
+    }
+
+    /// Any chain of lines, joined within any tolerance: on the path to 0.5 nm (there are no filters to round
+    /// it), each end met, within all limits, and the last point exactly the programmed one.
+    #[test]
+    fn a_chain_of_lines_is_exact_and_keeps_its_limits(
+        points in prop::collection::vec([-2.0..2.0f64, -2.0..2.0], 2..6), step in 1e-4..1e-1f64,
+        jerk in prop::option::of(50.0..5000.0f64), tolerance in 0.0..1e-4f64,
+        feed in 0.05..1.0f64, acceleration in 1.0..20.0f64,
+    ) {
+        let rate = 2000.0;
+        // Short hops around a place anywhere on the travel.
+        let corners: Vec<Point> = points.iter().enumerate().map(|(k, [x, y])| {
+            let near = if k == 0 { 0.0 } else { step };
+            [points[0][0] + (x - points[0][0]) * near, points[0][1] + (y - points[0][1]) * near]
+        }).collect();
+        prop_assume!(corners.windows(2).all(|w| (w[0][0] - w[1][0]).hypot(w[0][1] - w[1][1]) > 1e-9));
+        let ramps = jerk.map_or(Ramps::Trapezoid, |jerk_m_per_s3| Ramps::SCurve { jerk_m_per_s3 });
+        let blocks: Vec<_> = corners[1..].iter()
+            .map(|&to| Block::line(to, feed, acceleration).with_ramps(ramps).within(tolerance)).collect();
+        let commands = travel(corners[0], rate, Smoothing::None, &blocks);
+        prop_assert_eq!(*commands.last().unwrap(), at(*corners.last().unwrap()));
+        let worst = metres(&commands).iter().map(|&point| {
+            corners.windows(2).map(|w| from_line(point, w[0], w[1])).fold(f64::MAX, f64::min)
+        }).fold(0.0, f64::max);
+        prop_assert!(worst < 0.5e-9, "{worst:e} m off");
+        let kept = |limit: f64, order| greatest(&commands, rate, order) <= limit * (1.0 + 1e-6) + quantum(rate, order);
+        prop_assert!(kept(feed, 1), "{} m/s of {feed}", greatest(&commands, rate, 1));
+        prop_assert!(kept(acceleration, 2), "{} m/s² of {acceleration}", greatest(&commands, rate, 2));
+        if let Some(jerk) = jerk {
+            prop_assert!(kept(jerk, 3), "{} m/s³ of {jerk}", greatest(&commands, rate, 3));
+        }
+    }
+
+    /// With filters behind the path a corner is passed at speed and rounded by no more than the tolerance, and by
+    /// no less than a third of it where the tolerance is what limits: it is more than twice what the ramps
+    /// beside the corner make with v = 0 (u·A·T²/48, of the lag u·A·τ²/e), and less than what half the
+    /// acceleration, spared for the joint, allows (½A·T·T/8, of the lag ½A·τ·τ/e).
+    #[test]
+    fn a_corner_is_rounded_within_its_tolerance(
+        angle in 0.1..3.0f64, tolerance in 1e-6..100e-6f64, which in 0..3usize, s_curve in any::<bool>(),
+    ) {
+        let (rate, acceleration) = (4000.0, 1.0);
+        let smoothing = [
+            Smoothing::Trapezoid { time_s: 0.04 },
+            Smoothing::SCurve { time_s: 0.03, jerk_time_s: 0.01 },
+            Smoothing::Exponential { time_constant_s: 0.02 },
+        ][which];
+        let ramps = if s_curve { Ramps::SCurve { jerk_m_per_s3: 1e5 } } else { Ramps::Trapezoid };
+        let corners = [[0.0, 0.0], [0.05, 0.0], [0.05 + 0.05 * angle.cos(), 0.05 * angle.sin()]];
+        let blocks = corners[1..].iter().map(|&to| Block::line(to, 0.5, acceleration).with_ramps(ramps).within(tolerance));
+        let commands = travel(corners[0], rate, smoothing, &blocks.collect::<Vec<_>>());
+        prop_assert_eq!(*commands.last().unwrap(), at(corners[2]));
+        let worst = metres(&commands).iter()
+            .map(|&point| from_line(point, corners[0], corners[1]).min(from_line(point, corners[1], corners[2])))
+            .fold(0.0, f64::max);
+        prop_assert!(worst <= tolerance + 1e-9, "{worst:e} m of {tolerance:e}");
+        // Off the nearest of two lines is at most the cosine of half the turn of what it is off the corner.
+        let u = 2.0 * (angle / 2.0).sin();
+        let (by_ramps, spared) = [
+            (0.04f64.powi(2) / 48.0, 0.04f64.powi(2) / 16.0),
+            ((0.03f64.powi(2) + 0.01f64.powi(2)) / 48.0, 0.03f64.powi(2) / 16.0),
+            (0.02f64.powi(2) / E, 0.02f64.powi(2) / E / 2.0),
+        ][which];
+        if tolerance > 2.0 * by_ramps * u * acceleration && tolerance < spared * acceleration {
+            let least = tolerance / 3.0 * (angle / 2.0).cos();
+            prop_assert!(worst >= least, "{worst:e} m, expected more than {least:e}");
+        }
+    }
+}
+
+/// 2π·50 mm in chords of 0.1 mm. What limits is the queue: its end has to be within reach at every time. When a
+/// block is begun, 14 lie behind it, for this host pushes between ticks; and a joint, which turns by 2 mrad,
+/// takes v·u/T = 0.1 m/s² of the acceleration: v = √(2·0.9·1.4 mm) = 50 mm/s, all the way round.
+#[test]
+fn look_ahead_carries_speed_over_short_blocks() {
+    let (radius, count, feed, acceleration) = (0.05, 3142, 0.1, 1.0);
+    let point =
+        |k: i32| [radius * (TAU * f64::from(k) / 3142.0).cos(), radius * (TAU * f64::from(k) / 3142.0).sin()];
+    let chords = |ramps| -> Vec<_> {
+        (1..=count)
+            .map(|k| Block::line(point(k), feed, acceleration).with_ramps(ramps).within(1e-6))
+            .collect()
+    };
+    let length = f64::from(count) * 2.0 * radius * (TAU / 3142.0 / 2.0).sin();
+    for ramps in [Ramps::Trapezoid, Ramps::SCurve { jerk_m_per_s3: 200.0 }] {
+        let commands = travel(point(0), 1000.0, Smoothing::None, &chords(ramps));
+        let seconds = commands.len() as f64 / 1000.0;
+        let of_queue = length / (2.0 * 0.9 * acceleration * 14.0 * 1e-4).sqrt();
+        // From rest to rest in each chord it would take 2·√(L/A), 63 s in all. With a jerk limit the acceleration
+        // is zero at every joint, which costs a chain of short blocks half its speed.
+        let slower = if ramps == Ramps::Trapezoid { 1.1 } else { 2.2 };
+        assert!(
+            seconds > 0.9 * of_queue && seconds < slower * of_queue,
+            "{seconds} s, expected {of_queue} s"
+        );
+        assert!(greatest(&commands, 1000.0, 2) <= acceleration * (1.0 + 1e-6) + quantum(1000.0, 2));
+    }
+}
+
+/// A line, a quarter of a circle that leaves it smoothly, and a line again, without a stop.
+#[test]
+fn a_smooth_path_does_not_stop() {
+    let blocks = |ramps| {
+        let on = |block: Block<2>| block.with_ramps(ramps).within(0.0);
+        [
+            on(Block::line([0.05, 0.0], 0.05, 2.0)),
+            on(Block::arc([0, 1], [0.05, 0.02], 0.25, 0.05, 2.0)),
+            on(Block::line([0.07, 0.07], 0.05, 2.0)),
+        ]
+    };
+    let commands = travel([0.0, 0.0], 4000.0, Smoothing::None, &blocks(Ramps::Trapezoid));
+    let path = 0.05 + 0.02 * TAU / 4.0 + 0.05;
+    let expected = path / 0.05 + 0.05 / 2.0;
+    let seconds = (commands.len() - 8) as f64 / 4000.0;
+    assert!((seconds - expected).abs() < 2.0 / 4000.0, "{seconds} s, expected {expected}");
+    // v²/R = 0.125 m/s² begins at once: 500 m/s³ at 4 kHz. A jerk limit of J = 100 slows the joints, not to rest:
+    // an arc spares J/16, half of it for the curvature, half of that for each side: v² = J/64·T·R.
+    let smooth = travel([0.0, 0.0], 4000.0, Smoothing::None, &blocks(Ramps::SCurve { jerk_m_per_s3: 100.0 }));
+    assert!(greatest(&smooth, 4000.0, 3) <= 100.0 * (1.0 + 1e-6) + quantum(4000.0, 3));
+    let slowest = smooth[200..smooth.len() - 200].windows(2).map(|w| {
+        let [x, y] = [0, 1].map(|axis| w[1][axis].beyond(w[0][axis]) as f64 / PER_M * 4000.0);
+        x.hypot(y)
+    });
+    let (slowest, expected) = (slowest.fold(f64::MAX, f64::min), (100.0 / 64.0 / 4000.0 * 0.02f64).sqrt());
+    assert!((slowest / expected - 1.0).abs() < 0.1, "{slowest} m/s, expected {expected}");
+}
+
+/// After the interpolation, a circle of radius R at ω shrinks to R·|H(ω)|: the means by sin(nω/2)/(n·sin(ω/2)) each, the
+/// lag by α/√(1 + (1 − α)² − 2(1 − α)cos ω), ω per tick. Rounding of means and places is below 3 units.
+#[test]
+fn a_circle_shrinks_as_its_filter_says() {
+    let (rate, radius, feed) = (4000.0, 0.02, 0.1);
+    let omega = feed / radius / rate;
+    let mean = |seconds: f64| (seconds * rate * omega / 2.0).sin() / (seconds * rate * (omega / 2.0).sin());
+    let share = 1.0 - (-1.0 / (0.02 * rate)).exp();
+    let lag = share / (1.0 + (1.0 - share).powi(2) - 2.0 * (1.0 - share) * omega.cos()).sqrt();
+    let cases = [
+        (Smoothing::Trapezoid { time_s: 0.05 }, mean(0.05), omega * 0.05 * rate),
+        (Smoothing::SCurve { time_s: 0.05, jerk_time_s: 0.03 }, mean(0.05) * mean(0.03), omega * 0.05 * rate),
+        (Smoothing::Exponential { time_constant_s: 0.02 }, lag, omega * 0.02 * rate),
+    ];
+    for (smoothing, gain, angle) in cases {
+        let block = Block::arc([0, 1], [0.0, 0.0], 3.0, feed, 10.0).with_ramps(Ramps::AfterInterpolation);
+        let commands = travel([radius, 0.0], rate, smoothing, &[block]);
+        assert_eq!(commands.last(), commands.first());
+        let middle = &commands[commands.len() / 3..commands.len() / 2];
+        for [x, y] in metres(middle) {
+            let off = x.hypot(y) - radius * gain;
+            assert!(off.abs() < 0.01e-9, "{smoothing:?}: {off:e} m from {:e}", radius * gain);
+        }
+        // The textbook's ΔR = R(ωT)²/24, of the lag R(ωτ)²/2, to a tenth.
+        let textbook = match smoothing {
+            Smoothing::Exponential { .. } => angle * angle / 2.0,
+            Smoothing::SCurve { .. } => angle * angle / 24.0 * (1.0 + 0.36),
+            _ => angle * angle / 24.0,
+        };
+        assert!(((1.0 - gain) / textbook - 1.0).abs() < 0.1, "{gain}");
+    }
+}
+
+/// The filters turn the step of speed into the block's acceleration: lowered feed where they are too short.
+#[test]
+fn filters_that_are_short_lower_the_feed() {
+    let line = Block::line([0.1, 0.0], 0.5, 2.0).with_ramps(Ramps::AfterInterpolation);
+    let commands = travel([0.0, 0.0], 1000.0, Smoothing::Trapezoid { time_s: 0.1 }, &[line]);
+    assert!((greatest(&commands, 1000.0, 1) - 0.2).abs() < 1e-6, "{}", greatest(&commands, 1000.0, 1));
+    assert!((greatest(&commands, 1000.0, 2) - 2.0).abs() < 1e-4, "{}", greatest(&commands, 1000.0, 2));
+}
+
+/// A stop within an arc takes v²/2a along it, leaves nothing of it, and stands.
+#[test]
+fn a_brake_stops_along_the_path() {
+    let (rate, radius) = (4000.0, 0.05);
+    let mut path = Path::new(at([radius, 0.0]), rate);
+    path.push(&Block::arc([0, 1], [0.0, 0.0], 1.0, 0.1, 1.0).within(0.0)).unwrap();
+    path.push(&Block::line([0.1, 0.0], 0.1, 1.0)).unwrap();
+    for _ in 0..4000 {
+        path.advance();
+    }
+    let angle = |[x, y]: [Position; 2]| y.to_m().atan2(x.to_m());
+    let from = angle(path.command());
+    let deceleration = 2.0 * PER_M / (rate * rate) * 65_536.0;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1.4e11")]
+    path.brake(deceleration as u64);
+    assert!(!path.has_stopped());
+    let mut ticks = 0;
+    while !path.has_stopped() {
+        let [x, y] = path.advance();
+        assert!((x.to_m().hypot(y.to_m()) - radius).abs() < 0.5e-9);
+        ticks += 1;
+    }
+    // 0.1 m/s at 2 m/s²: 50 ms, 2.5 mm; sums over ticks differ by half of one.
+    assert!((198..=202).contains(&ticks), "{ticks} ticks");
+    let way = (angle(path.command()) - from) * radius;
+    assert!((way - 2.5e-3).abs() < 0.1 / rate, "{way} m");
+    let stands = path.command();
+    assert_eq!(path.advance(), stands);
+}
