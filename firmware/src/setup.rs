@@ -6,7 +6,7 @@
 use shared::config::{AxisSettings, Law, Rates, Sensors};
 use shared::drive::{Amplifier, DriveError, EnableSwitch, Station};
 use shared::feedback::encoder::Encoder;
-use shared::interpolate::Block;
+use shared::interpolate::{Block, Smoothing};
 use shared::machine::{Machine, MachineError};
 use shared::scalar::Fixed;
 use shared::units::Position;
@@ -48,6 +48,13 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     sensors: Sensors::Motor,
     // Small, for it is also how far the axes may have been pushed by hand before the first enable.
     following_error_limit_m: 1e-3,
+    // Four times the feed of the program.
+    fastest_m_per_s: Some(0.15),
+    saturation_time_s: 0.2,
+    travel_m: None,
+    scale_disagreement_limit_m: None,
+    stop_deceleration_m_per_s2: 2.0,
+    smoothing: Smoothing::None,
 }; AXES];
 
 /// What the board travels once it is enabled: a second to stand back, then two turns of a circle of

@@ -4,7 +4,7 @@ use shared::axis::Reading;
 use shared::config::{AxisSettings, Rates};
 use shared::interpolate::{Block, Joint, Ramps};
 use shared::machine::{Machine, MachineError};
-use shared::safety::Power;
+use shared::safety::{Fault, Power};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
 
@@ -27,6 +27,8 @@ pub struct AxisOutput {
 pub struct Status {
     /// State of the drives.
     pub power: Power,
+    /// The first fault that the machine has gone on with.
+    pub warning: Option<Fault>,
     /// Whether every block has been travelled.
     pub done: bool,
     /// Cost of the tick where it is counted: instructions on the emulated core.
@@ -162,7 +164,7 @@ impl<S: Scalar, const N: usize> Controller for Machine<S, N> {
         for ((out, force), command) in outputs.iter_mut().zip(output.forces).zip(output.commands) {
             *out = AxisOutput { force_n: force.value(), force_bits: force.bits(), command };
         }
-        Ok(Status { power: self.power(), done: output.done, cost: None })
+        Ok(Status { power: self.power(), warning: output.warning, done: output.done, cost: None })
     }
 }
 

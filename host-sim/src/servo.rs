@@ -6,7 +6,7 @@ use crate::machine::{Axis, Controller, Feedback, Machine};
 use crate::plant::parameters::ServoParameters;
 
 /// Following error at which the simulated controller gives up, m.
-const FOLLOWING_ERROR_LIMIT_M: f64 = 0.2;
+const FOLLOWING_ERROR_LIMIT_M: f64 = 0.13;
 
 /// Force limit of an axis that declares none, N.
 const UNLIMITED_N: f64 = 1e5;
@@ -39,6 +39,7 @@ pub fn settings(axis: &Axis, effects: &ServoParameters) -> Result<AxisSettings, 
         force_limit_n: axis.force_limit_n.unwrap_or(UNLIMITED_N),
         sensors,
         following_error_limit_m: FOLLOWING_ERROR_LIMIT_M,
+        ..AxisSettings::default()
     })
 }
 

@@ -3,7 +3,7 @@
 use shared::axis::Reading;
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
-use shared::safety::{Fault, Power};
+use shared::safety::{Fault, Hazard, Power};
 use shared::units::Position;
 
 use crate::controller::{AxisOutput, Controller, ControllerError, Format, PathBlock, Status};
@@ -181,13 +181,23 @@ impl Run<'_> {
     fn fault(&self, fault: Fault, time_s: f64) -> SimulationError {
         let name = |axis: u8| self.machine.axis.get_index(usize::from(axis)).map_or("?", |(name, _)| name);
         let what = match fault {
-            Fault::FollowingError { axis } => {
-                format!("axis.{}: following error beyond its limit", name(axis))
-            }
-            Fault::ScaleLost { axis } => format!("axis.{}: no reading of the linear scale", name(axis)),
+            Fault::Axis { axis, hazard } => format!("axis.{}: {}", name(axis), said(hazard)),
             Fault::Overrun => "a tick took longer than its period".to_owned(),
         };
         SimulationError::Fault { what, time_s }
+    }
+}
+
+fn said(hazard: Hazard) -> &'static str {
+    match hazard {
+        Hazard::FollowingError => "following error beyond its limit",
+        Hazard::Disagreement => "motor and linear scale further apart than their limit",
+        Hazard::EncoderStep => "the motor reading jumps further than the motor can",
+        Hazard::ForceSaturated => {
+            "the force stands at its limit: the motion asks for more than the drive can give"
+        }
+        Hazard::SoftLimit => "the command leaves the travel",
+        Hazard::ScaleLost => "no reading of the linear scale",
     }
 }
 

@@ -3,8 +3,10 @@
 use crate::config::AxisConfig;
 use crate::control::{feedforward, position, velocity};
 use crate::feedback::dual;
+use crate::safety::Hazard;
 use crate::scalar::Scalar;
 use crate::units::Position;
+use crate::watch::{self, Seen};
 
 /// What the sensors of an axis show.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -23,6 +25,7 @@ pub struct AxisState<S: Scalar> {
     position: position::State<S>,
     velocity: velocity::State<S>,
     velocity_command: S,
+    watch: watch::State,
 }
 
 impl<S: Scalar> AxisState<S> {
@@ -35,21 +38,35 @@ impl<S: Scalar> AxisState<S> {
             position: position::State::default(),
             velocity: velocity::State::at(reading.motor),
             velocity_command: S::default(),
+            watch: watch::State::default(),
         }
     }
 
-    /// The position loop, once per command. Returns command − feedback in position units.
-    pub fn position_tick(&mut self, config: &AxisConfig<S>, command: Position, reading: Reading) -> i64 {
+    /// The position loop, once per command.
+    pub fn position_tick(
+        &mut self,
+        config: &AxisConfig<S>,
+        command: Position,
+        reading: Reading,
+    ) -> Option<Hazard> {
         let feedback = config.feedback.position(&mut self.feedback, reading.motor, reading.table);
-        let following_error = command.beyond(feedback);
+        let following_error = S::from_distance(command.beyond(feedback));
         let lead = config.feedforward.lead(&mut self.feedforward, command);
-        let error = S::from_distance(following_error).plus(lead);
-        self.velocity_command = config.position.velocity(&mut self.position, error);
-        following_error
+        self.velocity_command = config.position.velocity(&mut self.position, following_error.plus(lead));
+        config.watch.position(&Seen {
+            following_error,
+            command,
+            motor: reading.motor,
+            table: reading.table,
+            needs_table: config.feedback.needs_table(),
+        })
     }
 
     /// The velocity loop, every tick. Returns the force to apply until the next one.
-    pub fn velocity_tick(&mut self, config: &AxisConfig<S>, reading: Reading) -> S {
-        config.velocity.force(&mut self.velocity, self.velocity_command, reading.motor)
+    pub fn velocity_tick(&mut self, config: &AxisConfig<S>, reading: Reading) -> (S, Option<Hazard>) {
+        let force = config.velocity.force(&mut self.velocity, self.velocity_command, reading.motor);
+        let saturated = force >= config.velocity.force_limit || force <= -config.velocity.force_limit;
+        let hazard = config.watch.velocity(&mut self.watch, self.velocity.increment(), saturated);
+        (force, hazard)
     }
 }

@@ -7,8 +7,10 @@ use crate::control::hpc::Hpc;
 use crate::control::position::PositionControl;
 use crate::control::velocity::VelocityControl;
 use crate::feedback::dual::Feedback;
+use crate::interpolate::Smoothing;
 use crate::scalar::Scalar;
-use crate::units::{INCREMENT_M, LENGTH_M, PER_M, VELOCITY_M_PER_S};
+use crate::units::{INCREMENT_M, LENGTH_M, PER_M, Position, TRAVEL_LIMIT_M, VELOCITY_M_PER_S};
+use crate::watch::Watch;
 
 /// How often the loops run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -69,8 +71,21 @@ pub struct AxisSettings {
     pub force_limit_n: f64,
     /// Sensors of the position loop.
     pub sensors: Sensors,
+    /// How the axis is accelerated behind the path.
+    pub smoothing: Smoothing,
     /// Greatest distance between command and feedback before the drives go off.
     pub following_error_limit_m: f64,
+    /// Greatest distance between motor and scale before the drives go off; `None`: not watched.
+    pub scale_disagreement_limit_m: Option<f64>,
+    /// Fastest that the motor can be: a reading that has moved further puts the drives off. `None`: not
+    /// watched.
+    pub fastest_m_per_s: Option<f64>,
+    /// How long the force may stand at its limit before the path stops.
+    pub saturation_time_s: f64,
+    /// Least and greatest command; beyond them the path stops. `None`: the travel of the number format.
+    pub travel_m: Option<[f64; 2]>,
+    /// Deceleration of a stop; a path stops with the least of its axes.
+    pub stop_deceleration_m_per_s2: f64,
 }
 
 impl Default for AxisSettings {
@@ -85,7 +100,13 @@ impl Default for AxisSettings {
             velocity_lag_s: 0.0,
             force_limit_n: 10_000.0,
             sensors: Sensors::Motor,
+            smoothing: Smoothing::None,
             following_error_limit_m: 0.05,
+            scale_disagreement_limit_m: None,
+            fastest_m_per_s: None,
+            saturation_time_s: 1.0,
+            travel_m: None,
+            stop_deceleration_m_per_s2: 2.0,
         }
     }
 }
@@ -139,8 +160,10 @@ pub struct AxisConfig<S: Scalar> {
     pub position: PositionControl<S>,
     /// Velocity loop.
     pub velocity: VelocityControl<S>,
-    /// Position units.
-    pub following_error_limit: u64,
+    /// What is watched.
+    pub watch: Watch<S>,
+    /// Of a stop, position units per position tick² with 16 fraction bits.
+    pub stop_deceleration: u64,
 }
 
 impl<S: Scalar> AxisConfig<S> {
@@ -164,8 +187,6 @@ impl<S: Scalar> AxisConfig<S> {
         };
         let lag = ranged("velocity_lag_s", settings.velocity_lag_s, 0.0, tick * (1.0 + 1e-9))?;
         let limit = positive("force_limit_n", settings.force_limit_n)?;
-        let following = positive("following_error_limit_m", settings.following_error_limit_m)?;
-        let following = ranged("following_error_limit_m", following, 0.0, 100.0)?;
 
         let feedback = match settings.sensors {
             Sensors::Motor => Feedback::Motor,
@@ -193,10 +214,57 @@ impl<S: Scalar> AxisConfig<S> {
                 integral: gain::<S>("velocity_integral_time_s", ki, VELOCITY_M_PER_S)?,
                 force_limit: S::signal(ranged("force_limit_n", limit, 0.0, S::SIGNAL_LIMIT)?),
             },
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 < limit ≤ 100 m")]
-            following_error_limit: (following * PER_M) as u64,
+            watch: watch(settings, tick)?,
+            stop_deceleration: per_tick(
+                "stop_deceleration_m_per_s2",
+                settings.stop_deceleration_m_per_s2 / (position_rate * position_rate),
+            )?,
         })
     }
+}
+
+fn watch<S: Scalar>(settings: &AxisSettings, tick: f64) -> Result<Watch<S>, ConfigError> {
+    let signal = |name, value: f64, unit: f64| {
+        let value = positive(name, value)?;
+        Ok(S::signal(ranged(name, value, 0.0, S::SIGNAL_LIMIT * unit)? / unit))
+    };
+    let ticks = positive("saturation_time_s", settings.saturation_time_s)? / tick;
+    let place = |name, m| Position::from_m(finite(name, m)?).ok_or(out_of_travel(name));
+    Ok(Watch {
+        following_error: signal("following_error_limit_m", settings.following_error_limit_m, LENGTH_M)?,
+        disagreement: match settings.scale_disagreement_limit_m {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 100 m")]
+            Some(m) => Some((ranged("scale_disagreement_limit_m", m, 0.0, TRAVEL_LIMIT_M)? * PER_M) as u64),
+            None => None,
+        },
+        encoder_step: match settings.fastest_m_per_s {
+            Some(m_per_s) => signal("fastest_m_per_s", m_per_s, INCREMENT_M / tick)?,
+            None => S::signal(S::SIGNAL_LIMIT),
+        },
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+        saturated_ticks: ticks as u32,
+        travel: match settings.travel_m {
+            Some([least, greatest]) => {
+                let [least, greatest] = [place("travel_m", least)?, place("travel_m", greatest)?];
+                if least >= greatest {
+                    return Err(ConfigError::NotPositive("travel_m"));
+                }
+                [least, greatest]
+            }
+            None => [place("travel_m", -TRAVEL_LIMIT_M)?, place("travel_m", TRAVEL_LIMIT_M)?],
+        },
+    })
+}
+
+fn out_of_travel(name: &'static str) -> ConfigError {
+    ConfigError::OutOfRange { name, least: -TRAVEL_LIMIT_M, most: TRAVEL_LIMIT_M }
+}
+
+/// Metres per tick (or tick²) in position units with 16 fraction bits.
+fn per_tick(name: &'static str, value: f64) -> Result<u64, ConfigError> {
+    let units = positive(name, value)? * PER_M * 65_536.0;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+    Ok((units as u64).max(1))
 }
 
 fn finite(name: &'static str, value: f64) -> Result<f64, ConfigError> {

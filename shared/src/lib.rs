@@ -14,3 +14,4 @@ pub mod safety;
 pub mod scalar;
 pub mod session;
 pub mod units;
+pub mod watch;

@@ -3,9 +3,8 @@
 use crate::axis::AxisState;
 pub use crate::axis::Reading;
 use crate::config::{AxisConfig, AxisSettings, ConfigError, Rates};
-use crate::feedback::dual::Feedback;
 use crate::interpolate::{Block, Path, PathError};
-use crate::safety::{Event, Fault, Power};
+use crate::safety::{Event, Fault, Hazard, Power, Reaction};
 use crate::scalar::Scalar;
 use crate::units::Position;
 
@@ -18,6 +17,8 @@ pub struct Output<S, const N: usize> {
     pub commands: [Position; N],
     /// Whether the drives may be on.
     pub enabled: bool,
+    /// The first fault that the machine has gone on with since it was enabled.
+    pub warning: Option<Fault>,
     /// Whether every block has been travelled.
     pub done: bool,
 }
@@ -62,6 +63,8 @@ pub struct Machine<S: Scalar, const N: usize> {
     divider: u32,
     until_position_tick: u32,
     power: Power,
+    warning: Option<Fault>,
+    stop_deceleration: u64,
     enable_requested: bool,
     /// Whether the drives were on in the tick before.
     was_on: bool,
@@ -87,14 +90,18 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
             // The vector holds N, as many as there are settings.
             let _ = axes.push(configured(axis, settings)?);
         }
+        let mut path = Path::new(start, rates.position_loop_hz());
+        path.smooth(&settings.each_ref().map(|axis| axis.smoothing))?;
         let rest = |place| AxisState::at_rest(place, Reading { motor: place, table: None });
         Ok(Self {
             axes: core::array::from_fn(|i| axes[i]),
             states: start.map(rest),
-            path: Path::new(start, rates.position_loop_hz()),
+            path,
+            stop_deceleration: axes.iter().map(|axis| axis.stop_deceleration).min().unwrap_or(u64::MAX),
             divider: rates.position_loop_divider,
             until_position_tick: 0,
             power: Power::Off,
+            warning: None,
             enable_requested: false,
             was_on: false,
             has_been_on: false,
@@ -123,11 +130,20 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// Switches the drives off, or acknowledges a fault. The path is forgotten.
     pub fn disable(&mut self) {
         self.enable_requested = false;
+        self.warning = None;
         self.power = self.power.after(Event::Disable);
     }
 
     /// Reports a fault from outside, such as an overrun.
     pub fn fault(&mut self, fault: Fault) {
+        if !self.power.is_on() {
+            return;
+        }
+        match fault.reaction() {
+            Reaction::DriveOff => {}
+            Reaction::Stop => self.path.brake(self.stop_deceleration),
+            Reaction::Warn => self.warning = self.warning.or(Some(fault)),
+        }
         self.power = self.power.after(Event::Fault(fault));
     }
 
@@ -142,32 +158,32 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// A path that the drives going off has broken off is forgotten. From then on, with nothing left to
     /// travel, the command goes where the axes are moved, so that they do not jump when enabled again.
     pub fn tick(&mut self, readings: &[Reading; N]) -> Output<S, N> {
-        if self.power != Power::On && self.has_been_on && (self.was_on || self.path.is_done()) {
+        if !self.power.is_on() && self.has_been_on && (self.was_on || self.path.is_done()) {
             self.stand(readings);
         }
         if core::mem::take(&mut self.enable_requested) && self.power == Power::Off {
             self.switch_on(readings);
         }
-        if self.power == Power::On && self.until_position_tick == 0 {
-            self.until_position_tick = self.divider;
-            self.position_tick(readings);
-        }
-        self.until_position_tick = self.until_position_tick.saturating_sub(1);
-
         let mut forces = [S::default(); N];
-        if self.power == Power::On {
-            for (((force, state), axis), reading) in
-                forces.iter_mut().zip(&mut self.states).zip(&self.axes).zip(readings)
-            {
-                *force = state.velocity_tick(axis, *reading);
+        if self.power.is_on() {
+            if self.until_position_tick == 0 {
+                self.until_position_tick = self.divider;
+                self.position_tick(readings);
+            }
+            self.until_position_tick -= 1;
+            forces = self.velocity_tick(readings);
+            if !self.power.is_on() {
+                forces = [S::default(); N];
+                self.stand(readings);
             }
         }
-        self.was_on = self.power == Power::On;
+        self.was_on = self.power.is_on();
         self.has_been_on |= self.was_on;
         Output {
             forces,
             commands: self.path.command(),
-            enabled: self.power == Power::On,
+            enabled: self.was_on,
+            warning: self.warning,
             done: self.path.is_done(),
         }
     }
@@ -181,26 +197,39 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         self.power = self.power.after(Event::Enable);
     }
 
-    /// The next command, the position loops, and the check of each axis.
+    /// The next command, and the position loops.
     fn position_tick(&mut self, readings: &[Reading; N]) {
         let commands = self.path.advance();
-        let mut found = None;
-        for (i, (((state, axis), command), reading)) in
-            self.states.iter_mut().zip(&self.axes).zip(commands).zip(readings).enumerate()
+        let mut hazards = [None; N];
+        for ((((hazard, state), axis), command), reading) in
+            hazards.iter_mut().zip(&mut self.states).zip(&self.axes).zip(commands).zip(readings)
         {
-            let following_error = state.position_tick(axis, command, *reading);
-            #[expect(clippy::cast_possible_truncation, reason = "no machine has 256 axes")]
-            let number = i as u8;
-            if following_error.unsigned_abs() > axis.following_error_limit {
-                found = Some(Fault::FollowingError { axis: number });
-            }
-            if matches!(axis.feedback, Feedback::Table) && reading.table.is_none() {
-                found = Some(Fault::ScaleLost { axis: number });
-            }
+            *hazard = state.position_tick(axis, command, *reading);
         }
-        if let Some(fault) = found {
-            self.power = self.power.after(Event::Fault(fault));
-            self.stand(readings);
+        self.raise(hazards);
+        if self.path.has_stopped() {
+            self.power = self.power.after(Event::Stopped);
+        }
+    }
+
+    /// The velocity loops.
+    fn velocity_tick(&mut self, readings: &[Reading; N]) -> [S; N] {
+        let (mut forces, mut hazards) = ([S::default(); N], [None; N]);
+        for ((((force, hazard), state), axis), reading) in
+            forces.iter_mut().zip(&mut hazards).zip(&mut self.states).zip(&self.axes).zip(readings)
+        {
+            (*force, *hazard) = state.velocity_tick(axis, *reading);
+        }
+        self.raise(hazards);
+        forces
+    }
+
+    fn raise(&mut self, hazards: [Option<Hazard>; N]) {
+        for (axis, hazard) in hazards.into_iter().enumerate() {
+            #[expect(clippy::cast_possible_truncation, reason = "no machine has 256 axes")]
+            if let Some(hazard) = hazard {
+                self.fault(Fault::Axis { axis: axis as u8, hazard });
+            }
         }
     }
 
@@ -246,7 +275,7 @@ mod tests {
         for _ in 0..5 {
             machine.tick(&at(0.051));
         }
-        assert_eq!(machine.power(), Power::Faulted(Fault::FollowingError { axis: 0 }));
+        assert_eq!(machine.power(), Power::Faulted(Fault::Axis { axis: 0, hazard: Hazard::FollowingError }));
         machine.enable();
         assert!(!machine.tick(&at(0.051)).enabled);
         machine.disable();

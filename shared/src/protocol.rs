@@ -2,18 +2,24 @@
 //!
 //! The host sends [`Setup`] and [`Order::Block`]s, then one [`Order::Tick`] a tick with the sensors;
 //! the board answers each with one [`Answer`]. A frame is [`FRAME`] bytes, padded with zeros, so that
-//! a reader knows how much to wait for.
+//! a reader knows how much to wait for. An order that is longer comes in [`Part`]s.
 
 use serde::{Deserialize, Serialize};
 
 use crate::axis::Reading;
 use crate::config::{AxisSettings, Rates};
 use crate::interpolate::Block;
-use crate::safety::Power;
+use crate::safety::{Fault, Power};
 use crate::units::Position;
 
 /// Length of every frame in bytes.
 pub const FRAME: usize = 256;
+
+/// Bytes of an order that fit into a part.
+pub const PART: usize = FRAME - 8;
+
+/// Length of the longest order in bytes.
+pub const LONGEST_ORDER: usize = 4096;
 
 /// Axes of the protocol.
 pub const AXES: usize = 2;
@@ -42,9 +48,20 @@ pub struct Setup {
     pub start: [Position; AXES],
 }
 
+/// A piece of an order that is longer than a frame.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Part {
+    /// The next bytes.
+    pub bytes: heapless::Vec<u8, PART>,
+    /// Whether the order is complete with them.
+    pub last: bool,
+}
+
 /// From host to board.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Order {
+    /// A piece of another order. Answered by ready, the last one as that order is.
+    Part(Part),
     /// Be this machine, drives off.
     Setup(Setup),
     /// Append to the path.
@@ -95,6 +112,8 @@ pub struct Ticked {
     pub commands: [Position; AXES],
     /// State of the drives.
     pub power: Power,
+    /// The first fault that the machine has gone on with.
+    pub warning: Option<Fault>,
     /// Whether every block has been travelled.
     pub done: bool,
     /// Cost of the tick as the board counts it: instructions where it is emulated, else cycles.
@@ -110,11 +129,11 @@ pub fn encode(message: &impl Serialize, frame: &mut [u8; FRAME]) -> postcard::Re
     postcard::to_slice(message, frame).map(|_| ())
 }
 
-/// Reads a message from a frame.
+/// Reads a message from a frame, or from what parts have brought.
 ///
 /// # Errors
 /// When the bytes are no such message.
-pub fn decode<'a, M: Deserialize<'a>>(frame: &'a [u8; FRAME]) -> postcard::Result<M> {
+pub fn decode<'a, M: Deserialize<'a>>(frame: &'a [u8]) -> postcard::Result<M> {
     postcard::take_from_bytes(frame).map(|(message, _)| message)
 }
 
@@ -123,21 +142,30 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_longest_messages_fit_their_frame() {
+    fn the_longest_message_of_a_tick_fits_a_frame() {
         let far = Position(i64::MIN);
-        let sensors = crate::config::Sensors::Dual { time_constant_s: -1.0 };
-        let axis = AxisSettings { velocity_integral_time_s: Some(1.0), sensors, ..AxisSettings::default() };
-        let setup = Setup {
-            format: Format::F64,
-            rates: Rates { velocity_loop_hz: 1.0, position_loop_divider: u32::MAX },
-            axes: [axis; AXES],
-            start: [far; AXES],
-        };
-        let reading = Reading { motor: far, table: Some(far) };
-        for order in [Order::Setup(setup), Order::Tick([reading; AXES])] {
-            let mut frame = [0; FRAME];
-            encode(&order, &mut frame).unwrap();
-            assert_eq!(decode::<Order>(&frame).unwrap(), order);
-        }
+        let order = Order::Tick([Reading { motor: far, table: Some(far) }; AXES]);
+        let mut frame = [0; FRAME];
+        encode(&order, &mut frame).unwrap();
+        assert_eq!(decode::<Order>(&frame).unwrap(), order);
+        let answer = Answer::Tick(Ticked {
+            force_bits: [u64::MAX; AXES],
+            commands: [far; AXES],
+            power: Power::Faulted(Fault::Overrun),
+            warning: Some(Fault::Overrun),
+            done: true,
+            cost: u32::MAX,
+        });
+        encode(&answer, &mut frame).unwrap();
+        assert_eq!(decode::<Answer>(&frame).unwrap(), answer);
+    }
+
+    #[test]
+    fn the_longest_part_fits_a_frame() {
+        let bytes = heapless::Vec::from_slice(&[0xff; PART]).unwrap();
+        let order = Order::Part(Part { bytes, last: true });
+        let mut frame = [0; FRAME];
+        encode(&order, &mut frame).unwrap();
+        assert_eq!(decode::<Order>(&frame).unwrap(), order);
     }
 }

@@ -70,6 +70,12 @@ pub trait Scalar:
     #[must_use]
     fn minus(self, other: Self) -> Self;
 
+    /// Whether the signal lies beyond ±limit, or is no number.
+    #[must_use]
+    fn exceeds(self, limit: Self) -> bool {
+        !(self <= limit && self >= -limit)
+    }
+
     /// The signal, kept within ±limit.
     #[must_use]
     fn within(self, limit: Self) -> Self {

@@ -2,7 +2,9 @@
 
 use crate::axis::Reading;
 use crate::machine::{Machine, MachineError, Output};
-use crate::protocol::{AXES, Answer, FRAME, Format, Order, Refusal, Setup, Ticked, decode};
+use crate::protocol::{
+    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, Part, Refusal, Setup, Ticked, decode,
+};
 use crate::scalar::{Fixed, Scalar};
 
 /// Counts what a tick costs.
@@ -26,9 +28,17 @@ impl Meter for NoMeter {
     }
 }
 
+/// A host's session with a board.
+#[derive(Debug, Default)]
+pub struct Session {
+    machine: Kind,
+    /// What has come of an order that comes in parts.
+    parts: heapless::Vec<u8, LONGEST_ORDER>,
+}
+
 /// The machine that the host has set up, in the format that it asked for.
 #[derive(Debug, Default)]
-pub enum Session {
+enum Kind {
     /// None yet.
     #[default]
     Empty,
@@ -43,17 +53,40 @@ pub enum Session {
 impl Session {
     /// Carries out the order in a frame. `None`: the host has ended the run.
     pub fn answer(&mut self, frame: &[u8; FRAME], meter: &mut impl Meter) -> Option<Answer> {
-        let order = match decode(frame) {
-            Ok(Order::End) => return None,
-            Ok(Order::Setup(setup)) => return Some(self.set_up(&setup)),
-            Ok(order) => order,
-            Err(_) => return Some(Answer::Refused(Refusal::Unreadable)),
-        };
-        Some(match self {
-            Self::Empty => Answer::Refused(Refusal::NotSetUp),
-            Self::Fixed(machine) => carry_out(machine, &order, meter),
-            Self::F32(machine) => carry_out(machine, &order, meter),
-            Self::F64(machine) => carry_out(machine, &order, meter),
+        match decode(frame) {
+            Ok(Order::Part(part)) => self.take(&part, meter),
+            Ok(order) => self.machine.carry_out(&order, meter),
+            Err(_) => Some(Answer::Refused(Refusal::Unreadable)),
+        }
+    }
+
+    /// Takes a part of an order, and carries the order out with the last.
+    fn take(&mut self, part: &Part, meter: &mut impl Meter) -> Option<Answer> {
+        if self.parts.extend_from_slice(&part.bytes).is_err() {
+            self.parts.clear();
+            return Some(Answer::Refused(Refusal::Unreadable));
+        }
+        if !part.last {
+            return Some(Answer::Ready);
+        }
+        let order = decode(&self.parts);
+        self.parts.clear();
+        match order {
+            Ok(order) => self.machine.carry_out(&order, meter),
+            Err(_) => Some(Answer::Refused(Refusal::Unreadable)),
+        }
+    }
+}
+
+impl Kind {
+    fn carry_out(&mut self, order: &Order, meter: &mut impl Meter) -> Option<Answer> {
+        Some(match (order, self) {
+            (Order::End, _) => return None,
+            (Order::Setup(setup), kind) => kind.set_up(setup),
+            (_, Self::Empty) => Answer::Refused(Refusal::NotSetUp),
+            (order, Self::Fixed(machine)) => carry_out(machine, order, meter),
+            (order, Self::F32(machine)) => carry_out(machine, order, meter),
+            (order, Self::F64(machine)) => carry_out(machine, order, meter),
         })
     }
 
@@ -67,8 +100,8 @@ impl Session {
             Format::F64 => machine(setup).map(Self::F64),
         };
         match made {
-            Ok(session) => {
-                *self = session;
+            Ok(machine) => {
+                *self = machine;
                 Answer::Ready
             }
             Err(MachineError::Path(error)) => Answer::Refused(Refusal::Path(error)),
@@ -100,12 +133,13 @@ fn carry_out<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &m
                 force_bits: output.forces.map(Scalar::bits),
                 commands: output.commands,
                 power: machine.power(),
+                warning: output.warning,
                 done: output.done,
                 cost,
             })
         }
         // Handled before a machine is asked for.
-        Order::Setup(_) | Order::End => Answer::Refused(Refusal::Unreadable),
+        Order::Part(_) | Order::Setup(_) | Order::End => Answer::Refused(Refusal::Unreadable),
     }
 }
 
@@ -125,15 +159,27 @@ mod tests {
     use super::*;
     use crate::config::{AxisSettings, Law, Rates, Sensors};
     use crate::interpolate::block::Shape;
-    use crate::interpolate::{Block, Joint, PathError, Ramps};
-    use crate::protocol::encode;
+    use crate::interpolate::{Block, Joint, PathError, Ramps, Smoothing};
+    use crate::protocol::{PART, encode};
     use crate::safety::Power;
     use crate::units::Position;
 
-    fn ask(session: &mut Session, order: Order) -> Option<Answer> {
+    fn ask(session: &mut Session, order: &Order) -> Option<Answer> {
         let mut frame = [0; FRAME];
-        encode(&order, &mut frame).unwrap();
-        session.answer(&frame, &mut NoMeter)
+        if encode(order, &mut frame).is_ok() {
+            return session.answer(&frame, &mut NoMeter);
+        }
+        let mut bytes = [0; LONGEST_ORDER];
+        let bytes = postcard::to_slice(order, &mut bytes).unwrap();
+        let count = bytes.len().div_ceil(PART);
+        let mut answer = None;
+        for (k, piece) in bytes.chunks(PART).enumerate() {
+            let part = Part { bytes: heapless::Vec::from_slice(piece).unwrap(), last: k + 1 == count };
+            encode(&Order::Part(part), &mut frame).unwrap();
+            answer = session.answer(&frame, &mut NoMeter);
+            assert!(k + 1 == count || answer == Some(Answer::Ready));
+        }
+        answer
     }
 
     fn setup(format: Format, second: AxisSettings) -> Order {
@@ -150,17 +196,17 @@ mod tests {
     fn answers_as_the_machine_itself_would() {
         for format in [Format::Fixed, Format::F32, Format::F64] {
             let mut session = Session::default();
-            assert_eq!(ask(&mut session, setup(format, AxisSettings::default())), Some(Answer::Ready));
+            assert_eq!(ask(&mut session, &setup(format, AxisSettings::default())), Some(Answer::Ready));
             assert_eq!(
-                ask(&mut session, Order::Block(Block::line([0.1, 0.0], 0.1, 1.0))),
+                ask(&mut session, &Order::Block(Block::line([0.1, 0.0], 0.1, 1.0))),
                 Some(Answer::Ready)
             );
-            assert_eq!(ask(&mut session, Order::Enable), Some(Answer::Ready));
+            assert_eq!(ask(&mut session, &Order::Enable), Some(Answer::Ready));
             let away = Reading { motor: Position(-(1 << 40)), table: None };
-            let Some(Answer::Tick(ticked)) = ask(&mut session, Order::Tick([away; AXES])) else { panic!() };
+            let Some(Answer::Tick(ticked)) = ask(&mut session, &Order::Tick([away; AXES])) else { panic!() };
             assert_eq!((ticked.power, ticked.done), (Power::On, false));
             assert_ne!(ticked.force_bits, [0; AXES]);
-            assert_eq!(ask(&mut session, Order::End), None);
+            assert_eq!(ask(&mut session, &Order::End), None);
         }
     }
 
@@ -168,12 +214,12 @@ mod tests {
     fn says_why_it_refuses() {
         let mut session = Session::default();
         let refused = |refusal| Some(Answer::Refused(refusal));
-        assert_eq!(ask(&mut session, Order::Enable), refused(Refusal::NotSetUp));
+        assert_eq!(ask(&mut session, &Order::Enable), refused(Refusal::NotSetUp));
         let bad = AxisSettings { force_limit_n: 0.0, ..AxisSettings::default() };
-        assert_eq!(ask(&mut session, setup(Format::F32, bad)), refused(Refusal::Settings { axis: 1 }));
-        assert_eq!(ask(&mut session, setup(Format::F32, AxisSettings::default())), Some(Answer::Ready));
+        assert_eq!(ask(&mut session, &setup(Format::F32, bad)), refused(Refusal::Settings { axis: 1 }));
+        assert_eq!(ask(&mut session, &setup(Format::F32, AxisSettings::default())), Some(Answer::Ready));
         let nowhere = Order::Block(Block::line([0.0; AXES], 0.1, 1.0));
-        assert_eq!(ask(&mut session, nowhere), refused(Refusal::Path(PathError::ZeroLength)));
+        assert_eq!(ask(&mut session, &nowhere), refused(Refusal::Path(PathError::ZeroLength)));
         assert_eq!(session.answer(&[0xff; FRAME], &mut NoMeter), refused(Refusal::Unreadable));
     }
 
@@ -215,6 +261,11 @@ mod tests {
                 force_limit_n,
                 sensors,
                 following_error_limit_m,
+                fastest_m_per_s: hpc.then_some(kv),
+                travel_m: hpc.then_some([-kp, kv]),
+                saturation_time_s: ti.unwrap_or(1.0),
+                smoothing: Smoothing::SCurve { time_s: kp * 1e-3, jerk_time_s: 1e-3 },
+                ..AxisSettings::default()
             },
         )
     }
@@ -265,21 +316,21 @@ mod tests {
             let mut session = Session::default();
             let rates = Rates { velocity_loop_hz: rate, position_loop_divider: divider };
             let start = start.map(|m| Position::from_m(m).unwrap());
-            if ask(&mut session, Order::Setup(Setup { format, rates, axes, start })) != Some(Answer::Ready) {
+            if ask(&mut session, &Order::Setup(Setup { format, rates, axes, start })) != Some(Answer::Ready) {
                 // With rates and gains that are taken, the path and the readings get their turn.
                 let axes = axes.map(|axis| AxisSettings { law: axis.law, ..AxisSettings::default() });
                 let rates = Rates { velocity_loop_hz: 1e4, position_loop_divider: 1 };
-                prop_assert_eq!(ask(&mut session, Order::Setup(Setup { format, rates, axes, start })), Some(Answer::Ready));
+                prop_assert_eq!(ask(&mut session, &Order::Setup(Setup { format, rates, axes, start })), Some(Answer::Ready));
             }
             for block in blocks {
-                ask(&mut session, Order::Block(block));
+                ask(&mut session, &Order::Block(block));
             }
-            ask(&mut session, Order::Enable);
+            ask(&mut session, &Order::Enable);
             for motor in readings {
                 let readings = motor.map(|motor| Reading { motor: Position(motor), table: Some(Position(motor / 2)) });
-                ask(&mut session, Order::Tick(readings));
-                ask(&mut session, Order::Disable);
-                ask(&mut session, Order::Enable);
+                ask(&mut session, &Order::Tick(readings));
+                ask(&mut session, &Order::Disable);
+                ask(&mut session, &Order::Enable);
             }
         }
 

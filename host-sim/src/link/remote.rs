@@ -4,7 +4,7 @@ use shared::axis::Reading;
 use shared::config::{AxisSettings, Rates};
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
-use shared::protocol::{self, AXES, Answer, FRAME, Order, Refusal, Setup, Ticked};
+use shared::protocol::{self, AXES, Answer, FRAME, LONGEST_ORDER, Order, PART, Part, Refusal, Setup, Ticked};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
 
@@ -73,7 +73,25 @@ impl<C: Connection> Remote<C> {
 
     fn ask(&mut self, order: &Order) -> Result<Answer, ControllerError> {
         let mut frame = [0; FRAME];
-        protocol::encode(order, &mut frame).map_err(|error| broken(&error))?;
+        if protocol::encode(order, &mut frame).is_ok() {
+            return self.exchange(frame);
+        }
+        let mut bytes = [0; LONGEST_ORDER];
+        let bytes = postcard::to_slice(order, &mut bytes).map_err(|error| broken(&error))?;
+        let mut pieces = bytes.chunks(PART).peekable();
+        loop {
+            let piece = heapless::Vec::from_slice(pieces.next().unwrap_or_default());
+            let last = pieces.peek().is_none();
+            let part = Order::Part(Part { bytes: piece.unwrap_or_default(), last });
+            protocol::encode(&part, &mut frame).map_err(|error| broken(&error))?;
+            let answer = self.exchange(frame)?;
+            if last || answer != Answer::Ready {
+                return Ok(answer);
+            }
+        }
+    }
+
+    fn exchange(&mut self, mut frame: Frame) -> Result<Answer, ControllerError> {
         self.connection.exchange(&mut frame).map_err(ControllerError::Link)?;
         match protocol::decode(&frame).map_err(|error| broken(&error))? {
             Answer::Refused(Refusal::Path(error)) => Err(MachineError::Path(error).into()),
@@ -123,11 +141,11 @@ impl<C: Connection> Controller for Remote<C> {
             Answer::Tick(ticked) => ticked,
             other => return Err(broken(&other)),
         };
-        let Ticked { force_bits, commands, power, done, cost } = ticked;
+        let Ticked { force_bits, commands, power, warning, done, cost } = ticked;
         for ((out, bits), command) in outputs.iter_mut().zip(force_bits).zip(commands) {
             *out = AxisOutput { force_n: force_n(self.format, bits), force_bits: bits, command };
         }
-        Ok(Status { power, done, cost: Some(cost) })
+        Ok(Status { power, warning, done, cost: Some(cost) })
     }
 }
 

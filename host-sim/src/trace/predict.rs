@@ -167,7 +167,7 @@ pub fn closed_loop(
         state.position_tick(&config, position(command), reading);
         for tick in 0..rates.position_loop_divider {
             let reading = if tick == 0 { reading } else { read(&motion) };
-            let force = state.velocity_tick(&config, reading);
+            let (force, _) = state.velocity_tick(&config, reading);
             for _ in 0..substeps {
                 motion.step(parameters, force, step_s);
             }

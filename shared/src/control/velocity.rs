@@ -36,6 +36,12 @@ impl<S: Scalar> State<S> {
     pub fn at(motor: Position) -> Self {
         Self { last: motor, last_increment: S::default(), integral: S::Sum::default() }
     }
+
+    /// What the motor has moved in the last tick, increment units.
+    #[must_use]
+    pub const fn increment(&self) -> S {
+        self.last_increment
+    }
 }
 
 impl<S: Scalar> VelocityControl<S> {

@@ -95,6 +95,7 @@ mod tests {
     use super::*;
     use crate::config::{AxisSettings, Rates};
     use crate::interpolate::Block;
+    use crate::safety::Hazard;
     use crate::scalar::Fixed;
     use crate::units::Position;
 
@@ -199,7 +200,7 @@ mod tests {
         let (mut station, mut bench) = running();
         bench.at = Position::from_m(2e-3).unwrap();
         station.tick(&mut bench);
-        let fault = Power::Faulted(Fault::FollowingError { axis: 0 });
+        let fault = Power::Faulted(Fault::Axis { axis: 0, hazard: Hazard::FollowingError });
         assert_eq!((bench.power, bench.duty), (fault, Duty::default()));
     }
 }

@@ -37,6 +37,12 @@ impl<S: Scalar> State<S> {
 }
 
 impl<S: Scalar> Feedback<S> {
+    /// Whether the loop uses a linear scale.
+    #[must_use]
+    pub const fn needs_table(&self) -> bool {
+        !matches!(self, Self::Motor)
+    }
+
     /// Where the loop finds the axis when it starts on these readings.
     #[must_use]
     pub fn settled(&self, motor: Position, table: Option<Position>) -> Position {
