@@ -35,11 +35,7 @@ impl Counter {
     pub fn part<T, R>(&mut self, name: &str, format: &str, inputs: &[T], part: impl FnMut(&T) -> R) {
         let Count { median, worst } = self.count(inputs, part);
         let percent = (worst * 100).checked_div(median).unwrap_or(0);
-        hprintln!(
-            "{name:<26} {format:<6} {median:>7} {worst:>7} {:>5}.{:02}",
-            percent / 100,
-            percent % 100
-        );
+        hprintln!("{name:<26} {format:<6} {median:>7} {worst:>7} {:>5}.{:02}", percent / 100, percent % 100);
     }
 
     /// The compiler may neither know an input, nor drop a result, nor move work past the clock: `black_box`

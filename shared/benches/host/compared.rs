@@ -29,13 +29,7 @@ impl Default for Compared {
 impl Compared {
     /// Measures a routine that does its work `repeats` times a call; `peer` is the name of the row to set it
     /// against, its own or empty where there is none.
-    pub fn row<R>(
-        &mut self,
-        name: &str,
-        peer: &str,
-        repeats: u32,
-        mut routine: impl FnMut() -> R,
-    ) {
+    pub fn row<R>(&mut self, name: &str, peer: &str, repeats: u32, mut routine: impl FnMut() -> R) {
         let mut samples = Vec::new();
         self.criterion.bench_function(name, |bencher| {
             bencher.iter_custom(|calls| {

@@ -82,9 +82,14 @@ fn ours<S: Scalar>(compared: &mut Compared) {
     steps(compared, &name("PI"), &pi, &places, velocity::State::at(Position(0)), |state, motor| {
         p.velocity.force(state, S::default(), motor)
     });
-    steps(compared, &name("feed-forward"), &biquad, &places, feedforward::State::at(Position(0)), |state, to| {
-        p.feedforward.lead(state, to)
-    });
+    steps(
+        compared,
+        &name("feed-forward"),
+        &biquad,
+        &places,
+        feedforward::State::at(Position(0)),
+        |state, to| p.feedforward.lead(state, to),
+    );
     steps(compared, &name("dual feedback"), &biquad, &readings, dual::State::default(), |state, reading| {
         p.feedback.position(state, reading.motor, reading.table)
     });
@@ -109,9 +114,14 @@ where
     // y0 = y1 + b0·x0 + b1·x1
     let pi = BiquadClamp::<C, T>::from([[1.003, -1.0, 0.0], [1.0, -1.0, 0.0]]);
     let pi = black_box(BiquadClamp { min: -limit, max: limit, ..pi });
-    steps(compared, &format!("idsp biquad as PI, {format}"), "", inputs, DirectForm1::default(), |state, x| {
-        pi.process(state, x)
-    });
+    steps(
+        compared,
+        &format!("idsp biquad as PI, {format}"),
+        "",
+        inputs,
+        DirectForm1::default(),
+        |state, x| pi.process(state, x),
+    );
 }
 
 pub fn measure(compared: &mut Compared) {
