@@ -22,7 +22,13 @@ struct Row {
 
 impl Default for Compared {
     fn default() -> Self {
-        Self { criterion: Criterion::default().configure_from_args(), rows: Vec::new() }
+        // Long enough for a median to the percent, and the whole run takes two minutes.
+        let criterion = Criterion::default()
+            .warm_up_time(Duration::from_millis(500))
+            .measurement_time(Duration::from_secs(2))
+            .without_plots()
+            .configure_from_args();
+        Self { criterion, rows: Vec::new() }
     }
 }
 
