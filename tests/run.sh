@@ -38,7 +38,7 @@ cargo fmt --all --check
 
 step "lints"
 cargo clippy --workspace --exclude firmware --all-targets -- -D warnings
-for program in board emulated; do
+for program in board emulated cost; do
   cargo clippy --package firmware --bin "$program" --features "$program" --target "$target" -- -D warnings
 done
 

@@ -5,10 +5,13 @@
 //! |---|---|---|
 //! | `board` | STM32F405 with two drives | `cargo board` |
 //! | `emulated` | QEMU's `mps2-an386`, in step with a host | `cargo emulated` |
+//! | `cost` | the same, by itself: counts the instructions of each part of a tick | `cargo cost` |
 #![no_std]
 
 #[cfg(feature = "board")]
 pub mod board;
+#[cfg(feature = "cost")]
+pub mod cost;
 #[cfg(feature = "emulated")]
 pub mod emulated;
 pub mod setup;

@@ -6,7 +6,7 @@
 //! the digits it was written with, is met exactly: what it is off is spread evenly over the arc.
 
 use super::turn::{ONE, sin_cos};
-use super::{Field, PathError, scaled, share};
+use super::{Field, PathError, high, scaled, share};
 use crate::units::{PER_NM, Position};
 
 /// 2π with 61 fraction bits.
@@ -238,9 +238,11 @@ impl<const N: usize> Arc<N> {
     /// The start point turned about the centre by a phase (2⁶⁴ a turn) in the arc's direction.
     fn turned(&self, phase: u64) -> [Position; N] {
         let (sine, cosine) = self.phase(phase);
-        let [dx, dy] = self.radius;
-        let x = self.centre[0].moved(scaled::<62>(dx, cosine).wrapping_sub(scaled::<62>(dy, sine)));
-        let y = self.centre[1].moved(scaled::<62>(dx, sine).wrapping_add(scaled::<62>(dy, cosine)));
+        // Two more fraction bits, so that the products together are within a unit.
+        let [dx, dy] = self.radius.map(|r| r << 4);
+        let rounded = |quarters: i64| (quarters + 2) >> 2;
+        let x = self.centre[0].moved(rounded(high(dx, cosine) - high(dy, sine)));
+        let y = self.centre[1].moved(rounded(high(dx, sine) + high(dy, cosine)));
         let mut point = self.start;
         // `get_mut` leaves no panic behind; `plan` has checked the plane.
         if let Some(place) = point.get_mut(self.plane[0]) {

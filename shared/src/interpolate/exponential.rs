@@ -24,14 +24,6 @@ pub struct Exponential {
     share: u64,
 }
 
-/// How far a curve has come, position units with 64 fraction bits.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
-    target: i128,
-    distance: i128,
-    velocity: i128,
-}
-
 impl Exponential {
     /// Plans a length from rest to rest.
     ///
@@ -48,25 +40,29 @@ impl Exponential {
     }
 
     /// Goes one tick on. Whole position units, and whether they are the end.
-    #[must_use]
     pub fn advance(&self, progress: &mut Progress) -> (i64, bool) {
         progress.target = (progress.target + self.feed).min(self.length);
         let lag = progress.target - progress.distance;
         let ended = progress.target == self.length && lag <= self.last_step;
-        progress.velocity = if ended { lag } else { part(lag, self.share) };
-        progress.distance += progress.velocity;
-        (progress.distance(), ended)
+        progress.step = if ended { lag } else { part(lag, self.share) };
+        progress.distance += progress.step;
+        (whole(progress.distance), ended)
     }
 }
 
-impl Progress {
-    /// Nothing travelled.
-    pub const START: Self = Self { target: 0, distance: 0, velocity: 0 };
+/// How far a curve has come, position units with 64 fraction bits.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    target: i128,
+    distance: i128,
+    step: i128,
+}
 
+impl Progress {
     /// Position units per tick, 16 fraction bits.
     #[must_use]
     pub const fn speed(&self) -> u64 {
-        speed(self.velocity)
+        speed(self.step)
     }
 
     /// Whole position units.
@@ -95,7 +91,7 @@ mod tests {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 2⁵²")]
             let acceleration = ((feed << 16) as f64 / ticks) as u64;
             let curve = Exponential::plan(length, &Limits::new(feed << 16, acceleration, None)).unwrap();
-            let mut progress = Progress::START;
+            let mut progress = Progress::default();
             let mut distances = std::vec![0, 0];
             while {
                 let (distance, ended) = curve.advance(&mut progress);
@@ -119,7 +115,7 @@ mod tests {
         let feed = 1u64 << 30;
         let limits = Limits::new(feed << 16, (feed << 16) / 1000, None);
         let curve = Exponential::plan(1 << 50, &limits).unwrap();
-        let mut progress = Progress::START;
+        let mut progress = Progress::default();
         for n in 1..5000 {
             let _ = curve.advance(&mut progress);
             let exact = feed as f64 * (1.0 - libm::pow(0.999, f64::from(n)));

@@ -102,6 +102,15 @@ pub(crate) fn scaled<const SHIFT: u32>(a: i64, b: i64) -> i64 {
     scaled
 }
 
+/// a·b/2⁶⁴, up to two units too small: the product of the lower halves is left out.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "the halves")]
+pub(crate) const fn high(a: i64, b: i64) -> i64 {
+    let (a_high, a_low) = ((a >> 32) as i32 as i64, a as u32 as i64);
+    let (b_high, b_low) = ((b >> 32) as i32 as i64, b as u32 as i64);
+    a_high * b_high + ((a_high * b_low) >> 32) + ((a_low * b_high) >> 32)
+}
+
 /// `value`·`part`/2³², rounded down.
 #[must_use]
 pub(crate) fn share(value: i64, part: u32) -> i64 {

@@ -18,7 +18,8 @@ pub const QUEUE: usize = 16;
 pub struct Path<const N: usize> {
     blocks: Deque<Planned<N>, QUEUE>,
     /// How far the first block has come, once it has been started.
-    progress: Option<Progress>,
+    progress: Progress,
+    started: bool,
     braking: Option<Brake>,
     /// The place on the path, and where the filters have brought the command behind it.
     place: [Position; N],
@@ -26,6 +27,7 @@ pub struct Path<const N: usize> {
     filters: [Filter; N],
     behind: [smooth::State; N],
     rounding: Rounding,
+    smooths: bool,
     /// Where the last planned block ends: the start of the next one.
     planned_to: [Position; N],
     rate_hz: f64,
@@ -48,13 +50,15 @@ impl<const N: usize> Path<N> {
     pub fn new(start: [Position; N], rate_hz: f64) -> Self {
         Self {
             blocks: Deque::new(),
-            progress: None,
+            progress: Progress::default(),
+            started: false,
             braking: None,
             place: start,
             command: start,
             filters: [Filter::Pass; N],
             behind: start.map(smooth::State::at),
             rounding: Filter::Pass.rounding(),
+            smooths: false,
             planned_to: start,
             rate_hz,
         }
@@ -72,6 +76,7 @@ impl<const N: usize> Path<N> {
             let this = filter.rounding();
             rounding = Some(rounding.map_or(this, |other| other.worse(this)));
         }
+        self.smooths = filters.iter().any(|filter| *filter != Filter::Pass);
         self.filters = filters;
         self.rounding = rounding.unwrap_or_else(|| Filter::Pass.rounding());
         Ok(())
@@ -87,7 +92,7 @@ impl<const N: usize> Path<N> {
         if self.blocks.is_full() {
             return Err(PathError::QueueFull);
         }
-        let started = usize::from(self.progress.is_some());
+        let started = usize::from(self.started);
         let waits = self.blocks.len() > started;
         if let Some(last) = self.blocks.back_mut().filter(|_| waits) {
             planned.enters = last.joint_with(&planned, &self.rounding);
@@ -108,7 +113,7 @@ impl<const N: usize> Path<N> {
     /// False, with nothing changed, where the block that is entered next cannot be: what the last joint takes of
     /// its acceleration would leave too little.
     fn look_ahead(&mut self) -> bool {
-        let started = usize::from(self.progress.is_some());
+        let started = usize::from(self.started);
         let mut entries = [0; QUEUE + 1];
         let mut exit = 0;
         for (entry, block) in entries.iter_mut().zip(&self.blocks).skip(started).rev() {
@@ -151,7 +156,7 @@ impl<const N: usize> Path<N> {
     }
 
     fn is_settled(&self) -> bool {
-        self.behind.iter().zip(&self.filters).all(|(behind, filter)| behind.is_settled(filter))
+        !self.smooths || self.behind.iter().zip(&self.filters).all(|(behind, filter)| behind.is_settled(filter))
     }
 
     /// The command that [`Path::advance`] gave last.
@@ -163,7 +168,7 @@ impl<const N: usize> Path<N> {
     /// Forgets every block and stands at a place.
     pub fn stand_at(&mut self, place: [Position; N]) {
         self.blocks.clear();
-        self.progress = None;
+        self.started = false;
         self.braking = None;
         (self.place, self.command, self.planned_to) = (place, place, place);
         for (behind, place) in self.behind.iter_mut().zip(place) {
@@ -177,7 +182,8 @@ impl<const N: usize> Path<N> {
         if self.braking.is_some() {
             return;
         }
-        let (distance, speed) = self.progress.map_or((0, 0), |at| (at.distance(), at.speed()));
+        let moving = self.started.then_some((self.progress.distance(), self.progress.speed()));
+        let (distance, speed) = moving.unwrap_or_default();
         self.braking = Some(Brake { deceleration, speed, distance: i128::from(distance) << FRACTION });
     }
 
@@ -193,41 +199,55 @@ impl<const N: usize> Path<N> {
             None => self.along(),
             Some(brake) => self.braking = Some(self.along_braking(brake)),
         }
-        for (((command, behind), filter), place) in
-            self.command.iter_mut().zip(&mut self.behind).zip(&self.filters).zip(self.place)
-        {
-            *command = behind.step(filter, place);
+        if self.smooths {
+            for (((command, behind), filter), place) in
+                self.command.iter_mut().zip(&mut self.behind).zip(&self.filters).zip(self.place)
+            {
+                *command = behind.step(filter, place);
+            }
+        } else {
+            self.command = self.place;
         }
         self.command
     }
 
-    /// The place on the path a tick further on. Blocks are changed within the tick, where none of them stops.
+    /// The place on the path a tick further on.
     fn along(&mut self) {
-        let mut time = TICK;
+        let Some(block) = self.blocks.front() else { return };
+        if !self.started {
+            if block.entry == 0 && !self.is_settled() {
+                return;
+            }
+            block.start(&mut self.progress);
+            self.started = true;
+        }
+        match block.advance(&mut self.progress, TICK) {
+            Step::Within(distance) => self.place = block.at(distance),
+            Step::Beyond(rest) => self.over_joint(rest),
+        }
+    }
+
+    /// The same where a block has ended within the tick: the next one gets the rest of it, unless the path stops
+    /// there.
+    #[cold]
+    fn over_joint(&mut self, mut rest: u64) {
+        self.started = false;
         for _ in 0..QUEUE {
-            let Some(block) = self.blocks.front() else { return };
-            let mut progress = match self.progress {
-                Some(progress) => progress,
-                None if block.entry > 0 || self.is_settled() => block.start(),
-                None => return,
-            };
-            match block.advance(&mut progress, time) {
+            let Some(ended) = self.blocks.front() else { return };
+            self.place = ended.end();
+            let stops = ended.exit == 0;
+            let _ = self.blocks.pop_front();
+            let Some(block) = self.blocks.front().filter(|_| !stops) else { return };
+            block.start(&mut self.progress);
+            self.started = true;
+            match block.advance(&mut self.progress, rest) {
                 Step::Within(distance) => {
                     self.place = block.at(distance);
-                    self.progress = Some(progress);
                     return;
                 }
-                Step::Beyond(rest) => {
-                    self.place = block.end();
-                    self.progress = None;
-                    let stops = block.exit == 0;
-                    let _ = self.blocks.pop_front();
-                    if stops {
-                        return;
-                    }
-                    time = rest;
-                }
+                Step::Beyond(left) => rest = left,
             }
+            self.started = false;
         }
     }
 

@@ -6,7 +6,7 @@ use super::exponential::{self, Exponential};
 use super::joint::{End, Joint};
 use super::line::Line;
 use super::profile::{self, Profile, Step};
-use super::ramp::{Limits, MOST_TICKS, TICK};
+use super::ramp::{Limits, MOST_TICKS};
 use super::smooth::Rounding;
 use super::{Field, PathError};
 use crate::units::{self, PER_M, Position};
@@ -63,13 +63,12 @@ enum Kind {
     Steady,
 }
 
-/// How far a block has come.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Progress {
-    /// Of a curve in pieces.
-    Pieces(profile::Progress),
-    /// Of an exponential.
-    Lag(exponential::Progress),
+/// How far a block has come; one of the two is in use.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Progress {
+    pieces: profile::Progress,
+    lag: exponential::Progress,
+    lags: bool,
 }
 
 impl<const N: usize> Planned<N> {
@@ -226,26 +225,25 @@ impl<const N: usize> Planned<N> {
         }
     }
 
-    /// The start of the block.
-    #[must_use]
-    pub const fn start(&self) -> Progress {
+    /// Puts a progress at the start of the block.
+    pub fn start(&self, progress: &mut Progress) {
         match &self.time {
-            Time::Pieces(profile) => Progress::Pieces(profile.start()),
-            Time::Lag(_) => Progress::Lag(exponential::Progress::START),
+            Time::Pieces(profile) => {
+                progress.lags = false;
+                profile.start(&mut progress.pieces);
+            }
+            Time::Lag(_) => (progress.lags, progress.lag) = (true, exponential::Progress::default()),
         }
     }
 
     /// Goes on by a part of a tick.
-    #[must_use]
     pub fn advance(&self, progress: &mut Progress, time: u64) -> Step {
-        match (&self.time, progress) {
-            (Time::Pieces(profile), Progress::Pieces(progress)) => profile.advance(progress, time),
-            (Time::Lag(curve), Progress::Lag(progress)) => match curve.advance(progress) {
+        match &self.time {
+            Time::Pieces(profile) => profile.advance(&mut progress.pieces, time),
+            Time::Lag(curve) => match curve.advance(&mut progress.lag) {
                 (_, true) => Step::Beyond(0),
                 (distance, false) => Step::Within(distance),
             },
-            // A block advances its own progress only.
-            _ => Step::Beyond(TICK),
         }
     }
 
@@ -264,19 +262,13 @@ impl Progress {
     /// Position units from the start of the block.
     #[must_use]
     pub const fn distance(&self) -> i64 {
-        match self {
-            Self::Pieces(progress) => progress.distance(),
-            Self::Lag(progress) => progress.distance(),
-        }
+        if self.lags { self.lag.distance() } else { self.pieces.distance() }
     }
 
     /// Speed, per tick with 16 fraction bits.
     #[must_use]
     pub const fn speed(&self) -> u64 {
-        match self {
-            Self::Pieces(progress) => progress.speed(),
-            Self::Lag(progress) => progress.speed(),
-        }
+        if self.lags { self.lag.speed() } else { self.pieces.speed() }
     }
 }
 

@@ -40,16 +40,27 @@ pub struct Profile {
 }
 
 /// How far a curve has come.
+///
+/// Within a piece the distance after whole ticks is a cubic of their number, so its third difference is
+/// constant: three additions go one tick on.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
-    piece: u8,
+    /// Position units, 64 fraction bits, and its differences over the next tick.
+    distance: i128,
+    step: i128,
+    step_change: i128,
+    /// The jerk.
+    third_difference: i128,
     /// Of this piece, ticks with 32 fraction bits.
     left: u64,
-    /// Position units, 64 fraction bits.
+    piece: u8,
+}
+
+/// Distance, speed and acceleration at one time, 64 fraction bits.
+#[derive(Clone, Copy, Debug)]
+struct Motion {
     distance: i128,
-    /// Per tick.
     velocity: i128,
-    /// Per tick².
     acceleration: i128,
 }
 
@@ -141,49 +152,52 @@ impl Profile {
         }
     }
 
-    /// The start of the curve.
-    #[must_use]
-    pub const fn start(&self) -> Progress {
+    /// Puts a progress at the start of the curve.
+    pub fn start(&self, progress: &mut Progress) {
         let [left, ..] = self.durations;
-        Progress { piece: 0, left, distance: 0, velocity: self.entry, acceleration: 0 }
+        (progress.piece, progress.left) = (0, left);
+        progress.set(&Motion { distance: 0, velocity: self.entry, acceleration: 0 }, self.jerk_sixth(0));
     }
 
     /// Goes on by a part of a tick, up to [`TICK`].
-    #[must_use]
     pub fn advance(&self, progress: &mut Progress, time: u64) -> Step {
         if time == TICK && progress.left >= TICK {
             progress.left -= TICK;
-            progress.whole_tick(self.jerk_sixth(progress.piece));
+            progress.whole_tick();
             return Step::Within(progress.distance());
         }
-        let mut time = time;
+        self.over_pieces(progress, time)
+    }
+
+    /// Where the piece ends, or has begun, within the tick.
+    #[cold]
+    fn over_pieces(&self, progress: &mut Progress, mut time: u64) -> Step {
+        let mut motion = progress.motion();
         // At most so many pieces end within a tick.
         for _ in 0..PIECES {
             let part = time.min(progress.left);
-            progress.part_of_tick(self.jerk_sixth(progress.piece), part);
+            motion.advance(self.jerk_sixth(progress.piece), part);
             progress.left -= part;
             time -= part;
             if progress.left > 0 {
                 break;
             }
             if progress.piece + 1 >= PIECES {
+                progress.set(&motion, 0);
                 return Step::Beyond(time);
             }
-            self.next_piece(progress);
+            progress.piece += 1;
+            progress.left = self.durations.get(usize::from(progress.piece)).copied().unwrap_or(0);
+            match progress.piece {
+                // Reached by the jerk already, but for its last bits; without a jerk limit it jumps here.
+                1 => motion.acceleration = self.speeding,
+                CRUISE => (motion.velocity, motion.acceleration) = (self.top, 0),
+                5 => motion.acceleration = self.slowing,
+                _ => {}
+            }
         }
+        progress.set(&motion, self.jerk_sixth(progress.piece));
         Step::Within(progress.distance())
-    }
-
-    fn next_piece(&self, progress: &mut Progress) {
-        progress.piece += 1;
-        progress.left = self.durations.get(usize::from(progress.piece)).copied().unwrap_or(0);
-        match progress.piece {
-            // Reached by the jerk already, but for its last bits; without a jerk limit it jumps here.
-            1 => progress.acceleration = self.speeding,
-            CRUISE => (progress.velocity, progress.acceleration) = (self.top, 0),
-            5 => progress.acceleration = self.slowing,
-            _ => {}
-        }
     }
 
     const fn jerk_sixth(&self, piece: u8) -> i128 {
@@ -204,26 +218,43 @@ impl Progress {
         whole(self.distance)
     }
 
-    /// Position units per tick, 16 fraction bits.
+    /// Position units over the next tick, 16 fraction bits.
     #[must_use]
     pub const fn speed(&self) -> u64 {
-        speed(self.velocity)
+        speed(self.step)
     }
 
-    /// d += v + a/2 + j/6, v += a + j/2, a += j.
-    fn whole_tick(&mut self, jerk_sixth: i128) {
-        if self.acceleration == 0 && jerk_sixth == 0 {
-            self.distance += self.velocity;
-            return;
+    fn whole_tick(&mut self) {
+        self.distance += self.step;
+        if self.piece != CRUISE {
+            self.step += self.step_change;
+            self.step_change += self.third_difference;
         }
-        let half_jerk = 3 * jerk_sixth;
-        self.distance += self.velocity + (self.acceleration >> 1) + jerk_sixth;
-        self.velocity += self.acceleration + half_jerk;
-        self.acceleration += 2 * half_jerk;
     }
 
-    /// The same for a part t of a tick: d += t·(v + t·(a/2 + t·j/6)), v += t·(a + t·j/2), a += t·j.
-    fn part_of_tick(&mut self, jerk_sixth: i128, time: u64) {
+    /// d(t + 1) − d(t) = v + a/2 + j/6; of that, a + j; of that, j.
+    fn set(&mut self, motion: &Motion, jerk_sixth: i128) {
+        self.distance = motion.distance;
+        self.step = motion.velocity + (motion.acceleration >> 1) + jerk_sixth;
+        self.third_difference = 6 * jerk_sixth;
+        self.step_change = motion.acceleration + self.third_difference;
+    }
+
+    /// The other way round.
+    fn motion(&self) -> Motion {
+        let acceleration = self.step_change - self.third_difference;
+        // The jerk is six times a whole number: a product with 1/6 is off by less than one of them.
+        let jerk_sixth = part(self.third_difference, SIXTH_Q32);
+        Motion { distance: self.distance, velocity: self.step - (acceleration >> 1) - jerk_sixth, acceleration }
+    }
+}
+
+/// 1/6 with 32 fraction bits.
+const SIXTH_Q32: u64 = 715_827_883;
+
+impl Motion {
+    /// d += t·(v + t·(a/2 + t·j/6)), v += t·(a + t·j/2), a += t·j.
+    fn advance(&mut self, jerk_sixth: i128, time: u64) {
         if time == 0 {
             return;
         }
@@ -284,9 +315,15 @@ mod tests {
 
     const ONE: f64 = 18_446_744_073_709_551_616.0;
 
+    fn started(profile: &Profile) -> Progress {
+        let mut progress = Progress::default();
+        profile.start(&mut progress);
+        progress
+    }
+
     /// The distance after each tick, with all its fraction bits, started a part of a tick late.
     fn run(profile: &Profile, late: u64) -> Vec<i128> {
-        let mut progress = profile.start();
+        let mut progress = started(profile);
         let mut distances = Vec::new();
         let mut time = TICK - late;
         while let Step::Within(_) = profile.advance(&mut progress, time) {
@@ -352,7 +389,7 @@ mod tests {
                 let most = values(&acceleration).iter().fold(0.0f64, |most, &j| most.max((j as f64 / ONE).abs()));
                 prop_assert!(most <= limit(jerk) * (1.0 + 1e-6) + 1e-3, "jerk {most} of {}", limit(jerk));
             }
-            let mut progress = profile.start();
+            let mut progress = started(&profile);
             while let Step::Within(_) = profile.advance(&mut progress, TICK) {}
             let off = (progress.distance - (i128::from(length) << 64)) as f64 / ONE;
             prop_assert!(off.abs() < 16.0, "{off} units off the end");

@@ -1,0 +1,161 @@
+//! A motion of two axes, recorded once: what the parts are given.
+
+use shared::axis::Reading;
+use shared::config::{AxisSettings, Law, Rates, Sensors};
+use shared::interpolate::{Block, Ramps, Smoothing};
+use shared::machine::{Machine, Output};
+use shared::scalar::Scalar;
+use shared::units::Position;
+
+/// Axes of the machine.
+pub const AXES: usize = 2;
+
+/// Ticks of the motion, 0.4 s: the blocks take 0.36 s of it.
+pub const TICKS: usize = 8000;
+
+/// Every tick does everything.
+pub const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+
+/// Where the motion starts.
+pub const START: [Position; AXES] = [Position(0); AXES];
+
+/// A line, a circle one way, a small circle the other way, a line of two axes, and a stop between: ramps and full
+/// feed, all reversals.
+pub const PROGRAM: [Block<AXES>; 5] = [
+    line([0.003, 0.0]),
+    arc([-0.002, 0.0], 1.25),
+    arc([-0.002, 0.004], -0.5),
+    Block::dwell(0.005),
+    line([-0.001, 0.002]),
+];
+
+const FEED_M_PER_S: f64 = 0.3;
+const ACCELERATION_M_PER_S2: f64 = 20.0;
+const RAMPS: Ramps = Ramps::SCurve { jerk_m_per_s3: 4000.0 };
+
+/// A line to a point.
+pub const fn line(to_m: [f64; AXES]) -> Block<AXES> {
+    Block::line(to_m, FEED_M_PER_S, ACCELERATION_M_PER_S2).with_ramps(RAMPS)
+}
+
+/// An arc round a point.
+pub const fn arc(centre_m: [f64; 2], turns: f64) -> Block<AXES> {
+    Block::arc([0, 1], centre_m, turns, FEED_M_PER_S, ACCELERATION_M_PER_S2).with_ramps(RAMPS)
+}
+
+/// An axis with everything that the controller has, switched on.
+#[must_use]
+pub fn everything() -> AxisSettings {
+    AxisSettings {
+        law: Law::Hpc,
+        position_gain_per_s: 60.0,
+        feedforward_percent: 80.0,
+        velocity_gain_n_s_per_m: 45_000.0,
+        velocity_integral_time_s: Some(0.013),
+        velocity_lag_s: 0.5 / RATES.velocity_loop_hz,
+        force_limit_n: 8000.0,
+        sensors: Sensors::Dual { time_constant_s: 0.05 },
+        smoothing: Smoothing::SCurve { time_s: 0.004, jerk_time_s: 0.002 },
+        following_error_limit_m: 0.05,
+        scale_disagreement_limit_m: Some(0.001),
+        fastest_m_per_s: Some(1.0),
+        saturation_time_s: 0.5,
+        travel_m: Some([-0.1, 0.1]),
+        stop_deceleration_m_per_s2: 2.0,
+    }
+}
+
+/// An axis to close the loop on: a mass on guides with friction, read by encoders. Not part of what is counted.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Axis {
+    position_m: f64,
+    velocity_m_per_s: f64,
+}
+
+const MASS_KG: f64 = 200.0;
+const VISCOUS_N_S_PER_M: f64 = 1000.0;
+const COULOMB_N: f64 = 300.0;
+/// At this speed half of the Coulomb friction acts: it turns with the velocity without a jump.
+const COULOMB_SPEED_M_PER_S: f64 = 1e-3;
+const STIFFNESS_N_PER_M: f64 = 150e6;
+const ENCODER_M: f64 = 50e-9;
+
+impl Axis {
+    /// Goes one tick on under a force, and reads: the motor turns on while the screw winds up.
+    fn moved(&mut self, force_n: f64) -> Reading {
+        let speed = if self.velocity_m_per_s < 0.0 { -self.velocity_m_per_s } else { self.velocity_m_per_s };
+        let coulomb = COULOMB_N * self.velocity_m_per_s / (COULOMB_SPEED_M_PER_S + speed);
+        let tick = 1.0 / RATES.velocity_loop_hz;
+        let accelerating = force_n - coulomb - VISCOUS_N_S_PER_M * self.velocity_m_per_s;
+        self.velocity_m_per_s += accelerating / MASS_KG * tick;
+        self.position_m += self.velocity_m_per_s * tick;
+        let motor = read(self.position_m + force_n / STIFFNESS_N_PER_M);
+        Reading { motor, table: Some(read(self.position_m)) }
+    }
+}
+
+/// What an encoder shows: whole steps.
+fn read(m: f64) -> Position {
+    let steps = m / ENCODER_M;
+    #[expect(clippy::cast_possible_truncation, reason = "millimetres")]
+    let steps = if steps < 0.0 { (steps - 0.5) as i64 } else { (steps + 0.5) as i64 };
+    // One step is 52,428,800 position units exactly.
+    Position(steps * 52_428_800)
+}
+
+/// A machine with the program queued, asked to come on. `None` where it refuses what it is given.
+#[must_use]
+pub fn machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
+    let mut machine = Machine::new(RATES, &[everything(); AXES], START).ok()?;
+    for block in program {
+        machine.push(block).ok()?;
+    }
+    machine.enable();
+    Some(machine)
+}
+
+/// One tick of the recorded motion: what the machine got, and gave.
+#[derive(Clone, Copy, Debug)]
+pub struct Tick<S> {
+    /// What the sensors showed.
+    pub readings: [Reading; AXES],
+    /// What the machine made of it.
+    pub output: Output<S, AXES>,
+}
+
+/// Travels the program in closed loop. `None` where the machine refuses it or does not travel all of it.
+#[must_use]
+pub fn record<S: Scalar>(ticks: &mut [Tick<S>; TICKS]) -> Option<()> {
+    let mut machine = machine::<S>(&PROGRAM)?;
+    let mut axes = [Axis::default(); AXES];
+    let mut forces = [S::default(); AXES];
+    for tick in &mut *ticks {
+        for ((axis, force), reading) in axes.iter_mut().zip(&forces).zip(&mut tick.readings) {
+            *reading = axis.moved(force.value());
+        }
+        tick.output = machine.tick(&tick.readings);
+        forces = tick.output.forces;
+    }
+    let last = ticks.last()?.output;
+    (last.enabled && last.done).then_some(())
+}
+
+impl<S: Scalar> Tick<S> {
+    /// Nothing recorded yet.
+    #[must_use]
+    pub fn empty() -> Self {
+        let output = Output {
+            forces: [S::default(); AXES],
+            commands: START,
+            enabled: false,
+            warning: None,
+            done: false,
+        };
+        Self { readings: [Reading { motor: Position(0), table: None }; AXES], output }
+    }
+
+    /// How far the motor of the first axis is behind.
+    pub fn error(&self) -> S {
+        S::from_distance(self.output.commands[0].beyond(self.readings[0].motor))
+    }
+}

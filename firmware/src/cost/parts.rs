@@ -1,0 +1,104 @@
+//! The parts of a tick, in the order of the signal: a new one is one line.
+
+use core::array::from_fn;
+use core::hint::black_box;
+
+use shared::axis::AxisState;
+use shared::config::{AxisConfig, AxisSettings, Law};
+use shared::control::{feedforward, position, velocity};
+use shared::feedback::dual;
+use shared::interpolate::turn::sin_cos;
+use shared::interpolate::{Block, Path};
+use shared::scalar::Scalar;
+
+use super::count::Counter;
+use super::motion::{self, AXES, PROGRAM, RATES, START, TICKS, Tick, arc, everything, line};
+
+/// What every scalar shares: the path, in integers. `None` where it refuses a block.
+#[inline(never)]
+pub fn of_the_path(counter: &mut Counter) -> Option<()> {
+    // An odd stride visits the whole turn, and every place between two tabled angles.
+    let phases: [u64; 1000] = from_fn(|k| (k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+    counter.part("sine and cosine", "all", &phases, |&phase| sin_cos(phase));
+
+    let there_and_back: [_; 16] = from_fn(|k| line([if k % 2 == 0 { 2e-6 } else { 0.0 }, 0.0]));
+    path(counter, "path, a line", &[line([0.02, 0.01])])?;
+    path(counter, "path, an arc", &[arc([-0.01, 0.0], 0.3)])?;
+    path(counter, "path, blocks of 12 ticks", &there_and_back)
+}
+
+/// Every tick of a path of these blocks.
+fn path(counter: &mut Counter, name: &str, blocks: &[Block<AXES>]) -> Option<()> {
+    let mut path = Path::new(START, RATES.position_loop_hz());
+    for block in blocks {
+        path.push(block).ok()?;
+    }
+    let (mut trial, mut ticks) = (path.clone(), 0);
+    while !trial.is_done() && ticks < TICKS {
+        trial.advance();
+        ticks += 1;
+    }
+    let path = black_box(&mut path);
+    counter.part(name, "all", [(); TICKS].get(..ticks)?, |()| path.advance());
+    Some(())
+}
+
+/// The laws and the whole tick in the format `S`. `None` where it refuses the settings or the motion.
+#[inline(never)]
+pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
+    let mut ticks: [Tick<S>; TICKS] = from_fn(|_| Tick::empty());
+    motion::record(&mut ticks)?;
+    let (first, rest) = ticks.split_first()?;
+    let config = |law| AxisConfig::<S>::new(&AxisSettings { law, ..everything() }, RATES).ok();
+    let (p, all) = &black_box((config(Law::P)?, config(Law::Hpc)?));
+
+    // What the first axis had between its parts.
+    let errors: [S; TICKS] = from_fn(|k| ticks.get(k).map_or(S::default(), Tick::error));
+    let mut filter = position::State::default();
+    let speeds = errors.map(|error| all.position.velocity(&mut filter, error));
+    let motors = from_fn::<_, TICKS, _>(|k| (speeds[k], ticks[k].readings[0].motor));
+
+    let (command, reading) = (first.output.commands[0], first.readings[0]);
+    let mut part = Parts { counter, format: S::NAME };
+    part.of("dual feedback", rest, dual::State::settled(reading.motor, reading.table), |state, tick| {
+        all.feedback.position(state, tick.readings[0].motor, tick.readings[0].table)
+    });
+    part.of("feed-forward", rest, feedforward::State::at(command), |state, tick| {
+        all.feedforward.lead(state, tick.output.commands[0])
+    });
+    part.of("P", &errors, position::State::default(), |state, &error| p.position.velocity(state, error));
+    part.of("HPC", &errors, position::State::default(), |state, &error| all.position.velocity(state, error));
+    part.of("PI", &motors, velocity::State::at(reading.motor), |state, &(speed, motor)| {
+        all.velocity.force(state, speed, motor)
+    });
+    part.of("position loop of an axis", rest, AxisState::at_rest(command, reading), |state, tick| {
+        state.position_tick(all, tick.output.commands[0], tick.readings[0])
+    });
+    part.of("tick, drives coming on", &ticks[..1], motion::machine::<S>(&PROGRAM)?, |machine, tick| {
+        machine.tick(&tick.readings)
+    });
+    let mut moving = motion::machine::<S>(&PROGRAM)?;
+    moving.tick(&first.readings);
+    part.of("tick of two axes, all on", rest, moving, |machine, tick| machine.tick(&tick.readings));
+    Some(())
+}
+
+/// Parts in one format.
+struct Parts<'a> {
+    counter: &'a mut Counter,
+    format: &'static str,
+}
+
+impl Parts<'_> {
+    /// A part with what it remembers.
+    fn of<T, St, R>(
+        &mut self,
+        name: &str,
+        inputs: &[T],
+        mut state: St,
+        mut part: impl FnMut(&mut St, &T) -> R,
+    ) {
+        let state = black_box(&mut state);
+        self.counter.part(name, self.format, inputs, |input| part(state, input));
+    }
+}
