@@ -1,7 +1,8 @@
 //! One axis, one tick: read from top to bottom in the order of the signal.
 
 use crate::config::AxisConfig;
-use crate::control::{feedforward, position, velocity};
+use crate::control::bump::Bump;
+use crate::control::{feedforward, filter, position, velocity};
 use crate::feedback::dual;
 use crate::safety::Hazard;
 use crate::scalar::Scalar;
@@ -24,7 +25,13 @@ pub struct AxisState<S: Scalar> {
     feedforward: feedforward::State,
     position: position::State<S>,
     velocity: velocity::State<S>,
+    notch: filter::State<S>,
+    low_pass: filter::State<S>,
+    /// What the loops gave last, and what keeps it from jumping when they are changed.
     velocity_command: S,
+    shaped_force: S,
+    velocity_bump: Bump<S>,
+    force_bump: Bump<S>,
     watch: watch::State,
 }
 
@@ -37,9 +44,28 @@ impl<S: Scalar> AxisState<S> {
             feedforward: feedforward::State::at(command),
             position: position::State::default(),
             velocity: velocity::State::at(reading.motor),
+            notch: filter::State::default(),
+            low_pass: filter::State::default(),
             velocity_command: S::default(),
+            shaped_force: S::default(),
+            velocity_bump: Bump::default(),
+            force_bump: Bump::default(),
             watch: watch::State::default(),
         }
+    }
+
+    /// Goes over to other constants while it moves: neither velocity command nor force jumps.
+    pub fn change(&mut self, from: &AxisConfig<S>, to: &AxisConfig<S>) {
+        if from.position.hpc.is_none() {
+            self.position.settle();
+        }
+        if to.velocity.has_no_integral() {
+            self.velocity.forget_integral();
+        }
+        self.notch = filter::State::settled(self.shaped_force);
+        self.low_pass = filter::State::settled(self.shaped_force);
+        self.velocity_bump.change(self.velocity_command);
+        self.force_bump.change(self.shaped_force);
     }
 
     /// The position loop, once per command.
@@ -52,7 +78,8 @@ impl<S: Scalar> AxisState<S> {
         let feedback = config.feedback.position(&mut self.feedback, reading.motor, reading.table);
         let following_error = S::from_distance(command.beyond(feedback));
         let lead = config.feedforward.lead(&mut self.feedforward, command);
-        self.velocity_command = config.position.velocity(&mut self.position, following_error.plus(lead));
+        let made = config.position.velocity(&mut self.position, following_error.plus(lead));
+        self.velocity_command = self.velocity_bump.smooth(config.velocity_fades, made);
         config.watch.position(&Seen {
             following_error,
             command,
@@ -64,9 +91,16 @@ impl<S: Scalar> AxisState<S> {
 
     /// The velocity loop, every tick. Returns the force to apply until the next one.
     pub fn velocity_tick(&mut self, config: &AxisConfig<S>, reading: Reading) -> (S, Option<Hazard>) {
-        let force = config.velocity.force(&mut self.velocity, self.velocity_command, reading.motor);
-        let saturated = force >= config.velocity.force_limit || force <= -config.velocity.force_limit;
-        let hazard = config.watch.velocity(&mut self.watch, self.velocity.increment(), saturated);
-        (force, hazard)
+        let wanted = config.velocity.wanted(&mut self.velocity, self.velocity_command, reading.motor);
+        let mut shaped = wanted.force;
+        if let Some(notch) = &config.notch {
+            shaped = notch.step(&mut self.notch, shaped);
+        }
+        if let Some(low_pass) = &config.low_pass {
+            shaped = low_pass.step(&mut self.low_pass, shaped);
+        }
+        self.shaped_force = self.force_bump.smooth(config.force_fades, shaped);
+        let (force, limited) = config.velocity.limited(&mut self.velocity, &wanted, self.shaped_force);
+        (force, config.watch.velocity(&mut self.watch, self.velocity.increment(), limited))
     }
 }

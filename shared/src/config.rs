@@ -3,6 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::control::feedforward::Feedforward;
+use crate::control::filter::Filter;
 use crate::control::hpc::Hpc;
 use crate::control::position::PositionControl;
 use crate::control::velocity::VelocityControl;
@@ -52,6 +53,26 @@ pub enum Sensors {
     },
 }
 
+/// A notch on the force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Notch {
+    /// Its middle.
+    pub frequency_hz: f64,
+    /// From −3 dB to −3 dB of a full notch.
+    pub width_hz: f64,
+    /// 1: nothing is left in the middle; 0.9: a tenth.
+    pub depth: f64,
+}
+
+/// A second-order low-pass on the force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LowPass {
+    /// ω₀/2π.
+    pub frequency_hz: f64,
+    /// ζ; 0.7 for the flattest.
+    pub damping_ratio: f64,
+}
+
 /// One axis in SI, as a person or a file gives it.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct AxisSettings {
@@ -67,6 +88,10 @@ pub struct AxisSettings {
     pub velocity_integral_time_s: Option<f64>,
     /// How much later than a plain difference the velocity reading is; at most one tick.
     pub velocity_lag_s: f64,
+    /// Takes a band out of the force.
+    pub notch: Option<Notch>,
+    /// Takes what is fast out of the force.
+    pub low_pass: Option<LowPass>,
     /// Greatest force either way.
     pub force_limit_n: f64,
     /// Sensors of the position loop.
@@ -98,6 +123,8 @@ impl Default for AxisSettings {
             velocity_gain_n_s_per_m: 50_000.0,
             velocity_integral_time_s: Some(0.02),
             velocity_lag_s: 0.0,
+            notch: None,
+            low_pass: None,
             force_limit_n: 10_000.0,
             sensors: Sensors::Motor,
             smoothing: Smoothing::None,
@@ -118,6 +145,8 @@ pub enum ConfigError {
     NotFinite(&'static str),
     /// Must be above zero.
     NotPositive(&'static str),
+    /// Cannot be changed once the machine has been made.
+    NotWhileRunning(&'static str),
     /// Must lie in a range.
     OutOfRange {
         /// Setting.
@@ -134,6 +163,7 @@ impl core::fmt::Display for ConfigError {
         match self {
             Self::NotFinite(name) => write!(f, "{name}: expected a finite number"),
             Self::NotPositive(name) => write!(f, "{name}: expected a number above 0"),
+            Self::NotWhileRunning(name) => write!(f, "{name}: expected what the machine was made with"),
             Self::OutOfRange { name, least, most } => {
                 write!(f, "{name}: expected a number from {least:.4e} to {most:.4e} in this number format")
             }
@@ -149,6 +179,11 @@ const LEAST_RATE_HZ: f64 = 1.0;
 /// Fastest velocity loop, Hz.
 const MOST_RATE_HZ: f64 = 1e6;
 
+/// Least and greatest frequency of a filter of the force, of the tick rate.
+const LEAST_FILTER: f64 = 1e-3;
+/// See there.
+const MOST_FILTER: f64 = 0.45;
+
 /// One axis in machine units: what a tick computes with.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisConfig<S: Scalar> {
@@ -160,6 +195,14 @@ pub struct AxisConfig<S: Scalar> {
     pub position: PositionControl<S>,
     /// Velocity loop.
     pub velocity: VelocityControl<S>,
+    /// Filters of the force.
+    pub notch: Option<Filter<S>>,
+    /// Behind the notch.
+    pub low_pass: Option<Filter<S>>,
+    /// How much of an offset at a change of gains fades in a position tick.
+    pub velocity_fades: S::Gain,
+    /// The same in a tick.
+    pub force_fades: S::Gain,
     /// What is watched.
     pub watch: Watch<S>,
     /// Of a stop, position units per position tick² with 16 fraction bits.
@@ -208,12 +251,17 @@ impl<S: Scalar> AxisConfig<S> {
                 hpc: matches!(settings.law, Law::Hpc).then(|| Hpc::new(kp / position_rate)),
             },
             velocity: VelocityControl {
-                rate: gain::<S>("velocity_loop_hz", rate, INCREMENT_M / VELOCITY_M_PER_S)?,
-                lag: gain::<S>("velocity_lag_s", lag * rate, 1.0)?,
+                rate: gain::<S>("velocity_loop_hz", rate * (1.0 - lag * rate), INCREMENT_M / VELOCITY_M_PER_S)?,
+                rate_before: gain::<S>("velocity_lag_s", rate * lag * rate, INCREMENT_M / VELOCITY_M_PER_S)?,
                 proportional: gain::<S>("velocity_gain_n_s_per_m", kv, VELOCITY_M_PER_S)?,
                 integral: gain::<S>("velocity_integral_time_s", ki, VELOCITY_M_PER_S)?,
+                integrates: settings.velocity_integral_time_s.is_some(),
                 force_limit: S::signal(ranged("force_limit_n", limit, 0.0, S::SIGNAL_LIMIT)?),
             },
+            notch: settings.notch.map(|notch| make_notch(&notch, rate)).transpose()?,
+            low_pass: settings.low_pass.map(|low_pass| make_low_pass(&low_pass, rate)).transpose()?,
+            velocity_fades: S::gain(-libm::expm1(-kp / position_rate)),
+            force_fades: S::gain(-libm::expm1(-kp * tick)),
             watch: watch(settings, tick)?,
             stop_deceleration: per_tick(
                 "stop_deceleration_m_per_s2",
@@ -221,6 +269,28 @@ impl<S: Scalar> AxisConfig<S> {
             )?,
         })
     }
+}
+
+/// tan(πf/rate) of a filter's frequency.
+fn warped(name: &'static str, frequency_hz: f64, rate_hz: f64) -> Result<f64, ConfigError> {
+    let frequency = positive(name, frequency_hz)?;
+    // Below, a₃ = (πf/rate)² has less than three digits in fixed point; above, little is left of the shape.
+    let frequency = ranged(name, frequency, rate_hz * LEAST_FILTER, rate_hz * MOST_FILTER)?;
+    Ok(libm::tan(core::f64::consts::PI * frequency / rate_hz))
+}
+
+fn make_notch<S: Scalar>(notch: &Notch, rate_hz: f64) -> Result<Filter<S>, ConfigError> {
+    let g = warped("notch_frequency_hz", notch.frequency_hz, rate_hz)?;
+    let width = positive("notch_width_hz", notch.width_hz)?;
+    let width = ranged("notch_width_hz", width, 0.0, 4.0 * notch.frequency_hz)?;
+    let depth = ranged("notch_depth", notch.depth, 0.0, 1.0)?;
+    Ok(Filter::notch(g, width / notch.frequency_hz, depth))
+}
+
+fn make_low_pass<S: Scalar>(low_pass: &LowPass, rate_hz: f64) -> Result<Filter<S>, ConfigError> {
+    let g = warped("low_pass_frequency_hz", low_pass.frequency_hz, rate_hz)?;
+    let damping = ranged("low_pass_damping_ratio", low_pass.damping_ratio, 0.05, 10.0)?;
+    Ok(Filter::low_pass(g, 2.0 * damping))
 }
 
 fn watch<S: Scalar>(settings: &AxisSettings, tick: f64) -> Result<Watch<S>, ConfigError> {

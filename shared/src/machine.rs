@@ -3,7 +3,7 @@
 use crate::axis::AxisState;
 pub use crate::axis::Reading;
 use crate::config::{AxisConfig, AxisSettings, ConfigError, Rates};
-use crate::interpolate::{Block, Path, PathError};
+use crate::interpolate::{Block, Path, PathError, Smoothing};
 use crate::safety::{Event, Fault, Hazard, Power, Reaction};
 use crate::scalar::Scalar;
 use crate::units::Position;
@@ -35,6 +35,8 @@ pub enum MachineError {
     },
     /// A block.
     Path(PathError),
+    /// The machine has no such axis.
+    NoSuchAxis,
 }
 
 impl From<PathError> for MachineError {
@@ -48,6 +50,7 @@ impl core::fmt::Display for MachineError {
         match self {
             Self::Config { axis, error } => write!(f, "axis {axis}: {error}"),
             Self::Path(error) => write!(f, "{error}"),
+            Self::NoSuchAxis => write!(f, "the machine has no such axis"),
         }
     }
 }
@@ -60,11 +63,12 @@ pub struct Machine<S: Scalar, const N: usize> {
     axes: [AxisConfig<S>; N],
     states: [AxisState<S>; N],
     path: Path<N>,
-    divider: u32,
     until_position_tick: u32,
     power: Power,
     warning: Option<Fault>,
     stop_deceleration: u64,
+    rates: Rates,
+    smoothing: [Smoothing; N],
     enable_requested: bool,
     /// Whether the drives were on in the tick before.
     was_on: bool,
@@ -97,8 +101,9 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
             axes: core::array::from_fn(|i| axes[i]),
             states: start.map(rest),
             path,
-            stop_deceleration: axes.iter().map(|axis| axis.stop_deceleration).min().unwrap_or(u64::MAX),
-            divider: rates.position_loop_divider,
+            stop_deceleration: least_deceleration(&axes),
+            rates,
+            smoothing: settings.each_ref().map(|axis| axis.smoothing),
             until_position_tick: 0,
             power: Power::Off,
             warning: None,
@@ -106,6 +111,29 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
             was_on: false,
             has_been_on: false,
         })
+    }
+
+    /// Changes the loops of an axis, moving or not, without a jump of velocity command or force. Not part of a
+    /// tick.
+    ///
+    /// # Errors
+    /// [`MachineError::Config`] where a setting is refused, or where the filter behind the path
+    /// ([`AxisSettings::smoothing`]) is another; nothing has changed. [`MachineError::NoSuchAxis`].
+    pub fn change(&mut self, axis: usize, settings: &AxisSettings) -> Result<(), MachineError> {
+        let refused = |error| MachineError::Config { axis, error };
+        let (Some(config), Some(state), Some(smoothing)) =
+            (self.axes.get_mut(axis), self.states.get_mut(axis), self.smoothing.get(axis))
+        else {
+            return Err(MachineError::NoSuchAxis);
+        };
+        let changed = AxisConfig::new(settings, self.rates).map_err(refused)?;
+        if settings.smoothing != *smoothing {
+            return Err(refused(ConfigError::NotWhileRunning("smoothing")));
+        }
+        state.change(config, &changed);
+        *config = changed;
+        self.stop_deceleration = least_deceleration(&self.axes);
+        Ok(())
     }
 
     /// Plans a block behind those that wait. Not part of a tick.
@@ -167,7 +195,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         let mut forces = [S::default(); N];
         if self.power.is_on() {
             if self.until_position_tick == 0 {
-                self.until_position_tick = self.divider;
+                self.until_position_tick = self.rates.position_loop_divider;
                 self.position_tick(readings);
             }
             self.until_position_tick -= 1;
@@ -241,6 +269,11 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         }
         self.path.stand_at(place);
     }
+}
+
+/// A path stops with the least of its axes.
+fn least_deceleration<S: Scalar>(axes: &[AxisConfig<S>]) -> u64 {
+    axes.iter().map(|axis| axis.stop_deceleration).min().unwrap_or(u64::MAX)
 }
 
 #[cfg(test)]

@@ -105,6 +105,7 @@ impl Kind {
                 Answer::Ready
             }
             Err(MachineError::Path(error)) => Answer::Refused(Refusal::Path(error)),
+            Err(MachineError::NoSuchAxis) => Answer::Refused(Refusal::Unreadable),
             #[expect(clippy::cast_possible_truncation, reason = "the protocol has two axes")]
             Err(MachineError::Config { axis, .. }) => Answer::Refused(Refusal::Settings { axis: axis as u8 }),
         }

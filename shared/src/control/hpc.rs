@@ -30,6 +30,14 @@ pub struct State<S: Scalar> {
     w: S::Sum,
 }
 
+impl<S: Scalar> State<S> {
+    /// Settled on a filtered error.
+    #[must_use]
+    pub fn settled(filtered: S) -> Self {
+        Self { y: filtered.widen(), w: S::Sum::default() }
+    }
+}
+
 impl<S: Scalar> Hpc<S> {
     /// For x = Kp·T, position gain times tick; every constant is below 16 for any x > 0.
     #[must_use]

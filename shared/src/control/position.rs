@@ -13,15 +13,27 @@ pub struct PositionControl<S: Scalar> {
 }
 
 /// What the position loop remembers.
-pub type State<S> = hpc::State<S>;
+#[derive(Clone, Copy, Debug, Default)]
+pub struct State<S: Scalar> {
+    hpc: hpc::State<S>,
+    /// What was multiplied by Kp last.
+    filtered: S,
+}
+
+impl<S: Scalar> State<S> {
+    /// Lets a filter that was not used so far start from where the loop is.
+    pub fn settle(&mut self) {
+        self.hpc = hpc::State::settled(self.filtered);
+    }
+}
 
 impl<S: Scalar> PositionControl<S> {
     /// Velocity command for an error.
     pub fn velocity(&self, state: &mut State<S>, error: S) -> S {
-        let filtered = match &self.hpc {
-            Some(hpc) => hpc.filter(state, error),
+        state.filtered = match &self.hpc {
+            Some(hpc) => hpc.filter(&mut state.hpc, error),
             None => error,
         };
-        S::round(filtered.times(self.gain))
+        S::round(state.filtered.times(self.gain))
     }
 }

@@ -1,7 +1,8 @@
 //! The velocity loop: force = Kv·(ev + ∫ev dt/Ti), on the differenced motor reading.
 //!
-//! The integral is the sum of ev·T up to and including this tick (backward rule), held unrounded. It
-//! stands still while the force is at its limit and ev would drive it further (anti-windup).
+//! The integral is the sum of ev·T up to and including this tick (backward rule), held unrounded. What is made
+//! of the force behind the loop (filters, compensation, the limit) decides whether the tick's integral is
+//! kept: it is not while the force is at its limit and ev would drive it further (anti-windup).
 
 use crate::scalar::Scalar;
 use crate::units::Position;
@@ -9,15 +10,17 @@ use crate::units::Position;
 /// Constants of the loop.
 #[derive(Clone, Copy, Debug)]
 pub struct VelocityControl<S: Scalar> {
-    /// Velocity units per increment unit: the tick rate.
+    /// Velocity units per increment unit: the tick rate, less what goes to the increment before.
     pub rate: S::Gain,
-    /// Weight of the increment before this one: 0 for a plain difference, ½ for the difference of
-    /// two-sample means.
-    pub lag: S::Gain,
+    /// The same of the increment before this one: 0 for a plain difference, half of the rate for the
+    /// difference of two-sample means.
+    pub rate_before: S::Gain,
     /// Kv, force units per velocity unit.
     pub proportional: S::Gain,
     /// Kv·T/Ti, force units per velocity unit; zero without an integral part.
     pub integral: S::Gain,
+    /// Whether it has one.
+    pub integrates: bool,
     /// Greatest force either way.
     pub force_limit: S,
 }
@@ -27,6 +30,15 @@ pub struct VelocityControl<S: Scalar> {
 pub struct State<S: Scalar> {
     last: Position,
     last_increment: S,
+    integral: S::Sum,
+}
+
+/// What the loop wants, before filters and limit.
+#[derive(Clone, Copy, Debug)]
+pub struct Wanted<S: Scalar> {
+    /// The force.
+    pub force: S,
+    error: S,
     integral: S::Sum,
 }
 
@@ -42,26 +54,45 @@ impl<S: Scalar> State<S> {
     pub const fn increment(&self) -> S {
         self.last_increment
     }
+
+    /// Forgets the integral: the loop goes on without one.
+    pub fn forget_integral(&mut self) {
+        self.integral = S::Sum::default();
+    }
 }
 
 impl<S: Scalar> VelocityControl<S> {
-    /// Force for a velocity command and a motor reading.
-    pub fn force(&self, state: &mut State<S>, command: S, motor: Position) -> S {
+    /// The force for a velocity command and a motor reading.
+    pub fn wanted(&self, state: &mut State<S>, command: S, motor: Position) -> Wanted<S> {
         let increment = S::from_increment(motor.beyond(state.last));
-        let late = S::round(state.last_increment.minus(increment).times(self.lag));
+        let velocity = S::round(increment.times(self.rate) + state.last_increment.times(self.rate_before));
         state.last = motor;
         state.last_increment = increment;
-        let velocity = S::round(increment.plus(late).times(self.rate));
-
         let error = command.minus(velocity);
         let integral = state.integral + error.times(self.integral);
-        let wanted = S::round(error.times(self.proportional) + integral);
-        let force = wanted.within(self.force_limit);
+        Wanted { force: S::round(error.times(self.proportional) + integral), error, integral }
+    }
+
+    /// The force within its limit, and whether it is at it. Keeps the integral unless that would wind up.
+    pub fn limited(&self, state: &mut State<S>, wanted: &Wanted<S>, shaped: S) -> (S, bool) {
+        let force = shaped.within(self.force_limit);
         let zero = S::default();
-        let winds_up = force != wanted && (error > zero) == (wanted > zero);
-        if !winds_up {
-            state.integral = integral;
+        let limited = force != shaped;
+        if !(limited && (wanted.error > zero) == (shaped > zero)) {
+            state.integral = wanted.integral;
         }
-        force
+        (force, limited)
+    }
+
+    /// Whether the loop has no integral part.
+    #[must_use]
+    pub const fn has_no_integral(&self) -> bool {
+        !self.integrates
+    }
+
+    /// Both at once: a loop with nothing behind it.
+    pub fn force(&self, state: &mut State<S>, command: S, motor: Position) -> S {
+        let wanted = self.wanted(state, command, motor);
+        self.limited(state, &wanted, wanted.force).0
     }
 }
