@@ -6,7 +6,7 @@ use crate::control::{feedforward, filter, position, velocity};
 use crate::feedback::dual;
 use crate::safety::Hazard;
 use crate::scalar::Scalar;
-use crate::units::Position;
+use crate::units::{Position, VELOCITY_M_PER_S};
 use crate::watch::{self, Seen};
 
 /// What the sensors of an axis show.
@@ -52,6 +52,12 @@ impl<S: Scalar> AxisState<S> {
             force_bump: Bump::default(),
             watch: watch::State::default(),
         }
+    }
+
+    /// What the velocity loop is asked for, m/s.
+    #[must_use]
+    pub fn velocity_command_m_per_s(&self) -> f64 {
+        self.velocity_command.value() * VELOCITY_M_PER_S
     }
 
     /// Goes over to other constants while it moves: neither velocity command nor force jumps.
