@@ -337,15 +337,15 @@ fn per_tick(name: &'static str, value: f64) -> Result<u64, ConfigError> {
     Ok((units as u64).max(1))
 }
 
-fn finite(name: &'static str, value: f64) -> Result<f64, ConfigError> {
+pub(crate) fn finite(name: &'static str, value: f64) -> Result<f64, ConfigError> {
     if value.is_finite() { Ok(value) } else { Err(ConfigError::NotFinite(name)) }
 }
 
-fn positive(name: &'static str, value: f64) -> Result<f64, ConfigError> {
+pub(crate) fn positive(name: &'static str, value: f64) -> Result<f64, ConfigError> {
     if finite(name, value)? > 0.0 { Ok(value) } else { Err(ConfigError::NotPositive(name)) }
 }
 
-fn ranged(name: &'static str, value: f64, least: f64, most: f64) -> Result<f64, ConfigError> {
+pub(crate) fn ranged(name: &'static str, value: f64, least: f64, most: f64) -> Result<f64, ConfigError> {
     if (least..=most).contains(&finite(name, value)?) {
         Ok(value)
     } else {
@@ -354,7 +354,7 @@ fn ranged(name: &'static str, value: f64, least: f64, most: f64) -> Result<f64, 
 }
 
 /// `si·unit` as a gain, refused with the range in SI where the format does not hold it.
-fn gain<S: Scalar>(name: &'static str, si: f64, unit: f64) -> Result<S::Gain, ConfigError> {
+pub(crate) fn gain<S: Scalar>(name: &'static str, si: f64, unit: f64) -> Result<S::Gain, ConfigError> {
     let most = S::GAIN_LIMIT / unit;
     if finite(name, si)?.abs() < most {
         Ok(S::gain(si * unit))

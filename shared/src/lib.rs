@@ -3,6 +3,7 @@
 #![doc = include_str!("front.md")]
 
 pub mod axis;
+pub mod compensate;
 pub mod config;
 pub mod control;
 pub mod drive;

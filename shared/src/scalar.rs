@@ -59,6 +59,10 @@ pub trait Scalar:
 
     /// Signal × gain, exact in fixed point.
     fn times(self, gain: Self::Gain) -> Self::Sum;
+    /// Signal × signal. In fixed point exact to 2⁻²⁸; one of them must lie within ±[`Scalar::GAIN_LIMIT`].
+    fn by(self, other: Self) -> Self::Sum;
+    /// A part of one, 32 fraction bits, as a gain.
+    fn fraction(part: u32) -> Self::Gain;
     /// The signal as a sum.
     fn widen(self) -> Self::Sum;
     /// The sum as a signal, rounded to nearest, saturated.
@@ -140,6 +144,14 @@ impl Scalar for I18F14 {
         self.wide_mul(gain)
     }
 
+    fn by(self, other: Self) -> I26F38 {
+        I26F38::from_bits(i64::from(self.to_bits()).wrapping_mul(i64::from(other.to_bits())) << 10)
+    }
+
+    fn fraction(part: u32) -> I8F24 {
+        I8F24::from_bits((part >> 8).cast_signed())
+    }
+
     fn widen(self) -> I26F38 {
         I26F38::from_bits(i64::from(self.to_bits()) << 24)
     }
@@ -214,6 +226,21 @@ macro_rules! float {
 
             fn times(self, gain: $float) -> $float {
                 self * gain
+            }
+
+            fn by(self, other: $float) -> $float {
+                self * other
+            }
+
+            #[allow(
+                clippy::cast_lossless,
+                clippy::cast_precision_loss,
+                clippy::allow_attributes,
+                reason = "one source for two types"
+            )]
+            fn fraction(part: u32) -> $float {
+                const UNIT: $float = 1.0 / (1u64 << 32) as $float;
+                part as $float * UNIT
             }
 
             fn widen(self) -> $float {

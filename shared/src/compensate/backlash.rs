@@ -1,0 +1,29 @@
+//! Backlash: the table lags behind the screw by half the width, whichever way it goes.
+
+use super::motion::Motion;
+use crate::config::ConfigError;
+use crate::scalar::Scalar;
+use crate::units::LENGTH_M;
+
+/// Half the width.
+#[derive(Clone, Copy, Debug)]
+pub struct Backlash<S: Scalar> {
+    half: S,
+}
+
+impl<S: Scalar> Backlash<S> {
+    /// From the total width, m.
+    ///
+    /// # Errors
+    /// Names `backlash_width_m` where it is negative, or half of it beyond the bound.
+    pub fn new(width_m: f64, bound_m: f64) -> Result<Self, ConfigError> {
+        let width = crate::config::ranged("backlash_width_m", width_m, 0.0, 2.0 * bound_m)?;
+        Ok(Self { half: S::signal(width / 2.0 / LENGTH_M) })
+    }
+
+    /// What to add to the command, error units: the screw has to be ahead.
+    #[must_use]
+    pub fn correction(&self, own: &Motion<S>) -> S {
+        if own.forward { self.half } else { -self.half }
+    }
+}
