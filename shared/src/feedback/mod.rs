@@ -2,3 +2,5 @@
 
 pub mod dual;
 pub mod encoder;
+pub mod phase;
+pub mod transducer;
