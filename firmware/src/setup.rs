@@ -47,6 +47,7 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     velocity_lag_s: 0.0,
     force_limit_n: 200.0,
     sensors: Sensors::Motor,
+    scale_fade_time_s: 0.1,
     // Small, for it is also how far the axes may have been pushed by hand before the first enable.
     following_error_limit_m: 1e-3,
 }; AXES];

@@ -39,6 +39,8 @@ pub fn settings(axis: &Axis, effects: &ServoParameters) -> Result<AxisSettings, 
         force_limit_n: axis.force_limit_n.unwrap_or(UNLIMITED_N),
         sensors,
         following_error_limit_m: FOLLOWING_ERROR_LIMIT_M,
+        // What only a scale that comes and goes needs.
+        ..AxisSettings::default()
     })
 }
 

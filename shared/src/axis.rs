@@ -18,7 +18,7 @@ pub struct Reading {
 /// What an axis remembers from tick to tick.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisState<S: Scalar> {
-    feedback: dual::State<S>,
+    feedback: dual::State,
     feedforward: feedforward::State,
     position: position::State<S>,
     velocity: velocity::State<S>,

@@ -7,6 +7,7 @@ use crate::control::hpc::Hpc;
 use crate::control::position::PositionControl;
 use crate::control::velocity::VelocityControl;
 use crate::feedback::dual::Feedback;
+use crate::feedback::fade::Fade;
 use crate::scalar::Scalar;
 use crate::units::{INCREMENT_M, LENGTH_M, PER_M, VELOCITY_M_PER_S};
 
@@ -69,6 +70,8 @@ pub struct AxisSettings {
     pub force_limit_n: f64,
     /// Sensors of the position loop.
     pub sensors: Sensors,
+    /// Time constant with which a linear scale that was lost comes back.
+    pub scale_fade_time_s: f64,
     /// Greatest distance between command and feedback before the drives go off.
     pub following_error_limit_m: f64,
 }
@@ -85,6 +88,7 @@ impl Default for AxisSettings {
             velocity_lag_s: 0.0,
             force_limit_n: 10_000.0,
             sensors: Sensors::Motor,
+            scale_fade_time_s: 0.1,
             following_error_limit_m: 0.05,
         }
     }
@@ -167,13 +171,15 @@ impl<S: Scalar> AxisConfig<S> {
         let following = positive("following_error_limit_m", settings.following_error_limit_m)?;
         let following = ranged("following_error_limit_m", following, 0.0, 100.0)?;
 
+        let fade = positive("scale_fade_time_s", settings.scale_fade_time_s)?;
+        let fade = Fade::new(fade * position_rate);
         let feedback = match settings.sensors {
             Sensors::Motor => Feedback::Motor,
-            Sensors::Table => Feedback::Table,
+            Sensors::Table => Feedback::Table { fade },
             Sensors::Dual { time_constant_s } => {
                 let time = positive("dual_feedback_time_constant_s", time_constant_s)?;
                 let share = -libm::expm1(-1.0 / (position_rate * time));
-                Feedback::Dual { share: gain::<S>("dual_feedback_time_constant_s", share, 1.0)? }
+                Feedback::Dual { share: gain::<S>("dual_feedback_time_constant_s", share, 1.0)?, fade }
             }
         };
         let kp_unit = LENGTH_M / VELOCITY_M_PER_S;
@@ -249,6 +255,7 @@ mod tests {
             refusal(|s| s.velocity_integral_time_s = Some(-1.0)),
             ConfigError::NotPositive("velocity_integral_time_s")
         );
+        assert_eq!(refusal(|s| s.scale_fade_time_s = 0.0), ConfigError::NotPositive("scale_fade_time_s"));
         assert_eq!(
             refusal(|s| s.force_limit_n = 1e6),
             ConfigError::OutOfRange { name: "force_limit_n", least: 0.0, most: 131_072.0 }

@@ -194,7 +194,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
             if following_error.unsigned_abs() > axis.following_error_limit {
                 found = Some(Fault::FollowingError { axis: number });
             }
-            if matches!(axis.feedback, Feedback::Table) && reading.table.is_none() {
+            if matches!(axis.feedback, Feedback::Table { .. }) && reading.table.is_none() {
                 found = Some(Fault::ScaleLost { axis: number });
             }
         }

@@ -204,8 +204,8 @@ mod tests {
             number().prop_map(|time_constant_s| Sensors::Dual { time_constant_s }),
         ];
         let gains = (number(), 0.0..200.0f64, number(), prop::option::of(number()));
-        (any::<bool>(), gains, number(), number(), sensors).prop_map(
-            |(hpc, (kp, kf, kv, ti), force_limit_n, following_error_limit_m, sensors)| AxisSettings {
+        (any::<bool>(), gains, number(), number(), (sensors, number())).prop_map(
+            |(hpc, (kp, kf, kv, ti), force_limit_n, following_error_limit_m, (sensors, fade))| AxisSettings {
                 law: if hpc { Law::Hpc } else { Law::P },
                 position_gain_per_s: kp,
                 feedforward_percent: kf,
@@ -214,6 +214,7 @@ mod tests {
                 velocity_lag_s: 0.0,
                 force_limit_n,
                 sensors,
+                scale_fade_time_s: fade,
                 following_error_limit_m,
             },
         )
