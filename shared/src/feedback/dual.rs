@@ -46,14 +46,18 @@
 //! step ΔQb:  −ΔQb·e^(−K't)      ramp ΔQp a second:  −ΔQp/K'·(1 − e^(−K't))      both: their sum
 //! ```
 //!
-//! which is a mean of ΔQb and ΔQp/K' with weights that go from the one to the other: it never exceeds
-//! the greater of the two, and with the same sign never falls below the lesser.
+//! For both at once this is a mean of the backlash `ΔQb` and of `ΔQp`/K', weighted from the one at first
+//! to the other in the end. So it never exceeds the greater of the two (nor, where their signs agree,
+//! falls below the lesser), and each part stays below the lost motion that causes it.
 //!
-//! Where our print of the paper (a scan read by machine) differs: the closed forms agree; its
-//! "T = T" above the partial fractions must read T ≠ T'; its ΔQp stands for ΔQp/K' with K' = 1 a
-//! second; that Qc exceeds neither of the two holds in each of its cases against the greater one only;
-//! and that a very small T'/T makes the magnitude exceed 1 too far for use is not what its own
-//! formula gives, see above.
+//! The paper is at hand as a scan read by machine, without its figures. In it,
+//!
+//! - the condition over the partial fractions reads `T = T'`; it must be T ≠ T';
+//! - `ΔQp` stands for `ΔQp`/K', which is the same number only for its K' of one a second;
+//! - Qc is said to exceed neither `ΔQp` nor `ΔQb`. Its own two cases, and the formula, say: not the
+//!   greater one;
+//! - a magnitude above 1 is said to rule out T' far below T. By its own formula the magnitude is the
+//!   same with T and T' exchanged, and is highest, 2/√3, where they are equal.
 //!
 //! # The scale lost, and back
 //!
@@ -280,7 +284,7 @@ mod tests {
             assert!((nm - exact).abs() < 0.012, "{tick}: {nm} for {exact}");
         }
         // 10¹¹ units sink to the 2000 that a unit a tick clears in 18 T, and those in 0.7 T.
-        assert_eq!(table[38_000..], [100_000.0; 7000]);
+        assert!(table[38_000..].iter().all(|nm| nm.to_bits() == 100_000f64.to_bits()));
         assert!(table[34_000] < 100_000.0);
     }
 

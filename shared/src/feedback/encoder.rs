@@ -70,8 +70,7 @@ mod tests {
         let mut counter = Transducer::new(65_536e-6, 7, Phase::of_counter(0)).unwrap();
         let mut place = Position(0);
         for leads in 1..=1_000_000u64 {
-            #[expect(clippy::cast_possible_truncation, reason = "a counter wraps")]
-            let raw = (7 * leads & 0xffff) as u16;
+            let raw = ((7 * leads) & 0xffff) as u16;
             place = counter.read(Phase::of_counter(raw));
         }
         assert!((place.0 - 1_048_576_000_000_000).abs() <= 1, "{place:?}");

@@ -19,13 +19,17 @@ impl Fade {
     /// What is left of a distance a tick later: at least one unit nearer to zero, and never beyond.
     #[must_use]
     pub fn step(self, distance: i64) -> i64 {
+        // Nearly always.
+        if distance == 0 {
+            return 0;
+        }
         // 32 × 64 bits, of which the lowest 32 are dropped: towards −∞, so one is added above zero.
         #[expect(
             clippy::cast_sign_loss,
             clippy::cast_possible_truncation,
             reason = "the low half, of any sign"
         )]
-        let low = u64::from(self.0) * u64::from(distance as u32) >> 32;
+        let low = (u64::from(self.0) * u64::from(distance as u32)) >> 32;
         let high = i64::from(self.0) * (distance >> 32);
         let part = high.wrapping_add_unsigned(low).wrapping_add(i64::from(distance > 0));
         distance.wrapping_sub(part)

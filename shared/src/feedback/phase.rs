@@ -30,8 +30,8 @@ const TAN: u32 = 1_779_033_704;
 /// π/8 as a phase.
 const SIXTEENTH: i32 = 1 << 28;
 
-/// atan z/2π = z·(c0 + c1·z² + …), times 2³².
-const ARC: [i32; 6] = [683_565_273, -227_854_666, 136_692_706, -97_231_423, 71_641_709, -39_905_100];
+/// atan z/2π = z·(c0 − z²·(c1 − z²·(c2 − …))), times 2³².
+const ARC: [u32; 6] = [683_565_273, 227_854_666, 136_692_706, 97_231_423, 71_641_709, 39_905_100];
 
 impl Phase {
     /// A counter of 16 bits: its whole range is a cycle.
@@ -77,30 +77,29 @@ fn octant(long: u32, short: u32) -> u32 {
     let v = y.wrapping_sub(part(TAN, x)).cast_signed();
 
     // 2⁴⁷/u, by u rounded to 17 bits. The odd divisor is never zero, which the compiler can see.
-    let reciprocal = u32::MAX / (u >> 15 | 1);
-    let excess = (u64::from(reciprocal) * u64::from(u)).wrapping_sub(1 << 47).cast_signed();
+    let reciprocal = (u32::MAX / (u >> 15 | 1)).cast_signed();
+    let excess = (u64::from(reciprocal.cast_unsigned()) * u64::from(u)).wrapping_sub(1 << 47).cast_signed();
     #[expect(clippy::cast_possible_truncation, reason = "the reciprocal is right to 2⁻¹⁴, so |excess| < 2³⁴")]
     let excess = (excess >> 16) as i32;
     #[expect(clippy::cast_possible_truncation, reason = "|v/u| ≤ tan(π/8) < ½, times 2³²")]
-    let rough = (i64::from(v) * i64::from(reciprocal) >> 15) as i32;
+    let rough = ((i64::from(v) * i64::from(reciprocal)) >> 15) as i32;
     let z = rough.wrapping_sub(high(rough, excess).wrapping_mul(2));
 
-    let square = high(z, z);
+    let square = high(z, z).cast_unsigned();
     let [c0, c1, c2, c3, c4, c5] = ARC;
-    let arc = [c4, c3, c2, c1, c0].into_iter().fold(c5, |sum, c| c.wrapping_add(high(sum, square)));
-    SIXTEENTH.wrapping_add(high(z, arc)).cast_unsigned()
+    // Never below zero: z² < 0.18, and every coefficient is smaller than the one before it.
+    let arc = [c4, c3, c2, c1, c0].into_iter().fold(c5, |rest, c| c.wrapping_sub(part(rest, square)));
+    SIXTEENTH.wrapping_add(high(z, arc.cast_signed())).cast_unsigned()
 }
 
 /// a·b/2³².
-#[expect(clippy::cast_possible_truncation, reason = "the high half of a product fits")]
 fn part(a: u32, b: u32) -> u32 {
-    (u64::from(a) * u64::from(b) >> 32) as u32
+    ((u64::from(a) * u64::from(b)) >> 32) as u32
 }
 
 /// a·b/2³², towards −∞ (`SMMUL`).
-#[expect(clippy::cast_possible_truncation, reason = "the high half of a product fits")]
 fn high(a: i32, b: i32) -> i32 {
-    (i64::from(a) * i64::from(b) >> 32) as i32
+    ((i64::from(a) * i64::from(b)) >> 32) as i32
 }
 
 #[cfg(test)]

@@ -63,8 +63,7 @@ impl Transducer {
         let moved = i64::from(phase.difference(self.last)) * i64::from(self.step);
         self.last = phase;
         self.travelled = self.travelled.wrapping_add(moved);
-        #[expect(clippy::cast_possible_truncation, reason = "the high half of a product fits")]
-        Position((i128::from(self.travelled) * i128::from(self.pitch) >> 64) as i64)
+        Position(((i128::from(self.travelled) * i128::from(self.pitch)) >> 64) as i64)
     }
 }
 
