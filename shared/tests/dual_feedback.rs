@@ -6,6 +6,9 @@
 //! A tick holds what continuous time lets slide, which is an error of the first order in h: each test
 //! derives its bound from that, and two tests remove it, by extrapolation from h and h/2.
 
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::float_cmp, reason = "T = T' is a case of its own, and is given as such")]
+
 use std::f64::consts::{SQRT_2, TAU};
 
 use shared::feedback::dual::{Feedback, State};
@@ -395,13 +398,10 @@ fn solve(mut rows: [[f64; 5]; 4]) -> [f64; 4] {
     for i in 0..4 {
         let pivot = (i..4).max_by(|&a, &b| rows[a][i].abs().total_cmp(&rows[b][i].abs())).unwrap();
         rows.swap(i, pivot);
-        for j in 0..4 {
-            if j != i {
-                let factor = rows[j][i] / rows[i][i];
-                for k in 0..5 {
-                    rows[j][k] -= factor * rows[i][k];
-                }
-            }
+        let above = rows[i];
+        for (_, row) in rows.iter_mut().enumerate().filter(|(j, _)| *j != i) {
+            let factor = row[i] / above[i];
+            row.iter_mut().zip(above).for_each(|(cell, above)| *cell -= factor * above);
         }
     }
     std::array::from_fn(|i| rows[i][4] / rows[i][i])

@@ -27,6 +27,8 @@ pub const LEAST_PITCH_M: f64 = 50e-9;
 pub struct Transducer {
     /// Position units a cycle, times 2³²/step.
     pitch: i64,
+    /// 2⁶⁴/position units a cycle.
+    inverse: i64,
     /// A power of two.
     step: i32,
     last: Phase,
@@ -52,10 +54,14 @@ impl Transducer {
         let bits = 64 - (distance.abs() / i64::from(cycles)).leading_zeros();
         // From 30 bits on the pitch fills 62; a shorter one is multiplied by 2³².
         let lift = bits.saturating_sub(30);
-        let (above, below) = (i128::from(distance) << (33 - lift), 2 * i128::from(cycles));
-        let nearest = (above + if distance < 0 { -below / 2 } else { below / 2 }) / below;
-        #[expect(clippy::cast_possible_truncation, reason = "below 2⁶²: the pitch has `bits` bits")]
-        Some(Self { pitch: nearest as i64, step: 1 << lift, last: start, travelled: 0 })
+        let (distance, cycles) = (i128::from(distance), i128::from(cycles));
+        Some(Self {
+            pitch: nearest(distance << (32 - lift), cycles),
+            inverse: nearest(cycles << 64, distance),
+            step: 1 << lift,
+            last: start,
+            travelled: 0,
+        })
     }
 
     /// The position where the transducer shows `phase`, at most half a cycle after the last call.
@@ -63,8 +69,34 @@ impl Transducer {
         let moved = i64::from(phase.difference(self.last)) * i64::from(self.step);
         self.last = phase;
         self.travelled = self.travelled.wrapping_add(moved);
-        Position(((i128::from(self.travelled) * i128::from(self.pitch)) >> 64) as i64)
+        Position(high(self.travelled, self.pitch, 0))
     }
+
+    /// The position where the transducer shows `phase` after its signal was lost for any time: the phase
+    /// tells the place in the cycle, and `near` which cycle.
+    ///
+    /// `near` is where another sensor sees the axis, less than half a cycle off: for a scale the motor
+    /// and what was between the two. With a `near` that is further off, whole cycles are lost.
+    pub fn resume(&mut self, phase: Phase, near: Position) -> Position {
+        let found = self.read(phase);
+        let cycles = high(near.beyond(found), self.inverse, 1 << 63);
+        let missed = cycles.wrapping_mul(i64::from(self.step)) << 32;
+        self.travelled = self.travelled.wrapping_add(missed);
+        self.read(phase)
+    }
+}
+
+/// The integer nearest to a ratio that is below 2⁶³.
+fn nearest(above: i128, below: i128) -> i64 {
+    let half = if (above < 0) == (below < 0) { below / 2 } else { -below / 2 };
+    #[expect(clippy::cast_possible_truncation, reason = "below 2⁶³, as the caller knows")]
+    let ratio = ((above + half) / below) as i64;
+    ratio
+}
+
+/// (a·b + rounding)/2⁶⁴, towards −∞.
+fn high(a: i64, b: i64, rounding: i128) -> i64 {
+    ((i128::from(a) * i128::from(b) + rounding) >> 64) as i64
 }
 
 #[cfg(test)]
@@ -136,6 +168,28 @@ mod tests {
     }
 
     proptest! {
+        /// However far the axis went unseen, the place is the one that it would have had.
+        #[test]
+        fn a_signal_that_comes_back_finds_its_cycle(
+            nm in 50i64..100_000_000, backwards: bool, cycles in 1u32..1000, start: u32,
+            share in -1.0f64..1.0, within: u32, off in -0.49f64..0.49,
+        ) {
+            let distance_m = nm as f64 * 1e-9 * f64::from(cycles) * if backwards { -1.0 } else { 1.0 };
+            prop_assume!(distance_m.abs() <= 100.0);
+            let pitch_m = distance_m / f64::from(cycles);
+            let mut never_lost = Transducer::new(distance_m, cycles, Phase(start)).unwrap();
+            let mut lost = never_lost;
+            // Up to a hundred metres away.
+            #[expect(clippy::cast_possible_truncation, reason = "below 2³¹ cycles")]
+            let away = (share * 99.0 / pitch_m) as i64;
+            let phase = Phase(start.wrapping_add(within));
+            never_lost.travelled = (away * i64::from(never_lost.step)) << 32;
+            let place = never_lost.read(phase);
+            let near = Position::from_m(place.to_m() + off * pitch_m).unwrap();
+            prop_assert_eq!(lost.resume(phase, near), place);
+            prop_assert_eq!(lost.travelled, never_lost.travelled);
+        }
+
         /// Against the same ratio in 128 bits. Both round down, with ¼ of a unit between them: at most one apart.
         #[test]
         fn any_walk_is_exact(
