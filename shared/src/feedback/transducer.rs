@@ -51,13 +51,13 @@ impl Transducer {
         if cycles == 0 || distance_m.abs() / f64::from(cycles) < LEAST_PITCH_M {
             return None;
         }
-        let bits = 64 - (distance.abs() / i64::from(cycles)).leading_zeros();
+        let bits = 64 - (distance.unsigned_abs() / u64::from(cycles)).leading_zeros();
         // From 30 bits on the pitch fills 62; a shorter one is multiplied by 2³².
         let lift = bits.saturating_sub(30);
         let (distance, cycles) = (i128::from(distance), i128::from(cycles));
         Some(Self {
-            pitch: nearest(distance << (32 - lift), cycles),
-            inverse: nearest(cycles << 64, distance),
+            pitch: nearest(distance << (32 - lift), cycles)?,
+            inverse: nearest(cycles << 64, distance)?,
             step: 1 << lift,
             last: start,
             travelled: 0,
@@ -86,12 +86,10 @@ impl Transducer {
     }
 }
 
-/// The integer nearest to a ratio that is below 2⁶³.
-fn nearest(above: i128, below: i128) -> i64 {
+/// The integer nearest to a ratio, where there is one.
+fn nearest(above: i128, below: i128) -> Option<i64> {
     let half = if (above < 0) == (below < 0) { below / 2 } else { -below / 2 };
-    #[expect(clippy::cast_possible_truncation, reason = "below 2⁶³, as the caller knows")]
-    let ratio = ((above + half) / below) as i64;
-    ratio
+    i64::try_from((above + half).checked_div(below)?).ok()
 }
 
 /// (a·b + rounding)/2⁶⁴, towards −∞.
