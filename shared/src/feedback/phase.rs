@@ -104,6 +104,8 @@ fn high(a: i32, b: i32) -> i32 {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+
     use core::f64::consts::TAU;
 
     use proptest::prelude::*;
@@ -135,6 +137,7 @@ mod tests {
             // Steps of the phase: 0.1 by the polynomial, and roundings: u and v 1.3, z 0.4, its
             // reciprocal 0.3, the polynomial's terms 0.6, the product 1. Half a step is what an integer
             // must lose somewhere, except where the samples know only eight or twelve angles.
+            std::println!("{worst:.2} steps of 2^-32 cycle at an amplitude of {amplitude}");
             assert!(worst < 4.0, "{worst} at {amplitude}");
             assert!(worst > 0.5 || amplitude < 3.0, "{worst} at {amplitude}");
         }
