@@ -44,8 +44,11 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     velocity_gain_n_s_per_m: 3_000.0,
     velocity_integral_time_s: Some(0.02),
     velocity_lag_s: 0.0,
+    notch: None,
+    low_pass: None,
     force_limit_n: 200.0,
     sensors: Sensors::Motor,
+    scale_fade_time_s: 0.1,
     // Small, for it is also how far the axes may have been pushed by hand before the first enable.
     following_error_limit_m: 1e-3,
     // Four times the feed of the program.

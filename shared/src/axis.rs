@@ -21,7 +21,7 @@ pub struct Reading {
 /// What an axis remembers from tick to tick.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisState<S: Scalar> {
-    feedback: dual::State<S>,
+    feedback: dual::State,
     feedforward: feedforward::State,
     position: position::State<S>,
     velocity: velocity::State<S>,
@@ -74,13 +74,16 @@ impl<S: Scalar> AxisState<S> {
         self.force_bump.change(self.shaped_force);
     }
 
-    /// The position loop, once per command.
+    /// The position loop, once per command, which `correction` (position units) is added to.
     pub fn position_tick(
         &mut self,
         config: &AxisConfig<S>,
         command: Position,
+        correction: i64,
         reading: Reading,
     ) -> Option<Hazard> {
+        let asked = command;
+        let command = asked.moved(correction);
         let feedback = config.feedback.position(&mut self.feedback, reading.motor, reading.table);
         let following_error = S::from_distance(command.beyond(feedback));
         let lead = config.feedforward.lead(&mut self.feedforward, command);
@@ -88,15 +91,21 @@ impl<S: Scalar> AxisState<S> {
         self.velocity_command = self.velocity_bump.smooth(config.velocity_fades, made);
         config.watch.position(&Seen {
             following_error,
-            command,
+            command: asked,
             motor: reading.motor,
             table: reading.table,
             needs_table: config.feedback.needs_table(),
         })
     }
 
-    /// The velocity loop, every tick. Returns the force to apply until the next one.
-    pub fn velocity_tick(&mut self, config: &AxisConfig<S>, reading: Reading) -> (S, Option<Hazard>) {
+    /// The velocity loop, every tick, to whose force `added` is added. Returns the force to apply until the next
+    /// one.
+    pub fn velocity_tick(
+        &mut self,
+        config: &AxisConfig<S>,
+        reading: Reading,
+        added: S,
+    ) -> (S, Option<Hazard>) {
         let wanted = config.velocity.wanted(&mut self.velocity, self.velocity_command, reading.motor);
         let mut shaped = wanted.force;
         if let Some(notch) = &config.notch {
@@ -106,7 +115,8 @@ impl<S: Scalar> AxisState<S> {
             shaped = low_pass.step(&mut self.low_pass, shaped);
         }
         self.shaped_force = self.force_bump.smooth(config.force_fades, shaped);
-        let (force, limited) = config.velocity.limited(&mut self.velocity, &wanted, self.shaped_force);
+        let asked = self.shaped_force.plus(added);
+        let (force, limited) = config.velocity.limited(&mut self.velocity, &wanted, asked);
         (force, config.watch.velocity(&mut self.watch, self.velocity.increment(), limited))
     }
 }

@@ -8,6 +8,7 @@ use crate::control::hpc::Hpc;
 use crate::control::position::PositionControl;
 use crate::control::velocity::VelocityControl;
 use crate::feedback::dual::Feedback;
+use crate::feedback::fade::Fade;
 use crate::interpolate::Smoothing;
 use crate::scalar::Scalar;
 use crate::units::{INCREMENT_M, LENGTH_M, PER_M, Position, TRAVEL_LIMIT_M, VELOCITY_M_PER_S};
@@ -98,6 +99,8 @@ pub struct AxisSettings {
     pub sensors: Sensors,
     /// How the axis is accelerated behind the path.
     pub smoothing: Smoothing,
+    /// Time constant with which a linear scale that was lost comes back.
+    pub scale_fade_time_s: f64,
     /// Greatest distance between command and feedback before the drives go off.
     pub following_error_limit_m: f64,
     /// Greatest distance between motor and scale before the drives go off; `None`: not watched.
@@ -128,6 +131,7 @@ impl Default for AxisSettings {
             force_limit_n: 10_000.0,
             sensors: Sensors::Motor,
             smoothing: Smoothing::None,
+            scale_fade_time_s: 0.1,
             following_error_limit_m: 0.05,
             scale_disagreement_limit_m: None,
             fastest_m_per_s: None,
@@ -231,13 +235,15 @@ impl<S: Scalar> AxisConfig<S> {
         let lag = ranged("velocity_lag_s", settings.velocity_lag_s, 0.0, tick * (1.0 + 1e-9))?;
         let limit = positive("force_limit_n", settings.force_limit_n)?;
 
+        let fade = positive("scale_fade_time_s", settings.scale_fade_time_s)?;
+        let fade = Fade::new(fade * position_rate);
         let feedback = match settings.sensors {
             Sensors::Motor => Feedback::Motor,
-            Sensors::Table => Feedback::Table,
+            Sensors::Table => Feedback::Table { fade },
             Sensors::Dual { time_constant_s } => {
                 let time = positive("dual_feedback_time_constant_s", time_constant_s)?;
                 let share = -libm::expm1(-1.0 / (position_rate * time));
-                Feedback::Dual { share: gain::<S>("dual_feedback_time_constant_s", share, 1.0)? }
+                Feedback::Dual { share: gain::<S>("dual_feedback_time_constant_s", share, 1.0)?, fade }
             }
         };
         let kp_unit = LENGTH_M / VELOCITY_M_PER_S;
@@ -251,7 +257,11 @@ impl<S: Scalar> AxisConfig<S> {
                 hpc: matches!(settings.law, Law::Hpc).then(|| Hpc::new(kp / position_rate)),
             },
             velocity: VelocityControl {
-                rate: gain::<S>("velocity_loop_hz", rate * (1.0 - lag * rate), INCREMENT_M / VELOCITY_M_PER_S)?,
+                rate: gain::<S>(
+                    "velocity_loop_hz",
+                    rate * (1.0 - lag * rate),
+                    INCREMENT_M / VELOCITY_M_PER_S,
+                )?,
                 rate_before: gain::<S>("velocity_lag_s", rate * lag * rate, INCREMENT_M / VELOCITY_M_PER_S)?,
                 proportional: gain::<S>("velocity_gain_n_s_per_m", kv, VELOCITY_M_PER_S)?,
                 integral: gain::<S>("velocity_integral_time_s", ki, VELOCITY_M_PER_S)?,
@@ -387,6 +397,7 @@ mod tests {
             refusal(|s| s.velocity_integral_time_s = Some(-1.0)),
             ConfigError::NotPositive("velocity_integral_time_s")
         );
+        assert_eq!(refusal(|s| s.scale_fade_time_s = 0.0), ConfigError::NotPositive("scale_fade_time_s"));
         assert_eq!(
             refusal(|s| s.force_limit_n = 1e6),
             ConfigError::OutOfRange { name: "force_limit_n", least: 0.0, most: 131_072.0 }

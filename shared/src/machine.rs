@@ -2,6 +2,7 @@
 
 use crate::axis::AxisState;
 pub use crate::axis::Reading;
+use crate::compensate::{AxisCompensation, Compensation, CompensationSettings, Item};
 use crate::config::{AxisConfig, AxisSettings, ConfigError, Rates};
 use crate::interpolate::{Block, Path, PathError, Smoothing};
 use crate::safety::{Event, Fault, Hazard, Power, Reaction};
@@ -62,6 +63,7 @@ impl core::error::Error for MachineError {}
 pub struct Machine<S: Scalar, const N: usize> {
     axes: [AxisConfig<S>; N],
     states: [AxisState<S>; N],
+    compensation: Compensation<S, N>,
     path: Path<N>,
     until_position_tick: u32,
     power: Power,
@@ -100,6 +102,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         Ok(Self {
             axes: core::array::from_fn(|i| axes[i]),
             states: start.map(rest),
+            compensation: Compensation::none(start),
             path,
             stop_deceleration: least_deceleration(&axes),
             rates,
@@ -133,6 +136,32 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         state.change(config, &changed);
         *config = changed;
         self.stop_deceleration = least_deceleration(&self.axes);
+        Ok(())
+    }
+
+    /// Replaces what is compensated on an axis. Not part of a tick; corrections go over to it at their declared
+    /// rates.
+    ///
+    /// # Errors
+    /// [`MachineError::Config`] where a setting is refused, nothing has changed; [`MachineError::NoSuchAxis`].
+    pub fn compensate(&mut self, axis: usize, settings: &CompensationSettings) -> Result<(), MachineError> {
+        if axis >= N {
+            return Err(MachineError::NoSuchAxis);
+        }
+        let made = AxisCompensation::new(settings, self.rates, N);
+        self.compensation.replace(axis, made.map_err(|error| MachineError::Config { axis, error })?);
+        Ok(())
+    }
+
+    /// Switches one compensation of an axis on or off.
+    ///
+    /// # Errors
+    /// [`MachineError::NoSuchAxis`].
+    pub fn switch(&mut self, axis: usize, item: Item, on: bool) -> Result<(), MachineError> {
+        if axis >= N {
+            return Err(MachineError::NoSuchAxis);
+        }
+        self.compensation.switch(axis, item, on);
         Ok(())
     }
 
@@ -186,6 +215,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// A path that the drives going off has broken off is forgotten. From then on, with nothing left to
     /// travel, the command goes where the axes are moved, so that they do not jump when enabled again.
     pub fn tick(&mut self, readings: &[Reading; N]) -> Output<S, N> {
+        let readings = &self.compensation.readings(readings);
         if !self.power.is_on() && self.has_been_on && (self.was_on || self.path.is_done()) {
             self.stand(readings);
         }
@@ -225,14 +255,20 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         self.power = self.power.after(Event::Enable);
     }
 
-    /// The next command, and the position loops.
+    /// The next command with what corrects it, and the position loops.
     fn position_tick(&mut self, readings: &[Reading; N]) {
         let commands = self.path.advance();
+        let corrections = self.compensation.commands(&commands);
         let mut hazards = [None; N];
-        for ((((hazard, state), axis), command), reading) in
-            hazards.iter_mut().zip(&mut self.states).zip(&self.axes).zip(commands).zip(readings)
+        for (((((hazard, state), axis), command), correction), reading) in hazards
+            .iter_mut()
+            .zip(&mut self.states)
+            .zip(&self.axes)
+            .zip(commands)
+            .zip(corrections)
+            .zip(readings)
         {
-            *hazard = state.position_tick(axis, command, *reading);
+            *hazard = state.position_tick(axis, command, correction, *reading);
         }
         self.raise(hazards);
         if self.path.has_stopped() {
@@ -240,13 +276,14 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         }
     }
 
-    /// The velocity loops.
+    /// The velocity loops, with the forces that are added.
     fn velocity_tick(&mut self, readings: &[Reading; N]) -> [S; N] {
+        let added = self.compensation.forces(readings);
         let (mut forces, mut hazards) = ([S::default(); N], [None; N]);
-        for ((((force, hazard), state), axis), reading) in
-            forces.iter_mut().zip(&mut hazards).zip(&mut self.states).zip(&self.axes).zip(readings)
+        for (((((force, hazard), state), axis), reading), added) in
+            forces.iter_mut().zip(&mut hazards).zip(&mut self.states).zip(&self.axes).zip(readings).zip(added)
         {
-            (*force, *hazard) = state.velocity_tick(axis, *reading);
+            (*force, *hazard) = state.velocity_tick(axis, *reading, added);
         }
         self.raise(hazards);
         forces
@@ -267,6 +304,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         for ((place, axis), reading) in place.iter_mut().zip(&self.axes).zip(readings) {
             *place = axis.feedback.settled(reading.motor, reading.table);
         }
+        self.compensation.stand_at(&place);
         self.path.stand_at(place);
     }
 }

@@ -7,6 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::axis::Reading;
+use crate::compensate::{CompensationSettings, Item};
 use crate::config::{AxisSettings, Rates};
 use crate::interpolate::Block;
 use crate::safety::{Fault, Power};
@@ -59,11 +60,18 @@ pub struct Part {
 
 /// From host to board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "one order at a time, and nothing to allocate it from")]
 pub enum Order {
     /// A piece of another order. Answered by ready, the last one as that order is.
     Part(Part),
     /// Be this machine, drives off.
     Setup(Setup),
+    /// Compensate so on an axis.
+    Compensate(u8, CompensationSettings),
+    /// Switch one compensation of an axis.
+    Switch(u8, Item, bool),
+    /// Go over to other loops on an axis.
+    Change(u8, AxisSettings),
     /// Append to the path.
     Block(Block<AXES>),
     /// Drives on.
@@ -99,6 +107,8 @@ pub enum Refusal {
         /// Axis.
         axis: u8,
     },
+    /// The machine has no such axis.
+    NoSuchAxis,
     /// The block cannot be planned.
     Path(crate::interpolate::PathError),
 }

@@ -38,6 +38,7 @@ pub struct Session {
 
 /// The machine that the host has set up, in the format that it asked for.
 #[derive(Debug, Default)]
+#[expect(clippy::large_enum_variant, reason = "one session, and nothing to allocate it from")]
 enum Kind {
     /// None yet.
     #[default]
@@ -104,20 +105,17 @@ impl Kind {
                 *self = machine;
                 Answer::Ready
             }
-            Err(MachineError::Path(error)) => Answer::Refused(Refusal::Path(error)),
-            Err(MachineError::NoSuchAxis) => Answer::Refused(Refusal::Unreadable),
-            #[expect(clippy::cast_possible_truncation, reason = "the protocol has two axes")]
-            Err(MachineError::Config { axis, .. }) => Answer::Refused(Refusal::Settings { axis: axis as u8 }),
+            Err(error) => answer(Err(error)),
         }
     }
 }
 
 fn carry_out<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &mut impl Meter) -> Answer {
     match order {
-        Order::Block(block) => match machine.push(block) {
-            Ok(()) => Answer::Ready,
-            Err(error) => Answer::Refused(Refusal::Path(error)),
-        },
+        Order::Compensate(axis, settings) => answer(machine.compensate(usize::from(*axis), settings)),
+        Order::Switch(axis, item, on) => answer(machine.switch(usize::from(*axis), *item, *on)),
+        Order::Change(axis, settings) => answer(machine.change(usize::from(*axis), settings)),
+        Order::Block(block) => answer(machine.push(block).map_err(MachineError::from)),
         Order::Enable => {
             machine.enable();
             Answer::Ready
@@ -142,6 +140,17 @@ fn carry_out<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &m
         // Handled before a machine is asked for.
         Order::Part(_) | Order::Setup(_) | Order::End => Answer::Refused(Refusal::Unreadable),
     }
+}
+
+fn answer(done: Result<(), MachineError>) -> Answer {
+    let refusal = match done {
+        Ok(()) => return Answer::Ready,
+        Err(MachineError::Path(error)) => Refusal::Path(error),
+        Err(MachineError::NoSuchAxis) => Refusal::NoSuchAxis,
+        #[expect(clippy::cast_possible_truncation, reason = "the protocol has two axes")]
+        Err(MachineError::Config { axis, .. }) => Refusal::Settings { axis: axis as u8 },
+    };
+    Answer::Refused(refusal)
 }
 
 /// The tick by itself, a function of its own also after optimisation: it is what the meter counts, and
@@ -251,8 +260,8 @@ mod tests {
             number().prop_map(|time_constant_s| Sensors::Dual { time_constant_s }),
         ];
         let gains = (number(), 0.0..200.0f64, number(), prop::option::of(number()));
-        (any::<bool>(), gains, number(), number(), sensors).prop_map(
-            |(hpc, (kp, kf, kv, ti), force_limit_n, following_error_limit_m, sensors)| AxisSettings {
+        (any::<bool>(), gains, number(), number(), (sensors, number())).prop_map(
+            |(hpc, (kp, kf, kv, ti), force_limit_n, following_error_limit_m, (sensors, fade))| AxisSettings {
                 law: if hpc { Law::Hpc } else { Law::P },
                 position_gain_per_s: kp,
                 feedforward_percent: kf,
@@ -261,6 +270,7 @@ mod tests {
                 velocity_lag_s: 0.0,
                 force_limit_n,
                 sensors,
+                scale_fade_time_s: fade,
                 following_error_limit_m,
                 fastest_m_per_s: hpc.then_some(kv),
                 travel_m: hpc.then_some([-kp, kv]),

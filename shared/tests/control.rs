@@ -32,7 +32,7 @@ fn step_response<S: Scalar>(law: Law, rate_hz: f64) -> f64 {
     let config = AxisConfig::<S>::new(&settings, rates).unwrap();
     let mut state = AxisState::at_rest(Position(0), reading(Position(0)));
     let (target, mut at_m, mut worst) = (1e-3, 0.0f64, 0.0f64);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "some thousand ticks")]
+    #[expect(clippy::cast_possible_truncation, reason = "some thousand ticks")]
     let ticks = (5.0 / kp * rate_hz) as i32;
     for n in 0..ticks {
         let expected = match law {
@@ -40,7 +40,7 @@ fn step_response<S: Scalar>(law: Law, rate_hz: f64) -> f64 {
             Law::Hpc => hpc(kp * f64::from(n) / rate_hz),
         };
         worst = worst.max((at_m / target - expected).abs() * target * 1e6);
-        let _ = state.position_tick(&config, place(target), reading(place(at_m)));
+        let _ = state.position_tick(&config, place(target), 0, reading(place(at_m)));
         at_m += state.velocity_command_m_per_s() / rate_hz;
     }
     worst
@@ -88,10 +88,10 @@ fn the_velocity_loop_steps_as_its_equations_say() {
         let mut state = AxisState::at_rest(Position(0), reading(Position(0)));
         let (mut x, mut v) = (0.0f64, 0.0f64);
         // A step of 0.2 mm of position asks for 10 mm/s at first: the command is held there.
-        let _ = state.position_tick(&config, place(0.2e-3), reading(Position(0)));
+        let _ = state.position_tick(&config, place(0.2e-3), 0, reading(Position(0)));
         let (mut ex, mut ev, mut last, mut integral, mut worst) = (0.0, 0.0, 0.0, 0.0, 0.0f64);
         for _ in 0..400 {
-            let (force, _) = state.velocity_tick(&config, reading(place(x)));
+            let (force, _) = state.velocity_tick(&config, reading(place(x)), S::default());
             let a = force.value() / mass;
             x += v / rate + a / (2.0 * rate * rate);
             v += a / rate;
@@ -139,8 +139,8 @@ impl<S: Scalar> Bench<S> {
         let before = [self.state.velocity_command_m_per_s(), self.force];
         self.command_m += speed / RATES.velocity_loop_hz;
         let reading = reading(place(self.at_m));
-        let _ = self.state.position_tick(&self.config, place(self.command_m), reading);
-        let (force, _) = self.state.velocity_tick(&self.config, reading);
+        let _ = self.state.position_tick(&self.config, place(self.command_m), 0, reading);
+        let (force, _) = self.state.velocity_tick(&self.config, reading, S::default());
         self.force = force.value();
         let a = (self.force - FRICTION_N_S_PER_M * self.velocity) / MASS_KG;
         self.velocity += a / RATES.velocity_loop_hz;
@@ -161,8 +161,8 @@ impl<S: Scalar> Bench<S> {
 
 fn settings() -> impl Strategy<Value = AxisSettings> {
     let filters = (any::<bool>(), any::<bool>());
-    (any::<bool>(), 20.0..60.0f64, 0.0..100.0f64, 1e4..3e4f64, prop::option::of(0.02..0.1f64), filters).prop_map(
-        |(hpc, kp, kf, kv, ti, (notch, low_pass))| AxisSettings {
+    (any::<bool>(), 20.0..60.0f64, 0.0..100.0f64, 1e4..3e4f64, prop::option::of(0.02..0.1f64), filters)
+        .prop_map(|(hpc, kp, kf, kv, ti, (notch, low_pass))| AxisSettings {
             law: if hpc { Law::Hpc } else { Law::P },
             position_gain_per_s: kp,
             feedforward_percent: kf,
@@ -171,8 +171,7 @@ fn settings() -> impl Strategy<Value = AxisSettings> {
             notch: notch.then_some(Notch { frequency_hz: 700.0, width_hz: 200.0, depth: 0.9 }),
             low_pass: low_pass.then_some(LowPass { frequency_hz: 900.0, damping_ratio: 0.7 }),
             ..AxisSettings::default()
-        },
-    )
+        })
 }
 
 /// In the tick of a change neither output moves at all (it holds); in the next ones it moves as the loop does:
@@ -203,7 +202,11 @@ fn changes<S: Scalar>(from: &AxisSettings, to: &AxisSettings) {
         bench.tick(speed);
     }
     // What friction takes: v·b/Kv of velocity error without an integral part, over Kp.
-    let by_friction = if to.velocity_integral_time_s.is_some() { 0.0 } else { FRICTION_N_S_PER_M / to.velocity_gain_n_s_per_m };
+    let by_friction = if to.velocity_integral_time_s.is_some() {
+        0.0
+    } else {
+        FRICTION_N_S_PER_M / to.velocity_gain_n_s_per_m
+    };
     let expected = speed / to.position_gain_per_s * (1.0 - to.feedforward_percent / 100.0 + by_friction);
     let off = bench.following_error_m() - expected;
     assert!(off.abs() < 1.5 * speed / RATES.velocity_loop_hz, "{}: {off} m off {expected}", S::NAME);

@@ -1,7 +1,9 @@
 //! A motion of two axes, recorded once: what the parts are given.
 
 use shared::axis::Reading;
-use shared::config::{AxisSettings, Law, Rates, Sensors};
+use shared::compensate::CompensationSettings;
+use shared::compensate::settings::{Cycle, Of, Pitch, Points, Reversal, Straightness, Talk};
+use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
 use shared::machine::{Machine, Output};
 use shared::scalar::Scalar;
@@ -53,6 +55,8 @@ pub fn everything() -> AxisSettings {
         velocity_gain_n_s_per_m: 45_000.0,
         velocity_integral_time_s: Some(0.013),
         velocity_lag_s: 0.5 / RATES.velocity_loop_hz,
+        notch: Some(Notch { frequency_hz: 400.0, width_hz: 100.0, depth: 0.9 }),
+        low_pass: Some(LowPass { frequency_hz: 900.0, damping_ratio: 0.7 }),
         force_limit_n: 8000.0,
         sensors: Sensors::Dual { time_constant_s: 0.05 },
         smoothing: Smoothing::SCurve { time_s: 0.004, jerk_time_s: 0.002 },
@@ -62,6 +66,29 @@ pub fn everything() -> AxisSettings {
         saturation_time_s: 0.5,
         travel_m: Some([-0.1, 0.1]),
         stop_deceleration_m_per_s2: 2.0,
+        ..AxisSettings::default()
+    }
+}
+
+/// Every compensation that there is.
+fn all_compensations(axis: usize) -> CompensationSettings {
+    let other = if axis == 0 { 1 } else { 0 };
+    let points = |scale: f64| Points {
+        start_m: -0.1,
+        spacing_m: 0.01,
+        values: (0..21).map(|k| scale * f64::from(k % 5)).collect(),
+    };
+    CompensationSettings {
+        pitch: Some(Pitch { of: Of::Screw, forward: points(1e-6), backward: Some(points(1.5e-6)) }),
+        backlash_width_m: Some(3e-6),
+        dividing: Some(Cycle::harmonic(1e-6, 2.5e-3, 0.3)),
+        reversal: Some(Reversal { force_n: 30.0, decay_s: 0.01, fade_m_per_s: 0.05 }),
+        intalk: Some(Talk::Over(points(1e-7))),
+        crosstalk: Some((other, Talk::Over(points(1e-7)))),
+        squareness: Some((other, 2e-5)),
+        straightness: Some((other, Straightness::Over(points(1e-6)))),
+        ripple: Some(Cycle::harmonic(5.0, 2.5e-3, 0.1)),
+        ..CompensationSettings::default()
     }
 }
 
@@ -107,6 +134,9 @@ fn read(m: f64) -> Position {
 #[must_use]
 pub fn machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
     let mut machine = Machine::new(RATES, &[everything(); AXES], START).ok()?;
+    for axis in 0..AXES {
+        machine.compensate(axis, &all_compensations(axis)).ok()?;
+    }
     for block in program {
         machine.push(block).ok()?;
     }

@@ -72,7 +72,7 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
         all.velocity.force(state, speed, motor)
     });
     part.of("position loop of an axis", rest, AxisState::at_rest(command, reading), |state, tick| {
-        state.position_tick(all, tick.output.commands[0], tick.readings[0])
+        state.position_tick(all, tick.output.commands[0], 0, tick.readings[0])
     });
     part.of("tick, drives coming on", &ticks[..1], motion::machine::<S>(&PROGRAM)?, |machine, tick| {
         machine.tick(&tick.readings)

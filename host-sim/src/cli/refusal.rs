@@ -50,6 +50,7 @@ impl Given<'_> {
     fn setting(&self, axis: usize, error: &ConfigError) -> InputError {
         let (ConfigError::NotFinite(name)
         | ConfigError::NotPositive(name)
+        | ConfigError::NotWhileRunning(name)
         | ConfigError::OutOfRange { name, .. }) = error;
         let key = match (*name, self.machine.axis.get_index(axis)) {
             ("velocity_loop_hz", _) | (_, None) => "velocity_loop_rate_hz".to_owned(),

@@ -164,10 +164,10 @@ pub fn closed_loop(
         let reading = read(&motion);
         result.motor_m.push(reading.motor.to_m());
         result.table_m.push(motion.table_m);
-        state.position_tick(&config, position(command), reading);
+        state.position_tick(&config, position(command), 0, reading);
         for tick in 0..rates.position_loop_divider {
             let reading = if tick == 0 { reading } else { read(&motion) };
-            let (force, _) = state.velocity_tick(&config, reading);
+            let (force, _) = state.velocity_tick(&config, reading, 0.0);
             for _ in 0..substeps {
                 motion.step(parameters, force, step_s);
             }

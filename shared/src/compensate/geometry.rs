@@ -63,7 +63,9 @@ impl<S: Scalar> Straightness<S> {
                 gain::<S>("straightness", *m_per_m2, SQUARED_M * SQUARED_M / LENGTH_M)?,
                 S::gain(PLACE_M / SQUARED_M),
             ),
-            settings::Straightness::Over(points) => Self::Over(over(points, "straightness", LENGTH_M, bound_m)?),
+            settings::Straightness::Over(points) => {
+                Self::Over(over(points, "straightness", LENGTH_M, bound_m)?)
+            }
         })
     }
 

@@ -15,6 +15,7 @@
 //! force. Each sum, and the reading's correction, passes a [`slew`]: within a declared bound, and no faster
 //! than a declared rate. So whatever is switched, reverses, or is replaced, nothing jumps.
 
+pub mod axis;
 pub mod backlash;
 pub mod geometry;
 pub mod motion;
@@ -25,19 +26,13 @@ pub mod slew;
 pub mod table;
 pub mod talk;
 
-use backlash::Backlash;
-use geometry::{Squareness, Straightness};
+pub use axis::AxisCompensation;
 use motion::Motion;
-use pitch::Pitch;
-use reversal::Reversal;
 pub use settings::CompensationSettings;
-use slew::Slew;
-use table::Cycle;
-use talk::Talk;
 
-use crate::config::{ConfigError, Rates, positive, ranged};
+use crate::axis::Reading;
 use crate::scalar::Scalar;
-use crate::units::{LENGTH_M, Position};
+use crate::units::Position;
 
 /// One of the compensations of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
@@ -69,156 +64,92 @@ impl Item {
     ];
 }
 
-/// The compensations of one axis.
-#[derive(Clone, Copy, Debug)]
-pub struct Compensation<S: Scalar> {
-    pitch: Option<Pitch<S>>,
-    backlash: Option<Backlash<S>>,
-    dividing: Option<Cycle<S>>,
-    reversal: Option<Reversal<S>>,
-    intalk: Option<Talk<S>>,
-    crosstalk: Option<(u8, Talk<S>)>,
-    squareness: Option<(u8, Squareness<S>)>,
-    straightness: Option<(u8, Straightness<S>)>,
-    ripple: Option<Cycle<S>>,
-    /// For corrections of the command, a position tick; of the motor reading, a tick; of the force, a tick.
-    command: Slew<S>,
-    reading: Slew<S>,
-    force: Slew<S>,
+/// The compensations of a machine.
+#[derive(Clone, Debug)]
+pub struct Compensation<S: Scalar, const N: usize> {
+    axes: [Option<AxisCompensation<S>>; N],
+    states: [axis::State<S>; N],
+    motions: [Motion<S>; N],
+    any: bool,
 }
 
-/// What the compensations of an axis remember.
-#[derive(Clone, Copy, Debug)]
-pub struct State<S: Scalar> {
-    command: S,
-    reading: S,
-    force: S,
-    /// What is left of the pulse of a reversal, and the force that it gives.
-    pulse: S,
-    pulse_force: S,
-    off: u16,
-}
-
-impl<S: Scalar> Default for State<S> {
-    fn default() -> Self {
-        let none = S::default();
-        Self { command: none, reading: none, force: none, pulse: none, pulse_force: none, off: 0 }
-    }
-}
-
-impl<S: Scalar> State<S> {
-    /// Switches one compensation on or off. They are on to begin with.
-    pub const fn switch(&mut self, item: Item, on: bool) {
-        let bit = 1 << item as u16;
-        self.off = if on { self.off & !bit } else { self.off | bit };
+impl<S: Scalar, const N: usize> Compensation<S, N> {
+    /// None yet, of axes that stand at a place.
+    #[must_use]
+    pub fn none(start: [Position; N]) -> Self {
+        Self {
+            axes: [None; N],
+            states: [axis::State::default(); N],
+            motions: start.map(Motion::at),
+            any: false,
+        }
     }
 
-    const fn is_on(&self, item: Item) -> bool {
-        self.off & (1 << item as u16) == 0
+    /// Replaces what is compensated on an axis; what is corrected now goes over to it.
+    pub fn replace(&mut self, axis: usize, made: AxisCompensation<S>) {
+        if let Some(place) = self.axes.get_mut(axis) {
+            *place = Some(made);
+            self.any = true;
+        }
     }
-}
 
-impl<S: Scalar> Compensation<S> {
-    /// For an axis of a machine with `axes` of them.
-    ///
-    /// # Errors
-    /// The [`ConfigError`] that names the first setting which is not finite, beyond its bound, or beyond what the
-    /// number format `S` holds.
-    pub fn new(settings: &CompensationSettings, rates: Rates, axes: usize) -> Result<Self, ConfigError> {
-        let (tick_hz, rate_hz) = (rates.velocity_loop_hz, rates.position_loop_hz());
-        let bound_m = positive("position_bound_m", settings.position_bound_m)?;
-        let bound_m = ranged("position_bound_m", bound_m, 0.0, 0.01)?;
-        let bound_n = positive("force_bound_n", settings.force_bound_n)?;
-        let bound_n = ranged("force_bound_n", bound_n, 0.0, S::SIGNAL_LIMIT)?;
-        let speed = positive("position_rate_m_per_s", settings.position_rate_m_per_s)?;
-        let rise = positive("force_rate_n_per_s", settings.force_rate_n_per_s)?;
-        let position = |per_s: f64| Slew {
-            bound: S::signal(bound_m / LENGTH_M),
-            per_tick: S::signal(speed / per_s / LENGTH_M),
-        };
-        let source = |name, axis: u8| {
-            if usize::from(axis) < axes {
-                Ok(axis)
-            } else {
-                Err(ConfigError::OutOfRange { name, least: 0.0, most: axes as f64 - 1.0 })
-            }
-        };
-        let cycle = |name, cycle: &Option<settings::Cycle>, unit, bound| {
-            let made = cycle.as_ref().map(|cycle| Cycle::new(name, &cycle.values, cycle.period_m, unit, bound));
-            made.transpose()
-        };
-        let pitch = settings.pitch.as_ref().map(|pitch| Pitch::new(pitch, bound_m)).transpose()?;
-        let intalk = settings.intalk.as_ref().map(|talk| Talk::new("intalk", talk, rate_hz)).transpose()?;
-        Ok(Self {
-            pitch,
-            backlash: settings.backlash_width_m.map(|width| Backlash::new(width, bound_m)).transpose()?,
-            dividing: cycle("dividing", &settings.dividing, LENGTH_M, bound_m)?,
-            reversal: settings.reversal.as_ref().map(|r| Reversal::new(r, rate_hz, bound_n)).transpose()?,
-            intalk,
-            crosstalk: match &settings.crosstalk {
-                Some((axis, talk)) => {
-                    Some((source("crosstalk", *axis)?, Talk::new("crosstalk", talk, rate_hz)?))
+    /// Switches one compensation of an axis on or off.
+    pub fn switch(&mut self, axis: usize, item: Item, on: bool) {
+        if let Some(state) = self.states.get_mut(axis) {
+            state.switch(item, on);
+        }
+    }
+
+    /// Takes the axes to stand somewhere else.
+    pub fn stand_at(&mut self, places: &[Position; N]) {
+        if self.any {
+            self.motions = places.map(Motion::at);
+        }
+    }
+
+    /// With every tick: the readings without what their resolvers add.
+    pub fn readings(&mut self, readings: &[Reading; N]) -> [Reading; N] {
+        let mut corrected = *readings;
+        if self.any {
+            for ((reading, axis), state) in corrected.iter_mut().zip(&self.axes).zip(&mut self.states) {
+                if let Some(axis) = axis {
+                    reading.motor = axis.reading(state, reading.motor);
                 }
-                None => None,
-            },
-            squareness: match settings.squareness {
-                Some((axis, k)) => Some((source("squareness", axis)?, Squareness::new(k)?)),
-                None => None,
-            },
-            straightness: match &settings.straightness {
-                Some((axis, shape)) => Some((source("straightness", *axis)?, Straightness::new(shape, bound_m)?)),
-                None => None,
-            },
-            ripple: cycle("ripple", &settings.ripple, 1.0, bound_n)?,
-            command: position(rate_hz),
-            reading: position(tick_hz),
-            force: Slew { bound: S::signal(bound_n), per_tick: S::signal(rise / tick_hz) },
-        })
+            }
+        }
+        corrected
     }
 
     /// With every command: what to add to it, position units.
-    pub fn command<const N: usize>(&self, state: &mut State<S>, axis: usize, motions: &[Motion<S>; N]) -> i64 {
-        let Some(own) = motions.get(axis) else { return 0 };
-        let other = |axis: u8| motions.get(usize::from(axis)).unwrap_or(own);
-        let mut sum = S::Sum::default();
-        if let Some(pitch) = self.pitch.as_ref().filter(|_| state.is_on(Item::Pitch)) {
-            sum += pitch.correction(own).widen();
+    pub fn commands(&mut self, commands: &[Position; N]) -> [i64; N] {
+        let mut corrections = [0; N];
+        if self.any {
+            for (motion, command) in self.motions.iter_mut().zip(commands) {
+                motion.step(*command);
+            }
+            for (i, ((correction, axis), state)) in
+                corrections.iter_mut().zip(&self.axes).zip(&mut self.states).enumerate()
+            {
+                if let Some(axis) = axis {
+                    *correction = axis.command(state, i, &self.motions);
+                }
+            }
         }
-        if let Some(backlash) = self.backlash.as_ref().filter(|_| state.is_on(Item::Backlash)) {
-            sum += backlash.correction(own).widen();
-        }
-        if let Some(talk) = self.intalk.as_ref().filter(|_| state.is_on(Item::Intalk)) {
-            sum += talk.correction(own.place, own.acceleration);
-        }
-        if let Some((source, talk)) = self.crosstalk.as_ref().filter(|_| state.is_on(Item::Crosstalk)) {
-            sum += talk.correction(own.place, other(*source).acceleration);
-        }
-        if let Some((source, square)) = self.squareness.as_ref().filter(|_| state.is_on(Item::Squareness)) {
-            sum += square.correction(other(*source));
-        }
-        if let Some((source, shape)) = self.straightness.as_ref().filter(|_| state.is_on(Item::Straightness)) {
-            sum += shape.correction(other(*source));
-        }
-        if let Some(reversal) = &self.reversal {
-            let force = reversal.force(&mut state.pulse, own);
-            state.pulse_force = if state.is_on(Item::Reversal) { force } else { S::default() };
-        }
-        S::to_distance(self.command.step(&mut state.command, S::round(sum)).widen())
+        corrections
     }
 
-    /// With every tick: the motor reading without the resolver's error.
-    pub fn reading(&self, state: &mut State<S>, motor: Position) -> Position {
-        let Some(dividing) = &self.dividing else { return motor };
-        let error = if state.is_on(Item::Dividing) { dividing.at(motor) } else { S::default() };
-        motor.moved(-S::to_distance(self.reading.step(&mut state.reading, error).widen()))
-    }
-
-    /// With every tick: the force to add.
-    pub fn force(&self, state: &mut State<S>, motor: Position) -> S {
-        let mut target = state.pulse_force;
-        if let Some(ripple) = self.ripple.as_ref().filter(|_| state.is_on(Item::Ripple)) {
-            target = target.minus(ripple.at(motor));
+    /// With every tick: what to add to the forces.
+    pub fn forces(&mut self, readings: &[Reading; N]) -> [S; N] {
+        let mut forces = [S::default(); N];
+        if self.any {
+            for (((force, axis), state), reading) in
+                forces.iter_mut().zip(&self.axes).zip(&mut self.states).zip(readings)
+            {
+                if let Some(axis) = axis {
+                    *force = axis.force(state, reading.motor);
+                }
+            }
         }
-        self.force.step(&mut state.force, target)
+        forces
     }
 }

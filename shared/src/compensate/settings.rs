@@ -120,6 +120,7 @@ pub struct Reversal {
 
 /// Coefficient of an acceleration, m·s²/m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "nothing to allocate a table from")]
 pub enum Talk {
     /// The same everywhere.
     Constant(f64),
@@ -129,6 +130,7 @@ pub enum Talk {
 
 /// Shape of a guideway.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "nothing to allocate a table from")]
 pub enum Straightness {
     /// So much per other position squared, m/m².
     Quadratic(f64),

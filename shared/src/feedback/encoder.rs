@@ -1,42 +1,32 @@
-//! A quadrature counter of 16 bits that wraps, made into a position.
+//! A quadrature counter of 16 bits that wraps: a [`Transducer`] whose cycle is the counter's range.
 
-use crate::units::{PER_M, Position};
+use super::phase::Phase;
+use super::transducer::Transducer;
+use crate::units::Position;
 
-/// Greatest count that is converted; 2³⁸ counts of 1 nm are 275 m.
-const FRACTION_BITS: u32 = 16;
+/// Counts in the counter's range.
+const RANGE: f64 = 65_536.0;
 
 /// An incremental encoder on a hardware counter.
 #[derive(Clone, Copy, Debug)]
-pub struct Encoder {
-    /// Position units per count, 16 fraction bits.
-    units_per_count: i64,
-    last: u16,
-    counts: i64,
-}
+pub struct Encoder(Transducer);
 
 impl Encoder {
     /// An encoder that stands at position zero while the counter shows `raw`.
     ///
-    /// `None` unless one count is between 1 pm and 1 mm.
+    /// `None` unless one count is between 1 pm and 1 mm. The range's length is rounded to a position
+    /// unit, which is 2⁻¹⁷ of one a count; a lead that a count does not divide wants
+    /// [`Transducer::new`] and [`Phase::of_counter`].
     #[must_use]
     pub fn new(metres_per_count: f64, raw: u16) -> Option<Self> {
         let plausible = (1e-12..=1e-3).contains(&metres_per_count);
-        #[expect(clippy::cast_possible_truncation, reason = "at most 1 mm: 2⁵⁶")]
-        plausible.then(|| Self {
-            units_per_count: libm::rint(metres_per_count * PER_M * f64::from(1 << FRACTION_BITS)) as i64,
-            last: raw,
-            counts: 0,
-        })
+        let range_m = plausible.then_some(metres_per_count * RANGE)?;
+        Transducer::new(range_m, 1, Phase::of_counter(raw)).map(Self)
     }
 
     /// The position for what the counter shows now, at most half its range after the last call.
     pub fn read(&mut self, raw: u16) -> Position {
-        let step = raw.wrapping_sub(self.last).cast_signed();
-        self.last = raw;
-        self.counts = self.counts.wrapping_add(i64::from(step));
-        let units = i128::from(self.counts) * i128::from(self.units_per_count);
-        #[expect(clippy::cast_possible_truncation, reason = "wraps with the counts, after 10⁸ m of 1 mm")]
-        Position((units >> FRACTION_BITS) as i64)
+        self.0.read(Phase::of_counter(raw))
     }
 }
 
@@ -64,5 +54,25 @@ mod tests {
             last = encoder.read(raw);
         }
         assert!((last.to_m() - 0.1 / 3.0).abs() < 1e-14, "{}", last.to_m());
+    }
+
+    #[test]
+    fn refuses_counts_that_no_encoder_has() {
+        for metres in [f64::NAN, f64::INFINITY, 0.0, -1e-6, 0.9e-12, 1.1e-3] {
+            assert!(Encoder::new(metres, 0).is_none());
+        }
+        assert!(Encoder::new(1e-12, 0).is_some() && Encoder::new(1e-3, 0).is_some());
+    }
+
+    #[test]
+    fn a_lead_that_a_count_does_not_divide_comes_back_exactly() {
+        // 7 counts in 1 µm; a million leads are 1 m, of 1.05·10¹⁵ units.
+        let mut counter = Transducer::new(65_536e-6, 7, Phase::of_counter(0)).unwrap();
+        let mut place = Position(0);
+        for leads in 1..=1_000_000u64 {
+            let raw = ((7 * leads) & 0xffff) as u16;
+            place = counter.read(Phase::of_counter(raw));
+        }
+        assert!((place.0 - 1_048_576_000_000_000).abs() <= 1, "{place:?}");
     }
 }

@@ -2,3 +2,6 @@
 
 pub mod dual;
 pub mod encoder;
+pub mod fade;
+pub mod phase;
+pub mod transducer;

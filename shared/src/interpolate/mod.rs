@@ -104,7 +104,7 @@ pub(crate) fn scaled<const SHIFT: u32>(a: i64, b: i64) -> i64 {
 
 /// a·b/2⁶⁴, up to two units too small: the product of the lower halves is left out.
 #[must_use]
-#[expect(clippy::cast_possible_truncation, reason = "the halves")]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the halves")]
 pub(crate) const fn high(a: i64, b: i64) -> i64 {
     let (a_high, a_low) = ((a >> 32) as i32 as i64, a as u32 as i64);
     let (b_high, b_low) = ((b >> 32) as i32 as i64, b as u32 as i64);

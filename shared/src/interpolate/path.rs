@@ -156,7 +156,8 @@ impl<const N: usize> Path<N> {
     }
 
     fn is_settled(&self) -> bool {
-        !self.smooths || self.behind.iter().zip(&self.filters).all(|(behind, filter)| behind.is_settled(filter))
+        !self.smooths
+            || self.behind.iter().zip(&self.filters).all(|(behind, filter)| behind.is_settled(filter))
     }
 
     /// The command that [`Path::advance`] gave last.

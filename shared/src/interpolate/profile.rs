@@ -245,7 +245,11 @@ impl Progress {
         let acceleration = self.step_change - self.third_difference;
         // The jerk is six times a whole number: a product with 1/6 is off by less than one of them.
         let jerk_sixth = part(self.third_difference, SIXTH_Q32);
-        Motion { distance: self.distance, velocity: self.step - (acceleration >> 1) - jerk_sixth, acceleration }
+        Motion {
+            distance: self.distance,
+            velocity: self.step - (acceleration >> 1) - jerk_sixth,
+            acceleration,
+        }
     }
 }
 

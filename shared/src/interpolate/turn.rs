@@ -27,6 +27,7 @@ const STEP_BITS: u32 = 51;
 static QUARTER: [i64; STEPS + 1] = quarter();
 
 /// Taylor series of the sine with 62 fraction bits, evaluated by the compiler.
+#[expect(clippy::large_stack_arrays, reason = "the stack of the compiler")]
 const fn quarter() -> [i64; STEPS + 1] {
     let mut table = [0i64; STEPS + 1];
     let mut k = 0;
@@ -86,10 +87,7 @@ pub fn sin_cos(phase: u64) -> (i64, i64) {
     let sin_delta = delta - cube_sixth;
 
     let less = |value: i64| (i64::from((value >> 32) as i32) * versine) >> 22;
-    (
-        sine - less(sine) + (high(cosine, sin_delta) >> 8),
-        cosine - less(cosine) - (high(sine, sin_delta) >> 8),
-    )
+    (sine - less(sine) + (high(cosine, sin_delta) >> 8), cosine - less(cosine) - (high(sine, sin_delta) >> 8))
 }
 
 /// 1/3 with 31 fraction bits.
