@@ -9,6 +9,7 @@
 //! The page needs nothing but itself: no script, no address. The same trace gives the same bytes.
 
 mod circle;
+pub mod compare;
 mod curves;
 mod deviation;
 mod markup;
