@@ -92,8 +92,8 @@ pub struct Row {
     pub command_error_nm: Spread,
     /// Table against the table of the run in double precision.
     pub position_error_nm: Spread,
-    /// Of the long run: distance of the last command from the programmed end, or of the mean table
-    /// position at the end from that at the beginning, whichever is more.
+    /// Of the long run: distance along the path of the last command from the programmed end, or of the mean
+    /// table position at the end from that at the beginning, whichever is more.
     pub drift_nm: Option<f64>,
     /// Median of the ticks with path and position loops, on the emulated core.
     pub instructions_per_tick: Option<u32>,
@@ -116,7 +116,7 @@ pub struct Comparison {
     /// Hours of it.
     #[serde(skip)]
     pub hours: f64,
-    /// The long run's path in integers.
+    /// The long run's path.
     #[serde(skip)]
     pub travelled: Travelled,
     /// Why no instructions were counted.
@@ -141,7 +141,7 @@ pub fn run(options: &Options, say: &(dyn Fn(&str) + Sync)) -> Result<Comparison,
     let closed = CLOSED_TURNS.min(turns / 2);
     let formats: &[Format] =
         if options.emulator.is_some() { &[Format::Fixed, Format::F32, Format::F64] } else { &[] };
-    let (left, all) = (AtomicUsize::new(0), Motion::ALL.len() * (Pipeline::ALL.len() + formats.len()) + 2);
+    let (left, all) = (AtomicUsize::new(0), Motion::ALL.len() * (Pipeline::ALL.len() + formats.len()) + 1);
     let done = |what: &str| {
         let count = left.fetch_add(1, Ordering::Relaxed) + 1;
         say(&format!("{count} of {all} runs done, the last: {what}"));
@@ -168,23 +168,18 @@ pub fn run(options: &Options, say: &(dyn Fn(&str) + Sync)) -> Result<Comparison,
             .collect::<Result<Vec<_>, CompareError>>()
     };
     let rate_hz = machine.sample_rate_hz;
-    let ways = || {
-        rayon::join(
-            || long_run::integers(turns, rate_hz).inspect(|_| done("the path of the long run")),
-            || long_run::singles(turns, rate_hz).inspect(|_| done("the path of the long run in f32")),
-        )
-    };
-    let ((integers, singles), (loops, costs)) = rayon::join(ways, || rayon::join(loops, costs));
-    let (integers, singles, loops, costs) = (integers?, singles?, loops?, costs?);
+    let way = || long_run::travel(turns, rate_hz).inspect(|_| done("the path of the long run"));
+    let (travelled, (loops, costs)) = rayon::join(way, || rayon::join(loops, costs));
+    let (travelled, loops, costs) = (travelled?, loops?, costs?);
 
     let mut rows = Vec::new();
     for (index, motion) in Motion::ALL.into_iter().enumerate() {
         let runs = &loops[index * Pipeline::ALL.len()..][..Pipeline::ALL.len()];
         let cost = |format: usize| costs.get(index * formats.len() + format).copied().flatten();
         let of_motion = Measured { motion, closed, rate_hz, runs };
-        rows.extend(of_motion.rows(cost, &integers, &singles));
+        rows.extend(of_motion.rows(cost, &travelled));
     }
-    Ok(Comparison { rows, turns, hours: options.hours, travelled: integers, not_counted: None })
+    Ok(Comparison { rows, turns, hours: options.hours, travelled, not_counted: None })
 }
 
 /// Every motion with every one of something, in parallel and in this order.
@@ -203,7 +198,7 @@ struct Measured<'a> {
 }
 
 impl Measured<'_> {
-    fn rows(&self, cost: impl Fn(usize) -> Option<Cost>, integers: &Travelled, singles: &Travelled) -> Vec<Row> {
+    fn rows(&self, cost: impl Fn(usize) -> Option<Cost>, travelled: &Travelled) -> Vec<Row> {
         let in_double = Pipeline::ALL.iter().position(|&p| p == Pipeline::Of(Format::F64));
         let double = in_double.map_or(&[][..], |index| &self.runs[index]);
         let off = errors::off_exact(self.motion, self.closed, double);
@@ -212,10 +207,14 @@ impl Measured<'_> {
             let mut command = errors::command(run, double, &off);
             let mut drift_nm = None;
             if self.motion == Motion::LongRun {
-                let travelled = if is_single { singles } else { integers };
-                command = travelled.command;
+                let (way, end_nm) = if is_single {
+                    (travelled.singles, travelled.singles_end_nm)
+                } else {
+                    (travelled.integers, travelled.end_nm)
+                };
+                command = way;
                 // The circles are the second and the fourth block.
-                drift_nm = Some(travelled.end_nm.max(errors::mean_moved_nm(run, 1, 3)));
+                drift_nm = Some(end_nm.max(errors::mean_moved_nm(run, 1, 3)));
             }
             let cost = if is_single { None } else { cost(index) };
             Row {
