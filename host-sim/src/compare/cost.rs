@@ -2,9 +2,9 @@
 
 use std::path::Path;
 
+use super::CompareError;
 use super::motion::Motion;
 use super::pipeline::run;
-use super::CompareError;
 use crate::controller::{ControllerError, Format};
 use crate::link::emulator::Emulator;
 use crate::link::remote::Remote;

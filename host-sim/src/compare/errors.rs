@@ -1,9 +1,9 @@
 //! How far a run lies from the exact path, and from the run in double precision.
 
+use super::AXES;
 use super::exact::{Exact, Point, apart_nm, length};
 use super::motion::Motion;
 use super::pipeline::{Tick, start_of};
-use super::AXES;
 
 /// Greatest and root mean square, nm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]

@@ -92,7 +92,11 @@ impl Motion {
 #[must_use]
 pub fn turns_in(hours: f64) -> u32 {
     let turns = hours * 3600.0 * FEED_M_PER_S / (TAU * RADIUS_M);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates; checked by callers")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        clippy::cast_sign_loss,
+        reason = "saturates; checked by callers"
+    )]
     let whole = turns.round() as u32;
     whole.max(2)
 }

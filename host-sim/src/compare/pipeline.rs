@@ -90,8 +90,7 @@ pub fn run(
     most_ticks: usize,
 ) -> Result<Vec<Tick>, CompareError> {
     let divider = servo::rates(machine).position_loop_divider as usize;
-    let instruments =
-        Instruments { drive_time_constant_s: INSTRUMENTS_DRIVE_S, ..Instruments::default() };
+    let instruments = Instruments { drive_time_constant_s: INSTRUMENTS_DRIVE_S, ..Instruments::default() };
     let mut desk = Desk::new(machine, instruments, &motion.start_m());
     let blocks = motion.blocks(turns);
     let mut ticks = Vec::new();
