@@ -242,3 +242,74 @@ impl Measured<'_> {
         pieces.enumerate().map(|(i, nm)| ((i * piece) as f64 / self.rate_hz, nm)).collect()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// 36 s of circles in place of a day.
+    fn short() -> Comparison {
+        run(&Options { hours: 0.01, emulator: None }, &|_| ()).unwrap()
+    }
+
+    fn row<'a>(comparison: &'a Comparison, motion: &str, scalar: &str) -> &'a Row {
+        comparison.rows.iter().find(|row| row.motion == motion && row.scalar == scalar).unwrap()
+    }
+
+    /// Both axes slide, creep and stick: without that the aim would mean nothing.
+    #[test]
+    fn the_machine_has_friction() {
+        let machine = Machine::parse(MACHINE, "compare.toml").unwrap();
+        assert_eq!(machine.axis.len(), AXES);
+        for axis in machine.axis.values() {
+            assert!(axis.coulomb_n > Some(100.0) && axis.presliding_stiffness_n_per_um > Some(10.0));
+            assert!(axis.effect.iter().any(|effect| effect.name() == "stribeck"));
+        }
+    }
+
+    #[test]
+    fn the_aims_are_met_and_what_f32_positions_lose_is_seen() {
+        let comparison = short();
+        assert_eq!(comparison.rows.len(), 20);
+        for motion in Motion::ALL.map(Motion::name) {
+            let [fixed, f32, f64, single] =
+                Pipeline::ALL.map(|pipeline| row(&comparison, motion, pipeline.name()));
+            // The aim, and not nothing: fixed point rounds.
+            assert!(fixed.position_error_nm.max < 5.0 && fixed.position_error_nm.rms < 1.0, "{fixed:?}");
+            assert!(fixed.position_error_nm.max > 1e-4 && f32.position_error_nm.max > 1e-4);
+            assert!(f64.position_error_nm.max == 0.0);
+            // One integer path for all three, within 0.5 nm of the exact one.
+            assert!(
+                fixed.command_error_nm == f64.command_error_nm
+                    && f32.command_error_nm == f64.command_error_nm
+            );
+            assert!(f64.command_error_nm.max < 0.5);
+            // An encoder that resolves 4 to 119 nm moves the table by more than anything that laws round.
+            assert!(single.position_error_nm.rms > 20.0 * fixed.position_error_nm.rms, "{single:?}");
+            for row in [fixed, f32, f64, single] {
+                assert_eq!(row.drift_nm.is_some(), motion == "long_run");
+                assert_eq!(row.instructions_per_tick, None);
+            }
+        }
+        // Rounding moves the mean of 50,000 ticks far less than a tick: no drift.
+        for scalar in ["fixed", "f32", "f64"] {
+            assert!(row(&comparison, "long_run", scalar).drift_nm.unwrap() < 0.01);
+        }
+        assert!(comparison.travelled.end_nm == 0.0);
+    }
+
+    /// Above 1 m an f32 has neighbours 2⁻²³ m = 119.2 nm apart. A command that goes evenly through them is
+    /// off by up to half of that, 119.2/√12 = 34.4 nm rms; the sum with a start that was rounded too is off by
+    /// up to twice as much.
+    #[test]
+    fn f32_positions_lose_at_1_m_what_their_spacing_says() {
+        let comparison = short();
+        let spacing = 1e9 * f64::from(f32::EPSILON);
+        for motion in ["steps", "creep"] {
+            let Spread { max, rms } = row(&comparison, motion, "f32_position").command_error_nm;
+            assert!((0.45 * spacing..1.01 * spacing).contains(&max), "{motion}: {max}");
+            let even = spacing / 12f64.sqrt();
+            assert!((0.8 * even..1.45 * even).contains(&rms), "{motion}: {rms}");
+        }
+    }
+}

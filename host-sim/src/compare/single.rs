@@ -224,3 +224,55 @@ impl Controller for Single {
         Ok(Status { power: self.power, done: self.pace.is_done(), cost: None })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compare::motion::Motion;
+
+    /// Distance (nm) that an f32 makes of a distance from 1 m.
+    fn kept(nm: f64) -> f64 {
+        let place = Position::from_m(1.0).unwrap().moved(Position::from_m(1e-9 * nm).unwrap().0);
+        1e9 * (f64::from(metres(place)) - 1.0)
+    }
+
+    /// The spacing is 2⁻²³ m = 119.2 nm above 1 m and half of that below; to nearest, half a spacing is
+    /// lost at the most.
+    #[test]
+    fn at_1_m_a_position_is_rounded_to_119_nm_above_and_60_below() {
+        let (above, below) = (1e9 * 2f64.powi(-23), 1e9 * 2f64.powi(-24));
+        for (nm, expected) in [(59.5, 0.0), (59.7, above), (178.7, above), (-29.7, 0.0), (-29.9, -below)] {
+            assert!((kept(nm) - expected).abs() < 1e-6, "{nm}: {}", kept(nm));
+        }
+        // As a position it is again what it was.
+        let metre = metres(Position::from_m(1.0 + 1e-6).unwrap());
+        assert!(metres(position(metre)).to_bits() == metre.to_bits());
+    }
+
+    /// 100 steps of a hundredth of a turn come round to within 100 roundings of half a unit of 0.5 m (30 nm),
+    /// and that many times farther on the way is not the start.
+    #[test]
+    fn a_way_goes_round() {
+        let start = Motion::Circle.start_m().map(|m| Position::from_m(m).unwrap());
+        let block = &Motion::Circle.blocks(1)[1];
+        let mut way = Way::of(block, start);
+        let step = std::f64::consts::TAU * 0.1 / 100.0;
+        let points: Vec<[f32; AXES]> = (0..100).map(|_| way.go(step)).collect();
+        let off = |[x, y]: [f32; AXES], [u, v]: [f64; AXES]| length([f64::from(x) - u, f64::from(y) - v]);
+        assert!(off(points[24], [0.0, 0.1]) < 100.0 * 30e-9 && off(points[49], [-0.1, 0.0]) < 100.0 * 30e-9);
+        assert!(off(points[99], [0.1, 0.0]) < 100.0 * 30e-9);
+        assert!((way.turns() - 1.0).abs() < 5e-6);
+    }
+
+    /// Between two points of a circle the step is the arc, by its chord.
+    #[test]
+    fn a_step_is_the_arc() {
+        let at = |angle: f64| [0.1 * angle.cos(), 0.1 * angle.sin()].map(|m| Position::from_m(m).unwrap());
+        let way = Way::of(&Motion::Circle.blocks(1)[1], at(0.0));
+        for angle in [4e-4, 0.01, 0.019, 0.5] {
+            let step = way.step_m(at(0.3), at(0.3 + angle));
+            // The radius in f32 is within 3e-8 of 0.1 m; it enters through the small difference of arc and chord.
+            assert!((step / (0.1 * angle) - 1.0).abs() < 1e-8, "{angle}: {step}");
+        }
+    }
+}

@@ -32,7 +32,11 @@ pub fn html(comparison: &Comparison, said: &[String]) -> String {
 /// Nanometres for people: three digits, and nothing below a picometre.
 #[must_use]
 pub fn nanometres(nm: f64) -> String {
-    if nm > 0.0 && nm < 1e-3 { "< 0.001".to_owned() } else { significant(nm, 3) }
+    match nm {
+        0.0 => "0".to_owned(),
+        nm if nm < 1e-3 => "< 0.001".to_owned(),
+        nm => significant(nm, 3),
+    }
 }
 
 fn table(comparison: &Comparison) -> String {
@@ -79,13 +83,14 @@ fn charts(comparison: &Comparison) -> String {
             let row = comparison.of(pipeline).find(|row| row.motion == motion.name());
             Layer { ink, points: row.map(|row| row.curve.clone()).unwrap_or_default(), is_marked: false }
         };
-        let chart = |size, layers| {
+        let chart = |size, mut layers: Vec<Layer>| {
+            let unit = scale(&mut layers);
             Chart {
                 size,
                 title: &format!("Table error over time, {}", motion.name()),
                 description: "Distance from the table in the run in double precision.",
                 x: "time, s",
-                y: "from f64, nm",
+                y: &format!("from f64, {unit}"),
                 noise: 0.0,
                 layers,
             }
@@ -109,13 +114,28 @@ fn charts(comparison: &Comparison) -> String {
     format!("{}<p class=\"legend\">{}</p>\n{charts}", note(what), legend.concat())
 }
 
+/// Makes nm into the unit in which the greatest value has few digits, and names it.
+fn scale(layers: &mut [Layer]) -> &'static str {
+    let points = || layers.iter().flat_map(|layer| &layer.points);
+    let most = points().map(|point| point.1).fold(0.0, f64::max);
+    let (unit, factor) = match most {
+        most if most >= 1e6 => ("mm", 1e-6),
+        most if most >= 1e3 => ("µm", 1e-3),
+        _ => ("nm", 1.0),
+    };
+    for point in layers.iter_mut().flat_map(|layer| &mut layer.points) {
+        point.1 *= factor;
+    }
+    unit
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
 
     #[test]
     fn nothing_is_told_from_next_to_nothing() {
-        assert_eq!(nanometres(0.0), "0.00");
+        assert_eq!(nanometres(0.0), "0");
         assert_eq!(nanometres(4e-9), "< 0.001");
         assert_eq!(nanometres(0.528_09), "0.528");
         assert_eq!(nanometres(922_228_459.7), "922000000");
