@@ -59,7 +59,7 @@ impl Exact {
                 let ([u, v], [x, y]) = (apart_nm(*end, *start), apart_nm(command, *start));
                 let along = ((x * u + y * v) / (u * u + v * v)).clamp(0.0, 1.0);
                 // The programmed end is exact, and is not to be lost in 1 − ε of its distance.
-                if along == 1.0 { apart_nm(command, *end) } else { [x - along * u, y - along * v] }
+                if along >= 1.0 { apart_nm(command, *end) } else { [x - along * u, y - along * v] }
             }
             Self::Circle { start, centre } => {
                 let radius = length(apart_nm(*start, *centre));
