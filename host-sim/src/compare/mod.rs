@@ -36,7 +36,7 @@ use pipeline::{Pipeline, Tick};
 pub const AXES: usize = 2;
 
 /// The machine that runs them.
-pub const MACHINE: &str = include_str!("../../machines/compare.toml");
+pub const MACHINE: &str = include_str!("machine.toml");
 
 /// Turns at either end of the long run that the loop is closed on: two minutes.
 const CLOSED_TURNS: u32 = 32;
@@ -136,7 +136,7 @@ impl Comparison {
 /// # Errors
 /// The [`CompareError`] of the first part that fails.
 pub fn run(options: &Options, say: &(dyn Fn(&str) + Sync)) -> Result<Comparison, CompareError> {
-    let machine = Machine::parse(MACHINE, "machines/compare.toml")?;
+    let machine = Machine::parse(MACHINE, "compare/machine.toml")?;
     let turns = motion::turns_in(options.hours);
     let closed = CLOSED_TURNS.min(turns / 2);
     let formats: &[Format] =
@@ -259,7 +259,7 @@ mod tests {
     /// Both axes slide, creep and stick: without that the aim would mean nothing.
     #[test]
     fn the_machine_has_friction() {
-        let machine = Machine::parse(MACHINE, "compare.toml").unwrap();
+        let machine = Machine::parse(MACHINE, "machine.toml").unwrap();
         assert_eq!(machine.axis.len(), AXES);
         for axis in machine.axis.values() {
             assert!(axis.coulomb_n > Some(100.0) && axis.presliding_stiffness_n_per_um > Some(10.0));

@@ -275,4 +275,40 @@ mod tests {
             assert!((step / (0.1 * angle) - 1.0).abs() < 1e-8, "{angle}: {step}");
         }
     }
+
+    /// A controller of the comparison's machine at the start of the circle, drives asked for.
+    fn controller() -> Single {
+        let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
+        let start = Motion::Circle.start_m().map(|m| Position::from_m(m).unwrap());
+        let mut controller = Single::new(rates, &[AxisSettings::default(); AXES], start).unwrap();
+        controller.enable().unwrap();
+        controller
+    }
+
+    #[test]
+    fn one_block_at_a_time() {
+        let mut controller = controller();
+        let block = &Motion::Circle.blocks(1)[1];
+        controller.push(block).unwrap();
+        assert_eq!(controller.push(block).unwrap_err().to_string(), PathError::QueueFull.to_string());
+    }
+
+    /// Limits are those of `shared`: beyond 50 mm of following error the drives go off in the same tick.
+    #[test]
+    fn a_following_error_switches_off() {
+        let mut controller = controller();
+        let mut outputs = [AxisOutput::default(); AXES];
+        let mut tick = |x_m: f64| {
+            let reading = |m: f64| Reading { motor: Position::from_m(m).unwrap(), table: None };
+            let status = controller.tick(&[reading(x_m), reading(0.0)], &mut outputs).unwrap();
+            (status.power, outputs[0].force_n)
+        };
+        assert_eq!(tick(0.1), (Power::On, 0.0));
+        assert!((0..4).all(|_| tick(0.149).0 == Power::On));
+        let (power, force_n) = tick(0.149);
+        // 49 mm too far: pushed back.
+        assert!(power == Power::On && force_n < -1.0, "{force_n}");
+        let last = (0..5).map(|_| tick(0.151)).last().unwrap();
+        assert_eq!(last, (Power::Faulted(Fault::FollowingError { axis: 0 }), 0.0));
+    }
 }
