@@ -2,6 +2,7 @@
 //! and its declared model lacks.
 
 pub mod cli;
+pub mod compare;
 pub mod controller;
 pub mod demo;
 mod document;

@@ -1,5 +1,6 @@
 //! The command line: arguments in, results to stdout, progress to stderr, exit codes.
 
+mod compare;
 mod demo;
 mod progress;
 mod record;
@@ -31,6 +32,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// The same motion with the controller on a board, or on the emulated one.
     Record(record::Arguments),
+    /// The same motions in fixed point, f32, f64, and with f32 positions: what each loses.
+    Compare(compare::Arguments),
     /// Find the residual of a log, name its causes, report before and after.
     Trace(trace::Arguments),
 }
@@ -42,6 +45,7 @@ pub fn run() -> ExitCode {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
+        Command::Compare(arguments) => compare::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
     match outcome {

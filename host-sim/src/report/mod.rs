@@ -4,15 +4,16 @@
 //! `polar` draws a circle as ballbar users do (`circle` finds one in a log, `deviation` is how
 //! far the machine ran off it); `curves` draws residuals against time and against a `variable`,
 //! those of `stages` before and after; `ranking` lists what was tried. `plot`, `markup` and
-//! `number` are what these are made of.
+//! `number` are what these are made of. [`compare`] is a page of its own, about number formats.
 //!
 //! The page needs nothing but itself: no script, no address. The same trace gives the same bytes.
 
 mod circle;
+pub mod compare;
 mod curves;
 mod deviation;
 mod markup;
-mod number;
+pub(crate) mod number;
 mod parameters;
 mod plot;
 mod polar;
@@ -53,17 +54,13 @@ pub struct Extra {
 /// # Errors
 /// If the folder cannot be made or the page not be written.
 pub fn write(folder: &Path, trace: &Trace, extra: &Extra) -> Result<PathBuf, OutputError> {
-    let path = folder.join(FILE_NAME);
-    fs::create_dir_all(folder).map_err(|cause| OutputError { path: folder.to_owned(), cause })?;
-    write_whole(&path, |out| out.write_all(html(trace, extra).as_bytes()))?;
-    Ok(path)
+    write_page(folder, &html(trace, extra))
 }
 
 /// The page.
 #[must_use]
 pub fn html(trace: &Trace, extra: &Extra) -> String {
     let views = AxisView::all(trace);
-    let title = text(&extra.title);
     let lead: String = extra.lead.iter().map(|sentence| paragraph(sentence)).collect();
     let sections = [
         section("What was found", &found(trace, extra)),
@@ -74,13 +71,26 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
         section("What stays unexplained", &unexplained(&trace.axes)),
     ]
     .concat();
+    page(&extra.title, &format!("{lead}{}", note(&sources(trace))), &sections)
+}
+
+/// A page of its own: title in plain text, the rest as markup.
+fn page(title: &str, lead: &str, sections: &str) -> String {
+    let title = text(title);
     format!(
         "<!DOCTYPE html>\n<html lang=\"en\">\n<head>\n<meta charset=\"utf-8\">\n<meta name=\"viewport\" \
          content=\"width=device-width, initial-scale=1\">\n<title>{title}</title>\n<style>\n{STYLE}</style>\n</head>\n\
-         <body>\n<main>\n<header>\n<h1>{title}</h1>\n{lead}{}</header>\n{sections}</main>\n\
-         </body>\n</html>\n",
-        note(&sources(trace))
+         <body>\n<main>\n<header>\n<h1>{title}</h1>\n{lead}</header>\n{sections}</main>\n\
+         </body>\n</html>\n"
     )
+}
+
+/// Writes a page into a folder, which is made where it is missing, and gives its path.
+fn write_page(folder: &Path, html: &str) -> Result<PathBuf, OutputError> {
+    let path = folder.join(FILE_NAME);
+    fs::create_dir_all(folder).map_err(|cause| OutputError { path: folder.to_owned(), cause })?;
+    write_whole(&path, |out| out.write_all(html.as_bytes()))?;
+    Ok(path)
 }
 
 /// One sentence an effect, and the truth where it is known.

@@ -20,7 +20,7 @@ fn every_command_has_help() {
     let desk = desk();
     assert!(desk.done("--version").starts_with("lost-motion "));
     let overview = desk.done("--help");
-    for command in ["demo", "simulate", "record", "trace"] {
+    for command in ["demo", "simulate", "record", "compare", "trace"] {
         assert!(overview.contains(command), "{overview}");
         assert!(desk.done(&format!("{command} --help")).contains("Usage: lost-motion"));
     }
@@ -28,7 +28,9 @@ fn every_command_has_help() {
 
 #[test]
 fn unusable_arguments_are_exit_2() {
-    for arguments in ["", "frobnicate", "trace", "simulate --machine", "demo --seed minus-one"] {
+    for arguments in
+        ["", "frobnicate", "trace", "simulate --machine", "demo --seed minus-one", "compare --hours soon"]
+    {
         let output = desk().run(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments}");
         assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments}");

@@ -1,0 +1,154 @@
+//! `lost-motion compare`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use super::progress::Progress;
+use super::say;
+use crate::compare::motion::Motion;
+use crate::compare::pipeline::Pipeline;
+use crate::compare::{self, Comparison, Options, Row};
+use crate::controller::Format;
+use crate::error::InputError;
+use crate::link::emulator::{self, Emulator};
+use crate::output::write_whole;
+use crate::report;
+use crate::report::compare::nanometres;
+
+/// Longest long run, h: a year.
+const MOST_HOURS: f64 = 8760.0;
+
+/// Arguments of `compare`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Write the result as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Write report.html into this folder.
+    #[arg(long)]
+    report: Option<PathBuf>,
+    /// Program of the emulated core, for the instructions of a tick; without it the one that `cargo emulated`
+    /// has built, where there is one.
+    #[arg(long)]
+    emulator: Option<PathBuf>,
+    /// Length of the long run, in hours.
+    #[arg(long, default_value_t = 24.0)]
+    hours: f64,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Arguments that cannot be used, a loop that does not hold, output that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    if !(arguments.hours > 0.0 && arguments.hours <= MOST_HOURS) {
+        let expected = format!("a number of hours above 0, at most {MOST_HOURS}");
+        return Err(InputError::expected("--hours", expected, arguments.hours).into());
+    }
+    let (emulator, not_counted) = emulator(arguments)?;
+    let progress = Progress::start();
+    let options = Options { hours: arguments.hours, emulator };
+    let mut comparison = compare::run(&options, &|what| progress.say(what))?;
+    drop(progress);
+    comparison.not_counted = not_counted;
+    if let Some(path) = &arguments.json {
+        let text = serde_json::to_string_pretty(&comparison)?;
+        write_whole(path, |out| out.write_all(text.as_bytes()))?;
+    }
+    let mut said = summary(&comparison);
+    if let Some(folder) = &arguments.report {
+        let path = report::compare::write(folder, &comparison, &sentences(&comparison))?;
+        said += &format!("\n\nReport: {}", path.display());
+    }
+    say(&said)
+}
+
+/// The program of the emulated core, or why there is none. One that was asked for has to work.
+fn emulator(arguments: &Arguments) -> Result<(Option<PathBuf>, Option<String>)> {
+    let program = arguments.emulator.clone().unwrap_or_else(emulator::default_program);
+    match (Emulator::start(&program), &arguments.emulator) {
+        (Ok(_), _) => Ok((Some(program), None)),
+        (Err(problem), Some(_)) => Err(InputError::saying("--emulator", problem).into()),
+        (Err(problem), None) => Ok((None, Some(problem))),
+    }
+}
+
+/// What came out, in sentences.
+fn sentences(comparison: &Comparison) -> Vec<String> {
+    let fixed = Pipeline::Of(Format::Fixed);
+    let worst = |figure: fn(&Row) -> f64| comparison.of(fixed).map(figure).fold(0.0, f64::max);
+    let of = |pipeline, motion: Motion| comparison.of(pipeline).find(|row| row.motion == motion.name());
+    let hours = comparison.hours;
+    let mut said = vec![format!(
+        "Fixed point stays within {} nm of double precision ({} nm rms) on every motion with friction in the loop, and \
+         after {hours} h of circles, {} turns, its command ends {} nm from the programmed point, where landing hides no \
+         more than {} nm.",
+        nanometres(worst(|row| row.position_error_nm.max)),
+        nanometres(worst(|row| row.position_error_nm.rms)),
+        comparison.turns,
+        nanometres(comparison.travelled.end_nm),
+        nanometres(comparison.travelled.landing_nm),
+    )];
+    if let (Some(step), Some(day)) =
+        (of(Pipeline::F32Position, Motion::Steps), of(Pipeline::F32Position, Motion::LongRun))
+    {
+        said.push(format!(
+            "With positions in f32 metres the command is off by {} nm (rms) at 1 m, and after {hours} h it is {} mm \
+             from where it should be.",
+            nanometres(step.command_error_nm.rms),
+            nanometres(1e-6 * day.drift_nm.unwrap_or(f64::NAN)),
+        ));
+    }
+    said.push(match &comparison.not_counted {
+        Some(problem) => format!("Instructions were not counted: {problem}."),
+        None => cost(comparison),
+    });
+    said
+}
+
+/// Least and greatest median over the motions, and the worst tick.
+fn cost(comparison: &Comparison) -> String {
+    let of = |format: Format, name: &str| {
+        let medians = || comparison.of(Pipeline::Of(format)).filter_map(|row| row.instructions_per_tick);
+        let most = comparison.of(Pipeline::Of(format)).filter_map(|row| row.most_instructions).max();
+        format!(
+            "{} to {} in {name} ({} at the worst)",
+            medians().min().unwrap_or(0),
+            medians().max().unwrap_or(0),
+            most.unwrap_or(0)
+        )
+    };
+    format!(
+        "Instructions of a tick with path and position loops, by motion: {}, {}, {}.",
+        of(Format::Fixed, "fixed point"),
+        of(Format::F32, "f32"),
+        of(Format::F64, "f64")
+    )
+}
+
+/// Sentences, then the table.
+fn summary(comparison: &Comparison) -> String {
+    let mut lines = sentences(comparison);
+    lines.push(String::new());
+    lines.push(format!(
+        "{:<10}{:<14}{:>26}{:>26}{:>13}{:>8}",
+        "", "", "command error, nm", "position error, nm", "drift, nm", "instr."
+    ));
+    lines.push(format!(
+        "{:<10}{:<14}{:>13}{:>13}{:>13}{:>13}",
+        "motion", "scalar", "max", "rms", "max", "rms"
+    ));
+    for row in &comparison.rows {
+        let Row { command_error_nm: command, position_error_nm: position, .. } = row;
+        let [a, b, c, d] = [command.max, command.rms, position.max, position.rms].map(nanometres);
+        let drift = row.drift_nm.map_or_else(|| "–".to_owned(), nanometres);
+        let instructions =
+            row.instructions_per_tick.map_or_else(|| "–".to_owned(), |count| count.to_string());
+        lines.push(format!(
+            "{:<10}{:<14}{a:>13}{b:>13}{c:>13}{d:>13}{drift:>13}{instructions:>8}",
+            row.motion, row.scalar
+        ));
+    }
+    lines.join("\n")
+}
