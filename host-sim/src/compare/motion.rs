@@ -61,29 +61,40 @@ impl Motion {
     #[must_use]
     pub fn blocks(self, turns: u32) -> Vec<PathBlock> {
         match self {
-            Self::Circle => vec![dwell(0.1), circles(2), dwell(0.3)],
+            Self::Circle => vec![PathBlock::dwell(0.1), circles(2), PathBlock::dwell(0.3)],
             Self::Corner => vec![
-                dwell(0.1),
+                PathBlock::dwell(0.1),
                 line([0.04, 0.0], FEED_M_PER_S),
                 line([0.04, 0.04], FEED_M_PER_S),
                 line([0.04, 0.0], FEED_M_PER_S),
                 line([0.0, 0.0], FEED_M_PER_S),
-                dwell(0.3),
+                PathBlock::dwell(0.3),
             ],
             Self::Steps => {
                 let ends = (1..=10).chain((0..10).rev());
                 let steps = ends.flat_map(|um| {
                     let x = 1.0 + 1e-6 * f64::from(um);
                     // 1 mm/s and 1 m/s²: the step itself takes 2 ms.
-                    [dwell(0.15), line([x, 1.0], 1e-3)]
+                    [PathBlock::dwell(0.15), line([x, 1.0], 1e-3)]
                 });
-                steps.chain([dwell(0.3)]).collect()
+                steps.chain([PathBlock::dwell(0.3)]).collect()
             }
             Self::Creep => {
-                vec![dwell(0.1), line([1.0 + 10e-6, 1.0], 1e-6), line([1.0, 1.0], 1e-6), dwell(0.3)]
+                vec![
+                    PathBlock::dwell(0.1),
+                    line([1.0 + 10e-6, 1.0], 1e-6),
+                    line([1.0, 1.0], 1e-6),
+                    PathBlock::dwell(0.3),
+                ]
             }
             // A second between them, in which everything comes to rest.
-            Self::LongRun => vec![dwell(0.1), circles(turns), dwell(1.0), circles(turns), dwell(0.3)],
+            Self::LongRun => vec![
+                PathBlock::dwell(0.1),
+                circles(turns),
+                PathBlock::dwell(1.0),
+                circles(turns),
+                PathBlock::dwell(0.3),
+            ],
         }
     }
 }
@@ -108,23 +119,12 @@ pub fn pieces(turns: u32) -> impl Iterator<Item = PathBlock> {
 }
 
 fn circles(turns: u32) -> PathBlock {
-    PathBlock {
-        shape: PathShape::Arc { plane: [0, 1], centre_m: [0.0, 0.0], turns: f64::from(turns) },
-        feed_m_per_s: FEED_M_PER_S,
-        acceleration_m_per_s2: ACCELERATION_M_PER_S2,
-    }
+    let shape = PathShape::Arc { plane: [0, 1], centre_m: [0.0, 0.0], turns: f64::from(turns) };
+    PathBlock::new(shape, FEED_M_PER_S, ACCELERATION_M_PER_S2)
 }
 
 fn line(to_m: [f64; AXES], feed_m_per_s: f64) -> PathBlock {
-    PathBlock {
-        shape: PathShape::Line { to_m: to_m.to_vec() },
-        feed_m_per_s,
-        acceleration_m_per_s2: ACCELERATION_M_PER_S2,
-    }
-}
-
-fn dwell(seconds: f64) -> PathBlock {
-    PathBlock { shape: PathShape::Dwell { seconds }, feed_m_per_s: 0.0, acceleration_m_per_s2: 0.0 }
+    PathBlock::new(PathShape::Line { to_m: to_m.to_vec() }, feed_m_per_s, ACCELERATION_M_PER_S2)
 }
 
 #[cfg(test)]

@@ -205,9 +205,9 @@ impl Controller for Single {
             self.until_position_tick = self.divider;
             self.advance();
             for (number, ((config, state), reading)) in (0u8..).zip(self.axes.iter_mut().zip(&readings)) {
-                let error = state.position_tick(config, self.command[usize::from(number)], *reading);
-                if error.unsigned_abs() > config.following_error_limit {
-                    self.power = self.power.after(Event::Fault(Fault::FollowingError { axis: number }));
+                let command = self.command[usize::from(number)];
+                if let Some(hazard) = state.position_tick(config, command, 0, *reading) {
+                    self.power = self.power.after(Event::Fault(Fault::Axis { axis: number, hazard }));
                 }
             }
         }
@@ -216,17 +216,19 @@ impl Controller for Single {
             self.axes.iter_mut().zip(&readings).zip(self.command).zip(outputs)
         {
             let force = match self.power {
-                Power::On => state.velocity_tick(config, *reading),
+                Power::On => state.velocity_tick(config, *reading, 0.0).0,
                 _ => 0.0,
             };
             *output = AxisOutput { force_n: force.value(), force_bits: force.bits(), command };
         }
-        Ok(Status { power: self.power, done: self.pace.is_done(), cost: None })
+        Ok(Status { power: self.power, warning: None, done: self.pace.is_done(), cost: None })
     }
 }
 
 #[cfg(test)]
 mod tests {
+    use shared::safety::Hazard;
+
     use super::*;
     use crate::compare::motion::Motion;
 
@@ -309,6 +311,6 @@ mod tests {
         // 49 mm too far: pushed back.
         assert!(power == Power::On && force_n < -1.0, "{force_n}");
         let last = (0..5).map(|_| tick(0.151)).last().unwrap();
-        assert_eq!(last, (Power::Faulted(Fault::FollowingError { axis: 0 }), 0.0));
+        assert_eq!(last, (Power::Faulted(Fault::Axis { axis: 0, hazard: Hazard::FollowingError }), 0.0));
     }
 }
