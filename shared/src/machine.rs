@@ -290,6 +290,9 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     }
 
     fn raise(&mut self, hazards: [Option<Hazard>; N]) {
+        if hazards.iter().all(Option::is_none) {
+            return;
+        }
         for (axis, hazard) in hazards.into_iter().enumerate() {
             #[expect(clippy::cast_possible_truncation, reason = "no machine has 256 axes")]
             if let Some(hazard) = hazard {

@@ -56,13 +56,16 @@ pub trait Scalar:
     fn from_increment(distance: i64) -> Self;
     /// A sum of error signals as a distance in position units, rounded.
     fn to_distance(sum: Self::Sum) -> i64;
+    /// An error signal as a distance in position units.
+    fn distance(self) -> i64;
+    /// The value at a part (32 fraction bits) of the way from this one to another.
+    #[must_use]
+    fn towards(self, other: Self, part: u32) -> Self;
 
     /// Signal × gain, exact in fixed point.
     fn times(self, gain: Self::Gain) -> Self::Sum;
     /// Signal × signal. In fixed point exact to 2⁻²⁸; one of them must lie within ±[`Scalar::GAIN_LIMIT`].
     fn by(self, other: Self) -> Self::Sum;
-    /// A part of one, 32 fraction bits, as a gain.
-    fn fraction(part: u32) -> Self::Gain;
     /// The signal as a sum.
     fn widen(self) -> Self::Sum;
     /// The sum as a signal, rounded to nearest, saturated.
@@ -82,15 +85,7 @@ pub trait Scalar:
 
     /// The signal, kept within ±limit.
     #[must_use]
-    fn within(self, limit: Self) -> Self {
-        if self > limit {
-            limit
-        } else if self < -limit {
-            -limit
-        } else {
-            self
-        }
-    }
+    fn within(self, limit: Self) -> Self;
 }
 
 /// `bits` divided by 2^`SHIFT`, rounded to nearest, saturated to 32 bits.
@@ -140,6 +135,18 @@ impl Scalar for I18F14 {
         sum.to_bits().wrapping_add(1 << 7) >> 8
     }
 
+    fn distance(self) -> i64 {
+        i64::from(self.to_bits()) << 16
+    }
+
+    fn towards(self, other: Self, part: u32) -> Self {
+        // Between two numbers of 32 bits lies one of 32 bits: nothing to saturate.
+        let way = i64::from(other.to_bits()).wrapping_sub(i64::from(self.to_bits()));
+        #[expect(clippy::cast_possible_truncation, reason = "no more than the way")]
+        let gone = crate::interpolate::share(way, part) as i32;
+        Self::from_bits(self.to_bits().wrapping_add(gone))
+    }
+
     fn times(self, gain: I8F24) -> I26F38 {
         self.wide_mul(gain)
     }
@@ -148,16 +155,16 @@ impl Scalar for I18F14 {
         I26F38::from_bits(i64::from(self.to_bits()).wrapping_mul(i64::from(other.to_bits())) << 10)
     }
 
-    fn fraction(part: u32) -> I8F24 {
-        I8F24::from_bits((part >> 8).cast_signed())
-    }
-
     fn widen(self) -> I26F38 {
         I26F38::from_bits(i64::from(self.to_bits()) << 24)
     }
 
     fn round(sum: I26F38) -> Self {
         Self::from_bits(narrow::<24>(sum.to_bits()))
+    }
+
+    fn within(self, limit: Self) -> Self {
+        self.min(limit).max(-limit)
     }
 
     fn plus(self, other: Self) -> Self {
@@ -238,9 +245,13 @@ macro_rules! float {
                 clippy::allow_attributes,
                 reason = "one source for two types"
             )]
-            fn fraction(part: u32) -> $float {
+            fn towards(self, other: $float, part: u32) -> $float {
                 const UNIT: $float = 1.0 / (1u64 << 32) as $float;
-                part as $float * UNIT
+                self + (other - self) * (part as $float * UNIT)
+            }
+
+            fn distance(self) -> i64 {
+                Self::to_distance(self)
             }
 
             fn widen(self) -> $float {
@@ -249,6 +260,16 @@ macro_rules! float {
 
             fn round(sum: $float) -> $float {
                 sum
+            }
+
+            fn within(self, limit: $float) -> $float {
+                if self > limit {
+                    limit
+                } else if self < -limit {
+                    -limit
+                } else {
+                    self
+                }
             }
 
             fn plus(self, other: $float) -> $float {

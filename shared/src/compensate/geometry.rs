@@ -71,15 +71,15 @@ impl<S: Scalar> Straightness<S> {
 
     /// What to add to the command, error units.
     #[must_use]
-    pub fn correction(&self, other: &Motion<S>) -> S::Sum {
+    pub fn correction(&self, other: &Motion<S>) -> S {
         match self {
             Self::Quadratic(k, scale) => {
                 let most = S::signal(MOST_SQUARED_M / SQUARED_M);
                 let y = S::round(whole::<S>(other.place).times(*scale)).within(most);
                 // Two factors of at most 250: one below the gain limit is not needed, the product is 62,500.
-                S::Sum::default() - S::round(y.by(y)).times(*k)
+                -S::round(S::round(y.by(y)).times(*k))
             }
-            Self::Over(table) => S::Sum::default() - table.at(other.place).widen(),
+            Self::Over(table) => -table.at(other.place),
         }
     }
 }
@@ -93,10 +93,10 @@ mod tests {
 
     fn off_nm<S: Scalar>(y: f64, k: f64, k2: f64) -> [f64; 2] {
         let other = Motion::<S>::at(Position::from_m(y).unwrap());
-        let nm = |sum| S::round(sum).value() * LENGTH_M * 1e9;
+        let nm = |correction: S| correction.value() * LENGTH_M * 1e9;
         let square = Squareness::<S>::new(k).unwrap().correction(&other);
         let straight = Straightness::<S>::new(&settings::Straightness::Quadratic(k2), 1.0).unwrap();
-        [nm(square) + k * y * 1e9, nm(straight.correction(&other)) + k2 * y * y * 1e9]
+        [nm(S::round(square)) + k * y * 1e9, nm(straight.correction(&other)) + k2 * y * y * 1e9]
     }
 
     proptest! {

@@ -13,7 +13,8 @@
 //!
 //! Corrections of the command are computed from the command, which has no noise, and add up; so do those of the
 //! force. Each sum, and the reading's correction, passes a [`slew`]: within a declared bound, and no faster
-//! than a declared rate. So whatever is switched, reverses, or is replaced, nothing jumps.
+//! than a declared rate. So whatever is switched, reverses, or is replaced, nothing jumps. Tables over the
+//! travel, which change slowly, are looked up one with each command in turn, four commands for all of an axis.
 
 pub mod axis;
 pub mod backlash;

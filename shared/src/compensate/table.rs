@@ -174,7 +174,7 @@ fn between<S: Scalar>(values: &[S; POINTS + 1], index: u64) -> S {
     let (whole, part) = ((index >> 32) as usize & (POINTS - 1), index as u32);
     let at = |i: usize| values.get(i).copied().unwrap_or_default();
     let (from, to) = (at(whole), at(whole + 1));
-    S::round(from.widen() + to.minus(from).times(S::fraction(part)))
+    from.towards(to, part)
 }
 
 #[cfg(test)]

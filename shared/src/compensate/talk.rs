@@ -33,14 +33,13 @@ impl<S: Scalar> Talk<S> {
         })
     }
 
-    /// What to add to the command, error units: −c·a.
+    /// What to add to the command per acceleration of it (increment units a tick²), error units: −c.
     #[must_use]
-    pub fn correction(&self, own: Position, acceleration: S) -> S::Sum {
-        let coefficient = match self {
-            Self::Constant(value) => *value,
-            Self::Over(table) => table.at(own),
-        };
-        S::Sum::default() - coefficient.by(acceleration)
+    pub fn correction(&self, own: Position) -> S {
+        match self {
+            Self::Constant(value) => -*value,
+            Self::Over(table) => -table.at(own),
+        }
     }
 }
 
@@ -62,7 +61,7 @@ mod tests {
             motion.step(place(k));
             if k > 2 {
                 let a = (at(k) - 2.0 * at(k - 1) + at(k - 2)) * rate * rate;
-                let made = S::round(talk.correction(motion.place, motion.acceleration)).value() * LENGTH_M;
+                let made = S::round(talk.correction(motion.place).by(motion.acceleration)).value() * LENGTH_M;
                 worst = worst.max((made + c * a).abs() * 1e9);
             }
         }
