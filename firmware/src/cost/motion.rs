@@ -34,11 +34,13 @@ const FEED_M_PER_S: f64 = 0.3;
 const ACCELERATION_M_PER_S2: f64 = 20.0;
 
 /// A line to a point.
+#[must_use]
 pub const fn line(to_m: [f64; AXES]) -> Block<AXES> {
     Block::line(to_m, FEED_M_PER_S, ACCELERATION_M_PER_S2)
 }
 
 /// An arc round a point.
+#[must_use]
 pub const fn arc(centre_m: [f64; 2], turns: f64) -> Block<AXES> {
     let shape = Shape::Arc { plane: [0, 1], centre_m, turns };
     Block { shape, feed_m_per_s: FEED_M_PER_S, acceleration_m_per_s2: ACCELERATION_M_PER_S2 }
@@ -144,6 +146,7 @@ impl<S: Scalar> Tick<S> {
     }
 
     /// How far the motor of the first axis is behind.
+    #[must_use]
     pub fn error(&self) -> S {
         S::from_distance(self.output.commands[0].beyond(self.readings[0].motor))
     }
