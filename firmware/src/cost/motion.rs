@@ -36,11 +36,13 @@ const ACCELERATION_M_PER_S2: f64 = 20.0;
 const RAMPS: Ramps = Ramps::SCurve { jerk_m_per_s3: 4000.0 };
 
 /// A line to a point.
+#[must_use]
 pub const fn line(to_m: [f64; AXES]) -> Block<AXES> {
     Block::line(to_m, FEED_M_PER_S, ACCELERATION_M_PER_S2).with_ramps(RAMPS)
 }
 
 /// An arc round a point.
+#[must_use]
 pub const fn arc(centre_m: [f64; 2], turns: f64) -> Block<AXES> {
     Block::arc([0, 1], centre_m, turns, FEED_M_PER_S, ACCELERATION_M_PER_S2).with_ramps(RAMPS)
 }
@@ -71,7 +73,8 @@ pub fn everything() -> AxisSettings {
 }
 
 /// Every compensation that there is.
-fn all_compensations(axis: usize) -> CompensationSettings {
+#[must_use]
+pub fn all_compensations(axis: usize) -> CompensationSettings {
     let other = if axis == 0 { 1 } else { 0 };
     let points = |scale: f64| Points {
         start_m: -0.1,
@@ -137,6 +140,17 @@ pub fn machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
     for axis in 0..AXES {
         machine.compensate(axis, &all_compensations(axis)).ok()?;
     }
+    ready(machine, program)
+}
+
+/// The same with path, loops, dual feedback and watch alone.
+#[must_use]
+pub fn plain_machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
+    let axis = AxisSettings { notch: None, low_pass: None, smoothing: Smoothing::None, ..everything() };
+    ready(Machine::new(RATES, &[axis; AXES], START).ok()?, program)
+}
+
+fn ready<S: Scalar>(mut machine: Machine<S, AXES>, program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
     for block in program {
         machine.push(block).ok()?;
     }
@@ -185,6 +199,7 @@ impl<S: Scalar> Tick<S> {
     }
 
     /// How far the motor of the first axis is behind.
+    #[must_use]
     pub fn error(&self) -> S {
         S::from_distance(self.output.commands[0].beyond(self.readings[0].motor))
     }

@@ -4,11 +4,13 @@ use core::array::from_fn;
 use core::hint::black_box;
 
 use shared::axis::AxisState;
+use shared::compensate::{AxisCompensation, Compensation};
 use shared::config::{AxisConfig, AxisSettings, Law};
-use shared::control::{feedforward, position, velocity};
+use shared::control::{feedforward, filter, position, velocity};
 use shared::feedback::dual;
+use shared::feedback::phase::Phase;
 use shared::interpolate::turn::sin_cos;
-use shared::interpolate::{Block, Path};
+use shared::interpolate::{Block, Path, Smoothing};
 use shared::scalar::Scalar;
 
 use super::count::Counter;
@@ -22,14 +24,34 @@ pub fn of_the_path(counter: &mut Counter) -> Option<()> {
     counter.part("sine and cosine", "all", &phases, |&phase| sin_cos(phase));
 
     let there_and_back: [_; 16] = from_fn(|k| line([if k % 2 == 0 { 2e-6 } else { 0.0 }, 0.0]));
-    path(counter, "path, a line", &[line([0.02, 0.01])])?;
-    path(counter, "path, an arc", &[arc([-0.01, 0.0], 0.3)])?;
-    path(counter, "path, blocks of 12 ticks", &there_and_back)
+    let none = Smoothing::None;
+    path(counter, "path, a line", &[line([0.02, 0.01])], none)?;
+    path(counter, "path, an arc", &[arc([-0.01, 0.0], 0.3)], none)?;
+    path(counter, "path, an arc, S-curve behind it", &[arc([-0.01, 0.0], 0.3)], everything().smoothing)?;
+    path(counter, "path, blocks of 12 ticks", &there_and_back, none)?;
+    let samples: [(i32, i32); 1000] = from_fn(|k| {
+        let (sine, cosine) = sin_cos((k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
+        ((sine >> 46) as i32, (cosine >> 46) as i32)
+    });
+    counter.part("phase of a resolver", "all", &samples, |&(sine, cosine)| {
+        Phase::from_samples(sine, cosine, 1000)
+    });
+    Some(())
 }
 
-/// Every tick of a path of these blocks.
-fn path(counter: &mut Counter, name: &str, blocks: &[Block<AXES>]) -> Option<()> {
+/// Every compensation on both axes.
+fn compensation<S: Scalar>() -> Option<Compensation<S, AXES>> {
+    let mut all = Compensation::none(START);
+    for axis in 0..AXES {
+        all.replace(axis, AxisCompensation::new(&motion::all_compensations(axis), RATES, AXES).ok()?);
+    }
+    Some(all)
+}
+
+/// Every tick of a path of these blocks, with a filter behind it.
+fn path(counter: &mut Counter, name: &str, blocks: &[Block<AXES>], smoothing: Smoothing) -> Option<()> {
     let mut path = Path::new(START, RATES.position_loop_hz());
+    path.smooth(&[smoothing; AXES]).ok()?;
     for block in blocks {
         path.push(block).ok()?;
     }
@@ -77,6 +99,17 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     part.of("tick, drives coming on", &ticks[..1], motion::machine::<S>(&PROGRAM)?, |machine, tick| {
         machine.tick(&tick.readings)
     });
+    let compensation = compensation::<S>()?;
+    part.of("compensation of two axes", rest, compensation, |all, tick| {
+        let readings = all.readings(&tick.readings);
+        (all.commands(&tick.output.commands), all.forces(&readings))
+    });
+    let (notch, low_pass) = (all.notch.as_ref()?, all.low_pass.as_ref()?);
+    part.of("notch", &errors, filter::State::default(), |state, &x| notch.step(state, x));
+    part.of("low-pass", &errors, filter::State::default(), |state, &x| low_pass.step(state, x));
+    let mut plain = motion::plain_machine::<S>(&PROGRAM)?;
+    plain.tick(&first.readings);
+    part.of("tick of two axes, path and loops", rest, plain, |machine, tick| machine.tick(&tick.readings));
     let mut moving = motion::machine::<S>(&PROGRAM)?;
     moving.tick(&first.readings);
     part.of("tick of two axes, all on", rest, moving, |machine, tick| machine.tick(&tick.readings));

@@ -6,7 +6,7 @@
 //! | [`tick`] | one tick of a machine of two axes | the same in f64 |
 //! | [`planning`] | one block from rest to rest | `rsruckig` |
 //!
-//! Criterion measures and compares with the run before; the table at the end sets each median beside that
+//! Criterion measures and compares with the run before; the table at the end sets each time beside that
 //! of its peer in the same run. A word on the command line chooses, as in `cargo bench -p shared -- planning`.
 #![allow(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 

@@ -125,7 +125,8 @@ mod tests {
     }
 
     fn responds<S: Scalar>(tolerance: f64) {
-        for frequency_hz in [20.0, 100.0, 200.0, 270.0, 400.0, 1600.0] {
+        let frequencies_hz = [1600.0, 400.0, 270.0, 200.0, 100.0, 20.0];
+        for frequency_hz in frequencies_hz.into_iter().take(if cfg!(miri) { 1 } else { 6 }) {
             let low_pass = Filter::<S>::low_pass(g(300.0), 1.4);
             let off = measured(&low_pass, frequency_hz) - exact(g(300.0), 1.4, frequency_hz, None);
             assert!(off.abs() < tolerance, "{} low-pass, {frequency_hz} Hz: {off}", S::NAME);
@@ -147,7 +148,7 @@ mod tests {
     /// At its own frequency the notch leaves 1 − d: derived, 0.1, whatever its width.
     #[test]
     fn a_notch_leaves_what_it_is_told_to() {
-        for width in [0.05, 0.3, 1.0] {
+        for width in [0.3, 0.05, 1.0].into_iter().take(if cfg!(miri) { 1 } else { 3 }) {
             let left = measured(&Filter::<f64>::notch(g(200.0), width, 0.9), 200.0);
             assert!((left - 0.1).abs() < 2e-3, "{left}");
         }
@@ -162,8 +163,11 @@ mod tests {
             }
             // From somewhere else it comes there, and stays within a step of the format.
             let mut state = State::settled(S::default());
-            for _ in 0..400_000 {
+            for _ in 0..if cfg!(miri) { 100 } else { 400_000 } {
                 filter.step(&mut state, value);
+            }
+            if cfg!(miri) {
+                return;
             }
             let off = filter.step(&mut state, value).value() - value.value();
             assert!(off.abs() <= 2.0 / 16_384.0 + value.value().abs() * 1e-6, "{}: {off}", S::NAME);

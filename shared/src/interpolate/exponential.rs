@@ -10,7 +10,7 @@ use super::ramp::Limits;
 use super::{PathError, speed, whole};
 
 /// Least α with 32 fraction bits: a time constant of 2²⁰ ticks, 52 s at 20 kHz.
-const LEAST_SHARE: u64 = 1 << 12;
+const LEAST_SHARE: u32 = 1 << 12;
 
 /// A planned curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,8 +20,8 @@ pub struct Exponential {
     feed: i128,
     /// F·α.
     last_step: i128,
-    /// α, 32 fraction bits, at most 1.
-    share: u64,
+    /// α, 32 fraction bits, below 1.
+    share: u32,
 }
 
 impl Exponential {
@@ -31,7 +31,7 @@ impl Exponential {
     /// [`PathError::TooLong`] where the time constant is 2²⁰ ticks or more.
     pub fn plan(length: i64, limits: &Limits) -> Result<Self, PathError> {
         let share = (u128::from(limits.acceleration) << 32) / u128::from(limits.feed.max(1));
-        let share = share.min(1 << 32) as u64;
+        let share = u32::try_from(share).unwrap_or(u32::MAX);
         if share < LEAST_SHARE {
             return Err(PathError::TooLong);
         }

@@ -254,11 +254,18 @@ impl Progress {
 }
 
 /// 1/6 with 32 fraction bits.
-const SIXTH_Q32: u64 = 715_827_883;
+const SIXTH_Q32: u32 = 715_827_883;
 
 impl Motion {
     /// d += t·(v + t·(a/2 + t·j/6)), v += t·(a + t·j/2), a += t·j.
     fn advance(&mut self, jerk_sixth: i128, time: u64) {
+        let Ok(time) = u32::try_from(time) else {
+            // A whole tick.
+            self.distance += self.velocity + (self.acceleration >> 1) + jerk_sixth;
+            self.velocity += self.acceleration + 3 * jerk_sixth;
+            self.acceleration += 6 * jerk_sixth;
+            return;
+        };
         if time == 0 {
             return;
         }
@@ -274,13 +281,15 @@ impl Motion {
     }
 }
 
-/// `value`·`time`/2³², for a time of at most a tick.
-pub(super) fn part(value: i128, time: u64) -> i128 {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the two halves")]
+/// `value`·`time`/2³², for a time below a tick: four products of 32 bits.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the four quarters")]
+pub(super) fn part(value: i128, time: u32) -> i128 {
     let (high, low) = ((value >> 64) as i64, value as u64);
-    let high = i128::from(high) * i128::from(time);
-    let low = (u128::from(low) * u128::from(time)) >> 32;
-    (high << 32).wrapping_add(low.cast_signed())
+    let time_u64 = u64::from(time);
+    let low = (low >> 32) * time_u64 + (((low & 0xffff_ffff) * time_u64) >> 32);
+    let (top, middle) = ((high >> 32) * i64::from(time), (high as u64 & 0xffff_ffff) * time_u64);
+    (i128::from(top) << 64)
+        .wrapping_add((u128::from(middle) << 32).wrapping_add(u128::from(low)).cast_signed())
 }
 
 /// Greatest acceleration of a ramp and a sixth of its jerk, 64 fraction bits, for a change of speed with
