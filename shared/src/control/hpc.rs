@@ -28,13 +28,15 @@ pub struct Hpc<S: Scalar> {
 pub struct State<S: Scalar> {
     y: S::Sum,
     w: S::Sum,
+    /// y, rounded.
+    filtered: S,
 }
 
 impl<S: Scalar> State<S> {
     /// Settled on a filtered error.
     #[must_use]
     pub fn settled(filtered: S) -> Self {
-        Self { y: filtered.widen(), w: S::Sum::default() }
+        Self { y: filtered.widen(), w: S::Sum::default(), filtered }
     }
 }
 
@@ -55,11 +57,12 @@ impl<S: Scalar> Hpc<S> {
 
     /// One tick: error in, filtered error out.
     pub fn filter(&self, state: &mut State<S>, error: S) -> S {
-        let (y, w) = (S::round(state.y), S::round(state.w));
-        let ahead = y.minus(error);
+        let w = S::round(state.w);
+        let ahead = state.filtered.minus(error);
         state.y += ahead.times(self.yy) + w.times(self.yw);
         state.w += ahead.times(self.wy) + w.times(self.ww);
-        S::round(state.y)
+        state.filtered = S::round(state.y);
+        state.filtered
     }
 }
 
