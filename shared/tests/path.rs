@@ -298,3 +298,47 @@ fn a_brake_stops_along_the_path() {
     let stands = path.command();
     assert_eq!(path.advance(), stands);
 }
+
+/// The figures of `docs/controller.md`: `cargo test -p shared --test path figures -- --nocapture`.
+#[test]
+fn figures() {
+    println!("circle of 1 m about (1 m, -1 m): off the circle, nm; greatest over limit less 1");
+    println!("{:>12} {:>6} {:>9} {:>9} {:>9} {:>9}", "ramps", "Hz", "off, nm", "feed", "acc.", "jerk");
+    for (name, ramps) in [
+        ("trapezoid", Ramps::Trapezoid),
+        ("exponential", Ramps::Exponential),
+        ("S-curve", Ramps::SCurve { jerk_m_per_s3: 100.0 }),
+    ] {
+        for rate in [1000.0, 20_000.0] {
+            let block = Block::arc([0, 1], [1.0, -1.0], if cfg!(miri) { 1e-3 } else { 1.0 }, 1.0, 5.0);
+            let commands = travel([2.0, -1.0], rate, Smoothing::None, &[block.with_ramps(ramps)]);
+            let off = metres(&commands).into_iter().map(|[x, y]| ((x - 1.0).hypot(y + 1.0) - 1.0).abs());
+            let off_nm = off.fold(0.0, f64::max) * 1e9;
+            let excess = |limit: f64, order| greatest(&commands, rate, order) / limit - 1.0;
+            let jerk = if name == "S-curve" { excess(100.0, 3) } else { f64::NAN };
+            let [feed, acceleration] = [excess(1.0, 1), excess(5.0, 2)];
+            println!("{name:>12} {rate:>6} {off_nm:>9.1e} {feed:>9.1e} {acceleration:>9.1e} {jerk:>9.1e}");
+            // The double's own rounding of 2 m is 4e-7 nm; that of positions, 1e-6 nm.
+            assert!(off_nm < 1e-5, "{off_nm}");
+            assert!(feed < 1e-6 && acceleration < 1e-6 + quantum(rate, 2) / 5.0);
+        }
+    }
+    println!("after interpolation, R = 20 mm at 0.1 m/s: shrinkage, µm, derived and measured");
+    let (rate, radius, feed) = (4000.0, 0.02, 0.1);
+    let omega = feed / radius / rate;
+    let mean = |ticks: f64| (ticks * omega / 2.0).sin() / (ticks * (omega / 2.0).sin());
+    let share = 1.0 - (-1.0f64 / 80.0).exp();
+    let lag = share / (1.0 + (1.0 - share).powi(2) - 2.0 * (1.0 - share) * omega.cos()).sqrt();
+    for (smoothing, gain) in [
+        (Smoothing::Trapezoid { time_s: 0.05 }, mean(200.0)),
+        (Smoothing::SCurve { time_s: 0.05, jerk_time_s: 0.03 }, mean(200.0) * mean(120.0)),
+        (Smoothing::Exponential { time_constant_s: 0.02 }, lag),
+    ] {
+        let block = Block::arc([0, 1], [0.0, 0.0], 3.0, feed, 10.0).with_ramps(Ramps::AfterInterpolation);
+        let commands = metres(&travel([radius, 0.0], rate, smoothing, &[block]));
+        let [x, y] = commands[commands.len() / 2];
+        let (derived, measured) = (radius * (1.0 - gain) * 1e6, (radius - x.hypot(y)) * 1e6);
+        println!("{derived:>14.5} {measured:>14.5}  {smoothing:?}");
+        assert!((derived - measured).abs() < 1e-5);
+    }
+}

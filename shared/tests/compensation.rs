@@ -1,0 +1,311 @@
+//! What compensation promises: each undoes the effect of its name, alone or with all others; nothing jumps, and
+//! nothing goes beyond its bound, whatever is set, switched or replaced.
+//!
+//! The effects are written here from their definitions, in f64.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::f64::consts::TAU;
+
+use proptest::prelude::*;
+use shared::compensate::settings::{Cycle, Of, Pitch, Points, Reversal, Straightness, Talk};
+use shared::compensate::{AxisCompensation, Compensation, CompensationSettings, Item};
+use shared::config::{ConfigError, Rates};
+use shared::machine::Reading;
+use shared::scalar::{Fixed, Scalar};
+use shared::units::{PER_M, Position};
+
+const RATES: Rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 1 };
+const RATE_HZ: f64 = 4000.0;
+
+fn place(m: f64) -> Position {
+    Position::from_m(m).unwrap()
+}
+
+fn points(start_m: f64, spacing_m: f64, value: impl Fn(f64) -> f64) -> Points {
+    let values = (0..64).map(|k| value(start_m + spacing_m * f64::from(k))).collect();
+    Points { start_m, spacing_m, values }
+}
+
+struct Bench<S: Scalar> {
+    all: Compensation<S, 2>,
+    /// What was added last: to the commands (m), the readings (m), the forces (N).
+    added: [[f64; 2]; 3],
+}
+
+impl<S: Scalar> Bench<S> {
+    fn new(settings: [&CompensationSettings; 2]) -> Self {
+        let mut all = Compensation::none([place(0.0); 2]);
+        for (axis, settings) in settings.into_iter().enumerate() {
+            all.replace(axis, AxisCompensation::new(settings, RATES, 2).unwrap());
+        }
+        Self { all, added: [[0.0; 2]; 3] }
+    }
+
+    fn tick(&mut self, command_m: [f64; 2], motor_m: [f64; 2]) {
+        let raw = motor_m.map(|m| Reading { motor: place(m), table: None });
+        let readings = self.all.readings(&raw);
+        let commands = self.all.commands(&command_m.map(place));
+        let forces = self.all.forces(&readings);
+        for axis in 0..2 {
+            self.added[0][axis] = commands[axis] as f64 / PER_M;
+            self.added[1][axis] = readings[axis].motor.beyond(raw[axis].motor) as f64 / PER_M;
+            self.added[2][axis] = forces[axis].value();
+        }
+    }
+
+    /// Comes to a place in a straight line, and stands there until every rate has been gone through.
+    fn settle(&mut self, from: [f64; 2], to: [f64; 2]) {
+        for k in 0..=4000 {
+            let part = (f64::from(k) / 2000.0).min(1.0);
+            let at = [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * part);
+            self.tick(at, at);
+        }
+    }
+}
+
+/// One item on the first axis alone, and what it has to add there: to the command, the reading or the force, at
+/// x, y, having come from −.
+fn items() -> Vec<(Item, CompensationSettings, usize, fn(f64, f64) -> f64)> {
+    let none = CompensationSettings::default;
+    let slope = || points(-0.3, 0.01, |x| 30e-6 * x);
+    vec![
+        // table = motor + 30 µm/m·motor: the command goes back by that.
+        (
+            Item::Pitch,
+            CompensationSettings {
+                pitch: Some(Pitch { of: Of::Screw, forward: slope(), backward: None }),
+                ..none()
+            },
+            0,
+            |x, _| -30e-6 * x,
+        ),
+        // The table lags half the width behind: the command goes ahead.
+        (Item::Backlash, CompensationSettings { backlash_width_m: Some(8e-6), ..none() }, 0, |_, _| 4e-6),
+        // The resolver reads 2 µm·sin(…) too much.
+        (
+            Item::Dividing,
+            CompensationSettings { dividing: Some(Cycle::harmonic(2e-6, 2.5e-3, 0.4)), ..none() },
+            1,
+            |x, _| -2e-6 * (TAU * x / 2.5e-3 + 0.4).sin(),
+        ),
+        // tool x = … + 40 µm/m·y.
+        (Item::Squareness, CompensationSettings { squareness: Some((1, 40e-6)), ..none() }, 0, |_, y| {
+            -40e-6 * y
+        }),
+        // tool x = … + 50 µm/m²·y².
+        (
+            Item::Straightness,
+            CompensationSettings { straightness: Some((1, Straightness::Quadratic(50e-6))), ..none() },
+            0,
+            |_, y| -50e-6 * y * y,
+        ),
+        // The motor is pushed by 6 N·sin(…): the force takes that back.
+        (
+            Item::Ripple,
+            CompensationSettings { ripple: Some(Cycle::harmonic(6.0, 5e-3, 0.2)), ..none() },
+            2,
+            |x, _| -6.0 * (TAU * x / 5e-3 + 0.2).sin(),
+        ),
+    ]
+}
+
+/// nm or 1e-3 N that the number format and the chords of a cycle, (2π/64)²/8 = 1.2e-3 of its amplitude, may leave.
+fn undoes<S: Scalar>(to: [f64; 2]) {
+    for (item, settings, channel, expected) in items() {
+        let mut bench = Bench::<S>::new([&settings, &CompensationSettings::default()]);
+        bench.settle([to[0] - 0.02, to[1] - 0.02], to);
+        let (added, exact) = (bench.added[channel][0], expected(to[0], to[1]));
+        let tolerance = if channel == 2 { 10e-3 } else { 4e-9 };
+        assert!((added - exact).abs() < tolerance, "{} {item:?}: {added:e}, expected {exact:e}", S::NAME);
+        // Switched off it adds nothing; on again, the same.
+        bench.all.switch(0, item, false);
+        bench.settle(to, to);
+        assert!(bench.added[channel][0].abs() < 1e-12, "{item:?} off: {:e}", bench.added[channel][0]);
+        bench.all.switch(0, item, true);
+        bench.settle(to, to);
+        assert!((bench.added[channel][0] - added).abs() < 1e-12, "{item:?} on again");
+    }
+}
+
+/// In-talk and cross-talk on a circle of 2 mm at 8 Hz: −c·a, of the own or of the other axis's acceleration. One
+/// tick of the acceleration's delay is ω/rate of it: 1.3 %; the coefficient in steps of 2⁻¹⁴ of 0.4.
+fn undoes_talk<S: Scalar>(cross: bool) {
+    let (c, omega, radius) = (1.2e-6, TAU * 8.0, 2e-3);
+    let settings = if cross {
+        CompensationSettings { crosstalk: Some((1, Talk::Constant(c))), ..CompensationSettings::default() }
+    } else {
+        CompensationSettings { intalk: Some(Talk::Constant(c)), ..CompensationSettings::default() }
+    };
+    let mut bench = Bench::<S>::new([&settings, &CompensationSettings::default()]);
+    let mut worst = 0.0f64;
+    for k in 0..8000 {
+        let angle = omega * f64::from(k) / RATE_HZ;
+        let at = [radius * angle.cos(), radius * angle.sin()];
+        bench.tick(at, at);
+        let acceleration = -omega * omega * if cross { at[1] } else { at[0] };
+        if k > 4000 {
+            worst = worst.max((bench.added[0][0] + c * acceleration).abs());
+        }
+    }
+    let amplitude = c * omega * omega * radius;
+    assert!(worst < 0.016 * amplitude, "{}: {worst:e} of {amplitude:e}", S::NAME);
+    assert!(worst > 0.001 * amplitude, "no delay at all?");
+}
+
+#[test]
+fn talk_is_undone() {
+    for cross in [false, true] {
+        undoes_talk::<Fixed>(cross);
+        undoes_talk::<f32>(cross);
+        undoes_talk::<f64>(cross);
+    }
+}
+
+/// A screw that errs otherwise on the way back gets the other table; a scale that reads too much gets it added.
+#[test]
+fn pitch_knows_direction_and_scale() {
+    let table = |value: f64| points(-0.3, 0.01, move |_| value);
+    let both = |of| CompensationSettings {
+        pitch: Some(Pitch { of, forward: table(2e-6), backward: Some(table(5e-6)) }),
+        ..CompensationSettings::default()
+    };
+    for (of, sign) in [(Of::Screw, -1.0), (Of::Scale, 1.0)] {
+        let mut bench = Bench::<Fixed>::new([&both(of), &CompensationSettings::default()]);
+        for (from, to, value) in [(0.0, 0.05, 2e-6), (0.05, 0.02, 5e-6), (0.02, 0.03, 2e-6)] {
+            bench.settle([from, 0.0], [to, 0.0]);
+            assert!((bench.added[0][0] - sign * value).abs() < 1e-10, "{of:?}: {:e}", bench.added[0][0]);
+        }
+    }
+}
+
+/// Settings of everything, of any size that is accepted.
+fn everything() -> impl Strategy<Value = CompensationSettings> {
+    let sizes = (0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64, any::<[bool; 9]>(), 1e-3..0.1f64, 1e3..1e6f64);
+    sizes.prop_map(|(a, b, c, has, position_rate_m_per_s, force_rate_n_per_s)| CompensationSettings {
+        pitch: has[0].then(|| Pitch {
+            of: Of::Screw,
+            forward: points(-0.3, 0.01, |x| 20e-6 * a * (40.0 * x).sin()),
+            backward: Some(points(-0.3, 0.01, |x| 20e-6 * b * (70.0 * x).cos())),
+        }),
+        backlash_width_m: has[1].then_some(30e-6 * a),
+        dividing: has[2].then(|| Cycle::harmonic(20e-6 * b, 2.5e-3, a)),
+        reversal: has[3].then_some(Reversal {
+            force_n: 100.0 * a,
+            decay_s: 0.05 * b + 1e-3,
+            fade_m_per_s: c + 0.01,
+        }),
+        intalk: has[4].then(|| Talk::Over(points(-0.3, 0.01, |x| 1e-5 * (a - x)))),
+        crosstalk: has[5].then_some((1, Talk::Constant(-2e-5 * b))),
+        squareness: has[6].then_some((1, 1e-3 * c)),
+        straightness: has[7].then_some((1, Straightness::Quadratic(1e-3 * a))),
+        ripple: has[8].then(|| Cycle::harmonic(100.0 * c, 1e-3, b)),
+        position_bound_m: 20e-6,
+        position_rate_m_per_s,
+        force_bound_n: 100.0,
+        force_rate_n_per_s,
+    })
+}
+
+/// Random lines, and now and then a switch or other settings.
+fn never_jumps<S: Scalar>(one: &CompensationSettings, other: &CompensationSettings, way: &[([f64; 2], u8)]) {
+    let mut bench = Bench::<S>::new([one, other]);
+    let mut at = [0.0; 2];
+    // A signal's step: 62 pm, 61 µN; f32 and f64 round otherwise, and less.
+    let (step_m, step_n) = (0.2e-9, 2e-4);
+    for &(to, what) in way {
+        let from = at;
+        match what {
+            0..=8 => bench.all.switch(0, Item::ALL[usize::from(what)], what % 2 == 0),
+            9 => bench.all.replace(0, AxisCompensation::new(other, RATES, 2).unwrap()),
+            10 => bench.all.replace(0, AxisCompensation::new(one, RATES, 2).unwrap()),
+            _ => Item::ALL.into_iter().for_each(|item| bench.all.switch(0, item, true)),
+        }
+        for k in 1..=200 {
+            let part = f64::from(k) / 200.0;
+            at = [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * part);
+            let before = bench.added;
+            bench.tick(at, at);
+            let rate = one.position_rate_m_per_s.max(other.position_rate_m_per_s) / RATE_HZ + step_m;
+            let rise = one.force_rate_n_per_s.max(other.force_rate_n_per_s) / RATE_HZ + step_n;
+            for axis in 0..2 {
+                for (channel, (bound, most)) in
+                    [(20e-6 + step_m, rate), (20e-6 + step_m, rate), (100.0 + step_n, rise)]
+                        .into_iter()
+                        .enumerate()
+                {
+                    let (value, change) =
+                        (bench.added[channel][axis], bench.added[channel][axis] - before[channel][axis]);
+                    assert!(value.abs() <= bound, "{}: channel {channel}: {value:e} of {bound:e}", S::NAME);
+                    assert!(change.abs() <= most, "{}: channel {channel}: {change:e} of {most:e}", S::NAME);
+                }
+            }
+        }
+    }
+}
+
+proptest! {
+    #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 1 } else { 12 }))]
+
+    #[test]
+    fn each_undoes_its_effect_and_can_be_switched_alone(x in -0.2..0.2f64, y in -0.2..0.2f64) {
+        undoes::<Fixed>([x, y]);
+        undoes::<f32>([x, y]);
+        undoes::<f64>([x, y]);
+    }
+
+    /// Speeds of up to 4 m/s, reversals in a tick, switching and replacing meanwhile.
+    #[test]
+    fn nothing_jumps_and_nothing_is_beyond_its_bound(
+        one in everything(), other in everything(),
+        way in prop::collection::vec(([-0.1..0.1f64, -0.1..0.1], 0u8..12), 1..12),
+    ) {
+        never_jumps::<Fixed>(&one, &other, &way);
+        never_jumps::<f32>(&one, &other, &way);
+        never_jumps::<f64>(&one, &other, &way);
+    }
+}
+
+#[test]
+fn refuses_by_name() {
+    let refusal =
+        |settings: CompensationSettings| AxisCompensation::<Fixed>::new(&settings, RATES, 2).unwrap_err();
+    let none = CompensationSettings::default;
+    let named = |error| match error {
+        ConfigError::NotFinite(name)
+        | ConfigError::NotPositive(name)
+        | ConfigError::NotWhileRunning(name) => name,
+        ConfigError::OutOfRange { name, .. } => name,
+    };
+    let cases = [
+        (CompensationSettings { backlash_width_m: Some(-1e-6), ..none() }, "backlash_width_m"),
+        (CompensationSettings { backlash_width_m: Some(f64::NAN), ..none() }, "backlash_width_m"),
+        (CompensationSettings { backlash_width_m: Some(3e-3), ..none() }, "backlash_width_m"),
+        (CompensationSettings { squareness: Some((2, 1e-6)), ..none() }, "squareness"),
+        (CompensationSettings { squareness: Some((1, f64::INFINITY)), ..none() }, "squareness"),
+        (CompensationSettings { crosstalk: Some((7, Talk::Constant(0.0))), ..none() }, "crosstalk"),
+        (CompensationSettings { intalk: Some(Talk::Constant(1.0)), ..none() }, "intalk"),
+        (CompensationSettings { dividing: Some(Cycle::harmonic(2e-3, 2.5e-3, 0.0)), ..none() }, "dividing"),
+        (CompensationSettings { ripple: Some(Cycle::harmonic(1.0, 0.0, 0.0)), ..none() }, "ripple"),
+        (
+            CompensationSettings {
+                ripple: Some(Cycle { period_m: 1e-3, values: [1.0].into_iter().collect() }),
+                ..none()
+            },
+            "ripple",
+        ),
+        (
+            CompensationSettings {
+                reversal: Some(Reversal { force_n: 1.0, decay_s: 0.0, fade_m_per_s: 1.0 }),
+                ..none()
+            },
+            "reversal_decay_s",
+        ),
+        (CompensationSettings { position_bound_m: 0.0, ..none() }, "position_bound_m"),
+        (CompensationSettings { position_rate_m_per_s: f64::NAN, ..none() }, "position_rate_m_per_s"),
+        (CompensationSettings { force_bound_n: f64::INFINITY, ..none() }, "force_bound_n"),
+        (CompensationSettings { force_rate_n_per_s: -1.0, ..none() }, "force_rate_n_per_s"),
+    ];
+    for (settings, name) in cases {
+        assert_eq!(named(refusal(settings)), name);
+    }
+}
