@@ -318,8 +318,8 @@ fn watch<S: Scalar>(settings: &AxisSettings, tick: f64) -> Result<Watch<S>, Conf
             None => None,
         },
         encoder_step: match settings.fastest_m_per_s {
-            Some(m_per_s) => signal("fastest_m_per_s", m_per_s, INCREMENT_M / tick)?,
-            None => S::signal(S::SIGNAL_LIMIT),
+            Some(m_per_s) => Some(signal("fastest_m_per_s", m_per_s, INCREMENT_M / tick)?),
+            None => None,
         },
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
         saturated_ticks: ticks as u32,

@@ -11,8 +11,8 @@ pub struct Watch<S: Scalar> {
     pub following_error: S,
     /// Scale less motor, position units; `None`: not watched.
     pub disagreement: Option<u64>,
-    /// Motor reading, per tick, increment units.
-    pub encoder_step: S,
+    /// Motor reading, per tick, increment units; `None`: not watched.
+    pub encoder_step: Option<S>,
     /// Ticks that the force may stand at its limit.
     pub saturated_ticks: u32,
     /// Least and greatest command.
@@ -62,7 +62,7 @@ impl<S: Scalar> Watch<S> {
     /// at its limit.
     #[must_use]
     pub fn velocity(&self, state: &mut State, increment: S, saturated: bool) -> Option<Hazard> {
-        if increment.exceeds(self.encoder_step) {
+        if self.encoder_step.is_some_and(|most| increment.exceeds(most)) {
             return Some(Hazard::EncoderStep);
         }
         state.saturated_ticks = if saturated { state.saturated_ticks.saturating_add(1) } else { 0 };

@@ -63,9 +63,12 @@ impl<S: Scalar> Bench<S> {
     }
 }
 
+/// What is to be added for x and y.
+type Expected = fn(f64, f64) -> f64;
+
 /// One item on the first axis alone, and what it has to add there: to the command, the reading or the force, at
 /// x, y, having come from −.
-fn items() -> Vec<(Item, CompensationSettings, usize, fn(f64, f64) -> f64)> {
+fn items() -> Vec<(Item, CompensationSettings, usize, Expected)> {
     let none = CompensationSettings::default;
     let slope = || points(-0.3, 0.01, |x| 30e-6 * x);
     vec![
@@ -227,6 +230,7 @@ fn never_jumps<S: Scalar>(one: &CompensationSettings, other: &CompensationSettin
             bench.tick(at, at);
             let rate = one.position_rate_m_per_s.max(other.position_rate_m_per_s) / RATE_HZ + step_m;
             let rise = one.force_rate_n_per_s.max(other.force_rate_n_per_s) / RATE_HZ + step_n;
+            #[expect(clippy::needless_range_loop, reason = "of two arrays, one inside the other")]
             for axis in 0..2 {
                 for (channel, (bound, most)) in
                     [(20e-6 + step_m, rate), (20e-6 + step_m, rate), (100.0 + step_n, rise)]

@@ -11,7 +11,7 @@ use idsp::iir::coefficients::Filter;
 use idsp::iir::{Biquad, BiquadClamp, DirectForm1};
 use shared::axis::Reading;
 use shared::config::{AxisConfig, AxisSettings, Law, Rates, Sensors};
-use shared::control::{feedforward, position, velocity};
+use shared::control::{feedforward, filter, position, velocity};
 use shared::feedback::dual;
 use shared::scalar::{Fixed, Scalar};
 use shared::units::{PER_NM, Position};
@@ -78,6 +78,10 @@ fn ours<S: Scalar>(compared: &mut Compared) {
     });
     steps(compared, &name("HPC"), &biquad, &errors, position::State::default(), |state, error| {
         hpc.position.velocity(state, error)
+    });
+    let low_pass = filter::Filter::<S>::low_pass(0.14, 1.4);
+    steps(compared, &name("low-pass"), &biquad, &errors, filter::State::default(), |state, error| {
+        low_pass.step(state, error)
     });
     steps(compared, &name("PI"), &pi, &places, velocity::State::at(Position(0)), |state, motor| {
         p.velocity.force(state, S::default(), motor)
