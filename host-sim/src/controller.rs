@@ -72,6 +72,17 @@ pub enum PathShape {
         /// Signed turns.
         turns: f64,
     },
+    /// Round a centre to a point on the circle.
+    ArcTo {
+        /// Numbers of the two axes.
+        plane: [u8; 2],
+        /// Centre in those axes.
+        centre_m: [f64; 2],
+        /// End point in those axes.
+        to_m: [f64; 2],
+        /// From the first axis towards the second.
+        positive: bool,
+    },
 }
 
 impl PathBlock {
@@ -96,6 +107,9 @@ impl PathBlock {
             PathShape::Line { to_m } => Shape::Line { to_m: to_m.as_slice().try_into().ok()? },
             PathShape::Arc { plane, centre_m, turns } => {
                 Shape::Arc { plane: *plane, centre_m: *centre_m, turns: *turns }
+            }
+            PathShape::ArcTo { plane, centre_m, to_m, positive } => {
+                Shape::ArcTo { plane: *plane, centre_m: *centre_m, to_m: *to_m, positive: *positive }
             }
         };
         Some(Block {

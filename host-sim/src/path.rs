@@ -1,9 +1,11 @@
 //! A motion file made into the blocks of a machine: names become axis numbers, mm become m.
 
+use shared::interpolate::Joint;
+
 use crate::controller::{PathBlock, PathShape};
 use crate::error::InputError;
 use crate::machine::Machine;
-use crate::motion::{Block, Motion};
+use crate::motion::{Block, Direction, Motion, Pace, Sweep};
 
 /// Where a machine starts, and what it does.
 #[derive(Clone, Debug, PartialEq)]
@@ -32,17 +34,36 @@ pub fn of(motion: &Motion, machine: &Machine, source: &str) -> Result<MachinePat
     };
     let block = |block: &Block| match block {
         Block::Dwell { seconds } => PathBlock::dwell(*seconds),
-        Block::Line { to_mm, feed_mm_per_min, acceleration_m_per_s2 } => {
-            let shape = PathShape::Line { to_m: metres(to_mm) };
-            PathBlock::new(shape, feed_mm_per_min / 60e3, *acceleration_m_per_s2)
-        }
-        Block::Arc { plane, centre_mm, turns, feed_mm_per_min, acceleration_m_per_s2 } => {
+        Block::Line { to_mm, pace } => travelled(PathShape::Line { to_m: metres(to_mm) }, pace),
+        Block::Arc { plane, centre_mm, sweep, pace } => {
             let plane = plane.each_ref().map(|name| number(machine, name));
-            let shape = PathShape::Arc { plane, centre_m: centre_mm.map(|mm| 1e-3 * mm), turns: *turns };
-            PathBlock::new(shape, feed_mm_per_min / 60e3, *acceleration_m_per_s2)
+            let centre_m = centre_mm.map(|mm| 1e-3 * mm);
+            let shape = match *sweep {
+                Sweep::Turns(turns) => PathShape::Arc { plane, centre_m, turns },
+                Sweep::To { to_mm, direction } => PathShape::ArcTo {
+                    plane,
+                    centre_m,
+                    to_m: to_mm.map(|mm| 1e-3 * mm),
+                    positive: direction == Direction::Positive,
+                },
+            };
+            travelled(shape, pace)
         }
     };
     Ok(MachinePath { start_m: metres(&motion.start_mm), blocks: motion.blocks.iter().map(block).collect() })
+}
+
+fn travelled(shape: PathShape, pace: &Pace) -> PathBlock {
+    PathBlock {
+        shape,
+        feed_m_per_s: pace.feed_mm_per_min / 60e3,
+        acceleration_m_per_s2: pace.acceleration_m_per_s2,
+        ramps: pace.ramps,
+        joint: match pace.joint_tolerance_um {
+            0.0 => Joint::Stop,
+            um => Joint::Within { tolerance_m: 1e-6 * um },
+        },
+    }
 }
 
 /// Number of an axis that the motion's start names, and so the machine has.

@@ -1,6 +1,7 @@
 //! The machine file's controller keys as settings of `shared`.
 
-use shared::config::{AxisSettings, Law, Rates, Sensors};
+use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
+use shared::interpolate::Smoothing;
 
 use crate::machine::{Axis, Controller, Feedback, Machine};
 use crate::plant::parameters::ServoParameters;
@@ -27,6 +28,7 @@ pub fn settings(axis: &Axis, effects: &ServoParameters) -> Result<AxisSettings, 
             time_constant_s: axis.dual_feedback_time_constant_s.ok_or("dual_feedback_time_constant_s")?,
         },
     };
+    let defaults = AxisSettings::default();
     let factor = effects.mismatch.factor();
     Ok(AxisSettings {
         law,
@@ -38,9 +40,46 @@ pub fn settings(axis: &Axis, effects: &ServoParameters) -> Result<AxisSettings, 
         velocity_lag_s: 1e-3 * effects.lag.ms,
         force_limit_n: axis.force_limit_n.unwrap_or(UNLIMITED_N),
         sensors,
+        smoothing: smoothing(axis),
+        notch: notch(axis),
+        low_pass: low_pass(axis),
         following_error_limit_m: FOLLOWING_ERROR_LIMIT_M,
-        ..AxisSettings::default()
+        scale_disagreement_limit_m: axis.scale_disagreement_limit_mm.map(|mm| 1e-3 * mm),
+        fastest_m_per_s: axis.fastest_mm_per_s.map(|mm_per_s| 1e-3 * mm_per_s),
+        saturation_time_s: axis.saturation_time_s.unwrap_or(defaults.saturation_time_s),
+        travel_m: axis.travel_mm.map(|ends| ends.map(|mm| 1e-3 * mm)),
+        stop_deceleration_m_per_s2: axis
+            .stop_deceleration_m_per_s2
+            .unwrap_or(defaults.stop_deceleration_m_per_s2),
+        ..defaults
     })
+}
+
+/// The filter behind the path.
+#[must_use]
+pub fn smoothing(axis: &Axis) -> Smoothing {
+    match (axis.smoothing_s, axis.smoothing_jerk_s, axis.smoothing_time_constant_s) {
+        (_, _, Some(time_constant_s)) => Smoothing::Exponential { time_constant_s },
+        (Some(time_s), Some(jerk_time_s), None) => Smoothing::SCurve { time_s, jerk_time_s },
+        (Some(time_s), None, None) => Smoothing::Trapezoid { time_s },
+        (None, _, None) => Smoothing::None,
+    }
+}
+
+/// The notch on the force, if all of it is declared.
+#[must_use]
+pub fn notch(axis: &Axis) -> Option<Notch> {
+    Some(Notch {
+        frequency_hz: axis.notch_frequency_hz?,
+        width_hz: axis.notch_width_hz?,
+        depth: axis.notch_depth?,
+    })
+}
+
+/// The low-pass on the force, if all of it is declared.
+#[must_use]
+pub fn low_pass(axis: &Axis) -> Option<LowPass> {
+    Some(LowPass { frequency_hz: axis.low_pass_frequency_hz?, damping_ratio: axis.low_pass_damping_ratio? })
 }
 
 /// Loop rates of a machine file.

@@ -41,7 +41,7 @@ fn run(machine: &Machine, motion: &Path) -> (Log, f64) {
     let mut controller = controller(machine, Format::Fixed, &path.start_m).unwrap();
     let feed = |block: &Block| match block {
         Block::Dwell { .. } => 0.0,
-        Block::Line { feed_mm_per_min, .. } | Block::Arc { feed_mm_per_min, .. } => feed_mm_per_min / 60.0,
+        Block::Line { pace, .. } | Block::Arc { pace, .. } => pace.feed_mm_per_min / 60.0,
     };
     let greatest_feed = motion.blocks.iter().map(feed).fold(0.0, f64::max);
     (run.log(controller.as_mut(), |_, _, _| {}).unwrap(), greatest_feed)

@@ -55,7 +55,15 @@ impl Given<'_> {
         let key = match (*name, self.machine.axis.get_index(axis)) {
             ("velocity_loop_hz", _) | (_, None) => "velocity_loop_rate_hz".to_owned(),
             ("velocity_lag_s", Some((axis, _))) => format!("axis.{axis}.effect"),
+            // Lengths stand in the file in mm.
+            ("fastest_m_per_s", Some((axis, _))) => format!("axis.{axis}.fastest_mm_per_s"),
             (name, Some((axis, _))) => format!("axis.{axis}.{name}"),
+        };
+        let error = match *error {
+            ConfigError::OutOfRange { name, least, most } if name == "fastest_m_per_s" => {
+                ConfigError::OutOfRange { name, least: 1e3 * least, most: 1e3 * most }
+            }
+            error => error,
         };
         let text = error.to_string();
         let problem = text.strip_prefix(&format!("{name}: ")).unwrap_or(&text);

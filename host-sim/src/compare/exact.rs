@@ -38,7 +38,9 @@ impl Exact {
         match &block.shape {
             PathShape::Dwell { .. } => Self::Stand(start),
             PathShape::Line { to_m } => Self::Line(start, point(to_m)),
-            PathShape::Arc { centre_m, .. } => Self::Circle { start, centre: point(centre_m) },
+            PathShape::Arc { centre_m, .. } | PathShape::ArcTo { centre_m, .. } => {
+                Self::Circle { start, centre: point(centre_m) }
+            }
         }
     }
 

@@ -61,16 +61,9 @@ impl Way {
                 let direction = way.map(|part| (part / length(way)) as f32);
                 Shape::Line { start: start.map(metres), direction }
             }
-            PathShape::Arc { centre_m, turns, .. } => {
-                let [x, y] = [from[0] - centre_m[0], from[1] - centre_m[1]];
-                let radius = length([x, y]);
-                Shape::Circle {
-                    centre: centre_m.map(|m| m as f32),
-                    radius: radius as f32,
-                    angle: y.atan2(x) as f32,
-                    sense: turns.signum() as f32,
-                    circumference: (std::f64::consts::TAU * radius) as f32,
-                }
+            PathShape::Arc { centre_m, turns, .. } => circle(from, *centre_m, turns.signum()),
+            PathShape::ArcTo { centre_m, positive, .. } => {
+                circle(from, *centre_m, if *positive { 1.0 } else { -1.0 })
             }
         };
         Self { shape, distance: 0.0, turns: 0 }
@@ -120,6 +113,20 @@ impl Way {
                 [centre[0] + radius * cosine, centre[1] + radius * sine]
             }
         }
+    }
+}
+
+/// The circle about a centre through a point, m.
+#[expect(clippy::cast_possible_truncation, reason = "planned in f64, kept in f32")]
+fn circle(from: [f64; AXES], centre: [f64; AXES], sense: f64) -> Shape {
+    let [x, y] = [from[0] - centre[0], from[1] - centre[1]];
+    let radius = length([x, y]);
+    Shape::Circle {
+        centre: centre.map(|m| m as f32),
+        radius: radius as f32,
+        angle: y.atan2(x) as f32,
+        sense: sense as f32,
+        circumference: (std::f64::consts::TAU * radius) as f32,
     }
 }
 

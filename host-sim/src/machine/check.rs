@@ -1,6 +1,10 @@
 //! What a machine file has to fulfil beyond having the right keys of the right types.
 
+mod loops;
+
 use super::{AXIS_NAME, Axis, Feedback, Machine, is_axis_name};
+use shared::units::TRAVEL_LIMIT_M;
+
 use crate::document::Document;
 use crate::effects::{Effect, NAMES};
 use crate::error::InputError;
@@ -55,6 +59,9 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         let context = Context { key: &key, axis, document };
         context.ranges()?;
         context.controller()?;
+        context.smoothing(machine.sample_rate_hz)?;
+        context.filters(machine.velocity_rate_hz())?;
+        context.travel()?;
         context.mechanics()?;
         for (index, effect) in axis.effect.iter().enumerate() {
             parameters(effect, &format!("{key}.effect[{index}]"), document)?;
@@ -105,6 +112,18 @@ impl Context<'_> {
             ("velocity_gain_n_s_per_m", a.velocity_gain_n_s_per_m, Positive),
             ("velocity_integral_time_s", a.velocity_integral_time_s, Positive),
             ("force_limit_n", a.force_limit_n, Positive),
+            ("smoothing_s", a.smoothing_s, Positive),
+            ("smoothing_jerk_s", a.smoothing_jerk_s, Positive),
+            ("smoothing_time_constant_s", a.smoothing_time_constant_s, Positive),
+            ("notch_frequency_hz", a.notch_frequency_hz, Positive),
+            ("notch_width_hz", a.notch_width_hz, Positive),
+            ("notch_depth", a.notch_depth, UpTo(1.0)),
+            ("low_pass_frequency_hz", a.low_pass_frequency_hz, Positive),
+            ("low_pass_damping_ratio", a.low_pass_damping_ratio, Positive),
+            ("stop_deceleration_m_per_s2", a.stop_deceleration_m_per_s2, Positive),
+            ("saturation_time_s", a.saturation_time_s, Positive),
+            ("scale_disagreement_limit_mm", a.scale_disagreement_limit_mm, UpTo(1e3 * TRAVEL_LIMIT_M)),
+            ("fastest_mm_per_s", a.fastest_mm_per_s, Positive),
             ("motor_mass_kg", a.motor_mass_kg, NotNegative),
             ("table_mass_kg", a.table_mass_kg, NotNegative),
             ("stiffness_n_per_um", a.stiffness_n_per_um, Positive),
@@ -139,6 +158,19 @@ impl Context<'_> {
             ("feedforward_percent", axis.feedforward_percent.is_some()),
             ("velocity_integral_time_s", axis.velocity_integral_time_s.is_some()),
             ("force_limit_n", axis.force_limit_n.is_some()),
+            ("smoothing_s", axis.smoothing_s.is_some()),
+            ("smoothing_jerk_s", axis.smoothing_jerk_s.is_some()),
+            ("smoothing_time_constant_s", axis.smoothing_time_constant_s.is_some()),
+            ("notch_frequency_hz", axis.notch_frequency_hz.is_some()),
+            ("notch_width_hz", axis.notch_width_hz.is_some()),
+            ("notch_depth", axis.notch_depth.is_some()),
+            ("low_pass_frequency_hz", axis.low_pass_frequency_hz.is_some()),
+            ("low_pass_damping_ratio", axis.low_pass_damping_ratio.is_some()),
+            ("travel_mm", axis.travel_mm.is_some()),
+            ("stop_deceleration_m_per_s2", axis.stop_deceleration_m_per_s2.is_some()),
+            ("saturation_time_s", axis.saturation_time_s.is_some()),
+            ("scale_disagreement_limit_mm", axis.scale_disagreement_limit_mm.is_some()),
+            ("fastest_mm_per_s", axis.fastest_mm_per_s.is_some()),
         ];
         let present = needed.iter().chain(&optional).find(|(_, present)| *present);
         let missing = needed.iter().find(|(_, present)| !present);

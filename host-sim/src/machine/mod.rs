@@ -74,6 +74,45 @@ pub struct Axis {
     /// Largest force of the drive; absent: not limited.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub force_limit_n: Option<f64>,
+    /// Window of the mean behind the path; absent: the command is the path.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smoothing_s: Option<f64>,
+    /// Second, shorter window: it makes an S-curve of the ramp.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smoothing_jerk_s: Option<f64>,
+    /// Of an exponential lag behind the path, instead of the two before.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub smoothing_time_constant_s: Option<f64>,
+    /// Middle of a notch on the force; absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub notch_frequency_hz: Option<f64>,
+    /// From −3 dB to −3 dB of a full notch.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub notch_width_hz: Option<f64>,
+    /// Share that the notch takes out of its middle.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub notch_depth: Option<f64>,
+    /// Of a second-order low-pass on the force; absent: none.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low_pass_frequency_hz: Option<f64>,
+    /// ζ of that low-pass.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub low_pass_damping_ratio: Option<f64>,
+    /// Least and greatest command: beyond them the path stops; absent: not watched.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub travel_mm: Option<[f64; 2]>,
+    /// Of a stop along the path; absent: 2 m/s².
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub stop_deceleration_m_per_s2: Option<f64>,
+    /// How long the force may stand at its limit before the path stops; absent: 1 s.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub saturation_time_s: Option<f64>,
+    /// Between motor and table before the drives go off; absent: not watched.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub scale_disagreement_limit_mm: Option<f64>,
+    /// Fastest that the motor can be: a reading that has moved further puts the drives off; absent: not watched.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub fastest_mm_per_s: Option<f64>,
     /// Motor and screw, reflected to the table.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motor_mass_kg: Option<f64>,

@@ -1,10 +1,13 @@
 //! The motion file: where the axes stand at the beginning, and what they do then, block by block.
 
-use std::f64::consts::TAU;
+mod arc;
+mod pace;
+
 use std::path::Path;
 
 use indexmap::IndexMap;
 use serde::Deserialize;
+use shared::interpolate::Ramps;
 
 use crate::document::{Document, read_text};
 use crate::error::InputError;
@@ -28,7 +31,7 @@ pub struct Motion {
     pub blocks: Vec<Block>,
 }
 
-/// One block. Its feed is along the path.
+/// One block.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Block {
     /// Standstill.
@@ -40,10 +43,8 @@ pub enum Block {
     Line {
         /// Target of every axis, also of those that stay.
         to_mm: IndexMap<String, f64>,
-        /// Path speed.
-        feed_mm_per_min: f64,
-        /// Path acceleration.
-        acceleration_m_per_s2: f64,
+        /// How fast.
+        pace: Pace,
     },
     /// An arc of two axes about a centre, starting where they stand.
     Arc {
@@ -51,13 +52,48 @@ pub enum Block {
         plane: [String; 2],
         /// Centre, in the order of the plane.
         centre_mm: [f64; 2],
-        /// How far round; + is counter-clockwise.
-        turns: f64,
-        /// Path speed.
-        feed_mm_per_min: f64,
-        /// Path acceleration.
-        acceleration_m_per_s2: f64,
+        /// How far round.
+        sweep: Sweep,
+        /// How fast.
+        pace: Pace,
     },
+}
+
+/// How far round an arc leads. Positive is counter-clockwise.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Sweep {
+    /// By signed turns.
+    Turns(f64),
+    /// To a point on the circle.
+    To {
+        /// In the order of the plane.
+        to_mm: [f64; 2],
+        /// Which way.
+        direction: Direction,
+    },
+}
+
+/// Sense of an arc.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Direction {
+    /// From the plane's first axis towards its second.
+    Positive,
+    /// The other way.
+    Negative,
+}
+
+/// How a line or an arc is travelled.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Pace {
+    /// Path speed.
+    pub feed_mm_per_min: f64,
+    /// Path acceleration.
+    pub acceleration_m_per_s2: f64,
+    /// How the speed rises and falls.
+    pub ramps: Ramps,
+    /// Greatest distance from the corner behind the block; 0: exact stop.
+    pub joint_tolerance_um: f64,
 }
 
 #[derive(Deserialize)]
@@ -66,6 +102,9 @@ struct RawMotion {
     name: String,
     feed_mm_per_min: f64,
     acceleration_m_per_s2: f64,
+    ramps: Option<pace::Kind>,
+    jerk_m_per_s3: Option<f64>,
+    joint_tolerance_um: Option<f64>,
     start_mm: IndexMap<String, f64>,
     #[serde(default)]
     block: Vec<RawBlock>,
@@ -79,6 +118,9 @@ struct RawBlock {
     arc: Option<RawArc>,
     feed_mm_per_min: Option<f64>,
     acceleration_m_per_s2: Option<f64>,
+    ramps: Option<pace::Kind>,
+    jerk_m_per_s3: Option<f64>,
+    joint_tolerance_um: Option<f64>,
 }
 
 #[derive(Deserialize)]
@@ -86,7 +128,9 @@ struct RawBlock {
 struct RawArc {
     plane: [String; 2],
     centre_mm: IndexMap<String, f64>,
-    turns: f64,
+    turns: Option<f64>,
+    to_mm: Option<IndexMap<String, f64>>,
+    direction: Option<Direction>,
 }
 
 impl Motion {
@@ -106,6 +150,7 @@ impl Motion {
         let document = Document::parse(text, source)?;
         let raw: RawMotion = document.deserialize()?;
         let mut run = Run::begin(&raw, &document)?;
+        run.pace.jerk_is_used(&raw.block, &document)?;
         let mut blocks = Vec::with_capacity(raw.block.len());
         for (index, block) in raw.block.into_iter().enumerate() {
             blocks.push(run.block(block, &format!("block[{index}]"))?);
@@ -120,8 +165,7 @@ impl Motion {
 /// The motion up to some block.
 struct Run<'a> {
     document: &'a Document<'a>,
-    feed_mm_per_min: f64,
-    acceleration_m_per_s2: f64,
+    pace: pace::Defaults,
     start_mm: IndexMap<String, f64>,
     position_mm: IndexMap<String, f64>,
     /// At least; acceleration comes on top.
@@ -142,11 +186,9 @@ impl<'a> Run<'a> {
         if start_mm.is_empty() {
             return Err(document.refuse("start_mm", "at least one axis"));
         }
-        let positive = |key, value| positive(value, key, document);
         Ok(Self {
             document,
-            feed_mm_per_min: positive("feed_mm_per_min", raw.feed_mm_per_min)?,
-            acceleration_m_per_s2: positive("acceleration_m_per_s2", raw.acceleration_m_per_s2)?,
+            pace: pace::Defaults::of(raw, document)?,
             position_mm: start_mm.clone(),
             start_mm,
             duration_s: 0.0,
@@ -154,23 +196,19 @@ impl<'a> Run<'a> {
     }
 
     fn block(&mut self, raw: RawBlock, key: &str) -> Result<Block, InputError> {
-        let pace = (raw.feed_mm_per_min, raw.acceleration_m_per_s2);
+        let pace = pace::Own::of(&raw);
         match (raw.dwell_s, raw.line_to_mm, raw.arc) {
-            (Some(seconds), None, None) => self.dwell(seconds, pace, key),
-            (None, Some(to_mm), None) => self.line(&to_mm, pace, key),
-            (None, None, Some(arc)) => self.arc(arc, pace, key),
+            (Some(seconds), None, None) => self.dwell(seconds, &pace, key),
+            (None, Some(to_mm), None) => self.line(&to_mm, &pace, key),
+            (None, None, Some(arc)) => self.arc(arc, &pace, key),
             _ => Err(self.document.refuse(key, "exactly one of dwell_s, line_to_mm, arc")),
         }
     }
 
-    fn dwell(
-        &mut self,
-        seconds: f64,
-        pace: (Option<f64>, Option<f64>),
-        key: &str,
-    ) -> Result<Block, InputError> {
-        if pace != (None, None) {
-            return Err(self.document.refuse(key, "a dwell without feed or acceleration"));
+    fn dwell(&mut self, seconds: f64, pace: &pace::Own, key: &str) -> Result<Block, InputError> {
+        if *pace != pace::Own::default() {
+            let what = "a dwell without feed, acceleration, ramps, jerk or tolerance";
+            return Err(self.document.refuse(key, what));
         }
         let seconds = positive(seconds, &format!("{key}.dwell_s"), self.document)?;
         self.lasts(seconds, key)?;
@@ -180,7 +218,7 @@ impl<'a> Run<'a> {
     fn line(
         &mut self,
         named_mm: &IndexMap<String, f64>,
-        pace: (Option<f64>, Option<f64>),
+        pace: &pace::Own,
         key: &str,
     ) -> Result<Block, InputError> {
         let mut to_mm = self.position_mm.clone();
@@ -195,81 +233,27 @@ impl<'a> Run<'a> {
             let what = "a target away from where the axes stand";
             return Err(self.document.refuse(&format!("{key}.line_to_mm"), what));
         }
-        let (feed_mm_per_min, acceleration_m_per_s2) = self.pace(pace, length_mm, key)?;
+        let pace = self.pace(pace, length_mm, key)?;
         self.position_mm.clone_from(&to_mm);
-        Ok(Block::Line { to_mm, feed_mm_per_min, acceleration_m_per_s2 })
+        Ok(Block::Line { to_mm, pace })
     }
 
-    fn arc(&mut self, arc: RawArc, pace: (Option<f64>, Option<f64>), key: &str) -> Result<Block, InputError> {
-        let document = self.document;
-        let inner = |name: &str| format!("{key}.arc.{name}");
-        let centre_mm = self.centre(&arc, key)?;
-        let from_mm = [self.position_mm[&arc.plane[0]], self.position_mm[&arc.plane[1]]];
-        let radius_mm = (from_mm[0] - centre_mm[0]).hypot(from_mm[1] - centre_mm[1]);
-        if radius_mm < SHORTEST_MM {
-            let what = "a centre away from where the axes stand";
-            return Err(document.refuse(&inner("centre_mm"), what));
-        }
-        if arc.turns == 0.0 {
-            return Err(document.refuse(&inner("turns"), "a number other than 0"));
-        }
-        // The whole circle, whichever part of it the arc passes.
-        for centre_mm in centre_mm {
-            within_travel(centre_mm.abs() + radius_mm, &inner("centre_mm"), document)?;
-        }
-        let length_mm = TAU * radius_mm * arc.turns.abs();
-        let (feed_mm_per_min, acceleration_m_per_s2) = self.pace(pace, length_mm, key)?;
-        self.turn(&arc, from_mm, centre_mm);
-        let RawArc { plane, turns, .. } = arc;
-        Ok(Block::Arc { plane, centre_mm, turns, feed_mm_per_min, acceleration_m_per_s2 })
-    }
-
-    /// The centre in the order of the plane, which has to be two axes of the motion.
-    fn centre(&self, arc: &RawArc, key: &str) -> Result<[f64; 2], InputError> {
-        let refuse = |name: &str, what: &str| self.document.refuse(&format!("{key}.arc.{name}"), what);
-        let [first, second] = &arc.plane;
-        for (index, name) in arc.plane.iter().enumerate() {
-            if !self.start_mm.contains_key(name) {
-                return Err(self.unknown_axis(&format!("{key}.arc.plane[{index}]")));
-            }
-        }
-        if first == second {
-            return Err(refuse("plane[1]", "another axis than the first"));
-        }
-        if let Some(name) = arc.centre_mm.keys().find(|name| !arc.plane.contains(name)) {
-            let what = format!("only the axes of the plane ({first}, {second})");
-            return Err(refuse(&format!("centre_mm.{name}"), &what));
-        }
-        let coordinate = |name: &String| {
-            let given = arc.centre_mm.get(name).copied();
-            given.ok_or_else(|| refuse(&format!("centre_mm.{name}"), "this key"))
-        };
-        Ok([coordinate(first)?, coordinate(second)?])
-    }
-
-    /// Moves the running position to the end of an arc; after whole turns that is where it began.
-    fn turn(&mut self, arc: &RawArc, from_mm: [f64; 2], centre_mm: [f64; 2]) {
-        let (sin, cos) = (TAU * arc.turns.fract()).sin_cos();
-        let (x, y) = (from_mm[0] - centre_mm[0], from_mm[1] - centre_mm[1]);
-        let end_mm = [centre_mm[0] + x * cos - y * sin, centre_mm[1] + x * sin + y * cos];
-        for (name, end_mm) in arc.plane.iter().zip(end_mm) {
+    fn arc(&mut self, arc: RawArc, pace: &pace::Own, key: &str) -> Result<Block, InputError> {
+        let names = self.start_mm.keys().map(String::as_str).collect::<Vec<_>>();
+        let from_mm = |name: &String| self.position_mm.get(name).copied();
+        let planned = arc::Planned::of(&arc, from_mm, &names, &format!("{key}.arc"), self.document)?;
+        let pace = self.pace(pace, planned.length_mm, key)?;
+        for (name, end_mm) in arc.plane.iter().zip(planned.end_mm) {
             self.position_mm[name] = end_mm;
         }
+        Ok(Block::Arc { plane: arc.plane, centre_mm: planned.centre_mm, sweep: planned.sweep, pace })
     }
 
-    /// Feed and acceleration of a block: its own, or those of the file.
-    fn pace(
-        &mut self,
-        (feed, acceleration): (Option<f64>, Option<f64>),
-        length_mm: f64,
-        key: &str,
-    ) -> Result<(f64, f64), InputError> {
-        let own = |name: &str, value| positive(value, &format!("{key}.{name}"), self.document);
-        let feed = own("feed_mm_per_min", feed.unwrap_or(self.feed_mm_per_min))?;
-        let acceleration = acceleration.unwrap_or(self.acceleration_m_per_s2);
-        let acceleration = own("acceleration_m_per_s2", acceleration)?;
-        self.lasts(60.0 * length_mm / feed, key)?;
-        Ok((feed, acceleration))
+    /// How a block of that length is travelled; it counts as having been.
+    fn pace(&mut self, own: &pace::Own, length_mm: f64, key: &str) -> Result<Pace, InputError> {
+        let pace = self.pace.with(own, key, self.document)?;
+        self.lasts(60.0 * length_mm / pace.feed_mm_per_min, key)?;
+        Ok(pace)
     }
 
     fn lasts(&mut self, seconds: f64, key: &str) -> Result<(), InputError> {
@@ -283,8 +267,12 @@ impl<'a> Run<'a> {
 
     fn unknown_axis(&self, key: &str) -> InputError {
         let names: Vec<&str> = self.start_mm.keys().map(String::as_str).collect();
-        self.document.refuse(key, &format!("an axis that start_mm names ({})", names.join(", ")))
+        unknown_axis(&names, key, self.document)
     }
+}
+
+fn unknown_axis(names: &[&str], key: &str, document: &Document<'_>) -> InputError {
+    document.refuse(key, &format!("an axis that start_mm names ({})", names.join(", ")))
 }
 
 fn positive(value: f64, key: &str, document: &Document<'_>) -> Result<f64, InputError> {

@@ -223,6 +223,12 @@ fn machines_that_cannot_be_controlled() {
             huge,
             &["machine.toml: axis.x.position_gain_per_s: expected a number from 0", "in this number format"],
         ),
+        bad(
+            SIMULATE,
+            "machine.toml",
+            with(MACHINE, "lead_mm = 10.0", "lead_mm = 10.0\nfastest_mm_per_s = 1e12"),
+            &["machine.toml: axis.x.fastest_mm_per_s: expected a number from 0", "in this number format"],
+        ),
     ]);
 }
 
@@ -258,6 +264,21 @@ fn motions() {
             "centre_mm = { x = 0.0, y = 0.0 }",
             "centre_mm = { x = 10.0001, y = 0.0 }",
             &["motion.toml: block[2]: expected a block that the controller can run: the arc's radius"],
+        ),
+        of(
+            "turns = 0.25",
+            "to_mm = { x = 10.0, y = 0.0 }, direction = \"positive\"",
+            &["motion.toml: line 13: block[2].arc.to_mm: expected a point away from where the axes stand"],
+        ),
+        of(
+            "turns = 0.25",
+            "to_mm = { x = 0.0, y = 10.1 }, direction = \"positive\"",
+            &["motion.toml: line 13: block[2].arc.to_mm: expected a point within 0.002 mm of the circle"],
+        ),
+        of(
+            name,
+            "name = \"short\"\nramps = \"s-curve\"",
+            &["motion.toml: jerk_m_per_s3: expected this key, as ramps is \"s-curve\", found none"],
         ),
         of("turns = 0.25", "turns = 1e9", &["motion.toml: line 12: block[2]: expected an end within 3600 s"]),
     ]);
