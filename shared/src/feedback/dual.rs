@@ -208,6 +208,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
     fn follows_the_table_with_its_time_constant() {
         // Each tick rounds to a unit, 1e-6 nm, of which 1/share = 1600 ticks' worth stays: half of
         // them, if all were rounded one way.

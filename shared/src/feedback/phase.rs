@@ -127,6 +127,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
     fn finds_the_angle_of_the_samples_all_around_at_every_amplitude() {
         for amplitude in [1.0, 2.0, 7.0, 1000.0, 32_767.0, 524_287.0, 8_388_607.0, 2_147_483_647.0] {
             let mut worst = 0.0f64;
@@ -144,6 +145,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
     fn loses_less_than_the_converter() {
         // Half a count on both samples, across the angle: √½/amplitude rad. It is nearly met somewhere
         // among 10⁵ angles, so half the bound must be exceeded.

@@ -127,6 +127,7 @@ mod tests {
     }
 
     #[test]
+    #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
     fn a_scale_of_whole_units_is_exact() {
         // 2 mm: ¼ of it is whole, too.
         let pitch = Position::from_m(0.002).unwrap().0;
