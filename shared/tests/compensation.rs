@@ -274,13 +274,14 @@ fn refuses_by_name() {
     let refusal =
         |settings: CompensationSettings| AxisCompensation::<Fixed>::new(&settings, RATES, 2).unwrap_err();
     let none = CompensationSettings::default;
-    let named = |error| match error {
-        ConfigError::NotFinite(name)
+    let named = |error| {
+        let (ConfigError::NotFinite(name)
         | ConfigError::NotPositive(name)
-        | ConfigError::NotWhileRunning(name) => name,
-        ConfigError::OutOfRange { name, .. } => name,
+        | ConfigError::NotWhileRunning(name)
+        | ConfigError::OutOfRange { name, .. }) = error;
+        name
     };
-    let cases = [
+    let cases = vec![
         (CompensationSettings { backlash_width_m: Some(-1e-6), ..none() }, "backlash_width_m"),
         (CompensationSettings { backlash_width_m: Some(f64::NAN), ..none() }, "backlash_width_m"),
         (CompensationSettings { backlash_width_m: Some(3e-3), ..none() }, "backlash_width_m"),

@@ -84,7 +84,7 @@ impl Reader<'_> {
     fn sweep(&self) -> Result<Sweep, InputError> {
         let arc = self.arc;
         match (arc.turns, &arc.to_mm, arc.direction) {
-            (Some(turns), None, None) if turns == 0.0 => Err(self.refuse("turns", "a number other than 0")),
+            (Some(0.0), None, None) => Err(self.refuse("turns", "a number other than 0")),
             (Some(turns), None, None) => Ok(Sweep::Turns(turns)),
             (None, Some(to_mm), Some(direction)) => {
                 Ok(Sweep::To { to_mm: self.pair("to_mm", to_mm)?, direction })

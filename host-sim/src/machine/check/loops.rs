@@ -33,14 +33,12 @@ impl Context<'_> {
         if Filter::new(&servo::smoothing(axis), sample_rate_hz).is_ok() {
             return Ok(());
         }
-        Err(match axis.smoothing_time_constant_s {
-            Some(_) => self.refuse("smoothing_time_constant_s", "a time of at most a million samples"),
-            None => {
-                let longest_s = WINDOW as f64 / sample_rate_hz;
-                let what = format!("with smoothing_jerk_s at most {WINDOW} samples ({longest_s} s)");
-                self.refuse("smoothing_s", &what)
-            }
-        })
+        if axis.smoothing_time_constant_s.is_some() {
+            return Err(self.refuse("smoothing_time_constant_s", "a time of at most a million samples"));
+        }
+        let longest_s = WINDOW as f64 / sample_rate_hz;
+        let what = format!("with smoothing_jerk_s at most {WINDOW} samples ({longest_s} s)");
+        Err(self.refuse("smoothing_s", &what))
     }
 
     /// The filters of the force.
