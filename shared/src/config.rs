@@ -226,11 +226,14 @@ impl<S: Scalar> AxisConfig<S> {
         let (tick, position_rate) = (1.0 / rate, rate / divider);
 
         let kp = positive("position_gain_per_s", settings.position_gain_per_s)?;
-        let kf = ranged("feedforward_percent", settings.feedforward_percent, 0.0, 200.0)? / 100.0;
+        let percent = ranged("feedforward_percent", settings.feedforward_percent, 0.0, 200.0)?;
         let kv = positive("velocity_gain_n_s_per_m", settings.velocity_gain_n_s_per_m)?;
-        let ki = match settings.velocity_integral_time_s {
-            Some(time) => kv * tick / positive("velocity_integral_time_s", time)?,
-            None => 0.0,
+        let integral = match settings.velocity_integral_time_s {
+            Some(time) => {
+                let name = "velocity_integral_time_s";
+                gain_over_time::<S>(name, kv * tick / positive(name, time)? * VELOCITY_M_PER_S, time)?
+            }
+            None => S::gain(0.0),
         };
         let lag = ranged("velocity_lag_s", settings.velocity_lag_s, 0.0, tick * (1.0 + 1e-9))?;
         let limit = positive("force_limit_n", settings.force_limit_n)?;
@@ -243,17 +246,24 @@ impl<S: Scalar> AxisConfig<S> {
             Sensors::Dual { time_constant_s } => {
                 let time = positive("dual_feedback_time_constant_s", time_constant_s)?;
                 let share = -libm::expm1(-1.0 / (position_rate * time));
-                Feedback::Dual { share: gain::<S>("dual_feedback_time_constant_s", share, 1.0)?, fade }
+                Feedback::Dual {
+                    share: gain_over_time::<S>("dual_feedback_time_constant_s", share, time)?,
+                    fade,
+                }
             }
         };
         let kp_unit = LENGTH_M / VELOCITY_M_PER_S;
         Ok(Self {
             feedback,
             feedforward: Feedforward {
-                gain: gain::<S>("feedforward_percent", kf / kp * position_rate, INCREMENT_M / LENGTH_M)?,
+                gain: gain::<S>(
+                    "feedforward_percent",
+                    percent,
+                    position_rate / (100.0 * kp) * INCREMENT_M / LENGTH_M,
+                )?,
             },
             position: PositionControl {
-                gain: gain::<S>("position_gain_per_s", kp, kp_unit)?,
+                gain: exact_gain::<S>("position_gain_per_s", kp, kp_unit)?,
                 hpc: matches!(settings.law, Law::Hpc).then(|| Hpc::new(kp / position_rate)),
             },
             velocity: VelocityControl {
@@ -263,8 +273,8 @@ impl<S: Scalar> AxisConfig<S> {
                     INCREMENT_M / VELOCITY_M_PER_S,
                 )?,
                 rate_before: gain::<S>("velocity_lag_s", rate * lag * rate, INCREMENT_M / VELOCITY_M_PER_S)?,
-                proportional: gain::<S>("velocity_gain_n_s_per_m", kv, VELOCITY_M_PER_S)?,
-                integral: gain::<S>("velocity_integral_time_s", ki, VELOCITY_M_PER_S)?,
+                proportional: exact_gain::<S>("velocity_gain_n_s_per_m", kv, VELOCITY_M_PER_S)?,
+                integral,
                 integrates: settings.velocity_integral_time_s.is_some(),
                 force_limit: S::signal(ranged("force_limit_n", limit, 0.0, S::SIGNAL_LIMIT)?),
             },
@@ -373,6 +383,32 @@ pub(crate) fn gain<S: Scalar>(name: &'static str, si: f64, unit: f64) -> Result<
     }
 }
 
+/// Steps of the format that a gain has to hold: it is then met to 1 %.
+const GAIN_STEPS: f64 = 50.0;
+
+/// `si·unit` as a gain above zero that the format holds to 1 %, refused with the range in SI.
+fn exact_gain<S: Scalar>(name: &'static str, si: f64, unit: f64) -> Result<S::Gain, ConfigError> {
+    let least = GAIN_STEPS * S::GAIN_STEP / unit;
+    match gain::<S>(name, si, unit) {
+        Ok(gain) if si >= least => Ok(gain),
+        Ok(_) | Err(ConfigError::OutOfRange { .. }) => {
+            Err(ConfigError::OutOfRange { name, least, most: S::GAIN_LIMIT / unit })
+        }
+        Err(error) => Err(error),
+    }
+}
+
+/// A gain that falls as one over a time, held to 1 %, refused with the range of the time.
+fn gain_over_time<S: Scalar>(name: &'static str, value: f64, time_s: f64) -> Result<S::Gain, ConfigError> {
+    let time_at = |gain: f64| time_s * value / gain;
+    exact_gain::<S>(name, value, 1.0).map_err(|error| match error {
+        ConfigError::OutOfRange { name, least, most } => {
+            ConfigError::OutOfRange { name, least: time_at(most), most: time_at(least) }
+        }
+        other => other,
+    })
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -404,6 +440,28 @@ mod tests {
         );
         assert!(matches!(refusal(|s| s.velocity_gain_n_s_per_m = 1e7),
             ConfigError::OutOfRange { name: "velocity_gain_n_s_per_m", most, .. } if (7.8e6..7.82e6).contains(&most)));
+    }
+
+    #[test]
+    fn refuses_what_rounds_away_in_fixed_point_with_the_range_of_the_setting() {
+        let slow = refusal(|s| s.velocity_integral_time_s = Some(1e6));
+        let ConfigError::OutOfRange { name: "velocity_integral_time_s", least, most } = slow else {
+            panic!("{slow:?}");
+        };
+        let mut settings =
+            AxisSettings { velocity_integral_time_s: Some(most * 0.999), ..AxisSettings::default() };
+        assert!(AxisConfig::<Fixed>::new(&settings, RATES).is_ok());
+        settings.velocity_integral_time_s = Some(least * 1.001);
+        assert!(AxisConfig::<Fixed>::new(&settings, RATES).is_ok());
+        settings.velocity_integral_time_s = Some(least * 0.999);
+        assert!(AxisConfig::<Fixed>::new(&settings, RATES).is_err());
+        settings.velocity_integral_time_s = Some(1e6);
+        assert!(AxisConfig::<f32>::new(&settings, RATES).is_ok());
+
+        let slow = refusal(|s| s.sensors = Sensors::Dual { time_constant_s: 1e4 });
+        // 1/(rate·T) of 50·2⁻²⁴ at 20 kHz.
+        assert!(matches!(slow, ConfigError::OutOfRange { name: "dual_feedback_time_constant_s", most, .. }
+            if (16.7..16.8).contains(&most)));
     }
 
     #[test]

@@ -38,6 +38,8 @@ pub trait Scalar:
     const NAME: &'static str;
     /// Gains must be smaller than this, either way.
     const GAIN_LIMIT: f64;
+    /// Between two neighbouring gains, where the format has an absolute step; 0 where it has none.
+    const GAIN_STEP: f64;
     /// Signals must be smaller than this, either way.
     const SIGNAL_LIMIT: f64;
 
@@ -105,6 +107,7 @@ impl Scalar for I18F14 {
 
     const NAME: &'static str = "fixed";
     const GAIN_LIMIT: f64 = 128.0;
+    const GAIN_STEP: f64 = 1.0 / 16_777_216.0;
     const SIGNAL_LIMIT: f64 = 131_072.0;
 
     fn gain(value: f64) -> I8F24 {
@@ -184,6 +187,7 @@ macro_rules! float {
 
             const NAME: &'static str = $name;
             const GAIN_LIMIT: f64 = 1e18;
+            const GAIN_STEP: f64 = 0.0;
             const SIGNAL_LIMIT: f64 = 1e18;
 
             #[expect(

@@ -75,7 +75,7 @@ pub fn everything() -> AxisSettings {
 /// Every compensation that there is.
 #[must_use]
 pub fn all_compensations(axis: usize) -> CompensationSettings {
-    let other = if axis == 0 { 1 } else { 0 };
+    let other = u8::from(axis == 0);
     let points = |scale: f64| Points {
         start_m: -0.1,
         spacing_m: 0.01,
