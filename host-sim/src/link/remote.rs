@@ -116,7 +116,7 @@ impl<C: Connection> Controller for Remote<C> {
                 PathBlock { shape: PathShape::Line { to_m: vec![to_m[0], 0.0] }, ..block.clone() }
             }
             // With its second axis the board would turn it; a machine of one axis refuses.
-            (PathShape::Arc { .. }, 1) => {
+            (PathShape::Arc { .. } | PathShape::ArcTo { .. }, 1) => {
                 return Err(ControllerError::Refused(MachineError::Path(PathError::BadPlane)));
             }
             (PathShape::Line { to_m }, axes) if to_m.len() != axes => {
@@ -288,7 +288,17 @@ mod tests {
             shape: PathShape::Arc { plane: [0, 0], centre_m: [1e9, 0.0], turns: 1.0 },
             ..line(&[])
         };
-        let blocks = [line(&[0.0]), line(&[0.0, 0.0]), line(&[f64::NAN, 1.0]), arc([0, 1]), arc([0, 2]), far];
+        let to = PathBlock {
+            shape: PathShape::ArcTo {
+                plane: [0, 1],
+                centre_m: [0.01, 0.0],
+                to_m: [0.5, 0.0],
+                positive: true,
+            },
+            ..line(&[])
+        };
+        let blocks =
+            [line(&[0.0]), line(&[0.0, 0.0]), line(&[f64::NAN, 1.0]), arc([0, 1]), arc([0, 2]), far, to];
         for axes in [1, 2] {
             let settings = vec![AxisSettings::default(); axes];
             let start = vec![Position(0); axes];

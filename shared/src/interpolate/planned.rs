@@ -285,14 +285,25 @@ impl<const N: usize> Geometry<N> {
                 Self::Line(Line::plan(start, end)?)
             }
             Shape::Arc { plane, centre_m, turns } => {
-                Self::Arc(Arc::plan(start, plane.map(usize::from), centre(centre_m)?, turns)?)
+                let plane = plane_of::<N>(plane)?;
+                Self::Arc(Arc::plan(start, plane, centre(centre_m)?, turns)?)
             }
             Shape::ArcTo { plane, centre_m, to_m: [x, y], positive } => {
+                let plane = plane_of::<N>(plane)?;
                 let end = [position(x, Field::EndPoint)?, position(y, Field::EndPoint)?];
-                Self::Arc(Arc::plan_to(start, plane.map(usize::from), centre(centre_m)?, end, positive)?)
+                Self::Arc(Arc::plan_to(start, plane, centre(centre_m)?, end, positive)?)
             }
         })
     }
+}
+
+/// An arc's plane, refused before anything else of the block: a machine of one axis has none.
+fn plane_of<const N: usize>(plane: [u8; 2]) -> Result<[usize; 2], PathError> {
+    let [first, second] = plane.map(usize::from);
+    if first == second || first.max(second) >= N {
+        return Err(PathError::BadPlane);
+    }
+    Ok([first, second])
 }
 
 /// Feed, acceleration and jerk of a block per tick with 16 fraction bits, rounded down so that they are kept.
