@@ -16,6 +16,7 @@ pub mod output;
 pub mod path;
 pub mod plant;
 pub mod report;
+pub mod reproduce;
 pub mod servo;
 pub mod simulate;
 pub mod trace;

@@ -5,6 +5,7 @@ mod demo;
 mod progress;
 mod record;
 mod refusal;
+mod reproduce;
 mod simulate;
 mod summary;
 mod trace;
@@ -34,6 +35,8 @@ enum Command {
     Record(record::Arguments),
     /// The same motions in fixed point, f32, f64, and with f32 positions: what each loses.
     Compare(compare::Arguments),
+    /// The published experiments again: the paper's figure beside ours.
+    Reproduce(reproduce::Arguments),
     /// Find the residual of a log, name its causes, report before and after.
     Trace(trace::Arguments),
 }
@@ -46,6 +49,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
+        Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
     match outcome {

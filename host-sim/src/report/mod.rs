@@ -4,7 +4,8 @@
 //! `polar` draws a circle as ballbar users do (`circle` finds one in a log, `deviation` is how
 //! far the machine ran off it); `curves` draws residuals against time and against a `variable`,
 //! those of `stages` before and after; `ranking` lists what was tried. `plot`, `markup` and
-//! `number` are what these are made of. [`compare`] is a page of its own, about number formats.
+//! `number` are what these are made of. [`compare`] and
+//! [`reproduce`] are pages of their own, about number formats and about published experiments.
 //!
 //! The page needs nothing but itself: no script, no address. The same trace gives the same bytes.
 
@@ -15,9 +16,10 @@ mod deviation;
 mod markup;
 pub(crate) mod number;
 mod parameters;
-mod plot;
-mod polar;
+pub(crate) mod plot;
+pub(crate) mod polar;
 mod ranking;
+pub mod reproduce;
 mod stages;
 mod tables;
 mod variable;

@@ -37,9 +37,13 @@ pub enum Ink {
     BeforeRange,
     /// After.
     After,
+    /// A third line beside before and after.
+    Third,
+    /// A fourth.
+    Fourth,
 }
 
-const INKS: [(Ink, &str); 8] = [
+const INKS: [(Ink, &str); 10] = [
     (Ink::Label, "label"),
     (Ink::Axis, "axis"),
     (Ink::Grid, "grid"),
@@ -48,6 +52,8 @@ const INKS: [(Ink, &str); 8] = [
     (Ink::Before, "before"),
     (Ink::BeforeRange, "before-range"),
     (Ink::After, "after"),
+    (Ink::Third, "cw"),
+    (Ink::Fourth, "ccw"),
 ];
 
 impl Ink {
@@ -225,7 +231,13 @@ mod tests {
             x: "time, s",
             y: "residual, µm",
             noise: 0.1,
-            layers: vec![line(Ink::BeforeRange), line(Ink::Before), line(Ink::After)],
+            layers: vec![
+                line(Ink::BeforeRange),
+                line(Ink::Before),
+                line(Ink::After),
+                line(Ink::Third),
+                line(Ink::Fourth),
+            ],
         };
         let svg = chart.svg();
         assert!(

@@ -49,7 +49,11 @@ pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> String {
 /// The least of 1, 2 and 5 times a power of ten µm at which all deviations fit the divisions.
 fn division(all: &[&[Lap]]) -> f64 {
     let points = all.iter().copied().flatten().flat_map(|lap| &lap.points);
-    let most = points.fold(0.0_f64, |most, point| most.max(point.1.abs()));
+    division_for(points.fold(0.0_f64, |most, point| most.max(point.1.abs())))
+}
+
+/// The least of 1, 2 and 5 times a power of ten µm of which the divisions hold `most`.
+pub fn division_for(most: f64) -> f64 {
     let least = (most / f64::from(DIVISIONS)).max(1e-3);
     let power = 10_f64.powf(least.log10().floor());
     [1.0, 2.0, 5.0].into_iter().map(|m| m * power).find(|d| *d >= least).unwrap_or(10.0 * power)
@@ -67,15 +71,28 @@ fn picture(run: &Run<'_>, title: &str, laps: &[Lap], division_um: f64) -> String
         significant(division_um, 1),
         significant(magnified, 2),
     );
-    let mut body = grid(run, division_um);
-    for lap in laps {
-        let class = if lap.is_clockwise { "cw" } else { "ccw" };
+    let class = |lap: &Lap| if lap.is_clockwise { "cw" } else { "ccw" };
+    let lines: Vec<(&str, &[(f64, f64)])> = laps.iter().map(|lap| (class(lap), &lap.points[..])).collect();
+    let title = format!("{title}: radial deviation over the angle");
+    let axes = run.axes.map(|axis| axis.trace.axis.as_str());
+    figure("", &drawing(&title, &caption, &lines, division_um, axes), &caption)
+}
+
+/// The drawing alone: lines of a class of the stylesheet through points of angle (rad) and deviation (µm).
+pub fn drawing(
+    title: &str,
+    description: &str,
+    lines: &[(&str, &[(f64, f64)])],
+    division_um: f64,
+    axes: [&str; 2],
+) -> String {
+    let mut body = grid(axes, division_um);
+    for (class, points) in lines {
         let place = |(angle, um): &(f64, f64)| place(*angle, BASE + DIVISION * um / division_um);
-        let path: Vec<String> = lap.points.iter().map(place).map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
+        let path: Vec<String> = points.iter().map(place).map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
         let _ = writeln!(body, "<polyline class=\"{class}\" points=\"{}\"/>", path.join(" "));
     }
-    let title = format!("{title}: radial deviation over the angle");
-    figure("", &svg((SIDE, SIDE), &title, &caption, &body), &caption)
+    svg((SIDE, SIDE), title, description, &body)
 }
 
 /// Place of a polar point in the picture.
@@ -85,7 +102,7 @@ fn place(angle: f64, radius: f64) -> (f64, f64) {
 }
 
 /// The circle, its divisions, and what they mean.
-fn grid(run: &Run<'_>, division_um: f64) -> String {
+fn grid([x, y]: [&str; 2], division_um: f64) -> String {
     let mut grid = String::new();
     let middle = 0.5 * f64::from(SIDE);
     for ring in -DIVISIONS..=DIVISIONS {
@@ -111,7 +128,7 @@ fn grid(run: &Run<'_>, division_um: f64) -> String {
     let corner = middle - FRAC_1_SQRT_2 * outer;
     label(corner - 2.0, corner - 2.0, "end", &format!("{} µm", signed(edge, 1)));
     label(middle, middle + 4.0, "middle", &signed(-edge, 1));
-    let [x, y] = run.axes.map(|axis| format!("+{}", axis.trace.axis));
+    let [x, y] = [x, y].map(|axis| format!("+{axis}"));
     label(middle + outer + 3.0, middle + 4.0, "start", &x);
     label(middle, middle - outer - 3.0, "middle", &y);
     grid

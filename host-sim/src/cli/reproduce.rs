@@ -1,0 +1,75 @@
+//! `lost-motion reproduce`.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use super::progress::Progress;
+use super::say;
+use crate::output::write_whole;
+use crate::report;
+use crate::report::number::significant;
+use crate::reproduce::{self, Reproduction};
+
+/// Arguments of `reproduce`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Write the result as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Write report.html, with the pictures, into this folder.
+    #[arg(long)]
+    report: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A loop that does not hold, output that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let progress = Progress::start();
+    let reproduction = reproduce::run(&|what| progress.say(what))?;
+    drop(progress);
+    if let Some(path) = &arguments.json {
+        let text = serde_json::to_string_pretty(&reproduction)?;
+        write_whole(path, |out| out.write_all(text.as_bytes()))?;
+    }
+    let mut said = summary(&reproduction);
+    if let Some(folder) = &arguments.report {
+        let path = report::reproduce::write(folder, &reproduction, &sentence(&reproduction))?;
+        said += &format!("\n\nReport: {}", path.display());
+    }
+    say(&said)
+}
+
+/// How much agrees.
+fn sentence(reproduction: &Reproduction) -> String {
+    let outcomes = || reproduction.studies.iter().flat_map(|study| &study.outcomes);
+    let agree = outcomes().filter(|outcome| outcome.agrees()).count();
+    format!(
+        "{agree} of {} figures of {} papers agree with ours.",
+        outcomes().count(),
+        reproduction.studies.len()
+    )
+}
+
+/// The sentence, then a table a paper.
+fn summary(reproduction: &Reproduction) -> String {
+    let mut lines = vec![sentence(reproduction)];
+    for study in &reproduction.studies {
+        lines.push(format!("\n{}: {}", study.paper, study.title));
+        lines.extend(study.said.iter().map(|said| format!("  {said}")));
+        lines.push(format!("  {:<68}{:>18}{:>12}  {:<12}verdict", "quantity", "printed", "ours", "unit"));
+        for outcome in &study.outcomes {
+            lines.push(format!(
+                "  {:<68}{:>18}{:>12}  {:<12}{}",
+                outcome.quantity,
+                outcome.printed.words(),
+                significant(outcome.ours, 4),
+                outcome.unit,
+                if outcome.agrees() { "agrees" } else { "DIFFERS" }
+            ));
+        }
+    }
+    lines.join("\n")
+}
