@@ -169,13 +169,29 @@ impl core::fmt::Display for ConfigError {
             Self::NotPositive(name) => write!(f, "{name}: expected a number above 0"),
             Self::NotWhileRunning(name) => write!(f, "{name}: expected what the machine was made with"),
             Self::OutOfRange { name, least, most } => {
-                write!(f, "{name}: expected a number from {least:.4e} to {most:.4e} in this number format")
+                write!(f, "{name}: expected a number from ")?;
+                number(f, *least)?;
+                f.write_str(" to ")?;
+                number(f, *most)?;
+                f.write_str(" in this number format")
             }
         }
     }
 }
 
 impl core::error::Error for ConfigError {}
+
+/// Four digits of a number, with a power of ten only where it would be long.
+fn number(f: &mut core::fmt::Formatter<'_>, value: f64) -> core::fmt::Result {
+    if value == 0.0 || !value.is_finite() {
+        return write!(f, "{value}");
+    }
+    if !(1e-3..1e7).contains(&libm::fabs(value)) {
+        return write!(f, "{value:.3e}");
+    }
+    let place = libm::pow(10.0, 3.0 - libm::floor(libm::log10(libm::fabs(value))));
+    write!(f, "{}", libm::round(value * place) / place)
+}
 
 /// Slowest velocity loop, Hz: far below any, and Kp·tick stays a number.
 const LEAST_RATE_HZ: f64 = 1.0;
@@ -411,6 +427,9 @@ fn gain_over_time<S: Scalar>(name: &'static str, value: f64, time_s: f64) -> Res
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+    use std::string::ToString;
+
     use super::*;
     use crate::scalar::Fixed;
 
@@ -462,6 +481,23 @@ mod tests {
         // 1/(rate·T) of 50·2⁻²⁴ at 20 kHz.
         assert!(matches!(slow, ConfigError::OutOfRange { name: "dual_feedback_time_constant_s", most, .. }
             if (16.7..16.8).contains(&most)));
+    }
+
+    #[test]
+    fn says_a_range_in_few_digits() {
+        let said = |least, most| {
+            let error = ConfigError::OutOfRange { name: "a", least, most };
+            error.to_string()
+        };
+        assert_eq!(said(0.0, 2048.0), "a: expected a number from 0 to 2048 in this number format");
+        assert_eq!(
+            said(-0.123_456, 7_812_499.9),
+            "a: expected a number from -0.1235 to 7812000 in this number format"
+        );
+        assert_eq!(
+            said(4.768_37e-5, 1e18),
+            "a: expected a number from 4.768e-5 to 1.000e18 in this number format"
+        );
     }
 
     #[test]

@@ -139,12 +139,17 @@ fn an_output_that_cannot_be_written_is_named() {
 fn a_loop_that_does_not_hold_is_a_failed_job() {
     let desk = desk();
     // Too weak for its own friction, and told to go farther than the following error may grow.
-    let weak = MACHINE.replace("force_limit_n = 20000.0", "force_limit_n = 10.0");
-    fs::write(desk.path().join("machine.toml"), weak).unwrap();
     fs::write(desk.path().join("motion.toml"), MOTION.replace("x = 20.0", "x = 600.0")).unwrap();
-    let said = desk.fails(SIMULATE, 1);
-    assert!(said.contains("following error beyond its limit"), "{said}");
-    assert!(!desk.path().join("out.csv").exists());
+    for (patience_s, reason) in
+        [(0.2, "the force stands at its limit"), (60.0, "following error beyond its limit")]
+    {
+        let weak = format!("force_limit_n = 10.0\nsaturation_time_s = {patience_s}");
+        fs::write(desk.path().join("machine.toml"), MACHINE.replace("force_limit_n = 20000.0", &weak))
+            .unwrap();
+        let said = desk.fails(SIMULATE, 1);
+        assert!(said.contains(reason), "{said}");
+        assert!(!desk.path().join("out.csv").exists());
+    }
 }
 
 #[test]
