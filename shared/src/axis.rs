@@ -32,6 +32,8 @@ pub struct AxisState<S: Scalar> {
     shaped_force: S,
     velocity_bump: Bump<S>,
     force_bump: Bump<S>,
+    /// Settle the filters of the force on what the changed loop makes: what is between is the bump's.
+    resettle: bool,
     watch: watch::State,
 }
 
@@ -50,6 +52,7 @@ impl<S: Scalar> AxisState<S> {
             shaped_force: S::default(),
             velocity_bump: Bump::default(),
             force_bump: Bump::default(),
+            resettle: false,
             watch: watch::State::default(),
         }
     }
@@ -68,8 +71,7 @@ impl<S: Scalar> AxisState<S> {
         if to.velocity.has_no_integral() {
             self.velocity.forget_integral();
         }
-        self.notch = filter::State::settled(self.shaped_force);
-        self.low_pass = filter::State::settled(self.shaped_force);
+        self.resettle = true;
         self.velocity_bump.change(self.velocity_command);
         self.force_bump.change(self.shaped_force);
     }
@@ -108,6 +110,9 @@ impl<S: Scalar> AxisState<S> {
     ) -> (S, Option<Hazard>) {
         let wanted = config.velocity.wanted(&mut self.velocity, self.velocity_command, reading.motor);
         let mut shaped = wanted.force;
+        if core::mem::take(&mut self.resettle) {
+            (self.notch, self.low_pass) = (filter::State::settled(shaped), filter::State::settled(shaped));
+        }
         if let Some(notch) = &config.notch {
             shaped = notch.step(&mut self.notch, shaped);
         }

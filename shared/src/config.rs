@@ -242,8 +242,10 @@ impl<S: Scalar> AxisConfig<S> {
         let (tick, position_rate) = (1.0 / rate, rate / divider);
 
         let kp = positive("position_gain_per_s", settings.position_gain_per_s)?;
+        let gain_of_position = exact_gain::<S>("position_gain_per_s", kp, LENGTH_M / VELOCITY_M_PER_S)?;
         let percent = ranged("feedforward_percent", settings.feedforward_percent, 0.0, 200.0)?;
         let kv = positive("velocity_gain_n_s_per_m", settings.velocity_gain_n_s_per_m)?;
+        let proportional = exact_gain::<S>("velocity_gain_n_s_per_m", kv, VELOCITY_M_PER_S)?;
         let integral = match settings.velocity_integral_time_s {
             Some(time) => {
                 let name = "velocity_integral_time_s";
@@ -268,7 +270,6 @@ impl<S: Scalar> AxisConfig<S> {
                 }
             }
         };
-        let kp_unit = LENGTH_M / VELOCITY_M_PER_S;
         Ok(Self {
             feedback,
             feedforward: Feedforward {
@@ -279,7 +280,7 @@ impl<S: Scalar> AxisConfig<S> {
                 )?,
             },
             position: PositionControl {
-                gain: exact_gain::<S>("position_gain_per_s", kp, kp_unit)?,
+                gain: gain_of_position,
                 hpc: matches!(settings.law, Law::Hpc).then(|| Hpc::new(kp / position_rate)),
             },
             velocity: VelocityControl {
@@ -289,7 +290,7 @@ impl<S: Scalar> AxisConfig<S> {
                     INCREMENT_M / VELOCITY_M_PER_S,
                 )?,
                 rate_before: gain::<S>("velocity_lag_s", rate * lag * rate, INCREMENT_M / VELOCITY_M_PER_S)?,
-                proportional: exact_gain::<S>("velocity_gain_n_s_per_m", kv, VELOCITY_M_PER_S)?,
+                proportional,
                 integral,
                 integrates: settings.velocity_integral_time_s.is_some(),
                 force_limit: S::signal(ranged("force_limit_n", limit, 0.0, S::SIGNAL_LIMIT)?),

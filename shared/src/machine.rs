@@ -170,6 +170,9 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// # Errors
     /// The [`PathError`] that says what is wrong; nothing has changed.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
+        if self.was_on && !self.power.is_on() {
+            return Err(PathError::Interrupted);
+        }
         self.path.push(block)
     }
 
@@ -304,8 +307,10 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// Forgets the path and makes the command what the position loops read: no error, no jump.
     fn stand(&mut self, readings: &[Reading; N]) {
         let mut place = self.path.command();
-        for ((place, axis), reading) in place.iter_mut().zip(&self.axes).zip(readings) {
-            *place = axis.feedback.settled(reading.motor, reading.table);
+        let standing = self.compensation.standing();
+        for (((place, axis), reading), added) in place.iter_mut().zip(&self.axes).zip(readings).zip(standing)
+        {
+            *place = axis.feedback.settled(reading.motor, reading.table).moved(-added);
         }
         self.compensation.stand_at(&place);
         self.path.stand_at(place);

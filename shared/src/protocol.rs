@@ -142,9 +142,14 @@ pub fn encode(message: &impl Serialize, frame: &mut [u8; FRAME]) -> postcard::Re
 /// Reads a message from a frame, or from what parts have brought.
 ///
 /// # Errors
-/// When the bytes are no such message.
+/// When the bytes are no such message, or something follows it.
 pub fn decode<'a, M: Deserialize<'a>>(frame: &'a [u8]) -> postcard::Result<M> {
-    postcard::take_from_bytes(frame).map(|(message, _)| message)
+    let (message, rest) = postcard::take_from_bytes(frame)?;
+    if rest.iter().all(|byte| *byte == 0) {
+        Ok(message)
+    } else {
+        Err(postcard::Error::DeserializeBadEncoding)
+    }
 }
 
 #[cfg(test)]

@@ -42,6 +42,8 @@ pub trait Scalar:
     const GAIN_STEP: f64;
     /// Signals must be smaller than this, either way.
     const SIGNAL_LIMIT: f64;
+    /// Between two neighbouring signals, where the format has an absolute step; 0 where it has none.
+    const SIGNAL_STEP: f64;
 
     /// The nearest gain; the caller has checked that it is finite and below [`Scalar::GAIN_LIMIT`].
     fn gain(value: f64) -> Self::Gain;
@@ -109,6 +111,7 @@ impl Scalar for I18F14 {
     const GAIN_LIMIT: f64 = 128.0;
     const GAIN_STEP: f64 = 1.0 / 16_777_216.0;
     const SIGNAL_LIMIT: f64 = 131_072.0;
+    const SIGNAL_STEP: f64 = 1.0 / 16_384.0;
 
     fn gain(value: f64) -> I8F24 {
         I8F24::saturating_from_num(value)
@@ -189,6 +192,7 @@ macro_rules! float {
             const GAIN_LIMIT: f64 = 1e18;
             const GAIN_STEP: f64 = 0.0;
             const SIGNAL_LIMIT: f64 = 1e18;
+            const SIGNAL_STEP: f64 = 0.0;
 
             #[expect(
                 clippy::cast_possible_truncation,

@@ -56,8 +56,14 @@ impl Session {
     pub fn answer(&mut self, frame: &[u8; FRAME], meter: &mut impl Meter) -> Option<Answer> {
         match decode(frame) {
             Ok(Order::Part(part)) => self.take(&part, meter),
-            Ok(order) => self.machine.carry_out(&order, meter),
-            Err(_) => Some(Answer::Refused(Refusal::Unreadable)),
+            whole => {
+                // Whatever was under way in parts, the host has turned to something else.
+                self.parts.clear();
+                match whole {
+                    Ok(order) => self.machine.carry_out(&order, meter),
+                    Err(_) => Some(Answer::Refused(Refusal::Unreadable)),
+                }
+            }
         }
     }
 
@@ -309,6 +315,25 @@ mod tests {
                 joint,
             },
         )
+    }
+
+    /// What a host had under way in parts is forgotten with its next order, and nothing may follow an order.
+    #[test]
+    fn parts_are_of_one_order() {
+        let mut session = Session::default();
+        ask(&mut session, &setup(Format::Fixed, AxisSettings::default()));
+        let mut enable = [0; FRAME];
+        encode(&Order::Enable, &mut enable).unwrap();
+        let part = Part { bytes: heapless::Vec::from_slice(&enable[..1]).unwrap(), last: false };
+        assert_eq!(ask(&mut session, &Order::Part(part)), Some(Answer::Ready));
+        assert_eq!(ask(&mut session, &setup(Format::Fixed, AxisSettings::default())), Some(Answer::Ready));
+        let empty = Part { bytes: heapless::Vec::new(), last: true };
+        assert_eq!(ask(&mut session, &Order::Part(empty)), Some(Answer::Refused(Refusal::Unreadable)));
+        enable[1] = 0xaa;
+        assert_eq!(session.answer(&enable, &mut NoMeter), Some(Answer::Refused(Refusal::Unreadable)));
+        let readings = [Reading { motor: Position(0), table: None }; AXES];
+        let Some(Answer::Tick(ticked)) = ask(&mut session, &Order::Tick(readings)) else { panic!() };
+        assert_eq!(ticked.power, Power::Off);
     }
 
     proptest! {

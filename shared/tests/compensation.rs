@@ -314,3 +314,54 @@ fn refuses_by_name() {
         assert_eq!(named(refusal(settings)), name);
     }
 }
+
+/// What is taken away goes at its declared rate, too, and all of it goes.
+#[test]
+fn what_is_replaced_by_nothing_fades() {
+    let dividing = CompensationSettings {
+        dividing: Some(Cycle::harmonic(20e-6, 2.5e-3, 1.5)),
+        reversal: Some(Reversal { force_n: 100.0, decay_s: 0.01, fade_m_per_s: 1.0 }),
+        ..CompensationSettings::default()
+    };
+    let none = CompensationSettings::default();
+    let mut bench = Bench::<f64>::new([&dividing, &none]);
+    bench.settle([0.0; 2], [0.001, 0.0]);
+    // Back again: a pulse of the force.
+    for k in 0..4 {
+        bench.tick([0.001 - 1e-5 * f64::from(k), 0.0], [0.001, 0.0]);
+    }
+    let before = bench.added;
+    assert!(before[1][0].abs() > 1e-6 && before[2][0].abs() > 1.0, "{before:?}");
+    bench.all.replace(0, AxisCompensation::new(&none, RATES, 2).unwrap());
+    let mut last = before;
+    for _ in 0..40_000 {
+        bench.tick([0.001, 0.0], [0.001, 0.0]);
+        for (kind, rate) in [(1, none.position_rate_m_per_s), (2, none.force_rate_n_per_s)] {
+            let step = (bench.added[kind][0] - last[kind][0]).abs();
+            assert!(step <= rate / RATE_HZ * (1.0 + 1e-6) + 1e-12, "{kind}: {step}");
+        }
+        last = bench.added;
+    }
+    assert!(last.iter().all(|added| added[0].abs() < 1e-12), "{last:?}");
+}
+
+/// A rate that the format would round to nothing, or to something else, is refused with its range.
+#[test]
+fn rates_that_round_away_are_refused() {
+    let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+    let made = |position_rate_m_per_s: f64, force_rate_n_per_s: f64| {
+        let settings = CompensationSettings {
+            position_rate_m_per_s,
+            force_rate_n_per_s,
+            ..CompensationSettings::default()
+        };
+        AxisCompensation::<Fixed>::new(&settings, rates, 2).err()
+    };
+    assert!(matches!(made(1e-7, 1e4), Some(ConfigError::OutOfRange { name: "position_rate_m_per_s", .. })));
+    // 50 of 2⁻¹⁴ N at 20 kHz.
+    assert!(
+        matches!(made(1e-3, 1.0), Some(ConfigError::OutOfRange { name: "force_rate_n_per_s", least, .. })
+        if (61.0..61.1).contains(&least))
+    );
+    assert_eq!(made(1e-3, 100.0), None);
+}

@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::config::{AxisSettings, Rates, Sensors};
-use shared::interpolate::Block;
+use shared::interpolate::{Block, PathError};
 use shared::machine::{Machine, Output, Reading};
 use shared::safety::{Fault, Hazard, Power};
 use shared::scalar::{Fixed, Scalar};
@@ -162,4 +162,33 @@ fn a_lost_scale_warns_and_goes_on() {
     assert_eq!(bench.run(100).warning, output.warning);
     bench.machine.disable();
     assert_eq!(bench.tick().warning, None);
+}
+
+/// Off and on again, as often as one likes, a compensated axis stays where it is: what is added to its command stands
+/// all the while.
+#[test]
+fn coming_on_again_does_not_move_a_compensated_axis() {
+    use shared::compensate::CompensationSettings;
+    use shared::compensate::settings::{Of, Pitch, Points};
+    let pitch = Points { start_m: -0.1, spacing_m: 0.1, values: [1e-4; 3].into_iter().collect() };
+    let settings = CompensationSettings {
+        pitch: Some(Pitch { of: Of::Screw, forward: pitch, backward: None }),
+        ..CompensationSettings::default()
+    };
+    let mut bench = Bench::<f64>::new(AxisSettings { sensors: Sensors::Motor, ..axis() });
+    bench.machine.compensate(0, &settings).unwrap();
+    bench.run(24_000);
+    let place = bench.motor_m[0];
+    assert!(((place - 0.2).abs() - 1e-4).abs() < 2e-6, "{place} m");
+    for _ in 0..5 {
+        bench.machine.disable();
+        assert_eq!(bench.machine.push(&Block::line([0.01, 0.0], 0.1, 1.0)), Err(PathError::Interrupted));
+        bench.run(10);
+        bench.machine.enable();
+        for _ in 0..2000 {
+            let output = bench.tick();
+            assert!(output.forces[0].abs() < 5.0, "{} N", output.forces[0]);
+        }
+        assert!((bench.motor_m[0] - place).abs() < 1e-6, "{} m", bench.motor_m[0]);
+    }
 }

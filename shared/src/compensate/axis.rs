@@ -96,9 +96,9 @@ impl<S: Scalar> AxisCompensation<S> {
         let bound_n = ranged("force_bound_n", bound_n, 0.0, S::SIGNAL_LIMIT)?;
         let speed = positive("position_rate_m_per_s", settings.position_rate_m_per_s)?;
         let rise = positive("force_rate_n_per_s", settings.force_rate_n_per_s)?;
-        let position = |per_s: f64| Slew {
-            bound: S::signal(bound_m / LENGTH_M),
-            per_tick: S::signal(speed / per_s / LENGTH_M),
+        let position = |per_s: f64| {
+            let per_tick = Slew::per_tick("position_rate_m_per_s", speed, per_s * LENGTH_M)?;
+            Ok(Slew { bound: S::signal(bound_m / LENGTH_M), per_tick })
         };
         let source = |name, axis: u8| {
             if usize::from(axis) < axes {
@@ -137,10 +137,18 @@ impl<S: Scalar> AxisCompensation<S> {
                 None => None,
             },
             ripple: cycle("ripple", &settings.ripple, 1.0, bound_n)?,
-            command: position(rate_hz),
-            reading: position(tick_hz),
-            force: Slew { bound: S::signal(bound_n), per_tick: S::signal(rise / tick_hz) },
+            command: position(rate_hz)?,
+            reading: position(tick_hz)?,
+            force: Slew {
+                bound: S::signal(bound_n),
+                per_tick: Slew::per_tick("force_rate_n_per_s", rise, tick_hz)?,
+            },
         })
+    }
+
+    /// What is added to the command now, position units.
+    pub fn standing(state: &State<S>) -> i64 {
+        state.command.distance()
     }
 
     /// With every command: what to add to it, position units.
@@ -165,10 +173,8 @@ impl<S: Scalar> AxisCompensation<S> {
         if let Some((source, square)) = self.squareness.as_ref().filter(|_| state.is_on(Item::Squareness)) {
             sum += square.correction(other(*source));
         }
-        if let Some(reversal) = &self.reversal {
-            let force = reversal.force(&mut state.pulse, own);
-            state.pulse_force = if state.is_on(Item::Reversal) { force } else { S::default() };
-        }
+        let force = self.reversal.as_ref().map(|reversal| reversal.force(&mut state.pulse, own));
+        state.pulse_force = force.filter(|_| state.is_on(Item::Reversal)).unwrap_or_default();
         self.command.step(&mut state.command, S::round(sum)).distance()
     }
 
@@ -199,8 +205,13 @@ impl<S: Scalar> AxisCompensation<S> {
 
     /// With every tick: the motor reading without the resolver's error.
     pub fn reading(&self, state: &mut State<S>, motor: Position) -> Position {
-        let Some(dividing) = &self.dividing else { return motor };
-        let error = if state.is_on(Item::Dividing) { dividing.at(motor) } else { S::default() };
+        let none = S::default();
+        let error = match &self.dividing {
+            Some(dividing) if state.is_on(Item::Dividing) => dividing.at(motor),
+            // What was there before fades, too.
+            None if state.reading == none => return motor,
+            _ => none,
+        };
         motor.moved(-self.reading.step(&mut state.reading, error).distance())
     }
 

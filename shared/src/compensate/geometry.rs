@@ -46,7 +46,7 @@ impl<S: Scalar> Squareness<S> {
 /// k·y², or a table over y.
 #[derive(Clone, Copy, Debug)]
 pub enum Straightness<S: Scalar> {
-    /// k, and what makes the unit of [`SQUARED_M`] of a place.
+    /// k, and what makes a place squared of a place.
     Quadratic(S::Gain, S::Gain),
     /// Error units.
     Over(Table<S>),

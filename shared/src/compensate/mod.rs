@@ -108,6 +108,12 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         }
     }
 
+    /// What is added to the commands of axes that stand, position units.
+    #[must_use]
+    pub fn standing(&self) -> [i64; N] {
+        self.states.each_ref().map(AxisCompensation::standing)
+    }
+
     /// With every tick: the readings without what their resolvers add.
     pub fn readings(&mut self, readings: &[Reading; N]) -> [Reading; N] {
         let mut corrected = *readings;

@@ -170,7 +170,9 @@ mod tests {
                 return;
             }
             let off = filter.step(&mut state, value).value() - value.value();
-            assert!(off.abs() <= 2.0 / 16_384.0 + value.value().abs() * 1e-6, "{}: {off}", S::NAME);
+            // An integrator stops where its step, g of the error, is lost beside its state: 2⁻²⁴ of it in f32.
+            let lost = if S::NAME == "f32" { 8.0 / 16_777_216.0 / g(frequency_hz) } else { 0.0 };
+            assert!(off.abs() <= 2.0 / 16_384.0 + value.value().abs() * (1e-6 + lost), "{}: {off}", S::NAME);
         }
     }
 

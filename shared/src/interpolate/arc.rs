@@ -7,7 +7,7 @@
 
 use super::turn::{ONE, sin_cos};
 use super::{Field, PathError, high, scaled, share};
-use crate::units::{PER_NM, Position};
+use crate::units::{PER_M, PER_NM, Position, TRAVEL_LIMIT_M};
 
 /// 2π with 61 fraction bits.
 const TAU_Q61: u128 = 14_488_038_916_154_245_685;
@@ -20,6 +20,13 @@ const TURN_Q48: f64 = 281_474_976_710_656.0;
 
 /// An end point may lie so far off the circle, nm: coordinates written in µm do.
 pub const END_TOLERANCE_NM: i64 = 2000;
+
+/// The travel, position units.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "100 m")]
+const MOST_REACH: u128 = (TRAVEL_LIMIT_M * PER_M) as u128;
+
+/// And by no more than this share of the arc's length, 32 fraction bits: a 1024th.
+const MOST_OFF_PER_LENGTH: u128 = 1 << 22;
 
 /// An arc as a function of the distance along it.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -46,8 +53,11 @@ pub struct Arc<const N: usize> {
 struct Off {
     /// In the axes of the plane, position units.
     by: [i64; 2],
-    /// 2⁻⁹⁶ of the arc per position unit.
+    /// Of the arc, per position unit, with `shift` + 32 fraction bits.
     share_per_unit: u64,
+    shift: u32,
+    /// Of the length, 32 fraction bits.
+    per_length: u64,
 }
 
 impl<const N: usize> Arc<N> {
@@ -120,9 +130,16 @@ impl<const N: usize> Arc<N> {
             return Err(PathError::BadPlane);
         };
         let by = [end[0].beyond(end_x), end[1].beyond(end_y)];
-        #[expect(clippy::cast_possible_truncation, reason = "below 2⁶⁴ from 2³² units on; see below")]
-        let share_per_unit = ((1u128 << 96) / u128::from(arc.length.unsigned_abs().max(1 << 33))) as u64;
-        arc.off = (by != [0; 2]).then_some(Off { by, share_per_unit });
+        let length = u128::from(arc.length.unsigned_abs().max(1));
+        let per_length = (length_of(by) << 32) / length;
+        if off > 0 && per_length > MOST_OFF_PER_LENGTH {
+            return Err(PathError::EndOffArc);
+        }
+        // 63 or 64 bits of it, whatever the length.
+        let shift = length.ilog2();
+        #[expect(clippy::cast_possible_truncation, reason = "see above, and at most 2²²")]
+        let (share_per_unit, per_length) = (((1u128 << (shift + 63)) / length) as u64, per_length as u64);
+        arc.off = (by != [0; 2]).then_some(Off { by, share_per_unit, shift: shift + 31, per_length });
         for (axis, place) in plane.into_iter().zip(end) {
             if let Some(end) = arc.end.get_mut(axis) {
                 *end = place;
@@ -142,6 +159,11 @@ impl<const N: usize> Arc<N> {
         }
         let radius = [x.beyond(centre[0]), y.beyond(centre[1])];
         let length_of_radius = length_of(radius);
+        // All of the circle lies within the travel.
+        let reach = |c: Position| u128::from(c.beyond(Position(0)).unsigned_abs()) + length_of_radius;
+        if centre.into_iter().any(|c| reach(c) > MOST_REACH) {
+            return Err(PathError::TooLarge(Field::Centre));
+        }
         if length_of_radius < 1000 * u128::from(PER_NM.unsigned_abs()) {
             return Err(PathError::ZeroRadius);
         }
@@ -177,6 +199,12 @@ impl<const N: usize> Arc<N> {
         self.curvature_radius
     }
 
+    /// How far the arc is drawn aside to its given end, as a share of its length, 32 fraction bits.
+    #[must_use]
+    pub fn off_per_length(&self) -> u64 {
+        self.off.as_ref().map_or(0, |off| off.per_length)
+    }
+
     /// Where the arc ends.
     #[must_use]
     pub const fn end(&self) -> [Position; N] {
@@ -197,9 +225,13 @@ impl<const N: usize> Arc<N> {
             -(scaled::<62>(x, sine) + scaled::<62>(y, cosine)) * sign,
             (scaled::<62>(x, cosine) - scaled::<62>(y, sine)) * sign,
         ];
-        for (axis, along) in self.plane.into_iter().zip(tangent) {
+        let aside = self.off.as_ref().map_or([0; 2], |off| {
+            #[expect(clippy::cast_possible_truncation, reason = "a 1024th at most")]
+            off.by.map(|by| ((i128::from(by) << 62) / i128::from(self.length.max(1))) as i64)
+        });
+        for ((axis, along), aside) in self.plane.into_iter().zip(tangent).zip(aside) {
             if let Some(place) = direction.get_mut(axis) {
-                *place = along;
+                *place = along + aside;
             }
         }
         direction
@@ -210,7 +242,7 @@ impl<const N: usize> Arc<N> {
     pub fn at(&self, distance: i64) -> [Position; N] {
         let mut point = self.turned(self.phase_of(distance));
         if let Some(off) = &self.off {
-            let part = (u128::from(distance.unsigned_abs()) * u128::from(off.share_per_unit)) >> 64;
+            let part = (u128::from(distance.unsigned_abs()) * u128::from(off.share_per_unit)) >> off.shift;
             let part = u32::try_from(part).unwrap_or(u32::MAX);
             for (axis, by) in self.plane.into_iter().zip(off.by) {
                 if let Some(place) = point.get_mut(axis) {
@@ -304,7 +336,7 @@ mod tests {
         let arc = Arc::plan([metres(0.05), metres(0.0)], [0, 1], [metres(0.0); 2], 0.25).unwrap();
         assert_eq!(arc.end(), [metres(0.0), metres(0.05)]);
         // 2π·50 mm/4 = 78.539816339744831 mm, to a position unit of circumference.
-        let exact = (0.05 * core::f64::consts::FRAC_PI_2 * crate::units::PER_M) as i64;
+        let exact = (0.05 * core::f64::consts::FRAC_PI_2 * PER_M) as i64;
         assert!((arc.length() - exact).abs() < 200, "{}", arc.length() - exact);
     }
 

@@ -3,7 +3,8 @@
 //! The distance follows a target that moves at the feed F, and by how much is the lag between them:
 //! d += α·(target − d), α = A/F, so that the first step, the steepest, accelerates by F·α = A. The lag that
 //! the target leaves at the end decays as (1 − α)ⁿ; once it is no more than F·α, the last step takes it
-//! all, and decelerates by no more than A.
+//! all, and decelerates by no more than A. It stands for a tick before and behind, so that neither the first nor the
+//! last step adds to what the neighbouring block does in one tick.
 
 use super::profile::part;
 use super::ramp::Limits;
@@ -41,18 +42,22 @@ impl Exponential {
 
     /// Goes one tick on. Whole position units, and whether they are the end.
     pub fn advance(&self, progress: &mut Progress) -> (i64, bool) {
+        if !core::mem::replace(&mut progress.begun, true) {
+            return (0, false);
+        }
         progress.target = (progress.target + self.feed).min(self.length);
         let lag = progress.target - progress.distance;
-        let ended = progress.target == self.length && lag <= self.last_step;
-        progress.step = if ended { lag } else { part(lag, self.share) };
+        let lands = progress.target == self.length && lag <= self.last_step;
+        progress.step = if lands { lag } else { part(lag, self.share) };
         progress.distance += progress.step;
-        (whole(progress.distance), ended)
+        (whole(progress.distance), lag == 0)
     }
 }
 
 /// How far a curve has come, position units with 64 fraction bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Progress {
+    begun: bool,
     target: i128,
     distance: i128,
     step: i128,
@@ -104,7 +109,7 @@ mod tests {
             prop_assert!(steps.iter().all(|&v| v >= 0 && v.unsigned_abs() <= feed + 1));
             prop_assert!(steps.windows(2).all(|w| (w[1] - w[0]).unsigned_abs() <= (acceleration >> 16) + 3));
             let least = length as f64 / feed as f64;
-            prop_assert!(steps.len() as f64 <= least + ticks * (2.0 * libm::log(ticks)) + 4.0, "{}", steps.len());
+            prop_assert!(steps.len() as f64 <= least + ticks * (2.0 * libm::log(ticks)) + 6.0, "{}", steps.len());
             prop_assert!(steps.len() as f64 >= least);
         }
     }
@@ -116,6 +121,8 @@ mod tests {
         let limits = Limits::new(feed << 16, (feed << 16) / 1000, None);
         let curve = Exponential::plan(1 << 50, &limits).unwrap();
         let mut progress = Progress::default();
+        // It stands for a tick.
+        assert_eq!(curve.advance(&mut progress), (0, false));
         for n in 1..5000 {
             let _ = curve.advance(&mut progress);
             let exact = feed as f64 * (1.0 - libm::pow(0.999, f64::from(n)));

@@ -12,6 +12,11 @@
 //! the last one for the acceleration towards the centre, which jumps where the curvature does. A' and J'
 //! are what the blocks spare for their joints; what a joint takes of it their ramps do without. So without
 //! filters a path passes at speed where it is smooth and all but stops where it has a corner.
+//!
+//! Joints that follow each other within the window W of the filters (or within one tick) add up. One beside a block
+//! of length L, passed at v, has the share x = L/(L + W·(v + a·W/2)) of all that to itself: a·W/2 is what the ramps
+//! can gain within a window. Of k + 1 joints within a window the blocks between them take no more than W, and at the
+//! worst, evenly spread, these shares are 1/(k + 1) each.
 
 use super::ramp::Limits;
 use super::smooth::Rounding;
@@ -39,7 +44,8 @@ pub struct Joint {
 impl Joint {
     /// The joint between two blocks whose limits are `limits` both.
     ///
-    /// `tolerance` is in position units; `ramps` is the acceleration of the ramps beside it.
+    /// `tolerance` is in position units, and so is the `length` of the shorter one; `ramps` is the acceleration of the
+    /// ramps beside it.
     #[must_use]
     pub fn between<const N: usize>(
         from: &End<N>,
@@ -48,17 +54,22 @@ impl Joint {
         ramps: u64,
         rounding: &Rounding,
         tolerance: u64,
+        length: u64,
     ) -> Self {
         // u with 32 fraction bits.
         let jump = jump(from, to);
         let over_jump = |velocity: u128| (velocity << 32) / jump;
         let stretched = |limit: u64, ticks: u64| (u128::from(limit) * u128::from(ticks)) >> 16;
         let mut speed = over_jump(stretched(limits.spare_acceleration, rounding.stretch));
-        if rounding.deviation > 0 {
+        let rounded = |own: u128| {
+            if rounding.deviation == 0 {
+                return u128::MAX;
+            }
             let by_ramps = stretched(ramps, rounding.deviation_by_acceleration);
-            let velocity = over_jump(u128::from(tolerance) << 16).saturating_sub(by_ramps);
-            speed = speed.min((velocity << 16) / u128::from(rounding.deviation));
-        }
+            let velocity = over_jump(u128::from(tolerance) << 16).min(u128::MAX >> 40);
+            (((velocity * own) >> 32).saturating_sub(by_ramps) << 16) / u128::from(rounding.deviation)
+        };
+        speed = speed.min(rounded(1 << 32));
         let curvature_jumps = from.radius != to.radius;
         let radii = || [from.radius, to.radius].into_iter().flatten().filter(|_| curvature_jumps);
         if limits.jerk.is_some() {
@@ -71,6 +82,8 @@ impl Joint {
             }
         }
         let speed = speed.min(u128::from(limits.feed));
+        let own = share(speed, stretched(ramps, rounding.window) / 2, rounding.window, length);
+        let speed = ((speed * own) >> 32).min(rounded(own));
         let acceleration = (((speed * jump) >> 32) << 16).div_ceil(u128::from(rounding.stretch.max(1)));
         let mut jerk = (acceleration << 16).div_ceil(u128::from(rounding.rise.max(1)));
         for radius in radii() {
@@ -78,8 +91,21 @@ impl Joint {
             jerk += centripetal.div_ceil(u128::from(rounding.stretch.max(1)));
         }
         let narrow = |value: u128| u64::try_from(value).unwrap_or(u64::MAX);
-        Self { speed: narrow(speed), acceleration: narrow(acceleration), jerk: narrow(jerk) }
+        // Its neighbours within the window take as much.
+        let all = |this: u128| narrow((this << 32).div_ceil(own));
+        Self { speed: narrow(speed), acceleration: all(acceleration), jerk: all(jerk) }
     }
+}
+
+/// The share of a window that a joint has to itself where alone it could be passed at `speed`, 32 fraction bits,
+/// at least 1.
+///
+/// x = L/(L + W·(x·speed + gain)): with r = W·speed/L and b = 1 + W·gain/L, x = 2/(b + √(b² + 4r)).
+fn share(speed: u128, gain: u128, window: u64, length: u64) -> u128 {
+    let length = u128::from(length.max(1));
+    let per_length = |speed: u128| (speed.min(1 << 64) * u128::from(window) / length).min(1 << 60);
+    let (r, b) = (per_length(speed), (1 << 32) + per_length(gain));
+    ((2 << 64) / (b + (b * b + (r << 34)).isqrt())).max(1)
 }
 
 /// |t₂ − t₁| with 32 fraction bits, rounded up.

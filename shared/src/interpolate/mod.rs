@@ -39,12 +39,15 @@ pub enum PathError {
     /// The end point of an arc is its start point: whether that is a full circle or none has to be
     /// said in turns.
     CoincidentEndPoints,
-    /// The end point of an arc lies further from the circle than [`arc::END_TOLERANCE_NM`].
+    /// The end point of an arc lies further from the circle than [`arc::END_TOLERANCE_NM`], or than a 1024th of
+    /// its length.
     EndOffArc,
     /// The block would last longer than can be counted.
     TooLong,
     /// The queue holds no more blocks.
     QueueFull,
+    /// The drives have gone off, and the path is forgotten with the next tick.
+    Interrupted,
 }
 
 /// The number of a block that a [`PathError`] is about.
@@ -87,6 +90,9 @@ impl core::fmt::Display for PathError {
             Self::EndOffArc => write!(f, "the arc's end point lies off its circle"),
             Self::TooLong => write!(f, "the block lasts longer than the controller can count"),
             Self::QueueFull => write!(f, "the queue of blocks is full"),
+            Self::Interrupted => {
+                write!(f, "the drives have gone off, and the path is forgotten with the next tick")
+            }
         }
     }
 }
@@ -128,10 +134,13 @@ pub(crate) const fn whole(distance: i128) -> i64 {
     (distance >> FRACTION) as i64
 }
 
-/// A speed with 16 fraction bits, of one with 64, which is not negative.
+/// A speed with 16 fraction bits, of a step with 64; none where a step that would have led backwards stops short.
 #[must_use]
-pub(crate) const fn speed(velocity: i128) -> u64 {
+pub(crate) const fn speed(step: i128) -> u64 {
+    if step < 0 {
+        return 0;
+    }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "feeds are below 2⁵⁷")]
-    let speed = (velocity >> (FRACTION - 16)) as u64;
+    let speed = (step >> (FRACTION - 16)) as u64;
     speed
 }

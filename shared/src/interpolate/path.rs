@@ -178,7 +178,8 @@ impl<const N: usize> Path<N> {
     }
 
     /// Starts a stop along the path with a deceleration, per tick² with 16 fraction bits, or with that of
-    /// the block where that is more: so that the path ends no later than planned.
+    /// the block where that is more: so that the path ends no later than planned. What joints on the way take comes
+    /// on top of it, at most as much again.
     pub fn brake(&mut self, deceleration: u64) {
         if self.braking.is_some() {
             return;
@@ -257,20 +258,21 @@ impl<const N: usize> Path<N> {
         let Some(block) = self.blocks.front() else { return Brake { speed: 0, ..brake } };
         brake.speed = brake.speed.saturating_sub(brake.deceleration.max(block.acceleration()));
         brake.distance += i128::from(brake.speed) << (FRACTION - 16);
-        let beyond = brake.distance - (i128::from(block.length()) << FRACTION);
-        if beyond < 0 {
-            self.place = block.at(whole(brake.distance));
-        } else {
+        // As many blocks as the queue holds may end within a tick.
+        for _ in 0..QUEUE {
+            let Some(block) = self.blocks.front() else { break };
+            let beyond = brake.distance - (i128::from(block.length()) << FRACTION);
+            if beyond < 0 {
+                self.place = block.at(whole(brake.distance));
+                return brake;
+            }
             self.place = block.end();
             if block.exit == 0 {
-                return Brake { speed: 0, ..brake };
+                break;
             }
             brake.distance = beyond;
             let _ = self.blocks.pop_front();
-            if let Some(next) = self.blocks.front() {
-                self.place = next.at(whole(beyond));
-            }
         }
-        brake
+        Brake { speed: 0, ..brake }
     }
 }

@@ -108,7 +108,7 @@ impl<const N: usize> Planned<N> {
         }
         let mut limits = limits(block, rate_hz)?;
         if let Geometry::Arc(arc) = &geometry {
-            limits = limits.on_radius(arc.curvature_radius());
+            limits = limits.on_radius(arc.curvature_radius()).less(arc.off_per_length());
         }
         let ramps = match block.ramps {
             Ramps::Trapezoid | Ramps::SCurve { .. } => Kind::Ramps,
@@ -159,7 +159,8 @@ impl<const N: usize> Planned<N> {
             return Joint::default();
         };
         let limits = self.limits.both(&next.limits);
-        let between = |ramps| Joint::between(&from, &to, &limits, ramps, rounding, tolerance);
+        let length = self.length().min(next.length()).unsigned_abs();
+        let between = |ramps| Joint::between(&from, &to, &limits, ramps, rounding, tolerance, length);
         match (self.ramps, next.ramps) {
             (Kind::Ramps, Kind::Ramps) => between(self.limits.acceleration.max(next.limits.acceleration)),
             // Without ramps it is the feed of both or nothing.
@@ -320,6 +321,8 @@ fn limits<const N: usize>(block: &Block<N>, rate_hz: f64) -> Result<Limits, Path
     // A feed below one position unit a tick would be lost in rounding.
     let feed = whole(feed * ONE, ONE, MOST_FEED * ONE, Field::Feed)?;
     let acceleration = whole(acceleration * ONE, 1.0, MOST_FEED * ONE, Field::Acceleration)?;
+    // The rise of a ramp is counted in parts of a tick: with a few of them its acceleration would not be met.
+    let jerk = jerk.map(|jerk| jerk.min(acceleration.saturating_mul(16)));
     Ok(Limits::new(feed, acceleration, jerk))
 }
 

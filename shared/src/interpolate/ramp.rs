@@ -43,6 +43,23 @@ impl Limits {
         Self { feed, acceleration, jerk, spare_acceleration: acceleration / 2, spare_jerk }
     }
 
+    /// The same for a path that is drawn aside by this share of its length (32 fraction bits): less by twice that, as
+    /// what is aside may point where an acceleration does.
+    #[must_use]
+    pub fn less(self, aside: u64) -> Self {
+        let less = |limit: u64| {
+            let part = (u128::from(limit) * u128::from(aside)) >> 31;
+            limit.saturating_sub(u64::try_from(part).unwrap_or(limit)).max(1)
+        };
+        Self {
+            feed: less(self.feed),
+            acceleration: less(self.acceleration),
+            jerk: self.jerk.map(less),
+            spare_acceleration: less(self.spare_acceleration),
+            spare_jerk: less(self.spare_jerk),
+        }
+    }
+
     /// What keeps the whole acceleration and jerk on an arc, with the part towards the centre.
     ///
     /// A sixteenth of A is spared for the joints. Of the rest, A*, towards the centre goes v²/R, at most

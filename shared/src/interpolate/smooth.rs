@@ -57,6 +57,8 @@ pub struct Rounding {
     pub stretch: u64,
     /// Whose own rise takes so many ticks, at least one, 16 fraction bits.
     pub rise: u64,
+    /// Joints that follow each other within so many ticks add up, 16 fraction bits.
+    pub window: u64,
 }
 
 impl Rounding {
@@ -68,6 +70,7 @@ impl Rounding {
             deviation_by_acceleration: self.deviation_by_acceleration.max(other.deviation_by_acceleration),
             stretch: self.stretch.min(other.stretch),
             rise: self.rise.min(other.rise),
+            window: self.window.max(other.window),
         }
     }
 }
@@ -155,9 +158,12 @@ impl Filter {
             deviation_by_acceleration: ONE * (long * long + short * short) / 48,
             stretch: ONE * long,
             rise: ONE * short.max(1),
+            window: ONE * (long + short),
         };
         match self {
-            Self::Pass => Rounding { deviation: 0, deviation_by_acceleration: 0, stretch: ONE, rise: ONE },
+            Self::Pass => {
+                Rounding { deviation: 0, deviation_by_acceleration: 0, stretch: ONE, rise: ONE, window: ONE }
+            }
             Self::Mean(long) => means(long.ticks.into(), 0),
             Self::Means(long, short) => means(long.ticks.into(), short.ticks.into()),
             Self::Lag(share) => {
@@ -170,6 +176,8 @@ impl Filter {
                     deviation_by_acceleration: u64::try_from(by_acceleration).unwrap_or(u64::MAX),
                     stretch: lag.max(ONE),
                     rise: ONE,
+                    // Steps that follow each other after d ticks add up to 1/(1 − e^(−d/τ)), below 1 + τ/d of one.
+                    window: lag.max(ONE),
                 }
             }
         }
@@ -190,7 +198,7 @@ fn ticks(seconds: f64, rate_hz: f64) -> Result<u16, PathError> {
     if !ticks.is_finite() {
         return Err(PathError::NotFinite(Field::Smoothing));
     }
-    if ticks < 0.0 {
+    if seconds < 0.0 {
         return Err(PathError::NotPositive(Field::Smoothing));
     }
     if ticks > WINDOW as f64 {
