@@ -15,12 +15,14 @@ pub struct Backlash {
 impl Backlash {
     /// Half of the gap, m.
     #[must_use]
+    #[inline]
     pub fn half_m(&self) -> f64 {
         0.5e-6 * self.width_um
     }
 
     /// The part of a deflection (screw − table, m) that the gap swallows.
     #[must_use]
+    #[inline]
     pub fn swallowed_m(&self, deflection_m: f64) -> f64 {
         deflection_m.clamp(-self.half_m(), self.half_m())
     }

@@ -17,6 +17,7 @@ pub struct FrictionAsymmetry {
 impl FrictionAsymmetry {
     /// Force (N) on top of symmetric viscous friction: h·|v|, the same way for both directions.
     #[must_use]
+    #[inline]
     pub fn force_n(&self, velocity_m_per_s: f64) -> f64 {
         self.half_difference_n_s_per_m * velocity_m_per_s.abs()
     }

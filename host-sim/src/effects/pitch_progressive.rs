@@ -15,6 +15,7 @@ pub struct PitchProgressive {
 impl PitchProgressive {
     /// How much further than nominal the screw carries the table, m.
     #[must_use]
+    #[inline]
     pub fn error_m(&self, motor_m: f64) -> f64 {
         1e-6 * self.slope_um_per_m * motor_m
     }

@@ -24,6 +24,7 @@ impl Default for Stribeck {
 impl Stribeck {
     /// Rise of the sliding level (N, not negative for a positive excess) at a velocity.
     #[must_use]
+    #[inline]
     pub fn rise_n(&self, velocity_m_per_s: f64) -> f64 {
         if self.static_excess_n == 0.0 {
             return 0.0;

@@ -5,7 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use shared::axis::Reading;
 use shared::units::Position;
 
-use super::mechanics::AxisMotion;
+use super::mechanics::{AxisMotion, Stepper};
 use super::parameters::AxisParameters;
 use super::sensors::Sensor;
 use super::structure::{self, Swing, Tables};
@@ -58,9 +58,9 @@ pub struct Row {
 
 struct DeskAxis {
     parameters: AxisParameters,
+    stepper: Stepper,
     motion: AxisMotion,
     swing: Swing,
-    drive_n: f64,
     commanded_n: f64,
 }
 
@@ -75,27 +75,36 @@ pub struct Desk {
 }
 
 impl Desk {
-    /// A machine at rest with its motors at `start_m`, stepped by the tick of its velocity loop.
+    /// A machine at rest with its motors at `start_m`, stepped by the tick of its velocity loop, with as many steps in
+    /// it as what is not linear asks for ([`AxisParameters::step_s`]).
     #[must_use]
     pub fn new(machine: &Machine, instruments: Instruments, start_m: &[f64]) -> Self {
         let tick_s = 1.0 / machine.velocity_rate_hz();
-        let axes: Vec<DeskAxis> = machine
-            .axis
-            .values()
-            .zip(start_m)
-            .map(|(axis, &start)| {
-                let parameters = AxisParameters::of(axis);
-                let motion = AxisMotion::at_rest(&parameters, start);
-                DeskAxis { parameters, motion, swing: Swing::default(), drive_n: 0.0, commanded_n: 0.0 }
-            })
-            .collect();
-        let finest = axes.iter().map(|a| a.parameters.step_s()).fold(tick_s, f64::min);
+        let steps_s = machine.axis.values().map(|axis| AxisParameters::of(axis).step_s());
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
             reason = "a handful of steps a tick"
         )]
-        let substeps = (tick_s / finest).ceil() as u32;
+        let steps = (tick_s / steps_s.fold(tick_s, f64::min)).ceil() as u32;
+        Self::with_steps(machine, instruments, start_m, steps)
+    }
+
+    /// The same with a number of steps in each tick, at least one.
+    #[must_use]
+    pub fn with_steps(machine: &Machine, instruments: Instruments, start_m: &[f64], steps: u32) -> Self {
+        let substeps = steps.max(1);
+        let tick_s = 1.0 / machine.velocity_rate_hz();
+        let step_s = tick_s / f64::from(substeps);
+        let parameters = machine.axis.values().map(AxisParameters::of);
+        let stand = |(parameters, &start): (AxisParameters, &f64)| DeskAxis {
+            stepper: Stepper::new(&parameters, instruments.drive_time_constant_s, step_s),
+            motion: AxisMotion::at_rest(&parameters, start),
+            swing: Swing::default(),
+            commanded_n: 0.0,
+            parameters,
+        };
+        let axes = parameters.zip(start_m).map(stand).collect();
         Self {
             names: machine.axis.keys().cloned().collect(),
             axes,
@@ -121,7 +130,8 @@ impl Desk {
     /// What is logged beside the controller's readings, at a time of the session.
     pub fn row(&mut self, readings: &[Reading], time_s: f64) -> Vec<Row> {
         let position_m: Vec<f64> = self.axes.iter().map(|a| a.motion.table_m).collect();
-        let acceleration: Vec<f64> = self.axes.iter().map(|a| a.motion.table_m_per_s2).collect();
+        let acceleration: Vec<f64> =
+            self.axes.iter().map(|a| a.motion.table_m_per_s2(&a.parameters)).collect();
         let tables = Tables { names: &self.names, position_m: &position_m, acceleration: &acceleration };
         let mut rows = Vec::with_capacity(self.axes.len());
         for (i, axis) in self.axes.iter().enumerate() {
@@ -140,18 +150,14 @@ impl Desk {
     /// Moves the machine for one tick under the forces that the controller asks for, N.
     pub fn step(&mut self, forces_n: impl Iterator<Item = f64>) {
         let step_s = self.tick_s / f64::from(self.substeps);
-        let share = match self.instruments.drive_time_constant_s {
-            tau if tau > 0.0 => -(-step_s / tau).exp_m1(),
-            _ => 1.0,
-        };
-        for (axis, force) in self.axes.iter_mut().zip(forces_n) {
-            axis.commanded_n = force;
+        for (axis, force_n) in self.axes.iter_mut().zip(forces_n) {
+            axis.commanded_n = force_n;
             for _ in 0..self.substeps {
-                axis.drive_n += share * (force - axis.drive_n);
-                axis.motion.step(&axis.parameters, axis.drive_n, step_s);
+                let before = axis.motion.table_m_per_s;
+                axis.stepper.step(&axis.parameters, &mut axis.motion, force_n);
                 if let Some(resonance) = &axis.parameters.tool.resonance {
-                    let AxisMotion { table_m_per_s, table_m_per_s2, .. } = axis.motion;
-                    axis.swing.step(resonance, table_m_per_s2, table_m_per_s, step_s);
+                    let after = axis.motion.table_m_per_s;
+                    axis.swing.step(resonance, (after - before) / step_s, after, step_s);
                 }
             }
         }
@@ -164,6 +170,6 @@ impl DeskAxis {
         let late_s =
             |late: &crate::effects::Latency| if late.channel == channel { 1e-3 * late.ms } else { 0.0 };
         let tau: f64 = self.parameters.late.iter().map(late_s).sum();
-        tau * (self.motion.table_m_per_s - 0.5 * tau * self.motion.table_m_per_s2)
+        tau * (self.motion.table_m_per_s - 0.5 * tau * self.motion.table_m_per_s2(&self.parameters))
     }
 }

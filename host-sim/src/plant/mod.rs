@@ -1,8 +1,8 @@
 //! The machine on the desk: drive, motor, screw, table, tool point, and the sensors on them.
 //!
 //! [`parameters::AxisParameters`] is what an axis is made of, in SI and with one of each effect;
-//! [`mechanics`] moves it, [`structure`] carries the tool, [`sensors`] read it, [`desk`] holds the whole machine. The tracer drives the
-//! same parts with measured signals.
+//! [`mechanics`] moves it (its linear part by [`transition`]), [`structure`] carries the tool, [`sensors`] read it,
+//! [`desk`] holds the whole machine. The tracer drives the same parts with measured signals.
 
 pub mod desk;
 pub mod driven;
@@ -12,3 +12,4 @@ pub mod parameters;
 pub mod screw;
 pub mod sensors;
 pub mod structure;
+pub mod transition;

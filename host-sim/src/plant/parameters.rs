@@ -129,6 +129,7 @@ impl AxisParameters {
 
     /// Friction of the motor itself, N, against its velocity (m/s).
     #[must_use]
+    #[inline]
     pub fn motor_friction_n(&self, velocity: f64) -> f64 {
         if self.motor_coulomb_n == 0.0 {
             return 0.0;
@@ -138,27 +139,36 @@ impl AxisParameters {
 
     /// Force of all torque ripple, N, at a motor position (m).
     #[must_use]
+    #[inline]
     pub fn ripple_n(&self, motor_m: f64) -> f64 {
         self.ripple.iter().map(|ripple| ripple.force_n(motor_m)).sum()
     }
 
     /// Reading − true position of the motor, m.
     #[must_use]
+    #[inline]
     pub fn dividing_m(&self, motor_m: f64) -> f64 {
         self.dividing.as_ref().map_or(0.0, |dividing| dividing.error_m(motor_m))
     }
 
-    /// A step (s) in which the stiffest spring turns its masses by no more than 0.06 rad.
+    /// A step (s) short enough for what is not linear: the guide's bristles under the table, the motor's own
+    /// friction about standstill, and the touch at the edges of a gap.
     #[must_use]
     pub fn step_s(&self) -> f64 {
-        let bristles = self.friction.bristle_stiffness_n_per_m;
-        let (inverse_mass, stiffness) = match &self.spring {
-            Some(spring) => {
-                (self.motor_mass_kg.recip() + self.table_mass_kg.recip(), spring.stiffness_n_per_m + bristles)
-            }
-            None => ((self.motor_mass_kg + self.table_mass_kg).recip(), bristles),
+        let (motor_kg, table_kg) = match self.spring {
+            Some(_) => (self.motor_mass_kg, self.table_mass_kg),
+            None => (self.motor_mass_kg + self.table_mass_kg, self.motor_mass_kg + self.table_mass_kg),
         };
-        let fastest = (stiffness * inverse_mass).sqrt();
-        if fastest > 0.0 { 0.06 / fastest } else { 1e-3 }
+        let bristles = (self.friction.bristle_stiffness_n_per_m / table_kg).sqrt();
+        let motor = self.motor_coulomb_n / MOTOR_SIGN_WIDTH_M_PER_S / motor_kg;
+        let touch = match &self.spring {
+            Some(spring) if self.screw.backlash.width_um > 0.0 => {
+                (spring.stiffness_n_per_m * (motor_kg.recip() + table_kg.recip())).sqrt()
+            }
+            _ => 0.0,
+        };
+        // Per step: radians of the bristles' swing and of the screw's, and share of a velocity that friction stops.
+        let fastest = (bristles / 0.06).max(motor / 0.2).max(touch / 0.1);
+        if fastest > 0.0 { fastest.recip() } else { 1e-3 }
     }
 }

@@ -15,6 +15,7 @@ pub struct Sensor {
 
 impl Sensor {
     /// What the sensor shows of a value.
+    #[inline]
     pub fn read(&self, value: f64, random: &mut ChaCha8Rng) -> f64 {
         let noisy = if self.noise > 0.0 { value + self.noise * normal(random) } else { value };
         if self.resolution > 0.0 { (noisy / self.resolution).round() * self.resolution } else { noisy }

@@ -8,7 +8,7 @@ use super::signals::{AxisSignals, Signals, Smooth};
 use crate::effects::Channel;
 use crate::machine::Axis;
 use crate::plant::driven::{DrivenTable, Prescribed};
-use crate::plant::mechanics::AxisMotion;
+use crate::plant::mechanics::{AxisMotion, Stepper};
 use crate::plant::parameters::AxisParameters;
 use crate::plant::structure::{self, Swing, Tables};
 
@@ -138,11 +138,11 @@ pub fn closed_loop(
     let config = AxisConfig::<f64>::new(settings, rates).ok()?;
     let tick_s = 1.0 / rates.velocity_loop_hz;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
-    let substeps = (tick_s / parameters.step_s()).ceil().max(2.0) as u32;
+    let substeps = (tick_s / parameters.step_s()).ceil() as u32;
     if substeps > MOST_SUBSTEPS {
         return None;
     }
-    let step_s = tick_s / f64::from(substeps);
+    let stepper = Stepper::new(parameters, 0.0, tick_s / f64::from(substeps));
     let position = |m: f64| Position::from_m(m).unwrap_or_default();
 
     let (&first, &second) = (command.first()?, command.get(1)?);
@@ -169,7 +169,7 @@ pub fn closed_loop(
             let reading = if tick == 0 { reading } else { read(&motion) };
             let (force, _) = state.velocity_tick(&config, reading, 0.0);
             for _ in 0..substeps {
-                motion.step(parameters, force, step_s);
+                stepper.step(parameters, &mut motion, force);
             }
         }
     }
@@ -186,6 +186,7 @@ fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMo
         table_m: table.position_m(parameters, screw),
         table_m_per_s: velocity,
         bristle_m: table.bristle_m(),
+        friction_n: parameters.friction.bristle_stiffness_n_per_m * table.bristle_m(),
         ..AxisMotion::default()
     }
 }
