@@ -65,24 +65,28 @@ impl Friction {
             + self.viscous_n(velocity)
     }
 
-    /// The mean force over a step, without the viscous part; `about` is what the mean velocity is expected to be.
+    /// The mean force over a step, without the viscous part, of what moves `mobility` (m/s) slower for each newton of
+    /// it; `about` is what its mean velocity is expected to be.
     ///
     /// With |v|/g as expected the bristles relax exponentially by r = σ0·|v|·Δt/g; 1/(1 + r + r²/2) is that to the
-    /// second order, and does not ring where a step relaxes them many times over.
+    /// second order, and does not ring where a step relaxes them many times over. What depends on the velocity
+    /// itself is left to [`Mean::force_n`]: nothing here waits for it.
     #[must_use]
     #[inline]
-    pub fn over(&self, bristle_m: f64, about: f64, step: StepTime) -> Mean {
+    pub fn over(&self, bristle_m: f64, about: f64, mobility: f64, step: StepTime) -> Mean {
         let (stiffness, damping) = (self.bristle_stiffness_n_per_m, self.bristle_damping_n_s_per_m);
-        let relaxation = stiffness * about.abs() * step.seconds / self.level_n(about).max(1e-9);
+        let relaxation = stiffness * step.seconds * about.abs() / self.level_n(about).max(1e-9);
         let half = 1.0 + 0.5 * relaxation;
         let whole = 1.0 + relaxation * half;
         // Over the step the bend is on average half/whole of the old one, and its rise (1 + r)/2whole of the way.
+        let offset_n = bristle_m * (stiffness * half + damping * (1.0 - whole) * step.per_second);
+        let slope_n_s_per_m = 0.5 * stiffness * step.seconds * (1.0 + relaxation) + damping * half;
+        let share = (whole + mobility * slope_n_s_per_m).recip();
         Mean {
-            whole,
-            offset_n: bristle_m * (stiffness * half + damping * (1.0 - whole) * step.per_second),
-            slope_n_s_per_m: 0.5 * stiffness * step.seconds * (1.0 + relaxation) + damping * half,
-            bristle_m,
-            takes_s: half * step.seconds,
+            offset_n: offset_n * share,
+            slope_n_s_per_m: slope_n_s_per_m * share,
+            keeps_m: bristle_m / whole,
+            takes_s: half * step.seconds / whole,
         }
     }
 }
@@ -104,36 +108,28 @@ impl StepTime {
     }
 }
 
-/// Mean friction over a step as (offset + slope·v)/whole, and the bristles at its end.
+/// Mean friction over a step as offset + slope·(velocity without it), and the bristles at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Mean {
-    whole: f64,
     offset_n: f64,
     slope_n_s_per_m: f64,
-    bristle_m: f64,
+    keeps_m: f64,
     takes_s: f64,
 }
 
 impl Mean {
-    /// Mean velocity of what would move with `free` (m/s) without this friction, and moves `mobility` (m/s) slower
-    /// for each newton of it.
+    /// Mean force, N, on what would move with the mean velocity `free` (m/s) without it.
     #[must_use]
     #[inline]
-    pub fn velocity(&self, free: f64, mobility: f64) -> f64 {
-        (free * self.whole - mobility * self.offset_n) / (self.whole + mobility * self.slope_n_s_per_m)
+    pub fn force_n(&self, free: f64) -> f64 {
+        self.offset_n + self.slope_n_s_per_m * free
     }
 
-    /// Mean force, N.
-    #[must_use]
-    pub fn force_n(&self, velocity: f64) -> f64 {
-        (self.offset_n + self.slope_n_s_per_m * velocity) / self.whole
-    }
-
-    /// Bend of the bristles at the end, m.
+    /// Bend of the bristles at the end, m, for the mean velocity that came of it.
     #[must_use]
     #[inline]
     pub fn bristle_m(&self, velocity: f64) -> f64 {
-        (self.bristle_m + self.takes_s * velocity) / self.whole
+        self.keeps_m + self.takes_s * velocity
     }
 }
 
@@ -181,7 +177,8 @@ mod tests {
             let mut momentum = 0.0;
             for i in 0..steps {
                 let v = 0.9e-3 * (f64::from(i) + 0.5) / f64::from(steps);
-                let mean = guide().over(bristle, v, StepTime::new(step_s));
+                // Of a mass that no force moves.
+                let mean = guide().over(bristle, v, 0.0, StepTime::new(step_s));
                 momentum += step_s * mean.force_n(v);
                 bristle = mean.bristle_m(v);
             }

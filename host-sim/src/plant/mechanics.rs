@@ -165,17 +165,14 @@ impl Stepper {
         let about = motion.table_m_per_s + 0.5 * motion.table_change;
         let load_n = parameters.load.force_n + friction.asymmetry.force_n(about);
         if friction.has_bristles() {
-            let mean = friction.over(motion.bristle_m, about, self.step);
-            // Mean velocity per newton.
-            let mobility = linear.yields[0] * self.step.per_second;
-            let free = end[0] * self.step.per_second - mobility * load_n;
-            let velocity = mean.velocity(free, mobility);
-            motion.bristle_m = mean.bristle_m(velocity);
-            motion.friction_n = (free - velocity) * self.step.seconds * linear.newtons_per_m;
+            let mean = friction.over(motion.bristle_m, about, linear.mobility, self.step);
+            let free = end[0] * self.step.per_second - linear.mobility * load_n;
+            motion.friction_n = mean.force_n(free);
+            motion.bristle_m = mean.bristle_m(free - linear.mobility * motion.friction_n);
         } else {
             // It can stop the table and hold it, but not push it.
             let level_n = friction.level_n(about);
-            motion.friction_n = (end[3] / linear.yields[1] - load_n).clamp(-level_n, level_n);
+            motion.friction_n = (end[3] * linear.stops_n_s_per_m - load_n).clamp(-level_n, level_n);
         }
         -(motion.friction_n + load_n)
     }

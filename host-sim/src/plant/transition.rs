@@ -47,10 +47,10 @@ pub struct Transition {
     /// Per newton that stays on the motor.
     motor_push: End,
     table_push: End,
-    /// Table's way and velocity per newton that stays on it.
-    pub yields: [f64; 2],
-    /// Newtons on the table for each metre of its way.
-    pub newtons_per_m: f64,
+    /// Mean velocity of the table (m/s) per newton that stays on it.
+    pub mobility: f64,
+    /// Newtons that have to stay on the table to change its velocity by 1 m/s within the step.
+    pub stops_n_s_per_m: f64,
     /// Share of the drive's lag that is left.
     pub lag_left: f64,
 }
@@ -103,8 +103,8 @@ impl Transition {
             lag: if lags { column(LAG) } else { f64x4::ZERO },
             motor_push: column(MOTOR_PUSH),
             table_push: column(TABLE_PUSH),
-            yields: [whole[(WAY, TABLE_PUSH)], whole[(TABLE, TABLE_PUSH)]],
-            newtons_per_m: whole[(WAY, TABLE_PUSH)].recip(),
+            mobility: whole[(WAY, TABLE_PUSH)] / step_s,
+            stops_n_s_per_m: whole[(TABLE, TABLE_PUSH)].recip(),
             lag_left: if lags { whole[(LAG, LAG)] } else { 0.0 },
         }
     }
