@@ -13,8 +13,8 @@
 //!
 //! A tick holds what continuous time lets slide: the shift is late by up to h·ΔQ/T', which bounds every deviation.
 
-use super::response::{Response, Shown, TICK_S, Times, at, breaks, run};
 use super::printed;
+use super::response::{Response, Shown, TICK_S, Times, at, breaks, run};
 use crate::report::number::{fixed, significant};
 use crate::report::plot::{Chart, Ink, Layer};
 use crate::reproduce::{Outcome, Picture, Printed, ReproduceError, Study};
@@ -201,9 +201,8 @@ fn add_breaks(study: &mut Study, times: Times, responses: &[Response]) -> Result
 
 /// What the paper concludes from its formulas.
 fn add_claims(study: &mut Study, responses: &[Vec<Response>; 3]) {
-    let highest = responses.each_ref().map(|responses| {
-        responses.iter().map(Response::magnitude).fold(0.0, f64::max)
-    });
+    let highest =
+        responses.each_ref().map(|responses| responses.iter().map(Response::magnitude).fold(0.0, f64::max));
     // A tenth of T, where it is highest: |G|² − 1 = (2αx² − 1)/((1 + x²)(1 + α²x²)), x = ωT.
     let small = times(0.1);
     let at_small = (2..=5).map(|times_four| at(small, f64::from(times_four) / small.position_s).magnitude());
@@ -270,7 +269,8 @@ fn picture_of_steps(systems: [Times; 3]) -> Picture {
         let exact = (0..=350).map(|k| 1e-3 * f64::from(k)).map(|t| (t, after_step(times, t)));
         layers.push(line(ink, exact.collect(), false));
         let rows = run(times, TICKS, |_| STEP_NM);
-        let marks = (0u32..).zip(&rows).step_by(400).map(|(k, row)| (f64::from(k) * TICK_S, row.table_nm / STEP_NM));
+        let marks =
+            (0u32..).zip(&rows).step_by(400).map(|(k, row)| (f64::from(k) * TICK_S, row.table_nm / STEP_NM));
         layers.extend(marks.filter(|mark| mark.0 <= END_S).map(|mark| line(Ink::After, vec![mark], true)));
     }
     let title = "A step of the lost motion".to_owned();
@@ -297,9 +297,8 @@ fn picture_of_bode(systems: [Times; 3], responses: &[Vec<Response>; 3]) -> Pictu
         let exact = (-150..=150).map(|k| 0.01 * f64::from(k));
         let exact = exact.map(|decade| (decade, db(magnitude(times, 10f64.powf(decade) / times.position_s))));
         layers.push(line(ink, exact.collect(), false));
-        let place = |response: &Response| {
-            ((response.omega * times.position_s).log10(), db(response.magnitude()))
-        };
+        let place =
+            |response: &Response| ((response.omega * times.position_s).log10(), db(response.magnitude()));
         layers.extend(responses.iter().map(|response| line(Ink::After, vec![place(response)], true)));
     }
     let title = "Bode diagram of the dual feedback system".to_owned();
@@ -343,7 +342,8 @@ mod tests {
         for times in [Times { position_s: 0.03, shift_s: 0.01 }, times(1.0)] {
             for t in [0.005, 0.03, 0.1] {
                 let q = |k: f64| after_step(times, t + k * h);
-                let (first, second) = ((q(1.0) - q(-1.0)) / (2.0 * h), (q(1.0) - 2.0 * q(0.0) + q(-1.0)) / (h * h));
+                let (first, second) =
+                    ((q(1.0) - q(-1.0)) / (2.0 * h), (q(1.0) - 2.0 * q(0.0) + q(-1.0)) / (h * h));
                 let Times { position_s, shift_s } = times;
                 let sum = position_s * shift_s * second + (position_s + shift_s) * first + q(0.0);
                 assert!(sum.abs() < 1e-4, "{times:?} {t}: {sum}");
@@ -360,8 +360,13 @@ mod tests {
         for times in ALPHAS.map(times) {
             for response in bode(times) {
                 let exact = magnitude(times, response.omega);
-                let motor = 1.0 / (1f64.hypot(response.omega * times.position_s) * 1f64.hypot(response.omega * times.shift_s));
-                let tolerance = 1.02 * motor * ((response.omega * TICK_S).powi(2) / 3.0 + (TICK_S / times.shift_s).powi(2) / 6.0) + 5e-5;
+                let motor = 1.0
+                    / (1f64.hypot(response.omega * times.position_s)
+                        * 1f64.hypot(response.omega * times.shift_s));
+                let tolerance = 1.02
+                    * motor
+                    * ((response.omega * TICK_S).powi(2) / 3.0 + (TICK_S / times.shift_s).powi(2) / 6.0)
+                    + 5e-5;
                 assert!((response.magnitude() - exact).abs() < tolerance, "{times:?} {response:?} {exact}");
             }
         }

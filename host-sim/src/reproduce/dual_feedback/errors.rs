@@ -104,8 +104,18 @@ pub fn add(study: &mut Study) {
         fixed(torque_kg_cm(), 1),
     ));
     study.outcomes.extend([
-        Outcome::new("torque to move at least one pulse, (5), from the friction in (6)", of_092, torque_kg_cm(), "kg·cm"),
-        Outcome::new("lost motion, (6), from the torque in (5)", printed(11.7, 0.1), PULSE_UM * lost.value, "µm"),
+        Outcome::new(
+            "torque to move at least one pulse, (5), from the friction in (6)",
+            of_092,
+            torque_kg_cm(),
+            "kg·cm",
+        ),
+        Outcome::new(
+            "lost motion, (6), from the torque in (5)",
+            printed(11.7, 0.1),
+            PULSE_UM * lost.value,
+            "µm",
+        ),
         Outcome::new("lost motion: scatter ±", printed(0.8, 0.1), PULSE_UM * lost.half_width, "µm"),
         Outcome::new("positioning error, (7)", printed(6.0, 1.0), PULSE_UM * place.value, "µm"),
         Outcome::new("positioning error: scatter ±", printed(3.15, 0.01), PULSE_UM * place.half_width, "µm"),
@@ -145,7 +155,8 @@ mod tests {
         let mut random = ChaCha8Rng::seed_from_u64(8);
         let n = 100_000;
         // Uniform in ±√3·Δ has a standard deviation of Δ.
-        let mut draw = |of: Uncertain| of.value + of.half_width * 3f64.sqrt() * (2.0 * random.random::<f64>() - 1.0);
+        let mut draw =
+            |of: Uncertain| of.value + of.half_width * 3f64.sqrt() * (2.0 * random.random::<f64>() - 1.0);
         let (a, b) = (about(30.0, 3.0), about(16.2, 1.5));
         let sums: Vec<f64> = (0..n).map(|_| draw(a) + draw(b)).collect();
         let mean = sums.iter().sum::<f64>() / f64::from(n);

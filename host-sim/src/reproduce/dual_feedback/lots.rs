@@ -13,14 +13,15 @@ use crate::reproduce::{Outcome, Picture, Printed, Study};
 
 /// Table 1, µm above 39 mm, by part number. Read against the print: 18 as 40.019, 23 as 40.025, 42 as 39.989.
 const CONVENTIONAL_UM: [u32; 42] = [
-    1012, 968, 976, 951, 955, 977, 993, 953, 969, 1025, 958, 982, 1019, 976, 966, 977, 974, 1019, 1011, 979, 979,
-    978, 1025, 951, 963, 1008, 986, 967, 975, 978, 1015, 1029, 986, 961, 978, 975, 966, 1021, 989, 979, 967, 989,
+    1012, 968, 976, 951, 955, 977, 993, 953, 969, 1025, 958, 982, 1019, 976, 966, 977, 974, 1019, 1011, 979,
+    979, 978, 1025, 951, 963, 1008, 986, 967, 975, 978, 1015, 1029, 986, 961, 978, 975, 966, 1021, 989, 979,
+    967, 989,
 ];
 
 /// Table 2, µm above 199 mm, by part number.
 const CONTROLLED_UM: [u32; 31] = [
-    881, 881, 881, 884, 898, 895, 881, 885, 885, 885, 885, 881, 881, 879, 882, 881, 881, 881, 881, 882, 880, 881,
-    881, 881, 881, 881, 882, 885, 881, 881, 881,
+    881, 881, 881, 884, 898, 895, 881, 885, 885, 885, 885, 881, 881, 879, 882, 881, 881, 881, 881, 882, 880,
+    881, 881, 881, 881, 881, 882, 885, 881, 881, 881,
 ];
 
 /// Parts a class in table 3.
@@ -42,19 +43,8 @@ const CONVENTIONAL_PRINTED: [Option<usize>; 14] = [
 ];
 
 /// Parts a class in table 4, three of them illegible.
-const CONTROLLED_PRINTED: [Option<usize>; 11] = [
-    Some(1),
-    Some(19),
-    Some(3),
-    None,
-    None,
-    None,
-    Some(0),
-    Some(0),
-    Some(1),
-    Some(0),
-    Some(1),
-];
+const CONTROLLED_PRINTED: [Option<usize>; 11] =
+    [Some(1), Some(19), Some(3), None, None, None, Some(0), Some(0), Some(1), Some(0), Some(1)];
 
 /// A lot as the paper gives it.
 struct Lot {
@@ -128,13 +118,15 @@ impl Lot {
     /// Classes whose printed frequency can be read, and those of them that hold as many parts.
     fn classes(&self) -> (usize, usize) {
         let found = self.frequencies();
-        let same = self.printed.iter().zip(&found).filter(|(printed, found)| **printed == Some(**found)).count();
+        let same =
+            self.printed.iter().zip(&found).filter(|(printed, found)| **printed == Some(**found)).count();
         (self.printed.iter().flatten().count(), same)
     }
 
     fn outcomes(&self) -> [Outcome; 2] {
         let (legible, same) = self.classes();
-        let histogram = format!("{}: classes of {} µm with the printed number of parts", self.name, self.class_um);
+        let histogram =
+            format!("{}: classes of {} µm with the printed number of parts", self.name, self.class_um);
         [
             Outcome::new(
                 format!("{}: scatter ±S = 2σ", self.name),

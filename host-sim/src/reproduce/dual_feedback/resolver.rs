@@ -127,7 +127,11 @@ fn picture(read: &[f64]) -> Picture {
             .collect(),
     };
     let svg = chart.svg();
-    let keys = vec![("after", "error".to_owned()), ("before-range", "within 1σ".to_owned()), ("cw", "2σ, 3σ".to_owned())];
+    let keys = vec![
+        ("after", "error".to_owned()),
+        ("before-range", "within 1σ".to_owned()),
+        ("cw", "2σ, 3σ".to_owned()),
+    ];
     Picture { title, svg, caption, keys }
 }
 
