@@ -3,7 +3,7 @@
 //! (A ± ΔA) + (B ± ΔB) = (A + B) ± √(ΔA² + ΔB²). A torque error is a position error through the motor's stiffness, its
 //! torque for one pulse of command: 50 kg·cm at 2.4°, 0.01 mm at the table.
 
-use std::ops::{Add, Div, Mul};
+use std::ops::{Add, Mul};
 
 use super::printed;
 use crate::report::number::fixed;
@@ -37,14 +37,6 @@ impl Mul<f64> for Uncertain {
     }
 }
 
-impl Div<f64> for Uncertain {
-    type Output = Self;
-
-    fn div(self, divisor: f64) -> Self {
-        self * divisor.recip()
-    }
-}
-
 /// Static friction of the axis at the motor, kg·cm.
 const STATIC_KG_CM: Uncertain = about(30.0, 3.0);
 /// Fluctuation of the least kinetic friction at the motor, kg·cm.
@@ -72,7 +64,7 @@ fn lost_motion() -> Uncertain {
     let friction = about(mean_friction_kg_cm(), 0.0)
         + about(0.0, STATIC_KG_CM.half_width)
         + about(0.0, KINETIC_FLUCTUATION_KG_CM);
-    friction / MOTOR_KG_CM_PER_PULSE + about(BACKLASH_PULSES, 0.0) + about(0.0, SENSING_PULSES)
+    friction * MOTOR_KG_CM_PER_PULSE.recip() + about(BACKLASH_PULSES, 0.0) + about(0.0, SENSING_PULSES)
 }
 
 /// Equation (7), pulses: half of the lost motion, which is from one side to the other.
@@ -82,7 +74,7 @@ fn positioning() -> Uncertain {
 
 /// Equation (8), pulses: kinetic friction on the way there, and on the way there again.
 fn repetition() -> Uncertain {
-    let once = about(0.0, KINETIC_FLUCTUATION_KG_CM) / MOTOR_KG_CM_PER_PULSE;
+    let once = about(0.0, KINETIC_FLUCTUATION_KG_CM) * MOTOR_KG_CM_PER_PULSE.recip();
     once + once
 }
 

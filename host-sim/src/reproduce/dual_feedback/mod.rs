@@ -3,6 +3,7 @@
 //! One file a part of the paper: the turned lots, the sums of errors and the resolver's own, the closed forms of
 //! the dual feedback system, and that system beside the two that it stands between.
 
+mod bode;
 mod closed_forms;
 mod errors;
 mod lots;
@@ -29,7 +30,8 @@ pub fn run() -> Result<Study, ReproduceError> {
     lots::add(&mut study);
     errors::add(&mut study);
     resolver::add(&mut study)?;
-    closed_forms::add(&mut study)?;
+    closed_forms::add(&mut study);
+    bode::add(&mut study)?;
     systems::add(&mut study)?;
     Ok(study)
 }

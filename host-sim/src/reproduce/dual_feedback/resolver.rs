@@ -100,38 +100,32 @@ pub fn add(study: &mut Study) -> Result<(), ReproduceError> {
 }
 
 fn picture(read: &[f64]) -> Picture {
-    let end = f64::from(QUARTER);
-    let level = |share: f64| vec![(0.0, share), (end, share), (end, -share), (0.0, -share)];
-    let bands = [0.683].map(|share| Layer { ink: Ink::BeforeRange, points: level(share), is_marked: false });
-    let limits = [0.954, 0.997].map(|share| Layer {
-        ink: Ink::Third,
-        points: vec![(0.0, share), (4.0 * end, share)],
-        is_marked: false,
-    });
-    let points = (0u32..).zip(read).map(|(k, error)| (f64::from(k), *error)).collect();
-    let title = "Dividing error of the resolver over a turn".to_owned();
-    let caption = "Reading − motor, read through the controller's resolver input: D sin θ. In the quarter that the \
-                   paper counts, 48 pulses lie within 1σ (the surface), 81 and 96 within 2σ and 3σ (the lines)."
+    let errors: Vec<(f64, f64)> = (0..QUARTER).map(f64::from).zip(read.iter().copied()).collect();
+    // From zero along the share to its last pulse, and down to the axis.
+    let limit = |(share, count): (f64, f64)| {
+        let last = count - 1.0;
+        Layer { ink: Ink::Third, points: vec![(0.0, share), (last, share), (last, 0.0)], is_marked: false }
+    };
+    let limits = PRINTED
+        .map(|(_, share, _)| limit((share, errors.iter().filter(|point| point.1 <= share).count() as f64)));
+    let title = "Dividing error of the resolver over a quarter turn".to_owned();
+    let caption = "Reading − motor at each pulse, read through the controller's resolver input: D sin θ. The lines end at the \
+                   last pulse within 1σ, 2σ and 3σ of D: the 48th, the 81st and the 96th, counted from the one at zero."
         .to_owned();
     let chart = Chart {
-        size: (560, 220),
+        size: (820, 260),
         title: &title,
         description: &caption,
         x: "pulses of 0.9°",
         y: "error, D",
         noise: 0.0,
-        layers: bands
+        layers: limits
             .into_iter()
-            .chain(limits)
-            .chain([Layer { ink: Ink::After, points, is_marked: false }])
+            .chain([Layer { ink: Ink::After, points: errors.clone(), is_marked: false }])
             .collect(),
     };
     let svg = chart.svg();
-    let keys = vec![
-        ("after", "error".to_owned()),
-        ("before-range", "within 1σ".to_owned()),
-        ("cw", "2σ, 3σ".to_owned()),
-    ];
+    let keys = vec![("after", "error".to_owned()), ("cw", "within 1σ, 2σ, 3σ of D".to_owned())];
     Picture { title, svg, caption, keys }
 }
 
@@ -149,7 +143,7 @@ mod tests {
     /// Counted against the arc sine: pulses 0 to ⌊asin(share)/0.9°⌋.
     #[test]
     fn a_count_is_the_arc_sine_and_one() {
-        for share in [0.1, 0.5, 0.683, 0.954, 0.997] {
+        for share in [0.1_f64, 0.5, 0.683, 0.954, 0.997] {
             let last = (share.asin() / (TAU / 400.0)).floor();
             let found = within(&formula()[..100], share);
             assert!((found - (last + 1.0)).abs() < 1e-9, "{share}: {found}");

@@ -98,6 +98,11 @@ pub fn add(study: &mut Study) -> Result<(), ReproduceError> {
             more(),
             semi_found.gain_per_s / full_found.gain_per_s,
         ),
+        ratio(
+            "Kp left by a drive half as stiff, semi-closed over full-closed",
+            more(),
+            semi_left / full_left,
+        ),
         ratio("highest Kp, dual over full-closed", more(), dual.gain_per_s / full_found.gain_per_s),
         ratio(
             "highest Kp, dual over semi-closed: nearly the same",
@@ -129,7 +134,7 @@ fn picture_of_margins(semi: &Found, full: &Found, duals: &[Found]) -> Picture {
         shifts.join(", ")
     );
     let chart = Chart {
-        size: (560, 240),
+        size: (820, 260),
         title: &title,
         description: &caption,
         x: "highest stable Kp, 1/s",
@@ -166,7 +171,7 @@ fn picture_of_creeps([semi, full, dual]: [&Found; 3]) -> Picture {
         significant(FAR_MM, 2)
     );
     let chart = Chart {
-        size: (560, 240),
+        size: (820, 260),
         title: &title,
         description: &caption,
         x: "command, mm",

@@ -17,6 +17,9 @@ const SEED: u64 = 1977;
 /// m/s².
 const ACCELERATION: f64 = 1.0;
 
+/// Of the slow ways, m/s²: they are to show the errors of the way, not of its beginning.
+const SLOW_ACCELERATION: f64 = 0.02;
+
 /// Between two stops, m.
 const PITCH_M: f64 = 0.023;
 
@@ -161,7 +164,9 @@ pub const FAR_MM: f64 = 40.0;
 pub fn creep(system: System, gain_per_s: f64) -> Result<Vec<(f64, f64)>, ReproduceError> {
     const FEED_M_PER_S: f64 = 5e-3;
     let machine = machine(system, gain_per_s)?;
-    let log = log(&machine, &[to(1e-3 * FAR_MM, FEED_M_PER_S), to(0.0, FEED_M_PER_S)])?;
+    let slow =
+        |target_m| PathBlock { acceleration_m_per_s2: SLOW_ACCELERATION, ..to(target_m, FEED_M_PER_S) };
+    let log = log(&machine, &[slow(1e-3 * FAR_MM), slow(0.0)])?;
     Ok(rows(&log).iter().map(|row| (row.command_mm, row.table_um)).collect())
 }
 
@@ -208,4 +213,104 @@ pub fn highest_gain_per_s(system: System) -> Result<f64, ReproduceError> {
         if swing_um(system, between)? < SWING_UM { calm = between } else { wild = between }
     }
     Ok(calm)
+}
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::SMatrix;
+
+    use super::*;
+
+    const SYSTEMS: [System; 3] = [
+        System::new(Feedback::Motor, 0.2),
+        System::new(Feedback::Table, 0.2),
+        System::new(Feedback::Dual, 0.2),
+    ];
+
+    /// Greatest real part of the eigenvalues of the loop in motion at a gain, 1/s: the gap stays closed under friction,
+    /// whose bristles are bent through, so that its force stands but for the viscous part.
+    ///
+    /// The position loop's hold and the velocity loop's (half a tick each, and half a tick more of its difference of
+    /// positions) are lags of the first order.
+    fn growth(system: System, gain_per_s: f64) -> f64 {
+        let machine = machine(system, gain_per_s).unwrap();
+        let axis = &machine.axis["x"];
+        let [m, table_kg] = [axis.motor_mass_kg.unwrap(), axis.table_mass_kg.unwrap()];
+        let (k, c) = (1e6 * axis.stiffness_n_per_um.unwrap(), axis.damping_n_s_per_m.unwrap());
+        let b = axis.viscous_n_s_per_m.unwrap();
+        let (kv, ti) = (axis.velocity_gain_n_s_per_m.unwrap(), axis.velocity_integral_time_s.unwrap());
+        let omega = std::f64::consts::TAU * axis.low_pass_frequency_hz.unwrap();
+        let zeta = axis.low_pass_damping_ratio.unwrap();
+        let position_hold_s = 0.5 / machine.sample_rate_hz;
+        let velocity_hold_s = 1.0 / machine.velocity_rate_hz();
+        let drive_s = Instruments::typical(0).drive_time_constant_s;
+        // Shares of motor, table and shift in the feedback.
+        let (of_motor, of_table, of_shift) = match system.feedback {
+            Feedback::Motor => (1.0, 0.0, 0.0),
+            Feedback::Table => (0.0, 1.0, 0.0),
+            Feedback::Dual => (1.0, 0.0, 1.0),
+        };
+        // 0 motor, 1 its velocity, 2 table, 3 its velocity, 4 shift, 5 feedback as held, 6 integral of the velocity's
+        // error, 7 force behind the low-pass, 8 its rate, 9 force as held, 10 force of the drive.
+        let mut a = SMatrix::<f64, 11, 11>::zeros();
+        a[(0, 1)] = 1.0;
+        a[(2, 3)] = 1.0;
+        for (column, force) in [(0, k), (1, c), (2, -k), (3, -c)] {
+            a[(1, column)] -= force / m;
+            a[(3, column)] += force / table_kg;
+        }
+        a[(3, 3)] -= b / table_kg;
+        a[(1, 10)] = 1.0 / m;
+        for (column, share) in [(2, 1.0), (0, -1.0), (4, -1.0)] {
+            a[(4, column)] = share / system.shift_s;
+        }
+        for (column, share) in [(0, of_motor), (2, of_table), (4, of_shift), (5, -1.0)] {
+            a[(5, column)] += share / position_hold_s;
+        }
+        a[(6, 5)] = -gain_per_s;
+        a[(6, 1)] = -1.0;
+        a[(7, 8)] = 1.0;
+        for (column, force) in [(5, -kv * gain_per_s), (1, -kv), (6, kv / ti), (7, -1.0)] {
+            a[(8, column)] += omega * omega * force;
+        }
+        a[(8, 8)] = -2.0 * zeta * omega;
+        for (row, from, lag_s) in [(9, 7, velocity_hold_s), (10, 9, drive_s)] {
+            a[(row, from)] = 1.0 / lag_s;
+            a[(row, row)] = -1.0 / lag_s;
+        }
+        let matrix = nalgebra::DMatrix::from_fn(11, 11, |row, column| a[(row, column)]);
+        matrix.complex_eigenvalues().iter().map(|value| value.re).fold(f64::MIN, f64::max)
+    }
+
+    /// Where the machine begins to swing, its linear loop is at its limit: within a tenth, for lags in place of ticks and
+    /// for what a swing has to grow to.
+    #[test]
+    fn the_highest_gain_is_the_limit_of_the_linear_loop() {
+        for system in SYSTEMS {
+            let (mut calm, mut wild) = (4.0, 2000.0);
+            while wild > 1.001 * calm {
+                let between = f64::sqrt(calm * wild);
+                if growth(system, between) < 1e-9 { calm = between } else { wild = between }
+            }
+            let found = highest_gain_per_s(system).unwrap();
+            println!("{:?}: {found:.1} on the machine, {calm:.1} of the linear loop, 1/s", system.feedback);
+            assert!((found / calm - 1.0).abs() < 0.1, "{system:?}: {found} for {calm}");
+        }
+    }
+
+    /// Semi-closed, the same stop from above and from below is apart by the backlash, and by no more than the wind-up
+    /// under friction either way on top, 2·300 N/(50 N/µm); the other two reach it from both sides.
+    #[test]
+    fn stops_are_apart_by_the_backlash() {
+        for system in SYSTEMS {
+            let stops = stops_um(system, 50.0).unwrap();
+            assert_eq!(stops.len(), 2 * STOPS as usize);
+            let (up, down) = stops.split_at(STOPS as usize);
+            for (below, above) in up.iter().zip(down.iter().rev()) {
+                let apart = above - below;
+                let expected = if system.feedback == Feedback::Motor { 20.0..32.0 } else { -1.0..1.0 };
+                assert!(expected.contains(&apart), "{system:?}: {apart}");
+            }
+        }
+    }
 }
