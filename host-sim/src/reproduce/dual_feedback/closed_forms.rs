@@ -232,7 +232,7 @@ fn picture_of_steps(systems: [Times; 3]) -> Picture {
 mod tests {
     use super::*;
 
-    /// Each within what its own tick explains, and not by less than a twentieth of it where the shift is held.
+    /// Each within what its own tick explains; the table's step does show the tick.
     #[test]
     fn every_closed_form_holds_at_every_alpha() {
         for times in ALPHAS.map(times) {
