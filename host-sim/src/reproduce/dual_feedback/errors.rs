@@ -127,8 +127,8 @@ pub fn add(study: &mut Study) {
             .to_owned(),
         "(6) is scanned as 0.92 − 0.08 − 0.25; as 1.17 is 0.92 + 0.25, the signs are read ± and +.".to_owned(),
         "The scatter of the positioning error, ±3.15 µm in (7), does not follow from its own legible terms (0.05, 0.08 and \
-         0.05 pulse, halved, are ±0.5 µm), nor from any other sum of squares of figures in the example. A term under \
-         the root is lost in the scan, or ±0.5 pulse was added as it is: (0.05 + 0.08 + 0.5)/2 = 0.315."
+         0.05 pulse, halved, are ±0.5 µm), and the scan lost what stands beside them. (0.05 + 0.08 + 0.5)/2 is \
+         0.315, which would be ±0.5 pulse added as it is and not as a square; that is a guess, and the verdict differs."
             .to_owned(),
     ]);
 }

@@ -214,7 +214,7 @@ pub fn add(study: &mut Study) {
          read 39.989: no class holds them otherwise. Part 27 is read 39.986, which its class in table 3 needs."
             .to_owned(),
         "Table 1 and table 3 of the paper disagree on one part: the sizes put 3 and 3 into the classes of 40.010 to \
-         40.016 and 40.016 to 40.022 mm, the tally 2 and 4. No reading of a doubtful digit changes that."
+         40.016 and 40.016 to 40.022 mm, the tally 2 and 4. Which of them is misread or miscounted cannot be told."
             .to_owned(),
         "Table 2, the controlled lot, is read as 18 parts of 199.881 and 5 of 199.885 mm, part by part; its tally in \
          table 4 (19 up to 199.881 mm with the one of 199.880) says the same. S does not depend on it: 19 and 4 \
