@@ -90,7 +90,7 @@ pub fn add(study: &mut Study) -> Result<(), ReproduceError> {
     let turn = PRINTED.map(|(_, share, _)| fixed(within(&read, share), 1));
     study.notes.push(format!(
         "The resolver's 48, 81 and 96 % are pulses of one quarter turn with the one at zero: the paper's \
-         asin(0.997)/0.9° is 95.1, whose 96th pulse is the first one beyond. Over a whole turn, where zero is not \
+         asin(0.997)/0.9° is 95.1, and pulses 0 to 95, 96 of them, lie below it. Over a whole turn, where zero is not \
          counted four times, the shares are {}, {} and {} %. They are no σ of the error itself: a sine's σ is D/√2, \
          and 2σ of that hold all of it.",
         turn[0], turn[1], turn[2]
@@ -106,12 +106,14 @@ fn picture(read: &[f64]) -> Picture {
         let last = count - 1.0;
         Layer { ink: Ink::Third, points: vec![(0.0, share), (last, share), (last, 0.0)], is_marked: false }
     };
-    let limits = PRINTED
-        .map(|(_, share, _)| limit((share, errors.iter().filter(|point| point.1 <= share).count() as f64)));
+    let counts = PRINTED.map(|(_, share, _)| errors.iter().filter(|point| point.1 <= share).count());
+    let limits = [0, 1, 2].map(|k| limit((PRINTED[k].1, counts[k] as f64)));
     let title = "Dividing error of the resolver over a quarter turn".to_owned();
-    let caption = "Reading − motor at each pulse, read through the controller's resolver input: D sin θ. The lines end at the \
-                   last pulse within 1σ, 2σ and 3σ of D: the 48th, the 81st and the 96th, counted from the one at zero."
-        .to_owned();
+    let caption = format!(
+        "Reading − motor at each pulse, read through the controller's resolver input: D sin θ. The lines end at the last \
+         pulse within 1σ, 2σ and 3σ of D: counted from the one at zero, number {}, {} and {}.",
+        counts[0], counts[1], counts[2]
+    );
     let chart = Chart {
         size: (820, 260),
         title: &title,
