@@ -72,15 +72,15 @@ fn add_magnitudes(study: &mut Study, responses: &[Vec<Response>; 3]) {
         "",
     ));
     study.said.push(format!(
-        "The table moves by up to {} times a lost motion that comes and goes where T' = T, by {} times where T' is three \
-         times shorter: 2/√3 at the most.",
+        "The table moves by up to {} times a lost motion that comes and goes where T' = T, by {} times where T' is \
+         three times shorter: 2/√3 at the most.",
         significant(highest[1], 4),
         significant(highest[0], 4)
     ));
     study.notes.push(
-        "The paper rules α = T'/T far below one out because |Qo/ΔQ| is then above one. By its own formula (13) the magnitude \
-         does not change when T and T' are exchanged, is above one for every α at ω > 1/√(2TT'), and highest, \
-         2/√3, at α = 1: a small α is the milder case, and this verdict differs."
+        "The paper rules α = T'/T far below one out because |Qo/ΔQ| is then above one. By its own formula (13) the \
+         magnitude does not change when T and T' are exchanged, is above one for every α at ω > 1/√(2TT'), and \
+         highest, 2/√3, at α = 1: a small α is the milder case, and this verdict differs."
             .to_owned(),
     );
 }
@@ -97,9 +97,9 @@ fn picture(systems: [Times; 3], responses: &[Vec<Response>; 3]) -> Picture {
         layers.extend(responses.iter().map(|response| line(Ink::After, vec![place(response)], true)));
     }
     let title = "Bode diagram of the dual feedback system".to_owned();
-    let caption = "How much of a lost motion that comes and goes the table shows, |Qo/ΔQ|: formula (13), and measured on the \
-                   controller's dual feedback in fixed point. Slow lost motion is taken out; above (T + T')/(TT') the loop \
-                   does not answer any more, as in a semi-closed one."
+    let caption = "How much of a lost motion that comes and goes the table shows, |Qo/ΔQ|: formula (13), and measured \
+                   on the controller's dual feedback in fixed point. Slow lost motion is taken out; above (T + \
+                   T')/(TT') the loop does not answer any more, as in a semi-closed one."
         .to_owned();
     let chart = Chart {
         size: (820, 260),

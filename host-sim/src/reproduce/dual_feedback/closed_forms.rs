@@ -27,8 +27,8 @@ pub const ALPHAS: [f64; 3] = [1.0 / 3.0, 1.0, 8.0 / 3.0];
 /// Lost motion, nm.
 const STEP_NM: f64 = 10_000.0;
 
-/// What fixed point leaves of 10 µm, nm: its gains are h/T' right to 2⁻²⁵ of one, 5e-5 of themselves, and an answer goes
-/// with at most 1/e of that; half of its 1/16 nm stands in each of the two integrators.
+/// What fixed point leaves of 10 µm, nm: its gains are h/T' right to 2⁻²⁵ of one, 5e-5 of themselves, and an answer
+/// goes with at most 1/e of that; half of its 1/16 nm stands in each of the two integrators.
 const FORMAT_NM: f64 = 0.3;
 
 /// Half a second.
@@ -169,12 +169,12 @@ pub fn add(study: &mut Study) {
     ]);
     study.pictures.push(picture_of_steps(systems));
     study.notes.extend([
-        "\"In any case Qc does not exceed either ΔQp or ΔQb\" holds for the greater of the two: by (16) Qc is a mean of \
-         ΔQb and ΔQp/K' that goes from the one to the other. It exceeds the lesser, and that verdict differs. ΔQp \
+        "That Qc never exceeds ΔQp or ΔQb, as the paper ends, holds for the greater of the two: by (16) Qc is a mean \
+         of ΔQb and ΔQp/K' that goes from the one to the other. It exceeds the lesser, and that verdict differs. ΔQp \
          stands there for ΔQp/K', the same number only at the paper's K' = 1 1/s."
             .to_owned(),
-        "The condition printed as T = T' over the partial fractions of (11) is read T ≠ T'; the values of α in the paper's \
-         figure of (12) are not in the scan, so 1/3, 1 and 8/3 are taken with T = 0.03 s."
+        "The condition printed as T = T' over the partial fractions of (11) is read T ≠ T'; the values of α in the \
+         paper's figure of (12) are not in the scan, so 1/3, 1 and 8/3 are taken with T = 0.03 s."
             .to_owned(),
     ]);
 }
@@ -212,9 +212,10 @@ fn picture_of_steps(systems: [Times; 3]) -> Picture {
         layers.extend(marks.filter(|mark| mark.0 <= END_S).map(|mark| line(Ink::After, vec![mark], true)));
     }
     let title = "A step of the lost motion".to_owned();
-    let caption = "How the table comes back after the lost motion has jumped by ΔQ, T = 0.03 s: closed forms (11) and (12), \
-                   and the controller's dual feedback in fixed point behind an ideal motor."
-        .to_owned();
+    let caption =
+        "How the table comes back after the lost motion has jumped by ΔQ, T = 0.03 s: closed forms (11), \
+                   (12), and the controller's dual feedback in fixed point behind an ideal motor."
+            .to_owned();
     let chart = Chart {
         size: (820, 260),
         title: &title,

@@ -120,14 +120,14 @@ pub fn add(study: &mut Study) {
     ]);
     study.notes.extend([
         "The design example's motor friction and least kinetic friction are illegible, but their sum stands in two \
-         places, in the torque of (5), 50.7 kg·cm with all fluctuations, and in the friction part of (6), 0.92 pulses of \
-         50 kg·cm without them. Each is computed from the other here; they agree to 0.2 kg·cm, which would be the \
-         fluctuation of the motor's own friction. The terms of the scatter in (6) are read as 3 and 1.5 of 50 kg·cm and \
-         0.05 pulse of the transducer, its backlash as 0.25 pulse."
+         places, in the torque of (5), 50.7 kg·cm with all fluctuations, and in the friction part of (6), 0.92 pulses \
+         of 50 kg·cm without them. Each is computed from the other here; they agree to 0.2 kg·cm, which would be the \
+         fluctuation of the motor's own friction. The terms of the scatter in (6) are read as 3 and 1.5 of 50 kg·cm \
+         and 0.05 pulse of the transducer, its backlash as 0.25 pulse."
             .to_owned(),
         "(6) is scanned as 0.92 − 0.08 − 0.25; as 1.17 is 0.92 + 0.25, the signs are read ± and +.".to_owned(),
-        "The scatter of the positioning error, ±3.15 µm in (7), does not follow from its own legible terms (0.05, 0.08 and \
-         0.05 pulse, halved, are ±0.5 µm), and the scan lost what stands beside them. (0.05 + 0.08 + 0.5)/2 is \
+        "The scatter of the positioning error, ±3.15 µm in (7), does not follow from its own legible terms (0.05, 0.08 \
+         and 0.05 pulse, halved, are ±0.5 µm), and the scan lost what stands beside them. (0.05 + 0.08 + 0.5)/2 is \
          0.315, which would be ±0.5 pulse added as it is and not as a square; that is a guess, and the verdict differs."
             .to_owned(),
     ]);
@@ -140,8 +140,8 @@ mod tests {
 
     use super::*;
 
-    /// The rule against 10⁵ draws: the standard deviation of a sum of two independent errors. That of a standard deviation
-    /// from n draws is σ/√(2n), 0.22 % (less for uniform draws), of which five are allowed.
+    /// The rule against 10⁵ draws: the standard deviation of a sum of two independent errors. That of a standard
+    /// deviation from n draws is σ/√(2n), 0.22 % (less for uniform draws), of which five are allowed.
     #[test]
     fn errors_superpose_as_squares() {
         let mut random = ChaCha8Rng::seed_from_u64(8);

@@ -110,8 +110,8 @@ fn picture(read: &[f64]) -> Picture {
     let limits = [0, 1, 2].map(|k| limit((PRINTED[k].1, counts[k] as f64)));
     let title = "Dividing error of the resolver over a quarter turn".to_owned();
     let caption = format!(
-        "Reading − motor at each pulse, read through the controller's resolver input: D sin θ. The lines end at the last \
-         pulse within 1σ, 2σ and 3σ of D: counted from the one at zero, number {}, {} and {}.",
+        "Reading − motor at each pulse, read through the controller's resolver input: D sin θ. The lines end at the \
+         last pulse within 1σ, 2σ and 3σ of D: counted from the one at zero, number {}, {} and {}.",
         counts[0], counts[1], counts[2]
     );
     let chart = Chart {

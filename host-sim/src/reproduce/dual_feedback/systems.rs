@@ -113,9 +113,9 @@ pub fn add(study: &mut Study) -> Result<(), ReproduceError> {
     study.pictures.push(picture_of_margins(&semi_found, &full_found, &dual_found));
     study.pictures.push(picture_of_creeps([&semi_found, &full_found, dual]));
     study.notes.push(format!(
-        "The paper compares the three systems in words, without a machine or figures. Ours has a table of 1500 kg behind \
-         50 N/µm, 20 µm of backlash, pitch errors of 80 µm/m and ±3 µm a turn, and a drive that follows to 150 Hz. \
-         \"Nearly the same controllability as semi-closed\" is read as a highest Kp within a fifth of it. The \
+        "The paper compares the three systems in words, without a machine or figures. Ours has a table of 1500 kg \
+         behind 50 N/µm, 20 µm of backlash, pitch errors of 80 µm/m and ±3 µm a turn, and a drive that follows to 150 \
+         Hz. Control nearly as good as semi-closed is read as a highest Kp within a fifth of it. The \
          comparison takes T' = {} s, as the paper names none; at 0.05 s dual feedback has {} of the semi-closed gain, \
          and at 0.01 s {} of the full-closed one.",
         significant(SHIFT_S, 1),
@@ -131,8 +131,8 @@ fn picture_of_margins(semi: &Found, full: &Found, duals: &[Found]) -> Picture {
     let title = "Accuracy against stable gain".to_owned();
     let shifts = SHIFTS_S.map(|shift_s| significant(shift_s, 1));
     let caption = format!(
-        "The rms error of the table on a slow way, at half of the highest stable Kp, over that Kp. Dual feedback goes from the \
-         full-closed to the semi-closed system's gain as T' grows ({} s).",
+        "The rms error of the table on a slow way, at half of the highest stable Kp, over that Kp. Dual feedback goes \
+         from the full-closed to the semi-closed system's gain as T' grows ({} s).",
         shifts.join(", ")
     );
     let chart = Chart {
@@ -168,8 +168,8 @@ fn picture_of_creeps([semi, full, dual]: [&Found; 3]) -> Picture {
     let title = "Up and down a slow way".to_owned();
     let caption = format!(
         "Table − command over {} mm at 5 mm/s and back, each system at half of its highest stable Kp. Semi-closed, the \
-         table keeps the backlash, the wind-up under friction and the pitch errors; dual feedback takes them out but for \
-         what changes faster than T'.",
+         table keeps the backlash, the wind-up under friction and the pitch errors; dual feedback takes them out but \
+         for what changes faster than T'.",
         significant(FAR_MM, 2)
     );
     let chart = Chart {

@@ -282,8 +282,8 @@ mod tests {
         matrix.complex_eigenvalues().iter().map(|value| value.re).fold(f64::MIN, f64::max)
     }
 
-    /// Where the machine begins to swing, its linear loop is at its limit: within a tenth, for lags in place of ticks and
-    /// for what a swing has to grow to.
+    /// Where the machine begins to swing, its linear loop is at its limit: within a tenth, for lags in place of ticks
+    /// and for what a swing has to grow to.
     #[test]
     fn the_highest_gain_is_the_limit_of_the_linear_loop() {
         for system in SYSTEMS {
