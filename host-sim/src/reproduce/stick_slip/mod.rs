@@ -1,0 +1,229 @@
+//! Stick-slip in the circular test (Chattopadhyay 2008).
+//!
+//! [`model`] is the paper's equation of motion, [`contributors`] the other errors of a circle that it lists.
+
+pub mod contributors;
+pub mod model;
+
+use super::ballbar::{Ballbar, from_axis_rad};
+use super::{Outcome, Picture, Printed, ReproduceError, Study};
+use crate::report::number::{fixed, significant};
+use crate::report::plot::{Chart, Ink, Layer};
+use crate::report::polar::{division_for, drawing};
+use contributors::{Contributor, SHOWN};
+use model::{Circle, Deviations, RADIUS_M, SPEEDS_RAD_PER_S, TABLES};
+
+/// Printed for the lower speed, µm.
+const ERRORS_UM: Printed = Printed::Between(2.0, 3.0);
+
+/// Runs the experiments of the paper.
+///
+/// # Errors
+/// When a loop does not hold or an integration fails.
+pub fn run() -> Result<Study, ReproduceError> {
+    let [lower, higher] = SPEEDS_RAD_PER_S;
+    let laps = [Stick::at(lower)?, Stick::at(higher)?];
+    let bent = SHOWN
+        .iter()
+        .map(|contributor| Ok((contributor, contributor.ballbar()?)))
+        .collect::<Result<Vec<_>, ReproduceError>>()?;
+    let mut outcomes = stick_slip_outcomes(&laps);
+    outcomes.extend(bent.iter().filter_map(|(contributor, ballbar)| shape(contributor, ballbar)));
+    let mut said = vec![said_of_friction()];
+    said.extend(bent.iter().map(|(contributor, ballbar)| size(contributor, ballbar)));
+    let mut pictures = vec![friction_picture(), deviation_picture(&laps)];
+    pictures.push(polar("Stick-slip at 1.5 rad/s", "friction as before", &laps[1].ballbar));
+    pictures.extend(bent.iter().map(|(contributor, ballbar)| {
+        polar(contributor.name(), &contributor.words(), ballbar)
+    }));
+    Ok(Study {
+        paper: "Chattopadhyay 2008",
+        title: "Stick-slip in the circular test",
+        said,
+        outcomes,
+        pictures,
+        notes: notes(&laps),
+    })
+}
+
+/// The paper's tables on the circle at one speed.
+struct Stick {
+    lap: Deviations,
+    ballbar: Ballbar,
+}
+
+impl Stick {
+    fn at(speed_rad_per_s: f64) -> Result<Self, ReproduceError> {
+        let lap = Deviations::on(Circle { speed_rad_per_s })?;
+        Ok(Self { lap, ballbar: model::ballbar(speed_rad_per_s)? })
+    }
+}
+
+fn stick_slip_outcomes([lower, higher]: &[Stick; 2]) -> Vec<Outcome> {
+    let (slow_um, fast_um) = (lower.lap.swing_um(), higher.lap.swing_um());
+    let radial_um = [lower, higher].map(|stick| stick.ballbar.circular_deviation_um());
+    let jump = from_axis_rad(greatest(&higher.ballbar)).to_degrees();
+    let more = Printed::Above(1.0);
+    vec![
+        Outcome::new("deviation of X from end to end, 0.5 rad/s", ERRORS_UM, slow_um[0], "µm"),
+        Outcome::new("deviation of Y from end to end, 0.5 rad/s", ERRORS_UM, slow_um[1], "µm"),
+        Outcome::new("deviation of X, 1.5 over 0.5 rad/s", more.clone(), fast_um[0] / slow_um[0], ""),
+        Outcome::new("deviation of Y, 1.5 over 0.5 rad/s", more.clone(), fast_um[1] / slow_um[1], ""),
+        Outcome::new("the same error read radially, 0.5 rad/s", ERRORS_UM, radial_um[0], "µm"),
+        Outcome::new("radial error, 1.5 over 0.5 rad/s", more, radial_um[1] / radial_um[0], ""),
+        Outcome::new("greatest radial error, from the quadrant change", Printed::Below(22.5), jump, "°"),
+    ]
+}
+
+/// Angle of the greatest radial deviation of either sign, rad.
+fn greatest(ballbar: &Ballbar) -> f64 {
+    let outline = ballbar.positive.outline();
+    let most = outline.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
+    most.map_or(f64::NAN, |point| point.0)
+}
+
+/// What the paper says of a contributor's shape, without a figure or with the angle of it.
+fn shape(contributor: &Contributor, ballbar: &Ballbar) -> Option<Outcome> {
+    let jump = from_axis_rad(ballbar.positive.jump_rad()).to_degrees();
+    match contributor {
+        Contributor::Squareness { .. } => {
+            let share = ballbar.positive.oval_share().min(ballbar.negative.oval_share());
+            Some(Outcome::new("squareness: share of the oval in the error", Printed::Above(0.5), share, ""))
+        }
+        Contributor::Backlash { width_um } => {
+            let [x, y] = ballbar.reversal_um();
+            let share = 0.5 * (x + y) / width_um;
+            Some(Outcome::new("backlash: reversal value over its width", Printed::Above(0.5), share, ""))
+        }
+        Contributor::MasterSlaveChangeover { .. } => {
+            let printed = Printed::Figure { value: 45.0, tolerance: 0.5 };
+            Some(Outcome::new("changeover: the glitch, from an axis", printed, jump, "°"))
+        }
+        _ => None,
+    }
+}
+
+/// Why nothing swings up by itself.
+fn said_of_friction() -> String {
+    let most_m_per_s = SPEEDS_RAD_PER_S[1] * RADIUS_M;
+    let tables: Vec<String> = TABLES
+        .iter()
+        .map(|table| {
+            let fall = model::steepest_fall_n_s_per_m(&table.friction(), most_m_per_s);
+            format!("{} of {} N·s/m", significant(fall, 3), significant(table.damping_n_s_per_m, 4))
+        })
+        .collect();
+    format!(
+        "Friction falls off with speed by no more than {} on X and {} on Y that the drives' damping takes up: neither \
+         table swings up by itself. What is left is friction turning over at each reversal on a drive that gives way, \
+         which is where the error stands.",
+        tables[0], tables[1]
+    )
+}
+
+/// Circular deviation and reversal value of a contributor in a sentence.
+fn size(contributor: &Contributor, ballbar: &Ballbar) -> String {
+    let [x, y] = ballbar.reversal_um();
+    let expected = contributor.expected_um().map_or(String::new(), |expected| {
+        format!(
+            "; in closed form {} and {} µm",
+            significant(expected.circular_deviation_um, 3),
+            significant(expected.reversal_um, 3)
+        )
+    });
+    format!(
+        "{}, {}: circular deviation G {} µm, reversal value B {} µm on X and {} µm on Y{expected}.",
+        contributor.name(),
+        contributor.words(),
+        significant(ballbar.circular_deviation_um(), 3),
+        rounded(x),
+        rounded(y),
+    )
+}
+
+/// To 0.01 µm: what the reading of a reversal value leaves of an oval is no value.
+fn rounded(um: f64) -> String {
+    fixed(um, 2)
+}
+
+fn friction_picture() -> Picture {
+    let friction = TABLES[0].friction();
+    let most = SPEEDS_RAD_PER_S[1] * RADIUS_M;
+    let point = |i: i32| {
+        let v = most * f64::from(i) / 300.0;
+        (1e3 * v, friction.coefficient(v))
+    };
+    let caption = "The coefficient of friction as it is printed, over the speeds of the circle at 1.5 rad/s.";
+    let chart = Chart {
+        size: (590, 190),
+        title: "Coefficient of friction over velocity",
+        description: caption,
+        x: "velocity, mm/s",
+        y: "µ",
+        noise: 0.0,
+        layers: vec![Layer { ink: Ink::After, points: (-300..=300).map(point).collect(), is_marked: false }],
+    };
+    Picture {
+        title: "Friction that falls and rises".to_owned(),
+        svg: chart.svg(),
+        caption: caption.to_owned(),
+        keys: Vec::new(),
+    }
+}
+
+/// The paper's third figure: both tables over a lap, at both speeds, over the angle so that they compare.
+fn deviation_picture(laps: &[Stick; 2]) -> Picture {
+    let inks = [[Ink::Before, Ink::After], [Ink::Third, Ink::Fourth]];
+    let layer = |(stick, ink, axis): (&Stick, Ink, usize)| {
+        let degrees = |time_s: f64| 360.0 * time_s / stick.lap.circle.lap_s();
+        let points = stick.lap.points.iter().step_by(5).map(|(t, x)| (degrees(*t), 1e6 * x[axis])).collect();
+        Layer { ink, points, is_marked: false }
+    };
+    let lines = laps.iter().zip(inks).flat_map(|(stick, ink)| [(stick, ink[0], 0), (stick, ink[1], 1)]);
+    let caption = "How far each table stands off its drive, over a lap that begins at +X.";
+    let chart = Chart {
+        size: (960, 260),
+        title: "Deviation of both tables over a lap",
+        description: caption,
+        x: "angle, °",
+        y: "deviation, µm",
+        noise: 0.0,
+        layers: lines.map(layer).collect(),
+    };
+    let keys = [("before", "X, 0.5 rad/s"), ("after", "Y, 0.5 rad/s"), ("cw", "X, 1.5 rad/s"), ("ccw", "Y, 1.5 rad/s")];
+    Picture {
+        title: "Deviations of the tables (the paper's Figure 3)".to_owned(),
+        svg: chart.svg(),
+        caption: caption.to_owned(),
+        keys: keys.map(|(class, words)| (class, words.to_owned())).to_vec(),
+    }
+}
+
+/// A ballbar picture.
+fn polar(name: &str, words: &str, ballbar: &Ballbar) -> Picture {
+    let (positive, negative) = (ballbar.positive.outline(), ballbar.negative.outline());
+    let most = positive.iter().chain(&negative).fold(0.0_f64, |most, point| most.max(point.1.abs()));
+    let division_um = division_for(most);
+    let [x, y] = ballbar.reversal_um();
+    let caption = format!(
+        "{words}: G {} µm, B {} µm on X and {} µm on Y, greatest distance of the directions H {} µm. One division is \
+         {} µm.",
+        significant(ballbar.circular_deviation_um(), 3),
+        rounded(x),
+        rounded(y),
+        significant(ballbar.hysteresis_um(), 3),
+        significant(division_um, 1),
+    );
+    let title = format!("{name}: radial deviation over the angle");
+    let lines = [("cw", &negative[..]), ("ccw", &positive[..])];
+    Picture {
+        title: name.to_owned(),
+        svg: drawing(&title, &caption, &lines, division_um, ["X", "Y"]),
+        caption,
+        keys: vec![("cw", "clockwise".to_owned()), ("ccw", "counter-clockwise".to_owned())],
+    }
+}
+
+fn notes(_laps: &[Stick; 2]) -> Vec<String> {
+    vec![]
+}
