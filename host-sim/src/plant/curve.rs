@@ -182,7 +182,8 @@ mod tests {
     #[test]
     fn is_straight_between_points() {
         // 30 − 17/2·1; 13 + 19.5/78·39; beyond the last point 32.5 + 0.25 a mm/s.
-        for (mm_s, expected_n) in [(1e-9, 30.0), (1.0, 21.5), (2.0, 13.0), (41.0, 22.75), (80.0, 32.5), (100.0, 37.5)]
+        for (mm_s, expected_n) in
+            [(1e-9, 30.0), (1.0, 21.5), (2.0, 13.0), (41.0, 22.75), (80.0, 32.5), (100.0, 37.5)]
         {
             let force_n = soeda().force_n(1e-3 * mm_s);
             assert!((force_n - expected_n).abs() < 1e-6, "{mm_s}: {force_n}");

@@ -7,18 +7,19 @@
 //! - Circular hysteresis H (3.3): greatest radial distance between the laps of both directions.
 //! - Reversal value B: how far an axis stands apart at one place for its two directions of approach. ISO 230-2
 //!   measures it on a line; on the circle the axis is approached in + by one lap and in − by the other, on either side
-//!   of its reversal. There the laps are apart by B·cos δ + C·sin δ, δ the angle from the reversal and C the other
-//!   axis's share. Both are fitted beside the four crossings, far enough away for the reversal itself to be over.
+//!   of its reversal. There the laps are apart by B·cos δ + C·sin δ + D·sin 2δ, δ the angle from the reversal, C the
+//!   other axis's share and D that of an oval which turns with the direction. They are fitted on either side of the
+//!   axis's two reversals, far enough away for the reversal itself to be over.
 
 use std::f64::consts::{FRAC_PI_2, TAU};
 
-use nalgebra::{Matrix2, Vector2};
+use nalgebra::{Matrix3, Vector3};
 
 /// Points of a lap: every tenth of a degree.
 pub const POINTS: usize = 3600;
 
 /// Where the reversal value is read: degrees from the reversal of the axis.
-const READ_DEGREES: (usize, usize) = (2, 20);
+const READ_DEGREES: (usize, usize) = (3, 20);
 
 /// Radial deviations of one lap.
 #[derive(Clone, Debug, PartialEq)]
@@ -123,18 +124,19 @@ impl Ballbar {
         // short in + it is then too far out; before the reversal it is the clockwise lap.
         [0, POINTS / 4].map(|axis| {
             let crossings = [axis, axis + POINTS / 2];
-            crossings.into_iter().map(|at| 0.5 * (self.beside(at, true) - self.beside(at, false))).sum::<f64>() / 2.0
+            let apart = |at| self.beside(at, true) - self.beside(at, false);
+            crossings.into_iter().map(apart).sum::<f64>() / 4.0
         })
     }
 
     /// Distance of the laps at a crossing, µm, continued from what lies behind it, or before it.
     fn beside(&self, crossing: usize, is_behind: bool) -> f64 {
         let (from, to) = READ_DEGREES;
-        let (mut normal, mut right) = (Matrix2::zeros(), Vector2::zeros());
+        let (mut normal, mut right) = (Matrix3::zeros(), Vector3::zeros());
         for step in from * POINTS / 360..=to * POINTS / 360 {
             let at = if is_behind { crossing + step } else { crossing + POINTS - step };
             let (sin, cos) = angle(step).sin_cos();
-            let row = Vector2::new(cos, sin);
+            let row = Vector3::new(cos, sin, 2.0 * sin * cos);
             normal += row * row.transpose();
             right += row * self.apart_um(at % POINTS);
         }
@@ -198,7 +200,9 @@ mod tests {
     #[test]
     fn reversal_values_of_the_axes_are_told_apart() {
         let direction = |sense: f64| {
-            lap(move |a| 2.0 * (sense * a.sin()).signum() * a.cos() - 0.5 * (sense * a.cos()).signum() * a.sin())
+            lap(move |a| {
+                2.0 * (sense * a.sin()).signum() * a.cos() - 0.5 * (sense * a.cos()).signum() * a.sin()
+            })
         };
         let ballbar = Ballbar { positive: direction(1.0), negative: direction(-1.0) };
         let [x, y] = ballbar.reversal_um();
@@ -215,7 +219,7 @@ mod tests {
             let oval = |sense: f64| lap(move |angle| 5.0 * sense * (2.0 * angle).sin());
             let ballbar = Ballbar { positive: oval(1.0), negative: oval(turned) };
             let [x, y] = ballbar.reversal_um();
-            assert!(x.abs() < 0.2 && y.abs() < 0.2, "{x} {y}");
+            assert!(x.abs() < 0.01 && y.abs() < 0.01, "{x} {y}");
         }
     }
 

@@ -82,7 +82,7 @@ pub enum Contributor {
 pub const SHOWN: [Contributor; 6] = [
     Contributor::Squareness { um_per_m: 50.0 },
     Contributor::Backlash { width_um: 5.0 },
-    Contributor::Hysteresis { width_um: 5.0, distance_um: 200.0 },
+    Contributor::Hysteresis { width_um: 5.0, distance_um: 30.0 },
     Contributor::ServoMismatch { percent: 0.5 },
     Contributor::MasterSlaveChangeover { delay_s: 1e-4 },
     Contributor::StickSlip,
@@ -161,16 +161,18 @@ impl Contributor {
     /// When a loop does not hold or an integration fails.
     pub fn ballbar(&self) -> Result<Ballbar, ReproduceError> {
         match *self {
-            Self::Squareness { um_per_m } => on_desk([vec![Effect::Squareness(Squareness { um_per_m })], vec![]]),
+            Self::Squareness { um_per_m } => {
+                on_desk([vec![Effect::Squareness(Squareness { um_per_m })], vec![]])
+            }
             Self::Backlash { width_um } => {
                 on_desk([(); 2].map(|()| vec![Effect::Backlash(Backlash { width_um })]))
             }
             Self::ServoMismatch { percent } => {
                 on_desk([vec![Effect::ServoMismatch(ServoMismatch { percent })], vec![]])
             }
-            Self::Hysteresis { width_um, distance_um } => {
-                drawn(|angle, sense| [angle, angle - TAU / 4.0].map(|from| lag_um(from, sense, width_um, distance_um)))
-            }
+            Self::Hysteresis { width_um, distance_um } => drawn(|angle, sense| {
+                [angle, angle - TAU / 4.0].map(|from| lag_um(from, sense, width_um, distance_um))
+            }),
             Self::MasterSlaveChangeover { delay_s } => drawn(|angle, sense| late_um(angle, sense, delay_s)),
             Self::StickSlip => model::ballbar(SPEED_RAD_PER_S),
         }
@@ -226,8 +228,13 @@ fn run(machine: &Machine, sense: f64) -> Result<Log, ReproduceError> {
     let blocks = [PathBlock::new(shape, RADIUS_M * SPEED_RAD_PER_S, 1.0)];
     let start_m = [RADIUS_M, 0.0];
     let mut controller = simulate::controller(machine, Format::Fixed, &start_m)?;
-    let run =
-        Run { machine, instruments: Instruments::default(), start_m: &start_m, blocks: &blocks, start_s: 0.0 };
+    let run = Run {
+        machine,
+        instruments: Instruments::default(),
+        start_m: &start_m,
+        blocks: &blocks,
+        start_s: 0.0,
+    };
     Ok(run.log(controller.as_mut(), |_, _, _| ())?)
 }
 
@@ -268,14 +275,16 @@ mod tests {
         assert!(round.hysteresis_um() < 0.03, "{}", round.hysteresis_um());
     }
 
-    /// Each has the size that theory gives it; the fit of B may take 2 % of an oval that turns with the direction.
+    /// Each has the size that theory gives it. Backlash misses the angle √(2w/R) = 10 mrad in which a gap is crossed,
+    /// half of it in G. At λ = 30 µm, 1 % of a hysteresis is open at 3°, and G is w·(½ + (½ − e^(−s/λ))·(1 − δ)) with
+    /// s = R·δ²/2 at its greatest, δ ≈ 3.4°: 0.96·w.
     #[test]
     fn each_has_the_size_that_theory_gives_it() {
         for contributor in &SHOWN {
             let Some(expected) = contributor.expected_um() else { continue };
             let ballbar = contributor.ballbar().unwrap();
             let g = ballbar.circular_deviation_um();
-            let share = if matches!(contributor, Contributor::Hysteresis { .. }) { 0.12 } else { 0.01 };
+            let share = if matches!(contributor, Contributor::Hysteresis { .. }) { 0.05 } else { 0.01 };
             assert!((g / expected.circular_deviation_um - 1.0).abs() < share, "{contributor:?}: G {g}");
             for b in ballbar.reversal_um() {
                 let off_um = (b - expected.reversal_um).abs();
@@ -284,17 +293,23 @@ mod tests {
         }
     }
 
+    /// Radial deviation, µm, at an angle, rad, in a direction, 1 or −1.
+    type Shape = fn(f64, f64) -> f64;
+
     /// The signs and the shapes: r at an angle in both directions, from the formulas of [`Contributor::expected_um`].
     #[test]
     fn each_has_the_shape_that_theory_gives_it() {
         let at = |lap: &Lap, degrees: usize| lap.deviation_um[10 * degrees];
-        let shapes: [(usize, fn(f64, f64) -> f64); 4] = [
+        let shapes: [(usize, Shape); 4] = [
             (0, |angle, _| 2.5 * (2.0 * angle).sin()),
             (1, |angle, sense| {
-                2.5 * ((sense * angle.sin()).signum() * angle.cos() - (sense * angle.cos()).signum() * angle.sin())
+                2.5 * ((sense * angle.sin()).signum() * angle.cos()
+                    - (sense * angle.cos()).signum() * angle.sin())
             }),
             (3, |angle, sense| -sense * 0.5 * 5e4 * (0.02 - 0.02 / 1.005) * (2.0 * angle).sin()),
-            (4, |angle, sense| sense * 2.5 * (2.0 * angle).sin() * if angle.tan().abs() < 1.0 { 1.0 } else { -1.0 }),
+            (4, |angle, sense| {
+                sense * 2.5 * (2.0 * angle).sin() * if angle.tan().abs() < 1.0 { 1.0 } else { -1.0 }
+            }),
         ];
         for (index, shape) in shapes {
             let ballbar = SHOWN[index].ballbar().unwrap();
@@ -313,7 +328,7 @@ mod tests {
     #[test]
     fn the_hysteresis_is_that_of_dahl() {
         const STEPS: usize = 200_000;
-        let (width_um, distance_um) = (5.0, 200.0);
+        let (width_um, distance_um) = (5.0, 30.0);
         let mut lag = 0.0;
         for i in 0..2 * STEPS {
             let angle = |i: usize| TAU * i as f64 / STEPS as f64;

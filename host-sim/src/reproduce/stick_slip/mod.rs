@@ -33,9 +33,9 @@ pub fn run() -> Result<Study, ReproduceError> {
     said.extend(bent.iter().map(|(contributor, ballbar)| size(contributor, ballbar)));
     let mut pictures = vec![friction_picture(), deviation_picture(&laps)];
     pictures.push(polar("Stick-slip at 1.5 rad/s", "friction as before", &laps[1].ballbar));
-    pictures.extend(bent.iter().map(|(contributor, ballbar)| {
-        polar(contributor.name(), &contributor.words(), ballbar)
-    }));
+    pictures.extend(
+        bent.iter().map(|(contributor, ballbar)| polar(contributor.name(), &contributor.words(), ballbar)),
+    );
     Ok(Study {
         paper: "Chattopadhyay 2008",
         title: "Stick-slip in the circular test",
@@ -159,7 +159,7 @@ fn friction_picture() -> Picture {
         title: "Coefficient of friction over velocity",
         description: caption,
         x: "velocity, mm/s",
-        y: "µ",
+        y: "coefficient μ",
         noise: 0.0,
         layers: vec![Layer { ink: Ink::After, points: (-300..=300).map(point).collect(), is_marked: false }],
     };
@@ -190,7 +190,12 @@ fn deviation_picture(laps: &[Stick; 2]) -> Picture {
         noise: 0.0,
         layers: lines.map(layer).collect(),
     };
-    let keys = [("before", "X, 0.5 rad/s"), ("after", "Y, 0.5 rad/s"), ("cw", "X, 1.5 rad/s"), ("ccw", "Y, 1.5 rad/s")];
+    let keys = [
+        ("before", "X, 0.5 rad/s"),
+        ("after", "Y, 0.5 rad/s"),
+        ("cw", "X, 1.5 rad/s"),
+        ("ccw", "Y, 1.5 rad/s"),
+    ];
     Picture {
         title: "Deviations of the tables (the paper's Figure 3)".to_owned(),
         svg: chart.svg(),
@@ -224,6 +229,41 @@ fn polar(name: &str, words: &str, ballbar: &Ballbar) -> Picture {
     }
 }
 
-fn notes(_laps: &[Stick; 2]) -> Vec<String> {
-    vec![]
+/// What the print leaves open.
+fn notes([lower, higher]: &[Stick; 2]) -> Vec<String> {
+    let words = |[x, y]: [f64; 2]| format!("{} µm on X and {} µm on Y", significant(x, 3), significant(y, 3));
+    let (slow_um, fast_um) = (lower.lap.swing_um(), higher.lap.swing_um());
+    let radial_um = [lower, higher].map(|stick| significant(stick.ballbar.circular_deviation_um(), 3));
+    vec![
+        format!(
+            "Which error is 2 to 3 µm is not printed; the figure that it is read from shows the deviations of X and Y over \
+             time, of which the text is kept but not the picture. From end to end they are {} at 0.5 rad/s and {} at 1.5 \
+             rad/s: Y is beyond 3 µm at the lower speed already. Half of that, an amplitude, would be below 2 µm on both \
+             axes.",
+            words(slow_um),
+            words(fast_um),
+        ),
+        format!(
+            "Read radially, as a circular deviation about the least-squares circle, the error is {} and {} µm at the two \
+             speeds: less than printed at the lower one. There the friction of X and Y, which point against the motion \
+             together, shift the table along the circle and not off it, but for the quadrant changes.",
+            radial_um[0], radial_um[1],
+        ),
+        "α is printed in s²/m², β in s/m, and v without unit. tanh αv has to change its sign with v, so α is read in s/m \
+         and v counts in m/s; counted in mm/s, the square alone would make a coefficient of 200 at 50 mm/s."
+            .to_owned(),
+        "The inertia of X has a minus in equation 10 and a plus in 14. Equations 2 and 8 lead to the plus, which is \
+         integrated. Beside the friction the sign has no weight: reversed, each deviation runs backwards in time with the \
+         same least and greatest values."
+            .to_owned(),
+        "The two speeds of the figure are printed as 0.5 and 0.5 rad/s; before that, 0.5 and 1.5, which is what was run."
+            .to_owned(),
+        "The start is not printed. From rest Y meets its whole friction at once and swings to nearly twice its deviation, \
+         as a spring with 1 % of damping does; here a lap passes before one is kept."
+            .to_owned(),
+        "Of the contributors the paper gives no sizes: those here were chosen to be seen at one scale. The figures are the \
+         circular deviation G of ISO 230-4 in the worse direction, and B as ISO 230-2 has it, read beside each axis's \
+         reversals; what ISO 230-4 itself compares the directions with is their greatest distance H."
+            .to_owned(),
+    ]
 }
