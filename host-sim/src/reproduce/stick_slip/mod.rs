@@ -3,6 +3,7 @@
 //! [`model`] is the paper's equation of motion, [`contributors`] the other errors of a circle that it lists.
 
 pub mod contributors;
+pub mod laps;
 pub mod model;
 
 use super::ballbar::{Ballbar, from_axis_rad};
@@ -216,7 +217,7 @@ fn polar(name: &str, words: &str, ballbar: &Ballbar) -> Picture {
         significant(ballbar.circular_deviation_um(), 3),
         rounded(x),
         rounded(y),
-        significant(ballbar.hysteresis_um(), 3),
+        rounded(ballbar.hysteresis_um()),
         significant(division_um, 1),
     );
     let title = format!("{name}: radial deviation over the angle");
