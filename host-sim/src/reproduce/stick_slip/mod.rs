@@ -33,7 +33,7 @@ pub fn run() -> Result<Study, ReproduceError> {
     let mut said = vec![said_of_friction()];
     said.extend(bent.iter().map(|(contributor, ballbar)| size(contributor, ballbar)));
     let mut pictures = vec![friction_picture(), deviation_picture(&laps)];
-    pictures.push(polar("Stick-slip at 1.5 rad/s", "friction as before", &laps[1].ballbar));
+    pictures.push(polar("Stick-slip at 1.5 rad/s", &Contributor::StickSlip.words(), &laps[1].ballbar));
     pictures.extend(
         bent.iter().map(|(contributor, ballbar)| polar(contributor.name(), &contributor.words(), ballbar)),
     );
@@ -63,7 +63,9 @@ impl Stick {
 fn stick_slip_outcomes([lower, higher]: &[Stick; 2]) -> Vec<Outcome> {
     let (slow_um, fast_um) = (lower.lap.swing_um(), higher.lap.swing_um());
     let radial_um = [lower, higher].map(|stick| stick.ballbar.circular_deviation_um());
-    let jump = from_axis_rad(greatest(&higher.ballbar)).to_degrees();
+    let [near, nearer] = [lower, higher].map(|stick| from_axis_rad(greatest(&stick.ballbar)).to_degrees());
+    // Nearer to an axis than to a diagonal.
+    let at_an_axis = || Printed::Below(22.5);
     let more = Printed::Above(1.0);
     vec![
         Outcome::new("deviation of X from end to end, 0.5 rad/s", ERRORS_UM, slow_um[0], "µm"),
@@ -72,7 +74,8 @@ fn stick_slip_outcomes([lower, higher]: &[Stick; 2]) -> Vec<Outcome> {
         Outcome::new("deviation of Y, 1.5 over 0.5 rad/s", more.clone(), fast_um[1] / slow_um[1], ""),
         Outcome::new("the same error read radially, 0.5 rad/s", ERRORS_UM, radial_um[0], "µm"),
         Outcome::new("radial error, 1.5 over 0.5 rad/s", more, radial_um[1] / radial_um[0], ""),
-        Outcome::new("greatest radial error, from the quadrant change", Printed::Below(22.5), jump, "°"),
+        Outcome::new("quadrant change to greatest radial error, 0.5 rad/s", at_an_axis(), near, "°"),
+        Outcome::new("quadrant change to greatest radial error, 1.5 rad/s", at_an_axis(), nearer, "°"),
     ]
 }
 
@@ -107,18 +110,14 @@ fn shape(contributor: &Contributor, ballbar: &Ballbar) -> Option<Outcome> {
 /// Why nothing swings up by itself.
 fn said_of_friction() -> String {
     let most_m_per_s = SPEEDS_RAD_PER_S[1] * RADIUS_M;
-    let tables: Vec<String> = TABLES
-        .iter()
-        .map(|table| {
-            let fall = model::steepest_fall_n_s_per_m(&table.friction(), most_m_per_s);
-            format!("{} of {} N·s/m", significant(fall, 3), significant(table.damping_n_s_per_m, 4))
-        })
-        .collect();
+    let [x, y] = TABLES.each_ref().map(|table| {
+        let fall = model::steepest_fall_n_s_per_m(&table.friction(), most_m_per_s);
+        format!("{} against {} N·s/m", significant(fall, 3), significant(table.damping_n_s_per_m, 4))
+    });
     format!(
-        "Friction falls off with speed by no more than {} on X and {} on Y that the drives' damping takes up: neither \
-         table swings up by itself. What is left is friction turning over at each reversal on a drive that gives way, \
-         which is where the error stands.",
-        tables[0], tables[1]
+        "The steepest fall of friction with speed against the damping of the drive: {x} on X, {y} on Y. Neither table \
+         swings up by itself. What is left is friction turning over at each reversal on a drive that gives way, which is \
+         where the error stands."
     )
 }
 
@@ -212,7 +211,7 @@ fn polar(name: &str, words: &str, ballbar: &Ballbar) -> Picture {
     let division_um = division_for(most);
     let [x, y] = ballbar.reversal_um();
     let caption = format!(
-        "{words}: G {} µm, B {} µm on X and {} µm on Y, greatest distance of the directions H {} µm. One division is \
+        "{name}, {words}: G {} µm, B {} µm on X and {} µm on Y, greatest distance of the directions H {} µm. One division is \
          {} µm.",
         significant(ballbar.circular_deviation_um(), 3),
         rounded(x),
@@ -262,9 +261,17 @@ fn notes([lower, higher]: &[Stick; 2]) -> Vec<String> {
         "The start is not printed. From rest Y meets its whole friction at once and swings to nearly twice its deviation, \
          as a spring with 1 % of damping does; here a lap passes before one is kept."
             .to_owned(),
+        "The greatest error is said to stand where a speed is close to zero, without a figure: it counts as agreeing \
+         when it is nearer to an axis than to a diagonal."
+            .to_owned(),
+        "Glitches of the master–slave changeover are said to come every 45 degrees. The axes change parts where their \
+         speeds are equal, which is on the diagonals, 45 degrees from either axis: four times a lap, not eight."
+            .to_owned(),
         "Of the contributors the paper gives no sizes: those here were chosen to be seen at one scale. The figures are the \
-         circular deviation G of ISO 230-4 in the worse direction, and B as ISO 230-2 has it, read beside each axis's \
-         reversals; what ISO 230-4 itself compares the directions with is their greatest distance H."
+         circular deviation G of ISO 230-4 in the worse direction, and B as ISO 230-2 has it, read from 3 to 20 degrees \
+         beside each axis's reversals; what ISO 230-4 itself compares the directions with is their greatest distance H. \
+         The paper's friction is not yet turned over at 3 degrees: its B is what a rounded crossing leaves, and no lost \
+         motion."
             .to_owned(),
     ]
 }
