@@ -76,6 +76,13 @@ impl Lap {
         2.0 / POINTS as f64 * (sum(f64::cos).powi(2) + sum(f64::sin).powi(2)) / square
     }
 
+    /// Angle, rad, from 0 to 2π, of the greatest deviation of either sign.
+    #[must_use]
+    pub fn greatest_rad(&self) -> f64 {
+        let um = |i: &usize| self.deviation_um[*i].abs();
+        angle((0..POINTS).max_by(|i, j| um(i).total_cmp(&um(j))).unwrap_or(0))
+    }
+
     /// Angle, rad, from 0 to 2π, in the middle of the steepest change within two degrees.
     #[must_use]
     pub fn jump_rad(&self) -> f64 {
@@ -191,6 +198,8 @@ mod tests {
         assert!((oval.circular_deviation_um() - 4.0).abs() < 1e-3);
         assert!((oval.oval_share() - 1.0).abs() < 1e-5);
         assert!(lap(|angle| (3.0 * angle).sin()).oval_share() < 1e-6);
+        let top = lap(|angle| (3.0 * (angle - 1.0)).cos() + (2.0 * (angle - 1.0)).cos()).greatest_rad();
+        assert!((top - 1.0).abs() < 0.002, "{top}");
         assert_eq!(Lap::of(&[], RADIUS_M), None);
         assert_eq!(Lap::of(&[[f64::NAN, 0.0]], RADIUS_M), None);
     }

@@ -58,12 +58,17 @@ impl Stick {
         let lap = Deviations::on(Circle { speed_rad_per_s })?;
         Ok(Self { lap, ballbar: model::ballbar(speed_rad_per_s)? })
     }
+
+    /// From the nearest quadrant change to the greatest radial error.
+    fn off_axis_degrees(&self) -> f64 {
+        from_axis_rad(self.ballbar.positive.greatest_rad()).to_degrees()
+    }
 }
 
 fn stick_slip_outcomes([lower, higher]: &[Stick; 2]) -> Vec<Outcome> {
     let (slow_um, fast_um) = (lower.lap.swing_um(), higher.lap.swing_um());
     let radial_um = [lower, higher].map(|stick| stick.ballbar.circular_deviation_um());
-    let [near, nearer] = [lower, higher].map(|stick| from_axis_rad(greatest(&stick.ballbar)).to_degrees());
+    let [near, nearer] = [lower, higher].map(Stick::off_axis_degrees);
     // Nearer to an axis than to a diagonal.
     let at_an_axis = || Printed::Below(22.5);
     let more = Printed::Above(1.0);
@@ -77,13 +82,6 @@ fn stick_slip_outcomes([lower, higher]: &[Stick; 2]) -> Vec<Outcome> {
         Outcome::new("quadrant change to greatest radial error, 0.5 rad/s", at_an_axis(), near, "°"),
         Outcome::new("quadrant change to greatest radial error, 1.5 rad/s", at_an_axis(), nearer, "°"),
     ]
-}
-
-/// Angle of the greatest radial deviation of either sign, rad.
-fn greatest(ballbar: &Ballbar) -> f64 {
-    let outline = ballbar.positive.outline();
-    let most = outline.iter().max_by(|a, b| a.1.abs().total_cmp(&b.1.abs()));
-    most.map_or(f64::NAN, |point| point.0)
 }
 
 /// What the paper says of a contributor's shape, without a figure or with the angle of it.
@@ -234,6 +232,10 @@ fn notes([lower, higher]: &[Stick; 2]) -> Vec<String> {
     let words = |[x, y]: [f64; 2]| format!("{} µm on X and {} µm on Y", significant(x, 3), significant(y, 3));
     let (slow_um, fast_um) = (lower.lap.swing_um(), higher.lap.swing_um());
     let radial_um = [lower, higher].map(|stick| significant(stick.ballbar.circular_deviation_um(), 3));
+    let turning_degrees = [lower, higher].map(|stick| {
+        let path_m_per_s = RADIUS_M * stick.lap.circle.speed_rad_per_s;
+        significant((1.0 / (TABLES[0].friction().alpha * path_m_per_s)).asin().to_degrees(), 2)
+    });
     vec![
         format!(
             "Which error is 2 to 3 µm is not printed; the figure that it is read from shows the deviations of X and Y over \
@@ -261,9 +263,12 @@ fn notes([lower, higher]: &[Stick; 2]) -> Vec<String> {
         "The start is not printed. From rest Y meets its whole friction at once and swings to nearly twice its deviation, \
          as a spring with 1 % of damping does; here a lap passes before one is kept."
             .to_owned(),
-        "The greatest error is said to stand where a speed is close to zero, without a figure: it counts as agreeing \
-         when it is nearer to an axis than to a diagonal."
-            .to_owned(),
+        format!(
+            "The greatest error is said to stand where a speed is close to zero, without a figure: it counts as agreeing \
+             when it is nearer to an axis than to a diagonal. Friction turns over while the speed rises to 1/α = 20 mm/s, \
+             which takes {}° of the lap at 0.5 rad/s, so that it agrees by little there, and {}° at 1.5.",
+            turning_degrees[0], turning_degrees[1],
+        ),
         "Glitches of the master–slave changeover are said to come every 45 degrees. The axes change parts where their \
          speeds are equal, which is on the diagonals, 45 degrees from either axis: four times a lap, not eight."
             .to_owned(),
