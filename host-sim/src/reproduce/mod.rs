@@ -4,6 +4,7 @@
 //! What the papers print illegibly or wrongly stands in the study's notes, with what was read instead and why.
 
 pub mod acceleration;
+pub mod ballbar;
 pub mod corner;
 pub mod dual_feedback;
 pub mod stick_slip;
