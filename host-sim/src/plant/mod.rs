@@ -4,6 +4,7 @@
 //! [`mechanics`] moves it, [`structure`] carries the tool, [`sensors`] read it, [`desk`] holds the whole machine. The tracer drives the
 //! same parts with measured signals.
 
+pub mod bodies;
 pub mod desk;
 pub mod driven;
 pub mod friction;
