@@ -23,11 +23,12 @@ use crate::simulate::SimulationError;
 /// x, y, z.
 pub const AXES: usize = 3;
 
-/// The control's ticks; readings are kept with the slower.
-pub const RATES: Rates = Rates { velocity_loop_hz: 10_000.0, position_loop_divider: 5 };
+/// One tick for both loops, so that a force is kept as it acts: between two ticks of a slower position loop it would not be
+/// even.
+pub const RATES: Rates = Rates { velocity_loop_hz: 4_000.0, position_loop_divider: 1 };
 
 /// Between the rows of a record, s.
-pub const SAMPLE_S: f64 = RATES.position_loop_divider as f64 / RATES.velocity_loop_hz;
+pub const SAMPLE_S: f64 = 1.0 / RATES.velocity_loop_hz;
 
 /// Longest run, s: a path that does not end is a fault.
 const LONGEST_S: f64 = 30.0;
@@ -122,19 +123,17 @@ impl Bench {
                 return Err(SimulationError::Fault { what, time_s }.into());
             }
             let force_n = output.forces.map(Scalar::value);
-            if tick.is_multiple_of(RATES.position_loop_divider) {
-                let tool = moving.tool_m();
-                rows.push(Row {
-                    command_m: output.commands.map(Position::to_m),
-                    scale_m,
-                    tool_m: std::array::from_fn(|axis| {
-                        self.instruments.external.read(start_m[axis] + tool[axis], &mut random)
-                    }),
-                    force_n: force_n.map(|force| self.instruments.force.read(force, &mut random)),
-                });
-                if output.done {
-                    return Ok(rows);
-                }
+            let tool = moving.tool_m();
+            rows.push(Row {
+                command_m: output.commands.map(Position::to_m),
+                scale_m,
+                tool_m: std::array::from_fn(|axis| {
+                    self.instruments.external.read(start_m[axis] + tool[axis], &mut random)
+                }),
+                force_n: force_n.map(|force| self.instruments.force.read(force, &mut random)),
+            });
+            if output.done {
+                return Ok(rows);
             }
             if time_s > LONGEST_S {
                 break;

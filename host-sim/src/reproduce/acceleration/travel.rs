@@ -1,0 +1,149 @@
+//! The paper's 20 mm movement in z (section 3.4), and which of its limits the acceleration stops at.
+//!
+//! From rest to rest with jerk j alone the acceleration is a triangle up and down, twice: each ramp takes 2a/j and covers
+//! half of the way s = 2a³/j², at the peak speed a²/j. What stays below both other limits is limited by nothing but
+//! the jerk and the way.
+
+use shared::interpolate::{Block, Path, PathError, Ramps};
+use shared::units::Position;
+
+use super::bench::{AXES, Bench, RATES, Row, SAMPLE_S};
+use crate::controller::ControllerError;
+use crate::reproduce::ReproduceError;
+use crate::simulate::SimulationError;
+
+/// How far, m.
+pub const WAY_M: f64 = 0.02;
+
+/// The axis that moves.
+pub const Z: usize = 2;
+
+/// Half the window of the parabola that gives an acceleration, rows: ±2.5 ms.
+const HALF_WINDOW: usize = 10;
+
+/// Limits of a move.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Limits {
+    /// Speed.
+    pub m_per_s: f64,
+    /// Acceleration.
+    pub m_per_s2: f64,
+    /// Jerk.
+    pub m_per_s3: f64,
+}
+
+/// 30,000 mm/min, 10 m/s², 250 m/s³.
+pub const PRINTED: Limits = Limits { m_per_s: 0.5, m_per_s2: 10.0, m_per_s3: 250.0 };
+
+/// The greatest values of a move.
+pub type Peaks = Limits;
+
+/// What the jerk alone makes of a way.
+#[must_use]
+pub fn by_jerk_alone(way_m: f64, jerk_m_per_s3: f64) -> Peaks {
+    let acceleration = (0.5 * way_m * jerk_m_per_s3.powi(2)).cbrt();
+    Peaks {
+        m_per_s: acceleration.powi(2) / jerk_m_per_s3,
+        m_per_s2: acceleration,
+        m_per_s3: jerk_m_per_s3,
+    }
+}
+
+/// The jerk with which a way is just long enough for an acceleration, m/s³.
+#[must_use]
+pub fn jerk_for(way_m: f64, acceleration_m_per_s2: f64) -> f64 {
+    (2.0 * acceleration_m_per_s2.powi(3) / way_m).sqrt()
+}
+
+/// What the interpolator of `shared` makes of the move, by differences of its commands.
+///
+/// # Errors
+/// Where it refuses the move.
+pub fn commanded(limits: Limits) -> Result<Peaks, ReproduceError> {
+    let mut path = Path::<1>::new([Position(0)], RATES.velocity_loop_hz);
+    let block = Block::line([WAY_M], limits.m_per_s, limits.m_per_s2)
+        .with_ramps(Ramps::SCurve { jerk_m_per_s3: limits.m_per_s3 });
+    path.push(&block).map_err(refused)?;
+    let mut places = vec![0.0];
+    while !path.is_done() {
+        places.push(path.advance()[0].to_m());
+    }
+    let rates = |values: &[f64]| -> Vec<f64> {
+        values.windows(2).map(|pair| (pair[1] - pair[0]) / SAMPLE_S).collect()
+    };
+    let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let speeds = rates(&places);
+    let accelerations = rates(&speeds);
+    Ok(Peaks {
+        m_per_s: most(&speeds),
+        m_per_s2: most(&accelerations),
+        m_per_s3: most(&rates(&accelerations)),
+    })
+}
+
+/// The move as it was run.
+#[derive(Clone, Debug)]
+pub struct Travel {
+    /// All rows.
+    pub rows: Vec<Row>,
+    /// Acceleration of z by the internal reading, m/s²; zero within half a window of the ends.
+    pub acceleration: Vec<f64>,
+}
+
+impl Travel {
+    /// Runs the move.
+    ///
+    /// # Errors
+    /// When the loop does not hold.
+    pub fn run(bench: &Bench) -> Result<Self, ReproduceError> {
+        let line = Block::line([0.0, 0.0, 0.5 * WAY_M], PRINTED.m_per_s, PRINTED.m_per_s2)
+            .with_ramps(Ramps::SCurve { jerk_m_per_s3: PRINTED.m_per_s3 });
+        let rows =
+            bench.run([0.0, 0.0, -0.5 * WAY_M], &[Block::dwell(0.05), line, Block::dwell(0.15)])?;
+        let places: Vec<f64> = rows.iter().map(|row| row.scale_m[Z]).collect();
+        Ok(Self { acceleration: accelerations(&places), rows })
+    }
+
+    /// What one axis errs by (µm), less what it errs by at rest.
+    #[must_use]
+    pub fn error_um(&self, axis: usize) -> Vec<f64> {
+        self.rows.iter().map(|row| 1e6 * row.error_m(axis)).collect()
+    }
+
+    /// The greatest acceleration, and the error of an axis then (µm).
+    #[must_use]
+    pub fn at_most(&self, axis: usize) -> (f64, f64) {
+        let errors = self.error_um(axis);
+        let most = self.acceleration.iter().zip(errors).max_by(|a, b| a.0.total_cmp(b.0));
+        most.map_or((0.0, 0.0), |(acceleration, error)| (*acceleration, error))
+    }
+
+    /// Root mean square of an axis' error that coefficients (µm per m/s² of z) leave, µm.
+    #[must_use]
+    pub fn left_um(&self, axis: usize, um_s2_per_m: f64) -> f64 {
+        let left = |(error, a): (f64, &f64)| (error - um_s2_per_m * a).powi(2);
+        let squares: f64 = self.error_um(axis).into_iter().zip(&self.acceleration).map(left).sum();
+        (squares / self.rows.len() as f64).sqrt()
+    }
+}
+
+/// Second derivatives by a parabola through a window about each row.
+fn accelerations(places_m: &[f64]) -> Vec<f64> {
+    let squares: Vec<f64> =
+        (0..=2 * HALF_WINDOW).map(|k| (k as f64 - HALF_WINDOW as f64).powi(2)).collect();
+    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    let weights: Vec<f64> = squares.iter().map(|square| square - mean).collect();
+    let sum: f64 = weights.iter().map(|weight| weight * weight).sum::<f64>() * 0.5 * SAMPLE_S.powi(2);
+    let mut all = vec![0.0; places_m.len()];
+    for (i, window) in places_m.windows(weights.len()).enumerate() {
+        // About the middle: the weights then multiply millimetres at the most.
+        let middle = window[HALF_WINDOW];
+        all[i + HALF_WINDOW] =
+            window.iter().zip(&weights).map(|(place, weight)| (place - middle) * weight).sum::<f64>() / sum;
+    }
+    all
+}
+
+fn refused(error: PathError) -> ReproduceError {
+    SimulationError::from(ControllerError::Refused(error.into())).into()
+}
