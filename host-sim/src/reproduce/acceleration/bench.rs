@@ -80,7 +80,11 @@ impl Bench {
     ///
     /// # Errors
     /// Where it cannot be built.
-    pub fn new(structure: &Structure, gains: Gains, instruments: Instruments) -> Result<Self, ReproduceError> {
+    pub fn new(
+        structure: &Structure,
+        gains: Gains,
+        instruments: Instruments,
+    ) -> Result<Self, ReproduceError> {
         let assembly = Assembly::of(structure)?;
         let felt_kg = assembly.talk_at_rest()?.force_kg;
         let settings = std::array::from_fn(|axis| gains.settings(felt_kg[(axis, axis)]));

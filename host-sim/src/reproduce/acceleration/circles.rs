@@ -21,6 +21,9 @@ pub const RADIUS_M: f64 = 2e-3;
 const TURNS: u32 = 14;
 const SPARED_TURNS: u32 = 3;
 
+/// Acceleration that the block is given, of the one towards the centre: what is left is for the ramps.
+const MARGIN: f64 = 2.0;
+
 /// The planes by their two axes.
 const PLANES: [[u8; 2]; 3] = [[0, 1], [1, 2], [2, 0]];
 
@@ -67,7 +70,7 @@ pub fn run(bench: &Bench, set_m_per_s2: f64) -> Result<Vec<Lap>, ReproduceError>
             start[usize::from(plane[0])] = RADIUS_M;
             // On the circle itself the acceleration turns with ω³·r, 250 m/s³ at 5 m/s²: the ramps may have more.
             let ramps = Ramps::SCurve { jerk_m_per_s3: 1000.0 };
-            let block = Block::arc(plane, [0.0, 0.0], turns, feed, 1.2 * set_m_per_s2).with_ramps(ramps);
+            let block = Block::arc(plane, [0.0, 0.0], turns, feed, MARGIN * set_m_per_s2).with_ramps(ramps);
             let rows = bench.reseeded(2 * number + way).run(start, &[block])?;
             laps.push(Lap::of(plane.map(usize::from), &rows)?);
         }
@@ -138,7 +141,8 @@ pub fn evaluate(laps: &[Lap]) -> Result<Measured, ReproduceError> {
     let mut talk = Matrix3::zeros();
     let mut deviation = Matrix3::zeros();
     let mut felt_kg = [0.0; AXES];
-    let in_plane = |plane: [usize; 2]| -> Vec<&Lap> { laps.iter().filter(|lap| lap.plane == plane).collect() };
+    let in_plane =
+        |plane: [usize; 2]| -> Vec<&Lap> { laps.iter().filter(|lap| lap.plane == plane).collect() };
     for plane in PLANES.map(|plane| plane.map(usize::from)) {
         let laps = in_plane(plane);
         let [first, second] = [0, 1].map(|i| pooled(&laps, |lap| lap.accelerations(i)));
@@ -220,7 +224,8 @@ pub fn solve(columns: &[&[f64]], right: &[f64]) -> Result<Solution, ReproduceErr
     let design = DMatrix::from_fn(right.len(), columns.len(), |row, column| columns[column][row]);
     let right = DVector::from_row_slice(right);
     let failed = |what: &str| ReproduceError::Numerics(format!("least squares: {what}"));
-    let normal = design.tr_mul(&design).cholesky().ok_or_else(|| failed("the columns are not independent"))?;
+    let normal =
+        design.tr_mul(&design).cholesky().ok_or_else(|| failed("the columns are not independent"))?;
     let solution = normal.solve(&design.tr_mul(&right));
     let scatter = (&design * &solution - &right).norm_squared() / (right.len() as f64 - columns.len() as f64);
     let deviation = normal.inverse().diagonal().map(|share| (scatter * share).sqrt());

@@ -7,7 +7,7 @@
 use shared::interpolate::{Block, Path, PathError, Ramps};
 use shared::units::Position;
 
-use super::bench::{AXES, Bench, RATES, Row, SAMPLE_S};
+use super::bench::{Bench, RATES, Row, SAMPLE_S};
 use crate::controller::ControllerError;
 use crate::reproduce::ReproduceError;
 use crate::simulate::SimulationError;
@@ -18,8 +18,8 @@ pub const WAY_M: f64 = 0.02;
 /// The axis that moves.
 pub const Z: usize = 2;
 
-/// Half the window of the parabola that gives an acceleration, rows: ±2.5 ms.
-const HALF_WINDOW: usize = 10;
+/// Half the window of the parabola that gives an acceleration, rows: ±1.25 ms.
+const HALF_WINDOW: usize = 5;
 
 /// Limits of a move.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -42,11 +42,7 @@ pub type Peaks = Limits;
 #[must_use]
 pub fn by_jerk_alone(way_m: f64, jerk_m_per_s3: f64) -> Peaks {
     let acceleration = (0.5 * way_m * jerk_m_per_s3.powi(2)).cbrt();
-    Peaks {
-        m_per_s: acceleration.powi(2) / jerk_m_per_s3,
-        m_per_s2: acceleration,
-        m_per_s3: jerk_m_per_s3,
-    }
+    Peaks { m_per_s: acceleration.powi(2) / jerk_m_per_s3, m_per_s2: acceleration, m_per_s3: jerk_m_per_s3 }
 }
 
 /// The jerk with which a way is just long enough for an acceleration, m/s³.
@@ -98,13 +94,12 @@ impl Travel {
     pub fn run(bench: &Bench) -> Result<Self, ReproduceError> {
         let line = Block::line([0.0, 0.0, 0.5 * WAY_M], PRINTED.m_per_s, PRINTED.m_per_s2)
             .with_ramps(Ramps::SCurve { jerk_m_per_s3: PRINTED.m_per_s3 });
-        let rows =
-            bench.run([0.0, 0.0, -0.5 * WAY_M], &[Block::dwell(0.05), line, Block::dwell(0.15)])?;
+        let rows = bench.run([0.0, 0.0, -0.5 * WAY_M], &[Block::dwell(0.05), line, Block::dwell(0.15)])?;
         let places: Vec<f64> = rows.iter().map(|row| row.scale_m[Z]).collect();
         Ok(Self { acceleration: accelerations(&places), rows })
     }
 
-    /// What one axis errs by (µm), less what it errs by at rest.
+    /// What one axis errs by, µm.
     #[must_use]
     pub fn error_um(&self, axis: usize) -> Vec<f64> {
         self.rows.iter().map(|row| 1e6 * row.error_m(axis)).collect()
@@ -118,6 +113,15 @@ impl Travel {
         most.map_or((0.0, 0.0), |(acceleration, error)| (*acceleration, error))
     }
 
+    /// Error of an axis per acceleration of z by least squares over the whole move, µm per m/s².
+    #[must_use]
+    pub fn coefficient(&self, axis: usize) -> f64 {
+        let both = |(error, a): (f64, &f64)| (error * a, a * a);
+        let pairs = self.error_um(axis).into_iter().zip(&self.acceleration).map(both);
+        let (products, squares) = pairs.fold((0.0, 0.0), |sum, pair| (sum.0 + pair.0, sum.1 + pair.1));
+        products / squares
+    }
+
     /// Root mean square of an axis' error that coefficients (µm per m/s² of z) leave, µm.
     #[must_use]
     pub fn left_um(&self, axis: usize, um_s2_per_m: f64) -> f64 {
@@ -128,9 +132,8 @@ impl Travel {
 }
 
 /// Second derivatives by a parabola through a window about each row.
-fn accelerations(places_m: &[f64]) -> Vec<f64> {
-    let squares: Vec<f64> =
-        (0..=2 * HALF_WINDOW).map(|k| (k as f64 - HALF_WINDOW as f64).powi(2)).collect();
+pub fn accelerations(places_m: &[f64]) -> Vec<f64> {
+    let squares: Vec<f64> = (0..=2 * HALF_WINDOW).map(|k| (k as f64 - HALF_WINDOW as f64).powi(2)).collect();
     let mean = squares.iter().sum::<f64>() / squares.len() as f64;
     let weights: Vec<f64> = squares.iter().map(|square| square - mean).collect();
     let sum: f64 = weights.iter().map(|weight| weight * weight).sum::<f64>() * 0.5 * SAMPLE_S.powi(2);
