@@ -9,6 +9,8 @@ pub mod assembly;
 pub mod modes;
 pub mod motion;
 pub mod talk;
+#[cfg(test)]
+mod tests;
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};

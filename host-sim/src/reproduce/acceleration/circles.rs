@@ -238,3 +238,55 @@ pub fn solve(columns: &[&[f64]], right: &[f64]) -> Result<Solution, ReproduceErr
 fn pooled(laps: &[&Lap], of: impl Fn(&Lap) -> Vec<f64>) -> Vec<f64> {
     laps.iter().flat_map(|lap| of(lap)).collect()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::plant::bodies::Assembly;
+    use crate::reproduce::acceleration::bench::Instruments;
+    use crate::reproduce::acceleration::machines;
+
+    /// An upright ellipse a few µm from a circle and from the origin has the half axes that it was made with.
+    #[test]
+    fn the_half_axes_of_an_ellipse_are_found() {
+        let (a, b, x0, y0) = (2.003e-3, 1.996e-3, 4e-6, -7e-6);
+        let at = |i: u32| TAU * f64::from(i) / 100.0;
+        let points: Vec<[f64; 2]> = (0..100).map(|i| [x0 + a * at(i).cos(), y0 + b * at(i).sin()]).collect();
+        let [found_a, found_b] = half_axes(&points).unwrap();
+        assert!((found_a - a).abs() < 1e-12 && (found_b - b).abs() < 1e-12, "{found_a} {found_b}");
+        // A hyperbola is none.
+        let open: Vec<[f64; 2]> = (0..100).map(|i| [1e-3 * at(i).cosh(), 1e-3 * at(i).sinh()]).collect();
+        assert!(half_axes(&open).is_err());
+    }
+
+    /// Circles of the whole loop, evaluated like a measurement, give the closed form at their frequency to 1 % and
+    /// that at rest to what the lowest mode, 30 Hz, can add to it at 8 Hz: (8/30)²/(1 − (8/30)²) = 8 %.
+    #[test]
+    fn simulated_circles_give_the_closed_form() {
+        let catalogue = machines::catalogue().unwrap();
+        let assembly = Assembly::of(&catalogue).unwrap();
+        let lowest_hz = assembly.natural_frequencies_hz().unwrap()[AXES];
+        let bench = Bench::new(&catalogue, machines::GAINS, Instruments::default()).unwrap();
+        let measured = evaluate(&run(&bench, 5.0).unwrap()).unwrap();
+        let closed = assembly.talk_at(measured.rad_per_s).unwrap();
+        let at_rest = assembly.talk_at_rest().unwrap();
+        let share = (measured.rad_per_s / (TAU * lowest_hz)).powi(2);
+        let bound = share / (1.0 - share);
+        assert!((0.05..0.1).contains(&bound), "{bound}");
+        for (found, (closed, at_rest)) in measured
+            .talk_um_s2_per_m
+            .iter()
+            .zip(closed.tool_um_s2_per_m.iter().zip(at_rest.tool_um_s2_per_m.iter()))
+        {
+            // Small ones are what is left between large ones.
+            assert!((found - closed).abs() < 0.01 * closed.abs() + 2e-3, "{found} {closed}");
+            assert!((found - at_rest).abs() < bound * at_rest.abs() + 5e-3, "{found} {at_rest}");
+        }
+        for axis in 0..AXES {
+            assert!((measured.felt_kg[axis] / closed.force_kg[(axis, axis)] - 1.0).abs() < 5e-3);
+        }
+        // P control without feed-forward lags: the circle is smaller, but not by more than 1/√(1 + (ω/Kp)²).
+        let least = 5.0 / (1.0 + (50.0 / machines::GAINS.position_per_s).powi(2)).sqrt();
+        assert!((least..5.0).contains(&measured.reached_m_per_s2), "{least} {}", measured.reached_m_per_s2);
+    }
+}

@@ -125,3 +125,52 @@ fn least<E>(mut from: f64, mut to: f64, mut of: impl FnMut(f64) -> Result<f64, E
     }
     Ok(0.5 * (from + to))
 }
+
+#[cfg(test)]
+mod tests {
+    use nalgebra::Matrix3;
+
+    use super::*;
+    use crate::reproduce::acceleration::machines::{self, WEIGHTS};
+
+    /// What circles of a structure would show without noise.
+    fn shown(structure: &Structure, rad_per_s: f64) -> Measured {
+        let talk = Assembly::of(structure).unwrap().talk_at(rad_per_s).unwrap();
+        let talk_um_s2_per_m = Matrix3::from_fn(|along, axis| talk.tool_um_s2_per_m[(along, axis)]);
+        Measured {
+            talk_um_s2_per_m,
+            deviation_um_s2_per_m: Matrix3::zeros(),
+            felt_kg: [0, 1, 2].map(|axis| talk.force_kg[(axis, axis)]),
+            reached_m_per_s2: 5.0,
+            rad_per_s,
+        }
+    }
+
+    /// Whatever part was changed is found, with its factor. Screws do not show behind scales.
+    #[test]
+    fn the_part_that_was_changed_is_found() {
+        let catalogue = machines::catalogue().unwrap();
+        for (part, name) in PARTS.into_iter().filter(|(part, _)| *part != Part::Screws) {
+            for factor in [0.4, 1.7] {
+                let changed = catalogue.scaled(part, factor);
+                let (fit, judge) = (shown(&changed, 50.0), shown(&changed, 45.0));
+                let best = candidates(&catalogue, &fit, &judge, WEIGHTS).unwrap()[0];
+                assert_eq!((best.part, best.name), (part, name));
+                // Ends of the golden section.
+                assert!((best.factor / factor - 1.0).abs() < 2e-5, "{name}: {}", best.factor);
+            }
+        }
+    }
+
+    /// A coefficient that is wrong by e leaves e·a/√2, one of twelve.
+    #[test]
+    fn the_distance_is_a_root_mean_square() {
+        let catalogue = machines::catalogue().unwrap();
+        let mut measured = shown(&catalogue, 50.0);
+        let talk = Assembly::of(&catalogue).unwrap().talk_at(50.0).unwrap();
+        assert!(distance(&measured, &talk, WEIGHTS) < 1e-9);
+        measured.talk_um_s2_per_m[(1, 2)] += 0.1;
+        let expected = 0.1 * 5.0 / 2f64.sqrt() / WEIGHTS.tool_um / 12f64.sqrt();
+        assert!((distance(&measured, &talk, WEIGHTS) / expected - 1.0).abs() < 1e-9);
+    }
+}

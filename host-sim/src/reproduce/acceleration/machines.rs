@@ -14,7 +14,7 @@ use crate::reproduce::ReproduceError;
 pub const TRUE_SHARE: f64 = 0.38;
 
 /// Scatter of the true machine about that and about all other data of the catalogue, either way: no model has it.
-const GUIDEWAY_SCATTER: f64 = 0.08;
+pub const GUIDEWAY_SCATTER: f64 = 0.08;
 const OTHER_SCATTER: f64 = 0.05;
 const MASS_SCATTER: f64 = 0.005;
 

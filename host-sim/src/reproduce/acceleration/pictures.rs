@@ -78,15 +78,13 @@ fn plane(experiment: &Experiment) -> Picture {
         noise: 0.0,
         layers,
     };
-    let mut keys = keys();
-    keys.push(("before-range", "one standard deviation of the readings".to_owned()));
     Picture {
         title: "Cross-talk by the plane fit".to_owned(),
         svg: chart.svg(),
         caption: "Circles of 2 mm in yz, both ways: external less internal reading in x over the acceleration of z, means \
-                  of the measured points with their scatter, and what the two models say."
+                  of the measured points in a band of one standard deviation of their scatter, and what the two models say."
             .to_owned(),
-        keys,
+        keys: keys(),
     }
 }
 

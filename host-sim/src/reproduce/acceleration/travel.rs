@@ -150,3 +150,38 @@ pub fn accelerations(places_m: &[f64]) -> Vec<f64> {
 fn refused(error: PathError) -> ReproduceError {
     SimulationError::from(ControllerError::Refused(error.into())).into()
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// By hand: a = ∛(0.02·250²/2) = ∛625 = 8.550 m/s², v = a²/j = 0.2924 m/s; 10 m/s² take √(2·1000/0.02) = 316.2 m/s³.
+    #[test]
+    fn the_jerk_limits_the_move() {
+        let alone = by_jerk_alone(WAY_M, PRINTED.m_per_s3);
+        assert!((alone.m_per_s2.powi(3) - 625.0).abs() < 1e-9 && (alone.m_per_s - 0.2924).abs() < 1e-4);
+        assert!((jerk_for(WAY_M, 10.0) - 316.228).abs() < 1e-3);
+        let commanded = commanded(PRINTED).unwrap();
+        // The tip of the triangle falls between ticks: half a tick of jerk either side of it.
+        let blunt = PRINTED.m_per_s3 * SAMPLE_S;
+        assert!((alone.m_per_s2 - blunt..=alone.m_per_s2).contains(&commanded.m_per_s2), "{commanded:?}");
+        assert!((commanded.m_per_s - alone.m_per_s).abs() < blunt * SAMPLE_S * 2.0);
+        assert!((commanded.m_per_s3 / PRINTED.m_per_s3 - 1.0).abs() < 1e-3);
+        // A higher speed changes nothing, a higher jerk does.
+        assert_eq!(super::commanded(Limits { m_per_s: 1.0, ..PRINTED }).unwrap(), commanded);
+        let harder = super::commanded(Limits { m_per_s3: 330.0, ..PRINTED }).unwrap();
+        assert!((harder.m_per_s2 - 10.0).abs() < 0.01);
+    }
+
+    /// A parabola has its second derivative everywhere, a cubic too at the middle of the window.
+    #[test]
+    fn the_acceleration_of_a_polynomial_is_exact() {
+        let time = |i: usize| i as f64 * SAMPLE_S;
+        let places: Vec<f64> = (0..100).map(|i| 3.0 * time(i).powi(2) - 20.0 * time(i).powi(3)).collect();
+        let found = accelerations(&places);
+        assert!(found[..HALF_WINDOW].iter().all(|a| *a == 0.0));
+        for i in HALF_WINDOW..100 - HALF_WINDOW {
+            assert!((found[i] - (6.0 - 120.0 * time(i))).abs() < 1e-6, "{i}: {}", found[i]);
+        }
+    }
+}
