@@ -35,7 +35,7 @@ impl Assembly {
     /// The matrices of a structure.
     ///
     /// # Errors
-    /// Where the structure cannot be built, see [`Structure::check`].
+    /// Where the structure cannot be built, see [`Structure::check`], or cannot move, see [`Assembly::check_held`].
     pub fn of(structure: &Structure) -> Result<Self, StructureError> {
         structure.check()?;
         let (bodies, axes) = (6 * structure.body.len(), structure.axis.len());
@@ -70,6 +70,7 @@ impl Assembly {
         }
         let point = |point: &Point| displacement(structure, &point.body, point.at_mm);
         whole.tool = point(&structure.tool) - point(&structure.workpiece);
+        whole.check_held()?;
         Ok(whole)
     }
 

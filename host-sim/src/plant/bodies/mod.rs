@@ -157,6 +157,9 @@ pub enum StructureError {
     /// With its axes held it can still move.
     #[error("the joints leave a body loose in a direction that no axis drives")]
     Loose,
+    /// An axis drives against a joint, or against another axis.
+    #[error("an axis drives in a direction that a joint, or another axis, holds")]
+    Stuck,
 }
 
 impl Structure {

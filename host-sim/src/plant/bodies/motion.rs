@@ -1,8 +1,8 @@
 //! The structure in time, exact for forces that stay over a step.
 //!
-//! With the velocity in ways a step, h·q′, the equation of motion reads q′ → h·q′, h·q″·h → −h²M⁻¹K·q − hM⁻¹D·(h·q′) +
-//! h²M⁻¹B·f: dimensionless rates whose matrix exponential is what a step makes of state and force. There is
-//! nothing for a stiff joint to be unstable with.
+//! With the way of a step, p = h·q′, in the place of the velocity the equation of motion has the rates h·q′ = p and
+//! h·p′ = −h²M⁻¹K·q − hM⁻¹D·p + h²M⁻¹B·f, all in the units of q: a matrix that is not ill scaled, whose exponential is what
+//! a step makes of state and force. There is nothing for a stiff joint to be unstable with.
 
 use nalgebra::{DMatrix, DVector};
 
@@ -11,7 +11,7 @@ use super::{Assembly, StructureError};
 /// A structure that moves.
 #[derive(Clone, Debug)]
 pub struct Moving {
-    /// What becomes of coordinates, ways a step, and forces.
+    /// What a step makes of coordinates, ways of a step, and forces.
     transition: DMatrix<f64>,
     /// Those, one after the other.
     state: DVector<f64>,

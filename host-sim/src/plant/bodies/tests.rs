@@ -182,8 +182,13 @@ fn what_cannot_be_built_is_refused_by_its_key() {
         "axis.z.at_mm: expected a finite number, found NaN"
     );
     assert_eq!(refused(|s| "table".clone_into(&mut s.tool.body)), "tool.body: no body is called \"table\"");
-    // Without its guide the slide hangs on nothing but the screw.
-    let mut loose = tilting([0.0; 3]);
-    loose.joint.clear();
-    assert_eq!(Assembly::of(&loose).unwrap().talk_at_rest(), Err(StructureError::Loose));
+    // Without its guide the slide hangs on nothing but the screw, which need not lie along one coordinate.
+    for direction in [[0.0, 0.0, 1.0], [1.0, 2.0, 3.0]] {
+        let mut loose = tilting([10.0, 20.0, 0.0]);
+        loose.joint.clear();
+        loose.axis[0].direction = direction;
+        assert_eq!(Assembly::of(&loose).unwrap_err(), StructureError::Loose);
+    }
+    let across = refused(|s| s.axis[0].direction = [1.0, 0.0, 1.0]);
+    assert_eq!(across, StructureError::Stuck.to_string());
 }

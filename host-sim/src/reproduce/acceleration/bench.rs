@@ -76,7 +76,7 @@ impl Row {
 }
 
 impl Bench {
-    /// A structure with the gains of `kp_per_s` on it.
+    /// A structure with control about it.
     ///
     /// # Errors
     /// Where it cannot be built.
@@ -153,19 +153,20 @@ impl Bench {
 pub struct Gains {
     /// Kp of the position loop.
     pub position_per_s: f64,
-    /// Bandwidth of the velocity loop: its gain over the mass.
-    pub velocity_per_s: f64,
-    /// Ti of the velocity loop.
-    pub integral_time_s: f64,
+    /// Gain of the velocity loop over the mass (its bandwidth), in Kp.
+    pub velocity_ratio: f64,
+    /// Ti of the velocity loop, in the inverse of that bandwidth.
+    pub integral_ratio: f64,
 }
 
 impl Gains {
     /// Settings of an axis whose drive feels a mass.
     fn settings(self, felt_kg: f64) -> AxisSettings {
+        let velocity_per_s = self.velocity_ratio * self.position_per_s;
         AxisSettings {
             position_gain_per_s: self.position_per_s,
-            velocity_gain_n_s_per_m: self.velocity_per_s * felt_kg,
-            velocity_integral_time_s: Some(self.integral_time_s),
+            velocity_gain_n_s_per_m: velocity_per_s * felt_kg,
+            velocity_integral_time_s: Some(self.integral_ratio / velocity_per_s),
             sensors: Sensors::Table,
             force_limit_n: 20_000.0,
             ..AxisSettings::default()
@@ -180,4 +181,37 @@ fn place(m: f64) -> Position {
 
 fn refused(error: MachineError) -> ReproduceError {
     SimulationError::from(ControllerError::from(error)).into()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::reproduce::acceleration::machines;
+
+    fn run(gains: Gains, block: Block<AXES>) -> Result<Vec<Row>, ReproduceError> {
+        Bench::new(&machines::catalogue().unwrap(), gains, Instruments::default())
+            .unwrap()
+            .run([0.0; AXES], &[block])
+    }
+
+    /// At an even speed a P loop lags by v/Kp, and the drive of an axis feels its viscous friction alone.
+    #[test]
+    fn at_speed_the_scale_lags_by_the_speed_over_kp() {
+        let rows = run(machines::GAINS, Block::line([0.0, 0.0, 0.1], 0.1, 5.0)).unwrap();
+        let row = &rows[rows.len() / 2];
+        let lag = row.command_m[2] - row.scale_m[2];
+        assert!((lag / (0.1 / machines::GAINS.position_per_s) - 1.0).abs() < 0.01, "{lag}");
+        // Four carriages of 0.1 N·s/mm.
+        assert!((row.force_n[2] / (400.0 * 0.1) - 1.0).abs() < 0.05, "{}", row.force_n[2]);
+        // Then nothing accelerates, and nothing is bent.
+        assert!((0..AXES).all(|axis| row.error_m(axis).abs() < 20e-9), "{row:?}");
+    }
+
+    /// A loop that does not hold is stopped with the reason, and no number that is none comes out of it.
+    #[test]
+    fn gains_beyond_the_structure_end_in_a_fault() {
+        let gains = Gains { position_per_s: 2000.0, ..machines::GAINS };
+        let error = run(gains, Block::line([0.0, 0.0, 0.1], 0.1, 5.0)).unwrap_err().to_string();
+        assert!(error.starts_with("the drives went off") && error.contains(" after 0."), "{error}");
+    }
 }

@@ -44,6 +44,14 @@ pub struct Candidate {
     pub left: f64,
 }
 
+impl Candidate {
+    /// Whether it has a best factor: one that goes to an end of what is tried shows in no reading.
+    #[must_use]
+    pub fn helps(&self) -> bool {
+        self.factor.ln().abs() < -0.99 * LEAST_FACTOR.ln()
+    }
+}
+
 /// All parts, fitted to one measurement and judged by another, best first.
 ///
 /// # Errors
@@ -154,7 +162,8 @@ mod tests {
             for factor in [0.4, 1.7] {
                 let changed = catalogue.scaled(part, factor);
                 let (fit, judge) = (shown(&changed, 50.0), shown(&changed, 45.0));
-                let best = candidates(&catalogue, &fit, &judge, WEIGHTS).unwrap()[0];
+                let all = candidates(&catalogue, &fit, &judge, WEIGHTS).unwrap();
+                let best = all[0];
                 assert_eq!((best.part, best.name), (part, name));
                 // Ends of the golden section.
                 assert!((best.factor / factor - 1.0).abs() < 2e-5, "{name}: {}", best.factor);

@@ -23,8 +23,7 @@ const SEED: u64 = 4;
 
 /// The paper prints no gains. Kp is chosen for the 4.7 m/s² that its simulated circle reaches; the velocity loop is three
 /// times as fast, and its integral time four times the inverse of that, as is usual.
-pub const GAINS: Gains =
-    Gains { position_per_s: 120.0, velocity_per_s: 3.0 * 120.0, integral_time_s: 4.0 / (3.0 * 120.0) };
+pub const GAINS: Gains = Gains { position_per_s: 120.0, velocity_ratio: 3.0, integral_ratio: 4.0 };
 
 /// The probe's standard uncertainty: half of the paper's U(k = 2) = 2.8 µm, m.
 const EXTERNAL_M: f64 = 1.4e-6;

@@ -10,11 +10,11 @@ mod identify;
 mod machines;
 mod pictures;
 mod travel;
+mod words;
 
 use super::{Outcome, Printed, ReproduceError, Study};
 use crate::plant::bodies::talk::Talk;
 use crate::plant::bodies::{Assembly, StructureError};
-use crate::report::number::significant;
 
 use bench::{Bench, Instruments};
 use circles::{Lap, Measured};
@@ -43,6 +43,7 @@ struct Experiment {
     laps: Vec<Lap>,
     /// Others, which nothing is fitted to.
     judging: Vec<Lap>,
+    judge: Measured,
     /// Parts that may be wrong, best first.
     candidates: Vec<Candidate>,
     /// What the catalogue's and the identified machine do on the judging circles.
@@ -68,9 +69,11 @@ impl Experiment {
         let best = candidates.first().ok_or_else(|| ReproduceError::Numerics("no candidate".to_owned()))?;
         let found = catalogue.scaled(best.part, best.factor);
         let printed = travel::PRINTED;
-        let faster = travel::Limits { m_per_s: 2.0 * printed.m_per_s, ..printed };
-        let harder =
-            travel::Limits { m_per_s3: 1.01 * travel::jerk_for(travel::WAY_M, printed.m_per_s2), ..printed };
+        let faster = travel::Limits { speed_m_per_s: 2.0 * printed.speed_m_per_s, ..printed };
+        let harder = travel::Limits {
+            jerk_m_per_s3: 1.01 * travel::jerk_for(travel::WAY_M, printed.acceleration_m_per_s2),
+            ..printed
+        };
         Ok(Self {
             catalogue: circles::evaluate(&circles::run(&model, FITTED_M_PER_S2)?)?,
             measured,
@@ -78,6 +81,7 @@ impl Experiment {
             before: Assembly::of(&catalogue)?.talk_at(judge.rad_per_s)?,
             after: Assembly::of(&found)?.talk_at(judge.rad_per_s)?,
             judging,
+            judge,
             candidates,
             simulated: Travel::run(&model)?,
             travelled: Travel::run(&shop.reseeded(2))?,
@@ -142,12 +146,22 @@ impl Experiment {
             ),
             Outcome::new(
                 "20 mm move: set acceleration, below its limit of 10",
-                Printed::Below(travel::PRINTED.m_per_s2),
-                commanded.m_per_s2,
+                Printed::Below(travel::PRINTED.acceleration_m_per_s2),
+                commanded.acceleration_m_per_s2,
                 "m/s²",
             ),
-            Outcome::new("20 mm move: jerk at its limit", figure(250.0, 0.5), commanded.m_per_s3, "m/s³"),
-            Outcome::new("20 mm move: speed at its limit", figure(0.5, 0.005), commanded.m_per_s, "m/s"),
+            Outcome::new(
+                "20 mm move: jerk at its limit",
+                figure(250.0, 0.5),
+                commanded.jerk_m_per_s3,
+                "m/s³",
+            ),
+            Outcome::new(
+                "20 mm move: speed at its limit",
+                figure(0.5, 0.005),
+                commanded.speed_m_per_s,
+                "m/s",
+            ),
             Outcome::new(
                 "guideways against the next best part: error left on judging circles",
                 Printed::Below(1.0),
@@ -171,64 +185,6 @@ impl Experiment {
         let other = self.candidates.iter().find(|candidate| !is_guideway(candidate));
         guideways.zip(other).map_or(f64::NAN, |(guideways, other)| guideways.left / other.left)
     }
-
-    fn said(&self) -> Vec<String> {
-        let three = |value: f64| significant(value, 3);
-        let ranking: Vec<String> = self
-            .candidates
-            .iter()
-            .map(|c| format!("{} {} (factor {})", c.name, three(c.left), three(c.factor)))
-            .collect();
-        let best =
-            self.candidates.first().map_or((String::new(), f64::NAN), |c| (c.name.to_owned(), c.factor));
-        let [raw, before, after] = self.left_um();
-        let coefficients = [self.before.tool_um_s2_per_m[(X, Z)], self.after.tool_um_s2_per_m[(X, Z)]];
-        let [move_raw, move_before, move_after] =
-            [0.0, coefficients[0], coefficients[1]].map(|c| without_noise(self.travelled.left_um(X, c)));
-        let alone = travel::by_jerk_alone(travel::WAY_M, travel::PRINTED.m_per_s3);
-        let [printed, faster, harder] = self.commanded;
-        vec![
-            format!(
-                "A machine whose guideways have {} of the catalogue's stiffness, and 8 % of scatter about that, is \
-                 measured on circles in three planes. Each part of the catalogue's model gets a factor in its turn; \
-                 what it leaves on circles at another acceleration, in standard deviations of the readings: {}.",
-                machines::TRUE_SHARE,
-                ranking.join(", "),
-            ),
-            format!(
-                "Found: {}, a factor of {}. Error at the tool on the judging circles, rms without the probe's noise: \
-                 {} µm; the catalogue's machine leaves {} µm of it, the identified one {} µm.",
-                best.0,
-                three(best.1),
-                three(raw),
-                three(before),
-                three(after),
-            ),
-            format!(
-                "The same coefficients on the 20 mm move of the true machine: {} µm in x, of which the catalogue leaves \
-                 {} and the identified machine {}. By least squares over the whole move the cross-talk is {} µm·s²/m, on \
-                 the circles {}.",
-                three(move_raw),
-                three(move_before),
-                three(move_after),
-                three(self.travelled.coefficient(X)),
-                three(self.measured.talk_um_s2_per_m[(X, Z)]),
-            ),
-            format!(
-                "What keeps the 20 mm move below 10 m/s² is the jerk, not the speed: with the jerk alone the \
-                 acceleration is the cube root of s·j²/2, {} m/s², at a speed of a²/j, {} m/s of the 0.5 allowed. The \
-                 interpolator commands {} m/s²; with twice the speed allowed {} m/s², with a jerk of {} m/s³ {} m/s². The \
-                 axis itself reaches {} m/s²: its position loop lags.",
-                three(alone.m_per_s2),
-                three(alone.m_per_s),
-                three(printed.m_per_s2),
-                three(faster.m_per_s2),
-                three(harder.m_per_s3),
-                three(harder.m_per_s2),
-                three(self.simulated.at_most(X).0),
-            ),
-        ]
-    }
 }
 
 /// A root mean square of probe readings without the probe's noise, µm.
@@ -248,26 +204,9 @@ pub fn run() -> Result<Study, ReproduceError> {
         said: experiment.said(),
         outcomes: experiment.outcomes(),
         pictures: pictures::all(&experiment),
-        notes: NOTES.map(str::to_owned).to_vec(),
+        notes: words::NOTES.map(str::to_owned).to_vec(),
     })
 }
-
-const NOTES: [&str; 5] = [
-    "The paper prints neither masses nor stiffness nor gains. The machine is ours; three of its values are chosen for \
-     what the paper reports: the distance of the ram's screw for the cross-talk of −0.55, the share of the true \
-     guideways for the −1.55, and Kp for the 4.7 m/s² of the simulated circle. These rows agree by choice; the others \
-     are what follows.",
-    "Equations (1), (2) and (12) to (16) are missing from the scan; they are read as the moment of the drive force \
-     about the centre of gravity, M·q″ + D·q′ + K·q = B·f, and its state space.",
-    "The paper says that the set acceleration was not reached because of the settings of jerk and speed. A speed of \
-     30,000 mm/min is never reached on 20 mm with 250 m/s³; jerk and way alone are the limit.",
-    "3.7 µm over 7.9 m/s² is −0.47, not −0.48; within the rounding of both figures it may be −0.46 to −0.48. Either \
-     way it is a seventh less than the −0.55 of the circles, which the paper calls quite similar. Here the structure is \
-     linear and its modes are far above 8 Hz, so move and circles have one coefficient but for a few percent of \
-     dynamics: with −0.55 given on the circles, neither −0.48 nor 3.7 µm can come out.",
-    "7.9 m/s² depends on the gains, which are not printed. With Kp from the circle, and the velocity loop by the usual \
-     rule, the axis reaches a little less.",
-];
 
 #[cfg(test)]
 mod tests {

@@ -25,15 +25,15 @@ const HALF_WINDOW: usize = 5;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Limits {
     /// Speed.
-    pub m_per_s: f64,
+    pub speed_m_per_s: f64,
     /// Acceleration.
-    pub m_per_s2: f64,
+    pub acceleration_m_per_s2: f64,
     /// Jerk.
-    pub m_per_s3: f64,
+    pub jerk_m_per_s3: f64,
 }
 
 /// 30,000 mm/min, 10 m/s², 250 m/s³.
-pub const PRINTED: Limits = Limits { m_per_s: 0.5, m_per_s2: 10.0, m_per_s3: 250.0 };
+pub const PRINTED: Limits = Limits { speed_m_per_s: 0.5, acceleration_m_per_s2: 10.0, jerk_m_per_s3: 250.0 };
 
 /// The greatest values of a move.
 pub type Peaks = Limits;
@@ -42,7 +42,11 @@ pub type Peaks = Limits;
 #[must_use]
 pub fn by_jerk_alone(way_m: f64, jerk_m_per_s3: f64) -> Peaks {
     let acceleration = (0.5 * way_m * jerk_m_per_s3.powi(2)).cbrt();
-    Peaks { m_per_s: acceleration.powi(2) / jerk_m_per_s3, m_per_s2: acceleration, m_per_s3: jerk_m_per_s3 }
+    Peaks {
+        speed_m_per_s: acceleration.powi(2) / jerk_m_per_s3,
+        acceleration_m_per_s2: acceleration,
+        jerk_m_per_s3,
+    }
 }
 
 /// The jerk with which a way is just long enough for an acceleration, m/s³.
@@ -57,8 +61,8 @@ pub fn jerk_for(way_m: f64, acceleration_m_per_s2: f64) -> f64 {
 /// Where it refuses the move.
 pub fn commanded(limits: Limits) -> Result<Peaks, ReproduceError> {
     let mut path = Path::<1>::new([Position(0)], RATES.velocity_loop_hz);
-    let block = Block::line([WAY_M], limits.m_per_s, limits.m_per_s2)
-        .with_ramps(Ramps::SCurve { jerk_m_per_s3: limits.m_per_s3 });
+    let block = Block::line([WAY_M], limits.speed_m_per_s, limits.acceleration_m_per_s2)
+        .with_ramps(Ramps::SCurve { jerk_m_per_s3: limits.jerk_m_per_s3 });
     path.push(&block).map_err(refused)?;
     let mut places = vec![0.0];
     while !path.is_done() {
@@ -71,9 +75,9 @@ pub fn commanded(limits: Limits) -> Result<Peaks, ReproduceError> {
     let speeds = rates(&places);
     let accelerations = rates(&speeds);
     Ok(Peaks {
-        m_per_s: most(&speeds),
-        m_per_s2: most(&accelerations),
-        m_per_s3: most(&rates(&accelerations)),
+        speed_m_per_s: most(&speeds),
+        acceleration_m_per_s2: most(&accelerations),
+        jerk_m_per_s3: most(&rates(&accelerations)),
     })
 }
 
@@ -92,8 +96,8 @@ impl Travel {
     /// # Errors
     /// When the loop does not hold.
     pub fn run(bench: &Bench) -> Result<Self, ReproduceError> {
-        let line = Block::line([0.0, 0.0, 0.5 * WAY_M], PRINTED.m_per_s, PRINTED.m_per_s2)
-            .with_ramps(Ramps::SCurve { jerk_m_per_s3: PRINTED.m_per_s3 });
+        let line = Block::line([0.0, 0.0, 0.5 * WAY_M], PRINTED.speed_m_per_s, PRINTED.acceleration_m_per_s2)
+            .with_ramps(Ramps::SCurve { jerk_m_per_s3: PRINTED.jerk_m_per_s3 });
         let rows = bench.run([0.0, 0.0, -0.5 * WAY_M], &[Block::dwell(0.05), line, Block::dwell(0.15)])?;
         let places: Vec<f64> = rows.iter().map(|row| row.scale_m[Z]).collect();
         Ok(Self { acceleration: accelerations(&places), rows })
@@ -158,19 +162,26 @@ mod tests {
     /// By hand: a = ∛(0.02·250²/2) = ∛625 = 8.550 m/s², v = a²/j = 0.2924 m/s; 10 m/s² take √(2·1000/0.02) = 316.2 m/s³.
     #[test]
     fn the_jerk_limits_the_move() {
-        let alone = by_jerk_alone(WAY_M, PRINTED.m_per_s3);
-        assert!((alone.m_per_s2.powi(3) - 625.0).abs() < 1e-9 && (alone.m_per_s - 0.2924).abs() < 1e-4);
+        let alone = by_jerk_alone(WAY_M, PRINTED.jerk_m_per_s3);
+        assert!(
+            (alone.acceleration_m_per_s2.powi(3) - 625.0).abs() < 1e-9
+                && (alone.speed_m_per_s - 0.2924).abs() < 1e-4
+        );
         assert!((jerk_for(WAY_M, 10.0) - 316.228).abs() < 1e-3);
         let commanded = commanded(PRINTED).unwrap();
         // The tip of the triangle falls between ticks: half a tick of jerk either side of it.
-        let blunt = PRINTED.m_per_s3 * SAMPLE_S;
-        assert!((alone.m_per_s2 - blunt..=alone.m_per_s2).contains(&commanded.m_per_s2), "{commanded:?}");
-        assert!((commanded.m_per_s - alone.m_per_s).abs() < blunt * SAMPLE_S * 2.0);
-        assert!((commanded.m_per_s3 / PRINTED.m_per_s3 - 1.0).abs() < 1e-3);
+        let blunt = PRINTED.jerk_m_per_s3 * SAMPLE_S;
+        assert!(
+            (alone.acceleration_m_per_s2 - blunt..=alone.acceleration_m_per_s2)
+                .contains(&commanded.acceleration_m_per_s2),
+            "{commanded:?}"
+        );
+        assert!((commanded.speed_m_per_s - alone.speed_m_per_s).abs() < blunt * SAMPLE_S * 2.0);
+        assert!((commanded.jerk_m_per_s3 / PRINTED.jerk_m_per_s3 - 1.0).abs() < 1e-3);
         // A higher speed changes nothing, a higher jerk does.
-        assert_eq!(super::commanded(Limits { m_per_s: 1.0, ..PRINTED }).unwrap(), commanded);
-        let harder = super::commanded(Limits { m_per_s3: 330.0, ..PRINTED }).unwrap();
-        assert!((harder.m_per_s2 - 10.0).abs() < 0.01);
+        assert_eq!(super::commanded(Limits { speed_m_per_s: 1.0, ..PRINTED }).unwrap(), commanded);
+        let harder = super::commanded(Limits { jerk_m_per_s3: 330.0, ..PRINTED }).unwrap();
+        assert!((harder.acceleration_m_per_s2 - 10.0).abs() < 0.01);
     }
 
     /// A parabola has its second derivative everywhere, a cubic too at the middle of the window.
@@ -180,8 +191,8 @@ mod tests {
         let places: Vec<f64> = (0..100).map(|i| 3.0 * time(i).powi(2) - 20.0 * time(i).powi(3)).collect();
         let found = accelerations(&places);
         assert!(found[..HALF_WINDOW].iter().all(|a| *a == 0.0));
-        for i in HALF_WINDOW..100 - HALF_WINDOW {
-            assert!((found[i] - (6.0 - 120.0 * time(i))).abs() < 1e-6, "{i}: {}", found[i]);
+        for (i, found) in found.iter().enumerate().take(100 - HALF_WINDOW).skip(HALF_WINDOW) {
+            assert!((found - (6.0 - 120.0 * time(i))).abs() < 1e-6, "{i}: {found}");
         }
     }
 }
