@@ -7,9 +7,10 @@ use std::f64::consts::TAU;
 
 use super::{Assembly, StructureError};
 
-/// Slower than this nothing holds a body, Hz: zeros come out at millionths of it by rounding, and machines do not swing
-/// so slowly.
+/// Slower than this nothing holds a body, Hz and share of the fastest mode: machines do not swing so slowly, and
+/// rounding leaves zeros at the root of 1e-16 of the fastest.
 const HELD_HZ: f64 = 0.01;
+const HELD_SHARE: f64 = 1e-6;
 
 impl Assembly {
     /// Natural frequencies of the undamped structure with its motors free, Hz, from the lowest: a zero for each
@@ -33,7 +34,9 @@ impl Assembly {
     /// # Errors
     /// [`StructureError::Loose`] where something else can, [`StructureError::Stuck`] where an axis cannot.
     pub fn check_held(&self) -> Result<(), StructureError> {
-        let free = self.natural_frequencies_hz()?.iter().filter(|hz| **hz < HELD_HZ).count();
+        let all = self.natural_frequencies_hz()?;
+        let least = all.last().map_or(HELD_HZ, |fastest| HELD_HZ.max(HELD_SHARE * fastest));
+        let free = all.iter().filter(|hz| **hz < least).count();
         match free.cmp(&self.axes()) {
             Ordering::Greater => Err(StructureError::Loose),
             Ordering::Less => Err(StructureError::Stuck),

@@ -189,6 +189,12 @@ fn what_cannot_be_built_is_refused_by_its_key() {
         loose.axis[0].direction = direction;
         assert_eq!(Assembly::of(&loose).unwrap_err(), StructureError::Loose);
     }
-    let across = refused(|s| s.axis[0].direction = [1.0, 0.0, 1.0]);
-    assert_eq!(across, StructureError::Stuck.to_string());
+    assert_eq!(
+        refused(|s| s.joint[0].stiffness_n_per_um[2] = 1.0),
+        "an axis drives in a direction that a joint, or another axis, holds"
+    );
+    // An axis across the direction that is free does not drive it.
+    let mut across = tilting([0.0; 3]);
+    across.axis[0].direction = [1.0, 0.0, 0.0];
+    assert_eq!(Assembly::of(&across).unwrap().talk_at_rest(), Err(StructureError::Loose));
 }

@@ -33,6 +33,9 @@ pub const SAMPLE_S: f64 = 1.0 / RATES.velocity_loop_hz;
 /// Longest run, s: a path that does not end is a fault.
 const LONGEST_S: f64 = 30.0;
 
+/// Of the drives, N: five times what the movements take.
+const FORCE_LIMIT_N: f64 = 40_000.0;
+
 /// What reads the machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Instruments {
@@ -127,6 +130,11 @@ impl Bench {
                 return Err(SimulationError::Fault { what, time_s }.into());
             }
             let force_n = output.forces.map(Scalar::value);
+            if force_n.iter().any(|force| force.abs() >= FORCE_LIMIT_N) {
+                let what =
+                    "a drive is at its limit, where nothing is proportional to acceleration".to_owned();
+                return Err(SimulationError::Fault { what, time_s }.into());
+            }
             let tool = moving.tool_m();
             rows.push(Row {
                 command_m: output.commands.map(Position::to_m),
@@ -168,7 +176,7 @@ impl Gains {
             velocity_gain_n_s_per_m: velocity_per_s * felt_kg,
             velocity_integral_time_s: Some(self.integral_ratio / velocity_per_s),
             sensors: Sensors::Table,
-            force_limit_n: 20_000.0,
+            force_limit_n: FORCE_LIMIT_N,
             ..AxisSettings::default()
         }
     }
@@ -201,10 +209,14 @@ mod tests {
         let row = &rows[rows.len() / 2];
         let lag = row.command_m[2] - row.scale_m[2];
         assert!((lag / (0.1 / machines::GAINS.position_per_s) - 1.0).abs() < 0.01, "{lag}");
-        // Four carriages of 0.1 N·s/mm.
-        assert!((row.force_n[2] / (400.0 * 0.1) - 1.0).abs() < 0.05, "{}", row.force_n[2]);
-        // Then nothing accelerates, and nothing is bent.
-        assert!((0..AXES).all(|axis| row.error_m(axis).abs() < 20e-9), "{row:?}");
+        // Four carriages of 0.1 N·s/mm; the mean, as the feet still swing a little.
+        let middle = &rows[2 * rows.len() / 5..3 * rows.len() / 5];
+        let force_n = middle.iter().map(|row| row.force_n[2]).sum::<f64>() / middle.len() as f64;
+        assert!((force_n / (400.0 * 0.1) - 1.0).abs() < 0.02, "{force_n}");
+        // Nothing accelerates, and only the 40 N bend the ram: as much as 0.07 m/s² of its 550 kg, and −0.55 µm per
+        // m/s² are −0.04 µm in x.
+        let bent_m = row.error_m(0);
+        assert!((-80e-9..-20e-9).contains(&bent_m), "{bent_m}");
     }
 
     /// A loop that does not hold is stopped with the reason, and no number that is none comes out of it.
@@ -212,6 +224,6 @@ mod tests {
     fn gains_beyond_the_structure_end_in_a_fault() {
         let gains = Gains { position_per_s: 2000.0, ..machines::GAINS };
         let error = run(gains, Block::line([0.0, 0.0, 0.1], 0.1, 5.0)).unwrap_err().to_string();
-        assert!(error.starts_with("the drives went off") && error.contains(" after 0."), "{error}");
+        assert!(error.starts_with("a drive is at its limit") && error.contains(" after 0."), "{error}");
     }
 }
