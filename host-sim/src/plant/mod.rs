@@ -1,7 +1,8 @@
 //! The machine on the desk: drive, motor, screw, table, tool point, and the sensors on them.
 //!
 //! [`parameters::AxisParameters`] is what an axis is made of, in SI and with one of each effect;
-//! [`mechanics`] moves it, [`structure`] carries the tool, [`sensors`] read it, [`desk`] holds the whole machine. The tracer drives the
+//! [`mechanics`] moves it, [`structure`] carries the tool ([`bodies`] when it is made of
+//! rigid bodies), [`sensors`] read it, [`desk`] holds the whole machine. The tracer drives the
 //! same parts with measured signals.
 
 pub mod bodies;

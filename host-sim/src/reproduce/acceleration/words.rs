@@ -29,7 +29,7 @@ impl Experiment {
                  what it leaves on circles at another acceleration, in standard deviations of the readings: {}; the \
                  catalogue as it is, {}.",
                 machines::TRUE_SHARE,
-                three(100.0 * machines::GUIDEWAY_SCATTER),
+                100.0 * machines::GUIDEWAY_SCATTER,
                 ranking.join(", "),
                 three(identify::distance(&self.judge, &self.before, machines::WEIGHTS)),
             ),
