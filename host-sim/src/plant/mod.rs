@@ -2,8 +2,10 @@
 //!
 //! [`parameters::AxisParameters`] is what an axis is made of, in SI and with one of each effect;
 //! [`mechanics`] moves it (its linear part by [`transition`]), [`structure`] carries the tool, [`sensors`] read it,
-//! [`desk`] holds the whole machine. The tracer drives the same parts with measured signals.
+//! [`desk`] holds the whole machine. [`bodies`] is the structure in full: rigid bodies on elastic joints; [`curve`] holds
+//! friction laws that were published as curves. The tracer drives the same parts with measured signals.
 
+pub mod bodies;
 pub mod curve;
 pub mod desk;
 pub mod driven;
