@@ -6,7 +6,7 @@ use shared::interpolate::Smoothing;
 use crate::machine::{Axis, Controller, Feedback, Machine};
 use crate::plant::parameters::ServoParameters;
 
-/// Following error at which the simulated controller gives up, m.
+/// Following error at which the controller gives up where the machine file says nothing, m.
 const FOLLOWING_ERROR_LIMIT_M: f64 = 0.13;
 
 /// Force limit of an axis that declares none, N.
@@ -43,7 +43,9 @@ pub fn settings(axis: &Axis, effects: &ServoParameters) -> Result<AxisSettings, 
         smoothing: smoothing(axis),
         notch: notch(axis),
         low_pass: low_pass(axis),
-        following_error_limit_m: FOLLOWING_ERROR_LIMIT_M,
+        following_error_limit_m: axis
+            .following_error_limit_mm
+            .map_or(FOLLOWING_ERROR_LIMIT_M, |mm| 1e-3 * mm),
         scale_disagreement_limit_m: axis.scale_disagreement_limit_mm.map(|mm| 1e-3 * mm),
         fastest_m_per_s: axis.fastest_mm_per_s.map(|mm_per_s| 1e-3 * mm_per_s),
         saturation_time_s: axis.saturation_time_s.unwrap_or(defaults.saturation_time_s),

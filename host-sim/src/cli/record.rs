@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut board = board.map_err(|error| given.blamed(error))?;
     let run = Run {
         machine: &machine,
-        instruments: Instruments::typical(arguments.seed),
+        instruments: Instruments::of(&machine, arguments.seed),
         start_m: &path.start_m,
         blocks: &path.blocks,
         start_s: 0.0,

@@ -2,12 +2,15 @@
 
 mod loops;
 
+use super::instruments::InstrumentKeys;
 use super::{AXIS_NAME, Axis, Feedback, Machine, is_axis_name};
 use shared::units::TRAVEL_LIMIT_M;
 
 use crate::document::Document;
 use crate::effects::{Effect, NAMES};
 use crate::error::InputError;
+use crate::plant::bodies::Assembly;
+use crate::plant::curve::Curve;
 
 /// Faster loops than this are a slip of the unit.
 const HIGHEST_RATE_HZ: f64 = 1e6;
@@ -68,7 +71,32 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         }
         sources(&machine.others(name), &key, document)?;
     }
+    instruments(machine, document)?;
+    structure(machine, document)
+}
+
+fn instruments(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
+    for (name, value) in machine.instruments.iter().flat_map(InstrumentKeys::all) {
+        if let Some(value) = value {
+            Range::NotNegative.check(&format!("instruments.{name}"), value, document)?;
+        }
+    }
     Ok(())
+}
+
+/// The structure can be built, and has the axes of the machine.
+fn structure(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
+    let Some(structure) = &machine.structure else { return Ok(()) };
+    if !structure.axis.keys().eq(machine.axis.keys()) {
+        let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
+        return Err(
+            document.refuse("structure.axis", &format!("the axes of the machine: {}", names.join(", ")))
+        );
+    }
+    match Assembly::of(structure) {
+        Ok(_) => Ok(()),
+        Err(error) => Err(document.refuse("structure", &format!("a structure that holds ({error})"))),
+    }
 }
 
 fn rates(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
@@ -120,6 +148,7 @@ impl Context<'_> {
             ("notch_depth", a.notch_depth, UpTo(1.0)),
             ("low_pass_frequency_hz", a.low_pass_frequency_hz, Positive),
             ("low_pass_damping_ratio", a.low_pass_damping_ratio, Positive),
+            ("following_error_limit_mm", a.following_error_limit_mm, Positive),
             ("stop_deceleration_m_per_s2", a.stop_deceleration_m_per_s2, Positive),
             ("saturation_time_s", a.saturation_time_s, Positive),
             ("scale_disagreement_limit_mm", a.scale_disagreement_limit_mm, UpTo(1e3 * TRAVEL_LIMIT_M)),
@@ -167,6 +196,7 @@ impl Context<'_> {
             ("low_pass_frequency_hz", axis.low_pass_frequency_hz.is_some()),
             ("low_pass_damping_ratio", axis.low_pass_damping_ratio.is_some()),
             ("travel_mm", axis.travel_mm.is_some()),
+            ("following_error_limit_mm", axis.following_error_limit_mm.is_some()),
             ("stop_deceleration_m_per_s2", axis.stop_deceleration_m_per_s2.is_some()),
             ("saturation_time_s", axis.saturation_time_s.is_some()),
             ("scale_disagreement_limit_mm", axis.scale_disagreement_limit_mm.is_some()),
@@ -196,8 +226,16 @@ impl Context<'_> {
             let what = "this key, as presliding_damping_n_s_per_m is given";
             return Err(self.refuse("presliding_stiffness_n_per_um", what));
         }
-        // The bristles bend by coulomb / stiffness: without Coulomb friction there are none.
-        if presliding.is_some() && axis.coulomb_n.unwrap_or(0.0) <= 0.0 {
+        if let Some(curve) = &axis.friction_curve {
+            if axis.coulomb_n.is_some() {
+                return Err(self.refuse("coulomb_n", "no such key, as friction_curve is given"));
+            }
+            curve.check().map_err(|expected| self.refuse("friction_curve", expected))?;
+        }
+        // The bristles bend by coulomb / stiffness: without Coulomb friction there are none. A curve that leads
+        // through zero has its own way from one direction to the other.
+        let is_piecewise = matches!(axis.friction_curve, Some(Curve::Piecewise(_)));
+        if presliding.is_some() && axis.coulomb_n.unwrap_or(0.0) <= 0.0 && !is_piecewise {
             let what = "a friction above 0, as presliding_stiffness_n_per_um is given";
             return Err(self.refuse("coulomb_n", what));
         }

@@ -1,6 +1,7 @@
 //! The machine file: what is declared of a machine, effects found included.
 
 mod check;
+pub mod instruments;
 
 use std::path::Path;
 
@@ -10,6 +11,9 @@ use serde::{Deserialize, Serialize};
 use crate::document::{Document, read_text};
 use crate::effects::Effect;
 use crate::error::InputError;
+use crate::plant::bodies::Structure;
+use crate::plant::curve::Curve;
+use instruments::InstrumentKeys;
 
 /// A machine as declared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,8 +26,15 @@ pub struct Machine {
     /// A whole multiple of the sample rate; absent: the same. See [`Machine::velocity_rate_hz`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity_loop_rate_hz: Option<f64>,
+    /// What reads the machine; absent: as on a well-kept one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instruments: Option<InstrumentKeys>,
     /// The axes by name, in the order of the file.
     pub axis: IndexMap<String, Axis>,
+    /// The machine as rigid bodies, for a simulation instead of masses, springs and friction of its axes; the tracer
+    /// goes by the axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub structure: Option<Structure>,
 }
 
 /// Law of the position controller.
@@ -101,6 +112,9 @@ pub struct Axis {
     /// Least and greatest command: beyond them the path stops; absent: not watched.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub travel_mm: Option<[f64; 2]>,
+    /// Between command and reading before the drives go off; absent: 130 mm.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub following_error_limit_mm: Option<f64>,
     /// Of a stop along the path; absent: 2 m/s².
     #[serde(skip_serializing_if = "Option::is_none")]
     pub stop_deceleration_m_per_s2: Option<f64>,
@@ -140,6 +154,9 @@ pub struct Axis {
     /// σ1 of the table's friction.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub presliding_damping_n_s_per_m: Option<f64>,
+    /// Friction on the table as a published curve instead of `coulomb_n`.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub friction_curve: Option<Curve>,
     /// How far the true mechanical values may lie from the declared ones; absent: not at all.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub plant_tolerance_percent: Option<f64>,

@@ -27,6 +27,15 @@ impl Curve {
         }
     }
 
+    /// What has to be overcome at a velocity, N, also at standstill.
+    #[must_use]
+    pub fn level_n(&self, velocity_m_per_s: f64) -> f64 {
+        match self {
+            Self::FallingRising(curve) => curve.force_n(velocity_m_per_s).abs(),
+            Self::Piecewise(curve) => level_n(curve.side(velocity_m_per_s), 1e3 * velocity_m_per_s.abs()),
+        }
+    }
+
     /// What is wrong with the parameters, if anything.
     ///
     /// # Errors
@@ -110,13 +119,17 @@ impl Piecewise {
     /// Friction against the motion, N.
     #[must_use]
     pub fn force_n(&self, velocity_m_per_s: f64) -> f64 {
-        let speed_mm_s = 1e3 * velocity_m_per_s.abs();
-        if velocity_m_per_s > 0.0 {
-            level_n(&self.forward, speed_mm_s)
-        } else if velocity_m_per_s < 0.0 {
-            -level_n(self.backward.as_ref().unwrap_or(&self.forward), speed_mm_s)
-        } else {
-            0.0
+        if velocity_m_per_s == 0.0 {
+            return 0.0;
+        }
+        level_n(self.side(velocity_m_per_s), 1e3 * velocity_m_per_s.abs()).copysign(velocity_m_per_s)
+    }
+
+    /// The points of a direction.
+    fn side(&self, velocity_m_per_s: f64) -> &[Point] {
+        match &self.backward {
+            Some(backward) if velocity_m_per_s < 0.0 => backward,
+            _ => &self.forward,
         }
     }
 

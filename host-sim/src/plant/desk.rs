@@ -9,6 +9,7 @@ use super::mechanics::{AxisMotion, Stepper};
 use super::parameters::AxisParameters;
 use super::sensors::Sensor;
 use super::structure::{self, Swing, Tables};
+use super::together::Together;
 use crate::effects::Channel;
 use crate::machine::Machine;
 
@@ -25,6 +26,10 @@ pub struct Instruments {
     pub force: Sensor,
     /// First-order lag of the drive's current loop, s; zero: none.
     pub drive_time_constant_s: f64,
+    /// How old the motor reading is when the controller gets it, s.
+    pub motor_latency_s: f64,
+    /// How old the reading of the scale is then, s.
+    pub table_latency_s: f64,
     /// Seed of all noise.
     pub seed: u64,
 }
@@ -40,6 +45,29 @@ impl Instruments {
             tool: Sensor { resolution: 10e-9, noise: 80e-9 },
             force: Sensor { resolution: 0.1, noise: 1.0 },
             drive_time_constant_s: 1e-4,
+            seed,
+            ..Self::default()
+        }
+    }
+
+    /// What a machine file says, and for the rest [`Instruments::typical`].
+    #[must_use]
+    pub fn of(machine: &Machine, seed: u64) -> Self {
+        let typical = Self::typical(seed);
+        let keys = machine.instruments.unwrap_or_default();
+        let sensor = |typical: Sensor, resolution: Option<f64>, noise: Option<f64>, unit: f64| Sensor {
+            resolution: resolution.map_or(typical.resolution, |value| unit * value),
+            noise: noise.map_or(typical.noise, |value| unit * value),
+        };
+        let ms = |value: Option<f64>, typical: f64| value.map_or(typical, |ms| 1e-3 * ms);
+        Self {
+            motor: sensor(typical.motor, keys.motor_resolution_um, keys.motor_noise_um, 1e-6),
+            table: sensor(typical.table, keys.table_resolution_um, keys.table_noise_um, 1e-6),
+            tool: sensor(typical.tool, keys.tool_resolution_um, keys.tool_noise_um, 1e-6),
+            force: sensor(typical.force, keys.force_resolution_n, keys.force_noise_n, 1.0),
+            drive_time_constant_s: ms(keys.drive_time_constant_ms, typical.drive_time_constant_s),
+            motor_latency_s: ms(keys.motor_latency_ms, 0.0),
+            table_latency_s: ms(keys.table_latency_ms, 0.0),
             seed,
         }
     }
@@ -61,6 +89,8 @@ struct DeskAxis {
     stepper: Stepper,
     motion: AxisMotion,
     swing: Swing,
+    /// Where the bodies of a structure have the tool, beyond the table, m.
+    leaning_m: f64,
     commanded_n: f64,
 }
 
@@ -68,9 +98,11 @@ struct DeskAxis {
 pub struct Desk {
     names: Vec<String>,
     axes: Vec<DeskAxis>,
+    /// The bodies of the structure, where the machine file has them.
+    together: Option<Together>,
     instruments: Instruments,
     random: ChaCha8Rng,
-    tick_s: f64,
+    step_s: f64,
     substeps: u32,
 }
 
@@ -101,16 +133,20 @@ impl Desk {
             stepper: Stepper::new(&parameters, instruments.drive_time_constant_s, step_s),
             motion: AxisMotion::at_rest(&parameters, start),
             swing: Swing::default(),
+            leaning_m: 0.0,
             commanded_n: 0.0,
             parameters,
         };
         let axes = parameters.zip(start_m).map(stand).collect();
+        let lag_s = instruments.drive_time_constant_s;
+        let together = machine.structure.as_ref().and_then(|s| Together::new(s, start_m, lag_s, step_s));
         Self {
             names: machine.axis.keys().cloned().collect(),
             axes,
+            together,
             instruments,
             random: ChaCha8Rng::seed_from_u64(instruments.seed),
-            tick_s,
+            step_s,
             substeps,
         }
     }
@@ -120,56 +156,92 @@ impl Desk {
         // A place beyond the format is a machine that ran away: the following error ends the run.
         let position = |m: f64| Position::from_m(m).unwrap_or(Position(i64::MAX / 4));
         for (axis, reading) in self.axes.iter().zip(readings) {
-            let motor = axis.motion.motor_m + axis.parameters.dividing_m(axis.motion.motor_m);
-            reading.motor = position(self.instruments.motor.read(motor, &mut self.random));
-            reading.table =
-                Some(position(self.instruments.table.read(axis.motion.table_m, &mut self.random)));
+            let Instruments { motor_latency_s, table_latency_s, .. } = self.instruments;
+            let AxisMotion { motor_m, motor_m_per_s, table_m, table_m_per_s, .. } = axis.motion;
+            let motor_m =
+                motor_m - ago_m(motor_latency_s, motor_m_per_s, axis.motion.motor_change / self.step_s);
+            let table_m =
+                table_m - ago_m(table_latency_s, table_m_per_s, axis.motion.table_change / self.step_s);
+            let motor_m = motor_m + axis.parameters.dividing_m(motor_m);
+            reading.motor = position(self.instruments.motor.read(motor_m, &mut self.random));
+            reading.table = Some(position(self.instruments.table.read(table_m, &mut self.random)));
         }
     }
 
     /// What is logged beside the controller's readings, at a time of the session.
     pub fn row(&mut self, readings: &[Reading], time_s: f64) -> Vec<Row> {
         let position_m: Vec<f64> = self.axes.iter().map(|a| a.motion.table_m).collect();
-        let acceleration: Vec<f64> =
-            self.axes.iter().map(|a| a.motion.table_m_per_s2(&a.parameters)).collect();
+        let acceleration: Vec<f64> = self.axes.iter().map(|axis| self.table_m_per_s2(axis)).collect();
         let tables = Tables { names: &self.names, position_m: &position_m, acceleration: &acceleration };
         let mut rows = Vec::with_capacity(self.axes.len());
         for (i, axis) in self.axes.iter().enumerate() {
             let offset = axis.swing.offset_m + structure::offset_m(&axis.parameters.tool, i, &tables, time_s);
-            let tool = axis.motion.table_m + offset - axis.behind_m(Channel::Tool);
+            let acceleration = acceleration[i];
+            let tool =
+                axis.motion.table_m + axis.leaning_m + offset - axis.behind_m(Channel::Tool, acceleration);
             rows.push(Row {
                 tool_m: self.instruments.tool.read(tool, &mut self.random),
                 table_m: readings[i].table.map_or(axis.motion.table_m, Position::to_m)
-                    - axis.behind_m(Channel::Table),
+                    - axis.behind_m(Channel::Table, acceleration),
                 force_n: self.instruments.force.read(axis.commanded_n, &mut self.random),
             });
         }
         rows
     }
 
+    fn table_m_per_s2(&self, axis: &DeskAxis) -> f64 {
+        match &self.together {
+            None => axis.motion.table_m_per_s2(&axis.parameters),
+            Some(together) => together.table_m_per_s2(&axis.motion),
+        }
+    }
+
     /// Moves the machine for one tick under the forces that the controller asks for, N.
     pub fn step(&mut self, forces_n: impl Iterator<Item = f64>) {
-        let step_s = self.tick_s / f64::from(self.substeps);
         for (axis, force_n) in self.axes.iter_mut().zip(forces_n) {
             axis.commanded_n = force_n;
-            for _ in 0..self.substeps {
-                let before = axis.motion.table_m_per_s;
-                axis.stepper.step(&axis.parameters, &mut axis.motion, force_n);
-                if let Some(resonance) = &axis.parameters.tool.resonance {
-                    let after = axis.motion.table_m_per_s;
-                    axis.swing.step(resonance, (after - before) / step_s, after, step_s);
+        }
+        match &mut self.together {
+            None => {
+                for axis in &mut self.axes {
+                    (0..self.substeps).for_each(|_| axis.step(self.step_s));
                 }
             }
+            Some(together) => (0..self.substeps).for_each(|_| step_together(together, &mut self.axes)),
         }
     }
 }
 
+/// How far what moves was back a time ago, m: v·τ − a·τ²/2.
+fn ago_m(time_s: f64, velocity: f64, acceleration: f64) -> f64 {
+    time_s * (velocity - 0.5 * time_s * acceleration)
+}
+
+fn step_together(together: &mut Together, axes: &mut [DeskAxis]) {
+    for (i, axis) in axes.iter_mut().enumerate() {
+        together.drive(i, &axis.parameters, &mut axis.motion, axis.commanded_n);
+    }
+    together.step();
+    for (i, axis) in axes.iter_mut().enumerate() {
+        axis.leaning_m = together.show(i, &mut axis.motion);
+    }
+}
+
 impl DeskAxis {
-    /// How far the table moved while a late channel was on its way: v·τ − a·τ²/2.
-    fn behind_m(&self, channel: Channel) -> f64 {
+    fn step(&mut self, step_s: f64) {
+        let before = self.motion.table_m_per_s;
+        self.stepper.step(&self.parameters, &mut self.motion, self.commanded_n);
+        if let Some(resonance) = &self.parameters.tool.resonance {
+            let after = self.motion.table_m_per_s;
+            self.swing.step(resonance, (after - before) / step_s, after, step_s);
+        }
+    }
+
+    /// How far the table moved while a late channel was on its way, m.
+    fn behind_m(&self, channel: Channel, acceleration: f64) -> f64 {
         let late_s =
             |late: &crate::effects::Latency| if late.channel == channel { 1e-3 * late.ms } else { 0.0 };
         let tau: f64 = self.parameters.late.iter().map(late_s).sum();
-        tau * (self.motion.table_m_per_s - 0.5 * tau * self.motion.table_m_per_s2(&self.parameters))
+        ago_m(tau, self.motion.table_m_per_s, acceleration)
     }
 }

@@ -5,6 +5,7 @@
 //! implicit in z, so that it holds its level at any speed and step: z′ = (z + v·Δt)/(1 + σ0·|v|·Δt/g) where
 //! the velocity is given, [`Friction::over`] where it follows from the force.
 
+use super::curve::Curve;
 use crate::effects::{FrictionAsymmetry, Stribeck};
 
 /// Sharpness of the smoothed sign where there are no bristles, m/s.
@@ -25,6 +26,8 @@ pub struct Friction {
     pub stribeck: Stribeck,
     /// Difference between the directions.
     pub asymmetry: FrictionAsymmetry,
+    /// A published curve instead of the sliding level.
+    pub curve: Option<Curve>,
 }
 
 impl Friction {
@@ -32,7 +35,20 @@ impl Friction {
     #[must_use]
     #[inline]
     pub fn level_n(&self, velocity: f64) -> f64 {
-        self.coulomb_n + self.stribeck.rise_n(velocity)
+        match &self.curve {
+            None => self.coulomb_n + self.stribeck.rise_n(velocity),
+            Some(curve) => curve.level_n(velocity) + self.stribeck.rise_n(velocity),
+        }
+    }
+
+    /// Friction at a velocity where it has a curve that leads through zero.
+    #[must_use]
+    #[inline]
+    pub fn through_zero_n(&self, velocity: f64) -> Option<f64> {
+        match &self.curve {
+            Some(Curve::FallingRising(curve)) => Some(curve.force_n(velocity)),
+            _ => None,
+        }
     }
 
     /// Whether friction has a presliding state.
@@ -51,6 +67,9 @@ impl Friction {
 
     /// Bends the bristles (m) for a step and gives the whole friction force against the motion, N.
     pub fn step(&self, bristle: &mut f64, velocity: f64, step_s: f64) -> f64 {
+        if let Some(force_n) = self.through_zero_n(velocity) {
+            return force_n + self.viscous_n(velocity);
+        }
         if !self.has_bristles() {
             return self.level_n(velocity) * (velocity / SIGN_WIDTH_M_PER_S).tanh()
                 + self.viscous_n(velocity);
@@ -145,6 +164,7 @@ mod tests {
             bristle_damping_n_s_per_m: 2000.0,
             stribeck: Stribeck { static_excess_n: 100.0, velocity_mm_s: 5.0 },
             asymmetry: FrictionAsymmetry { half_difference_n_s_per_m: 200.0 },
+            curve: None,
         }
     }
 

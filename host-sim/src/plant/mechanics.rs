@@ -169,6 +169,8 @@ impl Stepper {
             let free = end[0] * self.step.per_second - linear.mobility * load_n;
             motion.friction_n = mean.force_n(free);
             motion.bristle_m = mean.bristle_m(free - linear.mobility * motion.friction_n);
+        } else if let Some(force_n) = friction.through_zero_n(about) {
+            motion.friction_n = force_n;
         } else {
             // It can stop the table and hold it, but not push it.
             let level_n = friction.level_n(about);

@@ -2,7 +2,8 @@
 //!
 //! [`parameters::AxisParameters`] is what an axis is made of, in SI and with one of each effect;
 //! [`mechanics`] moves it (its linear part by [`transition`]), [`structure`] carries the tool, [`sensors`] read it,
-//! [`desk`] holds the whole machine. [`bodies`] is the structure in full: rigid bodies on elastic joints; [`curve`] holds
+//! [`desk`] holds the whole machine. [`bodies`] is the structure in full, rigid bodies on elastic joints, and [`together`]
+//! moves the axes of one; [`curve`] holds
 //! friction laws that were published as curves. The tracer drives the same parts with measured signals.
 
 pub mod bodies;
@@ -15,4 +16,5 @@ pub mod parameters;
 pub mod screw;
 pub mod sensors;
 pub mod structure;
+pub mod together;
 pub mod transition;

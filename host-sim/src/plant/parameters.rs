@@ -93,6 +93,7 @@ impl AxisParameters {
                 viscous_n_s_per_m: si(axis.viscous_n_s_per_m),
                 bristle_stiffness_n_per_m: 1e6 * si(axis.presliding_stiffness_n_per_um),
                 bristle_damping_n_s_per_m: si(axis.presliding_damping_n_s_per_m),
+                curve: axis.friction_curve.clone(),
                 ..Friction::default()
             },
             ..Self::default()

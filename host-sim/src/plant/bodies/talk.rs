@@ -61,6 +61,16 @@ impl Assembly {
         Ok(self.seen(&whole, -rad_per_s.powi(-2)))
     }
 
+    /// Where each axis takes the tool against the workpiece: columns of x, y, z, m per metre of its scale.
+    ///
+    /// # Errors
+    /// [`StructureError::Loose`].
+    pub fn ways(&self) -> Result<Matrix3xX<f64>, StructureError> {
+        let bordered = self.bordered(self.stiffness.clone()).lu();
+        let rigid = bordered.solve(&self.commanded()).ok_or(StructureError::Loose)?;
+        Ok((&self.tool * rigid.rows(0, self.mass.nrows())).fixed_rows::<3>(0).into_owned())
+    }
+
     /// What of a solution is seen, per acceleration: the solution times `scale`.
     fn seen(&self, solution: &DMatrix<f64>, scale: f64) -> Talk {
         let (coordinates, axes) = (self.mass.nrows(), self.axes());
