@@ -1,0 +1,295 @@
+//! Motion error at the corner (Matsubara, Hatozaki, Ibaraki).
+//!
+//! A machining centre runs round a corner of two 45° lines at three position gains. Its motors are predicted from
+//! the command by the controller's equations, its tool from the motors by one second-order system an axis,
+//! identified at the lowest gain. [`machine`] is the plant, [`model`] the prediction, [`identify`] leads from one to
+//! the other, [`contour`] compares, [`shrinkage`] sets the feed-forward as the paper's machine had it set,
+//! [`pictures`] draws.
+
+pub mod contour;
+pub mod identify;
+pub mod machine;
+pub mod model;
+mod pictures;
+pub mod shrinkage;
+mod words;
+
+use std::ops::Range;
+
+use rayon::prelude::*;
+
+use super::{Outcome, Printed, ReproduceError, Study};
+use crate::machine::Controller;
+use contour::{difference_m, overshoot_m, window};
+use machine::{Motion, Track, Tuning};
+use model::{Mechanics, Servo, VelocityLoop};
+use shrinkage::Kept;
+
+/// Printed: Kp, 1/s.
+const GAINS_PER_S: [f64; 3] = [33.0, 51.0, 75.0];
+
+/// Printed: Kf.
+const FEEDFORWARD_PERCENT: f64 = 51.0;
+
+/// Half of the last digit of the printed Kf.
+const FEEDFORWARD_TOLERANCE: f64 = 0.5;
+
+/// Printed: how far simulated and measured contours differ, and what the identification had to keep, µm.
+const DIFFERENCE_UM: f64 = 5.0;
+
+/// One law at one gain, on the plant.
+#[derive(Clone, Debug)]
+struct Tuned {
+    gain_per_s: f64,
+    /// With the printed feed-forward.
+    printed: Corner,
+    /// Without feed-forward.
+    without: Corner,
+    /// With the feed-forward of least circle shrinkage.
+    least: Corner,
+    /// That feed-forward.
+    kept: Kept,
+}
+
+/// A corner on the plant.
+#[derive(Clone, Debug)]
+struct Corner {
+    tuning: Tuning,
+    motion: Motion,
+    window: Range<usize>,
+}
+
+/// What the model makes of the same command.
+#[derive(Clone, Debug)]
+struct Predicted {
+    motor: Track,
+    tool: Track,
+}
+
+/// Everything that was run.
+struct Experiment {
+    hpc: Vec<Tuned>,
+    p: Vec<Tuned>,
+    mechanics: [Mechanics; 2],
+    /// Of HPC with the printed feed-forward, at each gain.
+    predicted: Vec<Predicted>,
+    /// Speed (m/s) and acceleration (m/s²) that each axis reaches.
+    reached: [[f64; 2]; 2],
+}
+
+impl Corner {
+    fn run(tuning: Tuning) -> Result<Self, ReproduceError> {
+        let motion = machine::corner(tuning)?;
+        let window = window(&motion.command, motion.sample_s);
+        Ok(Self { tuning, motion, window })
+    }
+
+    fn overshoot_um(&self) -> f64 {
+        1e6 * overshoot_m(&self.motion.tool, &self.window)
+    }
+
+    fn motor_overshoot_um(&self) -> f64 {
+        1e6 * overshoot_m(&self.motion.motor, &self.window)
+    }
+
+    fn rounding_um(&self) -> f64 {
+        1e6 * contour::rounding_m(&self.motion.tool, &self.window)
+    }
+
+    fn difference_um(&self, plant: &Track, model: &Track) -> f64 {
+        1e6 * difference_m(plant, model, &self.window, self.motion.sample_s)
+    }
+
+    /// How far the command behind feed-forward runs beyond the corner, µm.
+    fn lead_um(&self) -> f64 {
+        let lead_s = 1e-2 * self.tuning.feedforward_percent / self.tuning.gain_per_s;
+        let ahead = |m: &[f64]| -> Vec<f64> {
+            let before = m.first().into_iter().chain(m);
+            m.iter()
+                .zip(before)
+                .map(|(now, before)| now + lead_s * (now - before) / self.motion.sample_s)
+                .collect()
+        };
+        let command = &self.motion.command;
+        let led = Track { x_m: ahead(&command.x_m), y_m: ahead(&command.y_m) };
+        1e6 * overshoot_m(&led, &self.window)
+    }
+
+    /// The mechanics of both axes, from motors and tool.
+    fn mechanics(&self) -> Result<[Mechanics; 2], ReproduceError> {
+        let Motion { motor, tool, sample_s, .. } = &self.motion;
+        let axis =
+            |motor: &[f64], tool: &[f64]| identify::identify(motor, tool, *sample_s, self.window.clone());
+        Ok([axis(&motor.x_m, &tool.x_m)?, axis(&motor.y_m, &tool.y_m)?])
+    }
+
+    /// Motors and tool from the command alone.
+    fn predict(&self, mechanics: &[Mechanics; 2]) -> Result<Predicted, ReproduceError> {
+        let Tuning { law, gain_per_s, feedforward_percent } = self.tuning;
+        let Motion { command, sample_s, .. } = &self.motion;
+        let declared = machine::tuned(self.tuning)?;
+        let motors: Vec<Vec<f64>> = declared
+            .axis
+            .values()
+            .zip([&command.x_m, &command.y_m])
+            .map(|(axis, command)| {
+                Servo { law, gain_per_s, feedforward_percent, velocity: VelocityLoop::of(axis) }
+                    .motor_m(command, *sample_s)
+            })
+            .collect();
+        let [x_m, y_m] = [0, 1].map(|axis| motors[axis].clone());
+        let motor = Track { x_m, y_m };
+        Ok(Predicted { tool: behind(&motor, mechanics, *sample_s), motor })
+    }
+}
+
+/// The tool behind motors.
+fn behind(motor: &Track, [x, y]: &[Mechanics; 2], sample_s: f64) -> Track {
+    Track { x_m: x.table_m(&motor.x_m, sample_s), y_m: y.table_m(&motor.y_m, sample_s) }
+}
+
+impl Tuned {
+    fn run(law: Controller, gain_per_s: f64) -> Result<Self, ReproduceError> {
+        let corner = |feedforward_percent| Corner::run(Tuning { law, gain_per_s, feedforward_percent });
+        let kept = shrinkage::kept(law, gain_per_s)?;
+        Ok(Self {
+            gain_per_s,
+            printed: corner(FEEDFORWARD_PERCENT)?,
+            without: corner(0.0)?,
+            least: corner(kept.tool_percent)?,
+            kept,
+        })
+    }
+}
+
+impl Experiment {
+    fn run() -> Result<Self, ReproduceError> {
+        let law = |law| {
+            GAINS_PER_S.into_par_iter().map(move |gain| Tuned::run(law, gain)).collect::<Result<Vec<_>, _>>()
+        };
+        let (hpc, p) = (law(Controller::Hpc)?, law(Controller::P)?);
+        let mechanics = hpc[0].printed.mechanics()?;
+        let predicted =
+            hpc.iter().map(|tuned| tuned.printed.predict(&mechanics)).collect::<Result<_, _>>()?;
+        let rapid = Tuning {
+            law: Controller::Hpc,
+            gain_per_s: GAINS_PER_S[0],
+            feedforward_percent: FEEDFORWARD_PERCENT,
+        };
+        let reached = [reached(rapid, 0)?, reached(rapid, 1)?];
+        Ok(Self { hpc, p, mechanics, predicted, reached })
+    }
+
+    fn outcomes(&self) -> Vec<Outcome> {
+        let mut outcomes = Vec::new();
+        let mut say = |quantity: String, printed, ours, unit| {
+            outcomes.push(Outcome::new(quantity, printed, ours, unit))
+        };
+        for (axis, [speed, acceleration]) in ["X", "Y"].into_iter().zip(self.reached) {
+            let printed = Printed::Figure { value: 60.0 * machine::RAPID_M_PER_S, tolerance: 0.5 };
+            say(format!("{axis}: speed reached"), printed, 60.0 * speed, "m/min");
+            let value = machine::ACCELERATION_M_PER_S2[usize::from(axis == "Y")];
+            let printed = Printed::Figure { value, tolerance: 0.05 };
+            say(format!("{axis}: acceleration reached"), printed, acceleration, "m/s²");
+        }
+        for tuned in &self.hpc {
+            let printed = Printed::Figure { value: FEEDFORWARD_PERCENT, tolerance: FEEDFORWARD_TOLERANCE };
+            let quantity = format!("Kf of least circle shrinkage, HPC, motors, Kp = {}", tuned.gain_per_s);
+            say(quantity, printed, tuned.kept.motor_percent, "%");
+        }
+        let below = Printed::Below(DIFFERENCE_UM);
+        for (tuned, predicted) in self.hpc.iter().zip(&self.predicted) {
+            let corner = &tuned.printed;
+            let difference = corner.difference_um(&corner.motion.motor, &predicted.motor);
+            say(
+                format!("motor contour, from the command, Kp = {}", tuned.gain_per_s),
+                below.clone(),
+                difference,
+                "µm",
+            );
+        }
+        say(
+            "tool contour, from the motors, Kp = 33 (identified)".to_owned(),
+            below.clone(),
+            self.identified_um(),
+            "µm",
+        );
+        for (tuned, predicted) in self.hpc.iter().zip(&self.predicted) {
+            let corner = &tuned.printed;
+            let difference = corner.difference_um(&corner.motion.tool, &predicted.tool);
+            say(
+                format!("tool contour, from the command, Kp = {}", tuned.gain_per_s),
+                below.clone(),
+                difference,
+                "µm",
+            );
+        }
+        for pair in self.hpc.windows(2) {
+            let [low, high] = [&pair[0], &pair[1]];
+            let quantity = format!("corner overshoot, Kp = {} over Kp = {}", high.gain_per_s, low.gain_per_s);
+            say(quantity, Printed::Below(1.0), high.printed.overshoot_um() / low.printed.overshoot_um(), "");
+        }
+        let (low, high) = (&self.hpc[0], &self.hpc[2]);
+        let ratio = low.printed.lead_um() / high.printed.lead_um();
+        say(
+            "command beyond the corner by feed-forward, Kp = 33 over 75".to_owned(),
+            Printed::Above(1.0),
+            ratio,
+            "",
+        );
+        let more = low.least.overshoot_um() - low.without.overshoot_um();
+        say("overshoot that Kf of least shrinkage adds, Kp = 33".to_owned(), Printed::Above(0.0), more, "µm");
+        let added = |tuned: &Tuned| tuned.printed.overshoot_um() - tuned.printed.motor_overshoot_um();
+        let eased = added(high) - added(low);
+        say(
+            "overshoot that the mechanics adds, Kp = 75 less Kp = 33".to_owned(),
+            Printed::Below(0.0),
+            eased,
+            "µm",
+        );
+        outcomes
+    }
+
+    /// How far the tool's contour lies from what the identified mechanics make of the measured motors, µm.
+    fn identified_um(&self) -> f64 {
+        let corner = &self.hpc[0].printed;
+        let tool = behind(&corner.motion.motor, &self.mechanics, corner.motion.sample_s);
+        corner.difference_um(&corner.motion.tool, &tool)
+    }
+}
+
+/// Speed (m/s) and acceleration (m/s²) that an axis holds in a rapid move: the mean speed in the middle of the
+/// way, and the slope of the speed over the second half of the ramp.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand samples")]
+fn reached(tuning: Tuning, axis: usize) -> Result<[f64; 2], ReproduceError> {
+    let motion = machine::rapid(tuning, axis)?;
+    let motor = if axis == 0 { &motion.motor.x_m } else { &motion.motor.y_m };
+    let command = if axis == 0 { &motion.command.x_m } else { &motion.command.y_m };
+    let start = command.iter().take_while(|m| (**m - command[0]).abs() < 1e-9).count();
+    let ramp_s = machine::RAPID_M_PER_S / machine::ACCELERATION_M_PER_S2[axis];
+    let at = |seconds: f64| start + (seconds / motion.sample_s).round() as usize;
+    let speed = |from: usize, to: usize| (motor[to] - motor[from]) / ((to - from) as f64 * motion.sample_s);
+    // The loop has settled on the ramp's acceleration when 2 · 33 1/s · 60 ms = 4 time constants are over.
+    let (from, to) = (at(0.7 * ramp_s), at(ramp_s));
+    let middle = usize::midpoint(from, to);
+    let acceleration =
+        (speed(middle, to) - speed(from, middle)) / (0.5 * (to - from) as f64 * motion.sample_s);
+    let way_s = (0.2 - machine::RAPID_M_PER_S * ramp_s) / machine::RAPID_M_PER_S;
+    Ok([speed(at(ramp_s + 0.6 * way_s), at(ramp_s + way_s)), acceleration])
+}
+
+/// Runs the experiments of the paper.
+///
+/// # Errors
+/// When a loop does not hold.
+pub fn run() -> Result<Study, ReproduceError> {
+    let experiment = Experiment::run()?;
+    Ok(Study {
+        paper: "Matsubara",
+        title: "Motion error at the corner",
+        said: words::said(&experiment),
+        outcomes: experiment.outcomes(),
+        pictures: pictures::all(&experiment),
+        notes: words::notes(&experiment),
+    })
+}
