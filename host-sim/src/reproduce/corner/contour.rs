@@ -22,10 +22,14 @@ pub fn window(command: &Track, sample_s: f64) -> Range<usize> {
     top.saturating_sub(half)..(top + half).min(command.y_m.len())
 }
 
-/// Greatest way beyond the corner along the first line, m: what stands out over the second line.
+/// Greatest way beyond the corner along the first line, m: what stands out over the second line as it is
+/// travelled once the corner is forgotten, for axes of unequal lag travel beside it.
 #[must_use]
 pub fn overshoot_m(track: &Track, window: &Range<usize>) -> f64 {
-    along(track, window).map(|[u, _]| u).fold(f64::NEG_INFINITY, f64::max)
+    let beyond: Vec<f64> = along(track, window).map(|[u, _]| u).collect();
+    let last = &beyond[beyond.len() - beyond.len() / 10..];
+    let steady = last.iter().sum::<f64>() / last.len() as f64;
+    beyond.iter().fold(f64::NEG_INFINITY, |most, &u| most.max(u)) - steady
 }
 
 /// Least distance from the corner, m: what it is rounded by.
@@ -100,24 +104,28 @@ mod tests {
         Track { x_m, y_m }
     }
 
-    /// 10 mm to the corner, `beyond` further, and 10 mm down from there, in steps of 10 µm.
-    fn turned(beyond_um: f64) -> Track {
+    /// 10 mm to the corner, `beyond` further, and 10 mm down from there in steps of 10 µm, the second half of it
+    /// at `end` beyond the corner.
+    fn turned(beyond_um: f64, end_um: f64) -> Track {
         let [cx, cy] = corner_m();
         let at = move |u: f64, w: f64| [cx + (u + w) * FRAC_1_SQRT_2, cy + (u - w) * FRAC_1_SQRT_2];
-        let beyond = 1e-6 * beyond_um;
+        let (beyond, end) = (1e-6 * beyond_um, 1e-6 * end_um);
         let up = (-1000..=0).map(move |k| at(1e-5 * f64::from(k) + beyond, 0.0));
-        track(up.chain((1..=1000).map(move |k| at(beyond, 1e-5 * f64::from(k)))))
+        track(up.chain((1..=1000).map(move |k| at(if k < 500 { beyond } else { end }, 1e-5 * f64::from(k)))))
     }
 
     #[test]
     fn what_stands_out_over_the_corner_is_found() {
-        for um in [-30.0, 0.0, 25.0] {
-            let over = turned(um);
-            assert!((1e6 * overshoot_m(&over, &(0..2001)) - um).abs() < 1e-3);
-            assert!((1e6 * rounding_m(&over, &(0..2001)) - um.abs()).abs() < 1e-3);
+        for um in [-30.0_f64, 0.0, 20.0] {
+            let (way, whole) = (turned(um, um), 0..2001);
+            // What overshoots has passed the corner itself, what falls short has not.
+            assert!((1e6 * rounding_m(&way, &whole) - um.min(0.0).abs()).abs() < 1e-3);
             // The second leg is that far from the second line; the first lies on the first.
-            let apart = 1e6 * difference_m(&over, &turned(0.0), &(0..2001), 1e-4);
+            let apart = 1e6 * difference_m(&way, &turned(0.0, 0.0), &whole, 1e-4);
             assert!((apart - um.abs()).abs() < 1e-3, "{um}: {apart}");
+            // Back from there to 5 µm beside the line, where the last tenth is travelled.
+            let overshoot = 1e6 * overshoot_m(&turned(um, 5.0), &whole);
+            assert!((overshoot - (um - 5.0).max(0.0)).abs() < 1e-3, "{um}: {overshoot}");
         }
     }
 

@@ -173,7 +173,7 @@ impl Experiment {
             hpc.iter().map(|tuned| tuned.printed.predict(&mechanics)).collect::<Result<_, _>>()?;
         let rapid = Tuning {
             law: Controller::Hpc,
-            gain_per_s: GAINS_PER_S[0],
+            gain_per_s: GAINS_PER_S[2],
             feedforward_percent: FEEDFORWARD_PERCENT,
         };
         let reached = [reached(rapid, 0)?, reached(rapid, 1)?];
@@ -269,8 +269,8 @@ fn reached(tuning: Tuning, axis: usize) -> Result<[f64; 2], ReproduceError> {
     let ramp_s = machine::RAPID_M_PER_S / machine::ACCELERATION_M_PER_S2[axis];
     let at = |seconds: f64| start + (seconds / motion.sample_s).round() as usize;
     let speed = |from: usize, to: usize| (motor[to] - motor[from]) / ((to - from) as f64 * motion.sample_s);
-    // The loop has settled on the ramp's acceleration when 2 · 33 1/s · 60 ms = 4 time constants are over.
-    let (from, to) = (at(0.7 * ramp_s), at(ramp_s));
+    // The loop has settled on the ramp's acceleration when 2 · 75 1/s · 42 ms = 6 time constants are over.
+    let (from, to) = (at(0.5 * ramp_s), at(ramp_s));
     let middle = usize::midpoint(from, to);
     let acceleration =
         (speed(middle, to) - speed(from, middle)) / (0.5 * (to - from) as f64 * motion.sample_s);
