@@ -8,8 +8,9 @@ use std::ops::Range;
 
 use super::machine::{Track, corner_m};
 
-/// Either side of the moment at which the command stands in the corner.
-const WINDOW_S: f64 = 0.15;
+/// Either side of the moment at which the command stands in the corner: at its end, 33 1/s · 0.3 s = 10 time
+/// constants behind it, even the slowest loop has forgotten the corner.
+const WINDOW_S: f64 = 0.3;
 
 /// Of two contours, points are compared that are no further apart in time; the path crosses itself nowhere within.
 const APART_S: f64 = 0.02;

@@ -3,13 +3,13 @@
 //! Feed-forward is equation (2), `1 + (Kf/Kp)·s`; the position law is P or equation (1) with its lost Kp put back
 //! (see `shared::control::hpc`); the table follows the motor as equation (3),
 //! ω²/(s² + 2ζωs + ω²). Figure 2 is not in the scan: the velocity loop is taken as the controller's own PI on
-//! one rigid mass, `v″ + ωv·v′ + (ωv/Ti)·v = …` with ωv = Kv/mass. No friction, no elasticity, no error of any
+//! one rigid mass, v′ = ωv·(e + ∫e dt/Ti) with ωv = Kv/mass. No friction, no elasticity, no error of any
 //! part: what is left between this and the plant is the plant's own.
 //!
 //! Everything is linear and its input stands still, or runs straight, from sample to sample: the matrix
 //! exponential makes every step exact.
 
-use nalgebra::{Matrix4, SMatrix, SVector, Vector4};
+use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector4};
 
 use crate::machine::{Axis, Controller};
 
@@ -143,6 +143,15 @@ impl Mechanics {
     }
 }
 
+/// The slowest pole (1/s) of a loop with equation (1) as it is printed, k1k2Kp²/(s² + k2·s + k1k2Kp²), and an
+/// integrator: the real part nearest to zero. `leading` is the power of Kp put back before it, 0 or 1.
+#[must_use]
+pub fn printed_hpc_pole_per_s(gain_per_s: f64, leading: i32) -> f64 {
+    let c = HPC[0] * gain_per_s.powi(2);
+    let closed = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -c * gain_per_s.powi(leading), -c, -HPC[1]);
+    closed.complex_eigenvalues().iter().map(|pole| pole.re).fold(f64::NEG_INFINITY, f64::max)
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -197,18 +206,25 @@ mod tests {
         assert!(most > exact - 1e-3 && most < exact + 1e-3, "{most} {exact}");
     }
 
-    /// HPC as printed, k1k2Kp²/(s² + k2·s + k1k2Kp²) and an integrator: the pole at −1 1/s creeps whatever Kp is.
+    /// With half of itself as feed-forward the zero takes the pole at −2 away: 8/(x² + 4x + 8) is left, whose ζ is
+    /// 1/√2 and whose step overshoots by e^(−π).
     #[test]
-    fn the_printed_hpc_creeps_at_one_per_second() {
+    fn hpc_with_half_feedforward_is_a_butterworth_of_second_order() {
+        let most = step(&servo(Controller::Hpc, 50.0)).map(|(_, y)| y).fold(0.0, f64::max);
+        // The lead's impulse is spread over a sample: what it adds comes up to Kp·sample/2 = 0.6 % late.
+        let exact = 1.0 + (-std::f64::consts::PI).exp();
+        assert!((most - exact).abs() < 1e-3, "{most} {exact}");
+    }
+
+    /// As printed, s³ + 6s² + c·s + c with c = 16·Kp²: a pole at −1/(1 − 5/c + …). With only the leading Kp put back
+    /// Routh asks for 6·c > c·Kp, which no printed gain keeps.
+    #[test]
+    fn the_printed_hpc_creeps_or_is_unstable() {
         for kp in [33.0_f64, 51.0, 75.0] {
-            let c = 16.0 * kp * kp;
-            let printed = nalgebra::Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -c, -c, -6.0);
-            let slowest =
-                printed.complex_eigenvalues().iter().map(|p| p.re).fold(f64::NEG_INFINITY, f64::max);
-            assert!((-1.01..-0.99).contains(&slowest), "{slowest}");
-            // With only the leading Kp restored Routh asks for 6·c > c·Kp: no printed gain is stable.
-            let half = nalgebra::Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -c * kp, -c, -6.0);
-            assert!(half.complex_eigenvalues().iter().any(|p| p.re > 0.0));
+            let slowest = printed_hpc_pole_per_s(kp, 0);
+            assert!((-1.001..-0.999).contains(&slowest), "{slowest}");
+            assert!(printed_hpc_pole_per_s(kp, 1) > 0.0);
         }
+        assert!(printed_hpc_pole_per_s(5.9, 1) < 0.0 && printed_hpc_pole_per_s(6.1, 1) > 0.0);
     }
 }
