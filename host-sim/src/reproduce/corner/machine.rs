@@ -1,6 +1,7 @@
 //! The machining centre of the paper, closed around `shared`: the corner of figure 3, circles, and a rapid move.
 
 use crate::controller::{Format, PathBlock, PathShape};
+use crate::effects::Effect;
 use crate::log::{AxisLog, Log};
 use crate::machine::{Controller, Machine};
 use crate::plant::desk::Instruments;
@@ -93,16 +94,22 @@ pub fn corner_m() -> [f64; 2] {
     START_M.map(|m| m + LINE_M)
 }
 
-/// The corner: up and down by 45°, X going on and Y turning back.
+/// The corner: up and down by 45°, X going on and Y turning back, with the structure's frequencies times `stiffer`.
 ///
 /// # Errors
 /// When the loop does not hold.
-pub fn corner(tuning: Tuning) -> Result<Motion, ReproduceError> {
+pub fn corner(tuning: Tuning, stiffer: f64) -> Result<Motion, ReproduceError> {
+    let mut machine = tuned(tuning)?;
+    for effect in machine.axis.values_mut().flat_map(|axis| &mut axis.effect) {
+        if let Effect::Resonance(resonance) = effect {
+            resonance.frequency_hz *= stiffer;
+        }
+    }
     let [x, y] = START_M;
     // Along the path √2 of what the slower axis is printed to reach, so that Y accelerates with 7.3 m/s².
     let along = std::f64::consts::SQRT_2 * ACCELERATION_M_PER_S2[1];
     let line = |to_m: [f64; 2]| PathBlock::new(PathShape::Line { to_m: to_m.to_vec() }, FEED_M_PER_S, along);
-    run(tuning, &[line(corner_m()), line([x + 2.0 * LINE_M, y])])
+    run(&machine, &[line(corner_m()), line([x + 2.0 * LINE_M, y])])
 }
 
 /// Centre of the circles, m.
@@ -117,7 +124,7 @@ pub fn centre_m() -> [f64; 2] {
 /// When the loop does not hold.
 pub fn circle(tuning: Tuning) -> Result<Motion, ReproduceError> {
     let shape = PathShape::Arc { plane: [0, 1], centre_m: centre_m(), turns: 2.0 };
-    run(tuning, &[PathBlock::new(shape, FEED_M_PER_S, 1.0)])
+    run(&tuned(tuning)?, &[PathBlock::new(shape, FEED_M_PER_S, 1.0)])
 }
 
 /// One axis alone, 200 mm at rapid speed with its printed acceleration.
@@ -128,21 +135,20 @@ pub fn rapid(tuning: Tuning, axis: usize) -> Result<Motion, ReproduceError> {
     let mut to_m = START_M.to_vec();
     to_m[axis] += 0.2;
     let shape = PathShape::Line { to_m };
-    run(tuning, &[PathBlock::new(shape, RAPID_M_PER_S, ACCELERATION_M_PER_S2[axis])])
+    run(&tuned(tuning)?, &[PathBlock::new(shape, RAPID_M_PER_S, ACCELERATION_M_PER_S2[axis])])
 }
 
-fn run(tuning: Tuning, path: &[PathBlock]) -> Result<Motion, ReproduceError> {
-    let machine = tuned(tuning)?;
+fn run(machine: &Machine, path: &[PathBlock]) -> Result<Motion, ReproduceError> {
     let pause = [PathBlock::dwell(DWELL_S)];
     let blocks = [&pause[..], path, &pause[..]].concat();
     let run = Run {
-        machine: &machine,
+        machine,
         instruments: Instruments::typical(1),
         start_m: &START_M,
         blocks: &blocks,
         start_s: 0.0,
     };
-    let mut controller = simulate::controller(&machine, Format::Fixed, &START_M)?;
+    let mut controller = simulate::controller(machine, Format::Fixed, &START_M)?;
     let log = run.log(&mut *controller, |_, _, _| {})?;
     let track = |channel: fn(&AxisLog) -> &Option<Vec<f64>>| channel_of(&log, channel);
     Ok(Motion {

@@ -34,6 +34,9 @@ const FEEDFORWARD_PERCENT: f64 = 51.0;
 /// Half of the last digit of the printed Kf.
 const FEEDFORWARD_TOLERANCE: f64 = 0.5;
 
+/// Frequencies of the softer machine's structure, as a share.
+const SOFTER: f64 = 2.0 / 3.0;
+
 /// Printed: how far simulated and measured contours differ, and what the identification had to keep, µm.
 const DIFFERENCE_UM: f64 = 5.0;
 
@@ -66,6 +69,17 @@ struct Predicted {
     tool: Track,
 }
 
+/// The same experiment on a softer machine: what of the findings is the machine's.
+#[derive(Clone, Copy, Debug)]
+struct Softer {
+    /// Of overshoot at the highest gain to that at the middle one.
+    ratio: f64,
+    /// Between the contours of tool and prediction at the highest gain, µm.
+    difference_um: f64,
+    /// As identified.
+    mechanics: [Mechanics; 2],
+}
+
 /// Everything that was run.
 #[derive(Clone, Debug)]
 struct Experiment {
@@ -76,11 +90,17 @@ struct Experiment {
     predicted: Vec<Predicted>,
     /// Speed (m/s) and acceleration (m/s²) that each axis reaches.
     reached: [[f64; 2]; 2],
+    softer: Softer,
 }
 
 impl Corner {
     fn run(tuning: Tuning) -> Result<Self, ReproduceError> {
-        let motion = machine::corner(tuning)?;
+        Self::run_on(tuning, 1.0)
+    }
+
+    /// On a machine whose structure's frequencies are multiplied.
+    fn run_on(tuning: Tuning, stiffer: f64) -> Result<Self, ReproduceError> {
+        let motion = machine::corner(tuning, stiffer)?;
         let window = window(&motion.command, motion.sample_s);
         Ok(Self { tuning, motion, window })
     }
@@ -159,6 +179,24 @@ impl Tuned {
     }
 }
 
+impl Softer {
+    fn run() -> Result<Self, ReproduceError> {
+        let tuning = |gain_per_s| Tuning {
+            law: Controller::Hpc,
+            gain_per_s,
+            feedforward_percent: FEEDFORWARD_PERCENT,
+        };
+        let [low, middle, high] = GAINS_PER_S.map(|gain| Corner::run_on(tuning(gain), SOFTER));
+        let (mechanics, high) = (low?.mechanics()?, high?);
+        let predicted = Predicted::of(&high, high.tuning, &mechanics)?;
+        Ok(Self {
+            ratio: high.overshoot_um() / middle?.overshoot_um(),
+            difference_um: high.difference_um(&high.motion.tool, &predicted.tool),
+            mechanics,
+        })
+    }
+}
+
 impl Experiment {
     fn run() -> Result<Self, ReproduceError> {
         let law = |law| {
@@ -176,7 +214,7 @@ impl Experiment {
             feedforward_percent: FEEDFORWARD_PERCENT,
         };
         let reached = [reached(rapid, 0)?, reached(rapid, 1)?];
-        Ok(Self { hpc, p, mechanics, predicted, reached })
+        Ok(Self { hpc, p, mechanics, predicted, reached, softer: Softer::run()? })
     }
 
     fn outcomes(&self) -> Vec<Outcome> {
@@ -251,26 +289,11 @@ impl Experiment {
         outcomes
     }
 
-    /// Overshoot of the tool (µm) that the model predicts for a tuning, with the mechanics' frequencies times a
-    /// factor.
-    fn predicted_overshoot_um(&self, tuning: Tuning, stiffer: f64) -> Result<f64, ReproduceError> {
+    /// Overshoot of the tool (µm) that the model predicts for a tuning.
+    fn predicted_overshoot_um(&self, tuning: Tuning) -> Result<f64, ReproduceError> {
         let corner = &self.hpc[0].printed;
-        let mechanics = self.mechanics.map(|m| Mechanics { omega_per_s: stiffer * m.omega_per_s, ..m });
-        let tool = Predicted::of(corner, tuning, &mechanics)?.tool;
+        let tool = Predicted::of(corner, tuning, &self.mechanics)?.tool;
         Ok(1e6 * overshoot_m(&tool, &corner.window))
-    }
-
-    /// Frequencies of the mechanics (Hz) below which, after the model, Kp = 75 overshoots more than Kp = 51: between
-    /// a third of the identified ones and themselves.
-    fn softest_hz(&self) -> Result<[f64; 2], ReproduceError> {
-        let (mut soft, mut stiff) = (1.0 / 3.0, 1.0);
-        for _ in 0..20 {
-            let middle = 0.5 * (soft + stiff);
-            let at = |tuned: &Tuned| self.predicted_overshoot_um(tuned.printed.tuning, middle);
-            let eases = at(&self.hpc[2])? < at(&self.hpc[1])?;
-            *(if eases { &mut stiff } else { &mut soft }) = middle;
-        }
-        Ok(self.mechanics.map(|m| stiff * m.omega_per_s / std::f64::consts::TAU))
     }
 
     /// How far the tool's contour lies from what the identified mechanics make of the measured motors, µm.
@@ -310,9 +333,9 @@ pub fn run() -> Result<Study, ReproduceError> {
     Ok(Study {
         paper: "Matsubara",
         title: "Motion error at the corner",
-        said: words::said(&experiment)?,
+        said: words::said(&experiment),
         outcomes: experiment.outcomes(),
         pictures: pictures::all(&experiment)?,
-        notes: words::notes(&experiment)?,
+        notes: words::notes(&experiment),
     })
 }

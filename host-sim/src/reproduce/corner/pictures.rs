@@ -90,7 +90,7 @@ fn over_gain(experiment: &Experiment) -> Result<Picture, ReproduceError> {
         let line = (0..=14).map(|k| {
             let gain_per_s = 24.0 + 4.0 * f64::from(k);
             let overshoot =
-                experiment.predicted_overshoot_um(Tuning { law, gain_per_s, feedforward_percent }, 1.0)?;
+                experiment.predicted_overshoot_um(Tuning { law, gain_per_s, feedforward_percent })?;
             Ok((gain_per_s, overshoot))
         });
         layers.push(Layer { ink, points: line.collect::<Result<_, ReproduceError>>()?, is_marked: false });
