@@ -17,6 +17,9 @@ pub const FEED_M_PER_S: f64 = 3.0 / 60.0;
 /// Printed in table 1: 48 m/min.
 pub const RAPID_M_PER_S: f64 = 48.0 / 60.0;
 
+/// Way of a rapid move: more than half of it is run at full speed.
+pub const RAPID_M: f64 = 0.2;
+
 /// Printed in table 1, of X and Y.
 pub const ACCELERATION_M_PER_S2: [f64; 2] = [9.4, 7.3];
 
@@ -127,13 +130,13 @@ pub fn circle(tuning: Tuning) -> Result<Motion, ReproduceError> {
     run(&tuned(tuning)?, &[PathBlock::new(shape, FEED_M_PER_S, 1.0)])
 }
 
-/// One axis alone, 200 mm at rapid speed with its printed acceleration.
+/// One axis alone, at rapid speed with its printed acceleration.
 ///
 /// # Errors
 /// When the loop does not hold.
 pub fn rapid(tuning: Tuning, axis: usize) -> Result<Motion, ReproduceError> {
     let mut to_m = START_M.to_vec();
-    to_m[axis] += 0.2;
+    to_m[axis] += RAPID_M;
     let shape = PathShape::Line { to_m };
     run(&tuned(tuning)?, &[PathBlock::new(shape, RAPID_M_PER_S, ACCELERATION_M_PER_S2[axis])])
 }

@@ -26,7 +26,7 @@ fn prediction(experiment: &Experiment, gain: usize) -> Picture {
     let corner = &tuned.printed;
     let tool = &corner.motion.tool;
     let tracks = [
-        (Ink::Grid, &corner.motion.command),
+        (Ink::Axis, &corner.motion.command),
         (Ink::Third, &predicted.motor),
         (Ink::After, tool),
         (Ink::Before, &predicted.tool),
@@ -42,7 +42,7 @@ fn prediction(experiment: &Experiment, gain: usize) -> Picture {
             corner.overshoot_um(),
         ),
         keys: vec![
-            ("grid", "command".to_owned()),
+            ("axis", "command".to_owned()),
             ("cw", "motors, predicted".to_owned()),
             ("after", "tool, plant".to_owned()),
             ("before", "tool, predicted".to_owned()),
@@ -54,7 +54,7 @@ fn prediction(experiment: &Experiment, gain: usize) -> Picture {
 fn both_laws(hpc: &Tuned, p: &Tuned) -> Picture {
     const HALF_UM: f64 = 900.0;
     let tracks = [
-        (Ink::Grid, &hpc.printed.motion.command),
+        (Ink::Axis, &hpc.printed.motion.command),
         (Ink::Before, &p.printed.motion.tool),
         (Ink::After, &hpc.printed.motion.tool),
         (Ink::Fourth, &p.least.motion.tool),
@@ -70,7 +70,7 @@ fn both_laws(hpc: &Tuned, p: &Tuned) -> Picture {
             p.least.overshoot_um(),
         ),
         keys: vec![
-            ("grid", "command".to_owned()),
+            ("axis", "command".to_owned()),
             ("after", format!("HPC, Kf = {FEEDFORWARD_PERCENT} %")),
             ("before", format!("P, Kf = {FEEDFORWARD_PERCENT} %")),
             ("ccw", format!("P, Kf = {:.0} %", p.kept.tool_percent)),

@@ -71,14 +71,20 @@ mod tests {
         assert!(feedforward_percent(1.0, 1.001, 1.002).is_nan());
     }
 
-    /// On the plant at the lowest gain, where the machine's own 75 Hz add least: HPC keeps the radius with 50 %, P
-    /// with 100 %. A swing of ω adds 2·(1 − 2ζ²)·(Kp/ω)² to what Kf² need not give: 0.01 at 75 Hz.
+    /// On the plant at the lowest gain, where the machine's swing adds least: HPC keeps the radius with 50 %, P
+    /// with 100 %. A swing of ω adds 2·(1 − 2ζ²)·(Kp/ω)² to what Kf² need not give: 0.007 at 83 Hz.
     #[test]
     fn hpc_needs_half_of_the_feedforward_of_p() {
         let hpc = kept(Controller::Hpc, 33.0).unwrap();
         assert!((49.0..51.0).contains(&hpc.motor_percent), "{hpc:?}");
         assert!((48.0..50.5).contains(&hpc.tool_percent), "{hpc:?}");
+        // Without feed-forward a circle loses R·w²/8 under HPC and R·w²/2 under P, w = ω/Kp, less what the swing adds
+        // (0.02 of the first).
+        let square = (FEED_M_PER_S / RADIUS_M / 33.0).powi(2);
+        let lost = |share: f64| share * RADIUS_M * square;
+        assert!((0.95..1.01).contains(&(hpc.shrinkage_m / lost(0.125))), "{hpc:?}");
         let p = kept(Controller::P, 33.0).unwrap();
         assert!((99.0..101.0).contains(&p.motor_percent), "{p:?}");
+        assert!((0.95..1.01).contains(&(p.shrinkage_m / lost(0.5))), "{p:?}");
     }
 }

@@ -17,7 +17,7 @@ pub(super) fn said(experiment: &Experiment) -> Vec<String> {
     let [soft_x, soft_y] = softer.mechanics.map(|m| m.omega_per_s / TAU);
     vec![
         format!(
-            "The printed feed-forward tells which law the paper's machine ran: HPC keeps a circle's radius with Kf = {} % \
+            "The printed feed-forward of 51 % points to the law that the paper's machine ran: HPC keeps a circle's radius with Kf = {} % \
              at Kp = 33, 51, 75, P takes {} %. In closed form HPC takes 50 % at any Kp: its zero then cancels the pole \
              at −2·Kp, and a second order with ζ = 1/√2 is left.",
             list(hpc, &|t| t.kept.motor_percent),
