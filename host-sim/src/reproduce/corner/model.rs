@@ -211,9 +211,11 @@ mod tests {
     #[test]
     fn hpc_with_half_feedforward_is_a_butterworth_of_second_order() {
         let most = step(&servo(Controller::Hpc, 50.0)).map(|(_, y)| y).fold(0.0, f64::max);
-        // The lead's impulse is spread over a sample: what it adds comes up to Kp·sample/2 = 0.6 % late.
-        let exact = 1.0 + (-std::f64::consts::PI).exp();
-        assert!((most - exact).abs() < 1e-3, "{most} {exact}");
+        // The lead's impulse stands for a sample and is half of one late: ½·(x/2)·y″ less, x = Kp·sample and
+        // y″ = −16·e^(−π) at the top, from the step without feed-forward above.
+        let late = 0.25 * 50.0 * SAMPLE_S * 16.0;
+        let exact = 1.0 + (1.0 + late) * (-std::f64::consts::PI).exp();
+        assert!((most - exact).abs() < 2e-4, "{most} {exact}");
     }
 
     /// As printed, s³ + 6s² + c·s + c with c = 16·Kp²: a pole at −1/(1 − 5/c + …). With only the leading Kp put back

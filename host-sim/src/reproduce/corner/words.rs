@@ -2,9 +2,11 @@
 
 use std::f64::consts::TAU;
 
+use super::contour::overshoot_m;
 use super::machine::{FEED_M_PER_S, RADIUS_M};
 use super::model::printed_hpc_pole_per_s;
 use super::{Corner, Experiment, FEEDFORWARD_PERCENT, Tuned};
+use crate::report::number::fixed;
 
 pub(super) fn said(experiment: &Experiment) -> Vec<String> {
     let list = |tuned: &[Tuned], value: &dyn Fn(&Tuned) -> f64| {
@@ -13,6 +15,7 @@ pub(super) fn said(experiment: &Experiment) -> Vec<String> {
     };
     let (hpc, p) = (&experiment.hpc[..], &experiment.p[..]);
     let [x, y] = experiment.mechanics.map(|m| (m.omega_per_s / TAU, m.damping_ratio));
+    let predicted_m = |gain: usize| overshoot_m(&experiment.predicted[gain].tool, &hpc[gain].printed.window);
     let softer = &experiment.softer;
     let [soft_x, soft_y] = softer.mechanics.map(|m| m.omega_per_s / TAU);
     vec![
@@ -46,10 +49,11 @@ pub(super) fn said(experiment: &Experiment) -> Vec<String> {
             list(p, &|t| t.least.overshoot_um()),
         ),
         format!(
-            "That the tool's overshoot still eases from Kp = 51 to 75 (to {:.2} of it) is the stiff machine's: with the \
+            "That the tool's overshoot still eases from Kp = 51 to 75 (to {:.2} of it; predicted: {:.2}) is within what the prediction leaves open, and the stiff machine's: with the \
              structure's frequencies at two thirds, which identifies as {soft_x:.0} and {soft_y:.0} Hz, it grows to {:.2} of it, for the \
              structure swings more than the motors overshoot less, and the prediction at Kp = 75 is out by {:.1} µm.",
             hpc[2].printed.overshoot_um() / hpc[1].printed.overshoot_um(),
+            predicted_m(2) / predicted_m(1),
             softer.ratio,
             softer.difference_um,
         ),
@@ -66,15 +70,15 @@ pub(super) fn notes(experiment: &Experiment) -> Vec<String> {
     vec![
         format!(
             "Equation (1), HPC, is printed as k1k2Kp²/(s² + k2·s + k1k2Kp²) and has lost a Kp twice: as printed the loop \
-             creeps with its slowest pole at {:.2} 1/s whatever Kp is, and with only the Kp before it put back it is \
+             creeps with its slowest pole at {} 1/s whatever Kp is, and with only the Kp before it put back it is \
              unstable above Kp = 6 1/s (at Kp = 33 a pole at {half:+.0} 1/s). Used here: \
              Kp·k1k2Kp²/(s² + k2·Kp·s + k1k2Kp²), with poles at −2·Kp and (−2 ± 2j)·Kp. That this takes 50 % of \
              feed-forward for a true circle at every Kp, and 51 % are printed for all three, speaks for it.",
-            printed_hpc_pole_per_s(low.gain_per_s, 0),
+            fixed(printed_hpc_pole_per_s(low.gain_per_s, 0), 2),
         ),
         format!(
-            "Kf: 51 % is a setting made on a machine, to 1 %; the closed form is 50 %, and ours differs by what it \
-             differs. On our circle of {:.0} mm at Kp = 33 the difference is {more_um:.1} µm of radius. Radius and feed of \
+            "Kf: 51 % is a setting made on a machine, to 1 %; the closed form is 50 %, which \
+             ours finds. On our circle of {:.0} mm at Kp = 33 the difference is {more_um:.1} µm of radius. Radius and feed of \
              the paper's circle are not printed.",
             1e3 * RADIUS_M,
         ),
@@ -85,7 +89,7 @@ pub(super) fn notes(experiment: &Experiment) -> Vec<String> {
             added(&low.printed),
             added(&experiment.hpc[2].printed),
         ),
-        "Not in the scan are all figures. Figure 3 gives no lengths in the text: two lines of 20 mm are run, X going on, Y \
+        "All figures are missing from the scan. The lengths of figure 3 are not in the text: two lines of 20 mm are run, X going on, Y \
          turning back, as the text says. Acceleration before interpolation with trapezoids lets each line begin and \
          end at rest; it is √2 · 7.3 m/s² along the path, Y's printed limit. Figure 2 is taken as position law, PI \
          velocity loop on a rigid mass, and integrator."
