@@ -20,7 +20,8 @@ LAPS = 300
 
 RADIUS = 0.05
 FEED = 0.1
-RAMP_S = FEED / 2.0
+# Of 2 m/s2, a sixteenth and what points to the centre are not for speeding up.
+RAMP_S = FEED / math.sqrt((2.0 * 15.0 / 16.0) ** 2 - (FEED * FEED / RADIUS) ** 2)
 
 KP = 50.0
 LEAD = 0.6 * TICK_HZ / KP

@@ -37,6 +37,7 @@ struct Constants {
     divider: u32,
     steps: u32,
     command_s: f64,
+    ramp_m_per_s2: f64,
     tick_hz: f64,
     step_s: f64,
     kp: f64,
@@ -70,6 +71,7 @@ impl Plain {
         let with = Constants {
             divider: rates.position_loop_divider,
             steps,
+            ramp_m_per_s2: ramp_m_per_s2(),
             command_s: 1.0 / rates.position_loop_hz(),
             tick_hz,
             step_s: 1.0 / (tick_hz * f64::from(steps)),
@@ -125,7 +127,7 @@ impl Plain {
     fn position_loops(&mut self) {
         let with = &self.with;
         self.commands += 1.0;
-        let command_m = on_circle(self.commands * with.command_s);
+        let command_m = on_circle(self.commands * with.command_s, with.ramp_m_per_s2);
         for i in 0..AXES {
             let lead_m = with.lead * (command_m[i] - self.command_m[i]);
             self.velocity_command[i] = with.kp * (command_m[i] - self.motor_m[i] + lead_m);
@@ -167,11 +169,18 @@ impl Plain {
     }
 }
 
+/// Along the circle while it speeds up, as `shared` plans it: of the block's acceleration it spares a sixteenth on arcs,
+/// and what points to the centre is taken from the rest.
+fn ramp_m_per_s2() -> f64 {
+    let to_centre = FEED_M_PER_S * FEED_M_PER_S / RADIUS_M;
+    ((ACCELERATION_M_PER_S2 * 15.0 / 16.0).powi(2) - to_centre.powi(2)).sqrt()
+}
+
 /// The circle at a time, m: speeding up, then at its feed.
-fn on_circle(time_s: f64) -> [f64; AXES] {
-    let ramp_s = FEED_M_PER_S / ACCELERATION_M_PER_S2;
+fn on_circle(time_s: f64, ramp_m_per_s2: f64) -> [f64; AXES] {
+    let ramp_s = FEED_M_PER_S / ramp_m_per_s2;
     let way_m = if time_s < ramp_s {
-        0.5 * ACCELERATION_M_PER_S2 * time_s * time_s
+        0.5 * ramp_m_per_s2 * time_s * time_s
     } else {
         FEED_M_PER_S * (time_s - 0.5 * ramp_s)
     };
