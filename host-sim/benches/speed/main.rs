@@ -2,8 +2,11 @@
 //!
 //! `cargo bench -p host-sim --bench speed`. Each figure is that of the fastest tenth of the laps, for the others have
 //! shared the processor with other programs; steps a tick are what the plant takes of them, and accuracy is the tool
-//! point against a run with as many steps as change nothing any more.
+//! point against a run with as many steps as change nothing any more. [`plain`] is the same job without any of the
+//! program, to compare with.
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot run stops")]
+
+mod plain;
 
 use std::hint::black_box;
 use std::time::Instant;
@@ -15,8 +18,13 @@ use host_sim::simulate;
 use shared::axis::Reading;
 use shared::units::Position;
 
+use plain::Plain;
+
 const TICK_HZ: f64 = 20_000.0;
-const START_M: [f64; 2] = [0.05, 0.0];
+const RADIUS_M: f64 = 0.05;
+const START_M: [f64; 2] = [RADIUS_M, 0.0];
+const FEED_M_PER_S: f64 = 0.1;
+const ACCELERATION_M_PER_S2: f64 = 2.0;
 
 /// Ticks of a lap, and laps.
 const LAP: u32 = 2000;
@@ -46,7 +54,7 @@ impl Loop {
     fn new(machine: &Machine, format: Format, steps: u32) -> Self {
         let mut controller = simulate::controller(machine, format, &START_M).unwrap();
         let circle = PathShape::Arc { plane: [0, 1], centre_m: [0.0, 0.0], turns: 900.0 };
-        controller.push(&PathBlock::new(circle, 0.1, 2.0)).unwrap();
+        controller.push(&PathBlock::new(circle, FEED_M_PER_S, ACCELERATION_M_PER_S2)).unwrap();
         controller.enable().unwrap();
         Self {
             controller,
@@ -62,55 +70,73 @@ impl Loop {
         self.desk.step(self.outputs.iter().map(|output| output.force_n));
     }
 
-    /// ns a tick.
-    fn cost(&mut self) -> f64 {
-        let mut laps: Vec<f64> = (0..LAPS)
-            .map(|_| {
-                let began = Instant::now();
-                (0..LAP).for_each(|_| black_box(&mut *self).tick());
-                began.elapsed().as_secs_f64() * 1e9 / f64::from(LAP)
-            })
-            .collect();
-        laps.sort_by(f64::total_cmp);
-        laps[LAPS / 10]
+    fn tool_m(&mut self) -> [f64; 2] {
+        let rows = self.desk.row(&self.readings, 0.0);
+        [rows[0].tool_m, rows[1].tool_m]
     }
+}
 
-    /// Tool points of a second of circle, its beginning included, a row a millisecond, m.
-    fn tool(&mut self) -> Vec<f64> {
-        let mut points = Vec::new();
-        for tick in 0..20_000 {
-            self.tick();
-            if tick % 20 == 0 {
-                points.extend(self.desk.row(&self.readings, 0.0).iter().map(|row| row.tool_m));
-            }
+/// ns a tick.
+fn cost<T>(mut job: T, tick: impl Fn(&mut T)) -> f64 {
+    let mut laps: Vec<f64> = (0..LAPS)
+        .map(|_| {
+            let began = Instant::now();
+            (0..LAP).for_each(|_| tick(black_box(&mut job)));
+            began.elapsed().as_secs_f64() * 1e9 / f64::from(LAP)
+        })
+        .collect();
+    laps.sort_by(f64::total_cmp);
+    laps[LAPS / 10]
+}
+
+/// Tool points of a second of circle, its beginning included, a row a millisecond, m.
+fn tool<T>(mut job: T, tick: impl Fn(&mut T), tool_m: impl Fn(&mut T) -> [f64; 2]) -> Vec<f64> {
+    let mut points = Vec::new();
+    for ticks in 0..20_000 {
+        tick(&mut job);
+        if ticks % 20 == 0 {
+            points.extend(tool_m(&mut job));
         }
-        points
     }
+    points
 }
 
 fn rms_nm(a: &[f64], b: &[f64]) -> f64 {
     (a.iter().zip(b).map(|(a, b)| (1e9 * (a - b)).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
 }
 
+fn print_cost(name: &str, divider: u32, steps: u32, ns: f64) {
+    let loop_hz = TICK_HZ / f64::from(divider);
+    println!("{name:<12}{loop_hz:>13.0} Hz{steps:>12}{ns:>14.1}{:>16.0}", 1e9 / TICK_HZ / ns);
+}
+
 fn main() {
     println!(
-        "{:<10}{:>16}{:>12}{:>14}{:>16}",
+        "{:<12}{:>16}{:>12}{:>14}{:>16}",
         "format", "position loop", "steps", "ns a tick", "of real time"
     );
     for (format, name) in [(Format::F64, "f64"), (Format::F32, "f32"), (Format::Fixed, "fixed")] {
         for divider in [1, 4] {
             for steps in [1, 5] {
-                let ns = Loop::new(&machine(divider), format, steps).cost();
-                let loop_hz = TICK_HZ / f64::from(divider);
-                println!("{name:<10}{loop_hz:>13.0} Hz{steps:>12}{ns:>14.1}{:>16.0}", 1e9 / TICK_HZ / ns);
+                let ns = cost(Loop::new(&machine(divider), format, steps), Loop::tick);
+                print_cost(name, divider, steps, ns);
             }
         }
     }
-    println!("\n{:<10}{:>26}", "steps", "tool from converged, nm");
+    for divider in [1, 4] {
+        for steps in [1, 5] {
+            print_cost("plain loop", divider, steps, cost(Plain::new(&machine(divider), steps), Plain::tick));
+        }
+    }
+    println!("\n{:<12}{:>10}{:>26}", "format", "steps", "tool from converged, nm");
     let machine = machine(4);
-    let converged = Loop::new(&machine, Format::F64, 128).tool();
+    let points = |steps| tool(Loop::new(&machine, Format::F64, steps), Loop::tick, Loop::tool_m);
+    let plain_points = |steps| tool(Plain::new(&machine, steps), Plain::tick, |plain| plain.tool_m());
+    let converged = points(128);
     for steps in [1, 2, 5, 64] {
-        let off = rms_nm(&Loop::new(&machine, Format::F64, steps).tool(), &converged);
-        println!("{steps:<10}{off:>26.4}");
+        println!("{:<12}{steps:>10}{:>26.4}", "f64", rms_nm(&points(steps), &converged));
+    }
+    for steps in [1, 2, 5, 64] {
+        println!("{:<12}{steps:>10}{:>26.4}", "plain loop", rms_nm(&plain_points(steps), &converged));
     }
 }
