@@ -1,13 +1,19 @@
 //! The closed loop: a controller, the machine on the desk, and the log of what happened.
 
+mod stopped;
+
+use std::io;
+
 use shared::axis::Reading;
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
-use shared::safety::{Fault, Hazard, Power};
+use shared::safety::Power;
 use shared::units::Position;
 
+pub use stopped::SimulationError;
+
 use crate::controller::{AxisOutput, Controller, ControllerError, Format, PathBlock, Status};
-use crate::log::{AxisLog, Log, Unit};
+use crate::log::{AxisLog, Channel, Log, Unit};
 use crate::machine::Machine;
 use crate::plant::desk::{Desk, Instruments, Row};
 use crate::plant::parameters::AxisParameters;
@@ -18,41 +24,6 @@ pub const LONGEST_S: f64 = 3600.0;
 
 /// Most plant steps a tick: a stiffer machine is refused.
 const MOST_SUBSTEPS: f64 = 500.0;
-
-/// Why a simulation stopped.
-#[derive(Debug, thiserror::Error)]
-pub enum SimulationError {
-    /// The controller refused the machine or the motion, or the link broke.
-    #[error(transparent)]
-    Controller(#[from] ControllerError),
-    /// A block of the path was refused.
-    #[error("block {index}: {error}")]
-    Block {
-        /// Counted from 0.
-        index: usize,
-        /// What is wrong with it.
-        error: PathError,
-    },
-    /// The machine file lacks what a simulation needs.
-    #[error("axis.{axis}: a simulation needs the key {key}")]
-    Lacks {
-        /// Axis.
-        axis: String,
-        /// Key.
-        key: &'static str,
-    },
-    /// The controller switched the drives off.
-    #[error("{what} after {time_s:.4} s: is the loop unstable, or the motion too fast for it?")]
-    Fault {
-        /// Fault and axis.
-        what: String,
-        /// When.
-        time_s: f64,
-    },
-    /// The path did not end.
-    #[error("the motion did not end within {LONGEST_S} s of machine time")]
-    Endless,
-}
 
 /// The in-process controller of a machine file that stands at `start_m`.
 ///
@@ -78,15 +49,13 @@ pub fn set_up(
     let mut settings = Vec::new();
     for (name, axis) in &machine.axis {
         let lacks = |key| SimulationError::Lacks { axis: name.clone(), key };
-        if !axis.has_mass() && machine.structure.is_none() {
+        if !axis.has_mass() {
             return Err(lacks("table_mass_kg"));
         }
         let parameters = AxisParameters::of(axis);
-        let follows = parameters.step_s() * machine.velocity_rate_hz() * MOST_SUBSTEPS >= 1.0;
-        if !follows && machine.structure.is_none() {
-            return Err(lacks(
-                "stiffness_n_per_um (or masses) that a step of a millionth of a second can follow",
-            ));
+        let (key, step_s) = parameters.fastest();
+        if step_s * machine.velocity_rate_hz() * MOST_SUBSTEPS < 1.0 {
+            return Err(SimulationError::TooFast { axis: name.clone(), key, step_s });
         }
         settings.push(servo::settings(axis, &parameters.servo).map_err(lacks)?);
     }
@@ -109,26 +78,64 @@ pub struct Run<'a> {
     pub start_s: f64,
 }
 
+/// What a row of the log holds of one axis.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Sample {
+    /// What was asked for.
+    pub command_mm: f64,
+    /// Reading of the motor.
+    pub motor_mm: f64,
+    /// Reading of the linear scale.
+    pub table_mm: f64,
+    /// Reading at the tool.
+    pub tool_mm: f64,
+    /// Force that was asked for over the last tick.
+    pub force_n: f64,
+}
+
+impl Sample {
+    /// What it holds, in the order of a log's columns.
+    pub const CHANNELS: [Channel; 5] =
+        [Channel::Command, Channel::Motor, Channel::Table, Channel::Tool, Channel::Force];
+
+    /// The values of [`Sample::CHANNELS`].
+    #[must_use]
+    pub const fn values(&self) -> [f64; 5] {
+        [self.command_mm, self.motor_mm, self.table_mm, self.tool_mm, self.force_n]
+    }
+
+    fn of(reading: &Reading, output: &AxisOutput, row: &Row) -> Self {
+        Self {
+            command_mm: 1e3 * output.command.to_m(),
+            motor_mm: 1e3 * reading.motor.to_m(),
+            table_mm: 1e3 * row.table_m,
+            tool_mm: 1e3 * row.tool_m,
+            force_n: row.force_n,
+        }
+    }
+}
+
 impl Run<'_> {
-    /// Closes the loop with a controller until the path has been travelled; logs every channel at
-    /// the sample rate.
+    /// Closes the loop with a controller until the path has been travelled; gives every row, at the sample rate, to
+    /// `keep` and keeps none.
     ///
     /// `watch` is called with the time (s) and the controller's outputs after every tick.
     ///
     /// # Errors
-    /// When the controller refuses, the link breaks, the drives go off, or the path does not end.
-    pub fn log(
+    /// When the controller refuses, the link breaks, the drives go off, a row cannot be kept, or the path does not end.
+    pub fn rows(
         &self,
         controller: &mut dyn Controller,
         mut watch: impl FnMut(f64, &Status, &[AxisOutput]),
-    ) -> Result<Log, SimulationError> {
+        mut keep: impl FnMut(&[Sample]) -> io::Result<()>,
+    ) -> Result<(), SimulationError> {
         let rates = servo::rates(self.machine);
         let (tick_s, divider) = (1.0 / rates.velocity_loop_hz, u64::from(rates.position_loop_divider));
         let mut desk = Desk::new(self.machine, self.instruments, self.start_m);
-        let mut log = self.empty_log();
         let mut waiting = self.blocks.iter().enumerate().peekable();
         let mut readings = vec![Reading { motor: Position(0), table: None }; self.start_m.len()];
         let mut outputs = vec![AxisOutput::default(); self.start_m.len()];
+        let mut samples = Vec::with_capacity(self.start_m.len());
         controller.enable()?;
         for tick in 0u64.. {
             let time_s = tick as f64 * tick_s;
@@ -137,17 +144,17 @@ impl Run<'_> {
             let status = controller.tick(&readings, &mut outputs)?;
             watch(time_s, &status, &outputs);
             if let Power::Faulted(fault) = status.power {
-                return Err(self.fault(fault, time_s));
+                return Err(stopped::fault(self.machine, fault, time_s));
             }
             if tick.is_multiple_of(divider) {
                 let rows = desk.row(&readings, self.start_s + time_s);
-                if rows.iter().any(|row| !(row.tool_m + row.table_m).is_finite()) {
-                    return Err(SimulationError::Fault {
-                        what: "a position is no finite number".to_owned(),
-                        time_s,
-                    });
+                let axes = readings.iter().zip(&outputs).zip(&rows);
+                samples.clear();
+                samples.extend(axes.map(|((reading, output), row)| Sample::of(reading, output, row)));
+                if !samples.iter().flat_map(Sample::values).all(f64::is_finite) {
+                    return Err(stopped::not_finite(time_s));
                 }
-                append(&mut log, &readings, &outputs, &rows);
+                keep(&samples)?;
                 if status.done && waiting.peek().is_none() {
                     break;
                 }
@@ -157,19 +164,37 @@ impl Run<'_> {
             }
             desk.step(outputs.iter().map(|output| output.force_n));
         }
+        Ok(())
+    }
+
+    /// The same, into a log in memory.
+    ///
+    /// # Errors
+    /// As [`Run::rows`].
+    pub fn log(
+        &self,
+        controller: &mut dyn Controller,
+        watch: impl FnMut(f64, &Status, &[AxisOutput]),
+    ) -> Result<Log, SimulationError> {
+        let mut log = self.empty_log();
+        self.rows(controller, watch, |samples| {
+            for (axis, sample) in log.axes.iter_mut().zip(samples) {
+                for (channel, value) in Sample::CHANNELS.into_iter().zip(sample.values()) {
+                    axis.channel_mut(channel).get_or_insert_default().push(value);
+                }
+            }
+            Ok(())
+        })?;
         Ok(log)
     }
 
-    fn empty_log(&self) -> Log {
-        let axis = |name: &String| AxisLog {
-            name: name.clone(),
-            unit: Unit::Millimetre,
-            command: Some(Vec::new()),
-            motor: Some(Vec::new()),
-            table: Some(Vec::new()),
-            tool: Some(Vec::new()),
-            force: Some(Vec::new()),
-            added_force: None,
+    /// The log before its first row: names, clock and channels.
+    #[must_use]
+    pub fn empty_log(&self) -> Log {
+        let axis = |name: &String| {
+            let mut axis = AxisLog::new(name, Unit::Millimetre);
+            Sample::CHANNELS.into_iter().for_each(|channel| *axis.channel_mut(channel) = Some(Vec::new()));
+            axis
         };
         Log {
             source: "simulation".to_owned(),
@@ -177,28 +202,6 @@ impl Run<'_> {
             sample_time_s: 1.0 / self.machine.sample_rate_hz,
             axes: self.machine.axis.keys().map(axis).collect(),
         }
-    }
-
-    fn fault(&self, fault: Fault, time_s: f64) -> SimulationError {
-        let name = |axis: u8| self.machine.axis.get_index(usize::from(axis)).map_or("?", |(name, _)| name);
-        let what = match fault {
-            Fault::Axis { axis, hazard } => format!("axis.{}: {}", name(axis), said(hazard)),
-            Fault::Overrun => "a tick took longer than its period".to_owned(),
-        };
-        SimulationError::Fault { what, time_s }
-    }
-}
-
-fn said(hazard: Hazard) -> &'static str {
-    match hazard {
-        Hazard::FollowingError => "following error beyond its limit",
-        Hazard::Disagreement => "motor and linear scale further apart than their limit",
-        Hazard::EncoderStep => "the motor reading jumps further than the motor can",
-        Hazard::ForceSaturated => {
-            "the force stands at its limit: the motion asks for more than the drive can give"
-        }
-        Hazard::SoftLimit => "the command leaves the travel",
-        Hazard::ScaleLost => "no reading of the linear scale",
     }
 }
 
@@ -218,20 +221,4 @@ fn feed<'a>(
         }
     }
     Ok(())
-}
-
-/// One row of the log, in its units.
-fn append(log: &mut Log, readings: &[Reading], outputs: &[AxisOutput], rows: &[Row]) {
-    for (((axis, reading), output), row) in log.axes.iter_mut().zip(readings).zip(outputs).zip(rows) {
-        let values = [
-            (&mut axis.command, 1e3 * output.command.to_m()),
-            (&mut axis.motor, 1e3 * reading.motor.to_m()),
-            (&mut axis.table, 1e3 * row.table_m),
-            (&mut axis.tool, 1e3 * row.tool_m),
-            (&mut axis.force, row.force_n),
-        ];
-        for (channel, value) in values {
-            channel.get_or_insert_default().push(value);
-        }
-    }
 }

@@ -108,7 +108,8 @@ pub struct AxisSettings {
     /// Fastest that the motor can be: a reading that has moved further puts the drives off. `None`: not
     /// watched.
     pub fastest_m_per_s: Option<f64>,
-    /// How long the force may stand at its limit before the path stops.
+    /// How long the force may stand at its limit before the path stops, less a quarter of the time since that it did
+    /// not.
     pub saturation_time_s: f64,
     /// Least and greatest command; beyond them the path stops. `None`: the travel of the number format.
     pub travel_m: Option<[f64; 2]>,
@@ -349,7 +350,7 @@ fn watch<S: Scalar>(settings: &AxisSettings, tick: f64) -> Result<Watch<S>, Conf
             None => None,
         },
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-        saturated_ticks: ticks as u32,
+        saturated_ticks: (ticks as u32).min(u32::MAX / 4 - 1),
         travel: match settings.travel_m {
             Some([least, greatest]) => {
                 let [least, greatest] = [place("travel_m", least)?, place("travel_m", greatest)?];

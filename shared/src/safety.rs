@@ -21,7 +21,7 @@
 //! | motor and scale disagree | every position tick | drives off | a coupling or a sensor has gone; which one is not known |
 //! | encoder step | every tick | drives off | a motor cannot jump: what the loop reads is not where the axis is |
 //! | overrun | every tick | drives off | the loops have not run in time |
-//! | force saturated for a time | every tick | stop | the axis follows less than is asked for: asking for less helps |
+//! | force saturated for a time, less a quarter of the time since that it was not | every tick | stop | the axis follows less than is asked for: asking for less helps |
 //! | soft limit | every position tick | stop | all is well but the program |
 //! | scale lost | every position tick | warn | the axis goes on with its motor encoder, from where it stood |
 

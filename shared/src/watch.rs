@@ -13,7 +13,7 @@ pub struct Watch<S: Scalar> {
     pub disagreement: Option<u64>,
     /// Motor reading, per tick, increment units; `None`: not watched.
     pub encoder_step: Option<S>,
-    /// Ticks that the force may stand at its limit.
+    /// Ticks that the force may stand at its limit, a quarter of those since then that it did not taken off.
     pub saturated_ticks: u32,
     /// Least and greatest command.
     pub travel: [Position; 2],
@@ -22,7 +22,8 @@ pub struct Watch<S: Scalar> {
 /// What has been seen of an axis.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State {
-    saturated_ticks: u32,
+    /// Quarters of a tick.
+    saturated_quarters: u32,
 }
 
 /// What is seen of an axis in a position tick.
@@ -65,7 +66,11 @@ impl<S: Scalar> Watch<S> {
         if self.encoder_step.is_some_and(|most| increment.exceeds(most)) {
             return Some(Hazard::EncoderStep);
         }
-        state.saturated_ticks = if saturated { state.saturated_ticks.saturating_add(1) } else { 0 };
-        (state.saturated_ticks > self.saturated_ticks).then_some(Hazard::ForceSaturated)
+        // An unstable loop throws the force from limit to limit: a tick in between must not begin the count anew.
+        state.saturated_quarters = match saturated {
+            true => state.saturated_quarters.saturating_add(4),
+            false => state.saturated_quarters.saturating_sub(1),
+        };
+        (state.saturated_quarters / 4 > self.saturated_ticks).then_some(Hazard::ForceSaturated)
     }
 }

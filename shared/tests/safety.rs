@@ -149,6 +149,28 @@ fn a_force_at_its_limit_stops_after_its_time() {
     assert_eq!(bench.machine.power(), Power::Stopping(on(0, Hazard::ForceSaturated)));
 }
 
+/// Differences of the motor reading close the velocity loop one tick late: with Kv·Δt/m > 2 each tick turns the speed
+/// over and makes it larger, until the force is thrown from limit to limit with a tick in between now and then.
+#[test]
+fn an_unstable_loop_stops_although_its_force_turns_over() {
+    let velocity_gain_n_s_per_m = 2.5 * 50.0 * RATE_HZ;
+    let mut bench =
+        Bench::<f64>::new(AxisSettings { velocity_gain_n_s_per_m, force_limit_n: 200.0, ..axis() });
+    let (mut ticks, mut below, mut turned, mut last) = (0, 0, 0, 0.0);
+    while bench.machine.power() == Power::Off || bench.machine.power().is_on() {
+        let force = bench.tick().forces[0].value();
+        below += u32::from(force.abs() < 199.0);
+        turned += u32::from(force * last < 0.0);
+        last = force;
+        ticks += 1;
+        assert!(ticks < 2000, "still running");
+    }
+    assert!(
+        turned > 10 && below > 0,
+        "it turned over {turned} times, and was below its limit in {below} ticks"
+    );
+}
+
 #[test]
 fn a_lost_scale_warns_and_goes_on() {
     let mut bench = Bench::<Fixed>::new(axis());

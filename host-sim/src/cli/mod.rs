@@ -2,6 +2,7 @@
 
 mod compare;
 mod demo;
+mod logged;
 mod progress;
 mod record;
 mod refusal;

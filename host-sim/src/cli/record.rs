@@ -1,10 +1,10 @@
 //! `lost-motion record`: the same motion with the controller on a board, or on the emulated one.
 
+use std::collections::BTreeMap;
 use std::path::PathBuf;
 
-use super::progress::Progress;
 use super::refusal::Given;
-use super::{say, summary};
+use super::{logged, say};
 use crate::controller::Format;
 use crate::demo;
 use crate::link;
@@ -65,28 +65,35 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         blocks: &path.blocks,
         start_s: 0.0,
     };
-    let progress = Progress::start();
-    let mut costs = Vec::new();
-    let log = run.log(board.as_mut(), |time_s, status, _| {
-        progress.machine_time(time_s);
-        costs.extend(status.cost);
-    });
-    drop(progress);
-    let log = log.map_err(|error| given.blamed(error))?;
-    log.write(&arguments.out)?;
+    // How many ticks cost so many instructions.
+    let mut costs: BTreeMap<u32, u64> = BTreeMap::new();
+    let logged = logged::run(&run, board.as_mut(), &arguments.out, &given, |status| {
+        if let Some(cost) = status.cost {
+            *costs.entry(cost).or_default() += 1;
+        }
+    })?;
     let mut said = format!(
         "{} ran {} on {}: {} samples in {}.\n\n{}",
         machine.name,
         motion.name,
         arguments.port,
-        log.len(),
+        logged.samples,
         arguments.out.display(),
-        summary::of_log(&log)
+        logged.summary()
     );
-    costs.sort_unstable();
-    if let (Some(median), Some(worst)) = (costs.get(costs.len() / 2), costs.last()) {
-        said +=
-            &format!("\n\n{} ticks: {median} instructions in the median, {worst} at the worst.", costs.len());
+    let ticks: u64 = costs.values().sum();
+    if let (Some(median), Some((worst, _))) = (median(&costs, ticks), costs.last_key_value()) {
+        said += &format!("\n\n{ticks} ticks: {median} instructions in the median, {worst} at the worst.");
     }
     say(&said)
+}
+
+/// The cost that half of the ticks do not exceed.
+fn median(costs: &BTreeMap<u32, u64>, ticks: u64) -> Option<u32> {
+    let mut seen = 0;
+    let reaches_half = |(cost, count): (&u32, &u64)| {
+        seen += count;
+        (2 * seen > ticks).then_some(*cost)
+    };
+    costs.iter().find_map(reaches_half)
 }

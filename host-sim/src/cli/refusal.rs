@@ -22,13 +22,20 @@ pub struct Given<'a> {
 impl Given<'_> {
     /// An [`InputError`] where an input was refused; what went wrong with good input stays as it is.
     pub fn blamed(&self, error: impl Into<SimulationError>) -> Error {
-        use SimulationError::{Block, Controller, Lacks};
+        use SimulationError::{Block, Controller, Lacks, TooFast};
 
         let error = error.into();
         let input = match &error {
             Lacks { axis, key } => {
                 InputError::expected(self.machine_file, "this key, as the loop is to be closed", "none")
                     .at_key(&format!("axis.{axis}.{key}"))
+            }
+            TooFast { axis, key, step_s } => {
+                let problem = format!(
+                    "expected an axis that steps of a millionth of a second can follow; \
+                    this with the masses of the axis asks for {step_s:.1e} s"
+                );
+                InputError::saying(self.machine_file, problem).at_key(&format!("axis.{axis}.{key}"))
             }
             Controller(ControllerError::Refused(MachineError::Config { axis, error })) => {
                 self.setting(*axis, error)

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::progress::Progress;
 use super::refusal::Given;
-use super::{say, summary};
+use super::{logged, say};
 use crate::controller::Format;
 use crate::machine::Machine;
 use crate::motion::Motion;
@@ -54,17 +53,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         blocks: &path.blocks,
         start_s: 0.0,
     };
-    let progress = Progress::start();
-    let log = run.log(controller.as_mut(), |time_s, _, _| progress.machine_time(time_s));
-    drop(progress);
-    let log = log.map_err(|error| given.blamed(error))?;
-    log.write(&arguments.out)?;
+    let logged = logged::run(&run, controller.as_mut(), &arguments.out, &given, |_| {})?;
     say(&format!(
         "{} ran {}: {} samples in {}.\n\n{}",
         machine.name,
         motion.name,
-        log.len(),
+        logged.samples,
         arguments.out.display(),
-        summary::of_log(&log)
+        logged.summary()
     ))
 }

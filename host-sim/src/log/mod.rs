@@ -10,6 +10,8 @@ mod write;
 
 use std::ops::Range;
 
+pub use write::{Rows, write_rows};
+
 /// What an axis's positions and forces are measured in.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {

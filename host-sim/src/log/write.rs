@@ -21,46 +21,21 @@ impl Log {
     /// # Errors
     /// If the file cannot be written.
     pub fn write(&self, path: &Path) -> Result<(), OutputError> {
-        let packed = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
-        write_whole(path, |out| {
-            if !packed {
-                return self.write_csv(out);
-            }
-            // The encoder is slow with many small pieces.
-            let mut buffer = BufWriter::new(GzEncoder::new(out, Compression::default()));
-            self.write_csv(&mut buffer)?;
-            buffer.into_inner()?.finish().map(drop)
-        })
+        write_rows(path, self, |rows| self.fill(rows))
     }
 
     /// Writes the log as CSV. Many small writes: `out` should be buffered.
     ///
     /// # Errors
     /// If `out` fails.
-    pub fn write_csv(&self, mut out: impl Write) -> io::Result<()> {
-        let columns: Vec<(String, &[f64], usize)> = self.columns();
-        let names: Vec<&str> = columns.iter().map(|(name, ..)| name.as_str()).collect();
-        writeln!(out, "time_s,{}", names.join(","))?;
-        let time_decimals = self.time_decimals();
-        for sample in 0..self.len() {
-            write!(out, "{:.time_decimals$}", self.time_s(sample))?;
-            for (_, values, decimals) in &columns {
-                write!(out, ",{:.decimals$}", values[sample])?;
-            }
-            writeln!(out)?;
-        }
-        Ok(())
+    pub fn write_csv(&self, out: impl Write) -> io::Result<()> {
+        self.fill(&mut Rows::new(out, self)?)
     }
 
-    /// Name, samples and number of decimals of each column.
-    fn columns(&self) -> Vec<(String, &[f64], usize)> {
-        let columns = self.axes.iter().flat_map(|axis| {
-            Channel::ALL.map(|channel| {
-                let decimals = if channel.is_force() { FORCE_DECIMALS } else { POSITION_DECIMALS };
-                Some((axis.column(channel), axis.channel(channel)?, decimals))
-            })
-        });
-        columns.flatten().collect()
+    fn fill<W: Write>(&self, rows: &mut Rows<W>) -> io::Result<()> {
+        let channels = self.axes.iter().flat_map(|axis| Channel::ALL.map(|channel| axis.channel(channel)));
+        let columns: Vec<&[f64]> = channels.flatten().collect();
+        (0..self.len()).try_for_each(|sample| rows.row(columns.iter().map(|column| column[sample])))
     }
 
     /// As many decimals as start and step need; a step that never comes out even gets the most.
@@ -73,5 +48,71 @@ impl Log {
             step > 0.5 && off(step) < 1e-8 && off(self.start_s * ticks_per_s) < 1e-3
         };
         TIME_DECIMALS.clone().find(enough).unwrap_or(*TIME_DECIMALS.end())
+    }
+}
+
+/// Writes a log row by row, none of which stays in memory, whole or not at all; packed if the name ends in `.gz`.
+///
+/// `head` has the names, the channels and the clock.
+///
+/// # Errors
+/// If `fill` fails, or the file cannot be written.
+pub fn write_rows(
+    path: &Path,
+    head: &Log,
+    fill: impl FnOnce(&mut Rows<&mut dyn Write>) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let packed = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
+    write_whole(path, |out| {
+        if !packed {
+            return fill(&mut Rows::new(out, head)?);
+        }
+        // The encoder is slow with many small pieces.
+        let mut buffer = BufWriter::new(GzEncoder::new(out, Compression::default()));
+        fill(&mut Rows::new(&mut buffer as &mut dyn Write, head)?)?;
+        buffer.into_inner()?.finish().map(drop)
+    })
+}
+
+/// A log that is being written.
+pub struct Rows<W> {
+    out: W,
+    clock: Log,
+    time_decimals: usize,
+    /// Of each column.
+    decimals: Vec<usize>,
+    written: usize,
+}
+
+impl<W: Write> Rows<W> {
+    /// Writes the header.
+    ///
+    /// # Errors
+    /// If `out` fails.
+    fn new(mut out: W, head: &Log) -> io::Result<Self> {
+        write!(out, "time_s")?;
+        let mut decimals = Vec::new();
+        for axis in &head.axes {
+            for channel in Channel::ALL.into_iter().filter(|&channel| axis.channel(channel).is_some()) {
+                write!(out, ",{}", axis.column(channel))?;
+                decimals.push(if channel.is_force() { FORCE_DECIMALS } else { POSITION_DECIMALS });
+            }
+        }
+        writeln!(out)?;
+        Ok(Self { out, clock: head.slice(0..0), time_decimals: head.time_decimals(), decimals, written: 0 })
+    }
+
+    /// Writes the next row: one value a column.
+    ///
+    /// # Errors
+    /// If `out` fails.
+    pub fn row(&mut self, values: impl IntoIterator<Item = f64>) -> io::Result<()> {
+        let Self { out, clock, time_decimals, decimals, written } = self;
+        write!(out, "{:.*}", *time_decimals, clock.time_s(*written))?;
+        for (value, decimals) in values.into_iter().zip(decimals) {
+            write!(out, ",{value:.*}", *decimals)?;
+        }
+        *written += 1;
+        writeln!(out)
     }
 }

@@ -152,10 +152,17 @@ impl AxisParameters {
         self.dividing.as_ref().map_or(0.0, |dividing| dividing.error_m(motor_m))
     }
 
-    /// A step (s) short enough for what is not linear: the guide's bristles under the table, the motor's own
-    /// friction about standstill, and the touch at the edges of a gap.
+    /// A step (s) short enough for what is not linear.
     #[must_use]
     pub fn step_s(&self) -> f64 {
+        self.fastest().1
+    }
+
+    /// The key of the machine file behind what is fastest of all that is not linear, and a step (s) short enough for
+    /// it: the guide's bristles under the table, the motor's own friction about standstill, the touch at the edges of
+    /// a gap.
+    #[must_use]
+    pub fn fastest(&self) -> (&'static str, f64) {
         let (motor_kg, table_kg) = match self.spring {
             Some(_) => (self.motor_mass_kg, self.table_mass_kg),
             None => (self.motor_mass_kg + self.table_mass_kg, self.motor_mass_kg + self.table_mass_kg),
@@ -169,7 +176,14 @@ impl AxisParameters {
             _ => 0.0,
         };
         // Per step: radians of the bristles' swing and of the screw's, and share of a velocity that friction stops.
-        let fastest = (bristles / 0.06).max(motor / 0.2).max(touch / 0.1);
-        if fastest > 0.0 { fastest.recip() } else { 1e-3 }
+        let rates = [
+            ("presliding_stiffness_n_per_um", bristles / 0.06),
+            ("motor_coulomb_n", motor / 0.2),
+            ("stiffness_n_per_um", touch / 0.1),
+        ];
+        let slow = ("velocity_loop_rate_hz", 1e3);
+        let (key, rate) =
+            rates.into_iter().fold(slow, |fastest, rate| if rate.1 > fastest.1 { rate } else { fastest });
+        (key, rate.recip())
     }
 }

@@ -127,13 +127,13 @@ impl Bench {
             let output = machine.tick(&std::array::from_fn(reading));
             if let Power::Faulted(fault) = machine.power() {
                 let what = format!("the drives went off ({fault:?})");
-                return Err(SimulationError::Fault { what, time_s }.into());
+                return Err(SimulationError::Fault { what, time_s, hint: "" }.into());
             }
             let force_n = output.forces.map(Scalar::value);
             if force_n.iter().any(|force| force.abs() >= FORCE_LIMIT_N) {
                 let what =
                     "a drive is at its limit, where nothing is proportional to acceleration".to_owned();
-                return Err(SimulationError::Fault { what, time_s }.into());
+                return Err(SimulationError::Fault { what, time_s, hint: "" }.into());
             }
             let tool = moving.tool_m();
             rows.push(Row {
