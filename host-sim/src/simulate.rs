@@ -193,7 +193,9 @@ impl Run<'_> {
     pub fn empty_log(&self) -> Log {
         let axis = |name: &String| {
             let mut axis = AxisLog::new(name, Unit::Millimetre);
-            Sample::CHANNELS.into_iter().for_each(|channel| *axis.channel_mut(channel) = Some(Vec::new()));
+            for channel in Sample::CHANNELS {
+                *axis.channel_mut(channel) = Some(Vec::new());
+            }
             axis
         };
         Log {

@@ -67,10 +67,9 @@ impl<S: Scalar> Watch<S> {
             return Some(Hazard::EncoderStep);
         }
         // An unstable loop throws the force from limit to limit: a tick in between must not begin the count anew.
-        state.saturated_quarters = match saturated {
-            true => state.saturated_quarters.saturating_add(4),
-            false => state.saturated_quarters.saturating_sub(1),
-        };
+        let quarters = state.saturated_quarters;
+        state.saturated_quarters =
+            if saturated { quarters.saturating_add(4) } else { quarters.saturating_sub(1) };
         (state.saturated_quarters / 4 > self.saturated_ticks).then_some(Hazard::ForceSaturated)
     }
 }

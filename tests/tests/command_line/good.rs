@@ -20,7 +20,7 @@ fn every_command_has_help() {
     let desk = desk();
     assert!(desk.done("--version").starts_with("lost-motion "));
     let overview = desk.done("--help");
-    for command in ["demo", "simulate", "record", "compare", "trace"] {
+    for command in ["demo", "simulate", "record", "compare", "reproduce", "trace"] {
         assert!(overview.contains(command), "{overview}");
         assert!(desk.done(&format!("{command} --help")).contains("Usage: lost-motion"));
     }

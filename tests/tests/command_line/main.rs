@@ -5,3 +5,5 @@ mod compare;
 mod desk;
 mod good;
 mod refused;
+mod reproduce;
+mod stopped;

@@ -1,0 +1,99 @@
+//! Machines and motions that cannot be run to the end: refused, or stopped with the reason and the time, and no log.
+
+use super::desk::{Desk, MACHINE, MOTION, SIMULATE};
+
+/// The machine with other values of some keys, on all axes; with new keys on the first.
+fn machine(changes: &[(&str, &str)]) -> String {
+    let mut text: Vec<String> = MACHINE.lines().map(str::to_owned).collect();
+    for (key, value) in changes {
+        let is_key = |line: &String| line.split('=').next().is_some_and(|name| name.trim() == *key);
+        let changed = format!("{key} = {value}");
+        if text.iter().any(is_key) {
+            text.iter_mut().filter(|line| is_key(line)).for_each(|line| line.clone_from(&changed));
+        } else {
+            let axis = text.iter().position(|line| line.starts_with("[axis.")).unwrap();
+            text.insert(axis + 1, changed);
+        }
+    }
+    text.join("\n")
+}
+
+fn says(machine: &str, motion: &str, code: i32, expected: &[&str]) {
+    for out in ["out.csv", "out.csv.gz"] {
+        let desk = Desk::with(&[("machine.toml", machine), ("motion.toml", motion)]);
+        let before = desk.content();
+        let said = desk.fails(&SIMULATE.replace("out.csv", out), code);
+        for part in expected {
+            assert!(said.contains(part), "{part} in {said}");
+        }
+        assert!(desk.content() == before, "{said}");
+    }
+}
+
+/// A minute of circles, which a loop that cannot hold does not outlive.
+fn long() -> String {
+    MOTION.replace("turns = 0.25", "turns = 50.0")
+}
+
+#[test]
+fn unstable_gains_are_stopped_with_the_time() {
+    // A velocity loop at its rate has the motor's mass alone above the screw's resonance: beyond Kv·Δt/m = 2 a
+    // difference of positions turns over and grows. 1e6 · 0.25 ms / 90 kg is 2.8.
+    let stands = [
+        "axis.x: the force stands at its limit of 20000 N, for 1 s in all: stopped after ",
+        " s: is the loop unstable",
+    ];
+    says(&machine(&[("velocity_gain_n_s_per_m", "1e6")]), &long(), 1, &stands);
+    // With patience for its force it still may not leave its path.
+    let strong = [
+        ("velocity_gain_n_s_per_m", "1e6"),
+        ("saturation_time_s", "1e4"),
+        ("following_error_limit_mm", "0.5"),
+    ];
+    let leaves = ["following error beyond its limit of 0.5 mm: stopped after ", " s: is the loop unstable"];
+    says(&machine(&strong), &long(), 1, &leaves);
+}
+
+#[test]
+fn what_no_step_can_follow_is_refused_by_its_key() {
+    let stiff =
+        ["machine.toml: axis.x.presliding_stiffness_n_per_um: expected an axis that steps of a millionth"];
+    says(&machine(&[("presliding_stiffness_n_per_um", "1e12")]), MOTION, 2, &stiff);
+    let light = ["machine.toml: axis.x.motor_coulomb_n: expected an axis that steps of a millionth"];
+    says(&machine(&[("motor_mass_kg", "1e-9")]), MOTION, 2, &light);
+    for key in ["motor_mass_kg", "table_mass_kg"] {
+        let none = ["machine.toml: line ", key, "expected a mass above 0"];
+        says(&machine(&[(key, "0.0")]), MOTION, 2, &none);
+        let negative = ["machine.toml: line ", key];
+        says(&machine(&[(key, "-1.0")]), MOTION, 2, &negative);
+        says(&machine(&[(key, "nan")]), MOTION, 2, &negative);
+        says(&machine(&[(key, "inf")]), MOTION, 2, &negative);
+    }
+}
+
+#[test]
+fn motions_outside_the_stroke_are_stopped_or_refused() {
+    // The motion goes out to x = 20 mm.
+    let leaves = ["axis.x: the command leaves the travel from -5 to 15 mm: stopped after "];
+    says(&machine(&[("travel_mm", "[-5.0, 15.0]")]), MOTION, 1, &leaves);
+    let beyond = ["motion.toml: ", "block[0]"];
+    says(MACHINE, &MOTION.replace("x = 20.0", "x = 200e3"), 2, &beyond);
+}
+
+#[test]
+fn bodies_that_cannot_stand_are_refused() {
+    let bodies = include_str!("../../../host-sim/machines/bodies.toml");
+    let with = |old: &str, new: &str| {
+        assert!(bodies.contains(old), "{old}");
+        bodies.replacen(old, new, 1)
+    };
+    for (text, expected) in [
+        (with("mass_kg = 5000.0", "mass_kg = 0.0"), "body.bed.mass_kg"),
+        (with("kind = \"foot\"", "kind = \"balloon\""), "balloon"),
+        (with("[structure.axis.z]", "[structure.axis.w]"), "the axes of the machine: x, y, z"),
+        (with("to = \"table\"\ndirection", "to = \"desk\"\ndirection"), "desk"),
+        (with("stiffness_n_per_um = [100.0, 300.0, 100.0]", "stiffness_n_per_um = [0.0, 0.0, 0.0]"), "loose"),
+    ] {
+        says(&text, MOTION, 2, &["machine.toml: ", expected]);
+    }
+}
