@@ -47,12 +47,11 @@ pub fn set_up(
     start_m: &[f64],
 ) -> Result<(Vec<shared::config::AxisSettings>, Vec<Position>), SimulationError> {
     let mut settings = Vec::new();
-    for (name, axis) in &machine.axis {
+    for ((name, axis), parameters) in machine.axis.iter().zip(AxisParameters::of_all(machine)) {
         let lacks = |key| SimulationError::Lacks { axis: name.clone(), key };
-        if !axis.has_mass() {
+        if parameters.motor_mass_kg + parameters.table_mass_kg <= 0.0 {
             return Err(lacks("table_mass_kg"));
         }
-        let parameters = AxisParameters::of(axis);
         let (key, step_s) = parameters.fastest();
         if step_s * machine.velocity_rate_hz() * MOST_SUBSTEPS < 1.0 {
             return Err(SimulationError::TooFast { axis: name.clone(), key, step_s });

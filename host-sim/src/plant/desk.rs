@@ -112,7 +112,7 @@ impl Desk {
     #[must_use]
     pub fn new(machine: &Machine, instruments: Instruments, start_m: &[f64]) -> Self {
         let tick_s = 1.0 / machine.velocity_rate_hz();
-        let steps_s = machine.axis.values().map(|axis| AxisParameters::of(axis).step_s());
+        let steps_s = AxisParameters::of_all(machine).into_iter().map(|axis| axis.step_s());
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
@@ -128,7 +128,10 @@ impl Desk {
         let substeps = steps.max(1);
         let tick_s = 1.0 / machine.velocity_rate_hz();
         let step_s = tick_s / f64::from(substeps);
-        let parameters = machine.axis.values().map(AxisParameters::of);
+        let parameters = AxisParameters::of_all(machine);
+        let lag_s = instruments.drive_time_constant_s;
+        let bodies = machine.structure.as_ref();
+        let together = bodies.and_then(|s| Together::new(s, &parameters, start_m, lag_s, step_s).ok());
         let stand = |(parameters, &start): (AxisParameters, &f64)| DeskAxis {
             stepper: Stepper::new(&parameters, instruments.drive_time_constant_s, step_s),
             motion: AxisMotion::at_rest(&parameters, start),
@@ -137,9 +140,7 @@ impl Desk {
             commanded_n: 0.0,
             parameters,
         };
-        let axes = parameters.zip(start_m).map(stand).collect();
-        let lag_s = instruments.drive_time_constant_s;
-        let together = machine.structure.as_ref().and_then(|s| Together::new(s, start_m, lag_s, step_s));
+        let axes = parameters.into_iter().zip(start_m).map(stand).collect();
         Self {
             names: machine.axis.keys().cloned().collect(),
             axes,
@@ -207,7 +208,9 @@ impl Desk {
                     (0..self.substeps).for_each(|_| axis.step(self.step_s));
                 }
             }
-            Some(together) => (0..self.substeps).for_each(|_| step_together(together, &mut self.axes)),
+            Some(together) => {
+                (0..self.substeps).for_each(|_| step_together(together, &mut self.axes, self.step_s));
+            }
         }
     }
 }
@@ -217,13 +220,15 @@ fn ago_m(time_s: f64, velocity: f64, acceleration: f64) -> f64 {
     time_s * (velocity - 0.5 * time_s * acceleration)
 }
 
-fn step_together(together: &mut Together, axes: &mut [DeskAxis]) {
+fn step_together(together: &mut Together, axes: &mut [DeskAxis], step_s: f64) {
     for (i, axis) in axes.iter_mut().enumerate() {
         together.drive(i, &axis.parameters, &mut axis.motion, axis.commanded_n);
     }
     together.step();
     for (i, axis) in axes.iter_mut().enumerate() {
         axis.leaning_m = together.show(i, &mut axis.motion);
+        let change = axis.motion.table_change;
+        axis.swing_on(change, step_s);
     }
 }
 
@@ -231,9 +236,13 @@ impl DeskAxis {
     fn step(&mut self, step_s: f64) {
         let before = self.motion.table_m_per_s;
         self.stepper.step(&self.parameters, &mut self.motion, self.commanded_n);
+        self.swing_on(self.motion.table_m_per_s - before, step_s);
+    }
+
+    /// The tool's own swing, after the table's velocity has changed in a step.
+    fn swing_on(&mut self, change: f64, step_s: f64) {
         if let Some(resonance) = &self.parameters.tool.resonance {
-            let after = self.motion.table_m_per_s;
-            self.swing.step(resonance, (after - before) / step_s, after, step_s);
+            self.swing.step(resonance, change / step_s, self.motion.table_m_per_s, step_s);
         }
     }
 

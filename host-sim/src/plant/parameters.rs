@@ -4,8 +4,9 @@ use crate::effects::{
     ConstantLoad, Crosstalk, Effect, Intalk, Latency, ResolverDividing, Resonance, ServoMismatch, Squareness,
     Straightness, ThermalDrift, TorqueRipple, VelocityLag,
 };
-use crate::machine::Axis;
+use crate::machine::{Axis, Machine};
 
+use super::bodies;
 use super::friction::Friction;
 use super::screw::{Screw, Spring};
 
@@ -68,6 +69,26 @@ pub struct ServoParameters {
 }
 
 impl AxisParameters {
+    /// All axes of a machine file as a simulation moves them: motors and screws are those of the bodies, where it has
+    /// bodies.
+    #[must_use]
+    pub fn of_all(machine: &Machine) -> Vec<Self> {
+        let Some(structure) = &machine.structure else {
+            return machine.axis.values().map(Self::of).collect();
+        };
+        let driven = |(axis, driven): (&Axis, &bodies::Axis)| {
+            let moved = [&driven.to, &driven.from].into_iter().find_map(|name| structure.body.get(name));
+            Self::of(&Axis {
+                motor_mass_kg: Some(driven.motor_mass_kg),
+                table_mass_kg: moved.map(|body| body.mass_kg),
+                stiffness_n_per_um: Some(driven.stiffness_n_per_um),
+                damping_n_s_per_m: Some(1e3 * driven.damping_n_s_per_mm),
+                ..axis.clone()
+            })
+        };
+        machine.axis.values().zip(structure.axis.values()).map(driven).collect()
+    }
+
     /// The axis of a machine file. Masses that it lacks are zero.
     #[must_use]
     pub fn of(axis: &Axis) -> Self {

@@ -1,50 +1,78 @@
 //! The axes of a machine whose structure is given as rigid bodies: they move together.
 //!
-//! Between motor and tool everything is the structure's ([`super::bodies`]); what an axis adds to it are the forces
-//! that no linear structure has: friction of motor and guideway, load and ripple, all of which are put on the motor.
+//! Masses and springs between motor and tool are the structure's ([`super::bodies`]); an axis adds to it what is not
+//! linear: friction of motor and guide, load and ripple, errors and gap of the screw.
 
 use nalgebra::Vector3;
 
-use super::bodies::motion::Moving;
-use super::bodies::{Assembly, Structure};
+use super::bodies::motion::{Moving, Push};
+use super::bodies::{Assembly, Structure, StructureError};
 use super::mechanics::AxisMotion;
 use super::parameters::AxisParameters;
+use super::screw::Spring;
 
 /// A structure in motion, with its axes.
 pub struct Together {
     moving: Moving,
-    start_m: Vec<f64>,
-    /// Where the axes take the tool against the workpiece, of length one.
-    ways: Vec<Vector3<f64>>,
-    forces_n: Vec<f64>,
+    axes: Vec<Carried>,
+    pushes: Vec<Push>,
     step_s: f64,
     /// Share of the drives' lag that a step leaves.
     lag_left: f64,
 }
 
+/// What stays the same of an axis.
+struct Carried {
+    motor_start_m: f64,
+    table_start_m: f64,
+    spring: Spring,
+    /// Where the axis takes the tool against the workpiece, of length one.
+    way: Vector3<f64>,
+    /// What a newton on the guide changes its velocity by in a step, m/s.
+    mobility: f64,
+}
+
 impl Together {
-    /// At rest with its axes at `start_m`; `None` where the structure cannot be built.
-    #[must_use]
+    /// At rest with the motors at `start_m`; axes as [`AxisParameters::of_all`] has them.
+    ///
+    /// # Errors
+    /// Where the structure cannot be built.
     pub fn new(
         structure: &Structure,
+        parameters: &[AxisParameters],
         start_m: &[f64],
         drive_time_constant_s: f64,
         step_s: f64,
-    ) -> Option<Self> {
-        let assembly = Assembly::of(structure).ok()?;
-        let ways = assembly.ways().ok()?;
-        let moving = Moving::new(&assembly, step_s).ok()?;
-        Some(Self {
+    ) -> Result<Self, StructureError> {
+        let mut structure = structure.clone();
+        for (axis, parameters) in structure.axis.values_mut().zip(parameters) {
+            if let Some(spring) = &parameters.spring {
+                axis.stiffness_n_per_um = 1e-6 * spring.stiffness_n_per_m;
+            }
+        }
+        let assembly = Assembly::of(&structure)?;
+        let (ways, moving) = (assembly.ways()?, Moving::new(&assembly, step_s)?);
+        let carried =
+            |(number, (axis, parameters)): (usize, (&super::bodies::Axis, &AxisParameters))| Carried {
+                motor_start_m: start_m[number],
+                table_start_m: parameters.screw.nominal_m(start_m[number]),
+                spring: Spring {
+                    stiffness_n_per_m: 1e6 * axis.stiffness_n_per_um,
+                    damping_n_s_per_m: 1e3 * axis.damping_n_s_per_mm,
+                },
+                way: ways.column(number).normalize(),
+                mobility: moving.mobility()[number],
+            };
+        Ok(Self {
+            axes: structure.axis.values().zip(parameters).enumerate().map(carried).collect(),
             moving,
-            start_m: start_m.to_vec(),
-            ways: ways.column_iter().map(|way| way.normalize()).collect(),
-            forces_n: vec![0.0; start_m.len()],
+            pushes: vec![Push::default(); start_m.len()],
             step_s,
             lag_left: if drive_time_constant_s > 0.0 { (-step_s / drive_time_constant_s).exp() } else { 0.0 },
         })
     }
 
-    /// The force of an axis for the next step, from what its drive is commanded, N.
+    /// The forces of an axis for the next step, from what its drive is commanded, N.
     pub fn drive(
         &mut self,
         axis: usize,
@@ -54,37 +82,65 @@ impl Together {
     ) {
         // The mean over the step of what a lag of first order still lacks.
         motion.drive_n = commanded_n + self.lag_left * (motion.drive_n - commanded_n);
-        let guide_n = parameters.friction.step(&mut motion.bristle_m, motion.table_m_per_s, self.step_s);
         let motor_n = parameters.motor_friction_n(motion.motor_m_per_s) - parameters.ripple_n(motion.motor_m);
-        if let Some(place) = self.forces_n.get_mut(axis) {
-            *place = motion.drive_n - guide_n - motor_n - parameters.load.force_n;
-        }
+        let carried = &self.axes[axis];
+        let guide_n = carried.friction_n(parameters, motion, self.step_s) + parameters.load.force_n;
+        let screw_n = carried.screw_n(parameters, motion, self.moving.stretches_m()[axis]);
+        self.pushes[axis] = Push { motor_n: motion.drive_n - motor_n, screw_n, guide_n: -guide_n };
     }
 
     /// One step of the whole under the forces of its axes.
     pub fn step(&mut self) {
-        self.moving.step(&self.forces_n);
+        self.moving.step(&self.pushes);
     }
 
     /// Where the step has brought an axis; gives tool beyond table, m.
     pub fn show(&self, axis: usize, motion: &mut AxisMotion) -> f64 {
-        let start_m = self.start_m[axis];
-        let (motor_m, table_m) =
-            (start_m + self.moving.motors_m()[axis], start_m + self.moving.scales_m()[axis]);
+        let carried = &self.axes[axis];
+        let moved_m = self.moving.scales_m()[axis];
+        let motor_m = carried.motor_start_m + self.moving.motors_m()[axis];
+        let table_m = carried.table_start_m + moved_m;
         let (motor_before, table_before) = (motion.motor_m_per_s, motion.table_m_per_s);
         motion.motor_m_per_s = (motor_m - motion.motor_m) / self.step_s;
         motion.table_m_per_s = (table_m - motion.table_m) / self.step_s;
         motion.motor_change = motion.motor_m_per_s - motor_before;
         motion.table_change = motion.table_m_per_s - table_before;
         (motion.motor_m, motion.table_m) = (motor_m, table_m);
-        let along_m: f64 = self.ways[axis].iter().zip(self.moving.tool_m().iter()).map(|(a, b)| a * b).sum();
-        start_m + along_m - table_m
+        let along_m: f64 = carried.way.iter().zip(self.moving.tool_m().iter()).map(|(a, b)| a * b).sum();
+        along_m - moved_m
     }
 
     /// Acceleration of the table over the last step, m/s².
     #[must_use]
     pub fn table_m_per_s2(&self, motion: &AxisMotion) -> f64 {
         motion.table_change / self.step_s
+    }
+}
+
+impl Carried {
+    /// Friction of the guide against its motion, N.
+    fn friction_n(&self, parameters: &AxisParameters, motion: &mut AxisMotion, step_s: f64) -> f64 {
+        let (friction, velocity) = (&parameters.friction, motion.table_m_per_s);
+        if friction.has_bristles() || friction.through_zero_n(velocity).is_some() {
+            return friction.step(&mut motion.bristle_m, velocity, step_s);
+        }
+        // It can stop the table and hold it, but not push it: half of what would stop it within the step is added to
+        // what it was, so that it finds the force that holds.
+        let level_n = friction.level_n(velocity);
+        motion.friction_n = (motion.friction_n + 0.5 * velocity / self.mobility).clamp(-level_n, level_n);
+        motion.friction_n + friction.viscous_n(velocity)
+    }
+
+    /// What the screw's errors and its gap add to its spring and damper, N on the nut.
+    fn screw_n(&self, parameters: &AxisParameters, motion: &AxisMotion, stretch_m: f64) -> f64 {
+        let screw = &parameters.screw;
+        // Both are counted from the start, where the screw holds the table without force.
+        let error_m = screw.error_m(motion.motor_m) - screw.error_m(self.motor_start_m);
+        let swallowed_m = screw.backlash.swallowed_m(error_m - stretch_m);
+        let apart = screw.backlash.half_m() > 0.0 && swallowed_m.abs() < screw.backlash.half_m();
+        let ahead_m_per_s = motion.table_m_per_s - motion.motor_m_per_s;
+        let damper_n = if apart { self.spring.damping_n_s_per_m * ahead_m_per_s } else { 0.0 };
+        self.spring.stiffness_n_per_m * (error_m - swallowed_m) + damper_n
     }
 }
 
@@ -102,15 +158,84 @@ mod tests {
     /// Twice round a circle of 40 mm radius in x and z at 0.2 m/s: 1 m/s² at 0.8 Hz, far below every mode. Then as often
     /// the other way: the drag of one axis leans the tool in phase with the acceleration of the other, and turns with it.
     fn circle() -> (Machine, Log) {
-        let machine = Machine::parse(MACHINE, "bodies.toml").unwrap();
+        run(MACHINE, 0.2, 2.0)
+    }
+
+    fn run(machine: &str, feed_m_per_s: f64, turns: f64) -> (Machine, Log) {
+        let machine = Machine::parse(machine, "bodies.toml").unwrap();
         let start_m = [0.04, 0.0, 0.0];
         let round = |turns| PathShape::Arc { plane: [0, 2], centre_m: [0.0, 0.0], turns };
-        let blocks = [2.0, -2.0].map(|turns| PathBlock::new(round(turns), 0.2, 2.0));
+        let blocks = [turns, -turns].map(|turns| PathBlock::new(round(turns), feed_m_per_s, 2.0));
         let mut controller = simulate::controller(&machine, Format::F64, &start_m).unwrap();
         let instruments = Instruments { drive_time_constant_s: 1e-4, ..Instruments::default() };
         let run = Run { machine: &machine, instruments, start_m: &start_m, blocks: &blocks, start_s: 0.0 };
         let log = run.log(controller.as_mut(), |_, _, _| ()).unwrap();
         (machine, log)
+    }
+
+    /// A slow half circle, there and back, with keys and effects on x, beside the same without: what each adds to table − motor (µm) and to
+    /// the force (N) while x goes ahead, and while it goes back; and the motor's places (mm) then.
+    fn added(keys: &str, effect: &str) -> [[Vec<[f64; 3]>; 2]; 2] {
+        let with = MACHINE.replacen("[axis.x]", &format!("[axis.x]\n{keys}"), 1) + effect;
+        [MACHINE, &with].map(|machine| {
+            let (_, log) = run(machine, 0.02, 0.5);
+            let x = &log.axes[0];
+            let [motor, table, force] =
+                [&x.motor, &x.table, &x.force].map(|channel| channel.as_ref().unwrap());
+            [1.0, -1.0].map(|sign| {
+                // Well on its way: beyond 10 of 20 mm/s.
+                let goes = |i: &usize| sign * (motor[i + 1] - motor[i - 1]) / 2e-3 > 10.0;
+                let row = |i: usize| [1e3 * (table[i] - motor[i]), force[i], motor[i]];
+                (1..motor.len() - 1).filter(goes).map(row).collect()
+            })
+        })
+    }
+
+    fn mean(rows: &[[f64; 3]], column: usize) -> f64 {
+        rows.iter().map(|row| row[column]).sum::<f64>() / rows.len() as f64
+    }
+
+    fn off(seen: f64, expected: f64, part: f64) -> bool {
+        (seen - expected).abs() > part * expected.abs()
+    }
+
+    /// Sliding friction F turns the force over by 2F, and bends the screw by 2F/k, through which it goes. Where there is
+    /// a gap the nut is half of it behind on each way.
+    #[test]
+    fn friction_and_gap_turn_over_with_the_way() {
+        let over = |rows: &[Vec<[f64; 3]>; 2], column| mean(&rows[0], column) - mean(&rows[1], column);
+        // As steady as the loop goes, which is to some per mille of it.
+        let [without, with] = added("coulomb_n = 300.0", "");
+        let (bend_um, force_n) = (over(&with, 0) - over(&without, 0), over(&with, 1) - over(&without, 1));
+        assert!(!off(force_n, 600.0, 0.01), "{force_n} N");
+        assert!(!off(bend_um, -600.0 / 150.0, 0.01), "{bend_um} µm");
+        let soft = "[[axis.x.effect]]\nname = \"windup\"\nstiffness_n_per_um = 75.0\n";
+        let [_, soft] = added("coulomb_n = 300.0", soft);
+        let bend_um = over(&soft, 0) - over(&with, 0);
+        // The drag that is there without friction bends the softer screw more, too.
+        let drag_n = over(&without, 0) * -150.0;
+        assert!(!off(bend_um, -(600.0 + drag_n) * (1.0 / 75.0 - 1.0 / 150.0), 0.01), "{bend_um} µm");
+        let gap = "[[axis.x.effect]]\nname = \"backlash\"\nwidth_um = 12.0\n";
+        let [without, with] = added("", gap);
+        let swallowed_um = over(&with, 0) - over(&without, 0);
+        assert!(!off(swallowed_um, -12.0, 0.01), "{swallowed_um} µm");
+        let force_n = over(&with, 1) - over(&without, 1);
+        assert!(force_n.abs() < 5.0, "{force_n} N");
+    }
+
+    #[test]
+    fn a_screw_of_another_lead_takes_the_table_farther() {
+        let lead = "[[axis.x.effect]]\nname = \"pitch_progressive\"\nslope_um_per_m = 200.0\n";
+        let [without, with] = added("", lead);
+        for (without, with) in without.iter().zip(&with) {
+            let slope = |rows: &[[f64; 3]]| {
+                let (mean_um, mean_mm) = (mean(rows, 0), mean(rows, 2));
+                let products = rows.iter().map(|row| (row[0] - mean_um) * (row[2] - mean_mm)).sum::<f64>();
+                1e3 * products / rows.iter().map(|row| (row[2] - mean_mm).powi(2)).sum::<f64>()
+            };
+            let slope = slope(with) - slope(without);
+            assert!(!off(slope, 200.0, 0.01), "{slope} µm/m");
+        }
     }
 
     /// The tool leans by what the statics of the structure give for an acceleration: 0.8 Hz beside the lowest mode of

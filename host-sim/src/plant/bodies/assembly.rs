@@ -23,6 +23,10 @@ pub struct Assembly {
     pub stiffness: DMatrix<f64>,
     /// B: a column an axis, for the force of its motor, N.
     pub drives: DMatrix<f64>,
+    /// A row an axis: how far the nut is ahead of the motor, m.
+    pub stretches: DMatrix<f64>,
+    /// A row an axis: its guided body against what guides it, along the axis at the screw, m.
+    pub guides: DMatrix<f64>,
     /// A row an axis: its motor, m.
     pub motors: DMatrix<f64>,
     /// A row an axis: its scale, m.
@@ -46,6 +50,8 @@ impl Assembly {
             damping: square(),
             stiffness: square(),
             drives: DMatrix::zeros(all, axes),
+            stretches: DMatrix::zeros(axes, all),
+            guides: DMatrix::zeros(axes, all),
             motors: DMatrix::zeros(axes, all),
             scales: DMatrix::zeros(axes, all),
             tool: DMatrix::zeros(3, all),
@@ -85,7 +91,9 @@ impl Assembly {
         let direction = Vector3::from(axis.direction).normalize();
         let along = |at| relative(structure, &axis.from, &axis.to, at).tr_mul(&direction).transpose();
         let mut stretch: RowDVector<f64> = along(axis.at_mm);
+        self.guides.set_row(number, &stretch);
         stretch[motor] = -1.0;
+        self.stretches.set_row(number, &stretch);
         self.stiffness += stretch.transpose() * &stretch * (1e6 * axis.stiffness_n_per_um);
         self.damping += stretch.transpose() * &stretch * (1e3 * axis.damping_n_s_per_mm);
         self.mass[(motor, motor)] = axis.motor_mass_kg;

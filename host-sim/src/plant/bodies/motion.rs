@@ -2,11 +2,23 @@
 //!
 //! With the way of a step, p = h·q′, in the place of the velocity the equation of motion has the rates h·q′ = p and
 //! h·p′ = −h²M⁻¹K·q − hM⁻¹D·p + h²M⁻¹B·f, all in the units of q: a matrix that is not ill scaled, whose exponential is what
-//! a step makes of state and force. There is nothing for a stiff joint to be unstable with.
+//! a step makes of state and force. There is nothing for a stiff joint to be unstable with. The forces f are those of
+//! the motors and what no linear structure has: of each screw on its nut and back, and of each guide on what it guides.
 
 use nalgebra::{DMatrix, DVector};
 
 use super::{Assembly, StructureError};
+
+/// Forces of one axis over a step, N.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Push {
+    /// On the motor.
+    pub motor_n: f64,
+    /// Of the screw, on the nut ahead and back on the motor, beyond its spring and damper.
+    pub screw_n: f64,
+    /// Of what guides the axis, on what it guides, and back.
+    pub guide_n: f64,
+}
 
 /// A structure that moves.
 #[derive(Clone, Debug)]
@@ -17,6 +29,9 @@ pub struct Moving {
     state: DVector<f64>,
     next: DVector<f64>,
     coordinates: usize,
+    /// What a newton on each guide changes its velocity by in a step, m/s.
+    mobility: DVector<f64>,
+    stretches: DMatrix<f64>,
     motors: DMatrix<f64>,
     scales: DMatrix<f64>,
     tool: DMatrix<f64>,
@@ -30,12 +45,20 @@ impl Moving {
     pub fn new(assembly: &Assembly, step_s: f64) -> Result<Self, StructureError> {
         let (n, axes) = (assembly.mass.nrows(), assembly.axes());
         let masses = assembly.mass.clone().cholesky().ok_or(StructureError::Loose)?;
-        let mut rates = DMatrix::zeros(2 * n + axes, 2 * n + axes);
+        let pushes = DMatrix::from_fn(n, 3 * axes, |row, column| match column / axes {
+            0 => assembly.drives[(row, column)],
+            1 => assembly.stretches[(column - axes, row)],
+            _ => assembly.guides[(column - 2 * axes, row)],
+        });
+        let of_guides = masses.solve(&assembly.guides.transpose()) * step_s;
+        let mobility = (&assembly.guides * of_guides).diagonal();
+        let inputs = 3 * axes;
+        let mut rates = DMatrix::zeros(2 * n + inputs, 2 * n + inputs);
         rates.view_mut((0, n), (n, n)).fill_with_identity();
         let per_step = [
             (0, n, masses.solve(&assembly.stiffness) * -step_s.powi(2)),
             (n, n, masses.solve(&assembly.damping) * -step_s),
-            (2 * n, axes, masses.solve(&assembly.drives) * step_s.powi(2)),
+            (2 * n, inputs, masses.solve(&pushes) * step_s.powi(2)),
         ];
         for (column, width, block) in per_step {
             rates.view_mut((n, column), (n, width)).copy_from(&block);
@@ -43,23 +66,39 @@ impl Moving {
         let transition = rates.exp().rows(0, 2 * n).into_owned();
         Ok(Self {
             transition,
-            state: DVector::zeros(2 * n + axes),
+            state: DVector::zeros(2 * n + inputs),
             next: DVector::zeros(2 * n),
             coordinates: n,
+            mobility,
+            stretches: assembly.stretches.clone(),
             motors: assembly.motors.clone(),
             scales: assembly.scales.clone(),
             tool: assembly.tool.clone(),
         })
     }
 
-    /// One step under the motors' forces, N.
-    pub fn step(&mut self, forces_n: &[f64]) {
-        let n = self.coordinates;
-        for (place, force) in self.state.rows_mut(2 * n, forces_n.len()).iter_mut().zip(forces_n) {
-            *place = *force;
+    /// One step under the forces of its axes.
+    pub fn step(&mut self, pushes: &[Push]) {
+        let (n, axes) = (self.coordinates, self.motors.nrows());
+        for (axis, push) in pushes.iter().enumerate().take(axes) {
+            for (kind, force_n) in [push.motor_n, push.screw_n, push.guide_n].into_iter().enumerate() {
+                self.state[2 * n + kind * axes + axis] = force_n;
+            }
         }
         self.next.gemv(1.0, &self.transition, &self.state, 0.0);
         self.state.rows_mut(0, 2 * n).copy_from(&self.next);
+    }
+
+    /// What a newton on each guide changes its velocity by in a step, m/s.
+    #[must_use]
+    pub const fn mobility(&self) -> &DVector<f64> {
+        &self.mobility
+    }
+
+    /// How far each nut is ahead of its motor, m.
+    #[must_use]
+    pub fn stretches_m(&self) -> DVector<f64> {
+        &self.stretches * self.state.rows(0, self.coordinates)
     }
 
     /// What the motors show, m from the middle.

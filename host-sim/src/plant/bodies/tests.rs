@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::motion::Moving;
+use super::motion::{Moving, Push};
 use super::*;
 
 /// Stiff enough to be rigid beside what a test looks at, N/µm or N·m/mrad.
@@ -129,7 +129,7 @@ fn a_step_is_exact_however_long() {
     for step_s in [0.01 * TAU / omega, 0.5 * TAU / omega + 1e-5] {
         let mut moving = Moving::new(&assembly, step_s).unwrap();
         for number in 1..=10 {
-            moving.step(&[force]);
+            moving.step(&[Push { motor_n: force, ..Push::default() }]);
             let time = step_s * f64::from(number);
             let stretch = force * reduced / (50.0 * stiffness) * (1.0 - (omega * time).cos());
             let middle = force * time.powi(2) / (2.0 * 150.0);

@@ -14,7 +14,7 @@ use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
 
 use crate::controller::ControllerError;
-use crate::plant::bodies::motion::Moving;
+use crate::plant::bodies::motion::{Moving, Push};
 use crate::plant::bodies::{Assembly, Structure};
 use crate::plant::sensors::Sensor;
 use crate::reproduce::ReproduceError;
@@ -150,7 +150,7 @@ impl Bench {
             if time_s > LONGEST_S {
                 break;
             }
-            moving.step(&force_n);
+            moving.step(&force_n.map(|motor_n| Push { motor_n, ..Push::default() }));
         }
         Err(SimulationError::Endless.into())
     }
