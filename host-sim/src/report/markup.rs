@@ -85,6 +85,16 @@ pub fn key(class: &str, is_surface: bool, meaning: &str) -> String {
     } else {
         format!("<line class=\"{class}\" x1=\"0\" y1=\"6\" x2=\"32\" y2=\"6\"/>")
     };
+    entry(&sample, meaning)
+}
+
+/// One entry of a legend: a point, and what it stands for.
+#[must_use]
+pub fn mark(class: &str, meaning: &str) -> String {
+    entry(&format!("<circle class=\"{class}\" cx=\"16\" cy=\"6\" r=\"3\"/>"), meaning)
+}
+
+fn entry(sample: &str, meaning: &str) -> String {
     let meaning = text(meaning);
     format!(
         "<span class=\"key\"><svg viewBox=\"0 0 32 12\" aria-hidden=\"true\">{sample}</svg>{meaning}</span>\n"

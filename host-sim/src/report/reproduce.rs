@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use super::markup::{figure, key, list, note, paragraph, section, text};
+use super::markup::{figure, key, list, mark, note, paragraph, section, text};
 use super::number::significant;
 use super::{page, write_page};
 use crate::output::OutputError;
@@ -54,8 +54,16 @@ fn row(outcome: &Outcome) -> String {
     )
 }
 
+/// An entry of a legend: a mark where the class says so, a surface or a line otherwise.
+fn entry(class: &str, meaning: &str) -> String {
+    match class.strip_suffix(" mark") {
+        Some(class) => mark(class, meaning),
+        None => key(class, class == "before-range", meaning),
+    }
+}
+
 fn picture(picture: &Picture) -> String {
-    let keys: String = picture.keys.iter().map(|(class, meaning)| key(class, false, meaning)).collect();
+    let keys: String = picture.keys.iter().map(|(class, meaning)| entry(class, meaning)).collect();
     let legend = if keys.is_empty() { String::new() } else { format!("<p class=\"legend\">{keys}</p>\n") };
     format!("<h3>{}</h3>\n{legend}{}", text(&picture.title), figure("", &picture.svg, &picture.caption))
 }

@@ -1,7 +1,8 @@
 //! The published experiments that the project started from, run again: the paper's figure beside ours.
 //!
 //! One file a paper. Each gives [`Study`]: what came out in sentences, every figure with its verdict, and pictures.
-//! What the papers print illegibly or wrongly stands in the study's notes, with what was read instead and why.
+//! What the papers print illegibly or wrongly stands in the study's notes, with what was read instead and why;
+//! `docs/reproduce.md` has all of it on one page.
 
 pub mod acceleration;
 pub mod ballbar;
@@ -49,7 +50,7 @@ impl Printed {
     #[must_use]
     pub fn words(&self) -> String {
         match self {
-            Self::Figure { value, .. } => value.to_string(),
+            Self::Figure { value, .. } => value.to_string().replace('-', "−"),
             Self::Between(least, most) => format!("{least} to {most}"),
             Self::Below(most) => format!("< {most}"),
             Self::Above(least) => format!("> {least}"),
@@ -103,7 +104,7 @@ pub struct Picture {
     pub svg: String,
     /// What it shows.
     pub caption: String,
-    /// What the line styles stand for: class of the stylesheet and meaning.
+    /// What the line styles stand for: class of the stylesheet, with ` mark` behind it for points, and meaning.
     pub keys: Vec<(&'static str, String)>,
 }
 

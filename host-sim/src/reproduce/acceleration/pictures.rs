@@ -70,7 +70,7 @@ fn plane(experiment: &Experiment) -> Picture {
         Layer { ink: Ink::Third, points: measured, is_marked: true },
     ];
     let chart = Chart {
-        size: (720, 260),
+        size: (960, 260),
         title: "Deviation in x over the acceleration of z",
         description: "Circles in yz, both ways; the slope is the cross-talk.",
         x: "acceleration of z, m/s²",
@@ -84,7 +84,7 @@ fn plane(experiment: &Experiment) -> Picture {
         caption: "Circles of 2 mm in yz, both ways: external less internal reading in x over the acceleration of z, means \
                   of the measured points in a band of one standard deviation of their scatter, and what the two models say."
             .to_owned(),
-        keys: keys(),
+        keys: [keys(), vec![("before-range", "scatter of the measured".to_owned())]].concat(),
     }
 }
 
@@ -198,6 +198,6 @@ fn over_the_move(
     layers: Vec<Layer>,
     keys: Vec<(&'static str, String)>,
 ) -> Picture {
-    let chart = Chart { size: (720, 220), title, description: caption, x: "time, s", y, noise: 0.0, layers };
+    let chart = Chart { size: (960, 220), title, description: caption, x: "time, s", y, noise: 0.0, layers };
     Picture { title: title.to_owned(), svg: chart.svg(), caption: caption.to_owned(), keys }
 }

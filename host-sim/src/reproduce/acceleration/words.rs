@@ -50,12 +50,13 @@ impl Experiment {
             format!(
                 "The same coefficients on the 20 mm move of the true machine: {} µm in x, of which the catalogue leaves \
                  {} and the identified machine {}. By least squares over the whole move the cross-talk is {} µm·s²/m, on \
-                 the circles {}.",
+                 the circles {} with a standard error of {}.",
                 three(move_raw),
                 three(move_before),
                 three(move_after),
                 three(self.travelled.coefficient(X)),
                 three(self.measured.talk_um_s2_per_m[(X, Z)]),
+                significant(self.measured.deviation_um_s2_per_m[(X, Z)], 2),
             ),
             format!(
                 "What keeps the 20 mm move below 10 m/s² is the jerk, not the speed: with the jerk alone the \

@@ -102,7 +102,7 @@ fn over_gain(experiment: &Experiment) -> Result<Picture, ReproduceError> {
         }
     }
     let chart = Chart {
-        size: (620, 300),
+        size: (960, 260),
         title: "Overshoot over the position gain",
         description: "Lines: predicted from the command; circles: the plant.",
         x: "Kp, 1/s",

@@ -102,7 +102,7 @@ fn picture(systems: [Times; 3], responses: &[Vec<Response>; 3]) -> Picture {
                    T')/(TT') the loop does not answer any more, as in a semi-closed one."
         .to_owned();
     let chart = Chart {
-        size: (820, 260),
+        size: (960, 260),
         title: &title,
         description: &caption,
         x: "log10 of ωT",

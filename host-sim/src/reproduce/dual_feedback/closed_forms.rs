@@ -197,7 +197,7 @@ pub const INKS: [Ink; 3] = [Ink::Before, Ink::Third, Ink::Fourth];
 pub fn keys(systems: [Times; 3], marks: &str) -> Vec<(&'static str, String)> {
     let name = |times: Times| format!("T' = {} s", fixed(times.shift_s, 2));
     let [a, b, c] = systems.map(name);
-    vec![("before", a), ("cw", b), ("ccw", c), ("after", marks.to_owned())]
+    vec![("before", a), ("cw", b), ("ccw", c), ("after mark", marks.to_owned())]
 }
 
 fn picture_of_steps(systems: [Times; 3]) -> Picture {
@@ -217,7 +217,7 @@ fn picture_of_steps(systems: [Times; 3]) -> Picture {
                    (12), and the controller's dual feedback in fixed point behind an ideal motor."
             .to_owned();
     let chart = Chart {
-        size: (820, 260),
+        size: (960, 260),
         title: &title,
         description: &caption,
         x: "time, s",

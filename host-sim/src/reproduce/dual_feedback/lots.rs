@@ -169,7 +169,7 @@ impl Lot {
             self.class_um
         );
         let chart = Chart {
-            size: (820, 260),
+            size: (960, 260),
             title: &title,
             description: &caption,
             x: "size, mm",
@@ -180,7 +180,7 @@ impl Lot {
         let svg = chart.svg();
         let keys = vec![
             ("before-range", "counted".to_owned()),
-            ("after", "printed, where it can be read".to_owned()),
+            ("after mark", "printed, where it can be read".to_owned()),
             ("cw", "normal distribution of the same mean and σ".to_owned()),
         ];
         Picture { title, svg, caption, keys }

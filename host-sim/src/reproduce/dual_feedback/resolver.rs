@@ -115,7 +115,7 @@ fn picture(read: &[f64]) -> Picture {
         counts[0], counts[1], counts[2]
     );
     let chart = Chart {
-        size: (820, 260),
+        size: (960, 260),
         title: &title,
         description: &caption,
         x: "pulses of 0.9°",

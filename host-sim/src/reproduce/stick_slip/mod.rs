@@ -153,7 +153,7 @@ fn friction_picture() -> Picture {
     };
     let caption = "The coefficient of friction as it is printed, over the speeds of the circle at 1.5 rad/s.";
     let chart = Chart {
-        size: (590, 190),
+        size: (960, 220),
         title: "Coefficient of friction over velocity",
         description: caption,
         x: "velocity, mm/s",
