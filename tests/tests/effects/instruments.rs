@@ -111,6 +111,9 @@ fn resolution() {
 
 /// At a steady speed an old motor reading is v·τ behind. It is what is fed back: the reading keeps its place, and the
 /// table goes ahead.
+///
+/// 0.4 ms: the velocity loop's force enters what the reading is set back by, a·τ²/2, and from about τ² = m·T/Kv on, with the
+/// tick T, the loop swings from tick to tick, where a reading that is late would not let it.
 #[test]
 fn motor_latency() {
     let (late_ms, mm_s) = (0.4, 100.0);
@@ -159,8 +162,8 @@ fn drive_time_constant() {
     let (lag_ms, m_per_s2, mm_s, viscous) = (1.0, 0.5, 300.0, 20_000.0);
     let declared = format!("viscous_n_s_per_m = {:?} ", declared().viscous_n_s_per_m.unwrap());
     let machine = changed(&rigid(), &declared, &format!("viscous_n_s_per_m = {viscous:?} "));
-    // Both loops at one rate: a log at every fourth tick shows one of the four forces that answer a step of the position
-    // loop, not their mean.
+    // Both loops at one rate: a log at every fourth tick shows one of the four forces that answer a step of the
+    // position loop, not their mean.
     let machine = changed(&machine, "sample_rate_hz = 1000.0 ", "sample_rate_hz = 4000.0 ");
     let motion = lines(&[(400.0, mm_s)]);
     let perfect = run_perfect(&machine, &motion);
