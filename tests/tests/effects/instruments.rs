@@ -99,8 +99,8 @@ fn resolution() {
         let most = error.iter().fold(0.0, |most: f64, error| most.max(error.abs()));
         assert!(most > 0.45 * step && most < 0.5001 * step, "{key}: {most}");
         // Where the truth moves through the steps; of n samples the estimate has 0.45/√n, 1 %.
-        let truth: Vec<f64> =
-            seen.channel("x", channel).iter().zip(&error).map(|(s, e)| unit * s - e).collect();
+        let shown = seen.channel("x", channel);
+        let truth: Vec<f64> = shown.iter().zip(&error).map(|(s, e)| unit * s - e).collect();
         let moves = |i: &usize| (truth[*i] - truth[i - 1]).abs() > 0.1 * step;
         let moving = of(&error, &(1..error.len()).filter(moves).collect::<Vec<_>>());
         assert!(moving.len() > 1000, "{key}: {}", moving.len());
@@ -112,8 +112,8 @@ fn resolution() {
 /// At a steady speed an old motor reading is v·τ behind. It is what is fed back: the reading keeps its place, and the
 /// table goes ahead.
 ///
-/// 0.4 ms: the velocity loop's force enters what the reading is set back by, a·τ²/2, and from about τ² = m·T/Kv on, with the
-/// tick T, the loop swings from tick to tick, where a reading that is late would not let it.
+/// 0.4 ms, as the velocity loop's force enters what the reading is set back by, a·τ²/2: from about τ² = m·T/Kv on, with
+/// the tick T, the loop swings from tick to tick, where a reading that is late would not let it.
 #[test]
 fn motor_latency() {
     let (late_ms, mm_s) = (0.4, 100.0);
