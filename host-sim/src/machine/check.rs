@@ -12,6 +12,9 @@ use crate::error::InputError;
 use crate::plant::bodies::Assembly;
 use crate::plant::curve::Curve;
 
+/// No sensor is later than this.
+const LONGEST_LATENCY_MS: f64 = 1000.0;
+
 /// Faster loops than this are a slip of the unit.
 const HIGHEST_RATE_HZ: f64 = 1e6;
 /// Velocity steps within one position step; more is a slip, and would take for ever to simulate.
@@ -78,7 +81,12 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
 fn instruments(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
     for (name, value) in machine.instruments.iter().flat_map(InstrumentKeys::all) {
         if let Some(value) = value {
-            Range::NotNegative.check(&format!("instruments.{name}"), value, document)?;
+            let range = if name.ends_with("latency_ms") {
+                Range::UpTo(LONGEST_LATENCY_MS)
+            } else {
+                Range::NotNegative
+            };
+            range.check(&format!("instruments.{name}"), value, document)?;
         }
     }
     Ok(())

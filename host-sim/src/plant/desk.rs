@@ -5,6 +5,7 @@ use rand_chacha::ChaCha8Rng;
 use shared::axis::Reading;
 use shared::units::Position;
 
+use super::delay::Delay;
 use super::mechanics::{AxisMotion, Stepper};
 use super::parameters::AxisParameters;
 use super::sensors::Sensor;
@@ -89,6 +90,8 @@ struct DeskAxis {
     stepper: Stepper,
     motion: AxisMotion,
     swing: Swing,
+    motor_delay: Option<Delay>,
+    table_delay: Option<Delay>,
     /// Where the bodies of a structure have the tool, beyond the table, m.
     leaning_m: f64,
     commanded_n: f64,
@@ -136,6 +139,8 @@ impl Desk {
             stepper: Stepper::new(&parameters, instruments.drive_time_constant_s, step_s),
             motion: AxisMotion::at_rest(&parameters, start),
             swing: Swing::default(),
+            motor_delay: Delay::new(instruments.motor_latency_s, tick_s, start),
+            table_delay: Delay::new(instruments.table_latency_s, tick_s, parameters.screw.nominal_m(start)),
             leaning_m: 0.0,
             commanded_n: 0.0,
             parameters,
@@ -156,13 +161,14 @@ impl Desk {
     pub fn read(&mut self, readings: &mut [Reading]) {
         // A place beyond the format is a machine that ran away: the following error ends the run.
         let position = |m: f64| Position::from_m(m).unwrap_or(Position(i64::MAX / 4));
-        for (axis, reading) in self.axes.iter().zip(readings) {
-            let Instruments { motor_latency_s, table_latency_s, .. } = self.instruments;
+        for (axis, reading) in self.axes.iter_mut().zip(readings) {
             let AxisMotion { motor_m, motor_m_per_s, table_m, table_m_per_s, .. } = axis.motion;
-            let motor_m =
-                motor_m - ago_m(motor_latency_s, motor_m_per_s, axis.motion.motor_change / self.step_s);
-            let table_m =
-                table_m - ago_m(table_latency_s, table_m_per_s, axis.motion.table_change / self.step_s);
+            let late = |delay: &mut Option<Delay>, place_m, velocity| match delay {
+                Some(delay) => delay.read(place_m, velocity),
+                None => place_m,
+            };
+            let motor_m = late(&mut axis.motor_delay, motor_m, motor_m_per_s);
+            let table_m = late(&mut axis.table_delay, table_m, table_m_per_s);
             let motor_m = motor_m + axis.parameters.dividing_m(motor_m);
             reading.motor = position(self.instruments.motor.read(motor_m, &mut self.random));
             reading.table = Some(position(self.instruments.table.read(table_m, &mut self.random)));
@@ -215,11 +221,6 @@ impl Desk {
     }
 }
 
-/// How far what moves was back a time ago, m: v·τ − a·τ²/2.
-fn ago_m(time_s: f64, velocity: f64, acceleration: f64) -> f64 {
-    time_s * (velocity - 0.5 * time_s * acceleration)
-}
-
 fn step_together(together: &mut Together, axes: &mut [DeskAxis], step_s: f64) {
     for (i, axis) in axes.iter_mut().enumerate() {
         together.drive(i, &axis.parameters, &mut axis.motion, axis.commanded_n);
@@ -251,6 +252,6 @@ impl DeskAxis {
         let late_s =
             |late: &crate::effects::Latency| if late.channel == channel { 1e-3 * late.ms } else { 0.0 };
         let tau: f64 = self.parameters.late.iter().map(late_s).sum();
-        ago_m(tau, self.motion.table_m_per_s, acceleration)
+        tau * (self.motion.table_m_per_s - 0.5 * tau * acceleration)
     }
 }

@@ -1,13 +1,14 @@
 //! The machine on the desk: drive, motor, screw, table, tool point, and the sensors on them.
 //!
-//! [`parameters::AxisParameters`] is what an axis is made of, in SI and with one of each effect;
-//! [`mechanics`] moves it (its linear part by [`transition`]), [`structure`] carries the tool, [`sensors`] read it,
-//! [`desk`] holds the whole machine. [`bodies`] is the structure in full, rigid bodies on elastic joints, and [`together`]
-//! moves the axes of one; [`curve`] holds
-//! friction laws that were published as curves. The tracer drives the same parts with measured signals.
+//! [`parameters::AxisParameters`] is what an axis is made of, in SI and with one of each effect; [`mechanics`] moves it (its
+//! linear part by [`transition`]), [`structure`] carries the tool, [`sensors`] read it after a [`delay`], [`desk`] holds the
+//! whole machine. [`bodies`] is the structure in full, rigid bodies on elastic joints, and [`together`] moves the axes of
+//! one; [`curve`] holds friction laws that were published as curves. The tracer drives the same parts with measured
+//! signals.
 
 pub mod bodies;
 pub mod curve;
+pub mod delay;
 pub mod desk;
 pub mod driven;
 pub mod friction;

@@ -112,11 +112,10 @@ fn resolution() {
 /// At a steady speed an old motor reading is v·τ behind. It is what is fed back: the reading keeps its place, and the
 /// table goes ahead.
 ///
-/// 0.4 ms, as the velocity loop's force enters what the reading is set back by, a·τ²/2: from about τ² = m·T/Kv on, with
-/// the tick T, the loop swings from tick to tick, where a reading that is late would not let it.
+/// 1.3 ms are more than five ticks of the velocity loop, which crosses over at Kv/m, 270 rad/s: 0.35 rad of its phase.
 #[test]
 fn motor_latency() {
-    let (late_ms, mm_s) = (0.4, 100.0);
+    let (late_ms, mm_s) = (1.3, 100.0);
     let motion = lines(&[(100.0, mm_s), (0.0, mm_s)]);
     let perfect = run_perfect(&rigid(), &motion);
     let seen = run_key(&rigid(), &motion, "motor_latency_ms", late_ms);

@@ -1,0 +1,77 @@
+//! A reading that is on its way for a time: what a sensor's electronics make of a position that moves.
+
+use std::collections::VecDeque;
+
+/// Positions and velocities of the last ticks, and how long a reading takes.
+#[derive(Clone, Debug)]
+pub struct Delay {
+    /// The newest first; one more than the reading is ticks old, for the tick that it lies in.
+    past: VecDeque<(f64, f64)>,
+    whole_ticks: usize,
+    /// Of a tick, beyond the whole ones.
+    part: f64,
+    tick_s: f64,
+}
+
+impl Delay {
+    /// Of something that has stood at `start_m` for long, read once a tick; `None` where it takes no time.
+    #[must_use]
+    pub fn new(delay_s: f64, tick_s: f64, start_m: f64) -> Option<Self> {
+        if delay_s <= 0.0 {
+            return None;
+        }
+        let ticks = delay_s / tick_s;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "not negative, and saturates"
+        )]
+        let whole_ticks = ticks.floor() as usize;
+        Some(Self {
+            past: VecDeque::from(vec![(start_m, 0.0); whole_ticks + 2]),
+            whole_ticks,
+            part: ticks.fract(),
+            tick_s,
+        })
+    }
+
+    /// What a reading of this tick says, m, of what is at `place_m` and moves with a velocity (m/s).
+    ///
+    /// Between two ticks it is the cubic of their positions and velocities, which an even acceleration follows exactly.
+    pub fn read(&mut self, place_m: f64, velocity: f64) -> f64 {
+        self.past.rotate_right(1);
+        self.past[0] = (place_m, velocity);
+        let (newer, older) = (self.past[self.whole_ticks], self.past[self.whole_ticks + 1]);
+        let (t, h) = (self.part, self.tick_s);
+        let way_m = older.0 - newer.0;
+        newer.0 + way_m * t * t * (3.0 - 2.0 * t) - h * newer.1 * t * (1.0 - t) * (1.0 - t)
+            + h * older.1 * t * t * (1.0 - t)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// x = 2 + 3t + 2t²: what is read is x(t − τ), for whole ticks and for parts of them.
+    #[test]
+    fn shows_where_it_was_a_time_ago() {
+        let (tick_s, at) = (1e-3, |t: f64| 2.0 + 3.0 * t + 2.0 * t * t);
+        for delay_s in [0.2e-3, 1e-3, 3.7e-3, 20e-3] {
+            let mut delay = Delay::new(delay_s, tick_s, 2.0).unwrap();
+            for tick in 0..100 {
+                let t = f64::from(tick) * tick_s;
+                let read = delay.read(at(t), 3.0 + 4.0 * t);
+                if t > delay_s + tick_s {
+                    assert!((read - at(t - delay_s)).abs() < 1e-12, "{delay_s} at {t}: {read}");
+                }
+            }
+        }
+    }
+
+    #[test]
+    fn what_stood_is_read_where_it_stood() {
+        let mut delay = Delay::new(2.5e-3, 1e-3, 7.0).unwrap();
+        assert!((0..10).all(|_| (delay.read(7.0, 0.0) - 7.0).abs() < 1e-15));
+    }
+}
