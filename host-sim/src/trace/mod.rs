@@ -49,7 +49,8 @@ impl Trace {
     /// The machine with fitted values and with the effects found.
     #[must_use]
     pub fn better_machine(&self) -> Machine {
-        let mut machine = self.machine.clone();
+        // What the bodies do to an axis is among its effects now: both would do it twice.
+        let mut machine = Machine { structure: None, ..self.machine.clone() };
         for trace in &self.axes {
             if let Some(axis) = machine.axis.get_mut(&trace.axis) {
                 *axis = trace.model.axis.clone();
