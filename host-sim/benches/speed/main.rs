@@ -30,8 +30,12 @@ const ACCELERATION_M_PER_S2: f64 = 2.0;
 const LAP: u32 = 2000;
 const LAPS: usize = 300;
 
-/// The plant of the benchmark; with a position loop in every `divider`-th tick.
+/// The plant of the benchmark: two axes; with a position loop in every `divider`-th tick.
 fn machine(divider: u32) -> Machine {
+    machine_of(2, divider)
+}
+
+fn machine_of(axes: usize, divider: u32) -> Machine {
     let axis = "controller = \"p\"\nposition_gain_per_s = 50.0\nfeedforward_percent = 60.0\n\
                 velocity_gain_n_s_per_m = 60000.0\nvelocity_integral_time_s = 0.016\nforce_limit_n = 20000.0\n\
                 motor_mass_kg = 90.0\ntable_mass_kg = 160.0\nstiffness_n_per_um = 200.0\ndamping_n_s_per_m = 10000.0\n\
@@ -39,7 +43,8 @@ fn machine(divider: u32) -> Machine {
                 presliding_damping_n_s_per_m = 2000.0\n";
     let rate_hz = TICK_HZ / f64::from(divider);
     let top = format!("name = \"b\"\nsample_rate_hz = {rate_hz:.1}\nvelocity_loop_rate_hz = {TICK_HZ:.1}\n");
-    Machine::parse(&format!("{top}[axis.x]\n{axis}[axis.y]\n{axis}"), "benchmark").unwrap()
+    let axes = ["x", "y", "z"].iter().take(axes).map(|name| format!("[axis.{name}]\n{axis}"));
+    Machine::parse(&(top + &axes.collect::<String>()), "benchmark").unwrap()
 }
 
 /// A loop that goes round a circle of 50 mm at 100 mm/s.
@@ -126,6 +131,15 @@ fn main() {
     for divider in [1, 4] {
         for steps in [1, 5] {
             print_cost("plain loop", divider, steps, cost(Plain::new(&machine(divider), steps), Plain::tick));
+        }
+    }
+    println!("\n{:<12}{:>16}{:>12}{:>14}", "axes", "plant alone", "steps", "ns a tick");
+    for axes in 1..=3 {
+        for steps in [1, 5, 10] {
+            let desk =
+                Desk::with_steps(&machine_of(axes, 4), Instruments::default(), &[0.0; 3][..axes], steps);
+            let ns = cost(desk, |desk| desk.step([100.0; 3].into_iter()));
+            println!("{axes:<12}{:>16}{steps:>12}{ns:>14.1}", "");
         }
     }
     println!("\n{:<12}{:>10}{:>26}", "format", "steps", "tool from converged, nm");

@@ -210,8 +210,9 @@ impl Desk {
         }
         match &mut self.together {
             None => {
-                for axis in &mut self.axes {
-                    (0..self.substeps).for_each(|_| axis.step(self.step_s));
+                // Axis by axis within a step: none waits for another, so that a processor works on several at once.
+                for _ in 0..self.substeps {
+                    self.axes.iter_mut().for_each(|axis| axis.step(self.step_s));
                 }
             }
             Some(together) => {
