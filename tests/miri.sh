@@ -14,5 +14,14 @@ export MIRIFLAGS="-Zmiri-env-set=PROPTEST_CASES=${CASES:-4} -Zmiri-env-set=PROPT
 
 # libm takes square roots in assembly where it may, which Miri cannot follow.
 SECONDS=0
-cargo +"$toolchain" miri test --package shared --lib --features libm/force-soft-floats -- "$@"
+miri() { cargo +"$toolchain" miri test --package shared --lib --features libm/force-soft-floats -- "$@"; }
+if [ $# -gt 0 ]; then
+  miri "$@"
+else
+  # A module after the other: what Miri keeps of one test makes the next one slower.
+  for module in $(miri --list 2>/dev/null | sed -n 's/::.*: test$//p' | sort -u); do
+    miri "$module::"
+    echo "$module: ${SECONDS} s so far"
+  done
+fi
 echo "Miri: ${SECONDS} s"

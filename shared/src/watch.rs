@@ -66,10 +66,12 @@ impl<S: Scalar> Watch<S> {
         if self.encoder_step.is_some_and(|most| increment.exceeds(most)) {
             return Some(Hazard::EncoderStep);
         }
+        if saturated {
+            state.saturated_quarters = state.saturated_quarters.saturating_add(4);
+            return (state.saturated_quarters / 4 > self.saturated_ticks).then_some(Hazard::ForceSaturated);
+        }
         // An unstable loop throws the force from limit to limit: a tick in between must not begin the count anew.
-        let quarters = state.saturated_quarters;
-        state.saturated_quarters =
-            if saturated { quarters.saturating_add(4) } else { quarters.saturating_sub(1) };
-        (state.saturated_quarters / 4 > self.saturated_ticks).then_some(Hazard::ForceSaturated)
+        state.saturated_quarters = state.saturated_quarters.saturating_sub(1);
+        None
     }
 }
