@@ -4,9 +4,10 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use shared::axis::Reading;
 use shared::units::Position;
+use wide::f64x2;
 
 use super::delay::Delay;
-use super::mechanics::{AxisMotion, Stepper};
+use super::mechanics::{AxisMotion, Motion, Stepper};
 use super::parameters::AxisParameters;
 use super::sensors::Sensor;
 use super::structure::{self, Swing, Tables};
@@ -87,7 +88,7 @@ pub struct Row {
 
 struct DeskAxis {
     parameters: AxisParameters,
-    stepper: Stepper,
+    stepper: Stepper<f64>,
     motion: AxisMotion,
     swing: Swing,
     motor_delay: Option<Delay>,
@@ -97,10 +98,18 @@ struct DeskAxis {
     commanded_n: f64,
 }
 
+/// Axes that are moved together: neighbours that have nothing that asks for more go beside each other.
+enum Group {
+    Alone(usize),
+    /// The first of two, and how both move.
+    Two(usize, Stepper<f64x2>),
+}
+
 /// The machine on the desk.
 pub struct Desk {
     names: Vec<String>,
     axes: Vec<DeskAxis>,
+    groups: Vec<Group>,
     /// The bodies of the structure, where the machine file has them.
     together: Option<Together>,
     instruments: Instruments,
@@ -145,9 +154,10 @@ impl Desk {
             commanded_n: 0.0,
             parameters,
         };
-        let axes = parameters.into_iter().zip(start_m).map(stand).collect();
+        let axes: Vec<DeskAxis> = parameters.into_iter().zip(start_m).map(stand).collect();
         Self {
             names: machine.axis.keys().cloned().collect(),
+            groups: groups(&axes),
             axes,
             together,
             instruments,
@@ -210,9 +220,18 @@ impl Desk {
         }
         match &mut self.together {
             None => {
-                // Axis by axis within a step: none waits for another, so that a processor works on several at once.
-                for _ in 0..self.substeps {
-                    self.axes.iter_mut().for_each(|axis| axis.step(self.step_s));
+                for group in &self.groups {
+                    match group {
+                        Group::Alone(axis) => {
+                            let axis = &mut self.axes[*axis];
+                            (0..self.substeps).for_each(|_| axis.step(self.step_s));
+                        }
+                        Group::Two(first, stepper) => {
+                            if let [a, b] = &mut self.axes[*first..*first + 2] {
+                                step_two(stepper, [a, b], self.substeps);
+                            }
+                        }
+                    }
                 }
             }
             Some(together) => {
@@ -220,6 +239,31 @@ impl Desk {
             }
         }
     }
+}
+
+/// Neighbours beside each other, from the first on, where they may go so.
+fn groups(axes: &[DeskAxis]) -> Vec<Group> {
+    let mut groups = Vec::new();
+    let mut first = 0;
+    while first < axes.len() {
+        let two = match &axes[first..] {
+            [a, b, ..] if a.is_smooth() && b.is_smooth() => Stepper::beside([&a.stepper, &b.stepper]),
+            _ => None,
+        };
+        first += if two.is_some() { 2 } else { 1 };
+        groups.push(two.map_or(Group::Alone(first - 1), |stepper| Group::Two(first - 2, stepper)));
+    }
+    groups
+}
+
+fn step_two(stepper: &Stepper<f64x2>, axes: [&mut DeskAxis; 2], steps: u32) {
+    let [a, b] = axes;
+    let mut motion = Motion::beside([&a.motion, &b.motion]);
+    let force_n = f64x2::new([a.commanded_n, b.commanded_n]);
+    for _ in 0..steps {
+        stepper.step([&a.parameters, &b.parameters], &mut motion, force_n);
+    }
+    (a.motion, b.motion) = (motion.axis(0), motion.axis(1));
 }
 
 fn step_together(together: &mut Together, axes: &mut [DeskAxis], step_s: f64) {
@@ -235,6 +279,11 @@ fn step_together(together: &mut Together, axes: &mut [DeskAxis], step_s: f64) {
 }
 
 impl DeskAxis {
+    /// Whether it may go beside another axis.
+    fn is_smooth(&self) -> bool {
+        self.stepper.is_smooth(&self.parameters) && self.parameters.tool.resonance.is_none()
+    }
+
     fn step(&mut self, step_s: f64) {
         let before = self.motion.table_m_per_s;
         self.stepper.step(&self.parameters, &mut self.motion, self.commanded_n);

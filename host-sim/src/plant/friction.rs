@@ -3,9 +3,10 @@
 //! `LuGre` (Canudas de Wit et al., 1995): bristles of stiffness σ0 bend by z,
 //! ż = v − σ0·|v|·z/g(v), friction = σ0·z + σ1·ż + viscous·v, with g the sliding level. The step is
 //! implicit in z, so that it holds its level at any speed and step: z′ = (z + v·Δt)/(1 + σ0·|v|·Δt/g) where
-//! the velocity is given, [`Friction::over`] where it follows from the force.
+//! the velocity is given, [`Bristles::over`] where it follows from the force.
 
 use super::curve::Curve;
+use super::lane::Lane;
 use crate::effects::{FrictionAsymmetry, Stribeck};
 
 /// Sharpness of the smoothed sign where there are no bristles, m/s.
@@ -84,28 +85,77 @@ impl Friction {
             + self.viscous_n(velocity)
     }
 
-    /// The mean force over a step, without the viscous part, of what moves `mobility` (m/s) slower for each newton of
-    /// it; `about` is what its mean velocity is expected to be.
-    ///
-    /// With |v|/g as expected the bristles relax exponentially by r = σ0·|v|·Δt/g; 1/(1 + r + r²/2) is that to the
-    /// second order, and does not ring where a step relaxes them many times over. What depends on the velocity
-    /// itself is left to [`Mean::force_n`]: nothing here waits for it.
+    /// Friction without a presliding state over a step, without the viscous part, where `holds_n` would stop the table
+    /// within it: it can stop the table and hold it, but not push it.
     #[must_use]
     #[inline]
-    pub fn over(&self, bristle_m: f64, about: f64, mobility: f64, step: StepTime) -> Mean {
-        let (stiffness, damping) = (self.bristle_stiffness_n_per_m, self.bristle_damping_n_s_per_m);
-        let relaxation = stiffness * step.seconds * about.abs() / self.level_n(about).max(1e-9);
-        let half = 1.0 + 0.5 * relaxation;
-        let whole = 1.0 + relaxation * half;
+    pub fn dry_n(&self, about: f64, holds_n: f64) -> f64 {
+        self.through_zero_n(about).unwrap_or_else(|| {
+            let level_n = self.level_n(about);
+            holds_n.clamp(-level_n, level_n)
+        })
+    }
+
+    /// Its bristles.
+    #[must_use]
+    pub fn bristles(&self) -> Bristles<f64> {
+        Bristles {
+            stiffness_n_per_m: self.bristle_stiffness_n_per_m,
+            damping_n_s_per_m: self.bristle_damping_n_s_per_m,
+        }
+    }
+
+    /// The level where it is the same at every velocity.
+    #[must_use]
+    pub fn even_level_n(&self) -> Option<f64> {
+        (self.curve.is_none() && self.stribeck.static_excess_n == 0.0).then_some(self.coulomb_n)
+    }
+
+    /// By how much bristles at a level relax for each metre that goes by, σ0/g: 1/m.
+    #[must_use]
+    #[inline]
+    pub fn relaxes_per_m(&self, level_n: f64) -> f64 {
+        self.bristle_stiffness_n_per_m / level_n.max(1e-9)
+    }
+}
+
+/// What bends under the table before it slides: σ0 and σ1.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bristles<L> {
+    /// N/m.
+    pub stiffness_n_per_m: L,
+    /// N·s/m.
+    pub damping_n_s_per_m: L,
+}
+
+impl<L: Lane> Bristles<L> {
+    /// The mean force over a step, without the viscous part, of what moves `mobility` (m/s) slower for each newton of
+    /// it; they are expected to relax by `relaxation` ([`Friction::relaxes_per_m`] of the way).
+    ///
+    /// They do so exponentially; 1/(1 + r + r²/2) is that to the second order, and does not ring where a step
+    /// relaxes them many times over. What depends on the velocity itself is left to [`Mean::force_n`]: nothing here
+    /// waits for it.
+    #[must_use]
+    #[inline]
+    pub fn over(&self, bristle_m: L, relaxation: L, mobility: L, step: StepTime) -> Mean<L> {
+        let (stiffness, damping) = (self.stiffness_n_per_m, self.damping_n_s_per_m);
+        let (one, half_one) = (L::all(1.0), L::all(0.5));
+        let half = one + half_one * relaxation;
+        let whole = one + relaxation * half;
         // Over the step the bend is on average half/whole of the old one, and its rise (1 + r)/2whole of the way.
-        let offset_n = bristle_m * (stiffness * half + damping * (1.0 - whole) * step.per_second);
-        let slope_n_s_per_m = 0.5 * stiffness * step.seconds * (1.0 + relaxation) + damping * half;
-        let share = (whole + mobility * slope_n_s_per_m).recip();
+        let rise_n_per_m = damping * (one - whole) * L::all(step.per_second);
+        let offset_n = bristle_m * (stiffness * half + rise_n_per_m);
+        let slope_n_s_per_m =
+            half_one * stiffness * L::all(step.seconds) * (one + relaxation) + damping * half;
+        let with_mobility = whole + mobility * slope_n_s_per_m;
+        // 1/with_mobility and 1/whole by one division.
+        let both = (with_mobility * whole).recip();
+        let (share, per_whole) = (both * whole, both * with_mobility);
         Mean {
             offset_n: offset_n * share,
             slope_n_s_per_m: slope_n_s_per_m * share,
-            keeps_m: bristle_m / whole,
-            takes_s: half * step.seconds / whole,
+            keeps_m: bristle_m * per_whole,
+            takes_s: half * L::all(step.seconds) * per_whole,
         }
     }
 }
@@ -129,25 +179,25 @@ impl StepTime {
 
 /// Mean friction over a step as offset + slope·(velocity without it), and the bristles at its end.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Mean {
-    offset_n: f64,
-    slope_n_s_per_m: f64,
-    keeps_m: f64,
-    takes_s: f64,
+pub struct Mean<L> {
+    offset_n: L,
+    slope_n_s_per_m: L,
+    keeps_m: L,
+    takes_s: L,
 }
 
-impl Mean {
+impl<L: Lane> Mean<L> {
     /// Mean force, N, on what would move with the mean velocity `free` (m/s) without it.
     #[must_use]
     #[inline]
-    pub fn force_n(&self, free: f64) -> f64 {
+    pub fn force_n(&self, free: L) -> L {
         self.offset_n + self.slope_n_s_per_m * free
     }
 
     /// Bend of the bristles at the end, m, for the mean velocity that came of it.
     #[must_use]
     #[inline]
-    pub fn bristle_m(&self, velocity: f64) -> f64 {
+    pub fn bristle_m(&self, velocity: L) -> L {
         self.keeps_m + self.takes_s * velocity
     }
 }
@@ -198,7 +248,8 @@ mod tests {
             for i in 0..steps {
                 let v = 0.9e-3 * (f64::from(i) + 0.5) / f64::from(steps);
                 // Of a mass that no force moves.
-                let mean = guide().over(bristle, v, 0.0, StepTime::new(step_s));
+                let relaxation = guide().relaxes_per_m(guide().level_n(v)) * v * step_s;
+                let mean = guide().bristles().over(bristle, relaxation, 0.0, StepTime::new(step_s));
                 momentum += step_s * mean.force_n(v);
                 bristle = mean.bristle_m(v);
             }

@@ -3,34 +3,74 @@
 //! A step takes the linear part exactly ([`super::transition`]), however stiff it is, so that it is the friction alone
 //! that asks for short steps. Friction is implicit: its mean over the step and the step's mean velocity follow from
 //! each other, and both are linear. What depends on positions (gap, errors of the screw, ripple) is taken in the
-//! middle of the step. The whole is of second order.
+//! middle of the step. The whole is of second order. Two axes may go beside each other, see [`super::lane`].
 
-use super::friction::StepTime;
+use wide::f64x2;
+
+use super::friction::{Bristles, StepTime};
+use super::lane::Lane;
 use super::parameters::AxisParameters;
 use super::screw::Spring;
 use super::transition::{Masses, Transition};
 
-/// Positions (m) and velocities (m/s) of an axis.
+/// Positions (m) and velocities (m/s) of the axes of a register.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct AxisMotion {
+pub struct Motion<L> {
     /// Motor, true position.
-    pub motor_m: f64,
+    pub motor_m: L,
     /// Motor.
-    pub motor_m_per_s: f64,
+    pub motor_m_per_s: L,
     /// Table.
-    pub table_m: f64,
+    pub table_m: L,
     /// Table.
-    pub table_m_per_s: f64,
+    pub table_m_per_s: L,
     /// Bend of the guide's bristles.
-    pub bristle_m: f64,
+    pub bristle_m: L,
     /// Force of the drive, N.
-    pub drive_n: f64,
+    pub drive_n: L,
     /// Friction of the guide without its viscous part, mean of the last step, N.
-    pub friction_n: f64,
+    pub friction_n: L,
     /// Change of the motor's velocity over the last step, m/s.
-    pub motor_change: f64,
+    pub motor_change: L,
     /// Change of the table's velocity over the last step, m/s.
-    pub table_change: f64,
+    pub table_change: L,
+}
+
+/// Of one axis.
+pub type AxisMotion = Motion<f64>;
+
+impl<L: Lane> Motion<L> {
+    /// The same of other registers, value by value.
+    #[inline]
+    fn map<M>(of: impl Fn(fn(&Motion<L>) -> L) -> M) -> Motion<M> {
+        Motion {
+            motor_m: of(|motion| motion.motor_m),
+            motor_m_per_s: of(|motion| motion.motor_m_per_s),
+            table_m: of(|motion| motion.table_m),
+            table_m_per_s: of(|motion| motion.table_m_per_s),
+            bristle_m: of(|motion| motion.bristle_m),
+            drive_n: of(|motion| motion.drive_n),
+            friction_n: of(|motion| motion.friction_n),
+            motor_change: of(|motion| motion.motor_change),
+            table_change: of(|motion| motion.table_change),
+        }
+    }
+}
+
+impl Motion<f64x2> {
+    /// Two axes beside each other.
+    #[must_use]
+    #[inline]
+    pub fn beside(axes: [&AxisMotion; 2]) -> Self {
+        AxisMotion::map(|value| f64x2::new(axes.map(value)))
+    }
+
+    /// One of the two.
+    #[must_use]
+    #[inline]
+    pub fn axis(&self, axis: usize) -> AxisMotion {
+        Self::map(|value| value(self).lane(axis))
+    }
 }
 
 impl AxisMotion {
@@ -46,7 +86,7 @@ impl AxisMotion {
         let friction = &parameters.friction;
         let v = self.table_m_per_s;
         let guide_n = if friction.has_bristles() {
-            let relaxes = friction.bristle_stiffness_n_per_m * v.abs() / friction.level_n(v).max(1e-9);
+            let relaxes = friction.relaxes_per_m(friction.level_n(v)) * v.abs();
             friction.bristle_stiffness_n_per_m * self.bristle_m
                 + friction.bristle_damping_n_s_per_m * (v - relaxes * self.bristle_m)
         } else {
@@ -67,25 +107,41 @@ impl AxisMotion {
     }
 }
 
-/// How an axis moves in steps of one length.
-#[derive(Clone, Copy, Debug)]
-pub struct Stepper {
+/// How the axes of a register move in steps of one length.
+#[derive(Clone, Debug)]
+pub struct Stepper<L> {
     step: StepTime,
-    touching: Transition,
+    touching: Transition<L>,
     /// In the gap of the screw; the same where there is none.
-    apart: Transition,
+    apart: Transition<L>,
     /// Middle of the gap to its edge, m.
     half_gap_m: f64,
+    guide: Guide<L>,
+    /// Whether nothing but the drive pushes a motor, and the screws are true.
+    plain_motor: bool,
+    plain_screw: bool,
 }
 
-impl Stepper {
+/// What a table slides on.
+#[derive(Clone, Copy, Debug)]
+struct Guide<L> {
+    /// `None`: friction without a presliding state.
+    bristles: Option<Bristles<L>>,
+    /// [`super::friction::Friction::relaxes_per_m`] where it is the same at every velocity.
+    relaxes_per_m: Option<L>,
+    load_n: L,
+    asymmetry_n_s_per_m: L,
+}
+
+impl Stepper<f64> {
     /// Steps of `step_s` behind a drive that lags by its time constant (0: not at all).
     #[must_use]
     pub fn new(parameters: &AxisParameters, drive_time_constant_s: f64, step_s: f64) -> Self {
+        let friction = &parameters.friction;
         let masses = Masses {
             motor_kg: parameters.motor_mass_kg,
             table_kg: parameters.table_mass_kg,
-            viscous_n_s_per_m: parameters.friction.viscous_n_s_per_m,
+            viscous_n_s_per_m: friction.viscous_n_s_per_m,
         };
         let of_two =
             |spring: Option<&Spring>| Transition::of_two(masses, spring, drive_time_constant_s, step_s);
@@ -100,50 +156,50 @@ impl Stepper {
             touching,
             apart: if has_gap { of_two(None) } else { touching },
             half_gap_m,
+            guide: Guide {
+                bristles: friction.has_bristles().then(|| friction.bristles()),
+                relaxes_per_m: friction.even_level_n().map(|level_n| friction.relaxes_per_m(level_n)),
+                load_n: parameters.load.force_n,
+                asymmetry_n_s_per_m: friction.asymmetry.half_difference_n_s_per_m,
+            },
+            plain_motor: parameters.motor_coulomb_n == 0.0 && parameters.ripple.is_empty(),
+            plain_screw: parameters.screw.is_true(),
         }
     }
 
     /// One step under a commanded force, N.
     #[inline]
     pub fn step(&self, parameters: &AxisParameters, motion: &mut AxisMotion, force_n: f64) {
-        let AxisMotion { motor_m, motor_m_per_s, table_m, table_m_per_s, .. } = *motion;
-        let half_s = 0.5 * self.step.seconds;
-        let motor_middle_m = motor_m + motor_m_per_s * half_s;
-        let friction_n = parameters.motor_friction_n(motor_m_per_s + 0.5 * motion.motor_change);
-        let push_n = force_n + parameters.ripple_n(motor_middle_m) - friction_n;
-        let lag_n = motion.drive_n - force_n;
-
-        let (linear, offset_m) = if parameters.spring.is_some() {
-            self.touch(parameters, motor_middle_m, table_m + table_m_per_s * half_s)
-        } else {
-            (&self.touching, table_m - motor_m)
-        };
-        let stretch_m = motor_m - table_m + offset_m;
-        let end = linear.end(stretch_m, [motor_m_per_s, table_m_per_s], lag_n, push_n);
-        let push_n = self.on_table(parameters, motion, linear, end.to_array());
-        let [way_m, stretch_m, motor_end, table_end] = linear.pushed(end, push_n);
-
-        motion.drive_n = force_n + linear.lag_left * lag_n;
-        motion.motor_change = motor_end - motor_m_per_s;
-        motion.table_change = table_end - table_m_per_s;
-        (motion.motor_m_per_s, motion.table_m_per_s) = (motor_end, table_end);
+        let middle_m = motion.motor_m + motion.motor_m_per_s * (0.5 * self.step.seconds);
         if parameters.spring.is_some() {
-            motion.table_m = table_m + way_m;
-            motion.motor_m = motion.table_m + stretch_m - offset_m;
+            let (linear, offset_m) = self.touch(parameters, motion, middle_m);
+            self.elastic(&[parameters], motion, force_n, middle_m, linear, offset_m);
         } else {
-            motion.motor_m = motor_m + way_m;
-            let nominal_m = parameters.screw.nominal_m(motion.motor_m);
-            motion.table_m = parameters.screw.carried_m(nominal_m, table_m);
+            self.rigid(parameters, motion, force_n, middle_m);
         }
+    }
+
+    fn rigid(&self, parameters: &AxisParameters, motion: &mut AxisMotion, force_n: f64, middle_m: f64) {
+        let (motor_m, table_m) = (motion.motor_m, motion.table_m);
+        let [way_m, _] = self.push(&[parameters], motion, force_n, middle_m, &self.touching, 0.0);
+        motion.motor_m = motor_m + way_m;
+        let nominal_m = parameters.screw.nominal_m(motion.motor_m);
+        motion.table_m = parameters.screw.carried_m(nominal_m, table_m);
     }
 
     /// Whether the screw touches the nut, and what is to be added to motor − table for the stretch of the spring.
     #[inline]
-    fn touch(&self, parameters: &AxisParameters, motor_m: f64, table_m: f64) -> (&Transition, f64) {
+    fn touch(
+        &self,
+        parameters: &AxisParameters,
+        motion: &AxisMotion,
+        motor_m: f64,
+    ) -> (&Transition<f64>, f64) {
         let error_m = parameters.screw.error_m(motor_m);
         if self.half_gap_m == 0.0 {
             return (&self.touching, error_m);
         }
+        let table_m = motion.table_m + motion.table_m_per_s * (0.5 * self.step.seconds);
         let deflection_m = motor_m + error_m - table_m;
         if deflection_m.abs() <= self.half_gap_m {
             (&self.apart, 0.0)
@@ -152,31 +208,142 @@ impl Stepper {
         }
     }
 
+    /// Whether [`Stepper::beside`] may have it: an elastic axis without a gap.
+    #[must_use]
+    pub fn is_smooth(&self, parameters: &AxisParameters) -> bool {
+        parameters.spring.is_some() && self.half_gap_m == 0.0
+    }
+}
+
+impl Stepper<f64x2> {
+    /// Two smooth axes beside each other; `None` where one has bristles and the other has not.
+    #[must_use]
+    pub fn beside(axes: [&Stepper<f64>; 2]) -> Option<Self> {
+        let guides = axes.map(|axis| axis.guide);
+        let bristles = match guides.map(|guide| guide.bristles) {
+            [Some(a), Some(b)] => Some(Bristles {
+                stiffness_n_per_m: f64x2::new([a.stiffness_n_per_m, b.stiffness_n_per_m]),
+                damping_n_s_per_m: f64x2::new([a.damping_n_s_per_m, b.damping_n_s_per_m]),
+            }),
+            [None, None] => None,
+            _ => return None,
+        };
+        let relaxes_per_m = match guides.map(|guide| guide.relaxes_per_m) {
+            [Some(a), Some(b)] => Some(f64x2::new([a, b])),
+            _ => None,
+        };
+        let touching = Transition::beside(&axes.map(|axis| &axis.touching));
+        Some(Self {
+            step: axes[0].step,
+            touching,
+            apart: touching,
+            half_gap_m: 0.0,
+            guide: Guide {
+                bristles,
+                relaxes_per_m,
+                load_n: f64x2::new(guides.map(|guide| guide.load_n)),
+                asymmetry_n_s_per_m: f64x2::new(guides.map(|guide| guide.asymmetry_n_s_per_m)),
+            },
+            plain_motor: axes.iter().all(|axis| axis.plain_motor),
+            plain_screw: axes.iter().all(|axis| axis.plain_screw),
+        })
+    }
+
+    /// One step of both under their commanded forces, N.
+    #[inline]
+    pub fn step(&self, parameters: [&AxisParameters; 2], motion: &mut Motion<f64x2>, force_n: f64x2) {
+        let middle_m = motion.motor_m + motion.motor_m_per_s * f64x2::splat(0.5 * self.step.seconds);
+        let error_m = if self.plain_screw {
+            f64x2::ZERO
+        } else {
+            f64x2::of(|axis| parameters[axis].screw.error_m(middle_m.lane(axis)))
+        };
+        self.elastic(&parameters, motion, force_n, middle_m, &self.touching, error_m);
+    }
+}
+
+impl<L: Lane> Stepper<L> {
+    /// One step of axes with a spring, to whose motor − table `offset_m` is added for its stretch.
+    #[inline]
+    fn elastic(
+        &self,
+        parameters: &[&AxisParameters],
+        motion: &mut Motion<L>,
+        force_n: L,
+        middle_m: L,
+        linear: &Transition<L>,
+        offset_m: L,
+    ) {
+        let table_m = motion.table_m;
+        let stretch_m = motion.motor_m - table_m + offset_m;
+        let [way_m, stretch_m] = self.push(parameters, motion, force_n, middle_m, linear, stretch_m);
+        motion.table_m = table_m + way_m;
+        motion.motor_m = motion.table_m + stretch_m - offset_m;
+    }
+
+    /// Drives and tables pushed over a step: velocities, friction and drive then, and way of the table and stretch.
+    #[inline]
+    fn push(
+        &self,
+        parameters: &[&AxisParameters],
+        motion: &mut Motion<L>,
+        force_n: L,
+        middle_m: L,
+        linear: &Transition<L>,
+        stretch_m: L,
+    ) -> [L; 2] {
+        let (motor_m_per_s, table_m_per_s) = (motion.motor_m_per_s, motion.table_m_per_s);
+        let push_n = self.on_motor(parameters, motion, force_n, middle_m);
+        let lag_n = motion.drive_n - force_n;
+        let end = linear.end(stretch_m, [motor_m_per_s, table_m_per_s], lag_n, push_n);
+        let push_n = self.on_table(parameters, motion, linear, end);
+        let [way_m, stretch_m, motor_end, table_end] = linear.pushed(end, push_n);
+
+        motion.drive_n = force_n + linear.lag_left * lag_n;
+        motion.motor_change = motor_end - motor_m_per_s;
+        motion.table_change = table_end - table_m_per_s;
+        (motion.motor_m_per_s, motion.table_m_per_s) = (motor_end, table_end);
+        [way_m, stretch_m]
+    }
+
+    /// Mean push on the motor, N: of the drive, its ripple, and its own friction.
+    #[inline]
+    fn on_motor(&self, parameters: &[&AxisParameters], motion: &Motion<L>, force_n: L, middle_m: L) -> L {
+        if self.plain_motor {
+            return force_n;
+        }
+        let about = motion.motor_m_per_s + L::all(0.5) * motion.motor_change;
+        let friction_n = L::of(|axis| parameters[axis].motor_friction_n(about.lane(axis)));
+        force_n + L::of(|axis| parameters[axis].ripple_n(middle_m.lane(axis))) - friction_n
+    }
+
     /// Mean push on the table, N, beside the spring: friction of the guide without its viscous part, and load.
     #[inline]
     fn on_table(
         &self,
-        parameters: &AxisParameters,
-        motion: &mut AxisMotion,
-        linear: &Transition,
-        end: [f64; 4],
-    ) -> f64 {
-        let friction = &parameters.friction;
-        let about = motion.table_m_per_s + 0.5 * motion.table_change;
-        let load_n = parameters.load.force_n + friction.asymmetry.force_n(about);
-        if friction.has_bristles() {
-            let mean = friction.over(motion.bristle_m, about, linear.mobility, self.step);
-            let free = end[0] * self.step.per_second - linear.mobility * load_n;
+        parameters: &[&AxisParameters],
+        motion: &mut Motion<L>,
+        linear: &Transition<L>,
+        end: [L; 4],
+    ) -> L {
+        let about = motion.table_m_per_s + L::all(0.5) * motion.table_change;
+        let load_n = self.guide.load_n + self.guide.asymmetry_n_s_per_m * about.abs();
+        if let Some(bristles) = &self.guide.bristles {
+            let relaxes_per_m = self.guide.relaxes_per_m.unwrap_or_else(|| {
+                let friction = |axis: usize| &parameters[axis].friction;
+                L::of(|axis| friction(axis).relaxes_per_m(friction(axis).level_n(about.lane(axis))))
+            });
+            let relaxation = relaxes_per_m * about.abs() * L::all(self.step.seconds);
+            let mean = bristles.over(motion.bristle_m, relaxation, linear.mobility, self.step);
+            let free = end[0] * L::all(self.step.per_second) - linear.mobility * load_n;
             motion.friction_n = mean.force_n(free);
             motion.bristle_m = mean.bristle_m(free - linear.mobility * motion.friction_n);
-        } else if let Some(force_n) = friction.through_zero_n(about) {
-            motion.friction_n = force_n;
         } else {
-            // It can stop the table and hold it, but not push it.
-            let level_n = friction.level_n(about);
-            motion.friction_n = (end[3] * linear.stops_n_s_per_m - load_n).clamp(-level_n, level_n);
+            let holds_n = end[3] * linear.stops_n_s_per_m - load_n;
+            motion.friction_n =
+                L::of(|axis| parameters[axis].friction.dry_n(about.lane(axis), holds_n.lane(axis)));
         }
-        -(motion.friction_n + load_n)
+        L::all(0.0) - (motion.friction_n + load_n)
     }
 }
 

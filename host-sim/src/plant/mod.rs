@@ -12,6 +12,7 @@ pub mod delay;
 pub mod desk;
 pub mod driven;
 pub mod friction;
+pub mod lane;
 pub mod mechanics;
 pub mod parameters;
 pub mod screw;

@@ -23,6 +23,12 @@ pub struct Spring {
 }
 
 impl Screw {
+    /// Whether it has no pitch error.
+    #[must_use]
+    pub fn is_true(&self) -> bool {
+        self.progressive.slope_um_per_m == 0.0 && self.cyclic.is_none()
+    }
+
     /// Where the screw would carry an unloaded table, for a motor position (both m).
     #[must_use]
     #[inline]

@@ -7,12 +7,12 @@
 //! is not linear (friction, the gap, errors of the screw) comes in as pushes, see [`super::mechanics`].
 
 use nalgebra::SMatrix;
-use wide::f64x4;
 
+use super::lane::Lane;
 use super::screw::Spring;
 
 /// At the end of a step: table's way over it, stretch, motor velocity, table velocity.
-pub type End = f64x4;
+pub type End<L> = [L; 4];
 
 /// What makes what, and what is made of it.
 type Rates = SMatrix<f64, 7, 7>;
@@ -38,24 +38,24 @@ pub struct Masses {
 
 /// One step of the linear part: columns by which state and pushes enter the end of the step.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Transition {
-    stretch: End,
-    motor: End,
-    table: End,
+pub struct Transition<L> {
+    stretch: End<L>,
+    motor: End<L>,
+    table: End<L>,
     /// Per newton of what the drive still lacks or has too much.
-    lag: End,
+    lag: End<L>,
     /// Per newton that stays on the motor.
-    motor_push: End,
-    table_push: End,
+    motor_push: End<L>,
+    table_push: End<L>,
     /// Mean velocity of the table (m/s) per newton that stays on it.
-    pub mobility: f64,
+    pub mobility: L,
     /// Newtons that have to stay on the table to change its velocity by 1 m/s within the step.
-    pub stops_n_s_per_m: f64,
+    pub stops_n_s_per_m: L,
     /// Share of the drive's lag that is left.
-    pub lag_left: f64,
+    pub lag_left: L,
 }
 
-impl Transition {
+impl Transition<f64> {
     /// Two masses; without a spring they do not touch.
     #[must_use]
     pub fn of_two(masses: Masses, spring: Option<&Spring>, drive_time_constant_s: f64, step_s: f64) -> Self {
@@ -95,12 +95,12 @@ impl Transition {
             rates[(LAG, LAG)] = -1.0 / drive_time_constant_s;
         }
         let whole = (rates * step_s).exp();
-        let column = |cause: usize| f64x4::new([WAY, STRETCH, MOTOR, TABLE].map(|part| whole[(part, cause)]));
+        let column = |cause: usize| [WAY, STRETCH, MOTOR, TABLE].map(|part| whole[(part, cause)]);
         Self {
             stretch: column(STRETCH),
             motor: column(MOTOR),
             table: column(TABLE),
-            lag: if lags { column(LAG) } else { f64x4::ZERO },
+            lag: if lags { column(LAG) } else { [0.0; 4] },
             motor_push: column(MOTOR_PUSH),
             table_push: column(TABLE_PUSH),
             mobility: whole[(WAY, TABLE_PUSH)] / step_s,
@@ -108,22 +108,45 @@ impl Transition {
             lag_left: if lags { whole[(LAG, LAG)] } else { 0.0 },
         }
     }
+}
+
+impl<L: Lane> Transition<L> {
+    /// Of axes beside each other.
+    #[must_use]
+    pub fn beside(axes: &[&Transition<f64>]) -> Self {
+        let column = |of: fn(&Transition<f64>) -> &End<f64>| -> End<L> {
+            std::array::from_fn(|part| L::of(|axis| of(axes[axis])[part]))
+        };
+        Self {
+            stretch: column(|axis| &axis.stretch),
+            motor: column(|axis| &axis.motor),
+            table: column(|axis| &axis.table),
+            lag: column(|axis| &axis.lag),
+            motor_push: column(|axis| &axis.motor_push),
+            table_push: column(|axis| &axis.table_push),
+            mobility: L::of(|axis| axes[axis].mobility),
+            stops_n_s_per_m: L::of(|axis| axes[axis].stops_n_s_per_m),
+            lag_left: L::of(|axis| axes[axis].lag_left),
+        }
+    }
 
     /// The end of a step with a push on the table, from the end without.
     #[must_use]
     #[inline]
-    pub fn pushed(&self, end: End, table_push_n: f64) -> [f64; 4] {
-        (end + self.table_push * table_push_n).to_array()
+    pub fn pushed(&self, end: End<L>, table_push_n: L) -> End<L> {
+        std::array::from_fn(|part| end[part] + self.table_push[part] * table_push_n)
     }
 
     /// The end of a step, without what pushes the table.
     #[must_use]
     #[inline]
-    pub fn end(&self, stretch_m: f64, velocities: [f64; 2], lag_n: f64, motor_push_n: f64) -> End {
+    pub fn end(&self, stretch_m: L, velocities: [L; 2], lag_n: L, motor_push_n: L) -> End<L> {
         let [motor, table] = velocities;
-        (self.stretch * stretch_m + self.motor * motor)
-            + (self.table * table + self.lag * lag_n)
-            + self.motor_push * motor_push_n
+        std::array::from_fn(|part| {
+            (self.stretch[part] * stretch_m + self.motor[part] * motor)
+                + (self.table[part] * table + self.lag[part] * lag_n)
+                + self.motor_push[part] * motor_push_n
+        })
     }
 }
 
@@ -140,7 +163,7 @@ mod tests {
         let omega = (2e8 * (1.0 / 90.0 + 1.0 / 160.0_f64)).sqrt();
         for step_s in [1e-6, 5e-5, 1e-3] {
             let step = Transition::of_two(MASSES, Some(&spring), 0.0, step_s);
-            let end = step.end(1e-6, [0.0; 2], 0.0, 0.0).to_array();
+            let end = step.end(1e-6, [0.0; 2], 0.0, 0.0);
             assert!((end[1] - 1e-6 * (omega * step_s).cos()).abs() < 1e-17, "{step_s}");
             let expected = -1e-6 * omega * (omega * step_s).sin();
             assert!((end[2] - end[3] - expected).abs() < 1e-14 * omega, "{step_s}");
@@ -154,7 +177,7 @@ mod tests {
     fn a_lag_takes_its_share_of_the_momentum() {
         let (tau, h, force) = (1e-4, 5e-5, 100.0);
         let step = Transition::of_two(MASSES, None, tau, h);
-        let end = step.end(0.0, [0.0; 2], -force, force).to_array();
+        let end = step.end(0.0, [0.0; 2], -force, force);
         let expected = force * (h - tau * (1.0 - (-h / tau).exp()));
         assert!((90.0 * end[2] / expected - 1.0).abs() < 1e-12);
         assert!((step.lag_left - (-0.5f64).exp()).abs() < 1e-15);
