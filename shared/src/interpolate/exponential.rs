@@ -86,6 +86,8 @@ mod tests {
     use super::*;
 
     proptest! {
+        #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 1 } else { 256 }))]
+
         /// Differences of whole units are off by 1, second differences by 2. The lag of F/α has to
         /// decay to F·α: ln(1/α²)/α ticks after the target, and some for the discrete decay being faster.
         #[test]
