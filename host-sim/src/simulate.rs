@@ -15,7 +15,8 @@ pub use stopped::SimulationError;
 use crate::controller::{AxisOutput, Controller, ControllerError, Format, PathBlock, Status};
 use crate::log::{AxisLog, Channel, Log, Unit};
 use crate::machine::Machine;
-use crate::plant::desk::{Desk, Instruments, Row};
+use crate::plant::desk::{Desk, Row};
+use crate::plant::instruments::Instruments;
 use crate::plant::parameters::AxisParameters;
 use crate::servo;
 

@@ -8,7 +8,7 @@ use host_sim::log::{AxisLog, Log};
 use host_sim::machine::{Axis, Machine};
 use host_sim::motion::{Block, Motion};
 use host_sim::path;
-use host_sim::plant::desk::Instruments;
+use host_sim::plant::instruments::Instruments;
 use host_sim::simulate::{Run, controller};
 
 /// Standstill after the motion, s: the slowest machine has Kp = 33 1/s, and e^(−33·0.5) = 7e-8.

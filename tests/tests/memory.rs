@@ -7,7 +7,7 @@ use std::path::Path;
 use host_sim::controller::{Format, PathBlock};
 use host_sim::log::{Log, write_rows};
 use host_sim::machine::Machine;
-use host_sim::plant::desk::Instruments;
+use host_sim::plant::instruments::Instruments;
 use host_sim::simulate::{Run, Sample, controller};
 use peak_alloc::PeakAlloc;
 

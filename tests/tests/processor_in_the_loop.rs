@@ -11,7 +11,7 @@ use host_sim::controller::{AxisOutput, Controller, Format, PathBlock, PathShape,
 use host_sim::link::emulator::Emulator;
 use host_sim::link::remote::{Connection, Remote};
 use host_sim::machine::Machine;
-use host_sim::plant::desk::Instruments;
+use host_sim::plant::instruments::Instruments;
 use host_sim::plant::sensors::Sensor;
 use host_sim::servo;
 use host_sim::simulate::{Run, controller, set_up};

@@ -13,7 +13,8 @@ use std::time::Instant;
 
 use host_sim::controller::{AxisOutput, Controller, Format, PathBlock, PathShape};
 use host_sim::machine::Machine;
-use host_sim::plant::desk::{Desk, Instruments};
+use host_sim::plant::desk::Desk;
+use host_sim::plant::instruments::Instruments;
 use host_sim::simulate;
 use shared::axis::Reading;
 use shared::units::Position;

@@ -11,7 +11,7 @@ use crate::link;
 use crate::machine::Machine;
 use crate::motion::Motion;
 use crate::path;
-use crate::plant::desk::Instruments;
+use crate::plant::instruments::Instruments;
 use crate::servo;
 use crate::simulate::{self, Run};
 use anyhow::Result;

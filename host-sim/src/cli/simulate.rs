@@ -10,7 +10,7 @@ use crate::controller::Format;
 use crate::machine::Machine;
 use crate::motion::Motion;
 use crate::path;
-use crate::plant::desk::Instruments;
+use crate::plant::instruments::Instruments;
 use crate::simulate::{self, Run};
 
 /// Arguments of `simulate`.

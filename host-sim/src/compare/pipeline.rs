@@ -10,7 +10,8 @@ use super::single::Single;
 use super::{AXES, CompareError};
 use crate::controller::{AxisOutput, Controller, Format, Status, in_process};
 use crate::machine::Machine;
-use crate::plant::desk::{Desk, Instruments};
+use crate::plant::desk::Desk;
+use crate::plant::instruments::Instruments;
 use crate::{servo, simulate};
 
 /// Current loop of the drives, s. Sensors are exact to the unit of a position, so that what differs

@@ -14,7 +14,7 @@ use crate::log::Log;
 use crate::machine::Machine;
 use crate::motion::Motion;
 use crate::path;
-use crate::plant::desk::Instruments;
+use crate::plant::instruments::Instruments;
 use crate::simulate::{self, Run, SimulationError};
 use crate::trace::axis::AxisTrace;
 use crate::trace::{self, Trace, report};

@@ -3,7 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 /// Sensors and drive of every axis. What is absent is as on a well-kept machine
-/// ([`crate::plant::desk::Instruments::typical`]).
+/// ([`crate::plant::instruments::Instruments::typical`]).
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct InstrumentKeys {

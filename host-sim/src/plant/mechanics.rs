@@ -9,103 +9,10 @@ use wide::f64x2;
 
 use super::friction::{Bristles, StepTime};
 use super::lane::Lane;
+use super::motion::{AxisMotion, Motion};
 use super::parameters::AxisParameters;
 use super::screw::Spring;
 use super::transition::{Masses, Transition};
-
-/// Positions (m) and velocities (m/s) of the axes of a register.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Motion<L> {
-    /// Motor, true position.
-    pub motor_m: L,
-    /// Motor.
-    pub motor_m_per_s: L,
-    /// Table.
-    pub table_m: L,
-    /// Table.
-    pub table_m_per_s: L,
-    /// Bend of the guide's bristles.
-    pub bristle_m: L,
-    /// Force of the drive, N.
-    pub drive_n: L,
-    /// Friction of the guide without its viscous part, mean of the last step, N.
-    pub friction_n: L,
-    /// Change of the motor's velocity over the last step, m/s.
-    pub motor_change: L,
-    /// Change of the table's velocity over the last step, m/s.
-    pub table_change: L,
-}
-
-/// Of one axis.
-pub type AxisMotion = Motion<f64>;
-
-impl<L: Lane> Motion<L> {
-    /// The same of other registers, value by value.
-    #[inline]
-    fn map<M>(of: impl Fn(fn(&Motion<L>) -> L) -> M) -> Motion<M> {
-        Motion {
-            motor_m: of(|motion| motion.motor_m),
-            motor_m_per_s: of(|motion| motion.motor_m_per_s),
-            table_m: of(|motion| motion.table_m),
-            table_m_per_s: of(|motion| motion.table_m_per_s),
-            bristle_m: of(|motion| motion.bristle_m),
-            drive_n: of(|motion| motion.drive_n),
-            friction_n: of(|motion| motion.friction_n),
-            motor_change: of(|motion| motion.motor_change),
-            table_change: of(|motion| motion.table_change),
-        }
-    }
-}
-
-impl Motion<f64x2> {
-    /// Two axes beside each other.
-    #[must_use]
-    #[inline]
-    pub fn beside(axes: [&AxisMotion; 2]) -> Self {
-        AxisMotion::map(|value| f64x2::new(axes.map(value)))
-    }
-
-    /// One of the two.
-    #[must_use]
-    #[inline]
-    pub fn axis(&self, axis: usize) -> AxisMotion {
-        Self::map(|value| value(self).lane(axis))
-    }
-}
-
-impl AxisMotion {
-    /// At rest with the motor at a place and no force anywhere.
-    #[must_use]
-    pub fn at_rest(parameters: &AxisParameters, motor_m: f64) -> Self {
-        Self { motor_m, table_m: parameters.screw.nominal_m(motor_m), ..Self::default() }
-    }
-
-    /// Acceleration of the table at this moment, m/s².
-    #[must_use]
-    pub fn table_m_per_s2(&self, parameters: &AxisParameters) -> f64 {
-        let friction = &parameters.friction;
-        let v = self.table_m_per_s;
-        let guide_n = if friction.has_bristles() {
-            let relaxes = friction.relaxes_per_m(friction.level_n(v)) * v.abs();
-            friction.bristle_stiffness_n_per_m * self.bristle_m
-                + friction.bristle_damping_n_s_per_m * (v - relaxes * self.bristle_m)
-        } else {
-            self.friction_n
-        };
-        let resistance_n = guide_n + friction.viscous_n(v) + parameters.load.force_n;
-        let Some(spring) = &parameters.spring else {
-            let drive_n = self.drive_n + parameters.ripple_n(self.motor_m)
-                - parameters.motor_friction_n(self.motor_m_per_s);
-            return (drive_n - resistance_n) / (parameters.motor_mass_kg + parameters.table_mass_kg);
-        };
-        let deflection_m = parameters.screw.nominal_m(self.motor_m) - self.table_m;
-        let stretch_m = deflection_m - parameters.screw.backlash.swallowed_m(deflection_m);
-        let touches = parameters.screw.backlash.width_um == 0.0 || stretch_m != 0.0;
-        let damping_n = spring.damping_n_s_per_m * (self.motor_m_per_s - v);
-        let screw_n = if touches { spring.stiffness_n_per_m * stretch_m + damping_n } else { 0.0 };
-        (screw_n - resistance_n) / parameters.table_mass_kg
-    }
-}
 
 /// How the axes of a register move in steps of one length.
 #[derive(Clone, Debug)]
@@ -350,7 +257,7 @@ impl<L: Lane> Stepper<L> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::effects::Backlash;
+    use crate::effects::{Backlash, FrictionAsymmetry, PitchCyclic, Stribeck, TorqueRipple};
     use crate::plant::friction::Friction;
 
     fn axis() -> AxisParameters {
@@ -426,6 +333,48 @@ mod tests {
         let place_m = motion.table_m;
         stepper.step(&parameters, &mut motion, 19.0);
         assert!((motion.table_m - place_m).abs() < 1e-15);
+    }
+
+    /// Two axes that differ in all there is, beside each other and each alone: the same to the last bit.
+    #[test]
+    fn beside_each_other_they_move_as_alone() {
+        let mut rough = axis();
+        rough.motor_coulomb_n = 0.0;
+        rough.screw.cyclic = Some(PitchCyclic { amplitude_um: 2.0, period_mm: 5.0, phase_rad: 0.3 });
+        rough.ripple = vec![TorqueRipple { amplitude_n: 15.0, period_mm: 4.0, phase_rad: 1.0 }];
+        rough.load.force_n = 40.0;
+        let mut plain = axis();
+        (plain.motor_coulomb_n, plain.table_mass_kg) = (0.0, 210.0);
+        let mut rising = axis();
+        rising.friction.stribeck = Stribeck { static_excess_n: 60.0, velocity_mm_s: 3.0 };
+        rising.friction.asymmetry = FrictionAsymmetry { half_difference_n_s_per_m: 90.0 };
+        let dry = |mass_kg: f64| {
+            let mut dry = AxisParameters { table_mass_kg: mass_kg, ..axis() };
+            dry.friction.bristle_stiffness_n_per_m = 0.0;
+            dry
+        };
+        for [a, b] in [
+            [rough, plain.clone()],
+            [plain.clone(), plain.clone()],
+            [rising, axis()],
+            [dry(160.0), dry(90.0)],
+        ] {
+            let alone = [&a, &b].map(|parameters| Stepper::new(parameters, 1e-4, 5e-5));
+            let beside = Stepper::beside([&alone[0], &alone[1]]).unwrap();
+            let mut one_by_one = [AxisMotion::default(); 2];
+            let mut motion = Motion::<f64x2>::beside(one_by_one.each_ref());
+            for tick in 0..4000 {
+                let force_n = [1.0, -0.7].map(|share| share * 2000.0 * (f64::from(tick) * 5e-5 * 40.0).sin());
+                beside.step([&a, &b], &mut motion, f64x2::new(force_n));
+                for (axis, (stepper, parameters)) in alone.iter().zip([&a, &b]).enumerate() {
+                    stepper.step(parameters, &mut one_by_one[axis], force_n[axis]);
+                }
+            }
+            assert_eq!([motion.axis(0), motion.axis(1)], one_by_one);
+            assert!(one_by_one.iter().all(|motion| motion.table_m.abs() > 1e-4), "they moved");
+        }
+        let alone = [&axis(), &dry(160.0)].map(|parameters| Stepper::new(parameters, 1e-4, 5e-5));
+        assert!(Stepper::beside([&alone[0], &alone[1]]).is_none(), "bristles beside none");
     }
 
     /// Constant force on one free mass: x = F·t²/2m, to the last digits at any step.

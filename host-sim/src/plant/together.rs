@@ -7,7 +7,7 @@ use nalgebra::Vector3;
 
 use super::bodies::motion::{Moving, Push};
 use super::bodies::{Assembly, Structure, StructureError};
-use super::mechanics::AxisMotion;
+use super::motion::AxisMotion;
 use super::parameters::AxisParameters;
 use super::screw::Spring;
 
@@ -150,7 +150,7 @@ mod tests {
     use crate::controller::{Format, PathBlock, PathShape};
     use crate::log::Log;
     use crate::machine::Machine;
-    use crate::plant::desk::Instruments;
+    use crate::plant::instruments::Instruments;
     use crate::simulate::{self, Run};
 
     const MACHINE: &str = include_str!("../../machines/bodies.toml");

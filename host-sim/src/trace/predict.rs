@@ -8,7 +8,8 @@ use super::signals::{AxisSignals, Signals, Smooth};
 use crate::effects::Channel;
 use crate::machine::Axis;
 use crate::plant::driven::{DrivenTable, Prescribed};
-use crate::plant::mechanics::{AxisMotion, Stepper};
+use crate::plant::mechanics::Stepper;
+use crate::plant::motion::AxisMotion;
 use crate::plant::parameters::AxisParameters;
 use crate::plant::structure::{self, Swing, Tables};
 

@@ -5,7 +5,7 @@ use host_sim::log::{Channel, Log};
 use host_sim::machine::{Axis, Machine};
 use host_sim::motion::Motion;
 use host_sim::path;
-use host_sim::plant::desk::Instruments;
+use host_sim::plant::instruments::Instruments;
 use host_sim::simulate::{Run, controller};
 
 /// The machine without any effect.

@@ -3,7 +3,7 @@
 use host_sim::log::Channel;
 use host_sim::machine::Machine;
 use host_sim::machine::instruments::InstrumentKeys;
-use host_sim::plant::desk::Instruments;
+use host_sim::plant::instruments::Instruments;
 
 use crate::bench::{
     PLAIN, ROUNDING_N, ROUNDING_UM, Seen, assert_all, assert_near, changed, declared, difference, lines, of,

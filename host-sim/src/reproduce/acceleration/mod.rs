@@ -1,6 +1,6 @@
 //! Measurement and simulation of acceleration-correlated position errors (Nguyen, Weikert, Wegener).
 //!
-//! [`machines`] has the catalogue's machine and the true one, [`bench`] closes the loop about either, [`circles`]
+//! [`machines`] has the catalogue's machine and the true one, [`mod@bench`] closes the loop about either, [`circles`]
 //! evaluates the paper's measurement, [`identify`] finds what the catalogue has wrong, [`travel`] is the 20 mm
 //! movement that has to agree.
 

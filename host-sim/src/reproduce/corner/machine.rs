@@ -4,7 +4,7 @@ use crate::controller::{Format, PathBlock, PathShape};
 use crate::effects::Effect;
 use crate::log::{AxisLog, Log};
 use crate::machine::{Controller, Machine};
-use crate::plant::desk::Instruments;
+use crate::plant::instruments::Instruments;
 use crate::reproduce::ReproduceError;
 use crate::simulate::{self, Run};
 

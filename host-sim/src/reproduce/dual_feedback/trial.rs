@@ -4,7 +4,7 @@
 use crate::controller::{Format, PathBlock, PathShape};
 use crate::log::Log;
 use crate::machine::{Feedback, Machine};
-use crate::plant::desk::Instruments;
+use crate::plant::instruments::Instruments;
 use crate::reproduce::ReproduceError;
 use crate::simulate::{Run, SimulationError, controller};
 

@@ -9,7 +9,7 @@ use crate::controller::{Format, PathBlock, PathShape};
 use crate::effects::Effect;
 use crate::log::Log;
 use crate::machine::Machine;
-use crate::plant::desk::Instruments;
+use crate::plant::instruments::Instruments;
 use crate::reproduce::ReproduceError;
 use crate::reproduce::ballbar::{Ballbar, Lap};
 use crate::simulate::{self, Run};
