@@ -75,6 +75,11 @@ impl<'a> Document<'a> {
         self.located(key, InputError::expected(self.source, what, self.found(key)))
     }
 
+    /// An error at a key that says what is wrong in its own words.
+    pub(crate) fn says(&self, key: &str, problem: &str) -> InputError {
+        self.located(key, InputError::saying(self.source, problem))
+    }
+
     /// The keys directly in the table, or elements directly in the array, at `key`, in the order
     /// of the file: the parser itself sorts tables by name.
     pub(crate) fn inside(&self, key: &str) -> Vec<&str> {

@@ -131,7 +131,7 @@ impl Run<'_> {
     ) -> Result<(), SimulationError> {
         let rates = servo::rates(self.machine);
         let (tick_s, divider) = (1.0 / rates.velocity_loop_hz, u64::from(rates.position_loop_divider));
-        let mut desk = Desk::new(self.machine, self.instruments, self.start_m);
+        let mut desk = Desk::new(self.machine, self.instruments, self.start_m)?;
         let mut waiting = self.blocks.iter().enumerate().peekable();
         let mut readings = vec![Reading { motor: Position(0), table: None }; self.start_m.len()];
         let mut outputs = vec![AxisOutput::default(); self.start_m.len()];

@@ -64,7 +64,7 @@ impl Loop {
         controller.enable().unwrap();
         Self {
             controller,
-            desk: Desk::with_steps(machine, Instruments::default(), &START_M, steps),
+            desk: Desk::with_steps(machine, Instruments::default(), &START_M, steps).unwrap(),
             readings: vec![Reading { motor: Position(0), table: None }; 2],
             outputs: vec![AxisOutput::default(); 2],
         }
@@ -138,7 +138,8 @@ fn main() {
     for axes in 1..=3 {
         for steps in [1, 5, 10] {
             let desk =
-                Desk::with_steps(&machine_of(axes, 4), Instruments::default(), &[0.0; 3][..axes], steps);
+                Desk::with_steps(&machine_of(axes, 4), Instruments::default(), &[0.0; 3][..axes], steps)
+                    .unwrap();
             let ns = cost(desk, |desk| desk.step([100.0; 3].into_iter()));
             println!("{axes:<12}{:>16}{steps:>12}{ns:>14.1}", "");
         }

@@ -59,16 +59,23 @@ impl Given<'_> {
         | ConfigError::NotPositive(name)
         | ConfigError::NotWhileRunning(name)
         | ConfigError::OutOfRange { name, .. }) = error;
-        let key = match (*name, self.machine.axis.get_index(axis)) {
-            ("velocity_loop_hz", _) | (_, None) => "velocity_loop_rate_hz".to_owned(),
-            ("velocity_lag_s", Some((axis, _))) => format!("axis.{axis}.effect"),
-            // Lengths stand in the file in mm.
-            ("fastest_m_per_s", Some((axis, _))) => format!("axis.{axis}.fastest_mm_per_s"),
-            (name, Some((axis, _))) => format!("axis.{axis}.{name}"),
+        // What stands in the file in another unit, or under another name.
+        let (key, per_si) = match *name {
+            "velocity_loop_hz" => ("velocity_loop_rate_hz", 1.0),
+            "fastest_m_per_s" => ("fastest_mm_per_s", 1e3),
+            "following_error_limit_m" => ("following_error_limit_mm", 1e3),
+            "scale_disagreement_limit_m" => ("scale_disagreement_limit_mm", 1e3),
+            "travel_m" => ("travel_mm", 1e3),
+            "velocity_lag_s" => ("effect.ms", 1e3),
+            name => (name, 1.0),
+        };
+        let key = match (key, self.machine.axis.get_index(axis)) {
+            ("velocity_loop_rate_hz", _) | (_, None) => "velocity_loop_rate_hz".to_owned(),
+            (key, Some((axis, _))) => format!("axis.{axis}.{key}"),
         };
         let error = match *error {
-            ConfigError::OutOfRange { name, least, most } if name == "fastest_m_per_s" => {
-                ConfigError::OutOfRange { name, least: 1e3 * least, most: 1e3 * most }
+            ConfigError::OutOfRange { name, least, most } => {
+                ConfigError::OutOfRange { name, least: per_si * least, most: per_si * most }
             }
             error => error,
         };

@@ -12,6 +12,7 @@ use crate::controller::{AxisOutput, Controller, Format, Status, in_process};
 use crate::machine::Machine;
 use crate::plant::desk::Desk;
 use crate::plant::instruments::Instruments;
+use crate::simulate::SimulationError;
 use crate::{servo, simulate};
 
 /// Current loop of the drives, s. Sensors are exact to the unit of a position, so that what differs
@@ -92,7 +93,7 @@ pub fn run(
 ) -> Result<Vec<Tick>, CompareError> {
     let divider = servo::rates(machine).position_loop_divider as usize;
     let instruments = Instruments { drive_time_constant_s: INSTRUMENTS_DRIVE_S, ..Instruments::default() };
-    let mut desk = Desk::new(machine, instruments, &motion.start_m());
+    let mut desk = Desk::new(machine, instruments, &motion.start_m()).map_err(SimulationError::from)?;
     let blocks = motion.blocks(turns);
     let mut ticks = Vec::new();
     let mut readings = [Reading { motor: Position(0), table: None }; AXES];

@@ -7,13 +7,20 @@ use super::{AXIS_NAME, Axis, Feedback, Machine, is_axis_name};
 use shared::units::TRAVEL_LIMIT_M;
 
 use crate::document::Document;
-use crate::effects::{Effect, NAMES};
+use crate::effects::{Channel, Effect, NAMES};
 use crate::error::InputError;
 use crate::plant::bodies::Assembly;
 use crate::plant::curve::Curve;
 
+/// No machine needs a greater number in any of its units.
+const GREATEST: f64 = 1e12;
+
 /// No sensor is later than this.
 const LONGEST_LATENCY_MS: f64 = 1000.0;
+
+/// Effects that an axis has once: two of them would not add up to one.
+const ONCE: [&str; 6] =
+    ["stribeck", "servo_mismatch", "velocity_lag", "thermal_drift", "resonance", "windup"];
 
 /// Faster loops than this are a slip of the unit.
 const HIGHEST_RATE_HZ: f64 = 1e6;
@@ -25,23 +32,29 @@ const MOST_VELOCITY_STEPS: f64 = 1000.0;
 enum Range {
     Positive,
     NotNegative,
+    Signed,
     UpTo(f64),
+    Within(f64),
 }
 
 impl Range {
     fn holds(self, value: f64) -> bool {
         match self {
-            Self::Positive => value > 0.0,
-            Self::NotNegative => value >= 0.0,
+            Self::Positive => value > 0.0 && value <= GREATEST,
+            Self::NotNegative => (0.0..=GREATEST).contains(&value),
+            Self::Signed => value.abs() <= GREATEST,
             Self::UpTo(greatest) => (0.0..=greatest).contains(&value),
+            Self::Within(greatest) => value.abs() <= greatest,
         }
     }
 
     fn words(self) -> String {
         match self {
-            Self::Positive => "a number above 0".to_owned(),
-            Self::NotNegative => "a number not below 0".to_owned(),
+            Self::Positive => format!("a number above 0, at most {GREATEST:e}"),
+            Self::NotNegative => format!("a number not below 0, at most {GREATEST:e}"),
+            Self::Signed => format!("a number within ±{GREATEST:e}"),
             Self::UpTo(greatest) => format!("a number from 0 to {greatest}"),
+            Self::Within(greatest) => format!("a number within ±{greatest}"),
         }
     }
 
@@ -70,7 +83,13 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         context.travel()?;
         context.mechanics()?;
         for (index, effect) in axis.effect.iter().enumerate() {
-            parameters(effect, &format!("{key}.effect[{index}]"), document)?;
+            let effect_key = format!("{key}.effect[{index}]");
+            parameters(effect, &effect_key, document)?;
+            context.place(effect, &effect_key, machine)?;
+            let once = |other: &Effect| other.name() == effect.name() && ONCE.contains(&effect.name());
+            if axis.effect[..index].iter().any(once) {
+                return Err(document.refuse(&effect_key, "this effect once"));
+            }
         }
         sources(&machine.others(name), &key, document)?;
     }
@@ -103,7 +122,13 @@ fn structure(machine: &Machine, document: &Document<'_>) -> Result<(), InputErro
     }
     match Assembly::of(structure) {
         Ok(_) => Ok(()),
-        Err(error) => Err(document.refuse("structure", &format!("a structure that holds ({error})"))),
+        Err(error) => {
+            let text = error.to_string();
+            Err(match text.split_once(": ") {
+                Some((key, problem)) => document.says(&format!("structure.{key}"), problem),
+                None => document.says("structure", &text),
+            })
+        }
     }
 }
 
@@ -251,6 +276,23 @@ impl Context<'_> {
     }
 }
 
+impl Context<'_> {
+    /// Whether there is something for an effect to act on.
+    fn place(&self, effect: &Effect, key: &str, machine: &Machine) -> Result<(), InputError> {
+        let what = match effect {
+            Effect::Windup(_) if self.axis.is_rigid() && machine.structure.is_none() => {
+                "this effect where stiffness_n_per_um is given: a rigid axis does not wind up"
+            }
+            Effect::Squareness(_) if machine.axis.len() < 2 => "this effect where there is another axis",
+            Effect::Resonance(resonance) if resonance.channel != Channel::Tool => {
+                return Err(self.document.refuse(&format!("{key}.channel"), "\"tool\""));
+            }
+            _ => return Ok(()),
+        };
+        Err(self.document.refuse(&format!("{key}.name"), what))
+    }
+}
+
 /// Reads each effect alone: within the whole file serde loses the place of what is wrong in one.
 pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
     for axis in document.inside("axis") {
@@ -296,7 +338,8 @@ fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(),
                 Range::Positive
             }
             "width_um" | "damping_ratio" | "static_excess_n" => Range::NotNegative,
-            _ => continue,
+            "ms" => Range::Within(LONGEST_LATENCY_MS),
+            _ => Range::Signed,
         };
         range.check(&format!("{key}.{name}"), value, document)?;
     }

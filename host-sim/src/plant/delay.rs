@@ -49,6 +49,30 @@ impl Delay {
     }
 }
 
+/// A channel of the log that is late by the effect of that name. It may be early: then it is where its velocity and its
+/// acceleration take it.
+#[derive(Clone, Debug)]
+pub struct Late {
+    delay: Option<Delay>,
+    early_s: f64,
+}
+
+impl Late {
+    /// Of something that has stood at `start_m` for long, logged once a sample.
+    #[must_use]
+    pub fn new(late_s: f64, sample_s: f64, start_m: f64) -> Self {
+        Self { delay: Delay::new(late_s, sample_s, start_m), early_s: (-late_s).max(0.0) }
+    }
+
+    /// How far the log is behind what it should show, m.
+    pub fn behind_m(&mut self, place_m: f64, velocity: f64, acceleration: f64) -> f64 {
+        match &mut self.delay {
+            Some(delay) => place_m - delay.read(place_m, velocity),
+            None => -self.early_s * (velocity + 0.5 * self.early_s * acceleration),
+        }
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;

@@ -6,12 +6,13 @@ use shared::axis::Reading;
 use shared::units::Position;
 use wide::f64x2;
 
-use super::delay::Delay;
+use super::bodies::StructureError;
+use super::delay::{Delay, Late};
 use super::instruments::Instruments;
 use super::mechanics::Stepper;
 use super::motion::{AxisMotion, Motion};
 use super::parameters::AxisParameters;
-use super::structure::{self, Swing, Tables};
+use super::structure::{self, Swing, SwingStep, Tables};
 use super::together::Together;
 use crate::effects::Channel;
 use crate::machine::Machine;
@@ -32,8 +33,12 @@ struct DeskAxis {
     stepper: Stepper<f64>,
     motion: AxisMotion,
     swing: Swing,
+    swings: Option<SwingStep>,
     motor_delay: Option<Delay>,
     table_delay: Option<Delay>,
+    /// Of the channels that are logged late.
+    logged_table: Late,
+    logged_tool: Late,
     /// Where the bodies of a structure have the tool, beyond the table, m.
     leaning_m: f64,
     commanded_n: f64,
@@ -62,8 +67,10 @@ pub struct Desk {
 impl Desk {
     /// A machine at rest with its motors at `start_m`, stepped by the tick of its velocity loop, with as many steps in
     /// it as what is not linear asks for ([`AxisParameters::step_s`]).
-    #[must_use]
-    pub fn new(machine: &Machine, instruments: Instruments, start_m: &[f64]) -> Self {
+    ///
+    /// # Errors
+    /// Where its structure cannot be built.
+    pub fn new(machine: &Machine, instruments: Instruments, start_m: &[f64]) -> Result<Self, StructureError> {
         let tick_s = 1.0 / machine.velocity_rate_hz();
         let steps_s = AxisParameters::of_all(machine).into_iter().map(|axis| axis.step_s());
         #[expect(
@@ -76,27 +83,39 @@ impl Desk {
     }
 
     /// The same with a number of steps in each tick, at least one.
-    #[must_use]
-    pub fn with_steps(machine: &Machine, instruments: Instruments, start_m: &[f64], steps: u32) -> Self {
+    ///
+    /// # Errors
+    /// Where its structure cannot be built.
+    pub fn with_steps(
+        machine: &Machine,
+        instruments: Instruments,
+        start_m: &[f64],
+        steps: u32,
+    ) -> Result<Self, StructureError> {
         let substeps = steps.max(1);
         let tick_s = 1.0 / machine.velocity_rate_hz();
-        let step_s = tick_s / f64::from(substeps);
+        let (step_s, sample_s) = (tick_s / f64::from(substeps), 1.0 / machine.sample_rate_hz);
         let parameters = AxisParameters::of_all(machine);
         let lag_s = instruments.drive_time_constant_s;
-        let bodies = machine.structure.as_ref();
-        let together = bodies.and_then(|s| Together::new(s, &parameters, start_m, lag_s, step_s).ok());
+        let together = match &machine.structure {
+            Some(bodies) => Some(Together::new(bodies, &parameters, start_m, lag_s, step_s)?),
+            None => None,
+        };
         let stand = |(parameters, &start): (AxisParameters, &f64)| DeskAxis {
             stepper: Stepper::new(&parameters, instruments.drive_time_constant_s, step_s),
             motion: AxisMotion::at_rest(&parameters, start),
             swing: Swing::default(),
+            swings: parameters.tool.resonance.as_ref().map(|resonance| SwingStep::new(resonance, step_s)),
             motor_delay: Delay::new(instruments.motor_latency_s, tick_s, start),
             table_delay: Delay::new(instruments.table_latency_s, tick_s, parameters.screw.nominal_m(start)),
+            logged_table: Late::new(parameters.late_s(Channel::Table), sample_s, start),
+            logged_tool: Late::new(parameters.late_s(Channel::Tool), sample_s, start),
             leaning_m: 0.0,
             commanded_n: 0.0,
             parameters,
         };
         let axes: Vec<DeskAxis> = parameters.into_iter().zip(start_m).map(stand).collect();
-        Self {
+        Ok(Self {
             names: machine.axis.keys().cloned().collect(),
             groups: groups(&axes),
             axes,
@@ -105,7 +124,7 @@ impl Desk {
             random: ChaCha8Rng::seed_from_u64(instruments.seed),
             step_s,
             substeps,
-        }
+        })
     }
 
     /// What motor encoder and linear scale of each axis show the controller.
@@ -132,15 +151,17 @@ impl Desk {
         let acceleration: Vec<f64> = self.axes.iter().map(|axis| self.table_m_per_s2(axis)).collect();
         let tables = Tables { names: &self.names, position_m: &position_m, acceleration: &acceleration };
         let mut rows = Vec::with_capacity(self.axes.len());
-        for (i, axis) in self.axes.iter().enumerate() {
+        for (i, axis) in self.axes.iter_mut().enumerate() {
             let offset = axis.swing.offset_m + structure::offset_m(&axis.parameters.tool, i, &tables, time_s);
-            let acceleration = acceleration[i];
-            let tool =
-                axis.motion.table_m + axis.leaning_m + offset - axis.behind_m(Channel::Tool, acceleration);
+            let AxisMotion { table_m, table_m_per_s, .. } = axis.motion;
+            let behind =
+                |channel: &mut Late, place_m| channel.behind_m(place_m, table_m_per_s, acceleration[i]);
+            let tool_m = table_m + axis.leaning_m + offset;
+            let tool_m = tool_m - behind(&mut axis.logged_tool, tool_m);
             rows.push(Row {
-                tool_m: self.instruments.tool.read(tool, &mut self.random),
-                table_m: readings[i].table.map_or(axis.motion.table_m, Position::to_m)
-                    - axis.behind_m(Channel::Table, acceleration),
+                tool_m: self.instruments.tool.read(tool_m, &mut self.random),
+                table_m: readings[i].table.map_or(table_m, Position::to_m)
+                    - behind(&mut axis.logged_table, table_m),
                 force_n: self.instruments.force.read(axis.commanded_n, &mut self.random),
             });
         }
@@ -211,6 +232,9 @@ fn step_together(together: &mut Together, axes: &mut [DeskAxis], step_s: f64) {
     for (i, axis) in axes.iter_mut().enumerate() {
         together.drive(i, &axis.parameters, &mut axis.motion, axis.commanded_n);
     }
+    for (i, axis) in axes.iter_mut().enumerate() {
+        together.slide(i, &axis.parameters, &mut axis.motion);
+    }
     together.step();
     for (i, axis) in axes.iter_mut().enumerate() {
         axis.leaning_m = together.show(i, &mut axis.motion);
@@ -233,16 +257,8 @@ impl DeskAxis {
 
     /// The tool's own swing, after the table's velocity has changed in a step.
     fn swing_on(&mut self, change: f64, step_s: f64) {
-        if let Some(resonance) = &self.parameters.tool.resonance {
-            self.swing.step(resonance, change / step_s, self.motion.table_m_per_s, step_s);
+        if let Some(step) = &self.swings {
+            self.swing.step(step, change / step_s, self.motion.table_m_per_s);
         }
-    }
-
-    /// How far the table moved while a late channel was on its way, m.
-    fn behind_m(&self, channel: Channel, acceleration: f64) -> f64 {
-        let late_s =
-            |late: &crate::effects::Latency| if late.channel == channel { 1e-3 * late.ms } else { 0.0 };
-        let tau: f64 = self.parameters.late.iter().map(late_s).sum();
-        tau * (self.motion.table_m_per_s - 0.5 * tau * acceleration)
     }
 }

@@ -7,7 +7,8 @@
 
 use wide::f64x2;
 
-use super::friction::{Bristles, StepTime};
+use super::friction::StepTime;
+use super::guide::{Free, Guide};
 use super::lane::Lane;
 use super::motion::{AxisMotion, Motion};
 use super::parameters::AxisParameters;
@@ -29,26 +30,14 @@ pub struct Stepper<L> {
     plain_screw: bool,
 }
 
-/// What a table slides on.
-#[derive(Clone, Copy, Debug)]
-struct Guide<L> {
-    /// `None`: friction without a presliding state.
-    bristles: Option<Bristles<L>>,
-    /// [`super::friction::Friction::relaxes_per_m`] where it is the same at every velocity.
-    relaxes_per_m: Option<L>,
-    load_n: L,
-    asymmetry_n_s_per_m: L,
-}
-
 impl Stepper<f64> {
     /// Steps of `step_s` behind a drive that lags by its time constant (0: not at all).
     #[must_use]
     pub fn new(parameters: &AxisParameters, drive_time_constant_s: f64, step_s: f64) -> Self {
-        let friction = &parameters.friction;
         let masses = Masses {
             motor_kg: parameters.motor_mass_kg,
             table_kg: parameters.table_mass_kg,
-            viscous_n_s_per_m: friction.viscous_n_s_per_m,
+            viscous_n_s_per_m: parameters.friction.viscous_n_s_per_m,
         };
         let of_two =
             |spring: Option<&Spring>| Transition::of_two(masses, spring, drive_time_constant_s, step_s);
@@ -63,12 +52,7 @@ impl Stepper<f64> {
             touching,
             apart: if has_gap { of_two(None) } else { touching },
             half_gap_m,
-            guide: Guide {
-                bristles: friction.has_bristles().then(|| friction.bristles()),
-                relaxes_per_m: friction.even_level_n().map(|level_n| friction.relaxes_per_m(level_n)),
-                load_n: parameters.load.force_n,
-                asymmetry_n_s_per_m: friction.asymmetry.half_difference_n_s_per_m,
-            },
+            guide: Guide::new(parameters),
             plain_motor: parameters.motor_coulomb_n == 0.0 && parameters.ripple.is_empty(),
             plain_screw: parameters.screw.is_true(),
         }
@@ -126,31 +110,14 @@ impl Stepper<f64x2> {
     /// Two smooth axes beside each other; `None` where one has bristles and the other has not.
     #[must_use]
     pub fn beside(axes: [&Stepper<f64>; 2]) -> Option<Self> {
-        let guides = axes.map(|axis| axis.guide);
-        let bristles = match guides.map(|guide| guide.bristles) {
-            [Some(a), Some(b)] => Some(Bristles {
-                stiffness_n_per_m: f64x2::new([a.stiffness_n_per_m, b.stiffness_n_per_m]),
-                damping_n_s_per_m: f64x2::new([a.damping_n_s_per_m, b.damping_n_s_per_m]),
-            }),
-            [None, None] => None,
-            _ => return None,
-        };
-        let relaxes_per_m = match guides.map(|guide| guide.relaxes_per_m) {
-            [Some(a), Some(b)] => Some(f64x2::new([a, b])),
-            _ => None,
-        };
+        let guide = Guide::beside(axes.map(|axis| axis.guide))?;
         let touching = Transition::beside(&axes.map(|axis| &axis.touching));
         Some(Self {
             step: axes[0].step,
             touching,
             apart: touching,
             half_gap_m: 0.0,
-            guide: Guide {
-                bristles,
-                relaxes_per_m,
-                load_n: f64x2::new(guides.map(|guide| guide.load_n)),
-                asymmetry_n_s_per_m: f64x2::new(guides.map(|guide| guide.asymmetry_n_s_per_m)),
-            },
+            guide,
             plain_motor: axes.iter().all(|axis| axis.plain_motor),
             plain_screw: axes.iter().all(|axis| axis.plain_screw),
         })
@@ -203,7 +170,13 @@ impl<L: Lane> Stepper<L> {
         let push_n = self.on_motor(parameters, motion, force_n, middle_m);
         let lag_n = motion.drive_n - force_n;
         let end = linear.end(stretch_m, [motor_m_per_s, table_m_per_s], lag_n, push_n);
-        let push_n = self.on_table(parameters, motion, linear, end);
+        let free = Free {
+            mean_m_per_s: end[0] * L::all(self.step.per_second),
+            end_m_per_s: end[3],
+            mobility: linear.mobility,
+            stops_n_s_per_m: linear.stops_n_s_per_m,
+        };
+        let push_n = self.guide.push_n(parameters, motion, free, self.step);
         let [way_m, stretch_m, motor_end, table_end] = linear.pushed(end, push_n);
 
         motion.drive_n = force_n + linear.lag_left * lag_n;
@@ -222,35 +195,6 @@ impl<L: Lane> Stepper<L> {
         let about = motion.motor_m_per_s + L::all(0.5) * motion.motor_change;
         let friction_n = L::of(|axis| parameters[axis].motor_friction_n(about.lane(axis)));
         force_n + L::of(|axis| parameters[axis].ripple_n(middle_m.lane(axis))) - friction_n
-    }
-
-    /// Mean push on the table, N, beside the spring: friction of the guide without its viscous part, and load.
-    #[inline]
-    fn on_table(
-        &self,
-        parameters: &[&AxisParameters],
-        motion: &mut Motion<L>,
-        linear: &Transition<L>,
-        end: [L; 4],
-    ) -> L {
-        let about = motion.table_m_per_s + L::all(0.5) * motion.table_change;
-        let load_n = self.guide.load_n + self.guide.asymmetry_n_s_per_m * about.abs();
-        if let Some(bristles) = &self.guide.bristles {
-            let relaxes_per_m = self.guide.relaxes_per_m.unwrap_or_else(|| {
-                let friction = |axis: usize| &parameters[axis].friction;
-                L::of(|axis| friction(axis).relaxes_per_m(friction(axis).level_n(about.lane(axis))))
-            });
-            let relaxation = relaxes_per_m * about.abs() * L::all(self.step.seconds);
-            let mean = bristles.over(motion.bristle_m, relaxation, linear.mobility, self.step);
-            let free = end[0] * L::all(self.step.per_second) - linear.mobility * load_n;
-            motion.friction_n = mean.force_n(free);
-            motion.bristle_m = mean.bristle_m(free - linear.mobility * motion.friction_n);
-        } else {
-            let holds_n = end[3] * linear.stops_n_s_per_m - load_n;
-            motion.friction_n =
-                L::of(|axis| parameters[axis].friction.dry_n(about.lane(axis), holds_n.lane(axis)));
-        }
-        L::all(0.0) - (motion.friction_n + load_n)
     }
 }
 
@@ -340,7 +284,7 @@ mod tests {
     fn beside_each_other_they_move_as_alone() {
         let mut rough = axis();
         rough.motor_coulomb_n = 0.0;
-        rough.screw.cyclic = Some(PitchCyclic { amplitude_um: 2.0, period_mm: 5.0, phase_rad: 0.3 });
+        rough.screw.cyclic = vec![PitchCyclic { amplitude_um: 2.0, period_mm: 5.0, phase_rad: 0.3 }];
         rough.ripple = vec![TorqueRipple { amplitude_n: 15.0, period_mm: 4.0, phase_rad: 1.0 }];
         rough.load.force_n = 40.0;
         let mut plain = axis();

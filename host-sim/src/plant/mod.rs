@@ -12,6 +12,7 @@ pub mod delay;
 pub mod desk;
 pub mod driven;
 pub mod friction;
+pub mod guide;
 pub mod instruments;
 pub mod lane;
 pub mod mechanics;

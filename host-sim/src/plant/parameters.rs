@@ -1,8 +1,8 @@
 //! What an axis is made of: the machine file's axis in SI, with its effects put where they act.
 
 use crate::effects::{
-    ConstantLoad, Crosstalk, Effect, Intalk, Latency, ResolverDividing, Resonance, ServoMismatch, Squareness,
-    Straightness, ThermalDrift, TorqueRipple, VelocityLag,
+    Channel, ConstantLoad, Crosstalk, Effect, Intalk, Latency, ResolverDividing, Resonance, ServoMismatch,
+    Squareness, Straightness, ThermalDrift, TorqueRipple, VelocityLag,
 };
 use crate::machine::{Axis, Machine};
 
@@ -33,7 +33,7 @@ pub struct AxisParameters {
     /// On the motor.
     pub ripple: Vec<TorqueRipple>,
     /// Of the motor reading.
-    pub dividing: Option<ResolverDividing>,
+    pub dividing: Vec<ResolverDividing>,
     /// Between table and tool.
     pub tool: ToolParameters,
     /// Of the controller.
@@ -130,17 +130,17 @@ impl AxisParameters {
             Effect::ConstantLoad(e) => self.load.force_n += e.force_n,
             Effect::ServoMismatch(e) => self.servo.mismatch = e,
             Effect::VelocityLag(e) => self.servo.lag = e,
-            Effect::ResolverDividing(e) => self.dividing = Some(e),
+            Effect::ResolverDividing(e) => self.dividing.push(e),
             Effect::Intalk(e) => self.tool.intalk = e,
             Effect::Crosstalk(e) => self.tool.crosstalk.push(e),
-            Effect::Squareness(e) => self.tool.squareness = e,
+            Effect::Squareness(e) => self.tool.squareness.um_per_m += e.um_per_m,
             Effect::Straightness(e) => self.tool.straightness.push(e),
             Effect::ThermalDrift(e) => self.tool.drift = Some(e),
             Effect::Resonance(e) => self.tool.resonance = Some(e),
             Effect::Latency(e) => self.late.push(e),
             Effect::Backlash(e) => self.screw.backlash = e,
-            Effect::PitchProgressive(e) => self.screw.progressive = e,
-            Effect::PitchCyclic(e) => self.screw.cyclic = Some(e),
+            Effect::PitchProgressive(e) => self.screw.progressive.slope_um_per_m += e.slope_um_per_m,
+            Effect::PitchCyclic(e) => self.screw.cyclic.push(e),
             Effect::Windup(e) => {
                 if let Some(spring) = &mut self.spring {
                     spring.stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;
@@ -170,7 +170,14 @@ impl AxisParameters {
     #[must_use]
     #[inline]
     pub fn dividing_m(&self, motor_m: f64) -> f64 {
-        self.dividing.as_ref().map_or(0.0, |dividing| dividing.error_m(motor_m))
+        self.dividing.iter().map(|dividing| dividing.error_m(motor_m)).sum()
+    }
+
+    /// How late a channel is logged, s.
+    #[must_use]
+    pub fn late_s(&self, channel: Channel) -> f64 {
+        let of = |late: &Latency| if late.channel == channel { 1e-3 * late.ms } else { 0.0 };
+        self.late.iter().map(of).sum()
     }
 
     /// A step (s) short enough for what is not linear.

@@ -10,7 +10,7 @@ pub struct Screw {
     /// Slope of the lead.
     pub progressive: PitchProgressive,
     /// Wobble of the lead.
-    pub cyclic: Option<PitchCyclic>,
+    pub cyclic: Vec<PitchCyclic>,
 }
 
 /// The elasticity between motor and table, SI.
@@ -26,7 +26,7 @@ impl Screw {
     /// Whether it has no pitch error.
     #[must_use]
     pub fn is_true(&self) -> bool {
-        self.progressive.slope_um_per_m == 0.0 && self.cyclic.is_none()
+        self.progressive.slope_um_per_m == 0.0 && self.cyclic.is_empty()
     }
 
     /// Where the screw would carry an unloaded table, for a motor position (both m).
@@ -40,7 +40,7 @@ impl Screw {
     #[must_use]
     #[inline]
     pub fn error_m(&self, motor_m: f64) -> f64 {
-        let cyclic = self.cyclic.as_ref().map_or(0.0, |cyclic| cyclic.error_m(motor_m));
+        let cyclic: f64 = self.cyclic.iter().map(|cyclic| cyclic.error_m(motor_m)).sum();
         self.progressive.error_m(motor_m) + cyclic
     }
 

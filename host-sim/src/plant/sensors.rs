@@ -18,7 +18,9 @@ impl Sensor {
     #[inline]
     pub fn read(&self, value: f64, random: &mut ChaCha8Rng) -> f64 {
         let noisy = if self.noise > 0.0 { value + self.noise * normal(random) } else { value };
-        if self.resolution > 0.0 { (noisy / self.resolution).round() * self.resolution } else { noisy }
+        // A step too small for a number to count is none.
+        let steps = (noisy / self.resolution).round();
+        if self.resolution > 0.0 && steps.is_finite() { steps * self.resolution } else { noisy }
     }
 }
 

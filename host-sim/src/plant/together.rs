@@ -7,6 +7,8 @@ use nalgebra::Vector3;
 
 use super::bodies::motion::{Moving, Push};
 use super::bodies::{Assembly, Structure, StructureError};
+use super::friction::StepTime;
+use super::guide::Guide;
 use super::motion::AxisMotion;
 use super::parameters::AxisParameters;
 use super::screw::Spring;
@@ -16,9 +18,10 @@ pub struct Together {
     moving: Moving,
     axes: Vec<Carried>,
     pushes: Vec<Push>,
-    step_s: f64,
-    /// Share of the drives' lag that a step leaves.
+    step: StepTime,
+    /// Share of the drives' lag that a step leaves, and its mean over the step.
     lag_left: f64,
+    lag_mean: f64,
 }
 
 /// What stays the same of an axis.
@@ -28,8 +31,7 @@ struct Carried {
     spring: Spring,
     /// Where the axis takes the tool against the workpiece, of length one.
     way: Vector3<f64>,
-    /// What a newton on the guide changes its velocity by in a step, m/s.
-    mobility: f64,
+    guide: Guide<f64>,
 }
 
 impl Together {
@@ -50,7 +52,11 @@ impl Together {
                 axis.stiffness_n_per_um = 1e-6 * spring.stiffness_n_per_m;
             }
         }
-        let assembly = Assembly::of(&structure)?;
+        let mut assembly = Assembly::of(&structure)?;
+        for (number, parameters) in parameters.iter().enumerate() {
+            let guide = assembly.guides.row(number).into_owned();
+            assembly.damping += guide.transpose() * guide * parameters.friction.viscous_n_s_per_m;
+        }
         let (ways, moving) = (assembly.ways()?, Moving::new(&assembly, step_s)?);
         let carried =
             |(number, (axis, parameters)): (usize, (&super::bodies::Axis, &AxisParameters))| Carried {
@@ -61,18 +67,21 @@ impl Together {
                     damping_n_s_per_m: 1e3 * axis.damping_n_s_per_mm,
                 },
                 way: ways.column(number).normalize(),
-                mobility: moving.mobility()[number],
+                guide: Guide::new(parameters),
             };
+        let lags = drive_time_constant_s > 0.0;
+        let lag_left = if lags { (-step_s / drive_time_constant_s).exp() } else { 0.0 };
         Ok(Self {
             axes: structure.axis.values().zip(parameters).enumerate().map(carried).collect(),
             moving,
             pushes: vec![Push::default(); start_m.len()],
-            step_s,
-            lag_left: if drive_time_constant_s > 0.0 { (-step_s / drive_time_constant_s).exp() } else { 0.0 },
+            step: StepTime::new(step_s),
+            lag_left,
+            lag_mean: if lags { (1.0 - lag_left) * drive_time_constant_s / step_s } else { 0.0 },
         })
     }
 
-    /// The forces of an axis for the next step, from what its drive is commanded, N.
+    /// What drive and screw of an axis push over the next step, from what its drive is commanded, N.
     pub fn drive(
         &mut self,
         axis: usize,
@@ -80,18 +89,32 @@ impl Together {
         motion: &mut AxisMotion,
         commanded_n: f64,
     ) {
-        // The mean over the step of what a lag of first order still lacks.
-        motion.drive_n = commanded_n + self.lag_left * (motion.drive_n - commanded_n);
-        let motor_n = parameters.motor_friction_n(motion.motor_m_per_s) - parameters.ripple_n(motion.motor_m);
-        let carried = &self.axes[axis];
-        let guide_n = carried.friction_n(parameters, motion, self.step_s) + parameters.load.force_n;
-        let screw_n = carried.screw_n(parameters, motion, self.moving.stretches_m()[axis]);
-        self.pushes[axis] = Push { motor_n: motion.drive_n - motor_n, screw_n, guide_n: -guide_n };
+        let lag_n = motion.drive_n - commanded_n;
+        motion.drive_n = commanded_n + self.lag_left * lag_n;
+        let drive_n = commanded_n + self.lag_mean * lag_n;
+        // What follows from places and velocities is taken in the middle of the step, as far as that is known.
+        let half_s = 0.5 * self.step.seconds;
+        let middle_m = motion.motor_m + half_s * motion.motor_m_per_s;
+        let about = motion.motor_m_per_s + 0.5 * motion.motor_change;
+        let motor_n = parameters.motor_friction_n(about) - parameters.ripple_n(middle_m);
+        let stretches = half_s * (motion.table_m_per_s - motion.motor_m_per_s);
+        let stretch_m = self.moving.stretches_m()[axis] + stretches;
+        let screw_n = self.axes[axis].screw_n(parameters, motion, middle_m, stretch_m);
+        let push = &mut self.pushes[axis];
+        (push.motor_n, push.screw_n) = (drive_n - motor_n, screw_n);
+        self.moving.push(axis, *push);
+    }
+
+    /// What the guide of an axis pushes over the next step, once every axis is driven.
+    pub fn slide(&mut self, axis: usize, parameters: &AxisParameters, motion: &mut AxisMotion) {
+        let free = self.moving.free(axis);
+        self.pushes[axis].guide_n = self.axes[axis].guide.push_n(&[parameters], motion, free, self.step);
+        self.moving.push(axis, self.pushes[axis]);
     }
 
     /// One step of the whole under the forces of its axes.
     pub fn step(&mut self) {
-        self.moving.step(&self.pushes);
+        self.moving.step();
     }
 
     /// Where the step has brought an axis; gives tool beyond table, m.
@@ -101,8 +124,8 @@ impl Together {
         let motor_m = carried.motor_start_m + self.moving.motors_m()[axis];
         let table_m = carried.table_start_m + moved_m;
         let (motor_before, table_before) = (motion.motor_m_per_s, motion.table_m_per_s);
-        motion.motor_m_per_s = (motor_m - motion.motor_m) / self.step_s;
-        motion.table_m_per_s = (table_m - motion.table_m) / self.step_s;
+        motion.motor_m_per_s = self.moving.motors_m_per_s()[axis];
+        motion.table_m_per_s = self.moving.scales_m_per_s()[axis];
         motion.motor_change = motion.motor_m_per_s - motor_before;
         motion.table_change = motion.table_m_per_s - table_before;
         (motion.motor_m, motion.table_m) = (motor_m, table_m);
@@ -113,29 +136,16 @@ impl Together {
     /// Acceleration of the table over the last step, m/s².
     #[must_use]
     pub fn table_m_per_s2(&self, motion: &AxisMotion) -> f64 {
-        motion.table_change / self.step_s
+        motion.table_change * self.step.per_second
     }
 }
 
 impl Carried {
-    /// Friction of the guide against its motion, N.
-    fn friction_n(&self, parameters: &AxisParameters, motion: &mut AxisMotion, step_s: f64) -> f64 {
-        let (friction, velocity) = (&parameters.friction, motion.table_m_per_s);
-        if friction.has_bristles() || friction.through_zero_n(velocity).is_some() {
-            return friction.step(&mut motion.bristle_m, velocity, step_s);
-        }
-        // It can stop the table and hold it, but not push it: half of what would stop it within the step is added to
-        // what it was, so that it finds the force that holds.
-        let level_n = friction.level_n(velocity);
-        motion.friction_n = (motion.friction_n + 0.5 * velocity / self.mobility).clamp(-level_n, level_n);
-        motion.friction_n + friction.viscous_n(velocity)
-    }
-
     /// What the screw's errors and its gap add to its spring and damper, N on the nut.
-    fn screw_n(&self, parameters: &AxisParameters, motion: &AxisMotion, stretch_m: f64) -> f64 {
+    fn screw_n(&self, parameters: &AxisParameters, motion: &AxisMotion, motor_m: f64, stretch_m: f64) -> f64 {
         let screw = &parameters.screw;
         // Both are counted from the start, where the screw holds the table without force.
-        let error_m = screw.error_m(motion.motor_m) - screw.error_m(self.motor_start_m);
+        let error_m = screw.error_m(motor_m) - screw.error_m(self.motor_start_m);
         let swallowed_m = screw.backlash.swallowed_m(error_m - stretch_m);
         let apart = screw.backlash.half_m() > 0.0 && swallowed_m.abs() < screw.backlash.half_m();
         let ahead_m_per_s = motion.table_m_per_s - motion.motor_m_per_s;
@@ -193,6 +203,49 @@ mod tests {
 
     fn mean(rows: &[[f64; 3]], column: usize) -> f64 {
         rows.iter().map(|row| row[column]).sum::<f64>() / rows.len() as f64
+    }
+
+    /// One body on a guide, driven through its centre, is an axis: what is known of that (`mechanics`) holds for bodies.
+    /// Both take friction and lag over a step as its mean.
+    #[test]
+    fn a_body_on_a_guide_is_an_axis() {
+        let axis = "name = \"a\"\nsample_rate_hz = 1000.0\nvelocity_loop_rate_hz = 4000.0\n\
+            [axis.x]\ncontroller = \"p\"\nposition_gain_per_s = 40.0\nvelocity_gain_n_s_per_m = 80000.0\n\
+            velocity_integral_time_s = 0.02\nforce_limit_n = 15000.0\nfeedback = \"motor\"\nmotor_mass_kg = 120.0\n\
+            table_mass_kg = 250.0\nstiffness_n_per_um = 200.0\ndamping_n_s_per_m = 12000.0\nmotor_coulomb_n = 40.0\n\
+            viscous_n_s_per_m = 1500.0\n";
+        let body = "[structure.body.table]\nmass_kg = 250.0\ninertia_kg_m2 = [5.0, 5.0, 5.0, 0.0, 0.0, 0.0]\n\
+            centre_mm = [0.0, 0.0, 0.0]\n[[structure.joint]]\nkind = \"guideway\"\nfrom = \"ground\"\nto = \"table\"\n\
+            at_mm = [[-200.0, -200.0, 0.0], [200.0, -200.0, 0.0], [-200.0, 200.0, 0.0], [200.0, 200.0, 0.0]]\n\
+            stiffness_n_per_um = [0.0, 500.0, 500.0]\n[structure.axis.x]\nfrom = \"ground\"\nto = \"table\"\n\
+            direction = [1.0, 0.0, 0.0]\nat_mm = [0.0, 0.0, 0.0]\nscale_at_mm = [0.0, 0.0, 0.0]\nmotor_mass_kg = 120.0\n\
+            stiffness_n_per_um = 200.0\ndamping_n_s_per_mm = 12.0\n[structure.tool]\nbody = \"table\"\n\
+            at_mm = [0.0, 0.0, 0.0]\n[structure.workpiece]\nbody = \"ground\"\nat_mm = [0.0, 0.0, 0.0]\n";
+        let sliding = "coulomb_n = 250.0\npresliding_stiffness_n_per_um = 40.0\npresliding_damping_n_s_per_m = 2000.0\n";
+        let gap = "coulomb_n = 250.0\npresliding_stiffness_n_per_um = 40.0\npresliding_damping_n_s_per_m = 2000.0\n\
+            [[axis.x.effect]]\nname = \"backlash\"\nwidth_um = 8.0\n";
+        let effects = "coulomb_n = 250.0\n[[axis.x.effect]]\nname = \"pitch_cyclic\"\namplitude_um = 2.0\nperiod_mm = 5.0\n\
+            phase_rad = 0.4\n[[axis.x.effect]]\nname = \"torque_ripple\"\namplitude_n = 30.0\nperiod_mm = 4.0\n\
+            phase_rad = 0.0\n[[axis.x.effect]]\nname = \"constant_load\"\nforce_n = 90.0\n\
+            [[axis.x.effect]]\nname = \"friction_asymmetry\"\nhalf_difference_n_s_per_m = 200.0\n";
+        // The gap opens and closes a step of 80 µs apart, at some mm/s.
+        for (extra, bound_nm) in [("coulomb_n = 250.0\n", 1.0), (sliding, 1.0), (gap, 40.0), (effects, 1.0)] {
+            let run = |machine: &str| {
+                let machine = Machine::parse(machine, "one.toml").unwrap();
+                let there = |to_m: f64| PathBlock::new(PathShape::Line { to_m: vec![to_m] }, 0.04, 1.0);
+                let blocks = [there(0.02), PathBlock::dwell(0.2), there(-0.01)];
+                let mut controller = simulate::controller(&machine, Format::F64, &[0.0]).unwrap();
+                let instruments = Instruments { drive_time_constant_s: 5e-4, ..Instruments::default() };
+                let run =
+                    Run { machine: &machine, instruments, start_m: &[0.0], blocks: &blocks, start_s: 0.0 };
+                run.log(controller.as_mut(), |_, _, _| ()).unwrap().axes.remove(0)
+            };
+            let (alone, with_body) = (format!("{axis}{extra}"), format!("{axis}{extra}{body}"));
+            let [alone, with_body] = [alone, with_body].map(|machine| run(&machine).table.unwrap());
+            let apart = alone.iter().zip(&with_body).map(|(a, b)| 1e6 * (a - b).abs()).fold(0.0, f64::max);
+            assert!(apart < bound_nm, "{apart} nm apart with {extra}");
+            assert!(alone.iter().any(|mm| *mm > 19.0));
+        }
     }
 
     fn off(seen: f64, expected: f64, part: f64) -> bool {

@@ -7,6 +7,7 @@ use shared::safety::{Fault, Hazard};
 use super::LONGEST_S;
 use crate::controller::ControllerError;
 use crate::machine::Machine;
+use crate::plant::bodies::StructureError;
 use crate::plant::parameters::AxisParameters;
 use crate::servo;
 
@@ -52,6 +53,9 @@ pub enum SimulationError {
         /// What may be behind it.
         hint: &'static str,
     },
+    /// The machine's bodies cannot be put together.
+    #[error("structure: {0}")]
+    Structure(#[from] StructureError),
     /// The path did not end.
     #[error("the motion did not end within {LONGEST_S} s of machine time")]
     Endless,

@@ -11,7 +11,7 @@ use crate::plant::driven::{DrivenTable, Prescribed};
 use crate::plant::mechanics::Stepper;
 use crate::plant::motion::AxisMotion;
 use crate::plant::parameters::AxisParameters;
-use crate::plant::structure::{self, Swing, Tables};
+use crate::plant::structure::{self, Swing, SwingStep, Tables};
 
 /// Longest step of the driven table, s.
 const DRIVEN_STEP_S: f64 = 5e-4;
@@ -47,7 +47,7 @@ pub fn driven(parameters: &AxisParameters, motor: &Smooth, sample_s: f64, hold_n
     // Sensor noise must not wear the bristles straight while the axis stands: the mechanics see the
     // motor through a play of that width, and the table is given what the play held back.
     let play_m = 1.5 * motor.noise;
-    let late_s = late_s(parameters, Channel::Table);
+    let late_s = parameters.late_s(Channel::Table);
 
     // Stretch of the spring per acceleration of the table.
     let give =
@@ -119,11 +119,6 @@ fn hermite(motor: &Smooth, i: usize, fraction: f64, sample_s: f64) -> f64 {
     let rise = p1 - p0;
     let t = fraction;
     p0 + t * (m0 + t * ((3.0 * rise - 2.0 * m0 - m1) + t * (m0 + m1 - 2.0 * rise)))
-}
-
-fn late_s(parameters: &AxisParameters, channel: Channel) -> f64 {
-    let of = |late: &crate::effects::Latency| if late.channel == channel { 1e-3 * late.ms } else { 0.0 };
-    parameters.late.iter().map(of).sum()
 }
 
 /// Closes the loop in simulation on the measured command. Gives the motor reading, m, or `None` when
@@ -211,7 +206,8 @@ pub fn tool(
 ) -> Option<Vec<f64>> {
     let tables: Vec<Option<&Smooth>> = signals.axes.iter().map(AxisSignals::table_or_motor).collect();
     let own = tables.get(axis).copied().flatten()?;
-    let late_s = late_s(parameters, Channel::Tool);
+    let late_s = parameters.late_s(Channel::Tool);
+    let swings = parameters.tool.resonance.as_ref().map(|r| SwingStep::new(r, signals.sample_s));
     let mut swing = Swing::default();
     let mut positions = vec![0.0; names.len()];
     let mut accelerations = vec![0.0; names.len()];
@@ -223,12 +219,8 @@ pub fn tool(
         }
         let all = Tables { names, position_m: &positions, acceleration: &accelerations };
         let time_s = signals.start_s + i as f64 * signals.sample_s;
-        if let Some(resonance) = &parameters.tool.resonance {
-            const STEPS: u32 = 10;
-            for _ in 0..STEPS {
-                let step_s = signals.sample_s / f64::from(STEPS);
-                swing.step(resonance, own.acceleration[i], own.velocity[i], step_s);
-            }
+        if let Some(step) = &swings {
+            swing.step(step, own.acceleration[i], own.velocity[i]);
         }
         let behind = late_s * (own.velocity[i] - 0.5 * late_s * own.acceleration[i]);
         result.push(

@@ -72,6 +72,64 @@ fn what_no_step_can_follow_is_refused_by_its_key() {
 }
 
 #[test]
+fn numbers_that_no_machine_has_are_refused() {
+    for (key, value, expected) in [
+        (
+            "stiffness_n_per_um",
+            "1e300",
+            "stiffness_n_per_um: expected a number above 0, at most 1e12, found 1e300",
+        ),
+        ("damping_n_s_per_m", "1e80", "damping_n_s_per_m: expected a number not below 0, at most 1e12"),
+        (
+            "following_error_limit_mm",
+            "1e11",
+            "axis.x.following_error_limit_mm: expected a number from 0 to 134",
+        ),
+    ] {
+        says(&machine(&[(key, value)]), MOTION, 2, &["machine.toml: ", expected]);
+    }
+    let effect = |text: &str| format!("{MACHINE}\n[[axis.x.effect]]\nname = {text}\n");
+    for (text, expected) in [
+        (
+            "\"windup\"\nstiffness_n_per_um = 1e300",
+            "effect[0].stiffness_n_per_um: expected a number above 0, at most 1e12",
+        ),
+        ("\"latency\"\nchannel = \"tool\"\nms = 1e5", "effect[0].ms: expected a number within ±1000"),
+        ("\"velocity_lag\"\nms = 50.0", "axis.x.effect.ms: expected a number from 0 to 0.25"),
+        (
+            "\"resonance\"\nchannel = \"table\"\nfrequency_hz = 40.0\ndamping_ratio = 0.1",
+            "effect[0].channel: expected \"tool\"",
+        ),
+        (
+            "\"thermal_drift\"\namplitude_um = 1.0\ntime_constant_s = 5.0\n[[axis.x.effect]]\nname = \"thermal_drift\"\n\
+             amplitude_um = 1.0\ntime_constant_s = 9.0",
+            "effect[1]: expected this effect once",
+        ),
+    ] {
+        says(&effect(text), MOTION, 2, &["machine.toml: ", expected]);
+    }
+}
+
+/// A swing far above the rate of the log is as stable as a slow one.
+#[test]
+fn a_fast_resonance_stays_in_bounds() {
+    for (frequency_hz, damping_ratio) in [(1250.0, 0.02), (400.0, 0.001), (60.0, 30.0)] {
+        let effect = format!(
+            "[[axis.x.effect]]\nname = \"resonance\"\nfrequency_hz = {frequency_hz:?}\ndamping_ratio = {damping_ratio:?}\n"
+        );
+        let desk =
+            Desk::with(&[("machine.toml", format!("{MACHINE}\n{effect}").as_str()), ("motion.toml", MOTION)]);
+        desk.done(SIMULATE);
+        let log = desk.read("out.csv");
+        let column = log.lines().next().unwrap().split(',').position(|name| name == "x_tool_mm").unwrap();
+        let tool =
+            log.lines().skip(1).map(|line| line.split(',').nth(column).unwrap().parse::<f64>().unwrap());
+        // From −10 to 20 mm, and what 2ζ/ω = 0.16 s at 50 mm/s leaves it behind.
+        assert!(tool.map(f64::abs).fold(0.0, f64::max) < 21.0, "{frequency_hz} Hz, {damping_ratio}");
+    }
+}
+
+#[test]
 fn motions_outside_the_stroke_are_stopped_or_refused() {
     // The motion goes out to x = 20 mm.
     let leaves = ["axis.x: the command leaves the travel from -5 to 15 mm: stopped after "];
@@ -93,6 +151,19 @@ fn bodies_that_cannot_stand_are_refused() {
         (with("[structure.axis.z]", "[structure.axis.w]"), "the axes of the machine: x, y, z"),
         (with("to = \"table\"\ndirection", "to = \"desk\"\ndirection"), "desk"),
         (with("stiffness_n_per_um = [100.0, 300.0, 100.0]", "stiffness_n_per_um = [0.0, 0.0, 0.0]"), "loose"),
+        (
+            with("[100.0, 300.0, 100.0]", "[1e300, 300.0, 100.0]"),
+            "structure.joint[0].stiffness_n_per_um: expected",
+        ),
+        (
+            with("direction = [-1.0, 0.0, 0.0]", "direction = [0.0, 1.0, 0.0]"),
+            "structure: an axis drives in a direction",
+        ),
+        (
+            with("from = \"bed\"\nto = \"table\"\ndirection", "from = \"table\"\nto = \"table\"\ndirection"),
+            "structure.axis.x.to: ",
+        ),
+        (with("body = \"table\"", "body = \"ground\""), "structure.axis.x: does not move the tool"),
     ] {
         says(&text, MOTION, 2, &["machine.toml: ", expected]);
     }

@@ -77,6 +77,7 @@ impl Assembly {
         let point = |point: &Point| displacement(structure, &point.body, point.at_mm);
         whole.tool = point(&structure.tool) - point(&structure.workpiece);
         whole.check_held()?;
+        whole.check_driven(structure)?;
         Ok(whole)
     }
 

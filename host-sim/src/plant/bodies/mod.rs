@@ -17,6 +17,12 @@ use serde::{Deserialize, Serialize};
 
 pub use assembly::Assembly;
 
+/// No machine has a greater mass (kg), stiffness (N/µm), damping (N·s/mm), or inertia (kg·m²).
+const GREATEST: f64 = 1e9;
+
+/// No machine is longer, mm.
+const LONGEST_MM: f64 = 1e6;
+
 /// What joints and axes call the floor.
 pub const GROUND: &str = "ground";
 
@@ -160,6 +166,12 @@ pub enum StructureError {
     /// An axis drives against a joint, or against another axis.
     #[error("an axis drives in a direction that a joint, or another axis, holds")]
     Stuck,
+    /// Something that leads from a body to itself.
+    #[error("{0}: expected another body than in from")]
+    Itself(String),
+    /// An axis that the tool does not feel.
+    #[error("axis.{0}: does not move the tool against the workpiece")]
+    Idle(String),
 }
 
 impl Structure {
@@ -201,9 +213,12 @@ impl Structure {
             }
         }
         for (index, joint) in self.joint.iter().enumerate() {
-            let key = |key: &str| format!("joint {index}: {key}");
+            let key = |key: &str| format!("joint[{index}].{key}");
             self.named(key("from"), &joint.from)?;
             self.named(key("to"), &joint.to)?;
+            if joint.from == joint.to {
+                return Err(StructureError::Itself(key("to")));
+            }
             joint.at_mm.iter().try_for_each(|at| finite(&key("at_mm"), at))?;
             not_negative(&key("stiffness_n_per_um"), &joint.stiffness_n_per_um)?;
             not_negative(&key("damping_n_s_per_mm"), &joint.damping_n_s_per_mm)?;
@@ -214,6 +229,9 @@ impl Structure {
             let key = |key: &str| format!("axis.{name}.{key}");
             self.named(key("from"), &axis.from)?;
             self.named(key("to"), &axis.to)?;
+            if axis.from == axis.to {
+                return Err(StructureError::Itself(key("to")));
+            }
             finite(&key("at_mm"), &axis.at_mm)?;
             finite(&key("scale_at_mm"), &axis.scale_at_mm)?;
             finite(&key("direction"), &axis.direction)?;
@@ -254,25 +272,25 @@ impl Body {
 }
 
 fn positive(key: String, found: f64) -> Result<(), StructureError> {
-    if found > 0.0 && found.is_finite() {
+    if found > 0.0 && found <= GREATEST {
         return Ok(());
     }
-    Err(StructureError::Number { key, expected: "a number above 0", found })
+    Err(StructureError::Number { key, expected: "a number above 0, at most 1e9", found })
 }
 
 fn not_negative(key: &str, values: &[f64]) -> Result<(), StructureError> {
-    match values.iter().find(|value| !(value.is_finite() && **value >= 0.0)) {
+    match values.iter().find(|value| !(0.0..=GREATEST).contains(*value)) {
         Some(&found) => {
-            Err(StructureError::Number { key: key.to_owned(), expected: "0 or a number above it", found })
+            Err(StructureError::Number { key: key.to_owned(), expected: "a number from 0 to 1e9", found })
         }
         None => Ok(()),
     }
 }
 
 fn finite(key: &str, values: &[f64]) -> Result<(), StructureError> {
-    match values.iter().find(|value| !value.is_finite()) {
+    match values.iter().find(|value| value.is_nan() || value.abs() > LONGEST_MM) {
         Some(&found) => {
-            Err(StructureError::Number { key: key.to_owned(), expected: "a finite number", found })
+            Err(StructureError::Number { key: key.to_owned(), expected: "a number within ±1e6", found })
         }
         None => Ok(()),
     }

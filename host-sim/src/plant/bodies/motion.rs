@@ -5,9 +5,10 @@
 //! a step makes of state and force. There is nothing for a stiff joint to be unstable with. The forces f are those of
 //! the motors and what no linear structure has: of each screw on its nut and back, and of each guide on what it guides.
 
-use nalgebra::{DMatrix, DVector};
+use nalgebra::{DMatrix, DVector, RowDVector};
 
 use super::{Assembly, StructureError};
+use crate::plant::guide::Free;
 
 /// Forces of one axis over a step, N.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
@@ -29,8 +30,10 @@ pub struct Moving {
     state: DVector<f64>,
     next: DVector<f64>,
     coordinates: usize,
-    /// What a newton on each guide changes its velocity by in a step, m/s.
-    mobility: DVector<f64>,
+    /// Rows are axes: what state and pushes make of the mean velocity of a guide over a step, and of that at its end.
+    guide_mean: DMatrix<f64>,
+    guide_end: DMatrix<f64>,
+    step_s: f64,
     stretches: DMatrix<f64>,
     motors: DMatrix<f64>,
     scales: DMatrix<f64>,
@@ -50,8 +53,6 @@ impl Moving {
             1 => assembly.stretches[(column - axes, row)],
             _ => assembly.guides[(column - 2 * axes, row)],
         });
-        let of_guides = masses.solve(&assembly.guides.transpose()) * step_s;
-        let mobility = (&assembly.guides * of_guides).diagonal();
         let inputs = 3 * axes;
         let mut rates = DMatrix::zeros(2 * n + inputs, 2 * n + inputs);
         rates.view_mut((0, n), (n, n)).fill_with_identity();
@@ -64,12 +65,18 @@ impl Moving {
             rates.view_mut((n, column), (n, width)).copy_from(&block);
         }
         let transition = rates.exp().rows(0, 2 * n).into_owned();
+        let mut guide_mean = &assembly.guides * transition.rows(0, n) / step_s;
+        let stood = &assembly.guides / step_s;
+        guide_mean.columns_mut(0, n).zip_apply(&stood, |mean, stood| *mean -= stood);
+        let guide_end = &assembly.guides * transition.rows(n, n) / step_s;
         Ok(Self {
             transition,
             state: DVector::zeros(2 * n + inputs),
             next: DVector::zeros(2 * n),
             coordinates: n,
-            mobility,
+            guide_mean,
+            guide_end,
+            step_s,
             stretches: assembly.stretches.clone(),
             motors: assembly.motors.clone(),
             scales: assembly.scales.clone(),
@@ -77,22 +84,45 @@ impl Moving {
         })
     }
 
-    /// One step under the forces of its axes.
-    pub fn step(&mut self, pushes: &[Push]) {
-        let (n, axes) = (self.coordinates, self.motors.nrows());
-        for (axis, push) in pushes.iter().enumerate().take(axes) {
-            for (kind, force_n) in [push.motor_n, push.screw_n, push.guide_n].into_iter().enumerate() {
-                self.state[2 * n + kind * axes + axis] = force_n;
-            }
+    /// The forces of one axis until others take their place.
+    pub fn push(&mut self, axis: usize, push: Push) {
+        let axes = self.motors.nrows();
+        for (kind, force_n) in [push.motor_n, push.screw_n, push.guide_n].into_iter().enumerate() {
+            self.state[2 * self.coordinates + kind * axes + axis] = force_n;
         }
+    }
+
+    /// How the guide of an axis would move over the next step as it is pushed now, less what its guide itself pushes.
+    #[must_use]
+    pub fn free(&self, axis: usize) -> Free<f64> {
+        let own = 2 * self.coordinates + 2 * self.motors.nrows() + axis;
+        let (mean, end) = (self.guide_mean.row(axis), self.guide_end.row(axis));
+        let without = |row: &RowDVector<f64>| row.tr_dot(&self.state) - row[own] * self.state[own];
+        Free {
+            mean_m_per_s: without(&mean.into_owned()),
+            end_m_per_s: without(&end.into_owned()),
+            mobility: mean[own],
+            stops_n_s_per_m: end[own].recip(),
+        }
+    }
+
+    /// One step.
+    pub fn step(&mut self) {
+        let n = self.coordinates;
         self.next.gemv(1.0, &self.transition, &self.state, 0.0);
         self.state.rows_mut(0, 2 * n).copy_from(&self.next);
     }
 
-    /// What a newton on each guide changes its velocity by in a step, m/s.
+    /// How fast the motors are, m/s.
     #[must_use]
-    pub const fn mobility(&self) -> &DVector<f64> {
-        &self.mobility
+    pub fn motors_m_per_s(&self) -> DVector<f64> {
+        &self.motors * self.state.rows(self.coordinates, self.coordinates) / self.step_s
+    }
+
+    /// How fast the scales see their axes go, m/s.
+    #[must_use]
+    pub fn scales_m_per_s(&self) -> DVector<f64> {
+        &self.scales * self.state.rows(self.coordinates, self.coordinates) / self.step_s
     }
 
     /// How far each nut is ahead of its motor, m.

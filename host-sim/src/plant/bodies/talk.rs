@@ -15,7 +15,13 @@
 
 use nalgebra::{Complex, ComplexField, DMatrix, Matrix3xX};
 
-use super::{Assembly, StructureError};
+use super::{Assembly, Structure, StructureError};
+
+/// Of the screw's stiffness: less does not hold an axis.
+const FREE_SHARE: f64 = 1e-4;
+
+/// Way of the tool for a metre of an axis, m, that is none.
+const LEAST_WAY: f64 = 1e-3;
 
 /// What acceleration does, a column an axis.
 #[derive(Clone, Debug, PartialEq)]
@@ -69,6 +75,28 @@ impl Assembly {
         let bordered = self.bordered(self.stiffness.clone()).lu();
         let rigid = bordered.solve(&self.commanded()).ok_or(StructureError::Loose)?;
         Ok((&self.tool * rigid.rows(0, self.mass.nrows())).fixed_rows::<3>(0).into_owned())
+    }
+
+    /// Whether each axis moves where nothing holds it, and the tool against the workpiece.
+    ///
+    /// # Errors
+    /// [`StructureError::Stuck`], [`StructureError::Idle`].
+    pub fn check_driven(&self, structure: &Structure) -> Result<(), StructureError> {
+        let bordered = self.bordered(self.stiffness.clone()).lu();
+        let rigid = bordered.solve(&self.commanded()).ok_or(StructureError::Stuck)?;
+        let forces = rigid.rows(self.mass.nrows(), self.axes());
+        for (number, (name, axis)) in structure.axis.iter().enumerate() {
+            // A metre against what holds it would take the screw's stiffness or more; rounding leaves some 1e-9 of it.
+            let held = forces.column(number).amax() > FREE_SHARE * 1e6 * axis.stiffness_n_per_um;
+            if held || !rigid.column(number).iter().all(|way| way.is_finite()) {
+                return Err(StructureError::Stuck);
+            }
+            let way = &self.tool * rigid.rows(0, self.mass.nrows()).column(number);
+            if way.norm() < LEAST_WAY {
+                return Err(StructureError::Idle(name.clone()));
+            }
+        }
+        Ok(())
     }
 
     /// What of a solution is seen, per acceleration: the solution times `scale`.

@@ -129,7 +129,8 @@ fn a_step_is_exact_however_long() {
     for step_s in [0.01 * TAU / omega, 0.5 * TAU / omega + 1e-5] {
         let mut moving = Moving::new(&assembly, step_s).unwrap();
         for number in 1..=10 {
-            moving.step(&[Push { motor_n: force, ..Push::default() }]);
+            moving.push(0, Push { motor_n: force, ..Push::default() });
+            moving.step();
             let time = step_s * f64::from(number);
             let stretch = force * reduced / (50.0 * stiffness) * (1.0 - (omega * time).cos());
             let middle = force * time.powi(2) / (2.0 * 150.0);
@@ -167,7 +168,7 @@ fn what_cannot_be_built_is_refused_by_its_key() {
     };
     assert_eq!(
         refused(|s| s.body[0].mass_kg = 0.0),
-        "body.slide.mass_kg: expected a number above 0, found 0"
+        "body.slide.mass_kg: expected a number above 0, at most 1e9, found 0"
     );
     assert_eq!(
         refused(|s| s.body[0].inertia_kg_m2 = [1.0, 1.0, 2.1, 0.0, 0.0, 0.0]),
@@ -175,11 +176,11 @@ fn what_cannot_be_built_is_refused_by_its_key() {
     );
     assert_eq!(
         refused(|s| s.joint[0].stiffness_n_per_um[1] = -1.0),
-        "joint 0: stiffness_n_per_um: expected 0 or a number above it, found -1"
+        "joint[0].stiffness_n_per_um: expected a number from 0 to 1e9, found -1"
     );
     assert_eq!(
         refused(|s| s.axis[0].at_mm[0] = f64::NAN),
-        "axis.z.at_mm: expected a finite number, found NaN"
+        "axis.z.at_mm: expected a number within ±1e6, found NaN"
     );
     assert_eq!(refused(|s| "table".clone_into(&mut s.tool.body)), "tool.body: no body is called \"table\"");
     // Without its guide the slide hangs on nothing but the screw, which need not lie along one coordinate.
@@ -196,5 +197,12 @@ fn what_cannot_be_built_is_refused_by_its_key() {
     // An axis across the direction that is free does not drive it.
     let mut across = tilting([0.0; 3]);
     across.axis[0].direction = [1.0, 0.0, 0.0];
-    assert_eq!(Assembly::of(&across).unwrap().talk_at_rest(), Err(StructureError::Loose));
+    assert_eq!(Assembly::of(&across).unwrap_err(), StructureError::Stuck);
+    // A workpiece that rides along feels nothing of the axis.
+    let along = |s: &mut Structure| s.workpiece.body.clone_from(&s.tool.body);
+    assert_eq!(refused(along), "axis.z: does not move the tool against the workpiece");
+    assert_eq!(
+        refused(|s| s.axis[0].from = s.axis[0].to.clone()),
+        "axis.z.to: expected another body than in from"
+    );
 }

@@ -150,7 +150,10 @@ impl Bench {
             if time_s > LONGEST_S {
                 break;
             }
-            moving.step(&force_n.map(|motor_n| Push { motor_n, ..Push::default() }));
+            for (axis, motor_n) in force_n.into_iter().enumerate() {
+                moving.push(axis, Push { motor_n, ..Push::default() });
+            }
+            moving.step();
         }
         Err(SimulationError::Endless.into())
     }
