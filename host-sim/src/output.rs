@@ -3,6 +3,7 @@
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
 use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
 
 use tempfile::{Builder, NamedTempFile};
 use thiserror::Error;
@@ -43,8 +44,36 @@ fn write_in_place(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<(
     buffer.flush()
 }
 
+/// Temporary files that have not taken their names yet.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes what is half written, for a program that is told to end.
+pub fn remove_unfinished() {
+    let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in unfinished.drain(..) {
+        drop(fs::remove_file(path));
+    }
+}
+
+/// A temporary file that is on the list of the unfinished ones as long as this stands.
+struct Listed(PathBuf);
+
+impl Listed {
+    fn new(path: &Path) -> Self {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).retain(|path| *path != self.0);
+    }
+}
+
 fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut temporary = beside(path)?;
+    let _listed = Listed::new(temporary.path());
     let mut buffer = BufWriter::new(temporary.as_file_mut());
     fill(&mut buffer)?;
     buffer.flush()?;

@@ -12,11 +12,16 @@ mod summary;
 mod trace;
 
 use std::io::{ErrorKind, Write, stdout};
+use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::error::InputError;
+use crate::error::{InputError, quoted};
+use crate::output::remove_unfinished;
+
+/// What a shell says of a program that a signal has ended, for SIGINT.
+const BROKEN_OFF: i32 = 130;
 
 /// Finds out what a machine does that its model does not say, and gets rid of it.
 #[derive(Parser)]
@@ -45,7 +50,13 @@ enum Command {
 /// Runs the program. 0: done, 1: the job failed, 2: unusable arguments or input.
 #[must_use]
 pub fn run() -> ExitCode {
-    let outcome = match Arguments::parse().command {
+    let arguments = Arguments::parse();
+    // Without it a run that is broken off leaves half a file behind; that it cannot be had is no reason not to run.
+    drop(ctrlc::set_handler(|| {
+        remove_unfinished();
+        std::process::exit(BROKEN_OFF);
+    }));
+    let outcome = match arguments.command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
@@ -60,6 +71,25 @@ pub fn run() -> ExitCode {
             ExitCode::from(if error.is::<InputError>() { 2 } else { 1 })
         }
     }
+}
+
+/// No output may take the place of an input or of another output.
+fn keeps(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> Result<(), InputError> {
+    let real = |path: &Path| {
+        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
+        let in_folder = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
+        path.canonicalize().ok().or_else(in_folder).filter(|path| !path.exists() || path.is_file())
+    };
+    let mut taken: Vec<PathBuf> = inputs.iter().filter_map(|path| real(path)).collect();
+    for (flag, path) in outputs {
+        let Some(path) = path.and_then(|path| real(path)) else { continue };
+        if taken.contains(&path) {
+            let what = "a file that is neither an input nor another output";
+            return Err(InputError::expected(flag, what, quoted(&path.display().to_string())));
+        }
+        taken.push(path);
+    }
+    Ok(())
 }
 
 /// Says the result on stdout. Files are written before; a reader that has gone away is no failure.

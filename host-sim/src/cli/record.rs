@@ -4,7 +4,7 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 
 use super::refusal::Given;
-use super::{logged, say};
+use super::{keeps, logged, say};
 use crate::controller::Format;
 use crate::demo;
 use crate::link;
@@ -44,6 +44,8 @@ pub struct Arguments {
 /// # Errors
 /// Input that cannot be used, a link that fails, a loop that does not hold, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
+    keeps(&[machine_path, &arguments.motion], &[("--out", Some(&arguments.out))])?;
     let machine = match &arguments.machine {
         Some(path) => Machine::read(path)?,
         None => Machine::parse(demo::MACHINE, DEMO_MACHINE)?,

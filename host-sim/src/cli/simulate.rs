@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use super::refusal::Given;
-use super::{logged, say};
+use super::{keeps, logged, say};
 use crate::controller::Format;
 use crate::machine::Machine;
 use crate::motion::Motion;
@@ -38,6 +38,7 @@ pub struct Arguments {
 /// # Errors
 /// Input that cannot be used, a loop that does not hold, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    keeps(&[&arguments.machine, &arguments.motion], &[("--out", Some(&arguments.out))])?;
     let machine = Machine::read(&arguments.machine)?;
     let motion = Motion::read(&arguments.motion)?;
     let machine_file = &arguments.machine.display().to_string();

@@ -1,11 +1,11 @@
 //! `lost-motion trace`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
 use super::progress::Progress;
-use super::{say, summary};
+use super::{keeps, say, summary};
 use crate::log::Log;
 use crate::machine::Machine;
 use crate::output::write_whole;
@@ -40,6 +40,9 @@ pub struct Arguments {
 /// # Errors
 /// Input that cannot be used, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let logs = arguments.fit.iter().chain(&arguments.validate);
+    let inputs: Vec<&Path> = logs.chain([&arguments.machine]).map(PathBuf::as_path).collect();
+    keeps(&inputs, &[("--json", arguments.json.as_ref()), ("--model", arguments.model.as_ref())])?;
     let machine = Machine::read(&arguments.machine)?;
     let read = |paths: &[PathBuf]| paths.iter().map(|path| Log::read(path)).collect::<Result<Vec<_>, _>>();
     let progress = Progress::start();

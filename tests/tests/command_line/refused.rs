@@ -295,3 +295,20 @@ fn ports() {
         refuse([bad(&command, "other.txt", "", &["--port: expected emulated or emulated:PROGRAM"])]);
     }
 }
+
+#[test]
+fn outputs_in_the_place_of_inputs() {
+    let desk = Desk::with(&[("machine.toml", MACHINE), ("motion.toml", MOTION), ("fit.csv", log())]);
+    let before = desk.content();
+    for (command, flag) in [
+        (SIMULATE.replace("out.csv", "machine.toml"), "--out"),
+        (SIMULATE.replace("out.csv", "./motion.toml"), "--out"),
+        (TRACE.replace("out.json", "fit.csv"), "--json"),
+        (TRACE.replace("out.toml", "machine.toml"), "--model"),
+        (TRACE.replace("out.toml", "out.json"), "--model"),
+    ] {
+        let said = desk.fails(&command, 2);
+        assert!(said.contains(&format!("{flag}: expected a file that is neither an input nor")), "{said}");
+        assert!(desk.content() == before, "{command}");
+    }
+}

@@ -168,3 +168,33 @@ fn bodies_that_cannot_stand_are_refused() {
         says(&text, MOTION, 2, &["machine.toml: ", expected]);
     }
 }
+
+/// Broken off while it writes: nothing half-written stays, and the exit code is a shell's for that.
+#[cfg(unix)]
+#[test]
+fn a_run_that_is_broken_off_leaves_nothing() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    let dwell = "name = \"long\"\nfeed_mm_per_min = 1.0\nacceleration_m_per_s2 = 1.0\nstart_mm = { x = 0.0, y = 0.0 }\n\
+                 [[block]]\ndwell_s = 3500.0\n";
+    for signal in ["INT", "TERM"] {
+        let desk = Desk::with(&[("machine.toml", MACHINE), ("motion.toml", dwell)]);
+        let before = desk.content();
+        let mut child = Command::new(tests::program::lost_motion())
+            .args(SIMULATE.split_whitespace())
+            .current_dir(desk.path())
+            .stderr(Stdio::null())
+            .spawn()
+            .unwrap();
+        let began = Instant::now();
+        while desk.content().len() == before.len() && began.elapsed() < Duration::from_secs(30) {
+            std::thread::sleep(Duration::from_millis(20));
+        }
+        assert!(desk.content().len() > before.len(), "it has begun to write");
+        let id = child.id().to_string();
+        assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
+        assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
+        assert!(desk.content() == before, "{signal}");
+    }
+}
