@@ -88,7 +88,7 @@ impl Assembly {
         for (number, (name, axis)) in structure.axis.iter().enumerate() {
             // A metre against what holds it would take the screw's stiffness or more; rounding leaves some 1e-9 of it.
             let held = forces.column(number).amax() > FREE_SHARE * 1e6 * axis.stiffness_n_per_um;
-            if held || !rigid.column(number).iter().all(|way| way.is_finite()) {
+            if held || !rigid.column(number).iter().copied().all(f64::is_finite) {
                 return Err(StructureError::Stuck);
             }
             let way = &self.tool * rigid.rows(0, self.mass.nrows()).column(number);
