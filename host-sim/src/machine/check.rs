@@ -264,6 +264,10 @@ impl Context<'_> {
                 return Err(self.refuse("coulomb_n", "no such key, as friction_curve is given"));
             }
             curve.check().map_err(|expected| self.refuse("friction_curve", expected))?;
+            if presliding.is_some() && matches!(curve, Curve::FallingRising(_)) {
+                let what = "no such key, as a falling_rising curve leads through zero by itself";
+                return Err(self.refuse("presliding_stiffness_n_per_um", what));
+            }
         }
         // The bristles bend by coulomb / stiffness: without Coulomb friction there are none. A curve that leads
         // through zero has its own way from one direction to the other.

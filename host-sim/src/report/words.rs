@@ -29,7 +29,7 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
             format!("the motor reading wobbles by {} every {}", of(0, "µm (amplitude)"), of(1, "mm"))
         }
         Effect::Windup(_) => {
-            format!("the drive train is softer than declared, {} between motor and table", of(0, "N/µm"))
+            format!("the drive train has {} between motor and table, outside what is declared", of(0, "N/µm"))
         }
         Effect::Stribeck(_) => {
             format!("friction rises by {} towards standstill, below {}", of(0, "N"), of(1, "mm/s"))
