@@ -50,8 +50,8 @@ impl Range {
 
     fn words(self) -> String {
         match self {
-            Self::Positive => format!("a number above 0, at most {GREATEST:e}"),
-            Self::NotNegative => format!("a number not below 0, at most {GREATEST:e}"),
+            Self::Positive => "a number above 0".to_owned(),
+            Self::NotNegative => "a number not below 0".to_owned(),
             Self::Signed => format!("a number within ±{GREATEST:e}"),
             Self::UpTo(greatest) => format!("a number from 0 to {greatest}"),
             Self::Within(greatest) => format!("a number within ±{greatest}"),
@@ -59,7 +59,11 @@ impl Range {
     }
 
     fn check(self, key: &str, value: f64, document: &Document<'_>) -> Result<(), InputError> {
-        if self.holds(value) { Ok(()) } else { Err(document.refuse(key, &self.words())) }
+        if self.holds(value) {
+            return Ok(());
+        }
+        let at_most = if value > GREATEST { format!(", at most {GREATEST:e}") } else { String::new() };
+        Err(document.refuse(key, &(self.words() + &at_most)))
     }
 }
 
