@@ -5,8 +5,7 @@ use rayon::prelude::*;
 
 use super::fit::{self, Fitted, blocks, derivatives, normal, stepped};
 use super::held_out::{Comparison, FOLDS, Score, compare, scores};
-use super::model::AxisModel;
-use super::residual::{Evidence, Part};
+use super::residual::Evidence;
 use super::scope::Scope;
 use crate::effects::Effect;
 
@@ -57,12 +56,10 @@ impl Candidate {
 /// Tries every starting point; the best come first, fitted ones with their held-out comparison.
 #[must_use]
 pub fn rank(evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, starts: Vec<Effect>) -> Vec<Candidate> {
-    let parts = evidence.residuals(&base.model, scope);
-    let columns = derivatives(evidence, &base.model, scope, 0..base.slots.len(), &parts);
     let mut screened: Vec<Candidate> = starts
         .into_par_iter()
         .filter(|effect| scope.holds(effect))
-        .map(|effect| screen(evidence, base, scope, effect, &columns))
+        .map(|effect| screen(evidence, base, scope, effect))
         .collect();
     screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     keep_best_start(&mut screened);
@@ -71,7 +68,7 @@ pub fn rank(evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, starts: Vec<E
     let fitted = screened.len().min(FITTED);
     screened[..fitted]
         .par_iter_mut()
-        .for_each(|candidate| try_out(evidence, &base.model, scope, candidate, &held_out));
+        .for_each(|candidate| try_out(evidence, base, scope, candidate, &held_out));
     screened[..fitted].sort_by(|a, b| b.gain.total_cmp(&a.gain));
     screened
 }
@@ -82,16 +79,15 @@ fn screen(
     base: &Fitted,
     scope: &Scope,
     effect: Effect,
-    columns: &[Vec<Part>],
 ) -> Candidate {
     let model = base.model.with(effect.clone());
     let slots = model.slots(scope);
     let parts = evidence.residuals(&model, scope);
     // The new effect's slots are the last ones; the derivatives of the others hold near the start, too.
-    let shared = columns.len();
-    let own = derivatives(evidence, &model, scope, shared..slots.len(), &parts);
-    let all: Vec<&Vec<Part>> = columns.iter().chain(&own).collect();
-    let blocks = blocks(evidence, &all, &parts, &base.weights);
+    let shared = base.columns.len();
+    let mut columns = base.columns.clone();
+    columns.extend(derivatives(evidence, &model, scope, shared..slots.len(), &parts));
+    let blocks = blocks(evidence, &columns, &parts, &base.weights);
     let (curvature, gradient) = normal(&blocks, &slots);
     let stood = DVector::from_iterator(slots.len(), slots.iter().map(|slot| slot.coordinate.value));
     let mut moved = DVector::from_vec(stepped(&slots, &curvature, &gradient, 1e-4));
@@ -128,12 +124,13 @@ fn keep_best_start(sorted: &mut Vec<Candidate>) {
 /// Fits a candidate with everything else free, and holds it against held-out data.
 fn try_out(
     evidence: &Evidence<'_>,
-    base: &AxisModel,
+    base: &Fitted,
     scope: &Scope,
     candidate: &mut Candidate,
     held_out: &[Score],
 ) {
-    let fitted = fit::fit(evidence, &base.with(candidate.effect.clone()), scope, FIT_STEPS);
+    let start = base.model.with(candidate.effect.clone());
+    let fitted = fit::fit_from(evidence, &start, scope, FIT_STEPS, &base.columns);
     candidate.comparison = compare(held_out, &scores(&fitted), &scope.stages);
     candidate.gain = candidate.comparison.iter().map(|c| c.gain).sum();
     if let Some(effect) = fitted.model.axis.effect.last() {

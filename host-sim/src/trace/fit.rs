@@ -5,6 +5,7 @@
 //! then costs a small linear solve, not another fit ([`super::held_out`]).
 
 use std::ops::Range;
+use std::sync::Arc;
 
 use nalgebra::{DMatrix, DVector};
 use rayon::prelude::*;
@@ -22,6 +23,9 @@ const ENOUGH: f64 = 1e-4;
 
 /// Most steps of a fit.
 const MOST_STEPS: usize = 12;
+
+/// Derivatives are kept while steps bring this share of what they promised.
+const KEPT_WHILE: f64 = 0.7;
 
 /// Normal equations of one block of one stage: Σr², `Jᵀr` and `JᵀJ`, weighted.
 #[derive(Clone, Debug)]
@@ -55,7 +59,14 @@ pub struct Fitted {
     pub blocks: Vec<Block>,
     /// Weight of each part of the residuals.
     pub weights: Vec<f64>,
+    /// The residuals there.
+    pub parts: Vec<Part>,
+    /// Their derivatives, one column a slot.
+    pub columns: Vec<Column>,
 }
+
+/// Derivatives of all residuals for one slot. Fits beside each other share it.
+pub type Column = Arc<Vec<Part>>;
 
 impl Fitted {
     /// Weighted Σr² of a stage.
@@ -84,20 +95,37 @@ pub fn weights(evidence: &Evidence<'_>, model: &AxisModel, parts: &[Part]) -> Ve
 /// Fits a scope's slots, from where the model stands.
 #[must_use]
 pub fn fit(evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope, steps: usize) -> Fitted {
+    fit_from(evidence, start, scope, steps, &[])
+}
+
+/// Fits a scope's slots where the derivatives for the first of them are known from nearby.
+///
+/// A derivative costs a simulation. Those of the declared values hardly change on the way, so they are taken anew only
+/// where a step does not bring what they promised; those of the last effect, whose parameters are yet to be found, in
+/// each step.
+#[must_use]
+pub fn fit_from(
+    evidence: &Evidence<'_>,
+    start: &AxisModel,
+    scope: &Scope,
+    steps: usize,
+    known: &[Column],
+) -> Fitted {
     let mut model = start.clone();
     let mut parts = evidence.residuals(&model, scope);
     let mut weights = weights(evidence, &model, &parts);
     let mut damping = 1e-3;
-    let mut blocks = Vec::new();
-    for step in 0..=steps.min(MOST_STEPS) {
+    let count = model.slots(scope).len();
+    let mut columns = known.to_vec();
+    columns.extend(derivatives(evidence, &model, scope, known.len()..count, &parts));
+    let moving = if known.is_empty() { model.last_slots(scope) } else { known.len()..count };
+    let mut blocks = blocks(evidence, &columns, &parts, &weights);
+    let mut kept = !known.is_empty();
+    for _ in 0..steps.min(MOST_STEPS) {
         let slots = model.slots(scope);
-        blocks = linearise(evidence, &model, scope, &slots, &parts, &weights);
-        if step == steps.min(MOST_STEPS) {
-            break;
-        }
         let cost = cost(&parts, &weights, &slots);
         let (curvature, gradient) = normal(&blocks, &slots);
-        let mut gained = 0.0;
+        let (mut gained, mut promised) = (0.0, f64::INFINITY);
         // A handful of dampings: then the optimum is as near as differences can tell.
         for _ in 0..5 {
             let moved = stepped(&slots, &curvature, &gradient, damping);
@@ -105,23 +133,37 @@ pub fn fit(evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope, steps: usi
             let candidate_parts = evidence.residuals(&candidate, scope);
             let candidate_cost = self::cost(&candidate_parts, &weights, &candidate.slots(scope));
             if candidate_cost < cost {
+                let step = DVector::from_iterator(
+                    slots.len(),
+                    slots.iter().zip(&moved).map(|(slot, moved)| moved - slot.coordinate.value),
+                );
+                promised = -2.0 * gradient.dot(&step) - step.dot(&(&curvature * &step));
+                promised /= cost;
                 gained = 1.0 - candidate_cost / cost;
                 (model, parts) = (candidate, candidate_parts);
                 damping = (0.1 * damping).max(1e-9);
                 break;
             }
+            if kept {
+                break;
+            }
             damping *= 10.0;
         }
         weights = self::weights(evidence, &model, &parts);
-        if gained < ENOUGH {
-            let slots = model.slots(scope);
+        let done = gained < ENOUGH;
+        if done && !(kept && gained == 0.0) {
             if gained > 0.0 {
-                blocks = linearise(evidence, &model, scope, &slots, &parts, &weights);
+                blocks = self::blocks(evidence, &columns, &parts, &weights);
             }
             break;
         }
+        let fresh = if gained > KEPT_WHILE * promised { moving.clone() } else { 0..count };
+        kept = fresh.len() < count;
+        let new = derivatives(evidence, &model, scope, fresh.clone(), &parts);
+        columns.splice(fresh, new);
+        blocks = self::blocks(evidence, &columns, &parts, &weights);
     }
-    Fitted { slots: model.slots(scope), model, blocks, weights }
+    Fitted { slots: model.slots(scope), model, blocks, weights, parts, columns }
 }
 
 /// Weighted Σr² with the pull of what is known beforehand.
@@ -142,7 +184,7 @@ pub fn derivatives(
     scope: &Scope,
     range: Range<usize>,
     parts: &[Part],
-) -> Vec<Vec<Part>> {
+) -> Vec<Column> {
     let slots = model.slots(scope);
     let values: Vec<f64> = slots.iter().map(|slot| slot.coordinate.value).collect();
     range
@@ -159,28 +201,16 @@ pub fn derivatives(
                     *value = (*value - base) / step;
                 }
             }
-            column
+            Arc::new(column)
         })
         .collect()
-}
-
-fn linearise(
-    evidence: &Evidence<'_>,
-    model: &AxisModel,
-    scope: &Scope,
-    slots: &[Slot],
-    parts: &[Part],
-    weights: &[f64],
-) -> Vec<Block> {
-    let columns = derivatives(evidence, model, scope, 0..slots.len(), parts);
-    blocks(evidence, &columns.iter().collect::<Vec<_>>(), parts, weights)
 }
 
 /// Normal equations by block from residuals and their derivatives.
 #[must_use]
 pub fn blocks(
     evidence: &Evidence<'_>,
-    columns: &[&Vec<Part>],
+    columns: &[Column],
     parts: &[Part],
     weights: &[f64],
 ) -> Vec<Block> {

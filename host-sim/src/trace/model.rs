@@ -116,6 +116,14 @@ impl AxisModel {
         start..start + width
     }
 
+    /// Where the coordinates of the effect that was added last stand among the slots of a scope; none without one.
+    #[must_use]
+    pub fn last_slots(&self, scope: &Scope) -> std::ops::Range<usize> {
+        let end = self.slots(scope).len();
+        let last = self.found().iter().rev().find(|effect| scope.holds(effect));
+        end - last.map_or(0, |effect| effect.coordinates().len())..end
+    }
+
     /// The numbers that a fit of a scope may move: zeros, declared values, effects.
     #[must_use]
     pub fn slots(&self, scope: &Scope) -> Vec<Slot> {
