@@ -7,7 +7,6 @@
 //! gives way; but its giving way, nanometres at the frequency of that ringing, is lost in the noise of
 //! its encoder, and a step that does not damp would ring where the machine does not.
 
-use super::friction::Friction;
 use super::parameters::AxisParameters;
 use super::screw::Spring;
 
@@ -75,51 +74,110 @@ impl DrivenTable {
     }
 
     /// One step that ends where `screw` says.
-    pub fn step(&mut self, parameters: &AxisParameters, screw: Prescribed, step_s: f64) {
-        match &parameters.spring {
-            Some(spring) => self.step_elastic(parameters, spring, screw, step_s),
-            None => self.step_rigid(parameters, screw, step_s),
+    #[inline]
+    pub fn step(&mut self, step: &DrivenStep<'_>, screw: Prescribed) {
+        match step.parameters.spring {
+            Some(_) => self.step_elastic(step, screw),
+            None => self.step_rigid(step, screw),
         }
     }
 
-    fn step_rigid(&mut self, parameters: &AxisParameters, screw: Prescribed, step_s: f64) {
+    fn step_rigid(&mut self, step: &DrivenStep<'_>, screw: Prescribed) {
+        let parameters = step.parameters;
         self.table_m = parameters.screw.carried_m(screw.nominal_m, self.table_m);
-        let friction = parameters.friction.step(&mut self.bristle_m, screw.velocity, step_s);
+        let friction = parameters.friction.step(&mut self.bristle_m, screw.velocity, step.step_s);
         self.transmitted_n =
             parameters.table_mass_kg * screw.acceleration + friction + parameters.load.force_n;
     }
 
-    fn step_elastic(&mut self, parameters: &AxisParameters, spring: &Spring, screw: Prescribed, step_s: f64) {
-        let (mass, h) = (parameters.table_mass_kg, step_s);
+    #[inline]
+    fn step_elastic(&mut self, step: &DrivenStep<'_>, screw: Prescribed) {
         // The screw's mean velocity over the step, and the deflection's as it was.
         let sliding = screw.velocity - self.deflection_rate;
-        let friction = Linear::of(&parameters.friction, self.bristle_m, sliding, h);
+        let friction = step.friction(self.bristle_m, sliding);
         // Everything that does not act through the screw, as rest + inertia·d.
-        let inertia = mass / (h * h) + friction.slope / h;
-        let rest = mass * (screw.acceleration + self.deflection_m / (h * h) + self.deflection_rate / h)
+        let inertia = step.mass_per_h2 + friction.slope * step.per_h;
+        let rest = step.mass * screw.acceleration
+            + step.mass_per_h2 * self.deflection_m
+            + step.mass_per_h * self.deflection_rate
             + friction.offset
-            + friction.slope * (screw.velocity + self.deflection_m / h)
-            + parameters.load.force_n;
-        let free = rest / inertia;
-        let half_m = parameters.screw.backlash.half_m();
-        let deflection = if free.abs() <= half_m {
-            free
+            + friction.slope * (screw.velocity + self.deflection_m * step.per_h)
+            + step.parameters.load.force_n;
+        let in_gap = rest.abs() <= step.half_gap_m * inertia;
+        let gap_m = step.half_gap_m.copysign(rest);
+        let deflection = if in_gap {
+            rest / inertia
         } else {
-            let drag = spring.damping_n_s_per_m / h;
-            let gap = half_m.copysign(free);
-            (rest + spring.stiffness_n_per_m * gap + drag * self.deflection_m)
-                / (inertia + spring.stiffness_n_per_m + drag)
+            (rest + step.stiffness * gap_m + step.drag * self.deflection_m)
+                / (inertia + step.stiffness + step.drag)
         };
-        let rate = (deflection - self.deflection_m) / h;
-        let velocity = screw.velocity - rate;
-        self.bristle_m = friction.bristle(self.bristle_m, velocity, h);
-        self.transmitted_n = if free.abs() <= half_m {
-            0.0
-        } else {
-            spring.stiffness_n_per_m * (deflection - half_m.copysign(free)) + spring.damping_n_s_per_m * rate
-        };
+        let rate = (deflection - self.deflection_m) * step.per_h;
+        self.bristle_m = friction.bristle(self.bristle_m, screw.velocity - rate, step.step_s);
+        self.transmitted_n =
+            if in_gap { 0.0 } else { step.stiffness * (deflection - gap_m) + step.damping * rate };
         self.deflection_m = deflection;
         self.deflection_rate = rate;
+    }
+}
+
+/// What is the same in all steps of one length.
+#[derive(Clone, Debug)]
+pub struct DrivenStep<'a> {
+    parameters: &'a AxisParameters,
+    step_s: f64,
+    per_h: f64,
+    mass: f64,
+    mass_per_h: f64,
+    mass_per_h2: f64,
+    stiffness: f64,
+    damping: f64,
+    /// Damping over a step, N/m.
+    drag: f64,
+    half_gap_m: f64,
+}
+
+impl<'a> DrivenStep<'a> {
+    /// Steps of `step_s` of an axis.
+    #[must_use]
+    pub fn new(parameters: &'a AxisParameters, step_s: f64) -> Self {
+        let of_spring = |value: fn(&Spring) -> f64| parameters.spring.as_ref().map_or(0.0, value);
+        let (mass, per_h) = (parameters.table_mass_kg, step_s.recip());
+        let damping = of_spring(|spring| spring.damping_n_s_per_m);
+        Self {
+            parameters,
+            step_s,
+            per_h,
+            mass,
+            mass_per_h: mass * per_h,
+            mass_per_h2: mass * per_h * per_h,
+            stiffness: of_spring(|spring| spring.stiffness_n_per_m),
+            damping,
+            drag: damping * per_h,
+            half_gap_m: parameters.screw.backlash.half_m(),
+        }
+    }
+
+    /// Friction of the step about a velocity.
+    #[inline]
+    fn friction(&self, bristle_m: f64, about: f64) -> Linear {
+        let friction = &self.parameters.friction;
+        let viscous = friction.viscous_n_s_per_m;
+        let one_way = friction.asymmetry.force_n(about);
+        if !friction.has_bristles() {
+            let mut none = 0.0;
+            let dry = friction.step(&mut none, about, self.step_s) - friction.viscous_n(about);
+            return Linear { offset: dry + one_way, slope: viscous, keeps: 0.0, takes: 0.0 };
+        }
+        let (stiffness, damping) = (friction.bristle_stiffness_n_per_m, friction.bristle_damping_n_s_per_m);
+        let relaxation = friction.relaxes_per_m(friction.level_n(about)) * about.abs() * self.step_s;
+        let keeps = (-relaxation).exp();
+        let takes = if relaxation > 1e-6 { (1.0 - keeps) / relaxation } else { 1.0 };
+        Linear {
+            offset: bristle_m * (stiffness * keeps + damping * (keeps - 1.0) * self.per_h) + one_way,
+            slope: (stiffness * self.step_s + damping) * takes + viscous,
+            keeps,
+            takes,
+        }
     }
 }
 
@@ -135,27 +193,7 @@ struct Linear {
 }
 
 impl Linear {
-    fn of(friction: &Friction, bristle_m: f64, about: f64, step_s: f64) -> Self {
-        let viscous = friction.viscous_n_s_per_m;
-        let one_way = friction.asymmetry.force_n(about);
-        if !friction.has_bristles() {
-            let mut none = 0.0;
-            let dry = friction.step(&mut none, about, step_s) - friction.viscous_n(about);
-            return Self { offset: dry + one_way, slope: viscous, keeps: 0.0, takes: 0.0 };
-        }
-        let (stiffness, damping) = (friction.bristle_stiffness_n_per_m, friction.bristle_damping_n_s_per_m);
-        let level = friction.level_n(about).max(1e-9);
-        let relaxation = stiffness * about.abs() * step_s / level;
-        let keeps = (-relaxation).exp();
-        let takes = if relaxation > 1e-6 { (1.0 - keeps) / relaxation } else { 1.0 };
-        Self {
-            offset: stiffness * bristle_m * keeps + damping * bristle_m * (keeps - 1.0) / step_s + one_way,
-            slope: (stiffness * step_s + damping) * takes + viscous,
-            keeps,
-            takes,
-        }
-    }
-
+    #[inline]
     fn bristle(&self, bristle_m: f64, velocity: f64, step_s: f64) -> f64 {
         bristle_m * self.keeps + velocity * step_s * self.takes
     }
@@ -165,6 +203,7 @@ impl Linear {
 mod tests {
     use super::*;
     use crate::effects::Backlash;
+    use crate::plant::friction::Friction;
 
     fn axis() -> AxisParameters {
         AxisParameters {
@@ -187,11 +226,12 @@ mod tests {
         let h = 5e-4;
         let mut table = DrivenTable::default();
         let mut screw = Prescribed::default();
+        let step = DrivenStep::new(parameters, h);
         let mut lags = (0.0, 0.0);
         for (velocity, steps) in [(0.02, 100), (-0.02, 200), (0.02, 200)] {
             for _ in 0..steps {
                 screw = Prescribed { nominal_m: screw.nominal_m + velocity * h, velocity, acceleration: 0.0 };
-                table.step(parameters, screw, h);
+                table.step(&step, screw);
             }
             let lag = screw.nominal_m - table.position_m(parameters, screw);
             if velocity > 0.0 { lags.0 = lag } else { lags.1 = lag }

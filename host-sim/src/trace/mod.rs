@@ -10,6 +10,7 @@ pub mod candidates;
 pub mod fit;
 pub mod held_out;
 pub mod model;
+pub mod motor_path;
 pub mod predict;
 pub mod report;
 pub mod residual;

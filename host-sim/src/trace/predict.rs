@@ -4,17 +4,15 @@ use shared::axis::{AxisState, Reading};
 use shared::config::{AxisConfig, AxisSettings, Rates};
 use shared::units::Position;
 
+use super::motor_path::MotorPath;
 use super::signals::{AxisSignals, Signals, Smooth};
 use crate::effects::Channel;
 use crate::machine::Axis;
-use crate::plant::driven::{DrivenTable, Prescribed};
+use crate::plant::driven::{DrivenStep, DrivenTable, Prescribed};
 use crate::plant::mechanics::Stepper;
 use crate::plant::motion::AxisMotion;
 use crate::plant::parameters::AxisParameters;
 use crate::plant::structure::{self, Swing, SwingStep, Tables};
-
-/// Longest step of the driven table, s.
-const DRIVEN_STEP_S: f64 = 5e-4;
 
 /// A spring that needs more steps a tick is taken for a slip of the unit: its loop is not run.
 const MOST_SUBSTEPS: u32 = 500;
@@ -36,53 +34,48 @@ pub struct Driven {
 /// `hold_n_s2_per_m` is what the logged force lacks per acceleration because the velocity command is
 /// held while the velocity goes on: see [`hold`].
 #[must_use]
-pub fn driven(parameters: &AxisParameters, motor: &Smooth, sample_s: f64, hold_n_s2_per_m: f64) -> Driven {
+pub fn driven(
+    parameters: &AxisParameters,
+    motor: &Smooth,
+    path: &MotorPath,
+    sample_s: f64,
+    hold_n_s2_per_m: f64,
+) -> Driven {
     let n = motor.position.len();
     let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
-    let Some(&first) = motor.position.first() else { return result };
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
-    let steps = (sample_s / DRIVEN_STEP_S).ceil().max(1.0) as u32;
-    let step_s = sample_s / f64::from(steps);
+    let Some(first) = path.points.first() else { return result };
     let truth = |reading: f64| reading - parameters.dividing_m(reading);
-    // Sensor noise must not wear the bristles straight while the axis stands: the mechanics see the
-    // motor through a play of that width, and the table is given what the play held back.
-    let play_m = 1.5 * motor.noise;
     let late_s = parameters.late_s(Channel::Table);
-
     // Stretch of the spring per acceleration of the table.
     let give =
         parameters.spring.as_ref().map_or(0.0, |spring| parameters.table_mass_kg / spring.stiffness_n_per_m);
 
-    let mut motor_m = truth(first);
+    let mut motor_m = truth(first.reading_m);
     let nominal_m = parameters.screw.nominal_m(motor_m);
     let mut screw =
         Prescribed { nominal_m, velocity: motor.velocity[0], acceleration: motor.acceleration[0] };
     let mut table = DrivenTable::settled(parameters, screw);
+    let step = DrivenStep::new(parameters, path.step_s);
+    let per_step = path.step_s.recip();
     let mut table_before = table.position_m(parameters, screw);
     let mut force_before = None;
-    let mut held_back = 0.0;
+    let mut steps = path.points[1..].chunks_exact(path.steps);
     for i in 0..n {
-        for step in 1..=(if i == 0 { 0 } else { steps }) {
-            let fraction = f64::from(step) / f64::from(steps);
-            let seen_m = truth(hermite(motor, i - 1, fraction, sample_s));
-            motor_m = motor_m.clamp(seen_m - play_m, seen_m + play_m);
-            held_back = seen_m - motor_m;
+        for point in if i == 0 { &[][..] } else { steps.next().unwrap_or(&[]) } {
+            motor_m = truth(point.reading_m);
             let nominal_m = parameters.screw.nominal_m(motor_m);
-            let between = |values: &[f64]| values[i - 1] + fraction * (values[i] - values[i - 1]);
-            screw = Prescribed {
-                nominal_m,
-                velocity: (nominal_m - screw.nominal_m) / step_s,
-                acceleration: between(&motor.acceleration),
-            };
-            table.step(parameters, screw, step_s);
+            let velocity = (nominal_m - screw.nominal_m) * per_step;
+            screw = Prescribed { nominal_m, velocity, acceleration: point.acceleration };
+            table.step(&step, screw);
         }
         let table_m = table.position_m(parameters, screw);
-        let force = parameters.motor_friction_n(motor.velocity[i]) - parameters.ripple_n(motor_m)
+        let force = parameters.motor_coulomb_n * path.sign[i] - parameters.ripple_n(motor_m)
             + table.transmitted_n
             - parameters.table_mass_kg * motor.acceleration[i];
         let velocity = (table_m - table_before) / sample_s;
         let behind = late_s * (velocity - 0.5 * late_s * motor.acceleration[i]);
-        result.table_m.push(table_m + held_back - behind - motor.position[i] + give * motor.acceleration[i]);
+        let held_back_m = path.held_back_m[i];
+        result.table_m.push(table_m + held_back_m - behind - motor.position[i] + give * motor.acceleration[i]);
         result.force_n.push(0.5 * (force + force_before.unwrap_or(force)));
         (table_before, force_before) = (table_m, Some(force));
     }
@@ -110,15 +103,6 @@ fn linear(values: &[f64], part: impl Fn(usize) -> f64) -> Vec<f64> {
 pub fn hold(axis: &Axis, rates: Rates) -> f64 {
     let ticks = f64::from(rates.position_loop_divider) - 1.0;
     axis.velocity_gain_n_s_per_m.unwrap_or(0.0) * 0.5 * ticks / rates.velocity_loop_hz
-}
-
-/// Motor position between samples `i` and `i + 1` (fraction 0 to 1) by positions and slopes.
-fn hermite(motor: &Smooth, i: usize, fraction: f64, sample_s: f64) -> f64 {
-    let (p0, p1) = (motor.position[i], motor.position[i + 1]);
-    let (m0, m1) = (motor.velocity[i] * sample_s, motor.velocity[i + 1] * sample_s);
-    let rise = p1 - p0;
-    let t = fraction;
-    p0 + t * (m0 + t * ((3.0 * rise - 2.0 * m0 - m1) + t * (m0 + m1 - 2.0 * rise)))
 }
 
 /// Closes the loop in simulation on the measured command. Gives the motor reading, m, or `None` when
@@ -251,7 +235,7 @@ mod tests {
             (0..4000).map(|i| 0.02 * (1.0 - (std::f64::consts::PI * 1e-3 * f64::from(i)).cos())).collect();
         let simulated = closed_loop(&parameters, &settings, rates, &command, None).unwrap();
         let motor = Smooth::new(simulated.motor_m.clone(), 1e-3, 5);
-        let driven = driven(&parameters, &motor, 1e-3, hold(axis, rates));
+        let driven = driven(&parameters, &motor, &MotorPath::new(&motor, 1e-3), 1e-3, hold(axis, rates));
         let table = Smooth::new(simulated.table_m.clone(), 1e-3, 5);
         let off: Vec<f64> =
             table.position.iter().zip(&driven.table_m).skip(300).map(|(a, b)| 1e9 * (a - b)).collect();

@@ -70,12 +70,11 @@ impl Evidence<'_> {
         let signals = self.signals(log);
         let sample_s = self.logs[log].sample_s;
         let drives = scope.stages.iter().any(|stage| matches!(stage, Stage::Table | Stage::Force));
-        let driven = signals
-            .motor
-            .as_ref()
-            .filter(|_| drives)
-            .map(|motor| predict::driven(parameters, motor, sample_s, predict::hold(&model.axis, self.rates)))
-            .unwrap_or_default();
+        let hold = predict::hold(&model.axis, self.rates);
+        let driven = match (&signals.motor, &signals.motor_path) {
+            (Some(motor), Some(path)) if drives => predict::driven(parameters, motor, path, sample_s, hold),
+            _ => predict::Driven::default(),
+        };
         let part = |stage: &Stage| {
             let mut values = match stage {
                 Stage::Table => {

@@ -1,5 +1,6 @@
 //! A log made ready for tracing: SI, smoothed, differentiated, with the noise of each channel.
 
+use super::motor_path::MotorPath;
 use crate::log::{AxisLog, Log, Unit};
 
 /// Half width of the smoothing window, s: it passes what a servo loop can follow and takes the
@@ -15,6 +16,8 @@ pub struct AxisSignals {
     pub command: Option<Vec<f64>>,
     /// Motor reading.
     pub motor: Option<Smooth>,
+    /// Where the motor has been between its samples.
+    pub motor_path: Option<MotorPath>,
     /// Linear scale.
     pub table: Option<Smooth>,
     /// Tool-point probe.
@@ -108,6 +111,7 @@ impl AxisSignals {
                 unit: None,
                 command: None,
                 motor: None,
+                motor_path: None,
                 table: None,
                 tool: None,
                 standing: Vec::new(),
@@ -119,6 +123,7 @@ impl AxisSignals {
         Self {
             unit: Some(axis.unit),
             command: metres(&axis.command),
+            motor_path: motor.as_ref().map(|motor| MotorPath::new(motor, sample_s)),
             motor,
             standing,
             table: smooth(&axis.table),
@@ -239,20 +244,17 @@ impl Cubic {
         if n <= 2 * half {
             return raw.to_vec();
         }
-        let inner = raw.windows(2 * half + 1).map(|window| {
-            // Relative to the middle: positions of a metre keep their nanometres.
-            let middle = window[half];
-            middle
-                + window
-                    .iter()
-                    .zip(&self.middle)
-                    .map(|(value, weight)| (value - middle) * weight)
-                    .sum::<f64>()
-        });
+        // Weight by weight over all samples: each is then a sum of independent lanes.
+        let mut inner = vec![0.0; n - 2 * half];
+        for (offset, weight) in self.middle.iter().enumerate() {
+            for (sum, value) in inner.iter_mut().zip(&raw[offset..]) {
+                *sum += weight * value;
+            }
+        }
         let (first, last) = (&raw[..=2 * half], &raw[n - 2 * half - 1..]);
         let before = (0..half).map(|i| self.value(first, i as f64 - half as f64));
         let after = (1..=half).map(|i| self.value(last, i as f64));
-        before.chain(inner).chain(after).collect()
+        before.chain(inner.iter().copied()).chain(after).collect()
     }
 
     /// Value of the cubic through a window at an offset from its middle.
