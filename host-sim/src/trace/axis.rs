@@ -20,8 +20,8 @@ const MOST_EFFECTS: usize = 5;
 /// Steps of the fit of the declared values.
 const FIT_STEPS: usize = 10;
 
-/// 97.5 % point of Student's t at 35 degrees of freedom: blocks of three logs.
-const T_975: f64 = 2.03;
+/// 97.5 % point of Student's t at 71 degrees of freedom: blocks of three logs.
+const T_975: f64 = 1.99;
 
 /// One round of the search: what was tried, and whether the best was taken.
 #[derive(Clone, Debug)]

@@ -16,7 +16,7 @@ use super::scope::Scope;
 use crate::effects::Stage;
 
 /// Blocks that each log is cut into.
-pub const BLOCKS: usize = 12;
+pub const BLOCKS: usize = 24;
 
 /// A fit ends when a step lowers the error by less than this share.
 const ENOUGH: f64 = 1e-4;

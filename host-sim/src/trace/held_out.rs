@@ -12,6 +12,9 @@ use crate::effects::Stage;
 /// Number of folds; a divisor of [`BLOCKS`].
 pub const FOLDS: usize = 3;
 
+/// A block with fewer that count says nothing of its own.
+const LEAST_SAMPLES: usize = 20;
+
 /// Σr² of one block of one stage, unweighted (µm² or N²), with the fit that did not see it.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
@@ -69,7 +72,10 @@ pub struct Comparison {
     pub stage: Stage,
     /// Share of Σr² that the second model takes away, negative if it adds some.
     pub reduction: f64,
-    /// Mean improvement of a block over its standard error.
+    /// Mean gain in the log-likelihood of a block, each with its own noise, over its standard error.
+    ///
+    /// Logarithms, because an effect may show in a few blocks a hundred times as strongly as in the others: a mean of
+    /// squares would take that for uncertainty.
     pub t: f64,
     /// Folds in which the second model is better.
     pub folds_better: usize,
@@ -112,9 +118,13 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage) -> Comparison 
         (a.squares - b.squares) * log.samples as f64 / (log.before.max(f64::MIN_POSITIVE) * total)
     };
     let improvements: Vec<f64> = pairs.iter().map(|(a, b)| share(a, b)).collect();
-    let n = improvements.len().max(2) as f64;
-    let mean = improvements.iter().sum::<f64>() / n;
-    let variance = improvements.iter().map(|d| (d - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let of_block = |(a, b): &(&Score, &Score)| {
+        0.5 * (a.squares.max(f64::MIN_POSITIVE) / b.squares.max(f64::MIN_POSITIVE)).ln()
+    };
+    let gains: Vec<f64> = pairs.iter().filter(|(a, _)| a.samples >= LEAST_SAMPLES).map(of_block).collect();
+    let n = gains.len().max(2) as f64;
+    let mean = gains.iter().sum::<f64>() / n;
+    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n - 1.0);
     let in_fold = |fold: usize| pairs.iter().filter(move |(a, _)| a.fold == fold).map(|(a, b)| share(a, b));
     let used = || logs.iter().filter(|log| log.samples > 0);
     let gain_of = |log: &OfLog| {

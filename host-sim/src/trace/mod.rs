@@ -8,6 +8,7 @@
 pub mod axis;
 pub mod candidates;
 pub mod fit;
+pub mod follow;
 pub mod held_out;
 pub mod model;
 pub mod motor_path;

@@ -51,7 +51,7 @@ impl MotorPath {
         for i in 0..n {
             for step in 1..=(if i == 0 { 0 } else { steps }) {
                 let fraction = step as f64 / steps as f64;
-                let seen_m = between(motor, i - 1, fraction, sample_s);
+                let seen_m = motor.between(i - 1, fraction, sample_s);
                 reading_m = reading_m.clamp(seen_m - play_m, seen_m + play_m);
                 let [before, after] = [motor.acceleration[i - 1], motor.acceleration[i]];
                 points.push(Point { reading_m, acceleration: before + fraction * (after - before) });
@@ -64,13 +64,4 @@ impl MotorPath {
         let sign = motor.velocity.iter().map(|v| (v / SIGN_WIDTH_M_PER_S).tanh()).collect();
         Self { step_s: sample_s / steps as f64, steps, points, held_back_m, sign }
     }
-}
-
-/// Motor position between samples `i` and `i + 1` (fraction 0 to 1) by positions and slopes.
-fn between(motor: &Smooth, i: usize, fraction: f64, sample_s: f64) -> f64 {
-    let (p0, p1) = (motor.position[i], motor.position[i + 1]);
-    let (m0, m1) = (motor.velocity[i] * sample_s, motor.velocity[i + 1] * sample_s);
-    let rise = p1 - p0;
-    let t = fraction;
-    p0 + t * (m0 + t * ((3.0 * rise - 2.0 * m0 - m1) + t * (m0 + m1 - 2.0 * rise)))
 }

@@ -4,6 +4,7 @@ use shared::axis::{AxisState, Reading};
 use shared::config::{AxisConfig, AxisSettings, Rates};
 use shared::units::Position;
 
+use super::follow::{self, delayed};
 use super::motor_path::MotorPath;
 use super::signals::{AxisSignals, Signals, Smooth};
 use crate::effects::Channel;
@@ -12,7 +13,7 @@ use crate::plant::driven::{DrivenStep, DrivenTable, Prescribed};
 use crate::plant::mechanics::Stepper;
 use crate::plant::motion::AxisMotion;
 use crate::plant::parameters::AxisParameters;
-use crate::plant::structure::{self, Swing, SwingStep, Tables};
+use crate::plant::structure::{self, Tables};
 
 /// A spring that needs more steps a tick is taken for a slip of the unit: its loop is not run.
 const MOST_SUBSTEPS: u32 = 500;
@@ -45,7 +46,6 @@ pub fn driven(
     let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
     let Some(first) = path.points.first() else { return result };
     let truth = |reading: f64| reading - parameters.dividing_m(reading);
-    let late_s = parameters.late_s(Channel::Table);
     // Stretch of the spring per acceleration of the table.
     let give =
         parameters.spring.as_ref().map_or(0.0, |spring| parameters.table_mass_kg / spring.stiffness_n_per_m);
@@ -57,7 +57,6 @@ pub fn driven(
     let mut table = DrivenTable::settled(parameters, screw);
     let step = DrivenStep::new(parameters, path.step_s);
     let per_step = path.step_s.recip();
-    let mut table_before = table.position_m(parameters, screw);
     let mut force_before = None;
     let mut steps = path.points[1..].chunks_exact(path.steps);
     for i in 0..n {
@@ -72,17 +71,16 @@ pub fn driven(
         let force = parameters.motor_coulomb_n * path.sign[i] - parameters.ripple_n(motor_m)
             + table.transmitted_n
             - parameters.table_mass_kg * motor.acceleration[i];
-        let velocity = (table_m - table_before) / sample_s;
-        let behind = late_s * (velocity - 0.5 * late_s * motor.acceleration[i]);
         let held_back_m = path.held_back_m[i];
-        result.table_m.push(table_m + held_back_m - behind - motor.position[i] + give * motor.acceleration[i]);
+        result.table_m.push(table_m + held_back_m - motor.position[i] + give * motor.acceleration[i]);
         result.force_n.push(0.5 * (force + force_before.unwrap_or(force)));
-        (table_before, force_before) = (table_m, Some(force));
+        force_before = Some(force);
     }
     let mass = parameters.motor_mass_kg + parameters.table_mass_kg - hold_n_s2_per_m;
     let acceleration = |i: usize| motor.acceleration[i];
+    let table_m = linear(&motor.filtered(&result.table_m), |i| motor.position[i] - give * acceleration(i));
     Driven {
-        table_m: linear(&motor.filtered(&result.table_m), |i| motor.position[i] - give * acceleration(i)),
+        table_m: delayed(table_m, parameters.late_s(Channel::Table), sample_s),
         force_n: linear(&motor.filtered(&result.force_n), |i| {
             0.5 * mass * (acceleration(i) + acceleration(i.saturating_sub(1)))
         }),
@@ -181,6 +179,8 @@ pub struct Loop {
 }
 
 /// Tool point of one axis from the measured tables, m. `None` where the axis has no table channel.
+///
+/// A table that is logged late stands where it was: the tool goes on ahead of its reading.
 #[must_use]
 pub fn tool(
     parameters: &AxisParameters,
@@ -190,29 +190,23 @@ pub fn tool(
 ) -> Option<Vec<f64>> {
     let tables: Vec<Option<&Smooth>> = signals.axes.iter().map(AxisSignals::table_or_motor).collect();
     let own = tables.get(axis).copied().flatten()?;
-    let late_s = parameters.late_s(Channel::Tool);
-    let swings = parameters.tool.resonance.as_ref().map(|r| SwingStep::new(r, signals.sample_s));
-    let mut swing = Swing::default();
+    let mut places = match &parameters.tool.resonance {
+        Some(resonance) => follow::swinging(own, resonance, signals.sample_s),
+        None => own.position.clone(),
+    };
     let mut positions = vec![0.0; names.len()];
     let mut accelerations = vec![0.0; names.len()];
-    let mut result = Vec::with_capacity(own.raw.len());
-    for i in 0..own.raw.len() {
+    for (i, place) in places.iter_mut().enumerate() {
         for (other, table) in tables.iter().enumerate() {
             positions[other] = table.map_or(0.0, |table| table.position[i]);
             accelerations[other] = table.map_or(0.0, |table| table.acceleration[i]);
         }
         let all = Tables { names, position_m: &positions, acceleration: &accelerations };
         let time_s = signals.start_s + i as f64 * signals.sample_s;
-        if let Some(step) = &swings {
-            swing.step(step, own.acceleration[i], own.velocity[i]);
-        }
-        let behind = late_s * (own.velocity[i] - 0.5 * late_s * own.acceleration[i]);
-        result.push(
-            own.position[i] + swing.offset_m - behind
-                + structure::offset_m(&parameters.tool, axis, &all, time_s),
-        );
+        *place += structure::offset_m(&parameters.tool, axis, &all, time_s);
     }
-    Some(result)
+    let of_table_s = signals.axes[axis].table.as_ref().map_or(0.0, |_| parameters.late_s(Channel::Table));
+    Some(delayed(places, parameters.late_s(Channel::Tool) - of_table_s, signals.sample_s))
 }
 
 #[cfg(test)]

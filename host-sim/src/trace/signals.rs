@@ -166,6 +166,17 @@ impl Smooth {
         }
     }
 
+    /// Position between samples `i` and `i + 1` (fraction 0 to 1) by positions and slopes.
+    #[must_use]
+    #[inline]
+    pub fn between(&self, i: usize, fraction: f64, sample_s: f64) -> f64 {
+        let (p0, p1) = (self.position[i], self.position[i + 1]);
+        let (m0, m1) = (self.velocity[i] * sample_s, self.velocity[i + 1] * sample_s);
+        let rise = p1 - p0;
+        let t = fraction;
+        p0 + t * (m0 + t * ((3.0 * rise - 2.0 * m0 - m1) + t * (m0 + m1 - 2.0 * rise)))
+    }
+
     /// Passes a modelled signal through the filter that this channel has passed.
     #[must_use]
     pub fn filtered(&self, values: &[f64]) -> Vec<f64> {
