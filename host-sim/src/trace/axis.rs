@@ -9,6 +9,7 @@ use super::held_out::{compare, scores};
 use super::model::AxisModel;
 use super::residual::{Evidence, Part, rms};
 use super::scope::{NotTestable, Scope, scopes};
+use super::set_aside::Aside;
 use super::unexplained::{Unexplained, unexplained};
 use crate::effects::{Coordinate, Effect, Stage, Surroundings, candidates};
 use crate::log::Unit;
@@ -16,6 +17,9 @@ use crate::machine::Axis;
 
 /// Most effects that one scope may gain.
 const MOST_EFFECTS: usize = 5;
+
+/// Most remainders that one scope sets aside.
+const MOST_ASIDE: usize = 2;
 
 /// Steps of the fit of the declared values.
 const FIT_STEPS: usize = 10;
@@ -117,21 +121,21 @@ pub fn trace(
     let servo = scopes.iter().find(|scope| scope.stages == [Stage::Motor]).cloned();
     let mut search = Search { fit_logs, name, say, servo, rounds: Vec::new() };
 
-    let mut before = AxisModel::new(declared);
+    let mut before = AxisModel::new(declared, fit_logs.rates);
     for scope in &scopes {
         say(&format!("{name}: fitting the declared values to {}", stage_names(&scope.stages)));
         before = fit::fit(fit_logs, &before, scope, FIT_STEPS).model;
         before.weigh(scope);
     }
     let mut model = before.clone();
-    let mut final_fits = Vec::new();
+    let mut explained = Vec::new();
     for scope in &scopes {
-        let fitted = search.explain(&model, scope);
-        model = fitted.model.clone();
+        let outcome = search.explain(&model, scope);
+        model = outcome.fitted.model.clone();
         model.weigh(scope);
-        final_fits.push(fitted);
+        explained.push(outcome);
     }
-    let found = reported(fit_logs, validate, &before, &model, &scopes, &final_fits);
+    let found = reported(fit_logs, validate, &before, &model, &explained);
     let mut errors = Vec::new();
     let mut rest = Vec::new();
     for scope in &scopes {
@@ -173,26 +177,50 @@ struct Search<'a> {
     rounds: Vec<Round>,
 }
 
-impl Search<'_> {
-    /// Adds effects to one scope until nothing is supported; drops what a later one made needless.
-    fn explain(&mut self, start: &AxisModel, scope: &Scope) -> Fitted {
-        let mut base = fit::fit(self.fit_logs, start, scope, FIT_STEPS);
+/// One scope, explained.
+struct Explained {
+    scope: Scope,
+    fitted: Fitted,
+    /// What was set aside on the way.
+    aside: Vec<Aside>,
+}
+
+impl<'a> Search<'a> {
+    /// Adds effects to one scope; where what stays is none but would hide or feign one, again without it.
+    fn explain(&mut self, start: &AxisModel, scope: &Scope) -> Explained {
+        let mut aside: Vec<Aside> = Vec::new();
+        loop {
+            let first_round = self.rounds.len();
+            let evidence = Evidence { aside: &aside, ..*self.fit_logs };
+            let fitted = self.add(&evidence, start, scope);
+            let new = remainders(&evidence, &fitted, scope, self.name);
+            if new.is_empty() || aside.len() >= MOST_ASIDE {
+                return Explained { scope: scope.clone(), fitted, aside };
+            }
+            self.rounds.truncate(first_round);
+            aside.extend(new);
+        }
+    }
+
+    /// Adds effects until nothing is supported; drops what a later one made needless.
+    fn add(&mut self, evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope) -> Fitted {
+        let mut base = fit::fit(evidence, start, scope, FIT_STEPS);
         let mut added = 0;
         while added < MOST_EFFECTS {
             (self.say)(&format!("{}: trying the catalogue on {}", self.name, stage_names(&scope.stages)));
             let starts = self.starts(&base.model, scope);
-            let candidates = rank(self.fit_logs, &base, scope, starts);
+            let candidates = rank(evidence, &base, scope, starts);
             let added_index =
                 candidates.iter().position(|c| c.is_supported() && self.loop_agrees(&base.model, c, scope));
             let best = added_index.map(|index| candidates[index].clone());
             self.rounds.push(Round { stages: scope.stages.clone(), candidates, added: added_index });
             let Some(Candidate { effect, fitted: Some(fitted), .. }) = best else { break };
             (self.say)(&format!("{}: added {}", self.name, effect.name()));
-            base = fitted;
+            base = fit::fit(evidence, &fitted.model, scope, FIT_STEPS);
             added += 1;
         }
         if added > 1 {
-            base = self.prune(base, scope);
+            base = self.prune(evidence, base, scope);
         }
         base
     }
@@ -230,11 +258,11 @@ impl Search<'_> {
         starts
     }
 
-    fn prune(&self, mut full: Fitted, scope: &Scope) -> Fitted {
+    fn prune(&self, evidence: &Evidence<'_>, mut full: Fitted, scope: &Scope) -> Fitted {
         let mut index = 0;
         while index < full.model.found().len() {
             if scope.holds(&full.model.found()[index]) {
-                let without = fit::fit(self.fit_logs, &full.model.without(index), scope, FIT_STEPS);
+                let without = fit::fit(evidence, &full.model.without(index), scope, FIT_STEPS);
                 let comparison = compare(&scores(&without), &scores(&full), &scope.stages);
                 let effect = full.model.found()[index].clone();
                 let gain = comparison.iter().map(|c| c.gain).sum();
@@ -249,6 +277,16 @@ impl Search<'_> {
         }
         full
     }
+}
+
+/// What stays of a scope's stages and is to be set aside.
+fn remainders(evidence: &Evidence<'_>, fitted: &Fitted, scope: &Scope, name: &str) -> Vec<Aside> {
+    let of_stage = |&stage: &Stage| {
+        let noise = evidence.noise(&fitted.model, stage);
+        let rest = unexplained(evidence, &fitted.parts, stage, noise, name)?;
+        Aside::of(evidence, &rest, noise, &fitted.parts)
+    };
+    scope.stages.iter().filter_map(of_stage).collect()
 }
 
 /// Whether two entries would be the same effect twice: name, and source where there is one.
@@ -292,18 +330,18 @@ fn reported(
     validate: &Evidence<'_>,
     before: &AxisModel,
     model: &AxisModel,
-    scopes: &[Scope],
-    fits: &[Fitted],
+    explained: &[Explained],
 ) -> Vec<Found> {
     let mut found = Vec::new();
     let mut last = before.clone();
-    for (scope, fitted) in scopes.iter().zip(fits) {
+    for Explained { scope, fitted, aside } in explained {
+        let seen = Evidence { aside, ..*fit_logs };
         let covariance = covariance(fitted);
         for (index, effect) in model.found().iter().enumerate() {
             if !scope.holds(effect) {
                 continue;
             }
-            let next = fit::fit(fit_logs, &last.with(effect.clone()), scope, FIT_STEPS).model;
+            let next = fit::fit(&seen, &last.with(effect.clone()), scope, FIT_STEPS).model;
             let [worse, better] = [&last, &next].map(|model| {
                 let of =
                     |evidence: &Evidence<'_>, stage| rms(&evidence.residuals(model, scope), stage, evidence);

@@ -74,12 +74,7 @@ pub fn rank(evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, starts: Vec<E
 }
 
 /// One linear step from the candidate's start, all slots free: what it could gain at the best.
-fn screen(
-    evidence: &Evidence<'_>,
-    base: &Fitted,
-    scope: &Scope,
-    effect: Effect,
-) -> Candidate {
+fn screen(evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, effect: Effect) -> Candidate {
     let model = base.model.with(effect.clone());
     let slots = model.slots(scope);
     let parts = evidence.residuals(&model, scope);

@@ -208,12 +208,7 @@ pub fn derivatives(
 
 /// Normal equations by block from residuals and their derivatives.
 #[must_use]
-pub fn blocks(
-    evidence: &Evidence<'_>,
-    columns: &[Column],
-    parts: &[Part],
-    weights: &[f64],
-) -> Vec<Block> {
+pub fn blocks(evidence: &Evidence<'_>, columns: &[Column], parts: &[Part], weights: &[f64]) -> Vec<Block> {
     let n = columns.len();
     let of_part = |(p, part): (usize, &Part)| {
         let weight = weights[p] * weights[p];

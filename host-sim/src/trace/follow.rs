@@ -23,7 +23,10 @@ pub fn swinging(signal: &Smooth, resonance: &Resonance, sample_s: f64) -> Vec<f6
     rates[(1, 2)] = omega * omega;
     let whole = (rates * step_s).exp();
     let end = |row: usize, state: [f64; 2], from: f64, slope: f64| {
-        whole[(row, 0)] * state[0] + whole[(row, 1)] * state[1] + whole[(row, 2)] * from + whole[(row, 3)] * slope
+        whole[(row, 0)] * state[0]
+            + whole[(row, 1)] * state[1]
+            + whole[(row, 2)] * from
+            + whole[(row, 3)] * slope
     };
     let mut state = [signal.position[0], signal.velocity[0]];
     let mut from = signal.position[0];
@@ -54,8 +57,9 @@ pub fn delayed(values: Vec<f64>, late_s: f64, sample_s: f64) -> Vec<f64> {
         let t = time - start as f64;
         let [a, b, c, d] = [values[start - 1], values[start], values[start + 1], values[start + 2]];
         // Lagrange's cubic through −1, 0, 1, 2.
-        b + t * (c - a / 3.0 - 0.5 * b - d / 6.0
-            + t * (0.5 * (a + c) - b + t * ((d - a) / 6.0 + 0.5 * (b - c))))
+        b + t
+            * (c - a / 3.0 - 0.5 * b - d / 6.0
+                + t * (0.5 * (a + c) - b + t * ((d - a) / 6.0 + 0.5 * (b - c))))
     };
     (0..=last).map(at).collect()
 }

@@ -16,7 +16,9 @@ pub mod predict;
 pub mod report;
 pub mod residual;
 pub mod scope;
+pub mod set_aside;
 pub mod signals;
+pub mod trim;
 pub mod unexplained;
 
 use rayon::prelude::*;
@@ -64,7 +66,7 @@ impl Trace {
     /// What an axis was explained from, or validated on.
     #[must_use]
     pub fn evidence<'a>(&'a self, logs: &'a [Signals], axis: usize) -> Evidence<'a> {
-        Evidence { logs, names: &self.names, axis, rates: servo::rates(&self.machine) }
+        Evidence { logs, names: &self.names, axis, rates: servo::rates(&self.machine), aside: &[] }
     }
 }
 

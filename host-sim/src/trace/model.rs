@@ -1,8 +1,12 @@
 //! The model of one axis and the numbers in it that a fit may move.
 
+use shared::config::Rates;
+
 use super::scope::{Mechanics, Scope};
+use super::trim::{Instant, Trims};
 use crate::effects::{Coordinate, Effect, Stage};
 use crate::machine::Axis;
+use crate::plant::parameters::AxisParameters;
 
 /// A declared number with a tolerance.
 struct Declared {
@@ -43,6 +47,9 @@ pub struct AxisModel {
     pub table_zero_um: f64,
     /// Zero of the tool-point probe against the table's, µm.
     pub tool_zero_um: f64,
+    /// Instants that the machine file leaves open.
+    trims: Trims,
+    rates: Rates,
     /// The mass that [`Mechanics::MotorMass`] fits, as the mechanics were fitted with it.
     weighed_kg: Option<f64>,
 }
@@ -63,12 +70,14 @@ pub struct Slot {
 impl AxisModel {
     /// The declared model.
     #[must_use]
-    pub fn new(declared: &Axis) -> Self {
+    pub fn new(declared: &Axis, rates: Rates) -> Self {
         Self {
             declared: declared.clone(),
             axis: declared.clone(),
             table_zero_um: 0.0,
             tool_zero_um: 0.0,
+            trims: Trims::default(),
+            rates,
             weighed_kg: None,
         }
     }
@@ -134,6 +143,10 @@ impl AxisModel {
                 slots.push(free(Coordinate::signed(zero, 0.01, 1e6)));
             }
         }
+        slots.extend(self.trimmed(scope).into_iter().map(|(_, coordinate)| {
+            // Beforehand it is as likely as not within half of its bounds.
+            Slot { coordinate, prior: Some((0.0, 0.5 * coordinate.upper)) }
+        }));
         slots.extend(self.adjustable(scope).map(|(key, centre)| {
             let value = (key.get)(&self.axis).unwrap_or(centre);
             let mut slot = self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre);
@@ -170,6 +183,9 @@ impl AxisModel {
         if scope.stages.contains(&Stage::Tool) {
             model.tool_zero_um = next(self.tool_zero_um);
         }
+        for (instant, coordinate) in self.trimmed(scope) {
+            model.trims.set_ms(instant, next(coordinate.value));
+        }
         for (key, centre) in self.adjustable(scope) {
             (key.set)(&mut model.axis, next(centre));
         }
@@ -178,6 +194,22 @@ impl AxisModel {
             model.axis.effect[i] = effect.at(&moved);
         }
         model
+    }
+
+    /// What the simulation of the axis needs, with trimmed instants.
+    #[must_use]
+    pub fn parameters(&self) -> AxisParameters {
+        self.trims.applied(AxisParameters::of(&self.axis), &self.axis.effect)
+    }
+
+    /// How late the force is logged, s.
+    #[must_use]
+    pub fn force_late_s(&self) -> f64 {
+        self.trims.force_s()
+    }
+
+    fn trimmed(&self, scope: &Scope) -> Vec<(Instant, Coordinate)> {
+        self.trims.coordinates(&scope.stages, &self.axis.effect, self.rates)
     }
 
     fn tolerance(&self) -> f64 {

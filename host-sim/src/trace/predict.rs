@@ -27,20 +27,27 @@ pub struct Driven {
     pub force_n: Vec<f64>,
 }
 
+/// How a log's force stands to the force that moves the machine.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Logged {
+    /// What it lacks per acceleration because the velocity command is held while the velocity goes on: see [`hold`].
+    pub hold_n_s2_per_m: f64,
+    /// How late it is, s.
+    pub late_s: f64,
+}
+
 /// Drives the mechanics with the measured motor.
 ///
 /// The measured motor is filtered, and what follows it linearly is so with it; friction, gaps and
 /// wobbles do not, and pass the same filter afterwards.
 ///
-/// `hold_n_s2_per_m` is what the logged force lacks per acceleration because the velocity command is
-/// held while the velocity goes on: see [`hold`].
 #[must_use]
 pub fn driven(
     parameters: &AxisParameters,
     motor: &Smooth,
     path: &MotorPath,
     sample_s: f64,
-    hold_n_s2_per_m: f64,
+    logged: Logged,
 ) -> Driven {
     let n = motor.position.len();
     let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
@@ -76,14 +83,15 @@ pub fn driven(
         result.force_n.push(0.5 * (force + force_before.unwrap_or(force)));
         force_before = Some(force);
     }
-    let mass = parameters.motor_mass_kg + parameters.table_mass_kg - hold_n_s2_per_m;
+    let mass = parameters.motor_mass_kg + parameters.table_mass_kg - logged.hold_n_s2_per_m;
     let acceleration = |i: usize| motor.acceleration[i];
     let table_m = linear(&motor.filtered(&result.table_m), |i| motor.position[i] - give * acceleration(i));
+    let force_n = linear(&motor.filtered(&result.force_n), |i| {
+        0.5 * mass * (acceleration(i) + acceleration(i.saturating_sub(1)))
+    });
     Driven {
         table_m: delayed(table_m, parameters.late_s(Channel::Table), sample_s),
-        force_n: linear(&motor.filtered(&result.force_n), |i| {
-            0.5 * mass * (acceleration(i) + acceleration(i.saturating_sub(1)))
-        }),
+        force_n: delayed(force_n, logged.late_s, sample_s),
     }
 }
 
@@ -229,7 +237,8 @@ mod tests {
             (0..4000).map(|i| 0.02 * (1.0 - (std::f64::consts::PI * 1e-3 * f64::from(i)).cos())).collect();
         let simulated = closed_loop(&parameters, &settings, rates, &command, None).unwrap();
         let motor = Smooth::new(simulated.motor_m.clone(), 1e-3, 5);
-        let driven = driven(&parameters, &motor, &MotorPath::new(&motor, 1e-3), 1e-3, hold(axis, rates));
+        let logged = Logged { hold_n_s2_per_m: hold(axis, rates), late_s: 0.0 };
+        let driven = driven(&parameters, &motor, &MotorPath::new(&motor, 1e-3), 1e-3, logged);
         let table = Smooth::new(simulated.table_m.clone(), 1e-3, 5);
         let off: Vec<f64> =
             table.position.iter().zip(&driven.table_m).skip(300).map(|(a, b)| 1e9 * (a - b)).collect();

@@ -5,6 +5,7 @@ use shared::config::Rates;
 use super::model::AxisModel;
 use super::predict;
 use super::scope::Scope;
+use super::set_aside::{self, Aside};
 use super::signals::{AxisSignals, Signals, Smooth};
 use crate::effects::Stage;
 use crate::plant::parameters::AxisParameters;
@@ -21,6 +22,8 @@ pub struct Evidence<'a> {
     pub axis: usize,
     /// Its loops.
     pub rates: Rates,
+    /// What is known to be in the residuals, and is left out of them.
+    pub aside: &'a [Aside],
 }
 
 /// The residual of one stage over one log, sample by sample.
@@ -56,23 +59,33 @@ impl Evidence<'_> {
     pub fn counts(&self, stage: Stage, log: usize, sample: usize) -> bool {
         let hangs_on_friction = matches!(stage, Stage::Table | Stage::Force);
         let stands = || self.signals(log).standing.get(sample).copied().unwrap_or(false);
-        sample >= self.settling(log) && !(hangs_on_friction && stands())
+        sample >= self.settling(log)
+            && !(hangs_on_friction && stands())
+            && !self.aside.iter().any(|aside| aside.covers(self, stage, log, sample))
     }
 
     /// The residuals of a scope's stages over all logs: log by log, the scope's stages in order.
     #[must_use]
     pub fn residuals(&self, model: &AxisModel, scope: &Scope) -> Vec<Part> {
-        let parameters = AxisParameters::of(&model.axis);
-        (0..self.logs.len()).flat_map(|log| self.of_log(model, &parameters, scope, log)).collect()
+        let parameters = model.parameters();
+        let mut parts: Vec<Part> =
+            (0..self.logs.len()).flat_map(|log| self.of_log(model, &parameters, scope, log)).collect();
+        for part in &mut parts {
+            set_aside::take_out(self, part);
+        }
+        parts
     }
 
     fn of_log(&self, model: &AxisModel, parameters: &AxisParameters, scope: &Scope, log: usize) -> Vec<Part> {
         let signals = self.signals(log);
         let sample_s = self.logs[log].sample_s;
         let drives = scope.stages.iter().any(|stage| matches!(stage, Stage::Table | Stage::Force));
-        let hold = predict::hold(&model.axis, self.rates);
+        let logged = predict::Logged {
+            hold_n_s2_per_m: predict::hold(&model.axis, self.rates),
+            late_s: model.force_late_s(),
+        };
         let driven = match (&signals.motor, &signals.motor_path) {
-            (Some(motor), Some(path)) if drives => predict::driven(parameters, motor, path, sample_s, hold),
+            (Some(motor), Some(path)) if drives => predict::driven(parameters, motor, path, sample_s, logged),
             _ => predict::Driven::default(),
         };
         let part = |stage: &Stage| {

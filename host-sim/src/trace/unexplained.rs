@@ -196,6 +196,25 @@ impl Curve {
     }
 }
 
+impl Curve {
+    /// Ends of the one spot where the curve lies beyond `edge` of its greatest distance from its median, on the same
+    /// side; `None` if it takes more than `widest` of the range.
+    #[must_use]
+    pub fn spot(&self, edge: f64, widest: f64) -> Option<[f64; 2]> {
+        let mut values: Vec<f64> = self.points.iter().map(|point| point.1).collect();
+        values.sort_by(f64::total_cmp);
+        let median = *values.get(values.len() / 2)?;
+        let centre = self.points.iter().position(|point| point.0 == self.centre)?;
+        let height = self.points[centre].1 - median;
+        let within = |i: &usize| (self.points[*i].1 - median) / height > edge;
+        let first = (0..=centre).rev().take_while(within).last()?;
+        let last = (centre..self.points.len()).take_while(within).last()?;
+        let step = (self.points.last()?.0 - self.points[0].0) / BINS as f64;
+        let [from, to] = [self.points[first].0 - step, self.points[last].0 + step];
+        (to - from < widest * step * BINS as f64).then_some([from, to])
+    }
+}
+
 /// The strongest line in the spectrum: its frequency and its share of Σr², over all logs.
 fn vibration(evidence: &Evidence<'_>, parts: &[&Part]) -> Option<(f64, f64)> {
     let longest = parts.iter().map(|part| part.values.len()).max()?;
@@ -256,7 +275,7 @@ mod tests {
         let logs = [signals()];
         let names = ["x".to_owned()];
         let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
-        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates };
+        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[] };
         let places = &logs[0].axes[0].table.as_ref().unwrap().position;
         let values = places.iter().zip(0..).map(|(m, i)| residual(i, 1e3 * m)).collect();
         let parts = [Part { stage: Stage::Tool, log: 0, values }];
@@ -286,7 +305,7 @@ mod tests {
         let logs = [signals()];
         let names = ["x".to_owned()];
         let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
-        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates };
+        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[] };
         let parts = [Part { stage: Stage::Tool, log: 0, values: vec![0.1; 10_000] }];
         assert_eq!(unexplained(&evidence, &parts, Stage::Tool, 0.1, "x"), None);
     }

@@ -1,0 +1,140 @@
+//! What a machine file leaves open of the instants at which a machine samples and a log records.
+//!
+//! Channels are read one after the other and a drive steps its filters in its own way; a tenth of a sample of that
+//! belongs to any log. It is fitted so that no effect is made of it, held to those bounds, and not reported. An effect
+//! that says the same (`latency`, `velocity_lag`) takes its place.
+
+use shared::config::Rates;
+
+use crate::effects::{Channel, Coordinate, Effect, Latency, Stage};
+use crate::plant::parameters::AxisParameters;
+
+/// Which instant.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Instant {
+    /// Of the linear scale against the motor's.
+    Table,
+    /// Of the probe against the scale's.
+    Tool,
+    /// Of the force against the motor's.
+    Force,
+    /// Of the speed that the velocity loop sees.
+    Speed,
+}
+
+/// How late each instant is, s; negative: early.
+#[derive(Clone, Debug, Default)]
+pub struct Trims {
+    late_s: [f64; 4],
+}
+
+impl Instant {
+    const ALL: [Self; 4] = [Self::Table, Self::Tool, Self::Force, Self::Speed];
+
+    /// The stage in which it shows.
+    fn stage(self) -> Stage {
+        match self {
+            Self::Table => Stage::Table,
+            Self::Tool => Stage::Tool,
+            Self::Force => Stage::Force,
+            Self::Speed => Stage::Motor,
+        }
+    }
+
+    /// Earliest and latest, s.
+    fn bounds_s(self, rates: Rates) -> [f64; 2] {
+        let tick_s = 1.0 / rates.velocity_loop_hz;
+        let sample_s = tick_s * f64::from(rates.position_loop_divider);
+        match self {
+            Self::Table | Self::Tool => [-0.1 * sample_s, 0.1 * sample_s],
+            // A force stands for an interval, a position for an instant.
+            Self::Force => [-0.25 * sample_s, 0.25 * sample_s],
+            Self::Speed => [0.0, 0.25 * tick_s],
+        }
+    }
+
+    /// Whether an effect says it already.
+    fn is_told_by(self, effect: &Effect) -> bool {
+        match effect {
+            Effect::Latency(late) => match late.channel {
+                Channel::Table => self == Self::Table,
+                Channel::Tool => self == Self::Tool,
+            },
+            Effect::VelocityLag(_) => self == Self::Speed,
+            _ => false,
+        }
+    }
+}
+
+impl Trims {
+    /// The instants that a fit of these stages may trim, with what it may make of them, ms.
+    pub fn coordinates(
+        &self,
+        stages: &[Stage],
+        effects: &[Effect],
+        rates: Rates,
+    ) -> Vec<(Instant, Coordinate)> {
+        let open = |instant: &Instant| {
+            stages.contains(&instant.stage()) && !effects.iter().any(|effect| instant.is_told_by(effect))
+        };
+        let coordinate = |instant: Instant| {
+            let [lower, upper] = instant.bounds_s(rates).map(|s| 1e3 * s);
+            let value = 1e3 * self.late_s[instant as usize];
+            (instant, Coordinate::between(value, 0.02 * upper, lower, upper))
+        };
+        Instant::ALL.into_iter().filter(open).map(coordinate).collect()
+    }
+
+    /// Sets an instant, ms.
+    pub fn set_ms(&mut self, instant: Instant, ms: f64) {
+        self.late_s[instant as usize] = 1e-3 * ms;
+    }
+
+    /// How late the force is, s.
+    #[must_use]
+    pub fn force_s(&self) -> f64 {
+        self.late_s[Instant::Force as usize]
+    }
+
+    /// The parameters of an axis with its instants trimmed, but for the force's.
+    #[must_use]
+    pub fn applied(&self, mut parameters: AxisParameters, effects: &[Effect]) -> AxisParameters {
+        let open = |instant: Instant| !effects.iter().any(|effect| instant.is_told_by(effect));
+        for (instant, channel) in [(Instant::Table, Channel::Table), (Instant::Tool, Channel::Tool)] {
+            if open(instant) {
+                parameters.late.push(Latency { channel, ms: 1e3 * self.late_s[instant as usize] });
+            }
+        }
+        if open(Instant::Speed) {
+            parameters.servo.lag.ms += 1e3 * self.late_s[Instant::Speed as usize];
+        }
+        parameters
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::effects::VelocityLag;
+
+    const RATES: Rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 4 };
+
+    #[test]
+    fn an_effect_takes_the_place_of_a_trim() {
+        let mut trims = Trims::default();
+        trims.set_ms(Instant::Speed, 0.05);
+        let stages = [Stage::Motor, Stage::Tool];
+        let of = |effects: &[Effect]| {
+            let trimmed = trims.coordinates(&stages, effects, RATES);
+            trimmed.into_iter().map(|(instant, _)| instant).collect::<Vec<_>>()
+        };
+        assert_eq!(of(&[]), [Instant::Tool, Instant::Speed]);
+        let lag = [Effect::VelocityLag(VelocityLag { ms: 0.1 })];
+        assert_eq!(of(&lag), [Instant::Tool]);
+        let mut parameters = AxisParameters::default();
+        parameters.servo.lag.ms = 0.1;
+        // 0.1 ms of the effect alone, 0.15 with the trim where no effect says it.
+        assert!((trims.applied(parameters.clone(), &lag).servo.lag.ms - 0.1).abs() < 1e-12);
+        assert!((trims.applied(parameters, &[]).servo.lag.ms - 0.15).abs() < 1e-12);
+    }
+}
