@@ -35,7 +35,8 @@ impl Kind for Backlash {
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let sees_table = around.stages.contains(&Stage::Table);
-        if sees_table { vec![Self { width_um: 2.0 }] } else { Vec::new() }
+        let widths: &[f64] = if sees_table { &[2.0, 8.0, 25.0, 80.0] } else { &[] };
+        widths.iter().map(|&width_um| Self { width_um }).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use shared::config::Rates;
+
 use super::{Coordinate, Kind, Stage, Surroundings};
+use crate::machine::Axis;
 
 /// The named channel shows what was true `ms` earlier. The loop itself is not affected.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -42,6 +45,11 @@ impl Kind for Latency {
 
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![Coordinate::signed(self.ms, 0.02, 100.0)]
+    }
+
+    /// A tenth of a sample: the instants of a log's channels are not known better.
+    fn is_material(&self, _declared: &Axis, rates: Rates) -> bool {
+        1e-3 * self.ms.abs() * rates.velocity_loop_hz > 0.1 * f64::from(rates.position_loop_divider)
     }
 
     fn at(&self, x: &[f64]) -> Self {

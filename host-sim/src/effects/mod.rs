@@ -86,6 +86,14 @@ impl Coordinate {
         Self { value, step, lower: -limit, upper: limit }
     }
 
+    /// A coordinate that is positive and may be of any size within two bounds: a fit is led to it by factors of three,
+    /// for a straight line from far away leads anywhere.
+    #[must_use]
+    pub fn scale(value: f64, lower: f64, upper: f64) -> Self {
+        let [least, most] = [value / 3.0, 3.0 * value].map(|bound| bound.clamp(lower, upper));
+        Self { value, step: 0.02 * value, lower: least, upper: most }
+    }
+
     /// A coordinate between two bounds.
     #[must_use]
     pub const fn between(value: f64, step: f64, lower: f64, upper: f64) -> Self {
@@ -119,7 +127,7 @@ pub trait Kind: Sized + Clone {
     fn coordinates(&self) -> Vec<Coordinate>;
 
     /// Whether it is larger than what a declared model leaves open in any case.
-    fn is_material(&self, _rates: Rates) -> bool {
+    fn is_material(&self, _declared: &Axis, _rates: Rates) -> bool {
         true
     }
 
@@ -165,8 +173,8 @@ macro_rules! catalogue {
 
             /// Whether it is larger than what a declared model leaves open in any case.
             #[must_use]
-            pub fn is_material(&self, rates: Rates) -> bool {
-                match self { $(Self::$variant(e) => e.is_material(rates),)+ }
+            pub fn is_material(&self, declared: &Axis, rates: Rates) -> bool {
+                match self { $(Self::$variant(e) => e.is_material(declared, rates),)+ }
             }
 
             /// The same effect at other coordinates.

@@ -35,8 +35,8 @@ impl Kind for Resonance {
 
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![
-            Coordinate::between(self.frequency_hz, 0.1, 1.0, 400.0),
-            Coordinate::between(self.damping_ratio, 0.002, 0.001, 2.0),
+            Coordinate { step: 0.1, ..Coordinate::scale(self.frequency_hz, 1.0, 400.0) },
+            Coordinate::scale(self.damping_ratio, 0.001, 2.0),
         ]
     }
 

@@ -48,7 +48,7 @@ impl Kind for Stribeck {
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![
             Coordinate::between(self.static_excess_n, 2.0, 0.0, 1e5),
-            Coordinate::between(self.velocity_mm_s, 0.05 * self.velocity_mm_s, 0.1, 300.0),
+            Coordinate::scale(self.velocity_mm_s, 0.1, 300.0),
         ]
     }
 

@@ -34,7 +34,7 @@ impl Kind for ThermalDrift {
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![
             Coordinate::signed(self.amplitude_um, 0.1, 1e4),
-            Coordinate::between(self.time_constant_s, 0.02 * self.time_constant_s, 0.5, 5e3),
+            Coordinate::scale(self.time_constant_s, 0.5, 5e3),
         ]
     }
 

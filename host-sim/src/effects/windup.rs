@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use shared::config::Rates;
+
 use super::{Coordinate, Kind, Stage, Surroundings};
+use crate::machine::Axis;
 
 /// Takes the place of the declared stiffness between motor and table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -23,13 +26,21 @@ impl Kind for Windup {
         declared.into_iter().map(start).collect()
     }
 
+    /// The compliance, nm/N: the table is behind in proportion to it.
     fn coordinates(&self) -> Vec<Coordinate> {
-        let k = self.stiffness_n_per_um;
-        vec![Coordinate::between(k, 0.02 * k, 1e-3, 1e5)]
+        vec![Coordinate::scale(1e3 / self.stiffness_n_per_um, 1e-2, 1e6)]
+    }
+
+    /// A stiffness within the tolerance is a declared value, fitted.
+    fn is_material(&self, declared: &Axis, _rates: Rates) -> bool {
+        let tolerance = 0.01 * declared.plant_tolerance_percent.unwrap_or(0.0);
+        declared
+            .stiffness_n_per_um
+            .is_some_and(|stiffness| self.stiffness_n_per_um < (1.0 - tolerance) * stiffness)
     }
 
     fn at(&self, x: &[f64]) -> Self {
-        Self { stiffness_n_per_um: x[0] }
+        Self { stiffness_n_per_um: 1e3 / x[0] }
     }
 
     fn parameters(&self) -> Vec<(&'static str, f64)> {

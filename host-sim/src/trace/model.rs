@@ -91,6 +91,12 @@ impl AxisModel {
         }
     }
 
+    /// The axis as the machine file has it.
+    #[must_use]
+    pub fn declared(&self) -> &Axis {
+        &self.declared
+    }
+
     /// The effects that were found.
     #[must_use]
     pub fn found(&self) -> &[Effect] {

@@ -15,10 +15,10 @@ const LEAST_SHARE: f64 = 0.3;
 const ABOVE_NOISE: f64 = 2.0;
 
 /// A place is where the curve is farther from its median than this share of the farthest.
-const EDGE: f64 = 0.1;
+const EDGE: f64 = 0.02;
 
 /// A place that holds more of the travel than this is none.
-const WIDEST: f64 = 0.5;
+const WIDEST: f64 = 0.6;
 
 /// Something in one stage's residual.
 #[derive(Clone, Copy, Debug, PartialEq)]
