@@ -212,8 +212,27 @@ impl<'a> Search<'a> {
             let candidates = rank(evidence, &base, scope, starts);
             if std::env::var_os("LM_DEBUG").is_some() {
                 for c in &candidates {
-                    let v: Vec<String> = c.comparison.iter().map(|c| format!("{:?} red {:.4} t {:.1} folds {} worst {:.4} gain {:.5}", c.stage, c.reduction, c.t, c.folds_better, c.worst_log, c.gain)).collect();
-                    if !v.is_empty() { eprintln!("{} {:?} gain {:.4} mat {} agree {} | {}", self.name, c.effect, c.gain, c.material, self.loop_agrees(&base.model, c, scope), v.join(" ; ")); }
+                    let v: Vec<String> = c
+                        .comparison
+                        .iter()
+                        .map(|c| {
+                            format!(
+                                "{:?} red {:.4} t {:.1} folds {} worst {:.4} gain {:.5}",
+                                c.stage, c.reduction, c.t, c.folds_better, c.worst_log, c.gain
+                            )
+                        })
+                        .collect();
+                    if !v.is_empty() {
+                        eprintln!(
+                            "{} {:?} gain {:.4} mat {} agree {} | {}",
+                            self.name,
+                            c.effect,
+                            c.gain,
+                            c.material,
+                            self.loop_agrees(&base.model, c, scope),
+                            v.join(" ; ")
+                        );
+                    }
                 }
             }
             let added_index =
