@@ -8,7 +8,7 @@ use super::fit::{self, Fitted, normal};
 use super::held_out::{compare, scores};
 use super::model::AxisModel;
 use super::residual::{Evidence, Part, rms};
-use super::scope::{NotTestable, Scope, scopes};
+use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::set_aside::Aside;
 use super::unexplained::{Unexplained, unexplained};
 use crate::effects::{Coordinate, Effect, Stage, Surroundings, candidates};
@@ -20,6 +20,9 @@ const MOST_EFFECTS: usize = 5;
 
 /// Most remainders that one scope sets aside.
 const MOST_ASIDE: usize = 2;
+
+/// A residual so many times its noise has bent the declared values.
+const GROSS: f64 = 20.0;
 
 /// Steps of the fit of the declared values.
 const FIT_STEPS: usize = 10;
@@ -209,32 +212,8 @@ impl<'a> Search<'a> {
         while added < MOST_EFFECTS {
             (self.say)(&format!("{}: trying the catalogue on {}", self.name, stage_names(&scope.stages)));
             let starts = self.starts(&base.model, scope);
-            let candidates = rank(evidence, &base, scope, starts);
-            if std::env::var_os("LM_DEBUG").is_some() {
-                for c in &candidates {
-                    let v: Vec<String> = c
-                        .comparison
-                        .iter()
-                        .map(|c| {
-                            format!(
-                                "{:?} red {:.4} t {:.1} folds {} worst {:.4} gain {:.5}",
-                                c.stage, c.reduction, c.t, c.folds_better, c.worst_log, c.gain
-                            )
-                        })
-                        .collect();
-                    if !v.is_empty() {
-                        eprintln!(
-                            "{} {:?} gain {:.4} mat {} agree {} | {}",
-                            self.name,
-                            c.effect,
-                            c.gain,
-                            c.material,
-                            self.loop_agrees(&base.model, c, scope),
-                            v.join(" ; ")
-                        );
-                    }
-                }
-            }
+            let origin = self.origin(evidence, &base, scope, added);
+            let candidates = rank(evidence, &base, &origin, scope, starts);
             let added_index =
                 candidates.iter().position(|c| c.is_supported() && self.loop_agrees(&base.model, c, scope));
             let best = added_index.map(|index| candidates[index].clone());
@@ -248,6 +227,17 @@ impl<'a> Search<'a> {
             base = self.prune(evidence, base, scope);
         }
         base
+    }
+
+    /// Where candidates start from: where the declared values were fitted to, but for a gross effect, such as a wide
+    /// gap. That has bent them to their bounds, and from there no fit finds the way back.
+    fn origin(&self, evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, added: usize) -> Fitted {
+        let gross =
+            |&stage: &Stage| rms(&base.parts, stage, evidence) > GROSS * evidence.noise(&base.model, stage);
+        if added > 0 || scope.mechanics != Mechanics::All || !scope.stages.iter().any(gross) {
+            return base.clone();
+        }
+        fit::fit(evidence, &base.model.unbent(), scope, 0)
     }
 
     /// Whether the closed loop, which took no part in fitting a mechanical effect, does not speak

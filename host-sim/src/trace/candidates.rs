@@ -53,13 +53,20 @@ impl Candidate {
     }
 }
 
-/// Tries every starting point; the best come first, fitted ones with their held-out comparison.
+/// Tries every starting point, from the declared values of `origin`, against what `base` explains; the best come first,
+/// fitted ones with their held-out comparison.
 #[must_use]
-pub fn rank(evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, starts: Vec<Effect>) -> Vec<Candidate> {
+pub fn rank(
+    evidence: &Evidence<'_>,
+    base: &Fitted,
+    origin: &Fitted,
+    scope: &Scope,
+    starts: Vec<Effect>,
+) -> Vec<Candidate> {
     let mut screened: Vec<Candidate> = starts
         .into_par_iter()
         .filter(|effect| scope.holds(effect))
-        .map(|effect| screen(evidence, base, scope, effect))
+        .map(|effect| screen(evidence, [base, origin], scope, effect))
         .collect();
     screened.sort_by(|a, b| b.gain.total_cmp(&a.gain));
     keep_best_start(&mut screened);
@@ -68,19 +75,19 @@ pub fn rank(evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, starts: Vec<E
     let fitted = screened.len().min(FITTED);
     screened[..fitted]
         .par_iter_mut()
-        .for_each(|candidate| try_out(evidence, base, scope, candidate, &held_out));
+        .for_each(|candidate| try_out(evidence, origin, scope, candidate, &held_out));
     screened[..fitted].sort_by(|a, b| b.gain.total_cmp(&a.gain));
     screened
 }
 
 /// One linear step from the candidate's start, all slots free: what it could gain at the best.
-fn screen(evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, effect: Effect) -> Candidate {
-    let model = base.model.with(effect.clone());
+fn screen(evidence: &Evidence<'_>, [base, origin]: [&Fitted; 2], scope: &Scope, effect: Effect) -> Candidate {
+    let model = origin.model.with(effect.clone());
     let slots = model.slots(scope);
     let parts = evidence.residuals(&model, scope);
     // The new effect's slots are the last ones; the derivatives of the others hold near the start, too.
-    let shared = base.columns.len();
-    let mut columns = base.columns.clone();
+    let shared = origin.columns.len();
+    let mut columns = origin.columns.clone();
     columns.extend(derivatives(evidence, &model, scope, shared..slots.len(), &parts));
     let blocks = blocks(evidence, &columns, &parts, &base.weights);
     let (curvature, gradient) = normal(&blocks, &slots);
@@ -94,7 +101,7 @@ fn screen(evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, effect: Effect)
             .sum::<f64>()
     };
     let gain = scope.stages.iter().map(|&s| 0.5 * (base.squares(s) / after(s).max(1e-9)).ln()).sum();
-    // A full fit starts from the base model with the effect where the step took it.
+    // A full fit starts from the origin with the effect where the step took it.
     moved.rows_mut(0, shared).copy_from(&stood.rows(0, shared));
     let effect = model.at(scope, moved.as_slice()).axis.effect.last().cloned().unwrap_or(effect);
     Candidate { effect, comparison: Vec::new(), gain, fitted: None, material: false }
@@ -119,18 +126,18 @@ fn keep_best_start(sorted: &mut Vec<Candidate>) {
 /// Fits a candidate with everything else free, and holds it against held-out data.
 fn try_out(
     evidence: &Evidence<'_>,
-    base: &Fitted,
+    origin: &Fitted,
     scope: &Scope,
     candidate: &mut Candidate,
     held_out: &[Score],
 ) {
-    let start = base.model.with(candidate.effect.clone());
-    let fitted = fit::fit_from(evidence, &start, scope, FIT_STEPS, &base.columns);
+    let start = origin.model.with(candidate.effect.clone());
+    let fitted = fit::fit_from(evidence, &start, scope, FIT_STEPS, &origin.columns);
     candidate.comparison = compare(held_out, &scores(&fitted), &scope.stages);
     candidate.gain = candidate.comparison.iter().map(|c| c.gain).sum();
     if let Some(effect) = fitted.model.axis.effect.last() {
         candidate.effect = effect.clone();
     }
-    candidate.material = candidate.effect.is_material(evidence.rates);
+    candidate.material = candidate.effect.is_material(origin.model.declared(), evidence.rates);
     candidate.fitted = Some(fitted);
 }

@@ -97,6 +97,18 @@ impl AxisModel {
         &self.declared
     }
 
+    /// The same model with its declared values as they are declared.
+    #[must_use]
+    pub fn unbent(&self) -> Self {
+        let mut model = self.clone();
+        for key in DECLARED {
+            if let Some(value) = (key.get)(&self.declared) {
+                (key.set)(&mut model.axis, value);
+            }
+        }
+        model
+    }
+
     /// The effects that were found.
     #[must_use]
     pub fn found(&self) -> &[Effect] {
