@@ -7,6 +7,7 @@ mod progress;
 mod record;
 mod refusal;
 mod reproduce;
+mod self_test;
 mod simulate;
 mod summary;
 mod trace;
@@ -43,6 +44,8 @@ enum Command {
     Compare(compare::Arguments),
     /// The published experiments again: the paper's figure beside ours.
     Reproduce(reproduce::Arguments),
+    /// Machines drawn at random, simulated by a second program, traced blind, and scored.
+    SelfTest(self_test::Arguments),
     /// Find the residual of a log, name its causes, report before and after.
     Trace(trace::Arguments),
 }
@@ -62,6 +65,7 @@ pub fn run() -> ExitCode {
         Command::Record(arguments) => record::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::SelfTest(arguments) => self_test::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
     match outcome {
