@@ -164,7 +164,6 @@ pub fn run(axes: &[Axis; 2], places: &[[f64; 2]], start_s: f64, random: &mut Cha
         }
         for step in 0..STEPS_A_SAMPLE {
             for axis in &mut moving {
-                axis.servo.filter_step();
                 if step % STEPS_A_VELOCITY_TICK == 0 {
                     axis.servo.velocity_tick(axis.reading_m());
                 }

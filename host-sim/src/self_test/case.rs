@@ -77,9 +77,8 @@ impl Case {
     pub fn keep(&self, folder: &Path) -> Result<PathBuf, OutputError> {
         let folder = folder.join(format!("case-{}", self.number));
         fs::create_dir_all(&folder).map_err(|cause| OutputError { path: folder.clone(), cause })?;
-        let write = |name: &str, text: &str| {
-            write_whole(&folder.join(name), |out| out.write_all(text.as_bytes()))
-        };
+        let write =
+            |name: &str, text: &str| write_whole(&folder.join(name), |out| out.write_all(text.as_bytes()));
         write("machine.toml", &self.machine_text)?;
         for log in self.fit.iter().chain(&self.validate) {
             log.write(&folder.join(format!("{}.csv.gz", log.source)))?;

@@ -89,7 +89,11 @@ fn along(pace: Pace, length: f64) -> impl Iterator<Item = f64> {
     (0..=samples).map(move |i| pace.travelled(length, SAMPLE_S * i as f64) / length)
 }
 
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "seconds of samples, not negative")]
+#[expect(
+    clippy::cast_possible_truncation,
+    clippy::cast_sign_loss,
+    reason = "seconds of samples, not negative"
+)]
 fn whole(samples: f64) -> usize {
     samples as usize
 }

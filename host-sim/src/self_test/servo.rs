@@ -39,7 +39,7 @@ pub struct Servo {
     settings: Settings,
     last_command_m: f64,
     last_reading_m: f64,
-    error_m: f64,
+    asked_m_per_s: f64,
     filtered_m: f64,
     filtered_m_per_s: f64,
     dual_m: f64,
@@ -55,7 +55,7 @@ impl Servo {
             settings,
             last_command_m: command_m,
             last_reading_m: reading_m,
-            error_m: 0.0,
+            asked_m_per_s: 0.0,
             filtered_m: 0.0,
             filtered_m_per_s: 0.0,
             dual_m: 0.0,
@@ -83,25 +83,29 @@ impl Servo {
         let lead_s = settings.feedforward / settings.position_gain_per_s;
         let ahead_m = lead_s * (command_m - self.last_command_m) / SAMPLE_S;
         self.last_command_m = command_m;
-        self.error_m = command_m + ahead_m - feedback_m;
+        let error_m = command_m + ahead_m - feedback_m;
+        let asked_m = if self.settings.hpc { self.filtered(error_m) } else { error_m };
+        self.asked_m_per_s = self.settings.position_gain_per_s * asked_m;
     }
 
-    /// Step of the HPC filter k1k2Kp²/(s² + k2·Kp·s + k1k2Kp²), as fine as the plant's.
-    pub fn filter_step(&mut self) {
+    /// HPC filter k1k2Kp²/(s² + k2·Kp·s + k1k2Kp²) over one sample, in steps as fine as the plant's.
+    fn filtered(&mut self, error_m: f64) -> f64 {
         let kp = self.settings.position_gain_per_s;
         let [k1, k2] = HPC;
-        let pull = k1 * k2 * kp * kp * (self.error_m - self.filtered_m) - k2 * kp * self.filtered_m_per_s;
-        self.filtered_m_per_s += STEP_S * pull;
-        self.filtered_m += STEP_S * self.filtered_m_per_s;
+        for _ in 0..STEPS_A_SAMPLE {
+            let pull = k1 * k2 * kp * kp * (error_m - self.filtered_m) - k2 * kp * self.filtered_m_per_s;
+            self.filtered_m_per_s += STEP_S * pull;
+            self.filtered_m += STEP_S * self.filtered_m_per_s;
+        }
+        self.filtered_m
     }
 
     /// Tick of the velocity loop: Kv·(ev + ∫ev dt/Ti), the integral held while the force is at its limit.
     pub fn velocity_tick(&mut self, reading_m: f64) {
         let settings = &self.settings;
-        let asked_m = if settings.hpc { self.filtered_m } else { self.error_m };
         let speed = (reading_m - self.last_reading_m) / VELOCITY_TICK_S;
         self.last_reading_m = reading_m;
-        let error = settings.position_gain_per_s * asked_m - speed;
+        let error = self.asked_m_per_s - speed;
         let integral_m = self.integral_m + VELOCITY_TICK_S * error;
         let force_n = settings.velocity_gain_n_s_per_m * (error + integral_m / settings.integral_s);
         self.force_n = force_n.clamp(-settings.limit_n, settings.limit_n);
