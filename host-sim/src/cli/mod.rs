@@ -9,6 +9,7 @@ mod refusal;
 mod reproduce;
 mod self_test;
 mod simulate;
+mod stop;
 mod summary;
 mod trace;
 
@@ -19,10 +20,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::error::{InputError, quoted};
-use crate::output::remove_unfinished;
-
-/// What a shell says of a program that a signal has ended, for SIGINT.
-const BROKEN_OFF: i32 = 130;
+use stop::Stopped;
 
 /// Finds out what a machine does that its model does not say, and gets rid of it.
 #[derive(Parser)]
@@ -50,15 +48,11 @@ enum Command {
     Trace(trace::Arguments),
 }
 
-/// Runs the program. 0: done, 1: the job failed, 2: unusable arguments or input.
+/// Runs the program. 0: done, 1: the job failed, 2: unusable arguments or input, 130: told to end.
 #[must_use]
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
-    // Without it a run that is broken off leaves half a file behind; that it cannot be had is no reason not to run.
-    drop(ctrlc::set_handler(|| {
-        remove_unfinished();
-        std::process::exit(BROKEN_OFF);
-    }));
+    stop::listen();
     let outcome = match arguments.command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
@@ -72,7 +66,11 @@ pub fn run() -> ExitCode {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("lost-motion: {error:#}");
-            ExitCode::from(if error.is::<InputError>() { 2 } else { 1 })
+            ExitCode::from(match error {
+                error if error.is::<InputError>() => 2,
+                error if error.is::<Stopped>() => stop::BROKEN_OFF,
+                _ => 1,
+            })
         }
     }
 }
