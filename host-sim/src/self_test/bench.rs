@@ -87,11 +87,11 @@ impl<'a> Moving<'a> {
         self.state.motor_m + self.axis.resolver.at(self.state.motor_m)
     }
 
-    /// The tool as it follows its own table.
-    fn follow(&mut self) {
-        let table_m = self.state.table_m;
+    /// The tool as it follows its own table over a step: pulled to where that stands before the step, which keeps the
+    /// scheme centred; pulled to where it stands after it, the tool would be one step early.
+    fn follow(&mut self, table_m: f64) {
         match self.axis.resonance {
-            None => self.swing_m = table_m,
+            None => self.swing_m = self.state.table_m,
             Some([omega, zeta]) => {
                 let pull = omega * omega * (table_m - self.swing_m) - 2.0 * zeta * omega * self.swing_m_per_s;
                 self.swing_m_per_s += STEP_S * pull;
@@ -168,8 +168,9 @@ pub fn run(axes: &[Axis; 2], places: &[[f64; 2]], start_s: f64, random: &mut Cha
                     axis.servo.velocity_tick(axis.reading_m());
                 }
                 let force_n = axis.servo.force_n();
+                let table_m = axis.state.table_m;
                 axis.axis.mechanics.step(&mut axis.state, force_n);
-                axis.follow();
+                axis.follow(table_m);
             }
             let now_s = time_s + STEP_S * f64::from(step + 1);
             let tools = [0, 1].map(|i| moving[i].tool_m(&moving[1 - i].state, now_s));
@@ -226,4 +227,26 @@ fn normal(random: &mut ChaCha8Rng) -> f64 {
     // 1 − u: never the logarithm of 0.
     let [u, turn] = [1.0 - random.random::<f64>(), random.random::<f64>()];
     (-2.0 * u.ln()).sqrt() * (TAU * turn).cos()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_late_signal_is_what_it_was() {
+        // A ramp of 1 a step, 2.4 steps late.
+        let mut late = Late::new(2.4 * STEP_S, 0.0);
+        (1..=10).for_each(|i| late.push(f64::from(i)));
+        assert!((late.value() - 7.6).abs() < 1e-9, "{}", late.value());
+        let mut prompt = Late::new(0.0, 0.0);
+        prompt.push(3.0);
+        assert_eq!(prompt.value().to_bits(), 3.0_f64.to_bits());
+    }
+
+    #[test]
+    fn steps_read_as_their_decimals_and_zero_has_no_sign() {
+        assert_eq!(rounded(0.123_456_7, POSITION_STEPS_A_MM).to_bits(), 0.12346_f64.to_bits());
+        assert_eq!(rounded(-0.04, FORCE_STEPS_A_N).to_bits(), 0.0_f64.to_bits());
+    }
 }

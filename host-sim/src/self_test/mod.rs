@@ -45,3 +45,6 @@ pub fn json(seed: u64, asked: u64, outcomes: &[Outcome], summary: &Summary) -> V
         "cases": outcomes.iter().map(Outcome::json).collect::<Vec<_>>(),
     })
 }
+
+#[cfg(test)]
+mod tests;

@@ -101,6 +101,13 @@ impl Outcome {
         self.found.iter().filter(|found| !self.truths.iter().any(|truth| is_same(truth, found))).collect()
     }
 
+    /// Effects that were found more than once on an axis (two channels late, say). The score takes them for one.
+    #[must_use]
+    pub fn doubled(&self) -> usize {
+        let again = |i: &usize| self.found[..*i].contains(&self.found[*i]);
+        (0..self.found.len()).filter(again).count()
+    }
+
     /// Whether exactly the effects of the catalogue that were there were found.
     #[must_use]
     pub fn is_exact(&self) -> bool {

@@ -114,3 +114,41 @@ impl Servo {
         }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_filter_lags_as_its_transfer_function_says() {
+        let kp = 50.0;
+        let settings = Settings { hpc: true, position_gain_per_s: kp, ..Settings::default() };
+        let mut servo = Servo::new(settings, 0.0, 0.0);
+        let slope = 0.1;
+        let mut behind_m = 0.0;
+        for tick in 0..1000 {
+            let error_m = slope * SAMPLE_S * f64::from(tick);
+            behind_m = error_m - servo.filtered(error_m);
+        }
+        // A ramp comes out k2·Kp/(k1k2·Kp²) later; held over a sample it is half a sample late, and what comes out is
+        // that of the end of the sample, a whole one ahead. One step of the scheme is open.
+        let lag_s = HPC[1] / (HPC[0] * HPC[1] * kp) + 0.5 * SAMPLE_S - SAMPLE_S;
+        assert!((behind_m / slope - lag_s).abs() < STEP_S, "{} {lag_s}", behind_m / slope);
+    }
+
+    #[test]
+    fn the_integral_waits_while_the_force_is_at_its_limit() {
+        let settings = Settings {
+            position_gain_per_s: 1.0,
+            velocity_gain_n_s_per_m: 1e4,
+            integral_s: 0.01,
+            limit_n: 500.0,
+            ..Settings::default()
+        };
+        let mut servo = Servo::new(settings, 0.0, 0.0);
+        servo.position_tick(0.1, 0.0, 0.0);
+        (0..1000).for_each(|_| servo.velocity_tick(0.0));
+        assert_eq!(servo.force_n().to_bits(), 500.0_f64.to_bits());
+        assert!(servo.integral_m.abs() < 1e-12, "{}", servo.integral_m);
+    }
+}

@@ -86,6 +86,8 @@ pub struct Summary {
     pub found: Share,
     /// Effects that were found and were not there.
     pub false_ones: usize,
+    /// Effects that were found a second time on an axis, which the score takes for one.
+    pub doubled: usize,
     /// Machines as declared in which nothing was found.
     pub clean: Share,
     /// Effects from outside the catalogue of which the trace said what they follow.
@@ -117,6 +119,7 @@ impl Summary {
             exact: Share::of(outcomes.iter().map(Outcome::is_exact)),
             found: Share { hits: there - missed, trials: there },
             false_ones: outcomes.iter().map(|outcome| outcome.false_ones().len()).sum(),
+            doubled: outcomes.iter().map(Outcome::doubled).sum(),
             clean: Share::of(clean.map(Outcome::is_exact)),
             outside: Share::of(outside.copied()),
             parameters: parameters(&estimates),
@@ -147,6 +150,7 @@ impl Summary {
             "found": self.found.json(),
             "missed": self.found.trials - self.found.hits,
             "false": self.false_ones,
+            "doubled": self.doubled,
             "clean": self.clean.json(),
             "outside": self.outside.json(),
             "parameter_error": {"all": self.error.json(), "by_parameter": parameters},

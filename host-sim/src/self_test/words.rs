@@ -27,6 +27,12 @@ pub fn sentences(seed: u64, summary: &Summary) -> Vec<String> {
             summary.false_ones
         ),
     ];
+    if summary.doubled > 0 {
+        said.push(format!(
+            "{} effects were found a second time on their axis, which the score takes for one.",
+            summary.doubled
+        ));
+    }
     if clean.trials > 0 {
         said.push(format!("Of {} machines as declared {} came out clean.", clean.trials, clean.hits));
     }
@@ -90,10 +96,10 @@ pub fn tables(outcomes: &[Outcome], summary: &Summary) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Whether there is nothing to say about a case: everything found, everything strange described.
+/// Whether there is nothing to say about a case: everything found once, everything strange described.
 #[must_use]
 pub fn is_right(outcome: &Outcome) -> bool {
-    outcome.is_exact() && outcome.said.iter().all(|&said| said)
+    outcome.is_exact() && outcome.doubled() == 0 && outcome.said.iter().all(|&said| said)
 }
 
 /// What there was and what was found, in words.
