@@ -22,9 +22,12 @@ pub fn picture(confusion: &Confusion) -> String {
         .collect();
     // An effect that was there has its column, found or not: else the diagonal would break.
     let is_row = |column: &str| rows.iter().any(|(row, _)| *row == column);
-    let columns: Vec<&str> = confusion.columns.iter().copied().collect();
-    let columns: Vec<&str> =
-        columns.into_iter().filter(|column| is_row(column) || sum(&|_, c| c == *column) > 0).collect();
+    let columns: Vec<&str> = confusion
+        .columns
+        .iter()
+        .copied()
+        .filter(|column| is_row(column) || sum(&|_, c| c == *column) > 0)
+        .collect();
     if rows.is_empty() {
         return String::new();
     }
@@ -50,8 +53,8 @@ pub fn picture(confusion: &Confusion) -> String {
             let count = confusion.of(row, column);
             if count > 0 {
                 let class = if Confusion::is_right(row, column) { "hit" } else { "slip" };
-                // Even a single case of many is to be seen.
-                let strength = 0.25 + 0.6 * count as f64 / *total as f64;
+                // Even a single case of many is to be seen, and its number in front of a row's all.
+                let strength = 0.2 + 0.4 * count as f64 / *total as f64;
                 body += &format!(
                     "<rect class=\"{class}\" x=\"{x}\" y=\"{y}\" width=\"{}\" height=\"{}\" \
                      fill-opacity=\"{strength:.2}\"/>\n<text class=\"count\" font-size=\"12\" text-anchor=\"middle\" \

@@ -4,12 +4,12 @@ use super::markup::{svg, text};
 use crate::self_test::summary::Parameter;
 
 const ROW: u32 = 22;
-const BESIDE: u32 = 260;
+const BESIDE: u32 = 300;
 const ABOVE: u32 = 30;
 /// Widths of the two parts and of the space between them.
-const ERRORS: f64 = 430.0;
+const ERRORS: f64 = 400.0;
 const GAP: f64 = 50.0;
-const COVERAGE: f64 = 210.0;
+const COVERAGE: f64 = 200.0;
 /// Ends of the scale of errors, powers of ten of percent.
 const DECADES: (i32, i32) = (-3, 2);
 
