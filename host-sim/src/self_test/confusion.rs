@@ -3,7 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::score::{Outcome, is_same};
-use super::truth::{NAMES, OUTSIDE};
+use super::truth::{NAMES, OUTSIDE, Truth};
 
 /// Row of false effects that no missed one accounts for.
 pub const NOTHING: &str = "nothing";
@@ -34,16 +34,21 @@ impl Confusion {
         let columns: Vec<&str> = NAMES.into_iter().chain(more).chain([SAID, MISSED]).collect();
         let counts = vec![vec![0; columns.len()]; rows.len()];
         let mut confusion = Self { rows, columns, counts };
-        outcomes.iter().for_each(|outcome| confusion.add(outcome));
+        for outcome in outcomes {
+            confusion.add(outcome);
+        }
         confusion
     }
 
     fn add(&mut self, outcome: &Outcome) {
-        let right =
-            outcome.truths.iter().filter(|truth| outcome.found.iter().any(|found| is_same(truth, found)));
-        right.for_each(|truth| self.count(truth.name, truth.name));
+        let is_found = |truth: &&Truth| outcome.found.iter().any(|found| is_same(truth, found));
+        for truth in outcome.truths.iter().filter(is_found) {
+            self.count(truth.name, truth.name);
+        }
         let (said, unsaid): (Vec<_>, Vec<_>) = outcome.outside().partition(|(_, said)| *said);
-        said.iter().for_each(|(truth, _)| self.count(truth.name, SAID));
+        for (truth, _) in said {
+            self.count(truth.name, SAID);
+        }
         let mut missed = outcome.missed();
         missed.extend(unsaid.iter().map(|(truth, _)| *truth));
         for (name, axis) in outcome.false_ones() {
@@ -51,7 +56,9 @@ impl Confusion {
             let row = cause.map_or(NOTHING, |index| missed.remove(index).name);
             self.count(row, name);
         }
-        missed.iter().for_each(|truth| self.count(truth.name, MISSED));
+        for truth in missed {
+            self.count(truth.name, MISSED);
+        }
     }
 
     fn count(&mut self, row: &str, column: &str) {
@@ -104,9 +111,9 @@ mod tests {
     fn a_false_effect_is_put_down_to_what_was_missed_on_its_axis() {
         let truths = [truth("windup", "x", &[]), truth("backlash", "y", &[]), truth("stribeck", "x", &[])];
         let effects = [
-            found("stribeck", "x", json!({})),
-            found("latency", "x", json!({})),
-            found("intalk", "x", json!({})),
+            found("stribeck", "x", &json!({})),
+            found("latency", "x", &json!({})),
+            found("intalk", "x", &json!({})),
         ];
         let confusion = Confusion::new(&[Outcome::new(1, &truths, &json!({"effects": effects}))]);
         assert_eq!(confusion.of("stribeck", "stribeck"), 1);
@@ -122,7 +129,7 @@ mod tests {
         let of = |trace: Value| Confusion::new(&[Outcome::new(1, &truths, &trace)]);
         let said = of(json!({"unexplained": [{"axis": "x", "variable": "time", "frequency_hz": 60.2}]}));
         assert_eq!(said.of("vibration", SAID), 1);
-        let mistaken = of(json!({"effects": [found("resonance", "x", json!({}))]}));
+        let mistaken = of(json!({"effects": [found("resonance", "x", &json!({}))]}));
         assert_eq!(mistaken.of("vibration", "resonance"), 1);
         assert_eq!(of(json!({})).of("vibration", MISSED), 1);
     }

@@ -109,7 +109,7 @@ mod tests {
         // 250 samples of rest; 50 mm / 50 mm/s + 50/1000 s = 1.05 s: 1051 samples with both ends, one more where the
         // quotient rounds up.
         assert!((1301..=1302).contains(&places.len()), "{}", places.len());
-        assert_eq!(places[places.len() - 1], [30.0, 40.0]);
+        assert_eq!(places[places.len() - 1].map(f64::to_bits), [30.0_f64, 40.0].map(f64::to_bits));
         let speeds: Vec<f64> =
             places.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]) / SAMPLE_S).collect();
         let top = speeds.iter().copied().fold(0.0, f64::max);

@@ -197,7 +197,7 @@ pub(super) mod tests {
         Truth { name, axis, parameters: parameters.to_vec(), word: None }
     }
 
-    pub fn found(name: &str, axis: &str, parameters: Value) -> Value {
+    pub fn found(name: &str, axis: &str, parameters: &Value) -> Value {
         json!({"name": name, "axis": axis, "parameters": parameters})
     }
 
@@ -205,9 +205,9 @@ pub(super) mod tests {
     fn the_set_has_to_be_exact() {
         let truths = [truth("backlash", "x", &[("width_um", 10.0)]), truth("squareness", "x", &[])];
         let named = |effects: &[Value]| Outcome::new(1, &truths, &json!({"effects": effects}));
-        let both = [found("squareness", "x", json!({})), found("backlash", "x", json!({}))];
+        let both = [found("squareness", "x", &json!({})), found("backlash", "x", &json!({}))];
         assert!(named(&both).is_exact());
-        let wrong_axis = [both[0].clone(), found("backlash", "y", json!({}))];
+        let wrong_axis = [both[0].clone(), found("backlash", "y", &json!({}))];
         let outcome = named(&wrong_axis);
         assert!(!outcome.is_exact());
         assert_eq!(outcome.missed(), [&truths[0]]);
@@ -237,7 +237,7 @@ pub(super) mod tests {
     fn errors_are_relative_and_intervals_hold_the_truth_or_not() {
         let truths = [truth("backlash", "x", &[("width_um", 10.0)])];
         let width = |value: f64, ci95: [f64; 2]| {
-            let effects = [found("backlash", "x", json!({"width_um": {"value": value, "ci95": ci95}}))];
+            let effects = [found("backlash", "x", &json!({"width_um": {"value": value, "ci95": ci95}}))];
             Outcome::new(1, &truths, &json!({"effects": effects})).estimates.remove(0)
         };
         let inside = width(9.5, [8.9, 10.1]);

@@ -109,7 +109,7 @@ impl Servo {
         let integral_m = self.integral_m + VELOCITY_TICK_S * error;
         let force_n = settings.velocity_gain_n_s_per_m * (error + integral_m / settings.integral_s);
         self.force_n = force_n.clamp(-settings.limit_n, settings.limit_n);
-        if self.force_n == force_n {
+        if force_n.abs() <= settings.limit_n {
             self.integral_m = integral_m;
         }
     }

@@ -205,9 +205,9 @@ mod tests {
         let of =
             |number, truths: &[_], effects: Value| Outcome::new(number, truths, &json!({"effects": effects}));
         vec![
-            of(1, &backlash, json!([found("backlash", "x", width(10.1, 0.2))])),
-            of(2, &backlash, json!([found("backlash", "x", width(9.7, 0.2))])),
-            of(3, &cyclic, json!([found("pitch_cyclic", "y", wave), found("intalk", "x", json!({}))])),
+            of(1, &backlash, json!([found("backlash", "x", &width(10.1, 0.2))])),
+            of(2, &backlash, json!([found("backlash", "x", &width(9.7, 0.2))])),
+            of(3, &cyclic, json!([found("pitch_cyclic", "y", &wave), found("intalk", "x", &json!({}))])),
             of(4, &backlash, json!([])),
             of(5, &[], json!([])),
         ]

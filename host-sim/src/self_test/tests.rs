@@ -10,7 +10,7 @@ use super::plant::{Mechanics, STEP_S, State};
 use super::servo::Settings;
 use super::summary::Summary;
 use super::*;
-use crate::log::Log;
+use crate::log::{Channel, Log};
 
 fn mechanics() -> Mechanics {
     Mechanics {
@@ -57,12 +57,8 @@ fn mean(values: &[f64]) -> f64 {
 }
 
 /// Mean of the difference of two channels of x, mm.
-fn difference(
-    log: &Log,
-    of: [fn(&crate::log::AxisLog) -> &Option<Vec<f64>>; 2],
-    at: &std::ops::Range<usize>,
-) -> f64 {
-    let [a, b] = of.map(|channel| channel(&log.axes[0]).as_ref().unwrap()[at.clone()].to_vec());
+fn difference(log: &Log, of: [Channel; 2], at: &std::ops::Range<usize>) -> f64 {
+    let [a, b] = of.map(|channel| log.axes[0].channel(channel).unwrap()[at.clone()].to_vec());
     mean(&a) - mean(&b)
 }
 
@@ -72,7 +68,7 @@ fn at_constant_speed_the_motor_follows_at_v_over_kp_less_the_feed_forward() {
     let expected_mm = SPEED_MM_PER_S / 50.0 * (1.0 - 0.6);
     for hpc in [false, true] {
         let (log, [forth, back]) = line(&axis(hpc));
-        let following = |at| difference(&log, [|a| &a.command, |a| &a.motor], at);
+        let following = |at| difference(&log, [Channel::Command, Channel::Motor], at);
         // The mean of 400 samples of 10 nm noise lies within 2 nm; what the integral has left is of that size.
         assert!((following(&forth) - expected_mm).abs() < 5e-6, "{}", following(&forth));
         assert!((following(&back) + expected_mm).abs() < 5e-6, "{}", following(&back));
@@ -88,7 +84,7 @@ fn reversal_shows_the_gap_and_twice_the_stretch_under_friction() {
     let stretch_mm = 1e3 * (150.0 + 900.0 * 1e-3 * SPEED_MM_PER_S) / 200e6;
     for (axis, gap_mm) in [(axis(false), 0.0), (with_gap, gap_mm)] {
         let (log, [forth, back]) = line(&axis);
-        let lost = |at| difference(&log, [|a| &a.motor, |a| &a.table], at);
+        let lost = |at| difference(&log, [Channel::Motor, Channel::Table], at);
         let expected_mm = gap_mm + 2.0 * stretch_mm;
         // Means of 400 samples, 22 nm each: three of their standard deviations, of both ways.
         let found_mm = lost(&forth) - lost(&back);
@@ -135,7 +131,7 @@ fn the_tool_swings_as_its_mode_says() {
     let (omega, zeta) = (std::f64::consts::TAU * 30.0, 0.1);
     swinging.resonance = Some([omega, zeta]);
     let (log, [forth, _]) = line(&swinging);
-    let lag_mm = difference(&log, [|a| &a.table, |a| &a.tool], &forth);
+    let lag_mm = difference(&log, [Channel::Table, Channel::Tool], &forth);
     let expected_mm = SPEED_MM_PER_S * 2.0 * zeta / omega;
     // Half a step of the plant is open, 1 µm at this speed; noise means are 5 nm.
     assert!(
@@ -150,7 +146,7 @@ fn a_late_channel_lags_by_its_way() {
     late.table_late_s = 0.77e-3;
     let (log, [forth, back]) = line(&late);
     let (prompt, _) = line(&axis(false));
-    let lag = |log: &Log, at| difference(log, [|a| &a.motor, |a| &a.table], at);
+    let lag = |log: &Log, at| difference(log, [Channel::Motor, Channel::Table], at);
     for (at, sign) in [(&forth, 1.0), (&back, -1.0)] {
         let way_mm = lag(&log, at) - lag(&prompt, at);
         assert!((way_mm - sign * 0.77e-3 * SPEED_MM_PER_S).abs() < 5e-6, "{way_mm}");

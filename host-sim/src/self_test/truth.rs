@@ -117,6 +117,7 @@ fn excludes(one: &str, other: &str) -> bool {
 }
 
 /// Gives an axis one of [`NAMES`], of a size within about a factor of two of the blind cases' where those have it.
+#[expect(clippy::too_many_lines, reason = "one arm an effect")]
 fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Truth {
     let declared = &machine.declared[index];
     let (lead_mm, pole_pairs) = (declared.lead_mm, f64::from(declared.pole_pairs));

@@ -150,7 +150,7 @@ mod tests {
     #[test]
     fn a_mistake_is_said_with_its_case() {
         let truths = [truth("windup", "x", &[("stiffness_n_per_um", 100.0)])];
-        let trace = json!({"effects": [found("stribeck", "x", json!({}))]});
+        let trace = json!({"effects": [found("stribeck", "x", &json!({}))]});
         let outcomes = [Outcome::new(7, &truths, &trace)];
         let said = tables(&outcomes, &Summary::new(&outcomes));
         assert!(said.contains("case 7: there was windup on x; found stribeck on x"), "{said}");
