@@ -1,6 +1,6 @@
 //! Machines drawn at random and simulated by a second, separate program: is what they lack found?
 //!
-//! [`plant`], [`servo`] and [`bench`] are that program, in plain f64; they share no code with [`crate::plant`],
+//! [`plant`], [`servo`] and [`mod@bench`] are that program, in plain f64; they share no code with [`crate::plant`],
 //! [`crate::effects`] and the controller in `shared`: what made the data must not be the only judge of what explains
 //! them. [`draw`], [`truth`] and [`motion`] say what it is given; [`case`] is one machine with its logs. [`score`]
 //! holds a trace against the truth, [`summary`] all of them together, with [`confusion`] and [`statistics`].
