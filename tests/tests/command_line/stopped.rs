@@ -206,7 +206,7 @@ fn a_self_test_that_is_broken_off_keeps_what_is_done() {
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
-    let desk = Desk::with(&[]);
+    let desk = Desk::with(&[("machine.toml", MACHINE)]);
     let child = Command::new(tests::program::lost_motion())
         .args("self-test --cases 1000 --seed 3 --keep . --no-trace".split_whitespace())
         .current_dir(desk.path())
