@@ -72,9 +72,9 @@ pub fn picture(confusion: &Confusion) -> String {
     for x in (BESIDE..=right).step_by(CELL.0 as usize) {
         body += &format!("<line class=\"grid\" x1=\"{x}\" y1=\"{ABOVE}\" x2=\"{x}\" y2=\"{bottom}\"/>\n");
     }
-    // The last words lean out over the last column.
+    // The last words lean out over the last column; a small matrix is not blown up to the width of the page.
     svg(
-        (right + 90, bottom + 4),
+        ((right + 90).max(980), bottom + 4),
         "What was taken for what",
         "Each row is an effect that was there, each column an effect that was found; the numbers count cases.",
         &body,
