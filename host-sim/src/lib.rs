@@ -17,6 +17,7 @@ pub mod path;
 pub mod plant;
 pub mod report;
 pub mod reproduce;
+pub mod self_test;
 pub mod servo;
 pub mod simulate;
 pub mod trace;

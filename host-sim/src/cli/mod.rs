@@ -7,7 +7,9 @@ mod progress;
 mod record;
 mod refusal;
 mod reproduce;
+mod self_test;
 mod simulate;
+mod stop;
 mod summary;
 mod trace;
 
@@ -18,10 +20,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use crate::error::{InputError, quoted};
-use crate::output::remove_unfinished;
-
-/// What a shell says of a program that a signal has ended, for SIGINT.
-const BROKEN_OFF: i32 = 130;
+use stop::Stopped;
 
 /// Finds out what a machine does that its model does not say, and gets rid of it.
 #[derive(Parser)]
@@ -43,32 +42,35 @@ enum Command {
     Compare(compare::Arguments),
     /// The published experiments again: the paper's figure beside ours.
     Reproduce(reproduce::Arguments),
+    /// Machines drawn at random, simulated by a second program, traced blind, and scored.
+    SelfTest(self_test::Arguments),
     /// Find the residual of a log, name its causes, report before and after.
     Trace(trace::Arguments),
 }
 
-/// Runs the program. 0: done, 1: the job failed, 2: unusable arguments or input.
+/// Runs the program. 0: done, 1: the job failed, 2: unusable arguments or input, 130: told to end.
 #[must_use]
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
-    // Without it a run that is broken off leaves half a file behind; that it cannot be had is no reason not to run.
-    drop(ctrlc::set_handler(|| {
-        remove_unfinished();
-        std::process::exit(BROKEN_OFF);
-    }));
+    stop::listen();
     let outcome = match arguments.command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::SelfTest(arguments) => self_test::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
         Err(error) => {
             eprintln!("lost-motion: {error:#}");
-            ExitCode::from(if error.is::<InputError>() { 2 } else { 1 })
+            ExitCode::from(match error {
+                error if error.is::<InputError>() => 2,
+                error if error.is::<Stopped>() => stop::BROKEN_OFF,
+                _ => 1,
+            })
         }
     }
 }

@@ -19,6 +19,22 @@ impl Progress {
         Self(bar)
     }
 
+    /// Starts the line of a job of so many parts.
+    #[must_use]
+    pub fn of(parts: u64) -> Self {
+        let bar = ProgressBar::new(parts);
+        if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {elapsed}\n{msg}") {
+            bar.set_style(style);
+        }
+        bar.enable_steady_tick(Duration::from_millis(100));
+        Self(bar)
+    }
+
+    /// Says that so many parts are done.
+    pub fn done(&self, parts: usize) {
+        self.0.set_position(parts as u64);
+    }
+
     /// Says how far the simulated machine has come, twice a second of its time.
     pub fn machine_time(&self, time_s: f64) {
         if (2.0 * time_s).fract() == 0.0 {

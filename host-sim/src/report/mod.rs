@@ -5,12 +5,14 @@
 //! far the machine ran off it); `curves` draws residuals against time and against a `variable`,
 //! those of `stages` before and after; `ranking` lists what was tried. `plot`, `markup` and
 //! `number` are what these are made of. [`compare`] and
-//! [`reproduce`] are pages of their own, about number formats and about published experiments.
+//! [`reproduce`] are pages of their own, about number formats and about published experiments; so is [`self_test`],
+//! about many machines at once, of a `confusion` matrix and a `strip` of parameters.
 //!
 //! The page needs nothing but itself: no script, no address. The same trace gives the same bytes.
 
 mod circle;
 pub mod compare;
+mod confusion;
 mod curves;
 mod deviation;
 mod markup;
@@ -20,7 +22,9 @@ pub(crate) mod plot;
 pub(crate) mod polar;
 mod ranking;
 pub mod reproduce;
+pub mod self_test;
 mod stages;
+mod strip;
 mod tables;
 mod variable;
 pub mod words;

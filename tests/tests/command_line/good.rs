@@ -20,7 +20,7 @@ fn every_command_has_help() {
     let desk = desk();
     assert!(desk.done("--version").starts_with("lost-motion "));
     let overview = desk.done("--help");
-    for command in ["demo", "simulate", "record", "compare", "reproduce", "trace"] {
+    for command in ["demo", "simulate", "record", "compare", "reproduce", "self-test", "trace"] {
         assert!(overview.contains(command), "{overview}");
         assert!(desk.done(&format!("{command} --help")).contains("Usage: lost-motion"));
     }
@@ -28,9 +28,16 @@ fn every_command_has_help() {
 
 #[test]
 fn unusable_arguments_are_exit_2() {
-    for arguments in
-        ["", "frobnicate", "trace", "simulate --machine", "demo --seed minus-one", "compare --hours soon"]
-    {
+    for arguments in [
+        "",
+        "frobnicate",
+        "trace",
+        "simulate --machine",
+        "demo --seed minus-one",
+        "compare --hours soon",
+        "self-test --cases 0",
+        "self-test --no-trace",
+    ] {
         let output = desk().run(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments}");
         assert!(output.stdout.is_empty() && !output.stderr.is_empty(), "{arguments}");

@@ -198,3 +198,35 @@ fn a_run_that_is_broken_off_leaves_nothing() {
         assert!(desk.content() == before, "{signal}");
     }
 }
+
+/// Broken off between two cases: what is done is written, and the exit code still says that it was broken off.
+#[cfg(unix)]
+#[test]
+fn a_self_test_that_is_broken_off_keeps_what_is_done() {
+    use std::process::{Command, Stdio};
+    use std::time::{Duration, Instant};
+
+    let desk = Desk::with(&[("machine.toml", MACHINE)]);
+    let child = Command::new(tests::program::lost_motion())
+        .args("self-test --cases 1000 --seed 3 --keep . --no-trace".split_whitespace())
+        .current_dir(desk.path())
+        .stdout(Stdio::piped())
+        .stderr(Stdio::piped())
+        .spawn()
+        .unwrap();
+    let began = Instant::now();
+    // The second case is begun when the first is done.
+    while !desk.path().join("case-2").exists() && began.elapsed() < Duration::from_mins(1) {
+        std::thread::sleep(Duration::from_millis(20));
+    }
+    let id = child.id().to_string();
+    assert!(Command::new("kill").args(["-s", "INT", &id]).status().unwrap().success());
+    let output = child.wait_with_output().unwrap();
+    assert_eq!(output.status.code(), Some(130));
+    let said = String::from_utf8(output.stdout).unwrap();
+    assert!(said.contains("cases drawn."), "{said}");
+    let problem = String::from_utf8(output.stderr).unwrap();
+    assert!(problem.contains("broken off after") && problem.contains("of 1000 cases"), "{problem}");
+    let truth = std::fs::read_to_string(desk.path().join("case-1/truth.json")).unwrap();
+    assert!(truth.contains("\"effects\""), "{truth}");
+}

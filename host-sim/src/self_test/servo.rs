@@ -1,0 +1,154 @@
+//! The controller of the second simulator, as the contract writes it; see [`super::plant`].
+
+use super::plant::STEP_S;
+
+/// Steps of the plant in a tick of the velocity loop: 4 kHz.
+pub const STEPS_A_VELOCITY_TICK: u32 = 5;
+/// Steps of the plant in a sample: 1 kHz.
+pub const STEPS_A_SAMPLE: u32 = 20;
+/// Of the position loop and of the log.
+pub const SAMPLE_S: f64 = 1e-3;
+/// Of the velocity loop.
+const VELOCITY_TICK_S: f64 = 0.25e-3;
+
+/// k1 and k2 of the HPC filter.
+const HPC: [f64; 2] = [8.0 / 3.0, 6.0];
+
+/// The settings of one drive, SI.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Settings {
+    /// HPC in front of the gain.
+    pub hpc: bool,
+    /// Kp as it is in the drive.
+    pub position_gain_per_s: f64,
+    /// Kf, 1 for 100 %.
+    pub feedforward: f64,
+    /// Kv.
+    pub velocity_gain_n_s_per_m: f64,
+    /// Ti.
+    pub integral_s: f64,
+    /// Largest force.
+    pub limit_n: f64,
+    /// Time constant of dual feedback; none: the motor is fed back.
+    pub dual_s: Option<f64>,
+}
+
+/// What one drive remembers.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Servo {
+    settings: Settings,
+    last_command_m: f64,
+    last_reading_m: f64,
+    asked_m_per_s: f64,
+    filtered_m: f64,
+    filtered_m_per_s: f64,
+    dual_m: f64,
+    integral_m: f64,
+    force_n: f64,
+}
+
+impl Servo {
+    /// At rest where the command starts; `reading_m` is what the motor's sensor says there.
+    #[must_use]
+    pub fn new(settings: Settings, command_m: f64, reading_m: f64) -> Self {
+        Self {
+            settings,
+            last_command_m: command_m,
+            last_reading_m: reading_m,
+            asked_m_per_s: 0.0,
+            filtered_m: 0.0,
+            filtered_m_per_s: 0.0,
+            dual_m: 0.0,
+            integral_m: 0.0,
+            force_n: 0.0,
+        }
+    }
+
+    /// Force of the last tick of the velocity loop, N.
+    #[must_use]
+    pub fn force_n(&self) -> f64 {
+        self.force_n
+    }
+
+    /// Tick of the position loop: e = command + (Kf/Kp)·d(command)/dt − feedback.
+    pub fn position_tick(&mut self, command_m: f64, motor_m: f64, table_m: f64) {
+        let settings = &self.settings;
+        let feedback_m = match settings.dual_s {
+            None => motor_m,
+            Some(time_s) => {
+                self.dual_m += SAMPLE_S / time_s * (table_m - motor_m - self.dual_m);
+                motor_m + self.dual_m
+            }
+        };
+        let lead_s = settings.feedforward / settings.position_gain_per_s;
+        let ahead_m = lead_s * (command_m - self.last_command_m) / SAMPLE_S;
+        self.last_command_m = command_m;
+        let error_m = command_m + ahead_m - feedback_m;
+        let asked_m = if self.settings.hpc { self.filtered(error_m) } else { error_m };
+        self.asked_m_per_s = self.settings.position_gain_per_s * asked_m;
+    }
+
+    /// HPC filter k1k2Kp²/(s² + k2·Kp·s + k1k2Kp²) over one sample, in steps as fine as the plant's.
+    fn filtered(&mut self, error_m: f64) -> f64 {
+        let kp = self.settings.position_gain_per_s;
+        let [k1, k2] = HPC;
+        for _ in 0..STEPS_A_SAMPLE {
+            let pull = k1 * k2 * kp * kp * (error_m - self.filtered_m) - k2 * kp * self.filtered_m_per_s;
+            self.filtered_m_per_s += STEP_S * pull;
+            self.filtered_m += STEP_S * self.filtered_m_per_s;
+        }
+        self.filtered_m
+    }
+
+    /// Tick of the velocity loop: Kv·(ev + ∫ev dt/Ti), the integral held while the force is at its limit.
+    pub fn velocity_tick(&mut self, reading_m: f64) {
+        let settings = &self.settings;
+        let speed = (reading_m - self.last_reading_m) / VELOCITY_TICK_S;
+        self.last_reading_m = reading_m;
+        let error = self.asked_m_per_s - speed;
+        let integral_m = self.integral_m + VELOCITY_TICK_S * error;
+        let force_n = settings.velocity_gain_n_s_per_m * (error + integral_m / settings.integral_s);
+        self.force_n = force_n.clamp(-settings.limit_n, settings.limit_n);
+        if force_n.abs() <= settings.limit_n {
+            self.integral_m = integral_m;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_filter_lags_as_its_transfer_function_says() {
+        let kp = 50.0;
+        let settings = Settings { hpc: true, position_gain_per_s: kp, ..Settings::default() };
+        let mut servo = Servo::new(settings, 0.0, 0.0);
+        let slope = 0.1;
+        let mut behind_m = 0.0;
+        for tick in 0..1000 {
+            let error_m = slope * SAMPLE_S * f64::from(tick);
+            behind_m = error_m - servo.filtered(error_m);
+        }
+        // A ramp comes out k2·Kp/(k1k2·Kp²) later; held over a sample it is half a sample late, and what comes out is
+        // that of the end of the sample, a whole one ahead. One step of the scheme is open.
+        let lag_s = HPC[1] / (HPC[0] * HPC[1] * kp) + 0.5 * SAMPLE_S - SAMPLE_S;
+        assert!((behind_m / slope - lag_s).abs() < STEP_S, "{} {lag_s}", behind_m / slope);
+    }
+
+    #[test]
+    fn the_integral_waits_while_the_force_is_at_its_limit() {
+        let settings = Settings {
+            position_gain_per_s: 1.0,
+            velocity_gain_n_s_per_m: 1e4,
+            integral_s: 0.01,
+            limit_n: 500.0,
+            ..Settings::default()
+        };
+        let mut servo = Servo::new(settings, 0.0, 0.0);
+        servo.position_tick(0.1, 0.0, 0.0);
+        (0..1000).for_each(|_| servo.velocity_tick(0.0));
+        assert_eq!(servo.force_n().to_bits(), 500.0_f64.to_bits());
+        assert!(servo.integral_m.abs() < 1e-12, "{}", servo.integral_m);
+    }
+}
