@@ -13,6 +13,7 @@ mod circle;
 pub mod compare;
 mod curves;
 mod deviation;
+pub mod friction_map;
 mod markup;
 pub(crate) mod number;
 mod parameters;
