@@ -96,6 +96,12 @@ pub fn weights(runs: &[Run]) -> Vec<f64> {
 /// Places on the logarithmic range of a shape from which a fit is started.
 const STARTS: u32 = 12;
 
+/// Most steps of a fit.
+const MOST_STEPS: u32 = 40;
+
+/// A fit ends when a step lowers the squares by less than this share.
+const ENOUGH: f64 = 1e-7;
+
 /// Fits a law with one term more than another, started from all over the range of its shape.
 #[must_use]
 pub fn fit_with(map: &FrictionMap, runs: &[Run], base: &Law, term: Term) -> Option<Fitted> {
@@ -109,45 +115,46 @@ pub fn fit_with(map: &FrictionMap, runs: &[Run], base: &Law, term: Term) -> Opti
     let start = |i: u32| {
         let mut law = law.clone();
         law.shapes[last] = shape.lower * (span * (f64::from(i) + 0.5) / f64::from(STARTS)).exp();
-        solved(runs, &law)
+        sized(runs, &law)
     };
     // With the shape held the sizes are a linear problem: the best such start is polished.
-    let best = (0..STARTS).filter_map(start).min_by(|a, b| a.squares.total_cmp(&b.squares))?;
-    fit(map, runs, &best.law)
+    let (best, _) = (0..STARTS).filter_map(start).min_by(|a, b| a.1.total_cmp(&b.1))?;
+    fit(map, runs, &best)
 }
 
 /// Fits sizes and shapes, from where the shapes stand. `None` where the runs do not determine them.
 #[must_use]
 pub fn fit(map: &FrictionMap, runs: &[Run], start: &Law) -> Option<Fitted> {
-    let mut best = solved(runs, start)?;
+    let (mut best, mut squares) = sized(runs, start)?;
     if start.terms.iter().all(|term| term.width() == 1) {
-        return Some(best);
+        return told(runs, best);
     }
     let ranges: Vec<_> = start.terms.iter().map(|term| term.shape(map)).collect();
     let mut damping = 1e-3;
-    for _ in 0..40 {
+    for _ in 0..MOST_STEPS {
         let Some(step) = step(runs, &best, damping) else { break };
-        let mut law = best.law.clone();
+        let mut law = best.clone();
         let mut steps = step.iter().skip(law.sizes.len());
         for (shape, range) in law.shapes.iter_mut().zip(&ranges) {
-            if let (Some(range), Some(step)) = (range, (range.is_some()).then(|| steps.next()).flatten()) {
-                *shape = (*shape * step.clamp(-1.0, 1.0).exp()).clamp(range.lower, range.upper);
+            if let Some(range) = range {
+                let step = steps.next().map_or(0.0, |step| step.clamp(-1.0, 1.0));
+                *shape = (*shape * step.exp()).clamp(range.lower, range.upper);
             }
         }
-        match solved(runs, &law) {
-            Some(next) if next.squares < best.squares => {
-                let enough = next.squares > best.squares * (1.0 - 1e-9);
-                best = next;
+        match sized(runs, &law) {
+            Some((next, left)) if left < squares => {
+                let is_enough = left > squares * (1.0 - ENOUGH);
+                (best, squares) = (next, left);
                 damping = (0.2 * damping).max(1e-9);
-                if enough {
+                if is_enough {
                     break;
                 }
             }
-            _ if damping > 1e6 => break,
+            _ if damping > 1e4 => break,
             _ => damping *= 10.0,
         }
     }
-    Some(best)
+    told(runs, best)
 }
 
 /// Weighted derivatives and residuals.
@@ -161,8 +168,8 @@ fn linearised(runs: &[Run], law: &Law) -> (DMatrix<f64>, DVector<f64>) {
 }
 
 /// One damped step of all free numbers.
-fn step(runs: &[Run], at: &Fitted, damping: f64) -> Option<DVector<f64>> {
-    let (jacobian, residuals) = linearised(runs, &at.law);
+fn step(runs: &[Run], at: &Law, damping: f64) -> Option<DVector<f64>> {
+    let (jacobian, residuals) = linearised(runs, at);
     let (scaled, norms) = unit_columns(jacobian);
     let mut curvature = scaled.transpose() * &scaled;
     for i in 0..norms.len() {
@@ -181,23 +188,29 @@ fn unit_columns(mut matrix: DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
     (matrix, norms)
 }
 
-/// The sizes at given shapes, with all that is known around them.
-fn solved(runs: &[Run], law: &Law) -> Option<Fitted> {
-    let mut law = law.clone();
+/// The sizes at given shapes, and the weighted squares that they leave.
+fn sized(runs: &[Run], law: &Law) -> Option<(Law, f64)> {
     let weights = weights(runs);
     let rows: Vec<Vec<f64>> = runs.iter().map(|run| law.columns(run.velocity)).collect();
     let matrix = DMatrix::from_fn(runs.len(), law.sizes.len(), |i, j| weights[i] * rows[i][j]);
     let forces = runs.iter().zip(&weights).map(|(run, weight)| weight * run.force);
     let forces = DVector::from_iterator(runs.len(), forces);
     let (scaled, norms) = unit_columns(matrix);
-    let singular = scaled.svd(true, true);
-    // Terms that are the same on these runs cannot be told apart.
-    const LEAST: f64 = 1e-6;
-    if singular.singular_values.min() < LEAST * singular.singular_values.max() {
+    let root = (scaled.transpose() * &scaled).cholesky()?;
+    // Terms that are the same on these runs cannot be told apart: a pivot of columns of length 1 is the sine of the
+    // angle between one and the others.
+    const LEAST: f64 = 1e-5;
+    if root.l_dirty().diagonal().min() < LEAST {
         return None;
     }
-    let sizes = singular.solve(&forces, 0.0).ok()?.component_div(&norms);
-    law.sizes = sizes.iter().copied().collect();
+    let solution = root.solve(&(scaled.transpose() * &forces));
+    let left = (forces - scaled * &solution).norm_squared();
+    let sizes = solution.component_div(&norms).iter().copied().collect();
+    Some((Law { sizes, ..law.clone() }, left))
+}
+
+/// A law with all that is known around it.
+fn told(runs: &[Run], law: Law) -> Option<Fitted> {
     let (jacobian, residuals) = linearised(runs, &law);
     let (scaled, norms) = unit_columns(jacobian);
     let width = norms.len();

@@ -164,3 +164,6 @@ impl FrictionMap {
         squares.map(|squares| (squares.iter().sum::<f64>() / squares.len().max(1) as f64).sqrt())
     }
 }
+
+#[cfg(test)]
+mod tests;

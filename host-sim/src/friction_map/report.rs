@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::FrictionMap;
 use super::fit::Fitted;
 use super::law::{Term, viscous_key};
-use super::search::{Errors, Explained, half_widths};
+use super::search::{AS_GOOD, Errors, Explained, half_widths};
 use super::unexplained::Unexplained;
 use crate::report::number::{percent, significant, with_spread};
 
@@ -74,8 +74,6 @@ pub fn reduction_percent(explained: &Explained, term: Term) -> f64 {
 /// Terms that left-out runs supported nearly as well as the one that was added: the map does not tell them apart.
 #[must_use]
 pub fn rivals(explained: &Explained, term: Term) -> Vec<Term> {
-    // Within a tenth of the error that the added one leaves.
-    const NEAR: f64 = 1.2;
     for round in &explained.searched.rounds {
         let Some(added) = round.added.map(|index| &round.candidates[index]) else { continue };
         if added.term != term {
@@ -83,7 +81,7 @@ pub fn rivals(explained: &Explained, term: Term) -> Vec<Term> {
         }
         let count = round.candidates.len();
         let near = |c: &&super::search::Candidate| {
-            c.term != term && c.is_supported(count) && 1.0 - c.reduction < NEAR * (1.0 - added.reduction)
+            c.term != term && c.is_supported(count) && 1.0 - c.reduction < AS_GOOD * (1.0 - added.reduction)
         };
         return round.candidates.iter().filter(near).map(|c| c.term).collect();
     }

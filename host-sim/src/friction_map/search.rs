@@ -31,7 +31,7 @@ pub struct Candidate {
     pub fitted: Fitted,
     /// Share of the squares of left-out runs that it takes away.
     pub reduction: f64,
-    /// The same where whole ranges of speed are left out.
+    /// The same where whole ranges of speed are left out; not a number where the rest has decided already.
     pub range_reduction: f64,
     /// Chance that a law without it gives so much, in one trial (F test).
     pub chance: f64,
@@ -169,8 +169,7 @@ pub fn search(map: &FrictionMap, runs: &[Run]) -> Option<Searched> {
         let mut candidates: Vec<Candidate> =
             tried(map, runs, &fitted.law).filter_map(|term| tried_out(map, runs, &fitted, term)).collect();
         candidates.sort_by(|a, b| b.reduction.total_cmp(&a.reduction));
-        let count = candidates.len();
-        let added = candidates.iter().position(|candidate| candidate.is_supported(count));
+        let added = chosen(&candidates);
         let best = added.map(|index| candidates[index].fitted.clone());
         rounds.push(Round { candidates, added });
         let Some(best) = best else { break };
@@ -182,6 +181,19 @@ pub fn search(map: &FrictionMap, runs: &[Run]) -> Option<Searched> {
         fitted = without;
     }
     Some(Searched { declared, fitted, rounds, dropped })
+}
+
+/// Laws whose left-out errors (squares) are within this of the best are as good.
+pub const AS_GOOD: f64 = 1.2;
+
+/// The best candidate that is supported, or a simpler one that is as good.
+fn chosen(candidates: &[Candidate]) -> Option<usize> {
+    let count = candidates.len();
+    let best = candidates.iter().find(|candidate| candidate.is_supported(count))?;
+    let as_good =
+        |c: &Candidate| c.is_supported(count) && 1.0 - c.reduction < AS_GOOD * (1.0 - best.reduction);
+    let all = candidates.iter().enumerate().filter(|(_, candidate)| as_good(candidate));
+    all.min_by_key(|(_, candidate)| candidate.term.width()).map(|(index, _)| index)
 }
 
 /// Terms that a law lacks and that the runs can show. Stribeck friction has one form at a time.
@@ -212,15 +224,22 @@ fn not_testable(map: &FrictionMap) -> Vec<(Term, String)> {
 fn tried_out(map: &FrictionMap, runs: &[Run], base: &Fitted, term: Term) -> Option<Candidate> {
     let fitted = fit_with(map, runs, &base.law, term)?;
     let base_out = base.left_out().max(f64::MIN_POSITIVE);
-    let [before, after] = [&base.law, &fitted.law].map(|law| without_ranges(map, runs, law));
-    Some(Candidate {
+    let mut candidate = Candidate {
         term,
         reduction: 1.0 - fitted.left_out() / base_out,
-        range_reduction: 1.0 - after / before.max(f64::MIN_POSITIVE),
+        range_reduction: 1.0,
         chance: chance(base, &fitted),
         is_physical: is_physical(&fitted),
         fitted,
-    })
+    };
+    // The ranges cost a fit each: they are asked last, with the least that a round can ask.
+    if candidate.is_supported(1) {
+        let [before, after] = [&base.law, &candidate.fitted.law].map(|law| without_ranges(map, runs, law));
+        candidate.range_reduction = 1.0 - after / before.max(f64::MIN_POSITIVE);
+    } else {
+        candidate.range_reduction = f64::NAN;
+    }
+    Some(candidate)
 }
 
 /// Chance of so much smaller squares by a term that is not there.

@@ -126,7 +126,7 @@ fn tried(rounds: &[Round]) -> String {
         let row = |(i, c): (usize, &crate::friction_map::search::Candidate)| {
             let change = |share: f64| match 100.0 * ((1.0 - share).max(0.0).sqrt() - 1.0) {
                 change if change.is_finite() && change < 1000.0 => format!("{} %", fixed(change, 1)),
-                _ => "not determined".to_owned(),
+                _ => "–".to_owned(),
             };
             let verdict = match (round.added == Some(i), c.is_supported(round.candidates.len())) {
                 (true, _) => "added",

@@ -10,6 +10,8 @@ use super::model::AxisModel;
 use super::residual::{Evidence, Part, rms};
 use super::scope::{NotTestable, Scope, scopes};
 use super::unexplained::{Unexplained, unexplained};
+use super::untested::{Untested, untested};
+use super::wound;
 use crate::effects::{Coordinate, Effect, Stage, Surroundings, candidates};
 use crate::log::Unit;
 use crate::machine::Axis;
@@ -94,6 +96,8 @@ pub struct AxisTrace {
     pub scopes: Vec<Scope>,
     /// Stages that could not, and why.
     pub not_testable: Vec<NotTestable>,
+    /// Effects that could not be looked for, and why.
+    pub untested: Vec<Untested>,
     /// Effects, in the order in which they were added.
     pub found: Vec<Found>,
     /// Errors by stage.
@@ -150,7 +154,12 @@ pub fn trace(
             rest.extend(unexplained(fit_logs, &fit_after, stage, noise, name));
         }
     }
+    let formed: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
+    let mut tried: Vec<&str> = declared.effect.iter().map(Effect::name).collect();
+    tried.extend(search.rounds.iter().flat_map(|round| &round.candidates).map(|c| c.effect.name()));
+    let untested = untested(declared, fit_logs.axis, fit_logs.names.len(), &formed, &not_testable, &tried);
     AxisTrace {
+        untested,
         axis: name.clone(),
         unit: fit_logs.logs.iter().find_map(|log| log.axes[fit_logs.axis].unit).unwrap_or(Unit::Millimetre),
         declared: before,
@@ -226,6 +235,9 @@ impl Search<'_> {
             stages: &scope.stages,
         };
         let mut starts = candidates(&around);
+        let force_is_logged =
+            self.fit_logs.logs.iter().all(|log| log.axes[self.fit_logs.axis].force.is_some());
+        starts.retain(|effect| wound::can_show(effect, force_is_logged));
         starts.retain(|effect| !model.found().iter().any(|found| is_same(found, effect)));
         starts
     }

@@ -6,6 +6,7 @@ use super::model::AxisModel;
 use super::predict;
 use super::scope::Scope;
 use super::signals::{AxisSignals, Signals, Smooth};
+use super::wound;
 use crate::effects::Stage;
 use crate::plant::parameters::AxisParameters;
 use crate::servo;
@@ -56,7 +57,9 @@ impl Evidence<'_> {
     pub fn counts(&self, stage: Stage, log: usize, sample: usize) -> bool {
         let hangs_on_friction = matches!(stage, Stage::Table | Stage::Force);
         let stands = || self.signals(log).standing.get(sample).copied().unwrap_or(false);
-        sample >= self.settling(log) && !(hangs_on_friction && stands())
+        let saturated =
+            || stage == Stage::Force && self.signals(log).saturated.get(sample).copied().unwrap_or(false);
+        sample >= self.settling(log) && !(hangs_on_friction && stands()) && !saturated()
     }
 
     /// The residuals of a scope's stages over all logs: log by log, the scope's stages in order.
@@ -80,7 +83,12 @@ impl Evidence<'_> {
             let mut values = match stage {
                 Stage::Table => {
                     let measured = signals.table.as_ref().map_or(&[][..], |table| &table.position);
-                    difference(measured, &driven.table_m, 1e6, model.table_zero_um)
+                    let mut left = difference(measured, &driven.table_m, 1e6, model.table_zero_um);
+                    wound::add_stretch(&mut left, parameters.forced_windup.as_ref(), signals);
+                    if self.logs[log].has_own_zero && !model.axis.has_mass() {
+                        self.take_zero_out(log, &mut left);
+                    }
+                    left
                 }
                 Stage::Force => {
                     let measured = signals.force.as_ref().map_or(&[][..], |force| &force.position);
@@ -101,6 +109,14 @@ impl Evidence<'_> {
             Part { stage: *stage, log, values }
         };
         scope.stages.iter().map(part).collect()
+    }
+
+    /// Takes the mean of a table residual out: encoders that are zeroed when they are switched on.
+    fn take_zero_out(&self, log: usize, left: &mut [f64]) {
+        let counted = |i: &usize| self.counts(Stage::Table, log, *i);
+        let count = (0..left.len()).filter(counted).count();
+        let mean = (0..left.len()).filter(counted).map(|i| left[i]).sum::<f64>() / count.max(1) as f64;
+        left.iter_mut().for_each(|value| *value -= mean);
     }
 
     fn motor(&self, model: &AxisModel, parameters: &AxisParameters, signals: &AxisSignals) -> Vec<f64> {
