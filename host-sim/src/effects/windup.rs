@@ -15,6 +15,9 @@ pub struct Windup {
     /// gear. Absent where masses are declared.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub friction_n: Option<f64>,
+    /// Travel over which that friction turns round at a reversal (Dahl, 1968). Absent: at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub presliding_mm: Option<f64>,
 }
 
 impl Windup {
@@ -33,9 +36,18 @@ impl Kind for Windup {
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let axis = around.axis;
         if !axis.has_mass() && around.stages.contains(&Stage::Table) {
-            return vec![Self { stiffness_n_per_um: 1.0 / LEAST_COMPLIANCE, friction_n: Some(0.0) }];
+            let start = |presliding_mm| Self {
+                stiffness_n_per_um: 1.0 / LEAST_COMPLIANCE,
+                friction_n: Some(0.0),
+                presliding_mm,
+            };
+            return [None, Some(0.03), Some(0.3)].map(start).to_vec();
         }
-        let start = |stiffness: f64| Self { stiffness_n_per_um: 0.8 * stiffness, friction_n: None };
+        let start = |stiffness: f64| Self {
+            stiffness_n_per_um: 0.8 * stiffness,
+            friction_n: None,
+            presliding_mm: None,
+        };
         axis.stiffness_n_per_um.into_iter().map(start).collect()
     }
 
@@ -44,23 +56,38 @@ impl Kind for Windup {
         match self.friction_n {
             None => vec![Coordinate::between(k, 0.02 * k, 1e-3, 1e5)],
             // Compliance, and what friction keeps from the table: the model is linear in both.
-            Some(friction_n) => vec![
-                Coordinate::between(1.0 / k, 0.01, LEAST_COMPLIANCE, 1e3),
-                Coordinate::between(friction_n / k, 0.1, 0.0, 1e4),
-            ],
+            Some(friction_n) => {
+                let turn = self.presliding_mm.map(|mm| Coordinate::between(mm, 0.05 * mm, 1e-3, 10.0));
+                [
+                    Coordinate::between(1.0 / k, 0.01, LEAST_COMPLIANCE, 1e3),
+                    Coordinate::between(friction_n / k, 0.1, 0.0, 1e4),
+                ]
+                .into_iter()
+                .chain(turn)
+                .collect()
+            }
         }
     }
 
     fn at(&self, x: &[f64]) -> Self {
         match self.friction_n {
-            None => Self { stiffness_n_per_um: x[0], friction_n: None },
-            Some(_) => Self { stiffness_n_per_um: 1.0 / x[0], friction_n: Some(x[1] / x[0]) },
+            None => Self { stiffness_n_per_um: x[0], ..self.clone() },
+            Some(_) => Self {
+                stiffness_n_per_um: 1.0 / x[0],
+                friction_n: Some(x[1] / x[0]),
+                presliding_mm: self.presliding_mm.and_then(|_| x.get(2).copied()),
+            },
         }
     }
 
     fn parameters(&self) -> Vec<(&'static str, f64)> {
         let friction = self.friction_n.map(|friction_n| ("friction_n", friction_n));
-        [("stiffness_n_per_um", self.stiffness_n_per_um)].into_iter().chain(friction).collect()
+        let presliding = self.presliding_mm.map(|presliding_mm| ("presliding_mm", presliding_mm));
+        [("stiffness_n_per_um", self.stiffness_n_per_um)]
+            .into_iter()
+            .chain(friction)
+            .chain(presliding)
+            .collect()
     }
 }
 

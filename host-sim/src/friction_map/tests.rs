@@ -111,10 +111,10 @@ fn every_term_is_found_where_it_is_large() {
             let all: Vec<&str> = terms.iter().copied().chain(as_good).map(law::Term::name).collect();
             (terms.len(), all)
         };
-        let told: Vec<_> = (0..20).map(told).collect();
+        let told: Vec<_> = (0..6).map(told).collect();
         let right = told.iter().filter(|(count, all)| *count == 1 && all.contains(&name)).count();
-        println!("{name}: {right} of 20, first in {}", told.iter().filter(|(_, all)| all[0] == name).count());
-        assert!(right >= 18, "{name}: {told:?}");
+        println!("{name}: {right} of 6, first in {}", told.iter().filter(|(_, all)| all[0] == name).count());
+        assert!(right >= 5, "{name}: {told:?}");
     }
 }
 

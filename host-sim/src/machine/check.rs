@@ -350,9 +350,8 @@ fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
 fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(), InputError> {
     for (name, value) in effect.parameters() {
         let range = match name {
-            "period_mm" | "time_constant_s" | "velocity_mm_s" | "frequency_hz" | "stiffness_n_per_um" => {
-                Range::Positive
-            }
+            "period_mm" | "presliding_mm" | "time_constant_s" | "velocity_mm_s" | "frequency_hz"
+            | "stiffness_n_per_um" => Range::Positive,
             "width_um" | "damping_ratio" | "static_excess_n" | "friction_n" => Range::NotNegative,
             "ms" => Range::Within(LONGEST_LATENCY_MS),
             _ => Range::Signed,

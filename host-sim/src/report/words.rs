@@ -29,12 +29,17 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
         Effect::ResolverDividing(_) => {
             format!("the motor reading wobbles by {} every {}", of(0, "µm (amplitude)"), of(1, "mm"))
         }
-        Effect::Windup(windup) if windup.friction_n.is_some() => format!(
-            "the drive force winds up the drive train: it has {} between motor and table, and {} of the force are lost \
-             to friction before",
-            of(0, "N/µm"),
-            of(1, "N")
-        ),
+        Effect::Windup(windup) if windup.friction_n.is_some() => {
+            let turn = windup
+                .presliding_mm
+                .map_or_else(String::new, |_| format!(", which turns round over {}", of(2, "mm")));
+            format!(
+                "the drive force winds up the drive train, with {} between motor and table; friction before it takes \
+                 {}{turn}",
+                of(0, "N/µm"),
+                of(1, "N")
+            )
+        }
         Effect::Windup(_) => {
             format!("the drive train has {} between motor and table, outside what is declared", of(0, "N/µm"))
         }

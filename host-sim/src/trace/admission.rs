@@ -291,3 +291,122 @@ fn cut_down<'a>(logs: Vec<Cow<'a, Log>>, notes: &mut Vec<String>) -> Vec<Cow<'a,
 pub fn stands(fit: &[Cow<'_, Log>], axis: &str) -> bool {
     fit.iter().all(|log| travel(log, axis) < LEAST_TRAVEL)
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::log::AxisLog;
+
+    const MACHINE: &str = "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ntable_mass_kg = 100.0\ncontroller = \"p\"\n\
+                           position_gain_per_s = 30.0\nvelocity_gain_n_s_per_m = 1e4\nforce_limit_n = 100.0\n[axis.y]\n";
+
+    fn machine() -> Machine {
+        Machine::parse(MACHINE, "m.toml").unwrap()
+    }
+
+    /// One second at a rate; x swings over 10 mm, y stands.
+    fn log(source: &str, rate_hz: f64, unit: Unit) -> Log {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand")]
+        let count = rate_hz as u32;
+        let time = |i: u32| f64::from(i) / rate_hz;
+        let mut x = AxisLog::new("x", unit);
+        x.motor = Some((0..count).map(|i| 5.0 * (6.0 * time(i)).sin()).collect());
+        x.force = Some((0..count).map(|i| 50.0 * (6.0 * time(i)).cos()).collect());
+        let mut y = AxisLog::new("y", unit);
+        y.motor = Some(vec![1.0; x.motor.as_ref().unwrap().len()]);
+        let axes = vec![x, y];
+        Log { source: source.to_owned(), start_s: 0.0, sample_time_s: 1.0 / rate_hz, axes }
+    }
+
+    fn refused(fit: &[Log], validate: &[Log]) -> String {
+        admit(&machine(), fit, validate).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_log_of_a_multiple_of_the_rate_is_thinned_and_said_to_be() {
+        let fast = log("fast.csv", 4000.0, Unit::Millimetre);
+        let admitted = admit(&machine(), std::slice::from_ref(&fast), &[]).unwrap();
+        let thinned = &admitted.fit[0];
+        assert_eq!((thinned.len(), thinned.sample_time_s), (1000, 1e-3));
+        let [all, some] = [&fast, thinned.as_ref()].map(|log| log.axes[0].motor.as_ref().unwrap());
+        assert!(some.iter().zip(all.iter().step_by(4)).all(|(a, b)| a == b));
+        assert!(
+            admitted.notes[0].starts_with("fast.csv: sampled at 4000 Hz, 4 times"),
+            "{:?}",
+            admitted.notes
+        );
+    }
+
+    #[test]
+    fn other_rates_are_refused_with_the_reason() {
+        let said = |rate| refused(&[log("l.csv", rate, Unit::Millimetre)], &[]);
+        assert!(said(1500.0).ends_with("no whole number of times as many"), "{}", said(1500.0));
+        assert!(said(500.0).ends_with("what lies between its samples is not known"), "{}", said(500.0));
+    }
+
+    #[test]
+    fn an_axis_has_one_unit_in_all_logs() {
+        let said = refused(&[log("a.csv", 1000.0, Unit::Millimetre)], &[log("b.csv", 1000.0, Unit::Degree)]);
+        assert_eq!(said, "b.csv: expected axis x in mm, as in a.csv, found deg");
+    }
+
+    #[test]
+    fn what_a_validation_log_lacks_is_told_and_all_of_it_is_too_much() {
+        let fit = [log("a.csv", 1000.0, Unit::Millimetre)];
+        let mut lacks = log("b.csv", 1000.0, Unit::Millimetre);
+        lacks.axes[0].force = None;
+        let held_out = [lacks.clone()];
+        let admitted = admit(&machine(), &fit, &held_out).unwrap();
+        assert_eq!(admitted.notes, ["b.csv: has no x force, and judges nothing of it."]);
+        lacks.axes.pop();
+        lacks.axes[0].command = lacks.axes[0].motor.take();
+        assert!(refused(&fit, &[lacks]).contains("b.csv: expected a channel that the fit logs have, too"));
+    }
+
+    #[test]
+    fn a_saturated_force_is_left_out_or_refused() {
+        let clipped = |greatest: f64| {
+            let mut log = log("s.csv", 1000.0, Unit::Millimetre);
+            let force = log.axes[0].force.as_mut().unwrap();
+            force.iter_mut().for_each(|force| *force = (greatest / 50.0 * *force).clamp(-100.0, 100.0));
+            log
+        };
+        // |cos| of 6 rad: above 100/120 for its share of a second, which is counted here.
+        let log = clipped(120.0);
+        let share =
+            log.axes[0].force.as_ref().unwrap().iter().filter(|f| f.abs() >= 99.0).count() as f64 / 10.0;
+        let admitted = admit(&machine(), std::slice::from_ref(&log), &[]).unwrap();
+        assert!(admitted.notes[0].contains(&format!("limit in {share:.2} %")), "{:?}", admitted.notes);
+        let mut prepared = [Signals::new(&log, &["x".to_owned(), "y".to_owned()])];
+        mark(&machine(), &mut prepared, None);
+        let left_out = prepared[0].axes[0].saturated.iter().filter(|at| **at).count() as f64 / 10.0;
+        // Five samples of the filter on either side of each of three stretches.
+        assert!(left_out > share && left_out < share + 3.1, "{left_out} {share}");
+        assert!(
+            refused(&[clipped(1000.0)], &[])
+                .contains("x: expected a force below force_limit_n (100) in most")
+        );
+    }
+
+    #[test]
+    fn an_axis_that_stands_is_known_to() {
+        let fit = [Cow::Owned(log("a.csv", 1000.0, Unit::Millimetre))];
+        assert!(stands(&fit, "y") && !stands(&fit, "x"));
+    }
+
+    #[test]
+    fn a_log_without_end_is_cut_down_to_stretches_of_it() {
+        let mut long = log("long.csv", 1000.0, Unit::Millimetre);
+        let count = 2 * MOST_SAMPLES;
+        for axis in &mut long.axes {
+            axis.motor = Some((0..count).map(|i| i as f64).collect());
+            axis.force = None;
+        }
+        let mut notes = Vec::new();
+        let cut = cut_down(vec![Cow::Borrowed(&long)], &mut notes);
+        assert_eq!((cut.len(), cut.iter().map(|log| log.len()).sum::<usize>()), (STRETCHES, MOST_SAMPLES));
+        let first = |log: &Log| log.axes[0].motor.as_ref().unwrap()[0];
+        assert_eq!((first(&cut[0]), first(&cut[11])), (0.0, (count - MOST_SAMPLES / STRETCHES) as f64));
+        assert!(notes[0].contains("12 stretches of 50 s"), "{notes:?}");
+    }
+}

@@ -44,8 +44,11 @@ impl Candidate {
     /// stage of any log loses more than chance, or than a tenth of what is gained in all.
     #[must_use]
     pub fn is_supported(&self) -> bool {
+        // A measured torque changes little for long, and then says little: every block counts alike for it.
+        let is_forced = matches!(&self.effect, Effect::Windup(windup) if windup.friction_n.is_some());
+        let t = |c: &Comparison| if is_forced { c.t.max(c.t_ratio) } else { c.t };
         let better =
-            |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
+            |c: &Comparison| c.reduction >= LEAST_REDUCTION && t(c) >= LEAST_T && c.folds_better == FOLDS;
         let loss = |c: &Comparison| 0.5 * (1.0 - c.worst_log.min(0.0)).ln();
         let tolerable = (0.5 * LEAST_REDUCTION).max(0.1 * self.gain);
         self.material
@@ -116,6 +119,8 @@ fn keep_best_start(sorted: &mut Vec<Candidate>) {
         let source = match &candidate.effect {
             Effect::Crosstalk(e) => Some(e.source.clone()),
             Effect::Straightness(e) => Some(e.source.clone()),
+            // With its friction turning round at once, and over a way that is fitted.
+            Effect::Windup(e) => e.presliding_mm.map(|_| "presliding".to_owned()),
             _ => None,
         };
         let kind = (candidate.effect.name(), source);

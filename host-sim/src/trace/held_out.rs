@@ -71,6 +71,8 @@ pub struct Comparison {
     pub reduction: f64,
     /// Mean improvement of a block over its standard error.
     pub t: f64,
+    /// The same of the logarithm of a block's improvement, in which every block counts alike, however large its error.
+    pub t_ratio: f64,
     /// Folds in which the second model is better.
     pub folds_better: usize,
     /// Least reduction of any log.
@@ -84,6 +86,18 @@ pub struct Comparison {
 #[must_use]
 pub fn compare(first: &[Score], second: &[Score], stages: &[Stage]) -> Vec<Comparison> {
     stages.iter().map(|&stage| compare_stage(first, second, stage)).collect()
+}
+
+/// Mean of ln(Σr² before / Σr² after) over the blocks, in standard errors.
+fn t_ratio(pairs: &[(&Score, &Score)]) -> f64 {
+    let ratio = |(a, b): &(&Score, &Score)| {
+        (a.squares.max(f64::MIN_POSITIVE) / b.squares.max(f64::MIN_POSITIVE)).ln()
+    };
+    let ratios: Vec<f64> = pairs.iter().map(ratio).collect();
+    let n = ratios.len().max(2) as f64;
+    let mean = ratios.iter().sum::<f64>() / n;
+    let variance = ratios.iter().map(|r| (r - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    mean / (variance / n).sqrt().max(f64::MIN_POSITIVE)
 }
 
 /// Σr² of one log under both models.
@@ -125,6 +139,7 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage) -> Comparison 
         stage,
         reduction: improvements.iter().sum(),
         t: mean / (variance / n).sqrt().max(f64::MIN_POSITIVE),
+        t_ratio: t_ratio(&pairs),
         folds_better: (0..FOLDS).filter(|&fold| in_fold(fold).sum::<f64>() > 0.0).count(),
         worst_log: used().map(|l| 1.0 - l.after / l.before.max(f64::MIN_POSITIVE)).fold(1.0, f64::min),
         gain: used().map(gain_of).sum(),

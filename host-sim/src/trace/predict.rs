@@ -81,7 +81,8 @@ pub fn driven(parameters: &AxisParameters, motor: &Smooth, sample_s: f64, hold_n
             + table.transmitted_n
             - parameters.table_mass_kg * motor.acceleration[i];
         let velocity = (table_m - table_before) / sample_s;
-        let behind = late_s * (velocity - 0.5 * late_s * motor.acceleration[i]);
+        // The difference is the velocity half a sample ago.
+        let behind = late_s * (velocity + 0.5 * (sample_s - late_s) * motor.acceleration[i]);
         result.table_m.push(table_m + held_back - behind - motor.position[i] + give * motor.acceleration[i]);
         result.force_n.push(0.5 * (force + force_before.unwrap_or(force)));
         (table_before, force_before) = (table_m, Some(force));
