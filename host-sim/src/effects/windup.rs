@@ -1,6 +1,7 @@
 //! Wind-up: the drive train is softer than its declared tolerance allows.
 
 use serde::{Deserialize, Serialize};
+use shared::config::Rates;
 
 use super::{Coordinate, Kind, Stage, Surroundings};
 
@@ -67,6 +68,11 @@ impl Kind for Windup {
                 .collect()
             }
         }
+    }
+
+    /// A drive train as good as rigid is not wound up: what remains of this effect is then friction without a force.
+    fn is_material(&self, _rates: Rates) -> bool {
+        self.friction_n.is_none() || 1.0 / self.stiffness_n_per_um > 10.0 * LEAST_COMPLIANCE
     }
 
     fn at(&self, x: &[f64]) -> Self {

@@ -23,7 +23,7 @@ const SAME_RATE: f64 = 1e-3;
 
 /// Most samples of all fit logs together, and of all others: a fit keeps some 50 numbers a sample and axis, and takes
 /// seconds for each 100 000.
-const MOST_SAMPLES: usize = 600_000;
+const MOST_SAMPLES: usize = 200_000;
 
 /// Stretches that a log which is too long is cut down to.
 const STRETCHES: usize = 12;
@@ -407,6 +407,6 @@ mod tests {
         assert_eq!((cut.len(), cut.iter().map(|log| log.len()).sum::<usize>()), (STRETCHES, MOST_SAMPLES));
         let first = |log: &Log| log.axes[0].motor.as_ref().unwrap()[0];
         assert_eq!((first(&cut[0]), first(&cut[11])), (0.0, (count - MOST_SAMPLES / STRETCHES) as f64));
-        assert!(notes[0].contains("12 stretches of 50 s"), "{notes:?}");
+        assert!(notes[0].contains("12 stretches of 17 s"), "{notes:?}");
     }
 }
