@@ -188,6 +188,10 @@ fn unit_columns(mut matrix: DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
     (matrix, norms)
 }
 
+/// Terms that are the same on these runs cannot be told apart: a pivot of columns of length 1 is the sine of the angle
+/// between one and the others.
+const LEAST_SINE: f64 = 1e-5;
+
 /// The sizes at given shapes, and the weighted squares that they leave.
 fn sized(runs: &[Run], law: &Law) -> Option<(Law, f64)> {
     let weights = weights(runs);
@@ -197,10 +201,7 @@ fn sized(runs: &[Run], law: &Law) -> Option<(Law, f64)> {
     let forces = DVector::from_iterator(runs.len(), forces);
     let (scaled, norms) = unit_columns(matrix);
     let root = (scaled.transpose() * &scaled).cholesky()?;
-    // Terms that are the same on these runs cannot be told apart: a pivot of columns of length 1 is the sine of the
-    // angle between one and the others.
-    const LEAST: f64 = 1e-5;
-    if root.l_dirty().diagonal().min() < LEAST {
+    if root.l_dirty().diagonal().min() < LEAST_SINE {
         return None;
     }
     let solution = root.solve(&(scaled.transpose() * &forces));

@@ -98,7 +98,7 @@ impl Header {
         });
         let (speed, force) = (speed?, force?);
         let (deviation, samples) = (place(columns[3]), place(SAMPLES));
-        Ok(Self { unit, speed, force, deviation, samples, names })
+        Ok(Self { unit, names, speed, force, deviation, samples })
     }
 
     fn run(&self, source: &str, record: &StringRecord) -> Result<Run, InputError> {

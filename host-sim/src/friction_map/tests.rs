@@ -25,6 +25,8 @@ fn bench(seed: u64, both_ways: bool, law: impl Fn(f64) -> f64) -> FrictionMap {
     FrictionMap::new("bench.csv", Unit::Rotary, velocities.map(run).collect()).unwrap()
 }
 
+type Law = Box<dyn Fn(f64) -> f64>;
+
 fn names(map: &FrictionMap) -> Vec<&'static str> {
     let searched = search(map, &map.runs).unwrap();
     searched.fitted.law.terms.iter().map(|term| term.name()).collect()
@@ -89,7 +91,6 @@ fn a_known_law_is_found_within_its_intervals() {
 #[test]
 fn every_term_is_found_where_it_is_large() {
     let sign = |v: f64| if v > 0.0 { 1.0 } else { -1.0 };
-    type Law = Box<dyn Fn(f64) -> f64>;
     let laws: [(&str, Law); 6] = [
         ("constant_load", Box::new(move |v| 3.0 * sign(v) + 0.004 * v + 0.2)),
         ("friction_asymmetry", Box::new(move |v| 3.0 * sign(v) + 0.004 * v + 0.001 * v.abs())),

@@ -116,7 +116,9 @@ impl Evidence<'_> {
         let counted = |i: &usize| self.counts(Stage::Table, log, *i);
         let count = (0..left.len()).filter(counted).count();
         let mean = (0..left.len()).filter(counted).map(|i| left[i]).sum::<f64>() / count.max(1) as f64;
-        left.iter_mut().for_each(|value| *value -= mean);
+        for value in left {
+            *value -= mean;
+        }
     }
 
     fn motor(&self, model: &AxisModel, parameters: &AxisParameters, signals: &AxisSignals) -> Vec<f64> {
