@@ -135,3 +135,24 @@ fn the_lead_screw_has_a_load_and_stribeck_friction() {
     // Half the difference of the directions there: (2.77 − 3.56)/2.
     assert!((sizes[2] + 0.39).abs() < 0.06, "{sizes:?}");
 }
+
+/// Two encoders an axis of a robot (TU Kaiserslautern): what a short recording supports of latency, ratio and wind-up.
+/// The bounds are 5 % of the figures on either side, as the fit is deterministic.
+#[test]
+fn the_robot_is_late_and_winds_up() {
+    let Some(data) = data("data/kuka") else { return };
+    let trace = traced(&data, "recording_a.csv");
+    let names = |i: usize| trace.axes[i].found.iter().map(|found| found.effect.name()).collect::<Vec<_>>();
+    assert_eq!(names(0), ["latency", "pitch_progressive", "windup"]);
+    assert_eq!(names(1), ["latency"]);
+    assert_eq!(names(2), ["latency", "windup"]);
+    let near = |value: f64, figure: f64| (value / figure - 1.0).abs() < 0.05;
+    let held_out = [(10.719, 2.554), (16.126, 5.051), (9.207, 2.395)];
+    for (axis, (before, after)) in trace.axes.iter().zip(held_out) {
+        let error = &axis.errors[0];
+        assert!(near(error.before.validate, before) && near(error.after.validate, after), "{error:?}");
+        // One bus reads all three axes: they are late by the same 3 ms, within what wind-up leaves open.
+        let late_ms = axis.found[0].effect.parameters()[0].1;
+        assert!((2.8..3.2).contains(&late_ms), "{late_ms}");
+    }
+}
