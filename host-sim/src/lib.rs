@@ -8,6 +8,7 @@ pub mod demo;
 mod document;
 pub mod effects;
 pub mod error;
+pub mod friction_map;
 pub mod link;
 pub mod log;
 pub mod machine;

@@ -5,6 +5,8 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use host_sim::effects::Stage;
+use host_sim::friction_map::FrictionMap;
+use host_sim::friction_map::search::explain;
 use host_sim::log::{Log, Unit};
 use host_sim::machine::Machine;
 use host_sim::trace::{Trace, trace};
@@ -107,5 +109,50 @@ fn declared_machines_read_and_written_read_as_themselves() {
     for file in files {
         let machine = Machine::read(&file).unwrap();
         assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+    }
+}
+
+/// The friction map of a lead screw (Mablekos-Alexiou, da Cruz and Bergeles, 2021), of which Coulomb and viscous
+/// friction are declared. The bounds are 2 % of the figures on either side, as the fit is deterministic.
+#[test]
+fn the_lead_screw_has_a_load_and_stribeck_friction() {
+    let Some(data) = data("data/leadscrew") else { return };
+    let map = FrictionMap::read(&data.join("friction_drive1.csv")).unwrap();
+    let explained = explain(&map).unwrap();
+    let names: Vec<&str> = explained.searched.fitted.law.terms.iter().map(|term| term.name()).collect();
+    assert_eq!(names, ["constant_load", "stribeck"]);
+    let near = |value: f64, figure: f64| (value / figure - 1.0).abs() < 0.02;
+    let (before, after) = (explained.before, explained.after);
+    assert!(near(before.left_out, 0.4110) && near(after.left_out, 0.0459), "{before:?} {after:?}");
+    assert!(
+        near(before.ranges_left_out, 0.4913) && near(after.ranges_left_out, 0.0974),
+        "{before:?} {after:?}"
+    );
+    assert!(near(map.noise().unwrap(), 0.01529));
+    // Friction towards standstill is (3.56 + 2.77)/2 mN·m in the map's slowest runs: Coulomb and excess make it.
+    let sizes = &explained.searched.fitted.law.sizes;
+    assert!((sizes[0] + sizes[3] - 3.16).abs() < 0.1, "{sizes:?}");
+    // Half the difference of the directions there: (2.77 − 3.56)/2.
+    assert!((sizes[2] + 0.39).abs() < 0.06, "{sizes:?}");
+}
+
+/// Two encoders an axis of a robot (TU Kaiserslautern): what a short recording supports of latency, ratio and wind-up.
+/// The bounds are 5 % of the figures on either side, as the fit is deterministic.
+#[test]
+fn the_robot_is_late_and_winds_up() {
+    let Some(data) = data("data/kuka") else { return };
+    let trace = traced(&data, "recording_a.csv");
+    let names = |i: usize| trace.axes[i].found.iter().map(|found| found.effect.name()).collect::<Vec<_>>();
+    assert_eq!(names(0), ["latency", "pitch_progressive", "windup"]);
+    assert_eq!(names(1), ["latency"]);
+    assert_eq!(names(2), ["latency", "windup"]);
+    let near = |value: f64, figure: f64| (value / figure - 1.0).abs() < 0.05;
+    let held_out = [(10.719, 2.554), (16.126, 5.051), (9.207, 2.395)];
+    for (axis, (before, after)) in trace.axes.iter().zip(held_out) {
+        let error = &axis.errors[0];
+        assert!(near(error.before.validate, before) && near(error.after.validate, after), "{error:?}");
+        // One bus reads all three axes: they are late by the same 3 ms, within what wind-up leaves open.
+        let late_ms = axis.found[0].effect.parameters()[0].1;
+        assert!((2.8..3.2).contains(&late_ms), "{late_ms}");
     }
 }

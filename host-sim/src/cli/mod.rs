@@ -2,6 +2,7 @@
 
 mod compare;
 mod demo;
+mod friction_map;
 mod logged;
 mod progress;
 mod record;

@@ -24,7 +24,7 @@ pub fn of_trace(trace: &Trace) -> String {
         let stays = axis.unexplained.iter().map(|rest| words::remainder(axis, rest));
         stays.chain(axis.not_testable.iter().map(|stage| words::not_testable(&axis.axis, stage)))
     });
-    let rest: Vec<String> = rest.collect();
+    let rest: Vec<String> = trace.notes.iter().cloned().chain(rest).collect();
     if !rest.is_empty() {
         lines.push(String::new());
         lines.extend(rest);

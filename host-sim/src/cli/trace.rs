@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 
 use super::progress::Progress;
-use super::{keeps, say, summary};
+use super::{friction_map, keeps, say, summary};
 use crate::log::Log;
 use crate::machine::Machine;
 use crate::output::write_whole;
@@ -16,14 +16,17 @@ use crate::trace;
 #[derive(clap::Args)]
 pub struct Arguments {
     /// Machine file: what is declared.
-    #[arg(long)]
-    machine: PathBuf,
+    #[arg(long, required_unless_present = "friction_map")]
+    machine: Option<PathBuf>,
     /// A log to explain (CSV, .csv.gz, or - for stdin); may be given several times.
-    #[arg(long, required = true)]
+    #[arg(long, required_unless_present = "friction_map")]
     fit: Vec<PathBuf>,
     /// A log that takes part in no fit and no choice; without one the last quarter of each fit log.
     #[arg(long)]
     validate: Vec<PathBuf>,
+    /// Instead of machine and logs: a steady-state friction map (CSV, one row a run at constant speed).
+    #[arg(long, conflicts_with_all = ["machine", "fit", "validate", "model"])]
+    friction_map: Option<PathBuf>,
     /// Write the result as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -40,10 +43,20 @@ pub struct Arguments {
 /// # Errors
 /// Input that cannot be used, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let (json, folder) = (arguments.json.as_ref(), arguments.report.as_ref());
+    match (&arguments.friction_map, &arguments.machine) {
+        (Some(map), _) => friction_map::run(map, json, folder),
+        (None, Some(machine)) => of_logs(arguments, machine),
+        // clap asks for one of them.
+        (None, None) => Ok(()),
+    }
+}
+
+fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let logs = arguments.fit.iter().chain(&arguments.validate);
-    let inputs: Vec<&Path> = logs.chain([&arguments.machine]).map(PathBuf::as_path).collect();
+    let inputs: Vec<&Path> = logs.map(PathBuf::as_path).chain([machine]).collect();
     keeps(&inputs, &[("--json", arguments.json.as_ref()), ("--model", arguments.model.as_ref())])?;
-    let machine = Machine::read(&arguments.machine)?;
+    let machine = Machine::read(machine)?;
     let read = |paths: &[PathBuf]| paths.iter().map(|path| Log::read(path)).collect::<Result<Vec<_>, _>>();
     let progress = Progress::start();
     progress.say("reading the logs");

@@ -114,7 +114,11 @@ fn effect(axis: &Axis, other: String, random: &mut ChaCha8Rng) -> Effect {
         14 => Effect::Latency(Latency { channel: Channel::Tool, ms: between(0.3, 2.0) }),
         _ => {
             let declared = axis.stiffness_n_per_um.unwrap_or(100.0);
-            Effect::Windup(Windup { stiffness_n_per_um: declared * between(0.5, 0.75) })
+            Effect::Windup(Windup {
+                stiffness_n_per_um: declared * between(0.5, 0.75),
+                friction_n: None,
+                presliding_mm: None,
+            })
         }
     }
 }

@@ -26,13 +26,7 @@ impl Log {
     /// If it cannot be read, is no table of the known columns, or is not uniformly sampled.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         let source = path.display().to_string();
-        let bytes = if source == "-" { stdin() } else { fs::read(path) };
-        let bytes = bytes.map_err(|cause| InputError::unreadable(&source, &cause))?;
-        let named_gzip = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
-        if bytes.starts_with(&GZIP) || (named_gzip && !bytes.is_empty()) {
-            return Self::parse(&unpacked(&bytes, &source)?, &source);
-        }
-        Self::parse(&bytes, &source)
+        Self::parse(&table_bytes(path, &source)?, &source)
     }
 
     /// Reads a log from the bytes of a CSV file; `source` is for messages.
@@ -59,6 +53,18 @@ impl Log {
     }
 }
 
+/// The bytes of a table, unpacked; `-` is standard input.
+pub(crate) fn table_bytes(path: &Path, source: &str) -> Result<Vec<u8>, InputError> {
+    let bytes = if source == "-" { stdin() } else { fs::read(path) };
+    let bytes = bytes.map_err(|cause| InputError::unreadable(source, &cause))?;
+    let named_gzip = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
+    if bytes.starts_with(&GZIP) || (named_gzip && !bytes.is_empty()) {
+        unpacked(&bytes, source)
+    } else {
+        Ok(bytes)
+    }
+}
+
 fn stdin() -> io::Result<Vec<u8>> {
     let mut bytes = Vec::new();
     io::stdin().lock().read_to_end(&mut bytes)?;
@@ -73,7 +79,8 @@ fn unpacked(bytes: &[u8], source: &str) -> Result<Vec<u8>, InputError> {
     }
 }
 
-fn checked_text<'a>(bytes: &'a [u8], source: &str) -> Result<&'a str, InputError> {
+/// The bytes as a text that is not empty, without its byte order mark.
+pub(crate) fn checked_text<'a>(bytes: &'a [u8], source: &str) -> Result<&'a str, InputError> {
     let not_text = |at: usize| {
         let found = format!("byte 0x{:02X}", bytes[at]);
         InputError::expected(source, "a CSV text in UTF-8", found).at_line(line_at(bytes, at))

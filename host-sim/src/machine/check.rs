@@ -288,6 +288,14 @@ impl Context<'_> {
     /// Whether there is something for an effect to act on.
     fn place(&self, effect: &Effect, key: &str, machine: &Machine) -> Result<(), InputError> {
         let what = match effect {
+            Effect::Windup(windup) if windup.friction_n.is_some() => {
+                if !self.axis.has_mass() {
+                    return Ok(());
+                }
+                return Err(self
+                    .document
+                    .refuse(&format!("{key}.friction_n"), "no such key, as masses are given"));
+            }
             Effect::Windup(_) if self.axis.is_rigid() && machine.structure.is_none() => {
                 "this effect where stiffness_n_per_um is given: a rigid axis does not wind up"
             }
@@ -342,10 +350,9 @@ fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
 fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(), InputError> {
     for (name, value) in effect.parameters() {
         let range = match name {
-            "period_mm" | "time_constant_s" | "velocity_mm_s" | "frequency_hz" | "stiffness_n_per_um" => {
-                Range::Positive
-            }
-            "width_um" | "damping_ratio" | "static_excess_n" => Range::NotNegative,
+            "period_mm" | "presliding_mm" | "time_constant_s" | "velocity_mm_s" | "frequency_hz"
+            | "stiffness_n_per_um" => Range::Positive,
+            "width_um" | "damping_ratio" | "static_excess_n" | "friction_n" => Range::NotNegative,
             "ms" => Range::Within(LONGEST_LATENCY_MS),
             _ => Range::Signed,
         };

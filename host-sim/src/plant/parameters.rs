@@ -2,7 +2,7 @@
 
 use crate::effects::{
     Channel, ConstantLoad, Crosstalk, Effect, Intalk, Latency, ResolverDividing, Resonance, ServoMismatch,
-    Squareness, Straightness, ThermalDrift, TorqueRipple, VelocityLag,
+    Squareness, Straightness, ThermalDrift, TorqueRipple, VelocityLag, Windup,
 };
 use crate::machine::{Axis, Machine};
 
@@ -26,6 +26,8 @@ pub struct AxisParameters {
     pub screw: Screw,
     /// Elasticity between motor and table; `None`: rigid, one mass.
     pub spring: Option<Spring>,
+    /// Wind-up by a measured force, of an axis whose masses are not known.
+    pub forced_windup: Option<Windup>,
     /// Of the table.
     pub friction: Friction,
     /// On the table.
@@ -141,6 +143,7 @@ impl AxisParameters {
             Effect::Backlash(e) => self.screw.backlash = e,
             Effect::PitchProgressive(e) => self.screw.progressive.slope_um_per_m += e.slope_um_per_m,
             Effect::PitchCyclic(e) => self.screw.cyclic.push(e),
+            Effect::Windup(e) if e.friction_n.is_some() => self.forced_windup = Some(e),
             Effect::Windup(e) => {
                 if let Some(spring) = &mut self.spring {
                     spring.stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;

@@ -15,6 +15,7 @@ pub mod compare;
 mod confusion;
 mod curves;
 mod deviation;
+pub mod friction_map;
 mod markup;
 pub(crate) mod number;
 mod parameters;
@@ -74,7 +75,7 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
         section("The circle", &polar::body(trace, &views)),
         section("The residual of each stage", &curves::body(trace, &views)),
         section("What was tried", &ranking::body(&trace.axes)),
-        section("What stays unexplained", &unexplained(&trace.axes)),
+        section("What stays unexplained", &unexplained(&trace.axes, &trace.notes)),
     ]
     .concat();
     page(&extra.title, &format!("{lead}{}", note(&sources(trace))), &sections)
@@ -127,7 +128,7 @@ fn sources(trace: &Trace) -> String {
 }
 
 /// What stays, what could not be tested, and what is down to noise.
-fn unexplained(axes: &[AxisTrace]) -> String {
+fn unexplained(axes: &[AxisTrace], notes: &[String]) -> String {
     let stays: Vec<String> = axes
         .iter()
         .flat_map(|axis| {
@@ -146,6 +147,7 @@ fn unexplained(axes: &[AxisTrace]) -> String {
                 .map(|error| format!("{} {}", axis.axis, crate::trace::axis::stage_names(&[error.stage])))
         })
         .collect();
+    let stays: Vec<String> = notes.iter().cloned().chain(stays).collect();
     let mut body = if stays.is_empty() { String::new() } else { list(&stays) };
     if !quiet.is_empty() {
         body += &paragraph(&format!("Down to the sensors' noise: {}.", quiet.join(", ")));

@@ -3,6 +3,8 @@
 use super::markup::{note, text};
 use super::number::{fixed, percent};
 use super::parameters;
+use super::words::rotary;
+use crate::log::Unit;
 use crate::trace::axis::{AxisTrace, Round, is_same, stage_names};
 use crate::trace::candidates::{Candidate, LEAST_REDUCTION, LEAST_T};
 use crate::trace::held_out::{Comparison, FOLDS};
@@ -44,7 +46,7 @@ fn of_axis(axis: &AxisTrace) -> String {
 
 fn of_round(axis: &AxisTrace, round: &Round, number: usize) -> String {
     let fitted = round.candidates.iter().enumerate().filter(|(_, candidate)| best(candidate).is_some());
-    let row = |(i, candidate)| row(candidate, &verdict(axis, round, i), round.added == Some(i));
+    let row = |(i, candidate)| row(axis.unit, candidate, &verdict(axis, round, i), round.added == Some(i));
     let rows: String = fitted.take(SHOWN).map(row).collect();
     if rows.is_empty() {
         return rows;
@@ -53,9 +55,11 @@ fn of_round(axis: &AxisTrace, round: &Round, number: usize) -> String {
     format!("<tbody>\n<tr><th colspan=\"4\" scope=\"rowgroup\">{heading}</th></tr>\n{rows}</tbody>\n")
 }
 
-fn row(candidate: &Candidate, verdict: &str, is_added: bool) -> String {
+fn row(unit: Unit, candidate: &Candidate, verdict: &str, is_added: bool) -> String {
     let gain = best(candidate).map_or(0.0, gain_percent);
     let shown = if gain < -999.5 { "far worse".to_owned() } else { format!("{} %", fixed(gain, 1)) };
+    let brief = parameters::brief(&candidate.effect);
+    let brief = if unit == Unit::Degree { rotary(&brief) } else { brief };
     let class = if is_added { "taken" } else { "left" };
     let width = fixed(gain.clamp(0.0, 100.0), 1);
     let bar = format!(
@@ -64,7 +68,7 @@ fn row(candidate: &Candidate, verdict: &str, is_added: bool) -> String {
     );
     format!(
         "<tr><td>{}</td><td class=\"n\">{}</td><td>{bar}</td><td>{}</td></tr>\n",
-        text(&parameters::brief(&candidate.effect)),
+        text(&brief),
         text(&shown),
         text(verdict)
     )

@@ -86,7 +86,7 @@ fn the_page_tells_what_was_found_shows_it_and_says_what_was_not() {
     ];
     let places: Vec<usize> = sections.iter().map(|name| page.find(&format!("<h2>{name}")).unwrap()).collect();
     assert!(places.is_sorted(), "{places:?}");
-    assert!(page.contains(&text(&words::sentence("x", &trace.axes[0].found[0]))));
+    assert!(page.contains(&text(&words::sentence("x", Unit::Millimetre, &trace.axes[0].found[0]))));
     assert!(page.contains("backlash between screw and table; takes away"));
     assert!(page.contains("y: nothing found"));
     let truth = text("4.000 µm backlash between screw and table");

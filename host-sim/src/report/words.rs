@@ -2,6 +2,7 @@
 
 use super::number::{percent, significant, with_spread};
 use crate::effects::{Channel, Effect};
+use crate::log::Unit;
 use crate::trace::Trace;
 use crate::trace::axis::{AxisTrace, Found, residual_unit, stage_names};
 use crate::trace::scope::NotTestable;
@@ -27,6 +28,17 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
         }
         Effect::ResolverDividing(_) => {
             format!("the motor reading wobbles by {} every {}", of(0, "µm (amplitude)"), of(1, "mm"))
+        }
+        Effect::Windup(windup) if windup.friction_n.is_some() => {
+            let turn = windup
+                .presliding_mm
+                .map_or_else(String::new, |_| format!(", which turns round over {}", of(2, "mm")));
+            format!(
+                "the drive force winds up the drive train, with {} between motor and table; friction before it takes \
+                 {}{turn}",
+                of(0, "N/µm"),
+                of(1, "N")
+            )
         }
         Effect::Windup(_) => {
             format!("the drive train has {} between motor and table, outside what is declared", of(0, "N/µm"))
@@ -91,10 +103,38 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
     }
 }
 
+/// The same of a rotary axis, where mm stand for degrees and N for N·m: 1 m is 1000°.
+#[must_use]
+pub fn rotary(linear: &str) -> String {
+    const WORDS: [(&str, &str); 18] = [
+        ("screw's pitch", "gear's ratio"),
+        ("screw", "gear"),
+        ("nominal lead", "nominal ratio"),
+        ("drive force", "drive torque"),
+        ("of the force", "of the torque"),
+        ("a force", "a torque"),
+        ("µm per m/s²", "mdeg per 1000°/s²"),
+        ("µm/m²", "mdeg per (1000°)²"),
+        ("µm/m", "mdeg per 1000°"),
+        ("µm per m", "mdeg per 1000°"),
+        ("N/µm", "N·m/mdeg"),
+        ("N·s/m", "N·m·s per 1000°"),
+        ("µm at 100 mm", "mdeg at 100°"),
+        ("µm", "mdeg"),
+        (" mm/s", "°/s"),
+        (" mm", "°"),
+        (" N ", " N·m "),
+        (" N,", " N·m,"),
+    ];
+    let said = WORDS.iter().fold(linear.to_owned(), |said, (linear, rotary)| said.replace(linear, rotary));
+    said.strip_suffix(" N").map_or(said.clone(), |start| format!("{start} N·m"))
+}
+
 /// The sentence for an effect that was found.
 #[must_use]
-pub fn sentence(axis: &str, found: &Found) -> String {
+pub fn sentence(axis: &str, unit: Unit, found: &Found) -> String {
     let what = effect(&found.effect, &found.half_widths);
+    let what = if unit == Unit::Degree { rotary(&what) } else { what };
     let stage = stage_names(&[found.stage]);
     let unseen = "on motions not used to find it";
     let gain = found.validate_reduction_percent();
@@ -117,7 +157,7 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     if axis.found.is_empty() {
         return vec![format!("{}: nothing found that the declared model lacks.", axis.axis)];
     }
-    axis.found.iter().map(|found| sentence(&axis.axis, found)).collect()
+    axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found)).collect()
 }
 
 /// The sentences of all axes.
@@ -140,7 +180,10 @@ pub fn remainder(axis: &AxisTrace, rest: &Unexplained) -> String {
         }
         Variable::Position => {
             let at = significant(rest.centre_mm.unwrap_or(0.0), 3);
-            format!("{share} of its power follows the position, most of all near {at} mm")
+            format!(
+                "{share} of its power follows the position, most of all near {at}{}",
+                if axis.unit == Unit::Degree { "°" } else { " mm" }
+            )
         }
         Variable::Velocity => format!("{share} of its power follows the velocity"),
         Variable::Acceleration => format!("{share} of its power follows the acceleration"),
@@ -204,7 +247,7 @@ pub(super) mod tests {
             let stage = effect.stages()[0];
             let [before, after] = [100.0, 9.4].map(|validate| Pair { fit: 1.0, validate });
             let found = Found { effect, half_widths, stage, before, after };
-            let said = sentence("ax", &found);
+            let said = sentence("ax", Unit::Millimetre, &found);
             assert!(said.starts_with("ax: "), "{said}");
             assert!(said.ends_with("residual on motions not used to find it."), "{said}");
             assert!(said.contains("91 %"), "{said}");
@@ -242,7 +285,7 @@ pub(super) mod tests {
         let [before, after] = [100.0, 103.2].map(|validate| Pair { fit: 1.0, validate });
         let found = Found { effect, half_widths: vec![0.1], stage: Stage::Table, before, after };
         assert_eq!(
-            sentence("x", &found),
+            sentence("x", Unit::Millimetre, &found),
             "x: 9.8 ± 0.1 µm backlash between screw and table; the table residual is 3 % larger with it on motions \
              not used to find it."
         );

@@ -11,6 +11,8 @@ use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::set_aside::Aside;
 use super::unexplained::{Unexplained, unexplained};
+use super::untested::{Untested, untested};
+use super::wound;
 use crate::effects::{Coordinate, Effect, Stage, Surroundings, candidates};
 use crate::log::Unit;
 use crate::machine::Axis;
@@ -101,6 +103,8 @@ pub struct AxisTrace {
     pub scopes: Vec<Scope>,
     /// Stages that could not, and why.
     pub not_testable: Vec<NotTestable>,
+    /// Effects that could not be looked for, and why.
+    pub untested: Vec<Untested>,
     /// Effects, in the order in which they were added.
     pub found: Vec<Found>,
     /// Errors by stage.
@@ -157,7 +161,12 @@ pub fn trace(
             rest.extend(unexplained(fit_logs, &fit_after, stage, noise, name));
         }
     }
+    let formed: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
+    let mut tried: Vec<&str> = declared.effect.iter().map(Effect::name).collect();
+    tried.extend(search.rounds.iter().flat_map(|round| &round.candidates).map(|c| c.effect.name()));
+    let untested = untested(declared, fit_logs.axis, fit_logs.names.len(), &formed, &not_testable, &tried);
     AxisTrace {
+        untested,
         axis: name.clone(),
         unit: fit_logs.logs.iter().find_map(|log| log.axes[fit_logs.axis].unit).unwrap_or(Unit::Millimetre),
         declared: before,
@@ -269,6 +278,9 @@ impl<'a> Search<'a> {
             stages: &scope.stages,
         };
         let mut starts = candidates(&around);
+        let force_is_logged =
+            self.fit_logs.logs.iter().all(|log| log.axes[self.fit_logs.axis].force.is_some());
+        starts.retain(|effect| wound::can_show(effect, force_is_logged));
         starts.retain(|effect| !model.found().iter().any(|found| is_same(found, effect)));
         starts
     }

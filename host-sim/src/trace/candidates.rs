@@ -114,6 +114,8 @@ fn keep_best_start(sorted: &mut Vec<Candidate>) {
         let source = match &candidate.effect {
             Effect::Crosstalk(e) => Some(e.source.clone()),
             Effect::Straightness(e) => Some(e.source.clone()),
+            // With its friction turning round at once, and over a way that is fitted.
+            Effect::Windup(e) => e.presliding_mm.map(|_| "presliding".to_owned()),
             _ => None,
         };
         let kind = (candidate.effect.name(), source);

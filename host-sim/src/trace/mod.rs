@@ -1,10 +1,11 @@
 //! From a log to the effect that its machine has and its model lacks.
 //!
-//! [`signals`] prepares the logs; [`predict`] drives the declared model with measured signals;
+//! [`admission`] says which logs can be used; [`signals`] prepares them; [`predict`] drives the declared model with measured signals;
 //! [`residual`] is what it leaves; [`fit`] moves the declared values within their tolerance;
 //! [`candidates`] tries the catalogue, [`held_out`] says what is worth adding; [`axis`] is the search
-//! for one axis, [`unexplained`] what stays; [`report`] is the whole for people and programs.
+//! for one axis, [`unexplained`] what stays, [`untested`] what was not looked for; [`report`] is the whole for people and programs.
 
+pub mod admission;
 pub mod axis;
 pub mod candidates;
 pub mod fit;
@@ -15,11 +16,16 @@ pub mod motor_path;
 pub mod predict;
 pub mod report;
 pub mod residual;
+pub mod rotary;
 pub mod scope;
 pub mod set_aside;
 pub mod signals;
 pub mod trim;
 pub mod unexplained;
+pub mod untested;
+pub mod wound;
+
+use std::borrow::Cow;
 
 use rayon::prelude::*;
 
@@ -27,6 +33,7 @@ use crate::error::InputError;
 use crate::log::Log;
 use crate::machine::Machine;
 use crate::servo;
+use admission::Admitted;
 use axis::AxisTrace;
 use residual::Evidence;
 use signals::Signals;
@@ -47,6 +54,8 @@ pub struct Trace {
     pub names: Vec<String>,
     /// The declared machine.
     pub machine: Machine,
+    /// What the user has to know of the logs: what was left out, thinned or lacking.
+    pub notes: Vec<String>,
 }
 
 impl Trace {
@@ -82,28 +91,27 @@ pub fn trace(
     validate: &[Log],
     say: &(dyn Fn(&str) + Sync),
 ) -> Result<Trace, InputError> {
-    for log in fit.iter().chain(validate) {
-        check(machine, log)?;
-    }
-    for (i, log) in fit.iter().enumerate() {
-        if let Some(twin) = fit[..i].iter().find(|other| other.axes == log.axes) {
-            // Counted twice, its chances would look like evidence.
-            return Err(InputError::expected(
-                &log.source,
-                "a log of its own",
-                format!("the data of {}", twin.source),
-            ));
-        }
-    }
+    let Admitted { fit, validate, mut notes } = admission::admit(machine, fit, validate)?;
     let names: Vec<String> = machine.axis.keys().cloned().collect();
-    let prepared = |logs: &[Log]| logs.par_iter().map(|log| Signals::new(log, &names)).collect::<Vec<_>>();
-    let (fit_logs, validate_logs) = if validate.is_empty() {
-        let (first, last): (Vec<Log>, Vec<Log>) = fit.iter().map(split).unzip();
+    let prepared =
+        |logs: &[Cow<'_, Log>]| logs.par_iter().map(|log| Signals::new(log, &names)).collect::<Vec<_>>();
+    let (mut fit_logs, mut validate_logs) = if validate.is_empty() {
+        let (first, last): (Vec<_>, Vec<_>) =
+            fit.iter().map(|log| split(log)).map(|(a, b)| (Cow::Owned(a), Cow::Owned(b))).unzip();
         (prepared(&first), prepared(&last))
     } else {
-        (prepared(fit), prepared(validate))
+        (prepared(&fit), prepared(&validate))
     };
-    let mut trace = Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine: machine.clone() };
+    let first = fit.first().map(|log| log.source.as_str());
+    admission::mark(machine, &mut fit_logs, first);
+    admission::mark(machine, &mut validate_logs, first);
+    for name in names.iter().filter(|name| admission::stands(&fit, name)) {
+        if fit.iter().any(|log| log.axis(name).is_some()) {
+            notes.push(format!("{name}: did not move; only what other axes do to it can be seen."));
+        }
+    }
+    let mut trace =
+        Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine: machine.clone(), notes };
     let of_axis = |(i, axis): (usize, &crate::machine::Axis)| {
         let evidence = trace.evidence(&trace.fit_logs, i);
         axis::trace(axis, &evidence, &trace.evidence(&trace.validate_logs, i), say)
@@ -118,48 +126,6 @@ fn split(log: &Log) -> (Log, Log) {
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of the length")]
     let cut = ((1.0 - HELD_OUT) * log.len() as f64).round() as usize;
     (log.slice(0..cut), log.slice(cut..log.len()))
-}
-
-/// Refuses a log that is not of this machine, or that nothing can be learned from.
-fn check(machine: &Machine, log: &Log) -> Result<(), InputError> {
-    const LEAST_SAMPLES: usize = 200;
-    // Less is presliding and noise, more a slip of the unit.
-    const LEAST_TRAVEL_MM: f64 = 0.01;
-    const MOST_TRAVEL_MM: f64 = 1e6;
-    let refuse = |what: String, found: String| Err(InputError::expected(&log.source, what, found));
-    let rate = 1.0 / log.sample_time_s;
-    // Printed times round: a per mille is far beyond that and far below any other rate.
-    if (rate / machine.sample_rate_hz - 1.0).abs() > 1e-3 {
-        return refuse(
-            format!("samples at the machine's sample_rate_hz of {}", machine.sample_rate_hz),
-            format!("{rate:.6} Hz"),
-        );
-    }
-    for axis in &log.axes {
-        if !machine.axis.contains_key(&axis.name) {
-            let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
-            return refuse(
-                format!("axes of the machine file ({})", names.join(", ")),
-                format!("axis {}", axis.name),
-            );
-        }
-    }
-    let travels =
-        log.axes.iter().flat_map(|axis| [&axis.command, &axis.motor, &axis.table]).flatten().map(|places| {
-            let least = places.iter().copied().fold(f64::INFINITY, f64::min);
-            places.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
-        });
-    let travel = travels.fold(0.0, f64::max);
-    if !(LEAST_TRAVEL_MM..=MOST_TRAVEL_MM).contains(&travel) {
-        return refuse(
-            format!("motion over {LEAST_TRAVEL_MM} to {MOST_TRAVEL_MM} mm (or deg) on some axis"),
-            format!("{travel}"),
-        );
-    }
-    if log.len() < LEAST_SAMPLES {
-        return refuse(format!("at least {LEAST_SAMPLES} samples"), log.len().to_string());
-    }
-    Ok(())
 }
 
 #[cfg(test)]

@@ -4,8 +4,10 @@ use serde_json::{Map, Value, json};
 
 use super::Trace;
 use super::axis::{AxisTrace, Found, StageError, residual_unit};
+use super::rotary;
 use super::unexplained::Unexplained;
 use crate::effects::Effect;
+use crate::log::Unit;
 
 /// The JSON of `trace --json`.
 #[must_use]
@@ -15,7 +17,7 @@ pub fn json(trace: &Trace) -> Value {
     let rest = |axis| move |rest| unexplained(axis, rest);
     let unexplained: Vec<Value> =
         trace.axes.iter().flat_map(|axis| axis.unexplained.iter().map(rest(axis))).collect();
-    let not_testable: Vec<Value> = trace
+    let mut not_testable: Vec<Value> = trace
         .axes
         .iter()
         .flat_map(|axis| {
@@ -23,11 +25,17 @@ pub fn json(trace: &Trace) -> Value {
             axis.not_testable.iter().map(one).collect::<Vec<_>>()
         })
         .collect();
+    for axis in &trace.axes {
+        let one =
+            |u: &super::untested::Untested| json!({"effect": u.effect, "axis": axis.axis, "needs": u.needs});
+        not_testable.extend(axis.untested.iter().map(one));
+    }
     json!({
         "residual": residual,
         "effects": effects(trace),
         "unexplained": unexplained,
         "not_testable": not_testable,
+        "notes": trace.notes,
     })
 }
 
@@ -54,18 +62,22 @@ fn unexplained(axis: &AxisTrace, rest: &Unexplained) -> Value {
     if let Value::Object(entry) = &mut entry {
         let (_, unit) = residual_unit(axis.unit, rest.channel);
         entry.insert(format!("rms_{unit}"), json!(rest.rms));
+        if let (Unit::Degree, Some(centre)) = (axis.unit, entry.remove("centre_mm")) {
+            entry.insert("centre_deg".to_owned(), centre);
+        }
     }
     entry
 }
 
 fn effect(axis: &AxisTrace, found: &Found) -> Value {
+    let key = |name: &str| if axis.unit == Unit::Degree { rotary::key(name) } else { name.to_owned() };
     let parameters: Map<String, Value> = found
         .effect
         .parameters()
         .into_iter()
         .zip(&found.half_widths)
         .map(|((name, value), half)| {
-            (name.to_owned(), json!({"value": value, "ci95": [value - half, value + half]}))
+            (key(name), json!({"value": value, "ci95": [value - half, value + half]}))
         })
         .collect();
     let mut entry = json!({

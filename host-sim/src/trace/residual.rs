@@ -7,6 +7,7 @@ use super::predict;
 use super::scope::Scope;
 use super::set_aside::{self, Aside};
 use super::signals::{AxisSignals, Signals, Smooth};
+use super::wound;
 use crate::effects::Stage;
 use crate::plant::parameters::AxisParameters;
 use crate::servo;
@@ -59,8 +60,11 @@ impl Evidence<'_> {
     pub fn counts(&self, stage: Stage, log: usize, sample: usize) -> bool {
         let hangs_on_friction = matches!(stage, Stage::Table | Stage::Force);
         let stands = || self.signals(log).standing.get(sample).copied().unwrap_or(false);
+        let saturated =
+            || stage == Stage::Force && self.signals(log).saturated.get(sample).copied().unwrap_or(false);
         sample >= self.settling(log)
             && !(hangs_on_friction && stands())
+            && !saturated()
             && !self.aside.iter().any(|aside| aside.covers(self, stage, log, sample))
     }
 
@@ -92,7 +96,12 @@ impl Evidence<'_> {
             let mut values = match stage {
                 Stage::Table => {
                     let measured = signals.table.as_ref().map_or(&[][..], |table| &table.position);
-                    difference(measured, &driven.table_m, 1e6, model.table_zero_um)
+                    let mut left = difference(measured, &driven.table_m, 1e6, model.table_zero_um);
+                    wound::add_stretch(&mut left, parameters.forced_windup.as_ref(), signals);
+                    if self.logs[log].has_own_zero && !model.axis.has_mass() {
+                        self.take_zero_out(log, &mut left);
+                    }
+                    left
                 }
                 Stage::Force => {
                     let measured = signals.force.as_ref().map_or(&[][..], |force| &force.position);
@@ -113,6 +122,16 @@ impl Evidence<'_> {
             Part { stage: *stage, log, values }
         };
         scope.stages.iter().map(part).collect()
+    }
+
+    /// Takes the mean of a table residual out: encoders that are zeroed when they are switched on.
+    fn take_zero_out(&self, log: usize, left: &mut [f64]) {
+        let counted = |i: &usize| self.counts(Stage::Table, log, *i);
+        let count = (0..left.len()).filter(counted).count();
+        let mean = (0..left.len()).filter(counted).map(|i| left[i]).sum::<f64>() / count.max(1) as f64;
+        for value in left {
+            *value -= mean;
+        }
     }
 
     fn motor(&self, model: &AxisModel, parameters: &AxisParameters, signals: &AxisSignals) -> Vec<f64> {

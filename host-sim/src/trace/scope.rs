@@ -62,6 +62,7 @@ pub fn scopes(axis: &Axis, index: usize, logs: &[Signals]) -> (Vec<Scope>, Vec<N
         all_have(|a| a.tool.is_some()),
         all_have(|a| a.force.is_some()),
     ];
+    let moves = logs.iter().any(|log| log.axes[index].moves());
     let conditions = [
         (
             Stage::Motor,
@@ -70,9 +71,13 @@ pub fn scopes(axis: &Axis, index: usize, logs: &[Signals]) -> (Vec<Scope>, Vec<N
                 (motor, "a motor channel"),
                 (axis.has_controller(), "the controller's keys in the machine file"),
                 (axis.has_mass(), "masses in the machine file"),
+                (moves, "motion of the axis"),
             ],
         ),
-        (Stage::Table, vec![(motor, "a motor channel"), (table, "a table channel")]),
+        (
+            Stage::Table,
+            vec![(motor, "a motor channel"), (table, "a table channel"), (moves, "motion of the axis")],
+        ),
         (Stage::Tool, vec![(table || motor, "a table or motor channel"), (tool, "a tool channel")]),
         (
             Stage::Force,
@@ -80,6 +85,7 @@ pub fn scopes(axis: &Axis, index: usize, logs: &[Signals]) -> (Vec<Scope>, Vec<N
                 (motor, "a motor channel"),
                 (force, "a force channel"),
                 (axis.has_mass(), "masses in the machine file"),
+                (moves, "motion of the axis"),
             ],
         ),
     ];

@@ -25,6 +25,8 @@ pub struct AxisSignals {
     /// Samples at which the axis stands still: there friction is whatever it was left at, and creeps by
     /// what sensor noise makes the machine move; no model of the motion tells it.
     pub standing: Vec<bool>,
+    /// Samples at which the force stands at its limit; empty where there is none.
+    pub saturated: Vec<bool>,
     /// Drive force over the velocity tick that ends at the sample, N; its filtered value is
     /// [`Smooth::position`].
     pub force: Option<Smooth>,
@@ -64,6 +66,9 @@ pub struct Signals {
     pub start_s: f64,
     /// Sample time, s.
     pub sample_s: f64,
+    /// Whether its encoders may have been zeroed elsewhere than those of the first log that is fitted: it is another
+    /// recording.
+    pub has_own_zero: bool,
     /// In the order of the machine's axes.
     pub axes: Vec<AxisSignals>,
 }
@@ -83,6 +88,7 @@ impl Signals {
             source: log.source.clone(),
             start_s: log.start_s,
             sample_s,
+            has_own_zero: false,
             axes: axes.iter().map(prepared).collect(),
         }
     }
@@ -115,6 +121,7 @@ impl AxisSignals {
                 table: None,
                 tool: None,
                 standing: Vec::new(),
+                saturated: Vec::new(),
                 force: None,
             };
         };
@@ -126,6 +133,7 @@ impl AxisSignals {
             motor_path: motor.as_ref().map(|motor| MotorPath::new(motor, sample_s)),
             motor,
             standing,
+            saturated: Vec::new(),
             table: smooth(&axis.table),
             tool: smooth(&axis.tool),
             force: axis.force.clone().map(|raw| Smooth::new(raw, sample_s, half)),
@@ -136,6 +144,23 @@ impl AxisSignals {
     #[must_use]
     pub fn table_or_motor(&self) -> Option<&Smooth> {
         self.table.as_ref().or(self.motor.as_ref())
+    }
+
+    /// Whether the axis goes anywhere: farther than presliding and noise, 0.01 mm or degrees.
+    #[must_use]
+    pub fn moves(&self) -> bool {
+        const LEAST_M: f64 = 1e-5;
+        let places = [&self.motor, &self.table].into_iter().flatten().map(|smooth| &smooth.raw);
+        let places: Vec<&Vec<f64>> = places.chain(&self.command).collect();
+        if places.is_empty() {
+            // What was not looked at cannot be said to stand.
+            return true;
+        }
+        let ranges = places.into_iter().map(|places| {
+            let least = places.iter().copied().fold(f64::INFINITY, f64::min);
+            places.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
+        });
+        ranges.fold(0.0, f64::max) >= LEAST_M
     }
 
     fn len(&self) -> Option<usize> {
@@ -175,6 +200,12 @@ impl Smooth {
         let rise = p1 - p0;
         let t = fraction;
         p0 + t * (m0 + t * ((3.0 * rise - 2.0 * m0 - m1) + t * (m0 + m1 - 2.0 * rise)))
+    }
+
+    /// Samples on either side of one that shape its filtered value.
+    #[must_use]
+    pub const fn reach(&self) -> usize {
+        self.half
     }
 
     /// Passes a modelled signal through the filter that this channel has passed.

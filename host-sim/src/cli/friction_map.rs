@@ -1,0 +1,42 @@
+//! `lost-motion trace --friction-map`.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+
+use super::{keeps, say};
+use crate::error::InputError;
+use crate::friction_map::FrictionMap;
+use crate::friction_map::report::{json, remainder, sentences, table};
+use crate::friction_map::search::explain;
+use crate::friction_map::unexplained::unexplained;
+use crate::output::write_whole;
+use crate::report;
+
+/// Explains a friction map.
+///
+/// # Errors
+/// Input that cannot be used, output that cannot be written.
+pub fn run(path: &Path, json_path: Option<&PathBuf>, folder: Option<&PathBuf>) -> Result<()> {
+    keeps(&[path], &[("--json", json_path)])?;
+    let map = FrictionMap::read(path)?;
+    let explained = explain(&map).ok_or_else(|| {
+        let what = "runs that tell Coulomb from viscous friction";
+        InputError::expected(&map.source, what, "none")
+    })?;
+    let rest = unexplained(&map, &explained.searched.fitted.law);
+    if let Some(path) = json_path {
+        let text = serde_json::to_string_pretty(&json(&map, &explained, rest.as_ref()))?;
+        write_whole(path, |out| out.write_all(text.as_bytes()))?;
+    }
+    let mut lines = sentences(&map, &explained);
+    lines.push(String::new());
+    lines.extend(table(&map, &explained));
+    lines.push(String::new());
+    lines.extend(remainder(&map, &explained, rest.as_ref()));
+    if let Some(folder) = folder {
+        let path = report::friction_map::write(folder, &map, &explained, rest.as_ref())?;
+        lines.push(format!("\nReport: {}", path.display()));
+    }
+    say(&lines.join("\n"))
+}
