@@ -79,9 +79,10 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
             let channel = match e.channel {
                 Channel::Table => "table",
                 Channel::Tool => "tool",
+                Channel::Force => "force",
             };
             let how = if is_positive { "late" } else { "early" };
-            format!("the {channel} reading is logged {} {how}", size(0, "ms"))
+            format!("the {channel} is logged {} {how}", size(0, "ms"))
         }
         Effect::Resonance(_) => format!(
             "the tool swings behind the table at {}, with a damping ratio of {}",

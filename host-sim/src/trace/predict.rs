@@ -59,7 +59,6 @@ pub fn driven(parameters: &AxisParameters, motor: &Smooth, sample_s: f64, hold_n
         Prescribed { nominal_m, velocity: motor.velocity[0], acceleration: motor.acceleration[0] };
     let mut table = DrivenTable::settled(parameters, screw);
     let mut table_before = table.position_m(parameters, screw);
-    let mut force_before = None;
     let mut held_back = 0.0;
     for i in 0..n {
         for step in 1..=(if i == 0 { 0 } else { steps }) {
@@ -83,17 +82,28 @@ pub fn driven(parameters: &AxisParameters, motor: &Smooth, sample_s: f64, hold_n
         let velocity = (table_m - table_before) / sample_s;
         let behind = late_s * (velocity - 0.5 * late_s * motor.acceleration[i]);
         result.table_m.push(table_m + held_back - behind - motor.position[i] + give * motor.acceleration[i]);
-        result.force_n.push(0.5 * (force + force_before.unwrap_or(force)));
-        (table_before, force_before) = (table_m, Some(force));
+        result.force_n.push(force);
+        table_before = table_m;
     }
     let mass = parameters.motor_mass_kg + parameters.table_mass_kg - hold_n_s2_per_m;
     let acceleration = |i: usize| motor.acceleration[i];
+    // Over the tick that ends at the sample: half of one old, and as late as the log is.
+    let age = 0.5 + parameters.late_s(Channel::Force) / sample_s;
+    let force_n: Vec<f64> = (0..n).map(|i| at_age(|i| result.force_n[i], n, i, age)).collect();
     Driven {
         table_m: linear(&motor.filtered(&result.table_m), |i| motor.position[i] - give * acceleration(i)),
-        force_n: linear(&motor.filtered(&result.force_n), |i| {
-            0.5 * mass * (acceleration(i) + acceleration(i.saturating_sub(1)))
-        }),
+        force_n: linear(&motor.filtered(&force_n), |i| mass * at_age(acceleration, n, i, age)),
     }
+}
+
+/// Of `n` values the one that was `age` samples ago at sample `i` (negative: is to come), straight between
+/// samples; before the first and behind the last they stand.
+fn at_age(value: impl Fn(usize) -> f64, n: usize, i: usize, age: f64) -> f64 {
+    let whole = age.floor();
+    let part = age - whole;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 0 and n")]
+    let at = |age: f64| value((i as f64 - age).clamp(0.0, n as f64 - 1.0) as usize);
+    (1.0 - part) * at(whole) + part * at(whole + 1.0)
 }
 
 /// Values with a part added that follows the filtered motor linearly.
