@@ -7,7 +7,7 @@
 //! gives way; but its giving way, nanometres at the frequency of that ringing, is lost in the noise of
 //! its encoder, and a step that does not damp would ring where the machine does not.
 
-use super::friction::Friction;
+use super::friction::{Friction, Slide};
 use super::parameters::AxisParameters;
 use super::screw::Spring;
 
@@ -28,6 +28,7 @@ pub struct DrivenTable {
     deflection_m: f64,
     deflection_rate: f64,
     bristle_m: f64,
+    lately_m_per_s: f64,
     /// Where a rigid screw left the table.
     table_m: f64,
     /// Force of the screw on the table, N.
@@ -45,7 +46,9 @@ impl DrivenTable {
             return table;
         }
         let friction = &parameters.friction;
-        let level = friction.level_n(screw.velocity).copysign(screw.velocity);
+        table.lately_m_per_s = screw.velocity.abs();
+        let slide = table.slide(screw);
+        let level = friction.level_n(screw.velocity, slide).copysign(screw.velocity);
         if friction.has_bristles() {
             table.bristle_m = level / friction.bristle_stiffness_n_per_m;
         }
@@ -68,6 +71,16 @@ impl DrivenTable {
         self.bristle_m
     }
 
+    /// Speed that the guide's friction remembers, m/s.
+    #[must_use]
+    pub fn lately_m_per_s(&self) -> f64 {
+        self.lately_m_per_s
+    }
+
+    fn slide(&self, screw: Prescribed) -> Slide {
+        Slide { place_m: screw.nominal_m, lately_m_per_s: self.lately_m_per_s }
+    }
+
     /// Table position, m.
     #[must_use]
     pub fn position_m(&self, parameters: &AxisParameters, screw: Prescribed) -> f64 {
@@ -76,6 +89,10 @@ impl DrivenTable {
 
     /// One step that ends where `screw` says.
     pub fn step(&mut self, parameters: &AxisParameters, screw: Prescribed, step_s: f64) {
+        let memory = &parameters.friction.memory;
+        if memory.remembers() {
+            self.lately_m_per_s += memory.share(step_s) * (screw.velocity.abs() - self.lately_m_per_s);
+        }
         match &parameters.spring {
             Some(spring) => self.step_elastic(parameters, spring, screw, step_s),
             None => self.step_rigid(parameters, screw, step_s),
@@ -84,7 +101,8 @@ impl DrivenTable {
 
     fn step_rigid(&mut self, parameters: &AxisParameters, screw: Prescribed, step_s: f64) {
         self.table_m = parameters.screw.carried_m(screw.nominal_m, self.table_m);
-        let friction = parameters.friction.step(&mut self.bristle_m, screw.velocity, step_s);
+        let slide = self.slide(screw);
+        let friction = parameters.friction.step(&mut self.bristle_m, screw.velocity, slide, step_s);
         self.transmitted_n =
             parameters.table_mass_kg * screw.acceleration + friction + parameters.load.force_n;
     }
@@ -93,7 +111,7 @@ impl DrivenTable {
         let (mass, h) = (parameters.table_mass_kg, step_s);
         // The screw's mean velocity over the step, and the deflection's as it was.
         let sliding = screw.velocity - self.deflection_rate;
-        let friction = Linear::of(&parameters.friction, self.bristle_m, sliding, h);
+        let friction = Linear::of(&parameters.friction, self.bristle_m, sliding, self.slide(screw), h);
         // Everything that does not act through the screw, as rest + inertia·d.
         let inertia = mass / (h * h) + friction.slope / h;
         let rest = mass * (screw.acceleration + self.deflection_m / (h * h) + self.deflection_rate / h)
@@ -135,16 +153,16 @@ struct Linear {
 }
 
 impl Linear {
-    fn of(friction: &Friction, bristle_m: f64, about: f64, step_s: f64) -> Self {
+    fn of(friction: &Friction, bristle_m: f64, about: f64, slide: Slide, step_s: f64) -> Self {
         let viscous = friction.viscous_n_s_per_m;
         let one_way = friction.asymmetry.force_n(about);
         if !friction.has_bristles() {
             let mut none = 0.0;
-            let dry = friction.step(&mut none, about, step_s) - friction.viscous_n(about);
+            let dry = friction.step(&mut none, about, slide, step_s) - friction.viscous_n(about);
             return Self { offset: dry + one_way, slope: viscous, keeps: 0.0, takes: 0.0 };
         }
         let (stiffness, damping) = (friction.bristle_stiffness_n_per_m, friction.bristle_damping_n_s_per_m);
-        let level = friction.level_n(about).max(1e-9);
+        let level = friction.level_n(about, slide).max(1e-9);
         let relaxation = stiffness * about.abs() * step_s / level;
         let keeps = (-relaxation).exp();
         let takes = if relaxation > 1e-6 { (1.0 - keeps) / relaxation } else { 1.0 };

@@ -48,6 +48,29 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
             let direction = if is_positive { "+" } else { "−" };
             format!("a constant load of {} against motion in {direction} direction", size(0, "N"))
         }
+        Effect::Presliding(_) => format!(
+            "friction builds up against a stiffness of {}, damped by {}, before the axis slides",
+            of(0, "N/µm"),
+            of(1, "N·s/m")
+        ),
+        Effect::ShearThinning(_) => format!(
+            "sliding friction lacks {} at standstill and comes up to its level within {}",
+            of(0, "N"),
+            of(1, "mm/s")
+        ),
+        Effect::FrictionMemory(_) => {
+            let how = if is_positive { "behind" } else { "ahead of" };
+            format!("{} of viscous friction are {how} the speed, by {}", size(0, "N·s/m"), of(1, "s"))
+        }
+        Effect::PreloadVariation(e) => format!(
+            "friction changes along the travel, from the middle at {} mm by {} and {}",
+            significant(e.centre_mm, 4),
+            of(1, "N/m"),
+            of(2, "N/m²")
+        ),
+        Effect::FrictionRipple(_) => {
+            format!("friction goes up and down by {} every {}", of(0, "N (amplitude)"), of(1, "mm"))
+        }
         Effect::ServoMismatch(_) => {
             let how = if is_positive { "above" } else { "below" };
             format!("the position gain lies {} {how} the declared one", size(0, "%"))

@@ -15,7 +15,7 @@ use crate::log::Unit;
 use crate::machine::Axis;
 
 /// Most effects that one scope may gain.
-const MOST_EFFECTS: usize = 5;
+const MOST_EFFECTS: usize = 10;
 
 /// Steps of the fit of the declared values.
 const FIT_STEPS: usize = 10;
@@ -224,6 +224,7 @@ impl Search<'_> {
             first: self.fit_logs.axis == 0,
             others: &others,
             stages: &scope.stages,
+            travel_mm: self.fit_logs.travel_mm(),
         };
         let mut starts = candidates(&around);
         starts.retain(|effect| !model.found().iter().any(|found| is_same(found, effect)));

@@ -192,6 +192,7 @@ fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMo
         table_m: table.position_m(parameters, screw),
         table_m_per_s: velocity,
         bristle_m: table.bristle_m(),
+        lately_m_per_s: table.lately_m_per_s(),
         friction_n: parameters.friction.bristle_stiffness_n_per_m * table.bristle_m(),
         ..AxisMotion::default()
     }

@@ -42,6 +42,14 @@ impl Evidence<'_> {
         &self.logs[log].axes[self.axis]
     }
 
+    /// Where the motor or the table of the axis was, least and greatest, mm.
+    #[must_use]
+    pub fn travel_mm(&self) -> [f64; 2] {
+        let places = (0..self.logs.len()).filter_map(|log| self.signals(log).table_or_motor());
+        let places = places.flat_map(|smooth| smooth.position.iter().map(|m| 1e3 * m));
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], mm| [least.min(mm), most.max(mm)])
+    }
+
     /// Samples at the start of each log that no residual counts.
     #[must_use]
     pub fn settling(&self, log: usize) -> usize {
