@@ -57,7 +57,13 @@ impl Kind for FrictionMemory {
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![
             Coordinate::signed(self.viscous_n_s_per_m, 5.0, 1e5),
-            Coordinate::between(self.time_constant_s, 0.05 * self.time_constant_s, 2e-3, 5.0),
+            // Far from here the derivative is another one: no step goes beyond a factor of two.
+            Coordinate::between(
+                self.time_constant_s,
+                0.05 * self.time_constant_s,
+                0.5 * self.time_constant_s,
+                2.0 * self.time_constant_s,
+            ),
         ]
     }
 

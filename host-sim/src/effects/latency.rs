@@ -40,14 +40,10 @@ impl Kind for Latency {
         let has = |stage| around.stages.contains(&stage);
         // Beside a linear scale a force that is late looks like a screw that is soft and damped.
         let force = has(Stage::Force) && !has(Stage::Table);
-        [
-            (has(Stage::Table), Channel::Table),
-            (has(Stage::Tool), Channel::Tool),
-            (force, Channel::Force),
-        ]
-        .into_iter()
-        .filter_map(|(is_tried, channel)| is_tried.then_some(Self { channel, ms: 0.0 }))
-        .collect()
+        [(has(Stage::Table), Channel::Table), (has(Stage::Tool), Channel::Tool), (force, Channel::Force)]
+            .into_iter()
+            .filter_map(|(is_tried, channel)| is_tried.then_some(Self { channel, ms: 0.0 }))
+            .collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {

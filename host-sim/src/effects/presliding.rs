@@ -26,7 +26,7 @@ impl Kind for Presliding {
         let is_declared = around.axis.presliding_stiffness_n_per_um.is_some();
         let slides = around.axis.coulomb_n.is_some_and(|coulomb_n| coulomb_n > 0.0);
         let ways_um: &[f64] =
-            if around.shows_friction_alone() && slides && !is_declared { &[3.0, 15.0, 75.0] } else { &[] };
+            if around.shows_friction_alone() && slides && !is_declared { &[5.0, 20.0] } else { &[] };
         let coulomb_n = around.axis.coulomb_n.unwrap_or(0.0);
         let over = |way_um: &f64| Self { stiffness_n_per_um: coulomb_n / way_um, damping_n_s_per_m: 0.0 };
         ways_um.iter().map(over).collect()
@@ -34,8 +34,14 @@ impl Kind for Presliding {
 
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![
-            Coordinate::between(self.stiffness_n_per_um, 0.05 * self.stiffness_n_per_um, 1e-3, 1e4),
-            Coordinate::between(self.damping_n_s_per_m, 100.0, 0.0, 1e6),
+            // Far from here the derivative is another one: no step goes beyond a factor of two.
+            Coordinate::between(
+                self.stiffness_n_per_um,
+                0.05 * self.stiffness_n_per_um,
+                0.5 * self.stiffness_n_per_um,
+                2.0 * self.stiffness_n_per_um,
+            ),
+            Coordinate::between(self.damping_n_s_per_m, 100.0, 0.0, 2.0 * self.damping_n_s_per_m + 500.0),
         ]
     }
 
@@ -44,9 +50,6 @@ impl Kind for Presliding {
     }
 
     fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![
-            ("stiffness_n_per_um", self.stiffness_n_per_um),
-            ("damping_n_s_per_m", self.damping_n_s_per_m),
-        ]
+        vec![("stiffness_n_per_um", self.stiffness_n_per_um), ("damping_n_s_per_m", self.damping_n_s_per_m)]
     }
 }

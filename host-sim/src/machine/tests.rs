@@ -217,14 +217,24 @@ fn a_machine_written_reads_as_itself() {
 #[test]
 fn every_effect_written_reads_as_itself() {
     let mut machine = Machine::parse(MACHINE, "m.toml").unwrap();
+    // Where it is declared it is not looked for.
+    machine.axis["y"].presliding_stiffness_n_per_um = None;
+    machine.axis["y"].presliding_damping_n_s_per_m = None;
     let axis = machine.axis["y"].clone();
     let stages = {
         use crate::effects::Stage::{Force, Motor, Table, Tool};
         [Motor, Table, Tool, Force]
     };
     let others = ["x".to_owned()];
-    let around = crate::effects::Surroundings { axis: &axis, first: true, others: &others, stages: &stages };
-    let all = crate::effects::candidates(&around);
+    let around = crate::effects::Surroundings {
+        axis: &axis,
+        first: true,
+        others: &others,
+        stages: &stages,
+        travel_mm: [0.0, 100.0],
+    };
+    let force = crate::effects::Surroundings { stages: &stages[3..], ..around };
+    let all = [crate::effects::candidates(&around), crate::effects::candidates(&force)].concat();
     let names: Vec<&str> = all.iter().map(Effect::name).collect();
     assert!(crate::effects::NAMES.iter().all(|name| names.contains(name)));
     for effect in all {

@@ -87,7 +87,11 @@ impl LateForce {
     #[must_use]
     pub fn new(late_s: f64, tick_s: f64) -> Option<Self> {
         let ticks = (late_s / tick_s).max(-1.0);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "not negative, and saturates")]
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "not negative, and saturates"
+        )]
         let kept = ticks.max(0.0).floor() as usize + 2;
         (late_s != 0.0).then(|| Self { past_n: VecDeque::from(vec![0.0; kept]), ticks })
     }
@@ -132,7 +136,9 @@ mod tests {
     /// A force that grows by 1 N a tick of 1 ms, logged when 10 N have been given and 11 N come.
     #[test]
     fn a_force_is_logged_as_late_as_it_is_said_to_be() {
-        for (late_s, expected_n) in [(-1e-3, 11.0), (-0.25e-3, 10.25), (0.5e-3, 9.5), (3e-3, 7.0), (-5e-3, 11.0)] {
+        for (late_s, expected_n) in
+            [(-1e-3, 11.0), (-0.25e-3, 10.25), (0.5e-3, 9.5), (3e-3, 7.0), (-5e-3, 11.0)]
+        {
             let mut late = LateForce::new(late_s, 1e-3).unwrap();
             (1..=10).for_each(|n| late.give(f64::from(n)));
             assert!((late.logged_n(11.0) - expected_n).abs() < 1e-12, "{late_s}: {}", late.logged_n(11.0));

@@ -264,7 +264,8 @@ mod tests {
         // 200 + 100·exp(−(v/5)²) + 1000·v ± 200·|v|, by hand for ±2.5 and ±50 mm/s.
         for (v, expected) in [(2.5e-3, 280.880), (-2.5e-3, -279.880), (0.05, 260.0), (-0.05, -240.0)] {
             let mut bristle = 0.0;
-            let force = (0..100_000).map(|_| guide().step(&mut bristle, v, Slide::default(), 25e-6)).last().unwrap();
+            let force =
+                (0..100_000).map(|_| guide().step(&mut bristle, v, Slide::default(), 25e-6)).last().unwrap();
             assert!((force - expected).abs() < 0.01, "{v}: {force}");
         }
     }

@@ -98,7 +98,9 @@ impl<L: Lane> Guide<L> {
         if let Some(bristles) = &self.bristles {
             let relaxes_per_m = self.relaxes_per_m.unwrap_or_else(|| {
                 let friction = |axis: usize| &parameters[axis].friction;
-                L::of(|axis| friction(axis).relaxes_per_m(friction(axis).level_n(about.lane(axis), slide(axis))))
+                L::of(|axis| {
+                    friction(axis).relaxes_per_m(friction(axis).level_n(about.lane(axis), slide(axis)))
+                })
             });
             let relaxation = relaxes_per_m * about.abs() * L::all(step.seconds);
             let mean = bristles.over(motion.bristle_m, relaxation, free.mobility, step);

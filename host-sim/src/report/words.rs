@@ -4,6 +4,8 @@ use super::number::{percent, significant, with_spread};
 use crate::effects::{Channel, Effect};
 use crate::trace::Trace;
 use crate::trace::axis::{AxisTrace, Found, residual_unit, stage_names};
+use crate::trace::free_run::FreeRun;
+use crate::trace::repeatability::Repeatability;
 use crate::trace::scope::NotTestable;
 use crate::trace::unexplained::{Unexplained, Variable};
 
@@ -182,6 +184,35 @@ pub fn remainder(axis: &AxisTrace, rest: &Unexplained) -> String {
     )
 }
 
+/// What of a stage's rest comes again with the motion.
+#[must_use]
+pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
+    let (unit, _) = residual_unit(axis.unit, part.channel);
+    format!(
+        "{}, {}: the motion comes again every {} s; of what stays {} {unit} rms come again with it, and {} {unit} do not, \
+         which no model takes away.",
+        axis.axis,
+        stage_names(&[part.channel]),
+        significant(part.period_s, 4),
+        significant(part.repeatable, 3),
+        significant(part.non_repeatable, 3),
+    )
+}
+
+/// What the models are worth without feedback.
+#[must_use]
+pub fn free_run(run: &FreeRun) -> String {
+    format!(
+        "{}: under the measured force alone the declared model is {} µm rms astray within {} s, with the effects found \
+         {} µm ({} runs, held out).",
+        run.axis,
+        significant(run.declared_um, 3),
+        significant(run.seconds, 2),
+        significant(run.after_um, 3),
+        run.runs,
+    )
+}
+
 /// Why a stage was not looked at.
 #[must_use]
 pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
@@ -200,6 +231,7 @@ pub(super) mod tests {
         let axis = Axis {
             table_mass_kg: Some(100.0),
             stiffness_n_per_um: Some(200.0),
+            coulomb_n: Some(20.0),
             lead_mm: Some(10.0),
             resolver_pole_pairs: Some(2),
             ..Axis::default()
@@ -209,8 +241,9 @@ pub(super) mod tests {
             first: true,
             others: &["q".to_owned()],
             stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
+            travel_mm: [0.0, 100.0],
         };
-        let all = candidates(&around);
+        let all = [candidates(&around), candidates(&Surroundings { stages: &[Stage::Force], ..around })].concat();
         let first = |name: &&str| all.iter().find(|effect| effect.name() == *name).unwrap().clone();
         let moved = |effect: Effect| {
             let values: Vec<f64> =

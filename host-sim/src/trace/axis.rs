@@ -5,12 +5,14 @@ use serde::Serialize;
 
 use super::candidates::{Candidate, LEAST_REDUCTION, rank};
 use super::fit::{self, Fitted, normal};
+use super::free_run::{FreeRun, free_runs};
 use super::held_out::{compare, scores};
 use super::model::AxisModel;
+use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
 use super::scope::{NotTestable, Scope, scopes};
 use super::unexplained::{Unexplained, unexplained};
-use crate::effects::{Coordinate, Effect, Stage, Surroundings, candidates};
+use crate::effects::{Coordinate, Effect, Stage, Surroundings, VelocityLag, candidates};
 use crate::log::Unit;
 use crate::machine::Axis;
 
@@ -100,6 +102,10 @@ pub struct AxisTrace {
     pub errors: Vec<StageError>,
     /// What stays above the noise.
     pub unexplained: Vec<Unexplained>,
+    /// How much of what stays comes again with the motion.
+    pub repeats: Vec<Repeatability>,
+    /// The models under the measured force alone, on the validation logs.
+    pub free_runs: Vec<FreeRun>,
     /// The search.
     pub rounds: Vec<Round>,
 }
@@ -134,6 +140,7 @@ pub fn trace(
     let found = reported(fit_logs, validate, &before, &model, &scopes, &final_fits);
     let mut errors = Vec::new();
     let mut rest = Vec::new();
+    let mut repeats = Vec::new();
     for scope in &scopes {
         let [fit_before, fit_after] = [&before, &model].map(|m| fit_logs.residuals(m, scope));
         let [validate_before, validate_after] = [&before, &model].map(|m| validate.residuals(m, scope));
@@ -147,9 +154,12 @@ pub fn trace(
                 after: pair(&fit_after, &validate_after),
                 noise,
             });
+            repeats.extend(repeatability(fit_logs, &fit_after, stage));
             rest.extend(unexplained(fit_logs, &fit_after, stage, noise, name));
         }
     }
+    let held_out: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
+    let free_runs = free_runs(name, &before.axis, &model.axis, &held_out);
     AxisTrace {
         axis: name.clone(),
         unit: fit_logs.logs.iter().find_map(|log| log.axes[fit_logs.axis].unit).unwrap_or(Unit::Millimetre),
@@ -160,6 +170,8 @@ pub fn trace(
         found,
         errors,
         unexplained: rest,
+        repeats,
+        free_runs,
         rounds: search.rounds,
     }
 }
@@ -182,8 +194,7 @@ impl Search<'_> {
             (self.say)(&format!("{}: trying the catalogue on {}", self.name, stage_names(&scope.stages)));
             let starts = self.starts(&base.model, scope);
             let candidates = rank(self.fit_logs, &base, scope, starts);
-            let added_index =
-                candidates.iter().position(|c| c.is_supported() && self.loop_agrees(&base.model, c, scope));
+            let added_index = candidates.iter().position(|c| self.is_supported(&base.model, c, scope));
             let best = added_index.map(|index| candidates[index].clone());
             self.rounds.push(Round { stages: scope.stages.clone(), candidates, added: added_index });
             let Some(Candidate { effect, fitted: Some(fitted), .. }) = best else { break };
@@ -197,22 +208,49 @@ impl Search<'_> {
         base
     }
 
-    /// Whether the closed loop, which took no part in fitting a mechanical effect, does not speak
-    /// against it: the motor stage may lose no more with the effect than chance.
-    fn loop_agrees(&self, base: &AxisModel, candidate: &Candidate, scope: &Scope) -> bool {
+    /// Whether held-out data support a candidate and the closed loop agrees. Where friction is seen alone, the
+    /// loop stands in for standard errors, too: what is only here or there along the travel or after a
+    /// reversal differs from block to block by its nature, which looks like chance.
+    fn is_supported(&self, base: &AxisModel, candidate: &Candidate, scope: &Scope) -> bool {
+        let agrees = || self.loop_loss(base, candidate, scope);
+        let is_alone = scope.stages == [Stage::Force];
+        let shapes_loop = candidate.effect.stages().contains(&Stage::Motor);
+        if candidate.is_supported() {
+            return agrees().is_none_or(|loss| loss <= 0.5 * LEAST_REDUCTION);
+        }
+        let is_confirmed = || agrees().is_some_and(|loss| loss <= -0.5 * LEAST_REDUCTION);
+        is_alone && shapes_loop && candidate.is_consistent() && is_confirmed()
+    }
+
+    /// What the closed loop, which took no part in fitting a mechanical effect, loses with it: by how
+    /// much the logarithm of its error grows. `None` where it does not tell.
+    fn loop_loss(&self, base: &AxisModel, candidate: &Candidate, scope: &Scope) -> Option<f64> {
         let shapes_loop = candidate.effect.stages().contains(&Stage::Motor);
         let (Some(servo), Some(fitted), true) = (&self.servo, &candidate.fitted, shapes_loop) else {
-            return true;
+            return None;
         };
         if servo.stages == scope.stages {
-            return true;
+            return None;
         }
-        let [before, after] = [base, &fitted.model].map(|model| self.fit_logs.residuals(model, servo));
+        let [before, after] = [base, &fitted.model].map(|model| self.in_loop(model, servo, scope));
         let of_log =
             |parts: &[Part], log: usize| rms(&parts[log..=log], Stage::Motor, self.fit_logs).max(1e-12);
         let logs = before.len();
         let loss = (0..logs).map(|log| (of_log(&after, log) / of_log(&before, log)).ln()).sum::<f64>();
-        loss / logs.max(1) as f64 <= 0.5 * LEAST_REDUCTION
+        Some(loss / logs.max(1) as f64)
+    }
+
+    /// The motor stage of a model. Where friction is seen alone the drive's own lag, which is only found
+    /// later, is taken out first: it would hide what friction does to the loop.
+    fn in_loop(&self, model: &AxisModel, servo: &Scope, scope: &Scope) -> Vec<Part> {
+        const STEPS: usize = 3;
+        let has_lag = model.axis.effect.iter().any(|effect| matches!(effect, Effect::VelocityLag(_)));
+        if scope.stages != [Stage::Force] || has_lag {
+            return self.fit_logs.residuals(model, servo);
+        }
+        let mut model = model.with(Effect::VelocityLag(VelocityLag::default()));
+        model.weigh(scope);
+        self.fit_logs.residuals(&fit::fit(self.fit_logs, &model, servo, STEPS).model, servo)
     }
 
     /// Every starting point of every effect that the model has not yet.
@@ -240,7 +278,8 @@ impl Search<'_> {
                 let effect = full.model.found()[index].clone();
                 let gain = comparison.iter().map(|c| c.gain).sum();
                 let judged = Candidate { effect, comparison, gain, fitted: None, material: true };
-                if !judged.is_supported() {
+                let is_alone = scope.stages == [Stage::Force];
+                if !(judged.is_supported() || is_alone && judged.is_consistent()) {
                     (self.say)(&format!("{}: {} is no longer needed", self.name, judged.effect.name()));
                     full = without;
                     continue;

@@ -3,14 +3,17 @@
 //! [`signals`] prepares the logs; [`predict`] drives the declared model with measured signals;
 //! [`residual`] is what it leaves; [`fit`] moves the declared values within their tolerance;
 //! [`candidates`] tries the catalogue, [`held_out`] says what is worth adding; [`axis`] is the search
-//! for one axis, [`unexplained`] what stays; [`report`] is the whole for people and programs.
+//! for one axis, [`unexplained`] what stays, [`repeatability`] how much of it could be explained at all,
+//! [`free_run`] what the model is worth without feedback; [`report`] is the whole for people and programs.
 
 pub mod axis;
 pub mod candidates;
 pub mod fit;
+pub mod free_run;
 pub mod held_out;
 pub mod model;
 pub mod predict;
+pub mod repeatability;
 pub mod report;
 pub mod residual;
 pub mod scope;

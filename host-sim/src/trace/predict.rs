@@ -98,7 +98,7 @@ pub fn driven(parameters: &AxisParameters, motor: &Smooth, sample_s: f64, hold_n
 
 /// Of `n` values the one that was `age` samples ago at sample `i` (negative: is to come), straight between
 /// samples; before the first and behind the last they stand.
-fn at_age(value: impl Fn(usize) -> f64, n: usize, i: usize, age: f64) -> f64 {
+pub(super) fn at_age(value: impl Fn(usize) -> f64, n: usize, i: usize, age: f64) -> f64 {
     let whole = age.floor();
     let part = age - whole;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 0 and n")]
@@ -183,7 +183,7 @@ pub fn closed_loop(
 }
 
 /// An axis that moves steadily with its motor at a place, m.
-fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
+pub(super) fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
     let screw = Prescribed { nominal_m: parameters.screw.nominal_m(motor_m), velocity, acceleration: 0.0 };
     let table = DrivenTable::settled(parameters, screw);
     AxisMotion {
