@@ -243,7 +243,8 @@ pub(super) mod tests {
             stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
             travel_mm: [0.0, 100.0],
         };
-        let all = [candidates(&around), candidates(&Surroundings { stages: &[Stage::Force], ..around })].concat();
+        let all =
+            [candidates(&around), candidates(&Surroundings { stages: &[Stage::Force], ..around })].concat();
         let first = |name: &&str| all.iter().find(|effect| effect.name() == *name).unwrap().clone();
         let moved = |effect: Effect| {
             let values: Vec<f64> =

@@ -10,7 +10,7 @@ use super::held_out::{compare, scores};
 use super::model::AxisModel;
 use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
-use super::scope::{NotTestable, Scope, scopes};
+use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::unexplained::{Unexplained, unexplained};
 use crate::effects::{Coordinate, Effect, Stage, Surroundings, VelocityLag, candidates};
 use crate::log::Unit;
@@ -137,6 +137,12 @@ pub fn trace(
         model.weigh(scope);
         final_fits.push(fitted);
     }
+    if let Some(joint) = joint(&scopes) {
+        say(&format!("{name}: fitting all to {}", stage_names(&joint.stages)));
+        model = fit::fit(fit_logs, &model, &joint, FIT_STEPS).model;
+        // The same model, with what is around it in each scope.
+        final_fits = scopes.iter().map(|scope| fit::fit(fit_logs, &model, scope, 0)).collect();
+    }
     let found = reported(fit_logs, validate, &before, &model, &scopes, &final_fits);
     let mut errors = Vec::new();
     let mut rest = Vec::new();
@@ -174,6 +180,14 @@ pub fn trace(
         free_runs,
         rounds: search.rounds,
     }
+}
+
+/// Where friction is seen alone, force and closed loop are two views of the same few newtons, the one sharp at
+/// fast changes and the other at slow ones: what was found is fitted to both in the end.
+fn joint(scopes: &[Scope]) -> Option<Scope> {
+    let has = |stage| scopes.iter().any(|scope| scope.stages == [stage]);
+    let stages = vec![Stage::Force, Stage::Motor];
+    (has(Stage::Force) && has(Stage::Motor)).then_some(Scope { stages, mechanics: Mechanics::All })
 }
 
 struct Search<'a> {

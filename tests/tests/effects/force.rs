@@ -100,7 +100,8 @@ pub fn presliding() {
     let keys = "presliding_stiffness_n_per_um = 40.0    # guideway before it slides (LuGre σ0)\n\
                 presliding_damping_n_s_per_m = 2000.0   # guideway before it slides (LuGre σ1)\n";
     let without = changed(PLAIN, keys, "");
-    let effect = "\n[[axis.x.effect]]\nname = \"presliding\"\nstiffness_n_per_um = 40.0\ndamping_n_s_per_m = 2000.0\n";
+    let effect =
+        "\n[[axis.x.effect]]\nname = \"presliding\"\nstiffness_n_per_um = 40.0\ndamping_n_s_per_m = 2000.0\n";
     let plain = run(PLAIN, &motion);
     run(&(without.clone() + effect), &motion).assert_same(&plain, &[]);
     let least = run(&without, &motion).moved(Channel::Force, &plain);
