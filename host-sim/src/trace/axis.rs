@@ -135,13 +135,14 @@ pub fn trace(
         let fitted = search.explain(&model, scope);
         model = fitted.model.clone();
         model.weigh(scope);
-        final_fits.push(fitted);
+        final_fits.push((scope.clone(), fitted));
     }
     if let Some(joint) = joint(&scopes) {
         say(&format!("{name}: fitting all to {}", stage_names(&joint.stages)));
-        model = fit::fit(fit_logs, &model, &joint, FIT_STEPS).model;
-        // The same model, with what is around it in each scope.
-        final_fits = scopes.iter().map(|scope| fit::fit(fit_logs, &model, scope, 0)).collect();
+        let fitted = fit::fit(fit_logs, &model, &joint, FIT_STEPS);
+        model = fitted.model.clone();
+        // Whichever scope an effect was found in, its interval is that of this fit.
+        final_fits = scopes.iter().map(|_| (joint.clone(), fitted.clone())).collect();
     }
     let found = reported(fit_logs, validate, &before, &model, &scopes, &final_fits);
     let mut errors = Vec::new();
@@ -347,11 +348,11 @@ fn reported(
     before: &AxisModel,
     model: &AxisModel,
     scopes: &[Scope],
-    fits: &[Fitted],
+    fits: &[(Scope, Fitted)],
 ) -> Vec<Found> {
     let mut found = Vec::new();
     let mut last = before.clone();
-    for (scope, fitted) in scopes.iter().zip(fits) {
+    for (scope, (fitted_scope, fitted)) in scopes.iter().zip(fits) {
         let covariance = covariance(fitted);
         for (index, effect) in model.found().iter().enumerate() {
             if !scope.holds(effect) {
@@ -371,7 +372,7 @@ fn reported(
             };
             let most = worse.iter().zip(&better).max_by(|a, b| reduction(a).total_cmp(&reduction(b)));
             let Some((&(stage, before), &(_, after))) = most else { continue };
-            let slots = fitted.model.slots_of(scope, index);
+            let slots = fitted.model.slots_of(fitted_scope, index);
             let own = covariance.view((slots.start, slots.start), (slots.len(), slots.len())).into_owned();
             found.push(Found {
                 effect: effect.clone(),
