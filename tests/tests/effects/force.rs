@@ -119,7 +119,7 @@ pub fn shear_thinning() {
     let seen = run(&with(&effect), &motion);
     for mm_s in [2.0_f64, 5.0, 40.0, -40.0, -5.0, -2.0] {
         let lack_n = force_n * (-mm_s.abs() / vs_mm_s).exp();
-        assert_on_table(&seen, &plain, mm_s, (-lack_n).copysign(mm_s));
+        assert_on_table(&seen, &plain, mm_s, -lack_n.copysign(mm_s));
     }
 }
 
@@ -164,7 +164,7 @@ pub fn preload_variation() {
 
 /// amplitude·sin(2π·x/period + phase) more friction, against the motion: it turns with the direction.
 pub fn friction_ripple() {
-    let (amplitude_n, period_mm, phase_rad, mm_s) = (50.0, 4.0, 0.3, 2.0);
+    let (amplitude_n, period_mm, phase_rad, mm_s) = (50.0_f64, 4.0, 0.3, 2.0);
     let motion = lines(&[(10.0, mm_s), (0.0, mm_s)]);
     let plain = run(PLAIN, &motion);
     let effect = format!(
