@@ -12,6 +12,7 @@ use crate::trace::unexplained::{Unexplained, Variable};
 /// What an effect does, with its parameters. The half widths of their intervals are in the order of
 /// [`Effect::parameters`]; those that are missing are not told.
 #[must_use]
+#[expect(clippy::too_many_lines, reason = "one sentence an effect")]
 pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
     let parameters = effect.parameters();
     let half = |i: usize| half_widths.get(i).copied().unwrap_or(0.0);

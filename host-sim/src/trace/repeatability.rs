@@ -112,7 +112,7 @@ mod tests {
         let long: Vec<f64> = (0..4000).map(command).collect();
         assert_eq!(period(&long, 1e-3), Some(1100));
         assert_eq!(period(&long[..2100], 1e-3), None, "less than two laps");
-        assert_eq!(period(&[0.0; 4000], 1e-3), None, "a standstill");
+        assert_eq!(period(&vec![0.0; 4000], 1e-3), None, "a standstill");
         let growing: Vec<f64> = (0..4000).map(|i| command(i) + 1e-7 * i as f64).collect();
         assert_eq!(period(&growing, 1e-3), None, "a drift");
     }
