@@ -65,9 +65,9 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
             let how = if is_positive { "behind" } else { "ahead of" };
             format!("{} of viscous friction are {how} the speed, by {}", size(0, "N·s/m"), of(1, "s"))
         }
-        Effect::PreloadVariation(e) => format!(
-            "friction changes along the travel, from the middle at {} mm by {} and {}",
-            significant(e.centre_mm, 4),
+        Effect::PreloadVariation(_) => format!(
+            "friction changes along the travel, from the middle at {} by {} and {}",
+            of(0, "mm"),
             of(1, "N/m"),
             of(2, "N/m²")
         ),
@@ -103,8 +103,8 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
         ),
         Effect::Latency(e) => {
             let channel = match e.channel {
-                Channel::Table => "table",
-                Channel::Tool => "tool",
+                Channel::Table => "table reading",
+                Channel::Tool => "tool reading",
                 Channel::Force => "force",
             };
             let how = if is_positive { "late" } else { "early" };

@@ -79,8 +79,9 @@ fn run(
     let substeps = (sample_s / parameters.step_s()).ceil().max(1.0) as u32;
     let stepper = Stepper::new(parameters, 0.0, sample_s / f64::from(substeps));
     let late = parameters.late_s(Channel::Force) / sample_s;
+    // The velocity of the first sample is that of the second.
     let (mut squares, mut samples, mut runs) = (0.0, 0, 0);
-    for start in (0..n).step_by(length).take_while(|start| start + length <= n) {
+    for start in (1..n).step_by(length).take_while(|start| start + length <= n) {
         let mut motion = in_motion(parameters, motor.position[start], motor.velocity[start]);
         for (i, measured_m) in motor.raw.iter().enumerate().skip(start).take(length) {
             squares += (motion.motor_m - measured_m).powi(2);
@@ -107,8 +108,8 @@ mod tests {
         let axis = |table_mass_kg| Axis { table_mass_kg: Some(table_mass_kg), ..Axis::default() };
         let at = |t: f64| 0.5 * 0.5 * t * t;
         let mut log = AxisLog::new("x", Unit::Millimetre);
-        log.motor = Some((0..2000).map(|i| 1e3 * at(1e-3 * f64::from(i))).collect());
-        log.force = Some(vec![50.0; 2000]);
+        log.motor = Some((0..2001).map(|i| 1e3 * at(1e-3 * f64::from(i))).collect());
+        log.force = Some(vec![50.0; 2001]);
         let log = Log { source: "test".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![log] };
         let signals = Signals::new(&log, &["x".to_owned()]);
         let runs = free_runs("x", &axis(102.0), &axis(100.0), &[(&signals.axes[0], 1e-3)]);

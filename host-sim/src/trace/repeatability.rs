@@ -135,8 +135,9 @@ mod tests {
         };
         let parts = [Part { stage: Stage::Motor, log: 0, values: (0..11_000).map(value).collect() }];
         let split = repeatability(&evidence, &parts, Stage::Motor).unwrap();
-        // The settling of 0.3 s takes the first of ten laps from a quarter of the phases: 1 %.
-        assert!((split.repeatable - 3.0).abs() < 0.03, "{split:?}");
+        // Laps that alternate leave less in their mean than laps at random, 0.11 of 9, and where the settling takes
+        // the first of ten the others' mean is 1/9 off, which takes another 0.17: 1.6 % of 3.
+        assert!((split.repeatable - 2.953).abs() < 0.003, "{split:?}");
         assert!((split.non_repeatable - (10.0f64 / 9.0).sqrt()).abs() < 0.02, "{split:?}");
         assert!((split.period_s - 1.1).abs() < 1e-12);
     }
