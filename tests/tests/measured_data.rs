@@ -66,7 +66,7 @@ fn emps_is_explained_as_the_readme_says() {
     assert!(near(repeats(Stage::Motor).non_repeatable, 0.222), "{:?}", axis.repeats);
     // Without feedback, over 0.1 and 0.5 s.
     let astray: Vec<[f64; 2]> = axis.free_runs.iter().map(|run| [run.declared_um, run.after_um]).collect();
-    for (found, figure) in astray.iter().zip([[38.4, 13.7], [577.0, 206.0]]) {
+    for (found, figure) in astray.iter().zip([[37.6, 13.4], [578.1, 207.6]]) {
         assert!(found.iter().zip(figure).all(|(found, figure)| near(*found, figure)), "{astray:?}");
     }
     // Held out is no better than fitted by luck, nor worse by over-fitting, beyond 4 %.
