@@ -147,7 +147,8 @@ impl Run<'_> {
                 return Err(stopped::fault(self.machine, fault, time_s));
             }
             if tick.is_multiple_of(divider) {
-                let rows = desk.row(&readings, self.start_s + time_s);
+                let rows =
+                    desk.row(&readings, outputs.iter().map(|output| output.force_n), self.start_s + time_s);
                 let axes = readings.iter().zip(&outputs).zip(&rows);
                 samples.clear();
                 samples.extend(axes.map(|((reading, output), row)| Sample::of(reading, output, row)));

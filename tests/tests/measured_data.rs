@@ -35,35 +35,57 @@ fn emps_is_explained_as_the_readme_says() {
     let trace = traced(&data, "train.csv");
     let axis = &trace.axes[0];
     let names: Vec<&str> = axis.found.iter().map(|found| found.effect.name()).collect();
-    assert_eq!(names, ["torque_ripple", "velocity_lag"]);
-    // The controller of this machine differences the mean of two samples, half a sample late: 0.5 ms.
-    // Weighed against a mass that is known to 1 %, 0.38 ms is what the loop shows.
-    let lag = axis.found[1].effect.parameters()[0].1;
-    assert!((0.3..0.55).contains(&lag), "{lag}");
+    let expected = [
+        "latency",
+        "friction_asymmetry",
+        "shear_thinning",
+        "torque_ripple",
+        "presliding",
+        "preload_variation",
+        "friction_memory",
+        "friction_ripple",
+        "velocity_lag",
+    ];
+    assert_eq!(names, expected);
+    let first = |name: &str| {
+        axis.found.iter().find(|found| found.effect.name() == name).unwrap().effect.parameters()[0].1
+    };
+    // The controller of this machine differences the mean of two samples, half a sample late: 0.5 ms. It logs the
+    // force that is going to be given, which is one sample early, and the drive takes its time on top of that.
+    assert!((0.4..0.65).contains(&first("velocity_lag")), "{}", first("velocity_lag"));
+    assert!((-1.3..-1.0).contains(&first("latency")), "{}", first("latency"));
 
     let error = |stage| axis.errors.iter().find(|error| error.stage == stage).unwrap();
     let near = |value: f64, figure: f64| (value / figure - 1.0).abs() < 0.01;
     let force = error(Stage::Force);
-    assert!(near(force.before.validate, 2.817) && near(force.after.validate, 2.745), "{force:?}");
+    assert!(near(force.before.validate, 2.817) && near(force.after.validate, 0.945), "{force:?}");
     let motor = error(Stage::Motor);
-    assert!(near(motor.before.validate, 1.893) && near(motor.after.validate, 1.611), "{motor:?}");
-    // Held out is no better than fitted by luck, nor worse by over-fitting, beyond 2 %.
+    assert!(near(motor.before.validate, 1.901) && near(motor.after.validate, 0.602), "{motor:?}");
+    // What no model takes away, because it differs from lap to lap.
+    let repeats = |stage| axis.repeats.iter().find(|part| part.channel == stage).unwrap();
+    assert!((repeats(Stage::Force).period_s - 6.24).abs() < 1e-9);
+    assert!(near(repeats(Stage::Force).non_repeatable, 0.516), "{:?}", axis.repeats);
+    assert!(near(repeats(Stage::Motor).non_repeatable, 0.222), "{:?}", axis.repeats);
+    // Without feedback, over 0.1 and 0.5 s.
+    let astray: Vec<[f64; 2]> = axis.free_runs.iter().map(|run| [run.declared_um, run.after_um]).collect();
+    for (found, figure) in astray.iter().zip([[37.6, 13.4], [578.1, 207.6]]) {
+        assert!(found.iter().zip(figure).all(|(found, figure)| near(*found, figure)), "{astray:?}");
+    }
+    // Held out is no better than fitted by luck, nor worse by over-fitting, beyond 4 %.
     for error in [force, motor] {
-        assert!((error.after.validate / error.after.fit - 1.0).abs() < 0.02, "{error:?}");
+        assert!((error.after.validate / error.after.fit - 1.0).abs() < 0.04, "{error:?}");
     }
 }
 
-/// Direction-dependent and Stribeck friction fit this recording of EMPS and worsen another one of the
-/// same axis. The force stage alone would take Stribeck; the closed loop speaks against it.
+/// Once the force is timed right there is no Stribeck effect in it: friction falls towards standstill.
 #[test]
-fn emps_does_not_tempt_into_friction_that_the_loop_denies() {
+fn emps_does_not_tempt_into_a_stribeck_effect() {
     let Some(data) = data("data/emps") else { return };
     let trace = traced(&data, "train.csv");
-    let first = &trace.axes[0].rounds[0];
-    let stribeck = first.candidates.iter().find(|c| c.effect.name() == "stribeck").unwrap();
-    assert!(stribeck.is_supported(), "the temptation is there");
-    let names: Vec<&str> = trace.axes[0].found.iter().map(|found| found.effect.name()).collect();
-    assert!(!names.contains(&"stribeck") && !names.contains(&"friction_asymmetry"), "{names:?}");
+    let tried = trace.axes[0].rounds.iter().flat_map(|round| &round.candidates);
+    let stribeck: Vec<_> = tried.filter(|c| c.effect.name() == "stribeck" && c.fitted.is_some()).collect();
+    assert!(!stribeck.is_empty(), "it is tried");
+    assert!(stribeck.iter().all(|c| !c.is_consistent()), "{stribeck:?}");
 }
 
 /// A robot without a declared controller or mass: the stages that cannot be formed are named.

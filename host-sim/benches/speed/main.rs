@@ -77,7 +77,7 @@ impl Loop {
     }
 
     fn tool_m(&mut self) -> [f64; 2] {
-        let rows = self.desk.row(&self.readings, 0.0);
+        let rows = self.desk.row(&self.readings, self.outputs.iter().map(|output| output.force_n), 0.0);
         [rows[0].tool_m, rows[1].tool_m]
     }
 }

@@ -25,6 +25,9 @@ pub enum Channel {
     Table,
     /// Tool-point probe.
     Tool,
+    /// Drive force, against the time that the log's format gives it: over the tick that ends at the
+    /// sample. A log that shows what is going to be given over the next tick is early by one.
+    Force,
 }
 
 impl Kind for Latency {
@@ -32,14 +35,17 @@ impl Kind for Latency {
         match self.channel {
             Channel::Table => &[Stage::Table],
             Channel::Tool => &[Stage::Tool],
+            Channel::Force => &[Stage::Force],
         }
     }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        [(Stage::Table, Channel::Table), (Stage::Tool, Channel::Tool)]
+        let has = |stage| around.stages.contains(&stage);
+        // Beside a linear scale a force that is late looks like a screw that is soft and damped.
+        let force = has(Stage::Force) && !has(Stage::Table);
+        [(has(Stage::Table), Channel::Table), (has(Stage::Tool), Channel::Tool), (force, Channel::Force)]
             .into_iter()
-            .filter(|(stage, _)| around.stages.contains(stage))
-            .map(|(_, channel)| Self { channel, ms: 0.0 })
+            .filter_map(|(is_tried, channel)| is_tried.then_some(Self { channel, ms: 0.0 }))
             .collect()
     }
 

@@ -8,14 +8,19 @@ mod backlash;
 mod constant_load;
 mod crosstalk;
 mod friction_asymmetry;
+mod friction_memory;
+mod friction_ripple;
 pub mod harmonic;
 mod intalk;
 mod latency;
 mod pitch_cyclic;
 mod pitch_progressive;
+mod preload_variation;
+mod presliding;
 mod resolver_dividing;
 mod resonance;
 mod servo_mismatch;
+mod shear_thinning;
 mod squareness;
 mod straightness;
 mod stribeck;
@@ -28,13 +33,18 @@ pub use backlash::Backlash;
 pub use constant_load::ConstantLoad;
 pub use crosstalk::Crosstalk;
 pub use friction_asymmetry::FrictionAsymmetry;
+pub use friction_memory::FrictionMemory;
+pub use friction_ripple::FrictionRipple;
 pub use intalk::Intalk;
 pub use latency::{Channel, Latency};
 pub use pitch_cyclic::PitchCyclic;
 pub use pitch_progressive::PitchProgressive;
+pub use preload_variation::PreloadVariation;
+pub use presliding::Presliding;
 pub use resolver_dividing::ResolverDividing;
 pub use resonance::Resonance;
 pub use servo_mismatch::ServoMismatch;
+pub use shear_thinning::ShearThinning;
 pub use squareness::Squareness;
 pub use straightness::Straightness;
 pub use stribeck::Stribeck;
@@ -112,6 +122,19 @@ pub struct Surroundings<'a> {
     pub others: &'a [String],
     /// Which stages the logs and the declared model allow, in no order.
     pub stages: &'a [Stage],
+    /// Where the logged motor or table was, least and greatest, mm.
+    pub travel_mm: [f64; 2],
+}
+
+impl Surroundings<'_> {
+    /// Whether friction is all that lies between the motor and the force that was logged. Beside a linear
+    /// scale it is what bends the screw, too, and fine differences of it are lost in what a machine file
+    /// leaves open of the drive train: they are not looked for there.
+    #[must_use]
+    pub fn shows_friction_alone(&self) -> bool {
+        let has = |stage| self.stages.contains(&stage);
+        self.axis.has_mass() && has(Stage::Force) && !has(Stage::Table)
+    }
 }
 
 /// One kind of effect.
@@ -210,6 +233,11 @@ catalogue! {
     FrictionAsymmetry = "friction_asymmetry",
     TorqueRipple = "torque_ripple",
     ConstantLoad = "constant_load",
+    Presliding = "presliding",
+    ShearThinning = "shear_thinning",
+    FrictionMemory = "friction_memory",
+    PreloadVariation = "preload_variation",
+    FrictionRipple = "friction_ripple",
     ServoMismatch = "servo_mismatch",
     VelocityLag = "velocity_lag",
     Intalk = "intalk",
@@ -230,8 +258,18 @@ mod tests {
         let machine = Machine::parse(crate::demo::MACHINE, "demo.toml").unwrap();
         let others = machine.others("x");
         let stages = [Stage::Motor, Stage::Table, Stage::Tool, Stage::Force];
-        let around = Surroundings { axis: &machine.axis["x"], first: true, others: &others, stages: &stages };
-        candidates(&around)
+        let axis = &machine.axis["x"];
+        let travel_mm = [0.0, 100.0];
+        let around = Surroundings { axis, first: true, others: &others, stages: &stages, travel_mm };
+        // Without a linear scale and presliding, what only then is looked for.
+        let bare =
+            Axis { presliding_stiffness_n_per_um: None, presliding_damping_n_s_per_m: None, ..axis.clone() };
+        let stages = [Stage::Force, Stage::Motor];
+        let few = Surroundings { axis: &bare, first: true, others: &[], stages: &stages, travel_mm };
+        let mut all = candidates(&around);
+        let finer = candidates(&few).into_iter().filter(|effect| !all.contains(effect)).collect::<Vec<_>>();
+        all.extend(finer);
+        all
     }
 
     #[test]

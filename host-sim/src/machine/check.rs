@@ -19,8 +19,18 @@ const GREATEST: f64 = 1e12;
 const LONGEST_LATENCY_MS: f64 = 1000.0;
 
 /// Effects that an axis has once: two of them would not add up to one.
-const ONCE: [&str; 6] =
-    ["stribeck", "servo_mismatch", "velocity_lag", "thermal_drift", "resonance", "windup"];
+const ONCE: [&str; 10] = [
+    "stribeck",
+    "presliding",
+    "shear_thinning",
+    "friction_memory",
+    "preload_variation",
+    "servo_mismatch",
+    "velocity_lag",
+    "thermal_drift",
+    "resonance",
+    "windup",
+];
 
 /// Faster loops than this are a slip of the unit.
 const HIGHEST_RATE_HZ: f64 = 1e6;
@@ -299,6 +309,12 @@ impl Context<'_> {
             Effect::Windup(_) if self.axis.is_rigid() && machine.structure.is_none() => {
                 "this effect where stiffness_n_per_um is given: a rigid axis does not wind up"
             }
+            Effect::Presliding(_) if self.axis.presliding_stiffness_n_per_um.is_some() => {
+                "this effect where presliding_stiffness_n_per_um is not given"
+            }
+            Effect::Presliding(_) if self.axis.coulomb_n.unwrap_or(0.0) <= 0.0 => {
+                "this effect where coulomb_n is above 0"
+            }
             Effect::Squareness(_) if machine.axis.len() < 2 => "this effect where there is another axis",
             Effect::Resonance(resonance) if resonance.channel != Channel::Tool => {
                 return Err(self.document.refuse(&format!("{key}.channel"), "\"tool\""));
@@ -352,7 +368,9 @@ fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(),
         let range = match name {
             "period_mm" | "presliding_mm" | "time_constant_s" | "velocity_mm_s" | "frequency_hz"
             | "stiffness_n_per_um" => Range::Positive,
-            "width_um" | "damping_ratio" | "static_excess_n" | "friction_n" => Range::NotNegative,
+            "width_um" | "damping_ratio" | "static_excess_n" | "friction_n" | "damping_n_s_per_m" => {
+                Range::NotNegative
+            }
             "ms" => Range::Within(LONGEST_LATENCY_MS),
             _ => Range::Signed,
         };

@@ -217,14 +217,24 @@ fn a_machine_written_reads_as_itself() {
 #[test]
 fn every_effect_written_reads_as_itself() {
     let mut machine = Machine::parse(MACHINE, "m.toml").unwrap();
+    // Where it is declared it is not looked for.
+    machine.axis["y"].presliding_stiffness_n_per_um = None;
+    machine.axis["y"].presliding_damping_n_s_per_m = None;
     let axis = machine.axis["y"].clone();
     let stages = {
         use crate::effects::Stage::{Force, Motor, Table, Tool};
         [Motor, Table, Tool, Force]
     };
     let others = ["x".to_owned()];
-    let around = crate::effects::Surroundings { axis: &axis, first: true, others: &others, stages: &stages };
-    let all = crate::effects::candidates(&around);
+    let around = crate::effects::Surroundings {
+        axis: &axis,
+        first: true,
+        others: &others,
+        stages: &stages,
+        travel_mm: [0.0, 100.0],
+    };
+    let force = crate::effects::Surroundings { stages: &stages[3..], ..around };
+    let all = [crate::effects::candidates(&around), crate::effects::candidates(&force)].concat();
     let names: Vec<&str> = all.iter().map(Effect::name).collect();
     assert!(crate::effects::NAMES.iter().all(|name| names.contains(name)));
     for effect in all {
@@ -362,7 +372,7 @@ const BAD_EFFECTS: &[(&str, &str, &str)] = &[
         "line 34: axis.y.effect[1].source: expected the name of another axis (x), found \"y\"",
     ),
     ("\"x\"", "7", "line 34: axis.y.effect[1].source: expected a text in quotes, found 7"),
-    ("\"table\"", "\"motor\"", "axis.y.effect[2]: expected table or tool"),
+    ("\"table\"", "\"motor\"", "axis.y.effect[2]: expected one of table, tool, force"),
     ("[axis.x]", "[axis.x]\neffect = [1]", "line 42: axis.x.effect[0].name: expected this key"),
     (
         "[axis.x]",

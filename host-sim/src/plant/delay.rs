@@ -73,6 +73,46 @@ impl Late {
     }
 }
 
+/// The force channel of the log, that is late by the effect of that name. A force stands for a tick: between two of
+/// them it goes straight. Early is at most what the drive has been asked for by then, the tick to come.
+#[derive(Clone, Debug)]
+pub struct LateForce {
+    /// Of the ticks that are over, N, the newest first.
+    past_n: VecDeque<f64>,
+    ticks: f64,
+}
+
+impl LateForce {
+    /// Of a drive that has given nothing; `None` where the log is in time.
+    #[must_use]
+    pub fn new(late_s: f64, tick_s: f64) -> Option<Self> {
+        let ticks = (late_s / tick_s).max(-1.0);
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "not negative, and saturates"
+        )]
+        let kept = ticks.max(0.0).floor() as usize + 2;
+        (late_s != 0.0).then(|| Self { past_n: VecDeque::from(vec![0.0; kept]), ticks })
+    }
+
+    /// Once a tick: the force that is given over it, N.
+    pub fn give(&mut self, force_n: f64) {
+        self.past_n.rotate_right(1);
+        self.past_n[0] = force_n;
+    }
+
+    /// What is logged, N, when `coming_n` is what the next tick will give.
+    #[must_use]
+    pub fn logged_n(&self, coming_n: f64) -> f64 {
+        let whole = self.ticks.floor();
+        let part = self.ticks - whole;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "from 0 to what is kept")]
+        let at = |age: f64| if age < 0.0 { coming_n } else { self.past_n[age as usize] };
+        (1.0 - part) * at(whole) + part * at(whole + 1.0)
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -91,6 +131,19 @@ mod tests {
                 }
             }
         }
+    }
+
+    /// A force that grows by 1 N a tick of 1 ms, logged when 10 N have been given and 11 N come.
+    #[test]
+    fn a_force_is_logged_as_late_as_it_is_said_to_be() {
+        for (late_s, expected_n) in
+            [(-1e-3, 11.0), (-0.25e-3, 10.25), (0.5e-3, 9.5), (3e-3, 7.0), (-5e-3, 11.0)]
+        {
+            let mut late = LateForce::new(late_s, 1e-3).unwrap();
+            (1..=10).for_each(|n| late.give(f64::from(n)));
+            assert!((late.logged_n(11.0) - expected_n).abs() < 1e-12, "{late_s}: {}", late.logged_n(11.0));
+        }
+        assert!(LateForce::new(0.0, 1e-3).is_none());
     }
 
     #[test]

@@ -7,7 +7,7 @@ use shared::units::Position;
 use wide::f64x2;
 
 use super::bodies::StructureError;
-use super::delay::{Delay, Late};
+use super::delay::{Delay, Late, LateForce};
 use super::instruments::Instruments;
 use super::mechanics::Stepper;
 use super::motion::{AxisMotion, Motion};
@@ -24,7 +24,7 @@ pub struct Row {
     pub tool_m: f64,
     /// Linear scale as logged, which may be later than the one that the controller reads.
     pub table_m: f64,
-    /// Force that was asked for over the last tick.
+    /// Force that was asked for over the last tick; an effect may make that another time.
     pub force_n: f64,
 }
 
@@ -39,6 +39,7 @@ struct DeskAxis {
     /// Of the channels that are logged late.
     logged_table: Late,
     logged_tool: Late,
+    logged_force: Option<LateForce>,
     /// Where the bodies of a structure have the tool, beyond the table, m.
     leaning_m: f64,
     commanded_n: f64,
@@ -110,6 +111,7 @@ impl Desk {
             table_delay: Delay::new(instruments.table_latency_s, tick_s, parameters.screw.nominal_m(start)),
             logged_table: Late::new(parameters.late_s(Channel::Table), sample_s, start),
             logged_tool: Late::new(parameters.late_s(Channel::Tool), sample_s, start),
+            logged_force: LateForce::new(parameters.late_s(Channel::Force), tick_s),
             leaning_m: 0.0,
             commanded_n: 0.0,
             parameters,
@@ -145,24 +147,30 @@ impl Desk {
         }
     }
 
-    /// What is logged beside the controller's readings, at a time of the session.
-    pub fn row(&mut self, readings: &[Reading], time_s: f64) -> Vec<Row> {
+    /// What is logged beside the controller's readings, at a time of the session, when these forces (N) come next.
+    pub fn row(
+        &mut self,
+        readings: &[Reading],
+        coming_n: impl Iterator<Item = f64>,
+        time_s: f64,
+    ) -> Vec<Row> {
         let position_m: Vec<f64> = self.axes.iter().map(|a| a.motion.table_m).collect();
         let acceleration: Vec<f64> = self.axes.iter().map(|axis| self.table_m_per_s2(axis)).collect();
         let tables = Tables { names: &self.names, position_m: &position_m, acceleration: &acceleration };
         let mut rows = Vec::with_capacity(self.axes.len());
-        for (i, axis) in self.axes.iter_mut().enumerate() {
+        for ((i, axis), coming_n) in self.axes.iter_mut().enumerate().zip(coming_n) {
             let offset = axis.swing.offset_m + structure::offset_m(&axis.parameters.tool, i, &tables, time_s);
             let AxisMotion { table_m, table_m_per_s, .. } = axis.motion;
             let behind =
                 |channel: &mut Late, place_m| channel.behind_m(place_m, table_m_per_s, acceleration[i]);
             let tool_m = table_m + axis.leaning_m + offset;
             let tool_m = tool_m - behind(&mut axis.logged_tool, tool_m);
+            let force_n = axis.logged_force.as_ref().map_or(axis.commanded_n, |late| late.logged_n(coming_n));
             rows.push(Row {
                 tool_m: self.instruments.tool.read(tool_m, &mut self.random),
                 table_m: readings[i].table.map_or(table_m, Position::to_m)
                     - behind(&mut axis.logged_table, table_m),
-                force_n: self.instruments.force.read(axis.commanded_n, &mut self.random),
+                force_n: self.instruments.force.read(force_n, &mut self.random),
             });
         }
         rows
@@ -179,6 +187,9 @@ impl Desk {
     pub fn step(&mut self, forces_n: impl Iterator<Item = f64>) {
         for (axis, force_n) in self.axes.iter_mut().zip(forces_n) {
             axis.commanded_n = force_n;
+            if let Some(late) = &mut axis.logged_force {
+                late.give(force_n);
+            }
         }
         match &mut self.together {
             None => {

@@ -7,6 +7,7 @@
 //! gives way; but its giving way, nanometres at the frequency of that ringing, is lost in the noise of
 //! its encoder, and a step that does not damp would ring where the machine does not.
 
+use super::friction::Slide;
 use super::parameters::AxisParameters;
 use super::screw::Spring;
 
@@ -27,6 +28,7 @@ pub struct DrivenTable {
     deflection_m: f64,
     deflection_rate: f64,
     bristle_m: f64,
+    lately_m_per_s: f64,
     /// Where a rigid screw left the table.
     table_m: f64,
     /// Force of the screw on the table, N.
@@ -44,7 +46,9 @@ impl DrivenTable {
             return table;
         }
         let friction = &parameters.friction;
-        let level = friction.level_n(screw.velocity).copysign(screw.velocity);
+        table.lately_m_per_s = screw.velocity.abs();
+        let slide = table.slide(screw);
+        let level = friction.level_n(screw.velocity, slide).copysign(screw.velocity);
         if friction.has_bristles() {
             table.bristle_m = level / friction.bristle_stiffness_n_per_m;
         }
@@ -67,6 +71,16 @@ impl DrivenTable {
         self.bristle_m
     }
 
+    /// Speed that the guide's friction remembers, m/s.
+    #[must_use]
+    pub fn lately_m_per_s(&self) -> f64 {
+        self.lately_m_per_s
+    }
+
+    fn slide(&self, screw: Prescribed) -> Slide {
+        Slide { place_m: screw.nominal_m, lately_m_per_s: self.lately_m_per_s }
+    }
+
     /// Table position, m.
     #[must_use]
     pub fn position_m(&self, parameters: &AxisParameters, screw: Prescribed) -> f64 {
@@ -76,6 +90,10 @@ impl DrivenTable {
     /// One step that ends where `screw` says.
     #[inline]
     pub fn step(&mut self, step: &DrivenStep<'_>, screw: Prescribed) {
+        let memory = &step.parameters.friction.memory;
+        if memory.remembers() {
+            self.lately_m_per_s += memory.share(step.step_s) * (screw.velocity.abs() - self.lately_m_per_s);
+        }
         match step.parameters.spring {
             Some(_) => self.step_elastic(step, screw),
             None => self.step_rigid(step, screw),
@@ -85,7 +103,8 @@ impl DrivenTable {
     fn step_rigid(&mut self, step: &DrivenStep<'_>, screw: Prescribed) {
         let parameters = step.parameters;
         self.table_m = parameters.screw.carried_m(screw.nominal_m, self.table_m);
-        let friction = parameters.friction.step(&mut self.bristle_m, screw.velocity, step.step_s);
+        let slide = self.slide(screw);
+        let friction = parameters.friction.step(&mut self.bristle_m, screw.velocity, slide, step.step_s);
         self.transmitted_n =
             parameters.table_mass_kg * screw.acceleration + friction + parameters.load.force_n;
     }
@@ -94,7 +113,7 @@ impl DrivenTable {
     fn step_elastic(&mut self, step: &DrivenStep<'_>, screw: Prescribed) {
         // The screw's mean velocity over the step, and the deflection's as it was.
         let sliding = screw.velocity - self.deflection_rate;
-        let friction = step.friction(self.bristle_m, sliding);
+        let friction = step.friction(self.bristle_m, sliding, self.slide(screw));
         // Everything that does not act through the screw, as rest + inertia·d.
         let inertia = step.mass_per_h2 + friction.slope * step.per_h;
         let rest = step.mass * screw.acceleration
@@ -159,17 +178,17 @@ impl<'a> DrivenStep<'a> {
 
     /// Friction of the step about a velocity.
     #[inline]
-    fn friction(&self, bristle_m: f64, about: f64) -> Linear {
+    fn friction(&self, bristle_m: f64, about: f64, slide: Slide) -> Linear {
         let friction = &self.parameters.friction;
         let viscous = friction.viscous_n_s_per_m;
         let one_way = friction.asymmetry.force_n(about);
         if !friction.has_bristles() {
             let mut none = 0.0;
-            let dry = friction.step(&mut none, about, self.step_s) - friction.viscous_n(about);
+            let dry = friction.step(&mut none, about, slide, self.step_s) - friction.viscous_n(about);
             return Linear { offset: dry + one_way, slope: viscous, keeps: 0.0, takes: 0.0 };
         }
         let (stiffness, damping) = (friction.bristle_stiffness_n_per_m, friction.bristle_damping_n_s_per_m);
-        let relaxation = friction.relaxes_per_m(friction.level_n(about)) * about.abs() * self.step_s;
+        let relaxation = friction.relaxes_per_m(friction.level_n(about, slide)) * about.abs() * self.step_s;
         let keeps = (-relaxation).exp();
         let takes = if relaxation > 1e-6 { (1.0 - keeps) / relaxation } else { 1.0 };
         Linear {

@@ -7,10 +7,21 @@
 
 use super::curve::Curve;
 use super::lane::Lane;
-use crate::effects::{FrictionAsymmetry, Stribeck};
+use crate::effects::{
+    FrictionAsymmetry, FrictionMemory, FrictionRipple, PreloadVariation, ShearThinning, Stribeck,
+};
 
 /// Sharpness of the smoothed sign where there are no bristles, m/s.
 const SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
+
+/// Where it slides, and how fast it has been.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Slide {
+    /// Place of the table.
+    pub place_m: f64,
+    /// Speed that is remembered; see [`FrictionMemory`].
+    pub lately_m_per_s: f64,
+}
 
 /// The parameters of friction, SI.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -25,6 +36,14 @@ pub struct Friction {
     pub bristle_damping_n_s_per_m: f64,
     /// Rise towards standstill.
     pub stribeck: Stribeck,
+    /// Lack towards standstill.
+    pub shear: ShearThinning,
+    /// What it takes from the speed of before.
+    pub memory: FrictionMemory,
+    /// Along the travel.
+    pub preload: PreloadVariation,
+    /// Over a turn of the screw.
+    pub ripple: Vec<FrictionRipple>,
     /// Difference between the directions.
     pub asymmetry: FrictionAsymmetry,
     /// A published curve instead of the sliding level.
@@ -32,14 +51,35 @@ pub struct Friction {
 }
 
 impl Friction {
+    /// The sliding level at a velocity, wherever it depends on nothing else.
+    #[must_use]
+    #[inline]
+    fn level_at_speed_n(&self, velocity: f64) -> f64 {
+        let rise_n = self.stribeck.rise_n(velocity) - self.shear.lack_n(velocity);
+        match &self.curve {
+            None => self.coulomb_n + rise_n,
+            Some(curve) => curve.level_n(velocity) + rise_n,
+        }
+    }
+
     /// The sliding level at a velocity.
     #[must_use]
     #[inline]
-    pub fn level_n(&self, velocity: f64) -> f64 {
-        match &self.curve {
-            None => self.coulomb_n + self.stribeck.rise_n(velocity),
-            Some(curve) => curve.level_n(velocity) + self.stribeck.rise_n(velocity),
+    pub fn level_n(&self, velocity: f64, slide: Slide) -> f64 {
+        let level_n = self.level_at_speed_n(velocity);
+        if self.is_plain() {
+            return level_n;
         }
+        let along_n = if self.preload.varies() { self.preload.rise_n(slide.place_m) } else { 0.0 };
+        let ripple_n: f64 = self.ripple.iter().map(|ripple| ripple.rise_n(slide.place_m)).sum();
+        (level_n + along_n + ripple_n + self.memory.rise_n(velocity, slide.lately_m_per_s)).max(0.0)
+    }
+
+    /// Whether the sliding level hangs on the velocity alone.
+    #[must_use]
+    #[inline]
+    fn is_plain(&self) -> bool {
+        !self.memory.remembers() && !self.preload.varies() && self.ripple.is_empty()
     }
 
     /// Friction at a velocity where it has a curve that leads through zero.
@@ -67,15 +107,15 @@ impl Friction {
     }
 
     /// Bends the bristles (m) for a step and gives the whole friction force against the motion, N.
-    pub fn step(&self, bristle: &mut f64, velocity: f64, step_s: f64) -> f64 {
+    pub fn step(&self, bristle: &mut f64, velocity: f64, slide: Slide, step_s: f64) -> f64 {
         if let Some(force_n) = self.through_zero_n(velocity) {
             return force_n + self.viscous_n(velocity);
         }
         if !self.has_bristles() {
-            return self.level_n(velocity) * (velocity / SIGN_WIDTH_M_PER_S).tanh()
+            return self.level_n(velocity, slide) * (velocity / SIGN_WIDTH_M_PER_S).tanh()
                 + self.viscous_n(velocity);
         }
-        let level = self.level_n(velocity).max(1e-9);
+        let level = self.level_n(velocity, slide).max(1e-9);
         let relaxation = self.bristle_stiffness_n_per_m * velocity.abs() * step_s / level;
         let bent = (*bristle + velocity * step_s) / (1.0 + relaxation);
         let rate = (bent - *bristle) / step_s;
@@ -89,9 +129,9 @@ impl Friction {
     /// within it: it can stop the table and hold it, but not push it.
     #[must_use]
     #[inline]
-    pub fn dry_n(&self, about: f64, holds_n: f64) -> f64 {
+    pub fn dry_n(&self, about: f64, slide: Slide, holds_n: f64) -> f64 {
         self.through_zero_n(about).unwrap_or_else(|| {
-            let level_n = self.level_n(about);
+            let level_n = self.level_n(about, slide);
             holds_n.clamp(-level_n, level_n)
         })
     }
@@ -108,7 +148,8 @@ impl Friction {
     /// The level where it is the same at every velocity.
     #[must_use]
     pub fn even_level_n(&self) -> Option<f64> {
-        (self.curve.is_none() && self.stribeck.static_excess_n == 0.0).then_some(self.coulomb_n)
+        let is_even = self.is_plain() && self.stribeck.static_excess_n == 0.0 && self.shear.force_n == 0.0;
+        (self.curve.is_none() && is_even).then_some(self.coulomb_n)
     }
 
     /// By how much bristles at a level relax for each metre that goes by, σ0/g: 1/m.
@@ -214,7 +255,7 @@ mod tests {
             bristle_damping_n_s_per_m: 2000.0,
             stribeck: Stribeck { static_excess_n: 100.0, velocity_mm_s: 5.0 },
             asymmetry: FrictionAsymmetry { half_difference_n_s_per_m: 200.0 },
-            curve: None,
+            ..Friction::default()
         }
     }
 
@@ -223,7 +264,8 @@ mod tests {
         // 200 + 100·exp(−(v/5)²) + 1000·v ± 200·|v|, by hand for ±2.5 and ±50 mm/s.
         for (v, expected) in [(2.5e-3, 280.880), (-2.5e-3, -279.880), (0.05, 260.0), (-0.05, -240.0)] {
             let mut bristle = 0.0;
-            let force = (0..100_000).map(|_| guide().step(&mut bristle, v, 25e-6)).last().unwrap();
+            let force =
+                (0..100_000).map(|_| guide().step(&mut bristle, v, Slide::default(), 25e-6)).last().unwrap();
             assert!((force - expected).abs() < 0.01, "{v}: {force}");
         }
     }
@@ -233,7 +275,7 @@ mod tests {
         // 1 µm at 40 N/µm is 40 N; the bristle relaxes by σ0·x/g ≈ 13 % on the way.
         let mut bristle = 0.0;
         for _ in 0..1000 {
-            guide().step(&mut bristle, 1e-6, 1e-3);
+            guide().step(&mut bristle, 1e-6, Slide::default(), 1e-3);
         }
         let force = 4e7 * bristle;
         assert!((34.0..40.0).contains(&force), "{force}");
@@ -248,7 +290,7 @@ mod tests {
             for i in 0..steps {
                 let v = 0.9e-3 * (f64::from(i) + 0.5) / f64::from(steps);
                 // Of a mass that no force moves.
-                let relaxation = guide().relaxes_per_m(guide().level_n(v)) * v * step_s;
+                let relaxation = guide().relaxes_per_m(guide().level_n(v, Slide::default())) * v * step_s;
                 let mean = guide().bristles().over(bristle, relaxation, 0.0, StepTime::new(step_s));
                 momentum += step_s * mean.force_n(v);
                 bristle = mean.bristle_m(v);

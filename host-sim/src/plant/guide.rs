@@ -2,7 +2,7 @@
 
 use wide::f64x2;
 
-use super::friction::{Bristles, StepTime};
+use super::friction::{Bristles, Slide, StepTime};
 use super::lane::Lane;
 use super::motion::Motion;
 use super::parameters::AxisParameters;
@@ -15,6 +15,8 @@ pub struct Guide<L> {
     /// [`super::friction::Friction::relaxes_per_m`] where it is the same at every velocity.
     relaxes_per_m: Option<L>,
     load_n: L,
+    /// Whether friction of any of them hangs on the speed of before.
+    remembers: bool,
     asymmetry_n_s_per_m: L,
 }
 
@@ -40,6 +42,7 @@ impl Guide<f64> {
             bristles: friction.has_bristles().then(|| friction.bristles()),
             relaxes_per_m: friction.even_level_n().map(|level_n| friction.relaxes_per_m(level_n)),
             load_n: parameters.load.force_n,
+            remembers: friction.memory.remembers(),
             asymmetry_n_s_per_m: friction.asymmetry.half_difference_n_s_per_m,
         }
     }
@@ -64,6 +67,7 @@ impl Guide<f64x2> {
         Some(Self {
             bristles,
             relaxes_per_m,
+            remembers: guides.iter().any(|guide| guide.remembers),
             load_n: f64x2::new(guides.map(|guide| guide.load_n)),
             asymmetry_n_s_per_m: f64x2::new(guides.map(|guide| guide.asymmetry_n_s_per_m)),
         })
@@ -81,11 +85,22 @@ impl<L: Lane> Guide<L> {
         step: StepTime,
     ) -> L {
         let about = motion.table_m_per_s + L::all(0.5) * motion.table_change;
+        if self.remembers {
+            motion.lately_m_per_s = motion.lately_m_per_s
+                + L::of(|axis| parameters[axis].friction.memory.share(step.seconds))
+                    * (about.abs() - motion.lately_m_per_s);
+        }
+        let slide = |axis: usize| Slide {
+            place_m: motion.table_m.lane(axis),
+            lately_m_per_s: motion.lately_m_per_s.lane(axis),
+        };
         let load_n = self.load_n + self.asymmetry_n_s_per_m * about.abs();
         if let Some(bristles) = &self.bristles {
             let relaxes_per_m = self.relaxes_per_m.unwrap_or_else(|| {
                 let friction = |axis: usize| &parameters[axis].friction;
-                L::of(|axis| friction(axis).relaxes_per_m(friction(axis).level_n(about.lane(axis))))
+                L::of(|axis| {
+                    friction(axis).relaxes_per_m(friction(axis).level_n(about.lane(axis), slide(axis)))
+                })
             });
             let relaxation = relaxes_per_m * about.abs() * L::all(step.seconds);
             let mean = bristles.over(motion.bristle_m, relaxation, free.mobility, step);
@@ -94,8 +109,10 @@ impl<L: Lane> Guide<L> {
             motion.bristle_m = mean.bristle_m(velocity - free.mobility * motion.friction_n);
         } else {
             let holds_n = free.end_m_per_s * free.stops_n_s_per_m - load_n;
-            motion.friction_n =
-                L::of(|axis| parameters[axis].friction.dry_n(about.lane(axis), holds_n.lane(axis)));
+            let dry_n = |axis: usize| {
+                parameters[axis].friction.dry_n(about.lane(axis), slide(axis), holds_n.lane(axis))
+            };
+            motion.friction_n = L::of(dry_n);
         }
         L::all(0.0) - (motion.friction_n + load_n)
     }

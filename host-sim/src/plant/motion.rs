@@ -2,6 +2,7 @@
 
 use wide::f64x2;
 
+use super::friction::Slide;
 use super::lane::Lane;
 use super::parameters::AxisParameters;
 
@@ -18,6 +19,8 @@ pub struct Motion<L> {
     pub table_m_per_s: L,
     /// Bend of the guide's bristles.
     pub bristle_m: L,
+    /// Speed that the guide's friction remembers.
+    pub lately_m_per_s: L,
     /// Force of the drive, N.
     pub drive_n: L,
     /// Friction of the guide without its viscous part, mean of the last step, N.
@@ -41,6 +44,7 @@ impl<L: Lane> Motion<L> {
             table_m: of(|motion| motion.table_m),
             table_m_per_s: of(|motion| motion.table_m_per_s),
             bristle_m: of(|motion| motion.bristle_m),
+            lately_m_per_s: of(|motion| motion.lately_m_per_s),
             drive_n: of(|motion| motion.drive_n),
             friction_n: of(|motion| motion.friction_n),
             motor_change: of(|motion| motion.motor_change),
@@ -78,7 +82,8 @@ impl AxisMotion {
         let friction = &parameters.friction;
         let v = self.table_m_per_s;
         let guide_n = if friction.has_bristles() {
-            let relaxes = friction.relaxes_per_m(friction.level_n(v)) * v.abs();
+            let slide = Slide { place_m: self.table_m, lately_m_per_s: self.lately_m_per_s };
+            let relaxes = friction.relaxes_per_m(friction.level_n(v, slide)) * v.abs();
             friction.bristle_stiffness_n_per_m * self.bristle_m
                 + friction.bristle_damping_n_s_per_m * (v - relaxes * self.bristle_m)
         } else {

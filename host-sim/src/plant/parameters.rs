@@ -128,6 +128,14 @@ impl AxisParameters {
         match effect.clone() {
             Effect::Stribeck(e) => self.friction.stribeck = e,
             Effect::FrictionAsymmetry(e) => self.friction.asymmetry = e,
+            Effect::ShearThinning(e) => self.friction.shear = e,
+            Effect::FrictionMemory(e) => self.friction.memory = e,
+            Effect::PreloadVariation(e) => self.friction.preload = e,
+            Effect::FrictionRipple(e) => self.friction.ripple.push(e),
+            Effect::Presliding(e) => {
+                self.friction.bristle_stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;
+                self.friction.bristle_damping_n_s_per_m = e.damping_n_s_per_m;
+            }
             Effect::TorqueRipple(e) => self.ripple.push(e),
             Effect::ConstantLoad(e) => self.load.force_n += e.force_n,
             Effect::ServoMismatch(e) => self.servo.mismatch = e,

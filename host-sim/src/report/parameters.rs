@@ -5,13 +5,15 @@ use crate::effects::Effect;
 use crate::trace::report::source;
 
 /// How the names of parameters end, and the unit that this stands for; longer ones first.
-const UNITS: [(&str, &str); 14] = [
+const UNITS: [(&str, &str); 16] = [
     ("um_s2_per_m", "µm per m/s²"),
     ("um_per_m2", "µm/m²"),
     ("um_per_m", "µm/m"),
     ("n_per_um", "N/µm"),
     ("n_s_per_m", "N·s/m"),
     ("percent", "%"),
+    ("n_per_m2", "N/m²"),
+    ("n_per_m", "N/m"),
     ("mm_s", "mm/s"),
     ("um", "µm"),
     ("mm", "mm"),

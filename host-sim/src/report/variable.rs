@@ -44,9 +44,13 @@ impl Across {
             | Effect::Stribeck(_)
             | Effect::FrictionAsymmetry(_)
             | Effect::ConstantLoad(_)
+            | Effect::Presliding(_)
+            | Effect::ShearThinning(_)
             | Effect::ServoMismatch(_)
             | Effect::Latency(_) => Self::Velocity,
-            Effect::PitchProgressive(_) => Self::Position,
+            Effect::PitchProgressive(_) | Effect::PreloadVariation(_) => Self::Position,
+            Effect::FrictionMemory(_) => Self::Acceleration,
+            Effect::FrictionRipple(e) => Self::Folded(e.period_mm),
             Effect::PitchCyclic(e) => Self::Folded(e.period_mm),
             Effect::ResolverDividing(e) => Self::Folded(e.period_mm),
             Effect::TorqueRipple(e) => Self::Folded(e.period_mm),

@@ -5,12 +5,15 @@ use crate::effects::{Channel, Effect};
 use crate::log::Unit;
 use crate::trace::Trace;
 use crate::trace::axis::{AxisTrace, Found, residual_unit, stage_names};
+use crate::trace::free_run::FreeRun;
+use crate::trace::repeatability::Repeatability;
 use crate::trace::scope::NotTestable;
 use crate::trace::unexplained::{Unexplained, Variable};
 
 /// What an effect does, with its parameters. The half widths of their intervals are in the order of
 /// [`Effect::parameters`]; those that are missing are not told.
 #[must_use]
+#[expect(clippy::too_many_lines, reason = "one sentence an effect")]
 pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
     let parameters = effect.parameters();
     let half = |i: usize| half_widths.get(i).copied().unwrap_or(0.0);
@@ -60,6 +63,29 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
             let direction = if is_positive { "+" } else { "−" };
             format!("a constant load of {} against motion in {direction} direction", size(0, "N"))
         }
+        Effect::Presliding(_) => format!(
+            "friction builds up against a stiffness of {}, damped by {}, before the axis slides",
+            of(0, "N/µm"),
+            of(1, "N·s/m")
+        ),
+        Effect::ShearThinning(_) => format!(
+            "sliding friction lacks {} at standstill and comes up to its level within {}",
+            of(0, "N"),
+            of(1, "mm/s")
+        ),
+        Effect::FrictionMemory(_) => {
+            let how = if is_positive { "behind" } else { "ahead of" };
+            format!("{} of viscous friction are {how} the speed, by {}", size(0, "N·s/m"), of(1, "s"))
+        }
+        Effect::PreloadVariation(_) => format!(
+            "friction changes along the travel, from the middle at {} by {} and {}",
+            of(0, "mm"),
+            of(1, "N/m"),
+            of(2, "N/m²")
+        ),
+        Effect::FrictionRipple(_) => {
+            format!("friction goes up and down by {} every {}", of(0, "N (amplitude)"), of(1, "mm"))
+        }
         Effect::ServoMismatch(_) => {
             let how = if is_positive { "above" } else { "below" };
             format!("the position gain lies {} {how} the declared one", size(0, "%"))
@@ -89,11 +115,12 @@ pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
         ),
         Effect::Latency(e) => {
             let channel = match e.channel {
-                Channel::Table => "table",
-                Channel::Tool => "tool",
+                Channel::Table => "table reading",
+                Channel::Tool => "tool reading",
+                Channel::Force => "force",
             };
             let how = if is_positive { "late" } else { "early" };
-            format!("the {channel} reading is logged {} {how}", size(0, "ms"))
+            format!("the {channel} is logged {} {how}", size(0, "ms"))
         }
         Effect::Resonance(_) => format!(
             "the tool swings behind the table at {}, with a damping ratio of {}",
@@ -201,6 +228,35 @@ pub fn remainder(axis: &AxisTrace, rest: &Unexplained) -> String {
     )
 }
 
+/// What of a stage's rest comes again with the motion.
+#[must_use]
+pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
+    let (unit, _) = residual_unit(axis.unit, part.channel);
+    format!(
+        "{}, {}: the motion comes again every {} s; of what stays {} {unit} rms come again with it, and {} {unit} do not, \
+         which no model takes away.",
+        axis.axis,
+        stage_names(&[part.channel]),
+        significant(part.period_s, 4),
+        significant(part.repeatable, 3),
+        significant(part.non_repeatable, 3),
+    )
+}
+
+/// What the models are worth without feedback.
+#[must_use]
+pub fn free_run(run: &FreeRun) -> String {
+    format!(
+        "{}: under the measured force alone the declared model is {} µm rms astray within {} s, with the effects found \
+         {} µm ({} runs, held out).",
+        run.axis,
+        significant(run.declared_um, 3),
+        significant(run.seconds, 2),
+        significant(run.after_um, 3),
+        run.runs,
+    )
+}
+
 /// Why a stage was not looked at.
 #[must_use]
 pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
@@ -219,6 +275,7 @@ pub(super) mod tests {
         let axis = Axis {
             table_mass_kg: Some(100.0),
             stiffness_n_per_um: Some(200.0),
+            coulomb_n: Some(20.0),
             lead_mm: Some(10.0),
             resolver_pole_pairs: Some(2),
             ..Axis::default()
@@ -228,8 +285,10 @@ pub(super) mod tests {
             first: true,
             others: &["q".to_owned()],
             stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
+            travel_mm: [0.0, 100.0],
         };
-        let all = candidates(&around);
+        let all =
+            [candidates(&around), candidates(&Surroundings { stages: &[Stage::Force], ..around })].concat();
         let first = |name: &&str| all.iter().find(|effect| effect.name() == *name).unwrap().clone();
         let moved = |effect: Effect| {
             let values: Vec<f64> =

@@ -5,20 +5,22 @@ use serde::Serialize;
 
 use super::candidates::{Candidate, LEAST_REDUCTION, rank};
 use super::fit::{self, Fitted, normal};
+use super::free_run::{FreeRun, free_runs};
 use super::held_out::{compare, scores};
 use super::model::AxisModel;
+use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::set_aside::Aside;
 use super::unexplained::{Unexplained, unexplained};
 use super::untested::{Untested, untested};
 use super::wound;
-use crate::effects::{Coordinate, Effect, Stage, Surroundings, candidates};
+use crate::effects::{Coordinate, Effect, Stage, Surroundings, VelocityLag, candidates};
 use crate::log::Unit;
 use crate::machine::Axis;
 
 /// Most effects that one scope may gain.
-const MOST_EFFECTS: usize = 5;
+const MOST_EFFECTS: usize = 10;
 
 /// Most remainders that one scope sets aside.
 const MOST_ASIDE: usize = 2;
@@ -111,6 +113,10 @@ pub struct AxisTrace {
     pub errors: Vec<StageError>,
     /// What stays above the noise.
     pub unexplained: Vec<Unexplained>,
+    /// How much of what stays comes again with the motion.
+    pub repeats: Vec<Repeatability>,
+    /// The models under the measured force alone, on the validation logs.
+    pub free_runs: Vec<FreeRun>,
     /// The search.
     pub rounds: Vec<Round>,
 }
@@ -142,9 +148,19 @@ pub fn trace(
         model.weigh(scope);
         explained.push(outcome);
     }
+    if let Some(joint) = joint(&scopes) {
+        say(&format!("{name}: fitting all to {}", stage_names(&joint.stages)));
+        let fitted = fit::fit(fit_logs, &model, &joint, FIT_STEPS);
+        model = fitted.model.clone();
+        // Whichever scope an effect was found in, its interval is that of this fit.
+        for outcome in &mut explained {
+            (outcome.fitted_to, outcome.fitted) = (joint.clone(), fitted.clone());
+        }
+    }
     let found = reported(fit_logs, validate, &before, &model, &explained);
     let mut errors = Vec::new();
     let mut rest = Vec::new();
+    let mut repeats = Vec::new();
     for scope in &scopes {
         let [fit_before, fit_after] = [&before, &model].map(|m| fit_logs.residuals(m, scope));
         let [validate_before, validate_after] = [&before, &model].map(|m| validate.residuals(m, scope));
@@ -158,6 +174,7 @@ pub fn trace(
                 after: pair(&fit_after, &validate_after),
                 noise,
             });
+            repeats.extend(repeatability(fit_logs, &fit_after, stage));
             rest.extend(unexplained(fit_logs, &fit_after, stage, noise, name));
         }
     }
@@ -165,6 +182,8 @@ pub fn trace(
     let mut tried: Vec<&str> = declared.effect.iter().map(Effect::name).collect();
     tried.extend(search.rounds.iter().flat_map(|round| &round.candidates).map(|c| c.effect.name()));
     let untested = untested(declared, fit_logs.axis, fit_logs.names.len(), &formed, &not_testable, &tried);
+    let held_out: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
+    let free_runs = free_runs(name, &before.axis, &model.axis, &held_out);
     AxisTrace {
         untested,
         axis: name.clone(),
@@ -176,8 +195,18 @@ pub fn trace(
         found,
         errors,
         unexplained: rest,
+        repeats,
+        free_runs,
         rounds: search.rounds,
     }
+}
+
+/// Where friction is seen alone, force and closed loop are two views of the same few newtons, the one sharp at
+/// fast changes and the other at slow ones: what was found is fitted to both in the end.
+fn joint(scopes: &[Scope]) -> Option<Scope> {
+    let has = |stage| scopes.iter().any(|scope| scope.stages == [stage]);
+    let stages = vec![Stage::Force, Stage::Motor];
+    (has(Stage::Force) && has(Stage::Motor)).then_some(Scope { stages, mechanics: Mechanics::All })
 }
 
 struct Search<'a> {
@@ -192,6 +221,8 @@ struct Search<'a> {
 /// One scope, explained.
 struct Explained {
     scope: Scope,
+    /// The stages that its effects were fitted to in the end.
+    fitted_to: Scope,
     fitted: Fitted,
     /// What was set aside on the way.
     aside: Vec<Aside>,
@@ -207,7 +238,7 @@ impl<'a> Search<'a> {
             let fitted = self.add(&evidence, start, scope);
             let new = remainders(&evidence, &fitted, scope, self.name);
             if new.is_empty() || aside.len() >= MOST_ASIDE {
-                return Explained { scope: scope.clone(), fitted, aside };
+                return Explained { scope: scope.clone(), fitted_to: scope.clone(), fitted, aside };
             }
             self.rounds.truncate(first_round);
             aside.extend(new);
@@ -223,8 +254,7 @@ impl<'a> Search<'a> {
             let starts = self.starts(&base.model, scope);
             let origin = self.origin(evidence, &base, scope, added);
             let candidates = rank(evidence, &base, &origin, scope, starts);
-            let added_index =
-                candidates.iter().position(|c| c.is_supported() && self.loop_agrees(&base.model, c, scope));
+            let added_index = candidates.iter().position(|c| self.is_supported(&base.model, c, scope));
             let best = added_index.map(|index| candidates[index].clone());
             self.rounds.push(Round { stages: scope.stages.clone(), candidates, added: added_index });
             let Some(Candidate { effect, fitted: Some(fitted), .. }) = best else { break };
@@ -249,22 +279,49 @@ impl<'a> Search<'a> {
         fit::fit(evidence, &base.model.unbent(), scope, 0)
     }
 
-    /// Whether the closed loop, which took no part in fitting a mechanical effect, does not speak
-    /// against it: the motor stage may lose no more with the effect than chance.
-    fn loop_agrees(&self, base: &AxisModel, candidate: &Candidate, scope: &Scope) -> bool {
+    /// Whether held-out data support a candidate and the closed loop agrees. Where friction is seen alone, the
+    /// loop stands in for standard errors, too: what is only here or there along the travel or after a
+    /// reversal differs from block to block by its nature, which looks like chance.
+    fn is_supported(&self, base: &AxisModel, candidate: &Candidate, scope: &Scope) -> bool {
+        let agrees = || self.loop_loss(base, candidate, scope);
+        let is_alone = scope.stages == [Stage::Force];
+        let shapes_loop = candidate.effect.stages().contains(&Stage::Motor);
+        if candidate.is_supported() {
+            return agrees().is_none_or(|loss| loss <= 0.5 * LEAST_REDUCTION);
+        }
+        let is_confirmed = || agrees().is_some_and(|loss| loss <= -0.5 * LEAST_REDUCTION);
+        is_alone && shapes_loop && candidate.is_consistent() && is_confirmed()
+    }
+
+    /// What the closed loop, which took no part in fitting a mechanical effect, loses with it: by how
+    /// much the logarithm of its error grows. `None` where it does not tell.
+    fn loop_loss(&self, base: &AxisModel, candidate: &Candidate, scope: &Scope) -> Option<f64> {
         let shapes_loop = candidate.effect.stages().contains(&Stage::Motor);
         let (Some(servo), Some(fitted), true) = (&self.servo, &candidate.fitted, shapes_loop) else {
-            return true;
+            return None;
         };
         if servo.stages == scope.stages {
-            return true;
+            return None;
         }
-        let [before, after] = [base, &fitted.model].map(|model| self.fit_logs.residuals(model, servo));
+        let [before, after] = [base, &fitted.model].map(|model| self.in_loop(model, servo, scope));
         let of_log =
             |parts: &[Part], log: usize| rms(&parts[log..=log], Stage::Motor, self.fit_logs).max(1e-12);
         let logs = before.len();
         let loss = (0..logs).map(|log| (of_log(&after, log) / of_log(&before, log)).ln()).sum::<f64>();
-        loss / logs.max(1) as f64 <= 0.5 * LEAST_REDUCTION
+        Some(loss / logs.max(1) as f64)
+    }
+
+    /// The motor stage of a model. Where friction is seen alone the drive's own lag, which is only found
+    /// later, is taken out first: it would hide what friction does to the loop.
+    fn in_loop(&self, model: &AxisModel, servo: &Scope, scope: &Scope) -> Vec<Part> {
+        const STEPS: usize = 3;
+        let has_lag = model.axis.effect.iter().any(|effect| matches!(effect, Effect::VelocityLag(_)));
+        if scope.stages != [Stage::Force] || has_lag {
+            return self.fit_logs.residuals(model, servo);
+        }
+        let mut model = model.with(Effect::VelocityLag(VelocityLag::default()));
+        model.weigh(scope);
+        self.fit_logs.residuals(&fit::fit(self.fit_logs, &model, servo, STEPS).model, servo)
     }
 
     /// Every starting point of every effect that the model has not yet.
@@ -276,6 +333,7 @@ impl<'a> Search<'a> {
             first: self.fit_logs.axis == 0,
             others: &others,
             stages: &scope.stages,
+            travel_mm: self.fit_logs.travel_mm(),
         };
         let mut starts = candidates(&around);
         let force_is_logged =
@@ -294,7 +352,8 @@ impl<'a> Search<'a> {
                 let effect = full.model.found()[index].clone();
                 let gain = comparison.iter().map(|c| c.gain).sum();
                 let judged = Candidate { effect, comparison, gain, fitted: None, material: true };
-                if !judged.is_supported() {
+                let is_alone = scope.stages == [Stage::Force];
+                if !(judged.is_supported() || is_alone && judged.is_consistent()) {
                     (self.say)(&format!("{}: {} is no longer needed", self.name, judged.effect.name()));
                     full = without;
                     continue;
@@ -361,7 +420,7 @@ fn reported(
 ) -> Vec<Found> {
     let mut found = Vec::new();
     let mut last = before.clone();
-    for Explained { scope, fitted, aside } in explained {
+    for Explained { scope, fitted_to, fitted, aside } in explained {
         let seen = Evidence { aside, ..*fit_logs };
         let covariance = covariance(fitted);
         for (index, effect) in model.found().iter().enumerate() {
@@ -382,7 +441,7 @@ fn reported(
             };
             let most = worse.iter().zip(&better).max_by(|a, b| reduction(a).total_cmp(&reduction(b)));
             let Some((&(stage, before), &(_, after))) = most else { continue };
-            let slots = fitted.model.slots_of(scope, index);
+            let slots = fitted.model.slots_of(fitted_to, index);
             let own = covariance.view((slots.start, slots.start), (slots.len(), slots.len())).into_owned();
             found.push(Found {
                 effect: effect.clone(),

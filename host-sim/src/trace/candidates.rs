@@ -43,8 +43,18 @@ impl Candidate {
     /// stage of any log loses more than chance, or than a tenth of what is gained in all.
     #[must_use]
     pub fn is_supported(&self) -> bool {
+        self.helps(LEAST_T)
+    }
+
+    /// The same without its standing out of chance.
+    #[must_use]
+    pub fn is_consistent(&self) -> bool {
+        self.helps(0.0)
+    }
+
+    fn helps(&self, least_t: f64) -> bool {
         let better =
-            |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
+            |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= least_t && c.folds_better == FOLDS;
         let loss = |c: &Comparison| 0.5 * (1.0 - c.worst_log.min(0.0)).ln();
         let tolerable = (0.5 * LEAST_REDUCTION).max(0.1 * self.gain);
         self.material

@@ -3,17 +3,21 @@
 //! [`admission`] says which logs can be used; [`signals`] prepares them; [`predict`] drives the declared model with measured signals;
 //! [`residual`] is what it leaves; [`fit`] moves the declared values within their tolerance;
 //! [`candidates`] tries the catalogue, [`held_out`] says what is worth adding; [`axis`] is the search
-//! for one axis, [`unexplained`] what stays, [`untested`] what was not looked for; [`report`] is the whole for people and programs.
+//! for one axis, [`unexplained`] what stays, [`repeatability`] how much of it could be explained at all, [`untested`]
+//! what was not looked for, [`free_run`] what the model is worth without feedback; [`report`] is the whole for people
+//! and programs.
 
 pub mod admission;
 pub mod axis;
 pub mod candidates;
 pub mod fit;
 pub mod follow;
+pub mod free_run;
 pub mod held_out;
 pub mod model;
 pub mod motor_path;
 pub mod predict;
+pub mod repeatability;
 pub mod report;
 pub mod residual;
 pub mod rotary;

@@ -182,6 +182,7 @@ impl AxisModel {
             for (j, coordinate) in effect.coordinates().into_iter().enumerate() {
                 slots.push(match &declared {
                     None => free(coordinate),
+                    Some(_) if self.trades(effect) => free(coordinate),
                     Some(declared) => self.tolerated(coordinate, declared[j].value),
                 });
             }
@@ -220,12 +221,6 @@ impl AxisModel {
         self.trims.applied(AxisParameters::of(&self.axis), &self.axis.effect)
     }
 
-    /// How late the force is logged, s.
-    #[must_use]
-    pub fn force_late_s(&self) -> f64 {
-        self.trims.force_s()
-    }
-
     fn trimmed(&self, scope: &Scope) -> Vec<(Instant, Coordinate)> {
         self.trims.coordinates(&scope.stages, &self.axis.effect, self.rates)
     }
@@ -258,6 +253,13 @@ impl AxisModel {
             ..coordinate
         };
         Slot { coordinate: bounded, prior: (spread > 0.0).then_some((declared, spread)) }
+    }
+
+    /// Whether a declared effect is only known together with one that was found: a load that was identified
+    /// with friction taken as symmetric holds the mean of what friction is more one way than the other.
+    fn trades(&self, declared: &Effect) -> bool {
+        let is_asymmetry = |found: &Effect| matches!(found, Effect::FrictionAsymmetry(_));
+        matches!(declared, Effect::ConstantLoad(_)) && self.found().iter().any(is_asymmetry)
     }
 
     fn effects_of(&self, scope: &Scope) -> impl Iterator<Item = (usize, &Effect)> {

@@ -27,19 +27,13 @@ pub struct Driven {
     pub force_n: Vec<f64>,
 }
 
-/// How a log's force stands to the force that moves the machine.
-#[derive(Clone, Copy, Debug, Default)]
-pub struct Logged {
-    /// What it lacks per acceleration because the velocity command is held while the velocity goes on: see [`hold`].
-    pub hold_n_s2_per_m: f64,
-    /// How late it is, s.
-    pub late_s: f64,
-}
-
 /// Drives the mechanics with the measured motor.
 ///
 /// The measured motor is filtered, and what follows it linearly is so with it; friction, gaps and
 /// wobbles do not, and pass the same filter afterwards.
+///
+/// `hold_n_s2_per_m` is what the logged force lacks per acceleration because the velocity command is
+/// held while the velocity goes on: see [`hold`].
 ///
 #[must_use]
 pub fn driven(
@@ -47,7 +41,7 @@ pub fn driven(
     motor: &Smooth,
     path: &MotorPath,
     sample_s: f64,
-    logged: Logged,
+    hold_n_s2_per_m: f64,
 ) -> Driven {
     let n = motor.position.len();
     let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
@@ -64,7 +58,6 @@ pub fn driven(
     let mut table = DrivenTable::settled(parameters, screw);
     let step = DrivenStep::new(parameters, path.step_s);
     let per_step = path.step_s.recip();
-    let mut force_before = None;
     let mut steps = path.points[1..].chunks_exact(path.steps);
     for i in 0..n {
         for point in if i == 0 { &[][..] } else { steps.next().unwrap_or(&[]) } {
@@ -80,19 +73,28 @@ pub fn driven(
             - parameters.table_mass_kg * motor.acceleration[i];
         let held_back_m = path.held_back_m[i];
         result.table_m.push(table_m + held_back_m - motor.position[i] + give * motor.acceleration[i]);
-        result.force_n.push(0.5 * (force + force_before.unwrap_or(force)));
-        force_before = Some(force);
+        result.force_n.push(force);
     }
-    let mass = parameters.motor_mass_kg + parameters.table_mass_kg - logged.hold_n_s2_per_m;
+    let mass = parameters.motor_mass_kg + parameters.table_mass_kg - hold_n_s2_per_m;
     let acceleration = |i: usize| motor.acceleration[i];
+    // Over the tick that ends at the sample: half of one old, and as late as the log is.
+    let age = 0.5 + parameters.late_s(Channel::Force) / sample_s;
+    let force_n: Vec<f64> = (0..n).map(|i| at_age(|i| result.force_n[i], n, i, age)).collect();
     let table_m = linear(&motor.filtered(&result.table_m), |i| motor.position[i] - give * acceleration(i));
-    let force_n = linear(&motor.filtered(&result.force_n), |i| {
-        0.5 * mass * (acceleration(i) + acceleration(i.saturating_sub(1)))
-    });
     Driven {
         table_m: delayed(table_m, parameters.late_s(Channel::Table), sample_s),
-        force_n: delayed(force_n, logged.late_s, sample_s),
+        force_n: linear(&motor.filtered(&force_n), |i| mass * at_age(acceleration, n, i, age)),
     }
+}
+
+/// Of `n` values the one that was `age` samples ago at sample `i` (negative: is to come), straight between
+/// samples; before the first and behind the last they stand.
+pub(super) fn at_age(value: impl Fn(usize) -> f64, n: usize, i: usize, age: f64) -> f64 {
+    let whole = age.floor();
+    let part = age - whole;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 0 and n")]
+    let at = |age: f64| value((i as f64 - age).clamp(0.0, n as f64 - 1.0) as usize);
+    (1.0 - part) * at(whole) + part * at(whole + 1.0)
 }
 
 /// Values with a part added that follows the filtered motor linearly.
@@ -163,7 +165,7 @@ pub fn closed_loop(
 }
 
 /// An axis that moves steadily with its motor at a place, m.
-fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
+pub(super) fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
     let screw = Prescribed { nominal_m: parameters.screw.nominal_m(motor_m), velocity, acceleration: 0.0 };
     let table = DrivenTable::settled(parameters, screw);
     AxisMotion {
@@ -172,6 +174,7 @@ fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMo
         table_m: table.position_m(parameters, screw),
         table_m_per_s: velocity,
         bristle_m: table.bristle_m(),
+        lately_m_per_s: table.lately_m_per_s(),
         friction_n: parameters.friction.bristle_stiffness_n_per_m * table.bristle_m(),
         ..AxisMotion::default()
     }
@@ -237,8 +240,7 @@ mod tests {
             (0..4000).map(|i| 0.02 * (1.0 - (std::f64::consts::PI * 1e-3 * f64::from(i)).cos())).collect();
         let simulated = closed_loop(&parameters, &settings, rates, &command, None).unwrap();
         let motor = Smooth::new(simulated.motor_m.clone(), 1e-3, 5);
-        let logged = Logged { hold_n_s2_per_m: hold(axis, rates), late_s: 0.0 };
-        let driven = driven(&parameters, &motor, &MotorPath::new(&motor, 1e-3), 1e-3, logged);
+        let driven = driven(&parameters, &motor, &MotorPath::new(&motor, 1e-3), 1e-3, hold(axis, rates));
         let table = Smooth::new(simulated.table_m.clone(), 1e-3, 5);
         let off: Vec<f64> =
             table.position.iter().zip(&driven.table_m).skip(300).map(|(a, b)| 1e9 * (a - b)).collect();

@@ -4,6 +4,7 @@ use serde_json::{Map, Value, json};
 
 use super::Trace;
 use super::axis::{AxisTrace, Found, StageError, residual_unit};
+use super::repeatability::Repeatability;
 use super::rotary;
 use super::unexplained::Unexplained;
 use crate::effects::Effect;
@@ -30,12 +31,20 @@ pub fn json(trace: &Trace) -> Value {
             |u: &super::untested::Untested| json!({"effect": u.effect, "axis": axis.axis, "needs": u.needs});
         not_testable.extend(axis.untested.iter().map(one));
     }
+    let repeats: Vec<Value> = trace
+        .axes
+        .iter()
+        .flat_map(|axis| axis.repeats.iter().map(move |part| repeatability(axis, part)))
+        .collect();
+    let free_runs: Vec<_> = trace.axes.iter().flat_map(|axis| &axis.free_runs).collect();
     json!({
         "residual": residual,
         "effects": effects(trace),
         "unexplained": unexplained,
         "not_testable": not_testable,
         "notes": trace.notes,
+        "repeatability": repeats,
+        "free_run": free_runs,
     })
 }
 
@@ -55,6 +64,16 @@ fn residual(axis: &AxisTrace, error: &StageError) -> Value {
     entry.insert(format!("after_{unit}"), json!(error.after));
     entry.insert(format!("noise_{unit}"), json!(error.noise));
     Value::Object(entry)
+}
+
+fn repeatability(axis: &AxisTrace, part: &Repeatability) -> Value {
+    let mut entry = json!(part);
+    if let Value::Object(entry) = &mut entry {
+        let (_, unit) = residual_unit(axis.unit, part.channel);
+        entry.insert(format!("repeatable_{unit}"), json!(part.repeatable));
+        entry.insert(format!("non_repeatable_{unit}"), json!(part.non_repeatable));
+    }
+    entry
 }
 
 fn unexplained(axis: &AxisTrace, rest: &Unexplained) -> Value {

@@ -46,6 +46,14 @@ impl Evidence<'_> {
         &self.logs[log].axes[self.axis]
     }
 
+    /// Where the motor or the table of the axis was, least and greatest, mm.
+    #[must_use]
+    pub fn travel_mm(&self) -> [f64; 2] {
+        let places = (0..self.logs.len()).filter_map(|log| self.signals(log).table_or_motor());
+        let places = places.flat_map(|smooth| smooth.position.iter().map(|m| 1e3 * m));
+        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], mm| [least.min(mm), most.max(mm)])
+    }
+
     /// Samples at the start of each log that no residual counts.
     #[must_use]
     pub fn settling(&self, log: usize) -> usize {
@@ -84,12 +92,9 @@ impl Evidence<'_> {
         let signals = self.signals(log);
         let sample_s = self.logs[log].sample_s;
         let drives = scope.stages.iter().any(|stage| matches!(stage, Stage::Table | Stage::Force));
-        let logged = predict::Logged {
-            hold_n_s2_per_m: predict::hold(&model.axis, self.rates),
-            late_s: model.force_late_s(),
-        };
+        let hold = predict::hold(&model.axis, self.rates);
         let driven = match (&signals.motor, &signals.motor_path) {
-            (Some(motor), Some(path)) if drives => predict::driven(parameters, motor, path, sample_s, logged),
+            (Some(motor), Some(path)) if drives => predict::driven(parameters, motor, path, sample_s, hold),
             _ => predict::Driven::default(),
         };
         let part = |stage: &Stage| {

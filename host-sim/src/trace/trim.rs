@@ -59,6 +59,7 @@ impl Instant {
             Effect::Latency(late) => match late.channel {
                 Channel::Table => self == Self::Table,
                 Channel::Tool => self == Self::Tool,
+                Channel::Force => self == Self::Force,
             },
             Effect::VelocityLag(_) => self == Self::Speed,
             _ => false,
@@ -90,17 +91,16 @@ impl Trims {
         self.late_s[instant as usize] = 1e-3 * ms;
     }
 
-    /// How late the force is, s.
-    #[must_use]
-    pub fn force_s(&self) -> f64 {
-        self.late_s[Instant::Force as usize]
-    }
-
-    /// The parameters of an axis with its instants trimmed, but for the force's.
+    /// The parameters of an axis with its instants trimmed.
     #[must_use]
     pub fn applied(&self, mut parameters: AxisParameters, effects: &[Effect]) -> AxisParameters {
         let open = |instant: Instant| !effects.iter().any(|effect| instant.is_told_by(effect));
-        for (instant, channel) in [(Instant::Table, Channel::Table), (Instant::Tool, Channel::Tool)] {
+        let channels = [
+            (Instant::Table, Channel::Table),
+            (Instant::Tool, Channel::Tool),
+            (Instant::Force, Channel::Force),
+        ];
+        for (instant, channel) in channels {
             if open(instant) {
                 parameters.late.push(Latency { channel, ms: 1e3 * self.late_s[instant as usize] });
             }

@@ -5,7 +5,8 @@ use std::f64::consts::TAU;
 use host_sim::log::Channel;
 
 use crate::bench::{
-    PLAIN, ROUNDING_N, ROUNDING_UM, Seen, assert_all, assert_near, declared, fit, lines, of, run, with,
+    PLAIN, ROUNDING_N, ROUNDING_UM, Seen, assert_all, assert_near, changed, declared, difference, fit, lines,
+    of, run, with,
 };
 
 /// A force on the table: the drive gives it, too, and the screw bends by it, the other way.
@@ -90,5 +91,96 @@ pub fn torque_ripple() {
         assert_near(motor[0].hypot(motor[1]), way_um, 0.02 * way_um, "motor");
         // What acts on the motor does not bend the screw: only the table's share of the wave's inertia does.
         assert_all(&seen.drive_train_moved_um(&plain), &steady, 0.0, ROUNDING_UM, "table − motor");
+    }
+}
+
+/// Found instead of declared it is the same, to the last bit, and not to be without.
+pub fn presliding() {
+    let motion = lines(&[(3.0, 20.0), (0.0, 20.0), (3.0, 20.0)]);
+    let keys = "presliding_stiffness_n_per_um = 40.0    # guideway before it slides (LuGre σ0)\n\
+                presliding_damping_n_s_per_m = 2000.0   # guideway before it slides (LuGre σ1)\n";
+    let without = changed(PLAIN, keys, "");
+    let effect =
+        "\n[[axis.x.effect]]\nname = \"presliding\"\nstiffness_n_per_um = 40.0\ndamping_n_s_per_m = 2000.0\n";
+    let plain = run(PLAIN, &motion);
+    run(&(without.clone() + effect), &motion).assert_same(&plain, &[]);
+    let least = run(&without, &motion).moved(Channel::Force, &plain);
+    // At a reversal it is friction itself that comes at once or over micrometres.
+    let most_n = least.iter().fold(0.0f64, |most, n| most.max(n.abs()));
+    assert!(most_n > 0.1 * declared().coulomb_n.unwrap(), "{most_n}");
+}
+
+/// Friction lacks force·exp(−|v|/vs), against the motion.
+pub fn shear_thinning() {
+    let (force_n, vs_mm_s) = (80.0, 5.0);
+    let motion = lines(&[(3.0, 2.0), (9.0, 5.0), (49.0, 40.0), (9.0, 40.0), (3.0, 5.0), (0.0, 2.0)]);
+    let plain = run(PLAIN, &motion);
+    let effect = format!("name = \"shear_thinning\"\nforce_n = {force_n}\nvelocity_mm_s = {vs_mm_s}");
+    let seen = run(&with(&effect), &motion);
+    for mm_s in [2.0_f64, 5.0, 40.0, -40.0, -5.0, -2.0] {
+        let lack_n = force_n * (-mm_s.abs() / vs_mm_s).exp();
+        assert_on_table(&seen, &plain, mm_s, -lack_n.copysign(mm_s));
+    }
+}
+
+/// At a steady speed nothing; while the speed grows evenly with a, what is remembered is a·τ below it, and
+/// friction c·a·τ below what it would be.
+pub fn friction_memory() {
+    let (viscous, time_constant_s, m_per_s2) = (400.0, 0.05, 0.5);
+    let motion = lines(&[(200.0, 400.0), (0.0, 100.0)]);
+    let plain = run(PLAIN, &motion);
+    let effect = format!(
+        "name = \"friction_memory\"\nviscous_n_s_per_m = {viscous}\ntime_constant_s = {time_constant_s}"
+    );
+    let seen = run(&with(&effect), &motion);
+    assert_on_table(&seen, &plain, -100.0, 0.0);
+    let moved = seen.moved(Channel::Force, &plain);
+    let expected_n = -viscous * m_per_s2 * time_constant_s;
+    assert_all(&moved, &seen.speeding_up(m_per_s2), expected_n, ROUNDING_N, "force");
+}
+
+/// slope·(x − c) + curvature·(x − c)² more friction at each place, against the motion.
+pub fn preload_variation() {
+    let (centre_mm, slope, curvature, mm_s) = (20.0, 300.0, 8000.0, 20.0);
+    let motion = lines(&[(60.0, mm_s), (0.0, mm_s)]);
+    let plain = run(PLAIN, &motion);
+    let effect = format!(
+        "name = \"preload_variation\"\ncentre_mm = {centre_mm}\nslope_n_per_m = {slope}\n\
+         curvature_n_per_m2 = {curvature}"
+    );
+    let seen = run(&with(&effect), &motion);
+    let table_mm = seen.channel("x", Channel::Table);
+    for mm_s in [mm_s, -mm_s] {
+        let expected = |mm: &f64| {
+            let x_m = 1e-3 * (mm - centre_mm);
+            mm_s.signum() * x_m * (slope + curvature * x_m)
+        };
+        let expected: Vec<f64> = table_mm.iter().map(expected).collect();
+        let off = difference(&seen.moved(Channel::Force, &plain), &expected);
+        // It rises by up to 20 N/s, which the loop answers within some 10 ms.
+        assert_all(&off, &seen.steady(mm_s), 0.0, ROUNDING_N + 0.3, "force");
+    }
+}
+
+/// amplitude·sin(2π·x/period + phase) more friction, against the motion: it turns with the direction.
+pub fn friction_ripple() {
+    let (amplitude_n, period_mm, phase_rad, mm_s) = (50.0_f64, 4.0, 0.3, 2.0);
+    let motion = lines(&[(10.0, mm_s), (0.0, mm_s)]);
+    let plain = run(PLAIN, &motion);
+    let effect = format!(
+        "name = \"friction_ripple\"\namplitude_n = {amplitude_n}\nperiod_mm = {period_mm}\nphase_rad = {phase_rad}"
+    );
+    let seen = run(&with(&effect), &motion);
+    let table_mm = seen.channel("x", Channel::Table);
+    for mm_s in [mm_s, -mm_s] {
+        let steady = seen.steady(mm_s);
+        let angle = |&i: &usize| TAU * table_mm[i] / period_mm + phase_rad;
+        let sines: Vec<f64> = steady.iter().map(|i| angle(i).sin()).collect();
+        let cosines: Vec<f64> = steady.iter().map(|i| angle(i).cos()).collect();
+        let force = fit([&sines, &cosines], &of(&seen.moved(Channel::Force, &plain), &steady));
+        // What the loop leaves open at half a wave a second, and friction's own rise with speed: 2 %.
+        assert_near(force[0], amplitude_n.copysign(mm_s), 0.02 * amplitude_n, "force in phase");
+        assert_near(force[1], 0.0, 0.02 * amplitude_n, "force across");
+        assert_near(force[2], 0.0, ROUNDING_N, "mean force");
     }
 }

@@ -30,7 +30,8 @@ macro_rules! tested {
 
 tested! {
     screw: backlash, pitch_progressive, pitch_cyclic, resolver_dividing, windup;
-    force: stribeck, friction_asymmetry, torque_ripple, constant_load;
+    force: stribeck, friction_asymmetry, torque_ripple, constant_load, presliding, shear_thinning, friction_memory,
+        preload_variation, friction_ripple;
     loops: servo_mismatch, velocity_lag;
     tool: intalk, crosstalk, squareness, straightness, thermal_drift, latency, resonance;
 }

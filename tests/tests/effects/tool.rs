@@ -125,6 +125,12 @@ pub fn latency() {
             assert_near(behind, expected_um, 0.02 * expected_um, "v·τ");
         }
     }
+    // The force of whole samples ago is that which was logged then.
+    let plain = run(PLAIN, &swinging());
+    let effect = format!("name = \"latency\"\nchannel = \"force\"\nms = {late}.0");
+    let seen = run(&with(&effect), &swinging());
+    seen.assert_same(&plain, &[Channel::Force]);
+    assert_eq!(seen.force_n()[late..], plain.force_n()[..plain.force_n().len() - late]);
 }
 
 /// Tool over table = ω²/(ω² − Ω² + 2iζωΩ) on a circle of the angular frequency Ω, when what swings on its own, with

@@ -1,0 +1,69 @@
+//! Preload variation: friction that changes along the travel.
+
+use serde::{Deserialize, Serialize};
+
+use super::{Coordinate, Kind, Stage, Surroundings};
+
+/// Adds slope·(x − centre) + curvature·(x − centre)² to the sliding level: screw and nut or guide and
+/// carriage are tighter at one place than at another.
+///
+/// Place is what the motor's encoder reads: where its zero moves between recordings, `centre_mm` moves
+/// with it.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PreloadVariation {
+    /// Where the declared level holds; not fitted: the middle of the travel that was logged.
+    pub centre_mm: f64,
+    /// Towards + direction.
+    pub slope_n_per_m: f64,
+    /// Towards both ends.
+    pub curvature_n_per_m2: f64,
+}
+
+impl PreloadVariation {
+    /// Change of the sliding level (N) at a place.
+    #[must_use]
+    #[inline]
+    pub fn rise_n(&self, place_m: f64) -> f64 {
+        let from_centre_m = place_m - 1e-3 * self.centre_mm;
+        from_centre_m * (self.slope_n_per_m + from_centre_m * self.curvature_n_per_m2)
+    }
+
+    /// Whether there is any.
+    #[must_use]
+    #[inline]
+    pub fn varies(&self) -> bool {
+        self.slope_n_per_m != 0.0 || self.curvature_n_per_m2 != 0.0
+    }
+}
+
+impl Kind for PreloadVariation {
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Force, Stage::Motor]
+    }
+
+    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
+        let [least, most] = around.travel_mm;
+        let centre_mm = 0.5 * (least + most);
+        if around.shows_friction_alone() { vec![Self { centre_mm, ..Self::default() }] } else { Vec::new() }
+    }
+
+    fn coordinates(&self) -> Vec<Coordinate> {
+        vec![
+            Coordinate::signed(self.slope_n_per_m, 1.0, 1e6),
+            Coordinate::signed(self.curvature_n_per_m2, 10.0, 1e8),
+        ]
+    }
+
+    fn at(&self, x: &[f64]) -> Self {
+        Self { slope_n_per_m: x[0], curvature_n_per_m2: x[1], ..self.clone() }
+    }
+
+    fn parameters(&self) -> Vec<(&'static str, f64)> {
+        vec![
+            ("centre_mm", self.centre_mm),
+            ("slope_n_per_m", self.slope_n_per_m),
+            ("curvature_n_per_m2", self.curvature_n_per_m2),
+        ]
+    }
+}
