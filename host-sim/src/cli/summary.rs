@@ -24,8 +24,9 @@ pub fn of_trace(trace: &Trace) -> String {
         let stays = axis.unexplained.iter().map(|rest| words::remainder(axis, rest));
         stays.chain(axis.not_testable.iter().map(|stage| words::not_testable(&axis.axis, stage)))
     });
-    let repeats =
-        trace.axes.iter().flat_map(|axis| axis.repeats.iter().map(|part| words::repeats(axis, part)));
+    // Of several logs the page and the JSON tell it: here it would drown what was found.
+    let told = if trace.fit_logs.len() == 1 { &trace.axes[..] } else { &[] };
+    let repeats = told.iter().flat_map(|axis| axis.repeats.iter().map(|part| words::repeats(axis, part)));
     let runs = trace.axes.iter().flat_map(|axis| axis.free_runs.iter().map(words::free_run));
     let rest: Vec<String> = trace.notes.iter().cloned().chain(rest).chain(repeats).chain(runs).collect();
     if !rest.is_empty() {

@@ -28,6 +28,9 @@ const MOST_ASIDE: usize = 2;
 /// A residual so many times its noise has bent the declared values.
 const GROSS: f64 = 20.0;
 
+/// What the closed loop may lose of what a candidate gains.
+const LOOP_SHARE: f64 = 0.25;
+
 /// Steps of the fit of the declared values.
 const FIT_STEPS: usize = 10;
 
@@ -287,7 +290,9 @@ impl<'a> Search<'a> {
         let is_alone = scope.stages == [Stage::Force];
         let shapes_loop = candidate.effect.stages().contains(&Stage::Motor);
         if candidate.is_supported() {
-            return agrees().is_none_or(|loss| loss <= 0.5 * LEAST_REDUCTION);
+            // What is plain to see in the force may show what else the model of the loop lacks.
+            let most = (0.5 * LEAST_REDUCTION).max(LOOP_SHARE * candidate.gain);
+            return agrees().is_none_or(|loss| loss <= most);
         }
         let is_confirmed = || agrees().is_some_and(|loss| loss <= -0.5 * LEAST_REDUCTION);
         is_alone && shapes_loop && candidate.is_consistent() && is_confirmed()
