@@ -231,7 +231,7 @@ struct Explained {
     aside: Vec<Aside>,
 }
 
-impl<'a> Search<'a> {
+impl Search<'_> {
     /// Adds effects to one scope; where what stays is none but would hide or feign one, again without it.
     fn explain(&mut self, start: &AxisModel, scope: &Scope) -> Explained {
         let mut aside: Vec<Aside> = Vec::new();
@@ -255,7 +255,7 @@ impl<'a> Search<'a> {
         while added < MOST_EFFECTS {
             (self.say)(&format!("{}: trying the catalogue on {}", self.name, stage_names(&scope.stages)));
             let starts = self.starts(&base.model, scope);
-            let origin = self.origin(evidence, &base, scope, added);
+            let origin = origin(evidence, &base, scope, added);
             let candidates = rank(evidence, &base, &origin, scope, starts);
             let added_index = candidates.iter().position(|c| self.is_supported(&base.model, c, scope));
             let best = added_index.map(|index| candidates[index].clone());
@@ -269,17 +269,6 @@ impl<'a> Search<'a> {
             base = self.prune(evidence, base, scope);
         }
         base
-    }
-
-    /// Where candidates start from: where the declared values were fitted to, but for a gross effect, such as a wide
-    /// gap. That has bent them to their bounds, and from there no fit finds the way back.
-    fn origin(&self, evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, added: usize) -> Fitted {
-        let gross =
-            |&stage: &Stage| rms(&base.parts, stage, evidence) > GROSS * evidence.noise(&base.model, stage);
-        if added > 0 || scope.mechanics != Mechanics::All || !scope.stages.iter().any(gross) {
-            return base.clone();
-        }
-        fit::fit(evidence, &base.model.unbent(), scope, 0)
     }
 
     /// Whether held-out data support a candidate and the closed loop agrees. Where friction is seen alone, the
@@ -368,6 +357,17 @@ impl<'a> Search<'a> {
         }
         full
     }
+}
+
+/// Where candidates start from: where the declared values were fitted to, but for a gross effect, such as a wide
+/// gap. That has bent them to their bounds, and from there no fit finds the way back.
+fn origin(evidence: &Evidence<'_>, base: &Fitted, scope: &Scope, added: usize) -> Fitted {
+    let gross =
+        |&stage: &Stage| rms(&base.parts, stage, evidence) > GROSS * evidence.noise(&base.model, stage);
+    if added > 0 || scope.mechanics != Mechanics::All || !scope.stages.iter().any(gross) {
+        return base.clone();
+    }
+    fit::fit(evidence, &base.model.unbent(), scope, 0)
 }
 
 /// What stays of a scope's stages and is to be set aside.

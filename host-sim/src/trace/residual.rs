@@ -70,10 +70,9 @@ impl Evidence<'_> {
         let stands = || self.signals(log).standing.get(sample).copied().unwrap_or(false);
         let saturated =
             || stage == Stage::Force && self.signals(log).saturated.get(sample).copied().unwrap_or(false);
-        sample >= self.settling(log)
-            && !(hangs_on_friction && stands())
-            && !saturated()
-            && !self.aside.iter().any(|aside| aside.covers(self, stage, log, sample))
+        let is_aside = || self.aside.iter().any(|aside| aside.covers(self, stage, log, sample));
+        let is_settling = sample < self.settling(log);
+        !(is_settling || hangs_on_friction && stands() || saturated() || is_aside())
     }
 
     /// The residuals of a scope's stages over all logs: log by log, the scope's stages in order.

@@ -69,6 +69,7 @@ impl Instant {
 
 impl Trims {
     /// The instants that a fit of these stages may trim, with what it may make of them, ms.
+    #[must_use]
     pub fn coordinates(
         &self,
         stages: &[Stage],

@@ -204,7 +204,9 @@ impl Curve {
         let mut values: Vec<f64> = self.points.iter().map(|point| point.1).collect();
         values.sort_by(f64::total_cmp);
         let median = *values.get(values.len() / 2)?;
-        let centre = self.points.iter().position(|point| point.0 == self.centre)?;
+        let from_centre = |point: &(f64, f64)| (point.0 - self.centre).abs();
+        let (centre, _) =
+            self.points.iter().enumerate().min_by(|a, b| from_centre(a.1).total_cmp(&from_centre(b.1)))?;
         let height = self.points[centre].1 - median;
         let within = |i: &usize| (self.points[*i].1 - median) / height > edge;
         let first = (0..=centre).rev().take_while(within).last()?;
