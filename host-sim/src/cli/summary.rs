@@ -28,12 +28,27 @@ pub fn of_trace(trace: &Trace) -> String {
     let told = if trace.fit_logs.len() == 1 { &trace.axes[..] } else { &[] };
     let repeats = told.iter().flat_map(|axis| axis.repeats.iter().map(|part| words::repeats(axis, part)));
     let runs = trace.axes.iter().flat_map(|axis| axis.free_runs.iter().map(words::free_run));
+    let alike = trace
+        .axes
+        .iter()
+        .flat_map(|axis| axis.look_alikes.iter().map(|alike| words::look_alike(axis, alike)));
+    let rest = alike.chain(rest);
     let rest: Vec<String> = trace.notes.iter().cloned().chain(rest).chain(repeats).chain(runs).collect();
     if !rest.is_empty() {
         lines.push(String::new());
         lines.extend(rest);
     }
     lines.join("\n")
+}
+
+/// What the tables of `--empirical` take away.
+pub fn of_tables(trace: &Trace) -> String {
+    let lines = trace.axes.iter().flat_map(|axis| axis.tables.iter().map(|table| words::table(axis, table)));
+    let lines: Vec<String> = lines.collect();
+    if lines.is_empty() {
+        return "\n\nNothing that stays is worth a table.".to_owned();
+    }
+    format!("\n\n{}", lines.join("\n"))
 }
 
 fn row(axis: &AxisTrace, error: &StageError) -> String {

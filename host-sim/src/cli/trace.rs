@@ -27,6 +27,12 @@ pub struct Arguments {
     /// Instead of machine and logs: a steady-state friction map (CSV, one row a run at constant speed).
     #[arg(long, conflicts_with_all = ["machine", "fit", "validate", "model"])]
     friction_map: Option<PathBuf>,
+    /// Add what no effect explains as tables over what it follows, where held-out data support that.
+    #[arg(long)]
+    empirical: bool,
+    /// Write the motion file that would tell two effects apart, where the logs do not.
+    #[arg(long, value_name = "MOTION.toml")]
+    propose: Option<PathBuf>,
     /// Write the result as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -55,7 +61,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let logs = arguments.fit.iter().chain(&arguments.validate);
     let inputs: Vec<&Path> = logs.map(PathBuf::as_path).chain([machine]).collect();
-    keeps(&inputs, &[("--json", arguments.json.as_ref()), ("--model", arguments.model.as_ref())])?;
+    let outputs = [
+        ("--json", arguments.json.as_ref()),
+        ("--model", arguments.model.as_ref()),
+        ("--propose", arguments.propose.as_ref()),
+    ];
+    keeps(&inputs, &outputs)?;
     let machine = Machine::read(machine)?;
     let read = |paths: &[PathBuf]| paths.iter().map(|path| Log::read(path)).collect::<Result<Vec<_>, _>>();
     let progress = Progress::start();
@@ -64,8 +75,19 @@ fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let trace = trace::trace(&machine, &fit, &validate, &|what| progress.say(what))?;
     drop(progress);
     let mut said = summary::of_trace(&trace);
+    if arguments.empirical {
+        said += &summary::of_tables(&trace);
+    }
+    if let Some(path) = &arguments.propose {
+        let alike = trace.axes.iter().flat_map(|axis| &axis.look_alikes);
+        let proposals = alike.filter_map(|alike| alike.proposal.as_ref());
+        match proposals.max_by(|a, b| a.apart.total_cmp(&b.apart)) {
+            Some(proposal) => write_whole(path, |out| out.write_all(proposal.motion.as_bytes()))?,
+            None => said += "\n\nNo motion is proposed: no two effects look alike here.",
+        }
+    }
     if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&trace::report::json(&trace))?;
+        let text = serde_json::to_string_pretty(&trace::report::json(&trace, arguments.empirical))?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
     if let Some(path) = &arguments.model {

@@ -5,10 +5,53 @@ use crate::effects::{Channel, Effect};
 use crate::log::Unit;
 use crate::trace::Trace;
 use crate::trace::axis::{AxisTrace, Found, residual_unit, stage_names};
+use crate::trace::empirical::Empirical;
 use crate::trace::free_run::FreeRun;
+use crate::trace::look_alike::LookAlike;
 use crate::trace::repeatability::Repeatability;
 use crate::trace::scope::NotTestable;
 use crate::trace::unexplained::{Unexplained, Variable};
+
+/// What a table over a variable takes away.
+#[must_use]
+pub fn table(axis: &AxisTrace, table: &Empirical) -> String {
+    let (unit, _) = residual_unit(axis.unit, table.channel);
+    let over = match table.variable {
+        Variable::Time | Variable::None => "time",
+        Variable::Position => "the position",
+        Variable::Velocity => "the velocity",
+        Variable::Acceleration => "the acceleration",
+        Variable::Direction => "the direction of travel",
+        Variable::Force => "the drive force",
+        Variable::OtherPosition => "the other axis's position",
+        Variable::OtherAcceleration => "the other axis's acceleration",
+    };
+    let [before, after] = [table.before.validate, table.after.validate].map(|rms| significant(rms, 3));
+    format!(
+        "{}, {}: a table over {over} ({} points) takes what stays from {before} to {after} {unit} rms on motions not \
+         used to find it.",
+        table.axis,
+        stage_names(&[table.channel]),
+        table.table.len()
+    )
+}
+
+/// That two effects cannot be told apart, and what would tell.
+#[must_use]
+pub fn look_alike(axis: &AxisTrace, alike: &LookAlike) -> String {
+    let how = alike.proposal.as_ref().map_or_else(
+        || "a log of another kind of motion would tell".to_owned(),
+        |proposal| {
+            format!(
+                "{} would tell, where they differ by {} times the noise (--propose writes the motion file)",
+                proposal.name,
+                significant(proposal.apart, 2)
+            )
+        },
+    );
+    let [added, rival] = [&alike.added, &alike.rival].map(|effect| effect.name().replace('_', " "));
+    format!("{}: these logs do not tell {added} from {rival}; {how}.", axis.axis)
+}
 
 /// What an effect does, with its parameters. The half widths of their intervals are in the order of
 /// [`Effect::parameters`]; those that are missing are not told.

@@ -32,7 +32,7 @@ use summary::Summary;
 /// When the tracer refuses a log.
 pub fn judge(case: &Case, say: &(dyn Fn(&str) + Sync)) -> Result<Outcome, InputError> {
     let trace = trace::trace(&case.machine, &case.fit, &case.validate, say)?;
-    Ok(Outcome::new(case.number, &case.truths, &trace::report::json(&trace)))
+    Ok(Outcome::new(case.number, &case.truths, &trace::report::json(&trace, false)))
 }
 
 /// The JSON of `self-test --json`.

@@ -4,9 +4,11 @@ use nalgebra::{DMatrix, DVector};
 use serde::Serialize;
 
 use super::candidates::{Candidate, LEAST_REDUCTION, rank};
+use super::empirical::{Empirical, empirical};
 use super::fit::{self, Fitted, normal};
 use super::free_run::{FreeRun, free_runs};
 use super::held_out::{compare, scores};
+use super::look_alike::{LookAlike, rivals};
 use super::model::AxisModel;
 use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
@@ -46,6 +48,8 @@ pub struct Round {
     pub candidates: Vec<Candidate>,
     /// Number of the one that was added: the best of those that held-out data support.
     pub added: Option<usize>,
+    /// Those that explain as much as the one that was added.
+    pub look_alikes: Vec<LookAlike>,
 }
 
 /// An effect that was found, as reported.
@@ -120,6 +124,10 @@ pub struct AxisTrace {
     pub repeats: Vec<Repeatability>,
     /// The models under the measured force alone, on the validation logs.
     pub free_runs: Vec<FreeRun>,
+    /// What stays, as tables over what it follows.
+    pub tables: Vec<Empirical>,
+    /// Pairs of effects that the logs cannot tell apart.
+    pub look_alikes: Vec<LookAlike>,
     /// The search.
     pub rounds: Vec<Round>,
 }
@@ -164,6 +172,7 @@ pub fn trace(
     let mut errors = Vec::new();
     let mut rest = Vec::new();
     let mut repeats = Vec::new();
+    let mut tables = Vec::new();
     for scope in &scopes {
         let [fit_before, fit_after] = [&before, &model].map(|m| fit_logs.residuals(m, scope));
         let [validate_before, validate_after] = [&before, &model].map(|m| validate.residuals(m, scope));
@@ -178,7 +187,11 @@ pub fn trace(
                 noise,
             });
             repeats.extend(repeatability(fit_logs, &fit_after, stage));
-            rest.extend(unexplained(fit_logs, &fit_after, stage, noise, name));
+            if let Some(found) = unexplained(fit_logs, &fit_after, stage, noise, name) {
+                let parts = [&fit_after[..], &validate_after];
+                tables.extend(empirical([fit_logs, validate], parts, stage, found.variable, name));
+                rest.push(found);
+            }
         }
     }
     let formed: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
@@ -187,7 +200,13 @@ pub fn trace(
     let untested = untested(declared, fit_logs.axis, fit_logs.names.len(), &formed, &not_testable, &tried);
     let held_out: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
     let free_runs = free_runs(name, &before.axis, &model.axis, &held_out);
+    let is_found = |alike: &&LookAlike| found.iter().any(|found| is_same(&found.effect, &alike.added));
+    let is_rival = |alike: &&LookAlike| !found.iter().any(|found| is_same(&found.effect, &alike.rival));
+    let all = search.rounds.iter().flat_map(|round| &round.look_alikes);
+    let look_alikes = all.filter(is_found).filter(is_rival).cloned().collect();
     AxisTrace {
+        look_alikes,
+        tables,
         untested,
         axis: name.clone(),
         unit: fit_logs.logs.iter().find_map(|log| log.axes[fit_logs.axis].unit).unwrap_or(Unit::Millimetre),
@@ -259,7 +278,13 @@ impl Search<'_> {
             let candidates = rank(evidence, &base, &origin, scope, starts);
             let added_index = candidates.iter().position(|c| self.is_supported(&base.model, c, scope));
             let best = added_index.map(|index| candidates[index].clone());
-            self.rounds.push(Round { stages: scope.stages.clone(), candidates, added: added_index });
+            let look_alikes = added_index.map_or_else(Vec::new, |added| rivals(&candidates, added, scope));
+            self.rounds.push(Round {
+                stages: scope.stages.clone(),
+                candidates,
+                added: added_index,
+                look_alikes,
+            });
             let Some(Candidate { effect, fitted: Some(fitted), .. }) = best else { break };
             (self.say)(&format!("{}: added {}", self.name, effect.name()));
             base = fit::fit(evidence, &fitted.model, scope, FIT_STEPS);

@@ -10,10 +10,12 @@
 pub mod admission;
 pub mod axis;
 pub mod candidates;
+pub mod empirical;
 pub mod fit;
 pub mod follow;
 pub mod free_run;
 pub mod held_out;
+pub mod look_alike;
 pub mod model;
 pub mod motor_path;
 pub mod predict;
@@ -76,6 +78,21 @@ impl Trace {
         machine
     }
 
+    /// Finds for effects that the logs cannot tell apart the motions that would.
+    fn propose(&mut self) {
+        let better = self.better_machine();
+        let logs = &self.fit_logs;
+        for (number, axis) in self.axes.iter_mut().enumerate() {
+            for alike in &mut axis.look_alikes {
+                let mut other = better.clone();
+                if let Some(of_axis) = other.axis.get_mut(&axis.axis) {
+                    *of_axis = alike.with_rival.axis.clone();
+                }
+                alike.proposal = look_alike::propose([&better, &other], number, logs);
+            }
+        }
+    }
+
     /// What an axis was explained from, or validated on.
     #[must_use]
     pub fn evidence<'a>(&'a self, logs: &'a [Signals], axis: usize) -> Evidence<'a> {
@@ -122,6 +139,7 @@ pub fn trace(
     };
     let axes: Vec<&crate::machine::Axis> = machine.axis.values().collect();
     trace.axes = axes.into_par_iter().enumerate().map(of_axis).collect();
+    trace.propose();
     Ok(trace)
 }
 

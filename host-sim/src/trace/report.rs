@@ -4,15 +4,16 @@ use serde_json::{Map, Value, json};
 
 use super::Trace;
 use super::axis::{AxisTrace, Found, StageError, residual_unit};
+use super::look_alike::LookAlike;
 use super::repeatability::Repeatability;
 use super::rotary;
 use super::unexplained::Unexplained;
 use crate::effects::Effect;
 use crate::log::Unit;
 
-/// The JSON of `trace --json`.
+/// The JSON of `trace --json`, with the tables of `--empirical` or without.
 #[must_use]
-pub fn json(trace: &Trace) -> Value {
+pub fn json(trace: &Trace, with_tables: bool) -> Value {
     let residual: Vec<Value> =
         trace.axes.iter().flat_map(|axis| axis.errors.iter().map(move |e| residual(axis, e))).collect();
     let rest = |axis| move |rest| unexplained(axis, rest);
@@ -37,15 +38,36 @@ pub fn json(trace: &Trace) -> Value {
         .flat_map(|axis| axis.repeats.iter().map(move |part| repeatability(axis, part)))
         .collect();
     let free_runs: Vec<_> = trace.axes.iter().flat_map(|axis| &axis.free_runs).collect();
-    json!({
+    let mut all = json!({
         "residual": residual,
         "effects": effects(trace),
         "unexplained": unexplained,
         "not_testable": not_testable,
         "notes": trace.notes,
+        "look_alikes": look_alikes(trace),
         "repeatability": repeats,
         "free_run": free_runs,
-    })
+    });
+    if let (true, Value::Object(all)) = (with_tables, &mut all) {
+        let tables: Vec<_> = trace.axes.iter().flat_map(|axis| &axis.tables).collect();
+        all.insert("empirical".to_owned(), json!(tables));
+    }
+    all
+}
+
+/// Pairs of effects of which the logs show one, but not which, and the motion file that would tell.
+fn look_alikes(trace: &Trace) -> Vec<Value> {
+    let of_axis = |axis: &AxisTrace| {
+        let one = |alike: &LookAlike| {
+            json!({
+                "axis": axis.axis,
+                "effects": [alike.added.name(), alike.rival.name()],
+                "motion": alike.proposal.as_ref().map(|proposal| &proposal.motion),
+            })
+        };
+        axis.look_alikes.iter().map(one).collect::<Vec<_>>()
+    };
+    trace.axes.iter().flat_map(of_axis).collect()
 }
 
 /// The effects found on all axes.

@@ -116,7 +116,7 @@ pub fn unexplained(
 }
 
 /// Values of a variable over one log, if it was measured. Positions in mm.
-fn values(evidence: &Evidence<'_>, log: usize, variable: Variable) -> Option<Vec<f64>> {
+pub(super) fn values(evidence: &Evidence<'_>, log: usize, variable: Variable) -> Option<Vec<f64>> {
     let axes = &evidence.logs[log].axes;
     let own = &axes[evidence.axis];
     let other = axes.iter().enumerate().find(|(i, _)| *i != evidence.axis).map(|(_, axis)| axis);
