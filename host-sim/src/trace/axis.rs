@@ -33,6 +33,9 @@ const GROSS: f64 = 20.0;
 /// What the closed loop may lose of what a candidate gains.
 const LOOP_SHARE: f64 = 0.25;
 
+/// Share of the power that was set aside which may be left over where it fades out.
+const FRINGE: f64 = 0.002;
+
 /// Steps of the fit of the declared values.
 const FIT_STEPS: usize = 10;
 
@@ -50,6 +53,15 @@ pub struct Round {
     pub added: Option<usize>,
     /// Those that explain as much as the one that was added.
     pub look_alikes: Vec<LookAlike>,
+}
+
+impl Round {
+    /// The best that was fitted and not taken, if it gains much.
+    fn refused(&self) -> Option<&Fitted> {
+        const MUCH: f64 = 0.2;
+        let refused = self.candidates.iter().filter(|candidate| candidate.gain > MUCH && candidate.material);
+        refused.filter(|candidate| !candidate.is_supported()).find_map(|candidate| candidate.fitted.as_ref())
+    }
 }
 
 /// An effect that was found, as reported.
@@ -257,14 +269,42 @@ impl Search<'_> {
         loop {
             let first_round = self.rounds.len();
             let evidence = Evidence { aside: &aside, ..*self.fit_logs };
-            let fitted = self.add(&evidence, start, scope);
-            let new = remainders(&evidence, &fitted, scope, self.name);
+            let mut fitted = self.add(&evidence, start, scope);
+            let mut new = remainders(&evidence, &fitted, scope, self.name);
+            if let (true, Some(refused)) = (new.is_empty(), self.rounds.last().and_then(Round::refused)) {
+                // What was refused because one log got worse may have shown there what is to be set aside.
+                new = remainders(&evidence, refused, scope, self.name);
+            }
             if new.is_empty() || aside.len() >= MOST_ASIDE {
+                if !aside.is_empty() {
+                    fitted = self.keep_what_is_large(&evidence, fitted, scope);
+                }
                 return Explained { scope: scope.clone(), fitted_to: scope.clone(), fitted, aside };
             }
             self.rounds.truncate(first_round);
             aside.extend(new);
         }
+    }
+
+    /// Drops what is small beside that which was set aside: its fringes look like it.
+    fn keep_what_is_large(&self, evidence: &Evidence<'_>, mut full: Fitted, scope: &Scope) -> Fitted {
+        let whole = self.fit_logs.residuals(&full.model, scope);
+        let is_large = |without: &Fitted, with: &Fitted, stage: Stage| {
+            let [before, after] = [without, with].map(|fit| rms(&fit.parts, stage, evidence).powi(2));
+            before - after > FRINGE * rms(&whole, stage, self.fit_logs).powi(2)
+        };
+        let mut index = 0;
+        while index < full.model.found().len() {
+            if scope.holds(&full.model.found()[index]) {
+                let without = fit::fit(evidence, &full.model.without(index), scope, FIT_STEPS);
+                if !scope.stages.iter().any(|&stage| is_large(&without, &full, stage)) {
+                    full = without;
+                    continue;
+                }
+            }
+            index += 1;
+        }
+        full
     }
 
     /// Adds effects until nothing is supported; drops what a later one made needless.
@@ -293,7 +333,7 @@ impl Search<'_> {
         if added > 1 {
             base = self.prune(evidence, base, scope);
         }
-        base
+        self.keep_what_is_certain(evidence, base, scope)
     }
 
     /// Whether held-out data support a candidate and the closed loop agrees. Where friction is seen alone, the
@@ -360,6 +400,27 @@ impl Search<'_> {
         starts.retain(|effect| wound::can_show(effect, force_is_logged));
         starts.retain(|effect| !model.found().iter().any(|found| is_same(found, effect)));
         starts
+    }
+
+    /// Drops effects whose size might be nothing.
+    fn keep_what_is_certain(&self, evidence: &Evidence<'_>, mut full: Fitted, scope: &Scope) -> Fitted {
+        let mut index = 0;
+        while index < full.model.found().len() {
+            let effect = &full.model.found()[index];
+            if scope.holds(effect) {
+                let slots = full.model.slots_of(scope, index);
+                let all = covariance(&full);
+                let own = all.view((slots.start, slots.start), (slots.len(), slots.len())).into_owned();
+                let half = half_widths(effect, &own).first().copied().unwrap_or(0.0);
+                if effect.parameters().first().is_some_and(|(_, size)| size.abs() < half) {
+                    (self.say)(&format!("{}: {} might be nothing", self.name, effect.name()));
+                    full = fit::fit(evidence, &full.model.without(index), scope, FIT_STEPS);
+                    continue;
+                }
+            }
+            index += 1;
+        }
+        full
     }
 
     fn prune(&self, evidence: &Evidence<'_>, mut full: Fitted, scope: &Scope) -> Fitted {
