@@ -1,6 +1,6 @@
 //! What a trace found, for people: sentences, then a table, then what stays.
 
-use crate::report::words;
+use crate::report::{ranking, words};
 use crate::trace::Trace;
 use crate::trace::axis::{AxisTrace, StageError, residual_unit, stage_names};
 
@@ -32,7 +32,8 @@ pub fn of_trace(trace: &Trace) -> String {
         .axes
         .iter()
         .flat_map(|axis| axis.look_alikes.iter().map(|alike| words::look_alike(axis, alike)));
-    let rest = alike.chain(rest);
+    let refused = trace.axes.iter().flat_map(ranking::refused);
+    let rest = alike.chain(refused).chain(rest);
     let rest: Vec<String> = trace.notes.iter().cloned().chain(rest).chain(repeats).chain(runs).collect();
     if !rest.is_empty() {
         lines.push(String::new());

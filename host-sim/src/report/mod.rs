@@ -21,7 +21,7 @@ pub(crate) mod number;
 mod parameters;
 pub(crate) mod plot;
 pub(crate) mod polar;
-mod ranking;
+pub mod ranking;
 pub mod reproduce;
 pub mod self_test;
 mod stages;

@@ -84,6 +84,25 @@ fn gain_percent(comparison: &Comparison) -> f64 {
     100.0 * (1.0 - (1.0 - comparison.reduction).max(0.0).sqrt())
 }
 
+/// What would have gained much in the last round of each search, and why it was not taken.
+#[must_use]
+pub fn refused(axis: &AxisTrace) -> Vec<String> {
+    let last = axis.rounds.iter().filter(|round| round.added.is_none());
+    let said = |round: &Round| {
+        let place = round.refused()?;
+        let candidate = &round.candidates[place];
+        let brief = parameters::brief(&candidate.effect);
+        let brief = if axis.unit == Unit::Degree { rotary(&brief) } else { brief };
+        Some(format!(
+            "{}, {}: not taken, though it explains much: {brief}; {}.",
+            axis.axis,
+            stage_names(&round.stages),
+            verdict(axis, round, place)
+        ))
+    };
+    last.filter_map(said).collect()
+}
+
 /// Why the candidate at a place of a round was added or not, the first reason that holds.
 fn verdict(axis: &AxisTrace, round: &Round, place: usize) -> String {
     let candidate = &round.candidates[place];

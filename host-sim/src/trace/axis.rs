@@ -56,11 +56,13 @@ pub struct Round {
 }
 
 impl Round {
-    /// The best that was fitted and not taken, if it gains much.
-    fn refused(&self) -> Option<&Fitted> {
+    /// The best that was fitted and not taken, if it gains much: its number.
+    #[must_use]
+    pub fn refused(&self) -> Option<usize> {
         const MUCH: f64 = 0.2;
-        let refused = self.candidates.iter().filter(|candidate| candidate.gain > MUCH && candidate.material);
-        refused.filter(|candidate| !candidate.is_supported()).find_map(|candidate| candidate.fitted.as_ref())
+        let is_refused =
+            |c: &Candidate| c.gain > MUCH && c.material && c.fitted.is_some() && !c.is_supported();
+        self.candidates.iter().position(is_refused)
     }
 }
 
@@ -271,7 +273,8 @@ impl Search<'_> {
             let evidence = Evidence { aside: &aside, ..*self.fit_logs };
             let mut fitted = self.add(&evidence, start, scope);
             let mut new = remainders(&evidence, &fitted, scope, self.name);
-            if let (true, Some(refused)) = (new.is_empty(), self.rounds.last().and_then(Round::refused)) {
+            let refused = self.rounds.last().and_then(|round| round.candidates.get(round.refused()?));
+            if let (true, Some(refused)) = (new.is_empty(), refused.and_then(|c| c.fitted.as_ref())) {
                 // What was refused because one log got worse may have shown there what is to be set aside.
                 new = remainders(&evidence, refused, scope, self.name);
             }

@@ -1,0 +1,73 @@
+//! What the tracer's work costs: the rigid model fitted to 24.8 s of a ball-screw axis at 1 kHz, and one axis traced.
+//!
+//! With `LOST_MOTION_DATA` the log is the recorded one (EMPS); without it one of the same length, made by the model's own
+//! equation with noise added.
+
+#![expect(clippy::unwrap_used, reason = "a benchmark that cannot run stops")]
+
+use std::hint::black_box;
+use std::path::Path;
+
+use criterion::{Criterion, criterion_group, criterion_main};
+use host_sim::log::{AxisLog, Log, Unit};
+use host_sim::machine::Machine;
+use host_sim::servo;
+use host_sim::trace::fit;
+use host_sim::trace::model::AxisModel;
+use host_sim::trace::residual::Evidence;
+use host_sim::trace::scope::scopes;
+use host_sim::trace::signals::Signals;
+
+/// Steps that a fit may take; it ends before.
+const STEPS: usize = 10;
+
+fn given() -> (Machine, Log) {
+    let recorded = std::env::var("LOST_MOTION_DATA").ok().and_then(|data| {
+        let folder = Path::new(&data).join("data/emps");
+        Some((Machine::read(&folder.join("machine.toml")).ok()?, Log::read(&folder.join("train.csv")).ok()?))
+    });
+    recorded.unwrap_or_else(made)
+}
+
+/// A rigid axis that swings over 200 mm under the force that its model says, 5 % off its declared values.
+fn made() -> (Machine, Log) {
+    let text = "name = \"rigid\"\nsample_rate_hz = 1000.0\n[axis.x]\ntable_mass_kg = 100.0\ncoulomb_n = 20.0\n\
+                viscous_n_s_per_m = 200.0\nplant_tolerance_percent = 10.0\n[[axis.x.effect]]\n\
+                name = \"constant_load\"\nforce_n = -3.0\n";
+    let machine = Machine::parse(text, "rigid").unwrap();
+    let mut state = 1u32;
+    let mut noise = || {
+        state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+        f64::from(state >> 8) / f64::from(1u32 << 24) - 0.5
+    };
+    let omega = 2.0;
+    let mut axis = AxisLog::new("x", Unit::Millimetre);
+    let phase = |i: u32| omega * 1e-3 * f64::from(i);
+    axis.motor = Some((0..24_840).map(|i| 100.0 * phase(i).sin() + 1e-4 * noise()).collect());
+    let force = |i: u32| {
+        let (velocity, acceleration) = (0.1 * omega * phase(i).cos(), -0.1 * omega * omega * phase(i).sin());
+        105.0 * acceleration + 21.0 * velocity.signum() + 190.0 * velocity - 3.1 + 2.0 * noise()
+    };
+    axis.force = Some((0..24_840).map(force).collect());
+    (machine, Log { source: "made".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] })
+}
+
+fn rigid(criterion: &mut Criterion) {
+    let (machine, log) = given();
+    let names: Vec<String> = machine.axis.keys().cloned().collect();
+    let logs = [Signals::new(&log, &names)];
+    let evidence =
+        Evidence { logs: &logs, names: &names, axis: 0, rates: servo::rates(&machine), aside: &[] };
+    let axis = &machine.axis[0];
+    let (scopes, _) = scopes(axis, 0, &logs);
+    let start = AxisModel::new(axis, evidence.rates);
+    criterion.bench_function("rigid model fitted to the force of 24.8 s", |bench| {
+        bench.iter(|| black_box(fit::fit(&evidence, &start, &scopes[0], STEPS)));
+    });
+    criterion.bench_function("24.8 s made ready", |bench| {
+        bench.iter(|| black_box(Signals::new(&log, &names)));
+    });
+}
+
+criterion_group!(benches, rigid);
+criterion_main!(benches);
