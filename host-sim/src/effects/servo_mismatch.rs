@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use shared::config::Rates;
+
 use super::{Coordinate, Kind, Stage, Surroundings};
+use crate::machine::Axis;
 
 /// True Kp = declared Kp · (1 + percent/100).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -32,6 +35,11 @@ impl Kind for ServoMismatch {
 
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![Coordinate::signed(self.percent, 0.2, 80.0)]
+    }
+
+    /// A quarter of a percent: how a drive steps its filters makes as much.
+    fn is_material(&self, _declared: &Axis, _rates: Rates) -> bool {
+        self.percent.abs() > 0.25
     }
 
     fn at(&self, x: &[f64]) -> Self {

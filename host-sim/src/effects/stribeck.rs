@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
+use shared::config::Rates;
+
 use super::{Coordinate, Kind, Stage, Surroundings};
+use crate::machine::Axis;
 
 /// Adds excess·exp(−(v/vs)²) to the sliding level of Coulomb friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,6 +53,11 @@ impl Kind for Stribeck {
             Coordinate::between(self.static_excess_n, 2.0, 0.0, 1e5),
             Coordinate::scale(self.velocity_mm_s, 0.1, 300.0),
         ]
+    }
+
+    /// Slower than this bristles bend and a sign is smooth: it is presliding that differs, not the sliding level.
+    fn is_material(&self, _declared: &Axis, _rates: Rates) -> bool {
+        self.velocity_mm_s > 0.5
     }
 
     fn at(&self, x: &[f64]) -> Self {

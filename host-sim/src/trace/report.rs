@@ -103,7 +103,9 @@ fn unexplained(axis: &AxisTrace, rest: &Unexplained) -> Value {
     if let Value::Object(entry) = &mut entry {
         let (_, unit) = residual_unit(axis.unit, rest.channel);
         entry.insert(format!("rms_{unit}"), json!(rest.rms));
-        if let (Unit::Degree, Some(centre)) = (axis.unit, entry.remove("centre_mm")) {
+        if axis.unit == Unit::Degree
+            && let Some(centre) = entry.remove("centre_mm")
+        {
             entry.insert("centre_deg".to_owned(), centre);
         }
     }
