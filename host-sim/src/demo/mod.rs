@@ -16,7 +16,7 @@ use crate::motion::Motion;
 use crate::path;
 use crate::plant::instruments::Instruments;
 use crate::simulate::{self, Run, SimulationError};
-use crate::trace::axis::AxisTrace;
+use crate::trace::axis::{AxisTrace, StageError};
 use crate::trace::{self, Trace, report};
 
 /// The declared machine.
@@ -111,12 +111,16 @@ impl Demo {
         self.trace.axes.iter().find(|axis| axis.axis == self.drawn.axis)
     }
 
-    /// The position stage of that axis whose residual stands highest above its noise.
+    /// The position stage of that axis whose residual fell most, in units of its noise; where none did, the one that
+    /// stands highest above it.
     #[must_use]
     pub fn headline(&self) -> Option<Headline> {
-        let errors = self.axis()?.errors.iter().filter(|error| error.stage != Stage::Force);
+        let errors = || self.axis().into_iter().flat_map(|axis| &axis.errors);
+        let of_places = || errors().filter(|error| error.stage != Stage::Force);
+        let most = |of: fn(&StageError) -> f64| of_places().max_by(|a, b| of(a).total_cmp(&of(b)));
+        let fell = |error: &StageError| (error.before.validate - error.after.validate) / error.noise;
         let highest =
-            errors.max_by(|a, b| (a.before.validate / a.noise).total_cmp(&(b.before.validate / b.noise)))?;
+            most(fell).filter(|error| fell(error) > 1.0).or_else(|| most(|e| e.before.validate / e.noise))?;
         Some(Headline {
             stage: highest.stage,
             before: highest.before.validate,
