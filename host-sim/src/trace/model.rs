@@ -161,10 +161,8 @@ impl AxisModel {
                 slots.push(free(Coordinate::signed(zero, 0.01, 1e6)));
             }
         }
-        slots.extend(self.trimmed(scope).into_iter().map(|(_, coordinate)| {
-            // Beforehand it is as likely as not within half of its bounds.
-            Slot { coordinate, prior: Some((0.0, 0.5 * coordinate.upper)) }
-        }));
+        let trimmed = self.trimmed(scope).into_iter();
+        slots.extend(trimmed.map(|(_, coordinate, spread)| Slot { coordinate, prior: Some((0.0, spread)) }));
         slots.extend(self.adjustable(scope).map(|(key, centre)| {
             let value = (key.get)(&self.axis).unwrap_or(centre);
             let mut slot = self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre);
@@ -202,7 +200,7 @@ impl AxisModel {
         if scope.stages.contains(&Stage::Tool) {
             model.tool_zero_um = next(self.tool_zero_um);
         }
-        for (instant, coordinate) in self.trimmed(scope) {
+        for (instant, coordinate, _) in self.trimmed(scope) {
             model.trims.set_ms(instant, next(coordinate.value));
         }
         for (key, centre) in self.adjustable(scope) {
@@ -221,7 +219,7 @@ impl AxisModel {
         self.trims.applied(AxisParameters::of(&self.axis), &self.axis.effect)
     }
 
-    fn trimmed(&self, scope: &Scope) -> Vec<(Instant, Coordinate)> {
+    fn trimmed(&self, scope: &Scope) -> Vec<(Instant, Coordinate, f64)> {
         self.trims.coordinates(&scope.stages, &self.axis.effect, self.rates)
     }
 

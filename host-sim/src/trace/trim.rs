@@ -68,23 +68,29 @@ impl Instant {
 }
 
 impl Trims {
-    /// The instants that a fit of these stages may trim, with what it may make of them, ms.
+    /// The instants that a fit of these stages may trim, with what it may make of them and how far it is likely to go,
+    /// ms. One that an effect tells keeps its place, so that a model with the effect has the slots of one without, but
+    /// stands at zero.
     #[must_use]
     pub fn coordinates(
         &self,
         stages: &[Stage],
         effects: &[Effect],
         rates: Rates,
-    ) -> Vec<(Instant, Coordinate)> {
-        let open = |instant: &Instant| {
-            stages.contains(&instant.stage()) && !effects.iter().any(|effect| instant.is_told_by(effect))
-        };
+    ) -> Vec<(Instant, Coordinate, f64)> {
         let coordinate = |instant: Instant| {
             let [lower, upper] = instant.bounds_s(rates).map(|s| 1e3 * s);
-            let value = 1e3 * self.late_s[instant as usize];
-            (instant, Coordinate::between(value, 0.02 * upper, lower, upper))
+            let step = 0.02 * upper;
+            let coordinate = if effects.iter().any(|effect| instant.is_told_by(effect)) {
+                Coordinate::between(0.0, step, 0.0, 0.0)
+            } else {
+                Coordinate::between(1e3 * self.late_s[instant as usize], step, lower, upper)
+            };
+            // Beforehand it is as likely as not within half of its bounds.
+            (instant, coordinate, 0.5 * upper)
         };
-        Instant::ALL.into_iter().filter(open).map(coordinate).collect()
+        let shown = Instant::ALL.into_iter().filter(|instant| stages.contains(&instant.stage()));
+        shown.map(coordinate).collect()
     }
 
     /// Sets an instant, ms.
@@ -127,11 +133,12 @@ mod tests {
         let stages = [Stage::Motor, Stage::Tool];
         let of = |effects: &[Effect]| {
             let trimmed = trims.coordinates(&stages, effects, RATES);
-            trimmed.into_iter().map(|(instant, _)| instant).collect::<Vec<_>>()
+            trimmed.into_iter().map(|(instant, c, _)| (instant, c.value, c.upper)).collect::<Vec<_>>()
         };
-        assert_eq!(of(&[]), [Instant::Tool, Instant::Speed]);
+        // A tenth of 1 ms, and a quarter of 0.25 ms.
+        assert_eq!(of(&[]), [(Instant::Tool, 0.0, 0.1), (Instant::Speed, 0.05, 0.0625)]);
         let lag = [Effect::VelocityLag(VelocityLag { ms: 0.1 })];
-        assert_eq!(of(&lag), [Instant::Tool]);
+        assert_eq!(of(&lag), [(Instant::Tool, 0.0, 0.1), (Instant::Speed, 0.0, 0.0)]);
         let mut parameters = AxisParameters::default();
         parameters.servo.lag.ms = 0.1;
         // 0.1 ms of the effect alone, 0.15 with the trim where no effect says it.
