@@ -20,6 +20,9 @@ pub struct Prescribed {
     pub velocity: f64,
     /// Its acceleration.
     pub acceleration: f64,
+    /// How much of the velocity comes of the screw's errors: the damper lies between motor and table and does not
+    /// see it.
+    pub of_errors: f64,
 }
 
 /// The table's state, relative to the screw.
@@ -127,13 +130,16 @@ impl DrivenTable {
         let deflection = if in_gap {
             rest / inertia
         } else {
-            (rest + step.stiffness * gap_m + step.drag * self.deflection_m)
+            (rest + step.stiffness * gap_m + step.drag * self.deflection_m + step.damping * screw.of_errors)
                 / (inertia + step.stiffness + step.drag)
         };
         let rate = (deflection - self.deflection_m) * step.per_h;
         self.bristle_m = friction.bristle(self.bristle_m, screw.velocity - rate, step.step_s);
-        self.transmitted_n =
-            if in_gap { 0.0 } else { step.stiffness * (deflection - gap_m) + step.damping * rate };
+        self.transmitted_n = if in_gap {
+            0.0
+        } else {
+            step.stiffness * (deflection - gap_m) + step.damping * (rate - screw.of_errors)
+        };
         self.deflection_m = deflection;
         self.deflection_rate = rate;
     }
@@ -249,7 +255,8 @@ mod tests {
         let mut lags = (0.0, 0.0);
         for (velocity, steps) in [(0.02, 100), (-0.02, 200), (0.02, 200)] {
             for _ in 0..steps {
-                screw = Prescribed { nominal_m: screw.nominal_m + velocity * h, velocity, acceleration: 0.0 };
+                let nominal_m = screw.nominal_m + velocity * h;
+                screw = Prescribed { nominal_m, velocity, ..Prescribed::default() };
                 table.step(&step, screw);
             }
             let lag = screw.nominal_m - table.position_m(parameters, screw);

@@ -68,6 +68,10 @@ pub struct ServoParameters {
     pub mismatch: ServoMismatch,
     /// Of the velocity reading.
     pub lag: VelocityLag,
+    /// How much later than the sensors are read the force acts, s; negative: the reading is that of a later instant.
+    pub drive_late_s: f64,
+    /// Length of the semi-implicit steps that the controller takes its filter in, s; 0: it steps exactly.
+    pub filter_step_s: f64,
 }
 
 impl AxisParameters {

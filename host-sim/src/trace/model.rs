@@ -220,7 +220,7 @@ impl AxisModel {
     }
 
     fn trimmed(&self, scope: &Scope) -> Vec<(Instant, Coordinate, f64)> {
-        self.trims.coordinates(&scope.stages, &self.axis.effect, self.rates)
+        self.trims.coordinates(&scope.stages, &self.axis, self.rates)
     }
 
     fn tolerance(&self) -> f64 {

@@ -2,6 +2,7 @@
 
 use shared::axis::{AxisState, Reading};
 use shared::config::{AxisConfig, AxisSettings, Rates};
+use shared::control::hpc::Hpc;
 use shared::units::Position;
 
 use super::follow::{self, delayed};
@@ -12,7 +13,7 @@ use crate::machine::Axis;
 use crate::plant::driven::{DrivenStep, DrivenTable, Prescribed};
 use crate::plant::mechanics::Stepper;
 use crate::plant::motion::AxisMotion;
-use crate::plant::parameters::AxisParameters;
+use crate::plant::parameters::{AxisParameters, ServoParameters};
 use crate::plant::structure::{self, Tables};
 
 /// A spring that needs more steps a tick is taken for a slip of the unit: its loop is not run.
@@ -32,29 +33,33 @@ pub struct Driven {
 /// The measured motor is filtered, and what follows it linearly is so with it; friction, gaps and
 /// wobbles do not, and pass the same filter afterwards.
 ///
-/// `hold_n_s2_per_m` is what the logged force lacks per acceleration because the velocity command is
-/// held while the velocity goes on: see [`hold`].
-///
 #[must_use]
 pub fn driven(
     parameters: &AxisParameters,
     motor: &Smooth,
     path: &MotorPath,
     sample_s: f64,
-    hold_n_s2_per_m: f64,
+    last_tick: LastTick,
 ) -> Driven {
     let n = motor.position.len();
     let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
     let Some(first) = path.points.first() else { return result };
-    let truth = |reading: f64| reading - parameters.dividing_m(reading);
+    // The error hangs on the place, and the reading is as far from that as the error.
+    let truth = |reading: f64| reading - parameters.dividing_m(reading - parameters.dividing_m(reading));
     // Stretch of the spring per acceleration of the table.
     let give =
         parameters.spring.as_ref().map_or(0.0, |spring| parameters.table_mass_kg / spring.stiffness_n_per_m);
 
     let mut motor_m = truth(first.reading_m);
     let nominal_m = parameters.screw.nominal_m(motor_m);
-    let mut screw =
-        Prescribed { nominal_m, velocity: motor.velocity[0], acceleration: motor.acceleration[0] };
+    let mut screw = Prescribed {
+        nominal_m,
+        velocity: motor.velocity[0],
+        acceleration: motor.acceleration[0],
+        ..Prescribed::default()
+    };
+    let mut dividing = Change::new(motor_m - first.reading_m);
+    let mut errors = Change::new(nominal_m - motor_m);
     let mut table = DrivenTable::settled(parameters, screw);
     let step = DrivenStep::new(parameters, path.step_s);
     let per_step = path.step_s.recip();
@@ -64,26 +69,52 @@ pub fn driven(
             motor_m = truth(point.reading_m);
             let nominal_m = parameters.screw.nominal_m(motor_m);
             let velocity = (nominal_m - screw.nominal_m) * per_step;
-            screw = Prescribed { nominal_m, velocity, acceleration: point.acceleration };
+            dividing.go_on(motor_m - point.reading_m, per_step);
+            errors.go_on(nominal_m - motor_m, per_step);
+            screw = Prescribed {
+                nominal_m,
+                velocity,
+                acceleration: point.acceleration + dividing.acceleration + errors.acceleration,
+                of_errors: errors.rate,
+            };
             table.step(&step, screw);
         }
         let table_m = table.position_m(parameters, screw);
         let force = parameters.motor_coulomb_n * path.sign[i] - parameters.ripple_n(motor_m)
             + table.transmitted_n
+            + parameters.motor_mass_kg * dividing.acceleration
             - parameters.table_mass_kg * motor.acceleration[i];
         let held_back_m = path.held_back_m[i];
         result.table_m.push(table_m + held_back_m - motor.position[i] + give * motor.acceleration[i]);
         result.force_n.push(force);
     }
-    let mass = parameters.motor_mass_kg + parameters.table_mass_kg - hold_n_s2_per_m;
+    let mass = parameters.motor_mass_kg + parameters.table_mass_kg - last_tick.less_n_s2_per_m;
     let acceleration = |i: usize| motor.acceleration[i];
     // Over the tick that ends at the sample: half of one old, and as late as the log is.
     let age = 0.5 + parameters.late_s(Channel::Force) / sample_s;
     let force_n: Vec<f64> = (0..n).map(|i| at_age(|i| result.force_n[i], n, i, age)).collect();
     let table_m = linear(&motor.filtered(&result.table_m), |i| motor.position[i] - give * acceleration(i));
-    Driven {
-        table_m: delayed(table_m, parameters.late_s(Channel::Table), sample_s),
-        force_n: linear(&motor.filtered(&force_n), |i| mass * at_age(acceleration, n, i, age)),
+    let mut force_n = linear(&motor.filtered(&force_n), |i| mass * at_age(acceleration, n, i, age));
+    last_tick.let_integral_go_on(&mut force_n, sample_s);
+    Driven { table_m: delayed(table_m, parameters.late_s(Channel::Table), sample_s), force_n }
+}
+
+/// A quantity that changes from step to step, with its rates.
+struct Change {
+    value: f64,
+    rate: f64,
+    acceleration: f64,
+}
+
+impl Change {
+    fn new(value: f64) -> Self {
+        Self { value, rate: 0.0, acceleration: 0.0 }
+    }
+
+    fn go_on(&mut self, value: f64, per_step: f64) {
+        let rate = (value - self.value) * per_step;
+        self.acceleration = (rate - self.rate) * per_step;
+        (self.value, self.rate) = (value, rate);
     }
 }
 
@@ -102,15 +133,44 @@ fn linear(values: &[f64], part: impl Fn(usize) -> f64) -> Vec<f64> {
     values.iter().enumerate().map(|(i, value)| value + part(i)).collect()
 }
 
-/// Difference between the mean force of a sample's interval and the force of its last velocity tick,
-/// which is the one that is logged, per acceleration (N per m/s²).
+/// By what the force of the last velocity tick of a sample, which is the one that is logged, differs from the mean of
+/// the sample's D ticks of T, which is the one that moved the axis.
 ///
-/// The velocity command stands for D ticks of T while the velocity grows by a·T each: the last tick's
-/// velocity error lies a·T·(D − 1)/2 below the mean, and its force Kv times that.
-#[must_use]
-pub fn hold(axis: &Axis, rates: Rates) -> f64 {
-    let ticks = f64::from(rates.position_loop_divider) - 1.0;
-    axis.velocity_gain_n_s_per_m.unwrap_or(0.0) * 0.5 * ticks / rates.velocity_loop_hz
+/// The velocity command stands for them while the velocity grows by a·T each: the last tick's velocity error lies
+/// a·T·(D − 1)/2 below the mean, and its force Kv times that. The integral part meanwhile goes on by its slope, the
+/// proportional part over Ti, and is ahead of its mean by T·(D − 1)/2 of that. The proportional part is what the force
+/// is without its low-pass of Ti.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct LastTick {
+    /// Less force per acceleration, N per m/s².
+    pub less_n_s2_per_m: f64,
+    /// Middle of the ticks to the last of them, s.
+    ahead_s: f64,
+    /// Ti, s; infinite without an integral part.
+    integral_s: f64,
+}
+
+impl LastTick {
+    /// Of an axis.
+    #[must_use]
+    pub fn new(axis: &Axis, rates: Rates) -> Self {
+        let ticks = f64::from(rates.position_loop_divider) - 1.0;
+        let ahead_s = 0.5 * ticks / rates.velocity_loop_hz;
+        Self {
+            less_n_s2_per_m: axis.velocity_gain_n_s_per_m.unwrap_or(0.0) * ahead_s,
+            ahead_s,
+            integral_s: axis.velocity_integral_time_s.unwrap_or(f64::INFINITY),
+        }
+    }
+
+    fn let_integral_go_on(&self, force_n: &mut [f64], sample_s: f64) {
+        let (share, takes) = (self.ahead_s / self.integral_s, -(-sample_s / self.integral_s).exp_m1());
+        let mut of_integral_n = force_n.first().copied().unwrap_or(0.0);
+        for force_n in force_n {
+            of_integral_n += takes * (*force_n - of_integral_n);
+            *force_n += share * (*force_n - of_integral_n);
+        }
+    }
 }
 
 /// Closes the loop in simulation on the measured command. Gives the motor reading, m, or `None` when
@@ -121,9 +181,15 @@ pub fn closed_loop(
     settings: &AxisSettings,
     rates: Rates,
     command: &[f64],
-    start: Option<&Smooth>,
+    start: Start,
 ) -> Option<Loop> {
-    let config = AxisConfig::<f64>::new(settings, rates).ok()?;
+    let mut config = AxisConfig::<f64>::new(settings, rates).ok()?;
+    let ServoParameters { drive_late_s, filter_step_s, .. } = parameters.servo;
+    if let Some(hpc) = &mut config.position.hpc {
+        let gain = settings.position_gain_per_s;
+        let sample_s = f64::from(rates.position_loop_divider) / rates.velocity_loop_hz;
+        *hpc = Hpc::stepped(gain * sample_s, gain * filter_step_s);
+    }
     let tick_s = 1.0 / rates.velocity_loop_hz;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
     let substeps = (tick_s / parameters.step_s()).ceil() as u32;
@@ -134,16 +200,19 @@ pub fn closed_loop(
     let position = |m: f64| Position::from_m(m).unwrap_or_default();
 
     let (&first, &second) = (command.first()?, command.get(1)?);
-    let (motor, velocity) = start.map_or((first, 0.0), |motor| (motor.position[0], motor.velocity[0]));
+    let Start { motor_m: motor, velocity, table_m, is_settled } = start;
     let mut motion = in_motion(parameters, motor - parameters.dividing_m(motor), velocity);
-    let read = |motion: &AxisMotion| Reading {
-        motor: position(motion.motor_m + parameters.dividing_m(motion.motor_m)),
-        table: Some(position(motion.table_m)),
+    motion.table_m = table_m.unwrap_or(motion.table_m);
+    // A force that acts late is one before which the sensors are read early.
+    let read = |motion: &AxisMotion| {
+        let motor_m = motion.motor_m - drive_late_s * motion.motor_m_per_s;
+        let table_m = motion.table_m - drive_late_s * motion.table_m_per_s;
+        Reading { motor: position(motor_m + parameters.dividing_m(motor_m)), table: Some(position(table_m)) }
     };
     let before = |m: f64, velocity: f64| position(m - velocity * tick_s);
     let command_before = position(first - (second - first));
-    let reading_before =
-        Reading { motor: before(motor, velocity), table: Some(before(motion.table_m, velocity)) };
+    let seen_m = if is_settled { motion.table_m } else { motor };
+    let reading_before = Reading { motor: before(motor, velocity), table: Some(before(seen_m, velocity)) };
     let mut state = AxisState::<f64>::at_rest(command_before, reading_before);
 
     let mut result =
@@ -164,9 +233,50 @@ pub fn closed_loop(
     Some(result)
 }
 
+/// Where and how a closed loop starts.
+#[derive(Clone, Copy, Debug)]
+pub struct Start {
+    /// What the motor's sensor reads, m.
+    pub motor_m: f64,
+    /// m/s.
+    pub velocity: f64,
+    /// Where the table is, m; `None`: where the motor would have it.
+    pub table_m: Option<f64>,
+    /// Whether the loop has been closed for long: what it knows of the table is what the table is.
+    pub is_settled: bool,
+}
+
+impl Start {
+    /// As a log begins, with the linear scale's zero, m.
+    ///
+    /// A motor that moves while its command stands has just been switched on. Its table is wherever it is: the spring
+    /// may be strained, and the machine then begins with a jolt.
+    #[must_use]
+    pub fn of(command: &[f64], signals: &AxisSignals, zero_m: f64) -> Option<Self> {
+        /// Samples over which the command must stand.
+        const STANDS: usize = 20;
+        /// Standard deviations of the motor's noise.
+        const NOISE: f64 = 6.0;
+        let motor = signals.motor.as_ref()?;
+        let first = motor.raw[0];
+        let stands = command.len() > STANDS && command[..STANDS].iter().all(|place| *place == command[0]);
+        let moves = |later: &[f64]| {
+            let way = later.iter().sum::<f64>() / later.len() as f64 - first;
+            way.abs() > NOISE * motor.noise
+        };
+        if stands && motor.raw[1..STANDS].chunks(5).any(moves) {
+            let table_m = signals.table.as_ref().map(|table| table.raw[0] - zero_m);
+            return Some(Self { motor_m: first, velocity: 0.0, table_m, is_settled: false });
+        }
+        let velocity = if stands { 0.0 } else { motor.velocity[0] };
+        Some(Self { motor_m: motor.position[0], velocity, table_m: None, is_settled: true })
+    }
+}
+
 /// An axis that moves steadily with its motor at a place, m.
 pub(super) fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
-    let screw = Prescribed { nominal_m: parameters.screw.nominal_m(motor_m), velocity, acceleration: 0.0 };
+    let nominal_m = parameters.screw.nominal_m(motor_m);
+    let screw = Prescribed { nominal_m, velocity, ..Prescribed::default() };
     let table = DrivenTable::settled(parameters, screw);
     AxisMotion {
         motor_m,
@@ -238,9 +348,11 @@ mod tests {
         // ±20 mm at 0.5 Hz: 63 mm/s, 0.2 m/s², three reversals.
         let command: Vec<f64> =
             (0..4000).map(|i| 0.02 * (1.0 - (std::f64::consts::PI * 1e-3 * f64::from(i)).cos())).collect();
-        let simulated = closed_loop(&parameters, &settings, rates, &command, None).unwrap();
+        let start = Start { motor_m: command[0], velocity: 0.0, table_m: None, is_settled: true };
+        let simulated = closed_loop(&parameters, &settings, rates, &command, start).unwrap();
         let motor = Smooth::new(simulated.motor_m.clone(), 1e-3, 5);
-        let driven = driven(&parameters, &motor, &MotorPath::new(&motor, 1e-3), 1e-3, hold(axis, rates));
+        let driven =
+            driven(&parameters, &motor, &MotorPath::new(&motor, 1e-3), 1e-3, LastTick::new(axis, rates));
         let table = Smooth::new(simulated.table_m.clone(), 1e-3, 5);
         let off: Vec<f64> =
             table.position.iter().zip(&driven.table_m).skip(300).map(|(a, b)| 1e9 * (a - b)).collect();

@@ -3,7 +3,7 @@
 use shared::config::Rates;
 
 use super::model::AxisModel;
-use super::predict;
+use super::predict::{self, LastTick, Start};
 use super::scope::Scope;
 use super::set_aside::{self, Aside};
 use super::signals::{AxisSignals, Signals, Smooth};
@@ -91,9 +91,11 @@ impl Evidence<'_> {
         let signals = self.signals(log);
         let sample_s = self.logs[log].sample_s;
         let drives = scope.stages.iter().any(|stage| matches!(stage, Stage::Table | Stage::Force));
-        let hold = predict::hold(&model.axis, self.rates);
+        let last_tick = LastTick::new(&model.axis, self.rates);
         let driven = match (&signals.motor, &signals.motor_path) {
-            (Some(motor), Some(path)) if drives => predict::driven(parameters, motor, path, sample_s, hold),
+            (Some(motor), Some(path)) if drives => {
+                predict::driven(parameters, motor, path, sample_s, last_tick)
+            }
             _ => predict::Driven::default(),
         };
         let part = |stage: &Stage| {
@@ -141,9 +143,11 @@ impl Evidence<'_> {
     fn motor(&self, model: &AxisModel, parameters: &AxisParameters, signals: &AxisSignals) -> Vec<f64> {
         let (Some(motor), Some(command)) = (&signals.motor, &signals.command) else { return Vec::new() };
         let settings = servo::settings(&model.axis, &parameters.servo).ok();
+        let start = Start::of(command, signals, 1e-6 * model.table_zero_um);
         let simulated = settings
-            .and_then(|settings| {
-                predict::closed_loop(parameters, &settings, self.rates, command, Some(motor))
+            .zip(start)
+            .and_then(|(settings, start)| {
+                predict::closed_loop(parameters, &settings, self.rates, command, start)
             })
             .map(|simulated| simulated.motor_m);
         // A loop that cannot run explains nothing: the residual is the following error itself.

@@ -7,6 +7,7 @@
 use shared::config::Rates;
 
 use crate::effects::{Channel, Coordinate, Effect, Latency, Stage};
+use crate::machine::{Axis, Controller};
 use crate::plant::parameters::AxisParameters;
 
 /// Which instant.
@@ -20,16 +21,20 @@ pub enum Instant {
     Force,
     /// Of the speed that the velocity loop sees.
     Speed,
+    /// Of the drive's force against the sensors' reading.
+    Drive,
+    /// Length of the steps that the controller takes its filter in; at zero they are exact.
+    Filter,
 }
 
 /// How late each instant is, s; negative: early.
 #[derive(Clone, Debug, Default)]
 pub struct Trims {
-    late_s: [f64; 4],
+    late_s: [f64; 6],
 }
 
 impl Instant {
-    const ALL: [Self; 4] = [Self::Table, Self::Tool, Self::Force, Self::Speed];
+    const ALL: [Self; 6] = [Self::Table, Self::Tool, Self::Force, Self::Speed, Self::Drive, Self::Filter];
 
     /// The stage in which it shows.
     fn stage(self) -> Stage {
@@ -37,8 +42,13 @@ impl Instant {
             Self::Table => Stage::Table,
             Self::Tool => Stage::Tool,
             Self::Force => Stage::Force,
-            Self::Speed => Stage::Motor,
+            Self::Speed | Self::Drive | Self::Filter => Stage::Motor,
         }
+    }
+
+    /// Whether an axis has it.
+    fn is_of(self, axis: &Axis) -> bool {
+        self != Self::Filter || axis.controller == Some(Controller::Hpc)
     }
 
     /// Earliest and latest, s.
@@ -50,6 +60,8 @@ impl Instant {
             // A force stands for an interval, a position for an instant.
             Self::Force => [-0.25 * sample_s, 0.25 * sample_s],
             Self::Speed => [0.0, 0.25 * tick_s],
+            Self::Drive => [-0.25 * tick_s, 0.25 * tick_s],
+            Self::Filter => [0.0, 0.1 * sample_s],
         }
     }
 
@@ -75,13 +87,13 @@ impl Trims {
     pub fn coordinates(
         &self,
         stages: &[Stage],
-        effects: &[Effect],
+        axis: &Axis,
         rates: Rates,
     ) -> Vec<(Instant, Coordinate, f64)> {
         let coordinate = |instant: Instant| {
             let [lower, upper] = instant.bounds_s(rates).map(|s| 1e3 * s);
             let step = 0.02 * upper;
-            let coordinate = if effects.iter().any(|effect| instant.is_told_by(effect)) {
+            let coordinate = if axis.effect.iter().any(|effect| instant.is_told_by(effect)) {
                 Coordinate::between(0.0, step, 0.0, 0.0)
             } else {
                 Coordinate::between(1e3 * self.late_s[instant as usize], step, lower, upper)
@@ -89,7 +101,8 @@ impl Trims {
             // Beforehand it is as likely as not within half of its bounds.
             (instant, coordinate, 0.5 * upper)
         };
-        let shown = Instant::ALL.into_iter().filter(|instant| stages.contains(&instant.stage()));
+        let shown = Instant::ALL.into_iter();
+        let shown = shown.filter(|instant| stages.contains(&instant.stage()) && instant.is_of(axis));
         shown.map(coordinate).collect()
     }
 
@@ -115,6 +128,8 @@ impl Trims {
         if open(Instant::Speed) {
             parameters.servo.lag.ms += 1e3 * self.late_s[Instant::Speed as usize];
         }
+        parameters.servo.drive_late_s += self.late_s[Instant::Drive as usize];
+        parameters.servo.filter_step_s = self.late_s[Instant::Filter as usize];
         parameters
     }
 }
@@ -131,14 +146,18 @@ mod tests {
         let mut trims = Trims::default();
         trims.set_ms(Instant::Speed, 0.05);
         let stages = [Stage::Motor, Stage::Tool];
-        let of = |effects: &[Effect]| {
-            let trimmed = trims.coordinates(&stages, effects, RATES);
+        let of = |effects: &[Effect], controller| {
+            let axis = Axis { effect: effects.to_vec(), controller: Some(controller), ..Axis::default() };
+            let trimmed = trims.coordinates(&stages, &axis, RATES);
             trimmed.into_iter().map(|(instant, c, _)| (instant, c.value, c.upper)).collect::<Vec<_>>()
         };
-        // A tenth of 1 ms, and a quarter of 0.25 ms.
-        assert_eq!(of(&[]), [(Instant::Tool, 0.0, 0.1), (Instant::Speed, 0.05, 0.0625)]);
+        // A tenth of 1 ms, and quarters of 0.25 ms.
+        let [tool, drive] = [(Instant::Tool, 0.0, 0.1), (Instant::Drive, 0.0, 0.0625)];
+        assert_eq!(of(&[], Controller::P), [tool, (Instant::Speed, 0.05, 0.0625), drive]);
         let lag = [Effect::VelocityLag(VelocityLag { ms: 0.1 })];
-        assert_eq!(of(&lag), [(Instant::Tool, 0.0, 0.1), (Instant::Speed, 0.0, 0.0)]);
+        assert_eq!(of(&lag, Controller::P), [tool, (Instant::Speed, 0.0, 0.0), drive]);
+        // Only high-order control has a filter to step.
+        assert_eq!(of(&lag, Controller::Hpc)[3], (Instant::Filter, 0.0, 0.1));
         let mut parameters = AxisParameters::default();
         parameters.servo.lag.ms = 0.1;
         // 0.1 ms of the effect alone, 0.15 with the trim where no effect says it.
