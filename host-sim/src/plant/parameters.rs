@@ -11,7 +11,7 @@ use super::friction::Friction;
 use super::screw::{Screw, Spring};
 
 /// Sharpness of the motor's own friction, m/s (the contract's tanh(v/0.2 mm/s)).
-const MOTOR_SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
+pub(crate) const MOTOR_SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
 
 /// Everything that the simulation of one axis needs, SI.
 #[derive(Clone, Debug, Default, PartialEq)]

@@ -5,9 +5,10 @@ use super::number::{fixed, percent};
 use super::parameters;
 use super::words::rotary;
 use crate::log::Unit;
-use crate::trace::axis::{AxisTrace, Round, is_same, stage_names};
+use crate::trace::axis::{AxisTrace, is_same, stage_names};
 use crate::trace::candidates::{Candidate, LEAST_REDUCTION, LEAST_T};
 use crate::trace::held_out::{Comparison, FOLDS};
+use crate::trace::search::Round;
 
 /// Most candidates of a round that are shown.
 const SHOWN: usize = 6;

@@ -21,8 +21,8 @@ pub const BLOCKS: usize = 24;
 /// A fit ends when a step lowers the error by less than this share.
 const ENOUGH: f64 = 1e-4;
 
-/// Most steps of a fit.
-const MOST_STEPS: usize = 12;
+/// Steps of a fit that is to end at its optimum.
+pub const STEPS: usize = 10;
 
 /// Derivatives are kept while steps bring this share of what they promised.
 const KEPT_WHILE: f64 = 0.7;
@@ -121,7 +121,7 @@ pub fn fit_from(
     let moving = if known.is_empty() { model.last_slots(scope) } else { known.len()..count };
     let mut blocks = blocks(evidence, &columns, &parts, &weights);
     let mut kept = !known.is_empty();
-    for _ in 0..steps.min(MOST_STEPS) {
+    for _ in 0..steps {
         let slots = model.slots(scope);
         let cost = cost(&parts, &weights, &slots);
         let (curvature, gradient) = normal(&blocks, &slots);

@@ -15,15 +15,18 @@ pub mod fit;
 pub mod follow;
 pub mod free_run;
 pub mod held_out;
+pub mod intervals;
 pub mod look_alike;
 pub mod model;
 pub mod motor_path;
+pub mod own_error;
 pub mod predict;
 pub mod repeatability;
 pub mod report;
 pub mod residual;
 pub mod rotary;
 pub mod scope;
+pub mod search;
 pub mod set_aside;
 pub mod signals;
 pub mod trim;
@@ -96,7 +99,7 @@ impl Trace {
     /// What an axis was explained from, or validated on.
     #[must_use]
     pub fn evidence<'a>(&'a self, logs: &'a [Signals], axis: usize) -> Evidence<'a> {
-        Evidence { logs, names: &self.names, axis, rates: servo::rates(&self.machine), aside: &[] }
+        Evidence { logs, names: &self.names, axis, rates: servo::rates(&self.machine), aside: &[], own: &[] }
     }
 }
 

@@ -3,12 +3,10 @@
 //! It does not hang on the model, so it is made once a log and not in each of the simulations of a fit.
 
 use super::signals::Smooth;
+use crate::plant::parameters::MOTOR_SIGN_WIDTH_M_PER_S;
 
 /// Longest step of the driven table, s.
 const LONGEST_STEP_S: f64 = 5e-4;
-
-/// Sharpness of the motor's own friction, m/s (the contract's tanh(v/0.2 mm/s)).
-const SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
 
 /// A motor's path in steps of equal length.
 #[derive(Clone, Debug)]
@@ -19,8 +17,6 @@ pub struct MotorPath {
     pub steps: usize,
     /// The first sample, then every step after it.
     pub points: Vec<Point>,
-    /// Reading − the place that the mechanics are given, m, at each sample.
-    pub held_back_m: Vec<f64>,
     /// Smoothed sign of the velocity, −1 to 1, at each sample.
     pub sign: Vec<f64>,
 }
@@ -38,30 +34,26 @@ impl MotorPath {
     /// Of a motor reading.
     ///
     /// Sensor noise must not wear the bristles of a guide straight while the axis stands: the mechanics see the motor
-    /// through a play of that width, and the table is given what the play held back.
+    /// through a play of that width.
     #[must_use]
     pub fn new(motor: &Smooth, sample_s: f64) -> Self {
-        let n = motor.position.len();
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
-        let steps = (sample_s / LONGEST_STEP_S).ceil().max(1.0) as usize;
         let play_m = 1.5 * motor.noise;
-        let mut points = Vec::with_capacity(n * steps);
-        let mut held_back_m = Vec::with_capacity(n);
+        let per_sample = (sample_s / LONGEST_STEP_S).ceil().max(1.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
+        let steps = per_sample as usize;
+        let mut points = Vec::with_capacity(motor.position.len() * steps);
         let mut reading_m = motor.position.first().copied().unwrap_or(0.0);
-        for i in 0..n {
-            for step in 1..=(if i == 0 { 0 } else { steps }) {
-                let fraction = step as f64 / steps as f64;
+        points.extend(motor.acceleration.first().map(|&acceleration| Point { reading_m, acceleration }));
+        for i in 1..motor.position.len() {
+            let [before, after] = [motor.acceleration[i - 1], motor.acceleration[i]];
+            for step in 1..=steps {
+                let fraction = step as f64 / per_sample;
                 let seen_m = motor.between(i - 1, fraction, sample_s);
                 reading_m = reading_m.clamp(seen_m - play_m, seen_m + play_m);
-                let [before, after] = [motor.acceleration[i - 1], motor.acceleration[i]];
                 points.push(Point { reading_m, acceleration: before + fraction * (after - before) });
             }
-            if i == 0 {
-                points.push(Point { reading_m, acceleration: motor.acceleration[0] });
-            }
-            held_back_m.push(motor.position[i] - reading_m);
         }
-        let sign = motor.velocity.iter().map(|v| (v / SIGN_WIDTH_M_PER_S).tanh()).collect();
-        Self { step_s: sample_s / steps as f64, steps, points, held_back_m, sign }
+        let sign = motor.velocity.iter().map(|v| (v / MOTOR_SIGN_WIDTH_M_PER_S).tanh()).collect();
+        Self { step_s: sample_s / per_sample, steps, points, sign }
     }
 }

@@ -64,8 +64,10 @@ pub fn driven(
     let step = DrivenStep::new(parameters, path.step_s);
     let per_step = path.step_s.recip();
     let mut steps = path.points[1..].chunks_exact(path.steps);
+    let mut point = first;
     for i in 0..n {
-        for point in if i == 0 { &[][..] } else { steps.next().unwrap_or(&[]) } {
+        for next in if i == 0 { &[][..] } else { steps.next().unwrap_or(&[]) } {
+            point = next;
             motor_m = truth(point.reading_m);
             let nominal_m = parameters.screw.nominal_m(motor_m);
             let velocity = (nominal_m - screw.nominal_m) * per_step;
@@ -83,9 +85,8 @@ pub fn driven(
         let force = parameters.motor_coulomb_n * path.sign[i] - parameters.ripple_n(motor_m)
             + table.transmitted_n
             + parameters.motor_mass_kg * dividing.acceleration
-            - parameters.table_mass_kg * motor.acceleration[i];
-        let held_back_m = path.held_back_m[i];
-        result.table_m.push(table_m + held_back_m - motor.position[i] + give * motor.acceleration[i]);
+            - parameters.table_mass_kg * point.acceleration;
+        result.table_m.push(table_m - point.reading_m + give * point.acceleration);
         result.force_n.push(force);
     }
     let mass = parameters.motor_mass_kg + parameters.table_mass_kg - last_tick.less_n_s2_per_m;
@@ -215,16 +216,18 @@ pub fn closed_loop(
     let reading_before = Reading { motor: before(motor, velocity), table: Some(before(seen_m, velocity)) };
     let mut state = AxisState::<f64>::at_rest(command_before, reading_before);
 
-    let mut result =
-        Loop { motor_m: Vec::with_capacity(command.len()), table_m: Vec::with_capacity(command.len()) };
+    let mut result = Loop::default();
+    let mut last_n = 0.0;
     for &command in command {
         let reading = read(&motion);
         result.motor_m.push(reading.motor.to_m());
-        result.table_m.push(motion.table_m);
+        result.table_m.push(reading.table.map_or(0.0, |table| table.to_m()));
+        result.force_n.push(last_n);
         state.position_tick(&config, position(command), 0, reading);
         for tick in 0..rates.position_loop_divider {
             let reading = if tick == 0 { reading } else { read(&motion) };
             let (force, _) = state.velocity_tick(&config, reading, 0.0);
+            last_n = force;
             for _ in 0..substeps {
                 stepper.step(parameters, &mut motion, force);
             }
@@ -290,13 +293,15 @@ pub(super) fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64
     }
 }
 
-/// A simulated closed loop.
-#[derive(Clone, Debug)]
+/// A simulated closed loop, at its samples.
+#[derive(Clone, Debug, Default)]
 pub struct Loop {
     /// Motor reading, m.
     pub motor_m: Vec<f64>,
     /// Table, m.
     pub table_m: Vec<f64>,
+    /// Force of the last velocity tick, N.
+    pub force_n: Vec<f64>,
 }
 
 /// Tool point of one axis from the measured tables, m. `None` where the axis has no table channel.

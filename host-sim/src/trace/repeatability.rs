@@ -126,7 +126,7 @@ mod tests {
         let names = ["x".to_owned()];
         let logs = [Signals::new(&log, &names)];
         let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
-        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[] };
+        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[], own: &[] };
         // A sine over the lap of 3 rms, and ±1 from lap to lap, five of either: their variance about their mean of
         // 0 is 10/9.
         let value = |i: usize| {

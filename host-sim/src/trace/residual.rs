@@ -3,7 +3,7 @@
 use shared::config::Rates;
 
 use super::model::AxisModel;
-use super::predict::{self, LastTick, Start};
+use super::predict::{self, LastTick, Loop, Start};
 use super::scope::Scope;
 use super::set_aside::{self, Aside};
 use super::signals::{AxisSignals, Signals, Smooth};
@@ -25,6 +25,8 @@ pub struct Evidence<'a> {
     pub rates: Rates,
     /// What is known to be in the residuals, and is left out of them.
     pub aside: &'a [Aside],
+    /// What tracing itself leaves of the machine, which is none of its residual: see [`super::own_error`].
+    pub own: &'a [Part],
 }
 
 /// The residual of one stage over one log, sample by sample.
@@ -82,6 +84,7 @@ impl Evidence<'_> {
         let mut parts: Vec<Part> =
             (0..self.logs.len()).flat_map(|log| self.of_log(model, &parameters, scope, log)).collect();
         for part in &mut parts {
+            self.take_own_out(part);
             set_aside::take_out(self, part);
         }
         parts
@@ -130,6 +133,15 @@ impl Evidence<'_> {
         scope.stages.iter().map(part).collect()
     }
 
+    fn take_own_out(&self, part: &mut Part) {
+        let of_part = |own: &&Part| own.stage == part.stage && own.log == part.log;
+        let Some(own) = self.own.iter().find(of_part) else { return };
+        for (value, own) in part.values.iter_mut().zip(&own.values) {
+            // What does not count is zero and stays so.
+            *value -= if *value == 0.0 { 0.0 } else { *own };
+        }
+    }
+
     /// Takes the mean of a table residual out: encoders that are zeroed when they are switched on.
     fn take_zero_out(&self, log: usize, left: &mut [f64]) {
         let counted = |i: &usize| self.counts(Stage::Table, log, *i);
@@ -142,16 +154,23 @@ impl Evidence<'_> {
 
     fn motor(&self, model: &AxisModel, parameters: &AxisParameters, signals: &AxisSignals) -> Vec<f64> {
         let (Some(motor), Some(command)) = (&signals.motor, &signals.command) else { return Vec::new() };
-        let settings = servo::settings(&model.axis, &parameters.servo).ok();
-        let start = Start::of(command, signals, 1e-6 * model.table_zero_um);
-        let simulated = settings
-            .zip(start)
-            .and_then(|(settings, start)| {
-                predict::closed_loop(parameters, &settings, self.rates, command, start)
-            })
-            .map(|simulated| simulated.motor_m);
+        let simulated = self.in_loop(model, parameters, signals).map(|simulated| simulated.motor_m);
         // A loop that cannot run explains nothing: the residual is the following error itself.
         difference(&motor.raw, simulated.as_ref().unwrap_or(command), 1e6, 0.0)
+    }
+
+    /// The model in its loop behind a log's command; `None` where something lacks or the loop cannot run.
+    #[must_use]
+    pub fn in_loop(
+        &self,
+        model: &AxisModel,
+        parameters: &AxisParameters,
+        signals: &AxisSignals,
+    ) -> Option<Loop> {
+        let command = signals.command.as_ref()?;
+        let settings = servo::settings(&model.axis, &parameters.servo).ok()?;
+        let start = Start::of(command, signals, 1e-6 * model.table_zero_um)?;
+        predict::closed_loop(parameters, &settings, self.rates, command, start)
     }
 
     /// Standard deviation of the white noise in a stage's residual, µm or N: what no model can remove.

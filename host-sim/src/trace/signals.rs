@@ -140,6 +140,16 @@ impl AxisSignals {
         }
     }
 
+    /// The same with the motor's path between its samples made anew, for an encoder with so much noise, m.
+    #[must_use]
+    pub fn with_path(mut self, noise_m: f64, sample_s: f64) -> Self {
+        if let Some(motor) = &mut self.motor {
+            motor.noise = noise_m;
+            self.motor_path = Some(MotorPath::new(motor, sample_s));
+        }
+        self
+    }
+
     /// The table, or the motor where no scale was logged: what a tool is carried by.
     #[must_use]
     pub fn table_or_motor(&self) -> Option<&Smooth> {

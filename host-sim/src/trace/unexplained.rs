@@ -277,7 +277,7 @@ mod tests {
         let logs = [signals()];
         let names = ["x".to_owned()];
         let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
-        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[] };
+        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[], own: &[] };
         let places = &logs[0].axes[0].table.as_ref().unwrap().position;
         let values = places.iter().zip(0..).map(|(m, i)| residual(i, 1e3 * m)).collect();
         let parts = [Part { stage: Stage::Tool, log: 0, values }];
@@ -307,7 +307,7 @@ mod tests {
         let logs = [signals()];
         let names = ["x".to_owned()];
         let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
-        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[] };
+        let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[], own: &[] };
         let parts = [Part { stage: Stage::Tool, log: 0, values: vec![0.1; 10_000] }];
         assert_eq!(unexplained(&evidence, &parts, Stage::Tool, 0.1, "x"), None);
     }

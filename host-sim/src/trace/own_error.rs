@@ -1,0 +1,74 @@
+//! What tracing itself leaves of a machine that is the model to the last bit.
+//!
+//! The driven mechanics are given a filtered motor, which turns round less sharply than the machine's, and take steps that
+//! damp: after a jerk or a reversal a few hundredths of a micrometre stay that no effect has made. The fitted model,
+//! run in its own loop behind the same command, gives logs of such a machine; traced like the measured ones, what stays
+//! of them is that error. It hangs on the last digits of the model so little that it is taken once.
+
+use super::follow::delayed;
+use super::model::AxisModel;
+use super::predict::at_age;
+use super::residual::{Evidence, Part, rms};
+use super::scope::Scope;
+use super::signals::{AxisSignals, Signals, Smooth};
+use crate::effects::{Channel, Stage};
+
+/// The error in the driven stages of all logs; none where motor or driven mechanics are not modelled, or a loop does
+/// not run.
+#[must_use]
+pub fn of(evidence: &Evidence<'_>, model: &AxisModel, scopes: &[Scope]) -> Vec<Part> {
+    let has_motor = scopes.iter().any(|scope| scope.stages == [Stage::Motor]);
+    let Some(driven) = scopes.iter().find(|scope| has_motor && scope.stages.iter().any(is_driven)) else {
+        return Vec::new();
+    };
+    let logs: Vec<Signals> =
+        (0..evidence.logs.len()).map_while(|log| as_the_model_has_it(evidence, model, log)).collect();
+    if logs.len() < evidence.logs.len() {
+        return Vec::new();
+    }
+    Evidence { logs: &logs, own: &[], aside: &[], ..*evidence }.residuals(model, driven)
+}
+
+fn is_driven(stage: &Stage) -> bool {
+    matches!(stage, Stage::Table | Stage::Force)
+}
+
+/// A log with the channels of an axis as the model in its loop gives them.
+fn as_the_model_has_it(evidence: &Evidence<'_>, model: &AxisModel, log: usize) -> Option<Signals> {
+    let parameters = model.parameters();
+    let measured = &evidence.logs[log];
+    let signals = &measured.axes[evidence.axis];
+    let motor = signals.motor.as_ref()?;
+    let simulated = evidence.in_loop(model, &parameters, signals)?;
+    let sample_s = measured.sample_s;
+    let smooth = |values: Vec<f64>, like: &Smooth| Smooth::new(values, sample_s, like.reach());
+
+    let zero_m = 1e-6 * model.table_zero_um;
+    let table_m = delayed(simulated.table_m, parameters.late_s(Channel::Table), sample_s);
+    let late = parameters.late_s(Channel::Force) / sample_s;
+    let n = simulated.force_n.len();
+    let force_n = (0..n).map(|i| at_age(|i| simulated.force_n[i], n, i, late)).collect();
+    let axis = AxisSignals {
+        motor: Some(smooth(simulated.motor_m, motor)),
+        table: signals.table.as_ref().map(|like| smooth(table_m.iter().map(|m| m + zero_m).collect(), like)),
+        force: signals.force.as_ref().map(|like| smooth(force_n, like)),
+        ..signals.clone()
+    };
+    let mut like_measured = measured.clone();
+    like_measured.axes[evidence.axis] = axis.with_path(motor.noise, sample_s);
+    Some(like_measured)
+}
+
+/// Whether the second of two fitted models, each with what it is seen in, leaves less of the driven stages.
+#[must_use]
+pub fn is_less(models: [(&Evidence<'_>, &AxisModel); 2], scopes: &[Scope]) -> bool {
+    let [before, after] = models.map(|(evidence, model)| {
+        let of_scope = |scope: &Scope| {
+            let parts = evidence.residuals(model, scope);
+            let driven = scope.stages.iter().filter(|stage| is_driven(stage));
+            driven.map(|&stage| rms(&parts, stage, evidence).max(1e-12).ln()).sum::<f64>()
+        };
+        scopes.iter().map(of_scope).sum::<f64>()
+    });
+    after < before
+}
