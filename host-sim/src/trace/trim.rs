@@ -60,7 +60,8 @@ impl Instant {
             // A force stands for an interval, a position for an instant.
             Self::Force => [-0.25 * sample_s, 0.25 * sample_s],
             Self::Speed => [0.0, 0.25 * tick_s],
-            Self::Drive => [-0.25 * tick_s, 0.25 * tick_s],
+            // Early alone: a drive that acts late is one that sees the speed late.
+            Self::Drive => [-0.15 * tick_s, 0.0],
             Self::Filter => [0.0, 0.1 * sample_s],
         }
     }
@@ -92,14 +93,15 @@ impl Trims {
     ) -> Vec<(Instant, Coordinate, f64)> {
         let coordinate = |instant: Instant| {
             let [lower, upper] = instant.bounds_s(rates).map(|s| 1e3 * s);
-            let step = 0.02 * upper;
+            let reach = upper.max(-lower);
+            let step = 0.02 * reach;
             let coordinate = if axis.effect.iter().any(|effect| instant.is_told_by(effect)) {
                 Coordinate::between(0.0, step, 0.0, 0.0)
             } else {
                 Coordinate::between(1e3 * self.late_s[instant as usize], step, lower, upper)
             };
             // Beforehand it is as likely as not within half of its bounds.
-            (instant, coordinate, 0.5 * upper)
+            (instant, coordinate, 0.5 * reach)
         };
         let shown = Instant::ALL.into_iter();
         let shown = shown.filter(|instant| stages.contains(&instant.stage()) && instant.is_of(axis));
@@ -151,8 +153,8 @@ mod tests {
             let trimmed = trims.coordinates(&stages, &axis, RATES);
             trimmed.into_iter().map(|(instant, c, _)| (instant, c.value, c.upper)).collect::<Vec<_>>()
         };
-        // A tenth of 1 ms, and quarters of 0.25 ms.
-        let [tool, drive] = [(Instant::Tool, 0.0, 0.1), (Instant::Drive, 0.0, 0.0625)];
+        // A tenth of 1 ms, a quarter of 0.25 ms; early alone.
+        let [tool, drive] = [(Instant::Tool, 0.0, 0.1), (Instant::Drive, 0.0, 0.0)];
         assert_eq!(of(&[], Controller::P), [tool, (Instant::Speed, 0.05, 0.0625), drive]);
         let lag = [Effect::VelocityLag(VelocityLag { ms: 0.1 })];
         assert_eq!(of(&lag, Controller::P), [tool, (Instant::Speed, 0.0, 0.0), drive]);
