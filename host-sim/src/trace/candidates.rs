@@ -12,6 +12,10 @@ use crate::effects::Effect;
 /// Candidates that get a full fit.
 const FITTED: usize = 4;
 
+/// A linear step that gains less promises nothing: a quarter of what [`LEAST_REDUCTION`] gains. Of 800 candidates of 30
+/// traces none that was supported in the end had promised less than four times as much.
+const PROMISING: f64 = 0.25 * 0.5 * LEAST_REDUCTION;
+
 /// Steps of a candidate's fit.
 const FIT_STEPS: usize = 6;
 
@@ -82,7 +86,8 @@ pub fn rank(
     keep_best_start(&mut screened);
 
     let held_out = scores(base);
-    let fitted = screened.len().min(FITTED);
+    let promising = screened.iter().take_while(|candidate| candidate.gain > PROMISING).count();
+    let fitted = promising.min(FITTED);
     screened[..fitted]
         .par_iter_mut()
         .for_each(|candidate| try_out(evidence, origin, scope, candidate, &held_out));

@@ -84,7 +84,8 @@ fn samples(evidence: &Evidence<'_>, parts: &[Part], stage: Stage, variable: Vari
     for part in parts.iter().filter(|part| part.stage == stage) {
         let n = part.values.len().max(1);
         let of = values(evidence, part.log, variable)?;
-        let counted = (0..part.values.len()).filter(|&i| evidence.counts(stage, part.log, i));
+        let counts = evidence.counting(stage, part.log);
+        let counted = (0..part.values.len()).filter(|&i| counts(i));
         all.extend(counted.map(|i| Sample {
             variable: of[i],
             residual: part.values[i],

@@ -213,6 +213,7 @@ pub fn blocks(evidence: &Evidence<'_>, columns: &[Column], parts: &[Part], weigh
     let of_part = |(p, part): (usize, &Part)| {
         let weight = weights[p] * weights[p];
         let length = part.values.len().div_ceil(BLOCKS).max(1);
+        let counts = evidence.counting(part.stage, part.log);
         let mut blocks = Vec::with_capacity(BLOCKS);
         for (number, start) in (0..part.values.len()).step_by(length).enumerate() {
             let range = start..(start + length).min(part.values.len());
@@ -233,7 +234,7 @@ pub fn blocks(evidence: &Evidence<'_>, columns: &[Column], parts: &[Part], weigh
                 log: part.log,
                 part: number,
                 weight: weights[p],
-                samples: range.clone().filter(|&i| evidence.counts(part.stage, part.log, i)).count(),
+                samples: range.filter(|&i| counts(i)).count(),
                 squares: weight * dot(residual, residual),
                 gradient,
                 curvature,

@@ -49,19 +49,30 @@ pub fn delayed(values: Vec<f64>, late_s: f64, sample_s: f64) -> Vec<f64> {
     if late_s == 0.0 || values.len() < 4 {
         return values;
     }
-    let last = values.len() - 1;
-    let at = |i: usize| {
-        let time = (i as f64 - late_s / sample_s).clamp(0.0, last as f64);
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a sample's number")]
-        let start = (time as usize).clamp(1, last - 2);
-        let t = time - start as f64;
-        let [a, b, c, d] = [values[start - 1], values[start], values[start + 1], values[start + 2]];
-        // Lagrange's cubic through −1, 0, 1, 2.
-        b + t
-            * (c - a / 3.0 - 0.5 * b - d / 6.0
-                + t * (0.5 * (a + c) - b + t * ((d - a) / 6.0 + 0.5 * (b - c))))
+    let n = values.len().cast_signed();
+    let late = late_s / sample_s;
+    let at = |start: isize, shares: [f64; 4]| -> f64 {
+        let around = &values[(start - 1).cast_unsigned()..][..4];
+        around.iter().zip(shares).map(|(value, share)| share * value).sum()
     };
-    (0..=last).map(at).collect()
+    // In between, the place between samples is the same for all.
+    #[expect(clippy::cast_possible_truncation, reason = "within the values")]
+    let whole = late.ceil().clamp(-(n as f64), n as f64) as isize;
+    let shares = lagrange(whole as f64 - late);
+    let inner = whole + 1..n - 2 + whole;
+    let at_end = |i: isize| {
+        let time = (i as f64 - late).clamp(0.0, (n - 1) as f64);
+        #[expect(clippy::cast_possible_truncation, reason = "a sample's number")]
+        let start = (time as isize).clamp(1, n - 3);
+        at(start, lagrange(time - start as f64))
+    };
+    (0..n).map(|i| if inner.contains(&i) { at(i - whole, shares) } else { at_end(i) }).collect()
+}
+
+/// Shares of the values at −1, 0, 1, 2 in the cubic through them at t.
+fn lagrange(t: f64) -> [f64; 4] {
+    let (before, after, far) = (t + 1.0, t - 1.0, t - 2.0);
+    [-t * after * far / 6.0, 0.5 * before * after * far, -0.5 * before * t * far, before * t * after / 6.0]
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@
 
 use serde::Serialize;
 
-use super::predict::{at_age, in_motion};
+use super::predict::{aged, in_motion};
 use super::signals::AxisSignals;
 use crate::effects::{Channel, Effect};
 use crate::machine::Axis;
@@ -79,6 +79,7 @@ fn run(
     let substeps = (sample_s / parameters.step_s()).ceil().max(1.0) as u32;
     let stepper = Stepper::new(parameters, 0.0, sample_s / f64::from(substeps));
     let late = parameters.late_s(Channel::Force) / sample_s;
+    let force_n = aged(&force.raw, -1.0 - late);
     // The velocity of the first sample is that of the second.
     let (mut squares, mut samples, mut runs) = (0.0, 0, 0);
     for start in (1..n).step_by(length).take_while(|start| start + length <= n) {
@@ -87,7 +88,7 @@ fn run(
             squares += (motion.motor_m - measured_m).powi(2);
             samples += 1;
             // The tick from here to the next sample is logged there, or as late as the log is.
-            let force_n = at_age(|i| force.raw[i], n, i, -1.0 - late);
+            let force_n = force_n[i];
             (0..substeps).for_each(|_| stepper.step(parameters, &mut motion, force_n));
         }
         runs += 1;

@@ -7,7 +7,7 @@
 
 use super::follow::delayed;
 use super::model::AxisModel;
-use super::predict::at_age;
+use super::predict::aged;
 use super::residual::{Evidence, Part, rms};
 use super::scope::Scope;
 use super::signals::{AxisSignals, Signals, Smooth};
@@ -46,8 +46,7 @@ fn as_the_model_has_it(evidence: &Evidence<'_>, model: &AxisModel, log: usize) -
     let zero_m = 1e-6 * model.table_zero_um;
     let table_m = delayed(simulated.table_m, parameters.late_s(Channel::Table), sample_s);
     let late = parameters.late_s(Channel::Force) / sample_s;
-    let n = simulated.force_n.len();
-    let force_n = (0..n).map(|i| at_age(|i| simulated.force_n[i], n, i, late)).collect();
+    let force_n = aged(&simulated.force_n, late);
     let axis = AxisSignals {
         motor: Some(smooth(simulated.motor_m, motor)),
         table: signals.table.as_ref().map(|like| smooth(table_m.iter().map(|m| m + zero_m).collect(), like)),

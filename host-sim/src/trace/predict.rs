@@ -90,12 +90,12 @@ pub fn driven(
         result.force_n.push(force);
     }
     let mass = parameters.motor_mass_kg + parameters.table_mass_kg - last_tick.less_n_s2_per_m;
-    let acceleration = |i: usize| motor.acceleration[i];
     // Over the tick that ends at the sample: half of one old, and as late as the log is.
     let age = 0.5 + parameters.late_s(Channel::Force) / sample_s;
-    let force_n: Vec<f64> = (0..n).map(|i| at_age(|i| result.force_n[i], n, i, age)).collect();
-    let table_m = linear(&motor.filtered(&result.table_m), |i| motor.position[i] - give * acceleration(i));
-    let mut force_n = linear(&motor.filtered(&force_n), |i| mass * at_age(acceleration, n, i, age));
+    let (force_n, acceleration) = (aged(&result.force_n, age), aged(&motor.acceleration, age));
+    let table_m =
+        linear(&motor.filtered(&result.table_m), |i| motor.position[i] - give * motor.acceleration[i]);
+    let mut force_n = linear(&motor.filtered(&force_n), |i| mass * acceleration[i]);
     last_tick.let_integral_go_on(&mut force_n, sample_s);
     Driven { table_m: delayed(table_m, parameters.late_s(Channel::Table), sample_s), force_n }
 }
@@ -119,14 +119,16 @@ impl Change {
     }
 }
 
-/// Of `n` values the one that was `age` samples ago at sample `i` (negative: is to come), straight between
-/// samples; before the first and behind the last they stand.
-pub(super) fn at_age(value: impl Fn(usize) -> f64, n: usize, i: usize, age: f64) -> f64 {
-    let whole = age.floor();
-    let part = age - whole;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "within 0 and n")]
-    let at = |age: f64| value((i as f64 - age).clamp(0.0, n as f64 - 1.0) as usize);
-    (1.0 - part) * at(whole) + part * at(whole + 1.0)
+/// Values as they were `age` samples ago (negative: as they will be), straight between samples; before the first and
+/// behind the last they stand.
+pub(super) fn aged(values: &[f64], age: f64) -> Vec<f64> {
+    let n = values.len();
+    let part = age - age.floor();
+    #[expect(clippy::cast_possible_truncation, reason = "within the values")]
+    let whole = age.floor().clamp(-(n as f64), n as f64) as isize;
+    let mix = |newer: f64, older: f64| (1.0 - part) * newer + part * older;
+    let at = |i: isize| values[i.clamp(0, n.cast_signed() - 1).cast_unsigned()];
+    (0..n.cast_signed()).map(|i| mix(at(i - whole), at(i - whole - 1))).collect()
 }
 
 /// Values with a part added that follows the filtered motor linearly.

@@ -65,11 +65,10 @@ pub fn repeatability(evidence: &Evidence<'_>, parts: &[Part], stage: Stage) -> O
         let log = &evidence.logs[part.log];
         let command = log.axes[evidence.axis].command.as_ref()?;
         let Some(lap) = period(command, log.sample_s) else { continue };
+        let counts = evidence.counting(stage, part.log);
         for phase in 0..lap {
-            let counting = (phase..part.values.len())
-                .step_by(lap)
-                .filter(|&i| evidence.counts(stage, part.log, i))
-                .map(|i| part.values[i]);
+            let counting =
+                (phase..part.values.len()).step_by(lap).filter(|&i| counts(i)).map(|i| part.values[i]);
             let values: Vec<f64> = counting.collect();
             if values.len() < 2 {
                 continue;

@@ -65,16 +65,19 @@ impl Evidence<'_> {
         samples.min(log.len() / 4)
     }
 
-    /// Whether a sample counts: after the settling and, in the stages that hang on friction, in motion.
-    #[must_use]
-    pub fn counts(&self, stage: Stage, log: usize, sample: usize) -> bool {
+    /// Which samples of a stage of a log count: after the settling and, in the stages that hang on friction, in motion.
+    pub fn counting(&self, stage: Stage, log: usize) -> impl Fn(usize) -> bool {
+        let settling = self.settling(log);
+        let AxisSignals { standing, saturated, .. } = self.signals(log);
         let hangs_on_friction = matches!(stage, Stage::Table | Stage::Force);
-        let stands = || self.signals(log).standing.get(sample).copied().unwrap_or(false);
-        let saturated =
-            || stage == Stage::Force && self.signals(log).saturated.get(sample).copied().unwrap_or(false);
-        let is_aside = || self.aside.iter().any(|aside| aside.covers(self, stage, log, sample));
-        let is_settling = sample < self.settling(log);
-        !(is_settling || hangs_on_friction && stands() || saturated() || is_aside())
+        let standing = if hangs_on_friction { &standing[..] } else { &[] };
+        let saturated = if stage == Stage::Force { &saturated[..] } else { &[] };
+        let is = |flags: &[bool], sample: usize| flags.get(sample).copied().unwrap_or(false);
+        let is_aside =
+            move |sample: usize| self.aside.iter().any(|aside| aside.covers(self, stage, log, sample));
+        move |sample| {
+            sample >= settling && !is(standing, sample) && !is(saturated, sample) && !is_aside(sample)
+        }
     }
 
     /// The residuals of a scope's stages over all logs: log by log, the scope's stages in order.
@@ -123,8 +126,9 @@ impl Evidence<'_> {
                     difference(measured, &tool.unwrap_or_default(), 1e6, model.tool_zero_um)
                 }
             };
+            let counts = self.counting(*stage, log);
             for (i, value) in values.iter_mut().enumerate() {
-                if !self.counts(*stage, log, i) {
+                if !counts(i) {
                     *value = 0.0;
                 }
             }
@@ -144,7 +148,8 @@ impl Evidence<'_> {
 
     /// Takes the mean of a table residual out: encoders that are zeroed when they are switched on.
     fn take_zero_out(&self, log: usize, left: &mut [f64]) {
-        let counted = |i: &usize| self.counts(Stage::Table, log, *i);
+        let counts = self.counting(Stage::Table, log);
+        let counted = |i: &usize| counts(*i);
         let count = (0..left.len()).filter(counted).count();
         let mean = (0..left.len()).filter(counted).map(|i| left[i]).sum::<f64>() / count.max(1) as f64;
         for value in left {
@@ -216,7 +221,8 @@ pub fn rms(parts: &[Part], stage: Stage, evidence: &Evidence<'_>) -> f64 {
     let (mut squares, mut count) = (0.0, 0usize);
     for part in parts.iter().filter(|part| part.stage == stage) {
         squares += part.values.iter().map(|r| r * r).sum::<f64>();
-        count += (0..part.values.len()).filter(|&i| evidence.counts(stage, part.log, i)).count();
+        let counts = evidence.counting(stage, part.log);
+        count += (0..part.values.len()).filter(|&i| counts(i)).count();
     }
     if count == 0 { f64::NAN } else { (squares / count as f64).sqrt() }
 }

@@ -72,8 +72,7 @@ pub fn take_out(evidence: &Evidence<'_>, part: &mut Part) {
     for aside in evidence.aside.iter().filter(|aside| aside.stage == part.stage) {
         let What::Tone { frequency_hz } = aside.what else { continue };
         let turn = std::f64::consts::TAU * frequency_hz * evidence.logs[part.log].sample_s;
-        let counts: Vec<bool> =
-            (0..part.values.len()).map(|i| evidence.counts(part.stage, part.log, i)).collect();
+        let counts: Vec<bool> = (0..part.values.len()).map(evidence.counting(part.stage, part.log)).collect();
         let waves = || counts.iter().enumerate().map(|(i, counts)| (*counts, (turn * i as f64).sin_cos()));
         let mut sums = [0.0; 5];
         for ((counts, (sin, cos)), value) in waves().zip(&part.values) {
