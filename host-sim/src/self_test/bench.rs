@@ -19,6 +19,10 @@ const POSITION_STEPS_A_MM: f64 = 1e5;
 const COMMAND_STEPS_A_MM: f64 = 1e6;
 const FORCE_STEPS_A_N: f64 = 10.0;
 
+/// Steps that a mode of the tool takes in one of the plant's.
+const MODE_STEPS: u32 = 20;
+const MODE_STEP_S: f64 = STEP_S / 20.0;
+
 struct Noise {
     motor_mm: f64,
     table_mm: f64,
@@ -93,9 +97,13 @@ impl<'a> Moving<'a> {
         match self.axis.resonance {
             None => self.swing_m = self.state.table_m,
             Some([omega, zeta]) => {
-                let pull = omega * omega * (table_m - self.swing_m) - 2.0 * zeta * omega * self.swing_m_per_s;
-                self.swing_m_per_s += STEP_S * pull;
-                self.swing_m += STEP_S * self.swing_m_per_s;
+                // A step of the plant's would shift the frequency by ζωh/2, more than the trace is uncertain of it.
+                for _ in 0..MODE_STEPS {
+                    let pull =
+                        omega * omega * (table_m - self.swing_m) - 2.0 * zeta * omega * self.swing_m_per_s;
+                    self.swing_m_per_s += MODE_STEP_S * pull;
+                    self.swing_m += MODE_STEP_S * self.swing_m_per_s;
+                }
             }
         }
     }

@@ -6,7 +6,7 @@ use super::signals::Smooth;
 use crate::plant::parameters::MOTOR_SIGN_WIDTH_M_PER_S;
 
 /// Longest step of the driven table, s.
-const LONGEST_STEP_S: f64 = 5e-4;
+const LONGEST_STEP_S: f64 = 1e-3;
 
 /// A motor's path in steps of equal length.
 #[derive(Clone, Debug)]

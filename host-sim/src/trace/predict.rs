@@ -16,6 +16,9 @@ use crate::plant::motion::AxisMotion;
 use crate::plant::parameters::{AxisParameters, ServoParameters};
 use crate::plant::structure::{self, Tables};
 
+/// How much longer the steps of a loop may be than those of a simulation: nanometres are asked for, not their hundredths.
+const COARSER: f64 = 2.0;
+
 /// A spring that needs more steps a tick is taken for a slip of the unit: its loop is not run.
 const MOST_SUBSTEPS: u32 = 500;
 
@@ -195,7 +198,7 @@ pub fn closed_loop(
     }
     let tick_s = 1.0 / rates.velocity_loop_hz;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
-    let substeps = (tick_s / parameters.step_s()).ceil() as u32;
+    let substeps = (tick_s / (COARSER * parameters.step_s())).ceil() as u32;
     if substeps > MOST_SUBSTEPS {
         return None;
     }
