@@ -57,7 +57,7 @@ fn rigid(criterion: &mut Criterion) {
     let names: Vec<String> = machine.axis.keys().cloned().collect();
     let logs = [Signals::new(&log, &names)];
     let evidence =
-        Evidence { logs: &logs, names: &names, axis: 0, rates: servo::rates(&machine), aside: &[] };
+        Evidence { logs: &logs, names: &names, axis: 0, rates: servo::rates(&machine), aside: &[], own: &[] };
     let axis = &machine.axis[0];
     let (scopes, _) = scopes(axis, 0, &logs);
     let start = AxisModel::new(axis, evidence.rates);

@@ -195,6 +195,13 @@ fn two_machines_come_out_as_they_were_drawn() {
     // Nothing is left of the tool's residual but noise: both axes, both machines.
     let (channel, spread) = &summary.ratios[3];
     assert!(*channel == "tool" && spread.count == 4 && (0.9..1.1).contains(&spread.most), "{spread:?}");
+    // Nor of the other stages, which hang on friction: reversals leave less than noise has.
+    for (channel, spread) in &summary.ratios[..3] {
+        assert!(
+            spread.count == 4 && spread.most < 2f64.sqrt() && spread.median > 0.9,
+            "{channel} {spread:?}"
+        );
+    }
     let json = json(1, 2, &outcomes, &summary);
     assert_eq!(json["cases"][0]["exact"], serde_json::json!(true));
     assert_eq!(json["summary"]["exact"]["of"], serde_json::json!(2));

@@ -19,6 +19,9 @@ use crate::effects::{Effect, Stage};
 use crate::log::Unit;
 use crate::machine::Axis;
 
+/// Steps to where the others are without an effect that is at its optimum.
+const STEPS_TO_REPORT: usize = 3;
+
 /// An effect that was found, as reported.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Found {
@@ -126,34 +129,18 @@ pub fn trace(
         model.weigh(scope);
         explained.push(outcome);
     }
-    let joint = joint(&scopes);
-    let together = |evidence: &Evidence<'_>, model: &mut AxisModel, explained: &mut [Explained]| {
-        let Some(joint) = &joint else { return };
-        say(&format!("{name}: fitting all to {}", stage_names(&joint.stages)));
-        let fitted = fit::fit(evidence, model, joint, fit::STEPS);
-        *model = fitted.model.clone();
-        // Whichever scope an effect was found in, its interval is that of this fit.
-        for outcome in explained {
-            (outcome.fitted_to, outcome.fitted) = (joint.clone(), fitted.clone());
-        }
-    };
-    together(fit_logs, &mut model, &mut explained);
+    together(fit_logs, &mut model, &mut explained, &scopes, say);
 
     // What driving a filtered motor gets wrong shows in the loop that was found: once more, without that.
     let errors = [fit_logs, validate].map(|evidence| own_error::of(evidence, &model, &scopes));
     let [without, validate_without] =
         [(fit_logs, &errors[0]), (validate, &errors[1])].map(|(evidence, own)| Evidence { own, ..*evidence });
-    let (mut better, mut explained_better) = (model.clone(), explained.clone());
-    if !errors[0].is_empty() {
+    let (better, explained_better) = if errors[0].is_empty() {
+        (model.clone(), explained.clone())
+    } else {
         say(&format!("{name}: fitting once more without the trace's own error"));
-        for outcome in &mut explained_better {
-            let seen = Evidence { aside: &outcome.aside, ..without };
-            outcome.fitted = fit::fit(&seen, &better, &outcome.scope, fit::STEPS);
-            better = outcome.fitted.model.clone();
-            better.weigh(&outcome.scope);
-        }
-        together(&without, &mut better, &mut explained_better);
-    }
+        again(&without, &model, &explained, &scopes, say)
+    };
     let is_better = own_error::is_less([(fit_logs, &model), (&without, &better)], &scopes);
     let (fit_logs, validate) = if is_better {
         (model, explained) = (better, explained_better);
@@ -213,6 +200,43 @@ pub fn trace(
         repeats,
         free_runs,
         rounds: search.rounds,
+    }
+}
+
+/// Fits all that was found once more, scope by scope.
+fn again(
+    evidence: &Evidence<'_>,
+    model: &AxisModel,
+    explained: &[Explained],
+    scopes: &[Scope],
+    say: &(dyn Fn(&str) + Sync),
+) -> (AxisModel, Vec<Explained>) {
+    let (mut model, mut explained) = (model.clone(), explained.to_vec());
+    for outcome in &mut explained {
+        let seen = Evidence { aside: &outcome.aside, ..*evidence };
+        outcome.fitted = fit::fit(&seen, &model, &outcome.scope, fit::STEPS);
+        model = outcome.fitted.model.clone();
+        model.weigh(&outcome.scope);
+    }
+    together(evidence, &mut model, &mut explained, scopes, say);
+    (model, explained)
+}
+
+/// Fits all that was found to the scopes that belong together, if there are such.
+fn together(
+    evidence: &Evidence<'_>,
+    model: &mut AxisModel,
+    explained: &mut [Explained],
+    scopes: &[Scope],
+    say: &(dyn Fn(&str) + Sync),
+) {
+    let Some(joint) = joint(scopes) else { return };
+    say(&format!("{}: fitting all to {}", evidence.names[evidence.axis], stage_names(&joint.stages)));
+    let fitted = fit::fit(evidence, model, &joint, fit::STEPS);
+    *model = fitted.model.clone();
+    // Whichever scope an effect was found in, its interval is that of this fit.
+    for outcome in explained {
+        (outcome.fitted_to, outcome.fitted) = (joint.clone(), fitted.clone());
     }
 }
 
@@ -276,7 +300,7 @@ fn reported(
             if !scope.holds(effect) {
                 continue;
             }
-            let next = fit::fit(&seen, &last.with(effect.clone()), scope, fit::STEPS).model;
+            let next = fit::fit(&seen, &last.with(effect.clone()), scope, STEPS_TO_REPORT).model;
             let [worse, better] = [&last, &next].map(|model| {
                 let of =
                     |evidence: &Evidence<'_>, stage| rms(&evidence.residuals(model, scope), stage, evidence);

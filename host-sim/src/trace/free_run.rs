@@ -6,7 +6,8 @@
 
 use serde::Serialize;
 
-use super::predict::{aged, in_motion};
+use super::in_loop::in_motion;
+use super::predict::aged;
 use super::signals::AxisSignals;
 use crate::effects::{Channel, Effect};
 use crate::machine::Axis;

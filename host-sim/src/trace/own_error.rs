@@ -18,7 +18,8 @@ use crate::effects::{Channel, Stage};
 #[must_use]
 pub fn of(evidence: &Evidence<'_>, model: &AxisModel, scopes: &[Scope]) -> Vec<Part> {
     let has_motor = scopes.iter().any(|scope| scope.stages == [Stage::Motor]);
-    let Some(driven) = scopes.iter().find(|scope| has_motor && scope.stages.iter().any(is_driven)) else {
+    let Some(driven) = scopes.iter().find(|scope| has_motor && scope.stages.iter().copied().any(is_driven))
+    else {
         return Vec::new();
     };
     let logs: Vec<Signals> =
@@ -29,7 +30,7 @@ pub fn of(evidence: &Evidence<'_>, model: &AxisModel, scopes: &[Scope]) -> Vec<P
     Evidence { logs: &logs, own: &[], aside: &[], ..*evidence }.residuals(model, driven)
 }
 
-fn is_driven(stage: &Stage) -> bool {
+fn is_driven(stage: Stage) -> bool {
     matches!(stage, Stage::Table | Stage::Force)
 }
 
@@ -64,8 +65,8 @@ pub fn is_less(models: [(&Evidence<'_>, &AxisModel); 2], scopes: &[Scope]) -> bo
     let [before, after] = models.map(|(evidence, model)| {
         let of_scope = |scope: &Scope| {
             let parts = evidence.residuals(model, scope);
-            let driven = scope.stages.iter().filter(|stage| is_driven(stage));
-            driven.map(|&stage| rms(&parts, stage, evidence).max(1e-12).ln()).sum::<f64>()
+            let driven = scope.stages.iter().copied().filter(|stage| is_driven(*stage));
+            driven.map(|stage| rms(&parts, stage, evidence).max(1e-12).ln()).sum::<f64>()
         };
         scopes.iter().map(of_scope).sum::<f64>()
     });

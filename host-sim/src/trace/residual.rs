@@ -2,8 +2,10 @@
 
 use shared::config::Rates;
 
+use super::in_loop::{Loop, Start, closed_loop};
+use super::last_tick::LastTick;
 use super::model::AxisModel;
-use super::predict::{self, LastTick, Loop, Start};
+use super::predict;
 use super::scope::Scope;
 use super::set_aside::{self, Aside};
 use super::signals::{AxisSignals, Signals, Smooth};
@@ -175,7 +177,7 @@ impl Evidence<'_> {
         let command = signals.command.as_ref()?;
         let settings = servo::settings(&model.axis, &parameters.servo).ok()?;
         let start = Start::of(command, signals, 1e-6 * model.table_zero_um)?;
-        predict::closed_loop(parameters, &settings, self.rates, command, start)
+        closed_loop(parameters, &settings, self.rates, command, start)
     }
 
     /// Standard deviation of the white noise in a stage's residual, µm or N: what no model can remove.
