@@ -291,12 +291,13 @@ pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
 pub fn free_run(run: &FreeRun) -> String {
     format!(
         "{}: under the measured force alone the declared model is {} µm rms astray within {} s, with the effects found \
-         {} µm ({} runs, held out).",
+         {} µm ({} {}, held out).",
         run.axis,
         significant(run.declared_um, 3),
         significant(run.seconds, 2),
         significant(run.after_um, 3),
         run.runs,
+        if run.runs == 1 { "run" } else { "runs" },
     )
 }
 

@@ -214,7 +214,10 @@ fn again(
     let (mut model, mut explained) = (model.clone(), explained.to_vec());
     for outcome in &mut explained {
         let seen = Evidence { aside: &outcome.aside, ..*evidence };
-        outcome.fitted = fit::fit(&seen, &model, &outcome.scope, fit::STEPS);
+        // The derivatives hold where little moves, unless they are those of the stages that belong together.
+        let is_own = outcome.fitted_to.stages == outcome.scope.stages;
+        let known = if is_own { &outcome.fitted.columns[..] } else { &[] };
+        outcome.fitted = fit::fit_from(&seen, &model, &outcome.scope, fit::STEPS, known);
         model = outcome.fitted.model.clone();
         model.weigh(&outcome.scope);
     }
