@@ -36,7 +36,8 @@ impl Kind for Resonance {
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![
             Coordinate { step: 0.1, ..Coordinate::scale(self.frequency_hz, 1.0, 400.0) },
-            Coordinate::scale(self.damping_ratio, 0.001, 2.0),
+            // A structure rings; what is damped by more is late.
+            Coordinate::scale(self.damping_ratio, 0.001, 0.3),
         ]
     }
 

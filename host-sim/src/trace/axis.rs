@@ -132,7 +132,9 @@ pub fn trace(
     together(fit_logs, &mut model, &mut explained, &scopes, say);
 
     // What driving a filtered motor gets wrong shows in the loop that was found: once more, without that.
-    let errors = [fit_logs, validate].map(|evidence| own_error::of(evidence, &model, &scopes));
+    let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All);
+    let own = |evidence| driven.map_or_else(Vec::new, |scope| own_error::of(evidence, &model, scope));
+    let errors = [fit_logs, validate].map(own);
     let [without, validate_without] =
         [(fit_logs, &errors[0]), (validate, &errors[1])].map(|(evidence, own)| Evidence { own, ..*evidence });
     let (better, explained_better) = if errors[0].is_empty() {
@@ -141,8 +143,8 @@ pub fn trace(
         say(&format!("{name}: fitting once more without the trace's own error"));
         again(&without, &model, &explained, &scopes, say)
     };
-    let is_better = own_error::is_less([(fit_logs, &model), (&without, &better)], &scopes);
-    let (fit_logs, validate) = if is_better {
+    let is_less = |scope| own_error::is_less([(fit_logs, &model), (&without, &better)], scope);
+    let (fit_logs, validate) = if driven.is_some_and(is_less) {
         (model, explained) = (better, explained_better);
         (&without, &validate_without)
     } else {

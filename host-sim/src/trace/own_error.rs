@@ -3,7 +3,8 @@
 //! The driven mechanics are given a filtered motor, which turns round less sharply than the machine's, and take steps that
 //! damp: after a jerk or a reversal a few hundredths of a micrometre stay that no effect has made. The fitted model,
 //! run in its own loop behind the same command, gives logs of such a machine; traced like the measured ones, what stays
-//! of them is that error. It hangs on the last digits of the model so little that it is taken once.
+//! of them is that error. It hangs on the last digits of the model so little that it is taken once for
+//! each effect that is found.
 
 use super::follow::delayed;
 use super::model::AxisModel;
@@ -13,25 +14,18 @@ use super::scope::Scope;
 use super::signals::{AxisSignals, Signals, Smooth};
 use crate::effects::{Channel, Stage};
 
-/// The error in the driven stages of all logs; none where motor or driven mechanics are not modelled, or a loop does
-/// not run.
+/// The error in a scope of driven stages, of all logs; none where the scope is another or a loop does not run.
 #[must_use]
-pub fn of(evidence: &Evidence<'_>, model: &AxisModel, scopes: &[Scope]) -> Vec<Part> {
-    let has_motor = scopes.iter().any(|scope| scope.stages == [Stage::Motor]);
-    let Some(driven) = scopes.iter().find(|scope| has_motor && scope.stages.iter().copied().any(is_driven))
-    else {
+pub fn of(evidence: &Evidence<'_>, model: &AxisModel, scope: &Scope) -> Vec<Part> {
+    if !scope.stages.iter().all(|stage| matches!(stage, Stage::Table | Stage::Force)) {
         return Vec::new();
-    };
+    }
     let logs: Vec<Signals> =
         (0..evidence.logs.len()).map_while(|log| as_the_model_has_it(evidence, model, log)).collect();
     if logs.len() < evidence.logs.len() {
         return Vec::new();
     }
-    Evidence { logs: &logs, own: &[], aside: &[], ..*evidence }.residuals(model, driven)
-}
-
-fn is_driven(stage: Stage) -> bool {
-    matches!(stage, Stage::Table | Stage::Force)
+    Evidence { logs: &logs, own: &[], aside: &[], ..*evidence }.residuals(model, scope)
 }
 
 /// A log with the channels of an axis as the model in its loop gives them.
@@ -59,16 +53,12 @@ fn as_the_model_has_it(evidence: &Evidence<'_>, model: &AxisModel, log: usize) -
     Some(like_measured)
 }
 
-/// Whether the second of two fitted models, each with what it is seen in, leaves less of the driven stages.
+/// Whether the second of two models, each with what it is seen in, leaves less of a scope.
 #[must_use]
-pub fn is_less(models: [(&Evidence<'_>, &AxisModel); 2], scopes: &[Scope]) -> bool {
+pub fn is_less(models: [(&Evidence<'_>, &AxisModel); 2], scope: &Scope) -> bool {
     let [before, after] = models.map(|(evidence, model)| {
-        let of_scope = |scope: &Scope| {
-            let parts = evidence.residuals(model, scope);
-            let driven = scope.stages.iter().copied().filter(|stage| is_driven(*stage));
-            driven.map(|stage| rms(&parts, stage, evidence).max(1e-12).ln()).sum::<f64>()
-        };
-        scopes.iter().map(of_scope).sum::<f64>()
+        let parts = evidence.residuals(model, scope);
+        scope.stages.iter().map(|&stage| rms(&parts, stage, evidence).max(1e-12).ln()).sum::<f64>()
     });
     after < before
 }

@@ -8,6 +8,7 @@ use super::held_out::{compare, scores};
 use super::intervals::{covariance, half_widths};
 use super::look_alike::{LookAlike, rivals};
 use super::model::AxisModel;
+use super::own_error;
 use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, Scope};
 use super::set_aside::Aside;
@@ -89,7 +90,8 @@ impl Search<'_> {
         loop {
             let first_round = self.rounds.len();
             let evidence = Evidence { aside: &aside, ..*self.fit_logs };
-            let mut fitted = self.add(&evidence, start, scope);
+            let (mut fitted, own) = self.add(&evidence, start, scope);
+            let evidence = Evidence { own: &own, ..evidence };
             let mut new = remainders(&evidence, &fitted, scope, self.name);
             let refused = self.rounds.last().and_then(|round| round.candidates.get(round.refused()?));
             if let (true, Some(refused)) = (new.is_empty(), refused.and_then(|c| c.fitted.as_ref())) {
@@ -121,11 +123,15 @@ impl Search<'_> {
         })
     }
 
-    /// Adds effects until nothing is supported; drops what a later one made needless.
-    fn add(&mut self, evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope) -> Fitted {
+    /// Adds effects until nothing is supported; drops what a later one made needless. Gives what the trace itself
+    /// leaves, too.
+    fn add(&mut self, evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope) -> (Fitted, Vec<Part>) {
         let mut base = fit::fit(evidence, start, scope, fit::STEPS);
+        let mut own = Vec::new();
         let mut added = 0;
         while added < MOST_EFFECTS {
+            (base, own) = without_own(evidence, base, own, scope);
+            let evidence = &Evidence { own: &own, ..*evidence };
             (self.say)(&format!("{}: trying the catalogue on {}", self.name, stage_names(&scope.stages)));
             let starts = self.starts(&base.model, scope);
             let origin = origin(evidence, &base, scope, added);
@@ -144,10 +150,12 @@ impl Search<'_> {
             base = fit::fit(evidence, &fitted.model, scope, fit::STEPS);
             added += 1;
         }
+        let seen = Evidence { own: &own, ..*evidence };
         if added > 1 {
-            base = self.prune(evidence, base, scope);
+            base = self.prune(&seen, base, scope);
         }
-        self.keep_what_is_certain(evidence, base, scope)
+        base = self.keep_what_is_certain(&seen, base, scope);
+        (base, own)
     }
 
     /// Whether held-out data support a candidate and the closed loop agrees. Where friction is seen alone, the
@@ -258,6 +266,16 @@ fn dropping(mut full: Fitted, scope: &Scope, better: impl Fn(&Fitted, usize) -> 
         }
     }
     full
+}
+
+/// A fit without the trace's own error, and that, where the model knows it better than it was known.
+fn without_own(evidence: &Evidence<'_>, base: Fitted, own: Vec<Part>, scope: &Scope) -> (Fitted, Vec<Part>) {
+    let new = own_error::of(evidence, &base.model, scope);
+    let [before, after] = [&own, &new].map(|own| Evidence { own, ..*evidence });
+    if new.is_empty() || !own_error::is_less([(&before, &base.model), (&after, &base.model)], scope) {
+        return (base, own);
+    }
+    (fit::fit_from(&after, &base.model, scope, fit::STEPS, &base.columns), new)
 }
 
 /// Where candidates start from: where the declared values were fitted to, but for a gross effect, such as a wide
