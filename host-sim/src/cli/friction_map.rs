@@ -18,7 +18,8 @@ use crate::report;
 /// # Errors
 /// Input that cannot be used, output that cannot be written.
 pub fn run(path: &Path, json_path: Option<&PathBuf>, folder: Option<&PathBuf>) -> Result<()> {
-    keeps(&[path], &[("--json", json_path)])?;
+    let page = folder.map(|folder| folder.join(report::FILE_NAME));
+    keeps(&[path], &[("--json", json_path), ("--report", page.as_ref())])?;
     let map = FrictionMap::read(path)?;
     let explained = explain(&map).ok_or_else(|| {
         let what = "runs that tell Coulomb from viscous friction";

@@ -33,7 +33,8 @@ pub fn of_trace(trace: &Trace) -> String {
         .iter()
         .flat_map(|axis| axis.look_alikes.iter().map(|alike| words::look_alike(axis, alike)));
     let refused = trace.axes.iter().flat_map(ranking::refused);
-    let rest = alike.chain(refused).chain(rest);
+    let open = trace.axes.iter().flat_map(words::open_ends);
+    let rest = alike.chain(refused).chain(open).chain(rest);
     let rest: Vec<String> = trace.notes.iter().cloned().chain(rest).chain(repeats).chain(runs).collect();
     if !rest.is_empty() {
         lines.push(String::new());

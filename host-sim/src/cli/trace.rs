@@ -25,7 +25,7 @@ pub struct Arguments {
     #[arg(long)]
     validate: Vec<PathBuf>,
     /// Instead of machine and logs: a steady-state friction map (CSV, one row a run at constant speed).
-    #[arg(long, conflicts_with_all = ["machine", "fit", "validate", "model"])]
+    #[arg(long, conflicts_with_all = ["machine", "fit", "validate", "model", "propose", "empirical"])]
     friction_map: Option<PathBuf>,
     /// Add what no effect explains as tables over what it follows, where held-out data support that.
     #[arg(long)]
@@ -61,10 +61,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let logs = arguments.fit.iter().chain(&arguments.validate);
     let inputs: Vec<&Path> = logs.map(PathBuf::as_path).chain([machine]).collect();
+    let page = arguments.report.as_ref().map(|folder| folder.join(report::FILE_NAME));
     let outputs = [
         ("--json", arguments.json.as_ref()),
         ("--model", arguments.model.as_ref()),
         ("--propose", arguments.propose.as_ref()),
+        ("--report", page.as_ref()),
     ];
     keeps(&inputs, &outputs)?;
     let machine = Machine::read(machine)?;

@@ -1,8 +1,10 @@
 //! Progressive pitch error: the screw's mean lead is not the nominal one.
 
 use serde::{Deserialize, Serialize};
+use shared::config::Rates;
 
 use super::{Coordinate, Kind, Stage, Surroundings};
+use crate::machine::Axis;
 
 /// The screw moves the table (1 + slope) times the motor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -33,6 +35,12 @@ impl Kind for PitchProgressive {
 
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![Coordinate::signed(self.slope_um_per_m, 5.0, 1e5)]
+    }
+
+    /// A twentieth of a degree makes half a micrometre of a metre of steel.
+    fn is_material(&self, _declared: &Axis, _rates: Rates) -> bool {
+        const LEAST_UM_PER_M: f64 = 0.5;
+        self.slope_um_per_m.abs() > LEAST_UM_PER_M
     }
 
     fn at(&self, x: &[f64]) -> Self {

@@ -19,6 +19,9 @@ const COLUMNS: [(Unit, [&str; 4]); 2] = [
 
 const SAMPLES: &str = "samples";
 
+/// More, in any unit of a map, is a slip.
+const MOST: f64 = 1e9;
+
 impl FrictionMap {
     /// Reads a map from a CSV file, packed or not; `-` is standard input.
     ///
@@ -115,6 +118,9 @@ impl Header {
         for (i, (field, name)) in record.iter().zip(&self.names).enumerate() {
             let value = field.trim().parse().ok().filter(|value: &f64| value.is_finite());
             let value = value.ok_or_else(|| refuse(i, "a finite number"))?;
+            if value.abs() > MOST {
+                return Err(refuse(i, "a number from −1e9 to 1e9"));
+            }
             if name.contains("_sd_") && value < 0.0 {
                 return Err(refuse(i, "a number not below 0"));
             }

@@ -128,9 +128,13 @@ impl<'a> Table<'a> {
                 let what = format!("{} values as in the header", columns.len());
                 return Err(self.refuse(&record, &what, record.len()));
             }
-            for ((column, field), name) in columns.iter_mut().zip(&record).zip(&header.names) {
-                let value = number(field)
-                    .ok_or_else(|| self.refuse(&record, "a finite number", found(field)).at_key(name))?;
+            let fields = columns.iter_mut().zip(&record).zip(&header.names).enumerate();
+            for (i, ((column, field), name)) in fields {
+                let refuse = |what| self.refuse(&record, what, found(field)).at_key(name);
+                let value = number(field).ok_or_else(|| refuse("a finite number"))?;
+                if i != header.time && value.abs() > MOST {
+                    return Err(refuse("a number from −1e9 to 1e9"));
+                }
                 column.push(value);
             }
             decimals = decimals.max(printed_decimals(&record[header.time]));
@@ -175,6 +179,9 @@ impl<'a> Table<'a> {
 fn decimal(time_s: f64) -> f64 {
     (time_s * 1e9).round() / 1e9
 }
+
+/// More mm, degrees, N or N·m than that is a slip.
+const MOST: f64 = 1e9;
 
 fn number(field: &[u8]) -> Option<f64> {
     let value: f64 = str::from_utf8(field.trim_ascii()).ok()?.parse().ok()?;

@@ -124,7 +124,8 @@ fn tried(rounds: &[Round]) -> String {
     );
     for (number, round) in rounds.iter().enumerate() {
         let row = |(i, c): (usize, &crate::friction_map::search::Candidate)| {
-            let change = |share: f64| match 100.0 * ((1.0 - share).max(0.0).sqrt() - 1.0) {
+            // Not a number where it was not asked: `clamp` keeps it, `max` would not.
+            let change = |share: f64| match 100.0 * ((1.0 - share).clamp(0.0, f64::MAX).sqrt() - 1.0) {
                 change if change.is_finite() && change < 1000.0 => format!("{} %", fixed(change, 1)),
                 _ => "–".to_owned(),
             };

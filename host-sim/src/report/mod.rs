@@ -133,11 +133,14 @@ fn unexplained(axes: &[AxisTrace], notes: &[String]) -> String {
         .iter()
         .flat_map(|axis| {
             let rests = axis.unexplained.iter().map(|rest| words::remainder(axis, rest));
+            let rests = words::open_ends(axis).into_iter().chain(rests);
             rests.chain(axis.not_testable.iter().map(|stage| words::not_testable(&axis.axis, stage)))
         })
         .collect();
     let is_explained = |axis: &AxisTrace, error: &crate::trace::axis::StageError| {
-        !axis.unexplained.iter().any(|rest| rest.channel == error.stage)
+        const MOST: f64 = 1.5;
+        let is_quiet = error.after.validate <= MOST * error.noise;
+        is_quiet && !axis.unexplained.iter().any(|rest| rest.channel == error.stage)
     };
     let quiet: Vec<String> = axes
         .iter()

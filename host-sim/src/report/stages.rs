@@ -22,7 +22,7 @@ impl<'a> AxisView<'a> {
     /// One for each axis of a trace.
     pub fn all(trace: &'a Trace) -> Vec<Self> {
         let of_axis = |(index, axis): (usize, &'a AxisTrace)| {
-            let evidence = trace.evidence(&trace.validate_logs, index);
+            let evidence = Evidence { own: &axis.own, ..trace.evidence(&trace.validate_logs, index) };
             let residuals = |model: &AxisModel| {
                 axis.scopes.iter().flat_map(|scope| evidence.residuals(model, scope)).collect()
             };

@@ -26,13 +26,16 @@ pub fn table(axis: &AxisTrace, table: &Empirical) -> String {
         Variable::OtherPosition => "the other axis's position",
         Variable::OtherAcceleration => "the other axis's acceleration",
     };
+    // As much as it had to be worth where it was found, in rms.
+    let helps = table.after.validate < 0.98 * table.before.validate;
     let [before, after] = [table.before.validate, table.after.validate].map(|rms| significant(rms, 3));
     format!(
         "{}, {}: a table over {over} ({} points) takes what stays from {before} to {after} {unit} rms on motions not \
-         used to find it.",
+         used to find it{}.",
         table.axis,
         stage_names(&[table.channel]),
-        table.table.len()
+        table.table.len(),
+        if helps { "" } else { ": it is of no use there" }
     )
 }
 
@@ -284,6 +287,33 @@ pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
         significant(part.repeatable, 3),
         significant(part.non_repeatable, 3),
     )
+}
+
+/// What the fitted logs did not tell: values that they leave open, and stages in which more stays on other logs.
+#[must_use]
+pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
+    /// So many times as much is more than another motion's share of noise.
+    const MORE: f64 = 2.0;
+    let keys = axis.model.at_bounds();
+    let bounds = (!keys.is_empty()).then(|| {
+        format!(
+            "{}: {} ended at a bound of the declared tolerance: the logs that were fitted do not tell it, or it lies beyond.",
+            axis.axis,
+            keys.join(", ")
+        )
+    });
+    let more = axis.errors.iter().filter(|e| e.after.validate > MORE * e.after.fit.max(e.noise)).map(|error| {
+        let (unit, _) = residual_unit(axis.unit, error.stage);
+        format!(
+            "{}, {}: {} {unit} rms stay on motions not used, {} times what stays on those that were: these ask more of the \
+             model.",
+            axis.axis,
+            stage_names(&[error.stage]),
+            significant(error.after.validate, 3),
+            significant(error.after.validate / error.after.fit, 2),
+        )
+    });
+    bounds.into_iter().chain(more).collect()
 }
 
 /// What the models are worth without feedback.

@@ -116,11 +116,12 @@ fn ordinal(n: usize) -> String {
 fn travel(log: &Log, axis: &str) -> f64 {
     let Some(axis) = log.axis(axis) else { return 0.0 };
     let channels = [&axis.command, &axis.motor, &axis.table].into_iter().flatten();
-    let ranges = channels.map(|places| {
-        let least = places.iter().copied().fold(f64::INFINITY, f64::min);
-        places.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
-    });
-    ranges.fold(0.0, f64::max)
+    channels.map(|places| range(places)).fold(0.0, f64::max)
+}
+
+fn range(places: &[f64]) -> f64 {
+    let least = places.iter().copied().fold(f64::INFINITY, f64::min);
+    places.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
 }
 
 /// Less is presliding and noise, mm or degrees.
@@ -128,6 +129,9 @@ const LEAST_TRAVEL: f64 = 0.01;
 
 /// More is a slip of the unit.
 const MOST_TRAVEL: f64 = 1e6;
+
+/// A sensor that stands while another goes so many times as far as an axis must is dead: no gap is as wide.
+const STANDS_BESIDE: f64 = 100.0;
 
 /// Least samples that anything can be fitted to.
 const LEAST_SAMPLES: usize = 200;
@@ -148,8 +152,24 @@ fn check(machine: &Machine, log: &Log) -> Result<(), InputError> {
     if !(LEAST_TRAVEL..=MOST_TRAVEL).contains(&farthest) {
         return refuse(
             format!("motion over {LEAST_TRAVEL} to {MOST_TRAVEL} mm (or deg) on some axis"),
-            format!("{farthest}"),
+            format!("{farthest:.6}"),
         );
+    }
+    for axis in &log.axes {
+        let of = |channel: Channel| axis.channel(channel).map(range);
+        let [command, motor, table] = [Channel::Command, Channel::Motor, Channel::Table].map(of);
+        for (name, dead, moves) in [("motor", motor, table.or(command)), ("table", table, motor)] {
+            let (Some(dead), Some(moves)) = (dead, moves) else { continue };
+            if moves > STANDS_BESIDE * LEAST_TRAVEL && dead < LEAST_TRAVEL {
+                return refuse(
+                    format!(
+                        "a {name} of {} that moves where the axis goes {moves:.3} mm (or deg)",
+                        axis.name
+                    ),
+                    "one that stands".to_owned(),
+                );
+            }
+        }
     }
     if log.len() < LEAST_SAMPLES {
         return refuse(format!("at least {LEAST_SAMPLES} samples"), log.len().to_string());

@@ -10,7 +10,7 @@ use super::look_alike::LookAlike;
 use super::model::AxisModel;
 use super::own_error;
 use super::repeatability::{Repeatability, repeatability};
-use super::residual::{Evidence, rms};
+use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::search::{Explained, Round, Search};
 use super::unexplained::{Unexplained, unexplained};
@@ -88,6 +88,8 @@ pub struct AxisTrace {
     pub found: Vec<Found>,
     /// Errors by stage.
     pub errors: Vec<StageError>,
+    /// What the trace itself leaves on the validation logs.
+    pub own: Vec<Part>,
     /// What stays above the noise.
     pub unexplained: Vec<Unexplained>,
     /// How much of what stays comes again with the motion.
@@ -202,6 +204,7 @@ pub fn trace(
         repeats,
         free_runs,
         rounds: search.rounds,
+        own: validate.own.to_vec(),
     }
 }
 

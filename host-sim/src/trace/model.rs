@@ -10,6 +10,7 @@ use crate::plant::parameters::AxisParameters;
 
 /// A declared number with a tolerance.
 struct Declared {
+    key: &'static str,
     get: fn(&Axis) -> Option<f64>,
     set: fn(&mut Axis, f64),
 }
@@ -17,6 +18,7 @@ struct Declared {
 macro_rules! declared {
     ($($key:ident),+) => {
         &[$(Declared {
+                key: stringify!($key),
                 get: |axis| axis.$key,
             set: |axis, value| axis.$key = Some(value),
         }),+]
@@ -107,6 +109,22 @@ impl AxisModel {
             }
         }
         model
+    }
+
+    /// Keys of declared values that ended at a bound of their tolerance, of those that any motion should show.
+    #[must_use]
+    pub fn at_bounds(&self) -> Vec<&'static str> {
+        const HARDLY_SHOWN: [&str; 3] =
+            ["damping_n_s_per_m", "presliding_stiffness_n_per_um", "presliding_damping_n_s_per_m"];
+        let is_at_bound = |key: &&Declared| {
+            let values = (key.get)(&self.declared).zip((key.get)(&self.axis));
+            let spread = |declared: f64| self.tolerance() * declared.abs();
+            values.is_some_and(|(declared, value)| {
+                spread(declared) > 0.0 && (value - declared).abs() > 0.9999 * spread(declared)
+            })
+        };
+        let at_bounds = DECLARED.iter().filter(|key| !HARDLY_SHOWN.contains(&key.key)).filter(is_at_bound);
+        at_bounds.map(|key| key.key).collect()
     }
 
     /// The effects that were found.

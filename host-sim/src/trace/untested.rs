@@ -43,6 +43,12 @@ fn conditions(
         "crosstalk" | "straightness" => (&[Tool], unless(others, "another axis")),
         "squareness" => (&[Tool], unless(first_of_two, "the first of two axes")),
         "latency" => (&[Table, Tool], None),
+        "presliding" if axis.presliding_stiffness_n_per_um.is_some() => {
+            (&[Force], Some("a machine file that declares no presliding"))
+        }
+        "presliding" | "shear_thinning" | "friction_memory" | "preload_variation" | "friction_ripple" => {
+            (&[Force], Some("logs without a table channel"))
+        }
         _ => (&[Tool], None),
     }
 }
