@@ -72,6 +72,7 @@ pub fn reduction_percent(explained: &Explained, term: Term) -> f64 {
 }
 
 /// Terms that left-out runs supported nearly as well as the one that was added: the map does not tell them apart.
+/// What the law holds besides is none of them.
 #[must_use]
 pub fn rivals(explained: &Explained, term: Term) -> Vec<Term> {
     for round in &explained.searched.rounds {
@@ -81,7 +82,8 @@ pub fn rivals(explained: &Explained, term: Term) -> Vec<Term> {
         }
         let count = round.candidates.len();
         let near = |c: &&super::search::Candidate| {
-            c.term != term && c.is_supported(count) && 1.0 - c.reduction < AS_GOOD * (1.0 - added.reduction)
+            let is_held = explained.searched.fitted.law.terms.iter().any(|held| held.name() == c.term.name());
+            !is_held && c.is_supported(count) && 1.0 - c.reduction < AS_GOOD * (1.0 - added.reduction)
         };
         return round.candidates.iter().filter(near).map(|c| c.term).collect();
     }

@@ -103,6 +103,7 @@ fn bad_rows_are_refused_with_line_and_column() {
     let cases = [
         ("3.5", "NaN", "line 4: x_motor_mm: expected a finite number, found \"NaN\""),
         ("3.5", "-inf", "line 4: x_motor_mm: expected a finite number, found \"-inf\""),
+        ("3.5", "-2e9", "line 4: x_motor_mm: expected a number from −1e9 to 1e9, found \"-2e9\""),
         ("3.5", "1e999", "line 4: x_motor_mm: expected a finite number, found \"1e999\""),
         ("3.5", "", "line 4: x_motor_mm: expected a finite number, found nothing"),
         ("3.5", "3.5mm", "line 4: x_motor_mm: expected a finite number, found \"3.5mm\""),

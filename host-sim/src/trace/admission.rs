@@ -381,6 +381,18 @@ mod tests {
     }
 
     #[test]
+    fn a_sensor_that_stands_while_another_moves_is_dead() {
+        let mut dead = log("d.csv", 1000.0, Unit::Millimetre);
+        let motor = dead.axes[0].motor.clone().unwrap();
+        dead.axes[0].command = Some(motor.clone());
+        dead.axes[0].motor = Some(vec![0.0; motor.len()]);
+        let said = refused(&[dead.clone()], &[]);
+        assert!(said.starts_with("d.csv: expected a motor of x that moves where the axis goes"), "{said}");
+        (dead.axes[0].motor, dead.axes[0].table) = (Some(motor.clone()), Some(vec![5.0; motor.len()]));
+        assert!(refused(&[dead], &[]).starts_with("d.csv: expected a table of x"));
+    }
+
+    #[test]
     fn a_saturated_force_is_left_out_or_refused() {
         let clipped = |greatest: f64| {
             let mut log = log("s.csv", 1000.0, Unit::Millimetre);
