@@ -13,6 +13,7 @@ pub mod link;
 pub mod log;
 pub mod machine;
 pub mod motion;
+pub mod number;
 pub mod output;
 pub mod path;
 pub mod plant;

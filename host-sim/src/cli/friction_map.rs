@@ -18,7 +18,7 @@ use crate::report;
 /// # Errors
 /// Input that cannot be used, output that cannot be written.
 pub fn run(path: &Path, json_path: Option<&PathBuf>, folder: Option<&PathBuf>) -> Result<()> {
-    let page = folder.map(|folder| folder.join(report::FILE_NAME));
+    let page = report::file_in(folder);
     keeps(&[path], &[("--json", json_path), ("--report", page.as_ref())])?;
     let map = FrictionMap::read(path)?;
     let explained = explain(&map).ok_or_else(|| {

@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let expected = format!("a number of cases from 1 to {MOST_CASES}");
         return Err(InputError::expected("--cases", expected, arguments.cases).into());
     }
-    let page = arguments.report.as_ref().map(|folder| folder.join(report::FILE_NAME));
+    let page = report::file_in(arguments.report.as_ref());
     keeps(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
     stop::write_first();
     let (sender, receiver) = channel();

@@ -61,7 +61,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let logs = arguments.fit.iter().chain(&arguments.validate);
     let inputs: Vec<&Path> = logs.map(PathBuf::as_path).chain([machine]).collect();
-    let page = arguments.report.as_ref().map(|folder| folder.join(report::FILE_NAME));
+    let page = report::file_in(arguments.report.as_ref());
     let outputs = [
         ("--json", arguments.json.as_ref()),
         ("--model", arguments.model.as_ref()),

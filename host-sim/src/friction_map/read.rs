@@ -7,6 +7,7 @@ use csv::{ReaderBuilder, StringRecord};
 use super::{FrictionMap, Run, Unit};
 use crate::error::{InputError, quoted};
 use crate::log::read::{checked_text, table_bytes};
+use crate::number;
 
 const ALLOWED: &str = "speed_rpm and torque_mnm, with speed_sd_rpm, torque_sd_mnm and samples where known; \
                        or velocity_mm_s and force_n, with velocity_sd_mm_s, force_sd_n and samples";
@@ -18,9 +19,6 @@ const COLUMNS: [(Unit, [&str; 4]); 2] = [
 ];
 
 const SAMPLES: &str = "samples";
-
-/// More, in any unit of a map, is a slip.
-const MOST: f64 = 1e9;
 
 impl FrictionMap {
     /// Reads a map from a CSV file, packed or not; `-` is standard input.
@@ -110,17 +108,12 @@ impl Header {
             return Err(InputError::expected(source, what, record.len()));
         }
         let refuse = |i: usize, what: &str| {
-            let found = record.get(i).unwrap_or_default();
-            let found = if found.trim().is_empty() { "nothing".to_owned() } else { quoted(found) };
+            let found = number::found(record.get(i).unwrap_or_default().as_bytes());
             InputError::expected(source, what, found).at_key(&self.names[i])
         };
         let mut values = Vec::with_capacity(record.len());
         for (i, (field, name)) in record.iter().zip(&self.names).enumerate() {
-            let value = field.trim().parse().ok().filter(|value: &f64| value.is_finite());
-            let value = value.ok_or_else(|| refuse(i, "a finite number"))?;
-            if value.abs() > MOST {
-                return Err(refuse(i, "a number from −1e9 to 1e9"));
-            }
+            let value = number::measured(field.trim().as_bytes()).map_err(|what| refuse(i, what))?;
             if name.contains("_sd_") && value < 0.0 {
                 return Err(refuse(i, "a number not below 0"));
             }

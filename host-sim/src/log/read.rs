@@ -13,6 +13,7 @@ use super::clock::{self, Irregular};
 use super::{AxisLog, Channel, Log, Unit};
 use crate::error::{InputError, line_at, quoted, shortened};
 use crate::machine::is_axis_name;
+use crate::number;
 
 const TIME: &str = "time_s";
 const ALLOWED: &str = "time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm";
@@ -130,11 +131,9 @@ impl<'a> Table<'a> {
             }
             let fields = columns.iter_mut().zip(&record).zip(&header.names).enumerate();
             for (i, ((column, field), name)) in fields {
-                let refuse = |what| self.refuse(&record, what, found(field)).at_key(name);
-                let value = number(field).ok_or_else(|| refuse("a finite number"))?;
-                if i != header.time && value.abs() > MOST {
-                    return Err(refuse("a number from −1e9 to 1e9"));
-                }
+                let refuse = |what| self.refuse(&record, what, number::found(field)).at_key(name);
+                let value = if i == header.time { number::finite(field) } else { number::measured(field) };
+                let value = value.map_err(refuse)?;
                 column.push(value);
             }
             decimals = decimals.max(printed_decimals(&record[header.time]));
@@ -178,19 +177,6 @@ impl<'a> Table<'a> {
 /// A time without the noise of its last bits.
 fn decimal(time_s: f64) -> f64 {
     (time_s * 1e9).round() / 1e9
-}
-
-/// More mm, degrees, N or N·m than that is a slip.
-const MOST: f64 = 1e9;
-
-fn number(field: &[u8]) -> Option<f64> {
-    let value: f64 = str::from_utf8(field.trim_ascii()).ok()?.parse().ok()?;
-    value.is_finite().then_some(value)
-}
-
-fn found(field: &[u8]) -> String {
-    let text = String::from_utf8_lossy(field);
-    if text.trim().is_empty() { "nothing".to_owned() } else { quoted(&text) }
 }
 
 /// Digits after the point. A time with an exponent counts as exact.

@@ -43,6 +43,12 @@ use stages::AxisView;
 /// Name of the page in its folder.
 pub const FILE_NAME: &str = "report.html";
 
+/// Where it is written, if it is.
+#[must_use]
+pub fn file_in(folder: Option<&PathBuf>) -> Option<PathBuf> {
+    folder.map(|folder| folder.join(FILE_NAME))
+}
+
 const STYLE: &str = include_str!("style.css");
 
 /// What a report holds beside the trace.

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::signals::Signals;
+use super::signals::{Signals, range};
 use crate::error::InputError;
 use crate::log::{Channel, Log, Unit};
 use crate::machine::Machine;
@@ -117,11 +117,6 @@ fn travel(log: &Log, axis: &str) -> f64 {
     let Some(axis) = log.axis(axis) else { return 0.0 };
     let channels = [&axis.command, &axis.motor, &axis.table].into_iter().flatten();
     channels.map(|places| range(places)).fold(0.0, f64::max)
-}
-
-fn range(places: &[f64]) -> f64 {
-    let least = places.iter().copied().fold(f64::INFINITY, f64::min);
-    places.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
 }
 
 /// Less is presliding and noise, mm or degrees.

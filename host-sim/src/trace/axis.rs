@@ -139,15 +139,15 @@ pub fn trace(
     let errors = [fit_logs, validate].map(own);
     let [without, validate_without] =
         [(fit_logs, &errors[0]), (validate, &errors[1])].map(|(evidence, own)| Evidence { own, ..*evidence });
-    let (better, explained_better) = if errors[0].is_empty() {
-        (model.clone(), explained.clone())
-    } else {
+    let better = driven.filter(|_| !errors[0].is_empty()).and_then(|scope| {
         say(&format!("{name}: fitting once more without the trace's own error"));
-        again(&without, &model, &explained, &scopes, say)
-    };
-    let is_less = |scope| own_error::is_less([(fit_logs, &model), (&without, &better)], scope);
-    let (fit_logs, validate) = if driven.is_some_and(is_less) {
-        (model, explained) = (better, explained_better);
+        let (better, explained) = again(&without, &model, &explained, &scopes, say);
+        let parts = [fit_logs.residuals(&model, scope), without.residuals(&better, scope)];
+        own_error::is_less(fit_logs, parts.each_ref().map(Vec::as_slice), scope)
+            .then_some((better, explained))
+    });
+    let (fit_logs, validate) = if let Some(better) = better {
+        (model, explained) = better;
         (&without, &validate_without)
     } else {
         (fit_logs, validate)

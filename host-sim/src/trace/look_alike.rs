@@ -249,17 +249,7 @@ mod tests {
         };
         let late = machine("name = \"latency\"\nchannel = \"tool\"\nms = 0.5\n");
         let leaning = machine("name = \"intalk\"\num_s2_per_m = 3.0\n");
-        let motion = Motion::parse(include_str!("../../motions/circle.toml"), "circle.toml").unwrap();
-        let path = path::of(&motion, &late, "circle.toml").unwrap();
-        let mut controller = simulate::controller(&late, Format::F64, &path.start_m).unwrap();
-        let run = Run {
-            machine: &late,
-            instruments: Instruments::typical(1),
-            start_m: &path.start_m,
-            blocks: &path.blocks,
-            start_s: 0.0,
-        };
-        let log = run.log(controller.as_mut(), |_, _, _| {}).unwrap();
+        let log = run(&late, include_str!("../../motions/circle.toml")).unwrap();
         let names: Vec<String> = late.axis.keys().cloned().collect();
         let proposal = propose([&late, &leaning], 0, &[Signals::new(&log, &names)]).unwrap();
         Motion::parse(&proposal.motion, "proposal.toml").unwrap();

@@ -53,12 +53,11 @@ fn as_the_model_has_it(evidence: &Evidence<'_>, model: &AxisModel, log: usize) -
     Some(like_measured)
 }
 
-/// Whether the second of two models, each with what it is seen in, leaves less of a scope.
+/// Whether the second of two residuals of a scope is less than the first.
 #[must_use]
-pub fn is_less(models: [(&Evidence<'_>, &AxisModel); 2], scope: &Scope) -> bool {
-    let [before, after] = models.map(|(evidence, model)| {
-        let parts = evidence.residuals(model, scope);
-        scope.stages.iter().map(|&stage| rms(&parts, stage, evidence).max(1e-12).ln()).sum::<f64>()
+pub fn is_less(evidence: &Evidence<'_>, residuals: [&[Part]; 2], scope: &Scope) -> bool {
+    let [before, after] = residuals.map(|parts| {
+        scope.stages.iter().map(|&stage| rms(parts, stage, evidence).max(1e-12).ln()).sum::<f64>()
     });
     after < before
 }

@@ -271,8 +271,12 @@ fn dropping(mut full: Fitted, scope: &Scope, better: impl Fn(&Fitted, usize) -> 
 /// A fit without the trace's own error, and that, where the model knows it better than it was known.
 fn without_own(evidence: &Evidence<'_>, base: Fitted, own: Vec<Part>, scope: &Scope) -> (Fitted, Vec<Part>) {
     let new = own_error::of(evidence, &base.model, scope);
-    let [before, after] = [&own, &new].map(|own| Evidence { own, ..*evidence });
-    if new.is_empty() || !own_error::is_less([(&before, &base.model), (&after, &base.model)], scope) {
+    let after = Evidence { own: &new, ..*evidence };
+    let is_less = || {
+        let parts = after.residuals(&base.model, scope);
+        own_error::is_less(evidence, [&base.parts, &parts], scope)
+    };
+    if new.is_empty() || !is_less() {
         return (base, own);
     }
     (fit::fit_from(&after, &base.model, scope, fit::STEPS, &base.columns), new)

@@ -166,11 +166,7 @@ impl AxisSignals {
             // What was not looked at cannot be said to stand.
             return true;
         }
-        let ranges = places.into_iter().map(|places| {
-            let least = places.iter().copied().fold(f64::INFINITY, f64::min);
-            places.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
-        });
-        ranges.fold(0.0, f64::max) >= LEAST_M
+        places.into_iter().map(|places| range(places)).fold(0.0, f64::max) >= LEAST_M
     }
 
     fn len(&self) -> Option<usize> {
@@ -223,6 +219,13 @@ impl Smooth {
     pub fn filtered(&self, values: &[f64]) -> Vec<f64> {
         Cubic::new(self.half).filtered(values)
     }
+}
+
+/// From the least of some values to the greatest.
+#[must_use]
+pub fn range(values: &[f64]) -> f64 {
+    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
+    values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
 }
 
 /// Samples within a standstill of 50 ms or more. A reversal is none: it passes through zero at once.
