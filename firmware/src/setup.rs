@@ -1,13 +1,13 @@
 //! The machine on the board: what a builder of another one changes, and nothing else.
 //!
 //! Two screws of 5 mm lead with 5000-line encoders on their motors, 15 kg each as the motor feels it.
-//! The values have to be accepted by [`Machine::new`] and [`Amplifier::new`]; a test on the host sees to that.
+//! The values have to be accepted by [`MachineConfig::new`] and [`Amplifier::new`]; a test on the host sees to that.
 
 use shared::config::{AxisSettings, Law, Rates, Sensors};
 use shared::drive::{Amplifier, DriveError, EnableSwitch, Station};
 use shared::feedback::encoder::Encoder;
 use shared::interpolate::{Block, Smoothing};
-use shared::machine::{Machine, MachineError};
+use shared::machine::{Machine, MachineConfig, MachineError};
 use shared::scalar::Fixed;
 use shared::units::Position;
 
@@ -88,12 +88,16 @@ impl From<DriveError> for SetupError {
     }
 }
 
-/// The controller with its program queued, drives off, for power stages of `full_counts` PWM counts.
+/// The controller with its program queued, drives off, for power stages of `full_counts` PWM counts. The machine is
+/// filled where it is: by value it would pass over a stack that has no room for it.
 ///
 /// # Errors
 /// The [`SetupError`] that says which value is wrong.
-pub fn station(full_counts: u16) -> Result<Station<Fixed, AXES>, SetupError> {
-    let mut machine = Machine::new(RATES, &SETTINGS, [Position(0); AXES])?;
+pub fn station(
+    machine: &mut Machine<Fixed, AXES>,
+    full_counts: u16,
+) -> Result<Station<'_, Fixed, AXES>, SetupError> {
+    machine.configure(MachineConfig::new(RATES, &SETTINGS)?, &[Position(0); AXES]);
     for block in &PROGRAM {
         machine.push(block).map_err(MachineError::from)?;
     }

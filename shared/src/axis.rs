@@ -40,20 +40,20 @@ pub struct AxisState<S: Scalar> {
 impl<S: Scalar> AxisState<S> {
     /// At rest: nothing integrated, nothing asked for.
     #[must_use]
-    pub fn at_rest(command: Position, reading: Reading) -> Self {
+    pub const fn at_rest(command: Position, reading: Reading) -> Self {
         Self {
             feedback: dual::State::settled(reading.motor, reading.table),
             feedforward: feedforward::State::at(command),
-            position: position::State::default(),
+            position: position::State::AT_REST,
             velocity: velocity::State::at(reading.motor),
-            notch: filter::State::default(),
-            low_pass: filter::State::default(),
-            velocity_command: S::default(),
-            shaped_force: S::default(),
-            velocity_bump: Bump::default(),
-            force_bump: Bump::default(),
+            notch: filter::State::AT_REST,
+            low_pass: filter::State::AT_REST,
+            velocity_command: S::ZERO,
+            shaped_force: S::ZERO,
+            velocity_bump: Bump::NONE,
+            force_bump: Bump::NONE,
             resettle: false,
-            watch: watch::State::default(),
+            watch: watch::State::NEW,
         }
     }
 

@@ -34,6 +34,11 @@ pub trait Scalar:
         + Sync
         + 'static;
 
+    /// The signal zero, for states that are made at compile time.
+    const ZERO: Self;
+    /// The sum zero.
+    const ZERO_SUM: Self::Sum;
+
     /// `fixed`, `f32` or `f64`.
     const NAME: &'static str;
     /// Gains must be smaller than this, either way.
@@ -107,6 +112,8 @@ impl Scalar for I18F14 {
     type Gain = I8F24;
     type Sum = I26F38;
 
+    const ZERO: Self = Self::ZERO;
+    const ZERO_SUM: I26F38 = I26F38::ZERO;
     const NAME: &'static str = "fixed";
     const GAIN_LIMIT: f64 = 128.0;
     const GAIN_STEP: f64 = 1.0 / 16_777_216.0;
@@ -188,6 +195,8 @@ macro_rules! float {
             type Gain = $float;
             type Sum = $float;
 
+            const ZERO: $float = 0.0;
+            const ZERO_SUM: $float = 0.0;
             const NAME: &'static str = $name;
             const GAIN_LIMIT: f64 = 1e18;
             const GAIN_STEP: f64 = 0.0;

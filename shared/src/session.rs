@@ -1,7 +1,7 @@
 //! The board's side of the [`crate::protocol`]: orders in, answers out, whatever the bytes are.
 
 use crate::axis::Reading;
-use crate::machine::{Machine, MachineError, Output};
+use crate::machine::{Machine, MachineConfig, MachineError, Output};
 use crate::protocol::{
     AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, Part, Refusal, Setup, Ticked, decode,
 };
@@ -52,6 +52,9 @@ enum Kind {
 }
 
 impl Session {
+    /// Nothing set up yet: what a static holds from the start, as a session is too large for a chip's stack.
+    pub const NEW: Self = Self { machine: Kind::Empty, parts: heapless::Vec::new() };
+
     /// Carries out the order in a frame. `None`: the host has ended the run.
     pub fn answer(&mut self, frame: &[u8; FRAME], meter: &mut impl Meter) -> Option<Answer> {
         match decode(frame) {
@@ -98,21 +101,22 @@ impl Kind {
     }
 
     fn set_up(&mut self, setup: &Setup) -> Answer {
-        fn machine<S: Scalar>(setup: &Setup) -> Result<Machine<S, AXES>, MachineError> {
-            Machine::new(setup.rates, &setup.axes, setup.start)
+        // Configured in place: a machine is too large for a chip's stack.
+        macro_rules! set_up {
+            ($format:ident) => {
+                MachineConfig::new(setup.rates, &setup.axes).map(|config| {
+                    *self = Self::$format(Machine::UNCONFIGURED);
+                    if let Self::$format(machine) = self {
+                        machine.configure(config, &setup.start);
+                    }
+                })
+            };
         }
-        let made = match setup.format {
-            Format::Fixed => machine(setup).map(Self::Fixed),
-            Format::F32 => machine(setup).map(Self::F32),
-            Format::F64 => machine(setup).map(Self::F64),
-        };
-        match made {
-            Ok(machine) => {
-                *self = machine;
-                Answer::Ready
-            }
-            Err(error) => answer(Err(error)),
-        }
+        answer(match setup.format {
+            Format::Fixed => set_up!(Fixed),
+            Format::F32 => set_up!(F32),
+            Format::F64 => set_up!(F64),
+        })
     }
 }
 

@@ -20,10 +20,15 @@ pub struct Watch<S: Scalar> {
 }
 
 /// What has been seen of an axis.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 pub struct State {
     /// Quarters of a tick.
     saturated_quarters: u32,
+}
+
+impl State {
+    /// Nothing so far.
+    pub const NEW: Self = Self { saturated_quarters: 0 };
 }
 
 /// What is seen of an axis in a position tick.

@@ -5,6 +5,7 @@ use firmware::setup::{AXES, METRES_PER_COUNT, SETTINGS, TICK_HZ, encoders, stati
 use shared::axis::Reading;
 use shared::drive::{Board, Duty};
 use shared::feedback::encoder::Encoder;
+use shared::machine::Machine;
 use shared::safety::Power;
 
 /// PWM counts on the board: 168 MHz / 20 kHz.
@@ -68,7 +69,8 @@ impl Board<AXES> for Bench {
 
 #[test]
 fn the_board_goes_round_its_circle_when_the_switch_is_closed_afresh() {
-    let mut station = station(FULL_COUNTS).unwrap();
+    let mut machine = Machine::UNCONFIGURED;
+    let mut station = station(&mut machine, FULL_COUNTS).unwrap();
     let mut bench = Bench {
         place_m: [0.0; AXES],
         velocity: [0.0; AXES],

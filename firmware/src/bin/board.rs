@@ -12,6 +12,7 @@ mod app {
     use firmware::board::Hardware;
     use firmware::setup::AXES;
     use shared::drive::Station;
+    use shared::machine::Machine;
     use shared::scalar::Fixed;
 
     #[shared]
@@ -20,13 +21,13 @@ mod app {
     #[local]
     struct Local {
         hardware: Hardware,
-        station: Station<Fixed, AXES>,
+        station: Station<'static, Fixed, AXES>,
     }
 
-    #[init]
+    #[init(local = [machine: Machine<Fixed, AXES> = Machine::UNCONFIGURED])]
     fn init(context: init::Context) -> (Shared, Local) {
-        let (hardware, station) =
-            Hardware::new(context.device).expect("a test on the host has tried these values");
+        let (hardware, station) = Hardware::new(context.device, context.local.machine)
+            .expect("a test on the host has tried these values");
         (Shared {}, Local { hardware, station })
     }
 

@@ -23,7 +23,7 @@ fn main() -> ! {
 fn run() -> Option<()> {
     let mut host = Host::open()?;
     let mut meter = InstructionMeter::new(cortex_m::Peripherals::take()?.SYST);
-    let mut session = Session::default();
+    let session = cortex_m::singleton!(: Session = Session::NEW)?;
     let mut frame = [0; FRAME];
     loop {
         host.receive(&mut frame)?;

@@ -5,6 +5,7 @@ mod axis;
 use embedded_hal::pwm::SetDutyCycle;
 use shared::axis::Reading;
 use shared::drive::{Board, Duty, Station};
+use shared::machine::Machine;
 use shared::safety::Power;
 use shared::scalar::Fixed;
 use stm32f4xx_hal::gpio::{Input, Output, PB14, PB15, PC6, PC7, PC13, PinState};
@@ -38,7 +39,10 @@ impl Hardware {
     ///
     /// # Panics
     /// Where the timer cannot give the tick rate, or the crystal the clock: both are constants.
-    pub fn new(device: Peripherals) -> Result<(Self, Station<Fixed, AXES>), SetupError> {
+    pub fn new(
+        device: Peripherals,
+        machine: &'static mut Machine<Fixed, AXES>,
+    ) -> Result<(Self, Station<'static, Fixed, AXES>), SetupError> {
         let clocks = Config::hse(setup::CRYSTAL_HZ.Hz()).sysclk(168.MHz());
         let mut rcc = device.RCC.freeze(clocks);
         let (a, b, c) =
@@ -58,7 +62,7 @@ impl Hardware {
         let counter_x = Qei::new(device.TIM3, (a.pa6, a.pa7), &mut rcc);
         let counter_y = Qei::new(device.TIM4, (b.pb6, b.pb7), &mut rcc);
         let [encoder_x, encoder_y] = setup::encoders([counter_x.count(), counter_y.count()])?;
-        let station = setup::station(pwm_x.max_duty_cycle())?;
+        let station = setup::station(machine, pwm_x.max_duty_cycle())?;
 
         let mut tick_timer = device.TIM2.counter_hz(&mut rcc);
         tick_timer.start(setup::TICK_HZ.Hz()).expect("168 MHz divide down to it");

@@ -46,7 +46,7 @@ pub struct State<S: Scalar> {
 }
 
 /// What changes slowly: one of them is looked up with each command, in turn.
-#[derive(Clone, Copy, Debug, Default)]
+#[derive(Clone, Copy, Debug)]
 struct LookedUp<S: Scalar> {
     turn: u8,
     pitch: S,
@@ -55,22 +55,24 @@ struct LookedUp<S: Scalar> {
     crosstalk: S,
 }
 
-impl<S: Scalar> Default for State<S> {
-    fn default() -> Self {
-        let none = S::default();
-        Self {
-            command: none,
-            reading: none,
-            force: none,
-            pulse: none,
-            pulse_force: none,
-            looked_up: LookedUp::default(),
-            off: 0,
-        }
-    }
-}
-
 impl<S: Scalar> State<S> {
+    /// Nothing corrected so far, every compensation on.
+    pub const NEW: Self = Self {
+        command: S::ZERO,
+        reading: S::ZERO,
+        force: S::ZERO,
+        pulse: S::ZERO,
+        pulse_force: S::ZERO,
+        looked_up: LookedUp {
+            turn: 0,
+            pitch: S::ZERO,
+            straightness: S::ZERO,
+            intalk: S::ZERO,
+            crosstalk: S::ZERO,
+        },
+        off: 0,
+    };
+
     /// Switches one compensation on or off. They are on to begin with.
     pub const fn switch(&mut self, item: Item, on: bool) {
         let bit = 1 << item as u16;

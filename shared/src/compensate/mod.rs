@@ -75,15 +75,28 @@ pub struct Compensation<S: Scalar, const N: usize> {
 }
 
 impl<S: Scalar, const N: usize> Compensation<S, N> {
+    /// None yet, of axes that stand at zero.
+    pub const NONE: Self = Self {
+        axes: [None; N],
+        states: [axis::State::NEW; N],
+        motions: [Motion::at(Position(0)); N],
+        any: false,
+    };
+
     /// None yet, of axes that stand at a place.
     #[must_use]
     pub fn none(start: [Position; N]) -> Self {
-        Self {
-            axes: [None; N],
-            states: [axis::State::default(); N],
-            motions: start.map(Motion::at),
-            any: false,
+        Self { motions: start.map(Motion::at), ..Self::NONE }
+    }
+
+    /// Forgets all there is, for axes that stand at a place, in place: tables are large.
+    pub fn reset(&mut self, start: &[Position; N]) {
+        for axis in &mut self.axes {
+            *axis = None;
         }
+        self.states = [axis::State::NEW; N];
+        self.motions = start.map(Motion::at);
+        self.any = false;
     }
 
     /// Replaces what is compensated on an axis; what is corrected now goes over to it.

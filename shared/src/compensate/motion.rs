@@ -28,12 +28,11 @@ pub const REVERSAL_NM: i64 = 10;
 impl<S: Scalar> Motion<S> {
     /// At rest.
     #[must_use]
-    pub fn at(place: Position) -> Self {
-        let none = S::default();
+    pub const fn at(place: Position) -> Self {
         Self {
             place,
-            increment: none,
-            acceleration: none,
+            increment: S::ZERO,
+            acceleration: S::ZERO,
             forward: true,
             reversed: false,
             furthest: place,

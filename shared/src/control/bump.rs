@@ -22,6 +22,9 @@ enum State<S: Scalar> {
 }
 
 impl<S: Scalar> Bump<S> {
+    /// Nothing has been changed.
+    pub const NONE: Self = Self { state: State::None };
+
     /// Says that the law has been changed when its output was `last`.
     pub fn change(&mut self, last: S) {
         self.state = State::Changed(last);

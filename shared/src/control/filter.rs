@@ -38,6 +38,9 @@ pub struct State<S: Scalar> {
 }
 
 impl<S: Scalar> State<S> {
+    /// Settled on zero.
+    pub const AT_REST: Self = Self { p: S::ZERO_SUM, q: S::ZERO_SUM };
+
     /// Settled on a value.
     #[must_use]
     pub fn settled(value: S) -> Self {

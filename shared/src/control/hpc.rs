@@ -33,6 +33,9 @@ pub struct State<S: Scalar> {
 }
 
 impl<S: Scalar> State<S> {
+    /// Settled on no error.
+    pub const AT_REST: Self = Self { y: S::ZERO_SUM, w: S::ZERO_SUM, filtered: S::ZERO };
+
     /// Settled on a filtered error.
     #[must_use]
     pub fn settled(filtered: S) -> Self {

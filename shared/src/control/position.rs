@@ -21,6 +21,9 @@ pub struct State<S: Scalar> {
 }
 
 impl<S: Scalar> State<S> {
+    /// No error so far.
+    pub const AT_REST: Self = Self { hpc: hpc::State::AT_REST, filtered: S::ZERO };
+
     /// Lets a filter that was not used so far start from where the loop is.
     pub fn settle(&mut self) {
         self.hpc = hpc::State::settled(self.filtered);

@@ -45,8 +45,8 @@ pub struct Wanted<S: Scalar> {
 impl<S: Scalar> State<S> {
     /// At rest at a motor reading.
     #[must_use]
-    pub fn at(motor: Position) -> Self {
-        Self { last: motor, last_increment: S::default(), integral: S::Sum::default() }
+    pub const fn at(motor: Position) -> Self {
+        Self { last: motor, last_increment: S::ZERO, integral: S::ZERO_SUM }
     }
 
     /// What the motor has moved in the last tick, increment units.

@@ -52,18 +52,22 @@ impl core::fmt::Display for DriveError {
 
 impl core::error::Error for DriveError {}
 
-/// A machine, its power stages and its enable switch.
-#[derive(Clone, Debug)]
-pub struct Station<S: Scalar, const N: usize> {
-    machine: Machine<S, N>,
+/// A machine, its power stages and its enable switch. The machine, which is large, stays where the board keeps it.
+#[derive(Debug)]
+pub struct Station<'m, S: Scalar, const N: usize> {
+    machine: &'m mut Machine<S, N>,
     amplifiers: [Amplifier<S>; N],
     switch: EnableSwitch,
 }
 
-impl<S: Scalar, const N: usize> Station<S, N> {
+impl<'m, S: Scalar, const N: usize> Station<'m, S, N> {
     /// Drives off until the switch is closed afresh.
     #[must_use]
-    pub const fn new(machine: Machine<S, N>, amplifiers: [Amplifier<S>; N], switch: EnableSwitch) -> Self {
+    pub const fn new(
+        machine: &'m mut Machine<S, N>,
+        amplifiers: [Amplifier<S>; N],
+        switch: EnableSwitch,
+    ) -> Self {
         Self { machine, amplifiers, switch }
     }
 
@@ -92,6 +96,9 @@ impl<S: Scalar, const N: usize> Station<S, N> {
 
 #[cfg(test)]
 mod tests {
+    extern crate std;
+    use std::boxed::Box;
+
     use super::*;
     use crate::config::{AxisSettings, Rates};
     use crate::interpolate::Block;
@@ -132,10 +139,10 @@ mod tests {
     }
 
     /// A station that has just been enabled, with a line to travel, and its bench.
-    fn running() -> (Station<Fixed, 1>, Bench) {
+    fn running() -> (Station<'static, Fixed, 1>, Bench) {
         let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
         let axis = AxisSettings { following_error_limit_m: 1e-3, ..AxisSettings::default() };
-        let mut machine = Machine::new(rates, &[axis], [Position(0)]).unwrap();
+        let machine = Box::leak(Box::new(Machine::new(rates, &[axis], [Position(0)]).unwrap()));
         machine.push(&Block::line([0.1], 0.1, 5.0)).unwrap();
         let mut station =
             Station::new(machine, [Amplifier::new(1000.0, 8400).unwrap()], EnableSwitch::new(SETTLING));
@@ -146,13 +153,13 @@ mod tests {
         (station, bench)
     }
 
-    fn run(station: &mut Station<Fixed, 1>, bench: &mut Bench, ticks: u32) {
+    fn run(station: &mut Station<'_, Fixed, 1>, bench: &mut Bench, ticks: u32) {
         for _ in 0..ticks {
             station.tick(bench);
         }
     }
 
-    fn close(station: &mut Station<Fixed, 1>, bench: &mut Bench) {
+    fn close(station: &mut Station<'_, Fixed, 1>, bench: &mut Bench) {
         bench.closed = false;
         run(station, bench, 2 * SETTLING);
         assert_eq!(bench.power, Power::Off);

@@ -116,8 +116,12 @@ pub struct State {
 impl State {
     /// Settled on the difference of two readings.
     #[must_use]
-    pub fn settled(motor: Position, table: Option<Position>) -> Self {
-        Self { shift: table.map_or(0, |table| table.beyond(motor)), fading: 0, missing: table.is_none() }
+    pub const fn settled(motor: Position, table: Option<Position>) -> Self {
+        let (shift, missing) = match table {
+            Some(table) => (table.beyond(motor), false),
+            None => (0, true),
+        };
+        Self { shift, fading: 0, missing }
     }
 }
 

@@ -55,7 +55,7 @@ impl Exponential {
 }
 
 /// How far a curve has come, position units with 64 fraction bits.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     begun: bool,
     target: i128,
@@ -64,6 +64,9 @@ pub struct Progress {
 }
 
 impl Progress {
+    /// At the start.
+    pub const NONE: Self = Self { begun: false, target: 0, distance: 0, step: 0 };
+
     /// Position units per tick, 16 fraction bits.
     #[must_use]
     pub const fn speed(&self) -> u64 {
@@ -97,7 +100,7 @@ mod tests {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 2⁵²")]
             let acceleration = ((feed << 16) as f64 / ticks) as u64;
             let curve = Exponential::plan(length, &Limits::new(feed << 16, acceleration, None)).unwrap();
-            let mut progress = Progress::default();
+            let mut progress = Progress::NONE;
             let mut distances = std::vec![0, 0];
             while {
                 let (distance, ended) = curve.advance(&mut progress);
@@ -121,7 +124,7 @@ mod tests {
         let feed = 1u64 << 30;
         let limits = Limits::new(feed << 16, (feed << 16) / 1000, None);
         let curve = Exponential::plan(1 << 50, &limits).unwrap();
-        let mut progress = Progress::default();
+        let mut progress = Progress::NONE;
         // It stands for a tick.
         assert_eq!(curve.advance(&mut progress), (0, false));
         for n in 1..5000 {

@@ -48,6 +48,8 @@ pub enum PathError {
     QueueFull,
     /// The drives have gone off, and the path is forgotten with the next tick.
     Interrupted,
+    /// The machine has no settings yet.
+    NotConfigured,
 }
 
 /// The number of a block that a [`PathError`] is about.
@@ -90,6 +92,7 @@ impl core::fmt::Display for PathError {
             Self::EndOffArc => write!(f, "the arc's end point lies off its circle"),
             Self::TooLong => write!(f, "the block lasts longer than the controller can count"),
             Self::QueueFull => write!(f, "the queue of blocks is full"),
+            Self::NotConfigured => write!(f, "the machine has no settings yet"),
             Self::Interrupted => {
                 write!(f, "the drives have gone off, and the path is forgotten with the next tick")
             }

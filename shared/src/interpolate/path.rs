@@ -6,7 +6,7 @@ use super::block::Block;
 use super::planned::{Planned, Progress};
 use super::profile::Step;
 use super::ramp::TICK;
-use super::smooth::{self, Filter, Rounding, Smoothing};
+use super::smooth::{self, Filters, Smoothing};
 use super::{FRACTION, PathError, joint, whole};
 use crate::units::Position;
 
@@ -24,10 +24,8 @@ pub struct Path<const N: usize> {
     /// The place on the path, and where the filters have brought the command behind it.
     place: [Position; N],
     command: [Position; N],
-    filters: [Filter; N],
+    filters: Filters<N>,
     behind: [smooth::State; N],
-    rounding: Rounding,
-    smooths: bool,
     /// Where the last planned block ends: the start of the next one.
     planned_to: [Position; N],
     rate_hz: f64,
@@ -45,23 +43,26 @@ struct Brake {
 }
 
 impl<const N: usize> Path<N> {
+    /// A path without blocks or a rate that stands at zero: what a static holds until [`Path::reset`].
+    pub const AT_ZERO: Self = Self {
+        blocks: Deque::new(),
+        progress: Progress::NONE,
+        started: false,
+        braking: None,
+        place: [Position(0); N],
+        command: [Position(0); N],
+        filters: Filters::PASS,
+        behind: [const { smooth::State::at(Position(0)) }; N],
+        planned_to: [Position(0); N],
+        rate_hz: 0.0,
+    };
+
     /// A path without blocks that stands at `start`, with a command every 1/`rate_hz`.
     #[must_use]
     pub fn new(start: [Position; N], rate_hz: f64) -> Self {
-        Self {
-            blocks: Deque::new(),
-            progress: Progress::default(),
-            started: false,
-            braking: None,
-            place: start,
-            command: start,
-            filters: [Filter::Pass; N],
-            behind: start.map(smooth::State::at),
-            rounding: Filter::Pass.rounding(),
-            smooths: false,
-            planned_to: start,
-            rate_hz,
-        }
+        let mut path = Self::AT_ZERO;
+        path.reset(&start, rate_hz, Filters::PASS);
+        path
     }
 
     /// Puts filters behind the path; to be done while it has no blocks.
@@ -69,17 +70,14 @@ impl<const N: usize> Path<N> {
     /// # Errors
     /// The [`PathError`] that names what is wrong with one; the path is unchanged.
     pub fn smooth(&mut self, smoothing: &[Smoothing; N]) -> Result<(), PathError> {
-        let mut filters = [Filter::Pass; N];
-        let mut rounding: Option<Rounding> = None;
-        for (filter, smoothing) in filters.iter_mut().zip(smoothing) {
-            *filter = Filter::new(smoothing, self.rate_hz)?;
-            let this = filter.rounding();
-            rounding = Some(rounding.map_or(this, |other| other.worse(this)));
-        }
-        self.smooths = filters.iter().any(|filter| *filter != Filter::Pass);
-        self.filters = filters;
-        self.rounding = rounding.unwrap_or_else(|| Filter::Pass.rounding());
+        self.filters = Filters::new(smoothing, self.rate_hz)?;
         Ok(())
+    }
+
+    /// Makes it the path of another machine, without blocks, in place: a path is large.
+    pub fn reset(&mut self, start: &[Position; N], rate_hz: f64, filters: Filters<N>) {
+        self.stand_at(start);
+        (self.rate_hz, self.filters) = (rate_hz, filters);
     }
 
     /// Plans a block, puts it at the end of the queue and lets those before it pass into it. Not part of a
@@ -88,14 +86,14 @@ impl<const N: usize> Path<N> {
     /// # Errors
     /// The [`PathError`] that names what is wrong; the path is unchanged.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
-        let mut planned = Planned::new(block, self.planned_to, self.rate_hz, &self.rounding)?;
+        let mut planned = Planned::new(block, self.planned_to, self.rate_hz, &self.filters.rounding)?;
         if self.blocks.is_full() {
             return Err(PathError::QueueFull);
         }
         let started = usize::from(self.started);
         let waits = self.blocks.len() > started;
         if let Some(last) = self.blocks.back_mut().filter(|_| waits) {
-            planned.enters = last.joint_with(&planned, &self.rounding);
+            planned.enters = last.joint_with(&planned, &self.filters.rounding);
             last.leaves = planned.enters;
         }
         self.planned_to = planned.end();
@@ -156,8 +154,8 @@ impl<const N: usize> Path<N> {
     }
 
     fn is_settled(&self) -> bool {
-        !self.smooths
-            || self.behind.iter().zip(&self.filters).all(|(behind, filter)| behind.is_settled(filter))
+        !self.filters.smooth
+            || self.behind.iter().zip(&self.filters.axes).all(|(behind, filter)| behind.is_settled(filter))
     }
 
     /// The command that [`Path::advance`] gave last.
@@ -167,13 +165,13 @@ impl<const N: usize> Path<N> {
     }
 
     /// Forgets every block and stands at a place.
-    pub fn stand_at(&mut self, place: [Position; N]) {
+    pub fn stand_at(&mut self, place: &[Position; N]) {
         self.blocks.clear();
         self.started = false;
         self.braking = None;
-        (self.place, self.command, self.planned_to) = (place, place, place);
+        (self.place, self.command, self.planned_to) = (*place, *place, *place);
         for (behind, place) in self.behind.iter_mut().zip(place) {
-            behind.stand_at(place);
+            behind.stand_at(*place);
         }
     }
 
@@ -201,9 +199,9 @@ impl<const N: usize> Path<N> {
             None => self.along(),
             Some(brake) => self.braking = Some(self.along_braking(brake)),
         }
-        if self.smooths {
+        if self.filters.smooth {
             for (((command, behind), filter), place) in
-                self.command.iter_mut().zip(&mut self.behind).zip(&self.filters).zip(self.place)
+                self.command.iter_mut().zip(&mut self.behind).zip(&self.filters.axes).zip(self.place)
             {
                 *command = behind.step(filter, place);
             }

@@ -64,7 +64,7 @@ enum Kind {
 }
 
 /// How far a block has come; one of the two is in use.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     pieces: profile::Progress,
     lag: exponential::Progress,
@@ -233,7 +233,7 @@ impl<const N: usize> Planned<N> {
                 progress.lags = false;
                 profile.start(&mut progress.pieces);
             }
-            Time::Lag(_) => (progress.lags, progress.lag) = (true, exponential::Progress::default()),
+            Time::Lag(_) => (progress.lags, progress.lag) = (true, exponential::Progress::NONE),
         }
     }
 
@@ -260,6 +260,10 @@ impl<const N: usize> Planned<N> {
 }
 
 impl Progress {
+    /// Of a block that has not been started.
+    pub const NONE: Self =
+        Self { pieces: profile::Progress::NONE, lag: exponential::Progress::NONE, lags: false };
+
     /// Position units from the start of the block.
     #[must_use]
     pub const fn distance(&self) -> i64 {

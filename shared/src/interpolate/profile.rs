@@ -43,7 +43,7 @@ pub struct Profile {
 ///
 /// Within a piece the distance after whole ticks is a cubic of their number, so its third difference is
 /// constant: three additions go one tick on.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     /// Position units, 64 fraction bits, and its differences over the next tick.
     distance: i128,
@@ -212,6 +212,10 @@ impl Profile {
 }
 
 impl Progress {
+    /// In no piece yet.
+    pub const NONE: Self =
+        Self { distance: 0, step: 0, step_change: 0, third_difference: 0, left: 0, piece: 0 };
+
     /// Whole position units.
     #[must_use]
     pub const fn distance(&self) -> i64 {
@@ -329,7 +333,7 @@ mod tests {
     const ONE: f64 = 18_446_744_073_709_551_616.0;
 
     fn started(profile: &Profile) -> Progress {
-        let mut progress = Progress::default();
+        let mut progress = Progress::NONE;
         profile.start(&mut progress);
         progress
     }

@@ -46,6 +46,9 @@ pub enum Smoothing {
     },
 }
 
+/// A tick with 16 fraction bits.
+const ONE_TICK: u64 = 1 << 16;
+
 /// What a filter does to a kink of the path.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Rounding {
@@ -62,6 +65,15 @@ pub struct Rounding {
 }
 
 impl Rounding {
+    /// Without a filter a step of velocity is taken within a tick.
+    pub const NONE: Self = Self {
+        deviation: 0,
+        deviation_by_acceleration: 0,
+        stretch: ONE_TICK,
+        rise: ONE_TICK,
+        window: ONE_TICK,
+    };
+
     /// The one that rounds more and stretches less.
     #[must_use]
     pub fn worse(self, other: Self) -> Self {
@@ -152,7 +164,7 @@ impl Filter {
     /// lag is off by no more than what it still has of the first side after τ: (v·τ + a·τ²)/e.
     #[must_use]
     pub fn rounding(&self) -> Rounding {
-        const ONE: u64 = 1 << 16;
+        const ONE: u64 = ONE_TICK;
         let means = |long: u64, short: u64| Rounding {
             deviation: ONE * (3 * long * long + short * short) / (24 * long),
             deviation_by_acceleration: ONE * (long * long + short * short) / 48,
@@ -161,9 +173,7 @@ impl Filter {
             window: ONE * (long + short),
         };
         match self {
-            Self::Pass => {
-                Rounding { deviation: 0, deviation_by_acceleration: 0, stretch: ONE, rise: ONE, window: ONE }
-            }
+            Self::Pass => Rounding::NONE,
             Self::Mean(long) => means(long.ticks.into(), 0),
             Self::Means(long, short) => means(long.ticks.into(), short.ticks.into()),
             Self::Lag(share) => {
@@ -190,6 +200,39 @@ impl Filter {
             Self::Mean(long) => long.ticks,
             Self::Means(long, short) => long.ticks + short.ticks,
         }
+    }
+}
+
+/// The filters of all axes.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Filters<const N: usize> {
+    /// One an axis.
+    pub axes: [Filter; N],
+    /// What the axis that rounds most does to a kink.
+    pub rounding: Rounding,
+    /// Whether any of them does anything.
+    pub smooth: bool,
+}
+
+impl<const N: usize> Filters<N> {
+    /// The command of every axis is the path.
+    pub const PASS: Self = Self { axes: [Filter::Pass; N], rounding: Rounding::NONE, smooth: false };
+
+    /// Makes the filters for a command every 1/`rate_hz`.
+    ///
+    /// # Errors
+    /// As [`Filter::new`].
+    pub fn new(smoothing: &[Smoothing; N], rate_hz: f64) -> Result<Self, PathError> {
+        let mut made = Self::PASS;
+        let mut rounding: Option<Rounding> = None;
+        for (filter, smoothing) in made.axes.iter_mut().zip(smoothing) {
+            *filter = Filter::new(smoothing, rate_hz)?;
+            let this = filter.rounding();
+            rounding = Some(rounding.map_or(this, |other| other.worse(this)));
+        }
+        made.smooth = made.axes.iter().any(|filter| *filter != Filter::Pass);
+        made.rounding = rounding.unwrap_or(Rounding::NONE);
+        Ok(made)
     }
 }
 

@@ -1,0 +1,42 @@
+//! The constants of a machine, in machine units.
+
+use super::MachineError;
+use crate::config::{AxisConfig, AxisSettings, Rates};
+use crate::interpolate::Smoothing;
+use crate::interpolate::smooth::Filters;
+use crate::scalar::Scalar;
+
+/// What a tick computes with.
+#[derive(Clone, Debug)]
+pub struct MachineConfig<S: Scalar, const N: usize> {
+    pub(super) axes: [AxisConfig<S>; N],
+    pub(super) rates: Rates,
+    /// The filters behind the path, as they were declared and as they are computed.
+    pub(super) smoothing: [Smoothing; N],
+    pub(super) filters: Filters<N>,
+}
+
+impl<S: Scalar, const N: usize> MachineConfig<S, N> {
+    /// Converts settings.
+    ///
+    /// # Errors
+    /// [`MachineError::Config`] with the axis and the setting that was refused, [`MachineError::Path`] for a filter
+    /// behind the path.
+    pub fn new(rates: Rates, settings: &[AxisSettings; N]) -> Result<Self, MachineError> {
+        let mut axes = heapless::Vec::<_, N>::new();
+        for (axis, settings) in settings.iter().enumerate() {
+            let made = AxisConfig::new(settings, rates);
+            // The vector holds N, as many as there are settings.
+            let _ = axes.push(made.map_err(|error| MachineError::Config { axis, error })?);
+        }
+        let smoothing = settings.each_ref().map(|axis| axis.smoothing);
+        let filters = Filters::new(&smoothing, rates.position_loop_hz())?;
+        Ok(Self { axes: core::array::from_fn(|i| axes[i]), rates, smoothing, filters })
+    }
+
+    /// Deceleration of a stop along the path: the least of the axes, position units per position tick² with 16
+    /// fraction bits.
+    pub(super) fn stop_deceleration(&self) -> u64 {
+        self.axes.iter().map(|axis| axis.stop_deceleration).min().unwrap_or(u64::MAX)
+    }
+}

@@ -1,0 +1,172 @@
+//! What a machine remembers from tick to tick, and the tick.
+
+use super::{MachineConfig, Output};
+use crate::axis::{AxisState, Reading};
+use crate::compensate::Compensation;
+use crate::interpolate::Path;
+use crate::safety::{Event, Fault, Hazard, Power, Reaction};
+use crate::scalar::Scalar;
+use crate::units::Position;
+
+/// The state of a machine.
+#[derive(Clone, Debug)]
+pub(super) struct State<S: Scalar, const N: usize> {
+    pub axes: [AxisState<S>; N],
+    pub compensation: Compensation<S, N>,
+    pub path: Path<N>,
+    until_position_tick: u32,
+    pub power: Power,
+    pub warning: Option<Fault>,
+    pub enable_requested: bool,
+    /// Whether the drives were on in the tick before.
+    pub was_on: bool,
+    /// Whether they have been on at all: until then the path keeps the start that it was given.
+    has_been_on: bool,
+}
+
+impl<S: Scalar, const N: usize> State<S, N> {
+    /// At zero, drives off.
+    pub const NEW: Self = Self {
+        axes: [AxisState::at_rest(Position(0), Reading { motor: Position(0), table: None }); N],
+        compensation: Compensation::NONE,
+        path: Path::AT_ZERO,
+        until_position_tick: 0,
+        power: Power::Off,
+        warning: None,
+        enable_requested: false,
+        was_on: false,
+        has_been_on: false,
+    };
+
+    /// Makes it the state of another machine that stands at `start`, drives off.
+    pub fn reset(&mut self, config: &MachineConfig<S, N>, start: &[Position; N]) {
+        self.axes = start.map(|place| AxisState::at_rest(place, Reading { motor: place, table: None }));
+        self.compensation.reset(start);
+        self.path.reset(start, config.rates.position_loop_hz(), config.filters);
+        self.until_position_tick = 0;
+        self.power = Power::Off;
+        self.warning = None;
+        (self.enable_requested, self.was_on, self.has_been_on) = (false, false, false);
+    }
+
+    /// Takes a fault.
+    pub fn fault(&mut self, config: &MachineConfig<S, N>, fault: Fault) {
+        if !self.power.is_on() {
+            return;
+        }
+        match fault.reaction() {
+            Reaction::DriveOff => {}
+            Reaction::Stop => self.path.brake(config.stop_deceleration()),
+            Reaction::Warn => self.warning = self.warning.or(Some(fault)),
+        }
+        self.power = self.power.after(Event::Fault(fault));
+    }
+
+    /// What the tick gives to the drives and to whoever watches.
+    pub fn output(&self, forces: [S; N]) -> Output<S, N> {
+        Output {
+            forces,
+            commands: self.path.command(),
+            enabled: self.power.is_on(),
+            warning: self.warning,
+            done: self.path.is_done(),
+        }
+    }
+
+    fn raise(&mut self, config: &MachineConfig<S, N>, hazards: [Option<Hazard>; N]) {
+        if hazards.iter().all(Option::is_none) {
+            return;
+        }
+        for (axis, hazard) in hazards.into_iter().enumerate() {
+            #[expect(clippy::cast_possible_truncation, reason = "no machine has 256 axes")]
+            if let Some(hazard) = hazard {
+                self.fault(config, Fault::Axis { axis: axis as u8, hazard });
+            }
+        }
+    }
+}
+
+impl<S: Scalar, const N: usize> MachineConfig<S, N> {
+    /// One tick.
+    pub(super) fn tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> Output<S, N> {
+        let readings = &state.compensation.readings(readings);
+        if !state.power.is_on() && state.has_been_on && (state.was_on || state.path.is_done()) {
+            self.stand(state, readings);
+        }
+        if core::mem::take(&mut state.enable_requested) && state.power == Power::Off {
+            self.switch_on(state, readings);
+        }
+        let mut forces = [S::ZERO; N];
+        if state.power.is_on() {
+            if state.until_position_tick == 0 {
+                state.until_position_tick = self.rates.position_loop_divider;
+                self.position_tick(state, readings);
+            }
+            state.until_position_tick -= 1;
+            forces = self.velocity_tick(state, readings);
+            if !state.power.is_on() {
+                forces = [S::ZERO; N];
+                self.stand(state, readings);
+            }
+        }
+        state.was_on = state.power.is_on();
+        state.has_been_on |= state.was_on;
+        state.output(forces)
+    }
+
+    /// Closes the loops on the command that stands, with nothing integrated.
+    fn switch_on(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
+        for ((axis, command), reading) in state.axes.iter_mut().zip(state.path.command()).zip(readings) {
+            *axis = AxisState::at_rest(command, *reading);
+        }
+        state.until_position_tick = 0;
+        state.power = state.power.after(Event::Enable);
+    }
+
+    /// The next command with what corrects it, and the position loops.
+    fn position_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
+        let commands = state.path.advance();
+        let corrections = state.compensation.commands(&commands);
+        let mut hazards = [None; N];
+        for (((((hazard, axis), config), command), correction), reading) in hazards
+            .iter_mut()
+            .zip(&mut state.axes)
+            .zip(&self.axes)
+            .zip(commands)
+            .zip(corrections)
+            .zip(readings)
+        {
+            *hazard = axis.position_tick(config, command, correction, *reading);
+        }
+        state.raise(self, hazards);
+        if state.path.has_stopped() {
+            state.power = state.power.after(Event::Stopped);
+        }
+    }
+
+    /// The velocity loops, with the forces that are added.
+    fn velocity_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> [S; N] {
+        let added = state.compensation.forces(readings);
+        let (mut forces, mut hazards) = ([S::ZERO; N], [None; N]);
+        for (((((force, hazard), axis), config), reading), added) in
+            forces.iter_mut().zip(&mut hazards).zip(&mut state.axes).zip(&self.axes).zip(readings).zip(added)
+        {
+            (*force, *hazard) = axis.velocity_tick(config, *reading, added);
+        }
+        state.raise(self, hazards);
+        forces
+    }
+
+    /// Forgets the path and makes the command what the position loops read: no error, no jump.
+    fn stand(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
+        let mut place = state.path.command();
+        let standing = state.compensation.standing();
+        for (((place, config), reading), added) in
+            place.iter_mut().zip(&self.axes).zip(readings).zip(standing)
+        {
+            *place = config.feedback.settled(reading.motor, reading.table).moved(-added);
+        }
+        state.compensation.stand_at(&place);
+        state.path.stand_at(&place);
+    }
+}
