@@ -7,7 +7,7 @@ use std::io;
 use shared::axis::Reading;
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
-use shared::safety::Power;
+use shared::safety::{Fault, Hazard, Power};
 use shared::units::Position;
 
 pub use stopped::SimulationError;
@@ -144,6 +144,10 @@ impl Run<'_> {
             let status = controller.tick(&readings, &mut outputs)?;
             watch(time_s, &status, &outputs);
             if let Power::Faulted(fault) = status.power {
+                return Err(stopped::fault(self.machine, fault, time_s));
+            }
+            // The controller holds where it is: nothing of the motion would be travelled.
+            if let Some(fault @ Fault::Axis { hazard: Hazard::Displaced, .. }) = status.warning {
                 return Err(stopped::fault(self.machine, fault, time_s));
             }
             if tick.is_multiple_of(divider) {

@@ -4,7 +4,7 @@ use crate::config::AxisConfig;
 use crate::control::bump::Bump;
 use crate::control::{feedforward, filter, position, velocity};
 use crate::feedback::dual;
-use crate::safety::Hazard;
+use crate::safety::Hazards;
 use crate::scalar::Scalar;
 use crate::units::{Position, VELOCITY_M_PER_S};
 use crate::watch::{self, Seen};
@@ -53,7 +53,7 @@ impl<S: Scalar> AxisState<S> {
             velocity_bump: Bump::NONE,
             force_bump: Bump::NONE,
             resettle: false,
-            watch: watch::State::NEW,
+            watch: watch::State::at(command, reading.motor),
         }
     }
 
@@ -83,7 +83,7 @@ impl<S: Scalar> AxisState<S> {
         command: Position,
         correction: i64,
         reading: Reading,
-    ) -> Option<Hazard> {
+    ) -> Hazards {
         let asked = command;
         let command = asked.moved(correction);
         let feedback = config.feedback.position(&mut self.feedback, reading.motor, reading.table);
@@ -91,23 +91,19 @@ impl<S: Scalar> AxisState<S> {
         let lead = config.feedforward.lead(&mut self.feedforward, command);
         let made = config.position.velocity(&mut self.position, following_error.plus(lead));
         self.velocity_command = self.velocity_bump.smooth(config.velocity_fades, made);
-        config.watch.position(&Seen {
+        let seen = Seen {
             following_error,
             command: asked,
             motor: reading.motor,
             table: reading.table,
             needs_table: config.feedback.needs_table(),
-        })
+        };
+        config.watch.position(&mut self.watch, &seen)
     }
 
     /// The velocity loop, every tick, to whose force `added` is added. Returns the force to apply until the next
     /// one.
-    pub fn velocity_tick(
-        &mut self,
-        config: &AxisConfig<S>,
-        reading: Reading,
-        added: S,
-    ) -> (S, Option<Hazard>) {
+    pub fn velocity_tick(&mut self, config: &AxisConfig<S>, reading: Reading, added: S) -> (S, Hazards) {
         let wanted = config.velocity.wanted(&mut self.velocity, self.velocity_command, reading.motor);
         let mut shaped = wanted.force;
         if core::mem::take(&mut self.resettle) {

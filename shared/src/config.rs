@@ -108,6 +108,9 @@ pub struct AxisSettings {
     /// Fastest that the motor can be: a reading that has moved further puts the drives off. `None`: not
     /// watched.
     pub fastest_m_per_s: Option<f64>,
+    /// How far the command may move while the motor reading stands before the drives go off, at most
+    /// `following_error_limit_m`; `None`: not watched.
+    pub frozen_encoder_limit_m: Option<f64>,
     /// How long the force may stand at its limit before the path stops, less a quarter of the time since that it did
     /// not.
     pub saturation_time_s: f64,
@@ -136,6 +139,7 @@ impl Default for AxisSettings {
             following_error_limit_m: 0.05,
             scale_disagreement_limit_m: None,
             fastest_m_per_s: None,
+            frozen_encoder_limit_m: None,
             saturation_time_s: 1.0,
             travel_m: None,
             stop_deceleration_m_per_s2: 2.0,
@@ -338,13 +342,20 @@ fn watch<S: Scalar>(settings: &AxisSettings, tick: f64) -> Result<Watch<S>, Conf
     };
     let ticks = positive("saturation_time_s", settings.saturation_time_s)? / tick;
     let place = |name, m| Position::from_m(finite(name, m)?).ok_or(out_of_travel(name));
+    let distance = |name, m: Option<f64>, most_m| match m {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 100 m")]
+        Some(m) => Ok(Some((ranged(name, m, 0.0, most_m)? * PER_M) as u64)),
+        None => Ok(None),
+    };
+    let most_frozen_m = settings.following_error_limit_m.min(TRAVEL_LIMIT_M);
     Ok(Watch {
         following_error: signal("following_error_limit_m", settings.following_error_limit_m, LENGTH_M)?,
-        disagreement: match settings.scale_disagreement_limit_m {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 100 m")]
-            Some(m) => Some((ranged("scale_disagreement_limit_m", m, 0.0, TRAVEL_LIMIT_M)? * PER_M) as u64),
-            None => None,
-        },
+        disagreement: distance(
+            "scale_disagreement_limit_m",
+            settings.scale_disagreement_limit_m,
+            TRAVEL_LIMIT_M,
+        )?,
+        frozen: distance("frozen_encoder_limit_m", settings.frozen_encoder_limit_m, most_frozen_m)?,
         encoder_step: match settings.fastest_m_per_s {
             Some(m_per_s) => Some(signal("fastest_m_per_s", m_per_s, INCREMENT_M / tick)?),
             None => None,

@@ -3,6 +3,7 @@
 //! | state | drives | path | event | next state |
 //! |---|---|---|---|---|
 //! | Off | off | stands, follows the axes as they are moved | enable | On |
+//! | Off | | | the run before ended by a fault | Faulted |
 //! | Off | | | fault, stopped, disable | Off |
 //! | On | on | travels | fault that puts the drives off | Faulted |
 //! | On | | | fault that stops | Stopping |
@@ -10,20 +11,28 @@
 //! | On | | | disable | Off, path forgotten |
 //! | Stopping | on | slows down along itself | stopped | Faulted |
 //! | Stopping | | | fault that puts the drives off | Faulted, with that fault |
-//! | Stopping | | | another fault, enable | Stopping |
+//! | Stopping | | | fault that stops | Stopping |
+//! | Stopping | | | fault that warns | Stopping, the warning stands until disable |
+//! | Stopping | | | enable | Stopping |
 //! | Stopping | | | disable | Off |
 //! | Faulted | off | forgotten | disable (acknowledge) | Off |
 //! | Faulted | | | enable, fault, stopped | Faulted: nothing moves without a fresh enable after the acknowledgement |
+//!
+//! The power stages are enabled in On and in Stopping ([`Power::is_on`]), and nowhere else.
 //!
 //! | fault | looked for | reaction | why |
 //! |---|---|---|---|
 //! | following error | every position tick | drives off | the loop does not hold the axis: it cannot stop it either |
 //! | motor and scale disagree | every position tick | drives off | a coupling or a sensor has gone; which one is not known |
 //! | encoder step | every tick | drives off | a motor cannot jump: what the loop reads is not where the axis is |
+//! | encoder frozen: the command has moved on, the motor reading has not | every position tick | drives off | a wire is broken or the axis is stuck: the force would grow without anybody seeing what it does |
 //! | overrun | every tick | drives off | the loops have not run in time |
+//! | hardware stop | every tick, by the board | drives off | emergency stop, or the power stage's own fault: the hardware has cut the stage already |
+//! | watchdog | at the start, by the board | stays off until acknowledged | the run before did not end by itself |
 //! | force saturated for a time, less a quarter of the time since that it was not | every tick | stop | the axis follows less than is asked for: asking for less helps |
-//! | soft limit | every position tick | stop | all is well but the program |
+//! | soft limit: the command goes outwards beyond the travel, or further out than an axis that came on outside it | every position tick | stop | all is well but the program; the way back is open |
 //! | scale lost | every position tick | warn | the axis goes on with its motor encoder, from where it stood |
+//! | displaced: an axis stands away from where the path that waits begins | when the drives come on | warn, forget the path | the axis holds where it is and does not jump to where the path was planned from |
 
 use serde::{Deserialize, Serialize};
 
@@ -42,6 +51,62 @@ pub enum Hazard {
     SoftLimit,
     /// The loop uses a linear scale and has no reading of it.
     ScaleLost,
+    /// The command has moved on while the motor reading stood.
+    EncoderFrozen,
+    /// The drives came on with the axis away from where the waiting path begins.
+    Displaced,
+}
+
+impl Hazard {
+    /// All there are, the gravest first: what puts the drives off, what stops, what warns.
+    pub const ALL: [Self; 8] = [
+        Self::FollowingError,
+        Self::Disagreement,
+        Self::EncoderStep,
+        Self::EncoderFrozen,
+        Self::ForceSaturated,
+        Self::SoftLimit,
+        Self::ScaleLost,
+        Self::Displaced,
+    ];
+
+    /// What it does on any axis: see the table above.
+    #[must_use]
+    pub const fn reaction(self) -> Reaction {
+        match self {
+            Self::FollowingError | Self::Disagreement | Self::EncoderStep | Self::EncoderFrozen => {
+                Reaction::DriveOff
+            }
+            Self::ForceSaturated | Self::SoftLimit => Reaction::Stop,
+            Self::ScaleLost | Self::Displaced => Reaction::Warn,
+        }
+    }
+}
+
+/// The hazards of an axis in one tick: a grave one does not hide a light one.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Hazards(u8);
+
+impl Hazards {
+    /// All is well.
+    pub const NONE: Self = Self(0);
+
+    /// These and, where `seen`, one more.
+    #[must_use]
+    pub const fn with(self, hazard: Hazard, seen: bool) -> Self {
+        Self(self.0 | (seen as u8) << hazard as u8)
+    }
+
+    /// Whether there is none.
+    #[must_use]
+    pub const fn is_empty(self) -> bool {
+        self.0 == 0
+    }
+
+    /// Each of them, the gravest first.
+    pub fn iter(self) -> impl Iterator<Item = Hazard> {
+        Hazard::ALL.into_iter().filter(move |&hazard| self.0 & 1 << hazard as u8 != 0)
+    }
 }
 
 /// A fault, with the axis (counted from 0) that it happened on.
@@ -56,6 +121,10 @@ pub enum Fault {
     },
     /// A tick did not end before the next one was due.
     Overrun,
+    /// The emergency stop, or a fault of a power stage, has cut the stages in hardware.
+    HardwareStop,
+    /// The run before ended because nothing fed the watchdog.
+    Watchdog,
 }
 
 /// What a fault does.
@@ -74,12 +143,8 @@ impl Fault {
     #[must_use]
     pub const fn reaction(self) -> Reaction {
         match self {
-            Self::Overrun => Reaction::DriveOff,
-            Self::Axis { hazard, .. } => match hazard {
-                Hazard::FollowingError | Hazard::Disagreement | Hazard::EncoderStep => Reaction::DriveOff,
-                Hazard::ForceSaturated | Hazard::SoftLimit => Reaction::Stop,
-                Hazard::ScaleLost => Reaction::Warn,
-            },
+            Self::Overrun | Self::HardwareStop | Self::Watchdog => Reaction::DriveOff,
+            Self::Axis { hazard, .. } => hazard.reaction(),
         }
     }
 }
@@ -109,6 +174,8 @@ pub enum Event {
     Fault(Fault),
     /// A path that was to stop stands.
     Stopped,
+    /// The controller has started, and finds that the run before ended by a fault.
+    Restarted(Fault),
 }
 
 impl Power {
@@ -117,6 +184,7 @@ impl Power {
     pub const fn after(self, event: Event) -> Self {
         match (self, event) {
             (Self::Off | Self::On, Event::Enable) => Self::On,
+            (Self::Off, Event::Restarted(fault)) => Self::Faulted(fault),
             (_, Event::Disable) | (Self::Off, Event::Fault(_) | Event::Stopped) => Self::Off,
             (Self::On | Self::Stopping(_), Event::Fault(fault)) => match (self, fault.reaction()) {
                 (_, Reaction::DriveOff) => Self::Faulted(fault),
@@ -126,7 +194,8 @@ impl Power {
             (Self::Stopping(fault), Event::Stopped) => Self::Faulted(fault),
             (Self::On, Event::Stopped)
             | (Self::Stopping(_), Event::Enable)
-            | (Self::Faulted(_), Event::Enable | Event::Fault(_) | Event::Stopped) => self,
+            | (Self::Faulted(_), Event::Enable | Event::Fault(_) | Event::Stopped)
+            | (_, Event::Restarted(_)) => self,
         }
     }
 
@@ -145,19 +214,34 @@ mod tests {
         Fault::Axis { axis: 0, hazard }
     }
 
-    const FAULTS: [Fault; 7] = [
-        on(Hazard::FollowingError),
-        on(Hazard::Disagreement),
-        on(Hazard::EncoderStep),
-        on(Hazard::ForceSaturated),
-        on(Hazard::SoftLimit),
-        on(Hazard::ScaleLost),
-        Fault::Overrun,
-    ];
+    fn faults() -> impl Iterator<Item = Fault> {
+        let others = [Fault::Overrun, Fault::HardwareStop, Fault::Watchdog];
+        Hazard::ALL.into_iter().map(on).chain(others)
+    }
+
+    #[test]
+    fn a_grave_hazard_hides_no_light_one() {
+        let seen = Hazards::NONE.with(Hazard::ScaleLost, true).with(Hazard::Displaced, false);
+        let seen = seen.with(Hazard::SoftLimit, true);
+        assert!(!seen.is_empty() && Hazards::NONE.is_empty());
+        assert!(seen.iter().eq([Hazard::SoftLimit, Hazard::ScaleLost]));
+        let all = Hazard::ALL.into_iter().fold(Hazards::NONE, |all, hazard| all.with(hazard, true));
+        assert!(all.iter().eq(Hazard::ALL));
+    }
+
+    #[test]
+    fn what_ended_the_run_before_has_to_be_acknowledged() {
+        let restarted = Event::Restarted(Fault::Watchdog);
+        assert_eq!(Power::Off.after(restarted), Power::Faulted(Fault::Watchdog));
+        // Only a start can find it: the drives that are on did not end.
+        for power in [Power::On, Power::Stopping(on(Hazard::SoftLimit)), Power::Faulted(Fault::Overrun)] {
+            assert_eq!(power.after(restarted), power);
+        }
+    }
 
     #[test]
     fn a_fault_needs_an_acknowledgement_before_an_enable() {
-        for fault in FAULTS {
+        for fault in faults() {
             let faulted = Power::Faulted(fault);
             for event in [Event::Enable, Event::Stopped, Event::Fault(Fault::Overrun)] {
                 assert_eq!(faulted.after(event), faulted);
@@ -168,7 +252,7 @@ mod tests {
 
     #[test]
     fn a_drive_that_is_off_comes_on_by_enable_alone() {
-        for event in FAULTS.map(Event::Fault).into_iter().chain([Event::Disable, Event::Stopped]) {
+        for event in faults().map(Event::Fault).chain([Event::Disable, Event::Stopped]) {
             assert_eq!(Power::Off.after(event), Power::Off);
         }
         assert!(Power::Off.after(Event::Enable).is_on());
@@ -176,7 +260,7 @@ mod tests {
 
     #[test]
     fn each_fault_does_what_it_deserves() {
-        for fault in FAULTS {
+        for fault in faults() {
             let after = Power::On.after(Event::Fault(fault));
             match fault.reaction() {
                 Reaction::DriveOff => assert_eq!(after, Power::Faulted(fault)),

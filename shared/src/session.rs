@@ -222,7 +222,8 @@ mod tests {
                 Some(Answer::Ready)
             );
             assert_eq!(ask(&mut session, &Order::Enable), Some(Answer::Ready));
-            let away = Reading { motor: Position(-(1 << 40)), table: None };
+            // 1 µm: no further than an axis may stand from where the path begins.
+            let away = Reading { motor: Position(-(1 << 30)), table: None };
             let Some(Answer::Tick(ticked)) = ask(&mut session, &Order::Tick([away; AXES])) else { panic!() };
             assert_eq!((ticked.power, ticked.done), (Power::On, false));
             assert_ne!(ticked.force_bits, [0; AXES]);

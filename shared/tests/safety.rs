@@ -95,6 +95,7 @@ fn sudden<S: Scalar>() {
     goes_off_at_once::<S>(|bench| bench.motor_jump_m = 0.3e-3, on(1, Hazard::EncoderStep));
     goes_off_at_once::<S>(|bench| bench.scale_off_m = 0.6e-3, on(0, Hazard::Disagreement));
     goes_off_at_once::<S>(|bench| bench.machine.fault(Fault::Overrun), Fault::Overrun);
+    goes_off_at_once::<S>(|bench| bench.machine.fault(Fault::HardwareStop), Fault::HardwareStop);
 }
 
 #[test]
@@ -116,7 +117,10 @@ fn a_following_error_puts_the_drives_off() {
 /// most, both axes on it, and the drives go off once it stands.
 #[test]
 fn a_soft_limit_stops_along_the_path() {
-    let mut bench = Bench::<Fixed>::new(AxisSettings { travel_m: Some([-0.01, 0.08]), ..axis() });
+    let mut bench = Bench::<Fixed>::new(axis());
+    bench.run(1);
+    // Narrowed under way: a block that leads out of the travel would not have been taken.
+    bench.machine.change(0, &AxisSettings { travel_m: Some([-0.01, 0.08]), ..axis() }).unwrap();
     let mut commands = Vec::new();
     let mut stopping = 0;
     while bench.machine.power() == Power::Off || bench.machine.power().is_on() {
@@ -184,6 +188,205 @@ fn a_lost_scale_warns_and_goes_on() {
     assert_eq!(bench.run(100).warning, output.warning);
     bench.machine.disable();
     assert_eq!(bench.tick().warning, None);
+}
+
+/// A scale that is lost does not hide the soft limit: 0.05 m of travel, and the command stops behind them within v²/2a.
+#[test]
+fn a_lost_scale_leaves_the_soft_limits_on() {
+    for sensors in [Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }] {
+        let mut bench = Bench::<Fixed>::new(AxisSettings { sensors, ..axis() });
+        bench.run(100);
+        // Narrowed under way: a block beyond it would not have been taken.
+        let narrow = AxisSettings { sensors, travel_m: Some([-0.01, 0.05]), ..axis() };
+        bench.machine.change(0, &narrow).unwrap();
+        bench.scale = false;
+        let warned = bench.tick().warning;
+        assert_eq!(warned, Some(on(0, Hazard::ScaleLost)));
+        let mut x = 0.0;
+        while bench.machine.power().is_on() {
+            let output = bench.tick();
+            if bench.machine.power().is_on() {
+                x = output.commands[0].to_m();
+            }
+            assert!(x < 0.06, "{x}");
+        }
+        assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::SoftLimit)));
+        // 0.1 m/s of path at 4 m/s² are 1.25 mm of path, 1.12 mm of x; a tick of 22 µm to see it.
+        assert!(x > 0.05 + 1.0e-3 && x < 0.05 + 1.2e-3, "{x}");
+    }
+}
+
+/// A scale that is lost in the tick in which the command leaves the travel: the stop and the warning are both there.
+#[test]
+fn a_lost_scale_and_a_soft_limit_in_one_tick_are_both_told() {
+    let mut bench = Bench::<Fixed>::new(axis());
+    bench.run(2000);
+    bench.machine.change(0, &AxisSettings { travel_m: Some([-0.01, 0.0]), ..axis() }).unwrap();
+    bench.scale = false;
+    let output = bench.tick();
+    assert_eq!(bench.machine.power(), Power::Stopping(on(0, Hazard::SoftLimit)));
+    assert_eq!(output.warning, Some(on(0, Hazard::ScaleLost)));
+}
+
+/// After a soft limit the axis comes on where it stopped, is refused any further out, and goes back under power. What
+/// it has come back by is closed behind it.
+#[test]
+fn an_axis_beyond_its_travel_goes_back_and_no_further_out() {
+    let narrow = AxisSettings { travel_m: Some([-0.01, 0.05]), ..axis() };
+    let mut bench = Bench::<Fixed>::new(axis());
+    bench.run(100);
+    bench.machine.change(0, &narrow).unwrap();
+    while bench.machine.power().is_on() {
+        bench.tick();
+    }
+    assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::SoftLimit)));
+    bench.run(4000);
+    bench.machine.disable();
+    bench.run(10);
+    bench.machine.enable();
+    bench.run(400);
+    // It holds outside, under power.
+    assert_eq!(bench.machine.power(), Power::On);
+    let outside = bench.motor_m[0];
+    assert!(outside > 0.0505, "{outside}");
+    let line = |x| Block::line([x, 0.0], 0.05, 2.0);
+    assert_eq!(bench.machine.push(&line(outside + 1e-3)), Err(PathError::BeyondTravel { axis: 0 }));
+    bench.machine.push(&line(0.0502)).unwrap();
+    bench.run(8000);
+    assert_eq!(bench.machine.power(), Power::On);
+    assert!((bench.motor_m[0] - 0.0502).abs() < 1e-5, "{}", bench.motor_m[0]);
+    // Where it has been is outside now.
+    assert_eq!(bench.machine.push(&line(0.0504)), Err(PathError::BeyondTravel { axis: 0 }));
+    bench.machine.push(&line(0.04)).unwrap();
+    bench.run(8000);
+    assert_eq!(bench.machine.power(), Power::On);
+    assert_eq!(bench.machine.push(&line(0.0501)), Err(PathError::BeyondTravel { axis: 0 }));
+}
+
+#[test]
+fn a_block_beyond_the_travel_is_refused_before_it_starts() {
+    let bounded = AxisSettings { travel_m: Some([-0.01, 0.3]), ..axis() };
+    let mut bench = Bench::<Fixed>::new(bounded);
+    let beyond = |axis| Err(PathError::BeyondTravel { axis });
+    let mut push = |block: Block<2>| bench.machine.push(&block);
+    // The path stands at (0.2, 0.1) so far.
+    assert_eq!(push(Block::line([0.301, 0.1], 0.1, 1.0)), beyond(0));
+    assert_eq!(push(Block::line([0.2, -0.011], 0.1, 1.0)), beyond(1));
+    // Half circles upwards from (0.25, 0.1) with 0.06 m: by the right they pass (0.31, 0.16), by the left (0.19, 0.16).
+    assert_eq!(push(Block::line([0.25, 0.1], 0.1, 1.0)), Ok(()));
+    assert_eq!(push(Block::arc([0, 1], [0.25, 0.16], 0.5, 0.1, 1.0)), beyond(0));
+    assert_eq!(push(Block::arc([0, 1], [0.25, 0.16], 0.2, 0.1, 1.0)), beyond(0));
+    assert_eq!(push(Block::arc([0, 1], [0.25, 0.16], -0.5, 0.1, 1.0)), Ok(()));
+    // From (0.25, 0.22) on round (0.2, 0.22): up to (0.2, 0.27), which fits; with 0.09 m, to y = 0.31, it does not.
+    assert_eq!(push(Block::arc([0, 1], [0.16, 0.22], 0.25, 0.1, 1.0)), beyond(1));
+    assert_eq!(push(Block::arc([0, 1], [0.2, 0.22], 1.0, 0.1, 1.0)), Ok(()));
+}
+
+/// Not moved by hand, an axis starts its path; moved, it holds where it is, says so, and does not jump back.
+#[test]
+fn a_path_that_was_pushed_before_the_axis_was_moved_is_forgotten() {
+    for (moved_m, holds) in [(0.05e-3, false), (0.2e-3, true), (-5e-3, true)] {
+        let mut machine = Machine::<Fixed, 1>::new(RATES, &[axis()], [Position(0)]).unwrap();
+        let at = |m: f64| {
+            let place = Position::from_m(m).unwrap();
+            [Reading { motor: place, table: Some(place) }]
+        };
+        machine.push(&Block::line([0.1], 0.1, 2.0)).unwrap();
+        machine.tick(&at(moved_m));
+        machine.enable();
+        let output = machine.tick(&at(moved_m));
+        assert_eq!(machine.power(), Power::On);
+        assert_eq!(output.done, holds, "{moved_m}");
+        if holds {
+            assert_eq!(output.warning, Some(on(0, Hazard::Displaced)));
+            assert_eq!(output.commands, [at(moved_m)[0].motor]);
+            // No error, no force; 4000 ticks on it still stands.
+            assert!((0..4000).all(|_| machine.tick(&at(moved_m)).forces == [Fixed::ZERO]));
+        } else {
+            assert_eq!(output.warning, None);
+        }
+    }
+}
+
+/// What is pushed while the drives are off starts where the axis was moved to before.
+#[test]
+fn before_the_first_enable_the_command_follows_the_axis() {
+    let mut machine = Machine::<f64, 1>::new(RATES, &[axis()], [Position(0)]).unwrap();
+    let place = Position::from_m(0.02).unwrap();
+    let reading = [Reading { motor: place, table: Some(place) }];
+    machine.tick(&reading);
+    machine.push(&Block::line([0.03], 0.1, 2.0)).unwrap();
+    machine.enable();
+    let output = machine.tick(&reading);
+    assert_eq!((output.warning, output.done), (None, false));
+    // The first tick of a ramp of 2 m/s² is 2/4000² m = 0.125 µm long at most: 250 N·s at Kp = 50, Kv = 20,000 are 0.2 N.
+    assert!(output.commands[0].beyond(place).unsigned_abs() <= 131_072 * 1000);
+    assert!(output.forces[0].abs() < 1.0, "{}", output.forces[0]);
+}
+
+/// A motor reading that stands while the axis is to move: the drives go off before the axis has run away. The command
+/// is at 0.1 mm after √(2·0.1 mm/2 m/s²) = 10 ms; the mass, which nobody sees, has gone no further than a force that
+/// grows to the limit in no time takes it: F/2m·t² = 400/100·(10 ms)² = 0.4 mm, where the following error of 10 mm
+/// alone would have let it run for 0.1 s and 40 mm.
+#[test]
+fn a_frozen_encoder_puts_the_drives_off() {
+    for toggles in [0.0, 0.5e-6] {
+        let settings = AxisSettings {
+            sensors: Sensors::Motor,
+            force_limit_n: 400.0,
+            frozen_encoder_limit_m: Some(1e-4),
+            scale_disagreement_limit_m: None,
+            feedforward_percent: 100.0,
+            ..axis()
+        };
+        let mut machine = Machine::<Fixed, 1>::new(RATES, &[settings], [Position(0)]).unwrap();
+        machine.push(&Block::line([0.1], 0.1, 2.0)).unwrap();
+        machine.enable();
+        let (mut velocity, mut place, mut ticks) = (0.0, 0.0, 0u32);
+        loop {
+            // With one wire broken the counter goes to and fro between two counts.
+            let shown = Position::from_m(if ticks % 2 == 0 { 0.0 } else { toggles }).unwrap();
+            let force = machine.tick(&[Reading { motor: shown, table: None }]).forces[0].value();
+            if !machine.power().is_on() {
+                break;
+            }
+            velocity += force / 50.0 / RATE_HZ;
+            place += velocity / RATE_HZ;
+            ticks += 1;
+            assert!(ticks < 400, "{place} m");
+        }
+        assert_eq!(machine.power(), Power::Faulted(on(0, Hazard::EncoderFrozen)));
+        // 10 ms are 40 ticks.
+        assert!((39..=42).contains(&ticks), "{ticks}");
+        assert!(place < 0.4e-3, "{place} m");
+    }
+}
+
+/// A motor that follows late, against friction that holds it for a while at each start, is not frozen.
+#[test]
+fn an_encoder_that_moves_is_not_frozen() {
+    let settings = AxisSettings { frozen_encoder_limit_m: Some(1e-4), ..axis() };
+    let mut bench = Bench::<Fixed>::new(settings);
+    for x in [0.1, 0.2, 0.0] {
+        bench.run(12_000);
+        bench.machine.push(&Block::line([x, 0.05], 0.1, 2.0)).unwrap();
+    }
+    bench.run(12_000);
+    assert_eq!(bench.machine.power(), Power::On);
+}
+
+/// What ended the run before is a fault of this one: no enable before it is acknowledged.
+#[test]
+fn a_watchdog_reset_has_to_be_acknowledged() {
+    let mut bench = Bench::<Fixed>::new(axis());
+    bench.machine.restarted_after(Fault::Watchdog);
+    bench.run(10);
+    assert_eq!(bench.machine.power(), Power::Faulted(Fault::Watchdog));
+    bench.machine.enable();
+    assert!(!bench.tick().enabled);
+    bench.machine.disable();
+    bench.machine.enable();
+    assert!(bench.tick().enabled);
 }
 
 /// Off and on again, as often as one likes, a compensated axis stays where it is: what is added to its command stands

@@ -213,7 +213,7 @@ impl Controller for Single {
             self.advance();
             for (number, ((config, state), reading)) in (0u8..).zip(self.axes.iter_mut().zip(&readings)) {
                 let command = self.command[usize::from(number)];
-                if let Some(hazard) = state.position_tick(config, command, 0, *reading) {
+                for hazard in state.position_tick(config, command, 0, *reading).iter() {
                     self.power = self.power.after(Event::Fault(Fault::Axis { axis: number, hazard }));
                 }
             }

@@ -70,6 +70,8 @@ const UNSTABLE: &str = ": is the loop unstable, or the motion too fast for it?";
 pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationError {
     let (what, hint) = match fault {
         Fault::Overrun => ("a tick took longer than its period".to_owned(), ""),
+        Fault::HardwareStop => ("the power stages were cut in hardware".to_owned(), ""),
+        Fault::Watchdog => ("the board was reset by its watchdog".to_owned(), ""),
         Fault::Axis { axis, hazard } => match machine.axis.get_index(usize::from(axis)) {
             None => (format!("axis {axis}: {hazard:?}"), ""),
             Some((name, axis)) => {
@@ -114,5 +116,10 @@ fn said(hazard: Hazard, settings: &AxisSettings) -> (String, &'static str) {
             (format!("the command leaves the travel from {least} to {greatest} mm"), "")
         }
         Hazard::ScaleLost => ("no reading of the linear scale".to_owned(), ""),
+        Hazard::EncoderFrozen => {
+            let limit_mm = mm(settings.frozen_encoder_limit_m);
+            (format!("the motor reading stands while the command moves by more than {limit_mm} mm"), "")
+        }
+        Hazard::Displaced => ("the axis does not stand where its motion begins".to_owned(), ""),
     }
 }

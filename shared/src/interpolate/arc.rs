@@ -211,6 +211,30 @@ impl<const N: usize> Arc<N> {
         self.end
     }
 
+    /// The least and the greatest position of each axis, to the 2 µm that the arc may be drawn aside to its end.
+    #[must_use]
+    pub fn extent(&self) -> [[Position; 2]; N] {
+        let mut extent =
+            core::array::from_fn(|i| [self.start[i].min(self.end[i]), self.start[i].max(self.end[i])]);
+        let [x, y] = self.radius.map(|r| r as f64);
+        let turns = self.length as f64 / (core::f64::consts::TAU * self.curvature_radius as f64);
+        let from = libm::atan2(y, x) / core::f64::consts::TAU;
+        let [from, to] = if self.clockwise { [from - turns, from] } else { [from, from + turns] };
+        // A quarter of the circle is passed where a whole number of turns brings it between start and end.
+        let passes = |quarter: f64| libm::ceil(from - quarter) <= to - quarter;
+        let radius = self.curvature_radius;
+        for ((axis, centre), quarter) in self.plane.into_iter().zip(self.centre).zip([0.0, 0.25]) {
+            let Some([least, greatest]) = extent.get_mut(axis) else { continue };
+            if passes(quarter) {
+                *greatest = (*greatest).max(centre.moved(radius));
+            }
+            if passes(quarter + 0.5) {
+                *least = (*least).min(centre.moved(-radius));
+            }
+        }
+        extent
+    }
+
     /// Direction of travel at a distance from the start, 62 fraction bits.
     #[must_use]
     pub fn direction(&self, distance: i64) -> [i64; N] {
@@ -328,6 +352,31 @@ mod tests {
             let last = arc.at(arc.length());
             prop_assert!(last[0].beyond(start[0]).abs() < PER_NM / 5);
             prop_assert!(last[1].beyond(start[1]).abs() < PER_NM / 5);
+        }
+    }
+
+    proptest! {
+        /// Every point lies within the extent, and the extent is no larger than the points: of 4096 of them one lies
+        /// within half a step, 2πR·turns/8192, of an extreme, and there R·(1 − cos) = step²/2R short of it.
+        #[test]
+        fn reaches_its_extent_and_no_further(
+            radius in 1e-3..1.0f64, angle in 0.0..core::f64::consts::TAU, turns in -1.5..1.5f64,
+        ) {
+            prop_assume!(turns.abs() > 1e-3);
+            let start = [metres(radius * angle.cos()), metres(radius * angle.sin())];
+            let arc = Arc::plan(start, [0, 1], [metres(0.0); 2], turns).unwrap();
+            let [mut least, mut greatest] = [start; 2];
+            for k in 0..=4096 {
+                let point = arc.at((i128::from(arc.length()) * k / 4096) as i64);
+                least = core::array::from_fn(|i| least[i].min(point[i]));
+                greatest = core::array::from_fn(|i| greatest[i].max(point[i]));
+            }
+            let half_step = arc.length() as f64 / 8192.0;
+            let short = (half_step * half_step / 2.0 / arc.curvature_radius() as f64) as i64 + PER_NM;
+            for (i, [low, high]) in arc.extent().into_iter().enumerate() {
+                prop_assert!((-PER_NM..=short).contains(&least[i].beyond(low)), "{i}: {}", least[i].beyond(low));
+                prop_assert!((-PER_NM..=short).contains(&high.beyond(greatest[i])), "{i}: {}", high.beyond(greatest[i]));
+            }
         }
     }
 

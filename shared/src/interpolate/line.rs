@@ -59,6 +59,12 @@ impl<const N: usize> Line<N> {
         self.end
     }
 
+    /// The least and the greatest position of each axis.
+    #[must_use]
+    pub fn extent(&self) -> [[Position; 2]; N] {
+        core::array::from_fn(|i| [self.start[i].min(self.end[i]), self.start[i].max(self.end[i])])
+    }
+
     /// The point at a distance from the start, each axis within one position unit of exact.
     #[must_use]
     pub fn at(&self, distance: i64) -> [Position; N] {

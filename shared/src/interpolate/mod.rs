@@ -50,6 +50,11 @@ pub enum PathError {
     Interrupted,
     /// The machine has no settings yet.
     NotConfigured,
+    /// The block leads out of the travel of an axis, or further out than the axis is.
+    BeyondTravel {
+        /// Axis, counted from 0.
+        axis: u8,
+    },
 }
 
 /// The number of a block that a [`PathError`] is about.
@@ -92,6 +97,7 @@ impl core::fmt::Display for PathError {
             Self::EndOffArc => write!(f, "the arc's end point lies off its circle"),
             Self::TooLong => write!(f, "the block lasts longer than the controller can count"),
             Self::QueueFull => write!(f, "the queue of blocks is full"),
+            Self::BeyondTravel { axis } => write!(f, "axis {axis}: the block leads out of the travel"),
             Self::NotConfigured => write!(f, "the machine has no settings yet"),
             Self::Interrupted => {
                 write!(f, "the drives have gone off, and the path is forgotten with the next tick")

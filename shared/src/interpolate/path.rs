@@ -29,6 +29,8 @@ pub struct Path<const N: usize> {
     /// Where the last planned block ends: the start of the next one.
     planned_to: [Position; N],
     rate_hz: f64,
+    /// Least and greatest command of each axis.
+    travel: [[Position; 2]; N],
 }
 
 /// A stop along the path.
@@ -55,6 +57,7 @@ impl<const N: usize> Path<N> {
         behind: [const { smooth::State::at(Position(0)) }; N],
         planned_to: [Position(0); N],
         rate_hz: 0.0,
+        travel: [[Position(i64::MIN), Position(i64::MAX)]; N],
     };
 
     /// A path without blocks that stands at `start`, with a command every 1/`rate_hz`.
@@ -77,7 +80,13 @@ impl<const N: usize> Path<N> {
     /// Makes it the path of another machine, without blocks, in place: a path is large.
     pub fn reset(&mut self, start: &[Position; N], rate_hz: f64, filters: Filters<N>) {
         self.stand_at(start);
-        (self.rate_hz, self.filters) = (rate_hz, filters);
+        (self.rate_hz, self.filters, self.travel) = (rate_hz, filters, Self::AT_ZERO.travel);
+    }
+
+    /// Blocks pushed from now on must not lead out of this travel (least and greatest command of each axis), nor
+    /// further out than where they start.
+    pub const fn keep_within(&mut self, travel: [[Position; 2]; N]) {
+        self.travel = travel;
     }
 
     /// Plans a block, puts it at the end of the queue and lets those before it pass into it. Not part of a
@@ -87,6 +96,7 @@ impl<const N: usize> Path<N> {
     /// The [`PathError`] that names what is wrong; the path is unchanged.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
         let mut planned = Planned::new(block, self.planned_to, self.rate_hz, &self.filters.rounding)?;
+        self.stays_within_travel(&planned)?;
         if self.blocks.is_full() {
             return Err(PathError::QueueFull);
         }
@@ -101,6 +111,16 @@ impl<const N: usize> Path<N> {
         if !self.look_ahead() {
             self.stop_before_last();
             let _ = self.look_ahead();
+        }
+        Ok(())
+    }
+
+    fn stays_within_travel(&self, block: &Planned<N>) -> Result<(), PathError> {
+        let axes = block.extent().into_iter().zip(self.travel).zip(self.planned_to);
+        for (axis, (([least, greatest], [lower, upper]), start)) in (0..).zip(axes) {
+            if least < lower.min(start) || greatest > upper.max(start) {
+                return Err(PathError::BeyondTravel { axis });
+            }
         }
         Ok(())
     }

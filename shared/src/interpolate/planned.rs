@@ -226,6 +226,16 @@ impl<const N: usize> Planned<N> {
         }
     }
 
+    /// The least and the greatest position of each axis on the block.
+    #[must_use]
+    pub fn extent(&self) -> [[Position; 2]; N] {
+        match &self.geometry {
+            Geometry::Stand(place) => place.map(|place| [place; 2]),
+            Geometry::Line(line) => line.extent(),
+            Geometry::Arc(arc) => arc.extent(),
+        }
+    }
+
     /// Puts a progress at the start of the block.
     pub fn start(&self, progress: &mut Progress) {
         match &self.time {

@@ -5,6 +5,7 @@ use crate::config::{AxisConfig, AxisSettings, Rates};
 use crate::interpolate::Smoothing;
 use crate::interpolate::smooth::Filters;
 use crate::scalar::Scalar;
+use crate::units::Position;
 
 /// What a tick computes with.
 #[derive(Clone, Debug)]
@@ -32,6 +33,11 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         let smoothing = settings.each_ref().map(|axis| axis.smoothing);
         let filters = Filters::new(&smoothing, rates.position_loop_hz())?;
         Ok(Self { axes: core::array::from_fn(|i| axes[i]), rates, smoothing, filters })
+    }
+
+    /// Least and greatest command of each axis.
+    pub(super) fn travel(&self) -> [[Position; 2]; N] {
+        self.axes.each_ref().map(|axis| axis.watch.travel)
     }
 
     /// Deceleration of a stop along the path: the least of the axes, position units per position tick² with 16

@@ -119,6 +119,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         }
         state.change(loops, &changed);
         *loops = changed;
+        self.state.path.keep_within(config.travel());
         Ok(())
     }
 
@@ -179,6 +180,11 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         self.state.power = self.state.power.after(Event::Disable);
     }
 
+    /// Reports at the start that the run before ended by a fault: it has to be acknowledged like one of this run.
+    pub fn restarted_after(&mut self, fault: Fault) {
+        self.state.power = self.state.power.after(Event::Restarted(fault));
+    }
+
     /// Reports a fault from outside, such as an overrun.
     pub fn fault(&mut self, fault: Fault) {
         if let Some(config) = &self.config {
@@ -194,8 +200,9 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
 
     /// One tick of the velocity loops, and of path and position loops where they are due.
     ///
-    /// A path that the drives going off has broken off is forgotten. From then on, with nothing left to
-    /// travel, the command goes where the axes are moved, so that they do not jump when enabled again.
+    /// While the drives are off and no path waits, the command goes where the axes are moved, so that they do not jump
+    /// when they are enabled. A path that the drives going off has broken off is forgotten, and so is one that waits
+    /// where the axes no longer are when they are enabled ([`Hazard::Displaced`](crate::safety::Hazard::Displaced)).
     pub fn tick(&mut self, readings: &[Reading; N]) -> Output<S, N> {
         match &self.config {
             Some(config) => config.tick(&mut self.state, readings),
