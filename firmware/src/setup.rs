@@ -4,10 +4,10 @@
 //! The values have to be accepted by [`MachineConfig::new`] and [`Amplifier::new`]; a test on the host sees to that.
 
 use shared::config::{AxisSettings, Law, Rates, Sensors};
-use shared::drive::{Amplifier, DriveError, EnableSwitch, Station};
-use shared::feedback::encoder::Encoder;
-use shared::interpolate::{Block, Smoothing};
+use shared::drive::{Amplifier, DriveError, EnableSwitch, Light, Station};
+use shared::interpolate::Smoothing;
 use shared::machine::{Machine, MachineConfig, MachineError};
+use shared::safety::Fault;
 use shared::scalar::Fixed;
 use shared::units::Position;
 
@@ -23,20 +23,23 @@ pub const TICK_HZ: u32 = 20_000;
 /// The crystal, Hz.
 pub const CRYSTAL_HZ: u32 = 8_000_000;
 
-/// Frequency of the PWM, Hz: inaudible, and 8400 counts at 168 MHz.
-pub const PWM_HZ: u32 = 20_000;
+/// Frequency of the PWM, Hz: inaudible, and 8400 counts at 168 MHz. A period is a tick.
+pub const PWM_HZ: u32 = TICK_HZ;
 
-/// Lead over counts of a turn (four a line): 0.25 µm.
+/// Lead over counts of a turn (four a line): 0.25 µm. Negative where the counter falls as the axis goes forward.
 pub const METRES_PER_COUNT: [f64; AXES] = [5e-3 / 20_000.0; AXES];
 
-/// Force at full duty, N.
+/// Force at full duty, N. Negative where the motor is wired so that a positive duty pushes backwards.
 pub const FULL_DUTY_N: [f64; AXES] = [400.0; AXES];
 
 /// Ticks that the enable switch has to stand still before closing counts: 20 ms.
 pub const SWITCH_SETTLING_TICKS: u32 = 400;
 
+/// Ticks for which the light is lit and dark while a warning stands: twice a second.
+pub const BLINK_TICKS: u32 = 5000;
+
 /// The loops. Kv gives 15 kg a velocity loop of 32 Hz, where one encoder count, 5 mm/s in one tick, is
-/// 15 N; Kp is a quarter of what that allows. The feed of [`PROGRAM`] would lag 1.3 mm without feed-forward.
+/// 15 N; Kp is a quarter of what that allows. At 2 m/min an axis would lag 1.3 mm without feed-forward.
 pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     law: Law::P,
     position_gain_per_s: 25.0,
@@ -49,21 +52,17 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     force_limit_n: 200.0,
     sensors: Sensors::Motor,
     scale_fade_time_s: 0.1,
-    // Small, for it is also how far the axes may have been pushed by hand before the first enable.
     following_error_limit_m: 1e-3,
-    // Four times the feed of the program.
+    // 9 m/min.
     fastest_m_per_s: Some(0.15),
+    // Friction of 20 N holds an axis that turns round on a circle for a good 0.1 mm of the command.
+    frozen_encoder_limit_m: Some(0.3e-3),
     saturation_time_s: 0.2,
     travel_m: None,
     scale_disagreement_limit_m: None,
     stop_deceleration_m_per_s2: 2.0,
     smoothing: Smoothing::None,
 }; AXES];
-
-/// What the board travels once it is enabled: a second to stand back, then two turns of a circle of
-/// 10 mm radius at 2 m/min that starts and ends where it stands.
-pub const PROGRAM: [Block<AXES>; 2] =
-    [Block::dwell(1.0), Block::arc([0, 1], [-0.01, 0.0], 2.0, 2.0 / 60.0, 0.5)];
 
 /// Why the values above make no machine.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -88,29 +87,24 @@ impl From<DriveError> for SetupError {
     }
 }
 
-/// The controller with its program queued, drives off, for power stages of `full_counts` PWM counts. The machine is
-/// filled where it is: by value it would pass over a stack that has no room for it.
+/// The controller without a path, drives off, for power stages of `full_counts` PWM counts; enabled, it holds the axes
+/// where they stand. A fault by which the run before `ended` has to be acknowledged first.
+///
+/// The machine is filled where it is: by value it would pass over a stack that has no room for it.
 ///
 /// # Errors
 /// The [`SetupError`] that says which value is wrong.
 pub fn station(
     machine: &mut Machine<Fixed, AXES>,
     full_counts: u16,
+    ended: Option<Fault>,
 ) -> Result<Station<'_, Fixed, AXES>, SetupError> {
     machine.configure(MachineConfig::new(RATES, &SETTINGS)?, &[Position(0); AXES]);
-    for block in &PROGRAM {
-        machine.push(block).map_err(MachineError::from)?;
+    if let Some(fault) = ended {
+        machine.restarted_after(fault);
     }
     let [x, y] = FULL_DUTY_N;
     let amplifiers = [Amplifier::new(x, full_counts)?, Amplifier::new(y, full_counts)?];
-    Ok(Station::new(machine, amplifiers, EnableSwitch::new(SWITCH_SETTLING_TICKS)))
-}
-
-/// The encoders, at zero where their counters stand.
-///
-/// # Errors
-/// [`SetupError::Encoder`] where a count is not from 1 pm to 1 mm.
-pub fn encoders(raw: [u16; AXES]) -> Result<[Encoder; AXES], SetupError> {
-    let encoder = |axis: usize| Encoder::new(METRES_PER_COUNT[axis], raw[axis]).ok_or(SetupError::Encoder);
-    Ok([encoder(0)?, encoder(1)?])
+    let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), Light::new(BLINK_TICKS));
+    Ok(Station::new(machine, amplifiers, switch, light))
 }

@@ -184,14 +184,15 @@ impl Power {
     pub const fn after(self, event: Event) -> Self {
         match (self, event) {
             (Self::Off | Self::On, Event::Enable) => Self::On,
-            (Self::Off, Event::Restarted(fault)) => Self::Faulted(fault),
             (_, Event::Disable) | (Self::Off, Event::Fault(_) | Event::Stopped) => Self::Off,
             (Self::On | Self::Stopping(_), Event::Fault(fault)) => match (self, fault.reaction()) {
                 (_, Reaction::DriveOff) => Self::Faulted(fault),
                 (Self::On, Reaction::Stop) => Self::Stopping(fault),
                 (state, _) => state,
             },
-            (Self::Stopping(fault), Event::Stopped) => Self::Faulted(fault),
+            (Self::Stopping(fault), Event::Stopped) | (Self::Off, Event::Restarted(fault)) => {
+                Self::Faulted(fault)
+            }
             (Self::On, Event::Stopped)
             | (Self::Stopping(_), Event::Enable)
             | (Self::Faulted(_), Event::Enable | Event::Fault(_) | Event::Stopped)

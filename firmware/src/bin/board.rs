@@ -51,6 +51,13 @@ unsafe fn HardFault(_: &ExceptionFrame) -> ! {
     stop()
 }
 
+/// The crystal has failed: the clock security system has put the chip on its slow clock, and its break has stopped the
+/// PWM.
+#[exception]
+unsafe fn NonMaskableInt() -> ! {
+    stop()
+}
+
 /// An interrupt or exception that nobody handles.
 #[exception]
 unsafe fn DefaultHandler(_: i16) -> ! {

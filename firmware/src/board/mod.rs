@@ -1,90 +1,80 @@
 //! An STM32F405 with two drives. The wiring table is in `docs/firmware.md`.
 
-mod axis;
+mod clock;
+mod quadrature;
+mod stage;
+mod tick;
 
-use embedded_hal::pwm::SetDutyCycle;
 use shared::axis::Reading;
 use shared::drive::{Board, Duty, Station};
 use shared::machine::Machine;
-use shared::safety::Power;
 use shared::scalar::Fixed;
-use stm32f4xx_hal::gpio::{Input, Output, PB14, PB15, PC6, PC7, PC13, PinState};
-use stm32f4xx_hal::pac::{self, Peripherals, TIM1, TIM2, TIM3, TIM4};
+use stm32f4xx_hal::gpio::{Input, Output, PB15, PC13, PinState, Pull};
+use stm32f4xx_hal::pac::{Peripherals, TIM3, TIM4};
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::qei::Qei;
-use stm32f4xx_hal::rcc::Config;
-use stm32f4xx_hal::timer::{C1, C2, CounterHz, Event, Flag, PwmChannel};
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
-use stm32f4xx_hal::{ClearFlags, Listen, ReadFlags};
 
 use crate::setup::{self, AXES, SetupError};
-use axis::Axis;
+use quadrature::Quadrature;
+use stage::{Pins, Stages};
+use tick::TickTimer;
 
 /// The pins and timers that a tick uses.
 pub struct Hardware {
-    x: Axis<Qei<TIM3>, PwmChannel<TIM1, C1>, PC6<Output>>,
-    y: Axis<Qei<TIM4>, PwmChannel<TIM1, C2>, PC7<Output>>,
-    enable_output: PB14<Output>,
+    x: Quadrature<TIM3>,
+    y: Quadrature<TIM4>,
+    stages: Stages,
     enable_switch: PB15<Input>,
     fault_light: PC13<Output>,
-    tick_timer: CounterHz<TIM2>,
+    tick_timer: TickTimer,
     watchdog: IndependentWatchdog,
 }
 
 impl Hardware {
-    /// Sets clocks, pins and timers up and starts ticks, drives off.
+    /// Sets clocks, pins and timers up, makes the machine, and starts ticks, drives off.
     ///
     /// # Errors
     /// The [`SetupError`] of a value in [`setup`] that is wrong.
-    ///
-    /// # Panics
-    /// Where the timer cannot give the tick rate, or the crystal the clock: both are constants.
     pub fn new(
         device: Peripherals,
         machine: &'static mut Machine<Fixed, AXES>,
     ) -> Result<(Self, Station<'static, Fixed, AXES>), SetupError> {
-        let clocks = Config::hse(setup::CRYSTAL_HZ.Hz()).sysclk(168.MHz());
-        let mut rcc = device.RCC.freeze(clocks);
-        let (a, b, c) =
-            (device.GPIOA.split(&mut rcc), device.GPIOB.split(&mut rcc), device.GPIOC.split(&mut rcc));
+        let mut rcc = device.RCC.constrain();
+        // First of all, before the crystal is waited for: the stages are off.
+        let b = device.GPIOB.split(&mut rcc);
+        let enable = b.pb14.into_push_pull_output_in_state(PinState::Low);
+        let ended_by = clock::ended_by(&rcc);
 
-        // First of all: the drives are off.
-        let enable_output = b.pb14.into_push_pull_output_in_state(PinState::Low);
+        let mut rcc = clock::set_up(rcc);
+        let (a, c) = (device.GPIOA.split(&mut rcc), device.GPIOC.split(&mut rcc));
+        let pins =
+            Pins { enable, directions: (c.pc6.into_push_pull_output(), c.pc7.into_push_pull_output()) };
+        // A broken wire stops.
+        let stop = b.pb12.into_alternate().internal_resistor(Pull::Down);
+        let of_timer = (a.pa8.into_alternate(), a.pa9.into_alternate(), stop);
+        let stages = Stages::new(device.TIM1, pins, of_timer, &mut rcc);
 
-        let (_, (pwm_x, pwm_y, ..)) = device.TIM1.pwm_hz(setup::PWM_HZ.Hz(), &mut rcc);
-        let (mut pwm_x, mut pwm_y) = (pwm_x.with(a.pa8), pwm_y.with(a.pa9));
-        for pwm in [&mut pwm_x as &mut dyn SetDutyCycle<Error = _>, &mut pwm_y] {
-            let _ = pwm.set_duty_cycle_fully_off();
-        }
-        pwm_x.enable();
-        pwm_y.enable();
+        // An open input does not wander.
+        let _ = (
+            a.pa6.into_alternate::<2>().internal_resistor(Pull::Up),
+            a.pa7.into_alternate::<2>().internal_resistor(Pull::Up),
+            b.pb6.into_alternate::<2>().internal_resistor(Pull::Up),
+            b.pb7.into_alternate::<2>().internal_resistor(Pull::Up),
+        );
+        let [x, y] = setup::METRES_PER_COUNT;
+        let (x, y) = (Quadrature::new(device.TIM3, x, &mut rcc)?, Quadrature::new(device.TIM4, y, &mut rcc)?);
 
-        let counter_x = Qei::new(device.TIM3, (a.pa6, a.pa7), &mut rcc);
-        let counter_y = Qei::new(device.TIM4, (b.pb6, b.pb7), &mut rcc);
-        let [encoder_x, encoder_y] = setup::encoders([counter_x.count(), counter_y.count()])?;
-        let station = setup::station(machine, pwm_x.max_duty_cycle())?;
+        let station = setup::station(machine, stages.full_counts(), ended_by)?;
 
-        let mut tick_timer = device.TIM2.counter_hz(&mut rcc);
-        tick_timer.start(setup::TICK_HZ.Hz()).expect("168 MHz divide down to it");
-        tick_timer.listen(Event::Update);
-        // A hundred ticks or more: resets the chip, and the drives with it, when ticks stay away.
+        let tick_timer = TickTimer::new(device.TIM2, &mut rcc);
+        // A hundred ticks or more: resets the chip, and the stages with it, when ticks stay away.
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.start(10.millis());
 
         let hardware = Self {
-            x: Axis {
-                encoder: encoder_x,
-                counter: counter_x,
-                pwm: pwm_x,
-                direction: c.pc6.into_push_pull_output(),
-            },
-            y: Axis {
-                encoder: encoder_y,
-                counter: counter_y,
-                pwm: pwm_y,
-                direction: c.pc7.into_push_pull_output(),
-            },
-            enable_output,
+            x,
+            y,
+            stages,
             // A broken wire reads as open.
             enable_switch: b.pb15.into_pull_down_input(),
             fault_light: c.pc13.into_push_pull_output_in_state(PinState::High),
@@ -94,9 +84,10 @@ impl Hardware {
         Ok((hardware, station))
     }
 
-    /// Acknowledges the timer: what is pending at the end of the tick is the next one.
+    /// What has to be done first in a tick, while the period of the PWM is young.
     pub fn begin_tick(&mut self) {
-        self.tick_timer.clear_flags(Flag::Update);
+        self.stages.begin_period();
+        self.tick_timer.acknowledge();
         self.watchdog.feed();
     }
 }
@@ -110,25 +101,29 @@ impl Board<AXES> for Hardware {
         self.enable_switch.is_high()
     }
 
-    fn set_duties(&mut self, [x, y]: [Duty; AXES]) {
-        self.x.set(x);
-        self.y.set(y);
+    fn is_stopped(&mut self) -> bool {
+        self.stages.are_stopped()
     }
 
-    fn set_power(&mut self, power: Power) {
-        self.enable_output.set_state((power == Power::On).into());
+    fn set_duties(&mut self, duties: [Duty; AXES]) {
+        self.stages.set(duties);
+    }
+
+    fn set_enabled(&mut self, enabled: bool) {
+        self.stages.set_enabled(enabled);
+    }
+
+    fn set_light(&mut self, lit: bool) {
         // The light hangs between the pin and the supply.
-        self.fault_light.set_state((!matches!(power, Power::Faulted(_))).into());
+        self.fault_light.set_state((!lit).into());
     }
 
     fn is_late(&mut self) -> bool {
-        self.tick_timer.flags().contains(Flag::Update)
+        self.tick_timer.is_due()
     }
 }
 
-/// Puts the drives off from anywhere, whatever state the program is in.
+/// Cuts the power stages from anywhere, whatever state the program is in.
 pub fn drives_off() {
-    // SAFETY: one write to a set-reset register, which takes nothing from whoever owns the port.
-    let port = unsafe { &*pac::GPIOB::ptr() };
-    port.bsrr().write(|w| w.br14().set_bit());
+    Stages::cut();
 }

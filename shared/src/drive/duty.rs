@@ -27,28 +27,33 @@ pub struct Amplifier<S: Scalar> {
     gain: S::Gain,
     shift: u32,
     most: u16,
+    /// Whether the power stage pushes backwards where its direction is forwards.
+    inverted: bool,
 }
 
 impl<S: Scalar> Amplifier<S> {
-    /// A power stage that gives `full_scale_n` at `full_counts`, never driven beyond that.
+    /// A power stage that gives `full_scale_n` at `full_counts`, never driven beyond that. The force is negative where
+    /// the motor is wired the other way round.
     ///
     /// # Errors
-    /// [`DriveError::FullScale`] unless the force is from 1 mN to 131 kN, [`DriveError::NoPwm`] where
+    /// [`DriveError::FullScale`] unless the force is from 1 mN to 131 kN, either way, [`DriveError::NoPwm`] where
     /// there are no counts.
     pub fn new(full_scale_n: f64, full_counts: u16) -> Result<Self, DriveError> {
-        if !(1e-3..=MOST_N).contains(&full_scale_n) {
+        let size_n = libm::fabs(full_scale_n);
+        if !(1e-3..=MOST_N).contains(&size_n) {
             return Err(DriveError::FullScale);
         }
         if full_counts == 0 {
             return Err(DriveError::NoPwm);
         }
         // mantissa·2^exponent, mantissa from ½ to 1.
-        let (mantissa, exponent) = libm::frexp(f64::from(full_counts) / full_scale_n);
+        let (mantissa, exponent) = libm::frexp(f64::from(full_counts) / size_n);
         Ok(Self {
             gain: S::gain(mantissa * 64.0),
             // The ratio is from 2⁻¹⁷ to 2²⁶: a shift of 10 to 52.
             shift: (EXPONENT - exponent).clamp(1, 62).cast_unsigned(),
             most: full_counts,
+            inverted: full_scale_n < 0.0,
         })
     }
 
@@ -59,7 +64,7 @@ impl<S: Scalar> Amplifier<S> {
         let scaled = S::to_distance(force.times(self.gain));
         let rounded = (scaled.unsigned_abs() >> (self.shift - 1)).wrapping_add(1) >> 1;
         let counts = u16::try_from(rounded).unwrap_or(self.most).min(self.most);
-        Duty { reverse: scaled < 0 && counts > 0, counts }
+        Duty { reverse: counts > 0 && (scaled < 0) != self.inverted, counts }
     }
 }
 
@@ -95,6 +100,17 @@ mod tests {
         }
     }
 
+    /// A motor that is wired the other way round gets the same duty the other way, and no direction without one.
+    #[test]
+    fn a_negative_full_scale_turns_the_direction() {
+        let [straight, inverted] = [1000.0, -1000.0].map(|n| Amplifier::<Fixed>::new(n, 8400).unwrap());
+        for force in [-1500.0, -3.0, 0.0, 1e-4, 250.0] {
+            let [duty, other] = [&straight, &inverted].map(|stage| stage.duty(Fixed::signal(force)));
+            assert_eq!(duty.counts, other.counts);
+            assert_eq!(other.reverse, duty.counts > 0 && !duty.reverse, "{force}");
+        }
+    }
+
     #[test]
     fn a_force_that_is_no_number_gives_no_duty() {
         assert_eq!(Amplifier::<f32>::new(100.0, 8400).unwrap().duty(f32::NAN), Duty::default());
@@ -112,7 +128,7 @@ mod tests {
 
     #[test]
     fn refuses_what_it_cannot_scale() {
-        for force in [0.0, -1.0, f64::NAN, f64::INFINITY, 2e5] {
+        for force in [0.0, 0.9e-3, -0.9e-3, f64::NAN, f64::INFINITY, 2e5, -2e5] {
             assert_eq!(Amplifier::<Fixed>::new(force, 8400).unwrap_err(), DriveError::FullScale);
         }
         assert_eq!(Amplifier::<Fixed>::new(1.0, 0).unwrap_err(), DriveError::NoPwm);

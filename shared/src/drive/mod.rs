@@ -4,14 +4,16 @@
 //! interrupt. All that decides anything is here, where a host can test it.
 
 pub mod duty;
+pub mod light;
 pub mod switch;
 
 pub use duty::{Amplifier, Duty};
+pub use light::Light;
 pub use switch::{EnableSwitch, Turn};
 
 use crate::axis::Reading;
 use crate::machine::Machine;
-use crate::safety::{Fault, Power};
+use crate::safety::Fault;
 use crate::scalar::Scalar;
 
 /// The world outside the controller, as a board sees it.
@@ -22,11 +24,19 @@ pub trait Board<const N: usize> {
     /// Whether the enable switch is closed. A broken wire must read as open.
     fn switch_closed(&mut self) -> bool;
 
-    /// Sets the PWM of every axis until the next tick.
+    /// Whether the hardware has cut the power stages by itself: emergency stop, or a fault of a stage. It stays true
+    /// while the cause is there.
+    fn is_stopped(&mut self) -> bool;
+
+    /// Sets PWM and direction of every axis for the next period of the PWM, both in the same one.
     fn set_duties(&mut self, duties: [Duty; N]);
 
-    /// Sets the enable output, which must be on in [`Power::On`] only, and shows the state.
-    fn set_power(&mut self, power: Power);
+    /// Enables the power stages or cuts them: on in every state in which there may be force, a stop along the path
+    /// among them ([`Power::is_on`](crate::safety::Power::is_on)).
+    fn set_enabled(&mut self, enabled: bool);
+
+    /// Switches the light that shows faults and warnings ([`Light`]).
+    fn set_light(&mut self, lit: bool);
 
     /// Whether the next tick is due already.
     fn is_late(&mut self) -> bool;
@@ -58,6 +68,7 @@ pub struct Station<'m, S: Scalar, const N: usize> {
     machine: &'m mut Machine<S, N>,
     amplifiers: [Amplifier<S>; N],
     switch: EnableSwitch,
+    light: Light,
 }
 
 impl<'m, S: Scalar, const N: usize> Station<'m, S, N> {
@@ -67,8 +78,14 @@ impl<'m, S: Scalar, const N: usize> Station<'m, S, N> {
         machine: &'m mut Machine<S, N>,
         amplifiers: [Amplifier<S>; N],
         switch: EnableSwitch,
+        light: Light,
     ) -> Self {
-        Self { machine, amplifiers, switch }
+        Self { machine, amplifiers, switch, light }
+    }
+
+    /// The machine, for what is not part of a tick: blocks of a path, settings.
+    pub const fn machine_mut(&mut self) -> &mut Machine<S, N> {
+        self.machine
     }
 
     /// One tick, from the sensors to the power stages. Cannot fail; a fault leaves them off.
@@ -79,18 +96,29 @@ impl<'m, S: Scalar, const N: usize> Station<'m, S, N> {
             None => {}
         }
         let output = self.machine.tick(&board.readings());
-        let mut duties = [Duty::default(); N];
-        // Forces are zero while the drives are off.
-        for ((duty, amplifier), force) in duties.iter_mut().zip(&self.amplifiers).zip(output.forces) {
-            *duty = amplifier.duty(force);
+        // Before the stages are enabled: those that are stopped do not come on.
+        if board.is_stopped() {
+            self.machine.fault(Fault::HardwareStop);
         }
-        board.set_duties(duties);
-        board.set_power(self.machine.power());
+        self.drive(board, &output.forces);
         if board.is_late() {
             self.machine.fault(Fault::Overrun);
-            board.set_power(self.machine.power());
-            board.set_duties([Duty::default(); N]);
+            self.drive(board, &output.forces);
         }
+        board.set_light(self.light.is_lit(self.machine.power(), output.warning));
+    }
+
+    /// Gives the forces to the power stages, or cuts them.
+    fn drive(&self, board: &mut impl Board<N>, forces: &[S; N]) {
+        let on = self.machine.power().is_on();
+        let mut duties = [Duty::default(); N];
+        for ((duty, amplifier), force) in duties.iter_mut().zip(&self.amplifiers).zip(forces) {
+            if on {
+                *duty = amplifier.duty(*force);
+            }
+        }
+        board.set_duties(duties);
+        board.set_enabled(on);
     }
 }
 
@@ -102,18 +130,21 @@ mod tests {
     use super::*;
     use crate::config::{AxisSettings, Rates};
     use crate::interpolate::Block;
-    use crate::safety::Hazard;
+    use crate::safety::{Hazard, Power};
     use crate::scalar::Fixed;
     use crate::units::Position;
 
     const SETTLING: u32 = 10;
+    const BLINK: u32 = 50;
 
     struct Bench {
         at: Position,
         closed: bool,
+        stopped: bool,
         late: bool,
         duty: Duty,
-        power: Power,
+        enabled: bool,
+        lit: bool,
     }
 
     impl Board<1> for Bench {
@@ -125,12 +156,20 @@ mod tests {
             self.closed
         }
 
+        fn is_stopped(&mut self) -> bool {
+            self.stopped
+        }
+
         fn set_duties(&mut self, [duty]: [Duty; 1]) {
             self.duty = duty;
         }
 
-        fn set_power(&mut self, power: Power) {
-            self.power = power;
+        fn set_enabled(&mut self, enabled: bool) {
+            self.enabled = enabled;
+        }
+
+        fn set_light(&mut self, lit: bool) {
+            self.lit = lit;
         }
 
         fn is_late(&mut self) -> bool {
@@ -144,12 +183,19 @@ mod tests {
         let axis = AxisSettings { following_error_limit_m: 1e-3, ..AxisSettings::default() };
         let machine = Box::leak(Box::new(Machine::new(rates, &[axis], [Position(0)]).unwrap()));
         machine.push(&Block::line([0.1], 0.1, 5.0)).unwrap();
-        let mut station =
-            Station::new(machine, [Amplifier::new(1000.0, 8400).unwrap()], EnableSwitch::new(SETTLING));
-        let mut bench =
-            Bench { at: Position(0), closed: false, late: false, duty: Duty::default(), power: Power::Off };
+        let amplifiers = [Amplifier::new(1000.0, 8400).unwrap()];
+        let mut station = Station::new(machine, amplifiers, EnableSwitch::new(SETTLING), Light::new(BLINK));
+        let mut bench = Bench {
+            at: Position(0),
+            closed: false,
+            stopped: false,
+            late: false,
+            duty: Duty::default(),
+            enabled: false,
+            lit: false,
+        };
         close(&mut station, &mut bench);
-        assert_eq!(bench.power, Power::On);
+        assert!(bench.enabled && !bench.lit);
         (station, bench)
     }
 
@@ -162,7 +208,7 @@ mod tests {
     fn close(station: &mut Station<'_, Fixed, 1>, bench: &mut Bench) {
         bench.closed = false;
         run(station, bench, 2 * SETTLING);
-        assert_eq!(bench.power, Power::Off);
+        assert!(!bench.enabled);
         bench.closed = true;
         run(station, bench, 2 * SETTLING);
     }
@@ -174,40 +220,101 @@ mod tests {
         assert!(!bench.duty.reverse && bench.duty.counts > 0, "{:?}", bench.duty);
     }
 
-    #[test]
-    fn a_late_tick_puts_the_drives_off_at_once_and_until_a_fresh_edge() {
-        let (mut station, mut bench) = running();
-        run(&mut station, &mut bench, 40);
-        bench.late = true;
-        station.tick(&mut bench);
-        assert_eq!((bench.power, bench.duty), (Power::Faulted(Fault::Overrun), Duty::default()));
-        bench.late = false;
-        run(&mut station, &mut bench, 1000);
-        assert_eq!((bench.power, bench.duty), (Power::Faulted(Fault::Overrun), Duty::default()));
-        // The path was broken off: enabled again, the axis holds where it was moved meanwhile.
-        bench.at = Position::from_m(0.02).unwrap();
-        close(&mut station, &mut bench);
-        assert_eq!((bench.power, bench.duty), (Power::On, Duty::default()));
+    /// Cut, without duty, and told so.
+    fn assert_off(station: &Station<'_, Fixed, 1>, bench: &Bench, power: Power) {
+        assert_eq!((station.machine.power(), bench.enabled, bench.duty), (power, false, Duty::default()));
+        assert_eq!(bench.lit, power != Power::Off);
     }
 
     #[test]
-    fn an_opened_switch_puts_the_drives_off_in_the_same_tick() {
+    fn a_late_tick_or_a_hardware_stop_cuts_the_stages_at_once_and_until_a_fresh_edge() {
+        for fault in [Fault::Overrun, Fault::HardwareStop] {
+            let (mut station, mut bench) = running();
+            run(&mut station, &mut bench, 40);
+            (bench.late, bench.stopped) = (fault == Fault::Overrun, fault == Fault::HardwareStop);
+            station.tick(&mut bench);
+            assert_off(&station, &bench, Power::Faulted(fault));
+            (bench.late, bench.stopped) = (false, false);
+            run(&mut station, &mut bench, 1000);
+            assert_off(&station, &bench, Power::Faulted(fault));
+            // The path was broken off: enabled again, the axis holds where it was moved meanwhile.
+            bench.at = Position::from_m(0.02).unwrap();
+            close(&mut station, &mut bench);
+            assert_eq!((bench.enabled, bench.lit, bench.duty), (true, false, Duty::default()));
+        }
+    }
+
+    #[test]
+    fn a_stage_that_is_stopped_does_not_come_on() {
+        let (mut station, mut bench) = running();
+        bench.stopped = true;
+        bench.closed = false;
+        run(&mut station, &mut bench, 2 * SETTLING);
+        bench.closed = true;
+        for _ in 0..3 * SETTLING {
+            station.tick(&mut bench);
+            assert!(!bench.enabled);
+        }
+        assert_off(&station, &bench, Power::Faulted(Fault::HardwareStop));
+    }
+
+    #[test]
+    fn an_opened_switch_cuts_the_stages_in_the_same_tick() {
         let (mut station, mut bench) = running();
         run(&mut station, &mut bench, 40);
         bench.closed = false;
         station.tick(&mut bench);
-        assert_eq!((bench.power, bench.duty), (Power::Off, Duty::default()));
+        assert_off(&station, &bench, Power::Off);
         bench.at = Position::from_m(0.02).unwrap();
         close(&mut station, &mut bench);
-        assert_eq!((bench.power, bench.duty), (Power::On, Duty::default()));
+        assert_eq!((bench.enabled, bench.duty), (true, Duty::default()));
     }
 
     #[test]
-    fn a_following_error_puts_the_drives_off_in_the_same_tick() {
+    fn a_following_error_cuts_the_stages_in_the_same_tick() {
         let (mut station, mut bench) = running();
         bench.at = Position::from_m(2e-3).unwrap();
         station.tick(&mut bench);
-        let fault = Power::Faulted(Fault::Axis { axis: 0, hazard: Hazard::FollowingError });
-        assert_eq!((bench.power, bench.duty), (fault, Duty::default()));
+        let fault = Fault::Axis { axis: 0, hazard: Hazard::FollowingError };
+        assert_off(&station, &bench, Power::Faulted(fault));
+    }
+
+    /// While the path slows down along itself the stages stay on: they are what slows the axis down. 0.1 m/s at the
+    /// block's 5 m/s², which is more than the 2 m/s² of a stop, are 20 ms: 400 ticks.
+    #[test]
+    fn a_stop_along_the_path_keeps_the_stages_on_until_it_stands() {
+        let (mut station, mut bench) = running();
+        let mut follow = |station: &mut Station<'_, Fixed, 1>, bench: &mut Bench| {
+            station.tick(bench);
+            bench.at = station.machine.command()[0];
+        };
+        for _ in 0..2000 {
+            follow(&mut station, &mut bench);
+        }
+        let fault = Fault::Axis { axis: 0, hazard: Hazard::SoftLimit };
+        station.machine.fault(fault);
+        let mut ticks = 0;
+        while station.machine.power() == Power::Stopping(fault) {
+            follow(&mut station, &mut bench);
+            ticks += 1;
+            let stands = station.machine.power() == Power::Faulted(fault);
+            assert_eq!((bench.enabled, bench.lit), (!stands, true));
+            assert!(ticks < 2000);
+        }
+        assert!((398..=402).contains(&ticks), "{ticks}");
+        assert_off(&station, &bench, Power::Faulted(fault));
+    }
+
+    /// A warning blinks, and stays until the drives are switched off.
+    #[test]
+    fn a_warning_is_shown() {
+        let (mut station, mut bench) = running();
+        station.machine.fault(Fault::Axis { axis: 0, hazard: Hazard::ScaleLost });
+        let lit = (0..4 * BLINK).map(|_| {
+            station.tick(&mut bench);
+            bench.lit
+        });
+        assert_eq!(lit.filter(|lit| *lit).count(), 2 * BLINK as usize);
+        assert!(bench.enabled);
     }
 }

@@ -12,14 +12,15 @@ const RANGE: f64 = 65_536.0;
 pub struct Encoder(Transducer);
 
 impl Encoder {
-    /// An encoder that stands at position zero while the counter shows `raw`.
+    /// An encoder that stands at position zero while the counter shows `raw`. The metres of a count are negative where
+    /// the counter falls as the axis goes forward.
     ///
-    /// `None` unless one count is between 1 pm and 1 mm. The range's length is rounded to a position
+    /// `None` unless one count is between 1 pm and 1 mm, either way. The range's length is rounded to a position
     /// unit, which is 2⁻¹⁷ of one a count; a lead that a count does not divide wants
     /// [`Transducer::new`] and [`Phase::of_counter`].
     #[must_use]
     pub fn new(metres_per_count: f64, raw: u16) -> Option<Self> {
-        let plausible = (1e-12..=1e-3).contains(&metres_per_count);
+        let plausible = (1e-12..=1e-3).contains(&libm::fabs(metres_per_count));
         let range_m = plausible.then_some(metres_per_count * RANGE)?;
         Transducer::new(range_m, 1, Phase::of_counter(raw)).map(Self)
     }
@@ -44,6 +45,13 @@ mod tests {
     }
 
     #[test]
+    fn a_negative_count_turns_the_direction() {
+        let mut encoder = Encoder::new(-50e-9, 10).unwrap();
+        assert_eq!(encoder.read(15).0, -5 * 52_428_800);
+        assert_eq!(encoder.read(65_535).0, 11 * 52_428_800);
+    }
+
+    #[test]
     fn does_not_drift_over_a_long_travel() {
         // 1,000,000 counts of 0.1 µm/3 are 33.333 mm; the rate is rounded to 2⁻¹⁷ unit a count.
         let mut encoder = Encoder::new(1e-7 / 3.0, 0).unwrap();
@@ -58,7 +66,7 @@ mod tests {
 
     #[test]
     fn refuses_counts_that_no_encoder_has() {
-        for metres in [f64::NAN, f64::INFINITY, 0.0, -1e-6, 0.9e-12, 1.1e-3] {
+        for metres in [f64::NAN, f64::INFINITY, 0.0, 0.9e-12, 1.1e-3, -0.9e-12, -1.1e-3] {
             assert!(Encoder::new(metres, 0).is_none());
         }
         assert!(Encoder::new(1e-12, 0).is_some() && Encoder::new(1e-3, 0).is_some());

@@ -198,6 +198,12 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         self.state.power
     }
 
+    /// The command that the position loops follow.
+    #[must_use]
+    pub const fn command(&self) -> [Position; N] {
+        self.state.path.command()
+    }
+
     /// One tick of the velocity loops, and of path and position loops where they are due.
     ///
     /// While the drives are off and no path waits, the command goes where the axes are moved, so that they do not jump

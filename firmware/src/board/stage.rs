@@ -1,0 +1,117 @@
+//! The power stages: PWM of TIM1, direction pins and the enable pin.
+//!
+//! TIM1 is set up register by register: a library that knows only PWM leaves the outputs to come on by themselves
+//! after a break (AOE), and lets their pins float while they are off (OSSI).
+//!
+//! The pulse lies at the end of a period (PWM mode 2), and a direction pin is set in the first microsecond of the
+//! period in which its duty acts: pin and pulse belong together, whatever the duty.
+
+use shared::drive::Duty;
+use stm32f4xx_hal::gpio::{Alternate, Output, PA8, PA9, PB12, PB14, PC6, PC7};
+use stm32f4xx_hal::pac::{self, TIM1};
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+use crate::setup::{self, AXES};
+
+/// The pins that the program switches.
+pub struct Pins {
+    /// Enable of both, high: on.
+    pub enable: PB14<Output>,
+    /// High for a negative force.
+    pub directions: (PC6<Output>, PC7<Output>),
+}
+
+/// The pins that the timer has, proof that they are its own: PWM, and the break input, which cuts the PWM in hardware
+/// while it is low.
+pub type TimerPins = (PA8<Alternate<1>>, PA9<Alternate<1>>, PB12<Alternate<1>>);
+
+/// Both power stages.
+pub struct Stages {
+    timer: TIM1,
+    pins: Pins,
+    full_counts: u16,
+    enabled: bool,
+    /// Directions of the duties that act from the next period on.
+    reverse: [bool; AXES],
+}
+
+impl Stages {
+    /// Starts the PWM with its outputs off and low.
+    ///
+    /// # Panics
+    /// Where the PWM frequency leaves no counts or more than 65,535: both are constants.
+    pub fn new(timer: TIM1, pins: Pins, _of_timer: TimerPins, rcc: &mut Rcc) -> Self {
+        TIM1::enable(rcc);
+        TIM1::reset(rcc);
+        let period = rcc.clocks.timclk2().raw() / setup::PWM_HZ;
+        let full_counts = u16::try_from(period).expect("168 MHz over 20 kHz");
+
+        timer.arr().write(|w| w.arr().set(full_counts - 1));
+        timer.ccmr1_output().write(|w| {
+            w.oc1m().pwm_mode2().oc1pe().set_bit();
+            w.oc2m().pwm_mode2().oc2pe().set_bit()
+        });
+        // Beyond the period: never reached, no pulse.
+        timer.ccr1().write(|w| w.ccr().set(full_counts));
+        timer.ccr2().write(|w| w.ccr().set(full_counts));
+        timer.ccer().write(|w| w.cc1e().set_bit().cc2e().set_bit());
+        // Idle outputs are low (OIS of CR2); each update is told to the timer of the ticks.
+        timer.cr2().write(|w| w.mms().update());
+        // Off until the program sets MOE, and off again by a low break input or a failed clock; never on by itself. The
+        // lock holds all of it but MOE until the next reset.
+        timer.bdtr().write(|w| {
+            w.bke().set_bit().bkp().clear_bit().aoe().clear_bit().moe().clear_bit();
+            w.ossr().set_bit().ossi().set_bit().lock().level1()
+        });
+        timer.egr().write(|w| w.ug().set_bit());
+        timer.sr().write(|w| w.uif().clear_bit().bif().clear_bit());
+        timer.cr1().write(|w| w.arpe().set_bit().cen().set_bit());
+        Self { timer, pins, full_counts, enabled: false, reverse: [false; AXES] }
+    }
+
+    /// PWM counts of full duty.
+    pub const fn full_counts(&self) -> u16 {
+        self.full_counts
+    }
+
+    /// To be called at the start of a period: sets the directions that belong to its duties.
+    pub fn begin_period(&mut self) {
+        let [x, y] = self.reverse;
+        self.pins.directions.0.set_state(x.into());
+        self.pins.directions.1.set_state(y.into());
+    }
+
+    /// Duties and directions from the next period on: the compare registers are buffered until then.
+    pub fn set(&mut self, [x, y]: [Duty; AXES]) {
+        self.timer.ccr1().write(|w| w.ccr().set(self.full_counts - x.counts.min(self.full_counts)));
+        self.timer.ccr2().write(|w| w.ccr().set(self.full_counts - y.counts.min(self.full_counts)));
+        self.reverse = [x.reverse, y.reverse];
+    }
+
+    /// Enables the stages or cuts them, at once.
+    pub fn set_enabled(&mut self, enabled: bool) {
+        if enabled != self.enabled {
+            self.timer.bdtr().modify(|_, w| w.moe().bit(enabled));
+            self.pins.enable.set_state(enabled.into());
+            self.enabled = enabled;
+        }
+    }
+
+    /// Whether the break has acted since the last call, or still does: the flag cannot be cleared as long as the
+    /// input is low.
+    pub fn are_stopped(&mut self) -> bool {
+        let stopped = self.timer.sr().read().bif().bit_is_set();
+        if stopped {
+            self.timer.sr().modify(|_, w| w.bif().clear_bit());
+        }
+        stopped
+    }
+
+    /// Cuts the stages from anywhere, whatever state the program is in.
+    pub fn cut() {
+        // SAFETY: writes that only ever switch off, to a set-reset register and to the timer's main output enable.
+        let (port, timer) = unsafe { (&*pac::GPIOB::ptr(), &*TIM1::ptr()) };
+        port.bsrr().write(|w| w.br14().set_bit());
+        timer.bdtr().modify(|_, w| w.moe().clear_bit());
+    }
+}

@@ -1,0 +1,39 @@
+//! The tick: an interrupt of TIM2 at the start of each period of the PWM.
+
+use stm32f4xx_hal::pac::TIM2;
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+use crate::setup;
+
+/// Counts by which the timer's own period is longer than the PWM's: while that runs its update comes first and starts
+/// the period anew. Were it to stand, ticks go on 1.5 % slower.
+const LONGER: u32 = 64;
+
+/// The timer of the ticks.
+pub struct TickTimer(TIM2);
+
+impl TickTimer {
+    /// Starts the ticks, reset by each update of TIM1 (ITR0) so that they keep its phase.
+    pub fn new(timer: TIM2, rcc: &mut Rcc) -> Self {
+        TIM2::enable(rcc);
+        TIM2::reset(rcc);
+        let period = rcc.clocks.timclk1().raw() / setup::TICK_HZ;
+        timer.arr().write(|w| w.arr().set(period + LONGER - 1));
+        timer.smcr().write(|w| w.ts().itr0().sms().reset_mode());
+        timer.egr().write(|w| w.ug().set_bit());
+        timer.sr().write(|w| w.uif().clear_bit());
+        timer.dier().write(|w| w.uie().set_bit());
+        timer.cr1().write(|w| w.cen().set_bit());
+        Self(timer)
+    }
+
+    /// Acknowledges the interrupt: what is due at the end of the tick is the next one.
+    pub fn acknowledge(&mut self) {
+        self.0.sr().write(|w| w.uif().clear_bit());
+    }
+
+    /// Whether a tick is due.
+    pub fn is_due(&self) -> bool {
+        self.0.sr().read().uif().bit_is_set()
+    }
+}
