@@ -1,5 +1,6 @@
 //! What several of the tests need.
 
+pub mod chip;
 pub mod firmware;
 
 use std::io::{Write, stderr};

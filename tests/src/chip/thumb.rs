@@ -14,6 +14,7 @@ pub enum Flow {
 }
 
 /// The flow of the instruction at an address and its length in bytes. `low` is the halfword after `high`.
+#[must_use]
 pub fn decode(address: u32, high: u16, low: u16) -> (Flow, u32) {
     if high >= 0xe800 { (wide(address, high, low), 4) } else { (narrow(address, high), 2) }
 }
@@ -95,33 +96,38 @@ fn wide(address: u32, high: u16, low: u16) -> Flow {
     Flow::On
 }
 
-#[test]
-fn instructions_of_the_manual_and_of_an_assembler() {
-    // Checked against `llvm-objdump -d` of the same bytes at 0x1000.
-    let flow = |high, low| decode(0x1000, high, low).0;
-    assert_eq!(flow(0xf000, 0xf880), Flow::To(0x1104)); // bl
-    assert_eq!(flow(0xf7ff, 0xfffe), Flow::To(0x1000)); // bl to itself
-    assert_eq!(flow(0xf7ff, 0xbffe), Flow::To(0x1000)); // b.w
-    assert_eq!(flow(0xf43f, 0xaffe), Flow::To(0x1000)); // beq.w
-    assert_eq!(flow(0xe7fe, 0), Flow::To(0x1000)); // b
-    assert_eq!(flow(0xd0fe, 0), Flow::To(0x1000)); // beq
-    assert_eq!(flow(0xb108, 0), Flow::To(0x1006)); // cbz r0
-    assert_eq!(flow(0xbb08, 0), Flow::To(0x1046)); // cbnz r0
-    assert_eq!(flow(0x4798, 0), Flow::Indirect); // blx r3
-    assert_eq!(flow(0x4718, 0), Flow::Indirect); // bx r3
-    assert_eq!(flow(0x4770, 0), Flow::On); // bx lr
-    assert_eq!(flow(0x469f, 0), Flow::Indirect); // mov pc, r3
-    assert_eq!(flow(0x4698, 0), Flow::On); // mov r8, r3
-    assert_eq!(flow(0xbd10, 0), Flow::On); // pop {r4, pc}
-    assert_eq!(flow(0xde00, 0), Flow::Trap); // udf
-    assert_eq!(flow(0xf7f0, 0xa000), Flow::Trap); // udf.w
-    assert_eq!(flow(0xf85d, 0xfb04), Flow::On); // pop.w {pc}
-    assert_eq!(flow(0xf8d3, 0xf000), Flow::Indirect); // ldr.w pc, [r3]
-    assert_eq!(flow(0xe8bd, 0x8010), Flow::On); // pop.w {r4, pc}
-    assert_eq!(flow(0xe8b3, 0x8010), Flow::Indirect); // ldm r3!, {r4, pc}
-    assert_eq!(flow(0xe8df, 0xf000), Flow::On); // tbb [pc, r0]
-    assert_eq!(flow(0xf3bf, 0x8f5f), Flow::On); // dmb
-    assert_eq!(flow(0xf04f, 0x30ff), Flow::On); // mov.w r0, #-1
-    assert_eq!(decode(0, 0xbd10, 0).1, 2);
-    assert_eq!(decode(0, 0xf04f, 0).1, 4);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instructions_of_the_manual_and_of_an_assembler() {
+        // Checked against `llvm-objdump -d` of the same bytes at 0x1000.
+        let flow = |high, low| decode(0x1000, high, low).0;
+        assert_eq!(flow(0xf000, 0xf880), Flow::To(0x1104)); // bl
+        assert_eq!(flow(0xf7ff, 0xfffe), Flow::To(0x1000)); // bl to itself
+        assert_eq!(flow(0xf7ff, 0xbffe), Flow::To(0x1000)); // b.w
+        assert_eq!(flow(0xf43f, 0xaffe), Flow::To(0x1000)); // beq.w
+        assert_eq!(flow(0xe7fe, 0), Flow::To(0x1000)); // b
+        assert_eq!(flow(0xd0fe, 0), Flow::To(0x1000)); // beq
+        assert_eq!(flow(0xb108, 0), Flow::To(0x1006)); // cbz r0
+        assert_eq!(flow(0xbb08, 0), Flow::To(0x1046)); // cbnz r0
+        assert_eq!(flow(0x4798, 0), Flow::Indirect); // blx r3
+        assert_eq!(flow(0x4718, 0), Flow::Indirect); // bx r3
+        assert_eq!(flow(0x4770, 0), Flow::On); // bx lr
+        assert_eq!(flow(0x469f, 0), Flow::Indirect); // mov pc, r3
+        assert_eq!(flow(0x4698, 0), Flow::On); // mov r8, r3
+        assert_eq!(flow(0xbd10, 0), Flow::On); // pop {r4, pc}
+        assert_eq!(flow(0xde00, 0), Flow::Trap); // udf
+        assert_eq!(flow(0xf7f0, 0xa000), Flow::Trap); // udf.w
+        assert_eq!(flow(0xf85d, 0xfb04), Flow::On); // pop.w {pc}
+        assert_eq!(flow(0xf8d3, 0xf000), Flow::Indirect); // ldr.w pc, [r3]
+        assert_eq!(flow(0xe8bd, 0x8010), Flow::On); // pop.w {r4, pc}
+        assert_eq!(flow(0xe8b3, 0x8010), Flow::Indirect); // ldm r3!, {r4, pc}
+        assert_eq!(flow(0xe8df, 0xf000), Flow::On); // tbb [pc, r0]
+        assert_eq!(flow(0xf3bf, 0x8f5f), Flow::On); // dmb
+        assert_eq!(flow(0xf04f, 0x30ff), Flow::On); // mov.w r0, #-1
+        assert_eq!(decode(0, 0xbd10, 0).1, 2);
+        assert_eq!(decode(0, 0xf04f, 0).1, 4);
+    }
 }

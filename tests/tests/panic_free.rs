@@ -3,15 +3,11 @@
 //! A servo drive that stops in a panic handler is a machine that has lost its axis. So the linked
 //! program is taken apart: from the tick on, every call and jump is followed.
 
-mod image;
-mod thumb;
-mod walk;
-
 use std::collections::BTreeMap;
 use std::fs;
 
-use image::{Function, Image, Section};
-use walk::{Walk, walk};
+use tests::chip::image::{Function, Image, Section};
+use tests::chip::walk::{Walk, walk};
 
 /// Position of TIM2 in the vector table of an STM32F405: 16 of the core and interrupt 28.
 const TIM2: u32 = 16 + 28;
