@@ -1,5 +1,8 @@
 //! Reads the program of a chip: its functions, what its instructions do, and what can be reached.
 
+pub mod depth;
 pub mod image;
+pub mod pointer;
 pub mod thumb;
+pub mod vectors;
 pub mod walk;

@@ -37,16 +37,11 @@ pub fn walk(image: &Image, roots: &[u32]) -> Walk {
         walk.reached.insert(start, from);
         let calls = walk.calls.entry(start).or_default();
         let end = image.functions[&start].end;
-        let mut at = start;
-        while at < end {
-            if !image.is_code(at) {
-                at += 2;
-                continue;
-            }
-            let (flow, length) = decode(at, image.half(at).unwrap_or(0), image.half(at + 2).unwrap_or(0));
+        for (at, high, low) in instructions(image, start) {
             walk.instructions += 1;
-            match flow {
-                Flow::To(target) if !(start..end).contains(&target) => match image.function_at(target) {
+            match decode(at, high, low).0 {
+                Flow::To(target) if (start..end).contains(&target) => {}
+                Flow::To(target) | Flow::Call(target) => match image.function_at(target) {
                     Some((function, _)) => {
                         calls.insert(function);
                         waiting.push((function, Some(start)));
@@ -55,12 +50,29 @@ pub fn walk(image: &Image, roots: &[u32]) -> Walk {
                 },
                 Flow::Indirect => _ = walk.indirect.insert(at),
                 Flow::Trap => _ = walk.traps.insert(at),
-                Flow::On | Flow::To(_) => {}
+                Flow::On => {}
             }
-            at += length;
         }
     }
     walk
+}
+
+/// The instructions of a function, each with its address and its two halfwords, data left out.
+///
+/// # Panics
+/// Where the address is not the start of a function.
+pub fn instructions(image: &Image, start: u32) -> impl Iterator<Item = (u32, u16, u16)> {
+    let end = image.functions[&start].end;
+    let mut next = start;
+    std::iter::from_fn(move || {
+        while next < end && !image.is_code(next) {
+            next += 2;
+        }
+        let at = next;
+        let (high, low) = (image.half(at).unwrap_or(0), image.half(at + 2).unwrap_or(0));
+        next += decode(at, high, low).1;
+        (at < end).then_some((at, high, low))
+    })
 }
 
 impl Walk {
