@@ -2,6 +2,7 @@
 
 pub mod chip;
 pub mod firmware;
+pub mod gdb;
 
 use std::io::{Write, stderr};
 use std::path::PathBuf;

@@ -10,6 +10,7 @@ use std::fs;
 use tests::chip::depth::{Depths, Obstacle, SelfCall};
 use tests::chip::image::{Function, Image, Section};
 use tests::chip::vectors::{EXCEPTION_FRAME, Vectors};
+use tests::firmware::{FLASH, SELF_CALLS, TICK};
 
 /// Main RAM of an STM32F405 (data sheet DS8626, memory map): where it begins, and its bytes.
 const RAM: u32 = 0x2000_0000;
@@ -21,9 +22,6 @@ const RESERVE_BYTES: u32 = RAM_BYTES / 8;
 /// The least that the tick takes: registers of the caller (r4 to r11, lr, d8 to d15) and the forces and duties of
 /// two axes. Less would mean that the walk has lost its way.
 const LEAST_TICK_BYTES: u32 = 100;
-
-/// `frexp` of a number below the normal ones calls itself once, with that number times 2⁶⁴, which is a normal one.
-const SELF_CALLS: [SelfCall; 1] = [SelfCall { name: "libm4math5frexp5frexp", frames: 2 }];
 
 /// The linked program, and how many bytes of RAM its static data and its deepest stack take together.
 fn taken(program: &str, flash: u32) -> (Image, Vectors, [u32; 2]) {
@@ -47,9 +45,8 @@ fn taken(program: &str, flash: u32) -> (Image, Vectors, [u32; 2]) {
 
 #[test]
 fn stack_and_static_data_of_the_board_fit_its_ram() {
-    let (image, vectors, [data, stack]) = taken("board", 0x0800_0000);
-    // TIM2 is interrupt 28.
-    let tick = vectors.handler(16 + 28);
+    let (image, vectors, [data, stack]) = taken("board", FLASH);
+    let tick = vectors.handler(TICK);
     let tick = Depths::new(&image, &[tick], &[]).expect("known above").below(tick);
     assert!(tick.bytes() >= LEAST_TICK_BYTES, "a tick of {} B", tick.bytes());
     assert!(stack >= tick.bytes() + EXCEPTION_FRAME);

@@ -2,6 +2,7 @@
 
 pub mod depth;
 pub mod image;
+pub mod memory;
 pub mod pointer;
 pub mod thumb;
 pub mod vectors;
