@@ -10,11 +10,10 @@ use std::fs;
 use tests::chip::depth::{Depths, Obstacle, SelfCall};
 use tests::chip::image::{Function, Image, Section};
 use tests::chip::vectors::{EXCEPTION_FRAME, Vectors};
-use tests::firmware::{FLASH, SELF_CALLS, TICK};
+use tests::firmware::{FLASH, RAM, SELF_CALLS, TICK};
 
-/// Main RAM of an STM32F405 (data sheet DS8626, memory map): where it begins, and its bytes.
-const RAM: u32 = 0x2000_0000;
-const RAM_BYTES: u32 = 128 * 1024;
+/// Bytes of the main RAM of the chip.
+const RAM_BYTES: u32 = RAM.end - RAM.start;
 
 /// What has to stay free, bytes: an eighth of the RAM, for a compiler of tomorrow that inlines otherwise.
 const RESERVE_BYTES: u32 = RAM_BYTES / 8;
@@ -51,12 +50,11 @@ fn stack_and_static_data_of_the_board_fit_its_ram() {
     assert!(tick.bytes() >= LEAST_TICK_BYTES, "a tick of {} B", tick.bytes());
     assert!(stack >= tick.bytes() + EXCEPTION_FRAME);
     assert!(data + stack + RESERVE_BYTES <= RAM_BYTES, "{data} B of static data, {stack} B of stack");
-    // And they lie in it: the stack grows down from its start to the end of the data below it, or of the RAM.
-    let inside = RAM..=RAM + RAM_BYTES;
+    // And they lie in it: the stack grows down from its start to the static data below it, or out of the RAM.
+    let inside = RAM.start..=RAM.end;
     assert!(image.data.iter().all(|range| inside.contains(&range.start) && inside.contains(&range.end)));
     assert!(inside.contains(&vectors.initial_sp));
-    let ends = image.data.iter().map(|range| range.end).filter(|&end| end <= vectors.initial_sp);
-    let floor = ends.max().unwrap_or(RAM);
+    let floor = vectors.stack_floor(&image, &RAM);
     assert!(stack + RESERVE_BYTES <= vectors.initial_sp - floor, "{stack} B above {floor:#x}");
 }
 

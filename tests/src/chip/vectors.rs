@@ -1,6 +1,7 @@
 //! The vector table of a program, and how deep the stack gets with every exception on top of another.
 
 use std::collections::BTreeSet;
+use std::ops::Range;
 
 use super::depth::{Depth, Depths, Obstacle, SelfCall};
 use super::image::Image;
@@ -54,6 +55,13 @@ impl Vectors {
     #[must_use]
     pub fn handler(&self, number: usize) -> u32 {
         self.handlers[number]
+    }
+
+    /// Where the stack would grow into the static data: the end of what lies below it, or the start of the RAM.
+    #[must_use]
+    pub fn stack_floor(&self, image: &Image, ram: &Range<u32>) -> u32 {
+        let ends = image.data.iter().map(|range| range.end);
+        ends.filter(|&end| end <= self.initial_sp).max().unwrap_or(ram.start)
     }
 
     /// Every handler but that of reset, once.
