@@ -67,7 +67,7 @@ pub fn every_device_has_a_clock(accesses: &[Access]) {
 }
 
 /// The enable switch reads as open: PB14 is low before it is an output, and stays so. No overrun: the fault light
-/// at PC13, on when low, stays off. Every tick feeds the watchdog.
+/// at PC13, on when low, stays off. Each of the `ticks` that have ended sets the duties and feeds the watchdog.
 pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize) {
     let written = |device: &'static str, offset: u32| {
         let is = move |access: &&Access| access.device == device && access.offset == offset;
@@ -97,5 +97,5 @@ pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize
         keys.filter(move |&written| written == value).count()
     };
     assert_eq!(key(0xcccc), 1, "the watchdog is started once");
-    assert!(key(0xaaaa) >= ticks, "{} meals in {ticks} ticks", key(0xaaaa));
+    assert!(key(0xaaaa) >= ticks, "fed {} times in {ticks} ticks", key(0xaaaa));
 }
