@@ -164,13 +164,13 @@ impl Target {
         Ok(bytes.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte)))
     }
 
-    /// Fills memory with a byte.
+    /// Puts bytes into memory from an address on; what is not memory is left out without a word.
     ///
     /// # Errors
     /// Where the target does not take it.
-    pub fn fill(&mut self, address: u32, length: usize, byte: u8) -> Result<(), Trouble> {
-        for (from, length) in chunks(address, length) {
-            self.tell(&format!("M{from:x},{length:x}:{}", digits(&vec![byte; length])))?;
+    pub fn set_memory(&mut self, address: u32, bytes: &[u8]) -> Result<(), Trouble> {
+        for ((from, length), part) in chunks(address, bytes.len()).zip(bytes.chunks(CHUNK)) {
+            self.tell(&format!("M{from:x},{length:x}:{}", digits(part)))?;
         }
         Ok(())
     }
@@ -193,6 +193,15 @@ impl Target {
     /// Where its process has ended.
     pub fn run(&mut self) -> Result<(), Trouble> {
         self.send("c")
+    }
+
+    /// Runs one instruction, with interrupts held back.
+    ///
+    /// # Errors
+    /// Where the target does not halt behind it.
+    pub fn step(&mut self) -> Result<(), Trouble> {
+        self.send("s")?;
+        self.halted(ANSWER)?.map(drop).ok_or(Trouble::Silent)
     }
 
     /// Why the target has halted; `None` where it still runs after that time.

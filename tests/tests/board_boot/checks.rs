@@ -1,11 +1,15 @@
 //! What has to hold after the run.
 
-use firmware::setup::{CRYSTAL_HZ, TICK_HZ};
+use firmware::setup::{
+    CRYSTAL_HZ, FULL_DUTY_N, METRES_PER_COUNT, RATES, SETTINGS, SWITCH_SETTLING_TICKS, TICK_HZ,
+};
+use shared::config::AxisSettings;
 use tests::chip::vectors::EXCEPTION_FRAME;
 use tests::firmware::{SELF_CALLS, TICK};
 use tests::gdb::{SP, XPSR};
 
 use crate::chip::Chip;
+use crate::inputs::{CLOSED, COUNTS};
 use crate::log::Access;
 
 /// TIM2 (RM0090, 18.4).
@@ -66,13 +70,15 @@ pub fn every_device_has_a_clock(accesses: &[Access]) {
     }
 }
 
+/// What was written to a register.
+fn written<'a>(accesses: &'a [Access], device: &'a str, offset: u32) -> impl Iterator<Item = u32> + 'a {
+    let is = move |access: &&Access| access.device == device && access.offset == offset;
+    accesses.iter().filter(is).filter_map(|access| access.written)
+}
+
 /// The enable switch reads as open: PB14 is low before it is an output, and stays so. No overrun: the fault light
 /// at PC13, on when low, stays off. Each of the `ticks` that have ended sets the duties and feeds the watchdog.
 pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize) {
-    let written = |device: &'static str, offset: u32| {
-        let is = move |access: &&Access| access.device == device && access.offset == offset;
-        accesses.iter().filter(is).filter_map(|access| access.written)
-    };
     let low_before = |device, bit: u32, mode: u32| {
         let position = |offset: u32, bits: u32| {
             let is = |access: &Access| {
@@ -84,18 +90,56 @@ pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize
         position(0x18, bit).unwrap() < position(0, mode).unwrap()
     };
     assert!(low_before("GPIOB", 1 << (14 + 16), 1 << (2 * 14)), "PB14 is an output before it is low");
-    assert!(written("GPIOB", 0x18).all(|bits| bits & 1 << 14 == 0), "PB14 was set");
-    assert!(written("GPIOC", 0x18).all(|bits| bits & 1 << (13 + 16) == 0), "the fault light was on");
+    assert!(written(accesses, "GPIOB", 0x18).all(|bits| bits & 1 << 14 == 0), "PB14 was set");
+    assert!(
+        written(accesses, "GPIOC", 0x18).all(|bits| bits & 1 << (13 + 16) == 0),
+        "the fault light was on"
+    );
     // Compare values of PWM channels 1 and 2 of TIM1.
     for offset in [0x34, 0x38] {
-        assert!(written("timer[1]", offset).all(|counts| counts == 0), "a duty");
-        assert!(written("timer[1]", offset).count() >= ticks, "every tick sets a duty");
+        assert!(written(accesses, "timer[1]", offset).all(|counts| counts == 0), "a duty");
+        assert!(written(accesses, "timer[1]", offset).count() >= ticks, "every tick sets a duty");
     }
     // QEMU maps another device without registers over the watchdog: either name may be logged.
     let key = |value: u32| {
-        let keys = written("IWDG", 0).chain(written("I2S2ext", 0));
+        let keys = written(accesses, "IWDG", 0).chain(written(accesses, "I2S2ext", 0));
         keys.filter(move |&written| written == value).count()
     };
     assert_eq!(key(0xcccc), 1, "the watchdog is started once");
     assert!(key(0xaaaa) >= ticks, "fed {} times in {ticks} ticks", key(0xaaaa));
+}
+
+/// PB14 goes high once, when the switch has been closed for its time, and stays so. X, pushed in the positive
+/// direction by so many counts with one count a tick, is pushed back:
+/// - while it moves at v, by Kv·v and no more than the rest below on top;
+/// - when it stands at a distance d, by Kv·Kp·d of the position loop and Kv/Ti·d, what the motion has left in the
+///   integral. That grows by Kv/Ti·Kp·d·t: 4 % of the whole in the 3 ms of the push and after it; and the duty is
+///   rounded to a count.
+pub fn drives_come_on_and_push_back(accesses: &[Access]) {
+    let power: Vec<bool> = written(accesses, "GPIOB", 0x18).map(|bits| bits & 1 << 14 != 0).collect();
+    let off = power.iter().take_while(|&&on| !on).count();
+    // One write at the start, and one in each tick; they come on with the next position loop.
+    let settled = CLOSED + SWITCH_SETTLING_TICKS - 1;
+    let position_tick = settled.next_multiple_of(RATES.position_loop_divider) as usize;
+    assert_eq!(off, 1 + position_tick, "the first tick with the drives on");
+    assert!(power.len() > off + COUNTS as usize && power[off..].iter().all(|&on| on), "{power:?}");
+
+    let AxisSettings { position_gain_per_s, velocity_gain_n_s_per_m, velocity_integral_time_s, .. } =
+        SETTINGS[0];
+    let counts_per_n = 8400.0 / FULL_DUTY_N[0];
+    let speed = METRES_PER_COUNT[0] * f64::from(TICK_HZ);
+    let distance = METRES_PER_COUNT[0] * f64::from(COUNTS);
+    let moving = velocity_gain_n_s_per_m * speed * counts_per_n;
+    let rate = position_gain_per_s + 1.0 / velocity_integral_time_s.unwrap();
+    let standing = velocity_gain_n_s_per_m * rate * distance * counts_per_n;
+
+    let duties: Vec<f64> = written(accesses, "timer[1]", 0x34).map(f64::from).collect();
+    let (most, last) = (duties.iter().copied().fold(0.0, f64::max), duties[duties.len() - 1]);
+    assert!(moving - 1.0 <= most && most <= moving + 1.04 * standing + 1.0, "{most} of {moving} counts");
+    assert!(standing - 1.0 <= last && last <= 1.04 * standing + 1.0, "{last} of {standing} counts");
+    // PC6 is high for a negative force.
+    let directions = written(accesses, "GPIOC", 0x18).filter(|bits| bits & 0x0040_0040 != 0);
+    assert_eq!(directions.last(), Some(1 << 6));
+    // Y stands: rounding of a position that is zero gives no duty.
+    assert!(written(accesses, "timer[1]", 0x38).all(|counts| counts == 0));
 }

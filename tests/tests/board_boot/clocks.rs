@@ -3,9 +3,7 @@
 //! Four registers, their addresses and bits after the reference manual RM0090, chapters 3.9 and 7.3. A clock is
 //! ready as soon as it is on; an order of writes that the manual forbids is refused.
 
-use tests::chip::image::Image;
-use tests::chip::memory::{Word, word};
-use tests::gdb::{PC, Target, Trouble, Watch};
+use crate::chip::Device;
 
 /// Latency of the flash.
 const ACR: u32 = 0x4002_3c00;
@@ -33,45 +31,41 @@ pub struct Clocks {
     cr: u32,
     pllcfgr: u32,
     cfgr: u32,
-    /// How many accesses were answered.
-    pub answered: usize,
 }
 
 impl Clocks {
     /// After reset: the internal oscillator runs.
     pub fn new() -> Self {
-        Self { acr: 0, cr: 0x83, pllcfgr: 0x2400_3010, cfgr: 0, answered: 0 }
+        Self { acr: 0, cr: 0x83, pllcfgr: 0x2400_3010, cfgr: 0 }
     }
 
-    /// Halts at every access of the four registers.
-    pub fn watch(target: &mut Target) -> Result<(), Trouble> {
-        for address in [ACR, CR, PLLCFGR, CFGR] {
-            target.watch(Watch::Read, address)?;
-            target.watch(Watch::Write, address)?;
-        }
-        Ok(())
+    /// The clock that feeds TIM2 to TIM5, Hz, with that crystal, after the limits of the data sheet.
+    pub fn timers_hz(&self, crystal_hz: u32) -> u32 {
+        assert_eq!(self.cfgr >> 2 & 3, 2, "the PLL clocks the core: CFGR {:#x}", self.cfgr);
+        assert_ne!(self.pllcfgr & FROM_CRYSTAL, 0, "the crystal feeds the PLL: {:#x}", self.pllcfgr);
+        let (m, n, p) = (self.pllcfgr & 63, self.pllcfgr >> 6 & 511, 2 * (self.pllcfgr >> 16 & 3) + 2);
+        let compared = crystal_hz / m;
+        assert!((1_000_000..=2_000_000).contains(&compared), "{compared} Hz into the PLL");
+        let oscillator = compared * n;
+        assert!((100_000_000..=432_000_000).contains(&oscillator), "{oscillator} Hz in the PLL");
+        let core = oscillator / p;
+        assert!(core <= 168_000_000, "{core} Hz of the core");
+        // HPRE off; PPRE: 0xx one, 100 two, 101 four, 110 eight, 111 sixteen.
+        assert_eq!(self.cfgr >> 4 & 8, 0, "the bus at the core's clock: CFGR {:#x}", self.cfgr);
+        let divider = |bits: u32| if bits & 4 == 0 { 1 } else { 2 << (bits & 3) };
+        let (slow, fast) = (divider(self.cfgr >> 10), divider(self.cfgr >> 13));
+        assert!(core / slow <= 42_000_000 && core / fast <= 84_000_000, "buses at 1/{slow} and 1/{fast}");
+        // Timers run at twice the clock of a bus that is divided.
+        core / slow * if slow == 1 { 1 } else { 2 }
+    }
+}
+
+impl Device for Clocks {
+    fn registers(&self) -> &[u32] {
+        &[ACR, CR, PLLCFGR, CFGR]
     }
 
-    /// Does the access that the target has halted at instead of it, and goes on behind it.
-    pub fn answer(&mut self, target: &mut Target, image: &Image, address: u32) -> Result<(), Trouble> {
-        let at = target.register(PC)?;
-        let (high, low) = (image.half(at).unwrap_or(0), image.half(at + 2).unwrap_or(0));
-        let access =
-            word(high, low).unwrap_or_else(|| panic!("{high:#06x} {low:#06x} at {at:#x}: no access"));
-        let Word { loads, register, base, offset } = access;
-        // With `-icount` QEMU halts before an access to a device; behind it, this would be another instruction.
-        assert_eq!(target.register(base)? + offset, address, "{access:?} at {at:#x} is not what was watched");
-        if loads {
-            target.set_register(register, self.read(address))?;
-        } else {
-            let value = target.register(register)?;
-            self.write(address, value);
-        }
-        self.answered += 1;
-        target.set_register(PC, at + if high >= 0xe800 { 4 } else { 2 })
-    }
-
-    fn read(&self, address: u32) -> u32 {
+    fn read(&mut self, address: u32) -> u32 {
         match address {
             ACR => self.acr,
             CR => self.cr,
@@ -104,25 +98,5 @@ impl Clocks {
             }
             _ => panic!("{address:#x} is not watched"),
         }
-    }
-
-    /// The clock that feeds TIM2 to TIM5, Hz, with that crystal, after the limits of the data sheet.
-    pub fn timers_hz(&self, crystal_hz: u32) -> u32 {
-        assert_eq!(self.cfgr >> 2 & 3, 2, "the PLL clocks the core: CFGR {:#x}", self.cfgr);
-        assert_ne!(self.pllcfgr & FROM_CRYSTAL, 0, "the crystal feeds the PLL: {:#x}", self.pllcfgr);
-        let (m, n, p) = (self.pllcfgr & 63, self.pllcfgr >> 6 & 511, 2 * (self.pllcfgr >> 16 & 3) + 2);
-        let compared = crystal_hz / m;
-        assert!((1_000_000..=2_000_000).contains(&compared), "{compared} Hz into the PLL");
-        let oscillator = compared * n;
-        assert!((100_000_000..=432_000_000).contains(&oscillator), "{oscillator} Hz in the PLL");
-        let core = oscillator / p;
-        assert!(core <= 168_000_000, "{core} Hz of the core");
-        // HPRE off; PPRE: 0xx one, 100 two, 101 four, 110 eight, 111 sixteen.
-        assert_eq!(self.cfgr >> 4 & 8, 0, "the bus at the core's clock: CFGR {:#x}", self.cfgr);
-        let divider = |bits: u32| if bits & 4 == 0 { 1 } else { 2 << (bits & 3) };
-        let (slow, fast) = (divider(self.cfgr >> 10), divider(self.cfgr >> 13));
-        assert!(core / slow <= 42_000_000 && core / fast <= 84_000_000, "buses at 1/{slow} and 1/{fast}");
-        // Timers run at twice the clock of a bus that is divided.
-        core / slow * if slow == 1 { 1 } else { 2 }
     }
 }
