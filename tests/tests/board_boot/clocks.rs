@@ -100,3 +100,39 @@ impl Device for Clocks {
         }
     }
 }
+
+/// 8 MHz / 4 · 168 / 2, the buses at a quarter and a half: 84 MHz for the timers of the slow one.
+#[test]
+fn clocks_that_are_set_up_in_order_are_ready_and_give_their_rate() {
+    let mut clocks = Clocks::new();
+    clocks.write(PLLCFGR, FROM_CRYSTAL | 168 << 6 | 4);
+    clocks.write(CR, HSI_ON | HSE_ON);
+    assert_eq!(clocks.read(CR), (HSI_ON | HSE_ON) * 3);
+    clocks.write(CR, HSI_ON | HSE_ON | PLL_ON);
+    assert_eq!(clocks.read(CR), (HSI_ON | HSE_ON | PLL_ON) * 3);
+    clocks.write(ACR, WAIT_STATES);
+    clocks.write(CFGR, 0b100 << 13 | 0b101 << 10 | 2);
+    assert_eq!(clocks.read(CFGR) & 0xf, 0b1010);
+    assert_eq!(clocks.timers_hz(8_000_000), 84_000_000);
+}
+
+#[test]
+fn an_order_that_the_manual_forbids_is_refused() {
+    let refused = |writes: &[(u32, u32)]| {
+        let run = || {
+            writes.iter().fold(Clocks::new(), |mut clocks, &(to, value)| {
+                clocks.write(to, value);
+                clocks
+            })
+        };
+        std::panic::catch_unwind(run).is_err()
+    };
+    let ready = [(PLLCFGR, FROM_CRYSTAL), (CR, HSE_ON | PLL_ON)];
+    let [factors, on] = ready;
+    assert!(!refused(&[factors, on, (ACR, WAIT_STATES), (CFGR, 2)]));
+    assert!(refused(&[factors, on, (ACR, WAIT_STATES - 1), (CFGR, 2)]), "too few wait states");
+    assert!(refused(&[factors, (CR, HSI_ON | PLL_ON)]), "the PLL without the crystal that feeds it");
+    assert!(refused(&[factors, on, factors]), "factors of a PLL that runs");
+    assert!(refused(&[(ACR, WAIT_STATES), (CFGR, 2)]), "a PLL that is off");
+    assert!(refused(&[(CFGR, 1)]), "a crystal that is off");
+}
