@@ -1,7 +1,22 @@
 //! Builds the programs of the chip, for tests that read or run them.
 
+use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::Command;
+
+use crate::chip::depth::SelfCall;
+
+/// Where the program of an STM32F405 begins, with its vector table.
+pub const FLASH: u32 = 0x0800_0000;
+
+/// Position of the tick in that table: 16 of the core, and TIM2 is interrupt 28.
+pub const TICK: usize = 16 + 28;
+
+/// Main RAM of an STM32F405 (data sheet DS8626, memory map): 128 KiB.
+pub const RAM: Range<u32> = 0x2000_0000..0x2002_0000;
+
+/// `frexp` of a number below the normal ones calls itself once, with that number times 2⁶⁴, which is a normal one.
+pub const SELF_CALLS: [SelfCall; 1] = [SelfCall { name: "libm4math5frexp5frexp", frames: 2 }];
 
 /// The ELF file of `board` or `emulated`, built by the alias of that name.
 ///

@@ -1,6 +1,8 @@
 //! What several of the tests need.
 
+pub mod chip;
 pub mod firmware;
+pub mod gdb;
 
 use std::io::{Write, stderr};
 use std::path::PathBuf;

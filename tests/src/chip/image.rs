@@ -1,27 +1,35 @@
 //! What of an ELF file a walk through its code needs.
 
 use std::collections::BTreeMap;
+use std::ops::Range;
 
 use object::read::elf::ElfFile32;
 use object::{Endianness, Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
 /// A stretch of bytes at an address.
 pub struct Section {
+    /// Of the first byte.
     pub address: u32,
+    /// What stands there.
     pub bytes: Vec<u8>,
 }
 
 /// A function: its names (one body may have several) and where it ends.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Function {
+    /// As the linker has them: mangled.
     pub names: Vec<String>,
+    /// Address behind the last byte.
     pub end: u32,
 }
 
 /// The program of a chip.
 #[derive(Default)]
 pub struct Image {
+    /// What stands in flash.
     pub sections: Vec<Section>,
+    /// Addresses of the static data: `.data`, `.bss` and `.uninit`, in no order.
+    pub data: Vec<Range<u32>>,
     /// By the address of the first instruction.
     pub functions: BTreeMap<u32, Function>,
     /// From each of these addresses on there is code (true) or data (false): `$t` and `$d` of the ABI.
@@ -30,14 +38,21 @@ pub struct Image {
 
 impl Image {
     /// Reads an ELF file for a little-endian 32-bit ARM.
+    ///
+    /// # Panics
+    /// Where the file is none of these: it comes from the linker.
+    #[must_use]
     pub fn read(file: &[u8]) -> Self {
         let elf = ElfFile32::<Endianness>::parse(file).expect("cargo links an ELF file");
         let mut image = Self::default();
         let mut code_ends = Vec::new();
         for section in elf.sections() {
             let address = u32::try_from(section.address()).expect("32 bit");
-            if section.kind() == SectionKind::Text {
-                code_ends.push(address + u32::try_from(section.size()).expect("32 bit"));
+            let end = address + u32::try_from(section.size()).expect("32 bit");
+            match section.kind() {
+                SectionKind::Text => code_ends.push(end),
+                SectionKind::Data | SectionKind::UninitializedData => image.data.push(address..end),
+                _ => {}
             }
             if matches!(section.kind(), SectionKind::Text | SectionKind::ReadOnlyData) {
                 let bytes = section.data().expect("stands in the file").to_vec();
@@ -76,6 +91,7 @@ impl Image {
     }
 
     /// The 16 bits at an address; `None` where the file holds none.
+    #[must_use]
     pub fn half(&self, address: u32) -> Option<u16> {
         self.sections.iter().find_map(|section| {
             let at = usize::try_from(address.checked_sub(section.address)?).ok()?;
@@ -84,16 +100,19 @@ impl Image {
     }
 
     /// The 32 bits at an address.
+    #[must_use]
     pub fn word(&self, address: u32) -> Option<u32> {
         Some(u32::from(self.half(address)?) | u32::from(self.half(address + 2)?) << 16)
     }
 
     /// Whether instructions stand at an address.
+    #[must_use]
     pub fn is_code(&self, address: u32) -> bool {
         self.marks.range(..=address).next_back().is_some_and(|(_, &code)| code)
     }
 
     /// The function that an address lies in, by its start.
+    #[must_use]
     pub fn function_at(&self, address: u32) -> Option<(u32, &Function)> {
         let (&start, function) = self.functions.range(..=address).next_back()?;
         (address < function.end).then_some((start, function))

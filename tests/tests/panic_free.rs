@@ -3,21 +3,13 @@
 //! A servo drive that stops in a panic handler is a machine that has lost its axis. So the linked
 //! program is taken apart: from the tick on, every call and jump is followed.
 
-mod image;
-mod thumb;
-mod walk;
-
 use std::collections::BTreeMap;
 use std::fs;
 
-use image::{Function, Image, Section};
-use walk::{Walk, walk};
-
-/// Position of TIM2 in the vector table of an STM32F405: 16 of the core and interrupt 28.
-const TIM2: u32 = 16 + 28;
-
-/// Where that table stands.
-const FLASH: u32 = 0x0800_0000;
+use tests::chip::image::{Function, Image, Section};
+use tests::chip::vectors::Vectors;
+use tests::chip::walk::{Walk, walk};
+use tests::firmware::{FLASH, TICK};
 
 fn program(name: &str) -> Image {
     let path = tests::firmware::built(name);
@@ -37,7 +29,7 @@ fn assert_free(image: &Image, walk: &Walk, functions: usize, instructions: usize
 #[test]
 fn the_interrupt_of_the_board_reaches_no_panic() {
     let image = program("board");
-    let tick = image.word(FLASH + 4 * TIM2).expect("the vector table") & !1;
+    let tick = Vectors::read(&image, FLASH).handler(TICK);
     assert_eq!(image.functions[&tick].names, ["TIM2"], "RTIC names the handler after its interrupt");
     // Interpolation of an arc, two position and velocity loops, two outputs: 2,000 instructions at least.
     assert_free(&image, &walk(&image, &[tick]), 5, 1500);

@@ -2,22 +2,31 @@
 
 use std::collections::{BTreeMap, BTreeSet};
 
-use crate::image::Image;
-use crate::thumb::{Flow, decode};
+use super::image::Image;
+use super::thumb::{Flow, decode};
 
 /// What a walk found. Places are addresses of instructions.
 #[derive(Debug, Default)]
 pub struct Walk {
     /// Every function that was reached, with the one that it was first reached from.
     pub reached: BTreeMap<u32, Option<u32>>,
+    /// For each of them, the functions that it calls or jumps to.
+    pub calls: BTreeMap<u32, BTreeSet<u32>>,
+    /// How many instructions these functions have.
     pub instructions: usize,
+    /// Calls and jumps through a register.
     pub indirect: BTreeSet<u32>,
+    /// Instructions that are undefined on purpose.
     pub traps: BTreeSet<u32>,
     /// Jumps to where there is no function.
     pub lost: BTreeSet<u32>,
 }
 
 /// Walks from the given functions. Every instruction of a function counts as reached.
+///
+/// # Panics
+/// Where one of the addresses is not the start of a function.
+#[must_use]
 pub fn walk(image: &Image, roots: &[u32]) -> Walk {
     let mut walk = Walk::default();
     let mut waiting: Vec<(u32, Option<u32>)> = roots.iter().map(|&root| (root, None)).collect();
@@ -26,32 +35,49 @@ pub fn walk(image: &Image, roots: &[u32]) -> Walk {
             continue;
         }
         walk.reached.insert(start, from);
+        let calls = walk.calls.entry(start).or_default();
         let end = image.functions[&start].end;
-        let mut at = start;
-        while at < end {
-            if !image.is_code(at) {
-                at += 2;
-                continue;
-            }
-            let (flow, length) = decode(at, image.half(at).unwrap_or(0), image.half(at + 2).unwrap_or(0));
+        for (at, high, low) in instructions(image, start) {
             walk.instructions += 1;
-            match flow {
-                Flow::To(target) if !(start..end).contains(&target) => match image.function_at(target) {
-                    Some((function, _)) => waiting.push((function, Some(start))),
+            match decode(at, high, low).0 {
+                Flow::To(target) if (start..end).contains(&target) => {}
+                Flow::To(target) | Flow::Call(target) => match image.function_at(target) {
+                    Some((function, _)) => {
+                        calls.insert(function);
+                        waiting.push((function, Some(start)));
+                    }
                     None => _ = walk.lost.insert(at),
                 },
                 Flow::Indirect => _ = walk.indirect.insert(at),
                 Flow::Trap => _ = walk.traps.insert(at),
-                Flow::On | Flow::To(_) => {}
+                Flow::On => {}
             }
-            at += length;
         }
     }
     walk
 }
 
+/// The instructions of a function, each with its address and its two halfwords, data left out.
+///
+/// # Panics
+/// Where the address is not the start of a function.
+pub fn instructions(image: &Image, start: u32) -> impl Iterator<Item = (u32, u16, u16)> {
+    let end = image.functions[&start].end;
+    let mut next = start;
+    std::iter::from_fn(move || {
+        while next < end && !image.is_code(next) {
+            next += 2;
+        }
+        let at = next;
+        let (high, low) = (image.half(at).unwrap_or(0), image.half(at + 2).unwrap_or(0));
+        next += decode(at, high, low).1;
+        (at < end).then_some((at, high, low))
+    })
+}
+
 impl Walk {
     /// The reached functions of the panic machinery, each with the calls that lead there.
+    #[must_use]
     pub fn panics(&self, image: &Image) -> Vec<String> {
         let is_panic = |start: &&u32| image.functions[start].names.iter().any(|name| panics(name));
         self.reached.keys().filter(is_panic).map(|&start| self.way_to(image, start)).collect()
@@ -68,7 +94,8 @@ impl Walk {
 }
 
 /// Whether a function is one that only a panic runs, mangled either way.
-fn panics(name: &str) -> bool {
+#[must_use]
+pub fn panics(name: &str) -> bool {
     [
         "panicking",
         "panic_fmt",

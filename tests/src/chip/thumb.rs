@@ -5,8 +5,10 @@
 pub enum Flow {
     /// Nothing but to go on, or a return.
     On,
-    /// A call or jump to an address.
+    /// A jump to an address, on a condition or without.
     To(u32),
+    /// A call of an address: the way back is kept.
+    Call(u32),
     /// A call or jump through a register or a table of addresses in memory.
     Indirect,
     /// An instruction that is undefined on purpose: a trap.
@@ -14,15 +16,16 @@ pub enum Flow {
 }
 
 /// The flow of the instruction at an address and its length in bytes. `low` is the halfword after `high`.
+#[must_use]
 pub fn decode(address: u32, high: u16, low: u16) -> (Flow, u32) {
     if high >= 0xe800 { (wide(address, high, low), 4) } else { (narrow(address, high), 2) }
 }
 
 /// `value`'s lowest `bits` bits as a signed number, added to the program counter, 4 ahead.
-fn relative(address: u32, value: u32, bits: u32) -> Flow {
+fn relative(address: u32, value: u32, bits: u32) -> u32 {
     let unused = 32 - bits;
     let offset = (value << unused).cast_signed() >> unused;
-    Flow::To(address.wrapping_add(4).wrapping_add_signed(offset))
+    address.wrapping_add(4).wrapping_add_signed(offset)
 }
 
 fn narrow(address: u32, high: u16) -> Flow {
@@ -32,10 +35,10 @@ fn narrow(address: u32, high: u16) -> Flow {
         0b1101 => match (high >> 8) & 15 {
             14 => Flow::Trap,
             15 => Flow::On,
-            _ => relative(address, (bits & 0xff) << 1, 9),
+            _ => Flow::To(relative(address, (bits & 0xff) << 1, 9)),
         },
         // B label.
-        0b1110 => relative(address, (bits & 0x7ff) << 1, 12),
+        0b1110 => Flow::To(relative(address, (bits & 0x7ff) << 1, 12)),
         // CBZ, CBNZ: forward only.
         0b1011 if high & 0xf500 == 0xb100 => {
             let offset = (bits & 0x200) >> 3 | (bits & 0xf8) >> 2;
@@ -67,13 +70,15 @@ fn wide(address: u32, high: u16, low: u16) -> Flow {
             relative(address, sign << 24 | i1 << 23 | i2 << 22 | (h & 0x3ff) << 12 | (l & 0x7ff) << 1, 25)
         };
         return match (low >> 12) & 0b0101 {
-            0b0001 | 0b0101 => far(),
+            0b0001 => Flow::To(far()),
+            0b0101 => Flow::Call(far()),
             // BLX label changes to the ARM instruction set, which this core has not.
             0b0100 => Flow::Trap,
             // B<c>.W label: S:J2:J1:imm6:imm11:0; conditions 14 and 15 are system instructions.
             _ if (high >> 7) & 7 != 7 => {
                 let (j1, j2) = ((l >> 13) & 1, (l >> 11) & 1);
-                relative(address, sign << 20 | j2 << 19 | j1 << 18 | (h & 0x3f) << 12 | (l & 0x7ff) << 1, 21)
+                let offset = sign << 20 | j2 << 19 | j1 << 18 | (h & 0x3f) << 12 | (l & 0x7ff) << 1;
+                Flow::To(relative(address, offset, 21))
             }
             _ if high & 0xfff0 == 0xf7f0 && low & 0xf000 == 0xa000 => Flow::Trap,
             _ => Flow::On,
@@ -95,33 +100,38 @@ fn wide(address: u32, high: u16, low: u16) -> Flow {
     Flow::On
 }
 
-#[test]
-fn instructions_of_the_manual_and_of_an_assembler() {
-    // Checked against `llvm-objdump -d` of the same bytes at 0x1000.
-    let flow = |high, low| decode(0x1000, high, low).0;
-    assert_eq!(flow(0xf000, 0xf880), Flow::To(0x1104)); // bl
-    assert_eq!(flow(0xf7ff, 0xfffe), Flow::To(0x1000)); // bl to itself
-    assert_eq!(flow(0xf7ff, 0xbffe), Flow::To(0x1000)); // b.w
-    assert_eq!(flow(0xf43f, 0xaffe), Flow::To(0x1000)); // beq.w
-    assert_eq!(flow(0xe7fe, 0), Flow::To(0x1000)); // b
-    assert_eq!(flow(0xd0fe, 0), Flow::To(0x1000)); // beq
-    assert_eq!(flow(0xb108, 0), Flow::To(0x1006)); // cbz r0
-    assert_eq!(flow(0xbb08, 0), Flow::To(0x1046)); // cbnz r0
-    assert_eq!(flow(0x4798, 0), Flow::Indirect); // blx r3
-    assert_eq!(flow(0x4718, 0), Flow::Indirect); // bx r3
-    assert_eq!(flow(0x4770, 0), Flow::On); // bx lr
-    assert_eq!(flow(0x469f, 0), Flow::Indirect); // mov pc, r3
-    assert_eq!(flow(0x4698, 0), Flow::On); // mov r8, r3
-    assert_eq!(flow(0xbd10, 0), Flow::On); // pop {r4, pc}
-    assert_eq!(flow(0xde00, 0), Flow::Trap); // udf
-    assert_eq!(flow(0xf7f0, 0xa000), Flow::Trap); // udf.w
-    assert_eq!(flow(0xf85d, 0xfb04), Flow::On); // pop.w {pc}
-    assert_eq!(flow(0xf8d3, 0xf000), Flow::Indirect); // ldr.w pc, [r3]
-    assert_eq!(flow(0xe8bd, 0x8010), Flow::On); // pop.w {r4, pc}
-    assert_eq!(flow(0xe8b3, 0x8010), Flow::Indirect); // ldm r3!, {r4, pc}
-    assert_eq!(flow(0xe8df, 0xf000), Flow::On); // tbb [pc, r0]
-    assert_eq!(flow(0xf3bf, 0x8f5f), Flow::On); // dmb
-    assert_eq!(flow(0xf04f, 0x30ff), Flow::On); // mov.w r0, #-1
-    assert_eq!(decode(0, 0xbd10, 0).1, 2);
-    assert_eq!(decode(0, 0xf04f, 0).1, 4);
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn instructions_of_the_manual_and_of_an_assembler() {
+        // Checked against `llvm-objdump -d` of the same bytes at 0x1000.
+        let flow = |high, low| decode(0x1000, high, low).0;
+        assert_eq!(flow(0xf000, 0xf880), Flow::Call(0x1104)); // bl
+        assert_eq!(flow(0xf7ff, 0xfffe), Flow::Call(0x1000)); // bl to itself
+        assert_eq!(flow(0xf7ff, 0xbffe), Flow::To(0x1000)); // b.w
+        assert_eq!(flow(0xf43f, 0xaffe), Flow::To(0x1000)); // beq.w
+        assert_eq!(flow(0xe7fe, 0), Flow::To(0x1000)); // b
+        assert_eq!(flow(0xd0fe, 0), Flow::To(0x1000)); // beq
+        assert_eq!(flow(0xb108, 0), Flow::To(0x1006)); // cbz r0
+        assert_eq!(flow(0xbb08, 0), Flow::To(0x1046)); // cbnz r0
+        assert_eq!(flow(0x4798, 0), Flow::Indirect); // blx r3
+        assert_eq!(flow(0x4718, 0), Flow::Indirect); // bx r3
+        assert_eq!(flow(0x4770, 0), Flow::On); // bx lr
+        assert_eq!(flow(0x469f, 0), Flow::Indirect); // mov pc, r3
+        assert_eq!(flow(0x4698, 0), Flow::On); // mov r8, r3
+        assert_eq!(flow(0xbd10, 0), Flow::On); // pop {r4, pc}
+        assert_eq!(flow(0xde00, 0), Flow::Trap); // udf
+        assert_eq!(flow(0xf7f0, 0xa000), Flow::Trap); // udf.w
+        assert_eq!(flow(0xf85d, 0xfb04), Flow::On); // pop.w {pc}
+        assert_eq!(flow(0xf8d3, 0xf000), Flow::Indirect); // ldr.w pc, [r3]
+        assert_eq!(flow(0xe8bd, 0x8010), Flow::On); // pop.w {r4, pc}
+        assert_eq!(flow(0xe8b3, 0x8010), Flow::Indirect); // ldm r3!, {r4, pc}
+        assert_eq!(flow(0xe8df, 0xf000), Flow::On); // tbb [pc, r0]
+        assert_eq!(flow(0xf3bf, 0x8f5f), Flow::On); // dmb
+        assert_eq!(flow(0xf04f, 0x30ff), Flow::On); // mov.w r0, #-1
+        assert_eq!(decode(0, 0xbd10, 0).1, 2);
+        assert_eq!(decode(0, 0xf04f, 0).1, 4);
+    }
 }

@@ -1,0 +1,192 @@
+//! How deep the stack gets below a function: frames, summed over the calls that need the most.
+//!
+//! A frame is the sum of all that the instructions of a function take from the stack pointer, whichever of
+//! them run. So a jump out of a function counts with the whole frame, though it may have given it back: the
+//! sum is an upper bound.
+
+use std::collections::BTreeMap;
+
+use super::image::Image;
+use super::pointer::{Pointer, constant, pointer, upper_half};
+use super::thumb::{Flow, decode};
+use super::walk::{instructions, walk};
+
+/// What makes a depth unknown. Places are addresses of instructions.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub enum Obstacle {
+    /// A call or jump through a register.
+    Indirect(u32),
+    /// A call or jump to where there is no function.
+    Lost(u32),
+    /// Sets the stack pointer, or lowers it by an unknown number of bytes.
+    Unknown(u32),
+    /// Lowers the stack pointer inside a loop.
+    Looped(u32),
+    /// Functions that call one another in a ring, each by its start.
+    Recursion(Vec<u32>),
+}
+
+/// A function that calls itself, and for which a reason is known why that ends.
+#[derive(Clone, Copy, Debug)]
+pub struct SelfCall {
+    /// Part of its mangled name.
+    pub name: &'static str,
+    /// How many of its frames stand on each other at most.
+    pub frames: u32,
+}
+
+/// The deepest way below a function.
+#[derive(Clone, Debug, PartialEq, Eq)]
+pub struct Depth {
+    /// Start and frame, in bytes, of each function on the way.
+    pub way: Vec<(u32, u32)>,
+}
+
+/// What has to be known of a function.
+struct Known {
+    frame: u32,
+    /// With all below it.
+    total: u32,
+    deepest: Option<u32>,
+}
+
+/// The depths of functions and of all that they reach.
+pub struct Depths(BTreeMap<u32, Known>);
+
+impl Depths {
+    /// Sums the frames of all that can be reached from the given functions, the frames of `self_calls` as often as
+    /// these say.
+    ///
+    /// # Errors
+    /// All that makes one of the depths unknown.
+    ///
+    /// # Panics
+    /// Where one of the addresses is not the start of a function.
+    pub fn new(image: &Image, roots: &[u32], self_calls: &[SelfCall]) -> Result<Self, Vec<Obstacle>> {
+        let mut walk = walk(image, roots);
+        let mut obstacles: Vec<_> = walk.indirect.iter().copied().map(Obstacle::Indirect).collect();
+        obstacles.extend(walk.lost.iter().copied().map(Obstacle::Lost));
+        let mut frames = BTreeMap::new();
+        for &start in walk.reached.keys() {
+            match frame(image, start) {
+                Ok(bytes) => _ = frames.insert(start, bytes),
+                Err(obstacle) => obstacles.push(obstacle),
+            }
+        }
+        if !obstacles.is_empty() {
+            return Err(obstacles);
+        }
+        for (&start, bytes) in &mut frames {
+            let of = |call: &&SelfCall| name(image, start).contains(call.name);
+            if let (Some(call), Some(calls)) = (self_calls.iter().find(of), walk.calls.get_mut(&start)) {
+                calls.remove(&start);
+                *bytes *= call.frames;
+            }
+        }
+        let mut depths = Self(BTreeMap::new());
+        // Callees first: a function is taken once all below it are known, and a ring never is.
+        while depths.0.len() < frames.len() {
+            let known = depths.0.len();
+            for (&start, &frame) in &frames {
+                let calls = &walk.calls[&start];
+                if !depths.0.contains_key(&start) && calls.iter().all(|call| depths.0.contains_key(call)) {
+                    let deepest = calls.iter().copied().max_by_key(|call| depths.0[call].total);
+                    let below = deepest.map_or(0, |call| depths.0[&call].total);
+                    depths.0.insert(start, Known { frame, total: frame + below, deepest });
+                }
+            }
+            if depths.0.len() == known {
+                let open = |start: &&u32| !depths.0.contains_key(start);
+                return Err(vec![Obstacle::Recursion(frames.keys().filter(open).copied().collect())]);
+            }
+        }
+        Ok(depths)
+    }
+
+    /// The deepest way below one of the functions that were reached.
+    ///
+    /// # Panics
+    /// Where the function was not.
+    #[must_use]
+    pub fn below(&self, start: u32) -> Depth {
+        let mut way = Vec::new();
+        let mut next = Some(start);
+        while let Some(at) = next {
+            way.push((at, self.0[&at].frame));
+            next = self.0[&at].deepest;
+        }
+        Depth { way }
+    }
+}
+
+impl Depth {
+    /// Bytes of all frames on the way.
+    #[must_use]
+    pub fn bytes(&self) -> u32 {
+        self.way.iter().map(|(_, frame)| frame).sum()
+    }
+
+    /// The calls with their frames in bytes.
+    #[must_use]
+    pub fn calls(&self, image: &Image) -> String {
+        let names: Vec<_> =
+            self.way.iter().map(|(start, frame)| format!("{} {frame}", name(image, *start))).collect();
+        names.join(" → ")
+    }
+}
+
+impl Obstacle {
+    /// What and where, by the name of the function.
+    #[must_use]
+    pub fn describe(&self, image: &Image) -> String {
+        let place = |at: &u32| format!("{at:#x} in {}", name(image, *at));
+        match self {
+            Self::Indirect(at) => format!("a call through a register at {}", place(at)),
+            Self::Lost(at) => format!("a jump to no function at {}", place(at)),
+            Self::Unknown(at) => format!("an unknown stack pointer at {}", place(at)),
+            Self::Looped(at) => format!("a stack pointer lowered in a loop at {}", place(at)),
+            Self::Recursion(starts) => {
+                let names: Vec<_> = starts.iter().map(|start| name(image, *start)).collect();
+                format!("a ring of calls in or above {}", names.join(", "))
+            }
+        }
+    }
+}
+
+fn name(image: &Image, at: u32) -> &str {
+    image.function_at(at).and_then(|(_, function)| function.names.first()).map_or("?", String::as_str)
+}
+
+/// All that the instructions of a function take from the stack pointer, bytes.
+fn frame(image: &Image, start: u32) -> Result<u32, Obstacle> {
+    let (mut total, mut lowered, mut jumps_back) = (0, Vec::new(), Vec::new());
+    let mut before: [(u16, u16); 2] = Default::default();
+    for (at, high, low) in instructions(image, start) {
+        let bytes = match pointer(high, low) {
+            Pointer::Kept | Pointer::Raised => 0,
+            Pointer::Lowered(bytes) => bytes,
+            Pointer::LoweredBy(register) => value(before, register).ok_or(Obstacle::Unknown(at))?,
+            Pointer::Set => return Err(Obstacle::Unknown(at)),
+        };
+        if bytes > 0 {
+            total += bytes;
+            lowered.push(at);
+        }
+        if let Flow::To(target) = decode(at, high, low).0
+            && (start..at).contains(&target)
+        {
+            jumps_back.push((target, at));
+        }
+        before = [before[1], (high, low)];
+    }
+    let looped = |at: &&u32| jumps_back.iter().any(|(target, from)| (*target..*from).contains(*at));
+    lowered.iter().find(looped).map_or(Ok(total), |&at| Err(Obstacle::Looped(at)))
+}
+
+/// The constant that the two instructions before have put into a register.
+fn value([first, last]: [(u16, u16); 2], register: u32) -> Option<u32> {
+    match upper_half(last.0, last.1, register) {
+        Some(upper) => Some(upper << 16 | constant(first.0, first.1, register)?),
+        None => constant(last.0, last.1, register),
+    }
+}

@@ -1,0 +1,145 @@
+//! What has to hold after the run.
+
+use firmware::setup::{
+    CRYSTAL_HZ, FULL_DUTY_N, METRES_PER_COUNT, RATES, SETTINGS, SWITCH_SETTLING_TICKS, TICK_HZ,
+};
+use shared::config::AxisSettings;
+use tests::chip::vectors::EXCEPTION_FRAME;
+use tests::firmware::{SELF_CALLS, TICK};
+use tests::gdb::{SP, XPSR};
+
+use crate::chip::Chip;
+use crate::inputs::{CLOSED, COUNTS};
+use crate::log::Access;
+
+/// TIM2 (RM0090, 18.4).
+const TIM2: u32 = 0x4000_0000;
+
+/// Offsets of CR1, DIER, PSC and ARR.
+const TIMER_REGISTERS: [u32; 4] = [0, 0xc, 0x28, 0x2c];
+
+/// Enabled interrupts 0 to 31 (ARMv7-M reference manual, B3.4.4).
+const NVIC_ISER0: u32 = 0xe000_e100;
+
+/// What was used of the stack is not more than its depth computed from the code, and not less than one tick takes.
+pub fn stack_is_as_deep_as_computed(chip: &mut Chip) {
+    let [used, room] = chip.stack().unwrap();
+    let worst = chip.vectors.worst_case(&chip.image, &SELF_CALLS).unwrap();
+    println!("{used} B of the stack were used, {} B computed, {room} B are there", worst.bytes());
+    assert!(used <= worst.bytes() && worst.bytes() <= room, "{used} B of {} B of {room} B", worst.bytes());
+    // The tick's own frame on that of the core, of which two words, alignment and reserve, are not written.
+    let tick = chip.vectors.handler(TICK);
+    let (_, frame) = worst.exceptions.iter().find(|depth| depth.way[0].0 == tick).unwrap().way[0];
+    assert!(used >= frame + EXCEPTION_FRAME - 8, "{used} B of {frame} B");
+    let (sp, running) = (chip.target.register(SP).unwrap(), chip.target.register(XPSR).unwrap() & 511);
+    assert!(sp <= chip.vectors.initial_sp && sp >= chip.vectors.initial_sp - worst.bytes(), "{sp:#x}");
+    assert!(running == 0 || running as usize == TICK, "exception {running}");
+}
+
+/// The clocks as they were set up, over the factors of TIM2, give the rate of the ticks.
+pub fn tick_is_as_fast_as_set_up(chip: &mut Chip) {
+    let [control, interrupts, prescaler, reload] =
+        TIMER_REGISTERS.map(|offset| chip.target.word(TIM2 + offset).unwrap());
+    // Counts up, without end; interrupts at an update, and at nothing else.
+    assert_eq!((control & 0x79, interrupts), (1, 1), "CR1 {control:#x}, DIER {interrupts:#x}");
+    let clock = chip.clocks.timers_hz(CRYSTAL_HZ);
+    assert_eq!(clock % ((prescaler + 1) * (reload + 1)), 0);
+    assert_eq!(clock / ((prescaler + 1) * (reload + 1)), TICK_HZ);
+    assert_eq!(chip.target.word(NVIC_ISER0).unwrap(), 1 << 28, "TIM2 and nothing else");
+}
+
+/// Offset and bit of each device's clock (RM0090, 7.3.10 to 7.3.14): without it a write is lost.
+const CLOCK_OF: [(&str, u32, u32); 4] =
+    [("GPIOA", 0x30, 0), ("GPIOB", 0x30, 1), ("GPIOC", 0x30, 2), ("timer[1]", 0x44, 0)];
+
+/// The clock of each device was switched on before its first access.
+pub fn every_device_has_a_clock(accesses: &[Access]) {
+    for (device, offset, bit) in CLOCK_OF {
+        let first = accesses.iter().position(|access| access.device == device).expect(device);
+        let clocked = |access: &Access| {
+            let enables = access.written.is_some_and(|value| value >> bit & 1 == 1);
+            access.device == "RCC" && access.offset == offset && enables
+        };
+        assert!(accesses[..first].iter().any(clocked), "{device} is used without its clock");
+    }
+    // TIM2 to TIM4 are modelled: their accesses are not in the log.
+    for bit in 0..3 {
+        let enables = |access: &Access| access.written.is_some_and(|value| value >> bit & 1 == 1);
+        let clocked = accesses.iter().any(|a| a.device == "RCC" && a.offset == 0x40 && enables(a));
+        assert!(clocked, "TIM{} without its clock", bit + 2);
+    }
+}
+
+/// What was written to a register.
+fn written<'a>(accesses: &'a [Access], device: &'a str, offset: u32) -> impl Iterator<Item = u32> + 'a {
+    let is = move |access: &&Access| access.device == device && access.offset == offset;
+    accesses.iter().filter(is).filter_map(|access| access.written)
+}
+
+/// The enable switch reads as open: PB14 is low before it is an output, and stays so. No overrun: the fault light
+/// at PC13, on when low, stays off. Each of the `ticks` that have ended sets the duties and feeds the watchdog.
+pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize) {
+    let low_before = |device, bit: u32, mode: u32| {
+        let position = |offset: u32, bits: u32| {
+            let is = |access: &Access| {
+                let sets = access.written.is_some_and(|value| value & bits != 0);
+                access.device == device && access.offset == offset && sets
+            };
+            accesses.iter().position(is)
+        };
+        position(0x18, bit).unwrap() < position(0, mode).unwrap()
+    };
+    assert!(low_before("GPIOB", 1 << (14 + 16), 1 << (2 * 14)), "PB14 is an output before it is low");
+    assert!(written(accesses, "GPIOB", 0x18).all(|bits| bits & 1 << 14 == 0), "PB14 was set");
+    assert!(
+        written(accesses, "GPIOC", 0x18).all(|bits| bits & 1 << (13 + 16) == 0),
+        "the fault light was on"
+    );
+    // Compare values of PWM channels 1 and 2 of TIM1.
+    for offset in [0x34, 0x38] {
+        assert!(written(accesses, "timer[1]", offset).all(|counts| counts == 0), "a duty");
+        assert!(written(accesses, "timer[1]", offset).count() >= ticks, "every tick sets a duty");
+    }
+    // QEMU maps another device without registers over the watchdog: either name may be logged.
+    let key = |value: u32| {
+        let keys = written(accesses, "IWDG", 0).chain(written(accesses, "I2S2ext", 0));
+        keys.filter(move |&written| written == value).count()
+    };
+    assert_eq!(key(0xcccc), 1, "the watchdog is started once");
+    assert!(key(0xaaaa) >= ticks, "fed {} times in {ticks} ticks", key(0xaaaa));
+}
+
+/// PB14 goes high once, when the switch has been closed for its time, and stays so. X, pushed in the positive
+/// direction by so many counts with one count a tick, is pushed back:
+/// - while it moves at v, by Kv·v and no more than the rest below on top;
+/// - when it stands at a distance d, by Kv·Kp·d of the position loop and Kv/Ti·d, what the motion has left in the
+///   integral. That grows by Kv/Ti·Kp·d·t: 4 % of the whole in the 3 ms of the push and after it; and the duty is
+///   rounded to a count.
+pub fn drives_come_on_and_push_back(accesses: &[Access]) {
+    let power: Vec<bool> = written(accesses, "GPIOB", 0x18).map(|bits| bits & 1 << 14 != 0).collect();
+    let off = power.iter().take_while(|&&on| !on).count();
+    // One write at the start, and one in each tick; they come on with the next position loop.
+    let settled = CLOSED + SWITCH_SETTLING_TICKS - 1;
+    let position_tick = settled.next_multiple_of(RATES.position_loop_divider) as usize;
+    assert_eq!(off, 1 + position_tick, "the first tick with the drives on");
+    assert!(power.len() > off + COUNTS as usize && power[off..].iter().all(|&on| on), "{power:?}");
+
+    let AxisSettings { position_gain_per_s, velocity_gain_n_s_per_m, velocity_integral_time_s, .. } =
+        SETTINGS[0];
+    let counts_per_n = 8400.0 / FULL_DUTY_N[0];
+    let speed = METRES_PER_COUNT[0] * f64::from(TICK_HZ);
+    let distance = METRES_PER_COUNT[0] * f64::from(COUNTS);
+    let moving = velocity_gain_n_s_per_m * speed * counts_per_n;
+    let rate = position_gain_per_s + 1.0 / velocity_integral_time_s.unwrap();
+    let standing = velocity_gain_n_s_per_m * rate * distance * counts_per_n;
+
+    let duties: Vec<f64> = written(accesses, "timer[1]", 0x34).map(f64::from).collect();
+    let (most, last) = (duties.iter().copied().fold(0.0, f64::max), duties[duties.len() - 1]);
+    assert!(moving - 1.0 <= most && most <= moving + 1.04 * standing + 1.0, "{most} of {moving} counts");
+    assert!(standing - 1.0 <= last && last <= 1.04 * standing + 1.0, "{last} of {standing} counts");
+    // PC6 is high for a negative force.
+    let directions = written(accesses, "GPIOC", 0x18).filter(|bits| bits & 0x0040_0040 != 0);
+    assert_eq!(directions.last(), Some(1 << 6));
+    // Y stands: rounding of a position that is zero gives no duty.
+    assert!(written(accesses, "timer[1]", 0x38).all(|counts| counts == 0));
+}

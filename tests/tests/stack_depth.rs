@@ -1,0 +1,150 @@
+//! The stack fits the chip, with the static data beside it: read from the bytes that go to the chip.
+//!
+//! A stack that grows into the static data, or below the RAM, is seen by nobody before the chip stops, and the
+//! emulated core has so much RAM that it hides it. So the linked program is taken apart: what each function takes
+//! from the stack pointer is summed over the calls.
+
+use std::collections::BTreeMap;
+use std::fs;
+
+use tests::chip::depth::{Depths, Obstacle, SelfCall};
+use tests::chip::image::{Function, Image, Section};
+use tests::chip::vectors::{EXCEPTION_FRAME, Vectors};
+use tests::firmware::{FLASH, RAM, SELF_CALLS, TICK};
+
+/// Bytes of the main RAM of the chip.
+const RAM_BYTES: u32 = RAM.end - RAM.start;
+
+/// What has to stay free, bytes: an eighth of the RAM, for a compiler of tomorrow that inlines otherwise.
+const RESERVE_BYTES: u32 = RAM_BYTES / 8;
+
+/// The least that the tick takes: registers of the caller (r4 to r11, lr, d8 to d15) and the forces and duties of
+/// two axes. Less would mean that the walk has lost its way.
+const LEAST_TICK_BYTES: u32 = 100;
+
+/// The linked program, and how many bytes of RAM its static data and its deepest stack take together.
+fn taken(program: &str, flash: u32) -> (Image, Vectors, [u32; 2]) {
+    let path = tests::firmware::built(program);
+    let image = Image::read(&fs::read(&path).expect("cargo has just built it"));
+    let vectors = Vectors::read(&image, flash);
+    let worst = vectors.worst_case(&image, &SELF_CALLS).unwrap_or_else(|obstacles| {
+        let lines: Vec<_> = obstacles.iter().map(|obstacle| obstacle.describe(&image)).collect();
+        panic!("{program}: its stack cannot be known: {lines:#?}")
+    });
+    let data: u32 = image.data.iter().map(|range| range.end - range.start).sum();
+    println!("{program}:\n{}", worst.report(&image));
+    println!(
+        "{} B of stack and {data} B of static data: {} B of {RAM_BYTES} B are free, {RESERVE_BYTES} B have to be",
+        worst.bytes(),
+        i64::from(RAM_BYTES) - i64::from(worst.bytes() + data)
+    );
+    let bytes = worst.bytes();
+    (image, vectors, [data, bytes])
+}
+
+#[test]
+fn stack_and_static_data_of_the_board_fit_its_ram() {
+    let (image, vectors, [data, stack]) = taken("board", FLASH);
+    let tick = vectors.handler(TICK);
+    let tick = Depths::new(&image, &[tick], &[]).expect("known above").below(tick);
+    assert!(tick.bytes() >= LEAST_TICK_BYTES, "a tick of {} B", tick.bytes());
+    assert!(stack >= tick.bytes() + EXCEPTION_FRAME);
+    assert!(data + stack + RESERVE_BYTES <= RAM_BYTES, "{data} B of static data, {stack} B of stack");
+    // And they lie in it: the stack grows down from its start to the static data below it, or out of the RAM.
+    let inside = RAM.start..=RAM.end;
+    assert!(image.data.iter().all(|range| inside.contains(&range.start) && inside.contains(&range.end)));
+    assert!(inside.contains(&vectors.initial_sp));
+    let floor = vectors.stack_floor(&image, &RAM);
+    assert!(stack + RESERVE_BYTES <= vectors.initial_sp - floor, "{stack} B above {floor:#x}");
+}
+
+/// The core is emulated to show what the board does: its program is held against the same RAM.
+#[test]
+fn stack_and_static_data_of_the_emulated_core_would_fit_the_same_ram() {
+    let (_, _, [data, stack]) = taken("emulated", 0);
+    assert!(data + stack + RESERVE_BYTES <= RAM_BYTES, "{data} B of static data, {stack} B of stack");
+}
+
+/// A program put together by hand at 0x1000, a function for each slice of halfwords.
+fn by_hand(functions: &[&[u16]]) -> Image {
+    let mut image = Image { marks: BTreeMap::from([(0x1000, true)]), ..Image::default() };
+    let mut bytes = Vec::new();
+    for (number, halves) in functions.iter().enumerate() {
+        let start = 0x1000 + u32::try_from(bytes.len()).expect("a few bytes");
+        bytes.extend(halves.iter().flat_map(|half| half.to_le_bytes()));
+        let end = 0x1000 + u32::try_from(bytes.len()).expect("a few bytes");
+        image.functions.insert(start, Function { names: vec![format!("f{number}")], end });
+    }
+    image.sections.push(Section { address: 0x1000, bytes });
+    image
+}
+
+/// Bytes below the first function.
+fn depth(functions: &[&[u16]]) -> Result<u32, Vec<Obstacle>> {
+    Depths::new(&by_hand(functions), &[0x1000], &[]).map(|depths| depths.below(0x1000).bytes())
+}
+
+const LEAF: &[u16] = &[0x4770]; // bx lr
+
+#[test]
+fn frames_add_up_along_the_deepest_calls() {
+    let outer: &[u16] = &[
+        0xb5f0, //         push {r4-r7, lr}: 20
+        0xf5ad, 0x3db1, // sub.w sp, sp, #90624
+        0xf000, 0xf805, // bl f1
+        0xf000, 0xf805, // bl f2
+        0xf50d, 0x3db1, // add.w sp, sp, #90624
+        0xbdf0, //         pop {r4-r7, pc}
+    ];
+    let shallow: &[u16] = &[0xb510, 0xbd10]; // push and pop of 8
+    let deep: &[u16] = &[
+        0xed2d, 0x8b04, // vpush {d8, d9}: 16
+        0xf249, 0x4440, // movw r4, #0x9440: 37,952
+        0xf2c0, 0x0401, // movt r4, #1: 65,536 more
+        0xebad, 0x0d04, // sub.w sp, sp, r4
+        0x4770, //         bx lr
+    ];
+    assert_eq!(depth(&[outer, shallow, deep]), Ok(20 + 90_624 + 16 + 65_536 + 0x9440));
+    // Without the call of the deepest one.
+    let mut without = outer.to_vec();
+    without[5..7].copy_from_slice(&[0xbf00, 0xbf00]);
+    assert_eq!(depth(&[&without, shallow, deep]), Ok(20 + 90_624 + 8));
+}
+
+#[test]
+fn what_makes_a_depth_unknown_is_named() {
+    let unknown = |functions: &[&[u16]]| depth(functions).expect_err("unknown");
+    // blx r3
+    assert_eq!(unknown(&[&[0x4798, 0x4770]]), [Obstacle::Indirect(0x1000)]);
+    // b.n beyond the last function
+    assert_eq!(unknown(&[&[0xe07e]]), [Obstacle::Lost(0x1000)]);
+    // mov sp, r7
+    assert_eq!(unknown(&[&[0xbf00, 0x46bd, 0x4770]]), [Obstacle::Unknown(0x1002)]);
+    // sub.w sp, sp, r4 of a register that has no constant
+    assert_eq!(unknown(&[&[0xbf00, 0xebad, 0x0d04]]), [Obstacle::Unknown(0x1002)]);
+    // push {r0}, and a branch back to it
+    assert_eq!(unknown(&[&[0xbf00, 0xb401, 0xd1fd, 0x4770]]), [Obstacle::Looped(0x1002)]);
+    // bl to itself
+    assert_eq!(unknown(&[&[0xf7ff, 0xfffe, 0x4770]]), [Obstacle::Recursion(vec![0x1000])]);
+    // The same, said to end with its third frame: push {r4-r7, lr} and bl.
+    let image = by_hand(&[&[0xb5f0, 0xf7ff, 0xfffd, 0xbdf0]]);
+    let three = Depths::new(&image, &[0x1000], &[SelfCall { name: "f0", frames: 3 }]).expect("an end");
+    assert_eq!(three.below(0x1000).bytes(), 3 * 20);
+    // f0 calls f1, which calls f0, and a leaf that is in no ring
+    let ring: [&[u16]; 3] = [&[0xf000, 0xf800], &[0xf7ff, 0xfffc, 0xf000, 0xf800], LEAF];
+    assert_eq!(unknown(&ring), [Obstacle::Recursion(vec![0x1000, 0x1004])]);
+}
+
+/// Exceptions stand on each other: thread 8, an interrupt 8, the hard fault nothing, the non-maskable one nothing.
+#[test]
+fn exceptions_stand_on_each_other_with_what_the_core_pushes() {
+    let mut image = by_hand(&[&[0xb510, 0xbd10], &[0xb5f0, 0xbdf0], LEAF]);
+    let words = [0x2000_8000u32, 0x1001, 0x1009, 0x1009, 0x1009, 0x1005, 0];
+    let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    image.sections.push(Section { address: 0, bytes });
+    let vectors = Vectors::read(&image, 0);
+    let worst = vectors.worst_case(&image, &[]).expect("known");
+    // Handlers: f1 of 20 bytes and f2 as interrupts, f2 again as hard fault and as the non-maskable one.
+    assert_eq!((vectors.initial_sp, vectors.exceptions().len()), (0x2000_8000, 2));
+    assert_eq!(worst.bytes(), 8 + 20 + 4 * EXCEPTION_FRAME);
+}
