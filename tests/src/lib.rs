@@ -1,5 +1,6 @@
 //! What several of the tests need.
 
+pub mod board;
 pub mod chip;
 pub mod firmware;
 pub mod gdb;

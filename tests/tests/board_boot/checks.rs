@@ -1,16 +1,14 @@
 //! What has to hold after the run.
 
-use firmware::setup::{
-    CRYSTAL_HZ, FULL_DUTY_N, METRES_PER_COUNT, RATES, SETTINGS, SWITCH_SETTLING_TICKS, TICK_HZ,
-};
+use firmware::setup::{CRYSTAL_HZ, FULL_DUTY_N, METRES_PER_COUNT, SETTINGS, SWITCH_SETTLING_TICKS, TICK_HZ};
 use shared::config::AxisSettings;
 use tests::chip::vectors::EXCEPTION_FRAME;
 use tests::firmware::{SELF_CALLS, TICK};
 use tests::gdb::{SP, XPSR};
 
-use crate::chip::Chip;
-use crate::inputs::{CLOSED, COUNTS};
-use crate::log::Access;
+use tests::board::Chip;
+use tests::board::inputs::{CLOSED, COUNTS};
+use tests::board::log::{Access, written};
 
 /// TIM2 (RM0090, 18.4).
 const TIM2: u32 = 0x4000_0000;
@@ -36,15 +34,19 @@ pub fn stack_is_as_deep_as_computed(chip: &mut Chip) {
     assert!(running == 0 || running as usize == TICK, "exception {running}");
 }
 
-/// The clocks as they were set up, over the factors of TIM2, give the rate of the ticks.
-pub fn tick_is_as_fast_as_set_up(chip: &mut Chip) {
+/// A tick is a period of the PWM: the clocks as they were set up, over the period of TIM1, give the rate of the ticks.
+/// TIM2 is reset by each update of TIM1; its own period, which is all that QEMU has, is a little longer.
+pub fn tick_is_as_fast_as_set_up(chip: &mut Chip, accesses: &[Access]) {
     let [control, interrupts, prescaler, reload] =
         TIMER_REGISTERS.map(|offset| chip.target.word(TIM2 + offset).unwrap());
-    // Counts up, without end; interrupts at an update, and at nothing else.
-    assert_eq!((control & 0x79, interrupts), (1, 1), "CR1 {control:#x}, DIER {interrupts:#x}");
-    let clock = chip.clocks.timers_hz(CRYSTAL_HZ);
-    assert_eq!(clock % ((prescaler + 1) * (reload + 1)), 0);
-    assert_eq!(clock / ((prescaler + 1) * (reload + 1)), TICK_HZ);
+    // Counts up, without end, an update by a reset sets its flag (URS = 0); interrupts at an update, and at nothing else.
+    assert_eq!((control & 0x7d, interrupts), (1, 1), "CR1 {control:#x}, DIER {interrupts:#x}");
+    let [own_clock, clock] = chip.clocks.timers_hz(CRYSTAL_HZ);
+    let period = written(accesses, "timer[1]", 0x2c).last().unwrap() + 1;
+    assert_eq!(written(accesses, "timer[1]", 0x28).sum::<u32>(), 0, "a prescaler of TIM1");
+    assert_eq!((clock % period, clock / period), (0, TICK_HZ));
+    let own = f64::from(own_clock) / f64::from((prescaler + 1) * (reload + 1)) / f64::from(TICK_HZ);
+    assert!(own < 0.995 && own > 0.97, "{own} of the rate without TIM1");
     assert_eq!(chip.target.word(NVIC_ISER0).unwrap(), 1 << 28, "TIM2 and nothing else");
 }
 
@@ -70,10 +72,17 @@ pub fn every_device_has_a_clock(accesses: &[Access]) {
     }
 }
 
-/// What was written to a register.
-fn written<'a>(accesses: &'a [Access], device: &'a str, offset: u32) -> impl Iterator<Item = u32> + 'a {
-    let is = move |access: &&Access| access.device == device && access.offset == offset;
-    accesses.iter().filter(is).filter_map(|access| access.written)
+/// Counts of a period: a compare value that is not below it is never reached, and gives no pulse.
+const FULL_COUNTS: u32 = 8400;
+
+/// Main output enable in BDTR of TIM1.
+const MOE: u32 = 1 << 15;
+
+/// Whether the enable pin is high and the PWM on, by the last that was written.
+pub fn stages(accesses: &[Access]) -> [bool; 2] {
+    let enable = written(accesses, "GPIOB", 0x18).filter(|bits| bits & 0x4000_4000 != 0).last();
+    let outputs = written(accesses, "timer[1]", 0x44).last();
+    [enable.unwrap() & 1 << 14 != 0, outputs.unwrap() & MOE != 0]
 }
 
 /// The enable switch reads as open: PB14 is low before it is an output, and stays so. No overrun: the fault light
@@ -91,13 +100,14 @@ pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize
     };
     assert!(low_before("GPIOB", 1 << (14 + 16), 1 << (2 * 14)), "PB14 is an output before it is low");
     assert!(written(accesses, "GPIOB", 0x18).all(|bits| bits & 1 << 14 == 0), "PB14 was set");
+    assert!(written(accesses, "timer[1]", 0x44).all(|bits| bits & MOE == 0), "the PWM was on");
     assert!(
         written(accesses, "GPIOC", 0x18).all(|bits| bits & 1 << (13 + 16) == 0),
         "the fault light was on"
     );
     // Compare values of PWM channels 1 and 2 of TIM1.
     for offset in [0x34, 0x38] {
-        assert!(written(accesses, "timer[1]", offset).all(|counts| counts == 0), "a duty");
+        assert!(written(accesses, "timer[1]", offset).all(|counts| counts >= FULL_COUNTS), "a duty");
         assert!(written(accesses, "timer[1]", offset).count() >= ticks, "every tick sets a duty");
     }
     // QEMU maps another device without registers over the watchdog: either name may be logged.
@@ -109,31 +119,36 @@ pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize
     assert!(key(0xaaaa) >= ticks, "fed {} times in {ticks} ticks", key(0xaaaa));
 }
 
-/// PB14 goes high once, when the switch has been closed for its time, and stays so. X, pushed in the positive
+/// PB14 and the PWM's main output go on once, when the switch has been closed for its time, and stay so. X, pushed in the positive
 /// direction by so many counts with one count a tick, is pushed back:
 /// - while it moves at v, by Kv·v and no more than the rest below on top;
 /// - when it stands at a distance d, by Kv·Kp·d of the position loop and Kv/Ti·d, what the motion has left in the
 ///   integral. That grows by Kv/Ti·Kp·d·t: 4 % of the whole in the 3 ms of the push and after it; and the duty is
 ///   rounded to a count.
 pub fn drives_come_on_and_push_back(accesses: &[Access]) {
+    // Low at the start, then high once and for good; the PWM with it.
     let power: Vec<bool> = written(accesses, "GPIOB", 0x18).map(|bits| bits & 1 << 14 != 0).collect();
-    let off = power.iter().take_while(|&&on| !on).count();
-    // One write at the start, and one in each tick; they come on with the next position loop.
-    let settled = CLOSED + SWITCH_SETTLING_TICKS - 1;
-    let position_tick = settled.next_multiple_of(RATES.position_loop_divider) as usize;
-    assert_eq!(off, 1 + position_tick, "the first tick with the drives on");
-    assert!(power.len() > off + COUNTS as usize && power[off..].iter().all(|&on| on), "{power:?}");
+    assert_eq!(power, [false, true]);
+    let outputs: Vec<u32> = written(accesses, "timer[1]", 0x44).map(|bits| bits & MOE).collect();
+    assert_eq!(outputs, [0, MOE]);
+    let high = |a: &Access| a.device == "GPIOB" && a.offset == 0x18 && a.written == Some(1 << 14);
+    let on = accesses.iter().position(high).unwrap();
+    // The watchdog is fed once by its start, and in each tick before the stages are enabled.
+    let fed = accesses[..on].iter().filter(|access| access.written == Some(0xaaaa)).count();
+    assert_eq!(fed, 1 + (CLOSED + SWITCH_SETTLING_TICKS) as usize, "the first tick with the drives on");
 
     let AxisSettings { position_gain_per_s, velocity_gain_n_s_per_m, velocity_integral_time_s, .. } =
         SETTINGS[0];
-    let counts_per_n = 8400.0 / FULL_DUTY_N[0];
+    let counts_per_n = f64::from(FULL_COUNTS) / FULL_DUTY_N[0];
     let speed = METRES_PER_COUNT[0] * f64::from(TICK_HZ);
     let distance = METRES_PER_COUNT[0] * f64::from(COUNTS);
     let moving = velocity_gain_n_s_per_m * speed * counts_per_n;
     let rate = position_gain_per_s + 1.0 / velocity_integral_time_s.unwrap();
     let standing = velocity_gain_n_s_per_m * rate * distance * counts_per_n;
 
-    let duties: Vec<f64> = written(accesses, "timer[1]", 0x34).map(f64::from).collect();
+    // The pulse lies at the end of the period, behind the compare value.
+    let counts = |offset| written(accesses, "timer[1]", offset).map(|compare| FULL_COUNTS - compare);
+    let duties: Vec<f64> = counts(0x34).map(f64::from).collect();
     let (most, last) = (duties.iter().copied().fold(0.0, f64::max), duties[duties.len() - 1]);
     assert!(moving - 1.0 <= most && most <= moving + 1.04 * standing + 1.0, "{most} of {moving} counts");
     assert!(standing - 1.0 <= last && last <= 1.04 * standing + 1.0, "{last} of {standing} counts");
@@ -141,5 +156,5 @@ pub fn drives_come_on_and_push_back(accesses: &[Access]) {
     let directions = written(accesses, "GPIOC", 0x18).filter(|bits| bits & 0x0040_0040 != 0);
     assert_eq!(directions.last(), Some(1 << 6));
     // Y stands: rounding of a position that is zero gives no duty.
-    assert!(written(accesses, "timer[1]", 0x38).all(|counts| counts == 0));
+    assert!(counts(0x38).all(|counts| counts == 0));
 }

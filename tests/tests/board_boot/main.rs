@@ -1,34 +1,23 @@
 //! The ELF file that is flashed starts on an emulated STM32F405 and ticks.
 //!
-//! QEMU's `netduinoplus2` has the core, its interrupt controller, flash and RAM at their addresses, and TIM2 to
-//! TIM5. The program is unchanged. One thing is put in its way, because it would wait for it for ever: the
-//! clocks. The test halts at the accesses of `FLASH_ACR`, `RCC_CR`, `RCC_PLLCFGR` and `RCC_CFGR` and answers them as
-//! the chip does (`clocks.rs`). Besides, it fills the free RAM with a pattern before the start.
-//!
-//! QEMU models no TIM1, no GPIO, no watchdog and no encoder mode. They read as 0, so the enable switch is open and
-//! the drives stay off. What is written to them is checked in the emulator's log. The period between ticks is not
-//! that of the chip either: QEMU's timer adds the time since power-up when it was started. So the registers of TIM2
-//! are read, and the rate is computed from them and the clocks.
-//!
-//! A second run closes the loops: it answers for the switch, the counters of the encoders and the period of the PWM,
-//! too, and pends each tick itself (`inputs.rs`).
+//! What is emulated, and the one thing that is put in the program's way, stands in [`tests::board`]. The first run leaves
+//! the enable switch open. The period between its ticks is not that of the chip: QEMU's timer adds the time since
+//! power-up when it was started. So the registers of the timers are read, and the rate is computed from them and the
+//! clocks. A second run closes the loops: it answers for the switch and the counters of the encoders, too, and pends each
+//! tick itself.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod checks;
-mod chip;
-mod clocks;
-mod inputs;
-mod log;
 
 use tests::firmware::{RAM, TICK, built};
 use tests::gdb::SP;
 
 use checks::{
     drives_come_on_and_push_back, drives_stay_off_and_the_watchdog_is_fed, every_device_has_a_clock,
-    stack_is_as_deep_as_computed, tick_is_as_fast_as_set_up,
+    stack_is_as_deep_as_computed, stages, tick_is_as_fast_as_set_up,
 };
-use chip::{Chip, End};
-use inputs::{COUNTS, Inputs, PUSHED};
+use tests::board::inputs::{COUNTS, Inputs, PUSHED};
+use tests::board::{Chip, End};
 
 /// Ticks that have to run.
 const TICKS: usize = 1000;
@@ -44,8 +33,8 @@ fn the_program_that_is_flashed_starts_and_ticks_a_thousand_times_without_an_exce
     // An access to where there is no memory.
     assert!(!chip.log.text().contains("Invalid"), "{}", chip.words());
     stack_is_as_deep_as_computed(&mut chip);
-    tick_is_as_fast_as_set_up(&mut chip);
     let accesses = chip.log.accesses();
+    tick_is_as_fast_as_set_up(&mut chip, &accesses);
     every_device_has_a_clock(&accesses);
     // The last tick may still run.
     drives_stay_off_and_the_watchdog_is_fed(&accesses, exceptions.len() - 1);
@@ -61,6 +50,21 @@ fn the_drives_come_on_when_the_switch_is_closed_afresh_and_push_back() {
     assert!(chip.log.exceptions().iter().all(|&number| number == TICK));
     stack_is_as_deep_as_computed(&mut chip);
     drives_come_on_and_push_back(&chip.log.accesses());
+}
+
+/// A fault of the core, or a crystal that fails (NMI), while the drives are on: enable pin and PWM go off, and stay so.
+#[test]
+fn what_the_core_cannot_go_on_from_cuts_the_stages() {
+    const NMI: usize = 2;
+    const HARD_FAULT: usize = 3;
+    for exception in [NMI, HARD_FAULT] {
+        let mut chip = Chip::start(&built("board"), Some(Inputs::default()));
+        assert_eq!(chip.run(PUSHED as usize), Ok(End::Ticked), "{}", chip.words());
+        assert_eq!(stages(&chip.log.accesses()), [true, true]);
+        // A handful of instructions each time round.
+        chip.take(exception, 100).unwrap();
+        assert_eq!(stages(&chip.log.accesses()), [false, false]);
+    }
 }
 
 /// The same start with 256 bytes of stack above the start of the RAM: the run ends in the hard fault, and says so.

@@ -5,7 +5,7 @@
 
 use firmware::setup::SWITCH_SETTLING_TICKS;
 
-use crate::chip::Device;
+use super::Device;
 
 /// Input data of port B; its bit 15 is the switch, high: closed.
 const GPIOB_IDR: u32 = 0x4002_0410;
@@ -24,9 +24,6 @@ pub const PUSHED: u32 = CLOSED + SWITCH_SETTLING_TICKS + 50;
 /// X is pushed so many counts, one a tick: 5 mm/s.
 pub const COUNTS: u32 = 20;
 
-/// Period of the PWM, which the start reads back for the greatest duty.
-const TIM1_ARR: u32 = 0x4001_002c;
-
 /// Interrupts of TIM2, and those that are to be pended by hand (RM0090, 18.4.4; ARMv7-M, B3.4.6).
 const TIM2_DIER: u32 = 0x4000_000c;
 const NVIC_ISPR0: u32 = 0xe000_e200;
@@ -37,7 +34,6 @@ const TIM2_PENDING: u32 = 1 << 28;
 pub struct Inputs {
     /// Ticks that have looked at the switch: each does once, before the encoders.
     ticks: u32,
-    pwm_reload: u32,
     /// What the core has to store before it goes on: address and value.
     stores: Vec<(u32, u32)>,
 }
@@ -51,7 +47,7 @@ impl Inputs {
 
 impl Device for Inputs {
     fn registers(&self) -> &[u32] {
-        &[GPIOB_IDR, TIM3_CNT, TIM4_CNT, TIM1_ARR]
+        &[GPIOB_IDR, TIM3_CNT, TIM4_CNT]
     }
 
     fn read(&mut self, address: u32) -> u32 {
@@ -68,14 +64,12 @@ impl Device for Inputs {
                 self.stores.extend((self.ticks > 0).then_some((NVIC_ISPR0, TIM2_PENDING)));
                 0
             }
-            TIM1_ARR => self.pwm_reload,
             _ => panic!("{address:#x} is not watched"),
         }
     }
 
     fn write(&mut self, address: u32, value: u32) {
         match address {
-            TIM1_ARR => self.pwm_reload = value,
             // The start of an encoder may clear its counter.
             TIM3_CNT | TIM4_CNT => assert_eq!(value, 0, "to the counter {address:#x}"),
             _ => panic!("{value:#x} to the input {address:#x}"),

@@ -9,7 +9,9 @@ pub struct Log(pub PathBuf);
 /// An access to a device that is not modelled.
 #[derive(Debug)]
 pub struct Access {
+    /// As QEMU names it.
     pub device: String,
+    /// Of the register, bytes.
     pub offset: u32,
     /// `None`: a read, which gives 0.
     pub written: Option<u32>,
@@ -44,6 +46,12 @@ impl Log {
     pub fn accesses(&self) -> Vec<Access> {
         self.text().lines().filter_map(access).collect()
     }
+}
+
+/// What was written to a register.
+pub fn written<'a>(accesses: &'a [Access], device: &'a str, offset: u32) -> impl Iterator<Item = u32> + 'a {
+    let is = move |access: &&Access| access.device == device && access.offset == offset;
+    accesses.iter().filter(is).filter_map(|access| access.written)
 }
 
 /// `GPIOB: unimplemented device write (size 4, offset 0x018, value 0x40000000)`

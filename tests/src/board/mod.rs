@@ -1,21 +1,34 @@
-//! The emulator with the program, and how it is run.
+//! The program of the board on an emulated STM32F405, and how it is run.
+//!
+//! QEMU's `netduinoplus2` has the core, its interrupt controller, flash and RAM at their addresses, and TIM2 to
+//! TIM5. The program is unchanged. One thing is put in its way, because it would wait for it for ever: the
+//! clocks. The test halts at the accesses of `FLASH_ACR`, `RCC_CR`, `RCC_PLLCFGR` and `RCC_CFGR` and answers them as
+//! the chip does ([`clocks`]). Besides, it fills the free RAM with a pattern before the start.
+//!
+//! QEMU models no TIM1, no GPIO, no watchdog and no encoder mode. They read as 0; what is written to them stands in the
+//! emulator's log ([`log`]). [`inputs`] answers for switch and encoders where a test closes the loops.
+#![allow(clippy::unwrap_used, clippy::missing_panics_doc, reason = "for tests, which fail by panicking")]
+
+pub mod clocks;
+pub mod inputs;
+pub mod log;
 
 use std::fs;
 use std::path::Path;
 use std::process::Command;
 use std::time::{Duration, Instant};
 
+use crate::chip::image::Image;
+use crate::chip::memory::{Offset, Word, word};
+use crate::chip::vectors::Vectors;
+use crate::chip::walk::panics;
+use crate::firmware::{FLASH, RAM, TICK};
+use crate::gdb::{Halt, PC, Target, Trouble, Watch, XPSR};
 use tempfile::TempDir;
-use tests::chip::image::Image;
-use tests::chip::memory::{Offset, Word, word};
-use tests::chip::vectors::Vectors;
-use tests::chip::walk::panics;
-use tests::firmware::{FLASH, RAM, TICK};
-use tests::gdb::{Halt, PC, Target, Trouble, Watch, XPSR};
 
-use crate::clocks::Clocks;
-use crate::inputs::Inputs;
-use crate::log::Log;
+use clocks::Clocks;
+use inputs::Inputs;
+use log::Log;
 
 /// All ticks have to be over within this time: a thousand take four seconds on a slow machine.
 const DEADLINE: Duration = Duration::from_secs(40);
@@ -34,12 +47,17 @@ const PATTERN: u8 = 0xa5;
 
 /// The emulated chip with its program, halted.
 pub struct Chip {
+    /// The program.
     pub image: Image,
+    /// Its vector table.
     pub vectors: Vectors,
+    /// Memory and registers of the core.
     pub target: Target,
+    /// What is answered instead of the clocks.
     pub clocks: Clocks,
     /// Without them the inputs read as QEMU has them: 0, and counters that run.
     pub inputs: Option<Inputs>,
+    /// What the emulator writes down.
     pub log: Log,
     /// For the log and for what the emulator says.
     folder: TempDir,
@@ -178,6 +196,15 @@ impl Chip {
             self.target.set_register(number, value)?;
         }
         self.target.set_memory(free, &[PATTERN; 2])
+    }
+
+    /// Takes an exception by hand, to the first instructions of its handler.
+    ///
+    /// # Errors
+    /// When the target does not answer.
+    pub fn take(&mut self, exception: usize, instructions: u32) -> Result<(), Trouble> {
+        self.target.set_register(PC, self.vectors.handler(exception))?;
+        (0..instructions).try_for_each(|_| self.target.step())
     }
 
     /// What the emulator has said.

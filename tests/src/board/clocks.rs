@@ -3,7 +3,7 @@
 //! Four registers, their addresses and bits after the reference manual RM0090, chapters 3.9 and 7.3. A clock is
 //! ready as soon as it is on; an order of writes that the manual forbids is refused.
 
-use crate::chip::Device;
+use super::Device;
 
 /// Latency of the flash.
 const ACR: u32 = 0x4002_3c00;
@@ -34,13 +34,20 @@ pub struct Clocks {
 }
 
 impl Clocks {
+    /// Whether a crystal that fails is seen: the clock security system (RM0090, 7.2.7).
+    #[must_use]
+    pub const fn are_watched(&self) -> bool {
+        self.cr & 1 << 19 != 0
+    }
+
     /// After reset: the internal oscillator runs.
     pub fn new() -> Self {
         Self { acr: 0, cr: 0x83, pllcfgr: 0x2400_3010, cfgr: 0 }
     }
 
-    /// The clock that feeds TIM2 to TIM5, Hz, with that crystal, after the limits of the data sheet.
-    pub fn timers_hz(&self, crystal_hz: u32) -> u32 {
+    /// The clocks that feed TIM2 to TIM5 and TIM1, Hz, with that crystal, after the limits of the data sheet.
+    #[must_use]
+    pub fn timers_hz(&self, crystal_hz: u32) -> [u32; 2] {
         assert_eq!(self.cfgr >> 2 & 3, 2, "the PLL clocks the core: CFGR {:#x}", self.cfgr);
         assert_ne!(self.pllcfgr & FROM_CRYSTAL, 0, "the crystal feeds the PLL: {:#x}", self.pllcfgr);
         let (m, n, p) = (self.pllcfgr & 63, self.pllcfgr >> 6 & 511, 2 * (self.pllcfgr >> 16 & 3) + 2);
@@ -56,7 +63,7 @@ impl Clocks {
         let (slow, fast) = (divider(self.cfgr >> 10), divider(self.cfgr >> 13));
         assert!(core / slow <= 42_000_000 && core / fast <= 84_000_000, "buses at 1/{slow} and 1/{fast}");
         // Timers run at twice the clock of a bus that is divided.
-        core / slow * if slow == 1 { 1 } else { 2 }
+        [slow, fast].map(|divider| core / divider * if divider == 1 { 1 } else { 2 })
     }
 }
 
@@ -101,7 +108,7 @@ impl Device for Clocks {
     }
 }
 
-/// 8 MHz / 4 · 168 / 2, the buses at a quarter and a half: 84 MHz for the timers of the slow one.
+/// 8 MHz / 4 · 168 / 2, the buses at a quarter and a half: 84 and 168 MHz for their timers.
 #[test]
 fn clocks_that_are_set_up_in_order_are_ready_and_give_their_rate() {
     let mut clocks = Clocks::new();
@@ -113,7 +120,7 @@ fn clocks_that_are_set_up_in_order_are_ready_and_give_their_rate() {
     clocks.write(ACR, WAIT_STATES);
     clocks.write(CFGR, 0b100 << 13 | 0b101 << 10 | 2);
     assert_eq!(clocks.read(CFGR) & 0xf, 0b1010);
-    assert_eq!(clocks.timers_hz(8_000_000), 84_000_000);
+    assert_eq!(clocks.timers_hz(8_000_000), [84_000_000, 168_000_000]);
 }
 
 #[test]
