@@ -48,6 +48,7 @@ pub fn settings(axis: &Axis, effects: &ServoParameters) -> Result<AxisSettings, 
             .map_or(FOLLOWING_ERROR_LIMIT_M, |mm| 1e-3 * mm),
         scale_disagreement_limit_m: axis.scale_disagreement_limit_mm.map(|mm| 1e-3 * mm),
         fastest_m_per_s: axis.fastest_mm_per_s.map(|mm_per_s| 1e-3 * mm_per_s),
+        frozen_encoder_limit_m: axis.frozen_encoder_limit_mm.map(|mm| 1e-3 * mm),
         saturation_time_s: axis.saturation_time_s.unwrap_or(defaults.saturation_time_s),
         travel_m: axis.travel_mm.map(|ends| ends.map(|mm| 1e-3 * mm)),
         stop_deceleration_m_per_s2: axis

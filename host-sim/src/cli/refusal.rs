@@ -2,6 +2,7 @@
 
 use anyhow::Error;
 use shared::config::ConfigError;
+use shared::interpolate::PathError;
 use shared::machine::MachineError;
 
 use crate::controller::{ControllerError, MOST_AXES};
@@ -45,6 +46,7 @@ impl Given<'_> {
                 InputError::expected(self.machine_file, what, found).at_key("axis")
             }
             Controller(ControllerError::Port(problem)) => InputError::saying("--port", problem),
+            Block { index, error: PathError::BeyondTravel { axis } } => self.beyond_travel(*index, *axis),
             Block { index, error } => {
                 let problem = format!("expected a block that the controller can run: {error}");
                 InputError::saying(self.motion_file, problem).at_key(&format!("block[{index}]"))
@@ -52,6 +54,17 @@ impl Given<'_> {
             _ => return error.into(),
         };
         input.into()
+    }
+
+    fn beyond_travel(&self, index: usize, axis: u8) -> InputError {
+        let axis = self.machine.axis.get_index(axis.into());
+        let (name, [least, greatest]) =
+            axis.map_or(("", [f64::NAN; 2]), |(name, axis)| (name, axis.travel_mm.unwrap_or([f64::NAN; 2])));
+        let problem = format!(
+            "expected a block within axis.{name}.travel_mm, {least} to {greatest} mm, of {}",
+            self.machine_file
+        );
+        InputError::saying(self.motion_file, problem).at_key(&format!("block[{index}]"))
     }
 
     fn setting(&self, axis: usize, error: &ConfigError) -> InputError {
@@ -65,6 +78,7 @@ impl Given<'_> {
             "fastest_m_per_s" => ("fastest_mm_per_s", 1e3),
             "following_error_limit_m" => ("following_error_limit_mm", 1e3),
             "scale_disagreement_limit_m" => ("scale_disagreement_limit_mm", 1e3),
+            "frozen_encoder_limit_m" => ("frozen_encoder_limit_mm", 1e3),
             "travel_m" => ("travel_mm", 1e3),
             "velocity_lag_s" => ("effect.ms", 1e3),
             name => (name, 1.0),

@@ -200,6 +200,7 @@ impl Context<'_> {
             ("saturation_time_s", a.saturation_time_s, Positive),
             ("scale_disagreement_limit_mm", a.scale_disagreement_limit_mm, UpTo(1e3 * TRAVEL_LIMIT_M)),
             ("fastest_mm_per_s", a.fastest_mm_per_s, Positive),
+            ("frozen_encoder_limit_mm", a.frozen_encoder_limit_mm, Positive),
             ("motor_mass_kg", a.motor_mass_kg, NotNegative),
             ("table_mass_kg", a.table_mass_kg, NotNegative),
             ("stiffness_n_per_um", a.stiffness_n_per_um, Positive),
@@ -248,6 +249,7 @@ impl Context<'_> {
             ("saturation_time_s", axis.saturation_time_s.is_some()),
             ("scale_disagreement_limit_mm", axis.scale_disagreement_limit_mm.is_some()),
             ("fastest_mm_per_s", axis.fastest_mm_per_s.is_some()),
+            ("frozen_encoder_limit_mm", axis.frozen_encoder_limit_mm.is_some()),
         ];
         let present = needed.iter().chain(&optional).find(|(_, present)| *present);
         let missing = needed.iter().find(|(_, present)| !present);

@@ -127,6 +127,9 @@ pub struct Axis {
     /// Fastest that the motor can be: a reading that has moved further puts the drives off; absent: not watched.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub fastest_mm_per_s: Option<f64>,
+    /// How far the command may move while the motor reading stands before the drives go off; absent: not watched.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub frozen_encoder_limit_mm: Option<f64>,
     /// Motor and screw, reflected to the table.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub motor_mass_kg: Option<f64>,

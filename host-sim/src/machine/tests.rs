@@ -56,6 +56,7 @@ stop_deceleration_m_per_s2 = 3.0
 saturation_time_s = 0.25
 scale_disagreement_limit_mm = 0.4
 fastest_mm_per_s = 900.0
+frozen_encoder_limit_mm = 0.3
 ";
 
 /// The machine above with more keys in axis y.
@@ -155,6 +156,7 @@ const BAD_LOOPS: &[(&str, &str)] = &[
     ("saturation_time_s = -1", "axis.y.saturation_time_s: expected a number above 0, found -1"),
     ("scale_disagreement_limit_mm = -1", "scale_disagreement_limit_mm: expected a number from 0 to 100000"),
     ("fastest_mm_per_s = 0", "axis.y.fastest_mm_per_s: expected a number above 0, found 0"),
+    ("frozen_encoder_limit_mm = 0", "axis.y.frozen_encoder_limit_mm: expected a number above 0, found 0"),
 ];
 
 #[test]

@@ -130,10 +130,10 @@ fn a_fast_resonance_stays_in_bounds() {
 }
 
 #[test]
-fn motions_outside_the_stroke_are_stopped_or_refused() {
+fn motions_outside_the_stroke_are_refused() {
     // The motion goes out to x = 20 mm.
-    let leaves = ["axis.x: the command leaves the travel from -5 to 15 mm: stopped after "];
-    says(&machine(&[("travel_mm", "[-5.0, 15.0]")]), MOTION, 1, &leaves);
+    let leaves = ["motion.toml: ", "block[", "axis.x.travel_mm, -5 to 15 mm, of ", "machine.toml"];
+    says(&machine(&[("travel_mm", "[-5.0, 15.0]")]), MOTION, 2, &leaves);
     let beyond = ["motion.toml: ", "block[0]"];
     says(MACHINE, &MOTION.replace("x = 20.0", "x = 200e3"), 2, &beyond);
 }
