@@ -11,7 +11,7 @@ use shared::protocol::{
 };
 use shared::safety::{Fault, Hazard, Power};
 use shared::scalar::{Fixed, Scalar};
-use shared::session::{NoMeter, Session};
+use shared::session::{Meter, NoMeter, Session};
 use shared::units::Position;
 
 const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
@@ -151,4 +151,45 @@ fn every_order_does_to_the_machine_what_it_says() {
     is_the_machine::<Fixed>(Format::Fixed);
     is_the_machine::<f32>(Format::F32);
     is_the_machine::<f64>(Format::F64);
+}
+
+/// Counts how often it was started and stopped, a tick's cost a thousand.
+#[derive(Default)]
+struct Counter {
+    started: u32,
+    stopped: u32,
+}
+
+impl Meter for Counter {
+    fn start(&mut self) {
+        assert_eq!(self.started, self.stopped);
+        self.started += 1;
+    }
+
+    fn stop(&mut self) -> u32 {
+        self.stopped += 1;
+        assert_eq!(self.started, self.stopped);
+        1000 * self.stopped
+    }
+}
+
+/// A tick is measured, no other order is, and its answer has what the meter said.
+#[test]
+fn the_cost_of_a_tick_is_what_the_meter_says() {
+    for format in FORMATS {
+        let mut host = Host::new(format);
+        assert_eq!(host.tick(0.0).cost, 0);
+        let mut meter = Counter::default();
+        let mut frame = [0; FRAME];
+        for ticks in 1..=3 {
+            for order in [Order::Disable, Order::Enable] {
+                encode(&order, &mut frame).unwrap();
+                assert_eq!(host.session.answer(&frame, &mut meter), Some(Answer::Ready));
+            }
+            let reading = Reading { motor: Position(0), table: None };
+            encode(&Order::Tick([reading; AXES]), &mut frame).unwrap();
+            let Some(Answer::Tick(ticked)) = host.session.answer(&frame, &mut meter) else { panic!() };
+            assert_eq!((ticked.cost, meter.started, meter.stopped), (1000 * ticks, ticks, ticks));
+        }
+    }
 }
