@@ -27,10 +27,13 @@ files_of() {
   if [ -d "shared/src/$1" ]; then find "shared/src/$1" -name '*.rs' | sort; else echo "shared/src/$1.rs"; fi
 }
 
-# Of all that a result depends on.
+# Of all in the copy that a result depends on.
 fingerprint() {
-  { cat Cargo.lock Cargo.toml .cargo/mutants.toml rust-toolchain.toml shared/Cargo.toml
-    find shared/src shared/tests -name '*.rs' -print0 | sort -z | xargs -0 cat; } | git hash-object --stdin
+  (
+    cd "$tree"
+    cat Cargo.lock Cargo.toml .cargo/mutants.toml rust-toolchain.toml shared/Cargo.toml
+    find shared/src shared/tests -name '*.rs' -print0 | sort -z | xargs -0 cat
+  ) | git hash-object --stdin
 }
 
 # The files as they are now, elsewhere: the mutants are made there, one after the other, and each compiles only what it
@@ -55,7 +58,7 @@ mutate() {
   mkdir -p "$results"
   (cd "$tree" && CARGO_TARGET_DIR=$work/build PROPTEST_MAX_SHRINK_ITERS=0 PROPTEST_RNG_SEED=1 \
     PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 nice cargo mutants --in-place --package shared --file "$file" \
-    --output "$results" --timeout "$limit" --no-shuffle --colors never) || status=$?
+    --output "$results" --timeout "$limit" --caught --unviable --no-shuffle --colors never) || status=$?
   # 2: some were missed, 3: some ran into the limit. With any other there is no result.
   case $status in 0 | 2 | 3) fingerprint >"$results/done" ;; *) exit "$status" ;; esac
 }
