@@ -2,7 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::axis::{AxisState, Reading};
-use shared::config::{AxisConfig, AxisSettings, Rates};
+use shared::config::{AxisConfig, AxisSettings, Law, Rates};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::{Position, VELOCITY_M_PER_S};
 
@@ -128,4 +128,37 @@ fn a_change_of_gains_keeps_what_was_integrated() {
     keeps_its_integral::<Fixed>();
     keeps_its_integral::<f32>();
     keeps_its_integral::<f64>();
+}
+
+/// The filter of high-order position control has a gain of one at standstill: with an error that does not change, P and
+/// HPC ask for the same Kp·x. Going over from one to the other and back, the command stays there in every tick, since
+/// the filter starts settled on the error that the loop had; one that starts empty would fill up over some 1/Kp.
+fn goes_over<S: Scalar>() {
+    let kp = 40.0;
+    let config = |law| {
+        let settings = AxisSettings { law, position_gain_per_s: kp, ..AxisSettings::default() };
+        AxisConfig::<S>::new(&settings, SLOWER).unwrap()
+    };
+    let laws = [config(Law::P), config(Law::Hpc), config(Law::P), config(Law::Hpc)];
+    for held_m in [HELD_M, -HELD_M] {
+        let motor = reading(Position(0));
+        let mut state = AxisState::at_rest(Position(0), motor);
+        let _ = state.position_tick(&laws[0], place(held_m), 0, motor);
+        for change in laws.windows(2) {
+            state.change(&change[0], &change[1]);
+            for n in 0..1000 {
+                let _ = state.position_tick(&change[1], place(held_m), 0, motor);
+                let off = state.velocity_command_m_per_s() - kp * held_m;
+                // Of fixed point, a gain within 2⁻²⁵ of 2.5e-3 and a step of the velocity; of f32, 2⁻²⁴ of all.
+                assert!(off.abs() < 2e-9 + 2e-5 * kp * HELD_M, "{}, tick {n}: {off} m/s", S::NAME);
+            }
+        }
+    }
+}
+
+#[test]
+fn an_error_that_stands_is_the_same_to_p_and_hpc() {
+    goes_over::<Fixed>();
+    goes_over::<f32>();
+    goes_over::<f64>();
 }
