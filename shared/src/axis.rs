@@ -57,6 +57,12 @@ impl<S: Scalar> AxisState<S> {
         }
     }
 
+    /// The same with a correction (position units) that stands on the command already.
+    #[must_use]
+    pub const fn corrected(self, correction: i64) -> Self {
+        Self { feedforward: self.feedforward.corrected(correction), ..self }
+    }
+
     /// What the velocity loop is asked for, m/s.
     #[must_use]
     pub fn velocity_command_m_per_s(&self) -> f64 {

@@ -32,21 +32,14 @@ impl<S: Scalar> Bump<S> {
 
     /// The output for what the law makes. `share` of the offset fades in a tick.
     pub fn smooth(&mut self, share: S::Gain, made: S) -> S {
-        match &mut self.state {
-            State::None => made,
-            State::Changed(last) => {
-                let last = *last;
-                self.state = State::Fading(last.minus(made).widen());
-                last
-            }
-            State::Fading(left) => {
-                let offset = S::round(*left);
-                *left = *left - offset.times(share);
-                if offset == S::default() {
-                    self.state = State::None;
-                }
-                made.plus(offset)
-            }
-        }
+        let (left, output) = match self.state {
+            State::None => return made,
+            State::Changed(last) => (last.minus(made).widen(), last),
+            State::Fading(left) => (left, made.plus(S::round(left))),
+        };
+        let offset = S::round(left);
+        self.state =
+            if offset == S::default() { State::None } else { State::Fading(left - offset.times(share)) };
+        output
     }
 }

@@ -26,6 +26,12 @@ impl State {
     pub const fn at(command: Position) -> Self {
         Self { last: command }
     }
+
+    /// At rest at a command that a correction (position units) stands on already.
+    #[must_use]
+    pub const fn corrected(self, correction: i64) -> Self {
+        Self { last: self.last.moved(correction) }
+    }
 }
 
 impl<S: Scalar> Feedforward<S> {

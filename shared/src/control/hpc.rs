@@ -149,4 +149,25 @@ mod tests {
         // Gains round to 2⁻²⁵ and each of 1/x ticks adds it up: 1000·2⁻²⁵/x·a few = 0.05 at most.
         assert!(worst::<Fixed>() < 0.05, "{}", worst::<Fixed>());
     }
+
+    /// A step of no length stands for the exact filter, and with the step the filter approaches it.
+    #[test]
+    fn steps_of_no_length_are_the_exact_filter() {
+        let x = 0.05;
+        let exact = Hpc::<f64>::new(x);
+        let entries = |hpc: &Hpc<f64>| [hpc.yy, hpc.yw, hpc.wy, hpc.ww];
+        assert_eq!(entries(&Hpc::stepped(x, 0.0)).map(f64::to_bits), entries(&exact).map(f64::to_bits));
+        for step in [1e-5, 1e-4, 1e-3] {
+            let stepped = entries(&Hpc::stepped(x, step));
+            for (stepped, exact) in stepped.into_iter().zip(entries(&exact)) {
+                // Of first order in h: each entry is e^(−3x) ≤ 1 times sines and cosines of it, with 16 at most before.
+                let off = (stepped - exact).abs();
+                assert!(off < 16.0 * step && off > 1e-3 * step, "{stepped} for {exact} at {step}");
+            }
+        }
+        // Longer steps than it takes are the longest that it takes.
+        let longest = entries(&Hpc::stepped(x, 0.1)).map(f64::to_bits);
+        assert_eq!(entries(&Hpc::stepped(x, 0.5)).map(f64::to_bits), longest);
+        assert_ne!(entries(&Hpc::stepped(x, 0.09)).map(f64::to_bits), longest);
+    }
 }

@@ -133,4 +133,24 @@ mod tests {
         }
         assert_eq!(Amplifier::<Fixed>::new(1.0, 0).unwrap_err(), DriveError::NoPwm);
     }
+
+    /// Less than half a count is none, and none has no direction; half a count is one. Both ways alike.
+    #[test]
+    fn what_rounds_to_nothing_has_no_direction() {
+        fn rounds<S: Scalar>() {
+            // A count is 2⁻⁴ N: every format holds it and its parts exactly.
+            let amplifier = Amplifier::<S>::new(512.0, 8192).unwrap();
+            let duty = |counts: f64| amplifier.duty(S::signal(counts / 16.0));
+            for nothing in [0.0, 0.499, -0.499, -0.01] {
+                assert_eq!(duty(nothing), Duty::default(), "{} {nothing}", S::NAME);
+            }
+            for (counts, expected) in [(0.5, 1), (0.501, 1), (1.499, 1), (1.501, 2), (8191.0, 8191)] {
+                assert_eq!(duty(counts), Duty { reverse: false, counts: expected }, "{}", S::NAME);
+                assert_eq!(duty(-counts), Duty { reverse: true, counts: expected }, "{}", S::NAME);
+            }
+        }
+        rounds::<Fixed>();
+        rounds::<f32>();
+        rounds::<f64>();
+    }
 }

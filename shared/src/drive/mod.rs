@@ -284,7 +284,7 @@ mod tests {
     #[test]
     fn a_stop_along_the_path_keeps_the_stages_on_until_it_stands() {
         let (mut station, mut bench) = running();
-        let mut follow = |station: &mut Station<'_, Fixed, 1>, bench: &mut Bench| {
+        let follow = |station: &mut Station<'_, Fixed, 1>, bench: &mut Bench| {
             station.tick(bench);
             bench.at = station.machine.command()[0];
         };

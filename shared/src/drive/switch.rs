@@ -101,4 +101,19 @@ mod tests {
         let mut switch = EnableSwitch::new(10);
         assert_eq!(turns(&mut switch, &[(false, 50), (true, 9), (false, 50)]).0, 0);
     }
+
+    /// A change is seen in one look and has settled after as many more as were declared. Open for one look less arms
+    /// nothing, however long the switch is closed then; nor do several such openings together.
+    #[test]
+    fn open_for_less_than_the_settling_time_does_not_arm() {
+        for settling in [1, 2, 10, 400] {
+            let mut switch = EnableSwitch::new(settling);
+            let short = [(true, 3), (false, settling), (true, 3 * settling)];
+            for times in 1..4 {
+                assert_eq!(turns(&mut switch, &short).0, 0, "{settling}, the {times}th time");
+            }
+            assert_eq!(turns(&mut switch, &[(false, settling + 1), (true, settling)]), (0, 1));
+            assert_eq!(switch.look(true), Some(Turn::Enable));
+        }
+    }
 }

@@ -121,8 +121,11 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             self.stand(state, readings);
             state.warning = displaced;
         }
-        for ((axis, command), reading) in state.axes.iter_mut().zip(state.path.command()).zip(readings) {
-            *axis = AxisState::at_rest(command, *reading);
+        let standing = state.compensation.standing();
+        for (((axis, command), reading), added) in
+            state.axes.iter_mut().zip(state.path.command()).zip(readings).zip(standing)
+        {
+            *axis = AxisState::at_rest(command, *reading).corrected(added);
         }
         state.until_position_tick = 0;
         state.power = state.power.after(Event::Enable);

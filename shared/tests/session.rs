@@ -1,0 +1,195 @@
+//! The board's side of the protocol: each order does to the machine what it says, and the answer is the machine's.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use shared::compensate::settings::{Of, Pitch, Points};
+use shared::compensate::{CompensationSettings, Item};
+use shared::config::{AxisSettings, Rates};
+use shared::interpolate::Block;
+use shared::machine::{Machine, Reading};
+use shared::protocol::{
+    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, PART, Part, Setup, Ticked, encode,
+};
+use shared::safety::{Fault, Hazard, Power};
+use shared::scalar::{Fixed, Scalar};
+use shared::session::{Meter, NoMeter, Session};
+use shared::units::Position;
+
+const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
+const FORMATS: [Format; 3] = [Format::Fixed, Format::F32, Format::F64];
+
+/// A session, and what it is asked.
+struct Host {
+    session: Session,
+}
+
+impl Host {
+    fn new(format: Format) -> Self {
+        let mut host = Self { session: Session::default() };
+        let axes = [AxisSettings::default(); AXES];
+        let start = [Position(0); AXES];
+        assert_eq!(host.ask(&Order::Setup(Setup { format, rates: RATES, axes, start })), Answer::Ready);
+        host
+    }
+
+    fn ask(&mut self, order: &Order) -> Answer {
+        let mut frame = [0; FRAME];
+        if encode(order, &mut frame).is_ok() {
+            return self.session.answer(&frame, &mut NoMeter).unwrap();
+        }
+        let mut bytes = [0; LONGEST_ORDER];
+        let bytes = postcard::to_slice(order, &mut bytes).unwrap();
+        let count = bytes.len().div_ceil(PART);
+        let mut answers = bytes.chunks(PART).enumerate().map(|(k, piece)| {
+            let part = Part { bytes: heapless::Vec::from_slice(piece).unwrap(), last: k + 1 == count };
+            encode(&Order::Part(part), &mut frame).unwrap();
+            self.session.answer(&frame, &mut NoMeter).unwrap()
+        });
+        assert!(answers.by_ref().take(count - 1).all(|answer| answer == Answer::Ready));
+        answers.next().unwrap()
+    }
+
+    /// A tick with both axes somewhere.
+    fn tick(&mut self, at_m: f64) -> Ticked {
+        let motor = Position::from_m(at_m).unwrap();
+        match self.ask(&Order::Tick([Reading { motor, table: None }; AXES])) {
+            Answer::Tick(ticked) => ticked,
+            other => panic!("{other:?}"),
+        }
+    }
+}
+
+const NO_FORCE: [u64; AXES] = [0; AXES];
+
+#[test]
+fn disable_puts_the_drives_off() {
+    for format in FORMATS {
+        let mut host = Host::new(format);
+        assert_eq!(host.ask(&Order::Enable), Answer::Ready);
+        host.tick(0.0);
+        let ticked = host.tick(1e-4);
+        assert_eq!(ticked.power, Power::On);
+        assert!(ticked.force_bits.iter().all(|bits| *bits != 0), "{format:?}: {ticked:?}");
+        assert_eq!(host.ask(&Order::Disable), Answer::Ready);
+        for _ in 0..10 {
+            let ticked = host.tick(1e-4);
+            assert_eq!((ticked.power, ticked.force_bits), (Power::Off, NO_FORCE), "{format:?}");
+        }
+        assert_eq!(host.ask(&Order::Enable), Answer::Ready);
+        assert_eq!(host.tick(1e-4).power, Power::On);
+    }
+}
+
+#[test]
+fn disable_acknowledges_a_fault() {
+    for format in FORMATS {
+        let mut host = Host::new(format);
+        host.ask(&Order::Enable);
+        host.tick(0.0);
+        // 60 mm off is more than the 50 mm that are declared; seen when the position loop is due.
+        let fault = Power::Faulted(Fault::Axis { axis: 0, hazard: Hazard::FollowingError });
+        assert!((0..RATES.position_loop_divider).any(|_| host.tick(0.06).power == fault));
+        host.ask(&Order::Enable);
+        assert_eq!(host.tick(0.06).power, fault);
+        host.ask(&Order::Disable);
+        assert_eq!(host.tick(0.06).power, Power::Off);
+        host.ask(&Order::Enable);
+        assert_eq!(host.tick(0.06).power, Power::On);
+    }
+}
+
+/// Some of each order, through a session and to a machine: every tick's forces, commands and state are the same, to
+/// the bit.
+fn is_the_machine<S: Scalar>(format: Format) {
+    let mut host = Host::new(format);
+    let axes = [AxisSettings::default(); AXES];
+    let mut machine = Machine::<S, AXES>::new(RATES, &axes, [Position(0); AXES]).unwrap();
+    let stiffer = AxisSettings { position_gain_per_s: 50.0, ..AxisSettings::default() };
+    let pitch = Points { start_m: -0.1, spacing_m: 0.1, values: [1e-4; 3].into_iter().collect() };
+    let compensation = CompensationSettings {
+        pitch: Some(Pitch { of: Of::Screw, forward: pitch, backward: None }),
+        ..CompensationSettings::default()
+    };
+    let block = Block::line([0.1, 0.05], 0.1, 1.0);
+    let mut at = [Position(0); AXES];
+    let mut differ = 0;
+    for tick in 0..4000 {
+        let order = match tick {
+            0 => Some(Order::Block(block)),
+            1 => Some(Order::Enable),
+            500 => Some(Order::Change(1, stiffer)),
+            1000 => Some(Order::Compensate(0, compensation.clone())),
+            2500 => Some(Order::Switch(0, Item::Pitch, false)),
+            _ => None,
+        };
+        if let Some(order) = order {
+            assert_eq!(host.ask(&order), Answer::Ready);
+            match order {
+                Order::Block(block) => machine.push(&block).unwrap(),
+                Order::Enable => machine.enable(),
+                Order::Change(axis, settings) => machine.change(axis.into(), &settings).unwrap(),
+                Order::Compensate(axis, settings) => machine.compensate(axis.into(), &settings).unwrap(),
+                Order::Switch(axis, item, on) => machine.switch(axis.into(), item, on).unwrap(),
+                other => panic!("{other:?}"),
+            }
+        }
+        let readings = at.map(|motor| Reading { motor, table: None });
+        let Answer::Tick(ticked) = host.ask(&Order::Tick(readings)) else { panic!() };
+        let output = machine.tick(&readings);
+        assert_eq!(ticked.force_bits, output.forces.map(Scalar::bits), "{format:?}, tick {tick}");
+        assert_eq!((ticked.commands, ticked.done), (output.commands, output.done));
+        assert_eq!((ticked.power, ticked.warning), (machine.power(), output.warning));
+        // The axes follow by themselves, a tick behind.
+        at = output.commands;
+        differ += u32::from(output.forces[0] != output.forces[1]);
+    }
+    // It was under way, with another force on each axis: what is compared is not zeros.
+    assert!(at[0] > at[1] && at[1] > Position(0) && differ > 3000, "{at:?}, {differ}");
+}
+
+#[test]
+fn every_order_does_to_the_machine_what_it_says() {
+    is_the_machine::<Fixed>(Format::Fixed);
+    is_the_machine::<f32>(Format::F32);
+    is_the_machine::<f64>(Format::F64);
+}
+
+/// Counts how often it was started and stopped, a tick's cost a thousand.
+#[derive(Default)]
+struct Counter {
+    started: u32,
+    stopped: u32,
+}
+
+impl Meter for Counter {
+    fn start(&mut self) {
+        assert_eq!(self.started, self.stopped);
+        self.started += 1;
+    }
+
+    fn stop(&mut self) -> u32 {
+        self.stopped += 1;
+        assert_eq!(self.started, self.stopped);
+        1000 * self.stopped
+    }
+}
+
+/// A tick is measured, no other order is, and its answer has what the meter said.
+#[test]
+fn the_cost_of_a_tick_is_what_the_meter_says() {
+    for format in FORMATS {
+        let mut host = Host::new(format);
+        assert_eq!(host.tick(0.0).cost, 0);
+        let mut meter = Counter::default();
+        let mut frame = [0; FRAME];
+        for ticks in 1..=3 {
+            for order in [Order::Disable, Order::Enable] {
+                encode(&order, &mut frame).unwrap();
+                assert_eq!(host.session.answer(&frame, &mut meter), Some(Answer::Ready));
+            }
+            let reading = Reading { motor: Position(0), table: None };
+            encode(&Order::Tick([reading; AXES]), &mut frame).unwrap();
+            let Some(Answer::Tick(ticked)) = host.session.answer(&frame, &mut meter) else { panic!() };
+            assert_eq!((ticked.cost, meter.started, meter.stopped), (1000 * ticks, ticks, ticks));
+        }
+    }
+}

@@ -1,0 +1,128 @@
+#!/usr/bin/env bash
+# The long checks, an hour and more where tests/run.sh takes minutes:
+#
+#   tests/deep.sh                      all of them
+#   tests/deep.sh mutants [ROOM…]      do the tests of `shared` fail when its source is changed? docs/testing.md
+#   tests/deep.sh miri [MODULE…]       tests/miri.sh
+#
+# A ROOM is a part of shared/src: control, drive, safety, session, watch. A file of it that is done is not done again
+# while neither source nor tests have changed, so that what was interrupted goes on; FRESH=1 begins anew. Installs
+# what is missing.
+set -euo pipefail
+cd "$(dirname "$0")/.."
+
+rooms=(control drive safety session watch)
+# Per cent of the mutants that the tests have to notice; those listed as equivalent count as not noticed.
+floor=95
+# A test that a mutant sends round in circles is ended after this time, in seconds.
+limit=120
+
+work=$PWD/target/deep
+tree=$work/tree
+
+step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
+
+# The source files of a room.
+files_of() {
+  if [ -d "shared/src/$1" ]; then find "shared/src/$1" -name '*.rs' | sort; else echo "shared/src/$1.rs"; fi
+}
+
+# Of all in the copy that a result depends on.
+fingerprint() {
+  (
+    cd "$tree"
+    cat Cargo.lock Cargo.toml .cargo/mutants.toml rust-toolchain.toml shared/Cargo.toml
+    find shared/src shared/tests -name '*.rs' -print0 | sort -z | xargs -0 cat
+  ) | git hash-object --stdin
+}
+
+# The files as they are now, elsewhere: the mutants are made there, one after the other, and each compiles only what it
+# changes. All are newer than what was built last, which may be of a mutant.
+copy_tree() {
+  rm -rf "$tree"
+  mkdir -p "$tree"
+  git ls-files -z --cached --others --exclude-standard --deduplicate |
+    while IFS= read -r -d '' file; do [ ! -e "$file" ] || printf '%s\0' "$file"; done |
+    tar --null --files-from - --create --file - | tar --extract --touch --file - --directory "$tree"
+}
+
+# How many lines; none where there is no such file.
+lines() { if [ -f "$1" ]; then wc -l <"$1"; else echo 0; fi; }
+
+mutants_of() { (cd "$tree" && cargo mutants --list --package shared --file "$1" "${@:2}" | wc -l); }
+
+# Every mutant of a file. No shrinking, since that a test fails is enough, and the same cases for all of them.
+mutate() {
+  local file=$1 results=$work/mutants/$1 status=0
+  rm -rf "$results"
+  mkdir -p "$results"
+  (cd "$tree" && CARGO_TARGET_DIR=$work/build PROPTEST_MAX_SHRINK_ITERS=0 PROPTEST_RNG_SEED=1 \
+    PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 nice cargo mutants --in-place --package shared --file "$file" \
+    --output "$results" --timeout "$limit" --caught --unviable --no-shuffle --colors never) || status=$?
+  # 2: some were missed, 3: some ran into the limit. With any other there is no result.
+  case $status in 0 | 2 | 3) fingerprint >"$results/done" ;; *) exit "$status" ;; esac
+}
+
+mutants() {
+  command -v cargo-mutants >/dev/null || cargo install cargo-mutants --locked
+  local room file survivors=0
+  local -A sum=([caught]=0 [missed]=0 [timeout]=0 [unviable]=0 [equivalent]=0)
+  for room in "$@"; do
+    [ -n "$(files_of "$room" 2>/dev/null)" ] && [ -e "$(files_of "$room" | head -1)" ] ||
+      { echo "$room: expected a room: ${rooms[*]}" >&2; exit 2; }
+  done
+  copy_tree
+  [ -z "${FRESH:-}" ] || rm -rf "$work/mutants"
+  local table=""
+  for room in "$@"; do
+    for file in $(files_of "$room"); do
+      local results=$work/mutants/$file listed all
+      listed=$(mutants_of "$file")
+      all=$(mutants_of "$file" --no-config)
+      [ "$all" -gt 0 ] || continue
+      if [ "$(cat "$results/done" 2>/dev/null)" != "$(fingerprint)" ]; then
+        step "$file: $listed mutants"
+        if [ "$listed" -gt 0 ]; then mutate "$file"; fi
+      fi
+      local -A of=([equivalent]=$((all - listed)))
+      for kind in caught missed timeout unviable; do of[$kind]=$(lines "$results/mutants.out/$kind.txt"); done
+      table+=$(printf '%-32s %7d %7d %7d %11d %9d' "${file#shared/src/}" "${of[caught]}" "${of[timeout]}" \
+        "${of[missed]}" "${of[equivalent]}" "${of[unviable]}")$'\n'
+      for kind in "${!sum[@]}"; do sum[$kind]=$((sum[$kind] + of[$kind])); done
+      if [ "${of[missed]}" -gt 0 ]; then cat "$results/mutants.out/missed.txt"; fi
+    done
+  done
+  step "mutants of shared: $*"
+  printf '%-32s %7s %7s %7s %11s %9s\n' file caught timeout missed equivalent unviable
+  printf '%s' "$table"
+  printf '%-32s %7d %7d %7d %11d %9d\n' all "${sum[caught]}" "${sum[timeout]}" "${sum[missed]}" \
+    "${sum[equivalent]}" "${sum[unviable]}"
+  local noticed=$((sum[caught] + sum[timeout])) viable
+  viable=$((noticed + sum[missed] + sum[equivalent]))
+  awk -v n="$noticed" -v of="$viable" 'BEGIN { printf "%d of %d noticed: %.1f %%\n", n, of, of ? 100 * n / of : 100 }'
+  [ $((100 * noticed)) -ge $((floor * viable)) ] || { echo "expected at least $floor %" >&2; survivors=1; }
+  [ "${sum[missed]}" -eq 0 ] ||
+    { echo "expected a test for each, or a line with the reason in .cargo/mutants.toml" >&2; survivors=1; }
+  return $survivors
+}
+
+case ${1:-all} in
+all)
+  mutants "${rooms[@]}"
+  step "Miri"
+  tests/miri.sh
+  ;;
+mutants)
+  shift
+  if [ $# -eq 0 ]; then set -- "${rooms[@]}"; fi
+  mutants "$@"
+  ;;
+miri)
+  shift
+  tests/miri.sh "$@"
+  ;;
+*)
+  echo "$1: expected mutants or miri" >&2
+  exit 2
+  ;;
+esac
