@@ -41,7 +41,8 @@ impl Clocks {
     }
 
     /// After reset: the internal oscillator runs.
-    pub fn new() -> Self {
+    #[must_use]
+    pub const fn new() -> Self {
         Self { acr: 0, cr: 0x83, pllcfgr: 0x2400_3010, cfgr: 0 }
     }
 
@@ -64,6 +65,12 @@ impl Clocks {
         assert!(core / slow <= 42_000_000 && core / fast <= 84_000_000, "buses at 1/{slow} and 1/{fast}");
         // Timers run at twice the clock of a bus that is divided.
         [slow, fast].map(|divider| core / divider * if divider == 1 { 1 } else { 2 })
+    }
+}
+
+impl Default for Clocks {
+    fn default() -> Self {
+        Self::new()
     }
 }
 

@@ -25,11 +25,13 @@ const UNIMPLEMENTED: &str = ": unimplemented device ";
 
 impl Log {
     /// All so far; what is not text, a line that is being written, is replaced.
+    #[must_use]
     pub fn text(&self) -> String {
         fs::read(&self.0).map(|bytes| String::from_utf8_lossy(&bytes).into_owned()).unwrap_or_default()
     }
 
     /// The last lines.
+    #[must_use]
     pub fn end(&self) -> String {
         let text = self.text();
         let lines: Vec<_> = text.lines().collect();
@@ -37,12 +39,14 @@ impl Log {
     }
 
     /// The exceptions that were begun, by their number.
+    #[must_use]
     pub fn exceptions(&self) -> Vec<usize> {
         let number = |line: &str| line.strip_prefix(BEGUN)?.split(' ').next()?.parse().ok();
         self.text().lines().filter_map(number).collect()
     }
 
     /// The accesses to devices that are not modelled, in their order.
+    #[must_use]
     pub fn accesses(&self) -> Vec<Access> {
         self.text().lines().filter_map(access).collect()
     }

@@ -84,6 +84,7 @@ pub enum End {
 
 impl Chip {
     /// Before the first instruction.
+    #[must_use]
     pub fn start(program: &Path, inputs: Option<Inputs>) -> Self {
         let image = Image::read(&fs::read(program).unwrap());
         let vectors = Vectors::read(&image, FLASH);
@@ -122,6 +123,9 @@ impl Chip {
     }
 
     /// Runs until so many ticks have begun, or until it is at one of its ends, and halts it there.
+    ///
+    /// # Errors
+    /// When the emulator does not answer.
     pub fn run(&mut self, ticks: usize) -> Result<End, Trouble> {
         let began = Instant::now();
         let mut looked = began;
@@ -208,6 +212,7 @@ impl Chip {
     }
 
     /// What the emulator has said.
+    #[must_use]
     pub fn words(&self) -> String {
         let errors = fs::read_to_string(self.folder.path().join("errors")).unwrap_or_default();
         let begun = self.log.exceptions().len();
@@ -219,6 +224,9 @@ impl Chip {
     }
 
     /// Bytes below the start of the stack that are not the pattern any more, and those above the data.
+    ///
+    /// # Errors
+    /// When the emulator does not answer.
     pub fn stack(&mut self) -> Result<[u32; 2], Trouble> {
         let (floor, top) = (self.floor(), self.vectors.initial_sp);
         let bytes = self.target.memory(floor, (top - floor) as usize)?;
