@@ -117,6 +117,10 @@ fn found(trace: &Trace, extra: &Extra) -> String {
     format!("<ul class=\"found\">\n{items}</ul>\n{truth}")
 }
 
+/// What the logs that no fit saw take part in.
+const DECIDES: &str =
+    "It decides one thing: an effect that makes it worse is refuted, and is no part of the model.";
+
 /// Which logs were fitted and which were not.
 fn sources(trace: &Trace) -> String {
     let names = |logs: &[crate::trace::signals::Signals]| {
@@ -125,11 +129,14 @@ fn sources(trace: &Trace) -> String {
     let (fit, validate) = (names(&trace.fit_logs), names(&trace.validate_logs));
     if fit == validate {
         format!(
-            "Machine {}. Fitted to {fit}, judged on the last part of it, which no fit saw.",
+            "Machine {}. Fitted to {fit}, judged on the last part of it, which no fit saw. {DECIDES}",
             trace.machine.name
         )
     } else {
-        format!("Machine {}. Fitted to {fit}; judged on {validate}, which no fit saw.", trace.machine.name)
+        format!(
+            "Machine {}. Fitted to {fit}; judged on {validate}, which no fit saw. {DECIDES}",
+            trace.machine.name
+        )
     }
 }
 

@@ -6,9 +6,11 @@ use super::empirical::{Empirical, empirical};
 use super::fit;
 use super::free_run::{FreeRun, free_runs};
 use super::intervals::{covariance, half_widths};
+use super::limits::{self, AtLimit};
 use super::look_alike::LookAlike;
 use super::model::AxisModel;
 use super::own_error;
+use super::refute::{self, Whole};
 use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, NotTestable, Scope, scopes};
@@ -86,6 +88,10 @@ pub struct AxisTrace {
     pub untested: Vec<Untested>,
     /// Effects, in the order in which they were added.
     pub found: Vec<Found>,
+    /// Effects that were not taken because a parameter ended at a limit of its search.
+    pub refused: Vec<AtLimit>,
+    /// Effects that the fit logs show and the validation logs refute: no part of the model. `before` is without them.
+    pub refuted: Vec<Found>,
     /// Errors by stage.
     pub errors: Vec<StageError>,
     /// What the trace itself leaves on the validation logs.
@@ -152,6 +158,15 @@ pub fn trace(
     } else {
         (fit_logs, validate)
     };
+    let formed: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
+    let settled = settle(fit_logs, validate, Whole { model, explained }, &formed, say);
+    let Settled { whole: Whole { model, explained }, mut refused, refuted } = settled;
+    let is_new = |limit: &AtLimit| {
+        let is_told = |effect: &Effect| is_same(effect, &limit.effect);
+        !model.found().iter().any(is_told) && !refused.iter().any(|other| is_told(&other.effect))
+    };
+    let of_rounds: Vec<_> = limits::refused(&search.rounds).into_iter().filter(is_new).collect();
+    refused.extend(of_rounds);
     let found = reported(fit_logs, validate, &before, &model, &explained);
     let mut errors = Vec::new();
     let mut rest = Vec::new();
@@ -178,7 +193,6 @@ pub fn trace(
             }
         }
     }
-    let formed: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let mut tried: Vec<&str> = declared.effect.iter().map(Effect::name).collect();
     tried.extend(search.rounds.iter().flat_map(|round| &round.candidates).map(|c| c.effect.name()));
     let untested = untested(declared, fit_logs.axis, fit_logs.names.len(), &formed, &not_testable, &tried);
@@ -190,6 +204,8 @@ pub fn trace(
     let look_alikes = all.filter(is_found).filter(is_rival).cloned().collect();
     AxisTrace {
         look_alikes,
+        refused,
+        refuted,
         tables,
         untested,
         axis: name.clone(),
@@ -205,6 +221,41 @@ pub fn trace(
         free_runs,
         rounds: search.rounds,
         own: validate.own.to_vec(),
+    }
+}
+
+/// A model of which no effect stands at a limit or is refuted, and the effects that did or were.
+struct Settled {
+    whole: Whole,
+    refused: Vec<AtLimit>,
+    refuted: Vec<Found>,
+}
+
+/// Drops what the last fits drove to a limit and what the validation logs refute, one after the other.
+fn settle(
+    fit_logs: &Evidence<'_>,
+    validate: &Evidence<'_>,
+    mut whole: Whole,
+    formed: &[Stage],
+    say: &(dyn Fn(&str) + Sync),
+) -> Settled {
+    let name = &fit_logs.names[fit_logs.axis];
+    let (mut refused, mut refuted) = (Vec::new(), Vec::new());
+    loop {
+        if let Some((index, limit)) = limits::first(&whole.model) {
+            say(&format!("{name}: {} stands at a limit of its search", limit.effect.name()));
+            whole = whole.without(fit_logs, index);
+            refused.push(limit);
+            continue;
+        }
+        say(&format!("{name}: holding what was found against the validation logs"));
+        match refute::worst(fit_logs, validate, &whole, formed) {
+            Some(refutation) => {
+                whole = refutation.without;
+                refuted.push(refutation.found);
+            }
+            None => return Settled { whole, refused, refuted },
+        }
     }
 }
 
