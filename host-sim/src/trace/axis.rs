@@ -5,7 +5,6 @@ use serde::Serialize;
 use super::empirical::{Empirical, empirical};
 use super::fit;
 use super::free_run::{FreeRun, free_runs};
-use super::intervals::{covariance, half_widths};
 use super::limits::{self, AtLimit};
 use super::look_alike::LookAlike;
 use super::model::AxisModel;
@@ -159,15 +158,15 @@ pub fn trace(
         (fit_logs, validate)
     };
     let formed: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
-    let settled = settle(fit_logs, validate, Whole { model, explained }, &formed, say);
-    let Settled { whole: Whole { model, explained }, mut refused, refuted } = settled;
+    let whole = Whole { declared: before.clone(), model, explained };
+    let Settled { whole, found, mut refused, refuted } = settle(fit_logs, validate, whole, &formed, say);
+    let model = whole.model;
     let is_new = |limit: &AtLimit| {
         let is_told = |effect: &Effect| is_same(effect, &limit.effect);
         !model.found().iter().any(is_told) && !refused.iter().any(|other| is_told(&other.effect))
     };
     let of_rounds: Vec<_> = limits::refused(&search.rounds).into_iter().filter(is_new).collect();
     refused.extend(of_rounds);
-    let found = reported(fit_logs, validate, &before, &model, &explained);
     let mut errors = Vec::new();
     let mut rest = Vec::new();
     let mut repeats = Vec::new();
@@ -227,6 +226,7 @@ pub fn trace(
 /// A model of which no effect stands at a limit or is refuted, and the effects that did or were.
 struct Settled {
     whole: Whole,
+    found: Vec<Found>,
     refused: Vec<AtLimit>,
     refuted: Vec<Found>,
 }
@@ -249,12 +249,18 @@ fn settle(
             continue;
         }
         say(&format!("{name}: holding what was found against the validation logs"));
-        match refute::worst(fit_logs, validate, &whole, formed) {
-            Some(refutation) => {
-                whole = refutation.without;
-                refuted.push(refutation.found);
-            }
-            None => return Settled { whole, refused, refuted },
+        let reported = reported(fit_logs, validate, &whole);
+        let against = reported.iter().filter_map(|one| Some((one.loss?, one)));
+        // As it was added first, then as the one that the whole could do without.
+        if let Some((_, one)) = against.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            whole = whole.without(fit_logs, one.index);
+            refuted.push(one.found.clone());
+        } else if let Some(refutation) = refute::worst(fit_logs, validate, &whole, formed) {
+            whole = refutation.without;
+            refuted.push(refutation.found);
+        } else {
+            let found = reported.into_iter().map(|one| one.found).collect();
+            return Settled { whole, found, refused, refuted };
         }
     }
 }
@@ -341,48 +347,48 @@ pub fn stage_names(stages: &[Stage]) -> String {
     stages.iter().map(name).collect::<Vec<_>>().join(" and ")
 }
 
+/// A found effect with what speaks against it.
+struct Reported {
+    found: Found,
+    /// Its index in [`AxisModel::found`].
+    index: usize,
+    /// What the validation logs lose with it, if they refute it.
+    loss: Option<f64>,
+}
+
 /// The effects found with confidence intervals, and what each is worth on the validation logs: the
 /// residual with all effects up to it against that with those before it.
-fn reported(
-    fit_logs: &Evidence<'_>,
-    validate: &Evidence<'_>,
-    before: &AxisModel,
-    model: &AxisModel,
-    explained: &[Explained],
-) -> Vec<Found> {
-    let mut found = Vec::new();
-    let mut last = before.clone();
-    for Explained { scope, fitted_to, fitted, aside } in explained {
+fn reported(fit_logs: &Evidence<'_>, validate: &Evidence<'_>, whole: &Whole) -> Vec<Reported> {
+    let mut all = Vec::new();
+    let mut last = whole.declared.clone();
+    for Explained { scope, aside, .. } in &whole.explained {
         let seen = Evidence { aside, ..*fit_logs };
-        let covariance = covariance(fitted);
-        for (index, effect) in model.found().iter().enumerate() {
+        for (index, effect) in whole.model.found().iter().enumerate() {
             if !scope.holds(effect) {
                 continue;
             }
             let next = fit::fit(&seen, &last.with(effect.clone()), scope, STEPS_TO_REPORT).model;
-            let [worse, better] = [&last, &next].map(|model| {
-                let of =
-                    |evidence: &Evidence<'_>, stage| rms(&evidence.residuals(model, scope), stage, evidence);
-                let pair = |&stage: &Stage| {
-                    (stage, Pair { fit: of(fit_logs, stage), validate: of(validate, stage) })
-                };
-                scope.stages.iter().map(pair).collect::<Vec<_>>()
-            });
-            let reduction = |(before, after): &(&(Stage, Pair), &(Stage, Pair))| {
-                1.0 - after.1.validate / before.1.validate.max(f64::MIN_POSITIVE)
+            let models = [&last, &next];
+            let fitted = models.map(|model| fit_logs.residuals(model, scope));
+            let held_out = models.map(|model| validate.residuals(model, scope));
+            let loss = refute::loss(validate, [&held_out[0], &held_out[1]]);
+            let pair = |at: usize, stage| Pair {
+                fit: rms(&fitted[at], stage, fit_logs),
+                validate: rms(&held_out[at], stage, validate),
             };
-            let most = worse.iter().zip(&better).max_by(|a, b| reduction(a).total_cmp(&reduction(b)));
-            let Some((&(stage, before), &(_, after))) = most else { continue };
-            let slots = fitted.model.slots_of(fitted_to, index);
-            found.push(Found {
-                effect: effect.clone(),
-                half_widths: half_widths(effect, &covariance, slots),
-                stage,
-                before,
-                after,
-            });
+            let figures = scope.stages.iter().map(|&stage| (stage, pair(0, stage), pair(1, stage)));
+            let reduction = |(_, before, after): &(Stage, Pair, Pair)| {
+                1.0 - after.validate / before.validate.max(f64::MIN_POSITIVE)
+            };
+            // Where it helps most; of one that is refuted, where it harms most.
+            let sign = if loss.is_some() { -1.0 } else { 1.0 };
+            let most = figures.max_by(|a, b| (sign * reduction(a)).total_cmp(&(sign * reduction(b))));
+            let Some((stage, before, after)) = most else { continue };
+            let half_widths = whole.half_widths(index);
+            let found = Found { effect: effect.clone(), half_widths, stage, before, after };
+            all.push(Reported { found, index, loss });
             last = next;
         }
     }
-    found
+    all
 }

@@ -12,6 +12,8 @@ pub mod admission;
 pub mod axis;
 pub mod candidates;
 pub mod copies;
+#[cfg(test)]
+mod corrupted;
 pub mod empirical;
 pub mod fit;
 pub mod follow;

@@ -31,6 +31,8 @@ const BEYOND_CHANCE: f64 = 2.0;
 /// A model of an axis with the fits that led to it.
 #[derive(Clone, Debug)]
 pub struct Whole {
+    /// The declared model, fitted.
+    pub declared: AxisModel,
     /// The model.
     pub model: AxisModel,
     /// Its fits, scope by scope.
@@ -52,7 +54,8 @@ impl Whole {
         let effect = &self.model.found()[index];
         let mut model = self.model.without(index);
         let mut explained = self.explained.clone();
-        // Scopes that were fitted together in the end have one fit.
+        // Scopes that were fitted together in the end have one fit. What comes after hangs on it: the instants of the
+        // table are those that the tool is held against.
         let mut done: Option<usize> = None;
         for i in 0..explained.len() {
             let Explained { scope, fitted_to, fitted, aside } = &self.explained[i];
@@ -60,8 +63,14 @@ impl Whole {
                 explained[i].fitted = explained[other].fitted.clone();
                 continue;
             }
-            if !fitted_to.stages.iter().any(|stage| effect.stages().contains(stage)) {
+            if done.is_none() && !fitted_to.holds(effect) {
                 continue;
+            }
+            // An effect that is none may have led the fit astray: without any it starts where the declared model did.
+            if !model.found().iter().any(|other| fitted_to.holds(other)) {
+                let slots = self.declared.slots(fitted_to);
+                let values: Vec<f64> = slots.iter().map(|slot| slot.coordinate.value).collect();
+                model = model.at(fitted_to, &values);
             }
             let known = columns_without(&self.model, fitted_to, index, &fitted.columns);
             let seen = Evidence { aside, ..*evidence };
@@ -71,11 +80,12 @@ impl Whole {
             explained[i].fitted = fitted;
             done = Some(i);
         }
-        Self { model, explained }
+        Self { declared: self.declared.clone(), model, explained }
     }
 
     /// Half widths of the intervals of a found effect's parameters.
-    fn half_widths(&self, index: usize) -> Vec<f64> {
+    #[must_use]
+    pub fn half_widths(&self, index: usize) -> Vec<f64> {
         let effect = &self.model.found()[index];
         let outcome = self.explained.iter().find(|outcome| outcome.scope.holds(effect));
         outcome.map_or_else(Vec::new, |Explained { fitted_to, fitted, .. }| {
@@ -113,11 +123,7 @@ pub fn worst(
         let without = whole.without(fit_logs, index);
         let models = [&without.model, &whole.model];
         let held_out = models.map(|model| validate.residuals(model, &scope));
-        let cells = cells(validate, [&held_out[0], &held_out[1]]);
-        let gain = gain(&cells, None);
-        if !is_refuted(gain, standard_error(&cells)) {
-            return None;
-        }
+        let gain = loss(validate, [&held_out[0], &held_out[1]])?;
         let fitted = models.map(|model| fit_logs.residuals(model, &scope));
         let pair = |at: usize, stage| Pair {
             fit: rms(&fitted[at], stage, fit_logs),
@@ -133,6 +139,15 @@ pub fn worst(
     };
     let all: Vec<_> = (0..whole.model.found().len()).into_par_iter().filter_map(judged).collect();
     all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, refutation)| refutation)
+}
+
+/// The gain of log-likelihood a sample, below zero, if the residuals of held-out logs speak against an effect: those
+/// without it and those with it.
+#[must_use]
+pub fn loss(evidence: &Evidence<'_>, parts: [&[Part]; 2]) -> Option<f64> {
+    let cells = cells(evidence, parts);
+    let gain = gain(&cells, None);
+    is_refuted(gain, standard_error(&cells)).then_some(gain)
 }
 
 /// Whether a gain of log-likelihood a sample, with its standard error, speaks against an effect.
