@@ -284,7 +284,7 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     let none = axis.found.is_empty().then(|| {
         let what = match verdict::of_axis(axis) {
             Verdict::Explained => "nothing found that the declared model lacks",
-            Verdict::Unexplained => "no effect found, though more than noise stays: see below",
+            Verdict::Unexplained => "nothing found in the catalogue, though more than noise stays: see below",
             Verdict::ModelDoesNotFit => "no effect found",
         };
         format!("{}: {what}.", axis.axis)

@@ -73,8 +73,9 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_figures() {
     assert!((refuted.effect.parameters()[0].1 - 80.0).abs() < 1.0, "{refuted:?}");
     // ±30 mm at 80 µm/m: 2.4 µm, as a sine 1.7 µm rms, less the few tenths in which the circle stands.
     assert!((1.3..1.75).contains(&refuted.after.validate), "{refuted:?}");
-    // Without it the log is that of its machine: the noise of 0.01 µm.
-    assert!(refuted.before.validate < 0.02, "{refuted:?}");
+    // Without it the log is that of its machine, but for a stiffness that the fitted log bends by its tolerance of 10 %:
+    // of some 250 N over 200 N/µm that is 0.13 µm at the most.
+    assert!(refuted.before.validate < 0.13, "{refuted:?}");
     // What is reported is the model without.
     let table = axis.errors.iter().find(|error| error.stage == refuted.stage).unwrap();
     assert!((table.after.validate / refuted.before.validate - 1.0).abs() < 0.01, "{table:?} {refuted:?}");

@@ -7,7 +7,7 @@ use super::axis::{AxisTrace, StageError};
 
 /// A residual that stays so many times above its noise is none of a model that describes the log: less than one part in
 /// two thousand of its power is noise. Machines that are described leave less, be it with small effects outside the
-/// catalogue: the measured axis EMPS 29 times the noise of its encoder, a robot 24, the demo machines at most 25. Logs with
+/// catalogue: the measured axis EMPS 29 times the noise of its encoder, a robot 22, the demo machines at most 25. Logs with
 /// a scale that slips or sticks, a wrong sign or unit, or masses three times too large leave a hundred times and more.
 const GROSS: f64 = 50.0;
 
