@@ -4,7 +4,7 @@
 //! `polar` draws a circle as ballbar users do (`circle` finds one in a log, `deviation` is how
 //! far the machine ran off it); `curves` draws residuals against time and against a `variable`,
 //! those of `stages` before and after; `ranking` lists what was tried. `plot`, `markup` and
-//! `number` are what these are made of. [`compare`] and
+//! `number` are what these are made of. `doubts` says what speaks against a model or an effect. [`compare`] and
 //! [`reproduce`] are pages of their own, about number formats and about published experiments; so is [`self_test`],
 //! about many machines at once, of a `confusion` matrix and a `strip` of parameters.
 //!
@@ -15,6 +15,7 @@ pub mod compare;
 mod confusion;
 mod curves;
 mod deviation;
+mod doubts;
 pub mod friction_map;
 mod markup;
 pub(crate) mod number;

@@ -1,14 +1,13 @@
 //! What was found and what was not, in the words of somebody who builds machines.
 
+use super::doubts;
 use super::number::{percent, significant, with_spread};
-use super::parameters::brief;
 use crate::effects::{Channel, Effect};
 use crate::log::Unit;
 use crate::trace::Trace;
-use crate::trace::axis::{AxisTrace, Found, StageError, residual_unit, stage_names};
+use crate::trace::axis::{AxisTrace, Found, residual_unit, stage_names};
 use crate::trace::empirical::Empirical;
 use crate::trace::free_run::FreeRun;
-use crate::trace::limits::AtLimit;
 use crate::trace::look_alike::LookAlike;
 use crate::trace::repeatability::Repeatability;
 use crate::trace::scope::NotTestable;
@@ -221,56 +220,6 @@ pub fn sentence(axis: &str, unit: Unit, found: &Found) -> String {
     }
 }
 
-/// That a model does not describe the logs, if it does not, with the stages that show it.
-#[must_use]
-pub fn misfit(axis: &AxisTrace) -> Option<String> {
-    let of_stage = |error: &StageError| {
-        let (unit, _) = residual_unit(axis.unit, error.stage);
-        format!(
-            "{} {} {unit} rms ({} times the sensors' noise)",
-            stage_names(&[error.stage]),
-            significant(error.after.fit, 3),
-            significant(error.after.fit / error.noise, 2),
-        )
-    };
-    let gross: Vec<String> =
-        axis.errors.iter().filter(|error| verdict::is_gross(error)).map(of_stage).collect();
-    (!gross.is_empty()).then(|| {
-        format!(
-            "{}: the model does not describe these logs, whatever else is told of them; what stays: {}. A channel may be \
-             wrong (its sign, unit, axis or time), or a declared value.",
-            axis.axis,
-            gross.join(", ")
-        )
-    })
-}
-
-/// The sentence for an effect that the fit logs show and the validation logs refute.
-#[must_use]
-pub fn refuted(axis: &str, unit: Unit, found: &Found) -> String {
-    let what = effect(&found.effect, &found.half_widths);
-    let what = if unit == Unit::Degree { rotary(&what) } else { what };
-    let [before, after] = [found.before, found.after].map(|pair| significant(pair.validate, 3));
-    format!(
-        "{axis}: refuted by the validation logs, and not in the model: {what}; on motions not used to find it the {} \
-         residual goes from {before} to {after} {} rms with it.",
-        stage_names(&[found.stage]),
-        residual_unit(unit, found.stage).0,
-    )
-}
-
-/// The sentence for an effect that was not taken because a parameter ended at a limit of its search.
-#[must_use]
-pub fn at_limit(axis: &str, unit: Unit, limit: &AtLimit) -> String {
-    let what = brief(&limit.effect);
-    let what = if unit == Unit::Degree { rotary(&what) } else { what };
-    format!(
-        "{axis}: not taken, though it would explain much: {what}; {} is the limit of its search, so that the value lies \
-         beyond or the effect is another one.",
-        significant(limit.limit, 3)
-    )
-}
-
 /// What was found on an axis: that the model does not describe the logs, where it does not; one sentence for each effect,
 /// or one that says that there is none; what was refuted, and what ended at a limit.
 #[must_use]
@@ -290,9 +239,9 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
         format!("{}: {what}.", axis.axis)
     });
     let found = axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found));
-    let refuted = axis.refuted.iter().map(|found| refuted(&axis.axis, axis.unit, found));
-    let at_limit = axis.refused.iter().map(|limit| at_limit(&axis.axis, axis.unit, limit));
-    misfit(axis).into_iter().chain(none).chain(found).chain(refuted).chain(at_limit).collect()
+    let refuted = axis.refuted.iter().map(|found| doubts::refuted(&axis.axis, axis.unit, found));
+    let at_limit = axis.refused.iter().map(|limit| doubts::at_limit(&axis.axis, axis.unit, limit));
+    doubts::misfit(axis).into_iter().chain(none).chain(found).chain(refuted).chain(at_limit).collect()
 }
 
 /// The sentences of all axes.
@@ -375,28 +324,11 @@ pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
             significant(error.after.validate / error.after.fit, 2),
         )
     });
-    bounds.into_iter().chain(more).chain(axis.errors.iter().filter_map(|error| worse(axis, error))).collect()
-}
-
-/// That the model as fitted in the end does worse on the validation logs than the declared one.
-fn worse(axis: &AxisTrace, error: &StageError) -> Option<String> {
-    /// A tenth more of the residual is no matter of chance.
-    const LARGER: f64 = 1.1;
-    let (before, after) = (error.before.validate, error.after.validate);
-    // Within the noise there is nothing to lose.
-    if !(after > LARGER * before && after > LARGER * error.noise) {
-        return None;
-    }
-    let (unit, _) = residual_unit(axis.unit, error.stage);
-    Some(format!(
-        "{}, {}: on motions not used {} {unit} rms stay with all that was fitted, {} more than the {} {unit} with the declared \
-         values fitted alone.",
-        axis.axis,
-        stage_names(&[error.stage]),
-        significant(after, 3),
-        percent(100.0 * (after / before - 1.0)),
-        significant(before, 3),
-    ))
+    bounds
+        .into_iter()
+        .chain(more)
+        .chain(axis.errors.iter().filter_map(|error| doubts::worse(axis, error)))
+        .collect()
 }
 
 /// What the models are worth without feedback.

@@ -5,23 +5,21 @@ use serde::Serialize;
 use super::empirical::{Empirical, empirical};
 use super::fit;
 use super::free_run::{FreeRun, free_runs};
-use super::limits::{self, AtLimit};
+use super::limits::AtLimit;
 use super::look_alike::LookAlike;
 use super::model::AxisModel;
 use super::own_error;
-use super::refute::{self, Whole};
+use super::refute::Whole;
 use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::search::{Explained, Round, Search};
+use super::settle::{Settled, settle};
 use super::unexplained::{Unexplained, unexplained};
 use super::untested::{Untested, untested};
 use crate::effects::{Effect, Stage};
 use crate::log::Unit;
 use crate::machine::Axis;
-
-/// Steps to where the others are without an effect that is at its optimum.
-const STEPS_TO_REPORT: usize = 3;
 
 /// An effect that was found, as reported.
 #[derive(Clone, Debug, PartialEq)]
@@ -159,14 +157,8 @@ pub fn trace(
     };
     let formed: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let whole = Whole { declared: before.clone(), model, explained };
-    let Settled { whole, found, mut refused, refuted } = settle(fit_logs, validate, whole, &formed, say);
-    let model = whole.model;
-    let is_new = |limit: &AtLimit| {
-        let is_told = |effect: &Effect| is_same(effect, &limit.effect);
-        !model.found().iter().any(is_told) && !refused.iter().any(|other| is_told(&other.effect))
-    };
-    let of_rounds: Vec<_> = limits::refused(&search.rounds).into_iter().filter(is_new).collect();
-    refused.extend(of_rounds);
+    let Settled { whole: Whole { model, .. }, found, refused, refuted } =
+        settle([fit_logs, validate], whole, &formed, &search.rounds, say);
     let mut errors = Vec::new();
     let mut rest = Vec::new();
     let mut repeats = Vec::new();
@@ -220,48 +212,6 @@ pub fn trace(
         free_runs,
         rounds: search.rounds,
         own: validate.own.to_vec(),
-    }
-}
-
-/// A model of which no effect stands at a limit or is refuted, and the effects that did or were.
-struct Settled {
-    whole: Whole,
-    found: Vec<Found>,
-    refused: Vec<AtLimit>,
-    refuted: Vec<Found>,
-}
-
-/// Drops what the last fits drove to a limit and what the validation logs refute, one after the other.
-fn settle(
-    fit_logs: &Evidence<'_>,
-    validate: &Evidence<'_>,
-    mut whole: Whole,
-    formed: &[Stage],
-    say: &(dyn Fn(&str) + Sync),
-) -> Settled {
-    let name = &fit_logs.names[fit_logs.axis];
-    let (mut refused, mut refuted) = (Vec::new(), Vec::new());
-    loop {
-        if let Some((index, limit)) = limits::first(&whole.model) {
-            say(&format!("{name}: {} stands at a limit of its search", limit.effect.name()));
-            whole = whole.without(fit_logs, index);
-            refused.push(limit);
-            continue;
-        }
-        say(&format!("{name}: holding what was found against the validation logs"));
-        let reported = reported(fit_logs, validate, &whole);
-        let against = reported.iter().filter_map(|one| Some((one.loss?, one)));
-        // As it was added first, then as the one that the whole could do without.
-        if let Some((_, one)) = against.min_by(|a, b| a.0.total_cmp(&b.0)) {
-            whole = whole.without(fit_logs, one.index);
-            refuted.push(one.found.clone());
-        } else if let Some(refutation) = refute::worst(fit_logs, validate, &whole, formed) {
-            whole = refutation.without;
-            refuted.push(refutation.found);
-        } else {
-            let found = reported.into_iter().map(|one| one.found).collect();
-            return Settled { whole, found, refused, refuted };
-        }
     }
 }
 
@@ -345,50 +295,4 @@ pub fn stage_names(stages: &[Stage]) -> String {
         Stage::Force => "force",
     };
     stages.iter().map(name).collect::<Vec<_>>().join(" and ")
-}
-
-/// A found effect with what speaks against it.
-struct Reported {
-    found: Found,
-    /// Its index in [`AxisModel::found`].
-    index: usize,
-    /// What the validation logs lose with it, if they refute it.
-    loss: Option<f64>,
-}
-
-/// The effects found with confidence intervals, and what each is worth on the validation logs: the
-/// residual with all effects up to it against that with those before it.
-fn reported(fit_logs: &Evidence<'_>, validate: &Evidence<'_>, whole: &Whole) -> Vec<Reported> {
-    let mut all = Vec::new();
-    let mut last = whole.declared.clone();
-    for Explained { scope, aside, .. } in &whole.explained {
-        let seen = Evidence { aside, ..*fit_logs };
-        for (index, effect) in whole.model.found().iter().enumerate() {
-            if !scope.holds(effect) {
-                continue;
-            }
-            let next = fit::fit(&seen, &last.with(effect.clone()), scope, STEPS_TO_REPORT).model;
-            let models = [&last, &next];
-            let fitted = models.map(|model| fit_logs.residuals(model, scope));
-            let held_out = models.map(|model| validate.residuals(model, scope));
-            let loss = refute::loss(validate, [&held_out[0], &held_out[1]]);
-            let pair = |at: usize, stage| Pair {
-                fit: rms(&fitted[at], stage, fit_logs),
-                validate: rms(&held_out[at], stage, validate),
-            };
-            let figures = scope.stages.iter().map(|&stage| (stage, pair(0, stage), pair(1, stage)));
-            let reduction = |(_, before, after): &(Stage, Pair, Pair)| {
-                1.0 - after.validate / before.validate.max(f64::MIN_POSITIVE)
-            };
-            // Where it helps most; of one that is refuted, where it harms most.
-            let sign = if loss.is_some() { -1.0 } else { 1.0 };
-            let most = figures.max_by(|a, b| (sign * reduction(a)).total_cmp(&(sign * reduction(b))));
-            let Some((stage, before, after)) = most else { continue };
-            let half_widths = whole.half_widths(index);
-            let found = Found { effect: effect.clone(), half_widths, stage, before, after };
-            all.push(Reported { found, index, loss });
-            last = next;
-        }
-    }
-    all
 }

@@ -66,22 +66,22 @@ mod tests {
     /// A velocity loop every quarter of a millisecond.
     const RATES: Rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 4 };
 
-    fn told(effect: Effect) -> Option<(&'static str, f64)> {
-        of(&effect, RATES).map(|at| {
-            assert_eq!(at.effect, effect);
+    fn told(effect: &Effect) -> Option<(&'static str, f64)> {
+        of(effect, RATES).map(|at| {
+            assert_eq!(at.effect, *effect);
             (at.parameter, at.limit)
         })
     }
 
     #[test]
     fn a_parameter_at_either_end_of_its_search_is_named() {
-        let gain = |percent| told(Effect::ServoMismatch(ServoMismatch { percent }));
+        let gain = |percent| told(&Effect::ServoMismatch(ServoMismatch { percent }));
         assert_eq!(gain(80.0), Some(("percent", 80.0)));
         assert_eq!(gain(-79.95), Some(("percent", -80.0)));
         // Nearer than a per mille of 80 is a limit, farther is not.
         assert_eq!(gain(79.9), None);
         let stribeck = |static_excess_n, velocity_mm_s| {
-            told(Effect::Stribeck(Stribeck { static_excess_n, velocity_mm_s }))
+            told(&Effect::Stribeck(Stribeck { static_excess_n, velocity_mm_s }))
         };
         assert_eq!(stribeck(100.0, 300.0), Some(("velocity_mm_s", 300.0)));
         assert_eq!(stribeck(100.0, 0.1), Some(("velocity_mm_s", 0.1)));
@@ -90,7 +90,7 @@ mod tests {
 
     #[test]
     fn the_age_of_a_speed_is_limited_by_the_loop() {
-        let lag = |ms| told(Effect::VelocityLag(VelocityLag { ms }));
+        let lag = |ms| told(&Effect::VelocityLag(VelocityLag { ms }));
         assert_eq!(lag(0.25), Some(("ms", 0.25)));
         assert_eq!(lag(0.2), None);
         // A slower loop may see an older speed.
@@ -102,7 +102,7 @@ mod tests {
     #[test]
     fn a_limit_is_told_in_the_unit_of_its_parameter() {
         let windup = |stiffness_n_per_um| {
-            told(Effect::Windup(Windup { stiffness_n_per_um, friction_n: None, presliding_mm: None }))
+            told(&Effect::Windup(Windup { stiffness_n_per_um, friction_n: None, presliding_mm: None }))
         };
         let Some(("stiffness_n_per_um", limit)) = windup(1e5) else { panic!("a limit") };
         assert!((limit / 1e5 - 1.0).abs() < 1e-9, "{limit}");
@@ -111,10 +111,10 @@ mod tests {
 
     #[test]
     fn a_size_of_zero_and_a_bound_of_one_step_are_no_limits() {
-        assert_eq!(told(Effect::Backlash(Backlash { width_um: 0.0 })), None);
+        assert_eq!(told(&Effect::Backlash(Backlash { width_um: 0.0 })), None);
         let harmonic = ResolverDividing { amplitude_um: 0.0, period_mm: 5.0, phase_rad: 0.0 };
-        assert_eq!(told(Effect::ResolverDividing(harmonic)), None);
+        assert_eq!(told(&Effect::ResolverDividing(harmonic)), None);
         let presliding = Presliding { stiffness_n_per_um: 1e9, damping_n_s_per_m: 0.0 };
-        assert_eq!(told(Effect::Presliding(presliding)), None);
+        assert_eq!(told(&Effect::Presliding(presliding)), None);
     }
 }

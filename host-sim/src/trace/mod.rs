@@ -3,7 +3,7 @@
 //! [`admission`] says which logs can be used; [`signals`] prepares them; [`predict`] drives the declared model with measured signals;
 //! [`residual`] is what it leaves; [`fit`] moves the declared values within their tolerance;
 //! [`candidates`] tries the catalogue, [`held_out`] says what is worth adding; [`axis`] is the search
-//! for one axis, [`limits`] and [`refute`] take back what is no measurement or does not hold on other logs;
+//! for one axis, [`limits`], [`refute`] and [`settle`] take back what is no measurement or does not hold on other logs;
 //! [`unexplained`] is what stays, [`verdict`] what all of it comes to, [`repeatability`] how much of it could be explained at all, [`untested`]
 //! what was not looked for, [`free_run`] what the model is worth without feedback; [`report`] is the whole for people
 //! and programs.
@@ -36,6 +36,7 @@ pub mod rotary;
 pub mod scope;
 pub mod search;
 pub mod set_aside;
+pub mod settle;
 pub mod signals;
 pub mod trim;
 pub mod unexplained;

@@ -239,7 +239,7 @@ mod tests {
 
     /// A deviation of ±1 that differs from block to block and sums to zero over a log.
     fn sign(block: usize) -> f64 {
-        if block % 2 == 0 { 1.0 } else { -1.0 }
+        if block.is_multiple_of(2) { 1.0 } else { -1.0 }
     }
 
     #[test]
