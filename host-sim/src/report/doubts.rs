@@ -39,8 +39,8 @@ pub fn refuted(axis: &str, unit: Unit, found: &Found) -> String {
     let what = if unit == Unit::Degree { rotary(&what) } else { what };
     let [before, after] = [found.before, found.after].map(|pair| significant(pair.validate, 3));
     format!(
-        "{axis}: refuted by the validation logs, and not in the model: {what}; on motions not used to find it the {} \
-         residual goes from {before} to {after} {} rms with it.",
+        "{axis}: refuted by the logs held out, and not in the model (all that these logs decide): {what}; the {} residual \
+         there goes from {before} to {after} {} rms with it.",
         stage_names(&[found.stage]),
         residual_unit(unit, found.stage).0,
     )

@@ -83,7 +83,7 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_figures() {
     assert_eq!(json["effects"].as_array().map(Vec::len), Some(0));
     assert_eq!(json["refuted"][0]["name"], "pitch_progressive");
     assert_eq!(json["refuted"][0]["before_um"]["validate"].as_f64(), Some(refuted.before.validate));
-    assert!(words::summary(&trace).iter().any(|said| said.starts_with("x: refuted by the validation logs")));
+    assert!(words::summary(&trace).iter().any(|said| said.starts_with("x: refuted by the logs held out")));
 }
 
 /// What a trace says in its head, and whether it says that nothing is wrong with x.

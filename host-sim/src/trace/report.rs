@@ -87,15 +87,18 @@ fn of_axes(trace: &Trace, of: impl Fn(&AxisTrace) -> Vec<Value>) -> Vec<Value> {
 
 /// An effect that was not taken because a parameter ended at a limit of its search.
 fn refused(axis: &AxisTrace, limit: &AtLimit) -> Value {
-    json!({
+    let mut entry = json!({
         "name": limit.effect.name(),
         "axis": axis.axis,
-        "source": source(&limit.effect),
         "parameter": key(axis, limit.parameter),
         "value": limit.value,
         "limit": limit.limit,
         "why": "at the limit of its search: the value lies beyond, or it is another effect",
-    })
+    });
+    if let (Value::Object(entry), Some(source)) = (&mut entry, source(&limit.effect)) {
+        entry.insert("source".to_owned(), json!(source));
+    }
+    entry
 }
 
 /// Name of a parameter in the axis's units.

@@ -26,9 +26,12 @@ pub enum Verdict {
     ModelDoesNotFit,
 }
 
-/// Of all axes: the worst.
+/// Of all axes: the worst. Where no stage of any could be formed, nothing is explained.
 #[must_use]
 pub fn of(trace: &Trace) -> Verdict {
+    if trace.axes.iter().all(|axis| axis.errors.is_empty()) {
+        return Verdict::Unexplained;
+    }
     trace.axes.iter().map(of_axis).max().unwrap_or(Verdict::Explained)
 }
 
