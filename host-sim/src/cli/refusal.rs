@@ -80,7 +80,6 @@ impl Given<'_> {
             "scale_disagreement_limit_m" => ("scale_disagreement_limit_mm", 1e3),
             "frozen_encoder_limit_m" => ("frozen_encoder_limit_mm", 1e3),
             "travel_m" => ("travel_mm", 1e3),
-            "velocity_lag_s" => ("effect.ms", 1e3),
             name => (name, 1.0),
         };
         let key = match (key, self.machine.axis.get_index(axis)) {

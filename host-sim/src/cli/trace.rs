@@ -21,7 +21,8 @@ pub struct Arguments {
     /// A log to explain (CSV, .csv.gz, or - for stdin); may be given several times.
     #[arg(long, required_unless_present = "friction_map")]
     fit: Vec<PathBuf>,
-    /// A log that takes part in no fit and no choice; without one the last quarter of each fit log.
+    /// A log that takes part in no fit, and in one choice: an effect that makes it worse is refuted; without one the last
+    /// quarter of each fit log.
     #[arg(long)]
     validate: Vec<PathBuf>,
     /// Instead of machine and logs: a steady-state friction map (CSV, one row a run at constant speed).

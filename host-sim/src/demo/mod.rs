@@ -75,7 +75,8 @@ pub fn run(seed: u64, say: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
     Ok(Demo { seed, drawn, trace })
 }
 
-fn log(machine: &Machine, motion: &str, start_s: f64, seed: u64) -> Result<Log, DemoError> {
+/// The log of a machine that runs a motion file, from a time of the session on, with the typical noise of a seed.
+pub(crate) fn log(machine: &Machine, motion: &str, start_s: f64, seed: u64) -> Result<Log, DemoError> {
     let motion = Motion::parse(motion, "a shipped motion")?;
     let path = path::of(&motion, machine, "a shipped motion")?;
     let mut controller = simulate::controller(machine, Format::Fixed, &path.start_m)?;

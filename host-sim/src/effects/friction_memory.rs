@@ -63,7 +63,8 @@ impl Kind for FrictionMemory {
                 0.05 * self.time_constant_s,
                 0.5 * self.time_constant_s,
                 2.0 * self.time_constant_s,
-            ),
+            )
+            .stepwise(),
         ]
     }
 

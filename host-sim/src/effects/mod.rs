@@ -87,13 +87,16 @@ pub struct Coordinate {
     pub lower: f64,
     /// Greatest value that has a meaning.
     pub upper: f64,
+    /// Least and greatest value of the range that is searched. A fit that ends there was stopped and has measured
+    /// nothing. Infinite where a bound is exact (a size of zero) or holds one step only.
+    pub limits: [f64; 2],
 }
 
 impl Coordinate {
     /// A coordinate that may take any sign.
     #[must_use]
     pub const fn signed(value: f64, step: f64, limit: f64) -> Self {
-        Self { value, step, lower: -limit, upper: limit }
+        Self { value, step, lower: -limit, upper: limit, limits: [-limit, limit] }
     }
 
     /// A coordinate that is positive and may be of any size within two bounds: a fit is led to it by factors of three,
@@ -101,13 +104,33 @@ impl Coordinate {
     #[must_use]
     pub fn scale(value: f64, lower: f64, upper: f64) -> Self {
         let [least, most] = [value / 3.0, 3.0 * value].map(|bound| bound.clamp(lower, upper));
-        Self { value, step: 0.02 * value, lower: least, upper: most }
+        Self { value, step: 0.02 * value, lower: least, upper: most, limits: [lower, upper] }
     }
 
-    /// A coordinate between two bounds.
+    /// A coordinate between two bounds. Both are limits of the search, but for a lower bound of zero: nothing is less.
     #[must_use]
     pub const fn between(value: f64, step: f64, lower: f64, upper: f64) -> Self {
-        Self { value, step, lower, upper }
+        let least = if lower == 0.0 { f64::NEG_INFINITY } else { lower };
+        Self { value, step, lower, upper, limits: [least, upper] }
+    }
+
+    /// The same with bounds that hold one step only: the next may go on from there.
+    #[must_use]
+    pub const fn stepwise(self) -> Self {
+        Self { limits: [f64::NEG_INFINITY, f64::INFINITY], ..self }
+    }
+
+    /// The limit of the search at which the value stands, if it does: a step that was cut off there ends within
+    /// rounding of it, and the last per mille before it is no more than that.
+    #[must_use]
+    pub fn limit(&self) -> Option<f64> {
+        const NEAR: f64 = 1e-3;
+        let [least, most] = self.limits;
+        let is_at = |limit: f64, beyond: f64| limit.is_finite() && beyond >= -NEAR * limit.abs();
+        if is_at(most, self.value - most) {
+            return Some(most);
+        }
+        is_at(least, least - self.value).then_some(least)
     }
 }
 
@@ -247,6 +270,17 @@ catalogue! {
     ThermalDrift = "thermal_drift",
     Latency = "latency",
     Resonance = "resonance",
+}
+
+impl Effect {
+    /// The numbers to fit on an axis with these loops, which bound the age of a speed.
+    #[must_use]
+    pub fn searched(&self, rates: Rates) -> Vec<Coordinate> {
+        match self {
+            Self::VelocityLag(lag) => vec![lag.within(rates)],
+            _ => self.coordinates(),
+        }
+    }
 }
 
 #[cfg(test)]

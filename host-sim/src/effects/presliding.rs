@@ -40,8 +40,10 @@ impl Kind for Presliding {
                 0.05 * self.stiffness_n_per_um,
                 0.5 * self.stiffness_n_per_um,
                 2.0 * self.stiffness_n_per_um,
-            ),
-            Coordinate::between(self.damping_n_s_per_m, 100.0, 0.0, 2.0 * self.damping_n_s_per_m + 500.0),
+            )
+            .stepwise(),
+            Coordinate::between(self.damping_n_s_per_m, 100.0, 0.0, 2.0 * self.damping_n_s_per_m + 500.0)
+                .stepwise(),
         ]
     }
 

@@ -14,6 +14,26 @@ pub struct VelocityLag {
     pub ms: f64,
 }
 
+impl VelocityLag {
+    /// Oldest speed that a loop of these rates can act on, ms: that of one of its periods before. It differences two
+    /// readings and knows of none before them. Machine files are held to it, and so is the tracer.
+    #[must_use]
+    pub fn longest_ms(rates: Rates) -> f64 {
+        1e3 / rates.velocity_loop_hz
+    }
+
+    /// The number to fit on an axis with these loops.
+    #[must_use]
+    pub fn within(&self, rates: Rates) -> Coordinate {
+        let longest_ms = Self::longest_ms(rates);
+        // Within the range on one side of any value.
+        Coordinate::between(self.ms, STEP_MS.min(0.25 * longest_ms), 0.0, longest_ms)
+    }
+}
+
+/// A change that shows, ms.
+const STEP_MS: f64 = 0.02;
+
 impl Kind for VelocityLag {
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Motor]
@@ -25,7 +45,8 @@ impl Kind for VelocityLag {
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::between(self.ms, 0.02, 0.0, 100.0)]
+        // How far it may go is a matter of the loops: see [`Self::within`].
+        vec![Coordinate::between(self.ms, STEP_MS, 0.0, f64::INFINITY)]
     }
 
     /// A quarter of a tick: a machine file does not say how the drive steps its filters, and the choices

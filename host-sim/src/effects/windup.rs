@@ -62,9 +62,11 @@ impl Kind for Windup {
             Some(friction_n) => {
                 let per_um = 1.0 / self.stiffness_n_per_um;
                 let turn = self.presliding_mm.map(|mm| Coordinate::scale(mm, 1e-3, 10.0));
+                // As good as rigid is where the effect ends, not where its search does.
+                let per_um = Coordinate::between(per_um, 0.01, LEAST_COMPLIANCE, MOST_COMPLIANCE);
                 [
-                    Coordinate::between(per_um, 0.01, LEAST_COMPLIANCE, 1e3),
-                    Coordinate::between(friction_n * per_um, 0.1, 0.0, 1e4),
+                    Coordinate { limits: [f64::NEG_INFINITY, MOST_COMPLIANCE], ..per_um },
+                    Coordinate::between(friction_n * per_um.value, 0.1, 0.0, 1e4),
                 ]
                 .into_iter()
                 .chain(turn)
@@ -109,3 +111,6 @@ impl Kind for Windup {
 
 /// As good as rigid, µm/N.
 const LEAST_COMPLIANCE: f64 = 1e-6;
+
+/// A millimetre a newton is no drive train, µm/N.
+const MOST_COMPLIANCE: f64 = 1e3;

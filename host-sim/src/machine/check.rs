@@ -7,10 +7,11 @@ use super::{AXIS_NAME, Axis, Feedback, Machine, is_axis_name};
 use shared::units::TRAVEL_LIMIT_M;
 
 use crate::document::Document;
-use crate::effects::{Channel, Effect, NAMES};
+use crate::effects::{Channel, Effect, NAMES, VelocityLag};
 use crate::error::InputError;
 use crate::plant::bodies::Assembly;
 use crate::plant::curve::Curve;
+use crate::servo;
 
 /// No machine needs a greater number in any of its units.
 const GREATEST: f64 = 1e12;
@@ -318,6 +319,10 @@ impl Context<'_> {
                 "this effect where coulomb_n is above 0"
             }
             Effect::Squareness(_) if machine.axis.len() < 2 => "this effect where there is another axis",
+            Effect::VelocityLag(lag) => {
+                let longest_ms = VelocityLag::longest_ms(servo::rates(machine));
+                return Range::UpTo(longest_ms).check(&format!("{key}.ms"), lag.ms, self.document);
+            }
             Effect::Resonance(resonance) if resonance.channel != Channel::Tool => {
                 return Err(self.document.refuse(&format!("{key}.channel"), "\"tool\""));
             }

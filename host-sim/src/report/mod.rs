@@ -4,7 +4,7 @@
 //! `polar` draws a circle as ballbar users do (`circle` finds one in a log, `deviation` is how
 //! far the machine ran off it); `curves` draws residuals against time and against a `variable`,
 //! those of `stages` before and after; `ranking` lists what was tried. `plot`, `markup` and
-//! `number` are what these are made of. [`compare`] and
+//! `number` are what these are made of. `doubts` says what speaks against a model or an effect. [`compare`] and
 //! [`reproduce`] are pages of their own, about number formats and about published experiments; so is [`self_test`],
 //! about many machines at once, of a `confusion` matrix and a `strip` of parameters.
 //!
@@ -15,6 +15,7 @@ pub mod compare;
 mod confusion;
 mod curves;
 mod deviation;
+mod doubts;
 pub mod friction_map;
 mod markup;
 pub(crate) mod number;
@@ -117,6 +118,10 @@ fn found(trace: &Trace, extra: &Extra) -> String {
     format!("<ul class=\"found\">\n{items}</ul>\n{truth}")
 }
 
+/// What the logs that no fit saw take part in.
+const DECIDES: &str =
+    "It decides one thing: an effect that makes it worse is refuted, and is no part of the model.";
+
 /// Which logs were fitted and which were not.
 fn sources(trace: &Trace) -> String {
     let names = |logs: &[crate::trace::signals::Signals]| {
@@ -125,11 +130,14 @@ fn sources(trace: &Trace) -> String {
     let (fit, validate) = (names(&trace.fit_logs), names(&trace.validate_logs));
     if fit == validate {
         format!(
-            "Machine {}. Fitted to {fit}, judged on the last part of it, which no fit saw.",
+            "Machine {}. Fitted to {fit}, judged on the last part of it, which no fit saw. {DECIDES}",
             trace.machine.name
         )
     } else {
-        format!("Machine {}. Fitted to {fit}; judged on {validate}, which no fit saw.", trace.machine.name)
+        format!(
+            "Machine {}. Fitted to {fit}; judged on {validate}, which no fit saw. {DECIDES}",
+            trace.machine.name
+        )
     }
 }
 

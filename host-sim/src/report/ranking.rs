@@ -1,7 +1,7 @@
 //! The candidates of each round: what each is worth on held-out data, and why it was taken or not.
 
 use super::markup::{note, text};
-use super::number::{fixed, percent};
+use super::number::{fixed, percent, significant};
 use super::parameters;
 use super::words::rotary;
 use crate::log::Unit;
@@ -111,6 +111,9 @@ fn verdict(axis: &AxisTrace, round: &Round, place: usize) -> String {
     if round.added == Some(place) {
         let is_kept = axis.found.iter().any(|found| is_same(&found.effect, &candidate.effect));
         return if is_kept { "added" } else { "added; dropped when a later one made it needless" }.to_owned();
+    }
+    if let Some(limit) = &candidate.limit {
+        return format!("{} is the limit of its search", significant(limit.limit, 3));
     }
     let supported =
         |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;

@@ -1,5 +1,6 @@
 //! What was found and what was not, in the words of somebody who builds machines.
 
+use super::doubts;
 use super::number::{percent, significant, with_spread};
 use crate::effects::{Channel, Effect};
 use crate::log::Unit;
@@ -11,6 +12,7 @@ use crate::trace::look_alike::LookAlike;
 use crate::trace::repeatability::Repeatability;
 use crate::trace::scope::NotTestable;
 use crate::trace::unexplained::{Unexplained, Variable};
+use crate::trace::verdict::{self, Verdict};
 
 /// What a table over a variable takes away.
 #[must_use]
@@ -218,7 +220,8 @@ pub fn sentence(axis: &str, unit: Unit, found: &Found) -> String {
     }
 }
 
-/// One sentence for each effect found on an axis, or one that says that there is none.
+/// What was found on an axis: that the model does not describe the logs, where it does not; one sentence for each effect,
+/// or one that says that there is none; what was refuted, and what ended at a limit.
 #[must_use]
 pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     if axis.errors.is_empty() {
@@ -227,10 +230,18 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
             axis.axis
         )];
     }
-    if axis.found.is_empty() {
-        return vec![format!("{}: nothing found that the declared model lacks.", axis.axis)];
-    }
-    axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found)).collect()
+    let none = axis.found.is_empty().then(|| {
+        let what = match verdict::of_axis(axis) {
+            Verdict::Explained => "nothing found that the declared model lacks",
+            Verdict::Unexplained => "nothing found in the catalogue, though more than noise stays: see below",
+            Verdict::ModelDoesNotFit => "no effect found",
+        };
+        format!("{}: {what}.", axis.axis)
+    });
+    let found = axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found));
+    let refuted = axis.refuted.iter().map(|found| doubts::refuted(&axis.axis, axis.unit, found));
+    let at_limit = axis.refused.iter().map(|limit| doubts::at_limit(&axis.axis, axis.unit, limit));
+    doubts::misfit(axis).into_iter().chain(none).chain(found).chain(refuted).chain(at_limit).collect()
 }
 
 /// The sentences of all axes.
@@ -313,7 +324,11 @@ pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
             significant(error.after.validate / error.after.fit, 2),
         )
     });
-    bounds.into_iter().chain(more).collect()
+    bounds
+        .into_iter()
+        .chain(more)
+        .chain(axis.errors.iter().filter_map(|error| doubts::worse(axis, error)))
+        .collect()
 }
 
 /// What the models are worth without feedback.

@@ -2,6 +2,7 @@
 
 use std::borrow::Cow;
 
+use super::copies;
 use super::signals::{Signals, range};
 use crate::error::InputError;
 use crate::log::{Channel, Log, Unit};
@@ -45,13 +46,7 @@ pub fn admit<'a>(machine: &Machine, fit: &'a [Log], validate: &'a [Log]) -> Resu
         check(machine, log)?;
     }
     same_units(&fit, &validate)?;
-    for (i, log) in fit.iter().enumerate() {
-        if let Some(twin) = fit[..i].iter().find(|other| other.axes == log.axes) {
-            // Counted twice, its chances would look like evidence.
-            let found = format!("the data of {}", twin.source);
-            return Err(InputError::expected(&log.source, "a log of its own", found));
-        }
-    }
+    copies::refuse(fit.iter().chain(&validate).map(AsRef::as_ref))?;
     notes.extend(lacking(machine, &fit, &validate)?);
     saturation(machine, &fit, &mut notes)?;
     let fit = cut_down(fit, &mut notes);
@@ -363,10 +358,30 @@ mod tests {
     }
 
     #[test]
+    fn a_copy_is_refused_wherever_it_is_given() {
+        use std::slice::from_ref;
+
+        let whole = log("a.csv", 1000.0, Unit::Millimetre);
+        let mut copy = Log { source: "b.csv".to_owned(), ..whole.slice(30..1000) };
+        let said =
+            "b.csv: expected a log of its own, found 100 % of the shorter one's rows shared with a.csv";
+        assert_eq!(refused(from_ref(&whole), from_ref(&copy)), said);
+        assert_eq!(refused(&[whole.clone(), copy.clone()], &[]), said);
+        // The same motion with other readings is a log of its own.
+        for axis in &mut copy.axes {
+            let readings = axis.motor.iter_mut().chain(&mut axis.force).flatten();
+            readings.zip(0..).for_each(|(value, i)| *value += 1e-3 * f64::from(i % 7));
+        }
+        assert!(admit(&machine(), &[whole], &[copy]).is_ok());
+    }
+
+    #[test]
     fn what_a_validation_log_lacks_is_told_and_all_of_it_is_too_much() {
         let fit = [log("a.csv", 1000.0, Unit::Millimetre)];
         let mut lacks = log("b.csv", 1000.0, Unit::Millimetre);
         lacks.axes[0].force = None;
+        // A motion of its own.
+        lacks.axes[0].motor.iter_mut().flatten().for_each(|mm| *mm *= 0.5);
         let held_out = [lacks.clone()];
         let admitted = admit(&machine(), &fit, &held_out).unwrap();
         assert_eq!(admitted.notes, ["b.csv: has no x force, and judges nothing of it."]);

@@ -5,22 +5,21 @@ use serde::Serialize;
 use super::empirical::{Empirical, empirical};
 use super::fit;
 use super::free_run::{FreeRun, free_runs};
-use super::intervals::{covariance, half_widths};
+use super::limits::AtLimit;
 use super::look_alike::LookAlike;
 use super::model::AxisModel;
 use super::own_error;
+use super::refute::Whole;
 use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::search::{Explained, Round, Search};
+use super::settle::{Settled, settle};
 use super::unexplained::{Unexplained, unexplained};
 use super::untested::{Untested, untested};
 use crate::effects::{Effect, Stage};
 use crate::log::Unit;
 use crate::machine::Axis;
-
-/// Steps to where the others are without an effect that is at its optimum.
-const STEPS_TO_REPORT: usize = 3;
 
 /// An effect that was found, as reported.
 #[derive(Clone, Debug, PartialEq)]
@@ -86,6 +85,10 @@ pub struct AxisTrace {
     pub untested: Vec<Untested>,
     /// Effects, in the order in which they were added.
     pub found: Vec<Found>,
+    /// Effects that were not taken because a parameter ended at a limit of its search.
+    pub refused: Vec<AtLimit>,
+    /// Effects that the fit logs show and the validation logs refute: no part of the model. `before` is without them.
+    pub refuted: Vec<Found>,
     /// Errors by stage.
     pub errors: Vec<StageError>,
     /// What the trace itself leaves on the validation logs.
@@ -152,7 +155,10 @@ pub fn trace(
     } else {
         (fit_logs, validate)
     };
-    let found = reported(fit_logs, validate, &before, &model, &explained);
+    let formed: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
+    let whole = Whole { declared: before.clone(), model, explained };
+    let Settled { whole: Whole { model, .. }, found, refused, refuted } =
+        settle([fit_logs, validate], whole, &formed, &search.rounds, say);
     let mut errors = Vec::new();
     let mut rest = Vec::new();
     let mut repeats = Vec::new();
@@ -178,7 +184,6 @@ pub fn trace(
             }
         }
     }
-    let formed: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let mut tried: Vec<&str> = declared.effect.iter().map(Effect::name).collect();
     tried.extend(search.rounds.iter().flat_map(|round| &round.candidates).map(|c| c.effect.name()));
     let untested = untested(declared, fit_logs.axis, fit_logs.names.len(), &formed, &not_testable, &tried);
@@ -190,6 +195,8 @@ pub fn trace(
     let look_alikes = all.filter(is_found).filter(is_rival).cloned().collect();
     AxisTrace {
         look_alikes,
+        refused,
+        refuted,
         tables,
         untested,
         axis: name.clone(),
@@ -288,50 +295,4 @@ pub fn stage_names(stages: &[Stage]) -> String {
         Stage::Force => "force",
     };
     stages.iter().map(name).collect::<Vec<_>>().join(" and ")
-}
-
-/// The effects found with confidence intervals, and what each is worth on the validation logs: the
-/// residual with all effects up to it against that with those before it.
-fn reported(
-    fit_logs: &Evidence<'_>,
-    validate: &Evidence<'_>,
-    before: &AxisModel,
-    model: &AxisModel,
-    explained: &[Explained],
-) -> Vec<Found> {
-    let mut found = Vec::new();
-    let mut last = before.clone();
-    for Explained { scope, fitted_to, fitted, aside } in explained {
-        let seen = Evidence { aside, ..*fit_logs };
-        let covariance = covariance(fitted);
-        for (index, effect) in model.found().iter().enumerate() {
-            if !scope.holds(effect) {
-                continue;
-            }
-            let next = fit::fit(&seen, &last.with(effect.clone()), scope, STEPS_TO_REPORT).model;
-            let [worse, better] = [&last, &next].map(|model| {
-                let of =
-                    |evidence: &Evidence<'_>, stage| rms(&evidence.residuals(model, scope), stage, evidence);
-                let pair = |&stage: &Stage| {
-                    (stage, Pair { fit: of(fit_logs, stage), validate: of(validate, stage) })
-                };
-                scope.stages.iter().map(pair).collect::<Vec<_>>()
-            });
-            let reduction = |(before, after): &(&(Stage, Pair), &(Stage, Pair))| {
-                1.0 - after.1.validate / before.1.validate.max(f64::MIN_POSITIVE)
-            };
-            let most = worse.iter().zip(&better).max_by(|a, b| reduction(a).total_cmp(&reduction(b)));
-            let Some((&(stage, before), &(_, after))) = most else { continue };
-            let slots = fitted.model.slots_of(fitted_to, index);
-            found.push(Found {
-                effect: effect.clone(),
-                half_widths: half_widths(effect, &covariance, slots),
-                stage,
-                before,
-                after,
-            });
-            last = next;
-        }
-    }
-    found
 }

@@ -5,6 +5,7 @@ use rayon::prelude::*;
 
 use super::fit::{self, Fitted, blocks, derivatives, normal, stepped};
 use super::held_out::{Comparison, FOLDS, Score, compare, scores};
+use super::limits::{self, AtLimit};
 use super::residual::Evidence;
 use super::scope::Scope;
 use crate::effects::Effect;
@@ -40,20 +41,28 @@ pub struct Candidate {
     pub fitted: Option<Fitted>,
     /// Whether it is larger than what a declared model leaves open in any case.
     pub material: bool,
+    /// The parameter that stands at a limit of its search, if one does: then it is no measurement.
+    pub limit: Option<AtLimit>,
 }
 
 impl Candidate {
+    /// Whether held-out data support it, and its parameters were found within their limits.
+    #[must_use]
+    pub fn is_supported(&self) -> bool {
+        self.limit.is_none() && self.stands_out()
+    }
+
     /// Whether held-out data support it: some stage gets better beyond chance and in every fold, and no
     /// stage of any log loses more than chance, or than a tenth of what is gained in all.
     #[must_use]
-    pub fn is_supported(&self) -> bool {
+    pub fn stands_out(&self) -> bool {
         self.helps(LEAST_T)
     }
 
-    /// The same without its standing out of chance.
+    /// The same as [`Self::is_supported`] without its standing out of chance.
     #[must_use]
     pub fn is_consistent(&self) -> bool {
-        self.helps(0.0)
+        self.limit.is_none() && self.helps(0.0)
     }
 
     fn helps(&self, least_t: f64) -> bool {
@@ -119,7 +128,7 @@ fn screen(evidence: &Evidence<'_>, [base, origin]: [&Fitted; 2], scope: &Scope, 
     // A full fit starts from the origin with the effect where the step took it.
     moved.rows_mut(0, shared).copy_from(&stood.rows(0, shared));
     let effect = model.at(scope, moved.as_slice()).axis.effect.last().cloned().unwrap_or(effect);
-    Candidate { effect, comparison: Vec::new(), gain, fitted: None, material: false }
+    Candidate { effect, comparison: Vec::new(), gain, fitted: None, material: false, limit: None }
 }
 
 /// Of several starts of one effect the best stays; the sources of one effect are different effects.
@@ -156,5 +165,6 @@ fn try_out(
         candidate.effect = effect.clone();
     }
     candidate.material = candidate.effect.is_material(origin.model.declared(), evidence.rates);
+    candidate.limit = limits::of(&candidate.effect, evidence.rates);
     candidate.fitted = Some(fitted);
 }

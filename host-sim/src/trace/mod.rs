@@ -3,13 +3,17 @@
 //! [`admission`] says which logs can be used; [`signals`] prepares them; [`predict`] drives the declared model with measured signals;
 //! [`residual`] is what it leaves; [`fit`] moves the declared values within their tolerance;
 //! [`candidates`] tries the catalogue, [`held_out`] says what is worth adding; [`axis`] is the search
-//! for one axis, [`unexplained`] what stays, [`repeatability`] how much of it could be explained at all, [`untested`]
+//! for one axis, [`limits`], [`refute`] and [`settle`] take back what is no measurement or does not hold on other logs;
+//! [`unexplained`] is what stays, [`verdict`] what all of it comes to, [`repeatability`] how much of it could be explained at all, [`untested`]
 //! what was not looked for, [`free_run`] what the model is worth without feedback; [`report`] is the whole for people
 //! and programs.
 
 pub mod admission;
 pub mod axis;
 pub mod candidates;
+pub mod copies;
+#[cfg(test)]
+mod corrupted;
 pub mod empirical;
 pub mod fit;
 pub mod follow;
@@ -18,11 +22,13 @@ pub mod held_out;
 pub mod in_loop;
 pub mod intervals;
 pub mod last_tick;
+pub mod limits;
 pub mod look_alike;
 pub mod model;
 pub mod motor_path;
 pub mod own_error;
 pub mod predict;
+pub mod refute;
 pub mod repeatability;
 pub mod report;
 pub mod residual;
@@ -30,10 +36,12 @@ pub mod rotary;
 pub mod scope;
 pub mod search;
 pub mod set_aside;
+pub mod settle;
 pub mod signals;
 pub mod trim;
 pub mod unexplained;
 pub mod untested;
+pub mod verdict;
 pub mod wound;
 
 use std::borrow::Cow;

@@ -2,6 +2,7 @@
 
 use shared::config::Rates;
 
+use super::limits::{self, AtLimit};
 use super::scope::{Mechanics, Scope};
 use super::trim::{Instant, Trims};
 use crate::effects::{Coordinate, Effect, Stage};
@@ -133,6 +134,12 @@ impl AxisModel {
         &self.axis.effect[self.declared.effect.len()..]
     }
 
+    /// Which parameter of a found effect, by its index in [`AxisModel::found`], stands at a limit of its search.
+    #[must_use]
+    pub fn at_limit(&self, found: usize) -> Option<AtLimit> {
+        self.found().get(found).and_then(|effect| limits::of(effect, self.rates))
+    }
+
     /// The same model with one effect more.
     #[must_use]
     pub fn with(&self, effect: Effect) -> Self {
@@ -195,7 +202,7 @@ impl AxisModel {
         }));
         for (i, effect) in self.effects_of(scope) {
             let declared = self.declared.effect.get(i).map(Effect::coordinates);
-            for (j, coordinate) in effect.coordinates().into_iter().enumerate() {
+            for (j, coordinate) in effect.searched(self.rates).into_iter().enumerate() {
                 slots.push(match &declared {
                     None => free(coordinate),
                     Some(_) if self.trades(effect) => free(coordinate),

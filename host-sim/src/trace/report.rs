@@ -4,10 +4,12 @@ use serde_json::{Map, Value, json};
 
 use super::Trace;
 use super::axis::{AxisTrace, Found, StageError, residual_unit};
+use super::limits::AtLimit;
 use super::look_alike::LookAlike;
 use super::repeatability::Repeatability;
 use super::rotary;
 use super::unexplained::Unexplained;
+use super::verdict;
 use crate::effects::Effect;
 use crate::log::Unit;
 
@@ -39,8 +41,11 @@ pub fn json(trace: &Trace, with_tables: bool) -> Value {
         .collect();
     let free_runs: Vec<_> = trace.axes.iter().flat_map(|axis| &axis.free_runs).collect();
     let mut all = json!({
+        "verdict": verdict::of(trace),
         "residual": residual,
         "effects": effects(trace),
+        "refuted": of_axes(trace, |axis| axis.refuted.iter().map(|found| effect(axis, found)).collect()),
+        "refused": of_axes(trace, |axis| axis.refused.iter().map(|limit| refused(axis, limit)).collect()),
         "unexplained": unexplained,
         "not_testable": not_testable,
         "notes": trace.notes,
@@ -73,7 +78,32 @@ fn look_alikes(trace: &Trace) -> Vec<Value> {
 /// The effects found on all axes.
 #[must_use]
 pub fn effects(trace: &Trace) -> Vec<Value> {
-    trace.axes.iter().flat_map(|axis| axis.found.iter().map(|found| effect(axis, found))).collect()
+    of_axes(trace, |axis| axis.found.iter().map(|found| effect(axis, found)).collect())
+}
+
+fn of_axes(trace: &Trace, of: impl Fn(&AxisTrace) -> Vec<Value>) -> Vec<Value> {
+    trace.axes.iter().flat_map(of).collect()
+}
+
+/// An effect that was not taken because a parameter ended at a limit of its search.
+fn refused(axis: &AxisTrace, limit: &AtLimit) -> Value {
+    let mut entry = json!({
+        "name": limit.effect.name(),
+        "axis": axis.axis,
+        "parameter": key(axis, limit.parameter),
+        "value": limit.value,
+        "limit": limit.limit,
+        "why": "at the limit of its search: the value lies beyond, or it is another effect",
+    });
+    if let (Value::Object(entry), Some(source)) = (&mut entry, source(&limit.effect)) {
+        entry.insert("source".to_owned(), json!(source));
+    }
+    entry
+}
+
+/// Name of a parameter in the axis's units.
+fn key(axis: &AxisTrace, name: &str) -> String {
+    if axis.unit == Unit::Degree { rotary::key(name) } else { name.to_owned() }
 }
 
 fn residual(axis: &AxisTrace, error: &StageError) -> Value {
@@ -113,14 +143,13 @@ fn unexplained(axis: &AxisTrace, rest: &Unexplained) -> Value {
 }
 
 fn effect(axis: &AxisTrace, found: &Found) -> Value {
-    let key = |name: &str| if axis.unit == Unit::Degree { rotary::key(name) } else { name.to_owned() };
     let parameters: Map<String, Value> = found
         .effect
         .parameters()
         .into_iter()
         .zip(&found.half_widths)
         .map(|((name, value), half)| {
-            (key(name), json!({"value": value, "ci95": [value - half, value + half]}))
+            (key(axis, name), json!({"value": value, "ci95": [value - half, value + half]}))
         })
         .collect();
     let mut entry = json!({

@@ -45,12 +45,13 @@ pub struct Round {
 }
 
 impl Round {
-    /// The best that was fitted and not taken, if it gains much: its number.
+    /// The best that was fitted and not taken, if it gains much: its number. Those at a limit are told for themselves.
     #[must_use]
     pub fn refused(&self) -> Option<usize> {
         const MUCH: f64 = 0.2;
-        let is_refused =
-            |c: &Candidate| c.gain > MUCH && c.material && c.fitted.is_some() && !c.is_supported();
+        let is_refused = |c: &Candidate| {
+            c.gain > MUCH && c.material && c.fitted.is_some() && c.limit.is_none() && !c.is_supported()
+        };
         self.candidates.iter().position(is_refused)
     }
 }
@@ -135,19 +136,21 @@ impl Search<'_> {
             (self.say)(&format!("{}: trying the catalogue on {}", self.name, stage_names(&scope.stages)));
             let starts = self.starts(&base.model, scope);
             let origin = origin(evidence, &base, scope, added);
-            let candidates = rank(evidence, &base, &origin, scope, starts);
-            let added_index = candidates.iter().position(|c| self.is_supported(&base.model, c, scope));
-            let best = added_index.map(|index| candidates[index].clone());
+            let mut candidates = rank(evidence, &base, &origin, scope, starts);
+            let best = self.best(evidence, &base.model, &mut candidates, scope);
+            let added_index = best.as_ref().map(|(index, _)| *index);
             let look_alikes = added_index.map_or_else(Vec::new, |added| rivals(&candidates, added, scope));
+            let said =
+                added_index.map(|index| format!("{}: added {}", self.name, candidates[index].effect.name()));
             self.rounds.push(Round {
                 stages: scope.stages.clone(),
                 candidates,
                 added: added_index,
                 look_alikes,
             });
-            let Some(Candidate { effect, fitted: Some(fitted), .. }) = best else { break };
-            (self.say)(&format!("{}: added {}", self.name, effect.name()));
-            base = fit::fit(evidence, &fitted.model, scope, fit::STEPS);
+            let Some((_, fitted)) = best else { break };
+            (self.say)(&said.unwrap_or_default());
+            base = fitted;
             added += 1;
         }
         let seen = Evidence { own: &own, ..*evidence };
@@ -156,6 +159,30 @@ impl Search<'_> {
         }
         base = self.keep_what_is_certain(&seen, base, scope);
         (base, own)
+    }
+
+    /// The best candidate that is supported, and its fit to the end: that may lead on to a limit of its search, and then
+    /// the next one is taken.
+    fn best(
+        &self,
+        evidence: &Evidence<'_>,
+        base: &AxisModel,
+        candidates: &mut [Candidate],
+        scope: &Scope,
+    ) -> Option<(usize, Fitted)> {
+        for (index, candidate) in candidates.iter_mut().enumerate() {
+            if !self.is_supported(base, candidate, scope) {
+                continue;
+            }
+            let Some(start) = &candidate.fitted else { continue };
+            let fitted = fit::fit(evidence, &start.model, scope, fit::STEPS);
+            let last = fitted.model.found().len() - 1;
+            candidate.limit = fitted.model.at_limit(last);
+            if candidate.limit.is_none() {
+                return Some((index, fitted));
+            }
+        }
+        None
     }
 
     /// Whether held-out data support a candidate and the closed loop agrees. Where friction is seen alone, the
@@ -245,7 +272,7 @@ impl Search<'_> {
             let comparison = compare(&scores(&without), &scores(full), &scope.stages);
             let effect = full.model.found()[index].clone();
             let gain = comparison.iter().map(|c| c.gain).sum();
-            let judged = Candidate { effect, comparison, gain, fitted: None, material: true };
+            let judged = Candidate { effect, comparison, gain, fitted: None, material: true, limit: None };
             let is_alone = scope.stages == [Stage::Force];
             let is_needed = judged.is_supported() || is_alone && judged.is_consistent();
             (!is_needed).then(|| {

@@ -139,6 +139,17 @@ fn a_bad_log_for_validation() {
     refuse([bad(&command, "held_out.csv", without_time(), &["held_out.csv: line 1: time_s"])]);
 }
 
+/// A log that judges its own fit is no evidence: not under another name, nor with fewer rows.
+#[test]
+fn a_copy_of_a_fitted_log() {
+    let command = format!("{TRACE} --validate held_out.csv");
+    let said: &[&str] = &["held_out.csv: expected a log of its own, found", "shared with", "fit.csv"];
+    let shorter = lines(|at, line| (at == 1 || at > 40).then(|| line.to_owned()));
+    refuse([bad(&command, "held_out.csv", log(), said), bad(&command, "held_out.csv", shorter, said)]);
+    let itself = format!("{TRACE} --validate fit.csv");
+    refuse([bad(&itself, "other.csv", "", &["fit.csv: expected a log of its own, found 100 %"])]);
+}
+
 #[test]
 fn missing_files() {
     let missing =

@@ -95,7 +95,7 @@ fn numbers_that_no_machine_has_are_refused() {
             "effect[0].stiffness_n_per_um: expected a number above 0, at most 1e12",
         ),
         ("\"latency\"\nchannel = \"tool\"\nms = 1e5", "effect[0].ms: expected a number within ±1000"),
-        ("\"velocity_lag\"\nms = 50.0", "axis.x.effect.ms: expected a number from 0 to 0.25"),
+        ("\"velocity_lag\"\nms = 50.0", "effect[0].ms: expected a number from 0 to 0.25, found 50"),
         (
             "\"resonance\"\nchannel = \"table\"\nfrequency_hz = 40.0\ndamping_ratio = 0.1",
             "effect[0].channel: expected \"tool\"",
