@@ -202,12 +202,12 @@ mod tests {
         answer
     }
 
-    fn setup(format: Format, second: AxisSettings) -> Order {
+    fn setup(format: Format, second: &AxisSettings) -> Order {
         let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
         Order::Setup(Setup {
             format,
             rates,
-            axes: [AxisSettings::default(), second],
+            axes: [AxisSettings::default(), *second],
             start: [Position(0); AXES],
         })
     }
@@ -216,7 +216,7 @@ mod tests {
     fn answers_as_the_machine_itself_would() {
         for format in [Format::Fixed, Format::F32, Format::F64] {
             let mut session = Session::default();
-            assert_eq!(ask(&mut session, &setup(format, AxisSettings::default())), Some(Answer::Ready));
+            assert_eq!(ask(&mut session, &setup(format, &AxisSettings::default())), Some(Answer::Ready));
             assert_eq!(
                 ask(&mut session, &Order::Block(Block::line([0.1, 0.0], 0.1, 1.0))),
                 Some(Answer::Ready)
@@ -237,8 +237,8 @@ mod tests {
         let refused = |refusal| Some(Answer::Refused(refusal));
         assert_eq!(ask(&mut session, &Order::Enable), refused(Refusal::NotSetUp));
         let bad = AxisSettings { force_limit_n: 0.0, ..AxisSettings::default() };
-        assert_eq!(ask(&mut session, &setup(Format::F32, bad)), refused(Refusal::Settings { axis: 1 }));
-        assert_eq!(ask(&mut session, &setup(Format::F32, AxisSettings::default())), Some(Answer::Ready));
+        assert_eq!(ask(&mut session, &setup(Format::F32, &bad)), refused(Refusal::Settings { axis: 1 }));
+        assert_eq!(ask(&mut session, &setup(Format::F32, &AxisSettings::default())), Some(Answer::Ready));
         let nowhere = Order::Block(Block::line([0.0; AXES], 0.1, 1.0));
         assert_eq!(ask(&mut session, &nowhere), refused(Refusal::Path(PathError::ZeroLength)));
         assert_eq!(session.answer(&[0xff; FRAME], &mut NoMeter), refused(Refusal::Unreadable));
@@ -326,12 +326,12 @@ mod tests {
     #[test]
     fn parts_are_of_one_order() {
         let mut session = Session::default();
-        ask(&mut session, &setup(Format::Fixed, AxisSettings::default()));
+        ask(&mut session, &setup(Format::Fixed, &AxisSettings::default()));
         let mut enable = [0; FRAME];
         encode(&Order::Enable, &mut enable).unwrap();
         let part = Part { bytes: heapless::Vec::from_slice(&enable[..1]).unwrap(), last: false };
         assert_eq!(ask(&mut session, &Order::Part(part)), Some(Answer::Ready));
-        assert_eq!(ask(&mut session, &setup(Format::Fixed, AxisSettings::default())), Some(Answer::Ready));
+        assert_eq!(ask(&mut session, &setup(Format::Fixed, &AxisSettings::default())), Some(Answer::Ready));
         let empty = Part { bytes: heapless::Vec::new(), last: true };
         assert_eq!(ask(&mut session, &Order::Part(empty)), Some(Answer::Refused(Refusal::Unreadable)));
         enable[1] = 0xaa;
@@ -385,7 +385,7 @@ mod tests {
             let mut orders = [[0; FRAME]; 4];
             let block = Block::line([0.1, 0.2], 0.1, 1.0);
             let reading = Reading { motor: Position(5), table: Some(Position(7)) };
-            encode(&setup(Format::Fixed, AxisSettings::default()), &mut orders[0]).unwrap();
+            encode(&setup(Format::Fixed, &AxisSettings::default()), &mut orders[0]).unwrap();
             encode(&Order::Block(block), &mut orders[1]).unwrap();
             encode(&Order::Enable, &mut orders[2]).unwrap();
             encode(&Order::Tick([reading; AXES]), &mut orders[3]).unwrap();

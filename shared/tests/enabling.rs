@@ -16,9 +16,9 @@ fn place(m: f64) -> Position {
 }
 
 /// One axis at zero, off.
-fn machine<S: Scalar>(settings: AxisSettings) -> Machine<S, 1> {
+fn machine<S: Scalar>(settings: &AxisSettings) -> Machine<S, 1> {
     let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: DIVIDER };
-    Machine::new(rates, &[settings], [Position(0)]).unwrap()
+    Machine::new(rates, &[*settings], [Position(0)]).unwrap()
 }
 
 fn tick<S: Scalar>(machine: &mut Machine<S, 1>, motor_m: f64, table_m: Option<f64>) -> Output<S, 1> {
@@ -27,7 +27,7 @@ fn tick<S: Scalar>(machine: &mut Machine<S, 1>, motor_m: f64, table_m: Option<f6
 
 #[test]
 fn disable_withdraws_an_enable_that_no_tick_has_seen() {
-    let mut machine = machine::<Fixed>(AxisSettings::default());
+    let mut machine = machine::<Fixed>(&AxisSettings::default());
     machine.enable();
     machine.disable();
     for _ in 0..3 {
@@ -43,7 +43,7 @@ fn disable_withdraws_an_enable_that_no_tick_has_seen() {
 fn starts_on_the_scale<S: Scalar>(sensors: Sensors, law: Law) {
     for [motor_m, table_m] in [[2e-3, 1.2e-3], [-2e-3, -2.7e-3]] {
         let settings = AxisSettings { sensors, law, feedforward_percent: 100.0, ..AxisSettings::default() };
-        let mut machine = machine::<S>(settings);
+        let mut machine = machine::<S>(&settings);
         machine.enable();
         assert!(tick(&mut machine, 0.0, Some(0.0)).enabled);
         machine.disable();
@@ -76,7 +76,7 @@ fn with_a_scale_the_drives_come_on_where_the_scale_is() {
 fn with_a_scale_that_is_lost_the_drives_come_on_where_the_motor_is() {
     let settings =
         AxisSettings { sensors: Sensors::Dual { time_constant_s: 0.05 }, ..AxisSettings::default() };
-    let mut machine = machine::<Fixed>(settings);
+    let mut machine = machine::<Fixed>(&settings);
     machine.enable();
     tick(&mut machine, 0.0, Some(0.0));
     machine.disable();
@@ -92,7 +92,7 @@ fn does_not_kick<S: Scalar>() {
     for motor_m in [1e-3, -1e-3] {
         let settings =
             AxisSettings { sensors: Sensors::Table, feedforward_percent: 100.0, ..AxisSettings::default() };
-        let mut machine = machine::<S>(settings);
+        let mut machine = machine::<S>(&settings);
         machine.enable();
         for _ in 0..20 {
             let output = tick(&mut machine, motor_m, Some(0.0));
@@ -110,7 +110,7 @@ fn feed_forward_does_not_kick_where_motor_and_scale_differ() {
 
 /// What comes of an enable with a line to travel, when the drives were on for some ticks before.
 fn after_ticks(ticks: u32) -> Vec<Output<Fixed, 1>> {
-    let mut machine = machine::<Fixed>(AxisSettings::default());
+    let mut machine = machine::<Fixed>(&AxisSettings::default());
     if ticks > 0 {
         machine.enable();
         for _ in 0..ticks {
@@ -145,7 +145,7 @@ fn the_position_loop_runs_in_the_first_tick_after_an_enable() {
 /// there, it is zero.
 #[test]
 fn nothing_integrated_is_left_over() {
-    let mut machine = machine::<f64>(AxisSettings::default());
+    let mut machine = machine::<f64>(&AxisSettings::default());
     machine.enable();
     tick(&mut machine, 0.0, None);
     let [pushed] = (0..1000).map(|_| tick(&mut machine, 1e-4, None)).last().unwrap().forces;
@@ -169,7 +169,7 @@ fn does_not_kick_with_a_correction<S: Scalar>() {
         pitch: Some(Pitch { of: Of::Screw, forward: pitch, backward: None }),
         ..CompensationSettings::default()
     };
-    let mut machine = machine::<S>(AxisSettings { feedforward_percent: 100.0, ..AxisSettings::default() });
+    let mut machine = machine::<S>(&AxisSettings { feedforward_percent: 100.0, ..AxisSettings::default() });
     machine.compensate(0, &settings).unwrap();
     machine.enable();
     // A screw that goes 0.1 mm too far is commanded 0.1 mm less, which the motor does.

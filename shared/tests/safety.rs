@@ -24,8 +24,8 @@ struct Bench<S: Scalar> {
 }
 
 impl<S: Scalar> Bench<S> {
-    fn new(axis: AxisSettings) -> Self {
-        let mut machine = Machine::new(RATES, &[axis; 2], [Position(0); 2]).unwrap();
+    fn new(axis: &AxisSettings) -> Self {
+        let mut machine = Machine::new(RATES, &[*axis; 2], [Position(0); 2]).unwrap();
         machine.push(&Block::line([0.2, 0.1], 0.1, 2.0)).unwrap();
         machine.enable();
         Self {
@@ -77,7 +77,7 @@ const fn on(axis: u8, hazard: Hazard) -> Fault {
 
 /// The drives go off in the tick that sees it.
 fn goes_off_at_once<S: Scalar>(change: impl Fn(&mut Bench<S>), fault: Fault) {
-    let mut bench = Bench::<S>::new(axis());
+    let mut bench = Bench::<S>::new(&axis());
     assert!(bench.run(2000).enabled);
     change(&mut bench);
     let output = bench.tick();
@@ -107,7 +107,7 @@ fn sudden_faults_put_the_drives_off_in_every_format() {
 
 #[test]
 fn a_following_error_puts_the_drives_off() {
-    let mut bench = Bench::<Fixed>::new(AxisSettings { following_error_limit_m: 1.5e-3, ..axis() });
+    let mut bench = Bench::<Fixed>::new(&AxisSettings { following_error_limit_m: 1.5e-3, ..axis() });
     // 0.1 m/s·2/√5 over Kp = 50/s is 1.8 mm on the first axis: reached while it speeds up.
     bench.run(2000);
     assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::FollowingError)));
@@ -117,7 +117,7 @@ fn a_following_error_puts_the_drives_off() {
 /// most, both axes on it, and the drives go off once it stands.
 #[test]
 fn a_soft_limit_stops_along_the_path() {
-    let mut bench = Bench::<Fixed>::new(axis());
+    let mut bench = Bench::<Fixed>::new(&axis());
     bench.run(1);
     // Narrowed under way: a block that leads out of the travel would not have been taken.
     bench.machine.change(0, &AxisSettings { travel_m: Some([-0.01, 0.08]), ..axis() }).unwrap();
@@ -140,7 +140,7 @@ fn a_soft_limit_stops_along_the_path() {
 
 #[test]
 fn a_force_at_its_limit_stops_after_its_time() {
-    let mut bench = Bench::<Fixed>::new(AxisSettings { force_limit_n: 20.0, ..axis() });
+    let mut bench = Bench::<Fixed>::new(&AxisSettings { force_limit_n: 20.0, ..axis() });
     // 50 kg at 2 m/s² need 89 N.
     let mut ticks = 0;
     while !matches!(bench.machine.power(), Power::Stopping(_)) {
@@ -159,7 +159,7 @@ fn a_force_at_its_limit_stops_after_its_time() {
 fn an_unstable_loop_stops_although_its_force_turns_over() {
     let velocity_gain_n_s_per_m = 2.5 * 50.0 * RATE_HZ;
     let mut bench =
-        Bench::<f64>::new(AxisSettings { velocity_gain_n_s_per_m, force_limit_n: 200.0, ..axis() });
+        Bench::<f64>::new(&AxisSettings { velocity_gain_n_s_per_m, force_limit_n: 200.0, ..axis() });
     let (mut ticks, mut below, mut turned, mut last) = (0, 0, 0, 0.0);
     while bench.machine.power() == Power::Off || bench.machine.power().is_on() {
         let force = bench.tick().forces[0].value();
@@ -177,7 +177,7 @@ fn an_unstable_loop_stops_although_its_force_turns_over() {
 
 #[test]
 fn a_lost_scale_warns_and_goes_on() {
-    let mut bench = Bench::<Fixed>::new(axis());
+    let mut bench = Bench::<Fixed>::new(&axis());
     bench.run(1000);
     bench.scale = false;
     let output = bench.tick();
@@ -194,7 +194,7 @@ fn a_lost_scale_warns_and_goes_on() {
 #[test]
 fn a_lost_scale_leaves_the_soft_limits_on() {
     for sensors in [Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }] {
-        let mut bench = Bench::<Fixed>::new(AxisSettings { sensors, ..axis() });
+        let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors, ..axis() });
         bench.run(100);
         // Narrowed under way: a block beyond it would not have been taken.
         let narrow = AxisSettings { sensors, travel_m: Some([-0.01, 0.05]), ..axis() };
@@ -219,7 +219,7 @@ fn a_lost_scale_leaves_the_soft_limits_on() {
 /// A scale that is lost in the tick in which the command leaves the travel: the stop and the warning are both there.
 #[test]
 fn a_lost_scale_and_a_soft_limit_in_one_tick_are_both_told() {
-    let mut bench = Bench::<Fixed>::new(axis());
+    let mut bench = Bench::<Fixed>::new(&axis());
     bench.run(2000);
     bench.machine.change(0, &AxisSettings { travel_m: Some([-0.01, 0.0]), ..axis() }).unwrap();
     bench.scale = false;
@@ -233,7 +233,7 @@ fn a_lost_scale_and_a_soft_limit_in_one_tick_are_both_told() {
 #[test]
 fn an_axis_beyond_its_travel_goes_back_and_no_further_out() {
     let narrow = AxisSettings { travel_m: Some([-0.01, 0.05]), ..axis() };
-    let mut bench = Bench::<Fixed>::new(axis());
+    let mut bench = Bench::<Fixed>::new(&axis());
     bench.run(100);
     bench.machine.change(0, &narrow).unwrap();
     while bench.machine.power().is_on() {
@@ -266,7 +266,7 @@ fn an_axis_beyond_its_travel_goes_back_and_no_further_out() {
 #[test]
 fn a_block_beyond_the_travel_is_refused_before_it_starts() {
     let bounded = AxisSettings { travel_m: Some([-0.01, 0.3]), ..axis() };
-    let mut bench = Bench::<Fixed>::new(bounded);
+    let mut bench = Bench::<Fixed>::new(&bounded);
     let beyond = |axis| Err(PathError::BeyondTravel { axis });
     let mut push = |block: Block<2>| bench.machine.push(&block);
     // The path stands at (0.2, 0.1) so far.
@@ -366,7 +366,7 @@ fn a_frozen_encoder_puts_the_drives_off() {
 #[test]
 fn an_encoder_that_moves_is_not_frozen() {
     let settings = AxisSettings { frozen_encoder_limit_m: Some(1e-4), ..axis() };
-    let mut bench = Bench::<Fixed>::new(settings);
+    let mut bench = Bench::<Fixed>::new(&settings);
     for x in [0.1, 0.2, 0.0] {
         bench.run(12_000);
         bench.machine.push(&Block::line([x, 0.05], 0.1, 2.0)).unwrap();
@@ -378,7 +378,7 @@ fn an_encoder_that_moves_is_not_frozen() {
 /// What ended the run before is a fault of this one: no enable before it is acknowledged.
 #[test]
 fn a_watchdog_reset_has_to_be_acknowledged() {
-    let mut bench = Bench::<Fixed>::new(axis());
+    let mut bench = Bench::<Fixed>::new(&axis());
     bench.machine.restarted_after(Fault::Watchdog);
     bench.run(10);
     assert_eq!(bench.machine.power(), Power::Faulted(Fault::Watchdog));
@@ -400,7 +400,7 @@ fn coming_on_again_does_not_move_a_compensated_axis() {
         pitch: Some(Pitch { of: Of::Screw, forward: pitch, backward: None }),
         ..CompensationSettings::default()
     };
-    let mut bench = Bench::<f64>::new(AxisSettings { sensors: Sensors::Motor, ..axis() });
+    let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::Motor, ..axis() });
     bench.machine.compensate(0, &settings).unwrap();
     bench.run(24_000);
     let place = bench.motor_m[0];

@@ -27,8 +27,8 @@ const fn on(axis: u8, hazard: Hazard) -> Power {
 }
 
 /// A machine that has been on for a tick at zero, with its second axis watched.
-fn standing<S: Scalar>(second: AxisSettings, divider: u32) -> Machine<S, 2> {
-    let settings = [AxisSettings::default(), second];
+fn standing<S: Scalar>(second: &AxisSettings, divider: u32) -> Machine<S, 2> {
+    let settings = [AxisSettings::default(), *second];
     let mut machine = Machine::new(rates(divider), &settings, [Position(0); 2]).unwrap();
     machine.enable();
     assert!(second_at(&mut machine, Position(0), Some(Position(0))).enabled);
@@ -57,7 +57,7 @@ fn motor_and_scale_may_differ_by_the_limit_and_no_unit_more_either_way() {
                 scale_disagreement_limit_m: Some(limit_m),
                 ..AxisSettings::default()
             };
-            let mut machine = standing::<Fixed>(axis, 1);
+            let mut machine = standing::<Fixed>(&axis, 1);
             second_at(&mut machine, Position(0), Some(Position(sign * limit)));
             assert_eq!(machine.power(), Power::On, "{sensors:?} {sign}");
             second_at(&mut machine, Position(0), Some(Position(sign * (limit + 1))));
@@ -68,7 +68,7 @@ fn motor_and_scale_may_differ_by_the_limit_and_no_unit_more_either_way() {
 
 #[test]
 fn a_scale_that_is_not_watched_may_be_anywhere() {
-    let mut machine = standing::<Fixed>(AxisSettings::default(), 1);
+    let mut machine = standing::<Fixed>(&AxisSettings::default(), 1);
     for table in [Some(place(-99.0)), None, Some(place(99.0))] {
         let output = second_at(&mut machine, Position(0), table);
         assert_eq!((machine.power(), output.warning), (Power::On, None));
@@ -79,7 +79,7 @@ fn a_scale_that_is_not_watched_may_be_anywhere() {
 const ROUNDING: f64 = 1e-6;
 
 /// One reading that is `m` from the one before; whether the drives stay on.
-fn survives<S: Scalar>(axis: AxisSettings, m: f64) -> Power {
+fn survives<S: Scalar>(axis: &AxisSettings, m: f64) -> Power {
     let mut machine = standing::<S>(axis, 1);
     let output = second_at(&mut machine, place(m), Some(place(m)));
     assert_eq!(output.enabled, machine.power() == Power::On);
@@ -93,8 +93,8 @@ fn steps<S: Scalar>() {
     let axis = AxisSettings { fastest_m_per_s: Some(fastest), ..AxisSettings::default() };
     let step = fastest / RATE_HZ;
     for sign in [1.0, -1.0] {
-        assert_eq!(survives::<S>(axis, sign * step * (1.0 - ROUNDING)), Power::On, "{} {sign}", S::NAME);
-        let beyond = survives::<S>(axis, sign * step * (1.0 + ROUNDING));
+        assert_eq!(survives::<S>(&axis, sign * step * (1.0 - ROUNDING)), Power::On, "{} {sign}", S::NAME);
+        let beyond = survives::<S>(&axis, sign * step * (1.0 + ROUNDING));
         assert_eq!(beyond, on(1, Hazard::EncoderStep), "{} {sign}", S::NAME);
     }
 }
@@ -112,7 +112,7 @@ fn a_step_is_seen_in_its_own_tick() {
     for ticks in 1..=5 {
         for sign in [1.0, -1.0] {
             let axis = AxisSettings { fastest_m_per_s: Some(0.5), ..AxisSettings::default() };
-            let mut machine = standing::<Fixed>(axis, 5);
+            let mut machine = standing::<Fixed>(&axis, 5);
             for _ in 1..ticks {
                 assert!(second_at(&mut machine, Position(0), None).enabled);
             }
@@ -126,8 +126,8 @@ fn follows<S: Scalar>() {
     let limit = 2e-3;
     let axis = AxisSettings { following_error_limit_m: limit, ..AxisSettings::default() };
     for sign in [1.0, -1.0] {
-        assert_eq!(survives::<S>(axis, sign * limit * (1.0 - ROUNDING)), Power::On, "{} {sign}", S::NAME);
-        let beyond = survives::<S>(axis, sign * limit * (1.0 + ROUNDING));
+        assert_eq!(survives::<S>(&axis, sign * limit * (1.0 - ROUNDING)), Power::On, "{} {sign}", S::NAME);
+        let beyond = survives::<S>(&axis, sign * limit * (1.0 + ROUNDING));
         assert_eq!(beyond, on(1, Hazard::FollowingError), "{} {sign}", S::NAME);
     }
 }
@@ -286,7 +286,7 @@ fn stops_after<S: Scalar>() {
     for sign in [1.0, -1.0] {
         let axis =
             AxisSettings { force_limit_n: 100.0, saturation_time_s: 1.0 / 64.0, ..AxisSettings::default() };
-        let mut machine = standing::<S>(axis, 1);
+        let mut machine = standing::<S>(&axis, 1);
         let ticks = (1..1000).find(|_| {
             second_at(&mut machine, place(sign * 1e-3), None);
             machine.power() != Power::On

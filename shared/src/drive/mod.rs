@@ -137,6 +137,7 @@ mod tests {
     const SETTLING: u32 = 10;
     const BLINK: u32 = 50;
 
+    #[expect(clippy::struct_excessive_bools, reason = "inputs and outputs of one bit")]
     struct Bench {
         at: Position,
         closed: bool,
