@@ -237,6 +237,7 @@ mod everything {
             smoothing: Smoothing::SCurve { time_s: 0.01, jerk_time_s: 0.004 },
             scale_disagreement_limit_m: Some(1e-3),
             fastest_m_per_s: Some(1.0),
+            frozen_encoder_limit_m: Some(0.01),
             travel_m: Some([-0.1, 0.1]),
             ..AxisSettings::default()
         }

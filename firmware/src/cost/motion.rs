@@ -65,6 +65,7 @@ pub fn everything() -> AxisSettings {
         following_error_limit_m: 0.05,
         scale_disagreement_limit_m: Some(0.001),
         fastest_m_per_s: Some(1.0),
+        frozen_encoder_limit_m: Some(0.01),
         saturation_time_s: 0.5,
         travel_m: Some([-0.1, 0.1]),
         stop_deceleration_m_per_s2: 2.0,
