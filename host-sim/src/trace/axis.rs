@@ -3,7 +3,7 @@
 use serde::Serialize;
 
 use super::empirical::{Empirical, empirical};
-use super::fit;
+use super::fit::{self, Fitted};
 use super::free_run::{FreeRun, free_runs};
 use super::intervals::{covariance, half_widths};
 use super::look_alike::LookAlike;
@@ -13,6 +13,7 @@ use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::search::{Explained, Round, Search};
+use super::settle::settle;
 use super::unexplained::{Unexplained, unexplained};
 use super::untested::{Untested, untested};
 use crate::effects::{Effect, Stage};
@@ -118,10 +119,13 @@ pub fn trace(
     let mut search = Search { fit_logs, name, say, servo, rounds: Vec::new() };
 
     let mut before = AxisModel::new(declared, fit_logs.rates);
+    let mut fits = Vec::new();
     for scope in &scopes {
         say(&format!("{name}: fitting the declared values to {}", stage_names(&scope.stages)));
-        before = fit::fit(fit_logs, &before, scope, fit::STEPS).model;
+        let fitted = fit::fit(fit_logs, &before, scope, fit::STEPS);
+        before = fitted.model.clone();
         before.weigh(scope);
+        fits.push(fitted);
     }
     let mut model = before.clone();
     let mut explained = Vec::new();
@@ -134,24 +138,24 @@ pub fn trace(
     together(fit_logs, &mut model, &mut explained, &scopes, say);
 
     // What driving a filtered motor gets wrong shows in the loop that was found: once more, without that.
-    let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All);
-    let own = |evidence| driven.map_or_else(Vec::new, |scope| own_error::of(evidence, &model, scope));
-    let errors = [fit_logs, validate].map(own);
-    let [without, validate_without] =
-        [(fit_logs, &errors[0]), (validate, &errors[1])].map(|(evidence, own)| Evidence { own, ..*evidence });
-    let better = driven.filter(|_| !errors[0].is_empty()).and_then(|scope| {
-        say(&format!("{name}: fitting once more without the trace's own error"));
-        let (better, explained) = again(&without, &model, &explained, &scopes, say);
-        let parts = [fit_logs.residuals(&model, scope), without.residuals(&better, scope)];
-        own_error::is_less(fit_logs, parts.each_ref().map(Vec::as_slice), scope)
-            .then_some((better, explained))
-    });
-    let (fit_logs, validate) = if let Some(better) = better {
-        (model, explained) = better;
-        (&without, &validate_without)
+    let (mut own, mut own_on_validate) = (Vec::new(), Vec::new());
+    if let Some(settled) = settle(fit_logs, &model, &explained, &scopes, say) {
+        let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All);
+        own_on_validate = driven.map_or_else(Vec::new, |scope| own_error::of(validate, &settled.of, scope));
+        (model, explained, own) = (settled.model, settled.explained, settled.own);
+    }
+    let fit_logs = &Evidence { own: &own, ..*fit_logs };
+    let validate = &Evidence { own: &own_on_validate, ..*validate };
+    if model.found().is_empty() {
+        before = model.clone();
     } else {
-        (fit_logs, validate)
-    };
+        let as_declared = |(fitted, last): (Fitted, &Explained)| {
+            let (scope, aside) = (last.scope.clone(), last.aside.clone());
+            Explained { fitted_to: scope.clone(), scope, fitted, aside }
+        };
+        let fits: Vec<Explained> = fits.into_iter().zip(&explained).map(as_declared).collect();
+        (before, _) = again(fit_logs, &before, &fits, &scopes, say);
+    }
     let found = reported(fit_logs, validate, &before, &model, &explained);
     let mut errors = Vec::new();
     let mut rest = Vec::new();
@@ -209,7 +213,7 @@ pub fn trace(
 }
 
 /// Fits all that was found once more, scope by scope.
-fn again(
+pub(super) fn again(
     evidence: &Evidence<'_>,
     model: &AxisModel,
     explained: &[Explained],

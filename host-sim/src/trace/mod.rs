@@ -30,6 +30,7 @@ pub mod rotary;
 pub mod scope;
 pub mod search;
 pub mod set_aside;
+pub mod settle;
 pub mod signals;
 pub mod trim;
 pub mod unexplained;
@@ -77,7 +78,7 @@ impl Trace {
         let mut machine = Machine { structure: None, ..self.machine.clone() };
         for trace in &self.axes {
             if let Some(axis) = machine.axis.get_mut(&trace.axis) {
-                *axis = trace.model.axis.clone();
+                *axis = trace.model.written();
             }
         }
         machine
