@@ -7,6 +7,7 @@
 //! what was not looked for, [`free_run`] what the model is worth without feedback; [`report`] is the whole for people
 //! and programs.
 
+pub mod added;
 pub mod admission;
 pub mod axis;
 pub mod candidates;

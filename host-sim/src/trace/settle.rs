@@ -7,8 +7,9 @@ use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, Scope};
 use super::search::Explained;
 
-/// Fits that take the error of the fit before; it hangs on the model so little that two are enough but behind a gap.
-const MOST_ROUNDS: usize = 4;
+/// Most fits, each with the error of the fit before. One is enough where the error hardly depends on the model; behind
+/// a backlash, where each time that the gap closes depends on it, seven to nine are.
+const MOST_ROUNDS: usize = 10;
 
 /// The error is the model's own if taking it anew changes the residual of no stage by more than this share.
 const SAME: f64 = 2e-3;
