@@ -137,7 +137,7 @@ fn waited_for<T>(mut look: impl FnMut() -> Option<T>) -> T {
 
 #[test]
 fn an_emulator_that_never_answers_is_given_up() {
-    let stand_in = StandIn::new("cat > /dev/null");
+    let stand_in = StandIn::new("cat 3>&1 > /dev/null");
     let program = stand_in.folder.path().join("motion.toml");
     let start = Instant::now();
     let output = stand_in.record(&program).output().unwrap();

@@ -174,11 +174,13 @@ mod tests {
         Emulator::spawn(Command::new("sh").args(["-c", script]), PATIENCE).unwrap()
     }
 
-    /// A child that answers `frames` frames with themselves and goes on reading; whether it still runs is known by its
-    /// number.
+    /// A child answers `frames` frames with themselves and then only reads.
     fn falls_silent_after(frames: usize) {
-        let patience = Duration::from_millis(200);
-        let script = format!("head -c {}; exec cat >/dev/null", frames * FRAME);
+        // Long enough for a shell to start on a busy computer.
+        let patience = Duration::from_millis(1500);
+        // Its output stays open in 3, as an end of it would say that the child has ended.
+        let answer = format!("dd bs={FRAME} count={frames} 2>/dev/null");
+        let script = format!("{answer}; exec cat 3>&1 >/dev/null");
         let mut child = Emulator::spawn(Command::new("sh").args(["-c", &script]), patience).unwrap();
         for _ in 0..frames {
             child.exchange(&mut [7; FRAME]).unwrap();
@@ -186,7 +188,7 @@ mod tests {
         let asked = Instant::now();
         let said = child.exchange(&mut [7; FRAME]).unwrap_err();
         let waited = asked.elapsed();
-        assert!(said.starts_with("the emulator has not answered for 0.2 s and was ended; check"), "{said}");
+        assert!(said.starts_with("the emulator has not answered for 1.5 s and was ended; check"), "{said}");
         assert!(!said.contains('\n'), "{said}");
         // No sooner than it was told, and not much later: killing takes milliseconds, a busy computer some more.
         assert!(waited >= patience && waited < patience + Duration::from_secs(5), "{waited:?}");

@@ -13,7 +13,7 @@ use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::search::{Explained, Round, Search};
-use super::settle::settle;
+use super::settle::{first_fit, settle};
 use super::unexplained::{Unexplained, unexplained};
 use super::untested::{Untested, untested};
 use crate::effects::{Effect, Stage};
@@ -122,7 +122,7 @@ pub fn trace(
     let mut fits = Vec::new();
     for scope in &scopes {
         say(&format!("{name}: fitting the declared values to {}", stage_names(&scope.stages)));
-        let fitted = fit::fit(fit_logs, &before, scope, fit::STEPS);
+        let (fitted, _) = first_fit(fit_logs, &before, scope);
         before = fitted.model.clone();
         before.weigh(scope);
         fits.push(fitted);
@@ -140,9 +140,9 @@ pub fn trace(
     // What driving a filtered motor gets wrong shows in the loop that was found: once more, without that.
     let (mut own, mut own_on_validate) = (Vec::new(), Vec::new());
     if let Some(settled) = settle(fit_logs, &model, &explained, &scopes, say) {
-        let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All);
-        own_on_validate = driven.map_or_else(Vec::new, |scope| own_error::of(validate, &settled.of, scope));
         (model, explained, own) = (settled.model, settled.explained, settled.own);
+        let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All);
+        own_on_validate = driven.map_or_else(Vec::new, |scope| own_error::of(validate, &model, scope));
     }
     let fit_logs = &Evidence { own: &own, ..*fit_logs };
     let validate = &Evidence { own: &own_on_validate, ..*validate };

@@ -77,6 +77,12 @@ impl AxisModel {
         &self.nominal
     }
 
+    /// Whether the machine file is that of a trace.
+    #[must_use]
+    pub fn was_fitted(&self) -> bool {
+        self.declared.nominal.is_some() || self.declared.log_offsets.is_some()
+    }
+
     /// The axis of the better machine file: fitted, with what the fit was held to and with the offsets of its logs.
     #[must_use]
     pub fn written(&self) -> Axis {

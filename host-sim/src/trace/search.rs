@@ -12,6 +12,7 @@ use super::own_error;
 use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, Scope};
 use super::set_aside::Aside;
+use super::settle::first_fit;
 use super::unexplained::unexplained;
 use super::wound;
 use crate::effects::{Effect, Stage, Surroundings, VelocityLag, candidates};
@@ -126,8 +127,7 @@ impl Search<'_> {
     /// Adds effects until nothing is supported; drops what a later one made needless. Gives what the trace itself
     /// leaves, too.
     fn add(&mut self, evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope) -> (Fitted, Vec<Part>) {
-        let mut base = fit::fit(evidence, start, scope, fit::STEPS);
-        let mut own = Vec::new();
+        let (mut base, mut own) = first_fit(evidence, start, scope);
         let mut added = 0;
         while added < MOST_EFFECTS {
             (base, own) = without_own(evidence, base, own, scope);

@@ -1,6 +1,7 @@
 //! The last fit: all that was found, without the trace's own error, until that error is the fitted model's own.
 
 use super::axis::again;
+use super::fit::{self, Fitted};
 use super::model::AxisModel;
 use super::own_error;
 use super::residual::{Evidence, Part, rms};
@@ -8,11 +9,12 @@ use super::scope::{Mechanics, Scope};
 use super::search::Explained;
 
 /// Most fits, each with the error of the fit before. One is enough where the error hardly depends on the model; behind
-/// a backlash, where each time that the gap closes depends on it, seven to nine are.
+/// a backlash, where each time that the gap closes depends on it, four or five are.
 const MOST_ROUNDS: usize = 10;
 
-/// The error is the model's own if taking it anew changes the residual of no stage by more than this share.
-const SAME: f64 = 2e-3;
+/// A fit that lowers the residuals, each without its model's own error, by less than this share in all is not worth
+/// another one.
+const WORTH: f64 = 2e-3;
 
 /// A model fitted without the trace's own error.
 pub struct Settled {
@@ -20,14 +22,12 @@ pub struct Settled {
     pub model: AxisModel,
     /// Its scopes.
     pub explained: Vec<Explained>,
-    /// The error on the fit logs that was taken out.
+    /// Its own error on the fit logs, which was taken out.
     pub own: Vec<Part>,
-    /// The model whose error that is: the same but for what [`MOST_ROUNDS`] left.
-    pub of: AxisModel,
 }
 
-/// Fits all that was found once more without the trace's own error. `None` where there is no such error, or where the
-/// fit logs are explained better with it.
+/// Fits all that was found once more without the trace's own error, and again without that of the new model while this
+/// leaves less. `None` where there is no such error, or where the fit logs are explained better with it.
 #[must_use]
 pub fn settle(
     evidence: &Evidence<'_>,
@@ -37,32 +37,56 @@ pub fn settle(
     say: &(dyn Fn(&str) + Sync),
 ) -> Option<Settled> {
     let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All)?;
-    let own = |model: &AxisModel| Some(own_error::of(evidence, model, driven)).filter(|own| !own.is_empty());
-    let mut next = Some(own(model)?);
-    let mut settled =
-        Settled { model: model.clone(), explained: explained.to_vec(), own: Vec::new(), of: model.clone() };
+    let with = size(evidence, &evidence.residuals(model, driven), driven);
+    let mut next = of(evidence, model.clone(), explained.to_vec(), driven)?;
+    let mut best: Option<(Settled, f64)> = None;
     for _ in 0..MOST_ROUNDS {
-        let Some(own_error) = next else { break };
+        let without = Evidence { own: &next.own, ..*evidence }.residuals(&next.model, driven);
+        let left = size(evidence, &without, driven);
+        if best.as_ref().is_some_and(|(_, least)| left > least - WORTH) {
+            break;
+        }
         say(&format!("{}: fitting once more without the trace's own error", evidence.names[evidence.axis]));
-        settled.of = settled.model;
-        settled.own = own_error;
-        let seen = Evidence { own: &settled.own, ..*evidence };
-        (settled.model, settled.explained) = again(&seen, &settled.of, &settled.explained, scopes, say);
-        let parts = seen.residuals(&settled.model, driven);
-        next = own(&settled.model).filter(|own| {
-            let anew = Evidence { own, ..*evidence }.residuals(&settled.model, driven);
-            !is_same(evidence, [&parts, &anew], driven)
-        });
+        let seen = Evidence { own: &next.own, ..*evidence };
+        let (model, explained) = again(&seen, &next.model, &next.explained, scopes, say);
+        best = Some((next, left));
+        let Some(fitted) = of(evidence, model, explained, driven) else { break };
+        next = fitted;
     }
-    let with = evidence.residuals(model, driven);
-    let without = Evidence { own: &settled.own, ..*evidence }.residuals(&settled.model, driven);
-    own_error::is_less(evidence, [&with, &without], driven).then_some(settled)
+    best.filter(|(_, left)| *left < with).map(|(settled, _)| settled)
 }
 
-/// Whether no stage's residual differs by more than [`SAME`].
-fn is_same(evidence: &Evidence<'_>, residuals: [&[Part]; 2], scope: &Scope) -> bool {
-    scope.stages.iter().all(|&stage| {
-        let [first, second] = residuals.map(|parts| rms(parts, stage, evidence).max(1e-12));
-        (second / first).ln().abs() < SAME
-    })
+/// Fits a scope's slots before any search; with the trace's own error that was taken out.
+///
+/// A declared model knows of no such error. One that an earlier trace has fitted stands where nothing was left to gain:
+/// it stays there, unless these logs are explained better elsewhere.
+#[must_use]
+pub fn first_fit(evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope) -> (Fitted, Vec<Part>) {
+    let own = own_error::known(evidence, start, scope);
+    let seen = Evidence { own: &own, ..*evidence };
+    let fitted = fit::fit(&seen, start, scope, fit::STEPS);
+    if own.is_empty() {
+        return (fitted, own);
+    }
+    let of_fitted = own_error::of(evidence, &fitted.model, scope);
+    let stood = size(evidence, &seen.residuals(start, scope), scope);
+    let anew = Evidence { own: &of_fitted, ..*evidence }.residuals(&fitted.model, scope);
+    let is_better = size(evidence, &anew, scope) < stood - WORTH;
+    (if is_better { fitted } else { fit::fit(&seen, start, scope, 0) }, own)
+}
+
+/// A model with its own error, if it has one.
+fn of(
+    evidence: &Evidence<'_>,
+    model: AxisModel,
+    explained: Vec<Explained>,
+    driven: &Scope,
+) -> Option<Settled> {
+    let own = own_error::of(evidence, &model, driven);
+    (!own.is_empty()).then_some(Settled { model, explained, own })
+}
+
+/// Sum of the logarithms of the residuals of a scope's stages.
+fn size(evidence: &Evidence<'_>, parts: &[Part], scope: &Scope) -> f64 {
+    scope.stages.iter().map(|&stage| rms(parts, stage, evidence).max(1e-12).ln()).sum()
 }
