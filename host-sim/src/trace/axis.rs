@@ -13,7 +13,7 @@ use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::search::{Explained, Round, Search};
-use super::settle::{first_fit, settle};
+use super::settle::{first_fit, settle, unmoved};
 use super::unexplained::{Unexplained, unexplained};
 use super::untested::{Untested, untested};
 use crate::effects::{Effect, Stage};
@@ -127,6 +127,10 @@ pub fn trace(
         before.weigh(scope);
         fits.push(fitted);
     }
+    let written = AxisModel::new(declared, fit_logs.rates);
+    if let Some((stays, _)) = unmoved(fit_logs, &written, &before, &scopes) {
+        before = stays;
+    }
     let mut model = before.clone();
     let mut explained = Vec::new();
     for scope in &scopes {
@@ -142,6 +146,10 @@ pub fn trace(
     if let Some(settled) = settle(fit_logs, &model, &explained, &scopes, say) {
         (model, explained, own) = (settled.model, settled.explained, settled.own);
         let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All);
+        if let Some(stays) = unmoved(fit_logs, &written, &model, &scopes).filter(|_| model.found().is_empty())
+        {
+            (model, own) = stays;
+        }
         own_on_validate = driven.map_or_else(Vec::new, |scope| own_error::of(validate, &model, scope));
     }
     let fit_logs = &Evidence { own: &own, ..*fit_logs };

@@ -56,23 +56,36 @@ pub fn settle(
     best.filter(|(_, left)| *left < with).map(|(settled, _)| settled)
 }
 
-/// Fits a scope's slots before any search; with the trace's own error that was taken out.
-///
-/// A declared model knows of no such error. One that an earlier trace has fitted stands where nothing was left to gain:
-/// it stays there, unless these logs are explained better elsewhere.
+/// Fits a scope's slots before any search; gives what was taken out as the trace's own error, too.
 #[must_use]
 pub fn first_fit(evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope) -> (Fitted, Vec<Part>) {
     let own = own_error::known(evidence, start, scope);
-    let seen = Evidence { own: &own, ..*evidence };
-    let fitted = fit::fit(&seen, start, scope, fit::STEPS);
-    if own.is_empty() {
-        return (fitted, own);
+    (fit::fit(&Evidence { own: &own, ..*evidence }, start, scope, fit::STEPS), own)
+}
+
+/// The model of a file that an earlier trace has written, with its own error, where these logs are explained no better by
+/// another fit of it: else each trace would move a little what hardly shows. `None` for a model that was declared.
+#[must_use]
+pub fn unmoved(
+    evidence: &Evidence<'_>,
+    written: &AxisModel,
+    fitted: &AxisModel,
+    scopes: &[Scope],
+) -> Option<(AxisModel, Vec<Part>)> {
+    let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All)?;
+    if !written.was_fitted() {
+        return None;
     }
-    let of_fitted = own_error::of(evidence, &fitted.model, scope);
-    let stood = size(evidence, &seen.residuals(start, scope), scope);
-    let anew = Evidence { own: &of_fitted, ..*evidence }.residuals(&fitted.model, scope);
-    let is_better = size(evidence, &anew, scope) < stood - WORTH;
-    (if is_better { fitted } else { fit::fit(&seen, start, scope, 0) }, own)
+    let left = |model: &AxisModel| {
+        let own = own_error::known(evidence, model, driven);
+        let seen = Evidence { own: &own, ..*evidence };
+        let sizes = scopes.iter().map(|scope| size(&seen, &seen.residuals(model, scope), scope));
+        (sizes.sum::<f64>(), own)
+    };
+    let ((stood, own), (moved, _)) = (left(written), left(fitted));
+    let mut model = written.clone();
+    model.weigh(driven);
+    (moved > stood - WORTH).then_some((model, own))
 }
 
 /// A model with its own error, if it has one.
