@@ -8,12 +8,11 @@ use super::free_run::{FreeRun, free_runs};
 use super::intervals::{covariance, half_widths};
 use super::look_alike::LookAlike;
 use super::model::AxisModel;
-use super::own_error;
 use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
 use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::search::{Explained, Round, Search};
-use super::settle::{first_fit, settle, unmoved};
+use super::settle::{Finished, finish, first_fit, unmoved};
 use super::unexplained::{Unexplained, unexplained};
 use super::untested::{Untested, untested};
 use crate::effects::{Effect, Stage};
@@ -142,18 +141,10 @@ pub fn trace(
     together(fit_logs, &mut model, &mut explained, &scopes, say);
 
     // What driving a filtered motor gets wrong shows in the loop that was found: once more, without that.
-    let (mut own, mut own_on_validate) = (Vec::new(), Vec::new());
-    if let Some(settled) = settle(fit_logs, &model, &explained, &scopes, say) {
-        (model, explained, own) = (settled.model, settled.explained, settled.own);
-        let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All);
-        if let Some(stays) = unmoved(fit_logs, &written, &model, &scopes).filter(|_| model.found().is_empty())
-        {
-            (model, own) = stays;
-        }
-        own_on_validate = driven.map_or_else(Vec::new, |scope| own_error::of(validate, &model, scope));
-    }
-    let fit_logs = &Evidence { own: &own, ..*fit_logs };
-    let validate = &Evidence { own: &own_on_validate, ..*validate };
+    let Finished { model, explained, own } =
+        finish([fit_logs, validate], &written, model, explained, &scopes, say);
+    let [fit_logs, validate] =
+        &[(fit_logs, &own[0]), (validate, &own[1])].map(|(logs, own)| Evidence { own, ..*logs });
     if model.found().is_empty() {
         before = model.clone();
     } else {

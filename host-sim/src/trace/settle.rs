@@ -17,32 +17,69 @@ const MOST_ROUNDS: usize = 10;
 const WORTH: f64 = 2e-3;
 
 /// A model fitted without the trace's own error.
-pub struct Settled {
+struct Settled {
+    model: AxisModel,
+    explained: Vec<Explained>,
+    /// Its own error on the fit logs, which was taken out.
+    own: Vec<Part>,
+}
+
+/// What the search found, as it is reported.
+pub struct Finished {
     /// The model.
     pub model: AxisModel,
     /// Its scopes.
     pub explained: Vec<Explained>,
-    /// Its own error on the fit logs, which was taken out.
-    pub own: Vec<Part>,
+    /// The trace's own error that is taken out of the fit logs and of the validation logs; none where it is not known.
+    pub own: [Vec<Part>; 2],
+}
+
+/// Settles what the search found. A file of an earlier trace, `written`, stays as it is where nothing is found and these
+/// logs are explained no better by another fit of it.
+#[must_use]
+pub fn finish(
+    [fit_logs, validate]: [&Evidence<'_>; 2],
+    written: &AxisModel,
+    model: AxisModel,
+    explained: Vec<Explained>,
+    scopes: &[Scope],
+    say: &(dyn Fn(&str) + Sync),
+) -> Finished {
+    let mut finished = match settle(fit_logs, &model, &explained, scopes, say) {
+        Some(Settled { model, explained, own }) => Finished { model, explained, own: [own, Vec::new()] },
+        None => Finished { model, explained, own: [Vec::new(), Vec::new()] },
+    };
+    let has_nothing_new = finished.model.found().is_empty();
+    let unmoved = has_nothing_new.then(|| unmoved(fit_logs, written, &finished.model, scopes)).flatten();
+    if let Some((model, own)) = unmoved {
+        (finished.model, finished.own[0]) = (model, own);
+    }
+    if let Some(driven) = driven(scopes).filter(|_| !finished.own[0].is_empty()) {
+        finished.own[1] = own_error::of(validate, &finished.model, driven);
+    }
+    finished
+}
+
+/// The scope of the stages that a measured motor drives.
+fn driven(scopes: &[Scope]) -> Option<&Scope> {
+    scopes.iter().find(|scope| scope.mechanics == Mechanics::All)
 }
 
 /// Fits all that was found once more without the trace's own error, and again without that of the new model while this
 /// leaves less. `None` where there is no such error, or where the fit logs are explained better with it.
-#[must_use]
-pub fn settle(
+fn settle(
     evidence: &Evidence<'_>,
     model: &AxisModel,
     explained: &[Explained],
     scopes: &[Scope],
     say: &(dyn Fn(&str) + Sync),
 ) -> Option<Settled> {
-    let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All)?;
+    let driven = driven(scopes)?;
     let with = size(evidence, &evidence.residuals(model, driven), driven);
     let mut next = of(evidence, model.clone(), explained.to_vec(), driven)?;
     let mut best: Option<(Settled, f64)> = None;
     for _ in 0..MOST_ROUNDS {
-        let without = Evidence { own: &next.own, ..*evidence }.residuals(&next.model, driven);
-        let left = size(evidence, &without, driven);
+        let left = left(evidence, &next.model, &next.own, scopes);
         if best.as_ref().is_some_and(|(_, least)| left > least - WORTH) {
             break;
         }
@@ -53,7 +90,15 @@ pub fn settle(
         let Some(fitted) = of(evidence, model, explained, driven) else { break };
         next = fitted;
     }
-    best.filter(|(_, left)| *left < with).map(|(settled, _)| settled)
+    let (settled, _) = best?;
+    let seen = Evidence { own: &settled.own, ..*evidence };
+    (size(&seen, &seen.residuals(&settled.model, driven), driven) < with).then_some(settled)
+}
+
+/// What a model leaves in all stages without the trace's own error: the sum of the logarithms of the residuals.
+fn left(evidence: &Evidence<'_>, model: &AxisModel, own: &[Part], scopes: &[Scope]) -> f64 {
+    let seen = Evidence { own, ..*evidence };
+    scopes.iter().map(|scope| size(&seen, &seen.residuals(model, scope), scope)).sum()
 }
 
 /// Fits a scope's slots before any search; gives what was taken out as the trace's own error, too.
@@ -72,17 +117,10 @@ pub fn unmoved(
     fitted: &AxisModel,
     scopes: &[Scope],
 ) -> Option<(AxisModel, Vec<Part>)> {
-    let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All)?;
-    if !written.was_fitted() {
-        return None;
-    }
-    let left = |model: &AxisModel| {
-        let own = own_error::known(evidence, model, driven);
-        let seen = Evidence { own: &own, ..*evidence };
-        let sizes = scopes.iter().map(|scope| size(&seen, &seen.residuals(model, scope), scope));
-        (sizes.sum::<f64>(), own)
-    };
-    let ((stood, own), (moved, _)) = (left(written), left(fitted));
+    let driven = driven(scopes).filter(|_| written.was_fitted())?;
+    let [own, own_of_fitted] = [written, fitted].map(|model| own_error::known(evidence, model, driven));
+    let stood = left(evidence, written, &own, scopes);
+    let moved = left(evidence, fitted, &own_of_fitted, scopes);
     let mut model = written.clone();
     model.weigh(driven);
     (moved > stood - WORTH).then_some((model, own))
