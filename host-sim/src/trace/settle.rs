@@ -76,19 +76,23 @@ fn settle(
 ) -> Option<Settled> {
     let driven = driven(scopes)?;
     let with = size(evidence, &evidence.residuals(model, driven), driven);
-    let mut next = of(evidence, model.clone(), explained.to_vec(), driven)?;
+    let first = of(evidence, model.clone(), explained.to_vec(), driven)?;
     let mut best: Option<(Settled, f64)> = None;
     for _ in 0..MOST_ROUNDS {
+        say(&format!("{}: fitting once more without the trace's own error", evidence.names[evidence.axis]));
+        let last = best.as_ref().map_or(&first, |(settled, _)| settled);
+        let seen = Evidence { own: &last.own, ..*evidence };
+        let (model, explained) = again(&seen, &last.model, &last.explained, scopes, say);
+        let with_last = left(evidence, &model, &last.own, scopes);
+        let Some(next) = of(evidence, model, explained, driven) else { break };
         let left = left(evidence, &next.model, &next.own, scopes);
         if best.as_ref().is_some_and(|(_, least)| left > least - WORTH) {
             break;
         }
-        say(&format!("{}: fitting once more without the trace's own error", evidence.names[evidence.axis]));
-        let seen = Evidence { own: &next.own, ..*evidence };
-        let (model, explained) = again(&seen, &next.model, &next.explained, scopes, say);
         best = Some((next, left));
-        let Some(fitted) = of(evidence, model, explained, driven) else { break };
-        next = fitted;
+        if (left - with_last).abs() < WORTH {
+            break;
+        }
     }
     let (settled, _) = best?;
     let seen = Evidence { own: &settled.own, ..*evidence };
