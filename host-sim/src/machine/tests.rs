@@ -483,7 +483,7 @@ fn nominal_values_and_offsets_that_do_not_belong_to_the_axis_are_refused() {
              nominal.stiffness_n_per_um (167), found 150.0",
         ),
         (
-            ["coulomb_n = 150.0\n\n", "coulomb_n = -1.0\n\n"],
+            ["coulomb_n = 150.0\ndamping_n", "coulomb_n = -1.0\ndamping_n"],
             "axis.y.nominal.coulomb_n: expected a number not below 0, found -1.0",
         ),
         (

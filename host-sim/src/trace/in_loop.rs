@@ -202,8 +202,10 @@ mod tests {
     #[test]
     fn an_added_force_is_within_the_limit_of_the_drive() {
         assert!((greatest_n(300.0, 1000.0) - 300.0).abs() < 1e-9);
-        // At the first tick the motor has not moved and the controller asks for nothing; from then on for less.
+        // The motor's 90 kg under Kv = 6e4 N·s/m follow with 1.5 ms. In the last of the four ticks of the first sample,
+        // 0.75 ms behind the first, the controller has taken back what brings 1000 N to e^(−0.5) of it, at the most; it
+        // knows a velocity that is half a tick old of a tick ago, and friction and spring help: e^(−0.25) at the least.
         let free = greatest_n(20_000.0, 1000.0);
-        assert!((900.0..=1000.0).contains(&free), "{free}");
+        assert!((606.0..779.0).contains(&free), "{free}");
     }
 }
