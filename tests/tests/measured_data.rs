@@ -58,9 +58,9 @@ fn emps_is_explained_as_the_readme_says() {
     let error = |stage| axis.errors.iter().find(|error| error.stage == stage).unwrap();
     let near = |value: f64, figure: f64| (value / figure - 1.0).abs() < 0.01;
     let force = error(Stage::Force);
-    assert!(near(force.before.validate, 2.557) && near(force.after.validate, 0.938), "{force:?}");
+    assert!(near(force.before.validate, 2.592) && near(force.after.validate, 0.938), "{force:?}");
     let motor = error(Stage::Motor);
-    assert!(near(motor.before.validate, 1.622) && near(motor.after.validate, 0.602), "{motor:?}");
+    assert!(near(motor.before.validate, 1.594) && near(motor.after.validate, 0.602), "{motor:?}");
     // What no model takes away, because it differs from lap to lap.
     let repeats = |stage| axis.repeats.iter().find(|part| part.channel == stage).unwrap();
     assert!((repeats(Stage::Force).period_s - 6.24).abs() < 1e-9);
@@ -68,7 +68,7 @@ fn emps_is_explained_as_the_readme_says() {
     assert!(near(repeats(Stage::Motor).non_repeatable, 0.222), "{:?}", axis.repeats);
     // Without feedback, over 0.1 and 0.5 s.
     let astray: Vec<[f64; 2]> = axis.free_runs.iter().map(|run| [run.declared_um, run.after_um]).collect();
-    for (found, figure) in astray.iter().zip([[37.5, 13.3], [578.0, 208.0]]) {
+    for (found, figure) in astray.iter().zip([[37.9, 13.3], [582.0, 208.0]]) {
         assert!(found.iter().zip(figure).all(|(found, figure)| near(*found, figure)), "{astray:?}");
     }
     // Held out is no better than fitted by luck, nor worse by over-fitting, beyond 4 %.
@@ -169,7 +169,7 @@ fn the_robot_is_late_and_winds_up() {
     assert_eq!(names(1), ["latency"]);
     assert_eq!(names(2), ["latency", "windup"]);
     let near = |value: f64, figure: f64| (value / figure - 1.0).abs() < 0.05;
-    let held_out = [(9.996, 2.484), (14.552, 5.052), (8.073, 2.394)];
+    let held_out = [(9.760, 2.484), (14.552, 5.052), (8.073, 2.394)];
     for (axis, (before, after)) in trace.axes.iter().zip(held_out) {
         let error = &axis.errors[0];
         assert!(near(error.before.validate, before) && near(error.after.validate, after), "{error:?}");

@@ -8,7 +8,7 @@
 use std::time::Instant;
 
 use host_sim::controller::{AxisOutput, Controller, Format, PathBlock, PathShape, Status};
-use host_sim::link::emulator::Emulator;
+use host_sim::link::emulator::{Emulator, PATIENCE};
 use host_sim::link::remote::{Connection, Remote};
 use host_sim::machine::Machine;
 use host_sim::plant::instruments::Instruments;
@@ -112,7 +112,7 @@ fn here(format: Format, text: &str, turns: f64) -> Vec<Tick> {
 }
 
 fn emulator() -> Emulator {
-    Emulator::start(&tests::firmware::built("emulated")).unwrap()
+    Emulator::start(&tests::firmware::built("emulated"), PATIENCE).unwrap()
 }
 
 fn emulated(format: Format) -> Remote<Emulator> {

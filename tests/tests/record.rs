@@ -1,9 +1,13 @@
-//! `record` on the emulated core and `simulate` here write the same log, byte for byte.
+//! `record` on the emulated core and `simulate` here write the same log, byte for byte; a core that does not answer ends
+//! the run.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
-use std::path::Path;
-use std::process::Command;
+use std::os::unix::fs::PermissionsExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Output, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
 
 /// Once there and back, and a quarter of a circle: half a second, 2,000 ticks.
 const MOTION: &str = r#"name = "short"
@@ -47,5 +51,130 @@ fn the_emulated_core_writes_the_log_of_the_simulation() {
         assert!(here == there, "{name}: the logs differ");
         assert!(here.len() > 10_000, "{name}: {} bytes are no log of half a second", here.len());
         assert!(said.contains("instructions in the median"), "{said}");
+    }
+}
+
+/// Half an hour of standing still: it is under way whenever it is looked at.
+const LONG: &str = r#"name = "long"
+feed_mm_per_min = 3000.0
+acceleration_m_per_s2 = 2.0
+start_mm = { x = 5.0, y = 0.0 }
+
+[[block]]
+dwell_s = 1800.0
+"#;
+
+/// How long the tests let an answer take.
+const TIMEOUT_S: f64 = 1.5;
+
+/// A folder whose `bin/qemu-system-arm` writes its process number to `pid` and becomes another command.
+struct StandIn {
+    folder: tempfile::TempDir,
+    path: String,
+}
+
+impl StandIn {
+    fn new(command: &str) -> Self {
+        let folder = tempfile::tempdir().unwrap();
+        let bin = folder.path().join("bin");
+        fs::create_dir(&bin).unwrap();
+        fs::create_dir(folder.path().join("out")).unwrap();
+        let script =
+            format!("#!/bin/sh\necho $$ > '{}'\nexec {command}\n", folder.path().join("pid").display());
+        let emulator = bin.join("qemu-system-arm");
+        fs::write(&emulator, script).unwrap();
+        fs::set_permissions(&emulator, fs::Permissions::from_mode(0o755)).unwrap();
+        fs::write(folder.path().join("motion.toml"), LONG).unwrap();
+        let path = format!("{}:{}", bin.display(), std::env::var("PATH").unwrap());
+        Self { folder, path }
+    }
+
+    fn record(&self, program: &Path) -> Command {
+        let mut command = Command::new(tests::program::lost_motion());
+        let port = format!("emulated:{}", program.display());
+        command.args(["record", "--port", &port, "--timeout-s", &TIMEOUT_S.to_string()]);
+        command.args(["--motion", "motion.toml", "--out", "out/log.csv"]);
+        command.current_dir(self.folder.path()).env("PATH", &self.path);
+        command.stdout(Stdio::piped()).stderr(Stdio::piped());
+        command
+    }
+
+    /// The process that it has become, once it has.
+    fn pid(&self) -> u32 {
+        waited_for(|| fs::read_to_string(self.folder.path().join("pid")).ok()?.trim().parse().ok())
+    }
+
+    fn outputs(&self) -> Vec<PathBuf> {
+        let entries = fs::read_dir(self.folder.path().join("out")).unwrap();
+        entries.map(|entry| entry.unwrap().path()).collect()
+    }
+
+    /// Asserts that the run ended with 1, one line that says what did not answer, and nothing left.
+    fn assert_given_up(&self, output: &Output) {
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{said}");
+        let line =
+            format!("the emulator has not answered for {TIMEOUT_S} s and was ended; check that its program");
+        let last = said.trim_end().lines().last().unwrap();
+        assert!(last.starts_with("lost-motion: ") && last.contains(&line), "{said}");
+        assert!(self.outputs().is_empty(), "left behind: {:?}", self.outputs());
+        let process = PathBuf::from(format!("/proc/{}", self.pid()));
+        assert!(!process.exists(), "the emulator still runs");
+    }
+}
+
+/// What `look` sees as soon as it sees something; waits for half a minute.
+fn waited_for<T>(mut look: impl FnMut() -> Option<T>) -> T {
+    let start = Instant::now();
+    loop {
+        if let Some(seen) = look() {
+            return seen;
+        }
+        assert!(start.elapsed() < Duration::from_secs(30), "it does not come");
+        sleep(Duration::from_millis(10));
+    }
+}
+
+#[test]
+fn an_emulator_that_never_answers_is_given_up() {
+    let stand_in = StandIn::new("cat 3>&1 > /dev/null");
+    let program = stand_in.folder.path().join("motion.toml");
+    let start = Instant::now();
+    let output = stand_in.record(&program).output().unwrap();
+    stand_in.assert_given_up(&output);
+    // It waits as long as it was told; the rest is the start of two programs on a busy computer.
+    let waited_s = start.elapsed().as_secs_f64();
+    assert!((TIMEOUT_S..TIMEOUT_S + 20.0).contains(&waited_s), "{waited_s}");
+}
+
+#[test]
+fn an_emulator_that_stops_on_the_way_is_given_up() {
+    let found = std::env::split_paths(&std::env::var_os("PATH").unwrap())
+        .map(|folder| folder.join("qemu-system-arm"))
+        .find(|path| path.is_file())
+        .expect("qemu-system-arm is installed");
+    let stand_in = StandIn::new(&format!("'{}' \"$@\"", found.display()));
+    let recording = stand_in.record(&tests::firmware::built("emulated")).spawn().unwrap();
+    // The log is begun once the controller at the other end is set up: it has answered.
+    waited_for(|| stand_in.outputs().first().cloned());
+    let stopped = Command::new("kill").args(["-STOP", &stand_in.pid().to_string()]).status().unwrap();
+    assert!(stopped.success());
+    stand_in.assert_given_up(&recording.wait_with_output().unwrap());
+}
+
+#[test]
+fn a_timeout_that_is_none_is_refused() {
+    let folder = tempfile::tempdir().unwrap();
+    fs::write(folder.path().join("motion.toml"), MOTION).unwrap();
+    for seconds in ["0", "-1", "nan", "1e9"] {
+        let output = Command::new(tests::program::lost_motion())
+            .args(["record", "--port", "emulated", "--motion", "motion.toml", "--out", "log.csv"])
+            .arg(format!("--timeout-s={seconds}"))
+            .current_dir(folder.path())
+            .output()
+            .unwrap();
+        let said = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{said}");
+        assert!(said.contains("--timeout-s: expected seconds above 0 and up to 3600, found"), "{said}");
     }
 }

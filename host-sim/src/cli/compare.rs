@@ -11,7 +11,7 @@ use crate::compare::pipeline::Pipeline;
 use crate::compare::{self, Comparison, Options, Row};
 use crate::controller::Format;
 use crate::error::InputError;
-use crate::link::emulator::{self, Emulator};
+use crate::link::emulator::{self, Emulator, PATIENCE};
 use crate::output::write_whole;
 use crate::report;
 use crate::report::compare::nanometres;
@@ -67,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// The program of the emulated core, or why there is none. One that was asked for has to work.
 fn emulator(arguments: &Arguments) -> Result<(Option<PathBuf>, Option<String>)> {
     let program = arguments.emulator.clone().unwrap_or_else(emulator::default_program);
-    match (Emulator::start(&program), &arguments.emulator) {
+    match (Emulator::start(&program, PATIENCE), &arguments.emulator) {
         (Ok(_), _) => Ok((Some(program), None)),
         (Err(problem), Some(_)) => Err(InputError::saying("--emulator", problem).into()),
         (Err(problem), None) => Ok((None, Some(problem))),

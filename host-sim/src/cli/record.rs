@@ -2,12 +2,14 @@
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
+use std::time::Duration;
 
 use super::refusal::Given;
 use super::{keeps, logged, say};
 use crate::controller::Format;
 use crate::demo;
-use crate::link;
+use crate::error::InputError;
+use crate::link::{self, emulator::PATIENCE};
 use crate::machine::Machine;
 use crate::motion::Motion;
 use crate::path;
@@ -18,6 +20,9 @@ use anyhow::Result;
 
 /// What messages call the machine of the demo.
 const DEMO_MACHINE: &str = "machines/demo.toml";
+
+/// A board that has not answered by then never will, s.
+const LONGEST_PATIENCE_S: f64 = 3600.0;
 
 /// Arguments of `record`.
 #[derive(clap::Args)]
@@ -34,6 +39,9 @@ pub struct Arguments {
     /// Log to write (CSV, or .csv.gz).
     #[arg(long)]
     out: PathBuf,
+    /// How long an answer of the board may take before it is given up, s.
+    #[arg(long, value_name = "SECONDS", default_value_t = PATIENCE.as_secs_f64())]
+    timeout_s: f64,
     /// Seed of the sensors' noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -44,6 +52,7 @@ pub struct Arguments {
 /// # Errors
 /// Input that cannot be used, a link that fails, a loop that does not hold, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    let patience = patience(arguments.timeout_s)?;
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
     keeps(&[machine_path, &arguments.motion], &[("--out", Some(&arguments.out))])?;
     let machine = match &arguments.machine {
@@ -58,7 +67,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let path = path::of(&motion, &machine, motion_file)?;
     let set_up = simulate::set_up(&machine, &path.start_m);
     let (settings, start) = set_up.map_err(|error| given.blamed(error))?;
-    let board = link::open(&arguments.port, Format::Fixed, servo::rates(&machine), &settings, &start);
+    let board =
+        link::open(&arguments.port, patience, Format::Fixed, servo::rates(&machine), &settings, &start);
     let mut board = board.map_err(|error| given.blamed(error))?;
     let run = Run {
         machine: &machine,
@@ -88,6 +98,16 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         said += &format!("\n\n{ticks} ticks: {median} instructions in the median, {worst} at the worst.");
     }
     say(&said)
+}
+
+/// How long to wait for an answer.
+fn patience(seconds: f64) -> Result<Duration, InputError> {
+    let is_possible = seconds > 0.0 && seconds <= LONGEST_PATIENCE_S;
+    let wanted = || format!("seconds above 0 and up to {LONGEST_PATIENCE_S}");
+    if is_possible {
+        return Ok(Duration::from_secs_f64(seconds));
+    }
+    Err(InputError::expected("--timeout-s", wanted(), seconds))
 }
 
 /// The cost that half of the ticks do not exceed.

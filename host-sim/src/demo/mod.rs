@@ -64,15 +64,24 @@ pub fn run(seed: u64, say: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
     let declared = Machine::parse(MACHINE, "machines/demo.toml")?;
     let drawn = draw(&declared, seed);
     say("running the machine");
+    let [fit, validate] = logs(&drawn.truth, seed)?;
+    let trace = trace::trace(&declared, &fit, &validate, say)?;
+    Ok(Demo { seed, drawn, trace })
+}
+
+/// What a machine logs on the demo's motions: those that are fitted, and those that are not.
+///
+/// # Errors
+/// When the machine does not run.
+pub fn logs(machine: &Machine, seed: u64) -> Result<[Vec<Log>; 2], DemoError> {
     let motions: Vec<&(&str, f64)> = FIT.iter().chain(&VALIDATE).collect();
-    let logs: Vec<Log> = motions
+    let mut fit: Vec<Log> = motions
         .into_par_iter()
         .enumerate()
-        .map(|(number, (motion, start_s))| log(&drawn.truth, motion, *start_s, seed + number as u64))
+        .map(|(number, (motion, start_s))| log(machine, motion, *start_s, seed + number as u64))
         .collect::<Result<_, _>>()?;
-    let (fit, validate) = logs.split_at(FIT.len());
-    let trace = trace::trace(&declared, fit, validate, say)?;
-    Ok(Demo { seed, drawn, trace })
+    let validate = fit.split_off(FIT.len());
+    Ok([fit, validate])
 }
 
 /// The log of a machine that runs a motion file, from a time of the session on, with the typical noise of a seed.

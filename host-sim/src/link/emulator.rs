@@ -12,7 +12,11 @@ use std::ffi::OsStr;
 use std::io::{self, BufRead, BufReader, Read, Write};
 use std::path::{Path, PathBuf};
 use std::process::{Child, ChildStderr, ChildStdin, ChildStdout, Command, Stdio};
+use std::sync::mpsc::{Receiver, RecvTimeoutError, SyncSender, sync_channel};
 use std::thread::{self, JoinHandle};
+use std::time::Duration;
+
+use shared::protocol::FRAME;
 
 use super::remote::{Connection, Frame};
 
@@ -25,12 +29,19 @@ const PIPES_ONLY: &[&str] = &["-display", "none", "-monitor", "none", "-serial",
 
 const SEMIHOSTING: &[&str] = &["-semihosting-config", "enable=on,target=native"];
 
+/// How long an answer may take where nothing else is asked for: a tick takes a millisecond, the start of the emulator on
+/// a busy computer a second or two.
+pub const PATIENCE: Duration = Duration::from_secs(10);
+
 /// A running emulator. It ends with this value.
 #[derive(Debug)]
 pub struct Emulator {
     child: Child,
     orders: ChildStdin,
-    answers: ChildStdout,
+    /// From the thread that reads the program's output; closed where that has ended.
+    answers: Receiver<Frame>,
+    /// How long an answer may take.
+    patience: Duration,
     /// Gives the last line of what the emulator complained of, once it has ended.
     complaint: Option<JoinHandle<String>>,
 }
@@ -44,11 +55,11 @@ pub fn default_program() -> PathBuf {
 }
 
 impl Emulator {
-    /// Starts the emulator on a program.
+    /// Starts the emulator on a program whose answers may each take as long as `patience`.
     ///
     /// # Errors
     /// One line: the program or the emulator is missing, or the system does not start it.
-    pub fn start(program: &Path) -> Result<Self, String> {
+    pub fn start(program: &Path, patience: Duration) -> Result<Self, String> {
         if !program.is_file() {
             return Err(format!("{}: no such program, build it with `cargo emulated`", program.display()));
         }
@@ -57,11 +68,12 @@ impl Emulator {
         };
         Self::spawn(
             Command::new(qemu).args(MACHINE).args(PIPES_ONLY).args(SEMIHOSTING).arg("-kernel").arg(program),
+            patience,
         )
         .map_err(|error| format!("{QEMU} cannot be started: {error}"))
     }
 
-    fn spawn(command: &mut Command) -> io::Result<Self> {
+    fn spawn(command: &mut Command, patience: Duration) -> io::Result<Self> {
         let mut child =
             command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
@@ -70,7 +82,21 @@ impl Emulator {
         };
         // Read all the time, so that a talkative emulator does not block.
         let complaint = thread::spawn(move || last_line(complaints));
-        Ok(Self { child, orders, answers, complaint: Some(complaint) })
+        // A read from a pipe waits for ever; only a thread of its own can be given up.
+        let (sender, frames) = sync_channel(1);
+        thread::spawn(move || pass_on(answers, &sender));
+        Ok(Self { child, orders, answers: frames, patience, complaint: Some(complaint) })
+    }
+
+    /// Ends the emulator, which has not answered in time; says so.
+    fn give_up(&mut self) -> String {
+        let _ = self.child.kill();
+        let _ = self.child.wait();
+        format!(
+            "the emulator has not answered for {} s and was ended; check that its program is the one of `cargo emulated` \
+             in this version, and that this computer is not overloaded",
+            self.patience.as_secs_f64()
+        )
     }
 
     /// Why the emulator is gone.
@@ -89,9 +115,23 @@ impl Emulator {
 
 impl Connection for Emulator {
     fn exchange(&mut self, frame: &mut Frame) -> Result<(), String> {
-        let exchanged = self.orders.write_all(frame).and_then(|()| self.answers.read_exact(frame));
-        exchanged.map_err(|_| self.epitaph())
+        // The pipe holds many frames and one is under way at most: this does not wait.
+        self.orders.write_all(frame).map_err(|_| self.epitaph())?;
+        match self.answers.recv_timeout(self.patience) {
+            Ok(answer) => {
+                *frame = answer;
+                Ok(())
+            }
+            Err(RecvTimeoutError::Timeout) => Err(self.give_up()),
+            Err(RecvTimeoutError::Disconnected) => Err(self.epitaph()),
+        }
     }
+}
+
+/// Passes whole frames on until there are no more, or nobody takes them.
+fn pass_on(mut answers: ChildStdout, to: &SyncSender<Frame>) {
+    let mut frame = [0; FRAME];
+    while answers.read_exact(&mut frame).is_ok() && to.send(frame).is_ok() {}
 }
 
 impl Drop for Emulator {
@@ -126,10 +166,47 @@ fn last_line(from: ChildStderr) -> String {
 
 #[cfg(test)]
 mod tests {
+    use std::time::Instant;
+
     use super::*;
 
     fn shell(script: &str) -> Emulator {
-        Emulator::spawn(Command::new("sh").args(["-c", script])).unwrap()
+        Emulator::spawn(Command::new("sh").args(["-c", script]), PATIENCE).unwrap()
+    }
+
+    /// A child answers `frames` frames with themselves and then only reads.
+    fn falls_silent_after(frames: usize) {
+        // Long enough for a shell to start on a busy computer.
+        let patience = Duration::from_millis(1500);
+        // Its output stays open in 3, as an end of it would say that the child has ended.
+        let answer = format!("dd bs={FRAME} count={frames} 2>/dev/null");
+        let script = format!("{answer}; exec cat 3>&1 >/dev/null");
+        let mut child = Emulator::spawn(Command::new("sh").args(["-c", &script]), patience).unwrap();
+        for _ in 0..frames {
+            child.exchange(&mut [7; FRAME]).unwrap();
+        }
+        let asked = Instant::now();
+        let said = child.exchange(&mut [7; FRAME]).unwrap_err();
+        let waited = asked.elapsed();
+        assert!(said.starts_with("the emulator has not answered for 1.5 s and was ended; check"), "{said}");
+        assert!(!said.contains('\n'), "{said}");
+        // No sooner than it was told, and not much later: killing takes milliseconds, a busy computer some more.
+        assert!(waited >= patience && waited < patience + Duration::from_secs(5), "{waited:?}");
+        assert!(child.child.try_wait().unwrap().is_some(), "it still runs");
+        // Asked again, it is gone, and nobody waits.
+        let again = Instant::now();
+        assert_eq!(child.exchange(&mut [7; FRAME]).unwrap_err(), "the emulator has ended");
+        assert!(again.elapsed() < patience);
+    }
+
+    #[test]
+    fn a_child_that_never_answers_is_given_up() {
+        falls_silent_after(0);
+    }
+
+    #[test]
+    fn so_is_one_that_no_longer_does() {
+        falls_silent_after(3);
     }
 
     #[test]

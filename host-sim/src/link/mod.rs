@@ -7,6 +7,7 @@ pub mod emulator;
 pub mod remote;
 
 use std::path::PathBuf;
+use std::time::Duration;
 
 use shared::config::{AxisSettings, Rates};
 use shared::units::Position;
@@ -19,14 +20,15 @@ use remote::Remote;
 /// Opens a port and sets its controller up, drives off.
 ///
 /// `port` is `emulated`, for the program that `cargo emulated` has built, or `emulated:PATH` for
-/// another build of it.
+/// another build of it. Each of its answers may take as long as `patience`.
 ///
 /// # Errors
 /// [`ControllerError::Refused`] as from [`crate::controller::in_process`] where settings are refused;
 /// [`ControllerError::Port`] where there is no such port, or it has too few axes;
-/// [`ControllerError::Link`] where the program or the emulator is missing.
+/// [`ControllerError::Link`] where the program or the emulator is missing, or does not answer.
 pub fn open(
     port: &str,
+    patience: Duration,
     format: Format,
     rates: Rates,
     settings: &[AxisSettings],
@@ -42,7 +44,7 @@ pub fn open(
             )));
         }
     };
-    let link = Emulator::start(&program).map_err(ControllerError::Link)?;
+    let link = Emulator::start(&program, patience).map_err(ControllerError::Link)?;
     Ok(Box::new(Remote::set_up(link, format, rates, settings, start)?))
 }
 
@@ -52,7 +54,8 @@ mod tests {
 
     fn refusal(port: &str) -> String {
         let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
-        let opened = open(port, Format::Fixed, rates, &[AxisSettings::default()], &[Position(0)]);
+        let opened =
+            open(port, emulator::PATIENCE, Format::Fixed, rates, &[AxisSettings::default()], &[Position(0)]);
         opened.err().expect("nothing is there to open").to_string()
     }
 

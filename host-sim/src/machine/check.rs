@@ -1,6 +1,7 @@
 //! What a machine file has to fulfil beyond having the right keys of the right types.
 
 mod loops;
+mod nominal;
 
 use super::instruments::InstrumentKeys;
 use super::{AXIS_NAME, Axis, Feedback, Machine, is_axis_name};
@@ -97,6 +98,8 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         context.filters(machine.velocity_rate_hz())?;
         context.travel()?;
         context.mechanics()?;
+        context.nominal()?;
+        context.log_offsets(machine.sample_rate_hz)?;
         for (index, effect) in axis.effect.iter().enumerate() {
             let effect_key = format!("{key}.effect[{index}]");
             parameters(effect, &effect_key, document)?;
@@ -335,7 +338,8 @@ impl Context<'_> {
 /// Reads each effect alone: within the whole file serde loses the place of what is wrong in one.
 pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
     for axis in document.inside("axis") {
-        for effect in entries(axis, document) {
+        let nominal = format!("{axis}.nominal");
+        for effect in entries(axis, document).into_iter().chain(entries(&nominal, document)) {
             let name_key = format!("{effect}.name");
             let name: String = document.deserialize_at(&name_key)?;
             if !NAMES.contains(&name.as_str()) {

@@ -2,6 +2,7 @@
 
 mod check;
 pub mod instruments;
+pub mod nominal;
 
 use std::path::Path;
 
@@ -14,6 +15,7 @@ use crate::error::InputError;
 use crate::plant::bodies::Structure;
 use crate::plant::curve::Curve;
 use instruments::InstrumentKeys;
+use nominal::{LogOffsets, Nominal};
 
 /// A machine as declared.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -175,6 +177,12 @@ pub struct Axis {
     /// Time constant of the low-pass of dual feedback.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub dual_feedback_time_constant_s: Option<f64>,
+    /// Values and effects as they were before a trace fitted them; absent: as they are.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub nominal: Option<Nominal>,
+    /// Zeros and instants of the logs that a trace fitted.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub log_offsets: Option<LogOffsets>,
     /// Effects found, in the order in which they were added.
     #[serde(default, skip_serializing_if = "Vec::is_empty")]
     pub effect: Vec<Effect>,

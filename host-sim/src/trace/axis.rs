@@ -3,12 +3,12 @@
 use serde::Serialize;
 
 use super::empirical::{Empirical, empirical};
-use super::fit;
+use super::fit::{self, Fitted};
 use super::free_run::{FreeRun, free_runs};
+use super::last_fit::{Finished, finish, first_fit, unmoved};
 use super::limits::AtLimit;
 use super::look_alike::LookAlike;
 use super::model::AxisModel;
-use super::own_error;
 use super::refute::Whole;
 use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
@@ -121,10 +121,17 @@ pub fn trace(
     let mut search = Search { fit_logs, name, say, servo, rounds: Vec::new() };
 
     let mut before = AxisModel::new(declared, fit_logs.rates);
+    let mut fits = Vec::new();
     for scope in &scopes {
         say(&format!("{name}: fitting the declared values to {}", stage_names(&scope.stages)));
-        before = fit::fit(fit_logs, &before, scope, fit::STEPS).model;
+        let (fitted, _) = first_fit(fit_logs, &before, scope);
+        before = fitted.model.clone();
         before.weigh(scope);
+        fits.push(fitted);
+    }
+    let written = AxisModel::new(declared, fit_logs.rates);
+    if let Some((stays, _)) = unmoved(fit_logs, &written, &before, &scopes) {
+        before = stays;
     }
     let mut model = before.clone();
     let mut explained = Vec::new();
@@ -137,28 +144,23 @@ pub fn trace(
     together(fit_logs, &mut model, &mut explained, &scopes, say);
 
     // What driving a filtered motor gets wrong shows in the loop that was found: once more, without that.
-    let driven = scopes.iter().find(|scope| scope.mechanics == Mechanics::All);
-    let own = |evidence| driven.map_or_else(Vec::new, |scope| own_error::of(evidence, &model, scope));
-    let errors = [fit_logs, validate].map(own);
-    let [without, validate_without] =
-        [(fit_logs, &errors[0]), (validate, &errors[1])].map(|(evidence, own)| Evidence { own, ..*evidence });
-    let better = driven.filter(|_| !errors[0].is_empty()).and_then(|scope| {
-        say(&format!("{name}: fitting once more without the trace's own error"));
-        let (better, explained) = again(&without, &model, &explained, &scopes, say);
-        let parts = [fit_logs.residuals(&model, scope), without.residuals(&better, scope)];
-        own_error::is_less(fit_logs, parts.each_ref().map(Vec::as_slice), scope)
-            .then_some((better, explained))
-    });
-    let (fit_logs, validate) = if let Some(better) = better {
-        (model, explained) = better;
-        (&without, &validate_without)
+    let Finished { model, explained, own } =
+        finish([fit_logs, validate], &written, model, explained, &scopes, say);
+    let [fit_logs, validate] =
+        &[(fit_logs, &own[0]), (validate, &own[1])].map(|(logs, own)| Evidence { own, ..*logs });
+    before = if model.found().is_empty() {
+        model.clone()
     } else {
-        (fit_logs, validate)
+        fitted_alike(fit_logs, &before, fits, &explained, &scopes, say)
     };
     let formed: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let whole = Whole { declared: before.clone(), model, explained };
     let Settled { whole: Whole { model, .. }, found, refused, refuted } =
         settle([fit_logs, validate], whole, &formed, &search.rounds, say);
+    // All that was found is taken back: the declared model at its best is what there is.
+    if model.found().is_empty() {
+        before = model.clone();
+    }
     let mut errors = Vec::new();
     let mut rest = Vec::new();
     let mut repeats = Vec::new();
@@ -215,8 +217,25 @@ pub fn trace(
     }
 }
 
+/// The declared model fitted as what was found is: the same is set aside, and the same error taken out.
+fn fitted_alike(
+    fit_logs: &Evidence<'_>,
+    declared: &AxisModel,
+    fits: Vec<Fitted>,
+    explained: &[Explained],
+    scopes: &[Scope],
+    say: &(dyn Fn(&str) + Sync),
+) -> AxisModel {
+    let as_declared = |(fitted, last): (Fitted, &Explained)| {
+        let (scope, aside) = (last.scope.clone(), last.aside.clone());
+        Explained { fitted_to: scope.clone(), scope, fitted, aside }
+    };
+    let fits: Vec<Explained> = fits.into_iter().zip(explained).map(as_declared).collect();
+    again(fit_logs, declared, &fits, scopes, say).0
+}
+
 /// Fits all that was found once more, scope by scope.
-fn again(
+pub(super) fn again(
     evidence: &Evidence<'_>,
     model: &AxisModel,
     explained: &[Explained],

@@ -41,7 +41,7 @@ impl LastTick {
         }
     }
 
-    /// Makes of the mean forces of samples, N, those of their last ticks; with the accelerations of
+    /// Makes of the mean forces of samples that the controller gave, N, those of their last ticks; with the accelerations of
     /// [`LastTick::growth_age`] ago, m/s².
     pub fn of_means(&self, force_n: &mut [f64], acceleration: &[f64], sample_s: f64) {
         let (share, takes) = (self.ahead_s / self.integral_s, -(-sample_s / self.integral_s).exp_m1());

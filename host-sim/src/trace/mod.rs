@@ -3,11 +3,13 @@
 //! [`admission`] says which logs can be used; [`signals`] prepares them; [`predict`] drives the declared model with measured signals;
 //! [`residual`] is what it leaves; [`fit`] moves the declared values within their tolerance;
 //! [`candidates`] tries the catalogue, [`held_out`] says what is worth adding; [`axis`] is the search
-//! for one axis, [`limits`], [`refute`] and [`settle`] take back what is no measurement or does not hold on other logs;
+//! for one axis, [`last_fit`] fits all that was found,
+//! [`limits`], [`refute`] and [`settle`] take back what is no measurement or does not hold on other logs;
 //! [`unexplained`] is what stays, [`verdict`] what all of it comes to, [`repeatability`] how much of it could be explained at all, [`untested`]
 //! what was not looked for, [`free_run`] what the model is worth without feedback; [`report`] is the whole for people
 //! and programs.
 
+pub mod added;
 pub mod admission;
 pub mod axis;
 pub mod candidates;
@@ -21,6 +23,7 @@ pub mod free_run;
 pub mod held_out;
 pub mod in_loop;
 pub mod intervals;
+pub mod last_fit;
 pub mod last_tick;
 pub mod limits;
 pub mod look_alike;
@@ -85,7 +88,7 @@ impl Trace {
         let mut machine = Machine { structure: None, ..self.machine.clone() };
         for trace in &self.axes {
             if let Some(axis) = machine.axis.get_mut(&trace.axis) {
-                *axis = trace.model.axis.clone();
+                *axis = trace.model.written();
             }
         }
         machine

@@ -7,43 +7,16 @@ use super::scope::{Mechanics, Scope};
 use super::trim::{Instant, Trims};
 use crate::effects::{Coordinate, Effect, Stage};
 use crate::machine::Axis;
+use crate::machine::nominal::{LogOffsets, Nominal, TOLERATED, Tolerated};
 use crate::plant::parameters::AxisParameters;
-
-/// A declared number with a tolerance.
-struct Declared {
-    key: &'static str,
-    get: fn(&Axis) -> Option<f64>,
-    set: fn(&mut Axis, f64),
-}
-
-macro_rules! declared {
-    ($($key:ident),+) => {
-        &[$(Declared {
-                key: stringify!($key),
-                get: |axis| axis.$key,
-            set: |axis, value| axis.$key = Some(value),
-        }),+]
-    };
-}
-
-/// The mechanical values that `plant_tolerance_percent` is about.
-const DECLARED: &[Declared] = declared!(
-    motor_mass_kg,
-    table_mass_kg,
-    stiffness_n_per_um,
-    damping_n_s_per_m,
-    coulomb_n,
-    viscous_n_s_per_m,
-    motor_coulomb_n,
-    presliding_stiffness_n_per_um,
-    presliding_damping_n_s_per_m
-);
 
 /// One axis: what is declared of it, with values and effects as fitted so far.
 #[derive(Clone, Debug)]
 pub struct AxisModel {
-    /// As in the machine file; the centre of the tolerances.
+    /// As in the machine file.
     declared: Axis,
+    /// The same at its nominal values, the centres of the tolerances.
+    nominal: Axis,
     /// With fitted values, declared and found effects.
     pub axis: Axis,
     /// Zero of the linear scale against the motor's, µm.
@@ -74,12 +47,17 @@ impl AxisModel {
     /// The declared model.
     #[must_use]
     pub fn new(declared: &Axis, rates: Rates) -> Self {
+        let [table_zero_um, tool_zero_um] = declared
+            .log_offsets
+            .as_ref()
+            .map_or([0.0; 2], |offsets| offsets.zeros_um().map(|(_, um)| um.unwrap_or(0.0)));
         Self {
             declared: declared.clone(),
+            nominal: declared.at_nominal(),
             axis: declared.clone(),
-            table_zero_um: 0.0,
-            tool_zero_um: 0.0,
-            trims: Trims::default(),
+            table_zero_um,
+            tool_zero_um,
+            trims: Trims::of(declared, rates),
             rates,
             weighed_kg: None,
         }
@@ -94,18 +72,49 @@ impl AxisModel {
         }
     }
 
-    /// The axis as the machine file has it.
+    /// The axis as the machine file has it, at its nominal values.
     #[must_use]
-    pub fn declared(&self) -> &Axis {
-        &self.declared
+    pub fn nominal(&self) -> &Axis {
+        &self.nominal
+    }
+
+    /// Whether the machine file is that of a trace.
+    #[must_use]
+    pub fn was_fitted(&self) -> bool {
+        self.declared.nominal.is_some() || self.declared.log_offsets.is_some()
+    }
+
+    /// The axis of the better machine file: fitted, with what the fit was held to and with the offsets of its logs.
+    #[must_use]
+    pub fn written(&self) -> Axis {
+        let mut nominal = Nominal::default();
+        let mut offsets = LogOffsets::default();
+        for (key, centre) in self.tolerated_keys() {
+            (key.set_nominal)(&mut nominal, centre);
+        }
+        if self.tolerance() > 0.0 {
+            let declared = self.nominal.effect.iter().zip(&self.axis.effect);
+            // What was let go of its tolerance has a new centre.
+            let centre = |(nominal, fitted)| if self.trades(fitted) { fitted } else { nominal };
+            nominal.effect = declared.map(centre).cloned().collect();
+        }
+        self.trims.write(&self.axis, &mut offsets);
+        let zero = |um: f64| (um != 0.0).then_some(um);
+        offsets.table_zero_um = zero(self.table_zero_um);
+        offsets.tool_zero_um = zero(self.tool_zero_um);
+        Axis {
+            nominal: (nominal != Nominal::default()).then_some(nominal),
+            log_offsets: (offsets != LogOffsets::default()).then_some(offsets),
+            ..self.axis.clone()
+        }
     }
 
     /// The same model with its declared values as they are declared.
     #[must_use]
     pub fn unbent(&self) -> Self {
         let mut model = self.clone();
-        for key in DECLARED {
-            if let Some(value) = (key.get)(&self.declared) {
+        for key in TOLERATED {
+            if let Some(value) = (key.get)(&self.nominal) {
                 (key.set)(&mut model.axis, value);
             }
         }
@@ -117,14 +126,14 @@ impl AxisModel {
     pub fn at_bounds(&self) -> Vec<&'static str> {
         const HARDLY_SHOWN: [&str; 3] =
             ["damping_n_s_per_m", "presliding_stiffness_n_per_um", "presliding_damping_n_s_per_m"];
-        let is_at_bound = |key: &&Declared| {
-            let values = (key.get)(&self.declared).zip((key.get)(&self.axis));
+        let is_at_bound = |key: &&Tolerated| {
+            let values = (key.get)(&self.nominal).zip((key.get)(&self.axis));
             let spread = |declared: f64| self.tolerance() * declared.abs();
             values.is_some_and(|(declared, value)| {
                 spread(declared) > 0.0 && (value - declared).abs() > 0.9999 * spread(declared)
             })
         };
-        let at_bounds = DECLARED.iter().filter(|key| !HARDLY_SHOWN.contains(&key.key)).filter(is_at_bound);
+        let at_bounds = TOLERATED.iter().filter(|key| !HARDLY_SHOWN.contains(&key.key)).filter(is_at_bound);
         at_bounds.map(|key| key.key).collect()
     }
 
@@ -192,7 +201,7 @@ impl AxisModel {
             let value = (key.get)(&self.axis).unwrap_or(centre);
             let mut slot = self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre);
             if let (Mechanics::MotorMass, Some(weighed)) = (scope.mechanics, self.weighed_kg) {
-                let masses = [self.declared.motor_mass_kg, self.declared.table_mass_kg];
+                let masses = [self.nominal.motor_mass_kg, self.nominal.table_mass_kg];
                 let trim = WEIGHING * masses.into_iter().flatten().sum::<f64>();
                 let Coordinate { lower, upper, .. } = slot.coordinate;
                 slot.coordinate.lower = lower.max(weighed - trim);
@@ -201,7 +210,7 @@ impl AxisModel {
             slot
         }));
         for (i, effect) in self.effects_of(scope) {
-            let declared = self.declared.effect.get(i).map(Effect::coordinates);
+            let declared = self.nominal.effect.get(i).map(Effect::coordinates);
             for (j, coordinate) in effect.searched(self.rates).into_iter().enumerate() {
                 slots.push(match &declared {
                     None => free(coordinate),
@@ -254,20 +263,24 @@ impl AxisModel {
 
     /// Declared keys that a scope fits, and their declared values. A rigid axis has its mass where the
     /// file puts it: the first mass that is not zero stands for both.
-    fn adjustable(&self, scope: &Scope) -> impl Iterator<Item = (&'static Declared, f64)> {
-        let tolerance = self.tolerance();
-        let keys = DECLARED
-            .iter()
-            .filter_map(move |key| (key.get)(&self.declared).filter(|&v| v > 0.0).map(|v| (key, v)))
-            .filter(move |_| tolerance > 0.0);
-        keys.take(match scope.mechanics {
-            Mechanics::All => DECLARED.len(),
+    fn adjustable(&self, scope: &Scope) -> impl Iterator<Item = (&'static Tolerated, f64)> {
+        self.tolerated_keys().take(match scope.mechanics {
+            Mechanics::All => TOLERATED.len(),
             Mechanics::MotorMass => 1,
             Mechanics::None => 0,
         })
     }
 
-    /// A coordinate that may lie as far from its declared value as the machine file tolerates.
+    /// Keys that may lie off their nominal values, and these; none without a tolerance.
+    fn tolerated_keys(&self) -> impl Iterator<Item = (&'static Tolerated, f64)> {
+        let tolerance = self.tolerance();
+        TOLERATED
+            .iter()
+            .filter_map(move |key| (key.get)(&self.nominal).filter(|&v| v > 0.0).map(|v| (key, v)))
+            .filter(move |_| tolerance > 0.0)
+    }
+
+    /// A coordinate that may lie as far from its nominal value as the machine file tolerates.
     fn tolerated(&self, coordinate: Coordinate, declared: f64) -> Slot {
         let spread = self.tolerance() * declared.abs();
         let bounded = Coordinate {

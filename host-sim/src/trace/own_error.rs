@@ -28,6 +28,19 @@ pub fn of(evidence: &Evidence<'_>, model: &AxisModel, scope: &Scope) -> Vec<Part
     Evidence { logs: &logs, own: &[], aside: &[], ..*evidence }.residuals(model, scope)
 }
 
+/// The error of a model that was fitted without it by an earlier trace, if the logs are explained better so: its values
+/// stand for nothing where it is not taken out. None for a model that was declared.
+#[must_use]
+pub fn known(evidence: &Evidence<'_>, model: &AxisModel, scope: &Scope) -> Vec<Part> {
+    if !model.was_fitted() {
+        return Vec::new();
+    }
+    let own = of(evidence, model, scope);
+    let with = evidence.residuals(model, scope);
+    let without = Evidence { own: &own, ..*evidence }.residuals(model, scope);
+    if is_less(evidence, [&with, &without], scope) { own } else { Vec::new() }
+}
+
 /// A log with the channels of an axis as the model in its loop gives them.
 fn as_the_model_has_it(evidence: &Evidence<'_>, model: &AxisModel, log: usize) -> Option<Signals> {
     let parameters = model.parameters();

@@ -21,8 +21,8 @@ pub struct Driven {
 /// Drives the mechanics with the measured motor.
 ///
 /// The measured motor is filtered, and what follows it linearly is so with it; friction, gaps and
-/// wobbles do not, and pass the same filter afterwards.
-///
+/// wobbles do not, and pass the same filter afterwards. Of the force, `added_n` (as logged and filtered) is not the
+/// controller's.
 #[must_use]
 pub fn driven(
     parameters: &AxisParameters,
@@ -30,6 +30,7 @@ pub fn driven(
     path: &MotorPath,
     sample_s: f64,
     last_tick: LastTick,
+    added_n: Option<&[f64]>,
 ) -> Driven {
     let n = motor.position.len();
     let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
@@ -87,8 +88,18 @@ pub fn driven(
     let table_m =
         linear(&motor.filtered(&result.table_m), |i| motor.position[i] - give * motor.acceleration[i]);
     let mut force_n = linear(&motor.filtered(&force_n), |i| mass * acceleration[i]);
-    last_tick.of_means(&mut force_n, &aged(&motor.acceleration, last_tick.growth_age + late), sample_s);
+    let growth = aged(&motor.acceleration, last_tick.growth_age + late);
+    add(&mut force_n, added_n, -1.0);
+    last_tick.of_means(&mut force_n, &growth, sample_s);
+    add(&mut force_n, added_n, 1.0);
     Driven { table_m: delayed(table_m, parameters.late_s(Channel::Table), sample_s), force_n }
+}
+
+/// Adds a force, where there is one, times a sign.
+fn add(force_n: &mut [f64], added_n: Option<&[f64]>, sign: f64) {
+    for (force_n, added_n) in force_n.iter_mut().zip(added_n.unwrap_or_default()) {
+        *force_n += sign * added_n;
+    }
 }
 
 /// A quantity that changes from step to step, with its rates.
@@ -200,10 +211,16 @@ mod tests {
         let command: Vec<f64> =
             (0..4000).map(|i| 0.02 * (1.0 - (std::f64::consts::PI * 1e-3 * f64::from(i)).cos())).collect();
         let start = Start { motor_m: command[0], velocity: 0.0, table_m: None, is_settled: true };
-        let simulated = closed_loop(&parameters, &settings, rates, &command, start).unwrap();
+        let simulated = closed_loop(&parameters, &settings, rates, &command, &[], start).unwrap();
         let motor = Smooth::new(simulated.motor_m.clone(), 1e-3, 5);
-        let driven =
-            driven(&parameters, &motor, &MotorPath::new(&motor, 1e-3), 1e-3, LastTick::new(axis, rates));
+        let driven = driven(
+            &parameters,
+            &motor,
+            &MotorPath::new(&motor, 1e-3),
+            1e-3,
+            LastTick::new(axis, rates),
+            None,
+        );
         let table = Smooth::new(simulated.table_m.clone(), 1e-3, 5);
         let off: Vec<f64> =
             table.position.iter().zip(&driven.table_m).skip(300).map(|(a, b)| 1e9 * (a - b)).collect();

@@ -2,6 +2,7 @@
 
 use shared::config::Rates;
 
+use super::added::AddedForce;
 use super::in_loop::{Loop, Start, closed_loop};
 use super::last_tick::LastTick;
 use super::model::AxisModel;
@@ -102,7 +103,8 @@ impl Evidence<'_> {
         let last_tick = LastTick::new(&model.axis, self.rates);
         let driven = match (&signals.motor, &signals.motor_path) {
             (Some(motor), Some(path)) if drives => {
-                predict::driven(parameters, motor, path, sample_s, last_tick)
+                let added = signals.added.as_ref().map(AddedForce::filtered_n);
+                predict::driven(parameters, motor, path, sample_s, last_tick, added)
             }
             _ => predict::Driven::default(),
         };
@@ -177,7 +179,9 @@ impl Evidence<'_> {
         let command = signals.command.as_ref()?;
         let settings = servo::settings(&model.axis, &parameters.servo).ok()?;
         let start = Start::of(command, signals, 1e-6 * model.table_zero_um)?;
-        closed_loop(parameters, &settings, self.rates, command, start)
+        let sample_s = f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz;
+        let added = signals.added.as_ref().map(|added| added.from_sample_n(&model.axis.effect, sample_s));
+        closed_loop(parameters, &settings, self.rates, command, &added.unwrap_or_default(), start)
     }
 
     /// Standard deviation of the white noise in a stage's residual, µm or N: what no model can remove.

@@ -6,6 +6,7 @@ use super::candidates::{Candidate, LEAST_REDUCTION, rank};
 use super::fit::{self, Fitted};
 use super::held_out::{compare, scores};
 use super::intervals::{covariance, half_widths};
+use super::last_fit::first_fit;
 use super::look_alike::{LookAlike, rivals};
 use super::model::AxisModel;
 use super::own_error;
@@ -127,8 +128,7 @@ impl Search<'_> {
     /// Adds effects until nothing is supported; drops what a later one made needless. Gives what the trace itself
     /// leaves, too.
     fn add(&mut self, evidence: &Evidence<'_>, start: &AxisModel, scope: &Scope) -> (Fitted, Vec<Part>) {
-        let mut base = fit::fit(evidence, start, scope, fit::STEPS);
-        let mut own = Vec::new();
+        let (mut base, mut own) = first_fit(evidence, start, scope);
         let mut added = 0;
         while added < MOST_EFFECTS {
             (base, own) = without_own(evidence, base, own, scope);

@@ -1,5 +1,6 @@
 //! A log made ready for tracing: SI, smoothed, differentiated, with the noise of each channel.
 
+use super::added::AddedForce;
 use super::motor_path::MotorPath;
 use crate::log::{AxisLog, Log, Unit};
 
@@ -30,6 +31,8 @@ pub struct AxisSignals {
     /// Drive force over the velocity tick that ends at the sample, N; its filtered value is
     /// [`Smooth::position`].
     pub force: Option<Smooth>,
+    /// Known force on top of the controller's, a part of `force`; absent: none.
+    pub added: Option<AddedForce>,
 }
 
 /// A channel with what was derived from it.
@@ -123,6 +126,7 @@ impl AxisSignals {
                 standing: Vec::new(),
                 saturated: Vec::new(),
                 force: None,
+                added: None,
             };
         };
         let motor = smooth(&axis.motor);
@@ -137,6 +141,7 @@ impl AxisSignals {
             table: smooth(&axis.table),
             tool: smooth(&axis.tool),
             force: axis.force.clone().map(|raw| Smooth::new(raw, sample_s, half)),
+            added: axis.added_force.clone().map(|raw| AddedForce::new(raw, sample_s, half)),
         }
     }
 

@@ -7,6 +7,7 @@
 use shared::config::Rates;
 
 use crate::effects::{Channel, Coordinate, Effect, Latency, Stage};
+use crate::machine::nominal::LogOffsets;
 use crate::machine::{Axis, Controller};
 use crate::plant::parameters::AxisParameters;
 
@@ -81,6 +82,35 @@ impl Instant {
 }
 
 impl Trims {
+    /// As an axis's machine file has them, within their bounds.
+    #[must_use]
+    pub fn of(axis: &Axis, rates: Rates) -> Self {
+        let mut trims = Self::default();
+        let Some(offsets) = &axis.log_offsets else { return trims };
+        for (instant, (_, ms)) in Instant::ALL.into_iter().zip(offsets.instants_ms()) {
+            let [lower, upper] = instant.bounds_s(rates);
+            trims.late_s[instant as usize] = (1e-3 * ms.unwrap_or(0.0)).clamp(lower, upper);
+        }
+        trims
+    }
+
+    /// Writes the instants that no effect tells and that are not at zero.
+    pub fn write(&self, axis: &Axis, offsets: &mut LogOffsets) {
+        let keys = [
+            &mut offsets.table_late_ms,
+            &mut offsets.tool_late_ms,
+            &mut offsets.force_late_ms,
+            &mut offsets.speed_late_ms,
+            &mut offsets.drive_late_ms,
+            &mut offsets.filter_step_ms,
+        ];
+        for (instant, key) in Instant::ALL.into_iter().zip(keys) {
+            let ms = 1e3 * self.late_s[instant as usize];
+            let is_told = axis.effect.iter().any(|effect| instant.is_told_by(effect));
+            *key = (ms != 0.0 && !is_told).then_some(ms);
+        }
+    }
+
     /// The instants that a fit of these stages may trim, with what it may make of them and how far it is likely to go,
     /// ms. One that an effect tells keeps its place, so that a model with the effect has the slots of one without, but
     /// stands at zero.

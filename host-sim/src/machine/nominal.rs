@@ -1,0 +1,132 @@
+//! What a machine file with fitted values keeps beside them, so that the file says the same again on the same logs:
+//! the values that the tolerance is about, and the zeros and instants of the logs.
+
+use serde::{Deserialize, Serialize};
+
+use super::Axis;
+use crate::effects::Effect;
+
+/// A mechanical value that `plant_tolerance_percent` is about.
+pub struct Tolerated {
+    /// Key of the axis and of its `nominal` table.
+    pub key: &'static str,
+    /// The value of an axis.
+    pub get: fn(&Axis) -> Option<f64>,
+    /// Sets the value of an axis.
+    pub set: fn(&mut Axis, f64),
+    /// The value in a `nominal` table.
+    pub nominal: fn(&Nominal) -> Option<f64>,
+    /// Sets the value in a `nominal` table.
+    pub set_nominal: fn(&mut Nominal, f64),
+}
+
+macro_rules! tolerated {
+    ($($key:ident),+ $(,)?) => {
+        /// `[axis.NAME.nominal]`: the values as they were before a trace fitted them. `plant_tolerance_percent` is about
+        /// these: a file that is fitted again and again does not move away from them. What is absent is its own nominal
+        /// value.
+        #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+        #[serde(deny_unknown_fields)]
+        pub struct Nominal {
+            $(
+                #[doc = concat!("Of `", stringify!($key), "`.")]
+                #[serde(skip_serializing_if = "Option::is_none")]
+                pub $key: Option<f64>,
+            )+
+            /// Of the first effects of the axis, in their order; those behind them are their own.
+            #[serde(default, skip_serializing_if = "Vec::is_empty")]
+            pub effect: Vec<Effect>,
+        }
+
+        /// All values that have a tolerance.
+        pub const TOLERATED: &[Tolerated] = &[$(Tolerated {
+            key: stringify!($key),
+            get: |axis| axis.$key,
+            set: |axis, value| axis.$key = Some(value),
+            nominal: |nominal| nominal.$key,
+            set_nominal: |nominal, value| nominal.$key = Some(value),
+        }),+];
+    };
+}
+
+tolerated!(
+    motor_mass_kg,
+    table_mass_kg,
+    stiffness_n_per_um,
+    damping_n_s_per_m,
+    coulomb_n,
+    viscous_n_s_per_m,
+    motor_coulomb_n,
+    presliding_stiffness_n_per_um,
+    presliding_damping_n_s_per_m,
+);
+
+impl Axis {
+    /// The same axis with its values and effects as they were before they were fitted.
+    #[must_use]
+    pub fn at_nominal(&self) -> Self {
+        let mut axis = Self { nominal: None, log_offsets: None, ..self.clone() };
+        let Some(nominal) = &self.nominal else { return axis };
+        for value in TOLERATED {
+            if let Some(number) = (value.nominal)(nominal) {
+                (value.set)(&mut axis, number);
+            }
+        }
+        for (effect, nominal) in axis.effect.iter_mut().zip(&nominal.effect) {
+            effect.clone_from(nominal);
+        }
+        axis
+    }
+}
+
+/// `[axis.NAME.log_offsets]`: zeros and instants of the logs that the values of an axis were fitted to. A trace begins
+/// with them and fits them anew; nothing else uses them. What is absent is 0.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct LogOffsets {
+    /// Zero of the linear scale against the motor's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table_zero_um: Option<f64>,
+    /// Zero of the tool-point probe against the table's.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tool_zero_um: Option<f64>,
+    /// How late the linear scale is read after the motor; negative: early.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub table_late_ms: Option<f64>,
+    /// How late the tool-point probe is read after the scale; negative: early.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub tool_late_ms: Option<f64>,
+    /// How late the force is logged against the motor; negative: early.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub force_late_ms: Option<f64>,
+    /// Age of the speed that the velocity loop sees, beyond that of a plain difference.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub speed_late_ms: Option<f64>,
+    /// How much later than the sensors are read the drive's force acts; negative: earlier.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub drive_late_ms: Option<f64>,
+    /// Length of the steps that the controller takes its filter in; 0: it steps exactly.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub filter_step_ms: Option<f64>,
+}
+
+impl LogOffsets {
+    /// The zeros, µm, with their keys.
+    #[must_use]
+    pub const fn zeros_um(&self) -> [(&'static str, Option<f64>); 2] {
+        [("table_zero_um", self.table_zero_um), ("tool_zero_um", self.tool_zero_um)]
+    }
+
+    /// The instants, ms, with their keys.
+    #[must_use]
+    pub const fn instants_ms(&self) -> [(&'static str, Option<f64>); 6] {
+        [
+            ("table_late_ms", self.table_late_ms),
+            ("tool_late_ms", self.tool_late_ms),
+            ("force_late_ms", self.force_late_ms),
+            ("speed_late_ms", self.speed_late_ms),
+            ("drive_late_ms", self.drive_late_ms),
+            ("filter_step_ms", self.filter_step_ms),
+        ]
+    }
+}
