@@ -228,6 +228,9 @@ mod tests {
         assert!(seen.iter().eq([Hazard::SoftLimit, Hazard::ScaleLost]));
         let all = Hazard::ALL.into_iter().fold(Hazards::NONE, |all, hazard| all.with(hazard, true));
         assert!(all.iter().eq(Hazard::ALL));
+        // What is there already stays there.
+        assert_eq!(all.with(Hazard::SoftLimit, true), all);
+        assert_eq!(all.with(Hazard::SoftLimit, false), all);
     }
 
     #[test]

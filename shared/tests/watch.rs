@@ -9,7 +9,7 @@ use shared::machine::{Machine, Output, Reading};
 use shared::safety::{Fault, Hazard, Power};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
-use shared::watch::{State, Watch};
+use shared::watch::{Seen, State, Watch};
 
 /// A power of two, so that times of 2⁻ⁿ s are whole numbers of ticks.
 const RATE_HZ: f64 = 4096.0;
@@ -208,6 +208,63 @@ fn a_path_stops_with_the_least_deceleration_of_its_axes() {
         // One tick at full speed, before and behind: 24 µm each.
         assert!((path_m - expected).abs() < 2.0 * feed / RATE_HZ, "{path_m} m of {expected}");
     }
+}
+
+/// What a watch sees of an axis that is where it is commanded to be, but for its motor reading.
+fn sees(watch: &Watch<Fixed>, state: &mut State, [command, motor]: [i64; 2]) -> Vec<Hazard> {
+    let [command, motor] = [command, motor].map(Position);
+    let seen = Seen { following_error: Fixed::ZERO, command, motor, table: None, needs_table: false };
+    watch.position(state, &seen).iter().collect()
+}
+
+/// An axis that comes on beyond its travel may stand there and go back. What it has come back by is closed behind it,
+/// and a command that goes out again is seen in every tick.
+#[test]
+fn the_way_back_from_beyond_the_travel_is_open_and_closes_behind_the_axis() {
+    let axis = AxisSettings { travel_m: Some([-0.02, 0.03]), ..AxisSettings::default() };
+    let watch = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().watch;
+    for (end, outwards) in [(0.03, 1), (-0.02, -1)] {
+        let at = |units: i64| place(end).0 + outwards * units;
+        let mut state = State::at(Position(at(1000)), Position(0));
+        let mut sees = |units| sees(&watch, &mut state, [at(units), 0]);
+        let none: [Hazard; 0] = [];
+        for units in [1000, 1000, 999, 500] {
+            assert_eq!(sees(units), none, "{units}");
+        }
+        for units in [501, 502, 1000, 501] {
+            assert_eq!(sees(units), [Hazard::SoftLimit], "{units}");
+        }
+        // Where it was last, inside, on the end, and one unit out.
+        for units in [500, 1, 0, -1000, 0] {
+            assert_eq!(sees(units), none, "{units}");
+        }
+        assert_eq!(sees(1), [Hazard::SoftLimit]);
+    }
+}
+
+/// The command may move by the limit while the motor reading stands, and no unit more, either way; the reading stands
+/// until it has moved by more than a 64th of the limit.
+#[test]
+fn a_motor_reading_may_stand_while_the_command_moves_by_the_limit_and_no_unit_more() {
+    // 2⁻¹⁰ m is a whole number of position units, and of 64 times that.
+    let axis = AxisSettings { frozen_encoder_limit_m: Some(1.0 / 1024.0), ..AxisSettings::default() };
+    let watch = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().watch;
+    let (limit, part) = (place(1.0 / 1024.0).0, place(1.0 / 65_536.0).0);
+    for sign in [1, -1] {
+        let mut state = State::at(Position(0), Position(0));
+        let mut sees = |command: i64, motor: i64| sees(&watch, &mut state, [sign * command, sign * motor]);
+        let none: [Hazard; 0] = [];
+        assert_eq!(sees(limit, part), none);
+        assert_eq!(sees(limit + 1, part), [Hazard::EncoderFrozen]);
+        assert_eq!(sees(10 * limit, -part), [Hazard::EncoderFrozen]);
+        // It moves: from here on, the command counts from where it is.
+        assert_eq!(sees(10 * limit, part + 1), none);
+        assert_eq!(sees(11 * limit, 2 * part + 1), none);
+        assert_eq!(sees(11 * limit + 1, part + 1), [Hazard::EncoderFrozen]);
+        assert_eq!(sees(9 * limit - 1, part + 1), [Hazard::EncoderFrozen]);
+    }
+    let unwatched = AxisConfig::<Fixed>::new(&AxisSettings::default(), rates(1)).unwrap().watch;
+    assert_eq!(sees(&unwatched, &mut State::at(Position(0), Position(0)), [1 << 50, 0]), []);
 }
 
 /// The watch of an axis whose force may stand at its limit for so many ticks.
