@@ -17,6 +17,28 @@
 //! w the low-pass, x − d·k·v the notch: at rest p = 0 and q = x, so the gain at frequency zero is one
 //! exactly, in every number format. The integrators are sums that are not rounded: nothing is lost, so
 //! nothing cycles.
+//!
+//! # Example
+//!
+//! A low-pass leaves a force that stands as it is; a full notch leaves nothing of its own frequency.
+//!
+//! ```
+//! use shared::control::filter::{Filter, State};
+//! use std::f64::consts::PI;
+//!
+//! let (rate_hz, notch_hz) = (20_000.0, 400.0);
+//! let g = (PI * notch_hz / rate_hz).tan();
+//! let low_pass = Filter::<f64>::low_pass(g, 1.4);
+//! let mut state = State::settled(250.0);
+//! assert_eq!(low_pass.step(&mut state, 250.0), 250.0);
+//!
+//! // Half as wide as its frequency: what swings in has decayed after 0.1 s, e^(−π·200 Hz·0.1 s) = e⁻⁶³.
+//! let notch = Filter::<f64>::notch(g, 0.5, 1.0);
+//! let mut state = State::default();
+//! let swing = |tick: u32| (2.0 * PI * notch_hz * f64::from(tick) / rate_hz).sin();
+//! let left = (0..4000).map(|tick| notch.step(&mut state, swing(tick))).skip(2000);
+//! assert!(left.fold(0.0, |most: f64, force| most.max(force.abs())) < 1e-9);
+//! ```
 
 use crate::scalar::Scalar;
 

@@ -11,6 +11,23 @@
 //! y += (E(c + 3s) − 1)·(y − e) + E·s·w
 //! w += −16·E·s·(y − e) + (E(c − 3s) − 1)·w
 //! ```
+//!
+//! # Example
+//!
+//! A step of the error passes with y(t) = 1 − e^(−3x)·(cos √7·x + 3/√7·sin √7·x), x = Kp·t: 1.017 at x = 1.
+//!
+//! ```
+//! use shared::control::hpc::{Hpc, State};
+//!
+//! let (kp, tick_s) = (33.0, 1.0 / 20_000.0);
+//! let hpc = Hpc::<f64>::new(kp * tick_s);
+//! let mut state = State::default();
+//! // 606 ticks are x = 0.9999.
+//! let filtered = (0..606).map(|_| hpc.filter(&mut state, 1.0)).last().unwrap();
+//! let (x, root7) = (606.0 * kp * tick_s, 7f64.sqrt());
+//! let exact = 1.0 - (-3.0 * x).exp() * ((root7 * x).cos() + 3.0 / root7 * (root7 * x).sin());
+//! assert!((filtered - exact).abs() < 1e-9 && (exact - 1.017).abs() < 5e-4);
+//! ```
 
 use crate::scalar::Scalar;
 

@@ -1,4 +1,22 @@
 //! The position loop: error in, velocity command out.
+//!
+//! # Example
+//!
+//! An error of 1 mm, Kp = 33 /s: 33 mm/s.
+//!
+//! ```
+//! use shared::config::{AxisConfig, AxisSettings, Rates};
+//! use shared::control::position::State;
+//! use shared::scalar::Scalar;
+//! use shared::units::{Position, VELOCITY_M_PER_S};
+//!
+//! let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+//! let settings = AxisSettings { position_gain_per_s: 33.0, ..AxisSettings::default() };
+//! let axis = AxisConfig::<f64>::new(&settings, rates).unwrap();
+//! let error = f64::from_distance(Position::from_m(1e-3).unwrap().0);
+//! let velocity = axis.position.velocity(&mut State::default(), error);
+//! assert!((velocity * VELOCITY_M_PER_S - 33e-3).abs() < 1e-12);
+//! ```
 
 use super::hpc::{self, Hpc};
 use crate::scalar::Scalar;

@@ -3,6 +3,30 @@
 //! The integral is the sum of ev·T up to and including this tick (backward rule), held unrounded. What is made
 //! of the force behind the loop (filters, compensation, the limit) decides whether the tick's integral is
 //! kept: it is not while the force is at its limit and ev would drive it further (anti-windup).
+//!
+//! # Example
+//!
+//! 10 mm/s asked of a motor that stands, Kv = 50,000 N·s/m, Ti = 20 ms: 500 N, and each tick of 50 µs adds
+//! 500 N·50 µs/20 ms = 1.25 N.
+//!
+//! ```
+//! use shared::config::{AxisConfig, AxisSettings, Rates};
+//! use shared::control::velocity::State;
+//! use shared::units::{Position, VELOCITY_M_PER_S};
+//!
+//! let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+//! let settings = AxisSettings {
+//!     velocity_gain_n_s_per_m: 50_000.0,
+//!     velocity_integral_time_s: Some(0.02),
+//!     ..AxisSettings::default()
+//! };
+//! let axis = AxisConfig::<f64>::new(&settings, rates).unwrap();
+//! let mut state = State::at(Position(0));
+//! for tick in 1..=10 {
+//!     let force_n = axis.velocity.force(&mut state, 10e-3 / VELOCITY_M_PER_S, Position(0));
+//!     assert!((force_n - (500.0 + 1.25 * f64::from(tick))).abs() < 1e-9);
+//! }
+//! ```
 
 use crate::scalar::Scalar;
 use crate::units::Position;

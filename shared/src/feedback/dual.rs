@@ -66,6 +66,29 @@
 //! between it and the feedback is taken off it and fades from there with a time constant of its own,
 //! the same in every number format; after it has faded, the table counts as it is. [`Feedback::scale`]
 //! tells which of these it is.
+//!
+//! # Example
+//!
+//! The table lags by 10 µm all at once; dual feedback takes it in with its time constant, 1 − 1/e after T.
+//!
+//! ```
+//! use shared::config::{AxisConfig, AxisSettings, Rates, Sensors};
+//! use shared::feedback::dual::State;
+//! use shared::units::Position;
+//!
+//! let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+//! let sensors = Sensors::Dual { time_constant_s: 0.05 };
+//! let settings = AxisSettings { sensors, ..AxisSettings::default() };
+//! let axis = AxisConfig::<f64>::new(&settings, rates).unwrap();
+//! let (motor, table) = (Position(0), Position::from_m(-10e-6).unwrap());
+//! let mut state = State::settled(motor, Some(motor));
+//! let mut feedback = motor;
+//! for _ in 0..1000 {
+//!     feedback = axis.feedback.position(&mut state, motor, Some(table));
+//! }
+//! let exact = -10e-6 * (1.0 - (-1f64).exp());
+//! assert!((feedback.to_m() - exact).abs() < 1e-12);
+//! ```
 
 use super::fade::Fade;
 use crate::scalar::Scalar;
