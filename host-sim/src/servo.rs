@@ -7,7 +7,7 @@ use crate::machine::{Axis, Controller, Feedback, Machine};
 use crate::plant::parameters::ServoParameters;
 
 /// Following error at which the controller gives up where the machine file says nothing, m.
-const FOLLOWING_ERROR_LIMIT_M: f64 = 0.13;
+pub const FOLLOWING_ERROR_LIMIT_M: f64 = 0.13;
 
 /// Force limit of an axis that declares none, N.
 const UNLIMITED_N: f64 = 1e5;

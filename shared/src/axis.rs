@@ -100,6 +100,7 @@ impl<S: Scalar> AxisState<S> {
         let seen = Seen {
             following_error,
             command: asked,
+            velocity_command: self.velocity_command,
             motor: reading.motor,
             table: reading.table,
             needs_table: config.feedback.needs_table(),

@@ -12,7 +12,7 @@ use crate::feedback::fade::Fade;
 use crate::interpolate::Smoothing;
 use crate::scalar::Scalar;
 use crate::units::{INCREMENT_M, LENGTH_M, PER_M, Position, TRAVEL_LIMIT_M, VELOCITY_M_PER_S};
-use crate::watch::Watch;
+use crate::watch::{Frozen, Watch};
 
 /// How often the loops run.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -108,8 +108,8 @@ pub struct AxisSettings {
     /// Fastest that the motor can be: a reading that has moved further puts the drives off. `None`: not
     /// watched.
     pub fastest_m_per_s: Option<f64>,
-    /// How far the command may move while the motor reading stands before the drives go off, at most
-    /// `following_error_limit_m`; `None`: not watched.
+    /// How far command and velocity loop may ask the motor to go while its reading stands before the drives go off, at
+    /// most `following_error_limit_m`; `None`: not watched.
     pub frozen_encoder_limit_m: Option<f64>,
     /// How long the force may stand at its limit before the path stops, less a quarter of the time since that it did
     /// not.
@@ -304,7 +304,7 @@ impl<S: Scalar> AxisConfig<S> {
             low_pass: settings.low_pass.map(|low_pass| make_low_pass(&low_pass, rate)).transpose()?,
             velocity_fades: S::gain(-libm::expm1(-kp / position_rate)),
             force_fades: S::gain(-libm::expm1(-kp * tick)),
-            watch: watch(settings, tick)?,
+            watch: watch(settings, tick, divider / rate)?,
             stop_deceleration: per_tick(
                 "stop_deceleration_m_per_s2",
                 settings.stop_deceleration_m_per_s2 / (position_rate * position_rate),
@@ -335,7 +335,7 @@ fn make_low_pass<S: Scalar>(low_pass: &LowPass, rate_hz: f64) -> Result<Filter<S
     Ok(Filter::low_pass(g, 2.0 * damping))
 }
 
-fn watch<S: Scalar>(settings: &AxisSettings, tick: f64) -> Result<Watch<S>, ConfigError> {
+fn watch<S: Scalar>(settings: &AxisSettings, tick: f64, position_tick: f64) -> Result<Watch<S>, ConfigError> {
     let signal = |name, value: f64, unit: f64| {
         let value = positive(name, value)?;
         Ok(S::signal(ranged(name, value, 0.0, S::SIGNAL_LIMIT * unit)? / unit))
@@ -355,7 +355,8 @@ fn watch<S: Scalar>(settings: &AxisSettings, tick: f64) -> Result<Watch<S>, Conf
             settings.scale_disagreement_limit_m,
             TRAVEL_LIMIT_M,
         )?,
-        frozen: distance("frozen_encoder_limit_m", settings.frozen_encoder_limit_m, most_frozen_m)?,
+        frozen: distance("frozen_encoder_limit_m", settings.frozen_encoder_limit_m, most_frozen_m)?
+            .map(|limit| Frozen { limit, per_tick: S::gain(VELOCITY_M_PER_S / LENGTH_M * position_tick) }),
         encoder_step: match settings.fastest_m_per_s {
             Some(m_per_s) => Some(signal("fastest_m_per_s", m_per_s, INCREMENT_M / tick)?),
             None => None,

@@ -3,7 +3,7 @@
 //! | state | drives | path | event | next state |
 //! |---|---|---|---|---|
 //! | Off | off | stands, follows the axes as they are moved | enable | On |
-//! | Off | | | the run before ended by a fault | Faulted |
+//! | Off | | | the run before ended by a fault; an enable while a loop has no reading of the scale that it needs | Faulted |
 //! | Off | | | fault, stopped, disable | Off |
 //! | On | on | travels | fault that puts the drives off | Faulted |
 //! | On | | | fault that stops | Stopping |
@@ -32,6 +32,7 @@
 //! | force saturated for a time, less a quarter of the time since that it was not | every tick | stop | the axis follows less than is asked for: asking for less helps |
 //! | soft limit: the command goes outwards beyond the travel, or further out than an axis that came on outside it | every position tick | stop | all is well but the program; the way back is open |
 //! | scale lost | every position tick | warn | the axis goes on with its motor encoder, from where it stood |
+//! | scale lost | when the drives are to come on | stays off until acknowledged | once the scale is back, the axis would go to wherever that sees it |
 //! | displaced: an axis stands away from where the path that waits begins | when the drives come on | warn, forget the path | the axis holds where it is and does not jump to where the path was planned from |
 
 use serde::{Deserialize, Serialize};
@@ -174,8 +175,8 @@ pub enum Event {
     Fault(Fault),
     /// A path that was to stop stands.
     Stopped,
-    /// The controller has started, and finds that the run before ended by a fault.
-    Restarted(Fault),
+    /// A fault is found before the drives are on: the run before ended by it, or a loop lacks its sensor.
+    Found(Fault),
 }
 
 impl Power {
@@ -190,13 +191,13 @@ impl Power {
                 (Self::On, Reaction::Stop) => Self::Stopping(fault),
                 (state, _) => state,
             },
-            (Self::Stopping(fault), Event::Stopped) | (Self::Off, Event::Restarted(fault)) => {
+            (Self::Stopping(fault), Event::Stopped) | (Self::Off, Event::Found(fault)) => {
                 Self::Faulted(fault)
             }
             (Self::On, Event::Stopped)
             | (Self::Stopping(_), Event::Enable)
             | (Self::Faulted(_), Event::Enable | Event::Fault(_) | Event::Stopped)
-            | (_, Event::Restarted(_)) => self,
+            | (_, Event::Found(_)) => self,
         }
     }
 
@@ -235,11 +236,11 @@ mod tests {
 
     #[test]
     fn what_ended_the_run_before_has_to_be_acknowledged() {
-        let restarted = Event::Restarted(Fault::Watchdog);
-        assert_eq!(Power::Off.after(restarted), Power::Faulted(Fault::Watchdog));
-        // Only a start can find it: the drives that are on did not end.
+        let found = Event::Found(Fault::Watchdog);
+        assert_eq!(Power::Off.after(found), Power::Faulted(Fault::Watchdog));
+        // Only while the drives are off is there anything to be found.
         for power in [Power::On, Power::Stopping(on(Hazard::SoftLimit)), Power::Faulted(Fault::Overrun)] {
-            assert_eq!(power.after(restarted), power);
+            assert_eq!(power.after(found), power);
         }
     }
 

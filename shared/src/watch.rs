@@ -2,7 +2,7 @@
 
 use crate::safety::{Hazard, Hazards};
 use crate::scalar::Scalar;
-use crate::units::Position;
+use crate::units::{PER_NM, Position};
 
 /// Limits of an axis.
 #[derive(Clone, Copy, Debug)]
@@ -13,12 +13,21 @@ pub struct Watch<S: Scalar> {
     pub disagreement: Option<u64>,
     /// Motor reading, per tick, increment units; `None`: not watched.
     pub encoder_step: Option<S>,
-    /// Command, while the motor reading stands, position units; `None`: not watched.
-    pub frozen: Option<u64>,
+    /// A motor reading that stands; `None`: not watched.
+    pub frozen: Option<Frozen<S>>,
     /// Ticks that the force may stand at its limit, a quarter of those since then that it did not taken off.
     pub saturated_ticks: u32,
     /// Least and greatest command.
     pub travel: [Position; 2],
+}
+
+/// When a motor reading that stands is that of a dead encoder.
+#[derive(Clone, Copy, Debug)]
+pub struct Frozen<S: Scalar> {
+    /// Travel that is asked for while the reading stands, position units.
+    pub limit: u64,
+    /// Error units that a velocity unit is in a position tick.
+    pub per_tick: S::Gain,
 }
 
 /// What has been seen of an axis.
@@ -30,19 +39,25 @@ pub struct State {
     allowed: Position,
     /// Command and motor reading when that moved last.
     moved: [Position; 2],
+    /// Travel that the velocity loop has been asked for since then, position units.
+    asked: i64,
 }
 
 impl State {
     /// Of an axis that comes on at a command with a motor reading.
     #[must_use]
     pub const fn at(command: Position, motor: Position) -> Self {
-        Self { saturated_quarters: 0, allowed: command, moved: [command, motor] }
+        Self { saturated_quarters: 0, allowed: command, moved: [command, motor], asked: 0 }
     }
 }
 
-/// A motor reading that has moved by less than this part of [`Watch::frozen`] stands: with one of its two wires broken
+/// A motor reading that has moved by less than this part of [`Frozen::limit`] stands: with one of its two wires broken
 /// an encoder toggles between neighbouring counts.
 const STANDS: u64 = 64;
+
+/// A command is beyond an end where it is by more than this, position units: 1 pm. The filters behind the path come to
+/// rest on its end from a unit or two beyond it.
+const BEYOND: i64 = PER_NM / 1000;
 
 /// What is seen of an axis in a position tick.
 #[derive(Clone, Copy, Debug)]
@@ -51,6 +66,8 @@ pub struct Seen<S> {
     pub following_error: S,
     /// Where the axis is to be, corrections left out.
     pub command: Position,
+    /// What the velocity loop is asked for, velocity units.
+    pub velocity_command: S,
     /// Motor reading.
     pub motor: Position,
     /// Reading of the linear scale.
@@ -79,22 +96,28 @@ impl<S: Scalar> Watch<S> {
     /// stand there and go back, and what it has come back by is closed behind it.
     fn leaves_the_travel(&self, state: &mut State, command: Position) -> bool {
         let [least, greatest] = self.travel;
-        let leaves = command < least.min(state.allowed) || command > greatest.max(state.allowed);
+        let [least, greatest] = [least.min(state.allowed), greatest.max(state.allowed)];
+        let leaves = command < least.moved(-BEYOND) || command > greatest.moved(BEYOND);
         if !leaves {
-            state.allowed = command;
+            state.allowed = command.clamp(least, greatest);
         }
         leaves
     }
 
-    /// Whether the command has moved by the limit since the motor reading moved last.
+    /// Whether command and velocity loop have asked for the limit since the motor reading moved last. Either alone would
+    /// not do: where a motor far behind its command turns round, the command is on its way already; and a loop without an
+    /// integral part asks for a velocity that never comes while it holds a load.
     fn is_frozen(&self, state: &mut State, seen: &Seen<S>) -> bool {
-        let Some(limit) = self.frozen else { return false };
+        let Some(frozen) = &self.frozen else { return false };
         let [command, motor] = state.moved;
-        if seen.motor.beyond(motor).unsigned_abs() > limit / STANDS {
-            state.moved = [seen.command, seen.motor];
+        if seen.motor.beyond(motor).unsigned_abs() > frozen.limit / STANDS {
+            (state.moved, state.asked) = ([seen.command, seen.motor], 0);
             return false;
         }
-        seen.command.beyond(command).unsigned_abs() > limit
+        let asked = S::to_distance(seen.velocity_command.times(frozen.per_tick));
+        state.asked = state.asked.saturating_add(asked);
+        state.asked.unsigned_abs() > frozen.limit
+            && seen.command.beyond(command).unsigned_abs() > frozen.limit
     }
 
     /// With every velocity loop: what the motor has moved since the tick before, and whether the force is

@@ -2,15 +2,19 @@
 //! along the path, what warns goes on.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use shared::config::{AxisSettings, Rates, Sensors};
-use shared::interpolate::{Block, PathError};
-use shared::machine::{Machine, Output, Reading};
+use shared::config::{AxisSettings, ConfigError, Rates, Sensors};
+use shared::interpolate::{Block, PathError, Smoothing};
+use shared::machine::{Machine, MachineError, Output, Reading};
 use shared::safety::{Fault, Hazard, Power};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
 
 const RATE_HZ: f64 = 4000.0;
 const RATES: Rates = Rates { velocity_loop_hz: RATE_HZ, position_loop_divider: 1 };
+
+fn place(m: f64) -> Position {
+    Position::from_m(m).unwrap()
+}
 
 /// Two axes, of which each follows its command with the velocity loop's own error: motor = mass of 50 kg.
 struct Bench<S: Scalar> {
@@ -280,6 +284,154 @@ fn a_block_beyond_the_travel_is_refused_before_it_starts() {
     // From (0.25, 0.22) on round (0.2, 0.22): up to (0.2, 0.27), which fits; with 0.09 m, to y = 0.31, it does not.
     assert_eq!(push(Block::arc([0, 1], [0.16, 0.22], 0.25, 0.1, 1.0)), beyond(1));
     assert_eq!(push(Block::arc([0, 1], [0.2, 0.22], 1.0, 0.1, 1.0)), Ok(()));
+}
+
+/// What is taken is travelled: a line that ends on either end of the travel, or inside of an axis that came on beyond it, is
+/// no soft limit, whatever filter is behind the path.
+#[test]
+fn a_block_that_ends_on_the_travel_is_travelled_behind_every_filter() {
+    let filters = [
+        Smoothing::None,
+        Smoothing::Trapezoid { time_s: 0.02 },
+        Smoothing::Trapezoid { time_s: 3.0 / RATE_HZ },
+        Smoothing::SCurve { time_s: 0.02, jerk_time_s: 0.007 },
+        Smoothing::Exponential { time_constant_s: 0.01 },
+    ];
+    for smoothing in filters {
+        let settings = AxisSettings {
+            smoothing,
+            travel_m: Some([-0.05, 0.05]),
+            sensors: Sensors::Motor,
+            saturation_time_s: 100.0,
+            ..axis()
+        };
+        let start = place(0.0601);
+        let mut machine = Machine::<f64, 1>::new(RATES, &[settings], [start]).unwrap();
+        let mut at = start;
+        machine.tick(&[Reading { motor: at, table: None }]);
+        machine.enable();
+        // Beyond, then each time on an end, from either side, at lengths that leave all kinds of remainders.
+        let inside =
+            (1..60).flat_map(|k: i32| [-0.05, 1e-3 * f64::from(k) / 7.0, 0.05, 1e-4 / 3.0 * f64::from(k)]);
+        for x in [0.0571, 0.0533].into_iter().chain(inside) {
+            machine.push(&Block::line([x], 0.1, 20.0)).unwrap();
+            for _ in 0..8000 {
+                let output = machine.tick(&[Reading { motor: at, table: None }]);
+                at = output.commands[0];
+                if output.done {
+                    break;
+                }
+            }
+            assert_eq!(machine.power(), Power::On, "{smoothing:?} to {x}");
+            assert_eq!(at, place(x), "{smoothing:?}");
+        }
+    }
+}
+
+/// Far behind its command, without feed-forward, a motor dwells at its turning point while the command is on its way back:
+/// that is no dead encoder, at any limit from 0.1 mm on.
+#[test]
+fn a_motor_that_turns_round_behind_its_command_is_not_frozen() {
+    for (limit, feed) in [(1e-4, 0.15), (3e-4, 0.15), (3e-4, 0.3), (1e-3, 0.3)] {
+        for acceleration in [1.0, 5.0] {
+            let settings = AxisSettings {
+                position_gain_per_s: 20.0,
+                following_error_limit_m: 0.1,
+                frozen_encoder_limit_m: Some(limit),
+                fastest_m_per_s: None,
+                sensors: Sensors::Motor,
+                ..axis()
+            };
+            let mut bench = Bench::<f64>::new(&settings);
+            bench.run(16_000);
+            for x in [0.3003, 0.2, 0.3, 0.2] {
+                bench.machine.push(&Block::line([x, 0.1], feed, acceleration)).unwrap();
+            }
+            bench.run(24_000);
+            assert_eq!(bench.machine.power(), Power::On, "{limit} m, {feed} m/s, {acceleration} m/s²");
+            assert!((bench.motor_m[0] - 0.2).abs() < 1e-5, "{}", bench.motor_m[0]);
+        }
+    }
+}
+
+/// A reversal's pulse is one of a reversal: given to an axis that stands far from where the machine was made, or moves
+/// in − direction all the while, it adds nothing.
+#[test]
+fn a_compensation_that_is_given_late_sees_no_reversal() {
+    use shared::compensate::CompensationSettings;
+    use shared::compensate::settings::Reversal;
+    let reversal = Reversal { force_n: 300.0, decay_s: 0.02, fade_m_per_s: 0.02 };
+    let settings = CompensationSettings { reversal: Some(reversal), ..CompensationSettings::default() };
+    for moves in [false, true] {
+        let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::Motor, ..axis() });
+        bench.run(16_000);
+        if moves {
+            bench.machine.push(&Block::line([0.1, 0.1], 5e-3, 2.0)).unwrap();
+        }
+        bench.run(4000);
+        bench.machine.compensate(0, &settings).unwrap();
+        // At rest and at constant speed, a mass without friction needs no force.
+        for _ in 0..4000 {
+            let force = bench.tick().forces[0];
+            assert!(force.abs() < 1.0, "{moves}: {force} N");
+        }
+    }
+}
+
+/// Under power the loop keeps its sensors: the axis would go by all that the two differ.
+#[test]
+fn sensors_are_changed_with_the_drives_off_alone() {
+    let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors: Sensors::Motor, ..axis() });
+    bench.run(16_000);
+    bench.scale_off_m = 0.4e-3;
+    bench.run(1);
+    let other = AxisSettings { sensors: Sensors::Table, ..axis() };
+    let refused = bench.machine.change(0, &other).unwrap_err();
+    assert_eq!(refused, MachineError::Config { axis: 0, error: ConfigError::NotWhileRunning("sensors") });
+    let place = bench.motor_m[0];
+    bench.run(4000);
+    assert!((bench.motor_m[0] - place).abs() < 1e-6);
+    bench.machine.disable();
+    bench.machine.change(0, &other).unwrap();
+    bench.run(1);
+    bench.machine.enable();
+    bench.run(4000);
+    assert_eq!(bench.machine.power(), Power::On);
+    assert!((bench.motor_m[0] - place).abs() < 1e-6, "{} m", bench.motor_m[0] - place);
+}
+
+/// A loop that needs a scale does not come on without it: when the scale came back, the axis would go to where that sees
+/// it.
+#[test]
+fn without_its_scale_a_loop_does_not_come_on() {
+    for sensors in [Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }] {
+        let mut bench =
+            Bench::<Fixed>::new(&AxisSettings { sensors, scale_disagreement_limit_m: None, ..axis() });
+        bench.scale = false;
+        let output = bench.run(10);
+        assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::ScaleLost)), "{sensors:?}");
+        assert!(!output.enabled && output.forces == [Fixed::ZERO; 2]);
+        (bench.scale, bench.scale_off_m) = (true, 5e-3);
+        bench.machine.enable();
+        bench.run(10);
+        assert!(!bench.machine.power().is_on());
+        bench.machine.disable();
+        bench.run(1);
+        bench.machine.enable();
+        bench.run(4000);
+        // Where it stands, 5 mm of scale included.
+        assert_eq!(bench.machine.power(), Power::On);
+        assert!(bench.motor_m[0].abs() < 1e-6, "{} m", bench.motor_m[0]);
+    }
+}
+
+#[test]
+fn a_path_that_stops_takes_no_block() {
+    let mut bench = Bench::<Fixed>::new(&axis());
+    bench.run(2000);
+    bench.machine.fault(on(0, Hazard::SoftLimit));
+    assert_eq!(bench.machine.power(), Power::Stopping(on(0, Hazard::SoftLimit)));
+    assert_eq!(bench.machine.push(&Block::line([0.0, 0.0], 0.1, 1.0)), Err(PathError::Interrupted));
 }
 
 /// Not moved by hand, an axis starts its path; moved, it holds where it is, says so, and does not jump back.

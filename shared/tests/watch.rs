@@ -8,7 +8,7 @@ use shared::interpolate::Block;
 use shared::machine::{Machine, Output, Reading};
 use shared::safety::{Fault, Hazard, Power};
 use shared::scalar::{Fixed, Scalar};
-use shared::units::Position;
+use shared::units::{PER_NM, Position};
 use shared::watch::{Seen, State, Watch};
 
 /// A power of two, so that times of 2⁻ⁿ s are whole numbers of ticks.
@@ -211,60 +211,91 @@ fn a_path_stops_with_the_least_deceleration_of_its_axes() {
 }
 
 /// What a watch sees of an axis that is where it is commanded to be, but for its motor reading.
-fn sees(watch: &Watch<Fixed>, state: &mut State, [command, motor]: [i64; 2]) -> Vec<Hazard> {
-    let [command, motor] = [command, motor].map(Position);
-    let seen = Seen { following_error: Fixed::ZERO, command, motor, table: None, needs_table: false };
+fn sees(watch: &Watch<Fixed>, state: &mut State, [command, motor]: [i64; 2], velocity: f64) -> Vec<Hazard> {
+    let seen = Seen {
+        following_error: Fixed::ZERO,
+        command: Position(command),
+        velocity_command: Fixed::signal(velocity),
+        motor: Position(motor),
+        table: None,
+        needs_table: false,
+    };
     watch.position(state, &seen).iter().collect()
 }
 
-/// An axis that comes on beyond its travel may stand there and go back. What it has come back by is closed behind it,
-/// and a command that goes out again is seen in every tick.
+/// 1 pm, by which the filters behind the path may miss an end, in position units.
+const PICOMETRE: i64 = PER_NM / 1000;
+
+/// An axis that comes on beyond its travel may stand there and go back. What it has come back by is closed behind it, and
+/// a command that goes out again, by more than the filters behind the path may, is seen in every tick.
 #[test]
 fn the_way_back_from_beyond_the_travel_is_open_and_closes_behind_the_axis() {
     let axis = AxisSettings { travel_m: Some([-0.02, 0.03]), ..AxisSettings::default() };
     let watch = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().watch;
     for (end, outwards) in [(0.03, 1), (-0.02, -1)] {
         let at = |units: i64| place(end).0 + outwards * units;
-        let mut state = State::at(Position(at(1000)), Position(0));
-        let mut sees = |units| sees(&watch, &mut state, [at(units), 0]);
+        let mut state = State::at(Position(at(1_000_000)), Position(0));
+        let mut sees = |units| sees(&watch, &mut state, [at(units), 0], 0.0);
         let none: [Hazard; 0] = [];
-        for units in [1000, 1000, 999, 500] {
+        for units in [1_000_000, 1_000_000 + PICOMETRE, 999_999, 500_000, 500_000 + PICOMETRE] {
             assert_eq!(sees(units), none, "{units}");
         }
-        for units in [501, 502, 1000, 501] {
+        for units in [500_001 + PICOMETRE, 600_000, 1_000_000, 500_001 + PICOMETRE] {
             assert_eq!(sees(units), [Hazard::SoftLimit], "{units}");
         }
-        // Where it was last, inside, on the end, and one unit out.
-        for units in [500, 1, 0, -1000, 0] {
+        // Where it was last, inside, on the end, and as little out as makes no difference.
+        for units in [500_000, 1, 0, -1000, 0, PICOMETRE] {
             assert_eq!(sees(units), none, "{units}");
         }
-        assert_eq!(sees(1), [Hazard::SoftLimit]);
+        assert_eq!(sees(PICOMETRE + 1), [Hazard::SoftLimit]);
     }
 }
 
-/// The command may move by the limit while the motor reading stands, and no unit more, either way; the reading stands
-/// until it has moved by more than a 64th of the limit.
+/// A command that goes out in steps smaller than that is not let pass for it.
 #[test]
-fn a_motor_reading_may_stand_while_the_command_moves_by_the_limit_and_no_unit_more() {
+fn small_steps_do_not_lead_out_of_the_travel() {
+    let axis = AxisSettings { travel_m: Some([-0.02, 0.03]), ..AxisSettings::default() };
+    let watch = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().watch;
+    for (end, outwards) in [(0.03, 1), (-0.02, -1)] {
+        let end = place(end).0;
+        let mut state = State::at(Position(end), Position(0));
+        let step = |k: i64| end + outwards * k * PICOMETRE / 2;
+        let first = (1..10).find(|&k| !sees(&watch, &mut state, [step(k), 0], 0.0).is_empty());
+        assert_eq!(first, Some(3), "{outwards}: two halves of a picometre pass, a third does not");
+    }
+}
+
+/// While the motor reading stands, the velocity loop may ask for the limit, and command for as much, either way; the
+/// reading stands until it has moved by more than a 64th of the limit.
+#[test]
+fn a_motor_reading_may_stand_while_no_more_than_the_limit_is_asked_for() {
     // 2⁻¹⁰ m is a whole number of position units, and of 64 times that.
     let axis = AxisSettings { frozen_encoder_limit_m: Some(1.0 / 1024.0), ..AxisSettings::default() };
     let watch = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().watch;
     let (limit, part) = (place(1.0 / 1024.0).0, place(1.0 / 65_536.0).0);
+    // A velocity unit is 2⁴ units of error a second, 2⁻⁸ of them in a tick of 2⁻¹² s, and these are 2³⁰ position units.
+    let velocity = 4096.0;
+    let ticks = usize::try_from(limit / (4096 << 22)).unwrap();
     for sign in [1, -1] {
-        let mut state = State::at(Position(0), Position(0));
-        let mut sees = |command: i64, motor: i64| sees(&watch, &mut state, [sign * command, sign * motor]);
-        let none: [Hazard; 0] = [];
-        assert_eq!(sees(limit, part), none);
-        assert_eq!(sees(limit + 1, part), [Hazard::EncoderFrozen]);
-        assert_eq!(sees(10 * limit, -part), [Hazard::EncoderFrozen]);
-        // It moves: from here on, the command counts from where it is.
-        assert_eq!(sees(10 * limit, part + 1), none);
-        assert_eq!(sees(11 * limit, 2 * part + 1), none);
-        assert_eq!(sees(11 * limit + 1, part + 1), [Hazard::EncoderFrozen]);
-        assert_eq!(sees(9 * limit - 1, part + 1), [Hazard::EncoderFrozen]);
+        let frozen = |command: i64, motor: i64, state: &mut State| {
+            let asked = f64::from(i32::try_from(sign).unwrap()) * velocity;
+            let seen = (1..200).map(|_| sees(&watch, state, [sign * command, sign * motor], asked));
+            seen.take_while(Vec::is_empty).count()
+        };
+        let start = || State::at(Position(0), Position(0));
+        assert_eq!(frozen(limit + 1, part, &mut start()), ticks, "{sign}");
+        assert_eq!(frozen(limit + 1, -part, &mut start()), ticks, "{sign}");
+        // A command that has not gone further than the limit: a load may be what the loop asks a velocity against.
+        assert_eq!(frozen(limit, part, &mut start()), 199, "{sign}");
+        // A motor that moves begins it anew.
+        let mut state = start();
+        assert_eq!(frozen(10 * limit, part, &mut state), ticks, "{sign}");
+        assert!(sees(&watch, &mut state, [sign * 10 * limit, sign * (part + 1)], 0.0).is_empty());
+        assert_eq!(frozen(11 * limit, 2 * part + 1, &mut state), 199, "{sign}");
+        assert_eq!(frozen(11 * limit + 1, 2 * part + 1, &mut start()), ticks + 1, "{sign}");
     }
     let unwatched = AxisConfig::<Fixed>::new(&AxisSettings::default(), rates(1)).unwrap().watch;
-    assert_eq!(sees(&unwatched, &mut State::at(Position(0), Position(0)), [1 << 50, 0]), []);
+    assert_eq!(sees(&unwatched, &mut State::at(Position(0), Position(0)), [1 << 50, 0], 1e5), []);
 }
 
 /// The watch of an axis whose force may stand at its limit for so many ticks.

@@ -24,8 +24,9 @@ const TIM1: [(&str, u32, u32); 9] = [
     ("CCR1", 0x34, 8400),
     ("CCR2", 0x38, 8400),
     // 16.4.18: break on (12) and active low (13), not on by itself (14), off (15); run and idle outputs are driven (11,
-    // 10); locked at level 1 (9:8).
-    ("BDTR", 0x44, 1 << 12 | 1 << 11 | 1 << 10 | 1 << 8),
+    // 10); locked at level 2 (9:8), which
+    // holds these bits, too.
+    ("BDTR", 0x44, 1 << 12 | 1 << 11 | 1 << 10 | 2 << 8),
     // Last: counting, with a buffered period.
     ("CR1", 0x00, 0x81),
 ];

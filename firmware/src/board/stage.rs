@@ -58,10 +58,10 @@ impl Stages {
         // Idle outputs are low (OIS of CR2); each update is told to the timer of the ticks.
         timer.cr2().write(|w| w.mms().update());
         // Off until the program sets MOE, and off again by a low break input or a failed clock; never on by itself. The
-        // lock holds all of it but MOE until the next reset.
+        // second level of the lock holds all of it but MOE, and the polarities, until the next reset.
         timer.bdtr().write(|w| {
             w.bke().set_bit().bkp().clear_bit().aoe().clear_bit().moe().clear_bit();
-            w.ossr().set_bit().ossi().set_bit().lock().level1()
+            w.ossr().set_bit().ossi().set_bit().lock().level2()
         });
         timer.egr().write(|w| w.ug().set_bit());
         timer.sr().write(|w| w.uif().clear_bit().bif().clear_bit());

@@ -37,7 +37,7 @@ enum Command {
     Demo(demo::Arguments),
     /// Close the loop on a simulated machine and log it.
     Simulate(simulate::Arguments),
-    /// The same motion with the controller on a board, or on the emulated one.
+    /// The same motion with the controller on the emulated core; boards on a serial port cannot be reached yet.
     Record(record::Arguments),
     /// The same motions in fixed point, f32, f64, and with f32 positions: what each loses.
     Compare(compare::Arguments),

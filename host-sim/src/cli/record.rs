@@ -1,4 +1,4 @@
-//! `lost-motion record`: the same motion with the controller on a board, or on the emulated one.
+//! `lost-motion record`: the same motion with the controller on the emulated core.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -39,7 +39,7 @@ pub struct Arguments {
     /// Log to write (CSV, or .csv.gz).
     #[arg(long)]
     out: PathBuf,
-    /// How long an answer of the board may take before it is given up, s.
+    /// How long an answer of the emulated core may take before it is given up, s.
     #[arg(long, value_name = "SECONDS", default_value_t = PATIENCE.as_secs_f64())]
     timeout_s: f64,
     /// Seed of the sensors' noise.

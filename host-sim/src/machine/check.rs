@@ -260,6 +260,13 @@ impl Context<'_> {
         if let (Some((present, _)), Some((missing, _))) = (present, missing) {
             return Err(self.refuse(missing, &format!("this key, as {present} is given")));
         }
+        if let Some(limit_mm) = axis.frozen_encoder_limit_mm {
+            let most_mm = axis.following_error_limit_mm.unwrap_or(1e3 * servo::FOLLOWING_ERROR_LIMIT_M);
+            if limit_mm > most_mm {
+                let what = format!("no more than following_error_limit_mm, {most_mm}");
+                return Err(self.refuse("frozen_encoder_limit_mm", &what));
+            }
+        }
         if axis.feedback == Feedback::Dual && axis.dual_feedback_time_constant_s.is_none() {
             let what = "this key, as feedback is \"dual\"";
             return Err(self.refuse("dual_feedback_time_constant_s", what));

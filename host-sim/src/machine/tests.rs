@@ -156,6 +156,10 @@ const BAD_LOOPS: &[(&str, &str)] = &[
     ("saturation_time_s = -1", "axis.y.saturation_time_s: expected a number above 0, found -1"),
     ("scale_disagreement_limit_mm = -1", "scale_disagreement_limit_mm: expected a number from 0 to 100000"),
     ("fastest_mm_per_s = 0", "axis.y.fastest_mm_per_s: expected a number above 0, found 0"),
+    (
+        "frozen_encoder_limit_mm = 500",
+        "axis.y.frozen_encoder_limit_mm: expected no more than following_error_limit_mm, ",
+    ),
     ("frozen_encoder_limit_mm = 0", "axis.y.frozen_encoder_limit_mm: expected a number above 0, found 0"),
 ];
 

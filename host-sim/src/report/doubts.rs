@@ -4,32 +4,51 @@ use super::number::{percent, significant};
 use super::parameters::brief;
 use super::words::{effect, rotary};
 use crate::log::Unit;
-use crate::trace::axis::{AxisTrace, Found, StageError, residual_unit, stage_names};
+use crate::trace::axis::{AxisTrace, Found, Pair, StageError, residual_unit, stage_names};
 use crate::trace::limits::AtLimit;
 use crate::trace::verdict;
+
+/// The stages of which so much stays, and how much.
+fn what_stays(
+    axis: &AxisTrace,
+    is_told: impl Fn(&StageError) -> bool,
+    rms: fn(&Pair) -> f64,
+) -> Option<String> {
+    let of_stage = |error: &StageError| {
+        let (unit, _) = residual_unit(axis.unit, error.stage);
+        let stays = rms(&error.after);
+        format!(
+            "{} {} {unit} rms ({} times the sensors' noise)",
+            stage_names(&[error.stage]),
+            significant(stays, 3),
+            significant(stays / error.noise, 2),
+        )
+    };
+    let told: Vec<String> = axis.errors.iter().filter(|error| is_told(error)).map(of_stage).collect();
+    (!told.is_empty()).then(|| told.join(", "))
+}
 
 /// That a model does not describe the logs, if it does not, with the stages that show it.
 #[must_use]
 pub fn misfit(axis: &AxisTrace) -> Option<String> {
-    let of_stage = |error: &StageError| {
-        let (unit, _) = residual_unit(axis.unit, error.stage);
-        format!(
-            "{} {} {unit} rms ({} times the sensors' noise)",
-            stage_names(&[error.stage]),
-            significant(error.after.fit, 3),
-            significant(error.after.fit / error.noise, 2),
-        )
-    };
-    let gross: Vec<String> =
-        axis.errors.iter().filter(|error| verdict::is_gross(error)).map(of_stage).collect();
-    (!gross.is_empty()).then(|| {
-        format!(
-            "{}: the model does not describe these logs, whatever else is told of them; what stays: {}. A channel may be \
-             wrong (its sign, unit, axis or time), or a declared value.",
-            axis.axis,
-            gross.join(", ")
-        )
-    })
+    let stays = what_stays(axis, verdict::is_gross, |pair| pair.fit)?;
+    Some(format!(
+        "{}: the model does not describe these logs, whatever else is told of them; what stays: {stays}. A channel may be \
+         wrong (its sign, unit, axis or time), or a declared value.",
+        axis.axis
+    ))
+}
+
+/// That a model which describes the fitted logs does not describe those held out, if it does not.
+#[must_use]
+pub fn misfit_held_out(axis: &AxisTrace) -> Option<String> {
+    let only_there = |error: &StageError| verdict::is_gross_held_out(error) && !verdict::is_gross(error);
+    let stays = what_stays(axis, only_there, |pair| pair.validate)?;
+    Some(format!(
+        "{}: the model does not describe the logs held out, so that they are no judge of what else is told; what stays \
+         there: {stays}. A channel of theirs may be wrong, or they ask more of the machine than the fitted logs.",
+        axis.axis
+    ))
 }
 
 /// The sentence for an effect that the fit logs show and the validation logs refute.

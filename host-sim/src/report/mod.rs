@@ -119,8 +119,7 @@ fn found(trace: &Trace, extra: &Extra) -> String {
 }
 
 /// What the logs that no fit saw take part in.
-const DECIDES: &str =
-    "It decides one thing: an effect that makes it worse is refuted, and is no part of the model.";
+const DECIDES: &str = "One decision is made with what was held out: an effect that makes its residual larger is refuted, and left out of the model.";
 
 /// Which logs were fitted and which were not.
 fn sources(trace: &Trace) -> String {

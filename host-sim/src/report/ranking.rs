@@ -5,7 +5,7 @@ use super::number::{fixed, percent, significant};
 use super::parameters;
 use super::words::rotary;
 use crate::log::Unit;
-use crate::trace::axis::{AxisTrace, is_same, stage_names};
+use crate::trace::axis::{AxisTrace, Found, is_same, stage_names};
 use crate::trace::candidates::{Candidate, LEAST_REDUCTION, LEAST_T};
 use crate::trace::held_out::{Comparison, FOLDS};
 use crate::trace::search::Round;
@@ -109,8 +109,17 @@ fn verdict(axis: &AxisTrace, round: &Round, place: usize) -> String {
     let candidate = &round.candidates[place];
     let Some(best) = best(candidate) else { return String::new() };
     if round.added == Some(place) {
-        let is_kept = axis.found.iter().any(|found| is_same(&found.effect, &candidate.effect));
-        return if is_kept { "added" } else { "added; dropped when a later one made it needless" }.to_owned();
+        let is_among = |all: &[Found]| all.iter().any(|found| is_same(&found.effect, &candidate.effect));
+        let said = if is_among(&axis.found) {
+            "added"
+        } else if is_among(&axis.refuted) {
+            "added; refuted by the logs held out"
+        } else if axis.refused.iter().any(|limit| is_same(&limit.effect, &candidate.effect)) {
+            "added; dropped when the last fits drove it to a limit of its search"
+        } else {
+            "added; dropped when a later one made it needless"
+        };
+        return said.to_owned();
     }
     if let Some(limit) = &candidate.limit {
         return format!("{} is the limit of its search", significant(limit.limit, 3));

@@ -18,7 +18,7 @@ pub fn errors(axes: &[AxisTrace]) -> String {
         return rows;
     }
     let what = "Root mean square. Fit: on the logs that the models were fitted to. Validate: on motions that took \
-                part in no fit and no choice. Before: the declared model at its best within its tolerance. Noise: \
+                part in no fit. Before: the declared model at its best within its tolerance. Noise: \
                 what the sensors make of a perfect model.";
     format!(
         "{}<table>\n<thead>\n<tr><th rowspan=\"2\" scope=\"col\">axis</th><th rowspan=\"2\" \

@@ -241,7 +241,8 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     let found = axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found));
     let refuted = axis.refuted.iter().map(|found| doubts::refuted(&axis.axis, axis.unit, found));
     let at_limit = axis.refused.iter().map(|limit| doubts::at_limit(&axis.axis, axis.unit, limit));
-    doubts::misfit(axis).into_iter().chain(none).chain(found).chain(refuted).chain(at_limit).collect()
+    let misfit = doubts::misfit(axis).into_iter().chain(doubts::misfit_held_out(axis));
+    misfit.chain(none).chain(found).chain(refuted).chain(at_limit).collect()
 }
 
 /// The sentences of all axes.

@@ -55,7 +55,8 @@ pub fn is_gross(error: &StageError) -> bool {
 
 /// The same of the validation logs. The fitted ones may not have asked as much of the model: that is said, but does not
 /// make the model one of another machine.
-fn is_gross_held_out(error: &StageError) -> bool {
+#[must_use]
+pub fn is_gross_held_out(error: &StageError) -> bool {
     error.after.validate > GROSS * error.noise.max(FINEST)
 }
 

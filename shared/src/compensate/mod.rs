@@ -116,9 +116,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// Takes the axes to stand somewhere else.
     pub fn stand_at(&mut self, places: &[Position; N]) {
-        if self.any {
-            self.motions = places.map(Motion::at);
-        }
+        self.motions = places.map(Motion::at);
     }
 
     /// What is added to the commands of axes that stand, position units.
@@ -143,10 +141,11 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     /// With every command: what to add to it, position units.
     pub fn commands(&mut self, commands: &[Position; N]) -> [i64; N] {
         let mut corrections = [0; N];
+        // Also without a compensation: one that is given under way goes on from how the axes move then.
+        for (motion, command) in self.motions.iter_mut().zip(commands) {
+            motion.step(*command);
+        }
         if self.any {
-            for (motion, command) in self.motions.iter_mut().zip(commands) {
-                motion.step(*command);
-            }
             for (i, ((correction, axis), state)) in
                 corrections.iter_mut().zip(&self.axes).zip(&mut self.states).enumerate()
             {

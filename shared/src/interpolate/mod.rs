@@ -46,7 +46,7 @@ pub enum PathError {
     TooLong,
     /// The queue holds no more blocks.
     QueueFull,
-    /// The drives have gone off, and the path is forgotten with the next tick.
+    /// The drives have gone off, or go off once the path stands: it is forgotten then.
     Interrupted,
     /// The machine has no settings yet.
     NotConfigured,
@@ -100,7 +100,7 @@ impl core::fmt::Display for PathError {
             Self::BeyondTravel { axis } => write!(f, "axis {axis}: the block leads out of the travel"),
             Self::NotConfigured => write!(f, "the machine has no settings yet"),
             Self::Interrupted => {
-                write!(f, "the drives have gone off, and the path is forgotten with the next tick")
+                write!(f, "the drives have gone off, or stop the path: it is forgotten")
             }
         }
     }

@@ -1,7 +1,7 @@
 //! The constants of a machine, in machine units.
 
 use super::MachineError;
-use crate::config::{AxisConfig, AxisSettings, Rates};
+use crate::config::{AxisConfig, AxisSettings, Rates, Sensors};
 use crate::interpolate::Smoothing;
 use crate::interpolate::smooth::Filters;
 use crate::scalar::Scalar;
@@ -12,6 +12,8 @@ use crate::units::Position;
 pub struct MachineConfig<S: Scalar, const N: usize> {
     pub(super) axes: [AxisConfig<S>; N],
     pub(super) rates: Rates,
+    /// Sensors of the position loops, as they were declared.
+    pub(super) sensors: [Sensors; N],
     /// The filters behind the path, as they were declared and as they are computed.
     pub(super) smoothing: [Smoothing; N],
     pub(super) filters: Filters<N>,
@@ -32,7 +34,8 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         }
         let smoothing = settings.each_ref().map(|axis| axis.smoothing);
         let filters = Filters::new(&smoothing, rates.position_loop_hz())?;
-        Ok(Self { axes: core::array::from_fn(|i| axes[i]), rates, smoothing, filters })
+        let sensors = settings.each_ref().map(|axis| axis.sensors);
+        Ok(Self { axes: core::array::from_fn(|i| axes[i]), rates, sensors, smoothing, filters })
     }
 
     /// Least and greatest command of each axis.

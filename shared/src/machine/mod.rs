@@ -103,22 +103,29 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// tick.
     ///
     /// # Errors
-    /// [`MachineError::Config`] where a setting is refused, or where the filter behind the path
-    /// ([`AxisSettings::smoothing`]) is another; nothing has changed. [`MachineError::NoSuchAxis`].
+    /// [`MachineError::Config`] where a setting is refused, where the filter behind the path
+    /// ([`AxisSettings::smoothing`]) is another, or where the drives are on and the [sensors](AxisSettings::sensors) are
+    /// others, for the axis would go to where these see it; nothing has changed. [`MachineError::NoSuchAxis`].
     pub fn change(&mut self, axis: usize, settings: &AxisSettings) -> Result<(), MachineError> {
         let refused = |error| MachineError::Config { axis, error };
         let config = self.config.as_mut().ok_or(MachineError::NoSuchAxis)?;
-        let (Some(loops), Some(state), Some(smoothing)) =
-            (config.axes.get_mut(axis), self.state.axes.get_mut(axis), config.smoothing.get(axis))
-        else {
+        let (Some(loops), Some(state), Some(smoothing), Some(sensors)) = (
+            config.axes.get_mut(axis),
+            self.state.axes.get_mut(axis),
+            config.smoothing.get(axis),
+            config.sensors.get_mut(axis),
+        ) else {
             return Err(MachineError::NoSuchAxis);
         };
         let changed = AxisConfig::new(settings, config.rates).map_err(refused)?;
         if settings.smoothing != *smoothing {
             return Err(refused(ConfigError::NotWhileRunning("smoothing")));
         }
+        if settings.sensors != *sensors && self.state.power.is_on() {
+            return Err(refused(ConfigError::NotWhileRunning("sensors")));
+        }
         state.change(loops, &changed);
-        *loops = changed;
+        (*loops, *sensors) = (changed, settings.sensors);
         self.state.path.keep_within(config.travel());
         Ok(())
     }
@@ -140,7 +147,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// # Errors
     /// [`MachineError::NoSuchAxis`].
     pub fn switch(&mut self, axis: usize, item: Item, on: bool) -> Result<(), MachineError> {
-        if axis >= N {
+        if axis >= N || self.config.is_none() {
             return Err(MachineError::NoSuchAxis);
         }
         self.state.compensation.switch(axis, item, on);
@@ -155,7 +162,8 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         if self.config.is_none() {
             return Err(PathError::NotConfigured);
         }
-        if self.state.was_on && !self.state.power.is_on() {
+        let stops = matches!(self.state.power, Power::Stopping(_));
+        if stops || self.state.was_on && !self.state.power.is_on() {
             return Err(PathError::Interrupted);
         }
         self.state.path.push(block)
@@ -180,9 +188,10 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         self.state.power = self.state.power.after(Event::Disable);
     }
 
-    /// Reports at the start that the run before ended by a fault: it has to be acknowledged like one of this run.
+    /// Reports, once the machine is configured, that the run before ended by a fault: it has to be acknowledged like one
+    /// of this run.
     pub fn restarted_after(&mut self, fault: Fault) {
-        self.state.power = self.state.power.after(Event::Restarted(fault));
+        self.state.power = self.state.power.after(Event::Found(fault));
     }
 
     /// Reports a fault from outside, such as an overrun.

@@ -3,6 +3,7 @@
 use super::{MachineConfig, Output};
 use crate::axis::{AxisState, Reading};
 use crate::compensate::Compensation;
+use crate::config::AxisConfig;
 use crate::interpolate::Path;
 use crate::safety::{Event, Fault, Hazard, Hazards, Power, Reaction};
 use crate::scalar::Scalar;
@@ -116,6 +117,10 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
 
     /// Closes the loops on the command that stands, with nothing integrated.
     fn switch_on(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
+        if let Some(fault) = self.lacks_scale(readings) {
+            state.power = state.power.after(Event::Found(fault));
+            return;
+        }
         let displaced = self.displaced(state, readings);
         if displaced.is_some() {
             self.stand(state, readings);
@@ -129,6 +134,15 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         }
         state.until_position_tick = 0;
         state.power = state.power.after(Event::Enable);
+    }
+
+    /// The first axis whose loop needs a scale that is not read.
+    fn lacks_scale(&self, readings: &[Reading; N]) -> Option<Fault> {
+        let lacks = |(config, reading): (&AxisConfig<S>, &Reading)| {
+            config.feedback.needs_table() && reading.table.is_none()
+        };
+        let mut axes = (0..).zip(self.axes.iter().zip(readings).map(lacks));
+        axes.find(|(_, lacks)| *lacks).map(|(axis, _)| Fault::Axis { axis, hazard: Hazard::ScaleLost })
     }
 
     /// The first axis that stands away from where the path begins.
