@@ -127,3 +127,17 @@ fn a_model_that_describes_the_log_is_not_said_not_to() {
     let (verdict, _) = heads(&declared(), logs([&declared(); 2]));
     assert!(verdict < Verdict::ModelDoesNotFit);
 }
+
+/// Of the logs held out alone the scale has the wrong sign: they are no judge, and that is what is said first.
+#[test]
+fn logs_held_out_that_the_model_does_not_describe_are_said_to_be_no_judge() {
+    let [fit, mut validate] = logs([&declared(); 2]);
+    validate.axes[0].table.iter_mut().flatten().for_each(|mm| *mm = -*mm);
+    let trace = traced(&declared(), [fit, validate]);
+    assert_eq!(verdict::of(&trace), Verdict::Unexplained);
+    let said = words::of_axis(&trace.axes[0]);
+    assert!(said[0].starts_with("x: the model does not describe the logs held out"), "{said:?}");
+    assert!(said.iter().all(|said| !said.contains("does not describe these logs")), "{said:?}");
+    // y is as it was.
+    assert!(words::of_axis(&trace.axes[1]).iter().all(|said| !said.contains("does not describe")));
+}

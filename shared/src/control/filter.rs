@@ -15,8 +15,9 @@
 //! ```
 //!
 //! w the low-pass, x − d·k·v the notch: at rest p = 0 and q = x, so the gain at frequency zero is one
-//! exactly, in every number format. The integrators are sums that are not rounded: nothing is lost, so
-//! nothing cycles.
+//! exactly, in every number format. The integrators are sums that are not rounded: nothing is lost. What is read of
+//! them is: half a step of p and q a tick, which a filter that forgets g·k of its swing a tick may keep up as a swing of
+//! 1/(2gk) steps (the deadband of recursive filters): at 150 Hz, k = 0.2 and 20 kHz at most 7 mN, and 0.2 mN were seen.
 //!
 //! # Example
 //!
@@ -195,9 +196,12 @@ mod tests {
                 return;
             }
             let off = filter.step(&mut state, value).value() - value.value();
-            // An integrator stops where its step, g of the error, is lost beside its state: 2⁻²⁴ of it in f32.
+            // An integrator stops where its step, g of the error, is lost beside its state: 2⁻²⁴ of it in f32. In fixed
+            // point half a step a tick keeps up a swing that loses g·k of itself in one; a notch shows it k times.
             let lost = if S::NAME == "f32" { 8.0 / 16_777_216.0 / g(frequency_hz) } else { 0.0 };
-            assert!(off.abs() <= 2.0 / 16_384.0 + value.value().abs() * (1e-6 + lost), "{}: {off}", S::NAME);
+            let swing = S::SIGNAL_STEP * (1.0 + k) / (2.0 * g(frequency_hz) * k);
+            let bound = 2.0 / 16_384.0 + swing + value.value().abs() * (1e-6 + lost);
+            assert!(off.abs() <= bound, "{}: {off} of {bound}", S::NAME);
         }
     }
 
