@@ -69,7 +69,7 @@ pub fn settle(
 /// A found effect with what speaks against it.
 struct Reported {
     found: Found,
-    /// Its index in [`AxisModel::found`].
+    /// Its index in [`AxisModel::found`](super::model::AxisModel::found).
     index: usize,
     /// What the validation logs lose with it, if they refute it.
     loss: Option<f64>,
