@@ -1,6 +1,7 @@
 //! What several of the tests need.
 
 pub mod board;
+pub mod cases;
 pub mod chip;
 pub mod firmware;
 pub mod gdb;

@@ -6,7 +6,7 @@ use std::collections::BTreeSet;
 use host_sim::log::Log;
 use host_sim::machine::Machine;
 use host_sim::trace::trace;
-use tests::data;
+use tests::cases;
 
 type Named = BTreeSet<(String, String)>;
 
@@ -23,19 +23,12 @@ fn truth(folder: &std::path::Path) -> Named {
 }
 
 fn logs(folder: &std::path::Path, kind: &str) -> Vec<Log> {
-    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let mut files: Vec<_> =
-        files.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with(kind)).collect();
-    files.sort();
-    files.iter().map(|path| Log::read(path).unwrap()).collect()
+    cases::logs(folder, kind).iter().map(|path| Log::read(path).unwrap()).collect()
 }
 
 #[test]
 fn every_case_comes_out_as_it_was_made() {
-    let Some(cases) = data("cases") else { return };
-    let mut folders: Vec<_> = std::fs::read_dir(cases).unwrap().map(|entry| entry.unwrap().path()).collect();
-    folders.sort();
-    assert!(folders.len() >= 9);
+    let Some(folders) = cases::folders() else { return };
     for folder in folders {
         let machine = Machine::read(&folder.join("machine.toml")).unwrap();
         let trace = trace(&machine, &logs(&folder, "fit_"), &logs(&folder, "validate_"), &|_| {}).unwrap();

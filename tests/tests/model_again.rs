@@ -9,7 +9,7 @@ use host_sim::log::Log;
 use host_sim::machine::Machine;
 use host_sim::trace::axis::{Pair, StageError};
 use host_sim::trace::{Trace, trace};
-use tests::data;
+use tests::{cases, data};
 
 /// Share by which a residual may differ: the fits end when a step brings less than a ten-thousandth of Σr², and the
 /// trace's own error is known to two per mille of the residual.
@@ -63,19 +63,12 @@ fn a_model_of_the_demo_stays_where_it_is() {
 }
 
 fn logs(folder: &Path, kind: &str) -> Vec<Log> {
-    let files = std::fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
-    let mut files: Vec<_> =
-        files.filter(|path| path.file_name().unwrap().to_string_lossy().starts_with(kind)).collect();
-    files.sort();
-    files.iter().map(|path| Log::read(path).unwrap()).collect()
+    cases::logs(folder, kind).iter().map(|path| Log::read(path).unwrap()).collect()
 }
 
 #[test]
 fn a_model_of_a_case_stays_where_it_is() {
-    let Some(cases) = data("cases") else { return };
-    let mut folders: Vec<_> = std::fs::read_dir(cases).unwrap().map(|entry| entry.unwrap().path()).collect();
-    folders.sort();
-    assert!(folders.len() >= 9);
+    let Some(folders) = cases::folders() else { return };
     for folder in folders {
         let machine = Machine::read(&folder.join("machine.toml")).unwrap();
         let name = folder.display().to_string();

@@ -1,0 +1,174 @@
+//! Each fault on a machine that moves: what puts the drives off does so in the same tick, what stops does it
+//! along the path, what warns goes on.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod coming_on;
+mod frozen;
+mod travel;
+
+use shared::config::{AxisSettings, ConfigError, Rates, Sensors};
+use shared::interpolate::{Block, PathError, Smoothing};
+use shared::machine::{Machine, MachineError, Output, Reading};
+use shared::safety::{Fault, Hazard, Power};
+use shared::scalar::{Fixed, Scalar};
+use shared::units::Position;
+
+const RATE_HZ: f64 = 4000.0;
+const RATES: Rates = Rates { velocity_loop_hz: RATE_HZ, position_loop_divider: 1 };
+
+fn place(m: f64) -> Position {
+    Position::from_m(m).unwrap()
+}
+
+/// Two axes, of which each follows its command with the velocity loop's own error: motor = mass of 50 kg.
+struct Bench<S: Scalar> {
+    machine: Machine<S, 2>,
+    motor_m: [f64; 2],
+    velocity: [f64; 2],
+    /// What the sensors are made to say besides.
+    motor_jump_m: f64,
+    scale: bool,
+    scale_off_m: f64,
+}
+
+impl<S: Scalar> Bench<S> {
+    fn new(axis: &AxisSettings) -> Self {
+        let mut machine = Machine::new(RATES, &[*axis; 2], [Position(0); 2]).unwrap();
+        machine.push(&Block::line([0.2, 0.1], 0.1, 2.0)).unwrap();
+        machine.enable();
+        Self {
+            machine,
+            motor_m: [0.0; 2],
+            velocity: [0.0; 2],
+            motor_jump_m: 0.0,
+            scale: true,
+            scale_off_m: 0.0,
+        }
+    }
+
+    fn tick(&mut self) -> Output<S, 2> {
+        let place = |m: f64| Position::from_m(m).unwrap();
+        let readings = [0, 1].map(|axis| Reading {
+            motor: place(self.motor_m[axis] + if axis == 1 { self.motor_jump_m } else { 0.0 }),
+            table: self.scale.then(|| place(self.motor_m[axis] + self.scale_off_m)),
+        });
+        let output = self.machine.tick(&readings);
+        for axis in 0..2 {
+            self.velocity[axis] += output.forces[axis].value() / 50.0 / RATE_HZ;
+            self.motor_m[axis] += self.velocity[axis] / RATE_HZ;
+        }
+        output
+    }
+
+    fn run(&mut self, ticks: u32) -> Output<S, 2> {
+        (0..ticks).map(|_| self.tick()).last().unwrap()
+    }
+}
+
+fn axis() -> AxisSettings {
+    AxisSettings {
+        position_gain_per_s: 50.0,
+        velocity_gain_n_s_per_m: 20_000.0,
+        following_error_limit_m: 0.01,
+        scale_disagreement_limit_m: Some(0.5e-3),
+        fastest_m_per_s: Some(0.5),
+        saturation_time_s: 0.01,
+        stop_deceleration_m_per_s2: 4.0,
+        sensors: Sensors::Dual { time_constant_s: 0.05 },
+        ..AxisSettings::default()
+    }
+}
+
+const fn on(axis: u8, hazard: Hazard) -> Fault {
+    Fault::Axis { axis, hazard }
+}
+
+/// The drives go off in the tick that sees it.
+fn goes_off_at_once<S: Scalar>(change: impl Fn(&mut Bench<S>), fault: Fault) {
+    let mut bench = Bench::<S>::new(&axis());
+    assert!(bench.run(2000).enabled);
+    change(&mut bench);
+    let output = bench.tick();
+    assert_eq!(bench.machine.power(), Power::Faulted(fault), "{}", S::NAME);
+    assert!(!output.enabled && output.forces.iter().all(|force| force.value() == 0.0));
+    // Nothing moves without an acknowledgement and a fresh enable.
+    bench.machine.enable();
+    assert!(!bench.tick().enabled);
+    bench.machine.disable();
+    bench.machine.enable();
+}
+
+fn sudden<S: Scalar>() {
+    // 0.3 mm in a tick of 0.25 ms is 1.2 m/s, and less than scale and motor may disagree.
+    goes_off_at_once::<S>(|bench| bench.motor_jump_m = 0.3e-3, on(1, Hazard::EncoderStep));
+    goes_off_at_once::<S>(|bench| bench.scale_off_m = 0.6e-3, on(0, Hazard::Disagreement));
+    goes_off_at_once::<S>(|bench| bench.machine.fault(Fault::Overrun), Fault::Overrun);
+    goes_off_at_once::<S>(|bench| bench.machine.fault(Fault::HardwareStop), Fault::HardwareStop);
+}
+
+#[test]
+fn sudden_faults_put_the_drives_off_in_every_format() {
+    sudden::<Fixed>();
+    sudden::<f32>();
+    sudden::<f64>();
+}
+
+#[test]
+fn a_following_error_puts_the_drives_off() {
+    let mut bench = Bench::<Fixed>::new(&AxisSettings { following_error_limit_m: 1.5e-3, ..axis() });
+    // 0.1 m/s·2/√5 over Kp = 50/s is 1.8 mm on the first axis: reached while it speeds up.
+    bench.run(2000);
+    assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::FollowingError)));
+}
+
+#[test]
+fn a_force_at_its_limit_stops_after_its_time() {
+    let mut bench = Bench::<Fixed>::new(&AxisSettings { force_limit_n: 20.0, ..axis() });
+    // 50 kg at 2 m/s² need 89 N.
+    let mut ticks = 0;
+    while !matches!(bench.machine.power(), Power::Stopping(_)) {
+        bench.tick();
+        ticks += 1;
+        assert!(ticks < 400, "{:?}", bench.machine.power());
+    }
+    // 10 ms are 40 ticks, which begin once the error asks for 20 N: 1 mm/s, after some ticks.
+    assert!((41..=80).contains(&ticks), "{ticks}");
+    assert_eq!(bench.machine.power(), Power::Stopping(on(0, Hazard::ForceSaturated)));
+}
+
+/// Differences of the motor reading close the velocity loop one tick late: with Kv·Δt/m > 2 each tick turns the speed
+/// over and makes it larger, until the force is thrown from limit to limit with a tick in between now and then.
+#[test]
+fn an_unstable_loop_stops_although_its_force_turns_over() {
+    let velocity_gain_n_s_per_m = 2.5 * 50.0 * RATE_HZ;
+    let mut bench =
+        Bench::<f64>::new(&AxisSettings { velocity_gain_n_s_per_m, force_limit_n: 200.0, ..axis() });
+    let (mut ticks, mut below, mut turned, mut last) = (0, 0, 0, 0.0);
+    while bench.machine.power() == Power::Off || bench.machine.power().is_on() {
+        let force = bench.tick().forces[0].value();
+        below += u32::from(force.abs() < 199.0);
+        turned += u32::from(force * last < 0.0);
+        last = force;
+        ticks += 1;
+        assert!(ticks < 2000, "still running");
+    }
+    assert!(
+        turned > 10 && below > 0,
+        "it turned over {turned} times, and was below its limit in {below} ticks"
+    );
+}
+
+#[test]
+fn a_lost_scale_warns_and_goes_on() {
+    let mut bench = Bench::<Fixed>::new(&axis());
+    bench.run(1000);
+    bench.scale = false;
+    let output = bench.tick();
+    assert_eq!(output.warning, Some(on(0, Hazard::ScaleLost)));
+    assert_eq!(bench.run(1000).warning, output.warning);
+    assert_eq!(bench.machine.power(), Power::On);
+    bench.scale = true;
+    assert_eq!(bench.run(100).warning, output.warning);
+    bench.machine.disable();
+    assert_eq!(bench.tick().warning, None);
+}
