@@ -34,7 +34,7 @@ pub struct AxisState<S: Scalar> {
     force_bump: Bump<S>,
     /// Settle the filters of the force on what the changed loop makes: what is between is the bump's.
     resettle: bool,
-    watch: watch::State,
+    watch: watch::State<S>,
 }
 
 impl<S: Scalar> AxisState<S> {

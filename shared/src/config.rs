@@ -355,8 +355,13 @@ fn watch<S: Scalar>(settings: &AxisSettings, tick: f64, position_tick: f64) -> R
             settings.scale_disagreement_limit_m,
             TRAVEL_LIMIT_M,
         )?,
-        frozen: distance("frozen_encoder_limit_m", settings.frozen_encoder_limit_m, most_frozen_m)?
-            .map(|limit| Frozen { limit, per_tick: S::gain(VELOCITY_M_PER_S / LENGTH_M * position_tick) }),
+        frozen: distance("frozen_encoder_limit_m", settings.frozen_encoder_limit_m, most_frozen_m)?.map(
+            |limit| {
+                let asked = S::signal(limit as f64 / PER_M / LENGTH_M).widen();
+                let per_tick = S::gain(VELOCITY_M_PER_S / LENGTH_M * position_tick);
+                Frozen { limit, asked: [S::ZERO_SUM - asked, asked], per_tick }
+            },
+        ),
         encoder_step: match settings.fastest_m_per_s {
             Some(m_per_s) => Some(signal("fastest_m_per_s", m_per_s, INCREMENT_M / tick)?),
             None => None,

@@ -24,30 +24,32 @@ pub struct Watch<S: Scalar> {
 /// When a motor reading that stands is that of a dead encoder.
 #[derive(Clone, Copy, Debug)]
 pub struct Frozen<S: Scalar> {
-    /// Travel that is asked for while the reading stands, position units.
+    /// Travel of the command while the reading stands, position units.
     pub limit: u64,
+    /// The same travel that the velocity loop is asked for, either way, error units.
+    pub asked: [S::Sum; 2],
     /// Error units that a velocity unit is in a position tick.
     pub per_tick: S::Gain,
 }
 
 /// What has been seen of an axis.
 #[derive(Clone, Copy, Debug)]
-pub struct State {
+pub struct State<S: Scalar> {
     /// Quarters of a tick.
     saturated_quarters: u32,
     /// The last command that broke no soft limit.
     allowed: Position,
     /// Command and motor reading when that moved last.
     moved: [Position; 2],
-    /// Travel that the velocity loop has been asked for since then, position units.
-    asked: i64,
+    /// Travel that the velocity loop has been asked for since then, error units; no further than a tick beyond its limit.
+    asked: S::Sum,
 }
 
-impl State {
+impl<S: Scalar> State<S> {
     /// Of an axis that comes on at a command with a motor reading.
     #[must_use]
     pub const fn at(command: Position, motor: Position) -> Self {
-        Self { saturated_quarters: 0, allowed: command, moved: [command, motor], asked: 0 }
+        Self { saturated_quarters: 0, allowed: command, moved: [command, motor], asked: S::ZERO_SUM }
     }
 }
 
@@ -79,7 +81,7 @@ pub struct Seen<S> {
 impl<S: Scalar> Watch<S> {
     /// With every position loop.
     #[must_use]
-    pub fn position(&self, state: &mut State, seen: &Seen<S>) -> Hazards {
+    pub fn position(&self, state: &mut State<S>, seen: &Seen<S>) -> Hazards {
         let disagree = match (seen.table, self.disagreement) {
             (Some(table), Some(limit)) => table.beyond(seen.motor).unsigned_abs() > limit,
             _ => false,
@@ -94,7 +96,7 @@ impl<S: Scalar> Watch<S> {
 
     /// Whether the command goes on outwards from what was allowed so far. An axis that came on outside its travel may
     /// stand there and go back, and what it has come back by is closed behind it.
-    fn leaves_the_travel(&self, state: &mut State, command: Position) -> bool {
+    fn leaves_the_travel(&self, state: &mut State<S>, command: Position) -> bool {
         let [least, greatest] = self.travel;
         let [least, greatest] = [least.min(state.allowed), greatest.max(state.allowed)];
         let leaves = command < least.moved(-BEYOND) || command > greatest.moved(BEYOND);
@@ -107,23 +109,25 @@ impl<S: Scalar> Watch<S> {
     /// Whether command and velocity loop have asked for the limit since the motor reading moved last. Either alone would
     /// not do: where a motor far behind its command turns round, the command is on its way already; and a loop without an
     /// integral part asks for a velocity that never comes while it holds a load.
-    fn is_frozen(&self, state: &mut State, seen: &Seen<S>) -> bool {
+    fn is_frozen(&self, state: &mut State<S>, seen: &Seen<S>) -> bool {
         let Some(frozen) = &self.frozen else { return false };
         let [command, motor] = state.moved;
         if seen.motor.beyond(motor).unsigned_abs() > frozen.limit / STANDS {
-            (state.moved, state.asked) = ([seen.command, seen.motor], 0);
+            (state.moved, state.asked) = ([seen.command, seen.motor], S::ZERO_SUM);
             return false;
         }
-        let asked = S::to_distance(seen.velocity_command.times(frozen.per_tick));
-        state.asked = state.asked.saturating_add(asked);
-        state.asked.unsigned_abs() > frozen.limit
-            && seen.command.beyond(command).unsigned_abs() > frozen.limit
+        let [least, greatest] = frozen.asked;
+        if state.asked >= least && state.asked <= greatest {
+            state.asked += seen.velocity_command.times(frozen.per_tick);
+            return false;
+        }
+        seen.command.beyond(command).unsigned_abs() > frozen.limit
     }
 
     /// With every velocity loop: what the motor has moved since the tick before, and whether the force is
     /// at its limit.
     #[must_use]
-    pub fn velocity(&self, state: &mut State, increment: S, saturated: bool) -> Hazards {
+    pub fn velocity(&self, state: &mut State<S>, increment: S, saturated: bool) -> Hazards {
         // An unstable loop throws the force from limit to limit: a tick in between must not begin the count anew.
         state.saturated_quarters = if saturated {
             state.saturated_quarters.saturating_add(4)

@@ -211,7 +211,12 @@ fn a_path_stops_with_the_least_deceleration_of_its_axes() {
 }
 
 /// What a watch sees of an axis that is where it is commanded to be, but for its motor reading.
-fn sees(watch: &Watch<Fixed>, state: &mut State, [command, motor]: [i64; 2], velocity: f64) -> Vec<Hazard> {
+fn sees(
+    watch: &Watch<Fixed>,
+    state: &mut State<Fixed>,
+    [command, motor]: [i64; 2],
+    velocity: f64,
+) -> Vec<Hazard> {
     let seen = Seen {
         following_error: Fixed::ZERO,
         command: Position(command),
@@ -275,9 +280,10 @@ fn a_motor_reading_may_stand_while_no_more_than_the_limit_is_asked_for() {
     let (limit, part) = (place(1.0 / 1024.0).0, place(1.0 / 65_536.0).0);
     // A velocity unit is 2⁴ units of error a second, 2⁻⁸ of them in a tick of 2⁻¹² s, and these are 2³⁰ position units.
     let velocity = 4096.0;
-    let ticks = usize::try_from(limit / (4096 << 22)).unwrap();
+    // The tick after the one that goes beyond the limit sees it.
+    let ticks = usize::try_from(limit / (4096 << 22) + 1).unwrap();
     for sign in [1, -1] {
-        let frozen = |command: i64, motor: i64, state: &mut State| {
+        let frozen = |command: i64, motor: i64, state: &mut State<Fixed>| {
             let asked = f64::from(i32::try_from(sign).unwrap()) * velocity;
             let seen = (1..200).map(|_| sees(&watch, state, [sign * command, sign * motor], asked));
             seen.take_while(Vec::is_empty).count()
