@@ -60,6 +60,18 @@ impl<S: Scalar> Bench<S> {
         output
     }
 
+    /// Until the drives are off, which they have to be within 5 s.
+    fn until_off(&mut self, mut seen: impl FnMut(&Self, Output<S, 2>)) {
+        for _ in 0..20_000 {
+            let output = self.tick();
+            seen(self, output);
+            if !self.machine.power().is_on() {
+                return;
+            }
+        }
+        panic!("still {:?}", self.machine.power());
+    }
+
     fn run(&mut self, ticks: u32) -> Output<S, 2> {
         (0..ticks).map(|_| self.tick()).last().unwrap()
     }

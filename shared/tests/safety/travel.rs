@@ -40,13 +40,12 @@ fn a_lost_scale_leaves_the_soft_limits_on() {
         let warned = bench.tick().warning;
         assert_eq!(warned, Some(on(0, Hazard::ScaleLost)));
         let mut x = 0.0;
-        while bench.machine.power().is_on() {
-            let output = bench.tick();
+        bench.until_off(|bench, output| {
             if bench.machine.power().is_on() {
                 x = output.commands[0].to_m();
             }
             assert!(x < 0.06, "{x}");
-        }
+        });
         assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::SoftLimit)));
         // 0.1 m/s of path at 4 m/s² are 1.25 mm of path, 1.12 mm of x; a tick of 22 µm to see it.
         assert!(x > 0.05 + 1.0e-3 && x < 0.05 + 1.2e-3, "{x}");
@@ -73,9 +72,7 @@ fn an_axis_beyond_its_travel_goes_back_and_no_further_out() {
     let mut bench = Bench::<Fixed>::new(&axis());
     bench.run(100);
     bench.machine.change(0, &narrow).unwrap();
-    while bench.machine.power().is_on() {
-        bench.tick();
-    }
+    bench.until_off(|_, _| {});
     assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::SoftLimit)));
     bench.run(4000);
     bench.machine.disable();
