@@ -3,8 +3,8 @@
 use super::axis::again;
 use super::fit::{self, Fitted};
 use super::model::AxisModel;
-use super::own_error;
-use super::residual::{Evidence, Part, rms};
+use super::own_error::{self, size};
+use super::residual::{Evidence, Part};
 use super::scope::{Mechanics, Scope};
 use super::search::Explained;
 
@@ -143,9 +143,4 @@ fn of(
 ) -> Option<Settled> {
     let own = own_error::of(evidence, &model, driven);
     (!own.is_empty()).then_some(Settled { model, explained, own })
-}
-
-/// Sum of the logarithms of the residuals of a scope's stages.
-fn size(evidence: &Evidence<'_>, parts: &[Part], scope: &Scope) -> f64 {
-    scope.stages.iter().map(|&stage| rms(parts, stage, evidence).max(1e-12).ln()).sum()
 }

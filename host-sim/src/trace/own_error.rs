@@ -69,8 +69,12 @@ fn as_the_model_has_it(evidence: &Evidence<'_>, model: &AxisModel, log: usize) -
 /// Whether the second of two residuals of a scope is less than the first.
 #[must_use]
 pub fn is_less(evidence: &Evidence<'_>, residuals: [&[Part]; 2], scope: &Scope) -> bool {
-    let [before, after] = residuals.map(|parts| {
-        scope.stages.iter().map(|&stage| rms(parts, stage, evidence).max(1e-12).ln()).sum::<f64>()
-    });
+    let [before, after] = residuals.map(|parts| size(evidence, parts, scope));
     after < before
+}
+
+/// Sum of the logarithms of the residuals of a scope's stages.
+#[must_use]
+pub fn size(evidence: &Evidence<'_>, parts: &[Part], scope: &Scope) -> f64 {
+    scope.stages.iter().map(|&stage| rms(parts, stage, evidence).max(1e-12).ln()).sum()
 }
