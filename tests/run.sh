@@ -45,7 +45,7 @@ done
 step "documentation"
 # A module's front page may point at its private parts: they are documented, too.
 RUSTDOCFLAGS="-D warnings -A rustdoc::private_intra_doc_links" \
-  cargo doc --no-deps --document-private-items --package shared --package host-sim
+  cargo doc --no-deps --document-private-items --workspace --exclude firmware --exclude tests
 
 step "programs of the chip"
 cargo board

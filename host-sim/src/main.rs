@@ -1,7 +1,9 @@
 //! The program `lost-motion`.
 
+mod cli;
+
 use std::process::ExitCode;
 
 fn main() -> ExitCode {
-    host_sim::cli::run()
+    cli::run()
 }

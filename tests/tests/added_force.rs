@@ -1,20 +1,21 @@
 //! A known force on top of the controller's: the motor stage answers to it as the machine does.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use host_sim::controller::{AxisOutput, Controller, ControllerError, Format, PathBlock, Status};
-use host_sim::effects::Stage;
-use host_sim::log::{Log, Unit};
-use host_sim::machine::Machine;
-use host_sim::motion::Motion;
-use host_sim::plant::instruments::Instruments;
-use host_sim::simulate::{self, Run};
-use host_sim::trace::model::AxisModel;
-use host_sim::trace::residual::{Evidence, rms};
-use host_sim::trace::scope::{Mechanics, Scope};
-use host_sim::trace::signals::Signals;
-use host_sim::trace::trace;
-use host_sim::{path, servo};
+use files::log::{Log, Unit};
+use link::controller::{AxisOutput, Controller, ControllerError, Format, PathBlock, Status};
+use model::effects::Stage;
+use model::machine::Machine;
+use model::motion::Motion;
+use model::servo;
+use plant::instruments::Instruments;
+use plant::path;
+use plant::simulate::{self, Run};
 use shared::axis::Reading;
+use trace::axis_model::AxisModel;
+use trace::residual::{Evidence, rms};
+use trace::scope::{Mechanics, Scope};
+use trace::signals::Signals;
+use trace::trace;
 
 const KV: f64 = 6e4;
 const KP: f64 = 50.0;

@@ -3,10 +3,10 @@
 
 use std::collections::BTreeSet;
 
-use host_sim::log::Log;
-use host_sim::machine::Machine;
-use host_sim::trace::trace;
+use files::log::Log;
+use model::machine::Machine;
 use tests::cases;
+use trace::trace;
 
 type Named = BTreeSet<(String, String)>;
 
@@ -18,7 +18,7 @@ fn truth(folder: &std::path::Path) -> Named {
     let effects = truth["effects"].as_array().unwrap().iter();
     effects
         .map(|effect| (word(effect, "axis"), word(effect, "name")))
-        .filter(|(_, name)| host_sim::effects::NAMES.contains(&name.as_str()))
+        .filter(|(_, name)| model::effects::NAMES.contains(&name.as_str()))
         .collect()
 }
 

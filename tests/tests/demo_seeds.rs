@@ -1,6 +1,6 @@
 //! The demo names what it was not told, seed after seed.
 
-use host_sim::demo;
+use studies::demo;
 
 /// Ten seeds whose machines have ten different effects.
 const SEEDS: [u64; 10] = [2, 3, 4, 6, 8, 9, 10, 16, 19, 22];

@@ -3,13 +3,13 @@
 
 use std::path::{Path, PathBuf};
 
-use host_sim::controller::{Format, PathBlock};
-use host_sim::log::{AxisLog, Log};
-use host_sim::machine::{Axis, Machine};
-use host_sim::motion::{Block, Motion};
-use host_sim::path;
-use host_sim::plant::instruments::Instruments;
-use host_sim::simulate::{Run, controller};
+use files::log::{AxisLog, Log};
+use link::controller::{Format, PathBlock};
+use model::machine::{Axis, Machine};
+use model::motion::{Block, Motion};
+use plant::instruments::Instruments;
+use plant::path;
+use plant::simulate::{Run, controller};
 
 /// Standstill after the motion, s: the slowest machine has Kp = 33 1/s, and e^(−33·0.5) = 7e-8.
 const REST_S: f64 = 0.5;

@@ -4,13 +4,13 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use host_sim::effects::Stage;
-use host_sim::friction_map::FrictionMap;
-use host_sim::friction_map::search::explain;
-use host_sim::log::{Log, Unit};
-use host_sim::machine::Machine;
-use host_sim::trace::{Trace, trace};
+use files::log::{Log, Unit};
+use model::effects::Stage;
+use model::machine::Machine;
 use tests::data;
+use trace::friction_map::FrictionMap;
+use trace::friction_map::search::explain;
+use trace::{Trace, trace};
 
 /// What a folder holds, in the order of the names.
 fn entries(folder: &Path) -> Vec<PathBuf> {

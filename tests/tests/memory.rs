@@ -4,12 +4,12 @@
 use std::fs;
 use std::path::Path;
 
-use host_sim::controller::{Format, PathBlock};
-use host_sim::log::{Log, write_rows};
-use host_sim::machine::Machine;
-use host_sim::plant::instruments::Instruments;
-use host_sim::simulate::{Run, Sample, controller};
+use files::log::{Log, write_rows};
+use link::controller::{Format, PathBlock};
+use model::machine::Machine;
 use peak_alloc::PeakAlloc;
+use plant::instruments::Instruments;
+use plant::simulate::{Run, Sample, controller};
 
 #[global_allocator]
 static ALLOCATOR: PeakAlloc = PeakAlloc;

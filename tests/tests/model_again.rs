@@ -4,12 +4,12 @@
 
 use std::path::Path;
 
-use host_sim::demo;
-use host_sim::log::Log;
-use host_sim::machine::Machine;
-use host_sim::trace::axis::{Pair, StageError};
-use host_sim::trace::{Trace, trace};
+use files::log::Log;
+use model::machine::Machine;
+use studies::demo;
 use tests::{cases, data};
+use trace::axis::{Pair, StageError};
+use trace::{Trace, trace};
 
 /// Share by which a residual may differ: the fits end when a step brings less than a ten-thousandth of Σr², and the
 /// trace's own error is known to two per mille of the residual.
@@ -17,7 +17,7 @@ const SAME: f64 = 0.02;
 
 /// All residuals of a trace with their names.
 fn residuals(trace: &Trace, of: fn(&StageError) -> Pair) -> Vec<(String, f64)> {
-    let of_axis = |axis: &host_sim::trace::axis::AxisTrace| {
+    let of_axis = |axis: &trace::axis::AxisTrace| {
         let of_stage = |error: &StageError| {
             let Pair { fit, validate } = of(error);
             [("fit", fit), ("validate", validate)]

@@ -7,14 +7,14 @@
 
 use std::time::Instant;
 
-use host_sim::controller::{AxisOutput, Controller, Format, PathBlock, PathShape, Status};
-use host_sim::link::emulator::{Emulator, PATIENCE};
-use host_sim::link::remote::{Connection, Remote};
-use host_sim::machine::Machine;
-use host_sim::plant::instruments::Instruments;
-use host_sim::plant::sensors::Sensor;
-use host_sim::servo;
-use host_sim::simulate::{Run, controller, set_up};
+use link::controller::{AxisOutput, Controller, Format, PathBlock, PathShape, Status};
+use link::emulator::{Emulator, PATIENCE};
+use link::remote::{Connection, Remote};
+use model::machine::Machine;
+use model::servo;
+use plant::instruments::Instruments;
+use plant::sensors::Sensor;
+use plant::simulate::{Run, controller, set_up};
 use shared::protocol::{Answer, FRAME, Order, Refusal, decode, encode};
 
 /// Two axes that use everything there is: both laws, integral part, feed-forward, dual feedback.

@@ -11,11 +11,11 @@ mod plain;
 use std::hint::black_box;
 use std::time::Instant;
 
-use host_sim::controller::{AxisOutput, Controller, Format, PathBlock, PathShape};
-use host_sim::machine::Machine;
-use host_sim::plant::desk::Desk;
-use host_sim::plant::instruments::Instruments;
-use host_sim::simulate;
+use link::controller::{AxisOutput, Controller, Format, PathBlock, PathShape};
+use model::machine::Machine;
+use plant::desk::Desk;
+use plant::instruments::Instruments;
+use plant::simulate;
 use shared::axis::Reading;
 use shared::units::Position;
 

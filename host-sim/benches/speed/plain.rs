@@ -6,9 +6,9 @@
 //! velocities from the forces at the beginning of the step, then places from the new velocities.
 #![expect(clippy::needless_range_loop, reason = "plain: every line is an equation of axis i")]
 
-use host_sim::machine::Machine;
-use host_sim::plant::parameters::AxisParameters;
-use host_sim::servo;
+use model::machine::Machine;
+use model::servo;
+use plant::parameters::AxisParameters;
 
 use super::{ACCELERATION_M_PER_S2, FEED_M_PER_S, RADIUS_M, START_M};
 

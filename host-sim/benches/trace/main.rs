@@ -9,14 +9,14 @@ use std::hint::black_box;
 use std::path::Path;
 
 use criterion::{Criterion, criterion_group, criterion_main};
-use host_sim::log::{AxisLog, Log, Unit};
-use host_sim::machine::Machine;
-use host_sim::servo;
-use host_sim::trace::fit;
-use host_sim::trace::model::AxisModel;
-use host_sim::trace::residual::Evidence;
-use host_sim::trace::scope::scopes;
-use host_sim::trace::signals::Signals;
+use files::log::{AxisLog, Log, Unit};
+use model::machine::Machine;
+use model::servo;
+use trace::axis_model::AxisModel;
+use trace::fit;
+use trace::residual::Evidence;
+use trace::scope::scopes;
+use trace::signals::Signals;
 
 /// Steps that a fit may take; it ends before.
 const STEPS: usize = 10;

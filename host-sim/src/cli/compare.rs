@@ -6,15 +6,14 @@ use anyhow::Result;
 
 use super::progress::Progress;
 use super::say;
-use crate::compare::motion::Motion;
-use crate::compare::pipeline::Pipeline;
-use crate::compare::{self, Comparison, Options, Row};
-use crate::controller::Format;
-use crate::error::InputError;
-use crate::link::emulator::{self, Emulator, PATIENCE};
-use crate::output::write_whole;
-use crate::report;
-use crate::report::compare::nanometres;
+use files::error::InputError;
+use files::output::write_whole;
+use link::controller::Format;
+use link::emulator::{self, Emulator, PATIENCE};
+use studies::compare::motion::Motion;
+use studies::compare::page::nanometres;
+use studies::compare::pipeline::Pipeline;
+use studies::compare::{self, Comparison, Options, Row};
 
 /// Longest long run, h: a year.
 const MOST_HOURS: f64 = 8760.0;
@@ -58,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let mut said = summary(&comparison);
     if let Some(folder) = &arguments.report {
-        let path = report::compare::write(folder, &comparison, &sentences(&comparison))?;
+        let path = compare::page::write(folder, &comparison, &sentences(&comparison))?;
         said += &format!("\n\nReport: {}", path.display());
     }
     say(&said)

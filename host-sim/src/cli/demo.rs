@@ -6,10 +6,10 @@ use anyhow::Result;
 
 use super::progress::Progress;
 use super::{say, summary};
-use crate::demo::{self, Demo};
-use crate::output::write_whole;
-use crate::report::{self, Extra, words};
-use crate::trace::axis::stage_names;
+use files::output::write_whole;
+use report::{Extra, words};
+use studies::demo::{self, Demo};
+use trace::axis::stage_names;
 
 /// Arguments of `demo`.
 #[derive(clap::Args)]

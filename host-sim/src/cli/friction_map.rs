@@ -5,13 +5,13 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 
 use super::{keeps, say};
-use crate::error::InputError;
-use crate::friction_map::FrictionMap;
-use crate::friction_map::report::{json, remainder, sentences, table};
-use crate::friction_map::search::explain;
-use crate::friction_map::unexplained::unexplained;
-use crate::output::write_whole;
-use crate::report;
+use files::error::InputError;
+use files::output::write_whole;
+use report::friction_map::sentences::{remainder, sentences, table};
+use trace::friction_map::FrictionMap;
+use trace::friction_map::json::json;
+use trace::friction_map::search::explain;
+use trace::friction_map::unexplained::unexplained;
 
 /// Explains a friction map.
 ///

@@ -6,11 +6,11 @@ use anyhow::{Error, Result};
 
 use super::progress::Progress;
 use super::refusal::Given;
-use crate::controller::{Controller, Status};
-use crate::log::write_rows;
-use crate::machine::Machine;
-use crate::output::OutputError;
-use crate::simulate::{Run, Sample, SimulationError};
+use files::log::write_rows;
+use files::output::OutputError;
+use link::controller::{Controller, Status};
+use model::machine::Machine;
+use plant::simulate::{Run, Sample, SimulationError};
 
 /// What a finished run was like.
 pub struct Logged {

@@ -20,7 +20,7 @@ use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use crate::error::{InputError, quoted};
+use files::error::{InputError, quoted};
 use stop::Stopped;
 
 /// Finds out what a machine does that its model does not say, and gets rid of it.

@@ -6,17 +6,17 @@ use std::time::Duration;
 
 use super::refusal::Given;
 use super::{keeps, logged, say};
-use crate::controller::Format;
-use crate::demo;
-use crate::error::InputError;
-use crate::link::{self, emulator::PATIENCE};
-use crate::machine::Machine;
-use crate::motion::Motion;
-use crate::path;
-use crate::plant::instruments::Instruments;
-use crate::servo;
-use crate::simulate::{self, Run};
 use anyhow::Result;
+use files::error::InputError;
+use link::controller::Format;
+use link::emulator::PATIENCE;
+use model::machine::Machine;
+use model::motion::Motion;
+use model::servo;
+use plant::instruments::Instruments;
+use plant::path;
+use plant::simulate::{self, Run};
+use studies::demo;
 
 /// What messages call the machine of the demo.
 const DEMO_MACHINE: &str = "machines/demo.toml";

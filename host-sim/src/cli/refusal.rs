@@ -5,10 +5,10 @@ use shared::config::ConfigError;
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
 
-use crate::controller::{ControllerError, MOST_AXES};
-use crate::error::InputError;
-use crate::machine::Machine;
-use crate::simulate::SimulationError;
+use files::error::InputError;
+use link::controller::{ControllerError, MOST_AXES};
+use model::machine::Machine;
+use plant::simulate::SimulationError;
 
 /// What was given to the controller, and from which files.
 pub struct Given<'a> {

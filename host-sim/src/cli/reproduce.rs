@@ -6,10 +6,9 @@ use anyhow::Result;
 
 use super::progress::Progress;
 use super::say;
-use crate::output::write_whole;
-use crate::report;
-use crate::report::number::significant;
-use crate::reproduce::{self, Reproduction};
+use files::output::write_whole;
+use report::number::significant;
+use studies::reproduce::{self, Reproduction};
 
 /// Arguments of `reproduce`.
 #[derive(clap::Args)]
@@ -36,7 +35,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let mut said = summary(&reproduction);
     if let Some(folder) = &arguments.report {
-        let path = report::reproduce::write(folder, &reproduction, &sentence(&reproduction))?;
+        let path = reproduce::page::write(folder, &reproduction, &sentence(&reproduction))?;
         said += &format!("\n\nReport: {}", path.display());
     }
     say(&said)

@@ -9,14 +9,13 @@ use anyhow::{Context, Result, anyhow};
 use super::progress::Progress;
 use super::stop::{self, Stopped};
 use super::{keeps, say};
-use crate::error::InputError;
-use crate::output::{remove_unfinished, write_whole};
-use crate::report;
-use crate::self_test::case::Case;
-use crate::self_test::score::Outcome;
-use crate::self_test::statistics::quantile;
-use crate::self_test::summary::Summary;
-use crate::self_test::{self, words};
+use files::error::InputError;
+use files::output::{remove_unfinished, write_whole};
+use self_test::case::Case;
+use self_test::score::Outcome;
+use self_test::statistics::quantile;
+use self_test::summary::Summary;
+use self_test::words;
 
 /// Most cases of one run: some weeks.
 const MOST_CASES: u64 = 100_000;
@@ -156,7 +155,7 @@ fn write(arguments: &Arguments, run: &Run) -> Result<()> {
     said += &format!("\n\n{}", words::tables(&run.outcomes, &summary));
     said += &format!("\n{:.1} s a case in the median.", quantile(&run.seconds, 0.5));
     if let Some(folder) = &arguments.report {
-        let path = report::self_test::write(folder, &sentences, &run.outcomes, &summary)?;
+        let path = self_test::page::write(folder, &sentences, &run.outcomes, &summary)?;
         said += &format!("\nReport: {}", path.display());
     }
     if let Some(folder) = &arguments.keep {

@@ -6,12 +6,34 @@ use anyhow::Result;
 
 use super::refusal::Given;
 use super::{keeps, logged, say};
-use crate::controller::Format;
-use crate::machine::Machine;
-use crate::motion::Motion;
-use crate::path;
-use crate::plant::instruments::Instruments;
-use crate::simulate::{self, Run};
+use link::controller::Format;
+use model::machine::Machine;
+use model::motion::Motion;
+use plant::instruments::Instruments;
+use plant::path;
+use plant::simulate::{self, Run};
+
+/// The number format of a controller.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, clap::ValueEnum)]
+pub enum FormatArgument {
+    /// Fixed point, as on the chip.
+    #[default]
+    Fixed,
+    /// Single precision.
+    F32,
+    /// Double precision.
+    F64,
+}
+
+impl From<FormatArgument> for Format {
+    fn from(argument: FormatArgument) -> Self {
+        match argument {
+            FormatArgument::Fixed => Self::Fixed,
+            FormatArgument::F32 => Self::F32,
+            FormatArgument::F64 => Self::F64,
+        }
+    }
+}
 
 /// Arguments of `simulate`.
 #[derive(clap::Args)]
@@ -27,7 +49,7 @@ pub struct Arguments {
     out: PathBuf,
     /// Number format of the controller.
     #[arg(long, value_enum, default_value_t)]
-    scalar: Format,
+    scalar: FormatArgument,
     /// Seed of the sensors' noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
@@ -45,7 +67,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let motion_file = &arguments.motion.display().to_string();
     let given = Given { machine: &machine, machine_file, motion_file };
     let path = path::of(&motion, &machine, motion_file)?;
-    let controller = simulate::controller(&machine, arguments.scalar, &path.start_m);
+    let controller = simulate::controller(&machine, arguments.scalar.into(), &path.start_m);
     let mut controller = controller.map_err(|error| given.blamed(error))?;
     let run = Run {
         machine: &machine,

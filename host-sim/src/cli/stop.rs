@@ -2,7 +2,7 @@
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
-use crate::output::remove_unfinished;
+use files::output::remove_unfinished;
 
 /// What a shell says of a program that a signal has ended, for SIGINT.
 pub const BROKEN_OFF: u8 = 130;

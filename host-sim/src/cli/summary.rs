@@ -1,8 +1,8 @@
 //! What a trace found, for people: sentences, then a table, then what stays.
 
-use crate::report::{ranking, words};
-use crate::trace::Trace;
-use crate::trace::axis::{AxisTrace, StageError, residual_unit, stage_names};
+use report::{ranking, words};
+use trace::Trace;
+use trace::axis::{AxisTrace, StageError, residual_unit, stage_names};
 
 /// Summary of a trace.
 #[must_use]

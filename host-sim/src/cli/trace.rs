@@ -6,11 +6,10 @@ use anyhow::Result;
 
 use super::progress::Progress;
 use super::{friction_map, keeps, say, summary};
-use crate::log::Log;
-use crate::machine::Machine;
-use crate::output::write_whole;
-use crate::report::{self, Extra};
-use crate::trace;
+use files::log::Log;
+use files::output::write_whole;
+use model::machine::Machine;
+use report::Extra;
 
 /// Arguments of `trace`.
 #[derive(clap::Args)]
@@ -90,7 +89,7 @@ fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
         }
     }
     if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&trace::report::json(&trace, arguments.empirical))?;
+        let text = serde_json::to_string_pretty(&trace::json::of(&trace, arguments.empirical))?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
     if let Some(path) = &arguments.model {

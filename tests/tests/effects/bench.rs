@@ -1,12 +1,12 @@
 //! Machines and motions made of text, their runs, and how sizes are read out of a log.
 
-use host_sim::controller::Format;
-use host_sim::log::{Channel, Log};
-use host_sim::machine::{Axis, Machine};
-use host_sim::motion::Motion;
-use host_sim::path;
-use host_sim::plant::instruments::Instruments;
-use host_sim::simulate::{Run, controller};
+use files::log::{Channel, Log};
+use link::controller::Format;
+use model::machine::{Axis, Machine};
+use model::motion::Motion;
+use plant::instruments::Instruments;
+use plant::path;
+use plant::simulate::{Run, controller};
 
 /// The machine without any effect.
 pub const PLAIN: &str = include_str!("../../../host-sim/machines/vmc.toml");

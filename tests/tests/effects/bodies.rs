@@ -1,6 +1,6 @@
 //! Effects on a machine of rigid bodies: what pushes an axis and what lies behind the tables acts there, too.
 
-use host_sim::log::Channel;
+use files::log::Channel;
 
 use crate::bench::{ROUNDING_N, assert_all, assert_near, circle, lines, run};
 

@@ -1,6 +1,6 @@
 //! Friction that is given as a curve, in the force that the drive gives.
 
-use host_sim::log::Channel;
+use files::log::Channel;
 
 use crate::bench::{PLAIN, ROUNDING_N, Seen, assert_all, changed, declared, lines, run};
 

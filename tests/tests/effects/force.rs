@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::log::Channel;
+use files::log::Channel;
 
 use crate::bench::{
     PLAIN, ROUNDING_N, ROUNDING_UM, Seen, assert_all, assert_near, changed, declared, difference, fit, lines,

@@ -1,9 +1,9 @@
 //! The `[instruments]` table: each key in its channel, with its own size.
 
-use host_sim::log::Channel;
-use host_sim::machine::Machine;
-use host_sim::machine::instruments::InstrumentKeys;
-use host_sim::plant::instruments::Instruments;
+use files::log::Channel;
+use model::machine::Machine;
+use model::machine::instruments::InstrumentKeys;
+use plant::instruments::Instruments;
 
 use crate::bench::{
     PLAIN, ROUNDING_N, ROUNDING_UM, Seen, assert_all, assert_near, changed, declared, difference, lines, of,

@@ -1,6 +1,6 @@
 //! What sits in the drive: seen in the place of the motor.
 
-use host_sim::log::Channel;
+use files::log::Channel;
 
 use crate::bench::{PLAIN, ROUNDING_N, ROUNDING_UM, assert_all, declared, lines, run, with};
 

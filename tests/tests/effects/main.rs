@@ -38,5 +38,5 @@ tested! {
 
 #[test]
 fn every_effect_of_the_catalogue_is_tested() {
-    assert_eq!(TESTED, host_sim::effects::NAMES);
+    assert_eq!(TESTED, model::effects::NAMES);
 }

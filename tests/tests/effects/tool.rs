@@ -2,8 +2,8 @@
 
 use std::f64::consts::TAU;
 
-use host_sim::log::Channel;
-use host_sim::plant::instruments::Instruments;
+use files::log::Channel;
+use plant::instruments::Instruments;
 
 use crate::bench::{PLAIN, Seen, assert_near, changed, circle, declared, fit, run, run_with, with};
 

@@ -1,0 +1,281 @@
+//! A TOML text that still knows where its keys stand, so that an error can name key and line.
+//!
+//! Keys are written as in `axis.x.effect[0].width_um`, array elements counted from 0.
+
+use std::fs;
+use std::ops::Range;
+use std::path::Path;
+
+use indexmap::IndexMap;
+use serde::de::DeserializeOwned;
+use toml::Spanned;
+use toml::de::{DeTable, DeValue, Deserializer, Error, ValueDeserializer};
+
+use crate::error::{InputError, line_at, shortened};
+
+/// A parsed TOML text.
+pub struct Document<'a> {
+    source: &'a str,
+    text: &'a str,
+    root: Spanned<DeTable<'a>>,
+    /// Everything in the tree, outer before inner.
+    places: IndexMap<String, Place<'a>>,
+}
+
+struct Place<'a> {
+    /// Span of the key; of an array element, its own.
+    name: Range<usize>,
+    value: Spanned<DeValue<'a>>,
+}
+
+/// A file's text.
+///
+/// # Errors
+/// If it cannot be read, or is not UTF-8.
+pub fn read_text(path: &Path) -> Result<String, InputError> {
+    let source = path.display().to_string();
+    let bytes = fs::read(path).map_err(|cause| InputError::unreadable(&source, &cause))?;
+    String::from_utf8(bytes).map_err(|error| {
+        let at = error.utf8_error().valid_up_to();
+        let found = format!("byte 0x{:02X}", error.as_bytes()[at]);
+        InputError::expected(&source, "UTF-8 text", found).at_line(line_at(error.as_bytes(), at))
+    })
+}
+
+impl<'a> Document<'a> {
+    /// Parses a text; `source` is the file as the user named it.
+    ///
+    /// # Errors
+    /// If it is not TOML, or holds a number that is not finite.
+    pub fn parse(text: &'a str, source: &'a str) -> Result<Self, InputError> {
+        let text = text.strip_prefix('\u{feff}').unwrap_or(text);
+        let root = DeTable::parse(text).map_err(|error| {
+            let offset = error.span().map_or(text.len(), |span| span.start);
+            let problem = format!("expected valid TOML: {}", error.message());
+            InputError::saying(source, problem).at_line(line_at(text.as_bytes(), offset))
+        })?;
+        let mut places = IndexMap::new();
+        collect("", root.get_ref(), &mut places);
+        let document = Self { source, text, root, places };
+        document.check_finite()?;
+        Ok(document)
+    }
+
+    /// The whole as a type.
+    ///
+    /// # Errors
+    /// The first key that does not fit the type.
+    pub fn deserialize<T: DeserializeOwned>(&self) -> Result<T, InputError> {
+        T::deserialize(Deserializer::from(self.root.clone())).map_err(|error| {
+            let key = error.span().and_then(|span| self.key_at(&span)).unwrap_or_default();
+            self.misfit(key, &error)
+        })
+    }
+
+    /// One value as a type. A misfit is reported at `key` even where serde has lost the place, as
+    /// it does inside tagged enums.
+    ///
+    /// # Errors
+    /// If the key is missing, or its value does not fit the type.
+    pub fn deserialize_at<T: DeserializeOwned>(&self, key: &str) -> Result<T, InputError> {
+        let place = self.places.get(key).ok_or_else(|| self.refuse(key, "this key"))?;
+        T::deserialize(ValueDeserializer::from(place.value.clone())).map_err(|error| self.misfit(key, &error))
+    }
+
+    /// The error that says what was expected at a key, and repeats what stands there.
+    #[must_use]
+    pub fn refuse(&self, key: &str, what: &str) -> InputError {
+        self.located(key, InputError::expected(self.source, what, self.found(key)))
+    }
+
+    /// An error at a key that says what is wrong in its own words.
+    #[must_use]
+    pub fn says(&self, key: &str, problem: &str) -> InputError {
+        self.located(key, InputError::saying(self.source, problem))
+    }
+
+    /// The keys directly in the table, or elements directly in the array, at `key`, in the order
+    /// of the file: the parser itself sorts tables by name.
+    pub fn inside(&self, key: &str) -> Vec<&str> {
+        let direct = |candidate: &&String| parent(candidate) == key;
+        let mut keys: Vec<&str> = self.places.keys().filter(direct).map(String::as_str).collect();
+        keys.sort_by_key(|key| self.places[*key].name.start);
+        keys
+    }
+
+    /// Whether there is a number at a key.
+    #[must_use]
+    pub fn is_number(&self, key: &str) -> bool {
+        let value = self.places.get(key).map(|place| place.value.get_ref());
+        matches!(value, Some(DeValue::Integer(_) | DeValue::Float(_)))
+    }
+
+    fn check_finite(&self) -> Result<(), InputError> {
+        let infinite = |place: &Place<'_>| match place.value.get_ref() {
+            DeValue::Float(float) => !float.as_str().parse().is_ok_and(f64::is_finite),
+            _ => false,
+        };
+        match self.places.iter().find(|(_, place)| infinite(place)) {
+            Some((key, _)) => Err(self.refuse(key, "a finite number")),
+            None => Ok(()),
+        }
+    }
+
+    fn located(&self, key: &str, error: InputError) -> InputError {
+        let error = if key.is_empty() { error } else { error.at_key(key) };
+        match self.line(key) {
+            Some(line) => error.at_line(line),
+            None => error,
+        }
+    }
+
+    /// Line of a key, or of the innermost table around it if the key is missing.
+    fn line(&self, key: &str) -> Option<usize> {
+        let around = std::iter::successors(Some(key), |key| Some(parent(key)));
+        let mut around = around.take_while(|key| !key.is_empty());
+        let place = around.find_map(|key| self.places.get(key))?;
+        Some(line_at(self.text.as_bytes(), place.name.start))
+    }
+
+    /// The value at a key as the user wrote it, if it fits into a message.
+    fn found(&self, key: &str) -> String {
+        let Some(place) = self.places.get(key) else {
+            return "none".to_owned();
+        };
+        match place.value.get_ref() {
+            DeValue::Table(table) if table.is_empty() => "an empty table".to_owned(),
+            DeValue::Table(_) => "a table".to_owned(),
+            DeValue::Array(array) => format!("an array of {}", array.len()),
+            _ => shortened(&self.text[place.value.span()]),
+        }
+    }
+
+    /// The innermost key whose name or value has exactly this span.
+    fn key_at(&self, span: &Range<usize>) -> Option<&str> {
+        let hit = |place: &Place<'_>| place.name == *span || place.value.span() == *span;
+        self.places.iter().rev().find(|(_, place)| hit(place)).map(|(key, _)| key.as_str())
+    }
+
+    /// What serde has to say about the value at `key`, in our words.
+    fn misfit(&self, key: &str, error: &Error) -> InputError {
+        let message = error.message();
+        if let Some(name) = between(message, "missing field `", "`") {
+            return self.refuse(&join(key, name), "this key");
+        }
+        let Some((problem, expected)) = message.split_once(", expected ") else {
+            return self.refuse(key, &format!("a valid value ({message})"));
+        };
+        let expected = in_our_words(expected);
+        match between(problem, "unknown field `", "`") {
+            Some(name) => {
+                let inner = join(key, name);
+                let key = if self.places.contains_key(&inner) { &inner } else { key };
+                let problem = format!("unknown key, expected {expected}");
+                self.located(key, InputError::saying(self.source, problem))
+            }
+            None => self.refuse(key, &expected),
+        }
+    }
+}
+
+fn collect<'a>(at: &str, table: &DeTable<'a>, places: &mut IndexMap<String, Place<'a>>) {
+    for (name, value) in table {
+        add(&join(at, name.get_ref()), name.span(), value, places);
+    }
+}
+
+fn add<'a>(
+    key: &str,
+    name: Range<usize>,
+    value: &Spanned<DeValue<'a>>,
+    places: &mut IndexMap<String, Place<'a>>,
+) {
+    places.insert(key.to_owned(), Place { name, value: value.clone() });
+    match value.get_ref() {
+        DeValue::Table(table) => collect(key, table, places),
+        DeValue::Array(array) => {
+            for (index, element) in array.iter().enumerate() {
+                add(&format!("{key}[{index}]"), element.span(), element, places);
+            }
+        }
+        _ => {}
+    }
+}
+
+/// The key of the table or array around a key; empty for the whole file.
+fn parent(key: &str) -> &str {
+    key.rfind(['.', '[']).map_or("", |end| &key[..end])
+}
+
+fn join(table: &str, name: &str) -> String {
+    if table.is_empty() { name.to_owned() } else { format!("{table}.{name}") }
+}
+
+fn between<'t>(text: &'t str, before: &str, after: &str) -> Option<&'t str> {
+    Some(text.strip_prefix(before)?.split_once(after)?.0)
+}
+
+/// Rust's names of types mean nothing to someone who writes a machine file.
+fn in_our_words(expected: &str) -> String {
+    match expected {
+        "f64" => "a number".to_owned(),
+        "u32" => "a whole number not below 0".to_owned(),
+        "a string" | "string" => "a text in quotes".to_owned(),
+        "a sequence" => "an array".to_owned(),
+        "a map" => "a table".to_owned(),
+        other if other.starts_with("struct ") || other.contains("enum ") => "a table".to_owned(),
+        other => other.replace('`', ""),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    const TEXT: &str = "
+        z = 1
+        a = { b = [1, 2.5e0], c = 1_0.5 }
+        [[t.u]]
+        k = 'v'
+        [[t.u]]
+    ";
+
+    fn message(text: &str) -> String {
+        Document::parse(text, "f.toml").err().unwrap().to_string()
+    }
+
+    #[test]
+    fn refusal_names_line_key_and_value() {
+        let document = Document::parse(TEXT, "f.toml").unwrap();
+        let said = |key| document.refuse(key, "Z").to_string();
+        assert_eq!(said("a.b[1]"), "f.toml: line 3: a.b[1]: expected Z, found 2.5e0");
+        assert_eq!(said("t.u[0].k"), "f.toml: line 5: t.u[0].k: expected Z, found 'v'");
+        assert_eq!(said("t.u[1].k"), "f.toml: line 6: t.u[1].k: expected Z, found none");
+        assert_eq!(said("a"), "f.toml: line 3: a: expected Z, found a table");
+        assert_eq!(said("nothing"), "f.toml: nothing: expected Z, found none");
+    }
+
+    #[test]
+    fn keys_come_in_the_order_of_the_file() {
+        let document = Document::parse(TEXT, "f.toml").unwrap();
+        assert_eq!(document.inside(""), ["z", "a", "t"]);
+        assert_eq!(document.inside("t.u"), ["t.u[0]", "t.u[1]"]);
+        assert_eq!(document.inside("absent"), [""; 0]);
+    }
+
+    #[test]
+    fn text_that_is_no_toml_is_refused_in_one_line() {
+        let said = message("a = 1\nb c\n");
+        assert!(said.starts_with("f.toml: line 2: expected valid TOML: "), "{said}");
+        assert!(!said.contains('\n'), "{said}");
+        assert!(message("a = 1\na = 2\n").contains("line 2"));
+    }
+
+    #[test]
+    fn numbers_are_finite() {
+        let said = message("[t]\na = [1, -inf]");
+        assert_eq!(said, "f.toml: line 2: t.a[1]: expected a finite number, found -inf");
+        assert!(message("a = nan").ends_with("a: expected a finite number, found nan"));
+        assert!(message("a = 1e400").ends_with("a: expected a finite number, found 1e400"));
+    }
+}

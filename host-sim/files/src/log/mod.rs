@@ -1,0 +1,213 @@
+//! Logs: what was asked of each axis and what was measured, uniformly sampled.
+//!
+//! The file format is a CSV table with one header line: `time_s`, then for each axis any of
+//! `NAME_command_U`, `NAME_motor_U`, `NAME_table_U`, `NAME_tool_U`, `NAME_force_F` and
+//! `NAME_added_force_F`, with U `mm` and F `n`, or U `deg` and F `nm`.
+
+mod clock;
+pub mod read;
+mod write;
+
+use std::ops::Range;
+
+pub use write::{Rows, write_rows};
+
+/// What an axis's positions and forces are measured in.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// Positions in mm, forces in N.
+    Millimetre,
+    /// Positions in degrees, torques in N m.
+    Degree,
+}
+
+impl Unit {
+    const ALL: [Self; 2] = [Self::Millimetre, Self::Degree];
+
+    /// How columns with this unit end.
+    #[must_use]
+    pub fn suffix(self, channel: Channel) -> &'static str {
+        match (self, channel.is_force()) {
+            (Self::Millimetre, false) => "mm",
+            (Self::Degree, false) => "deg",
+            (Self::Millimetre, true) => "n",
+            (Self::Degree, true) => "nm",
+        }
+    }
+}
+
+/// One signal of an axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Channel {
+    /// What the controller was asked for, before feed-forward.
+    Command,
+    /// Motor encoder or resolver, in table units.
+    Motor,
+    /// Linear scale.
+    Table,
+    /// Tool-point probe.
+    Tool,
+    /// Force of the drive as commanded, over the interval that ends at the sample.
+    Force,
+    /// Known test force added to the controller's output; part of the force too.
+    AddedForce,
+}
+
+impl Channel {
+    /// All channels, in the order in which columns are written.
+    pub const ALL: [Self; 6] =
+        [Self::Command, Self::Motor, Self::Table, Self::Tool, Self::Force, Self::AddedForce];
+
+    /// The middle part of a column's name.
+    #[must_use]
+    pub fn word(self) -> &'static str {
+        match self {
+            Self::Command => "command",
+            Self::Motor => "motor",
+            Self::Table => "table",
+            Self::Tool => "tool",
+            Self::Force => "force",
+            Self::AddedForce => "added_force",
+        }
+    }
+
+    fn is_force(self) -> bool {
+        matches!(self, Self::Force | Self::AddedForce)
+    }
+}
+
+/// The channels of one axis. One that was not measured is absent.
+///
+/// Positions are in mm or degrees and forces in N or N m, exactly as in the file.
+#[derive(Clone, Debug, PartialEq)]
+pub struct AxisLog {
+    /// Name of the axis.
+    pub name: String,
+    /// Unit of all its channels.
+    pub unit: Unit,
+    /// See [`Channel::Command`].
+    pub command: Option<Vec<f64>>,
+    /// See [`Channel::Motor`].
+    pub motor: Option<Vec<f64>>,
+    /// See [`Channel::Table`].
+    pub table: Option<Vec<f64>>,
+    /// See [`Channel::Tool`].
+    pub tool: Option<Vec<f64>>,
+    /// See [`Channel::Force`].
+    pub force: Option<Vec<f64>>,
+    /// See [`Channel::AddedForce`].
+    pub added_force: Option<Vec<f64>>,
+}
+
+impl AxisLog {
+    /// An axis without channels yet.
+    #[must_use]
+    pub fn new(name: impl Into<String>, unit: Unit) -> Self {
+        Self {
+            name: name.into(),
+            unit,
+            command: None,
+            motor: None,
+            table: None,
+            tool: None,
+            force: None,
+            added_force: None,
+        }
+    }
+
+    /// The samples of a channel, if it was measured.
+    #[must_use]
+    pub fn channel(&self, channel: Channel) -> Option<&[f64]> {
+        let samples = match channel {
+            Channel::Command => &self.command,
+            Channel::Motor => &self.motor,
+            Channel::Table => &self.table,
+            Channel::Tool => &self.tool,
+            Channel::Force => &self.force,
+            Channel::AddedForce => &self.added_force,
+        };
+        samples.as_deref()
+    }
+
+    /// The place of a channel's samples.
+    pub fn channel_mut(&mut self, channel: Channel) -> &mut Option<Vec<f64>> {
+        match channel {
+            Channel::Command => &mut self.command,
+            Channel::Motor => &mut self.motor,
+            Channel::Table => &mut self.table,
+            Channel::Tool => &mut self.tool,
+            Channel::Force => &mut self.force,
+            Channel::AddedForce => &mut self.added_force,
+        }
+    }
+
+    fn column(&self, channel: Channel) -> String {
+        format!("{}_{}_{}", self.name, channel.word(), self.unit.suffix(channel))
+    }
+
+    fn slice(&self, range: &Range<usize>) -> Self {
+        let mut part = Self::new(self.name.clone(), self.unit);
+        for channel in Channel::ALL {
+            let samples = self.channel(channel).map(|samples| samples[range.clone()].to_vec());
+            *part.channel_mut(channel) = samples;
+        }
+        part
+    }
+}
+
+/// A log: every channel of every axis at the same uniform times.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Log {
+    /// Where it was read from, as the user named it; for messages.
+    pub source: String,
+    /// Time of the first sample. Several logs of one session share one clock.
+    pub start_s: f64,
+    /// Time from one sample to the next.
+    pub sample_time_s: f64,
+    /// The axes, in the order of the columns.
+    pub axes: Vec<AxisLog>,
+}
+
+impl Log {
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        let channels = |axis| Channel::ALL.map(|channel| AxisLog::channel(axis, channel));
+        self.axes.iter().flat_map(channels).flatten().map(<[f64]>::len).next().unwrap_or(0)
+    }
+
+    /// Whether there is no sample at all.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// The axis with a name.
+    #[must_use]
+    pub fn axis(&self, name: &str) -> Option<&AxisLog> {
+        self.axes.iter().find(|axis| axis.name == name)
+    }
+
+    /// Time of a sample on the clock of the session.
+    #[must_use]
+    pub fn time_s(&self, sample: usize) -> f64 {
+        self.start_s + sample as f64 * self.sample_time_s
+    }
+
+    /// Some of the samples, at the times that they had.
+    ///
+    /// # Panics
+    /// If the range reaches beyond the log.
+    #[must_use]
+    pub fn slice(&self, range: Range<usize>) -> Self {
+        Self {
+            source: self.source.clone(),
+            start_s: self.time_s(range.start),
+            sample_time_s: self.sample_time_s,
+            axes: self.axes.iter().map(|axis| axis.slice(&range)).collect(),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests;

@@ -1,0 +1,188 @@
+//! Outputs are written whole or not at all.
+
+use std::fs::{self, File};
+use std::io::{self, BufWriter, Write};
+use std::path::{Path, PathBuf};
+use std::sync::{Mutex, PoisonError};
+
+use tempfile::{Builder, NamedTempFile};
+use thiserror::Error;
+
+/// A file that could not be written. What stood under its name before still stands there.
+#[derive(Debug, Error)]
+#[error("{}: not written: {cause}", path.display())]
+pub struct OutputError {
+    /// Its name.
+    pub path: PathBuf,
+    /// Why. Not marked as the source: the message holds it already, and a printed chain would repeat it.
+    pub cause: io::Error,
+}
+
+/// Writes what `fill` gives to a temporary file in the same folder, which then takes the name.
+///
+/// A name that already stands for something other than a file (a pipe, `/dev/null`) is written to
+/// in place: taking its name would remove it.
+///
+/// # Errors
+/// If `fill` fails, or the folder is missing, not writable or full.
+pub fn write_whole(
+    path: &Path,
+    fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
+) -> Result<(), OutputError> {
+    let written = match fs::metadata(path) {
+        Ok(there) if there.is_dir() => Err(io::Error::other("expected a file, found a folder")),
+        Ok(there) if !there.is_file() => write_in_place(path, fill),
+        // A link keeps pointing where it points; the file behind it is replaced.
+        Ok(_) => fs::canonicalize(path).and_then(|target| replace(&target, fill)),
+        Err(_) => replace(path, fill),
+    };
+    written.map_err(|cause| OutputError { path: path.to_owned(), cause })
+}
+
+fn write_in_place(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut buffer = BufWriter::new(File::options().write(true).open(path)?);
+    fill(&mut buffer)?;
+    buffer.flush()
+}
+
+/// Temporary files that have not taken their names yet.
+static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
+
+/// Removes what is half written, for a program that is told to end.
+pub fn remove_unfinished() {
+    let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
+    for path in unfinished.drain(..) {
+        drop(fs::remove_file(path));
+    }
+}
+
+/// A temporary file that is on the list of the unfinished ones as long as this stands.
+struct Listed(PathBuf);
+
+impl Listed {
+    fn new(path: &Path) -> Self {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
+        Self(path.to_owned())
+    }
+}
+
+impl Drop for Listed {
+    fn drop(&mut self) {
+        UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).retain(|path| *path != self.0);
+    }
+}
+
+fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
+    let mut temporary = beside(path)?;
+    let _listed = Listed::new(temporary.path());
+    let mut buffer = BufWriter::new(temporary.as_file_mut());
+    fill(&mut buffer)?;
+    buffer.flush()?;
+    drop(buffer);
+    // Otherwise a power cut may leave the new name on an empty file.
+    temporary.as_file().sync_all()?;
+    temporary.persist(path).map(drop).map_err(|refused| refused.error)
+}
+
+/// A temporary file in the folder of `path`, so that the renaming does not cross file systems.
+fn beside(path: &Path) -> io::Result<NamedTempFile> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    if !folder.is_dir() {
+        return Err(io::Error::other(format!("there is no folder {}", folder.display())));
+    }
+    let mut builder = Builder::new();
+    builder.prefix(".lost-motion-");
+    readable_by_others(&mut builder);
+    builder.tempfile_in(folder)
+}
+
+/// Temporary files are private; an output has the rights that the user's umask gives to new files.
+#[cfg(unix)]
+fn readable_by_others(builder: &mut Builder<'_, '_>) {
+    use std::os::unix::fs::PermissionsExt;
+
+    builder.permissions(fs::Permissions::from_mode(0o666));
+}
+
+#[cfg(not(unix))]
+fn readable_by_others(_builder: &mut Builder<'_, '_>) {}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    fn names(folder: &Path) -> Vec<String> {
+        let entries = fs::read_dir(folder).unwrap();
+        entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_whole_output_takes_the_name() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.json");
+        for text in ["first, and longer", "second"] {
+            write_whole(&path, |out| out.write_all(text.as_bytes())).unwrap();
+            assert_eq!(fs::read_to_string(&path).unwrap(), text);
+        }
+        assert_eq!(names(folder.path()), ["out.json"]);
+    }
+
+    #[test]
+    fn a_failure_leaves_what_was_there_and_nothing_else() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("out.json");
+        fs::write(&path, "before").unwrap();
+        let half = |out: &mut dyn Write| {
+            out.write_all(b"half")?;
+            Err(io::Error::other("the other half is missing"))
+        };
+        let error = write_whole(&path, half).unwrap_err().to_string();
+        assert!(error.contains("out.json: not written: the other half is missing"), "{error}");
+        assert_eq!(fs::read_to_string(&path).unwrap(), "before");
+        assert_eq!(names(folder.path()), ["out.json"]);
+    }
+
+    #[test]
+    fn the_error_names_the_path() {
+        let folder = tempfile::tempdir().unwrap();
+        let missing = folder.path().join("missing").join("out.csv");
+        let error = write_whole(&missing, |_| Ok(())).unwrap_err().to_string();
+        assert!(error.contains("out.csv: not written: there is no folder"), "{error}");
+        let error = write_whole(folder.path(), |_| Ok(())).unwrap_err().to_string();
+        assert!(error.contains("expected a file, found a folder"), "{error}");
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn an_output_is_as_readable_as_any_new_file() {
+        use std::os::unix::fs::PermissionsExt;
+
+        let folder = tempfile::tempdir().unwrap();
+        let mode = |name| fs::metadata(folder.path().join(name)).unwrap().permissions().mode();
+        fs::write(folder.path().join("plain"), "").unwrap();
+        write_whole(&folder.path().join("ours"), |_| Ok(())).unwrap();
+        assert_eq!(mode("ours"), mode("plain"));
+    }
+
+    #[cfg(unix)]
+    #[test]
+    fn a_link_and_a_socket_stay_what_they_are() {
+        use std::os::unix::fs::FileTypeExt;
+
+        let folder = tempfile::tempdir().unwrap();
+        let (target, link) = (folder.path().join("target"), folder.path().join("link"));
+        fs::write(&target, "before").unwrap();
+        std::os::unix::fs::symlink(&target, &link).unwrap();
+        write_whole(&link, |out| out.write_all(b"after")).unwrap();
+        assert_eq!(fs::read_to_string(&target).unwrap(), "after");
+        assert!(fs::symlink_metadata(&link).unwrap().is_symlink());
+
+        let socket = folder.path().join("socket");
+        let _listener = std::os::unix::net::UnixListener::bind(&socket).unwrap();
+        assert!(write_whole(&socket, |_| Ok(())).is_err());
+        assert!(fs::metadata(&socket).unwrap().file_type().is_socket());
+    }
+}

@@ -1,0 +1,98 @@
+//! What hangs together in the filters and limits of the controller: checked by what will use them.
+
+use shared::config::{AxisConfig, AxisSettings, ConfigError, Rates};
+use shared::interpolate::smooth::{Filter, WINDOW};
+use shared::units::TRAVEL_LIMIT_M;
+
+use super::Context;
+use crate::servo;
+use files::error::InputError;
+
+impl Context<'_> {
+    /// The filter behind the path, which works in whole samples.
+    pub(super) fn smoothing(&self, sample_rate_hz: f64) -> Result<(), InputError> {
+        let axis = self.axis;
+        let windows = [("smoothing_s", axis.smoothing_s), ("smoothing_jerk_s", axis.smoothing_jerk_s)];
+        let window = windows.into_iter().find(|(_, time_s)| time_s.is_some());
+        if let (Some((key, _)), Some(_)) = (window, axis.smoothing_time_constant_s) {
+            return Err(self.refuse("smoothing_time_constant_s", &format!("no such key, as {key} is given")));
+        }
+        if let (None, Some(_)) = (axis.smoothing_s, axis.smoothing_jerk_s) {
+            return Err(self.refuse("smoothing_s", "this key, as smoothing_jerk_s is given"));
+        }
+        for (key, time_s) in windows {
+            // A mean over one sample is the sample: the key would do nothing.
+            if time_s.is_some_and(|time_s| (time_s * sample_rate_hz).round() < 2.0) {
+                let what = format!("two samples ({} s) or more", 2.0 / sample_rate_hz);
+                return Err(self.refuse(key, &what));
+            }
+        }
+        if axis.smoothing_jerk_s > axis.smoothing_s {
+            return Err(self.refuse("smoothing_jerk_s", "a time no longer than smoothing_s"));
+        }
+        if Filter::new(&servo::smoothing(axis), sample_rate_hz).is_ok() {
+            return Ok(());
+        }
+        if axis.smoothing_time_constant_s.is_some() {
+            return Err(self.refuse("smoothing_time_constant_s", "a time of at most a million samples"));
+        }
+        let longest_s = WINDOW as f64 / sample_rate_hz;
+        let what = format!("with smoothing_jerk_s at most {WINDOW} samples ({longest_s} s)");
+        Err(self.refuse("smoothing_s", &what))
+    }
+
+    /// The filters of the force.
+    pub(super) fn filters(&self, velocity_loop_hz: f64) -> Result<(), InputError> {
+        let axis = self.axis;
+        self.complete(&[
+            ("notch_frequency_hz", axis.notch_frequency_hz),
+            ("notch_width_hz", axis.notch_width_hz),
+            ("notch_depth", axis.notch_depth),
+        ])?;
+        self.complete(&[
+            ("low_pass_frequency_hz", axis.low_pass_frequency_hz),
+            ("low_pass_damping_ratio", axis.low_pass_damping_ratio),
+        ])?;
+        let settings = AxisSettings {
+            notch: servo::notch(axis),
+            low_pass: servo::low_pass(axis),
+            ..AxisSettings::default()
+        };
+        let rates = Rates { velocity_loop_hz, position_loop_divider: 1 };
+        match AxisConfig::<f64>::new(&settings, rates) {
+            Err(ConfigError::OutOfRange { name, least, most })
+                if name.starts_with("notch") || name.starts_with("low_pass") =>
+            {
+                Err(self.refuse(name, &format!("a number from {least} to {most}")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    /// All of these or none.
+    fn complete(&self, keys: &[(&str, Option<f64>)]) -> Result<(), InputError> {
+        let given = keys.iter().find(|(_, value)| value.is_some());
+        let missing = keys.iter().find(|(_, value)| value.is_none());
+        match (given, missing) {
+            (Some((given, _)), Some((missing, _))) => {
+                Err(self.refuse(missing, &format!("this key, as {given} is given")))
+            }
+            _ => Ok(()),
+        }
+    }
+
+    pub(super) fn travel(&self) -> Result<(), InputError> {
+        let Some([least, greatest]) = self.axis.travel_mm else { return Ok(()) };
+        let limit_mm = 1e3 * TRAVEL_LIMIT_M;
+        for (index, end_mm) in [least, greatest].into_iter().enumerate() {
+            if end_mm.abs() > limit_mm {
+                let what = format!("a travel within {limit_mm} mm of zero");
+                return Err(self.refuse(&format!("travel_mm[{index}]"), &what));
+            }
+        }
+        if least < greatest {
+            return Ok(());
+        }
+        Err(self.refuse("travel_mm[1]", "a number above the first"))
+    }
+}

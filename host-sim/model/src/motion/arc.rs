@@ -1,0 +1,134 @@
+//! Where an arc leads, by its turns or by its end point.
+
+use std::f64::consts::TAU;
+
+use indexmap::IndexMap;
+use shared::interpolate::arc::END_TOLERANCE_NM;
+
+use super::{Direction, RawArc, SHORTEST_MM, Sweep, unknown_axis, within_travel};
+use files::document::Document;
+use files::error::InputError;
+
+/// An arc that has been checked; pairs are in the order of the plane.
+#[derive(Debug)]
+pub(super) struct Planned {
+    pub centre_mm: [f64; 2],
+    pub sweep: Sweep,
+    pub end_mm: [f64; 2],
+    pub length_mm: f64,
+}
+
+impl Planned {
+    /// Checks an arc of a motion with axes `names`, of which `from_mm` says where they stand.
+    pub fn of(
+        arc: &RawArc,
+        from_mm: impl Fn(&String) -> Option<f64>,
+        names: &[&str],
+        key: &str,
+        document: &Document<'_>,
+    ) -> Result<Self, InputError> {
+        let reader = Reader { arc, key, document };
+        let [first, second] = &arc.plane;
+        let standing = |index: usize, name| {
+            from_mm(name).ok_or_else(|| unknown_axis(names, &format!("{key}.plane[{index}]"), document))
+        };
+        let from_mm = [standing(0, first)?, standing(1, second)?];
+        if first == second {
+            return Err(reader.refuse("plane[1]", "another axis than the first"));
+        }
+        let centre_mm = reader.pair("centre_mm", &arc.centre_mm)?;
+        let radius = [from_mm[0] - centre_mm[0], from_mm[1] - centre_mm[1]];
+        let radius_mm = radius[0].hypot(radius[1]);
+        if radius_mm < SHORTEST_MM {
+            return Err(reader.refuse("centre_mm", "a centre away from where the axes stand"));
+        }
+        // The whole circle, whichever part of it the arc passes.
+        for centre_mm in centre_mm {
+            within_travel(centre_mm.abs() + radius_mm, &format!("{key}.centre_mm"), document)?;
+        }
+        let sweep = reader.sweep()?;
+        let (turns, end_mm) = match sweep {
+            Sweep::Turns(turns) => (turns, turned(radius, centre_mm, turns)),
+            Sweep::To { to_mm, direction } => (reader.turns_to(to_mm, direction, radius, centre_mm)?, to_mm),
+        };
+        Ok(Self { centre_mm, sweep, end_mm, length_mm: TAU * radius_mm * turns.abs() })
+    }
+}
+
+/// An arc and where it stands.
+struct Reader<'a> {
+    arc: &'a RawArc,
+    key: &'a str,
+    document: &'a Document<'a>,
+}
+
+impl Reader<'_> {
+    fn refuse(&self, name: &str, what: &str) -> InputError {
+        self.document.refuse(&format!("{}.{name}", self.key), what)
+    }
+
+    /// A point in the order of the plane.
+    fn pair(&self, key: &str, named_mm: &IndexMap<String, f64>) -> Result<[f64; 2], InputError> {
+        let [first, second] = &self.arc.plane;
+        if let Some(name) = named_mm.keys().find(|name| !self.arc.plane.contains(name)) {
+            let what = format!("only the axes of the plane ({first}, {second})");
+            return Err(self.refuse(&format!("{key}.{name}"), &what));
+        }
+        let coordinate = |name: &String| {
+            let given = named_mm.get(name).copied();
+            given.ok_or_else(|| self.refuse(&format!("{key}.{name}"), "this key"))
+        };
+        Ok([coordinate(first)?, coordinate(second)?])
+    }
+
+    fn sweep(&self) -> Result<Sweep, InputError> {
+        let arc = self.arc;
+        match (arc.turns, &arc.to_mm, arc.direction) {
+            (Some(0.0), None, None) => Err(self.refuse("turns", "a number other than 0")),
+            (Some(turns), None, None) => Ok(Sweep::Turns(turns)),
+            (None, Some(to_mm), Some(direction)) => {
+                Ok(Sweep::To { to_mm: self.pair("to_mm", to_mm)?, direction })
+            }
+            (None, Some(_), None) => Err(self.refuse("direction", "this key, as to_mm is given")),
+            (None, None, Some(_)) => Err(self.refuse("to_mm", "this key, as direction is given")),
+            _ => Err(self.document.refuse(self.key, "either turns, or to_mm with direction")),
+        }
+    }
+
+    /// Signed turns to an end point, which has to lie on the circle and away from the start. `radius` leads
+    /// from the centre to the start.
+    fn turns_to(
+        &self,
+        to_mm: [f64; 2],
+        direction: Direction,
+        radius: [f64; 2],
+        centre_mm: [f64; 2],
+    ) -> Result<f64, InputError> {
+        let to = [to_mm[0] - centre_mm[0], to_mm[1] - centre_mm[1]];
+        if (to[0] - radius[0]).hypot(to[1] - radius[1]) < SHORTEST_MM {
+            let what = "a point away from where the axes stand: a full circle is given by turns";
+            return Err(self.refuse("to_mm", what));
+        }
+        let radius_mm = radius[0].hypot(radius[1]);
+        let off_mm = (to[0].hypot(to[1]) - radius_mm).abs();
+        let tolerance_mm = 1e-6 * END_TOLERANCE_NM as f64;
+        if off_mm > tolerance_mm {
+            let what = format!(
+                "a point within {tolerance_mm} mm of the circle of radius {radius_mm:.6} mm: it is {off_mm:.6} mm off"
+            );
+            return Err(self.refuse("to_mm", &what));
+        }
+        let turn = (to[1].atan2(to[0]) - radius[1].atan2(radius[0])) / TAU;
+        let forward = if turn > 0.0 { turn } else { turn + 1.0 };
+        Ok(match direction {
+            Direction::Positive => forward,
+            Direction::Negative => forward - 1.0,
+        })
+    }
+}
+
+/// The end of an arc by turns; after whole turns that is where it began.
+fn turned([x, y]: [f64; 2], centre_mm: [f64; 2], turns: f64) -> [f64; 2] {
+    let (sin, cos) = (TAU * turns.fract()).sin_cos();
+    [centre_mm[0] + x * cos - y * sin, centre_mm[1] + x * sin + y * cos]
+}

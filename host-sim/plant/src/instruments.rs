@@ -1,0 +1,64 @@
+//! The sensors of a machine, and what else lies between it and its controller.
+
+use super::sensors::Sensor;
+use model::machine::Machine;
+
+/// What reads the machine, the same for every axis, and what no declared model knows of it.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Instruments {
+    /// Motor encoder, m.
+    pub motor: Sensor,
+    /// Linear scale, m.
+    pub table: Sensor,
+    /// Tool-point probe, m.
+    pub tool: Sensor,
+    /// Force reading, N.
+    pub force: Sensor,
+    /// First-order lag of the drive's current loop, s; zero: none.
+    pub drive_time_constant_s: f64,
+    /// How old the motor reading is when the controller gets it, s.
+    pub motor_latency_s: f64,
+    /// How old the reading of the scale is then, s.
+    pub table_latency_s: f64,
+    /// Seed of all noise.
+    pub seed: u64,
+}
+
+impl Instruments {
+    /// What a well-kept machine is measured with: encoders and scale of 10 nm, a grid encoder at the
+    /// tool, and a drive whose current loop takes 0.1 ms.
+    #[must_use]
+    pub fn typical(seed: u64) -> Self {
+        Self {
+            motor: Sensor { resolution: 10e-9, noise: 10e-9 },
+            table: Sensor { resolution: 10e-9, noise: 20e-9 },
+            tool: Sensor { resolution: 10e-9, noise: 80e-9 },
+            force: Sensor { resolution: 0.1, noise: 1.0 },
+            drive_time_constant_s: 1e-4,
+            seed,
+            ..Self::default()
+        }
+    }
+
+    /// What a machine file says, and for the rest [`Instruments::typical`].
+    #[must_use]
+    pub fn of(machine: &Machine, seed: u64) -> Self {
+        let typical = Self::typical(seed);
+        let keys = machine.instruments.unwrap_or_default();
+        let sensor = |typical: Sensor, resolution: Option<f64>, noise: Option<f64>, unit: f64| Sensor {
+            resolution: resolution.map_or(typical.resolution, |value| unit * value),
+            noise: noise.map_or(typical.noise, |value| unit * value),
+        };
+        let ms = |value: Option<f64>, typical: f64| value.map_or(typical, |ms| 1e-3 * ms);
+        Self {
+            motor: sensor(typical.motor, keys.motor_resolution_um, keys.motor_noise_um, 1e-6),
+            table: sensor(typical.table, keys.table_resolution_um, keys.table_noise_um, 1e-6),
+            tool: sensor(typical.tool, keys.tool_resolution_um, keys.tool_noise_um, 1e-6),
+            force: sensor(typical.force, keys.force_resolution_n, keys.force_noise_n, 1.0),
+            drive_time_constant_s: ms(keys.drive_time_constant_ms, typical.drive_time_constant_s),
+            motor_latency_s: ms(keys.motor_latency_ms, 0.0),
+            table_latency_s: ms(keys.table_latency_ms, 0.0),
+            seed,
+        }
+    }
+}

@@ -1,0 +1,117 @@
+use super::*;
+use files::log::{AxisLog, Log, Unit};
+use model::machine::Machine;
+
+/// A circle run both ways by two axes of which only motor and table were logged; the table of x
+/// stays 4 µm of backlash behind.
+fn log(source: &str, radius_mm: f64, shift: f64) -> Log {
+    const TURN: u32 = 2400;
+    let noise = |i: u32, seed: f64| 1e-5 * ((f64::from(i) * 12.9898 + seed).sin() * 43_758.545).fract();
+    let turn = |i: u32| std::f64::consts::TAU * f64::from(i) / f64::from(TURN) + shift;
+    let angles: Vec<f64> = (0..=TURN).map(turn).chain((0..200).map(|_| turn(TURN))).collect();
+    let angles: Vec<f64> = angles.iter().copied().chain(angles.iter().rev().copied()).collect();
+    let axis = |name: &str, at: fn(f64) -> f64, gap_mm: f64, seed: f64| {
+        let command: Vec<f64> = angles.iter().map(|angle| radius_mm * at(*angle)).collect();
+        let mut behind = 0.0;
+        let table = command.iter().zip(0..).map(|(&mm, i)| {
+            behind = f64::clamp(behind, mm - 0.5 * gap_mm, mm + 0.5 * gap_mm);
+            behind + noise(i, seed)
+        });
+        let table = Some(table.collect());
+        AxisLog {
+            command: Some(command.clone()),
+            motor: Some(command),
+            table,
+            ..AxisLog::new(name, Unit::Millimetre)
+        }
+    };
+    let axes = vec![axis("x", f64::cos, 0.004, 1.0), axis("y", f64::sin, 0.0, 2.0)];
+    Log { source: source.to_owned(), start_s: 0.0, sample_time_s: 0.001, axes }
+}
+
+fn traced() -> Trace {
+    let text =
+        "name = \"<b>&\"\nsample_rate_hz = 1000.0\n[axis.x]\nlead_mm = 10.0\n[axis.y]\nlead_mm = 10.0\n";
+    let machine = Machine::parse(text, "m.toml").unwrap();
+    let (fit, validate) = (log("/home/me/fit.csv", 20.0, 0.3), log("/home/me/validate.csv", 25.0, 0.9));
+    trace::trace(&machine, &[fit], &[validate], &|_| ()).unwrap()
+}
+
+fn extra(truth: &str) -> Extra {
+    let truth = vec![("x".to_owned(), toml::from_str(truth).unwrap())];
+    Extra { title: "A <i> title".to_owned(), lead: vec!["Seed 7 & \"more\".".to_owned()], truth: Some(truth) }
+}
+
+/// Every tag that is opened is closed, in order.
+fn assert_balanced(html: &str) {
+    let mut open: Vec<&str> = Vec::new();
+    for tag in html.split('<').skip(1) {
+        let (inside, _) = tag.split_once('>').unwrap_or_else(|| panic!("a tag without end: <{tag}"));
+        let name = inside.split([' ', '\n']).next().unwrap().trim_end_matches('/');
+        if let Some(name) = inside.strip_prefix('/') {
+            assert_eq!(open.pop(), Some(name), "closed out of order");
+        } else if !inside.ends_with('/') && !["!DOCTYPE", "meta", "col"].contains(&name) {
+            open.push(name);
+        }
+        assert_eq!(inside.matches('"').count() % 2, 0, "quotes in <{inside}>");
+    }
+    assert_eq!(open, Vec::<&str>::new());
+}
+
+#[test]
+fn the_page_is_whole_escaped_and_needs_nothing_else() {
+    let trace = traced();
+    let html = html(&trace, &extra("name = 'backlash'\nwidth_um = 4"));
+    assert_balanced(&html);
+    for foreign in ["http", "<script", "url(", "@import", "src=", "href=", "/home/me"] {
+        assert!(!html.contains(foreign), "{foreign}");
+    }
+    assert!(html.contains("<h1>A &lt;i&gt; title</h1>"));
+    assert!(html.contains("Seed 7 &amp; &quot;more&quot;."));
+    assert!(html.contains("Machine &lt;b&gt;&amp;. Fitted to fit.csv; judged on validate.csv"));
+}
+
+#[test]
+fn the_page_tells_what_was_found_shows_it_and_says_what_was_not() {
+    let trace = traced();
+    let page = html(&trace, &extra("name = 'backlash'\nwidth_um = 4"));
+    let sections = [
+        "What was found",
+        "Residuals before",
+        "The circle",
+        "The residual of",
+        "What was tried",
+        "What stays",
+    ];
+    let places: Vec<usize> = sections.iter().map(|name| page.find(&format!("<h2>{name}")).unwrap()).collect();
+    assert!(places.is_sorted(), "{places:?}");
+    assert!(page.contains(&text(&words::sentence("x", Unit::Millimetre, &trace.axes[0].found[0]))));
+    assert!(page.contains("backlash between screw and table; takes away"));
+    assert!(page.contains("y: nothing found"));
+    let truth = text("4.000 µm backlash between screw and table");
+    assert!(page.contains(&format!("<td>{truth}</td>")), "the truth");
+    assert!(page.contains("a circle of 25.0 mm radius"));
+    assert!(page.contains("class=\"cw\" points") && page.contains("class=\"ccw\" points"));
+    assert!(page.contains("x, tool: could not be tested; it needs a tool channel."));
+    assert!(page.contains("mean residual") && page.contains("velocity, mm/s"));
+    assert!(page == html(&trace, &extra("name = 'backlash'\nwidth_um = 4")), "the same bytes again");
+}
+
+#[test]
+fn the_truth_tells_misses_and_false_finds() {
+    let page = html(&traced(), &extra("name = 'windup'\nstiffness_n_per_um = 120"));
+    assert!(page.contains("<td>not found</td>"));
+    assert!(page.contains("<td>not there</td>"));
+}
+
+#[test]
+fn the_page_is_written_into_a_folder_that_is_made() {
+    let folder = tempfile::tempdir().unwrap();
+    let inner = folder.path().join("a").join("b");
+    let trace = traced();
+    let path = write(&inner, &trace, &Extra::default()).unwrap();
+    assert_eq!(path, inner.join("report.html"));
+    assert_eq!(fs::read_to_string(&path).unwrap(), html(&trace, &Extra::default()));
+    let message = write(&path, &trace, &Extra::default()).unwrap_err().to_string();
+    assert!(message.contains("report.html: not written"), "{message}");
+}

@@ -1,0 +1,136 @@
+//! Which effect was taken for which.
+
+use serde_json::{Map, Value, json};
+
+use super::score::{Outcome, is_same};
+use super::truth::{NAMES, OUTSIDE, Truth};
+
+/// Row of false effects that no missed one accounts for.
+pub const NOTHING: &str = "nothing";
+/// Column of effects that were not found, under no other name either.
+pub const MISSED: &str = "missed";
+/// Column of effects from outside the catalogue of which the trace says what they follow.
+pub const SAID: &str = "unexplained";
+
+/// How often what stands in a row was found as what stands in a column.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Confusion {
+    /// Truths: the catalogue, what is outside it, [`NOTHING`].
+    pub rows: Vec<&'static str>,
+    /// Findings: the catalogue, [`SAID`], [`MISSED`].
+    pub columns: Vec<&'static str>,
+    /// A row after the other.
+    pub counts: Vec<Vec<usize>>,
+}
+
+impl Confusion {
+    /// Counts. A false effect is put down to what was missed on its axis, each missed one once; where nothing was
+    /// missed, to [`NOTHING`].
+    #[must_use]
+    pub fn new(outcomes: &[Outcome]) -> Self {
+        let rows: Vec<&str> = NAMES.into_iter().chain(OUTSIDE).chain([NOTHING]).collect();
+        // A trace may know more effects than are drawn.
+        let more = trace::EFFECT_NAMES.iter().copied().filter(|name| !NAMES.contains(name));
+        let columns: Vec<&str> = NAMES.into_iter().chain(more).chain([SAID, MISSED]).collect();
+        let counts = vec![vec![0; columns.len()]; rows.len()];
+        let mut confusion = Self { rows, columns, counts };
+        for outcome in outcomes {
+            confusion.add(outcome);
+        }
+        confusion
+    }
+
+    fn add(&mut self, outcome: &Outcome) {
+        let is_found = |truth: &&Truth| outcome.found.iter().any(|found| is_same(truth, found));
+        for truth in outcome.truths.iter().filter(is_found) {
+            self.count(truth.name, truth.name);
+        }
+        let (said, unsaid): (Vec<_>, Vec<_>) = outcome.outside().partition(|(_, said)| *said);
+        for (truth, _) in said {
+            self.count(truth.name, SAID);
+        }
+        let mut missed = outcome.missed();
+        missed.extend(unsaid.iter().map(|(truth, _)| *truth));
+        for (name, axis) in outcome.false_ones() {
+            let cause = missed.iter().position(|truth| truth.axis == axis);
+            let row = cause.map_or(NOTHING, |index| missed.remove(index).name);
+            self.count(row, name);
+        }
+        for truth in missed {
+            self.count(truth.name, MISSED);
+        }
+    }
+
+    fn count(&mut self, row: &str, column: &str) {
+        let place = |names: &[&str], name: &str| names.iter().position(|n| *n == name);
+        if let Some((row, column)) = place(&self.rows, row).zip(place(&self.columns, column)) {
+            self.counts[row][column] += 1;
+        }
+    }
+
+    /// Count of a row and a column; 0 where there is none of that name.
+    #[must_use]
+    pub fn of(&self, row: &str, column: &str) -> usize {
+        let mut cells = self.cells();
+        cells.find(|(r, c, _)| *r == row && *c == column).map_or(0, |(_, _, count)| count)
+    }
+
+    /// Row, column and count of every cell, row by row.
+    pub fn cells(&self) -> impl Iterator<Item = (&'static str, &'static str, usize)> {
+        let row = |(row, counts): (&'static str, Vec<usize>)| {
+            self.columns.iter().zip(counts).map(move |(&column, count)| (row, column, count))
+        };
+        self.rows.iter().copied().zip(self.counts.clone()).flat_map(row)
+    }
+
+    /// Whether a cell is where it should be.
+    #[must_use]
+    pub fn is_right(row: &str, column: &str) -> bool {
+        row == column || column == SAID
+    }
+
+    /// Rows by name, each with the cells that are not 0.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let row = |&row: &&'static str| {
+            let cells = self.cells().filter(|(r, _, count)| *r == row && *count > 0);
+            let cells: Map<String, Value> =
+                cells.map(|(_, column, count)| (column.to_owned(), json!(count))).collect();
+            (row.to_owned(), Value::Object(cells))
+        };
+        Value::Object(self.rows.iter().map(row).collect())
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::score::tests::{found, truth};
+    use super::*;
+
+    #[test]
+    fn a_false_effect_is_put_down_to_what_was_missed_on_its_axis() {
+        let truths = [truth("windup", "x", &[]), truth("backlash", "y", &[]), truth("stribeck", "x", &[])];
+        let effects = [
+            found("stribeck", "x", &json!({})),
+            found("latency", "x", &json!({})),
+            found("intalk", "x", &json!({})),
+        ];
+        let confusion = Confusion::new(&[Outcome::new(1, &truths, &json!({"effects": effects}))]);
+        assert_eq!(confusion.of("stribeck", "stribeck"), 1);
+        assert_eq!(confusion.of("windup", "latency"), 1);
+        assert_eq!(confusion.of(NOTHING, "intalk"), 1);
+        assert_eq!(confusion.of("backlash", MISSED), 1);
+        assert_eq!(confusion.cells().map(|(_, _, count)| count).sum::<usize>(), 4);
+    }
+
+    #[test]
+    fn what_is_outside_the_catalogue_is_said_mistaken_or_missed() {
+        let truths = [truth("vibration", "x", &[("frequency_hz", 60.0)])];
+        let of = |trace: Value| Confusion::new(&[Outcome::new(1, &truths, &trace)]);
+        let said = of(json!({"unexplained": [{"axis": "x", "variable": "time", "frequency_hz": 60.2}]}));
+        assert_eq!(said.of("vibration", SAID), 1);
+        let mistaken = of(json!({"effects": [found("resonance", "x", &json!({}))]}));
+        assert_eq!(mistaken.of("vibration", "resonance"), 1);
+        assert_eq!(of(json!({})).of("vibration", MISSED), 1);
+    }
+}

@@ -1,0 +1,180 @@
+//! One axis of the second simulator: two masses, a spring with a dead zone, `LuGre` friction, in plain f64.
+//!
+//! It shares no code with the crate `plant`, the effects of `model` or the controller in `shared`: what made the data must
+//! not be the only judge of what explains them. All of it is written down from the contract's sentences, one
+//! semi-implicit Euler step ([`STEP_S`]) at a time.
+
+use std::f64::consts::TAU;
+
+/// One step of the integration: fine beside the fastest motion of the machines drawn, some 400 Hz between the masses.
+pub const STEP_S: f64 = 50e-6;
+
+/// Slope of the motor's Coulomb friction: tanh(v / this), m/s; the contract's.
+const MOTOR_FRICTION_M_PER_S: f64 = 0.2e-3;
+
+/// amplitude·sin(2π·x/period + phase), all SI; no wave at amplitude 0.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Wave {
+    /// In the unit of what waves.
+    pub amplitude: f64,
+    /// In the unit of x; over 0 where there is an amplitude.
+    pub period: f64,
+    /// rad.
+    pub phase: f64,
+}
+
+impl Wave {
+    /// Value at x.
+    #[must_use]
+    pub fn at(&self, x: f64) -> f64 {
+        if self.amplitude == 0.0 {
+            return 0.0;
+        }
+        self.amplitude * (TAU * x / self.period + self.phase).sin()
+    }
+}
+
+/// A bump over the travel: height·exp(−((x − centre)/width)²/2), m.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Bump {
+    /// Greatest value.
+    pub height_m: f64,
+    /// Where.
+    pub centre_m: f64,
+    /// Standard deviation of the Gaussian; over 0 where there is a height.
+    pub width_m: f64,
+}
+
+impl Bump {
+    /// Value at x.
+    #[must_use]
+    pub fn at(&self, x_m: f64) -> f64 {
+        if self.height_m == 0.0 {
+            return 0.0;
+        }
+        let away = (x_m - self.centre_m) / self.width_m;
+        self.height_m * (-0.5 * away * away).exp()
+    }
+}
+
+/// The mechanics of one axis as they are, SI. What is 0 is not there.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Mechanics {
+    /// Motor and screw, reflected to the table.
+    pub motor_kg: f64,
+    /// Table.
+    pub table_kg: f64,
+    /// Between screw and table.
+    pub stiffness_n_per_m: f64,
+    /// Between screw and table, while they touch.
+    pub damping_n_s_per_m: f64,
+    /// On the table.
+    pub coulomb_n: f64,
+    /// On the table.
+    pub viscous_n_s_per_m: f64,
+    /// On the motor.
+    pub motor_coulomb_n: f64,
+    /// σ0.
+    pub presliding_n_per_m: f64,
+    /// σ1.
+    pub presliding_n_s_per_m: f64,
+    /// Total width of the gap between screw and table.
+    pub backlash_m: f64,
+    /// The screw moves the table 1 + this times the motor.
+    pub pitch_slope: f64,
+    /// Error of the screw over the motor's position, m over m.
+    pub pitch: Wave,
+    /// Where the screw is damaged.
+    pub screw_bump: Bump,
+    /// Force on the motor over its position, N over m.
+    pub ripple: Wave,
+    /// Rise of the table's friction at standstill.
+    pub stribeck_n: f64,
+    /// Speed at which 1/e of the rise is left.
+    pub stribeck_m_per_s: f64,
+    /// Viscous friction is more by this forwards, less by it backwards.
+    pub asymmetry_n_s_per_m: f64,
+    /// Opposes motion forwards.
+    pub load_n: f64,
+}
+
+/// Where an axis is, m and m/s.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct State {
+    /// Motor.
+    pub motor_m: f64,
+    /// Motor.
+    pub motor_m_per_s: f64,
+    /// Table.
+    pub table_m: f64,
+    /// Table.
+    pub table_m_per_s: f64,
+    /// Over the last step, m/s².
+    pub table_m_per_s2: f64,
+    /// Deflection of the bristles of the table's friction, m.
+    pub bristle_m: f64,
+}
+
+impl State {
+    /// At rest, unstrained as far as the screw is true.
+    #[must_use]
+    pub fn resting(at_m: f64) -> Self {
+        Self { motor_m: at_m, table_m: at_m, ..Self::default() }
+    }
+}
+
+impl Mechanics {
+    /// One step under a force on the motor.
+    pub fn step(&self, state: &mut State, force_n: f64) {
+        let [motor, table] = [state.motor_m_per_s, state.table_m_per_s];
+        let spring_n = self.spring_n(state);
+        let friction_n = self.friction_n(state);
+        let motor_friction_n = self.motor_coulomb_n * (motor / MOTOR_FRICTION_M_PER_S).tanh();
+        let ripple_n = self.ripple.at(state.motor_m);
+        let motor_n = force_n + ripple_n - spring_n - motor_friction_n;
+        let table_n = spring_n - friction_n - self.load_n;
+        state.motor_m_per_s = motor + STEP_S * motor_n / self.motor_kg;
+        state.table_m_per_s2 = table_n / self.table_kg;
+        state.table_m_per_s = table + STEP_S * state.table_m_per_s2;
+        state.motor_m += STEP_S * state.motor_m_per_s;
+        state.table_m += STEP_S * state.table_m_per_s;
+    }
+
+    /// Where the screw holds the table.
+    fn screw_m(&self, motor_m: f64) -> f64 {
+        (1.0 + self.pitch_slope) * motor_m + self.pitch.at(motor_m) + self.screw_bump.at(motor_m)
+    }
+
+    /// Of the screw on the table; nothing inside the gap.
+    fn spring_n(&self, state: &State) -> f64 {
+        let half_gap_m = 0.5 * self.backlash_m;
+        let strain_m = self.screw_m(state.motor_m) - state.table_m;
+        let stretch_m = if strain_m > half_gap_m {
+            strain_m - half_gap_m
+        } else if strain_m < -half_gap_m {
+            strain_m + half_gap_m
+        } else {
+            return 0.0;
+        };
+        let speed = state.motor_m_per_s - state.table_m_per_s;
+        self.stiffness_n_per_m * stretch_m + self.damping_n_s_per_m * speed
+    }
+
+    /// `LuGre`: F = σ0·z + σ1·ż + b·v with ż = v − σ0·|v|·z/g(v). The step of z is implicit, as σ0·|v|/g reaches the
+    /// rate of the steps.
+    fn friction_n(&self, state: &mut State) -> f64 {
+        let v = state.table_m_per_s;
+        let rise_n = if self.stribeck_n == 0.0 {
+            0.0
+        } else {
+            self.stribeck_n * (-(v / self.stribeck_m_per_s).powi(2)).exp()
+        };
+        let level_n = self.coulomb_n + rise_n;
+        let before_m = state.bristle_m;
+        state.bristle_m =
+            (before_m + STEP_S * v) / (1.0 + STEP_S * self.presliding_n_per_m * v.abs() / level_n);
+        let bending = (state.bristle_m - before_m) / STEP_S;
+        let viscous = self.viscous_n_s_per_m + self.asymmetry_n_s_per_m * v.signum();
+        self.presliding_n_per_m * state.bristle_m + self.presliding_n_s_per_m * bending + viscous * v
+    }
+}

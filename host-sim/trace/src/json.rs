@@ -1,0 +1,181 @@
+//! The trace as programs read it; see the contract's `trace --json`.
+
+use serde_json::{Map, Value, json};
+
+use super::Trace;
+use super::axis::{AxisTrace, Found, StageError, residual_unit};
+use super::limits::AtLimit;
+use super::look_alike::LookAlike;
+use super::repeatability::Repeatability;
+use super::rotary;
+use super::unexplained::Unexplained;
+use super::verdict;
+use files::log::Unit;
+use model::effects::Effect;
+
+/// The JSON of `trace --json`, with the tables of `--empirical` or without.
+#[must_use]
+pub fn of(trace: &Trace, with_tables: bool) -> Value {
+    let residual: Vec<Value> =
+        trace.axes.iter().flat_map(|axis| axis.errors.iter().map(move |e| residual(axis, e))).collect();
+    let rest = |axis| move |rest| unexplained(axis, rest);
+    let unexplained: Vec<Value> =
+        trace.axes.iter().flat_map(|axis| axis.unexplained.iter().map(rest(axis))).collect();
+    let mut not_testable: Vec<Value> = trace
+        .axes
+        .iter()
+        .flat_map(|axis| {
+            let one = |n: &super::scope::NotTestable| json!({"channel": n.stage, "axis": axis.axis, "needs": n.needs});
+            axis.not_testable.iter().map(one).collect::<Vec<_>>()
+        })
+        .collect();
+    for axis in &trace.axes {
+        let one =
+            |u: &super::untested::Untested| json!({"effect": u.effect, "axis": axis.axis, "needs": u.needs});
+        not_testable.extend(axis.untested.iter().map(one));
+    }
+    let repeats: Vec<Value> = trace
+        .axes
+        .iter()
+        .flat_map(|axis| axis.repeats.iter().map(move |part| repeatability(axis, part)))
+        .collect();
+    let free_runs: Vec<_> = trace.axes.iter().flat_map(|axis| &axis.free_runs).collect();
+    let mut all = json!({
+        "verdict": verdict::of(trace),
+        "residual": residual,
+        "effects": effects(trace),
+        "refuted": of_axes(trace, |axis| axis.refuted.iter().map(|found| effect(axis, found)).collect()),
+        "refused": of_axes(trace, |axis| axis.refused.iter().map(|limit| refused(axis, limit)).collect()),
+        "unexplained": unexplained,
+        "not_testable": not_testable,
+        "notes": trace.notes,
+        "look_alikes": look_alikes(trace),
+        "repeatability": repeats,
+        "free_run": free_runs,
+    });
+    if let (true, Value::Object(all)) = (with_tables, &mut all) {
+        let tables: Vec<_> = trace.axes.iter().flat_map(|axis| &axis.tables).collect();
+        all.insert("empirical".to_owned(), json!(tables));
+    }
+    all
+}
+
+/// Pairs of effects of which the logs show one, but not which, and the motion file that would tell.
+fn look_alikes(trace: &Trace) -> Vec<Value> {
+    let of_axis = |axis: &AxisTrace| {
+        let one = |alike: &LookAlike| {
+            json!({
+                "axis": axis.axis,
+                "effects": [alike.added.name(), alike.rival.name()],
+                "motion": alike.proposal.as_ref().map(|proposal| &proposal.motion),
+            })
+        };
+        axis.look_alikes.iter().map(one).collect::<Vec<_>>()
+    };
+    trace.axes.iter().flat_map(of_axis).collect()
+}
+
+/// The effects found on all axes.
+#[must_use]
+pub fn effects(trace: &Trace) -> Vec<Value> {
+    of_axes(trace, |axis| axis.found.iter().map(|found| effect(axis, found)).collect())
+}
+
+fn of_axes(trace: &Trace, of: impl Fn(&AxisTrace) -> Vec<Value>) -> Vec<Value> {
+    trace.axes.iter().flat_map(of).collect()
+}
+
+/// An effect that was not taken because a parameter ended at a limit of its search.
+fn refused(axis: &AxisTrace, limit: &AtLimit) -> Value {
+    let mut entry = json!({
+        "name": limit.effect.name(),
+        "axis": axis.axis,
+        "parameter": key(axis, limit.parameter),
+        "value": limit.value,
+        "limit": limit.limit,
+        "why": "at the limit of its search: the value lies beyond, or it is another effect",
+    });
+    if let (Value::Object(entry), Some(source)) = (&mut entry, source(&limit.effect)) {
+        entry.insert("source".to_owned(), json!(source));
+    }
+    entry
+}
+
+/// Name of a parameter in the axis's units.
+fn key(axis: &AxisTrace, name: &str) -> String {
+    if axis.unit == Unit::Degree { rotary::key(name) } else { name.to_owned() }
+}
+
+fn residual(axis: &AxisTrace, error: &StageError) -> Value {
+    let (_, unit) = residual_unit(axis.unit, error.stage);
+    let mut entry = Map::new();
+    entry.insert("channel".to_owned(), json!(error.stage));
+    entry.insert("axis".to_owned(), json!(axis.axis));
+    entry.insert("unit".to_owned(), json!(unit));
+    entry.insert(format!("before_{unit}"), json!(error.before));
+    entry.insert(format!("after_{unit}"), json!(error.after));
+    entry.insert(format!("noise_{unit}"), json!(error.noise));
+    Value::Object(entry)
+}
+
+fn repeatability(axis: &AxisTrace, part: &Repeatability) -> Value {
+    let mut entry = json!(part);
+    if let Value::Object(entry) = &mut entry {
+        let (_, unit) = residual_unit(axis.unit, part.channel);
+        entry.insert(format!("repeatable_{unit}"), json!(part.repeatable));
+        entry.insert(format!("non_repeatable_{unit}"), json!(part.non_repeatable));
+    }
+    entry
+}
+
+fn unexplained(axis: &AxisTrace, rest: &Unexplained) -> Value {
+    let mut entry = json!(rest);
+    if let Value::Object(entry) = &mut entry {
+        let (_, unit) = residual_unit(axis.unit, rest.channel);
+        entry.insert(format!("rms_{unit}"), json!(rest.rms));
+        if axis.unit == Unit::Degree
+            && let Some(centre) = entry.remove("centre_mm")
+        {
+            entry.insert("centre_deg".to_owned(), centre);
+        }
+    }
+    entry
+}
+
+fn effect(axis: &AxisTrace, found: &Found) -> Value {
+    let parameters: Map<String, Value> = found
+        .effect
+        .parameters()
+        .into_iter()
+        .zip(&found.half_widths)
+        .map(|((name, value), half)| {
+            (key(axis, name), json!({"value": value, "ci95": [value - half, value + half]}))
+        })
+        .collect();
+    let mut entry = json!({
+        "name": found.effect.name(),
+        "axis": axis.axis,
+        "parameters": parameters,
+        "channel": found.stage,
+        "validate_reduction_percent": found.validate_reduction_percent(),
+    });
+    if let Value::Object(entry) = &mut entry {
+        let (_, unit) = residual_unit(axis.unit, found.stage);
+        entry.insert(format!("before_{unit}"), json!(found.before));
+        entry.insert(format!("after_{unit}"), json!(found.after));
+        if let Some(source) = source(&found.effect) {
+            entry.insert("source".to_owned(), json!(source));
+        }
+    }
+    entry
+}
+
+/// The axis that an effect comes from, where that is another one.
+#[must_use]
+pub fn source(effect: &Effect) -> Option<&str> {
+    match effect {
+        Effect::Crosstalk(e) => Some(&e.source),
+        Effect::Straightness(e) => Some(&e.source),
+        _ => None,
+    }
+}
