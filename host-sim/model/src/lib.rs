@@ -11,4 +11,5 @@ pub mod examples;
 pub mod friction_curve;
 pub mod machine;
 pub mod motion;
+pub mod range;
 pub mod servo;

@@ -1,8 +1,8 @@
 //! What an axis is made of: the machine file's axis in SI, with its effects put where they act.
 
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, Effect, Intalk, Latency, ResolverDividing, Resonance, Squareness,
-    Straightness, ThermalDrift, TorqueRipple, Windup,
+    Channel, ConstantLoad, Crosstalk, Effect, ForceWindup, Intalk, Latency, ResolverDividing, Resonance,
+    Squareness, Straightness, ThermalDrift, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
@@ -28,7 +28,7 @@ pub struct AxisParameters {
     /// Elasticity between motor and table; `None`: rigid, one mass.
     pub spring: Option<Spring>,
     /// Wind-up by a measured force, of an axis whose masses are not known.
-    pub forced_windup: Option<Windup>,
+    pub forced_windup: Option<ForceWindup>,
     /// Of the table.
     pub friction: Friction,
     /// On the table.
@@ -143,7 +143,7 @@ impl AxisParameters {
             Effect::Backlash(e) => self.screw.backlash = e,
             Effect::PitchProgressive(e) => self.screw.progressive.slope_um_per_m += e.slope_um_per_m,
             Effect::PitchCyclic(e) => self.screw.cyclic.push(e),
-            Effect::Windup(e) if e.friction_n.is_some() => self.forced_windup = Some(e),
+            Effect::ForceWindup(e) => self.forced_windup = Some(e),
             Effect::Windup(e) => {
                 if let Some(spring) = &mut self.spring {
                     spring.stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;

@@ -4,8 +4,8 @@ use super::markup::{figure, key, note, text};
 use super::number::significant;
 use super::plot::{Chart, Ink, Layer};
 use super::stages::{AxisView, part};
-use super::variable::{Across, means};
-use model::effects::Stage;
+use super::variable::{label, means, of_effect, of_residual};
+use model::effects::{Abscissa, Stage};
 use trace::Trace;
 use trace::axis::{residual_unit, stage_names};
 
@@ -37,9 +37,8 @@ pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> String {
 fn panel(trace: &Trace, view: &AxisView<'_>, stage: Stage) -> String {
     let name = &view.trace.axis;
     let Some(log) = view.telling_log(stage) else { return String::new() };
-    let variables = variables(trace, view, stage);
-    let beside: Vec<String> =
-        variables.iter().filter_map(|&across| curve(trace, view, stage, across)).collect();
+    let variables = variables(view, stage);
+    let beside: Vec<String> = variables.iter().filter_map(|abscissa| curve(view, stage, abscissa)).collect();
     let over_time = over_time(trace, view, stage, log, if beside.is_empty() { 960 } else { 590 });
     let mut pictures = figure(if beside.is_empty() { "wide" } else { "" }, &over_time.0, &over_time.1);
     for (i, picture) in beside.iter().enumerate() {
@@ -70,22 +69,21 @@ fn meaning(stage: Stage) -> &'static str {
 }
 
 /// What the effects found at a stage follow, or what is left there does.
-fn variables(trace: &Trace, view: &AxisView<'_>, stage: Stage) -> Vec<Across> {
-    let own = view.evidence.axis;
+fn variables(view: &AxisView<'_>, stage: Stage) -> Vec<Abscissa> {
     let mut variables = Vec::new();
     for found in view.trace.found.iter().filter(|found| found.stage == stage) {
-        let across = Across::of_effect(&found.effect, view);
-        if !variables.contains(&across) && variables.len() < MOST_VARIABLES {
-            variables.push(across);
+        let abscissa = of_effect(&found.effect, view);
+        if !variables.contains(&abscissa) && variables.len() < MOST_VARIABLES {
+            variables.push(abscissa);
         }
     }
     if variables.is_empty() && view.is_changed(stage) {
         let touching = view.trace.found.iter().find(|found| found.effect.stages().contains(&stage));
-        variables.extend(touching.map(|found| Across::of_effect(&found.effect, view)));
+        variables.extend(touching.map(|found| of_effect(&found.effect, view)));
     }
     if variables.is_empty() {
         let rest = view.trace.unexplained.iter().find(|rest| rest.channel == stage);
-        variables.extend(rest.and_then(|rest| Across::of_rest(rest.variable, trace.names.len(), own)));
+        variables.extend(rest.and_then(|rest| of_residual(rest.variable, view)));
     }
     variables
 }
@@ -138,17 +136,17 @@ fn over_time(trace: &Trace, view: &AxisView<'_>, stage: Stage, log: usize, width
 }
 
 /// The mean over a variable.
-fn curve(trace: &Trace, view: &AxisView<'_>, stage: Stage, across: Across) -> Option<String> {
+fn curve(view: &AxisView<'_>, stage: Stage, abscissa: &Abscissa) -> Option<String> {
     let runs = |ink, parts| {
         let layer = move |points| Layer { ink, points, is_marked: true };
-        means(view, parts, stage, across).into_iter().map(layer)
+        means(view, parts, stage, abscissa).into_iter().map(layer)
     };
     let before = runs(Ink::Before, &view.before).filter(|_| view.is_changed(stage));
     let layers: Vec<Layer> = before.chain(runs(Ink::After, &view.after)).collect();
     if layers.is_empty() {
         return None;
     }
-    let label = across.label(&trace.names);
+    let label = label(abscissa, view);
     let chart = Chart {
         size: (354, 190),
         title: &format!("Mean residual of {}, {} over {label}", view.trace.axis, stage_names(&[stage])),

@@ -16,7 +16,7 @@ mod deviation;
 mod doubts;
 pub mod friction_map;
 pub mod markup;
-pub mod number;
+pub use files::format as number;
 mod parameters;
 pub mod plot;
 pub mod polar;

@@ -2,7 +2,7 @@
 
 use super::markup::{note, text};
 use super::number::{fixed, signed};
-use super::{parameters, words};
+use super::words;
 use model::effects::Effect;
 use trace::axis::{AxisTrace, Found, StageError, is_same, residual_unit, stage_names};
 
@@ -92,11 +92,11 @@ fn truth_row(axis: &str, truth: &str, found: &str, errors: &str) -> String {
 /// truth.
 fn parameter_errors(truth: &Effect, found: &Found) -> String {
     const TURN: f64 = std::f64::consts::TAU;
-    let pairs = truth.parameters().into_iter().zip(found.effect.parameters());
-    let errors = pairs.filter_map(|((key, truth), (_, found))| {
+    let values = truth.values().into_iter().zip(found.effect.values());
+    let errors = truth.declared_parameters().iter().zip(values).filter_map(|(parameter, (truth, found))| {
         let error = found - truth;
-        let (name, _) = parameters::parameter(key);
-        if key.starts_with("phase") {
+        let name = parameter.title();
+        if parameter.period.is_some() {
             let apart = (error + 0.5 * TURN).rem_euclid(TURN) - 0.5 * TURN;
             Some(format!("{name} {}°", signed(apart.to_degrees(), 2)))
         } else if error.abs() <= 1e-9 * truth.abs() {

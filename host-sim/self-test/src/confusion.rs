@@ -30,7 +30,7 @@ impl Confusion {
     pub fn new(outcomes: &[Outcome]) -> Self {
         let rows: Vec<&str> = NAMES.into_iter().chain(OUTSIDE).chain([NOTHING]).collect();
         // A trace may know more effects than are drawn.
-        let more = trace::EFFECT_NAMES.iter().copied().filter(|name| !NAMES.contains(name));
+        let more = trace::effect_names().into_iter().filter(|name| !NAMES.contains(name));
         let columns: Vec<&str> = NAMES.into_iter().chain(more).chain([SAID, MISSED]).collect();
         let counts = vec![vec![0; columns.len()]; rows.len()];
         let mut confusion = Self { rows, columns, counts };

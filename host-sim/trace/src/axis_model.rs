@@ -211,7 +211,7 @@ impl AxisModel {
         }));
         for (i, effect) in self.effects_of(scope) {
             let declared = self.nominal.effect.get(i).map(Effect::coordinates);
-            for (j, coordinate) in effect.searched(self.rates).into_iter().enumerate() {
+            for (j, coordinate) in effect.coordinates_at(self.rates).into_iter().enumerate() {
                 slots.push(match &declared {
                     None => free(coordinate),
                     Some(_) if self.trades(effect) => free(coordinate),

@@ -9,76 +9,20 @@ use files::axis_name::{AXIS_NAME, is_axis_name};
 use shared::units::TRAVEL_LIMIT_M;
 
 use crate::bodies::Assembly;
-use crate::effects::{Channel, Effect, NAMES, VelocityLag};
+use crate::effects::{Effect, Occurrence, Placement, names};
 use crate::friction_curve::Curve;
+use crate::range::Range;
 use crate::servo;
 use files::document::Document;
 use files::error::InputError;
 
-/// No machine needs a greater number in any of its units.
-const GREATEST: f64 = 1e12;
-
 /// No sensor is later than this.
 const LONGEST_LATENCY_MS: f64 = 1000.0;
-
-/// Effects that an axis has once: two of them would not add up to one.
-const ONCE: [&str; 10] = [
-    "stribeck",
-    "presliding",
-    "shear_thinning",
-    "friction_memory",
-    "preload_variation",
-    "servo_mismatch",
-    "velocity_lag",
-    "thermal_drift",
-    "resonance",
-    "windup",
-];
 
 /// Faster loops than this are a slip of the unit.
 const HIGHEST_RATE_HZ: f64 = 1e6;
 /// Velocity steps within one position step; more is a slip, and would take for ever to simulate.
 const MOST_VELOCITY_STEPS: f64 = 1000.0;
-
-/// The range of a number, in the words of the error.
-#[derive(Clone, Copy)]
-enum Range {
-    Positive,
-    NotNegative,
-    Signed,
-    UpTo(f64),
-    Within(f64),
-}
-
-impl Range {
-    fn holds(self, value: f64) -> bool {
-        match self {
-            Self::Positive => value > 0.0 && value <= GREATEST,
-            Self::NotNegative => (0.0..=GREATEST).contains(&value),
-            Self::Signed => value.abs() <= GREATEST,
-            Self::UpTo(greatest) => (0.0..=greatest).contains(&value),
-            Self::Within(greatest) => value.abs() <= greatest,
-        }
-    }
-
-    fn words(self) -> String {
-        match self {
-            Self::Positive => "a number above 0".to_owned(),
-            Self::NotNegative => "a number not below 0".to_owned(),
-            Self::Signed => format!("a number within ±{GREATEST:e}"),
-            Self::UpTo(greatest) => format!("a number from 0 to {greatest}"),
-            Self::Within(greatest) => format!("a number within ±{greatest}"),
-        }
-    }
-
-    fn check(self, key: &str, value: f64, document: &Document<'_>) -> Result<(), InputError> {
-        if self.holds(value) {
-            return Ok(());
-        }
-        let at_most = if value > GREATEST { format!(", at most {GREATEST:e}") } else { String::new() };
-        Err(document.refuse(key, &(self.words() + &at_most)))
-    }
-}
 
 /// Checks a machine that was read from a document.
 pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
@@ -105,8 +49,9 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
             let effect_key = format!("{key}.effect[{index}]");
             parameters(effect, &effect_key, document)?;
             context.place(effect, &effect_key, machine)?;
-            let once = |other: &Effect| other.name() == effect.name() && ONCE.contains(&effect.name());
-            if axis.effect[..index].iter().any(once) {
+            let is_second =
+                |other: &Effect| other.name() == effect.name() && effect.occurrence() == Occurrence::Once;
+            if axis.effect[..index].iter().any(is_second) {
                 return Err(document.refuse(&effect_key, "this effect once"));
             }
         }
@@ -309,37 +254,17 @@ impl Context<'_> {
 }
 
 impl Context<'_> {
-    /// Whether there is something for an effect to act on.
+    /// Whether an effect may stand here.
     fn place(&self, effect: &Effect, key: &str, machine: &Machine) -> Result<(), InputError> {
-        let what = match effect {
-            Effect::Windup(windup) if windup.friction_n.is_some() => {
-                if !self.axis.has_mass() {
-                    return Ok(());
-                }
-                return Err(self
-                    .document
-                    .refuse(&format!("{key}.friction_n"), "no such key, as masses are given"));
-            }
-            Effect::Windup(_) if self.axis.is_rigid() && machine.structure.is_none() => {
-                "this effect where stiffness_n_per_um is given: a rigid axis does not wind up"
-            }
-            Effect::Presliding(_) if self.axis.presliding_stiffness_n_per_um.is_some() => {
-                "this effect where presliding_stiffness_n_per_um is not given"
-            }
-            Effect::Presliding(_) if self.axis.coulomb_n.unwrap_or(0.0) <= 0.0 => {
-                "this effect where coulomb_n is above 0"
-            }
-            Effect::Squareness(_) if machine.axis.len() < 2 => "this effect where there is another axis",
-            Effect::VelocityLag(lag) => {
-                let longest_ms = VelocityLag::longest_ms(servo::rates(machine));
-                return Range::UpTo(longest_ms).check(&format!("{key}.ms"), lag.ms, self.document);
-            }
-            Effect::Resonance(resonance) if resonance.channel != Channel::Tool => {
-                return Err(self.document.refuse(&format!("{key}.channel"), "\"tool\""));
-            }
-            _ => return Ok(()),
+        let place = Placement {
+            axis: self.axis,
+            axes: machine.axis.len(),
+            has_structure: machine.structure.is_some(),
+            rates: servo::rates(machine),
         };
-        Err(self.document.refuse(&format!("{key}.name"), what))
+        effect.misplaced(&place).map_or(Ok(()), |misplaced| {
+            Err(self.document.refuse(&format!("{key}.{}", misplaced.key), &misplaced.expected))
+        })
     }
 }
 
@@ -350,8 +275,8 @@ pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
         for effect in entries(axis, document).into_iter().chain(entries(&nominal, document)) {
             let name_key = format!("{effect}.name");
             let name: String = document.deserialize_at(&name_key)?;
-            if !NAMES.contains(&name.as_str()) {
-                let what = format!("one of {}", NAMES.join(", "));
+            if !names().contains(&name.as_str()) {
+                let what = format!("one of {}", names().join(", "));
                 return Err(document.refuse(&name_key, &what));
             }
             numbers(effect, document)?;
@@ -381,26 +306,12 @@ fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Values at which an effect means nothing, or divides by zero.
+/// Values that an effect may have.
 fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(), InputError> {
-    for (name, value) in effect.parameters() {
-        let range = match name {
-            "period_mm" | "presliding_mm" | "time_constant_s" | "velocity_mm_s" | "frequency_hz"
-            | "stiffness_n_per_um" => Range::Positive,
-            "width_um" | "damping_ratio" | "static_excess_n" | "friction_n" | "damping_n_s_per_m" => {
-                Range::NotNegative
-            }
-            "ms" => Range::Within(LONGEST_LATENCY_MS),
-            _ => Range::Signed,
-        };
-        range.check(&format!("{key}.{name}"), value, document)?;
-    }
-    match effect {
-        Effect::ServoMismatch(mismatch) if mismatch.factor() <= 0.0 => {
-            Err(document.refuse(&format!("{key}.percent"), "a number above -100"))
-        }
-        _ => Ok(()),
-    }
+    let declared = effect.declared_parameters().iter().zip(effect.values());
+    declared.into_iter().try_for_each(|(parameter, value)| {
+        parameter.range.check(&format!("{key}.{}", parameter.key), value, document)
+    })
 }
 
 fn sources(others: &[String], key: &str, document: &Document<'_>) -> Result<(), InputError> {

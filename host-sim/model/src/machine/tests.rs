@@ -232,17 +232,17 @@ fn every_effect_written_reads_as_itself() {
         [Motor, Table, Tool, Force]
     };
     let others = ["x".to_owned()];
-    let around = crate::effects::Surroundings {
+    let around = crate::effects::EffectContext {
         axis: &axis,
         first: true,
         others: &others,
         stages: &stages,
         travel_mm: [0.0, 100.0],
     };
-    let force = crate::effects::Surroundings { stages: &stages[3..], ..around };
-    let all = [crate::effects::candidates(&around), crate::effects::candidates(&force)].concat();
+    let force = crate::effects::EffectContext { stages: &stages[3..], ..around };
+    let all = [crate::effects::initial_guesses(&around), crate::effects::initial_guesses(&force)].concat();
     let names: Vec<&str> = all.iter().map(Effect::name).collect();
-    assert!(crate::effects::NAMES.iter().all(|name| names.contains(name)));
+    assert!(crate::effects::names().iter().all(|name| names.contains(name)));
     for effect in all {
         machine.axis["y"].effect = vec![effect];
         assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);

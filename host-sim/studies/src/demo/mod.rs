@@ -170,7 +170,7 @@ impl Demo {
             "axis": self.drawn.axis,
             "parameters": parameters,
         });
-        if let (Some(source), Value::Object(truth)) = (trace::json::source(&self.drawn.effect), &mut truth) {
+        if let (Some(source), Value::Object(truth)) = (self.drawn.effect.distinction().source(), &mut truth) {
             truth.insert("source".to_owned(), json!(source));
         }
         json!({
