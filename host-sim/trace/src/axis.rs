@@ -188,7 +188,8 @@ pub fn trace(
     }
     let mut tried: Vec<&str> = declared.effect.iter().map(Effect::name).collect();
     tried.extend(search.rounds.iter().flat_map(|round| &round.candidates).map(|c| c.effect.name()));
-    let untested = untested(declared, fit_logs.axis, fit_logs.names.len(), &formed, &not_testable, &tried);
+    let untested =
+        untested(&declared.settings, fit_logs.axis, fit_logs.names.len(), &formed, &not_testable, &tried);
     let held_out: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
     let free_runs = free_runs(name, &before.axis, &model.axis, &held_out);
     let is_found = |alike: &&LookAlike| found.iter().any(|found| is_same(&found.effect, &alike.added));

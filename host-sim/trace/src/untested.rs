@@ -1,8 +1,8 @@
 //! Which effects could not be looked for, and what it would take.
 
 use super::scope::NotTestable;
+use model::axis::Settings;
 use model::effects::{NAMES, Stage};
-use model::machine::Axis;
 
 /// An effect that could not be looked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -16,7 +16,7 @@ pub struct Untested {
 /// Where an effect shows, and what its machine file has to have besides.
 fn conditions(
     effect: &str,
-    axis: &Axis,
+    axis: &Settings,
     first_of_two: bool,
     others: bool,
 ) -> (&'static [Stage], Option<&'static str>) {
@@ -24,13 +24,16 @@ fn conditions(
 
     let unless = |there: bool, what| (!there).then_some(what);
     let masses = unless(axis.has_mass(), "masses in the machine file");
-    let lead = unless(axis.lead_mm.is_some(), "lead_mm in the machine file");
+    let lead = unless(axis.mechanics.lead_mm.is_some(), "lead_mm in the machine file");
     match effect {
         "backlash" | "pitch_progressive" => (&[Table], None),
         "pitch_cyclic" => (&[Table], lead),
         "resolver_dividing" => (
             &[Table],
-            lead.or(unless(axis.resolver_pole_pairs.is_some(), "resolver_pole_pairs in the machine file")),
+            lead.or(unless(
+                axis.sensors.resolver_pole_pairs.is_some(),
+                "resolver_pole_pairs in the machine file",
+            )),
         ),
         "windup" if axis.has_mass() => {
             let what = "stiffness_n_per_um in the machine file";
@@ -43,7 +46,7 @@ fn conditions(
         "crosstalk" | "straightness" => (&[Tool], unless(others, "another axis")),
         "squareness" => (&[Tool], unless(first_of_two, "the first of two axes")),
         "latency" => (&[Table, Tool], None),
-        "presliding" if axis.presliding_stiffness_n_per_um.is_some() => {
+        "presliding" if axis.mechanics.presliding_stiffness_n_per_um.is_some() => {
             (&[Force], Some("a machine file that declares no presliding"))
         }
         "presliding" | "shear_thinning" | "friction_memory" | "preload_variation" | "friction_ripple" => {
@@ -57,7 +60,7 @@ fn conditions(
 /// key.
 #[must_use]
 pub fn untested(
-    axis: &Axis,
+    axis: &Settings,
     index: usize,
     count: usize,
     formed: &[Stage],

@@ -35,7 +35,7 @@ impl Kind for FrictionRipple {
     }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let lead = around.axis.lead_mm.filter(|_| around.shows_friction_alone());
+        let lead = around.axis.mechanics.lead_mm.filter(|_| around.shows_friction_alone());
         let orders = |lead: f64| {
             let period = move |order| lead / f64::from(order);
             (1..=HIGHEST_ORDER).map(move |order| Self {

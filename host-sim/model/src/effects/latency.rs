@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::{Coordinate, Kind, Stage, Surroundings};
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// The named channel shows what was true `ms` earlier. The loop itself is not affected.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,7 +54,7 @@ impl Kind for Latency {
     }
 
     /// A tenth of a sample: the instants of a log's channels are not known better.
-    fn is_material(&self, _declared: &Axis, rates: Rates) -> bool {
+    fn is_material(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms.abs() * rates.velocity_loop_hz > 0.1 * f64::from(rates.position_loop_divider)
     }
 

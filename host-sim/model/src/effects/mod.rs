@@ -56,7 +56,7 @@ pub use windup::Windup;
 use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// A place in the chain command → motor → table → tool at which the model is held against the log,
 /// each driven by the measured signal upstream of it.
@@ -138,7 +138,7 @@ impl Coordinate {
 #[derive(Clone, Copy, Debug)]
 pub struct Surroundings<'a> {
     /// Declared axis.
-    pub axis: &'a Axis,
+    pub axis: &'a Settings,
     /// Whether the axis is the machine's first.
     pub first: bool,
     /// Names of the machine's other axes.
@@ -173,7 +173,7 @@ pub trait Kind: Sized + Clone {
     fn coordinates(&self) -> Vec<Coordinate>;
 
     /// Whether it is larger than what a declared model leaves open in any case.
-    fn is_material(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn is_material(&self, _declared: &Settings, _rates: Rates) -> bool {
         true
     }
 
@@ -219,7 +219,7 @@ macro_rules! catalogue {
 
             /// Whether it is larger than what a declared model leaves open in any case.
             #[must_use]
-            pub fn is_material(&self, declared: &Axis, rates: Rates) -> bool {
+            pub fn is_material(&self, declared: &Settings, rates: Rates) -> bool {
                 match self { $(Self::$variant(e) => e.is_material(declared, rates),)+ }
             }
 
@@ -292,12 +292,13 @@ mod tests {
         let machine = Machine::parse(crate::examples::DEMO_MACHINE, "demo.toml").unwrap();
         let others = machine.others("x");
         let stages = [Stage::Motor, Stage::Table, Stage::Tool, Stage::Force];
-        let axis = &machine.axis["x"];
+        let axis = &machine.axis["x"].settings;
         let travel_mm = [0.0, 100.0];
         let around = Surroundings { axis, first: true, others: &others, stages: &stages, travel_mm };
         // Without a linear scale and presliding, what only then is looked for.
-        let bare =
-            Axis { presliding_stiffness_n_per_um: None, presliding_damping_n_s_per_m: None, ..axis.clone() };
+        let mut bare = axis.clone();
+        bare.mechanics.presliding_stiffness_n_per_um = None;
+        bare.mechanics.presliding_damping_n_s_per_m = None;
         let stages = [Stage::Force, Stage::Motor];
         let few = Surroundings { axis: &bare, first: true, others: &[], stages: &stages, travel_mm };
         let mut all = candidates(&around);

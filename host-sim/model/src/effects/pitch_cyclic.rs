@@ -31,7 +31,7 @@ impl Kind for PitchCyclic {
     }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let lead = around.axis.lead_mm.filter(|_| around.stages.contains(&Stage::Table));
+        let lead = around.axis.mechanics.lead_mm.filter(|_| around.stages.contains(&Stage::Table));
         let start = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
         lead.into_iter().map(start).collect()
     }

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::{Coordinate, Kind, Stage, Surroundings};
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// The screw moves the table (1 + slope) times the motor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,7 +38,7 @@ impl Kind for PitchProgressive {
     }
 
     /// A twentieth of a degree makes half a micrometre of a metre of steel.
-    fn is_material(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn is_material(&self, _declared: &Settings, _rates: Rates) -> bool {
         const LEAST_UM_PER_M: f64 = 0.5;
         self.slope_um_per_m.abs() > LEAST_UM_PER_M
     }

@@ -23,11 +23,11 @@ impl Kind for Presliding {
     }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let is_declared = around.axis.presliding_stiffness_n_per_um.is_some();
-        let slides = around.axis.coulomb_n.is_some_and(|coulomb_n| coulomb_n > 0.0);
+        let is_declared = around.axis.mechanics.presliding_stiffness_n_per_um.is_some();
+        let slides = around.axis.mechanics.coulomb_n.is_some_and(|coulomb_n| coulomb_n > 0.0);
         let ways_um: &[f64] =
             if around.shows_friction_alone() && slides && !is_declared { &[5.0, 20.0] } else { &[] };
-        let coulomb_n = around.axis.coulomb_n.unwrap_or(0.0);
+        let coulomb_n = around.axis.mechanics.coulomb_n.unwrap_or(0.0);
         let over = |way_um: &f64| Self { stiffness_n_per_um: coulomb_n / way_um, damping_n_s_per_m: 0.0 };
         ways_um.iter().map(over).collect()
     }

@@ -32,8 +32,8 @@ impl Kind for ResolverDividing {
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
         let sees_table = around.stages.contains(&Stage::Table);
-        let lead = around.axis.lead_mm.filter(|_| sees_table);
-        let poles = around.axis.resolver_pole_pairs;
+        let lead = around.axis.mechanics.lead_mm.filter(|_| sees_table);
+        let poles = around.axis.sensors.resolver_pole_pairs;
         let start = |(lead, poles): (f64, u32)| Self {
             amplitude_um: 0.0,
             period_mm: lead / f64::from(poles),

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::{Coordinate, Kind, Stage, Surroundings};
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// True Kp = declared Kp · (1 + percent/100).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -38,7 +38,7 @@ impl Kind for ServoMismatch {
     }
 
     /// A quarter of a percent: how a drive steps its filters makes as much.
-    fn is_material(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn is_material(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 0.25
     }
 

@@ -5,7 +5,7 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::{Coordinate, Kind, Stage, Surroundings};
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Adds excess·exp(−(v/vs)²) to the sliding level of Coulomb friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -56,7 +56,7 @@ impl Kind for Stribeck {
     }
 
     /// Slower than this bristles bend and a sign is smooth: it is presliding that differs, not the sliding level.
-    fn is_material(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn is_material(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.velocity_mm_s > 0.5
     }
 

@@ -34,7 +34,7 @@ impl Kind for TorqueRipple {
     }
 
     fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let lead = around.axis.lead_mm.filter(|_| around.axis.has_mass());
+        let lead = around.axis.mechanics.lead_mm.filter(|_| around.axis.has_mass());
         let orders = |lead: f64| {
             (1..=HIGHEST_ORDER).map(move |order| Self {
                 amplitude_n: 0.0,

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::{Coordinate, Kind, Stage, Surroundings};
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// The drive averages or filters its velocity reading; the loop acts on a speed that is `ms` old.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -51,7 +51,7 @@ impl Kind for VelocityLag {
 
     /// A quarter of a tick: a machine file does not say how the drive steps its filters, and the choices
     /// differ by that much.
-    fn is_material(&self, _declared: &Axis, rates: Rates) -> bool {
+    fn is_material(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms * rates.velocity_loop_hz > 0.25
     }
 

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::{Coordinate, Kind, Stage, Surroundings};
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Takes the place of the declared stiffness between motor and table; on an axis without declared masses the measured
 /// force winds the drive train.
@@ -50,7 +50,7 @@ impl Kind for Windup {
             friction_n: None,
             presliding_mm: None,
         };
-        axis.stiffness_n_per_um.into_iter().map(start).collect()
+        axis.mechanics.stiffness_n_per_um.into_iter().map(start).collect()
     }
 
     /// The compliance, nm/N: the table is behind in proportion to it.
@@ -77,12 +77,13 @@ impl Kind for Windup {
 
     /// A stiffness within the tolerance is a declared value, fitted; a drive train as good as rigid is not wound up:
     /// what remains of this effect is then friction without a force.
-    fn is_material(&self, declared: &Axis, _rates: Rates) -> bool {
+    fn is_material(&self, declared: &Settings, _rates: Rates) -> bool {
         if self.friction_n.is_some() {
             return 1.0 / self.stiffness_n_per_um > 10.0 * LEAST_COMPLIANCE;
         }
-        let tolerance = 0.01 * declared.plant_tolerance_percent.unwrap_or(0.0);
+        let tolerance = 0.01 * declared.mechanics.plant_tolerance_percent.unwrap_or(0.0);
         declared
+            .mechanics
             .stiffness_n_per_um
             .is_some_and(|stiffness| self.stiffness_n_per_um < (1.0 - tolerance) * stiffness)
     }

@@ -3,12 +3,13 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use model::axis::{Mechanics, Settings};
 use model::effects::{
     Backlash, Channel, ConstantLoad, Crosstalk, Effect, FrictionAsymmetry, Intalk, Latency, PitchCyclic,
     PitchProgressive, ResolverDividing, ServoMismatch, Squareness, Straightness, Stribeck, ThermalDrift,
     TorqueRipple, Windup,
 };
-use model::machine::{Axis, Machine};
+use model::machine::Machine;
 
 /// How far the true mechanical values lie from the declared ones, at the most. The machine file
 /// tolerates 10 %.
@@ -31,13 +32,13 @@ pub fn draw(declared: &Machine, seed: u64) -> Drawn {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut truth = declared.clone();
     for axis in truth.axis.values_mut() {
-        deviate(axis, &mut random);
+        deviate(&mut axis.settings.mechanics, &mut random);
     }
     let index = random.random_range(0..truth.axis.len());
     let names: Vec<String> = truth.axis.keys().cloned().collect();
     let mut axis = names[index].clone();
     let other = names.iter().find(|name| **name != axis).cloned().unwrap_or_default();
-    let effect = effect(&declared.axis[index], other, &mut random);
+    let effect = effect(&declared.axis[index].settings, other, &mut random);
     if matches!(effect, Effect::Squareness(_)) {
         // Squareness is said of the first axis.
         axis.clone_from(&names[0]);
@@ -48,15 +49,15 @@ pub fn draw(declared: &Machine, seed: u64) -> Drawn {
     Drawn { truth, axis, effect }
 }
 
-fn deviate(axis: &mut Axis, random: &mut ChaCha8Rng) {
+fn deviate(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) {
     for value in [
-        &mut axis.motor_mass_kg,
-        &mut axis.table_mass_kg,
-        &mut axis.stiffness_n_per_um,
-        &mut axis.damping_n_s_per_m,
-        &mut axis.coulomb_n,
-        &mut axis.viscous_n_s_per_m,
-        &mut axis.motor_coulomb_n,
+        &mut mechanics.motor_mass_kg,
+        &mut mechanics.table_mass_kg,
+        &mut mechanics.stiffness_n_per_um,
+        &mut mechanics.damping_n_s_per_m,
+        &mut mechanics.coulomb_n,
+        &mut mechanics.viscous_n_s_per_m,
+        &mut mechanics.motor_coulomb_n,
     ]
     .into_iter()
     .flatten()
@@ -66,9 +67,9 @@ fn deviate(axis: &mut Axis, random: &mut ChaCha8Rng) {
 }
 
 /// One effect, of a size that is worth a repair.
-fn effect(axis: &Axis, other: String, random: &mut ChaCha8Rng) -> Effect {
+fn effect(axis: &Settings, other: String, random: &mut ChaCha8Rng) -> Effect {
     const KINDS: u32 = 16;
-    let lead_mm = axis.lead_mm.unwrap_or(10.0);
+    let lead_mm = axis.mechanics.lead_mm.unwrap_or(10.0);
     let kind = random.random_range(0..KINDS);
     let sign = if random.random::<bool>() { 1.0 } else { -1.0 };
     let phase_rad = random.random_range(-std::f64::consts::PI..std::f64::consts::PI);
@@ -82,7 +83,7 @@ fn effect(axis: &Axis, other: String, random: &mut ChaCha8Rng) -> Effect {
             phase_rad,
         }),
         3 => {
-            let period_mm = lead_mm / f64::from(axis.resolver_pole_pairs.unwrap_or(1));
+            let period_mm = lead_mm / f64::from(axis.sensors.resolver_pole_pairs.unwrap_or(1));
             Effect::ResolverDividing(ResolverDividing {
                 amplitude_um: between(1.5, 4.0),
                 period_mm,
@@ -113,7 +114,7 @@ fn effect(axis: &Axis, other: String, random: &mut ChaCha8Rng) -> Effect {
         }
         14 => Effect::Latency(Latency { channel: Channel::Tool, ms: between(0.3, 2.0) }),
         _ => {
-            let declared = axis.stiffness_n_per_um.unwrap_or(100.0);
+            let declared = axis.mechanics.stiffness_n_per_um.unwrap_or(100.0);
             Effect::Windup(Windup {
                 stiffness_n_per_um: declared * between(0.5, 0.75),
                 friction_n: None,
