@@ -6,7 +6,6 @@ use link::controller::{AxisOutput, Controller, ControllerError, Format, PathBloc
 use model::effects::Stage;
 use model::machine::Machine;
 use model::motion::Motion;
-use model::servo;
 use plant::instruments::Instruments;
 use plant::path;
 use plant::simulate::{self, Run};
@@ -123,7 +122,7 @@ fn told(log: &Log, sign: f64, late: usize) -> Log {
 
 /// Rms and noise of a stage of the true model, nothing fitted, µm or N; and the share of its samples that are pushed.
 fn stage_of(machine: &Machine, log: &Log, stage: Stage) -> (f64, f64, f64) {
-    let (names, rates) = (["x".to_owned()], servo::rates(machine));
+    let (names, rates) = (["x".to_owned()], machine.rates());
     let logs = [Signals::new(log, &names)];
     let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[], own: &[] };
     let model = AxisModel::new(&machine.axis["x"], rates);

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use files::log::{AxisLog, Log};
 use link::controller::{Format, PathBlock};
-use model::machine::{Axis, Machine};
+use model::axis::Settings;
+use model::machine::Machine;
 use model::motion::{Block, Motion};
 use plant::instruments::Instruments;
 use plant::path;
@@ -52,25 +53,27 @@ fn greatest(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Bounds of the following error, mm, and of the force, N.
-fn assert_good(axis: &Axis, log: &AxisLog, feed_mm_s: f64, context: &str) {
+fn assert_good(axis: &Settings, log: &AxisLog, feed_mm_s: f64, context: &str) {
     let [command, motor, force] = [&log.command, &log.motor, &log.force].map(|c| c.as_deref().unwrap());
     let following: Vec<f64> = command.iter().zip(motor).map(|(command, motor)| command - motor).collect();
 
     // At a steady speed P control is behind by v/Kp, of which the feed-forward makes up its share.
-    let lag_s = (1.0 - axis.feedforward_percent.unwrap_or(0.0) / 100.0) / axis.position_gain_per_s.unwrap();
+    let lag_s = (1.0 - axis.controller.feedforward_percent.unwrap_or(0.0) / 100.0)
+        / axis.controller.position_gain_per_s.unwrap();
     let most = greatest(following.iter().copied());
     assert!(most < 1.15 * lag_s * feed_mm_s, "{context}: behind by {most} mm at {feed_mm_s} mm/s");
 
     let most = greatest(force.iter().copied());
-    let limit = axis.force_limit_n.unwrap();
+    let limit = axis.controller.force_limit_n.unwrap();
     assert!(most < 0.5 * limit, "{context}: {most} N of {limit} N");
 
     // What is left is what the guideway's bristles hold: they bend by Coulomb over σ0, some µm. Without bristles it is
     // what friction keeps from moving on, until the integral part has grown: 1 µm of command is Kv·Kp·1 µm.
     let rest = following.len() - AT_REST;
     let bend_mm = axis
+        .mechanics
         .presliding_stiffness_n_per_um
-        .map_or(1e-3, |stiffness| 1e-3 * axis.coulomb_n.unwrap() / stiffness);
+        .map_or(1e-3, |stiffness| 1e-3 * axis.mechanics.coulomb_n.unwrap() / stiffness);
     let left = greatest(following[rest..].iter().copied());
     assert!(left < bend_mm, "{context}: {left} mm from the end, bristles bend {bend_mm} mm");
     let travelled = greatest(motor[rest..].iter().map(|place| place - motor[rest]));
@@ -87,7 +90,7 @@ fn every_machine_runs_every_motion_and_settles() {
             let (log, feed_mm_s) = run(&machine, motion);
             for (name, axis) in &machine.axis {
                 let context = format!("{}, {}, {name}", file.display(), motion.display());
-                assert_good(axis, log.axis(name).unwrap(), feed_mm_s, &context);
+                assert_good(&axis.settings, log.axis(name).unwrap(), feed_mm_s, &context);
             }
         }
     }

@@ -11,7 +11,6 @@ use link::controller::{AxisOutput, Controller, Format, PathBlock, PathShape, Sta
 use link::emulator::{Emulator, PATIENCE};
 use link::remote::{Connection, Remote};
 use model::machine::Machine;
-use model::servo;
 use plant::instruments::Instruments;
 use plant::sensors::Sensor;
 use plant::simulate::{Run, controller, set_up};
@@ -118,7 +117,7 @@ fn emulator() -> Emulator {
 fn emulated(format: Format) -> Remote<Emulator> {
     let machine = Machine::parse(MACHINE, "bench").unwrap();
     let (settings, start) = set_up(&machine, &START_M).unwrap();
-    Remote::set_up(emulator(), format, servo::rates(&machine), &settings, &start).unwrap()
+    Remote::set_up(emulator(), format, machine.rates(), &settings, &start).unwrap()
 }
 
 /// Instructions: the median and the most.

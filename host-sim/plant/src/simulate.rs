@@ -36,7 +36,7 @@ pub fn controller(
     start_m: &[f64],
 ) -> Result<Box<dyn Controller>, SimulationError> {
     let (settings, start) = set_up(machine, start_m)?;
-    Ok(link::controller::in_process(format, servo::rates(machine), &settings, &start)?)
+    Ok(link::controller::in_process(format, machine.rates(), &settings, &start)?)
 }
 
 /// What a controller, here or on a board, is set up with.
@@ -57,7 +57,7 @@ pub fn set_up(
         if step_s * machine.velocity_rate_hz() * MOST_SUBSTEPS < 1.0 {
             return Err(SimulationError::TooFast { axis: name.clone(), key, step_s });
         }
-        settings.push(servo::settings(axis, &parameters.servo).map_err(lacks)?);
+        settings.push(servo::settings(&axis.settings, &parameters.servo).map_err(lacks)?);
     }
     let start = start_m.iter().map(|&m| Position::from_m(m).unwrap_or_default()).collect();
     Ok((settings, start))
@@ -129,7 +129,7 @@ impl Run<'_> {
         mut watch: impl FnMut(f64, &Status, &[AxisOutput]),
         mut keep: impl FnMut(&[Sample]) -> io::Result<()>,
     ) -> Result<(), SimulationError> {
-        let rates = servo::rates(self.machine);
+        let rates = self.machine.rates();
         let (tick_s, divider) = (1.0 / rates.velocity_loop_hz, u64::from(rates.position_loop_divider));
         let mut desk = Desk::new(self.machine, self.instruments, self.start_m)?;
         let mut waiting = self.blocks.iter().enumerate().peekable();

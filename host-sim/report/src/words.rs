@@ -244,19 +244,22 @@ pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
 pub(super) mod tests {
     use super::*;
     use crate::number::with_spread;
+    use model::axis::{Mechanics, Sensors, Settings};
     use model::effects::{EffectContext, Stage, initial_guesses, names};
-    use model::machine::Axis;
     use trace::axis::Pair;
 
     /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.
     pub(crate) fn one_of_each() -> Vec<Effect> {
-        let axis = Axis {
-            table_mass_kg: Some(100.0),
-            stiffness_n_per_um: Some(200.0),
-            coulomb_n: Some(20.0),
-            lead_mm: Some(10.0),
-            resolver_pole_pairs: Some(2),
-            ..Axis::default()
+        let axis = Settings {
+            mechanics: Mechanics {
+                table_mass_kg: Some(100.0),
+                stiffness_n_per_um: Some(200.0),
+                coulomb_n: Some(20.0),
+                lead_mm: Some(10.0),
+                ..Mechanics::default()
+            },
+            sensors: Sensors { resolver_pole_pairs: Some(2), ..Sensors::default() },
+            ..Settings::default()
         };
         let context = EffectContext {
             axis: &axis,

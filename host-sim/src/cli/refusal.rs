@@ -58,8 +58,9 @@ impl Given<'_> {
 
     fn beyond_travel(&self, index: usize, axis: u8) -> InputError {
         let axis = self.machine.axis.get_index(axis.into());
-        let (name, [least, greatest]) =
-            axis.map_or(("", [f64::NAN; 2]), |(name, axis)| (name, axis.travel_mm.unwrap_or([f64::NAN; 2])));
+        let (name, [least, greatest]) = axis.map_or(("", [f64::NAN; 2]), |(name, axis)| {
+            (name, axis.settings.limits.travel_mm.unwrap_or([f64::NAN; 2]))
+        });
         let problem = format!(
             "expected a block within axis.{name}.travel_mm, {least} to {greatest} mm, of {}",
             self.machine_file

@@ -189,7 +189,7 @@ pub fn trace(
     let mut tried: Vec<&str> = declared.effect.iter().map(Effect::name).collect();
     tried.extend(search.rounds.iter().flat_map(|round| &round.candidates).map(|c| c.effect.name()));
     let neighbours = Neighbours { is_first: fit_logs.axis == 0, others: fit_logs.names.len() - 1 };
-    let untested = effects_not_testable(declared, neighbours, &formed, &not_testable, &tried);
+    let untested = effects_not_testable(&declared.settings, neighbours, &formed, &not_testable, &tried);
     let held_out: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
     let free_runs = free_runs(name, &before.axis, &model.axis, &held_out);
     let is_found = |alike: &&LookAlike| found.iter().any(|found| is_same(&found.effect, &alike.added));

@@ -159,7 +159,7 @@ fn try_out(
     if let Some(effect) = fitted.model.axis.effect.last() {
         candidate.effect = effect.clone();
     }
-    candidate.material = candidate.effect.exceeds_tolerance(origin.model.nominal(), evidence.rates);
+    candidate.material = candidate.effect.exceeds_tolerance(&origin.model.nominal().settings, evidence.rates);
     candidate.limit = limits::of(&candidate.effect, evidence.rates);
     candidate.fitted = Some(fitted);
 }

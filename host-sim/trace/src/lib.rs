@@ -58,7 +58,6 @@ use admission::Admitted;
 use axis::AxisTrace;
 use files::error::InputError;
 use files::log::Log;
-use model::servo;
 use residual::Evidence;
 use signals::Signals;
 
@@ -114,7 +113,7 @@ impl Trace {
     /// What an axis was explained from, or validated on.
     #[must_use]
     pub fn evidence<'a>(&'a self, logs: &'a [Signals], axis: usize) -> Evidence<'a> {
-        Evidence { logs, names: &self.names, axis, rates: servo::rates(&self.machine), aside: &[], own: &[] }
+        Evidence { logs, names: &self.names, axis, rates: self.machine.rates(), aside: &[], own: &[] }
     }
 }
 

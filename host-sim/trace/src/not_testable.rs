@@ -1,8 +1,8 @@
 //! Which effects could not be looked for, and what it would take.
 
 use super::scope::NotTestable;
+use model::axis::Settings;
 use model::effects::{KINDS, Kind, Neighbours, Prerequisite, Stage};
-use model::machine::Axis;
 
 /// An effect that could not be looked for.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -17,7 +17,7 @@ pub struct EffectNotTestable {
 /// machine file lacks a key.
 #[must_use]
 pub fn effects_not_testable(
-    axis: &Axis,
+    axis: &Settings,
     neighbours: Neighbours,
     formed: &[Stage],
     missing: &[NotTestable],

@@ -237,7 +237,7 @@ impl Search<'_> {
         let names = self.fit_logs.names;
         let others: Vec<String> = names.iter().filter(|name| *name != self.name).cloned().collect();
         let context = EffectContext {
-            axis: &model.axis,
+            axis: &model.axis.settings,
             first: self.fit_logs.axis == 0,
             others: &others,
             stages: &scope.stages,

@@ -22,12 +22,12 @@ fn assert_force(machine: &str, curve_n: impl Fn(f64) -> f64) {
     let plain = self::seen(PLAIN);
     let axis = declared();
     for mm_s in SPEEDS_MM_S {
-        let rest_n =
-            1e-3 * mm_s * axis.viscous_n_s_per_m.unwrap() + axis.motor_coulomb_n.unwrap().copysign(mm_s);
+        let rest_n = 1e-3 * mm_s * axis.mechanics.viscous_n_s_per_m.unwrap()
+            + axis.mechanics.motor_coulomb_n.unwrap().copysign(mm_s);
         let steady = seen.steady(mm_s);
         assert_all(seen.force_n(), &steady, curve_n(mm_s) + rest_n, ROUNDING_N, "force");
         // The same with Coulomb friction: the equation is not the curve's alone.
-        let coulomb_n = axis.coulomb_n.unwrap().copysign(mm_s);
+        let coulomb_n = axis.mechanics.coulomb_n.unwrap().copysign(mm_s);
         assert_all(plain.force_n(), &steady, coulomb_n + rest_n, ROUNDING_N, "force without");
     }
     let y = |seen: &Seen| seen.channel("y", Channel::Force).to_vec();

@@ -13,7 +13,7 @@ use crate::bench::{
 fn assert_on_table(seen: &Seen, plain: &Seen, mm_s: f64, expected_n: f64) {
     let steady = seen.steady(mm_s);
     assert_all(&seen.moved(Channel::Force, plain), &steady, expected_n, ROUNDING_N, "force");
-    let bent_um = -expected_n / declared().stiffness_n_per_um.unwrap();
+    let bent_um = -expected_n / declared().mechanics.stiffness_n_per_um.unwrap();
     assert_all(&seen.drive_train_moved_um(plain), &steady, bent_um, ROUNDING_UM, "table − motor");
     // The integral part of the velocity loop leaves nothing of it in the motor's place.
     assert_all(&seen.moved(Channel::Motor, plain), &steady, 0.0, ROUNDING_UM, "motor");
@@ -66,11 +66,12 @@ pub fn torque_ripple() {
     );
     let seen = run(&with(&effect), &motion);
     let axis = declared();
-    let (kv, kp) = (axis.velocity_gain_n_s_per_m.unwrap(), axis.position_gain_per_s.unwrap());
-    let per_ti = 1.0 / axis.velocity_integral_time_s.unwrap();
-    let mass_kg = axis.motor_mass_kg.unwrap() + axis.table_mass_kg.unwrap();
+    let (kv, kp) =
+        (axis.controller.velocity_gain_n_s_per_m.unwrap(), axis.controller.position_gain_per_s.unwrap());
+    let per_ti = 1.0 / axis.controller.velocity_integral_time_s.unwrap();
+    let mass_kg = axis.mechanics.motor_mass_kg.unwrap() + axis.mechanics.table_mass_kg.unwrap();
     let omega: f64 = TAU * mm_s / period_mm;
-    let real = kv * kp * per_ti - (kv + axis.viscous_n_s_per_m.unwrap()) * omega.powi(2);
+    let real = kv * kp * per_ti - (kv + axis.mechanics.viscous_n_s_per_m.unwrap()) * omega.powi(2);
     let imaginary = kv * (kp + per_ti) * omega - mass_kg * omega.powi(3);
     let way_um = 1e6 * amplitude_n * omega / real.hypot(imaginary);
 
@@ -107,7 +108,7 @@ pub fn presliding() {
     let least = run(&without, &motion).moved(Channel::Force, &plain);
     // At a reversal it is friction itself that comes at once or over micrometres.
     let most_n = least.iter().fold(0.0f64, |most, n| most.max(n.abs()));
-    assert!(most_n > 0.1 * declared().coulomb_n.unwrap(), "{most_n}");
+    assert!(most_n > 0.1 * declared().mechanics.coulomb_n.unwrap(), "{most_n}");
 }
 
 /// Friction lacks force·exp(−|v|/vs), against the motion.

@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite,
     Range, Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// A constant force on the table that opposes motion in the + direction.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,7 +23,7 @@ impl EffectModel for ConstantLoad {
     const SHOWN_IN: &'static [Stage] = &[Stage::Force, Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(7);
 
-    fn prerequisite(axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::masses(axis)
     }
 

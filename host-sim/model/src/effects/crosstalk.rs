@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
     Prerequisite, Range, Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Tool − table per acceleration of another axis, after Nguyen, Weikert, Wegener, equations (7) to (9).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -34,7 +34,7 @@ impl EffectModel for Crosstalk {
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
     const DRAW_NUMBER: Option<u32> = Some(9);
 
-    fn prerequisite(_axis: &Axis, neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(_axis: &Settings, neighbours: Neighbours) -> Prerequisite {
         Prerequisite::needs(neighbours.others > 0, "another axis")
     }
 

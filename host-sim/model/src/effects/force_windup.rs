@@ -7,7 +7,7 @@ use super::declaration::{
     Abscissa, Coordinate, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
     Placement, Prerequisite, Range, Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Compliance of a drive train as good as rigid, µm/N.
 const MIN_COMPLIANCE: f64 = 1e-6;
@@ -48,7 +48,7 @@ impl EffectModel for ForceWindup {
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
 
-    fn prerequisite(axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         if axis.has_mass() {
             return Prerequisite::NotApplicable;
         }
@@ -98,7 +98,7 @@ impl EffectModel for ForceWindup {
     }
 
     /// A drive train as good as rigid does not wind up: what remains of this effect is friction without a force.
-    fn exceeds_tolerance(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         1.0 / self.stiffness_n_per_um > 10.0 * MIN_COMPLIANCE
     }
 

@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite,
     Range, Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Viscous friction b + h for v > 0 and b − h for v < 0.
 ///
@@ -35,7 +35,7 @@ impl EffectModel for FrictionAsymmetry {
     const SHOWN_IN: &'static [Stage] = &[Stage::Force, Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(5);
 
-    fn prerequisite(axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::masses(axis)
     }
 

@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite, Range,
     Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// A part c of viscous friction goes with the speed of before (the lubricant's film takes time):
 /// c·(m − |v|) on top of the sliding level, where m follows |v| with a time constant. At a speed that
@@ -57,7 +57,7 @@ impl EffectModel for FrictionMemory {
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
 
-    fn prerequisite(_axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::WITHOUT_TABLE
     }
 

@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, Distinction, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
     Prerequisite, Range, Stage, Unit, Wording, harmonic,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Highest order of a screw turn that is looked for.
 const HIGHEST_ORDER: u32 = 4;
@@ -43,7 +43,7 @@ impl EffectModel for FrictionRipple {
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
 
-    fn prerequisite(_axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::WITHOUT_TABLE
     }
 
@@ -52,7 +52,7 @@ impl EffectModel for FrictionRipple {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let lead = context.axis.lead_mm.filter(|_| context.shows_friction_alone());
+        let lead = context.axis.mechanics.lead_mm.filter(|_| context.shows_friction_alone());
         let orders = |lead: f64| {
             let period = move |order| lead / f64::from(order);
             (1..=HIGHEST_ORDER).map(move |order| Self {

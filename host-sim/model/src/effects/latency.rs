@@ -8,7 +8,7 @@ use super::declaration::{
     Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Occurrence, Parameter,
     Range, Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// The named channel shows what was true `ms` earlier. The loop itself is not affected.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -54,7 +54,7 @@ impl EffectModel for Latency {
     }
 
     /// A tenth of a sample: the instants of a log's channels are not known better.
-    fn exceeds_tolerance(&self, _declared: &Axis, rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms.abs() * rates.velocity_loop_hz > 0.1 * f64::from(rates.position_loop_divider)
     }
 

@@ -42,7 +42,7 @@ use serde::de::value::MapDeserializer;
 use serde::{Deserialize, Deserializer, Serialize, Serializer, de};
 use shared::config::Rates;
 
-use crate::machine::Axis;
+use crate::axis::Settings;
 use declaration::{EntryValue, catalogue};
 
 pub use declaration::{
@@ -58,7 +58,7 @@ pub use friction_asymmetry::FrictionAsymmetry;
 pub use friction_memory::FrictionMemory;
 pub use friction_ripple::FrictionRipple;
 pub use intalk::Intalk;
-pub use latency::Latency;
+pub use latency::{LONGEST_LATENCY_MS, Latency};
 pub use pitch_cyclic::PitchCyclic;
 pub use pitch_progressive::PitchProgressive;
 pub use preload_variation::PreloadVariation;
@@ -112,12 +112,13 @@ mod tests {
         let machine = Machine::parse(crate::examples::DEMO_MACHINE, "demo.toml").unwrap();
         let others = machine.others("x");
         let stages = [Stage::Motor, Stage::Table, Stage::Tool, Stage::Force];
-        let axis = &machine.axis["x"];
+        let axis = &machine.axis["x"].settings;
         let travel_mm = [0.0, 100.0];
         let around = EffectContext { axis, first: true, others: &others, stages: &stages, travel_mm };
         // Without a linear scale and presliding, what only then is looked for.
-        let bare =
-            Axis { presliding_stiffness_n_per_um: None, presliding_damping_n_s_per_m: None, ..axis.clone() };
+        let mut bare = axis.clone();
+        bare.mechanics.presliding_stiffness_n_per_um = None;
+        bare.mechanics.presliding_damping_n_s_per_m = None;
         let stages = [Stage::Force, Stage::Motor];
         let few = EffectContext { axis: &bare, first: true, others: &[], stages: &stages, travel_mm };
         let mut all = initial_guesses(&around);

@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
     Prerequisite, Range, Stage, Unit, Wording, harmonic,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// The screw carries the table amplitude·sin(2π·motor/period + phase) further than its lead says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,7 +40,7 @@ impl EffectModel for PitchCyclic {
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(2);
 
-    fn prerequisite(axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::lead(axis)
     }
 
@@ -49,7 +49,7 @@ impl EffectModel for PitchCyclic {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let lead = context.axis.lead_mm.filter(|_| context.has(Stage::Table));
+        let lead = context.axis.mechanics.lead_mm.filter(|_| context.has(Stage::Table));
         let start = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
         lead.into_iter().map(start).collect()
     }

@@ -7,7 +7,7 @@ use super::declaration::{
     Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
     Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// The screw moves the table (1 + slope) times the motor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -48,7 +48,7 @@ impl EffectModel for PitchProgressive {
     }
 
     /// A twentieth of a degree makes half a micrometre of a metre of steel.
-    fn exceeds_tolerance(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         const LEAST_UM_PER_M: f64 = 0.5;
         self.slope_um_per_m.abs() > LEAST_UM_PER_M
     }

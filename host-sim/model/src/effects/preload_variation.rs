@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite, Range,
     Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Adds slope·(x − centre) + curvature·(x − centre)² to the sliding level: screw and nut or guide and
 /// carriage are tighter at one place than at another.
@@ -51,7 +51,7 @@ impl EffectModel for PreloadVariation {
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
 
-    fn prerequisite(_axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::WITHOUT_TABLE
     }
 

@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
     Placement, Prerequisite, Range, Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Where the machine file declares none: bristles of stiffness σ0 and damping σ1 (`LuGre`), which the
 /// table bends before it slides. At a reversal friction then turns over a way of Coulomb friction/σ0
@@ -30,17 +30,17 @@ impl EffectModel for Presliding {
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
 
-    fn prerequisite(axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
-        let is_declared = axis.presliding_stiffness_n_per_um.is_some();
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        let is_declared = axis.mechanics.presliding_stiffness_n_per_um.is_some();
         Prerequisite::needs(!is_declared, "a machine file that declares no presliding")
             .and(Prerequisite::WITHOUT_TABLE)
     }
 
     fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
-        if place.axis.presliding_stiffness_n_per_um.is_some() {
+        if place.axis.mechanics.presliding_stiffness_n_per_um.is_some() {
             return Some(Misplaced::name("this effect where presliding_stiffness_n_per_um is not given"));
         }
-        let slides = place.axis.coulomb_n.unwrap_or(0.0) > 0.0;
+        let slides = place.axis.mechanics.coulomb_n.unwrap_or(0.0) > 0.0;
         (!slides).then(|| Misplaced::name("this effect where coulomb_n is above 0"))
     }
 
@@ -49,11 +49,11 @@ impl EffectModel for Presliding {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let is_declared = context.axis.presliding_stiffness_n_per_um.is_some();
-        let slides = context.axis.coulomb_n.is_some_and(|coulomb_n| coulomb_n > 0.0);
+        let is_declared = context.axis.mechanics.presliding_stiffness_n_per_um.is_some();
+        let slides = context.axis.mechanics.coulomb_n.is_some_and(|coulomb_n| coulomb_n > 0.0);
         let ways_um: &[f64] =
             if context.shows_friction_alone() && slides && !is_declared { &[5.0, 20.0] } else { &[] };
-        let coulomb_n = context.axis.coulomb_n.unwrap_or(0.0);
+        let coulomb_n = context.axis.mechanics.coulomb_n.unwrap_or(0.0);
         let over = |way_um: &f64| Self { stiffness_n_per_um: coulomb_n / way_um, damping_n_s_per_m: 0.0 };
         ways_um.iter().map(over).collect()
     }

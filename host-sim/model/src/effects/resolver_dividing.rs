@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
     Prerequisite, Range, Stage, Unit, Wording, harmonic,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Motor reading = motor + amplitude·sin(2π·motor/period + phase), after Soeda, section (D).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -40,8 +40,8 @@ impl EffectModel for ResolverDividing {
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(3);
 
-    fn prerequisite(axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
-        let poles = axis.resolver_pole_pairs.is_some();
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        let poles = axis.sensors.resolver_pole_pairs.is_some();
         Prerequisite::lead(axis).and(Prerequisite::needs(poles, "resolver_pole_pairs in the machine file"))
     }
 
@@ -51,8 +51,8 @@ impl EffectModel for ResolverDividing {
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let sees_table = context.has(Stage::Table);
-        let lead = context.axis.lead_mm.filter(|_| sees_table);
-        let poles = context.axis.resolver_pole_pairs;
+        let lead = context.axis.mechanics.lead_mm.filter(|_| sees_table);
+        let poles = context.axis.sensors.resolver_pole_pairs;
         let start = |(lead, poles): (f64, u32)| Self {
             amplitude_um: 0.0,
             period_mm: lead / f64::from(poles),
@@ -87,7 +87,7 @@ impl EffectModel for ResolverDividing {
     }
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {
-        let pole_pairs = draw.axis.resolver_pole_pairs.unwrap_or(1);
+        let pole_pairs = draw.axis.sensors.resolver_pole_pairs.unwrap_or(1);
         let (period_mm, phase_rad) = (draw.lead_mm() / f64::from(pole_pairs), draw.phase_rad);
         Some(Self { amplitude_um: draw.between(1.5, 4.0), period_mm, phase_rad })
     }

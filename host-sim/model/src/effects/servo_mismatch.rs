@@ -8,7 +8,7 @@ use super::declaration::{
     Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
     Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// True Kp = declared Kp · (1 + percent/100).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -48,7 +48,7 @@ impl EffectModel for ServoMismatch {
     }
 
     /// A quarter of a percent: how a drive steps its filters makes as much.
-    fn exceeds_tolerance(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 0.25
     }
 

@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite, Range,
     Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Of the declared sliding level `force_n` is what it takes to shear the lubricant, whose viscosity falls
 /// with the rate of shear: at standstill it is not there, and with speed it comes as 1 − exp(−|v|/vs).
@@ -48,7 +48,7 @@ impl EffectModel for ShearThinning {
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
 
-    fn prerequisite(_axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::WITHOUT_TABLE
     }
 

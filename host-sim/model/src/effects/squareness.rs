@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, Draw, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
     Placement, Prerequisite, Range, Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Tool x += that × table y. Reported on x, the machine's first axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -32,7 +32,7 @@ impl EffectModel for Squareness {
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
     const DRAW_NUMBER: Option<u32> = Some(10);
 
-    fn prerequisite(_axis: &Axis, neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(_axis: &Settings, neighbours: Neighbours) -> Prerequisite {
         let is_first_of_two = neighbours.is_first && neighbours.others == 1;
         Prerequisite::needs(is_first_of_two, "the first of two axes")
     }

@@ -7,7 +7,7 @@ use super::declaration::{
     Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
     Prerequisite, Range, Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Tool += that × (table position of the source axis)².
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -35,7 +35,7 @@ impl EffectModel for Straightness {
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
     const DRAW_NUMBER: Option<u32> = Some(11);
 
-    fn prerequisite(_axis: &Axis, neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(_axis: &Settings, neighbours: Neighbours) -> Prerequisite {
         Prerequisite::needs(neighbours.others > 0, "another axis")
     }
 

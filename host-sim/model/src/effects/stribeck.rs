@@ -8,7 +8,7 @@ use super::declaration::{
     Abscissa, Coordinate, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite,
     Range, Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Adds excess·exp(−(v/vs)²) to the sliding level of Coulomb friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -50,7 +50,7 @@ impl EffectModel for Stribeck {
     const SHOWN_IN: &'static [Stage] = &[Stage::Force, Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(4);
 
-    fn prerequisite(axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::masses(axis)
     }
 
@@ -72,7 +72,7 @@ impl EffectModel for Stribeck {
     }
 
     /// Slower than this bristles bend and a sign is smooth: it is presliding that differs, not the sliding level.
-    fn exceeds_tolerance(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.velocity_mm_s > 0.5
     }
 

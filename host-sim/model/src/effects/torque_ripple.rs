@@ -6,7 +6,7 @@ use super::declaration::{
     Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
     Prerequisite, Range, Stage, Unit, Wording, harmonic,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Highest order of a screw turn that is looked for.
 const HIGHEST_ORDER: u32 = 12;
@@ -43,7 +43,7 @@ impl EffectModel for TorqueRipple {
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
     const DRAW_NUMBER: Option<u32> = Some(6);
 
-    fn prerequisite(axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::lead(axis).and(Prerequisite::masses(axis))
     }
 
@@ -52,7 +52,7 @@ impl EffectModel for TorqueRipple {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let lead = context.axis.lead_mm.filter(|_| context.axis.has_mass());
+        let lead = context.axis.mechanics.lead_mm.filter(|_| context.axis.has_mass());
         let orders = |lead: f64| {
             (1..=HIGHEST_ORDER).map(move |order| Self {
                 amplitude_n: 0.0,

@@ -8,7 +8,7 @@ use super::declaration::{
     Stage, Unit, Wording,
 };
 use super::latency::LONGEST_LATENCY_MS;
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// The drive averages or filters its velocity reading; the loop acts on a speed that is `ms` old.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -66,7 +66,7 @@ impl EffectModel for VelocityLag {
 
     /// A quarter of a tick: a machine file does not say how the drive steps its filters, and the choices
     /// differ by that much.
-    fn exceeds_tolerance(&self, _declared: &Axis, rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms * rates.velocity_loop_hz > 0.25
     }
 

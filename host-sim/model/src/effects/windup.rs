@@ -7,7 +7,7 @@ use super::declaration::{
     Abscissa, Coordinate, Draw, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
     Placement, Prerequisite, Range, Stage, Unit, Wording,
 };
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// Takes the place of the declared stiffness between motor and table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,7 +25,7 @@ impl EffectModel for Windup {
     const SHOWN_IN: &'static [Stage] = &[Stage::Table, Stage::Force];
     const DRAW_NUMBER: Option<u32> = Some(15);
 
-    fn prerequisite(axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         if !axis.has_mass() {
             return Prerequisite::NotApplicable;
         }
@@ -43,7 +43,7 @@ impl EffectModel for Windup {
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let is_driven_by_force = !context.axis.has_mass() && context.has(Stage::Table);
-        let declared = context.axis.stiffness_n_per_um.filter(|_| !is_driven_by_force);
+        let declared = context.axis.mechanics.stiffness_n_per_um.filter(|_| !is_driven_by_force);
         declared.into_iter().map(|stiffness| Self { stiffness_n_per_um: 0.8 * stiffness }).collect()
     }
 
@@ -57,9 +57,10 @@ impl EffectModel for Windup {
     }
 
     /// A stiffness within the tolerance is a declared value, fitted.
-    fn exceeds_tolerance(&self, declared: &Axis, _rates: Rates) -> bool {
-        let tolerance = 0.01 * declared.plant_tolerance_percent.unwrap_or(0.0);
+    fn exceeds_tolerance(&self, declared: &Settings, _rates: Rates) -> bool {
+        let tolerance = 0.01 * declared.mechanics.plant_tolerance_percent.unwrap_or(0.0);
         declared
+            .mechanics
             .stiffness_n_per_um
             .is_some_and(|stiffness| self.stiffness_n_per_um < (1.0 - tolerance) * stiffness)
     }
@@ -77,7 +78,7 @@ impl EffectModel for Windup {
     }
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {
-        let declared = draw.axis.stiffness_n_per_um.unwrap_or(100.0);
+        let declared = draw.axis.mechanics.stiffness_n_per_um.unwrap_or(100.0);
         Some(Self { stiffness_n_per_um: declared * draw.between(0.5, 0.75) })
     }
 }

@@ -3,21 +3,18 @@
 mod loops;
 mod nominal;
 
-use super::instruments::InstrumentKeys;
-use super::{Axis, Feedback, Machine};
 use files::axis_name::{AXIS_NAME, is_axis_name};
-use shared::units::TRAVEL_LIMIT_M;
-
-use crate::bodies::Assembly;
-use crate::effects::{Effect, Occurrence, Placement, names};
-use crate::friction_curve::Curve;
-use crate::range::Range;
-use crate::servo;
 use files::document::Document;
 use files::error::InputError;
 
-/// No sensor is later than this.
-const LONGEST_LATENCY_MS: f64 = 1000.0;
+use super::instruments::InstrumentKeys;
+use super::{Axis, Machine};
+use crate::axis::{Feedback, KEYS, Settings};
+use crate::bodies::Assembly;
+use crate::effects::{Effect, LONGEST_LATENCY_MS, Occurrence, Placement, names};
+use crate::friction_curve::Curve;
+use crate::range::Range;
+use crate::servo;
 
 /// Faster loops than this are a slip of the unit.
 const HIGHEST_RATE_HZ: f64 = 1e6;
@@ -36,7 +33,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
     }
     for (name, axis) in &machine.axis {
         let key = format!("axis.{name}");
-        let context = Context { key: &key, axis, document };
+        let context = Context { key: &key, axis, settings: &axis.settings, document };
         context.ranges()?;
         context.controller()?;
         context.smoothing(machine.sample_rate_hz)?;
@@ -119,6 +116,7 @@ fn rates(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
 struct Context<'a> {
     key: &'a str,
     axis: &'a Axis,
+    settings: &'a Settings,
     document: &'a Document<'a>,
 }
 
@@ -128,46 +126,9 @@ impl Context<'_> {
     }
 
     fn ranges(&self) -> Result<(), InputError> {
-        use Range::{NotNegative, Positive, UpTo};
-
-        let a = self.axis;
-        let numbers = [
-            ("position_gain_per_s", a.position_gain_per_s, Positive),
-            ("feedforward_percent", a.feedforward_percent, UpTo(200.0)),
-            ("velocity_gain_n_s_per_m", a.velocity_gain_n_s_per_m, Positive),
-            ("velocity_integral_time_s", a.velocity_integral_time_s, Positive),
-            ("force_limit_n", a.force_limit_n, Positive),
-            ("smoothing_s", a.smoothing_s, Positive),
-            ("smoothing_jerk_s", a.smoothing_jerk_s, Positive),
-            ("smoothing_time_constant_s", a.smoothing_time_constant_s, Positive),
-            ("notch_frequency_hz", a.notch_frequency_hz, Positive),
-            ("notch_width_hz", a.notch_width_hz, Positive),
-            ("notch_depth", a.notch_depth, UpTo(1.0)),
-            ("low_pass_frequency_hz", a.low_pass_frequency_hz, Positive),
-            ("low_pass_damping_ratio", a.low_pass_damping_ratio, Positive),
-            ("following_error_limit_mm", a.following_error_limit_mm, Positive),
-            ("stop_deceleration_m_per_s2", a.stop_deceleration_m_per_s2, Positive),
-            ("saturation_time_s", a.saturation_time_s, Positive),
-            ("scale_disagreement_limit_mm", a.scale_disagreement_limit_mm, UpTo(1e3 * TRAVEL_LIMIT_M)),
-            ("fastest_mm_per_s", a.fastest_mm_per_s, Positive),
-            ("frozen_encoder_limit_mm", a.frozen_encoder_limit_mm, Positive),
-            ("motor_mass_kg", a.motor_mass_kg, NotNegative),
-            ("table_mass_kg", a.table_mass_kg, NotNegative),
-            ("stiffness_n_per_um", a.stiffness_n_per_um, Positive),
-            ("damping_n_s_per_m", a.damping_n_s_per_m, NotNegative),
-            ("coulomb_n", a.coulomb_n, NotNegative),
-            ("viscous_n_s_per_m", a.viscous_n_s_per_m, NotNegative),
-            ("motor_coulomb_n", a.motor_coulomb_n, NotNegative),
-            ("presliding_stiffness_n_per_um", a.presliding_stiffness_n_per_um, Positive),
-            ("presliding_damping_n_s_per_m", a.presliding_damping_n_s_per_m, NotNegative),
-            ("plant_tolerance_percent", a.plant_tolerance_percent, UpTo(100.0)),
-            ("lead_mm", a.lead_mm, Positive),
-            ("resolver_pole_pairs", a.resolver_pole_pairs.map(f64::from), Positive),
-            ("dual_feedback_time_constant_s", a.dual_feedback_time_constant_s, Positive),
-        ];
-        for (name, value, range) in numbers {
-            if let Some(value) = value {
-                range.check(&format!("{}.{name}", self.key), value, self.document)?;
+        for key in KEYS {
+            if let (Some(range), Some(value)) = (key.range, (key.number)(self.settings)) {
+                range.check(&format!("{}.{}", self.key, key.name), value, self.document)?;
             }
         }
         Ok(())
@@ -175,45 +136,29 @@ impl Context<'_> {
 
     /// Some of the controller's keys without the others would silently leave out the motor stage.
     fn controller(&self) -> Result<(), InputError> {
-        let axis = self.axis;
+        let Settings { controller, limits, sensors, .. } = self.settings;
         let needed = [
-            ("controller", axis.controller.is_some()),
-            ("position_gain_per_s", axis.position_gain_per_s.is_some()),
-            ("velocity_gain_n_s_per_m", axis.velocity_gain_n_s_per_m.is_some()),
+            ("controller", controller.law.is_some()),
+            ("position_gain_per_s", controller.position_gain_per_s.is_some()),
+            ("velocity_gain_n_s_per_m", controller.velocity_gain_n_s_per_m.is_some()),
         ];
-        let optional = [
-            ("feedforward_percent", axis.feedforward_percent.is_some()),
-            ("velocity_integral_time_s", axis.velocity_integral_time_s.is_some()),
-            ("force_limit_n", axis.force_limit_n.is_some()),
-            ("smoothing_s", axis.smoothing_s.is_some()),
-            ("smoothing_jerk_s", axis.smoothing_jerk_s.is_some()),
-            ("smoothing_time_constant_s", axis.smoothing_time_constant_s.is_some()),
-            ("notch_frequency_hz", axis.notch_frequency_hz.is_some()),
-            ("notch_width_hz", axis.notch_width_hz.is_some()),
-            ("notch_depth", axis.notch_depth.is_some()),
-            ("low_pass_frequency_hz", axis.low_pass_frequency_hz.is_some()),
-            ("low_pass_damping_ratio", axis.low_pass_damping_ratio.is_some()),
-            ("travel_mm", axis.travel_mm.is_some()),
-            ("following_error_limit_mm", axis.following_error_limit_mm.is_some()),
-            ("stop_deceleration_m_per_s2", axis.stop_deceleration_m_per_s2.is_some()),
-            ("saturation_time_s", axis.saturation_time_s.is_some()),
-            ("scale_disagreement_limit_mm", axis.scale_disagreement_limit_mm.is_some()),
-            ("fastest_mm_per_s", axis.fastest_mm_per_s.is_some()),
-            ("frozen_encoder_limit_mm", axis.frozen_encoder_limit_mm.is_some()),
-        ];
-        let present = needed.iter().chain(&optional).find(|(_, present)| *present);
-        let missing = needed.iter().find(|(_, present)| !present);
+        let all = KEYS
+            .iter()
+            .filter(|key| ["controller", "filters", "limits"].contains(&key.group))
+            .map(|key| (key.name, (key.is_given)(self.settings)));
+        let present = needed.into_iter().chain(all).find(|(_, is_given)| *is_given);
+        let missing = needed.into_iter().find(|(_, is_given)| !is_given);
         if let (Some((present, _)), Some((missing, _))) = (present, missing) {
             return Err(self.refuse(missing, &format!("this key, as {present} is given")));
         }
-        if let Some(limit_mm) = axis.frozen_encoder_limit_mm {
-            let most_mm = axis.following_error_limit_mm.unwrap_or(1e3 * servo::FOLLOWING_ERROR_LIMIT_M);
+        if let Some(limit_mm) = limits.frozen_encoder_limit_mm {
+            let most_mm = limits.following_error_limit_mm.unwrap_or(1e3 * servo::FOLLOWING_ERROR_LIMIT_M);
             if limit_mm > most_mm {
                 let what = format!("no more than following_error_limit_mm, {most_mm}");
                 return Err(self.refuse("frozen_encoder_limit_mm", &what));
             }
         }
-        if axis.feedback == Feedback::Dual && axis.dual_feedback_time_constant_s.is_none() {
+        if sensors.feedback == Feedback::Dual && sensors.dual_feedback_time_constant_s.is_none() {
             let what = "this key, as feedback is \"dual\"";
             return Err(self.refuse("dual_feedback_time_constant_s", what));
         }
@@ -221,19 +166,19 @@ impl Context<'_> {
     }
 
     fn mechanics(&self) -> Result<(), InputError> {
-        let axis = self.axis;
-        let masses = [("motor_mass_kg", axis.motor_mass_kg), ("table_mass_kg", axis.table_mass_kg)];
+        let mechanics = &self.settings.mechanics;
+        let masses = [("motor_mass_kg", mechanics.motor_mass_kg), ("table_mass_kg", mechanics.table_mass_kg)];
         let massless = masses.iter().find(|(_, mass)| mass.unwrap_or(0.0) <= 0.0);
-        if let (Some((key, _)), false) = (massless, axis.is_rigid()) {
+        if let (Some((key, _)), false) = (massless, self.settings.is_rigid()) {
             return Err(self.refuse(key, "a mass above 0, as stiffness_n_per_um is given"));
         }
-        let presliding = axis.presliding_stiffness_n_per_um;
-        if presliding.is_none() && axis.presliding_damping_n_s_per_m.is_some() {
+        let presliding = mechanics.presliding_stiffness_n_per_um;
+        if presliding.is_none() && mechanics.presliding_damping_n_s_per_m.is_some() {
             let what = "this key, as presliding_damping_n_s_per_m is given";
             return Err(self.refuse("presliding_stiffness_n_per_um", what));
         }
-        if let Some(curve) = &axis.friction_curve {
-            if axis.coulomb_n.is_some() {
+        if let Some(curve) = &mechanics.friction_curve {
+            if mechanics.coulomb_n.is_some() {
                 return Err(self.refuse("coulomb_n", "no such key, as friction_curve is given"));
             }
             curve.check().map_err(|expected| self.refuse("friction_curve", expected))?;
@@ -244,8 +189,8 @@ impl Context<'_> {
         }
         // The bristles bend by coulomb / stiffness: without Coulomb friction there are none. A curve that leads
         // through zero has its own way from one direction to the other.
-        let is_piecewise = matches!(axis.friction_curve, Some(Curve::Piecewise(_)));
-        if presliding.is_some() && axis.coulomb_n.unwrap_or(0.0) <= 0.0 && !is_piecewise {
+        let is_piecewise = matches!(mechanics.friction_curve, Some(Curve::Piecewise(_)));
+        if presliding.is_some() && mechanics.coulomb_n.unwrap_or(0.0) <= 0.0 && !is_piecewise {
             let what = "a friction above 0, as presliding_stiffness_n_per_um is given";
             return Err(self.refuse("coulomb_n", what));
         }
@@ -257,10 +202,10 @@ impl Context<'_> {
     /// Whether an effect may stand here.
     fn place(&self, effect: &Effect, key: &str, machine: &Machine) -> Result<(), InputError> {
         let place = Placement {
-            axis: self.axis,
+            axis: self.settings,
             axes: machine.axis.len(),
             has_structure: machine.structure.is_some(),
-            rates: servo::rates(machine),
+            rates: machine.rates(),
         };
         effect.misplaced(&place).map_or(Ok(()), |misplaced| {
             Err(self.document.refuse(&format!("{key}.{}", misplaced.key), &misplaced.expected))

@@ -75,7 +75,8 @@ pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationE
         Fault::Axis { axis, hazard } => match machine.axis.get_index(usize::from(axis)) {
             None => (format!("axis {axis}: {hazard:?}"), ""),
             Some((name, axis)) => {
-                let settings = servo::settings(axis, &AxisParameters::of(axis).servo).unwrap_or_default();
+                let settings =
+                    servo::settings(&axis.settings, &AxisParameters::of(axis).servo).unwrap_or_default();
                 let (what, hint) = said(hazard, &settings);
                 (format!("axis.{name}: {what}"), hint)
             }

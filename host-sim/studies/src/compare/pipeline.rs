@@ -10,7 +10,6 @@ use super::single::Single;
 use super::{AXES, CompareError};
 use link::controller::{AxisOutput, Controller, Format, Status, in_process};
 use model::machine::Machine;
-use model::servo;
 use plant::desk::Desk;
 use plant::instruments::Instruments;
 use plant::simulate;
@@ -51,7 +50,7 @@ impl Pipeline {
     /// When the machine's settings are refused.
     pub fn controller(self, machine: &Machine, motion: Motion) -> Result<Box<dyn Controller>, CompareError> {
         let (settings, start) = simulate::set_up(machine, &motion.start_m())?;
-        let rates = servo::rates(machine);
+        let rates = machine.rates();
         Ok(match self {
             Self::Of(format) => in_process(format, rates, &settings, &start)?,
             Self::F32Position => Box::new(Single::new(rates, &settings, start_of(motion))?),
@@ -92,7 +91,7 @@ pub fn run(
     turns: u32,
     most_ticks: usize,
 ) -> Result<Vec<Tick>, CompareError> {
-    let divider = servo::rates(machine).position_loop_divider as usize;
+    let divider = machine.rates().position_loop_divider as usize;
     let instruments = Instruments { drive_time_constant_s: INSTRUMENTS_DRIVE_S, ..Instruments::default() };
     let mut desk = Desk::new(machine, instruments, &motion.start_m()).map_err(SimulationError::from)?;
     let blocks = motion.blocks(turns);

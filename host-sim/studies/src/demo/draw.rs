@@ -3,8 +3,9 @@
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
+use model::axis::{Mechanics, Settings};
 use model::effects::{Draw, Effect, KINDS};
-use model::machine::{Axis, Machine};
+use model::machine::Machine;
 
 /// How far the true mechanical values lie from the declared ones, at the most. The machine file
 /// tolerates 10 %.
@@ -27,13 +28,13 @@ pub fn draw(declared: &Machine, seed: u64) -> Drawn {
     let mut random = ChaCha8Rng::seed_from_u64(seed);
     let mut truth = declared.clone();
     for axis in truth.axis.values_mut() {
-        deviate(axis, &mut random);
+        deviate(&mut axis.settings.mechanics, &mut random);
     }
     let index = random.random_range(0..truth.axis.len());
     let names: Vec<String> = truth.axis.keys().cloned().collect();
     let mut axis = names[index].clone();
     let other = names.iter().find(|name| **name != axis).cloned().unwrap_or_default();
-    let effect = effect(&declared.axis[index], &other, &mut random);
+    let effect = effect(&declared.axis[index].settings, &other, &mut random);
     if matches!(effect, Effect::Squareness(_)) {
         // Squareness is said of the first axis.
         axis.clone_from(&names[0]);
@@ -44,15 +45,15 @@ pub fn draw(declared: &Machine, seed: u64) -> Drawn {
     Drawn { truth, axis, effect }
 }
 
-fn deviate(axis: &mut Axis, random: &mut ChaCha8Rng) {
+fn deviate(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) {
     for value in [
-        &mut axis.motor_mass_kg,
-        &mut axis.table_mass_kg,
-        &mut axis.stiffness_n_per_um,
-        &mut axis.damping_n_s_per_m,
-        &mut axis.coulomb_n,
-        &mut axis.viscous_n_s_per_m,
-        &mut axis.motor_coulomb_n,
+        &mut mechanics.motor_mass_kg,
+        &mut mechanics.table_mass_kg,
+        &mut mechanics.stiffness_n_per_um,
+        &mut mechanics.damping_n_s_per_m,
+        &mut mechanics.coulomb_n,
+        &mut mechanics.viscous_n_s_per_m,
+        &mut mechanics.motor_coulomb_n,
     ]
     .into_iter()
     .flatten()
@@ -62,7 +63,7 @@ fn deviate(axis: &mut Axis, random: &mut ChaCha8Rng) {
 }
 
 /// One effect, of a size that is worth a repair.
-fn effect(axis: &Axis, other: &str, random: &mut ChaCha8Rng) -> Effect {
+fn effect(axis: &Settings, other: &str, random: &mut ChaCha8Rng) -> Effect {
     let mut kinds: Vec<_> = KINDS.iter().filter(|kind| kind.draw_number.is_some()).collect();
     kinds.sort_by_key(|kind| kind.draw_number);
     let kind = kinds[random.random_range(0..kinds.len())];

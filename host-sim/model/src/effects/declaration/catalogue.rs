@@ -73,7 +73,7 @@ macro_rules! catalogue {
 
             /// Whether it is larger than what a declared model leaves open in any case.
             #[must_use]
-            pub fn exceeds_tolerance(&self, declared: &Axis, rates: Rates) -> bool {
+            pub fn exceeds_tolerance(&self, declared: &Settings, rates: Rates) -> bool {
                 match self { $(Self::$variant(e) => e.exceeds_tolerance(declared, rates),)+ }
             }
 
@@ -156,7 +156,7 @@ macro_rules! catalogue {
             /// [`EffectModel::DRAW_NUMBER`].
             pub draw_number: Option<u32>,
             /// [`EffectModel::prerequisite`].
-            pub prerequisite: fn(&Axis, Neighbours) -> Prerequisite,
+            pub prerequisite: fn(&Settings, Neighbours) -> Prerequisite,
             /// [`EffectModel::draw`].
             pub draw: fn(&mut Draw<'_>) -> Option<Effect>,
         }

@@ -3,13 +3,13 @@
 use shared::config::Rates;
 
 use super::stage::Stage;
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// What initial guesses are made from.
 #[derive(Clone, Copy, Debug)]
 pub struct EffectContext<'a> {
     /// Declared axis.
-    pub axis: &'a Axis,
+    pub axis: &'a Settings,
     /// Whether the axis is the machine's first.
     pub first: bool,
     /// Names of the machine's other axes.
@@ -68,14 +68,14 @@ impl Prerequisite {
 
     /// Masses of the axis.
     #[must_use]
-    pub fn masses(axis: &Axis) -> Self {
+    pub fn masses(axis: &Settings) -> Self {
         Self::needs(axis.has_mass(), "masses in the machine file")
     }
 
     /// The lead of the screw.
     #[must_use]
-    pub const fn lead(axis: &Axis) -> Self {
-        Self::needs(axis.lead_mm.is_some(), "lead_mm in the machine file")
+    pub const fn lead(axis: &Settings) -> Self {
+        Self::needs(axis.mechanics.lead_mm.is_some(), "lead_mm in the machine file")
     }
 
     /// This, and then another.
@@ -92,7 +92,7 @@ impl Prerequisite {
 #[derive(Clone, Copy, Debug)]
 pub struct Placement<'a> {
     /// Its axis.
-    pub axis: &'a Axis,
+    pub axis: &'a Settings,
     /// How many axes the machine has.
     pub axes: usize,
     /// Whether the machine is also declared as rigid bodies.

@@ -1,11 +1,11 @@
 //! What an effect is drawn from at random.
 
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// The axis, and random numbers.
 pub struct Draw<'a> {
     /// As declared.
-    pub axis: &'a Axis,
+    pub axis: &'a Settings,
     /// Name of another axis; empty if there is none.
     pub other: &'a str,
     /// −1 or 1.
@@ -30,6 +30,6 @@ impl Draw<'_> {
     /// Travel in one turn of the screw, mm; 10 where none is declared.
     #[must_use]
     pub fn lead_mm(&self) -> f64 {
-        self.axis.lead_mm.unwrap_or(10.0)
+        self.axis.mechanics.lead_mm.unwrap_or(10.0)
     }
 }

@@ -10,7 +10,7 @@ use super::identity::{Distinction, Occurrence};
 use super::parameter::Parameter;
 use super::stage::Stage;
 use super::wording::Wording;
-use crate::machine::Axis;
+use crate::axis::Settings;
 
 /// One kind of effect: everything about it that the simulator, the tracer, the report and the demo ask for, except its
 /// place in the simulated machine.
@@ -37,7 +37,7 @@ pub trait EffectModel: Sized + Clone {
 
     /// What the machine file has to declare before this effect can be looked for.
     #[must_use]
-    fn prerequisite(_axis: &Axis, _neighbours: Neighbours) -> Prerequisite {
+    fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::Met
     }
 
@@ -66,7 +66,7 @@ pub trait EffectModel: Sized + Clone {
     fn at(&self, coordinates: &[f64]) -> Self;
 
     /// Whether it is larger than what a declared model leaves open in any case.
-    fn exceeds_tolerance(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         true
     }
 

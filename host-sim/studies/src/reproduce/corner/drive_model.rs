@@ -11,7 +11,7 @@
 
 use nalgebra::{Matrix3, Matrix4, SMatrix, SVector, Vector4};
 
-use model::machine::{Axis, Controller};
+use model::axis::{Law, Settings};
 
 /// Share of the position gain that the filter of equation (1) takes, k1·k2 and k2.
 const HPC: [f64; 2] = [16.0, 6.0];
@@ -28,11 +28,12 @@ pub struct VelocityLoop {
 impl VelocityLoop {
     /// What the declared keys of an axis make of it.
     #[must_use]
-    pub fn of(axis: &Axis) -> Self {
-        let mass_kg = axis.motor_mass_kg.unwrap_or(0.0) + axis.table_mass_kg.unwrap_or(0.0);
+    pub fn of(axis: &Settings) -> Self {
+        let mass_kg =
+            axis.mechanics.motor_mass_kg.unwrap_or(0.0) + axis.mechanics.table_mass_kg.unwrap_or(0.0);
         Self {
-            bandwidth_per_s: axis.velocity_gain_n_s_per_m.unwrap_or(0.0) / mass_kg,
-            integral_time_s: axis.velocity_integral_time_s.unwrap_or(f64::INFINITY),
+            bandwidth_per_s: axis.controller.velocity_gain_n_s_per_m.unwrap_or(0.0) / mass_kg,
+            integral_time_s: axis.controller.velocity_integral_time_s.unwrap_or(f64::INFINITY),
         }
     }
 }
@@ -41,7 +42,7 @@ impl VelocityLoop {
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Servo {
     /// P or HPC.
-    pub law: Controller,
+    pub law: Law,
     /// Kp.
     pub gain_per_s: f64,
     /// Kf.
@@ -63,8 +64,8 @@ impl Servo {
         // Velocity asked for, as a row over the states.
         let mut asked = [0.0; 6];
         match self.law {
-            Controller::P => (asked[2], asked[5]) = (-kp, kp),
-            Controller::Hpc => {
+            Law::P => (asked[2], asked[5]) = (-kp, kp),
+            Law::Hpc => {
                 asked[0] = kp;
                 a[(0, 1)] = kp;
                 (a[(1, 0)], a[(1, 1)]) = (-HPC[0] * kp, -HPC[1] * kp);
@@ -158,7 +159,7 @@ mod tests {
 
     const SAMPLE_S: f64 = 2.5e-4;
 
-    fn servo(law: Controller, feedforward_percent: f64) -> Servo {
+    fn servo(law: Law, feedforward_percent: f64) -> Servo {
         // So fast that the velocity loop lags by 1 µs.
         let velocity = VelocityLoop { bandwidth_per_s: 1e6, integral_time_s: 1e6 };
         Servo { law, gain_per_s: 50.0, feedforward_percent, velocity }
@@ -174,7 +175,7 @@ mod tests {
     /// P behind an ideal velocity loop is a lag of 1/Kp: 1 − e^(−Kp·t). The loop's own 1 µs is 50 ppm of it.
     #[test]
     fn p_is_a_first_order_lag() {
-        for (t, y) in step(&servo(Controller::P, 0.0)) {
+        for (t, y) in step(&servo(Law::P, 0.0)) {
             assert!((y - (1.0 - (-50.0 * t).exp())).abs() < 1e-4, "{t}: {y}");
         }
     }
@@ -183,7 +184,7 @@ mod tests {
     /// 1 − 2·e^(−2τ) + e^(−2τ)·(cos 2τ − sin 2τ), τ = Kp·t.
     #[test]
     fn hpc_has_the_step_of_its_three_poles() {
-        for (t, y) in step(&servo(Controller::Hpc, 0.0)) {
+        for (t, y) in step(&servo(Law::Hpc, 0.0)) {
             let tau = 50.0 * t;
             let exact = 1.0 + (-2.0 * tau).exp() * ((2.0 * tau).cos() - (2.0 * tau).sin() - 2.0);
             assert!((y - exact).abs() < 3e-4, "{t}: {y} {exact}");
@@ -210,7 +211,7 @@ mod tests {
     /// 1/√2 and whose step overshoots by e^(−π).
     #[test]
     fn hpc_with_half_feedforward_is_a_butterworth_of_second_order() {
-        let most = step(&servo(Controller::Hpc, 50.0)).map(|(_, y)| y).fold(0.0, f64::max);
+        let most = step(&servo(Law::Hpc, 50.0)).map(|(_, y)| y).fold(0.0, f64::max);
         // The lead's impulse stands for a sample and is half of one late: ½·(x/2)·y″ less, x = Kp·sample and
         // y″ = −16·e^(−π) at the top, from the step without feed-forward above.
         let late = 0.25 * 50.0 * SAMPLE_S * 16.0;

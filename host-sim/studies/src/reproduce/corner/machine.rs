@@ -3,8 +3,9 @@
 use crate::reproduce::ReproduceError;
 use files::log::{AxisLog, Log};
 use link::controller::{Format, PathBlock, PathShape};
+use model::axis::Law;
 use model::effects::Effect;
-use model::machine::{Controller, Machine};
+use model::machine::Machine;
 use plant::instruments::Instruments;
 use plant::simulate::{self, Run};
 
@@ -40,7 +41,7 @@ const DWELL_S: f64 = 0.2;
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tuning {
     /// Law of the position loop.
-    pub law: Controller,
+    pub law: Law,
     /// Kp.
     pub gain_per_s: f64,
     /// Kf.
@@ -84,9 +85,9 @@ pub fn tuned(tuning: Tuning) -> Result<Machine, ReproduceError> {
     let mut machine = Machine::parse(MACHINE, "the corner's machine")
         .map_err(|error| ReproduceError::Numerics(error.to_string()))?;
     for axis in machine.axis.values_mut() {
-        axis.controller = Some(tuning.law);
-        axis.position_gain_per_s = Some(tuning.gain_per_s);
-        axis.feedforward_percent = Some(tuning.feedforward_percent);
+        axis.settings.controller.law = Some(tuning.law);
+        axis.settings.controller.position_gain_per_s = Some(tuning.gain_per_s);
+        axis.settings.controller.feedforward_percent = Some(tuning.feedforward_percent);
     }
     Ok(machine)
 }

@@ -24,7 +24,7 @@ use super::{ReproduceError, Study};
 use contour::{difference_m, overshoot_m, window};
 use drive_model::{Mechanics, Servo, VelocityLoop};
 use machine::{Motion, Track, Tuning};
-use model::machine::Controller;
+use model::axis::Law;
 use shrinkage::Kept;
 
 /// Printed: Kp, 1/s.
@@ -148,7 +148,7 @@ impl Predicted {
         let Motion { command, sample_s, .. } = &corner.motion;
         let declared = machine::tuned(tuning)?;
         let motor = |axis: usize, command: &[f64]| {
-            let velocity = VelocityLoop::of(&declared.axis[axis]);
+            let velocity = VelocityLoop::of(&declared.axis[axis].settings);
             Servo { law, gain_per_s, feedforward_percent, velocity }.motor_m(command, *sample_s)
         };
         let motor = Track { x_m: motor(0, &command.x_m), y_m: motor(1, &command.y_m) };
@@ -162,7 +162,7 @@ fn behind(motor: &Track, [x, y]: &[Mechanics; 2], sample_s: f64) -> Track {
 }
 
 impl Tuned {
-    fn run(law: Controller, gain_per_s: f64) -> Result<Self, ReproduceError> {
+    fn run(law: Law, gain_per_s: f64) -> Result<Self, ReproduceError> {
         let corner = |feedforward_percent| Corner::run(Tuning { law, gain_per_s, feedforward_percent });
         let kept = shrinkage::kept(law, gain_per_s)?;
         Ok(Self {
@@ -177,11 +177,8 @@ impl Tuned {
 
 impl Softer {
     fn run() -> Result<Self, ReproduceError> {
-        let tuning = |gain_per_s| Tuning {
-            law: Controller::Hpc,
-            gain_per_s,
-            feedforward_percent: FEEDFORWARD_PERCENT,
-        };
+        let tuning =
+            |gain_per_s| Tuning { law: Law::Hpc, gain_per_s, feedforward_percent: FEEDFORWARD_PERCENT };
         let [low, middle, high] = GAINS_PER_S.map(|gain| Corner::run_on(tuning(gain), SOFTER));
         let (mechanics, high) = (low?.mechanics()?, high?);
         let predicted = Predicted::of(&high, high.tuning, &mechanics)?;
@@ -198,17 +195,14 @@ impl Experiment {
         let law = |law| {
             GAINS_PER_S.into_par_iter().map(move |gain| Tuned::run(law, gain)).collect::<Result<Vec<_>, _>>()
         };
-        let (hpc, p) = (law(Controller::Hpc)?, law(Controller::P)?);
+        let (hpc, p) = (law(Law::Hpc)?, law(Law::P)?);
         let mechanics = hpc[0].printed.mechanics()?;
         let predicted = hpc
             .iter()
             .map(|tuned| Predicted::of(&tuned.printed, tuned.printed.tuning, &mechanics))
             .collect::<Result<_, _>>()?;
-        let rapid = Tuning {
-            law: Controller::Hpc,
-            gain_per_s: GAINS_PER_S[2],
-            feedforward_percent: FEEDFORWARD_PERCENT,
-        };
+        let rapid =
+            Tuning { law: Law::Hpc, gain_per_s: GAINS_PER_S[2], feedforward_percent: FEEDFORWARD_PERCENT };
         let reached = [rapid::reached(rapid, 0)?, rapid::reached(rapid, 1)?];
         Ok(Self { hpc, p, mechanics, predicted, reached, softer: Softer::run()? })
     }
@@ -254,8 +248,7 @@ mod tests {
     #[test]
     fn feedforward_runs_beyond_the_corner_by_its_time_at_speed() {
         for gain_per_s in GAINS_PER_S {
-            let tuning =
-                Tuning { law: Controller::Hpc, gain_per_s, feedforward_percent: FEEDFORWARD_PERCENT };
+            let tuning = Tuning { law: Law::Hpc, gain_per_s, feedforward_percent: FEEDFORWARD_PERCENT };
             let corner = Corner::run(tuning).unwrap();
             let a = std::f64::consts::SQRT_2 * ACCELERATION_M_PER_S2[1];
             let time_s = 1e-2 * FEEDFORWARD_PERCENT / gain_per_s;
@@ -269,8 +262,7 @@ mod tests {
     /// pitch errors of half a micrometre and more are in the plant alone.
     #[test]
     fn the_prediction_is_near_and_is_not_the_plant() {
-        let tuning =
-            Tuning { law: Controller::Hpc, gain_per_s: 51.0, feedforward_percent: FEEDFORWARD_PERCENT };
+        let tuning = Tuning { law: Law::Hpc, gain_per_s: 51.0, feedforward_percent: FEEDFORWARD_PERCENT };
         let corner = Corner::run(tuning).unwrap();
         let predicted = Predicted::of(&corner, tuning, &corner.mechanics().unwrap()).unwrap();
         let difference = corner.difference_um(&corner.motion.tool, &predicted.tool);

@@ -3,7 +3,7 @@
 use super::machine::{Track, Tuning, corner_m};
 use super::{Experiment, FEEDFORWARD_PERCENT, Tuned};
 use crate::reproduce::{Picture, ReproduceError};
-use model::machine::Controller;
+use model::axis::Law;
 use report::plot::{Chart, Ink, Layer};
 
 /// Pixels of the page that a picture is wide, and those that the labels beside and below its plane take.
@@ -81,9 +81,9 @@ fn both_laws(hpc: &Tuned, p: &Tuned) -> Picture {
 /// Overshoot over Kp: lines as predicted, marks from the plant.
 fn over_gain(experiment: &Experiment) -> Result<Picture, ReproduceError> {
     let kinds = [
-        (Ink::After, Controller::Hpc, FEEDFORWARD_PERCENT),
-        (Ink::Third, Controller::Hpc, 0.0),
-        (Ink::Before, Controller::P, FEEDFORWARD_PERCENT),
+        (Ink::After, Law::Hpc, FEEDFORWARD_PERCENT),
+        (Ink::Third, Law::Hpc, 0.0),
+        (Ink::Before, Law::P, FEEDFORWARD_PERCENT),
     ];
     let mut layers = Vec::new();
     for (ink, law, feedforward_percent) in kinds {
@@ -94,7 +94,7 @@ fn over_gain(experiment: &Experiment) -> Result<Picture, ReproduceError> {
             Ok((gain_per_s, overshoot))
         });
         layers.push(Layer { ink, points: line.collect::<Result<_, ReproduceError>>()?, is_marked: false });
-        let plant = if law == Controller::Hpc { &experiment.hpc } else { &experiment.p };
+        let plant = if law == Law::Hpc { &experiment.hpc } else { &experiment.p };
         for tuned in plant {
             let corner = if feedforward_percent > 0.0 { &tuned.printed } else { &tuned.without };
             let points = vec![(tuned.gain_per_s, corner.overshoot_um())];

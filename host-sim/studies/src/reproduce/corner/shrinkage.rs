@@ -8,7 +8,7 @@ use std::f64::consts::TAU;
 use super::contour::radius_m;
 use super::machine::{self, FEED_M_PER_S, Motion, RADIUS_M, Track, Tuning};
 use crate::reproduce::ReproduceError;
-use model::machine::Controller;
+use model::axis::Law;
 
 /// When the loop has forgotten the start of the circle, s: dwell, and half a turn.
 const BEGIN_S: f64 = 0.2 + 0.5 * TAU * RADIUS_M / FEED_M_PER_S;
@@ -28,7 +28,7 @@ pub struct Kept {
 ///
 /// # Errors
 /// When a loop does not hold.
-pub fn kept(law: Controller, gain_per_s: f64) -> Result<Kept, ReproduceError> {
+pub fn kept(law: Law, gain_per_s: f64) -> Result<Kept, ReproduceError> {
     let run = |feedforward_percent| machine::circle(Tuning { law, gain_per_s, feedforward_percent });
     let (without, full) = (run(0.0)?, run(100.0)?);
     let percent = |track: fn(&Motion) -> &Track| {
@@ -75,7 +75,7 @@ mod tests {
     /// with 100 %. A swing of ω adds 2·(1 − 2ζ²)·(Kp/ω)² to what Kf² need not give: 0.007 at 83 Hz.
     #[test]
     fn hpc_needs_half_of_the_feedforward_of_p() {
-        let hpc = kept(Controller::Hpc, 33.0).unwrap();
+        let hpc = kept(Law::Hpc, 33.0).unwrap();
         assert!((49.0..51.0).contains(&hpc.motor_percent), "{hpc:?}");
         assert!((48.0..50.5).contains(&hpc.tool_percent), "{hpc:?}");
         // Without feed-forward a circle loses R·w²/8 under HPC and R·w²/2 under P, w = ω/Kp, less what the swing adds
@@ -83,7 +83,7 @@ mod tests {
         let square = (FEED_M_PER_S / RADIUS_M / 33.0).powi(2);
         let lost = |share: f64| share * RADIUS_M * square;
         assert!((0.95..1.01).contains(&(hpc.shrinkage_m / lost(0.125))), "{hpc:?}");
-        let p = kept(Controller::P, 33.0).unwrap();
+        let p = kept(Law::P, 33.0).unwrap();
         assert!((99.0..101.0).contains(&p.motor_percent), "{p:?}");
         assert!((0.95..1.01).contains(&(p.shrinkage_m / lost(0.5))), "{p:?}");
     }

@@ -7,7 +7,7 @@
 
 use super::trial::{Errors, FAR_MM, System, creep, highest_gain_per_s, positioning, steady};
 use crate::reproduce::{Outcome, Picture, Printed, ReproduceError, Study};
-use model::machine::Feedback;
+use model::axis::Feedback;
 use report::number::significant;
 use report::plot::{Chart, Ink, Layer};
 

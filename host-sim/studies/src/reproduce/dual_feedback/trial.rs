@@ -4,7 +4,8 @@
 use crate::reproduce::ReproduceError;
 use files::log::Log;
 use link::controller::{Format, PathBlock, PathShape};
-use model::machine::{Feedback, Machine};
+use model::axis::Feedback;
+use model::machine::Machine;
 use plant::instruments::Instruments;
 use plant::simulate::{Run, SimulationError, controller};
 
@@ -78,10 +79,11 @@ fn machine(system: System, gain_per_s: f64) -> Result<Machine, ReproduceError> {
     let mut machine = Machine::parse(MACHINE, "machine.toml")
         .map_err(|error| ReproduceError::Numerics(error.to_string()))?;
     for axis in machine.axis.values_mut() {
-        axis.feedback = system.feedback;
-        axis.dual_feedback_time_constant_s = Some(system.shift_s);
-        axis.position_gain_per_s = Some(gain_per_s);
-        axis.stiffness_n_per_um = axis.stiffness_n_per_um.map(|stiffness| system.stiffness * stiffness);
+        axis.settings.sensors.feedback = system.feedback;
+        axis.settings.sensors.dual_feedback_time_constant_s = Some(system.shift_s);
+        axis.settings.controller.position_gain_per_s = Some(gain_per_s);
+        let stiffness_n_per_um = &mut axis.settings.mechanics.stiffness_n_per_um;
+        *stiffness_n_per_um = stiffness_n_per_um.map(|stiffness| system.stiffness * stiffness);
     }
     Ok(machine)
 }
@@ -220,6 +222,7 @@ mod tests {
     use nalgebra::SMatrix;
 
     use super::*;
+    use model::axis::Settings;
 
     const SYSTEMS: [System; 3] = [
         System::new(Feedback::Motor, 0.2),
@@ -234,13 +237,14 @@ mod tests {
     /// positions) are lags of the first order.
     fn growth(system: System, gain_per_s: f64) -> f64 {
         let machine = machine(system, gain_per_s).unwrap();
-        let axis = &machine.axis["x"];
-        let [m, table_kg] = [axis.motor_mass_kg.unwrap(), axis.table_mass_kg.unwrap()];
-        let (k, c) = (1e6 * axis.stiffness_n_per_um.unwrap(), axis.damping_n_s_per_m.unwrap());
-        let b = axis.viscous_n_s_per_m.unwrap();
-        let (kv, ti) = (axis.velocity_gain_n_s_per_m.unwrap(), axis.velocity_integral_time_s.unwrap());
-        let omega = std::f64::consts::TAU * axis.low_pass_frequency_hz.unwrap();
-        let zeta = axis.low_pass_damping_ratio.unwrap();
+        let Settings { controller, filters, mechanics, .. } = &machine.axis["x"].settings;
+        let [m, table_kg] = [mechanics.motor_mass_kg.unwrap(), mechanics.table_mass_kg.unwrap()];
+        let (k, c) = (1e6 * mechanics.stiffness_n_per_um.unwrap(), mechanics.damping_n_s_per_m.unwrap());
+        let b = mechanics.viscous_n_s_per_m.unwrap();
+        let (kv, ti) =
+            (controller.velocity_gain_n_s_per_m.unwrap(), controller.velocity_integral_time_s.unwrap());
+        let omega = std::f64::consts::TAU * filters.low_pass_frequency_hz.unwrap();
+        let zeta = filters.low_pass_damping_ratio.unwrap();
         let position_hold_s = 0.5 / machine.sample_rate_hz;
         let velocity_hold_s = 1.0 / machine.velocity_rate_hz();
         let drive_s = Instruments::typical(0).drive_time_constant_s;
