@@ -7,8 +7,9 @@ use files::axis_name::{AXIS_NAME, is_axis_name};
 use files::document::Document;
 use files::error::InputError;
 
+use super::axis::Axis;
+use super::declared::Machine;
 use super::instruments::InstrumentKeys;
-use super::{Axis, Machine};
 use crate::axis::{Feedback, KEYS, Settings};
 use crate::bodies::Assembly;
 use crate::effects::{Effect, LONGEST_LATENCY_MS, Occurrence, Placement, names};
