@@ -8,6 +8,7 @@ pub mod config;
 pub mod control;
 pub mod drive;
 pub mod feedback;
+mod integer;
 pub mod interpolate;
 pub mod machine;
 pub mod protocol;

@@ -156,7 +156,7 @@ impl Scalar for I18F14 {
         // Between two numbers of 32 bits lies one of 32 bits: nothing to saturate.
         let way = i64::from(other.to_bits()).wrapping_sub(i64::from(self.to_bits()));
         #[expect(clippy::cast_possible_truncation, reason = "no more than the way")]
-        let gone = crate::interpolate::share(way, part) as i32;
+        let gone = crate::integer::mul_q32(way, part) as i32;
         Self::from_bits(self.to_bits().wrapping_add(gone))
     }
 

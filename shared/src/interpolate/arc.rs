@@ -5,8 +5,9 @@
 //! exactly, and a whole turn closes exactly. An end point that is given, and lies on the circle only to
 //! the digits it was written with, is met exactly: what it is off is spread evenly over the arc.
 
+use super::error::{Field, PathError};
 use super::turn::{ONE, sin_cos};
-use super::{Field, PathError, high, scaled, share};
+use crate::integer::{mul_high, mul_q32, mul_shift};
 use crate::units::{PER_M, PER_NM, Position, TRAVEL_LIMIT_M};
 
 /// 2π with 61 fraction bits.
@@ -246,8 +247,8 @@ impl<const N: usize> Arc<N> {
         let [x, y] = self.radius.map(|r| (i128::from(r) * i128::from(ONE) / length) as i64);
         let sign = if self.clockwise { -1 } else { 1 };
         let tangent = [
-            -(scaled::<62>(x, sine) + scaled::<62>(y, cosine)) * sign,
-            (scaled::<62>(x, cosine) - scaled::<62>(y, sine)) * sign,
+            -(mul_shift::<62>(x, sine) + mul_shift::<62>(y, cosine)) * sign,
+            (mul_shift::<62>(x, cosine) - mul_shift::<62>(y, sine)) * sign,
         ];
         let aside = self.off.as_ref().map_or([0; 2], |off| {
             #[expect(clippy::cast_possible_truncation, reason = "a 1024th at most")]
@@ -270,7 +271,7 @@ impl<const N: usize> Arc<N> {
             let part = u32::try_from(part).unwrap_or(u32::MAX);
             for (axis, by) in self.plane.into_iter().zip(off.by) {
                 if let Some(place) = point.get_mut(axis) {
-                    *place = place.moved(share(by, part));
+                    *place = place.moved(mul_q32(by, part));
                 }
             }
         }
@@ -297,8 +298,8 @@ impl<const N: usize> Arc<N> {
         // Two more fraction bits, so that the products together are within a unit.
         let [dx, dy] = self.radius.map(|r| r << 4);
         let rounded = |quarters: i64| (quarters + 2) >> 2;
-        let x = self.centre[0].moved(rounded(high(dx, cosine) - high(dy, sine)));
-        let y = self.centre[1].moved(rounded(high(dx, sine) + high(dy, cosine)));
+        let x = self.centre[0].moved(rounded(mul_high(dx, cosine) - mul_high(dy, sine)));
+        let y = self.centre[1].moved(rounded(mul_high(dx, sine) + mul_high(dy, cosine)));
         let mut point = self.start;
         // `get_mut` leaves no panic behind; `plan` has checked the plane.
         if let Some(place) = point.get_mut(self.plane[0]) {

@@ -6,9 +6,10 @@
 //! all, and decelerates by no more than A. It stands for a tick before and behind, so that neither the first nor the
 //! last step adds to what the neighbouring block does in one tick.
 
-use super::profile::part;
-use super::ramp::Limits;
-use super::{PathError, speed, whole};
+use super::error::PathError;
+use super::fraction::{speed, whole};
+use super::limits::Limits;
+use crate::integer::wide_mul_q32;
 
 /// Least α with 32 fraction bits: a time constant of 2²⁰ ticks, 52 s at 20 kHz.
 const LEAST_SHARE: u32 = 1 << 12;
@@ -37,7 +38,7 @@ impl Exponential {
             return Err(PathError::TooLong);
         }
         let feed = i128::from(limits.feed) << 48;
-        Ok(Self { length: i128::from(length) << 64, feed, last_step: part(feed, share), share })
+        Ok(Self { length: i128::from(length) << 64, feed, last_step: wide_mul_q32(feed, share), share })
     }
 
     /// Goes one tick on. Whole position units, and whether they are the end.
@@ -48,7 +49,7 @@ impl Exponential {
         progress.target = (progress.target + self.feed).min(self.length);
         let lag = progress.target - progress.distance;
         let lands = progress.target == self.length && lag <= self.last_step;
-        progress.step = if lands { lag } else { part(lag, self.share) };
+        progress.step = if lands { lag } else { wide_mul_q32(lag, self.share) };
         progress.distance += progress.step;
         (whole(progress.distance), lag == 0)
     }

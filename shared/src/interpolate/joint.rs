@@ -18,7 +18,7 @@
 //! can gain within a window. Of k + 1 joints within a window the blocks between them take no more than W, and at the
 //! worst, evenly spread, these shares are 1/(k + 1) each.
 
-use super::ramp::Limits;
+use super::limits::Limits;
 use super::smooth::Rounding;
 
 /// An end of a block.
@@ -94,6 +94,17 @@ impl Joint {
         // Its neighbours within the window take as much.
         let all = |this: u128| narrow((this << 32).div_ceil(own));
         Self { speed: narrow(speed), acceleration: all(acceleration), jerk: all(jerk) }
+    }
+}
+
+/// The limits of a block without what the joints at its two ends take: what its ramps may use.
+#[must_use]
+pub fn limits_of_ramps(limits: &Limits, entry: &Joint, exit: &Joint) -> Limits {
+    let remaining = |limit: u64, one: u64, other: u64| limit.saturating_sub(one.max(other)).max(1);
+    Limits {
+        acceleration: remaining(limits.acceleration, entry.acceleration, exit.acceleration),
+        jerk: limits.jerk.map(|jerk| remaining(jerk, entry.jerk, exit.jerk)),
+        ..*limits
     }
 }
 

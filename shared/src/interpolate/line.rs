@@ -1,6 +1,7 @@
 //! A straight line through N axes.
 
-use super::{PathError, scaled};
+use super::error::PathError;
+use crate::integer::mul_shift;
 use crate::units::Position;
 
 /// A line as a function of the distance along it.
@@ -70,7 +71,7 @@ impl<const N: usize> Line<N> {
     pub fn at(&self, distance: i64) -> [Position; N] {
         let mut point = self.start;
         for (place, direction) in point.iter_mut().zip(&self.direction) {
-            *place = place.moved(scaled::<62>(distance, *direction));
+            *place = place.moved(mul_shift::<62>(distance, *direction));
         }
         point
     }

@@ -3,11 +3,13 @@
 use heapless::Deque;
 
 use super::block::Block;
+use super::error::PathError;
+use super::fraction::{FRACTION, whole};
+use super::joint::Joint;
 use super::planned::{Planned, Progress};
 use super::profile::Step;
 use super::ramp::TICK;
 use super::smooth::{self, Filters, Smoothing};
-use super::{FRACTION, PathError, joint, whole};
 use crate::units::Position;
 
 /// Blocks that the queue holds, the one that is being travelled among them.
@@ -154,10 +156,10 @@ impl<const N: usize> Path<N> {
     fn stop_before_last(&mut self) {
         let mut last = self.blocks.iter_mut().rev();
         if let Some(block) = last.next() {
-            block.enters = joint::Joint::default();
+            block.enters = Joint::default();
         }
         if let Some(block) = last.next() {
-            block.leaves = joint::Joint::default();
+            block.leaves = Joint::default();
         }
     }
 

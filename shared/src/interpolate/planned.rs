@@ -2,13 +2,14 @@
 
 use super::arc::Arc;
 use super::block::{self, Block, Ramps, Shape};
+use super::error::{Field, PathError};
 use super::exponential::{self, Exponential};
-use super::joint::{End, Joint};
+use super::joint::{End, Joint, limits_of_ramps};
+use super::limits::Limits;
 use super::line::Line;
 use super::profile::{self, Profile, Step};
-use super::ramp::{Limits, MOST_TICKS};
+use super::ramp::{MOST_TICKS, reachable};
 use super::smooth::Rounding;
-use super::{Field, PathError};
 use crate::units::{self, PER_M, Position};
 
 /// Fraction bits of speeds, accelerations and jerks.
@@ -148,7 +149,7 @@ impl<const N: usize> Planned<N> {
     }
 
     fn limits_of_ramps(&self) -> Limits {
-        self.limits.beside(&self.enters, &self.leaves)
+        limits_of_ramps(&self.limits, &self.enters, &self.leaves)
     }
 
     /// How the path passes from this block to the next.
@@ -175,9 +176,7 @@ impl<const N: usize> Planned<N> {
     #[must_use]
     pub fn reachable(&self, speed: u64, most: u64) -> u64 {
         match self.ramps {
-            Kind::Ramps if most > speed => {
-                super::ramp::reachable(self.length(), speed, most, &self.limits_of_ramps())
-            }
+            Kind::Ramps if most > speed => reachable(self.length(), speed, most, &self.limits_of_ramps()),
             _ => most,
         }
     }

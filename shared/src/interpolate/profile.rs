@@ -12,8 +12,11 @@
 //! r₁ and r₂ the durations of the ramps, c that of the cruise, and the jerk from v: the pieces close on the
 //! length by construction. The state adds with 64 fraction bits.
 
-use super::ramp::{Limits, MOST_TICKS, Ramp, TICK, peak};
-use super::{PathError, speed, whole};
+use super::error::PathError;
+use super::fraction::{speed, whole};
+use super::limits::Limits;
+use super::ramp::{MOST_TICKS, Ramp, TICK, peak};
+use crate::integer::wide_mul_q32;
 
 /// Acceleration up, down, at constant speed: three pieces, one, three.
 const PIECES: u8 = 7;
@@ -248,7 +251,7 @@ impl Progress {
     fn motion(&self) -> Motion {
         let acceleration = self.step_change - self.third_difference;
         // The jerk is six times a whole number: a product with 1/6 is off by less than one of them.
-        let jerk_sixth = part(self.third_difference, SIXTH_Q32);
+        let jerk_sixth = wide_mul_q32(self.third_difference, SIXTH_Q32);
         Motion {
             distance: self.distance,
             velocity: self.step - (acceleration >> 1) - jerk_sixth,
@@ -274,26 +277,16 @@ impl Motion {
             return;
         }
         if self.acceleration == 0 && jerk_sixth == 0 {
-            self.distance += part(self.velocity, time);
+            self.distance += wide_mul_q32(self.velocity, time);
             return;
         }
-        let sixth = part(jerk_sixth, time);
-        let gained = part(self.acceleration + 3 * sixth, time);
-        self.distance += part(self.velocity + part((self.acceleration >> 1) + sixth, time), time);
+        let sixth = wide_mul_q32(jerk_sixth, time);
+        let gained = wide_mul_q32(self.acceleration + 3 * sixth, time);
+        self.distance +=
+            wide_mul_q32(self.velocity + wide_mul_q32((self.acceleration >> 1) + sixth, time), time);
         self.velocity += gained;
         self.acceleration += 6 * sixth;
     }
-}
-
-/// `value`·`time`/2³², for a time below a tick: four products of 32 bits.
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the four quarters")]
-pub(super) fn part(value: i128, time: u32) -> i128 {
-    let (high, low) = ((value >> 64) as i64, value as u64);
-    let time_u64 = u64::from(time);
-    let low = (low >> 32) * time_u64 + (((low & 0xffff_ffff) * time_u64) >> 32);
-    let (top, middle) = ((high >> 32) * i64::from(time), (high as u64 & 0xffff_ffff) * time_u64);
-    (i128::from(top) << 64)
-        .wrapping_add((u128::from(middle) << 32).wrapping_add(u128::from(low)).cast_signed())
 }
 
 /// Greatest acceleration of a ramp and a sixth of its jerk, 64 fraction bits, for a change of speed with

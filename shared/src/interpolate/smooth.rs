@@ -12,7 +12,8 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Field, PathError, share};
+use super::error::{Field, PathError};
+use crate::integer::mul_q32;
 use crate::units::Position;
 
 /// Ticks that the windows of an axis have together: 128 ms at 4 kHz, 4 kB an axis.
@@ -294,7 +295,7 @@ impl Mean {
         }
         // The reciprocal is rounded up: a rest of n gives 1, one below n gives 0. What a large rest
         // gives too much comes back with the next tick, for the rest itself is exact.
-        let more = share(self.rest, divisor.reciprocal);
+        let more = mul_q32(self.rest, divisor.reciprocal);
         self.shows = self.shows.wrapping_add(more);
         self.rest = self.rest.wrapping_sub(more.wrapping_mul(i64::from(divisor.ticks)));
         self.shows
@@ -332,7 +333,7 @@ impl State {
             Filter::Lag(part) => {
                 let lag = target.0.wrapping_sub(self.place);
                 // Rounded away from zero, so that the rest of the lag is not for ever.
-                self.place.wrapping_add(share(lag, part)).wrapping_add(i64::from(lag > 0))
+                self.place.wrapping_add(mul_q32(lag, part)).wrapping_add(i64::from(lag > 0))
             }
         };
         Position(self.place)

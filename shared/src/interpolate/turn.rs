@@ -6,7 +6,7 @@
 //! radius of 1 m. It has to be so small because noise in the command is noise in its second difference:
 //! 1 unit is 0.4 µm/s² at 20 kHz.
 
-use super::high;
+use crate::integer::mul_high;
 
 /// One as a result of [`sin_cos`].
 pub const ONE: i64 = 1 << 62;
@@ -75,7 +75,7 @@ pub fn sin_cos(phase: u64) -> (i64, i64) {
 
     // The rest, |rest| ≤ 2⁵⁰, is δ = 2π·rest/2⁶⁴: with 72 fraction bits, |δ| < 2⁶¹.
     let rest = phase.wrapping_sub(nearest << STEP_BITS).cast_signed();
-    let delta = high(rest << 12, TAU_Q60);
+    let delta = mul_high(rest << 12, TAU_Q60);
     // δ² and δ³ are below 2⁻²² and 2⁻³³: from 32 bits of δ, with 42 fraction bits.
     let short = i64::from((delta >> 30) as i32);
     // δ²/2 with 54 fraction bits, below 2³¹, and (δ²/2)²/6 = δ⁴/24, below 16 of them.
@@ -87,7 +87,10 @@ pub fn sin_cos(phase: u64) -> (i64, i64) {
     let sin_delta = delta - cube_sixth;
 
     let less = |value: i64| (i64::from((value >> 32) as i32) * versine) >> 22;
-    (sine - less(sine) + (high(cosine, sin_delta) >> 8), cosine - less(cosine) - (high(sine, sin_delta) >> 8))
+    (
+        sine - less(sine) + (mul_high(cosine, sin_delta) >> 8),
+        cosine - less(cosine) - (mul_high(sine, sin_delta) >> 8),
+    )
 }
 
 /// 1/3 with 31 fraction bits.
