@@ -1,8 +1,8 @@
 //! The compensations of one axis, and what they remember.
 
-use super::Item;
 use super::backlash::Backlash;
 use super::geometry::{Squareness, Straightness};
+use super::kind::Item;
 use super::motion::Motion;
 use super::pitch::Pitch;
 use super::reversal::Reversal;

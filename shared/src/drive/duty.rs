@@ -3,7 +3,6 @@
 //! counts = |force| · full counts / full-scale force, rounded. The ratio is brought to 32 … 64 by a
 //! power of two, where a fixed-point gain is good to 2⁻³⁰, so that a tick multiplies once and shifts.
 
-use super::DriveError;
 use crate::scalar::Scalar;
 
 /// Greatest full-scale force that is accepted, N: with a gain below 64 the product stays in range.
@@ -11,6 +10,26 @@ const MOST_N: f64 = 131_000.0;
 
 /// Fraction bits of [`Scalar::to_distance`], and those of the gain's greatest value, 64.
 const EXPONENT: i32 = 30 + 6;
+
+/// Why a power stage cannot be used.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum DriveError {
+    /// The force at full duty is not from 1 mN to 131 kN.
+    FullScale,
+    /// The PWM has no counts.
+    NoPwm,
+}
+
+impl core::fmt::Display for DriveError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::FullScale => write!(f, "force at full duty: expected 1e-3 to 131000 N"),
+            Self::NoPwm => write!(f, "PWM: expected at least one count"),
+        }
+    }
+}
+
+impl core::error::Error for DriveError {}
 
 /// What a power stage is told.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]

@@ -6,7 +6,7 @@
 
 /// What the operator has done.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Turn {
+pub enum SwitchEvent {
     /// Asked for the drives.
     Enable,
     /// Asked for them to be off; acknowledges a fault.
@@ -33,15 +33,15 @@ impl EnableSwitch {
     }
 
     /// Takes what the switch shows in this tick.
-    pub fn look(&mut self, closed: bool) -> Option<Turn> {
+    pub fn look(&mut self, closed: bool) -> Option<SwitchEvent> {
         let changed = self.closed.replace(closed).is_some_and(|before| before != closed);
         self.steady_ticks = if changed { 0 } else { self.steady_ticks.saturating_add(1) };
         let settled = self.steady_ticks >= self.settling_ticks;
         if !closed {
             self.armed |= settled;
-            return changed.then_some(Turn::Disable);
+            return changed.then_some(SwitchEvent::Disable);
         }
-        (settled && core::mem::take(&mut self.armed)).then_some(Turn::Enable)
+        (settled && core::mem::take(&mut self.armed)).then_some(SwitchEvent::Enable)
     }
 }
 
@@ -55,8 +55,8 @@ mod tests {
         for &(closed, ticks) in sequence {
             for _ in 0..ticks {
                 match switch.look(closed) {
-                    Some(Turn::Enable) => count.0 += 1,
-                    Some(Turn::Disable) => count.1 += 1,
+                    Some(SwitchEvent::Enable) => count.0 += 1,
+                    Some(SwitchEvent::Disable) => count.1 += 1,
                     None => {}
                 }
             }
@@ -83,9 +83,9 @@ mod tests {
     fn opens_at_once_and_closes_when_settled() {
         let mut switch = EnableSwitch::new(10);
         assert_eq!(turns(&mut switch, &[(false, 11), (true, 10)]), (0, 0));
-        assert_eq!(switch.look(true), Some(Turn::Enable));
+        assert_eq!(switch.look(true), Some(SwitchEvent::Enable));
         assert_eq!(switch.look(true), None);
-        assert_eq!(switch.look(false), Some(Turn::Disable));
+        assert_eq!(switch.look(false), Some(SwitchEvent::Disable));
     }
 
     #[test]
@@ -113,7 +113,7 @@ mod tests {
                 assert_eq!(turns(&mut switch, &short).0, 0, "{settling}, the {times}th time");
             }
             assert_eq!(turns(&mut switch, &[(false, settling + 1), (true, settling)]), (0, 1));
-            assert_eq!(switch.look(true), Some(Turn::Enable));
+            assert_eq!(switch.look(true), Some(SwitchEvent::Enable));
         }
     }
 }

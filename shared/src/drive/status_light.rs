@@ -10,12 +10,12 @@ use crate::safety::{Fault, Power};
 
 /// What the light remembers.
 #[derive(Clone, Copy, Debug)]
-pub struct Light {
+pub struct StatusLight {
     half_period_ticks: u32,
     ticks: u32,
 }
 
-impl Light {
+impl StatusLight {
     /// A light that blinks with this half period, at least one tick.
     #[must_use]
     pub const fn new(half_period_ticks: u32) -> Self {

@@ -1,6 +1,6 @@
 //! The constants of a machine, in machine units.
 
-use super::MachineError;
+use super::error::MachineError;
 use crate::config::{AxisConfig, AxisSettings, Rates, Sensors};
 use crate::interpolate::Smoothing;
 use crate::interpolate::smooth::Filters;

@@ -1,6 +1,7 @@
 //! What a machine remembers from tick to tick, and the tick.
 
-use super::{MachineConfig, Output};
+use super::config::MachineConfig;
+use super::output::Output;
 use crate::axis::{AxisState, Reading};
 use crate::compensate::Compensation;
 use crate::config::AxisConfig;
