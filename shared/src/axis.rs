@@ -91,11 +91,11 @@ impl<S: Scalar> AxisState<S> {
         reading: Reading,
     ) -> Hazards {
         let asked = command;
-        let command = asked.moved(correction);
+        let command = asked + correction;
         let feedback = config.feedback.position(&mut self.feedback, reading.motor, reading.table);
-        let following_error = S::from_distance(command.beyond(feedback));
+        let following_error = S::from_distance(command - feedback);
         let lead = config.feedforward.lead(&mut self.feedforward, command);
-        let made = config.position.velocity(&mut self.position, following_error.plus(lead));
+        let made = config.position.velocity(&mut self.position, following_error + lead);
         self.velocity_command = self.velocity_bump.smooth(config.velocity_fades, made);
         let seen = Seen {
             following_error,
@@ -123,7 +123,7 @@ impl<S: Scalar> AxisState<S> {
             shaped = low_pass.step(&mut self.low_pass, shaped);
         }
         self.shaped_force = self.force_bump.smooth(config.force_fades, shaped);
-        let asked = self.shaped_force.plus(added);
+        let asked = self.shaped_force + added;
         let (force, limited) = config.velocity.limited(&mut self.velocity, &wanted, asked);
         (force, config.watch.velocity(&mut self.watch, self.velocity.increment(), limited))
     }

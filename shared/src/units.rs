@@ -11,6 +11,8 @@
 //! "Resolves" and "holds" are those of the fixed-point signal; floating point has its own.
 //! On a rotary axis read 1 µdeg for 1 nm (so 1 deg for 1 mm) and N·m for N.
 
+use core::ops::{Add, AddAssign, Sub};
+
 /// Position units in one nanometre.
 pub const PER_NM: i64 = 1 << 20;
 
@@ -52,17 +54,38 @@ impl Position {
     pub fn to_m(self) -> f64 {
         self.0 as f64 / PER_M
     }
+}
 
-    /// How far this lies beyond another place, in position units: exact.
-    #[must_use]
-    pub const fn beyond(self, other: Self) -> i64 {
+/// The distance from `other` to this position, position units: exact (wraps at ±2⁶³, far outside the travel).
+impl Sub for Position {
+    type Output = i64;
+
+    fn sub(self, other: Self) -> i64 {
         self.0.wrapping_sub(other.0)
     }
+}
 
-    /// The place `distance` position units further on.
-    #[must_use]
-    pub const fn moved(self, distance: i64) -> Self {
+/// The position `distance` position units further on.
+impl Add<i64> for Position {
+    type Output = Self;
+
+    fn add(self, distance: i64) -> Self {
         Self(self.0.wrapping_add(distance))
+    }
+}
+
+/// The position `distance` position units further back.
+impl Sub<i64> for Position {
+    type Output = Self;
+
+    fn sub(self, distance: i64) -> Self {
+        Self(self.0.wrapping_sub(distance))
+    }
+}
+
+impl AddAssign<i64> for Position {
+    fn add_assign(&mut self, distance: i64) {
+        *self = *self + distance;
     }
 }
 
@@ -74,8 +97,8 @@ mod tests {
     fn a_metre_and_a_picometre_survive_together() {
         // 1 m + 1 pm = 1.048576e15 + 1048.6 units: the sum is exact, f32 would lose 60 nm of it.
         let metre = Position::from_m(1.0).unwrap();
-        let further = metre.moved(1049);
-        assert_eq!(further.beyond(metre), 1049);
+        let further = metre + 1049;
+        assert_eq!(further - metre, 1049);
         assert_eq!(metre.0, 1_048_576_000_000_000);
     }
 

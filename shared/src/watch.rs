@@ -83,7 +83,7 @@ impl<S: Scalar> Watch<S> {
     #[must_use]
     pub fn position(&self, state: &mut State<S>, seen: &Seen<S>) -> Hazards {
         let disagree = match (seen.table, self.disagreement) {
-            (Some(table), Some(limit)) => table.beyond(seen.motor).unsigned_abs() > limit,
+            (Some(table), Some(limit)) => (table - seen.motor).unsigned_abs() > limit,
             _ => false,
         };
         Hazards::NONE
@@ -99,7 +99,7 @@ impl<S: Scalar> Watch<S> {
     fn leaves_the_travel(&self, state: &mut State<S>, command: Position) -> bool {
         let [least, greatest] = self.travel;
         let [least, greatest] = [least.min(state.allowed), greatest.max(state.allowed)];
-        let leaves = command < least.moved(-BEYOND) || command > greatest.moved(BEYOND);
+        let leaves = command < least - BEYOND || command > greatest + BEYOND;
         if !leaves {
             state.allowed = command.clamp(least, greatest);
         }
@@ -112,16 +112,16 @@ impl<S: Scalar> Watch<S> {
     fn is_frozen(&self, state: &mut State<S>, seen: &Seen<S>) -> bool {
         let Some(frozen) = &self.frozen else { return false };
         let [command, motor] = state.moved;
-        if seen.motor.beyond(motor).unsigned_abs() > frozen.limit / STANDS {
+        if (seen.motor - motor).unsigned_abs() > frozen.limit / STANDS {
             (state.moved, state.asked) = ([seen.command, seen.motor], S::ZERO_SUM);
             return false;
         }
         let [least, greatest] = frozen.asked;
         if state.asked >= least && state.asked <= greatest {
-            state.asked += seen.velocity_command.times(frozen.per_tick);
+            state.asked += seen.velocity_command * frozen.per_tick;
             return false;
         }
-        seen.command.beyond(command).unsigned_abs() > frozen.limit
+        (seen.command - command).unsigned_abs() > frozen.limit
     }
 
     /// With every velocity loop: what the motor has moved since the tick before, and whether the force is

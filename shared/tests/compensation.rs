@@ -48,7 +48,7 @@ impl<S: Scalar> Bench<S> {
         let forces = self.all.forces(&readings);
         for axis in 0..2 {
             self.added[0][axis] = commands[axis] as f64 / PER_M;
-            self.added[1][axis] = readings[axis].motor.beyond(raw[axis].motor) as f64 / PER_M;
+            self.added[1][axis] = (readings[axis].motor - raw[axis].motor) as f64 / PER_M;
             self.added[2][axis] = forces[axis].value();
         }
     }

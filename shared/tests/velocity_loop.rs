@@ -126,7 +126,7 @@ fn integrates_towards_the_range<S: Scalar>() {
         let mut state = State::at(Position(0));
         for _ in 0..ticks {
             let wanted = law.wanted(&mut state, signal(error * c), Position(0));
-            let shaped = wanted.force.plus(S::signal(added * 3.0 * LIMIT_N));
+            let shaped = wanted.force + S::signal(added * 3.0 * LIMIT_N);
             let (force, limited) = law.limited(&mut state, &wanted, shaped);
             assert!(limited && force == S::signal(added * LIMIT_N), "{}", S::NAME);
         }

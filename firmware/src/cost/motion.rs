@@ -202,6 +202,6 @@ impl<S: Scalar> Tick<S> {
     /// How far the motor of the first axis is behind.
     #[must_use]
     pub fn error(&self) -> S {
-        S::from_distance(self.output.commands[0].beyond(self.readings[0].motor))
+        S::from_distance(self.output.commands[0] - self.readings[0].motor)
     }
 }

@@ -241,7 +241,7 @@ mod tests {
 
     /// Distance (nm) that an f32 makes of a distance from 1 m.
     fn kept(nm: f64) -> f64 {
-        let place = Position::from_m(1.0).unwrap().moved(Position::from_m(1e-9 * nm).unwrap().0);
+        let place = Position::from_m(1.0).unwrap() + Position::from_m(1e-9 * nm).unwrap().0;
         1e9 * (f64::from(metres(place)) - 1.0)
     }
 

@@ -222,8 +222,8 @@ mod tests {
         let mut others = outputs.clone();
         for k in 0..5000 {
             let reading = |out: &AxisOutput| Reading {
-                motor: out.command.moved(1000 * k),
-                table: Some(out.command.moved(500 * k)),
+                motor: out.command + 1000 * k,
+                table: Some(out.command + 500 * k),
             };
             let readings: Vec<_> = outputs.iter().map(reading).collect();
             let status = ours.tick(&readings, &mut outputs).unwrap();

@@ -165,9 +165,9 @@ impl<S: Scalar> AxisCompensation<S> {
         self.look_up(state, own, other);
         let looked_up = &state.looked_up;
         let mut sum = looked_up.pitch.widen() + looked_up.straightness.widen();
-        sum += looked_up.intalk.by(own.acceleration);
+        sum += looked_up.intalk * own.acceleration;
         if let Some((source, _)) = &self.crosstalk {
-            sum += looked_up.crosstalk.by(other(*source).acceleration);
+            sum += looked_up.crosstalk * other(*source).acceleration;
         }
         if let Some(backlash) = self.backlash.as_ref().filter(|_| state.is_on(Item::Backlash)) {
             sum += backlash.correction(own).widen();
@@ -214,14 +214,14 @@ impl<S: Scalar> AxisCompensation<S> {
             None if state.reading == none => return motor,
             _ => none,
         };
-        motor.moved(-self.reading.step(&mut state.reading, error).distance())
+        motor - self.reading.step(&mut state.reading, error).distance()
     }
 
     /// With every tick: the force to add.
     pub fn force(&self, state: &mut State<S>, motor: Position) -> S {
         let mut target = state.pulse_force;
         if let Some(ripple) = self.ripple.as_ref().filter(|_| state.is_on(Item::Ripple)) {
-            target = target.minus(ripple.at(motor));
+            target = target - ripple.at(motor);
         }
         self.force.step(&mut state.force, target)
     }

@@ -39,7 +39,7 @@ impl<S: Scalar> Squareness<S> {
     /// What to add to the command, error units: −k·y.
     #[must_use]
     pub fn correction(&self, other: &Motion<S>) -> S::Sum {
-        S::Sum::default() - whole::<S>(other.place).times(self.per_place)
+        S::Sum::default() - whole::<S>(other.place) * self.per_place
     }
 }
 
@@ -75,9 +75,9 @@ impl<S: Scalar> Straightness<S> {
         match self {
             Self::Quadratic(k, scale) => {
                 let most = S::signal(MOST_SQUARED_M / SQUARED_M);
-                let y = S::round(whole::<S>(other.place).times(*scale)).within(most);
+                let y = S::round(whole::<S>(other.place) * *scale).clamp_magnitude(most);
                 // Two factors of at most 250: one below the gain limit is not needed, the product is 62,500.
-                -S::round(S::round(y.by(y)).times(*k))
+                -S::round(S::round(y * y) * *k)
             }
             Self::Over(table) => -table.at(other.place),
         }

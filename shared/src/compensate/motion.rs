@@ -42,11 +42,11 @@ impl<S: Scalar> Motion<S> {
 
     /// The next command.
     pub fn step(&mut self, place: Position) {
-        let increment = place.beyond(self.place);
+        let increment = place - self.place;
         self.acceleration = S::from_increment(increment.wrapping_sub(self.increment_units));
         self.increment = S::from_increment(increment);
         (self.place, self.increment_units) = (place, increment);
-        let on = place.beyond(self.furthest);
+        let on = place - self.furthest;
         self.reversed = false;
         if (on > 0) == self.forward {
             self.furthest = place;

@@ -42,12 +42,12 @@ impl<S: Scalar> Reversal<S> {
         if own.reversed {
             *pulse = if own.forward { self.force } else { -self.force };
         } else {
-            *pulse = pulse.minus(S::round(pulse.times(self.decays)));
+            *pulse = *pulse - S::round(*pulse * self.decays);
         }
         let one = S::signal(1.0);
-        let faded = S::round(own.increment.times(self.fades)).within(one);
-        let left = if faded < S::default() { one.plus(faded) } else { one.minus(faded) };
-        S::round(pulse.by(left))
+        let faded = S::round(own.increment * self.fades).clamp_magnitude(one);
+        let left = if faded < S::default() { one + faded } else { one - faded };
+        S::round(*pulse * left)
     }
 }
 

@@ -29,9 +29,9 @@ impl<S: Scalar> Slew<S> {
 
     /// One tick towards a target. A target that is no number stops where it is.
     pub fn step(&self, value: &mut S, target: S) -> S {
-        let step = target.within(self.bound).minus(*value).within(self.per_tick);
+        let step = (target.clamp_magnitude(self.bound) - *value).clamp_magnitude(self.per_tick);
         if !step.exceeds(self.per_tick) {
-            *value = value.plus(step);
+            *value = *value + step;
         }
         *value
     }

@@ -71,7 +71,7 @@ impl<S: Scalar> Table<S> {
     /// The value at a place.
     #[must_use]
     pub fn at(&self, place: Position) -> S {
-        let beyond = place.beyond(self.start) >> self.shift;
+        let beyond = (place - self.start) >> self.shift;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to the span")]
         let beyond = beyond.clamp(0, i64::from(self.span)) as u32;
         between(&self.values, (u64::from(beyond) * u64::from(self.per_unit)) >> 23)
@@ -174,7 +174,7 @@ fn between<S: Scalar>(values: &[S; POINTS + 1], index: u64) -> S {
     let (whole, part) = ((index >> 32) as usize & (POINTS - 1), index as u32);
     let at = |i: usize| values.get(i).copied().unwrap_or_default();
     let (from, to) = (at(whole), at(whole + 1));
-    from.towards(to, part)
+    from.lerp(to, part)
 }
 
 #[cfg(test)]
@@ -229,7 +229,7 @@ mod tests {
             let period = f64::from(period_nm) * 1e-9;
             let cycle = Cycle::<Fixed>::harmonic("cycle", 100.0, 0.3, period, 1.0, 100.0).unwrap();
             let from = place(at);
-            let on = from.moved(i64::from(turns) * i64::from(period_nm) * crate::units::PER_NM);
+            let on = from + i64::from(turns) * i64::from(period_nm) * crate::units::PER_NM;
             let off = (Scalar::value(cycle.at(on)) - Scalar::value(cycle.at(from))).abs();
             prop_assert!(off < 4e-4, "{off}");
         }

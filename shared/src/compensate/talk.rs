@@ -61,7 +61,7 @@ mod tests {
             motion.step(place(k));
             if k > 2 {
                 let a = (at(k) - 2.0 * at(k - 1) + at(k - 2)) * rate * rate;
-                let made = S::round(talk.correction(motion.place).by(motion.acceleration)).value() * LENGTH_M;
+                let made = S::round(talk.correction(motion.place) * motion.acceleration).value() * LENGTH_M;
                 worst = worst.max((made + c * a).abs() * 1e9);
             }
         }

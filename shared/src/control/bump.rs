@@ -34,12 +34,11 @@ impl<S: Scalar> Bump<S> {
     pub fn smooth(&mut self, share: S::Gain, made: S) -> S {
         let (left, output) = match self.state {
             State::None => return made,
-            State::Changed(last) => (last.minus(made).widen(), last),
-            State::Fading(left) => (left, made.plus(S::round(left))),
+            State::Changed(last) => ((last - made).widen(), last),
+            State::Fading(left) => (left, made + S::round(left)),
         };
         let offset = S::round(left);
-        self.state =
-            if offset == S::default() { State::None } else { State::Fading(left - offset.times(share)) };
+        self.state = if offset == S::default() { State::None } else { State::Fading(left - offset * share) };
         output
     }
 }

@@ -49,15 +49,15 @@ impl State {
     /// At rest at a command that a correction (position units) stands on already.
     #[must_use]
     pub const fn corrected(self, correction: i64) -> Self {
-        Self { last: self.last.moved(correction) }
+        Self { last: Position(self.last.0.wrapping_add(correction)) }
     }
 }
 
 impl<S: Scalar> Feedforward<S> {
     /// How much further than the command the loop aims, in error units.
     pub fn lead(&self, state: &mut State, command: Position) -> S {
-        let increment = S::from_increment(command.beyond(state.last));
+        let increment = S::from_increment(command - state.last);
         state.last = command;
-        S::round(increment.times(self.gain))
+        S::round(increment * self.gain)
     }
 }

@@ -92,16 +92,16 @@ impl<S: Scalar> Filter<S> {
     /// One tick.
     pub fn step(&self, state: &mut State<S>, value: S) -> S {
         let (p, q) = (S::round(state.p), S::round(state.q));
-        let ahead = value.minus(q);
-        let v = p.times(self.a1) + ahead.times(self.a2);
+        let ahead = value - q;
+        let v = p * self.a1 + ahead * self.a2;
         // w − q, without q's own rounding.
-        let w = p.times(self.a2) + ahead.times(self.a3);
+        let w = p * self.a2 + ahead * self.a3;
         state.p = v + (v - state.p);
         state.q += w + w;
         match self.notch {
             // w lies half a step before the new q.
             None => S::round(state.q - w),
-            Some(share) => value.minus(S::round(S::round(v).times(share))),
+            Some(share) => value - S::round(S::round(v) * share),
         }
     }
 }

@@ -109,9 +109,9 @@ impl<S: Scalar> Hpc<S> {
     /// One tick: error in, filtered error out.
     pub fn filter(&self, state: &mut State<S>, error: S) -> S {
         let w = S::round(state.w);
-        let ahead = state.filtered.minus(error);
-        state.y += ahead.times(self.yy) + w.times(self.yw);
-        state.w += ahead.times(self.wy) + w.times(self.ww);
+        let ahead = state.filtered - error;
+        state.y += ahead * self.yy + w * self.yw;
+        state.w += ahead * self.wy + w * self.ww;
         state.filtered = S::round(state.y);
         state.filtered
     }

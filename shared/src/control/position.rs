@@ -55,6 +55,6 @@ impl<S: Scalar> PositionControl<S> {
             Some(hpc) => hpc.filter(&mut state.hpc, error),
             None => error,
         };
-        S::round(state.filtered.times(self.gain))
+        S::round(state.filtered * self.gain)
     }
 }

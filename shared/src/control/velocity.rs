@@ -88,18 +88,18 @@ impl<S: Scalar> State<S> {
 impl<S: Scalar> VelocityControl<S> {
     /// The force for a velocity command and a motor reading.
     pub fn wanted(&self, state: &mut State<S>, command: S, motor: Position) -> Wanted<S> {
-        let increment = S::from_increment(motor.beyond(state.last));
-        let velocity = S::round(increment.times(self.rate) + state.last_increment.times(self.rate_before));
+        let increment = S::from_increment(motor - state.last);
+        let velocity = S::round(increment * self.rate + state.last_increment * self.rate_before);
         state.last = motor;
         state.last_increment = increment;
-        let error = command.minus(velocity);
-        let integral = state.integral + error.times(self.integral);
-        Wanted { force: S::round(error.times(self.proportional) + integral), error, integral }
+        let error = command - velocity;
+        let integral = state.integral + error * self.integral;
+        Wanted { force: S::round(error * self.proportional + integral), error, integral }
     }
 
     /// The force within its limit, and whether it is at it. Keeps the integral unless that would wind up.
     pub fn limited(&self, state: &mut State<S>, wanted: &Wanted<S>, shaped: S) -> (S, bool) {
-        let force = shaped.within(self.force_limit);
+        let force = shaped.clamp_magnitude(self.force_limit);
         let zero = S::default();
         let limited = force != shaped;
         if !(limited && (wanted.error > zero) == (shaped > zero)) {

@@ -80,7 +80,7 @@ impl<S: Scalar> Amplifier<S> {
     #[must_use]
     pub fn duty(&self, force: S) -> Duty {
         // `as` in `to_distance` saturates and makes nothing of a NaN; so the magnitude fits, too.
-        let scaled = S::to_distance(force.times(self.gain));
+        let scaled = S::to_distance(force * self.gain);
         let rounded = (scaled.unsigned_abs() >> (self.shift - 1)).wrapping_add(1) >> 1;
         let counts = u16::try_from(rounded).unwrap_or(self.most).min(self.most);
         Duty { reverse: counts > 0 && (scaled < 0) != self.inverted, counts }

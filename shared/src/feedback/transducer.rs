@@ -79,7 +79,7 @@ impl Transducer {
     /// and what was between the two. With a `near` that is further off, whole cycles are lost.
     pub fn resume(&mut self, phase: Phase, near: Position) -> Position {
         let found = self.read(phase);
-        let cycles = high(near.beyond(found), self.inverse, 1 << 63);
+        let cycles = high(near - found, self.inverse, 1 << 63);
         let missed = cycles.wrapping_mul(i64::from(self.step)) << 32;
         self.travelled = self.travelled.wrapping_add(missed);
         self.read(phase)

@@ -114,7 +114,7 @@ impl<const N: usize> Arc<N> {
         positive: bool,
     ) -> Result<Self, PathError> {
         let circle = Self::circle(start, plane, centre)?;
-        let to = [end[0].beyond(centre[0]), end[1].beyond(centre[1])];
+        let to = [end[0] - centre[0], end[1] - centre[1]];
         if to == circle.radius {
             return Err(PathError::CoincidentEndPoints);
         }
@@ -130,7 +130,7 @@ impl<const N: usize> Arc<N> {
         let (Some(end_x), Some(end_y)) = (arc.end.get_mut(x).copied(), arc.end.get_mut(y).copied()) else {
             return Err(PathError::BadPlane);
         };
-        let by = [end[0].beyond(end_x), end[1].beyond(end_y)];
+        let by = [end[0] - end_x, end[1] - end_y];
         let length = u128::from(arc.length.unsigned_abs().max(1));
         let per_length = (length_of(by) << 32) / length;
         if off > 0 && per_length > MOST_OFF_PER_LENGTH {
@@ -158,10 +158,10 @@ impl<const N: usize> Arc<N> {
         if first == second {
             return Err(PathError::BadPlane);
         }
-        let radius = [x.beyond(centre[0]), y.beyond(centre[1])];
+        let radius = [x - centre[0], y - centre[1]];
         let length_of_radius = length_of(radius);
         // All of the circle lies within the travel.
-        let reach = |c: Position| u128::from(c.beyond(Position(0)).unsigned_abs()) + length_of_radius;
+        let reach = |c: Position| u128::from((c - Position(0)).unsigned_abs()) + length_of_radius;
         if centre.into_iter().any(|c| reach(c) > MOST_REACH) {
             return Err(PathError::TooLarge(Field::Centre));
         }
@@ -227,10 +227,10 @@ impl<const N: usize> Arc<N> {
         for ((axis, centre), quarter) in self.plane.into_iter().zip(self.centre).zip([0.0, 0.25]) {
             let Some([least, greatest]) = extent.get_mut(axis) else { continue };
             if passes(quarter) {
-                *greatest = (*greatest).max(centre.moved(radius));
+                *greatest = (*greatest).max(centre + radius);
             }
             if passes(quarter + 0.5) {
-                *least = (*least).min(centre.moved(-radius));
+                *least = (*least).min(centre - radius);
             }
         }
         extent
@@ -271,7 +271,7 @@ impl<const N: usize> Arc<N> {
             let part = u32::try_from(part).unwrap_or(u32::MAX);
             for (axis, by) in self.plane.into_iter().zip(off.by) {
                 if let Some(place) = point.get_mut(axis) {
-                    *place = place.moved(mul_q32(by, part));
+                    *place += mul_q32(by, part);
                 }
             }
         }
@@ -298,8 +298,8 @@ impl<const N: usize> Arc<N> {
         // Two more fraction bits, so that the products together are within a unit.
         let [dx, dy] = self.radius.map(|r| r << 4);
         let rounded = |quarters: i64| (quarters + 2) >> 2;
-        let x = self.centre[0].moved(rounded(mul_high(dx, cosine) - mul_high(dy, sine)));
-        let y = self.centre[1].moved(rounded(mul_high(dx, sine) + mul_high(dy, cosine)));
+        let x = self.centre[0] + rounded(mul_high(dx, cosine) - mul_high(dy, sine));
+        let y = self.centre[1] + rounded(mul_high(dx, sine) + mul_high(dy, cosine));
         let mut point = self.start;
         // `get_mut` leaves no panic behind; `plan` has checked the plane.
         if let Some(place) = point.get_mut(self.plane[0]) {
@@ -344,15 +344,15 @@ mod tests {
             prop_assert_eq!(arc.end(), start);
             let r = |p: [Position; 2]| {
                 let square = |d: i64| i128::from(d) * i128::from(d);
-                (square(p[0].beyond(about[0])) + square(p[1].beyond(about[1]))).unsigned_abs().isqrt()
+                (square(p[0] - about[0]) + square(p[1] - about[1])).unsigned_abs().isqrt()
             };
             let distance = (arc.length() as f64 * way) as i64;
             let off = r(arc.at(distance)).abs_diff(r(start));
             prop_assert!(off < u128::from(PER_NM.unsigned_abs()) / 10, "{off} units off");
             // The last point before the end joins it: 2π·R·turns fits the phase to 0.1 nm.
             let last = arc.at(arc.length());
-            prop_assert!(last[0].beyond(start[0]).abs() < PER_NM / 5);
-            prop_assert!(last[1].beyond(start[1]).abs() < PER_NM / 5);
+            prop_assert!((last[0] - start[0]).abs() < PER_NM / 5);
+            prop_assert!((last[1] - start[1]).abs() < PER_NM / 5);
         }
     }
 
@@ -375,8 +375,8 @@ mod tests {
             let half_step = arc.length() as f64 / 8192.0;
             let short = (half_step * half_step / 2.0 / arc.curvature_radius() as f64) as i64 + PER_NM;
             for (i, [low, high]) in arc.extent().into_iter().enumerate() {
-                prop_assert!((-PER_NM..=short).contains(&least[i].beyond(low)), "{i}: {}", least[i].beyond(low));
-                prop_assert!((-PER_NM..=short).contains(&high.beyond(greatest[i])), "{i}: {}", high.beyond(greatest[i]));
+                prop_assert!((-PER_NM..=short).contains(&(least[i] - low)), "{i}: {}", least[i] - low);
+                prop_assert!((-PER_NM..=short).contains(&(high - greatest[i])), "{i}: {}", high - greatest[i]);
             }
         }
     }

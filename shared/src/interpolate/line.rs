@@ -22,7 +22,7 @@ impl<const N: usize> Line<N> {
     pub fn plan(start: [Position; N], end: [Position; N]) -> Result<Self, PathError> {
         let mut squares = 0u128;
         for (from, to) in start.iter().zip(&end) {
-            let distance = u128::from(to.beyond(*from).unsigned_abs());
+            let distance = u128::from((*to - *from).unsigned_abs());
             squares += distance * distance;
         }
         let length = squares.isqrt();
@@ -35,7 +35,7 @@ impl<const N: usize> Line<N> {
             reason = "|direction| ≤ 1, length < 2⁵⁹"
         )]
         let along = |axis: usize| {
-            let distance = i128::from(end[axis].beyond(start[axis]));
+            let distance = i128::from(end[axis] - start[axis]);
             ((distance << 62) / length as i128) as i64
         };
         #[expect(clippy::cast_possible_truncation, reason = "travel is limited to ±100 m, 2⁵⁷ units")]
@@ -71,7 +71,7 @@ impl<const N: usize> Line<N> {
     pub fn at(&self, distance: i64) -> [Position; N] {
         let mut point = self.start;
         for (place, direction) in point.iter_mut().zip(&self.direction) {
-            *place = place.moved(mul_shift::<62>(distance, *direction));
+            *place += mul_shift::<62>(distance, *direction);
         }
         point
     }

@@ -216,7 +216,7 @@ mod tests {
         machine.enable();
         let output = machine.tick(&at(0.051));
         // The path stands where the axis was: no jump back.
-        assert!(output.enabled && output.forces[0].to_num::<f64>().abs() < 1e-3);
+        assert!(output.enabled && output.forces[0].value().abs() < 1e-3);
     }
 
     #[test]

@@ -150,7 +150,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     fn displaced(&self, state: &State<S, N>, readings: &[Reading; N]) -> Option<Fault> {
         let places = self.places(state, readings).into_iter().zip(state.path.command());
         let mut axes = (0..).zip(places);
-        let axis = axes.find(|(_, (place, command))| place.beyond(*command).unsigned_abs() > DISPLACED);
+        let axis = axes.find(|&(_, (place, command))| (place - command).unsigned_abs() > DISPLACED);
         axis.map(|(axis, _)| Fault::Axis { axis, hazard: Hazard::Displaced })
     }
 
@@ -161,7 +161,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         for (((place, config), reading), added) in
             places.iter_mut().zip(&self.axes).zip(readings).zip(standing)
         {
-            *place = config.feedback.settled(reading.motor, reading.table).moved(-added);
+            *place = config.feedback.settled(reading.motor, reading.table) - added;
         }
         places
     }

@@ -111,7 +111,7 @@ fn before_the_first_enable_the_command_follows_the_axis() {
     let output = machine.tick(&reading);
     assert_eq!((output.warning, output.done), (None, false));
     // The first tick of a ramp of 2 m/s² is 2/4000² m = 0.125 µm long at most: 250 N·s at Kp = 50, Kv = 20,000 are 0.2 N.
-    assert!(output.commands[0].beyond(place).unsigned_abs() <= 131_072 * 1000);
+    assert!((output.commands[0] - place).unsigned_abs() <= 131_072 * 1000);
     assert!(output.forces[0].abs() < 1.0, "{}", output.forces[0]);
 }
 
