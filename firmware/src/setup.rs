@@ -101,7 +101,7 @@ pub fn drive_system(
 ) -> Result<DriveSystem<'_, Fixed, AXES>, SetupError> {
     machine.configure(MachineConfig::new(RATES, &SETTINGS)?, &[Position(0); AXES]);
     if let Some(fault) = ended {
-        machine.restarted_after(fault);
+        machine.inhibit_enable(fault);
     }
     let [x, y] = FULL_DUTY_N;
     let amplifiers = [Amplifier::new(x, full_counts)?, Amplifier::new(y, full_counts)?];

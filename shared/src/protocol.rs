@@ -92,7 +92,7 @@ pub enum Answer {
     /// Refused; see [`Refusal`].
     Refused(Refusal),
     /// Result of a tick.
-    Tick(Ticked),
+    Tick(TickResult),
 }
 
 /// Why an order was refused. The host has the same code and can say more.
@@ -115,7 +115,7 @@ pub enum Refusal {
 
 /// What a tick gave.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Ticked {
+pub struct TickResult {
     /// Bits of the force of each axis in the format of the setup.
     pub force_bits: [u64; AXES],
     /// Command of each axis.
@@ -163,7 +163,7 @@ mod tests {
         let mut frame = [0; FRAME];
         encode(&order, &mut frame).unwrap();
         assert_eq!(decode::<Order>(&frame).unwrap(), order);
-        let answer = Answer::Tick(Ticked {
+        let answer = Answer::Tick(TickResult {
             force_bits: [u64::MAX; AXES],
             commands: [far; AXES],
             power: Power::Faulted(Fault::Overrun),

@@ -3,7 +3,7 @@
 use crate::axis::Reading;
 use crate::machine::{Machine, MachineConfig, MachineError, Output};
 use crate::protocol::{
-    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, Part, Refusal, Setup, Ticked, decode,
+    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, Part, Refusal, Setup, TickResult, decode,
 };
 use crate::scalar::{Fixed, Scalar};
 
@@ -63,7 +63,7 @@ impl Session {
                 // Whatever was under way in parts, the host has turned to something else.
                 self.parts.clear();
                 match whole {
-                    Ok(order) => self.machine.carry_out(&order, meter),
+                    Ok(order) => self.machine.execute(&order, meter),
                     Err(_) => Some(Answer::Refused(Refusal::Unreadable)),
                 }
             }
@@ -82,21 +82,21 @@ impl Session {
         let order = decode(&self.parts);
         self.parts.clear();
         match order {
-            Ok(order) => self.machine.carry_out(&order, meter),
+            Ok(order) => self.machine.execute(&order, meter),
             Err(_) => Some(Answer::Refused(Refusal::Unreadable)),
         }
     }
 }
 
 impl Kind {
-    fn carry_out(&mut self, order: &Order, meter: &mut impl Meter) -> Option<Answer> {
+    fn execute(&mut self, order: &Order, meter: &mut impl Meter) -> Option<Answer> {
         Some(match (order, self) {
             (Order::End, _) => return None,
             (Order::Setup(setup), kind) => kind.set_up(setup),
             (_, Self::Empty) => Answer::Refused(Refusal::NotSetUp),
-            (order, Self::Fixed(machine)) => carry_out(machine, order, meter),
-            (order, Self::F32(machine)) => carry_out(machine, order, meter),
-            (order, Self::F64(machine)) => carry_out(machine, order, meter),
+            (order, Self::Fixed(machine)) => execute(machine, order, meter),
+            (order, Self::F32(machine)) => execute(machine, order, meter),
+            (order, Self::F64(machine)) => execute(machine, order, meter),
         })
     }
 
@@ -120,7 +120,7 @@ impl Kind {
     }
 }
 
-fn carry_out<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &mut impl Meter) -> Answer {
+fn execute<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &mut impl Meter) -> Answer {
     match order {
         Order::Compensate(axis, settings) => answer(machine.compensate(usize::from(*axis), settings)),
         Order::Switch(axis, item, on) => answer(machine.switch(usize::from(*axis), *item, *on)),
@@ -138,7 +138,7 @@ fn carry_out<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &m
             meter.start();
             let output = tick(machine, readings);
             let cost = meter.stop();
-            Answer::Tick(Ticked {
+            Answer::Tick(TickResult {
                 force_bits: output.forces.map(Scalar::bits),
                 commands: output.commands,
                 power: machine.power(),

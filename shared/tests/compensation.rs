@@ -359,9 +359,7 @@ fn rates_that_round_away_are_refused() {
     };
     assert!(matches!(made(1e-7, 1e4), Some(ConfigError::OutOfRange { name: "position_rate_m_per_s", .. })));
     // 50 of 2⁻¹⁴ N at 20 kHz.
-    assert!(
-        matches!(made(1e-3, 1.0), Some(ConfigError::OutOfRange { name: "force_rate_n_per_s", least, .. })
-        if (61.0..61.1).contains(&least))
-    );
+    assert!(matches!(made(1e-3, 1.0), Some(ConfigError::OutOfRange { name: "force_rate_n_per_s", min, .. })
+        if (61.0..61.1).contains(&min)));
     assert_eq!(made(1e-3, 100.0), None);
 }

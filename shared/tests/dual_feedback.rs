@@ -56,7 +56,7 @@ struct Positions<S: Scalar> {
 impl<S: Scalar> Resolver for Positions<S> {
     fn new(tick_s: f64, shift_time_s: f64) -> Self {
         let feedback =
-            Feedback::Dual { share: S::gain(share(tick_s, shift_time_s)), fade: Fade::new(2000.0) };
+            Feedback::Dual { fraction: S::gain(share(tick_s, shift_time_s)), fade: Fade::new(2000.0) };
         Self { feedback, state: State::default() }
     }
 

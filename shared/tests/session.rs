@@ -7,9 +7,9 @@ use shared::config::{AxisSettings, Rates};
 use shared::interpolate::Block;
 use shared::machine::{Machine, Reading};
 use shared::protocol::{
-    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, PART, Part, Setup, Ticked, encode,
+    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, PART, Part, Setup, TickResult, encode,
 };
-use shared::safety::{Fault, Hazard, Power};
+use shared::safety::{Fault, FaultKind, Power};
 use shared::scalar::{Fixed, Scalar};
 use shared::session::{Meter, NoMeter, Session};
 use shared::units::Position;
@@ -49,7 +49,7 @@ impl Host {
     }
 
     /// A tick with both axes somewhere.
-    fn tick(&mut self, at_m: f64) -> Ticked {
+    fn tick(&mut self, at_m: f64) -> TickResult {
         let motor = Position::from_m(at_m).unwrap();
         match self.ask(&Order::Tick([Reading { motor, table: None }; AXES])) {
             Answer::Tick(ticked) => ticked,
@@ -86,7 +86,7 @@ fn disable_acknowledges_a_fault() {
         host.ask(&Order::Enable);
         host.tick(0.0);
         // 60 mm off is more than the 50 mm that are declared; seen when the position loop is due.
-        let fault = Power::Faulted(Fault::Axis { axis: 0, hazard: Hazard::FollowingError });
+        let fault = Power::Faulted(Fault::Axis { axis: 0, kind: FaultKind::FollowingError });
         assert!((0..RATES.position_loop_divider).any(|_| host.tick(0.06).power == fault));
         host.ask(&Order::Enable);
         assert_eq!(host.tick(0.06).power, fault);

@@ -7,7 +7,7 @@ use shared::drive::{Board, DriveSystem, Duty};
 use shared::feedback::encoder::Encoder;
 use shared::interpolate::Block;
 use shared::machine::Machine;
-use shared::safety::{Fault, Hazard, Power};
+use shared::safety::{Fault, FaultKind, Power};
 use shared::scalar::Fixed;
 
 /// PWM counts on the board: 168 MHz / 20 kHz.
@@ -56,11 +56,11 @@ impl Board<AXES> for Bench {
         })
     }
 
-    fn switch_closed(&mut self) -> bool {
+    fn enable_switch_closed(&mut self) -> bool {
         self.closed
     }
 
-    fn is_stopped(&mut self) -> bool {
+    fn hardware_stop_active(&mut self) -> bool {
         false
     }
 
@@ -76,7 +76,7 @@ impl Board<AXES> for Bench {
         self.lit = lit;
     }
 
-    fn is_late(&mut self) -> bool {
+    fn next_tick_due(&mut self) -> bool {
         false
     }
 }
@@ -171,7 +171,7 @@ fn a_frozen_encoder_cuts_the_stages() {
         ticks += 1;
         assert!(ticks < 40_000, "{:?}", bench.place_m);
     }
-    let fault = Fault::Axis { axis: 0, hazard: Hazard::EncoderFrozen };
+    let fault = Fault::Axis { axis: 0, kind: FaultKind::EncoderFrozen };
     assert_eq!(system.machine_mut().power(), Power::Faulted(fault));
     assert!(!bench.enabled);
     assert!(bench.place_m[0] < -0.002 && bench.place_m[0] > -0.0035, "{:?}", bench.place_m);

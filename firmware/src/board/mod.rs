@@ -97,11 +97,11 @@ impl Board<AXES> for Hardware {
         [self.x.position(), self.y.position()].map(|motor| Reading { motor, table: None })
     }
 
-    fn switch_closed(&mut self) -> bool {
+    fn enable_switch_closed(&mut self) -> bool {
         self.enable_switch.is_high()
     }
 
-    fn is_stopped(&mut self) -> bool {
+    fn hardware_stop_active(&mut self) -> bool {
         self.stages.are_stopped()
     }
 
@@ -118,7 +118,7 @@ impl Board<AXES> for Hardware {
         self.fault_light.set_state((!lit).into());
     }
 
-    fn is_late(&mut self) -> bool {
+    fn next_tick_due(&mut self) -> bool {
         self.tick_timer.is_due()
     }
 }

@@ -10,7 +10,8 @@ use super::settings::{self, CompensationSettings};
 use super::slew::Slew;
 use super::table::Cycle;
 use super::talk::Talk;
-use crate::config::{ConfigError, Rates, positive, ranged};
+use crate::config::check::{positive, ranged};
+use crate::config::{ConfigError, Rates};
 use crate::scalar::Scalar;
 use crate::units::{LENGTH_M, Position};
 
@@ -106,7 +107,7 @@ impl<S: Scalar> AxisCompensation<S> {
             if usize::from(axis) < axes {
                 Ok(axis)
             } else {
-                Err(ConfigError::OutOfRange { name, least: 0.0, most: axes as f64 - 1.0 })
+                Err(ConfigError::OutOfRange { name, min: 0.0, max: axes as f64 - 1.0 })
             }
         };
         let cycle = |name, cycle: &Option<settings::Cycle>, unit, bound| {

@@ -17,7 +17,7 @@ impl<S: Scalar> Backlash<S> {
     /// # Errors
     /// Names `backlash_width_m` where it is negative, or half of it beyond the bound.
     pub fn new(width_m: f64, bound_m: f64) -> Result<Self, ConfigError> {
-        let width = crate::config::ranged("backlash_width_m", width_m, 0.0, 2.0 * bound_m)?;
+        let width = crate::config::check::ranged("backlash_width_m", width_m, 0.0, 2.0 * bound_m)?;
         Ok(Self { half: S::signal(width / 2.0 / LENGTH_M) })
     }
 

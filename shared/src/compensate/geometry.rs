@@ -4,7 +4,8 @@ use super::motion::Motion;
 use super::pitch::over;
 use super::settings;
 use super::table::Table;
-use crate::config::{ConfigError, gain};
+use crate::config::ConfigError;
+use crate::config::check::gain;
 use crate::scalar::Scalar;
 use crate::units::{LENGTH_M, Position};
 

@@ -8,7 +8,8 @@
 
 use super::motion::Motion;
 use super::settings;
-use crate::config::{ConfigError, gain, positive, ranged};
+use crate::config::ConfigError;
+use crate::config::check::{gain, positive, ranged};
 use crate::scalar::Scalar;
 use crate::units::INCREMENT_M;
 

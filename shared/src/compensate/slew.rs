@@ -23,8 +23,8 @@ impl<S: Scalar> Slew<S> {
         if (step.value() - exact).abs() <= 0.01 * exact && exact < S::SIGNAL_LIMIT {
             return Ok(step);
         }
-        let least = 50.0 * S::SIGNAL_STEP * unit;
-        Err(ConfigError::OutOfRange { name, least, most: S::SIGNAL_LIMIT * unit })
+        let min = 50.0 * S::SIGNAL_STEP * unit;
+        Err(ConfigError::OutOfRange { name, min, max: S::SIGNAL_LIMIT * unit })
     }
 
     /// One tick towards a target. A target that is no number stops where it is.

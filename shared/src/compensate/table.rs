@@ -50,7 +50,7 @@ impl<S: Scalar> Table<S> {
         }
         let values = signals(name, points, unit, bound)?;
         let length = spacing_m * (points.len() - 1) as f64;
-        let out_of_range = ConfigError::OutOfRange { name, least: 0.0, most: TRAVEL_LIMIT_M };
+        let out_of_range = ConfigError::OutOfRange { name, min: 0.0, max: TRAVEL_LIMIT_M };
         // Shorter than 2³⁰ units, 1 µm, it would not have those bits.
         if !(1.1e-6..TRAVEL_LIMIT_M).contains(&length) {
             return Err(out_of_range);
@@ -93,7 +93,7 @@ impl<S: Scalar> Cycle<S> {
         let mut round = [0.0; POINTS];
         let count = points.len();
         if !(2..=POINTS).contains(&count) {
-            return Err(ConfigError::OutOfRange { name, least: 2.0, most: POINTS as f64 });
+            return Err(ConfigError::OutOfRange { name, min: 2.0, max: POINTS as f64 });
         }
         // As many points as the table has places, so that the phase is the index.
         for (k, value) in round.iter_mut().enumerate() {
@@ -107,7 +107,7 @@ impl<S: Scalar> Cycle<S> {
         let values = signals(name, &round, unit, bound)?;
         let units = period_m * PER_M / 4096.0;
         if !(units >= 1.0 && period_m < TRAVEL_LIMIT_M) {
-            return Err(ConfigError::OutOfRange { name, least: 4096.0 / PER_M, most: TRAVEL_LIMIT_M });
+            return Err(ConfigError::OutOfRange { name, min: 4096.0 / PER_M, max: TRAVEL_LIMIT_M });
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates at one unit")]
         let per_unit = libm::rint(18_446_744_073_709_551_616.0 / units) as u64;
@@ -147,7 +147,7 @@ fn signals<S: Scalar>(
     bound: f64,
 ) -> Result<[S; POINTS + 1], ConfigError> {
     if points.len() > POINTS {
-        return Err(ConfigError::OutOfRange { name, least: 2.0, most: POINTS as f64 });
+        return Err(ConfigError::OutOfRange { name, min: 2.0, max: POINTS as f64 });
     }
     let mut values = [S::default(); POINTS + 1];
     for (value, &point) in values.iter_mut().zip(points) {
@@ -155,7 +155,7 @@ fn signals<S: Scalar>(
             return Err(ConfigError::NotFinite(name));
         }
         if point.abs() > bound {
-            return Err(ConfigError::OutOfRange { name, least: -bound, most: bound });
+            return Err(ConfigError::OutOfRange { name, min: -bound, max: bound });
         }
         *value = S::signal(point / unit);
     }

@@ -27,7 +27,7 @@ impl<S: Scalar> Talk<S> {
         let most = unit * S::GAIN_LIMIT.min(1e9);
         Ok(match settings {
             settings::Talk::Constant(value) => {
-                Self::Constant(S::signal(crate::config::ranged(name, *value, -most, most)? / unit))
+                Self::Constant(S::signal(crate::config::check::ranged(name, *value, -most, most)? / unit))
             }
             settings::Talk::Over(points) => Self::Over(over(points, name, unit, most)?),
         })

@@ -1,6 +1,6 @@
 //! What a board has to provide.
 
-use super::duty::Duty;
+use super::amplifier::Duty;
 use crate::axis::Reading;
 
 /// The world outside the controller, as a board sees it.
@@ -9,11 +9,11 @@ pub trait Board<const N: usize> {
     fn readings(&mut self) -> [Reading; N];
 
     /// Whether the enable switch is closed. A broken wire must read as open.
-    fn switch_closed(&mut self) -> bool;
+    fn enable_switch_closed(&mut self) -> bool;
 
     /// Whether the hardware has cut the power stages by itself: emergency stop, or a fault of a stage. It stays true
     /// while the cause is there.
-    fn is_stopped(&mut self) -> bool;
+    fn hardware_stop_active(&mut self) -> bool;
 
     /// Sets PWM and direction of every axis for the next period of the PWM, both in the same one.
     fn set_duties(&mut self, duties: [Duty; N]);
@@ -26,5 +26,5 @@ pub trait Board<const N: usize> {
     fn set_light(&mut self, lit: bool);
 
     /// Whether the next tick is due already.
-    fn is_late(&mut self) -> bool;
+    fn next_tick_due(&mut self) -> bool;
 }

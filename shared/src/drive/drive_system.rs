@@ -1,7 +1,7 @@
 //! The controller with its power stages, enable switch and status light.
 
+use super::amplifier::{Amplifier, Duty};
 use super::board::Board;
-use super::duty::{Amplifier, Duty};
 use super::enable_switch::{EnableSwitch, SwitchEvent};
 use super::status_light::StatusLight;
 use crate::machine::Machine;
@@ -36,18 +36,18 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
 
     /// One tick, from the sensors to the power stages. Cannot fail; a fault leaves them off.
     pub fn tick(&mut self, board: &mut impl Board<N>) {
-        match self.switch.look(board.switch_closed()) {
+        match self.switch.look(board.enable_switch_closed()) {
             Some(SwitchEvent::Enable) => self.machine.enable(),
             Some(SwitchEvent::Disable) => self.machine.disable(),
             None => {}
         }
         let output = self.machine.tick(&board.readings());
         // Before the stages are enabled: those that are stopped do not come on.
-        if board.is_stopped() {
+        if board.hardware_stop_active() {
             self.machine.fault(Fault::HardwareStop);
         }
         self.drive(board, &output.forces);
-        if board.is_late() {
+        if board.next_tick_due() {
             self.machine.fault(Fault::Overrun);
             self.drive(board, &output.forces);
         }
@@ -77,7 +77,7 @@ mod tests {
     use crate::axis::Reading;
     use crate::config::{AxisSettings, Rates};
     use crate::interpolate::Block;
-    use crate::safety::{Hazard, Power};
+    use crate::safety::{FaultKind, Power};
     use crate::scalar::Fixed;
     use crate::units::Position;
 
@@ -100,11 +100,11 @@ mod tests {
             [Reading { motor: self.at, table: None }]
         }
 
-        fn switch_closed(&mut self) -> bool {
+        fn enable_switch_closed(&mut self) -> bool {
             self.closed
         }
 
-        fn is_stopped(&mut self) -> bool {
+        fn hardware_stop_active(&mut self) -> bool {
             self.stopped
         }
 
@@ -120,7 +120,7 @@ mod tests {
             self.lit = lit;
         }
 
-        fn is_late(&mut self) -> bool {
+        fn next_tick_due(&mut self) -> bool {
             self.late
         }
     }
@@ -224,7 +224,7 @@ mod tests {
         let (mut system, mut bench) = running();
         bench.at = Position::from_m(2e-3).unwrap();
         system.tick(&mut bench);
-        let fault = Fault::Axis { axis: 0, hazard: Hazard::FollowingError };
+        let fault = Fault::Axis { axis: 0, kind: FaultKind::FollowingError };
         assert_off(&system, &bench, Power::Faulted(fault));
     }
 
@@ -240,7 +240,7 @@ mod tests {
         for _ in 0..2000 {
             follow(&mut system, &mut bench);
         }
-        let fault = Fault::Axis { axis: 0, hazard: Hazard::SoftLimit };
+        let fault = Fault::Axis { axis: 0, kind: FaultKind::SoftLimit };
         system.machine.fault(fault);
         let mut ticks = 0;
         while system.machine.power() == Power::Stopping(fault) {
@@ -258,7 +258,7 @@ mod tests {
     #[test]
     fn a_warning_is_shown() {
         let (mut system, mut bench) = running();
-        system.machine.fault(Fault::Axis { axis: 0, hazard: Hazard::ScaleLost });
+        system.machine.fault(Fault::Axis { axis: 0, kind: FaultKind::ScaleLost });
         let lit = (0..4 * BLINK).map(|_| {
             system.tick(&mut bench);
             bench.lit

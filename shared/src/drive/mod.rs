@@ -3,14 +3,14 @@
 //! A board implements [`Board`] over its timers and pins and calls [`DriveSystem::tick`] from a timer interrupt. Every
 //! decision is made in this module, so that it can be tested on a host.
 
+pub mod amplifier;
 pub mod board;
 pub mod drive_system;
-pub mod duty;
 pub mod enable_switch;
 pub mod status_light;
 
+pub use amplifier::{Amplifier, DriveError, Duty};
 pub use board::Board;
 pub use drive_system::DriveSystem;
-pub use duty::{Amplifier, DriveError, Duty};
 pub use enable_switch::{EnableSwitch, SwitchEvent};
 pub use status_light::StatusLight;

@@ -36,7 +36,7 @@ const ARC: [u32; 6] = [683_565_273, 227_854_666, 136_692_706, 97_231_423, 71_641
 impl Phase {
     /// A counter of 16 bits: its whole range is a cycle.
     #[must_use]
-    pub const fn of_counter(raw: u16) -> Self {
+    pub const fn from_counter(raw: u16) -> Self {
         Self((raw as u32) << 16)
     }
 
@@ -49,16 +49,16 @@ impl Phase {
     /// The phase whose sine and cosine were sampled, in converter counts with their offset taken off,
     /// from 2 bits to 32.
     ///
-    /// `None`: the signal is lost. What is compared with `least_amplitude` is long + short/2, which is
+    /// `None`: the signal is lost. What is compared with `min_amplitude` is long + short/2, which is
     /// between 1 and 1.12 times the amplitude, so every signal of that amplitude passes, and none below
     /// 0.89 times it. A signal of zero is lost whatever is asked for. Half of the amplitude that the
     /// converter sees in good order is a fair value.
     #[must_use]
-    pub fn from_samples(sine: i32, cosine: i32, least_amplitude: u32) -> Option<Self> {
+    pub fn from_samples(sine: i32, cosine: i32, min_amplitude: u32) -> Option<Self> {
         let (across, along) = (sine.unsigned_abs(), cosine.unsigned_abs());
         let steep = across > along;
         let (long, short) = if steep { (across, along) } else { (along, across) };
-        if long.wrapping_add(short >> 1) < least_amplitude.max(1) {
+        if long.wrapping_add(short >> 1) < min_amplitude.max(1) {
             return None;
         }
         let octant = octant(long, short);

@@ -20,7 +20,7 @@ use super::phase::Phase;
 use crate::units::Position;
 
 /// Shortest cycle, m: 2³¹ of them, which is what the sum holds, are 107 m.
-pub const LEAST_PITCH_M: f64 = 50e-9;
+pub const MIN_PITCH_M: f64 = 50e-9;
 
 /// Something that shows a phase and is asked for a position.
 #[derive(Clone, Copy, Debug)]
@@ -43,12 +43,12 @@ impl Transducer {
     /// A resolver: the lead and its pole pairs. A linear scale: its pitch and 1, or its length and the
     /// cycles on it. A counter: 65,536 times the lead and the counts in a lead.
     ///
-    /// `None` unless a cycle is [`LEAST_PITCH_M`] or longer and the distance within
+    /// `None` unless a cycle is [`MIN_PITCH_M`] or longer and the distance within
     /// [`crate::units::TRAVEL_LIMIT_M`].
     #[must_use]
     pub fn new(distance_m: f64, cycles: u32, start: Phase) -> Option<Self> {
         let distance = Position::from_m(distance_m)?.0;
-        if cycles == 0 || distance_m.abs() / f64::from(cycles) < LEAST_PITCH_M {
+        if cycles == 0 || distance_m.abs() / f64::from(cycles) < MIN_PITCH_M {
             return None;
         }
         let bits = 64 - (distance.unsigned_abs() / u64::from(cycles)).leading_zeros();

@@ -40,7 +40,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
 
     /// Least and greatest command of each axis.
     pub(super) fn travel(&self) -> [[Position; 2]; N] {
-        self.axes.each_ref().map(|axis| axis.watch.travel)
+        self.axes.each_ref().map(|axis| axis.monitor.travel)
     }
 
     /// Deceleration of a stop along the path: the least of the axes, position units per position tick² with 16

@@ -139,8 +139,8 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
 
     /// Reports, once the machine is configured, that the run before ended by a fault: it has to be acknowledged like one
     /// of this run.
-    pub fn restarted_after(&mut self, fault: Fault) {
-        self.state.power = self.state.power.after(Event::Found(fault));
+    pub fn inhibit_enable(&mut self, fault: Fault) {
+        self.state.power = self.state.power.after(Event::Inhibit(fault));
     }
 
     /// Reports a fault from outside, such as an overrun.
@@ -166,7 +166,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     ///
     /// While the drives are off and no path waits, the command goes where the axes are moved, so that they do not jump
     /// when they are enabled. A path that the drives going off has broken off is forgotten, and so is one that waits
-    /// where the axes no longer are when they are enabled ([`Hazard::Displaced`](crate::safety::Hazard::Displaced)).
+    /// where the axes no longer are when they are enabled ([`FaultKind::Displaced`](crate::safety::FaultKind::Displaced)).
     pub fn tick(&mut self, readings: &[Reading; N]) -> Output<S, N> {
         match &self.config {
             Some(config) => config.tick(&mut self.state, readings),
@@ -178,7 +178,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::safety::Hazard;
+    use crate::safety::FaultKind;
     use crate::scalar::Fixed;
 
     fn machine() -> Machine<Fixed, 1> {
@@ -208,7 +208,7 @@ mod tests {
         for _ in 0..5 {
             machine.tick(&at(0.051));
         }
-        assert_eq!(machine.power(), Power::Faulted(Fault::Axis { axis: 0, hazard: Hazard::FollowingError }));
+        assert_eq!(machine.power(), Power::Faulted(Fault::Axis { axis: 0, kind: FaultKind::FollowingError }));
         machine.enable();
         assert!(!machine.tick(&at(0.051)).enabled);
         machine.disable();

@@ -6,13 +6,13 @@ use crate::axis::{AxisState, Reading};
 use crate::compensate::Compensation;
 use crate::config::AxisConfig;
 use crate::interpolate::Path;
-use crate::safety::{Event, Fault, Hazard, Hazards, Power, Reaction};
+use crate::safety::{Event, Fault, FaultKind, FaultSet, Power, Reaction};
 use crate::scalar::Scalar;
 use crate::units::{PER_NM, Position};
 
 /// An axis that stands further than this from where the waiting path begins has been moved: 0.1 mm. With a position
 /// gain of 50 /s it would start at 5 mm/s.
-const DISPLACED: u64 = 100_000 * PER_NM.unsigned_abs();
+const DISPLACEMENT_LIMIT: u64 = 100_000 * PER_NM.unsigned_abs();
 
 /// The state of a machine.
 #[derive(Clone, Debug)]
@@ -77,13 +77,13 @@ impl<S: Scalar, const N: usize> State<S, N> {
         }
     }
 
-    fn raise(&mut self, config: &MachineConfig<S, N>, hazards: [Hazards; N]) {
-        if hazards.iter().all(|hazards| hazards.is_empty()) {
+    fn raise(&mut self, config: &MachineConfig<S, N>, faults: [FaultSet; N]) {
+        if faults.iter().all(|faults| faults.is_empty()) {
             return;
         }
-        for (axis, hazards) in (0..).zip(hazards) {
-            for hazard in hazards.iter() {
-                self.fault(config, Fault::Axis { axis, hazard });
+        for (axis, faults) in (0..).zip(faults) {
+            for kind in faults.iter() {
+                self.fault(config, Fault::Axis { axis, kind });
             }
         }
     }
@@ -118,8 +118,8 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
 
     /// Closes the loops on the command that stands, with nothing integrated.
     fn switch_on(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
-        if let Some(fault) = self.lacks_scale(readings) {
-            state.power = state.power.after(Event::Found(fault));
+        if let Some(fault) = self.missing_scale(readings) {
+            state.power = state.power.after(Event::Inhibit(fault));
             return;
         }
         let displaced = self.displaced(state, readings);
@@ -138,20 +138,20 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     }
 
     /// The first axis whose loop needs a scale that is not read.
-    fn lacks_scale(&self, readings: &[Reading; N]) -> Option<Fault> {
+    fn missing_scale(&self, readings: &[Reading; N]) -> Option<Fault> {
         let lacks = |(config, reading): (&AxisConfig<S>, &Reading)| {
-            config.feedback.needs_table() && reading.table.is_none()
+            config.feedback.uses_scale() && reading.table.is_none()
         };
         let mut axes = (0..).zip(self.axes.iter().zip(readings).map(lacks));
-        axes.find(|(_, lacks)| *lacks).map(|(axis, _)| Fault::Axis { axis, hazard: Hazard::ScaleLost })
+        axes.find(|(_, lacks)| *lacks).map(|(axis, _)| Fault::Axis { axis, kind: FaultKind::ScaleLost })
     }
 
     /// The first axis that stands away from where the path begins.
     fn displaced(&self, state: &State<S, N>, readings: &[Reading; N]) -> Option<Fault> {
         let places = self.places(state, readings).into_iter().zip(state.path.command());
         let mut axes = (0..).zip(places);
-        let axis = axes.find(|&(_, (place, command))| (place - command).unsigned_abs() > DISPLACED);
-        axis.map(|(axis, _)| Fault::Axis { axis, hazard: Hazard::Displaced })
+        let axis = axes.find(|&(_, (place, command))| (place - command).unsigned_abs() > DISPLACEMENT_LIMIT);
+        axis.map(|(axis, _)| Fault::Axis { axis, kind: FaultKind::Displaced })
     }
 
     /// Commands that ask of each axis to stay where it is.
@@ -170,8 +170,8 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     fn position_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         let commands = state.path.advance();
         let corrections = state.compensation.commands(&commands);
-        let mut hazards = [Hazards::NONE; N];
-        for (((((hazards, axis), config), command), correction), reading) in hazards
+        let mut faults = [FaultSet::NONE; N];
+        for (((((faults, axis), config), command), correction), reading) in faults
             .iter_mut()
             .zip(&mut state.axes)
             .zip(&self.axes)
@@ -179,9 +179,9 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             .zip(corrections)
             .zip(readings)
         {
-            *hazards = axis.position_tick(config, command, correction, *reading);
+            *faults = axis.position_tick(config, command, correction, *reading);
         }
-        state.raise(self, hazards);
+        state.raise(self, faults);
         if state.path.has_stopped() {
             state.power = state.power.after(Event::Stopped);
         }
@@ -190,13 +190,13 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     /// The velocity loops, with the forces that are added.
     fn velocity_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> [S; N] {
         let added = state.compensation.forces(readings);
-        let (mut forces, mut hazards) = ([S::ZERO; N], [Hazards::NONE; N]);
-        for (((((force, hazards), axis), config), reading), added) in
-            forces.iter_mut().zip(&mut hazards).zip(&mut state.axes).zip(&self.axes).zip(readings).zip(added)
+        let (mut forces, mut faults) = ([S::ZERO; N], [FaultSet::NONE; N]);
+        for (((((force, faults), axis), config), reading), added) in
+            forces.iter_mut().zip(&mut faults).zip(&mut state.axes).zip(&self.axes).zip(readings).zip(added)
         {
-            (*force, *hazards) = axis.velocity_tick(config, *reading, added);
+            (*force, *faults) = axis.velocity_tick(config, *reading, added);
         }
-        state.raise(self, hazards);
+        state.raise(self, faults);
         forces
     }
 

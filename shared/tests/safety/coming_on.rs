@@ -57,7 +57,7 @@ fn without_its_scale_a_loop_does_not_come_on() {
             Bench::<Fixed>::new(&AxisSettings { sensors, scale_disagreement_limit_m: None, ..axis() });
         bench.scale = false;
         let output = bench.run(10);
-        assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::ScaleLost)), "{sensors:?}");
+        assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::ScaleLost)), "{sensors:?}");
         assert!(!output.enabled && output.forces == [Fixed::ZERO; 2]);
         (bench.scale, bench.scale_off_m) = (true, 5e-3);
         bench.machine.enable();
@@ -89,7 +89,7 @@ fn a_path_that_was_pushed_before_the_axis_was_moved_is_forgotten() {
         assert_eq!(machine.power(), Power::On);
         assert_eq!(output.done, holds, "{moved_m}");
         if holds {
-            assert_eq!(output.warning, Some(on(0, Hazard::Displaced)));
+            assert_eq!(output.warning, Some(on(0, FaultKind::Displaced)));
             assert_eq!(output.commands, [at(moved_m)[0].motor]);
             // No error, no force; 4000 ticks on it still stands.
             assert!((0..4000).all(|_| machine.tick(&at(moved_m)).forces == [Fixed::ZERO]));
@@ -119,7 +119,7 @@ fn before_the_first_enable_the_command_follows_the_axis() {
 #[test]
 fn a_watchdog_reset_has_to_be_acknowledged() {
     let mut bench = Bench::<Fixed>::new(&axis());
-    bench.machine.restarted_after(Fault::Watchdog);
+    bench.machine.inhibit_enable(Fault::Watchdog);
     bench.run(10);
     assert_eq!(bench.machine.power(), Power::Faulted(Fault::Watchdog));
     bench.machine.enable();

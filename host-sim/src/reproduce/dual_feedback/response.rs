@@ -48,7 +48,7 @@ fn units(nm: f64) -> i64 {
 pub fn run(times: Times, ticks: u32, lost_motion_nm: impl Fn(f64) -> f64) -> Vec<Shown> {
     let gain = Fixed::gain(share(times.position_s));
     let feedback =
-        Feedback::<Fixed>::Dual { share: Fixed::gain(share(times.shift_s)), fade: Fade::new(FADE_TICKS) };
+        Feedback::<Fixed>::Dual { fraction: Fixed::gain(share(times.shift_s)), fade: Fade::new(FADE_TICKS) };
     let (mut state, mut motor, mut shift) = (State::default(), Position(0), 0);
     let nm = |distance: i64| distance as f64 / PER_NM as f64;
     (0..ticks)
