@@ -75,7 +75,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         }
         state.change(loops, &changed);
         (*loops, *sensors) = (changed, settings.sensors);
-        self.state.path.keep_within(config.travel());
+        self.state.path.set_travel(config.travel());
         Ok(())
     }
 

@@ -46,7 +46,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         self.axes = start.map(|place| AxisState::at_rest(place, Reading { motor: place, table: None }));
         self.compensation.reset(start);
         self.path.reset(start, config.rates.position_loop_hz(), config.filters);
-        self.path.keep_within(config.travel());
+        self.path.set_travel(config.travel());
         self.until_position_tick = 0;
         self.power = Power::Off;
         self.warning = None;
@@ -204,6 +204,6 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     fn stand(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         let places = self.places(state, readings);
         state.compensation.stand_at(&places);
-        state.path.stand_at(&places);
+        state.path.rest_at(&places);
     }
 }
