@@ -7,7 +7,7 @@
 use serde::{Deserialize, Serialize};
 
 use crate::axis::Reading;
-use crate::compensate::{CompensationSettings, Item};
+use crate::compensate::{CompensationKind, CompensationSettings};
 use crate::config::{AxisSettings, Rates};
 use crate::interpolate::Block;
 use crate::safety::{Fault, Power};
@@ -69,7 +69,7 @@ pub enum Order {
     /// Compensate so on an axis.
     Compensate(u8, CompensationSettings),
     /// Switch one compensation of an axis.
-    Switch(u8, Item, bool),
+    Switch(u8, CompensationKind, bool),
     /// Go over to other loops on an axis.
     Change(u8, AxisSettings),
     /// Append to the path.

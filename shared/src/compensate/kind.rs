@@ -1,9 +1,9 @@
-//! Names of the compensations, for switching one on or off.
+//! The kinds of compensation, for switching one on or off.
 
-/// One of the compensations of an axis.
+/// A kind of compensation.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
 #[expect(missing_docs, reason = "see the table of the parent module")]
-pub enum Item {
+pub enum CompensationKind {
     Pitch,
     Backlash,
     Dividing,
@@ -15,8 +15,8 @@ pub enum Item {
     Ripple,
 }
 
-impl Item {
-    /// All there are.
+impl CompensationKind {
+    /// Every kind.
     pub const ALL: [Self; 9] = [
         Self::Pitch,
         Self::Backlash,

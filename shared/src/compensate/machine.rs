@@ -1,73 +1,74 @@
 //! The compensations of all axes of a machine.
 
 use super::axis::{self, AxisCompensation};
-use super::kind::Item;
-use super::motion::Motion;
+use super::kind::CompensationKind;
+use super::motion::CommandMotion;
 use crate::axis::Reading;
 use crate::scalar::Scalar;
 use crate::units::Position;
 
-/// The compensations of a machine.
+/// The compensations of all axes, with their state.
 #[derive(Clone, Debug)]
 pub struct Compensation<S: Scalar, const N: usize> {
     axes: [Option<AxisCompensation<S>>; N],
     states: [axis::State<S>; N],
-    motions: [Motion<S>; N],
+    motions: [CommandMotion<S>; N],
+    /// Whether any axis has a compensation.
     any: bool,
 }
 
 impl<S: Scalar, const N: usize> Compensation<S, N> {
-    /// None yet, of axes that stand at zero.
+    /// No compensation, axes at zero.
     pub const NONE: Self = Self {
         axes: [None; N],
         states: [axis::State::NEW; N],
-        motions: [Motion::at(Position(0)); N],
+        motions: [CommandMotion::at(Position(0)); N],
         any: false,
     };
 
-    /// None yet, of axes that stand at a place.
+    /// No compensation, axes at `start`.
     #[must_use]
     pub fn none(start: [Position; N]) -> Self {
-        Self { motions: start.map(Motion::at), ..Self::NONE }
+        Self { motions: start.map(CommandMotion::at), ..Self::NONE }
     }
 
-    /// Forgets all there is, for axes that stand at a place, in place: tables are large.
+    /// Resets to no compensation, axes at `start`, in place: tables are large.
     pub fn reset(&mut self, start: &[Position; N]) {
         for axis in &mut self.axes {
             *axis = None;
         }
         self.states = [axis::State::NEW; N];
-        self.motions = start.map(Motion::at);
+        self.motions = start.map(CommandMotion::at);
         self.any = false;
     }
 
-    /// Replaces what is compensated on an axis; what is corrected now goes over to it.
-    pub fn replace(&mut self, axis: usize, made: AxisCompensation<S>) {
-        if let Some(place) = self.axes.get_mut(axis) {
-            *place = Some(made);
+    /// Replaces the compensation of an axis. Its corrections change over at their limited rates.
+    pub fn replace(&mut self, axis: usize, compensation: AxisCompensation<S>) {
+        if let Some(slot) = self.axes.get_mut(axis) {
+            *slot = Some(compensation);
             self.any = true;
         }
     }
 
     /// Switches one compensation of an axis on or off.
-    pub fn switch(&mut self, axis: usize, item: Item, on: bool) {
+    pub fn switch(&mut self, axis: usize, item: CompensationKind, on: bool) {
         if let Some(state) = self.states.get_mut(axis) {
             state.switch(item, on);
         }
     }
 
-    /// Takes the axes to stand somewhere else.
-    pub fn stand_at(&mut self, places: &[Position; N]) {
-        self.motions = places.map(Motion::at);
+    /// Sets the axes to rest at other positions.
+    pub fn rest_at(&mut self, positions: &[Position; N]) {
+        self.motions = positions.map(CommandMotion::at);
     }
 
-    /// What is added to the commands of axes that stand, position units.
+    /// The present corrections of the commands, position units.
     #[must_use]
-    pub fn standing(&self) -> [i64; N] {
-        self.states.each_ref().map(AxisCompensation::standing)
+    pub fn active_corrections(&self) -> [i64; N] {
+        self.states.each_ref().map(AxisCompensation::active_correction)
     }
 
-    /// With every tick: the readings without what their resolvers add.
+    /// The readings with the errors of the resolvers corrected, once per tick.
     pub fn readings(&mut self, readings: &[Reading; N]) -> [Reading; N] {
         let mut corrected = *readings;
         if self.any {
@@ -80,10 +81,10 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         corrected
     }
 
-    /// With every command: what to add to it, position units.
+    /// The corrections of the commands, position units, once per command.
     pub fn commands(&mut self, commands: &[Position; N]) -> [i64; N] {
         let mut corrections = [0; N];
-        // Also without a compensation: one that is given under way goes on from how the axes move then.
+        // Also without a compensation, so that one that is set during motion starts from the motion of the axes.
         for (motion, command) in self.motions.iter_mut().zip(commands) {
             motion.step(*command);
         }
@@ -99,7 +100,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         corrections
     }
 
-    /// With every tick: what to add to the forces.
+    /// The forces to add, once per tick.
     pub fn forces(&mut self, readings: &[Reading; N]) -> [S; N] {
         let mut forces = [S::default(); N];
         if self.any {

@@ -1,20 +1,20 @@
-//! What the machine is known to do wrong, put right: corrections of the command, of the motor reading and of the
-//! force. Each has the number and the sign of the effect that it undoes.
+//! Compensation of known errors of the machine: corrections of the command, of the motor reading and of the force. Each has
+//! the unit and the sign of the error that it cancels.
 //!
-//! | compensation | undoes | acts on |
+//! | compensation | cancels | acts on |
 //! |---|---|---|
-//! | [`pitch`] | what the screw moves too far, or the scale reads too much, over the travel | command |
-//! | [`backlash`] | the dead zone between screw and table | command |
-//! | [`talk`] | the tool point's give under acceleration, own or another axis's | command |
+//! | [`pitch`] | pitch error of screw or scale over the travel | command |
+//! | [`backlash`] | backlash between screw and table | command |
+//! | [`talk`] | in-talk and cross-talk: displacement of the tool by an acceleration | command |
 //! | [`geometry`] | squareness and straightness | command |
-//! | dividing ([`table::Cycle`]) | the resolver's periodic error | motor reading |
-//! | [`reversal`] | the stick of friction at reversal | force |
-//! | ripple ([`table::Cycle`]) | the motor's periodic force | force |
+//! | dividing ([`table::PeriodicTable`]) | periodic error of the resolver | motor reading |
+//! | [`reversal`] | static friction at reversal | force |
+//! | ripple ([`table::PeriodicTable`]) | force ripple of the motor | force |
 //!
-//! Corrections of the command are computed from the command, which has no noise, and add up; so do those of the
-//! force. Each sum, and the reading's correction, passes a [`slew`]: within a declared bound, and no faster
-//! than a declared rate. So whatever is switched, reverses, or is replaced, nothing jumps. Tables over the
-//! travel, which change slowly, are looked up one with each command in turn, four commands for all of an axis.
+//! Corrections of the command are computed from the command, which has no noise, and added up; so are those of the force.
+//! Each sum, and the correction of the reading, passes a slew-rate limiter ([`slew`]), so that nothing jumps when a
+//! compensation is switched or replaced, or the axis reverses. Tables over the travel change slowly: one of them is
+//! evaluated with each command, in turn, so that all of an axis take four commands.
 
 pub mod axis;
 pub mod backlash;
@@ -30,6 +30,6 @@ pub mod table;
 pub mod talk;
 
 pub use axis::AxisCompensation;
-pub use kind::Item;
+pub use kind::CompensationKind;
 pub use machine::Compensation;
 pub use settings::CompensationSettings;

@@ -8,7 +8,7 @@ use crate::machine::Machine;
 use crate::safety::Fault;
 use crate::scalar::Scalar;
 
-/// A machine, its power stages and its enable switch. The machine, which is large, stays where the board keeps it.
+/// A machine with its power stages, enable switch and status light. The machine, which is large, is borrowed.
 #[derive(Debug)]
 pub struct DriveSystem<'m, S: Scalar, const N: usize> {
     machine: &'m mut Machine<S, N>,
@@ -18,7 +18,7 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize> {
 }
 
 impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
-    /// Drives off until the switch is closed afresh.
+    /// Drives off until the switch is opened and closed.
     #[must_use]
     pub const fn new(
         machine: &'m mut Machine<S, N>,
@@ -29,20 +29,20 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
         Self { machine, amplifiers, switch, light }
     }
 
-    /// The machine, for what is not part of a tick: blocks of a path, settings.
+    /// The machine, for operations that are not part of a tick: blocks, settings.
     pub const fn machine_mut(&mut self) -> &mut Machine<S, N> {
         self.machine
     }
 
-    /// One tick, from the sensors to the power stages. Cannot fail; a fault leaves them off.
+    /// One tick, from the sensors to the power stages. It cannot fail; a fault that switches the drives off acts in the same tick.
     pub fn tick(&mut self, board: &mut impl Board<N>) {
-        match self.switch.look(board.enable_switch_closed()) {
+        match self.switch.update(board.enable_switch_closed()) {
             Some(SwitchEvent::Enable) => self.machine.enable(),
             Some(SwitchEvent::Disable) => self.machine.disable(),
             None => {}
         }
         let output = self.machine.tick(&board.readings());
-        // Before the stages are enabled: those that are stopped do not come on.
+        // Before the stages are enabled, so that stopped ones are not.
         if board.hardware_stop_active() {
             self.machine.fault(Fault::HardwareStop);
         }
@@ -54,7 +54,7 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
         board.set_light(self.light.is_lit(self.machine.power(), output.warning));
     }
 
-    /// Gives the forces to the power stages, or cuts them.
+    /// Passes the forces to the power stages, or disables them.
     fn drive(&self, board: &mut impl Board<N>, forces: &[S; N]) {
         let on = self.machine.power().is_on();
         let mut duties = [Duty::default(); N];
@@ -125,7 +125,7 @@ mod tests {
         }
     }
 
-    /// A system that has just been enabled, with a line to travel, and its bench.
+    /// A system that has just been enabled with a line to follow, and its test bench.
     fn running() -> (DriveSystem<'static, Fixed, 1>, Bench) {
         let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
         let axis = AxisSettings { following_error_limit_m: 1e-3, ..AxisSettings::default() };
@@ -169,7 +169,7 @@ mod tests {
         assert!(!bench.duty.reverse && bench.duty.counts > 0, "{:?}", bench.duty);
     }
 
-    /// Cut, without duty, and told so.
+    /// Stages disabled, no duty, and the light on unless the drives are simply off.
     fn assert_off(system: &DriveSystem<'_, Fixed, 1>, bench: &Bench, power: Power) {
         assert_eq!((system.machine.power(), bench.enabled, bench.duty), (power, false, Duty::default()));
         assert_eq!(bench.lit, power != Power::Off);
@@ -186,7 +186,7 @@ mod tests {
             (bench.late, bench.stopped) = (false, false);
             run(&mut system, &mut bench, 1000);
             assert_off(&system, &bench, Power::Faulted(fault));
-            // The path was broken off: enabled again, the axis holds where it was moved meanwhile.
+            // The path was discarded: enabled again, the axis holds its new position.
             bench.at = Position::from_m(0.02).unwrap();
             close(&mut system, &mut bench);
             assert_eq!((bench.enabled, bench.lit, bench.duty), (true, false, Duty::default()));
@@ -228,8 +228,8 @@ mod tests {
         assert_off(&system, &bench, Power::Faulted(fault));
     }
 
-    /// While the path slows down along itself the stages stay on: they are what slows the axis down. 0.1 m/s at the
-    /// block's 5 m/s², which is more than the 2 m/s² of a stop, are 20 ms: 400 ticks.
+    /// During a stop along the path the stages stay enabled: they decelerate the axis. From 0.1 m/s with the 5 m/s² of the
+    /// block, which exceeds the 2 m/s² of a stop, it takes 20 ms: 400 ticks.
     #[test]
     fn a_stop_along_the_path_keeps_the_stages_on_until_it_stands() {
         let (mut system, mut bench) = running();
@@ -254,7 +254,7 @@ mod tests {
         assert_off(&system, &bench, Power::Faulted(fault));
     }
 
-    /// A warning blinks, and stays until the drives are switched off.
+    /// A warning blinks until the drives are disabled.
     #[test]
     fn a_warning_is_shown() {
         let (mut system, mut bench) = running();

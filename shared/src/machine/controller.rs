@@ -5,32 +5,32 @@ use super::error::MachineError;
 use super::output::Output;
 use super::state::State;
 use crate::axis::Reading;
-use crate::compensate::{AxisCompensation, CompensationSettings, Item};
+use crate::compensate::{AxisCompensation, CompensationKind, CompensationSettings};
 use crate::config::{AxisConfig, AxisSettings, ConfigError, Rates};
 use crate::interpolate::{Block, PathError};
 use crate::safety::{Event, Fault, Power};
 use crate::scalar::Scalar;
 use crate::units::Position;
 
-/// The controller of a machine: its configuration, and what it remembers from tick to tick.
+/// The controller of N axes on one path.
 ///
-/// The state is large (tables, blocks, windows of filters). On a chip it lives in a static that is made at compile
-/// time ([`Machine::UNCONFIGURED`]) and is filled in place ([`Machine::configure`]), so that no stack has to hold it.
+/// It is large (tables, blocks, filter windows). On a chip it is a static that is initialised at compile time
+/// ([`Machine::UNCONFIGURED`]) and configured in place ([`Machine::configure`]), so that it never has to be on a stack.
 #[derive(Clone, Debug)]
 pub struct Machine<S: Scalar, const N: usize> {
-    /// `None`: not configured, the drives stay off.
+    /// `None`: not configured; the drives stay off.
     config: Option<MachineConfig<S, N>>,
     state: State<S, N>,
 }
 
 impl<S: Scalar, const N: usize> Machine<S, N> {
-    /// A machine without settings: it takes no block and no enable.
+    /// A machine without settings: it rejects blocks and stays off.
     pub const UNCONFIGURED: Self = Self { config: None, state: State::NEW };
 
-    /// A machine that stands at `start`, drives off.
+    /// A machine at rest at `start`, drives off.
     ///
     /// # Errors
-    /// [`MachineError`] with the axis and the setting that was refused.
+    /// [`MachineError`] for the axis and the setting that is rejected.
     pub fn new(
         rates: Rates,
         settings: &[AxisSettings; N],
@@ -42,21 +42,20 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         Ok(machine)
     }
 
-    /// Makes it another machine, that stands at `start`, drives off. Not part of a tick.
+    /// Reconfigures the machine in place, at rest at `start`, drives off. Not part of a tick.
     pub fn configure(&mut self, config: MachineConfig<S, N>, start: &[Position; N]) {
         self.state.reset(&config, start);
         self.config = Some(config);
     }
 
-    /// Changes the loops of an axis, moving or not, without a jump of velocity command or force. Not part of a
-    /// tick.
+    /// Changes the loops of an axis, also during motion, without a jump of velocity command or force. Not part of a tick.
     ///
     /// # Errors
-    /// [`MachineError::Config`] where a setting is refused, where the filter behind the path
-    /// ([`AxisSettings::smoothing`]) is another, or where the drives are on and the [sensors](AxisSettings::sensors) are
-    /// others, for the axis would go to where these see it; nothing has changed. [`MachineError::NoSuchAxis`].
+    /// [`MachineError::Config`] if a setting is rejected, if the axis filter ([`AxisSettings::smoothing`]) differs, or if the
+    /// [sensors](AxisSettings::sensors) differ while the drives are on (the axis would jump to their reading);
+    /// [`MachineError::NoSuchAxis`]. Nothing is changed then.
     pub fn change(&mut self, axis: usize, settings: &AxisSettings) -> Result<(), MachineError> {
-        let refused = |error| MachineError::Config { axis, error };
+        let rejected = |error| MachineError::Config { axis, error };
         let config = self.config.as_mut().ok_or(MachineError::NoSuchAxis)?;
         let (Some(loops), Some(state), Some(smoothing), Some(sensors)) = (
             config.axes.get_mut(axis),
@@ -66,12 +65,12 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         ) else {
             return Err(MachineError::NoSuchAxis);
         };
-        let changed = AxisConfig::new(settings, config.rates).map_err(refused)?;
+        let changed = AxisConfig::new(settings, config.rates).map_err(rejected)?;
         if settings.smoothing != *smoothing {
-            return Err(refused(ConfigError::NotWhileRunning("smoothing")));
+            return Err(rejected(ConfigError::NotWhileRunning("smoothing")));
         }
         if settings.sensors != *sensors && self.state.power.is_on() {
-            return Err(refused(ConfigError::NotWhileRunning("sensors")));
+            return Err(rejected(ConfigError::NotWhileRunning("sensors")));
         }
         state.change(loops, &changed);
         (*loops, *sensors) = (changed, settings.sensors);
@@ -79,15 +78,15 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         Ok(())
     }
 
-    /// Replaces what is compensated on an axis. Not part of a tick; corrections go over to it at their declared
-    /// rates.
+    /// Replaces the compensation of an axis. Not part of a tick. Corrections change over at their limited rates.
     ///
     /// # Errors
-    /// [`MachineError::Config`] where a setting is refused, nothing has changed; [`MachineError::NoSuchAxis`].
+    /// [`MachineError::Config`] if a setting is rejected, [`MachineError::NoSuchAxis`]. Nothing is changed then.
     pub fn compensate(&mut self, axis: usize, settings: &CompensationSettings) -> Result<(), MachineError> {
         let config = self.config.as_ref().filter(|_| axis < N).ok_or(MachineError::NoSuchAxis)?;
-        let made = AxisCompensation::new(settings, config.rates, N);
-        self.state.compensation.replace(axis, made.map_err(|error| MachineError::Config { axis, error })?);
+        let compensation = AxisCompensation::new(settings, config.rates, N)
+            .map_err(|error| MachineError::Config { axis, error })?;
+        self.state.compensation.replace(axis, compensation);
         Ok(())
     }
 
@@ -95,78 +94,77 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     ///
     /// # Errors
     /// [`MachineError::NoSuchAxis`].
-    pub fn switch(&mut self, axis: usize, item: Item, on: bool) -> Result<(), MachineError> {
+    pub fn switch(&mut self, axis: usize, kind: CompensationKind, on: bool) -> Result<(), MachineError> {
         if axis >= N || self.config.is_none() {
             return Err(MachineError::NoSuchAxis);
         }
-        self.state.compensation.switch(axis, item, on);
+        self.state.compensation.switch(axis, kind, on);
         Ok(())
     }
 
-    /// Plans a block behind those that wait. Not part of a tick.
+    /// Plans a block and appends it to the queue. Not part of a tick.
     ///
     /// # Errors
-    /// The [`PathError`] that says what is wrong; nothing has changed.
+    /// [`PathError`]; nothing is changed then.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
         if self.config.is_none() {
             return Err(PathError::NotConfigured);
         }
-        let stops = matches!(self.state.power, Power::Stopping(_));
-        if stops || self.state.was_on && !self.state.power.is_on() {
+        let stopping = matches!(self.state.power, Power::Stopping(_));
+        if stopping || self.state.was_on && !self.state.power.is_on() {
             return Err(PathError::Interrupted);
         }
         self.state.path.push(block)
     }
 
-    /// Whether another block would find a place.
+    /// Whether the queue has room for another block.
     #[must_use]
     pub fn has_room(&self) -> bool {
         self.state.path.has_room()
     }
 
-    /// Asks for the drives to come on with the next tick. Without effect while a fault stands, and on a machine that
+    /// Requests that the drives are enabled in the next tick. No effect until a fault is acknowledged, and on a machine that
     /// is not configured.
     pub fn enable(&mut self) {
         self.state.enable_requested = true;
     }
 
-    /// Switches the drives off, or acknowledges a fault. The path is forgotten.
+    /// Disables the drives, or acknowledges a fault. The path is discarded.
     pub fn disable(&mut self) {
         self.state.enable_requested = false;
         self.state.warning = None;
         self.state.power = self.state.power.after(Event::Disable);
     }
 
-    /// Reports, once the machine is configured, that the run before ended by a fault: it has to be acknowledged like one
-    /// of this run.
+    /// Reports, after the configuration, a fault that ended the previous run. It has to be acknowledged before an enable.
     pub fn inhibit_enable(&mut self, fault: Fault) {
         self.state.power = self.state.power.after(Event::Inhibit(fault));
     }
 
-    /// Reports a fault from outside, such as an overrun.
+    /// Reports an external fault, such as an overrun.
     pub fn fault(&mut self, fault: Fault) {
         if let Some(config) = &self.config {
             self.state.fault(config, fault);
         }
     }
 
-    /// State of the drives.
+    /// Power state of the drives.
     #[must_use]
     pub const fn power(&self) -> Power {
         self.state.power
     }
 
-    /// The command that the position loops follow.
+    /// The present command, without corrections.
     #[must_use]
     pub const fn command(&self) -> [Position; N] {
         self.state.path.command()
     }
 
-    /// One tick of the velocity loops, and of path and position loops where they are due.
+    /// One tick: the velocity loops, and path and position loops when they are due.
     ///
-    /// While the drives are off and no path waits, the command goes where the axes are moved, so that they do not jump
-    /// when they are enabled. A path that the drives going off has broken off is forgotten, and so is one that waits
-    /// where the axes no longer are when they are enabled ([`FaultKind::Displaced`](crate::safety::FaultKind::Displaced)).
+    /// While the drives are off and no path is waiting, the command follows the axes, so that they do not jump when they are
+    /// enabled. A path is discarded if the drives are switched off while it runs, and if the axes are away from its start
+    /// when they are enabled ([`FaultKind::Displaced`](crate::safety::FaultKind::Displaced)).
     pub fn tick(&mut self, readings: &[Reading; N]) -> Output<S, N> {
         match &self.config {
             Some(config) => config.tick(&mut self.state, readings),
@@ -215,7 +213,7 @@ mod tests {
         assert!(!machine.tick(&at(0.051)).enabled);
         machine.enable();
         let output = machine.tick(&at(0.051));
-        // The path stands where the axis was: no jump back.
+        // The command is where the axis was: no jump back.
         assert!(output.enabled && output.forces[0].value().abs() < 1e-3);
     }
 

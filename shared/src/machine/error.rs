@@ -3,17 +3,17 @@
 use crate::config::ConfigError;
 use crate::interpolate::PathError;
 
-/// Why a machine could not be made or a block not taken.
+/// Why settings or a block were rejected.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum MachineError {
-    /// A setting of an axis (counted from 0).
+    /// A setting of an axis.
     Config {
-        /// Axis.
+        /// Axis, counted from 0.
         axis: usize,
-        /// What is wrong.
+        /// What is wrong with the setting.
         error: ConfigError,
     },
-    /// A block.
+    /// A block, or an axis filter behind the path.
     Path(PathError),
     /// The machine has no such axis.
     NoSuchAxis,

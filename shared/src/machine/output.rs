@@ -1,19 +1,19 @@
-//! What a tick of a machine returns.
+//! The result of a tick.
 
 use crate::safety::Fault;
 use crate::units::Position;
 
-/// What a tick gives to the drives and to whoever watches.
+/// The result of a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Output<S, const N: usize> {
-    /// Force for each axis until the next tick; zero while the drives are off.
+    /// Force of each axis until the next tick; zero while the drives are off.
     pub forces: [S; N],
     /// The command that the position loops follow.
     pub commands: [Position; N],
-    /// Whether the drives may be on.
+    /// Whether the drives are to be enabled.
     pub enabled: bool,
-    /// The first fault that the machine has gone on with since it was enabled.
+    /// The first warning since the drives were enabled.
     pub warning: Option<Fault>,
-    /// Whether every block has been travelled.
+    /// Whether every block has ended.
     pub done: bool,
 }

@@ -134,10 +134,10 @@ fn a_watchdog_reset_has_to_be_acknowledged() {
 #[test]
 fn coming_on_again_does_not_move_a_compensated_axis() {
     use shared::compensate::CompensationSettings;
-    use shared::compensate::settings::{Of, Pitch, Points};
+    use shared::compensate::settings::{Pitch, PitchSource, Points};
     let pitch = Points { start_m: -0.1, spacing_m: 0.1, values: [1e-4; 3].into_iter().collect() };
     let settings = CompensationSettings {
-        pitch: Some(Pitch { of: Of::Screw, forward: pitch, backward: None }),
+        pitch: Some(Pitch { of: PitchSource::Screw, forward: pitch, backward: None }),
         ..CompensationSettings::default()
     };
     let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::Motor, ..axis() });
