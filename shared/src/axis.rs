@@ -3,20 +3,12 @@
 use crate::config::AxisConfig;
 use crate::control::bumpless_transfer::BumplessTransfer;
 use crate::control::{feedforward, filter, position, velocity};
+pub use crate::feedback::Reading;
 use crate::feedback::dual;
 use crate::monitor::{self, MonitorInput};
 use crate::safety::FaultSet;
 use crate::scalar::Scalar;
 use crate::units::{Position, VELOCITY_M_PER_S};
-
-/// The sensor readings of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Reading {
-    /// Motor encoder or resolver, converted to table travel.
-    pub motor: Position,
-    /// Linear scale; `None` if there is none, or if its signal is lost.
-    pub table: Option<Position>,
-}
 
 /// What an axis keeps from tick to tick.
 #[derive(Clone, Copy, Debug)]

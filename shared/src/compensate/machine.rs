@@ -3,7 +3,7 @@
 use super::axis::{self, AxisCompensation};
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
-use crate::axis::Reading;
+use crate::feedback::Reading;
 use crate::scalar::Scalar;
 use crate::units::Position;
 

@@ -1,7 +1,7 @@
 //! What a board has to provide.
 
 use super::amplifier::Duty;
-use crate::axis::Reading;
+use crate::feedback::Reading;
 
 /// Sensors, power stages and switches of N axes.
 pub trait Board<const N: usize> {

@@ -74,8 +74,8 @@ mod tests {
     use std::boxed::Box;
 
     use super::*;
-    use crate::axis::Reading;
     use crate::config::{AxisSettings, Rates};
+    use crate::feedback::Reading;
     use crate::interpolate::Block;
     use crate::safety::{FaultKind, Power};
     use crate::scalar::Fixed;

@@ -12,4 +12,7 @@ pub mod dual;
 pub mod encoder;
 pub mod fade;
 pub mod phase;
+mod reading;
 pub mod transducer;
+
+pub use reading::Reading;

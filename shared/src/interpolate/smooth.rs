@@ -287,14 +287,14 @@ struct Mean {
     /// Whether every slot of the window has been written.
     full: bool,
     next: u16,
-    mean: i64,
-    /// Sum of the window − ticks·mean.
+    value: i64,
+    /// Sum of the window − ticks·value.
     remainder: i64,
 }
 
 impl Mean {
     const fn at(position: i64) -> Self {
-        Self { initial: position, full: false, next: 0, mean: position, remainder: 0 }
+        Self { initial: position, full: false, next: 0, value: position, remainder: 0 }
     }
 
     /// Replaces the oldest value of the window and returns the mean.
@@ -311,9 +311,9 @@ impl Mean {
         // The reciprocal is rounded up: a remainder of n gives 1, one below n gives 0. An excess for a large remainder is
         // corrected in the next tick, since the remainder itself is exact.
         let change = mul_q32(self.remainder, divisor.reciprocal);
-        self.mean = self.mean.wrapping_add(change);
+        self.value = self.value.wrapping_add(change);
         self.remainder = self.remainder.wrapping_sub(change.wrapping_mul(i64::from(divisor.ticks)));
-        self.mean
+        self.value
     }
 }
 

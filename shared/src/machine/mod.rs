@@ -14,4 +14,4 @@ pub use controller::Machine;
 pub use error::MachineError;
 pub use output::Output;
 
-pub use crate::axis::Reading;
+pub use crate::feedback::Reading;

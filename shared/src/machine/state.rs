@@ -2,9 +2,10 @@
 
 use super::config::MachineConfig;
 use super::output::Output;
-use crate::axis::{AxisState, Reading};
+use crate::axis::AxisState;
 use crate::compensate::Compensation;
 use crate::config::AxisConfig;
+use crate::feedback::Reading;
 use crate::interpolate::Path;
 use crate::safety::{Event, Fault, FaultKind, FaultSet, Power, Reaction};
 use crate::scalar::Scalar;

@@ -78,6 +78,7 @@ impl Mul<I8F24> for Fixed {
 impl Mul for Fixed {
     type Output = I26F38;
 
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "from 28 to 38 fraction bits")]
     fn mul(self, other: Self) -> I26F38 {
         I26F38::from_bits(i64::from(self.to_bits()).wrapping_mul(i64::from(other.to_bits())) << 10)
     }
