@@ -5,13 +5,13 @@
 #   tests/deep.sh mutants [ROOM…]      do the tests of `shared` fail when its source is changed? docs/testing.md
 #   tests/deep.sh miri [MODULE…]       tests/miri.sh
 #
-# A ROOM is a part of shared/src: control, drive, safety, session, watch. A file of it that is done is not done again
+# A ROOM is a part of shared/src: control, drive, safety, session, monitor. A file of it that is done is not done again
 # while neither source nor tests have changed, so that what was interrupted goes on; FRESH=1 begins anew. Installs
 # what is missing.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-rooms=(control drive safety session watch)
+rooms=(control drive safety session monitor)
 # Per cent of the mutants that the tests have to notice; those listed as equivalent count as not noticed.
 floor=95
 # A test that a mutant sends round in circles is ended after this time, in seconds.

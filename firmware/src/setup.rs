@@ -4,7 +4,7 @@
 //! The values have to be accepted by [`MachineConfig::new`] and [`Amplifier::new`]; a test on the host sees to that.
 
 use shared::config::{AxisSettings, Law, Rates, Sensors};
-use shared::drive::{Amplifier, DriveError, EnableSwitch, Light, Station};
+use shared::drive::{Amplifier, DriveError, DriveSystem, EnableSwitch, StatusLight};
 use shared::interpolate::Smoothing;
 use shared::machine::{Machine, MachineConfig, MachineError};
 use shared::safety::Fault;
@@ -94,17 +94,17 @@ impl From<DriveError> for SetupError {
 ///
 /// # Errors
 /// The [`SetupError`] that says which value is wrong.
-pub fn station(
+pub fn drive_system(
     machine: &mut Machine<Fixed, AXES>,
     full_counts: u16,
     ended: Option<Fault>,
-) -> Result<Station<'_, Fixed, AXES>, SetupError> {
+) -> Result<DriveSystem<'_, Fixed, AXES>, SetupError> {
     machine.configure(MachineConfig::new(RATES, &SETTINGS)?, &[Position(0); AXES]);
     if let Some(fault) = ended {
-        machine.restarted_after(fault);
+        machine.inhibit_enable(fault);
     }
     let [x, y] = FULL_DUTY_N;
     let amplifiers = [Amplifier::new(x, full_counts)?, Amplifier::new(y, full_counts)?];
-    let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), Light::new(BLINK_TICKS));
-    Ok(Station::new(machine, amplifiers, switch, light))
+    let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(BLINK_TICKS));
+    Ok(DriveSystem::new(machine, amplifiers, switch, light))
 }

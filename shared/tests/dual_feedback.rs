@@ -37,7 +37,7 @@ fn units(nm: f64) -> i64 {
 
 /// Signal × gain, as a distance.
 fn scaled<S: Scalar>(distance: i64, gain: S::Gain) -> i64 {
-    S::to_distance(S::from_distance(distance).times(gain))
+    S::to_distance(S::from_distance(distance) * gain)
 }
 
 /// The resolver as the command is compared with it: the motor, shifted towards the table.
@@ -56,12 +56,12 @@ struct Positions<S: Scalar> {
 impl<S: Scalar> Resolver for Positions<S> {
     fn new(tick_s: f64, shift_time_s: f64) -> Self {
         let feedback =
-            Feedback::Dual { share: S::gain(share(tick_s, shift_time_s)), fade: Fade::new(2000.0) };
+            Feedback::Dual { fraction: S::gain(share(tick_s, shift_time_s)), fade: Fade::new(2000.0) };
         Self { feedback, state: State::default() }
     }
 
     fn detect(&mut self, command: Position, motor: Position, table: Position) -> i64 {
-        command.beyond(self.feedback.position(&mut self.state, motor, Some(table)))
+        command - self.feedback.position(&mut self.state, motor, Some(table))
     }
 }
 
@@ -122,13 +122,12 @@ fn run<S: Scalar, R: Resolver>(
     (0..ticks)
         .map(|k| {
             let time = f64::from(k) * tick_s;
-            let table = motor.moved(-units(lost_motion(time)));
+            let table = motor - units(lost_motion(time));
             let command = Position(units(command(time)));
-            let shown =
-                Shown { table: table.0 as f64 / NM, second: table.beyond(motor.moved(shift)) as f64 / NM };
+            let shown = Shown { table: table.0 as f64 / NM, second: (table - (motor + shift)) as f64 / NM };
             let first = resolver.detect(command, motor, table);
-            shift = command.beyond(motor) - first;
-            motor = motor.moved(scaled::<S>(first, gain));
+            shift = command - motor - first;
+            motor += scaled::<S>(first, gain);
             shown
         })
         .collect()
@@ -526,12 +525,12 @@ fn from_sines_and_cosines_to_the_table() {
     let mut motor = Position(0);
     let mut error = 0.0f64;
     for k in 0..20_000 {
-        let table = motor.moved(-units(STEP_NM));
+        let table = motor - units(STEP_NM);
         let exact = STEP_NM * after_step(times, f64::from(k) * TICK_S);
         error = error.max((table.0 as f64 / NM - exact).abs());
         let read = [resolver.read(samples(motor, lead / 3.0)), scale.read(samples(table, pitch))];
         let first = loops.detect(Position(0), read[0], read[1]);
-        motor = motor.moved(scaled::<Fixed>(first, gain));
+        motor += scaled::<Fixed>(first, gain);
     }
     // √½ count of 30,000 is 3.75e-6 of a cycle: 12.5 nm of the resolver, which counts twice at most
     // (as it is, and in the difference), and 7.5 nm of the scale.

@@ -1,13 +1,13 @@
 //! The table of the board's machine is accepted, and it holds, travels and stops on a bench of two masses.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use firmware::setup::{AXES, METRES_PER_COUNT, SETTINGS, TICK_HZ, station};
+use firmware::setup::{AXES, METRES_PER_COUNT, SETTINGS, TICK_HZ, drive_system};
 use shared::axis::Reading;
-use shared::drive::{Board, Duty, Station};
+use shared::drive::{Board, DriveSystem, Duty};
 use shared::feedback::encoder::Encoder;
 use shared::interpolate::Block;
 use shared::machine::Machine;
-use shared::safety::{Fault, Hazard, Power};
+use shared::safety::{Fault, FaultKind, Power};
 use shared::scalar::Fixed;
 
 /// PWM counts on the board: 168 MHz / 20 kHz.
@@ -56,11 +56,11 @@ impl Board<AXES> for Bench {
         })
     }
 
-    fn switch_closed(&mut self) -> bool {
+    fn enable_switch_closed(&mut self) -> bool {
         self.closed
     }
 
-    fn is_stopped(&mut self) -> bool {
+    fn hardware_stop_active(&mut self) -> bool {
         false
     }
 
@@ -76,7 +76,7 @@ impl Board<AXES> for Bench {
         self.lit = lit;
     }
 
-    fn is_late(&mut self) -> bool {
+    fn next_tick_due(&mut self) -> bool {
         false
     }
 }
@@ -104,49 +104,49 @@ const CIRCLE: Block<AXES> = Block::arc([0, 1], [-0.01, 0.0], 2.0, 2.0 / 60.0, 0.
 fn the_board_holds_when_it_is_enabled_and_travels_what_it_is_given() {
     let mut machine = Machine::UNCONFIGURED;
     let mut bench = Bench::new();
-    let mut station = station(&mut machine, FULL_COUNTS, None).unwrap();
-    let run = |station: &mut Station<'_, Fixed, AXES>, bench: &mut Bench, milliseconds: u32| {
+    let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
+    let run = |system: &mut DriveSystem<'_, Fixed, AXES>, bench: &mut Bench, milliseconds: u32| {
         let mut farthest = 0f64;
         for _ in 0..milliseconds * (TICK_HZ / 1000) {
-            station.tick(bench);
+            system.tick(bench);
             bench.step();
             let [x, y] = bench.place_m;
             farthest = farthest.max(((x + 0.01).hypot(y) - 0.01).abs());
         }
         farthest
     };
-    run(&mut station, &mut bench, 500);
+    run(&mut system, &mut bench, 500);
     assert_eq!((bench.enabled, bench.place_m), (false, [0.0; AXES]));
     bench.closed = false;
-    run(&mut station, &mut bench, 100);
+    run(&mut system, &mut bench, 100);
     // Pushed by hand before the first enable: it holds there.
     bench.place_m = [0.0031, -0.002];
     bench.shown_m = bench.place_m;
-    run(&mut station, &mut bench, 1);
+    run(&mut system, &mut bench, 1);
     bench.closed = true;
-    run(&mut station, &mut bench, 1000);
+    run(&mut system, &mut bench, 1000);
     assert!(bench.enabled && !bench.lit);
     assert_eq!(bench.place_m.map(f64::to_bits), [0.0031, -0.002].map(f64::to_bits));
     bench.closed = false;
-    run(&mut station, &mut bench, 1);
+    run(&mut system, &mut bench, 1);
     assert_eq!((bench.enabled, bench.duties), (false, [Duty::default(); AXES]));
 
     bench.place_m = [0.0; AXES];
     bench.shown_m = bench.place_m;
-    run(&mut station, &mut bench, 100);
-    station.machine_mut().push(&CIRCLE).unwrap();
+    run(&mut system, &mut bench, 100);
+    system.machine_mut().push(&CIRCLE).unwrap();
     bench.closed = true;
     // A turn and a half of 62.8 mm at 33.3 mm/s, and the ramp.
-    let mut farthest = run(&mut station, &mut bench, 20 + 2827 + 100);
+    let mut farthest = run(&mut system, &mut bench, 20 + 2827 + 100);
     assert!(bench.enabled && bench.place_m[0] < -0.019, "{:?}", bench.place_m);
-    farthest = farthest.max(run(&mut station, &mut bench, 2000));
+    farthest = farthest.max(run(&mut system, &mut bench, 2000));
     assert!(bench.enabled && !bench.lit);
     // Back at the start but for friction: the last 10 µm raise the integral by Kv/Ti·Kp·10 µm = 38 N/s only.
     assert!(bench.place_m.iter().all(|place| place.abs() < 30e-6), "{:?}", bench.place_m);
     // On the way never off the circle by half the following error that would have ended it.
     assert!(farthest < 0.5 * SETTINGS[0].following_error_limit_m, "{farthest}");
     bench.closed = false;
-    run(&mut station, &mut bench, 1);
+    run(&mut system, &mut bench, 1);
     assert_eq!((bench.enabled, bench.duties), (false, [Duty::default(); AXES]));
 }
 
@@ -157,13 +157,13 @@ fn a_frozen_encoder_cuts_the_stages() {
     let mut machine = Machine::UNCONFIGURED;
     let mut bench = Bench::new();
     bench.closed = false;
-    let mut station = station(&mut machine, FULL_COUNTS, None).unwrap();
-    (0..1000).for_each(|_| station.tick(&mut bench));
-    station.machine_mut().push(&CIRCLE).unwrap();
+    let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
+    (0..1000).for_each(|_| system.tick(&mut bench));
+    system.machine_mut().push(&CIRCLE).unwrap();
     bench.closed = true;
     let mut ticks = 0;
     while !bench.lit {
-        station.tick(&mut bench);
+        system.tick(&mut bench);
         // X alone: it has come to 2 mm, and its counter shows no more.
         let shown = bench.place_m[0].max(-0.002);
         bench.step();
@@ -171,8 +171,8 @@ fn a_frozen_encoder_cuts_the_stages() {
         ticks += 1;
         assert!(ticks < 40_000, "{:?}", bench.place_m);
     }
-    let fault = Fault::Axis { axis: 0, hazard: Hazard::EncoderFrozen };
-    assert_eq!(station.machine_mut().power(), Power::Faulted(fault));
+    let fault = Fault::Axis { axis: 0, kind: FaultKind::EncoderFrozen };
+    assert_eq!(system.machine_mut().power(), Power::Faulted(fault));
     assert!(!bench.enabled);
     assert!(bench.place_m[0] < -0.002 && bench.place_m[0] > -0.0035, "{:?}", bench.place_m);
 }
@@ -182,10 +182,10 @@ fn a_run_that_a_watchdog_ended_is_acknowledged_before_the_board_comes_on() {
     let mut machine = Machine::UNCONFIGURED;
     let mut bench = Bench::new();
     bench.closed = false;
-    let mut station = station(&mut machine, FULL_COUNTS, Some(Fault::Watchdog)).unwrap();
+    let mut system = drive_system(&mut machine, FULL_COUNTS, Some(Fault::Watchdog)).unwrap();
     let mut run = |bench: &mut Bench, closed, ticks| {
         bench.closed = closed;
-        (0..ticks).for_each(|_| station.tick(bench));
+        (0..ticks).for_each(|_| system.tick(bench));
         (bench.enabled, bench.lit)
     };
     assert_eq!(run(&mut bench, false, 1000), (false, true));

@@ -210,8 +210,8 @@ fn garbage_is_refused_and_the_end_is_an_end() {
 /// Everything the controller has, through the protocol alone: filters of the force and behind the path, S-curves that
 /// pass their joints, every compensation, a change of gains, a scale that is lost and comes back.
 mod everything {
-    use shared::compensate::settings::{Cycle, Of, Pitch, Points, Reversal, Straightness, Talk};
-    use shared::compensate::{CompensationSettings, Item};
+    use shared::compensate::settings::{Cycle, Pitch, PitchSource, Points, Reversal, Straightness, Talk};
+    use shared::compensate::{CompensationKind, CompensationSettings};
     use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
     use shared::interpolate::{Block, Ramps, Smoothing};
     use shared::machine::Reading;
@@ -249,7 +249,11 @@ mod everything {
             values: (0..21).map(|k| scale * f64::from(k % 5)).collect(),
         };
         CompensationSettings {
-            pitch: Some(Pitch { of: Of::Screw, forward: points(1e-6), backward: Some(points(1.5e-6)) }),
+            pitch: Some(Pitch {
+                of: PitchSource::Screw,
+                forward: points(1e-6),
+                backward: Some(points(1.5e-6)),
+            }),
             backlash_width_m: Some(3e-6),
             dividing: Some(Cycle::harmonic(1e-6, 2.5e-3, 0.3)),
             reversal: Some(Reversal { force_n: 30.0, decay_s: 0.01, fade_m_per_s: 0.05 }),
@@ -308,7 +312,7 @@ mod everything {
             if k == 3000 {
                 let slower = AxisSettings { law: Law::P, position_gain_per_s: 30.0, ..axis() };
                 ready(ask(end, &Order::Change(1, slower)));
-                ready(ask(end, &Order::Switch(0, Item::Pitch, false)));
+                ready(ask(end, &Order::Switch(0, CompensationKind::Pitch, false)));
             }
             let scale = !(4000..5000).contains(&k);
             let place = |m: f64| Position::from_m(m).unwrap();

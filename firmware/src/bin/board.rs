@@ -11,7 +11,7 @@ use firmware::board::drives_off;
 mod app {
     use firmware::board::Hardware;
     use firmware::setup::AXES;
-    use shared::drive::Station;
+    use shared::drive::DriveSystem;
     use shared::machine::Machine;
     use shared::scalar::Fixed;
 
@@ -21,21 +21,21 @@ mod app {
     #[local]
     struct Local {
         hardware: Hardware,
-        station: Station<'static, Fixed, AXES>,
+        system: DriveSystem<'static, Fixed, AXES>,
     }
 
     #[init(local = [machine: Machine<Fixed, AXES> = Machine::UNCONFIGURED])]
     fn init(context: init::Context) -> (Shared, Local) {
-        let (hardware, station) = Hardware::new(context.device, context.local.machine)
+        let (hardware, system) = Hardware::new(context.device, context.local.machine)
             .expect("a test on the host has tried these values");
-        (Shared {}, Local { hardware, station })
+        (Shared {}, Local { hardware, system })
     }
 
-    #[task(binds = TIM2, local = [hardware, station])]
+    #[task(binds = TIM2, local = [hardware, system])]
     fn tick(context: tick::Context) {
-        let tick::LocalResources { hardware, station, .. } = context.local;
+        let tick::LocalResources { hardware, system, .. } = context.local;
         hardware.begin_tick();
-        station.tick(hardware);
+        system.tick(hardware);
     }
 }
 

@@ -6,7 +6,7 @@ mod stage;
 mod tick;
 
 use shared::axis::Reading;
-use shared::drive::{Board, Duty, Station};
+use shared::drive::{Board, DriveSystem, Duty};
 use shared::machine::Machine;
 use shared::scalar::Fixed;
 use stm32f4xx_hal::gpio::{Input, Output, PB15, PC13, PinState, Pull};
@@ -38,7 +38,7 @@ impl Hardware {
     pub fn new(
         device: Peripherals,
         machine: &'static mut Machine<Fixed, AXES>,
-    ) -> Result<(Self, Station<'static, Fixed, AXES>), SetupError> {
+    ) -> Result<(Self, DriveSystem<'static, Fixed, AXES>), SetupError> {
         let mut rcc = device.RCC.constrain();
         // First of all, before the crystal is waited for: the stages are off.
         let b = device.GPIOB.split(&mut rcc);
@@ -64,7 +64,7 @@ impl Hardware {
         let [x, y] = setup::METRES_PER_COUNT;
         let (x, y) = (Quadrature::new(device.TIM3, x, &mut rcc)?, Quadrature::new(device.TIM4, y, &mut rcc)?);
 
-        let station = setup::station(machine, stages.full_counts(), ended_by)?;
+        let system = setup::drive_system(machine, stages.full_counts(), ended_by)?;
 
         let tick_timer = TickTimer::new(device.TIM2, &mut rcc);
         // A hundred ticks or more: resets the chip, and the stages with it, when ticks stay away.
@@ -81,7 +81,7 @@ impl Hardware {
             tick_timer,
             watchdog,
         };
-        Ok((hardware, station))
+        Ok((hardware, system))
     }
 
     /// What has to be done first in a tick, while the period of the PWM is young.
@@ -97,11 +97,11 @@ impl Board<AXES> for Hardware {
         [self.x.position(), self.y.position()].map(|motor| Reading { motor, table: None })
     }
 
-    fn switch_closed(&mut self) -> bool {
+    fn enable_switch_closed(&mut self) -> bool {
         self.enable_switch.is_high()
     }
 
-    fn is_stopped(&mut self) -> bool {
+    fn hardware_stop_active(&mut self) -> bool {
         self.stages.are_stopped()
     }
 
@@ -118,7 +118,7 @@ impl Board<AXES> for Hardware {
         self.fault_light.set_state((!lit).into());
     }
 
-    fn is_late(&mut self) -> bool {
+    fn next_tick_due(&mut self) -> bool {
         self.tick_timer.is_due()
     }
 }

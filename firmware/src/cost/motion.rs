@@ -2,7 +2,7 @@
 
 use shared::axis::Reading;
 use shared::compensate::CompensationSettings;
-use shared::compensate::settings::{Cycle, Of, Pitch, Points, Reversal, Straightness, Talk};
+use shared::compensate::settings::{Cycle, Pitch, PitchSource, Points, Reversal, Straightness, Talk};
 use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
 use shared::machine::{Machine, Output};
@@ -83,7 +83,7 @@ pub fn all_compensations(axis: usize) -> CompensationSettings {
         values: (0..21).map(|k| scale * f64::from(k % 5)).collect(),
     };
     CompensationSettings {
-        pitch: Some(Pitch { of: Of::Screw, forward: points(1e-6), backward: Some(points(1.5e-6)) }),
+        pitch: Some(Pitch { of: PitchSource::Screw, forward: points(1e-6), backward: Some(points(1.5e-6)) }),
         backlash_width_m: Some(3e-6),
         dividing: Some(Cycle::harmonic(1e-6, 2.5e-3, 0.3)),
         reversal: Some(Reversal { force_n: 30.0, decay_s: 0.01, fade_m_per_s: 0.05 }),
@@ -202,6 +202,6 @@ impl<S: Scalar> Tick<S> {
     /// How far the motor of the first axis is behind.
     #[must_use]
     pub fn error(&self) -> S {
-        S::from_distance(self.output.commands[0].beyond(self.readings[0].motor))
+        S::from_distance(self.output.commands[0] - self.readings[0].motor)
     }
 }

@@ -7,7 +7,7 @@ use std::io;
 use shared::axis::Reading;
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
-use shared::safety::{Fault, Hazard, Power};
+use shared::safety::{Fault, FaultKind, Power};
 use shared::units::Position;
 
 pub use stopped::SimulationError;
@@ -147,7 +147,7 @@ impl Run<'_> {
                 return Err(stopped::fault(self.machine, fault, time_s));
             }
             // The controller holds where it is: nothing of the motion would be travelled.
-            if let Some(fault @ Fault::Axis { hazard: Hazard::Displaced, .. }) = status.warning {
+            if let Some(fault @ Fault::Axis { kind: FaultKind::Displaced, .. }) = status.warning {
                 return Err(stopped::fault(self.machine, fault, time_s));
             }
             if tick.is_multiple_of(divider) {

@@ -88,8 +88,8 @@ impl Given<'_> {
             (key, Some((axis, _))) => format!("axis.{axis}.{key}"),
         };
         let error = match *error {
-            ConfigError::OutOfRange { name, least, most } => {
-                ConfigError::OutOfRange { name, least: per_si * least, most: per_si * most }
+            ConfigError::OutOfRange { name, min, max } => {
+                ConfigError::OutOfRange { name, min: per_si * min, max: per_si * max }
             }
             error => error,
         };

@@ -76,7 +76,7 @@ impl Exact {
 /// From the second point to the first, nm.
 #[must_use]
 pub fn apart_nm(a: Point, b: Point) -> [f64; AXES] {
-    std::array::from_fn(|i| a[i].beyond(b[i]) as f64 / PER_NM as f64)
+    std::array::from_fn(|i| (a[i] - b[i]) as f64 / PER_NM as f64)
 }
 
 /// Length of a vector.

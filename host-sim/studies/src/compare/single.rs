@@ -213,8 +213,8 @@ impl Controller for Single {
             self.advance();
             for (number, ((config, state), reading)) in (0u8..).zip(self.axes.iter_mut().zip(&readings)) {
                 let command = self.command[usize::from(number)];
-                for hazard in state.position_tick(config, command, 0, *reading).iter() {
-                    self.power = self.power.after(Event::Fault(Fault::Axis { axis: number, hazard }));
+                for kind in state.position_tick(config, command, 0, *reading).iter() {
+                    self.power = self.power.after(Event::Fault(Fault::Axis { axis: number, kind }));
                 }
             }
         }
@@ -234,14 +234,14 @@ impl Controller for Single {
 
 #[cfg(test)]
 mod tests {
-    use shared::safety::Hazard;
+    use shared::safety::FaultKind;
 
     use super::*;
     use crate::compare::motion::Motion;
 
     /// Distance (nm) that an f32 makes of a distance from 1 m.
     fn kept(nm: f64) -> f64 {
-        let place = Position::from_m(1.0).unwrap().moved(Position::from_m(1e-9 * nm).unwrap().0);
+        let place = Position::from_m(1.0).unwrap() + Position::from_m(1e-9 * nm).unwrap().0;
         1e9 * (f64::from(metres(place)) - 1.0)
     }
 
@@ -318,6 +318,6 @@ mod tests {
         // 49 mm too far: pushed back.
         assert!(power == Power::On && force_n < -1.0, "{force_n}");
         let last = (0..5).map(|_| tick(0.151)).last().unwrap();
-        assert_eq!(last, (Power::Faulted(Fault::Axis { axis: 0, hazard: Hazard::FollowingError }), 0.0));
+        assert_eq!(last, (Power::Faulted(Fault::Axis { axis: 0, kind: FaultKind::FollowingError }), 0.0));
     }
 }

@@ -60,10 +60,10 @@ impl Context<'_> {
         };
         let rates = Rates { velocity_loop_hz, position_loop_divider: 1 };
         match AxisConfig::<f64>::new(&settings, rates) {
-            Err(ConfigError::OutOfRange { name, least, most })
+            Err(ConfigError::OutOfRange { name, min, max })
                 if name.starts_with("notch") || name.starts_with("low_pass") =>
             {
-                Err(self.refuse(name, &format!("a number from {least} to {most}")))
+                Err(self.refuse(name, &format!("a number from {min} to {max}")))
             }
             _ => Ok(()),
         }

@@ -48,17 +48,17 @@ fn units(nm: f64) -> i64 {
 pub fn run(times: Times, ticks: u32, lost_motion_nm: impl Fn(f64) -> f64) -> Vec<Shown> {
     let gain = Fixed::gain(share(times.position_s));
     let feedback =
-        Feedback::<Fixed>::Dual { share: Fixed::gain(share(times.shift_s)), fade: Fade::new(FADE_TICKS) };
+        Feedback::<Fixed>::Dual { fraction: Fixed::gain(share(times.shift_s)), fade: Fade::new(FADE_TICKS) };
     let (mut state, mut motor, mut shift) = (State::default(), Position(0), 0);
     let nm = |distance: i64| distance as f64 / PER_NM as f64;
     (0..ticks)
         .map(|tick| {
-            let table = motor.moved(-units(lost_motion_nm(f64::from(tick) * TICK_S)));
+            let table = motor - units(lost_motion_nm(f64::from(tick) * TICK_S));
             // Before the shift of this tick: at the tick both detectors are compared.
-            let second_nm = nm(table.beyond(motor.moved(shift)));
+            let second_nm = nm(table - (motor + shift));
             let seen = feedback.position(&mut state, motor, Some(table));
-            shift = seen.beyond(motor);
-            motor = motor.moved(Fixed::to_distance(Fixed::from_distance(-seen.0).times(gain)));
+            shift = seen - motor;
+            motor += Fixed::to_distance(Fixed::from_distance(-seen.0) * gain);
             Shown { table_nm: nm(table.0), second_nm }
         })
         .collect()

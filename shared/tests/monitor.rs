@@ -6,10 +6,10 @@ use proptest::prelude::*;
 use shared::config::{AxisConfig, AxisSettings, Rates, Sensors};
 use shared::interpolate::Block;
 use shared::machine::{Machine, Output, Reading};
-use shared::safety::{Fault, Hazard, Power};
+use shared::monitor::{Monitor, MonitorInput, State};
+use shared::safety::{Fault, FaultKind, Power};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::{PER_NM, Position};
-use shared::watch::{Seen, State, Watch};
 
 /// A power of two, so that times of 2⁻ⁿ s are whole numbers of ticks.
 const RATE_HZ: f64 = 4096.0;
@@ -22,8 +22,8 @@ fn place(m: f64) -> Position {
     Position::from_m(m).unwrap()
 }
 
-const fn on(axis: u8, hazard: Hazard) -> Power {
-    Power::Faulted(Fault::Axis { axis, hazard })
+const fn on(axis: u8, kind: FaultKind) -> Power {
+    Power::Faulted(Fault::Axis { axis, kind })
 }
 
 /// A machine that has been on for a tick at zero, with its second axis watched.
@@ -61,7 +61,7 @@ fn motor_and_scale_may_differ_by_the_limit_and_no_unit_more_either_way() {
             second_at(&mut machine, Position(0), Some(Position(sign * limit)));
             assert_eq!(machine.power(), Power::On, "{sensors:?} {sign}");
             second_at(&mut machine, Position(0), Some(Position(sign * (limit + 1))));
-            assert_eq!(machine.power(), on(1, Hazard::Disagreement), "{sensors:?} {sign}");
+            assert_eq!(machine.power(), on(1, FaultKind::Disagreement), "{sensors:?} {sign}");
         }
     }
 }
@@ -95,7 +95,7 @@ fn steps<S: Scalar>() {
     for sign in [1.0, -1.0] {
         assert_eq!(survives::<S>(&axis, sign * step * (1.0 - ROUNDING)), Power::On, "{} {sign}", S::NAME);
         let beyond = survives::<S>(&axis, sign * step * (1.0 + ROUNDING));
-        assert_eq!(beyond, on(1, Hazard::EncoderStep), "{} {sign}", S::NAME);
+        assert_eq!(beyond, on(1, FaultKind::EncoderStep), "{} {sign}", S::NAME);
     }
 }
 
@@ -117,7 +117,7 @@ fn a_step_is_seen_in_its_own_tick() {
                 assert!(second_at(&mut machine, Position(0), None).enabled);
             }
             assert!(!second_at(&mut machine, place(sign * 0.6 / RATE_HZ), None).enabled);
-            assert_eq!(machine.power(), on(1, Hazard::EncoderStep));
+            assert_eq!(machine.power(), on(1, FaultKind::EncoderStep));
         }
     }
 }
@@ -128,7 +128,7 @@ fn follows<S: Scalar>() {
     for sign in [1.0, -1.0] {
         assert_eq!(survives::<S>(&axis, sign * limit * (1.0 - ROUNDING)), Power::On, "{} {sign}", S::NAME);
         let beyond = survives::<S>(&axis, sign * limit * (1.0 + ROUNDING));
-        assert_eq!(beyond, on(1, Hazard::FollowingError), "{} {sign}", S::NAME);
+        assert_eq!(beyond, on(1, FaultKind::FollowingError), "{} {sign}", S::NAME);
     }
 }
 
@@ -174,13 +174,13 @@ fn a_command_stops_where_it_passes_either_end_of_the_travel_and_not_on_it() {
             assert!(rows.iter().all(|(_, power)| *power == Power::On), "stopped on the way to {end} m");
             assert_eq!(place(rows.last().unwrap().0[usize::from(axis)]), place(end));
 
-            let stopping = Power::Stopping(Fault::Axis { axis, hazard: Hazard::SoftLimit });
+            let stopping = Power::Stopping(Fault::Axis { axis, kind: FaultKind::SoftLimit });
             let rows = travelled(&settings, to_m(2.0 * end), 0.05);
             let first = rows.iter().position(|(_, power)| *power == stopping).unwrap();
             let beyond = |row: &([f64; 2], Power)| row.0[usize::from(axis)].abs() > end.abs();
             assert!(rows[..first].iter().all(|row| !beyond(row) && row.1 == Power::On));
             assert!(beyond(&rows[first]));
-            assert_eq!(rows.last().unwrap().1, on(axis, Hazard::SoftLimit));
+            assert_eq!(rows.last().unwrap().1, on(axis, FaultKind::SoftLimit));
         }
     }
 }
@@ -210,22 +210,22 @@ fn a_path_stops_with_the_least_deceleration_of_its_axes() {
     }
 }
 
-/// What a watch sees of an axis that is where it is commanded to be, but for its motor reading.
+/// What a monitor sees of an axis that is where it is commanded to be, but for its motor reading.
 fn sees(
-    watch: &Watch<Fixed>,
+    monitor: &Monitor<Fixed>,
     state: &mut State<Fixed>,
     [command, motor]: [i64; 2],
     velocity: f64,
-) -> Vec<Hazard> {
-    let seen = Seen {
+) -> Vec<FaultKind> {
+    let seen = MonitorInput {
         following_error: Fixed::ZERO,
         command: Position(command),
         velocity_command: Fixed::signal(velocity),
         motor: Position(motor),
         table: None,
-        needs_table: false,
+        uses_scale: false,
     };
-    watch.position(state, &seen).iter().collect()
+    monitor.position(state, &seen).iter().collect()
 }
 
 /// 1 pm, by which the filters behind the path may miss an end, in position units.
@@ -236,23 +236,23 @@ const PICOMETRE: i64 = PER_NM / 1000;
 #[test]
 fn the_way_back_from_beyond_the_travel_is_open_and_closes_behind_the_axis() {
     let axis = AxisSettings { travel_m: Some([-0.02, 0.03]), ..AxisSettings::default() };
-    let watch = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().watch;
+    let monitor = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().monitor;
     for (end, outwards) in [(0.03, 1), (-0.02, -1)] {
         let at = |units: i64| place(end).0 + outwards * units;
         let mut state = State::at(Position(at(1_000_000)), Position(0));
-        let mut sees = |units| sees(&watch, &mut state, [at(units), 0], 0.0);
-        let none: [Hazard; 0] = [];
+        let mut sees = |units| sees(&monitor, &mut state, [at(units), 0], 0.0);
+        let none: [FaultKind; 0] = [];
         for units in [1_000_000, 1_000_000 + PICOMETRE, 999_999, 500_000, 500_000 + PICOMETRE] {
             assert_eq!(sees(units), none, "{units}");
         }
         for units in [500_001 + PICOMETRE, 600_000, 1_000_000, 500_001 + PICOMETRE] {
-            assert_eq!(sees(units), [Hazard::SoftLimit], "{units}");
+            assert_eq!(sees(units), [FaultKind::SoftLimit], "{units}");
         }
         // Where it was last, inside, on the end, and as little out as makes no difference.
         for units in [500_000, 1, 0, -1000, 0, PICOMETRE] {
             assert_eq!(sees(units), none, "{units}");
         }
-        assert_eq!(sees(PICOMETRE + 1), [Hazard::SoftLimit]);
+        assert_eq!(sees(PICOMETRE + 1), [FaultKind::SoftLimit]);
     }
 }
 
@@ -260,12 +260,12 @@ fn the_way_back_from_beyond_the_travel_is_open_and_closes_behind_the_axis() {
 #[test]
 fn small_steps_do_not_lead_out_of_the_travel() {
     let axis = AxisSettings { travel_m: Some([-0.02, 0.03]), ..AxisSettings::default() };
-    let watch = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().watch;
+    let monitor = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().monitor;
     for (end, outwards) in [(0.03, 1), (-0.02, -1)] {
         let end = place(end).0;
         let mut state = State::at(Position(end), Position(0));
         let step = |k: i64| end + outwards * k * PICOMETRE / 2;
-        let first = (1..10).find(|&k| !sees(&watch, &mut state, [step(k), 0], 0.0).is_empty());
+        let first = (1..10).find(|&k| !sees(&monitor, &mut state, [step(k), 0], 0.0).is_empty());
         assert_eq!(first, Some(3), "{outwards}: two halves of a picometre pass, a third does not");
     }
 }
@@ -276,7 +276,7 @@ fn small_steps_do_not_lead_out_of_the_travel() {
 fn a_motor_reading_may_stand_while_no_more_than_the_limit_is_asked_for() {
     // 2⁻¹⁰ m is a whole number of position units, and of 64 times that.
     let axis = AxisSettings { frozen_encoder_limit_m: Some(1.0 / 1024.0), ..AxisSettings::default() };
-    let watch = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().watch;
+    let monitor = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().monitor;
     let (limit, part) = (place(1.0 / 1024.0).0, place(1.0 / 65_536.0).0);
     // A velocity unit is 2⁴ units of error a second, 2⁻⁸ of them in a tick of 2⁻¹² s, and these are 2³⁰ position units.
     let velocity = 4096.0;
@@ -285,7 +285,7 @@ fn a_motor_reading_may_stand_while_no_more_than_the_limit_is_asked_for() {
     for sign in [1, -1] {
         let frozen = |command: i64, motor: i64, state: &mut State<Fixed>| {
             let asked = f64::from(i32::try_from(sign).unwrap()) * velocity;
-            let seen = (1..200).map(|_| sees(&watch, state, [sign * command, sign * motor], asked));
+            let seen = (1..200).map(|_| sees(&monitor, state, [sign * command, sign * motor], asked));
             seen.take_while(Vec::is_empty).count()
         };
         let start = || State::at(Position(0), Position(0));
@@ -296,29 +296,28 @@ fn a_motor_reading_may_stand_while_no_more_than_the_limit_is_asked_for() {
         // A motor that moves begins it anew.
         let mut state = start();
         assert_eq!(frozen(10 * limit, part, &mut state), ticks, "{sign}");
-        assert!(sees(&watch, &mut state, [sign * 10 * limit, sign * (part + 1)], 0.0).is_empty());
+        assert!(sees(&monitor, &mut state, [sign * 10 * limit, sign * (part + 1)], 0.0).is_empty());
         assert_eq!(frozen(11 * limit, 2 * part + 1, &mut state), 199, "{sign}");
         // Enough has been asked for by then: what is left is the command.
         assert_eq!(frozen(11 * limit + 1, 2 * part + 1, &mut state), 0, "{sign}");
     }
-    let unwatched = AxisConfig::<Fixed>::new(&AxisSettings::default(), rates(1)).unwrap().watch;
+    let unwatched = AxisConfig::<Fixed>::new(&AxisSettings::default(), rates(1)).unwrap().monitor;
     assert_eq!(sees(&unwatched, &mut State::at(Position(0), Position(0)), [1 << 50, 0], 1e5), []);
 }
 
-/// The watch of an axis whose force may stand at its limit for so many ticks.
-fn patient<S: Scalar>(ticks: u32) -> Watch<S> {
+/// The monitor of an axis whose force may stand at its limit for so many ticks.
+fn patient<S: Scalar>(ticks: u32) -> Monitor<S> {
     let axis = AxisSettings { saturation_time_s: f64::from(ticks) / RATE_HZ, ..AxisSettings::default() };
-    AxisConfig::new(&axis, rates(1)).unwrap().watch
+    AxisConfig::new(&axis, rates(1)).unwrap().monitor
 }
 
 /// The tick, counted from 1, in which the force has been at its limit for too long.
 fn too_long(ticks: u32, at_limit: impl IntoIterator<Item = bool>) -> Option<usize> {
-    let (watch, mut state) = (patient::<Fixed>(ticks), State::at(Position(0), Position(0)));
-    let seen = at_limit.into_iter().map(|limited| watch.velocity(&mut state, Fixed::default(), limited));
-    let found =
-        seen.enumerate().find_map(|(tick, hazards)| hazards.iter().next().map(|hazard| (tick + 1, hazard)));
-    found.map(|(tick, hazard)| {
-        assert_eq!(hazard, Hazard::ForceSaturated);
+    let (monitor, mut state) = (patient::<Fixed>(ticks), State::at(Position(0), Position(0)));
+    let seen = at_limit.into_iter().map(|limited| monitor.velocity(&mut state, Fixed::default(), limited));
+    let found = seen.enumerate().find_map(|(tick, faults)| faults.iter().next().map(|kind| (tick + 1, kind)));
+    found.map(|(tick, kind)| {
+        assert_eq!(kind, FaultKind::ForceSaturated);
         tick
     })
 }
@@ -387,7 +386,7 @@ fn stops_after<S: Scalar>() {
             machine.power() != Power::On
         });
         assert_eq!(ticks, Some(64 + 1), "{}", S::NAME);
-        let stopping = Power::Stopping(Fault::Axis { axis: 1, hazard: Hazard::ForceSaturated });
+        let stopping = Power::Stopping(Fault::Axis { axis: 1, kind: FaultKind::ForceSaturated });
         assert_eq!(machine.power(), stopping, "{}", S::NAME);
     }
 }

@@ -1,28 +1,28 @@
-//! One light for the state of the drives: dark, lit, or blinking.
+//! A status light for the drives: off, on or blinking.
 //!
 //! | light | state |
 //! |---|---|
-//! | dark | all is well, drives on or off |
-//! | lit | a fault stands, or the path stops because of one |
-//! | blinking | the drives are on, and go on with a warning |
+//! | off | no fault and no warning |
+//! | on | a fault, or the path is stopping because of one |
+//! | blinking | the drives are on with a warning |
 
 use crate::safety::{Fault, Power};
 
-/// What the light remembers.
+/// State of the light.
 #[derive(Clone, Copy, Debug)]
-pub struct Light {
+pub struct StatusLight {
     half_period_ticks: u32,
     ticks: u32,
 }
 
-impl Light {
-    /// A light that blinks with this half period, at least one tick.
+impl StatusLight {
+    /// A light with this half period of blinking, at least one tick.
     #[must_use]
     pub const fn new(half_period_ticks: u32) -> Self {
         Self { half_period_ticks, ticks: 0 }
     }
 
-    /// Whether it is lit in this tick.
+    /// Whether the light is on in this tick.
     pub const fn is_lit(&mut self, power: Power, warning: Option<Fault>) -> bool {
         self.ticks += 1;
         if self.ticks >= 2 * self.half_period_ticks {
