@@ -14,7 +14,7 @@ use model::machine::Machine;
 use model::servo;
 use plant::instruments::Instruments;
 use plant::sensors::Sensor;
-use plant::simulate::{Run, controller, set_up};
+use plant::simulate::{Run, controller, controller_setup};
 use shared::protocol::{Answer, FRAME, Order, Refusal, decode, encode};
 
 /// Two axes that use everything there is: both laws, integral part, feed-forward, dual feedback.
@@ -117,7 +117,7 @@ fn emulator() -> Emulator {
 
 fn emulated(format: Format) -> Remote<Emulator> {
     let machine = Machine::parse(MACHINE, "bench").unwrap();
-    let (settings, start) = set_up(&machine, &START_M).unwrap();
+    let (settings, start) = controller_setup(&machine, &START_M).unwrap();
     Remote::set_up(emulator(), format, servo::rates(&machine), &settings, &start).unwrap()
 }
 

@@ -13,8 +13,8 @@ use std::time::Instant;
 
 use link::controller::{AxisOutput, Controller, Format, PathBlock, PathShape};
 use model::machine::Machine;
-use plant::desk::Desk;
 use plant::instruments::Instruments;
+use plant::machine_sim::MachineSim;
 use plant::simulate;
 use shared::axis::Reading;
 use shared::units::Position;
@@ -51,7 +51,7 @@ fn machine_of(axes: usize, divider: u32) -> Machine {
 /// A loop that goes round a circle of 50 mm at 100 mm/s.
 struct Loop {
     controller: Box<dyn Controller>,
-    desk: Desk,
+    machine_sim: MachineSim,
     readings: Vec<Reading>,
     outputs: Vec<AxisOutput>,
 }
@@ -64,20 +64,21 @@ impl Loop {
         controller.enable().unwrap();
         Self {
             controller,
-            desk: Desk::with_steps(machine, Instruments::default(), &START_M, steps).unwrap(),
+            machine_sim: MachineSim::with_steps(machine, Instruments::default(), &START_M, steps).unwrap(),
             readings: vec![Reading { motor: Position(0), table: None }; 2],
             outputs: vec![AxisOutput::default(); 2],
         }
     }
 
     fn tick(&mut self) {
-        self.desk.read(&mut self.readings);
+        self.machine_sim.read(&mut self.readings);
         self.controller.tick(&self.readings, &mut self.outputs).unwrap();
-        self.desk.step(self.outputs.iter().map(|output| output.force_n));
+        self.machine_sim.step(self.outputs.iter().map(|output| output.force_n));
     }
 
     fn tool_m(&mut self) -> [f64; 2] {
-        let rows = self.desk.row(&self.readings, self.outputs.iter().map(|output| output.force_n), 0.0);
+        let rows =
+            self.machine_sim.measure(&self.readings, self.outputs.iter().map(|output| output.force_n), 0.0);
         [rows[0].tool_m, rows[1].tool_m]
     }
 }
@@ -137,10 +138,14 @@ fn main() {
     println!("\n{:<12}{:>16}{:>12}{:>14}", "axes", "plant alone", "steps", "ns a tick");
     for axes in 1..=3 {
         for steps in [1, 5, 10] {
-            let desk =
-                Desk::with_steps(&machine_of(axes, 4), Instruments::default(), &[0.0; 3][..axes], steps)
-                    .unwrap();
-            let ns = cost(desk, |desk| desk.step([100.0; 3].into_iter()));
+            let machine_sim = MachineSim::with_steps(
+                &machine_of(axes, 4),
+                Instruments::default(),
+                &[0.0; 3][..axes],
+                steps,
+            )
+            .unwrap();
+            let ns = cost(machine_sim, |machine_sim| machine_sim.step([100.0; 3].into_iter()));
             println!("{axes:<12}{:>16}{steps:>12}{ns:>14.1}", "");
         }
     }

@@ -36,7 +36,7 @@ pub fn measure(
     turns: u32,
     format: Format,
 ) -> Result<Option<Cost>, CompareError> {
-    let (settings, start) = simulate::set_up(machine, &motion.start_m())?;
+    let (settings, start) = simulate::controller_setup(machine, &motion.start_m())?;
     let rates = servo::rates(machine);
     let link = Emulator::start(program, PATIENCE).map_err(ControllerError::Link)?;
     let mut board = Remote::set_up(link, format, rates, &settings, &start)?;

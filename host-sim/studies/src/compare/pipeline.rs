@@ -11,8 +11,8 @@ use super::{AXES, CompareError};
 use link::controller::{AxisOutput, Controller, Format, Status, in_process};
 use model::machine::Machine;
 use model::servo;
-use plant::desk::Desk;
 use plant::instruments::Instruments;
+use plant::machine_sim::MachineSim;
 use plant::simulate;
 use plant::simulate::SimulationError;
 
@@ -50,7 +50,7 @@ impl Pipeline {
     /// # Errors
     /// When the machine's settings are refused.
     pub fn controller(self, machine: &Machine, motion: Motion) -> Result<Box<dyn Controller>, CompareError> {
-        let (settings, start) = simulate::set_up(machine, &motion.start_m())?;
+        let (settings, start) = simulate::controller_setup(machine, &motion.start_m())?;
         let rates = servo::rates(machine);
         Ok(match self {
             Self::Of(format) => in_process(format, rates, &settings, &start)?,
@@ -94,7 +94,8 @@ pub fn run(
 ) -> Result<Vec<Tick>, CompareError> {
     let divider = servo::rates(machine).position_loop_divider as usize;
     let instruments = Instruments { drive_time_constant_s: INSTRUMENTS_DRIVE_S, ..Instruments::default() };
-    let mut desk = Desk::new(machine, instruments, &motion.start_m()).map_err(SimulationError::from)?;
+    let mut machine_sim =
+        MachineSim::new(machine, instruments, &motion.start_m()).map_err(SimulationError::from)?;
     let blocks = motion.blocks(turns);
     let mut ticks = Vec::new();
     let mut readings = [Reading { motor: Position(0), table: None }; AXES];
@@ -107,7 +108,7 @@ pub fn run(
             controller.push(block)?;
             handed += 1;
         }
-        desk.read(&mut readings);
+        machine_sim.read(&mut readings);
         let status: Status = controller.tick(&readings, &mut outputs)?;
         done = status.done;
         if let Power::Faulted(fault) = status.power {
@@ -121,7 +122,7 @@ pub fn run(
                 cost: status.cost,
             });
         }
-        desk.step(outputs.iter().map(|output| output.force_n));
+        machine_sim.step(outputs.iter().map(|output| output.force_n));
     }
     Ok(ticks)
 }
