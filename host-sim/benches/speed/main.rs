@@ -1,9 +1,8 @@
-//! How fast the closed loop runs: two axes of two masses with `LuGre` friction on a circle, velocity loops at 20 kHz.
+//! Speed of the closed loop: two axes of two masses with `LuGre` friction on a circle, velocity loops at 20 kHz.
 //!
-//! `cargo bench -p host-sim --bench speed`. Each figure is that of the fastest tenth of the laps, for the others have
-//! shared the processor with other programs; steps a tick are what the plant takes of them, and accuracy is the tool
-//! point against a run with as many steps as change nothing any more. [`plain`] is the same job without any of the
-//! program, to compare with.
+//! `cargo bench -p host-sim --bench speed`. Each figure is the 10 % quantile of the laps, since other programs slow down
+//! the rest. Steps are steps of the plant per tick; accuracy is the distance of the tool point from a run with so many
+//! steps that it has converged. [`plain`] is the same job without the crates of the program, for comparison.
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot run stops")]
 
 mod plain;
@@ -27,11 +26,11 @@ const START_M: [f64; 2] = [RADIUS_M, 0.0];
 const FEED_M_PER_S: f64 = 0.1;
 const ACCELERATION_M_PER_S2: f64 = 2.0;
 
-/// Ticks of a lap, and laps.
+/// Ticks of a lap, the unit of a time measurement, and laps.
 const LAP: u32 = 2000;
 const LAPS: usize = 300;
 
-/// The plant of the benchmark: two axes; with a position loop in every `divider`-th tick.
+/// The machine of the benchmark: two axes with a position loop in every `divider`-th tick.
 fn machine(divider: u32) -> Machine {
     machine_of(2, divider)
 }
@@ -48,7 +47,7 @@ fn machine_of(axes: usize, divider: u32) -> Machine {
     Machine::parse(&(top + &axes.collect::<String>()), "benchmark").unwrap()
 }
 
-/// A loop that goes round a circle of 50 mm at 100 mm/s.
+/// The closed loop on a circle of 50 mm radius at 100 mm/s.
 struct Loop {
     controller: Box<dyn Controller>,
     machine_sim: MachineSim,
@@ -77,26 +76,26 @@ impl Loop {
     }
 
     fn tool_m(&mut self) -> [f64; 2] {
-        let rows =
+        let measured =
             self.machine_sim.measure(&self.readings, self.outputs.iter().map(|output| output.force_n), 0.0);
-        [rows[0].tool_m, rows[1].tool_m]
+        [measured[0].tool_m, measured[1].tool_m]
     }
 }
 
-/// ns a tick.
+/// Time of a tick, ns.
 fn cost<T>(mut job: T, tick: impl Fn(&mut T)) -> f64 {
     let mut laps: Vec<f64> = (0..LAPS)
         .map(|_| {
-            let began = Instant::now();
+            let start = Instant::now();
             (0..LAP).for_each(|_| tick(black_box(&mut job)));
-            began.elapsed().as_secs_f64() * 1e9 / f64::from(LAP)
+            start.elapsed().as_secs_f64() * 1e9 / f64::from(LAP)
         })
         .collect();
     laps.sort_by(f64::total_cmp);
     laps[LAPS / 10]
 }
 
-/// Tool points of a second of circle, its beginning included, a row a millisecond, m.
+/// Tool points of the first second, one per millisecond, m.
 fn tool<T>(mut job: T, tick: impl Fn(&mut T), tool_m: impl Fn(&mut T) -> [f64; 2]) -> Vec<f64> {
     let mut points = Vec::new();
     for ticks in 0..20_000 {
