@@ -7,7 +7,7 @@ use model::effects::Stage;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
-use plant::path;
+use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
 use shared::axis::Reading;
 use trace::axis_model::AxisModel;
@@ -101,7 +101,7 @@ impl Controller for Pushed {
 /// The log of the pushed machine, without the channel of what was added.
 fn log(machine: &Machine) -> Log {
     let motion = Motion::parse(MOTION, "stroke").unwrap();
-    let path = path::of(&motion, machine, "stroke").unwrap();
+    let path = MachinePath::new(&motion, machine, "stroke").unwrap();
     let controller = simulate::controller(machine, Format::Fixed, &path.start_m).unwrap();
     let mut pushed = Pushed { controller, tick: 0 };
     // The drive's own lag is none of the declared model.

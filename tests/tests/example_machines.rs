@@ -9,7 +9,7 @@ use model::axis::Settings;
 use model::machine::Machine;
 use model::motion::{Block, Motion};
 use plant::instruments::Instruments;
-use plant::path;
+use plant::machine_path::MachinePath;
 use plant::simulate::{Run, controller};
 
 /// Standstill after the motion, s: the slowest machine has Kp = 33 1/s, and e^(−33·0.5) = 7e-8.
@@ -30,7 +30,7 @@ fn shipped(folder: &str) -> Vec<PathBuf> {
 fn run(machine: &Machine, motion: &Path) -> (Log, f64) {
     let source = motion.display().to_string();
     let motion = Motion::read(motion).unwrap();
-    let mut path = path::of(&motion, machine, &source).unwrap();
+    let mut path = MachinePath::new(&motion, machine, &source).unwrap();
     path.blocks.push(PathBlock::dwell(REST_S));
     let run = Run {
         machine,

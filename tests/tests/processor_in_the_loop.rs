@@ -13,7 +13,7 @@ use link::remote::{Connection, Remote};
 use model::machine::Machine;
 use plant::instruments::Instruments;
 use plant::sensors::Sensor;
-use plant::simulate::{Run, controller, set_up};
+use plant::simulate::{Run, controller, controller_setup};
 use shared::protocol::{Answer, FRAME, Order, Refusal, decode, encode};
 
 /// Two axes that use everything there is: both laws, integral part, feed-forward, dual feedback.
@@ -116,7 +116,7 @@ fn emulator() -> Emulator {
 
 fn emulated(format: Format) -> Remote<Emulator> {
     let machine = Machine::parse(MACHINE, "bench").unwrap();
-    let (settings, start) = set_up(&machine, &START_M).unwrap();
+    let (settings, start) = controller_setup(&machine, &START_M).unwrap();
     Remote::set_up(emulator(), format, machine.rates(), &settings, &start).unwrap()
 }
 

@@ -77,9 +77,9 @@ fn run(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "samples of seconds")]
     let length = ((seconds / sample_s).round() as usize).max(2);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
-    let substeps = (sample_s / parameters.step_s()).ceil().max(1.0) as u32;
+    let substeps = (sample_s / parameters.max_step_s()).ceil().max(1.0) as u32;
     let stepper = Stepper::new(parameters, 0.0, sample_s / f64::from(substeps));
-    let late = parameters.late_s(Channel::Force) / sample_s;
+    let late = parameters.latency_s(Channel::Force) / sample_s;
     let force_n = aged(&force.raw, -1.0 - late);
     // The velocity of the first sample is that of the second.
     let (mut squares, mut samples, mut runs) = (0.0, 0, 0);

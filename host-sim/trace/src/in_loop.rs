@@ -7,9 +7,9 @@ use shared::units::Position;
 
 use super::signals::AxisSignals;
 use model::servo::ServoParameters;
-use plant::driven::{DrivenTable, Prescribed};
+use plant::axis_motion::AxisMotion;
+use plant::driven::{DrivenTable, ScrewMotion};
 use plant::mechanics::Stepper;
-use plant::motion::AxisMotion;
 use plant::parameters::AxisParameters;
 
 /// How much longer the steps of a loop may be than those of a simulation: nanometres are asked for, not their hundredths.
@@ -39,7 +39,7 @@ pub fn closed_loop(
     }
     let tick_s = 1.0 / rates.velocity_loop_hz;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
-    let substeps = (tick_s / (COARSER * parameters.step_s())).ceil() as u32;
+    let substeps = (tick_s / (COARSER * parameters.max_step_s())).ceil() as u32;
     if substeps > MOST_SUBSTEPS {
         return None;
     }
@@ -48,13 +48,16 @@ pub fn closed_loop(
 
     let (&first, &second) = (command.first()?, command.get(1)?);
     let Start { motor_m: motor, velocity, table_m, is_settled } = start;
-    let mut motion = in_motion(parameters, motor - parameters.dividing_m(motor), velocity);
+    let mut motion = in_motion(parameters, motor - parameters.resolver_error_m(motor), velocity);
     motion.table_m = table_m.unwrap_or(motion.table_m);
     // A force that acts late is one before which the sensors are read early.
     let read = |motion: &AxisMotion| {
         let motor_m = motion.motor_m - drive_late_s * motion.motor_m_per_s;
         let table_m = motion.table_m - drive_late_s * motion.table_m_per_s;
-        Reading { motor: position(motor_m + parameters.dividing_m(motor_m)), table: Some(position(table_m)) }
+        Reading {
+            motor: position(motor_m + parameters.resolver_error_m(motor_m)),
+            table: Some(position(table_m)),
+        }
     };
     let before = |m: f64, velocity: f64| position(m - velocity * tick_s);
     let command_before = position(first - (second - first));
@@ -127,7 +130,7 @@ impl Start {
 /// An axis that moves steadily with its motor at a place, m.
 pub(super) fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
     let nominal_m = parameters.screw.nominal_m(motor_m);
-    let screw = Prescribed { nominal_m, velocity, ..Prescribed::default() };
+    let screw = ScrewMotion { nominal_m, velocity, ..ScrewMotion::default() };
     let table = DrivenTable::settled(parameters, screw);
     AxisMotion {
         motor_m,
@@ -135,7 +138,7 @@ pub(super) fn in_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64
         table_m: table.position_m(parameters, screw),
         table_m_per_s: velocity,
         bristle_m: table.bristle_m(),
-        lately_m_per_s: table.lately_m_per_s(),
+        filtered_speed_m_per_s: table.filtered_speed_m_per_s(),
         friction_n: parameters.friction.bristle_stiffness_n_per_m * table.bristle_m(),
         ..AxisMotion::default()
     }

@@ -16,7 +16,7 @@ use model::effects::Effect;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
-use plant::path;
+use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
 
 /// Below so many standard errors over the blocks of the logs a difference between two candidates may be chance.
@@ -132,7 +132,7 @@ pub fn propose(machines: [&Machine; 2], axis: usize, logs: &[Signals]) -> Option
 
 fn run(machine: &Machine, motion: &str) -> Option<Log> {
     let motion = Motion::parse(motion, "proposal").ok()?;
-    let path = path::of(&motion, machine, "proposal").ok()?;
+    let path = MachinePath::new(&motion, machine, "proposal").ok()?;
     let mut controller = simulate::controller(machine, Format::F64, &path.start_m).ok()?;
     let run = Run {
         machine,

@@ -3,7 +3,7 @@
 //! It does not hang on the model, so it is made once a log and not in each of the simulations of a fit.
 
 use super::signals::Smooth;
-use plant::parameters::MOTOR_SIGN_WIDTH_M_PER_S;
+use plant::friction::smoothed_sign;
 
 /// Longest step of the driven table, s.
 const LONGEST_STEP_S: f64 = 1e-3;
@@ -53,7 +53,7 @@ impl MotorPath {
                 points.push(Point { reading_m, acceleration: before + fraction * (after - before) });
             }
         }
-        let sign = motor.velocity.iter().map(|v| (v / MOTOR_SIGN_WIDTH_M_PER_S).tanh()).collect();
+        let sign = motor.velocity.iter().map(|&v| smoothed_sign(v)).collect();
         Self { step_s: sample_s / per_sample, steps, points, sign }
     }
 }

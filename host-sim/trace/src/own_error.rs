@@ -52,8 +52,8 @@ fn as_the_model_has_it(evidence: &Evidence<'_>, model: &AxisModel, log: usize) -
     let smooth = |values: Vec<f64>, like: &Smooth| Smooth::new(values, sample_s, like.reach());
 
     let zero_m = 1e-6 * model.table_zero_um;
-    let table_m = delayed(simulated.table_m, parameters.late_s(Channel::Table), sample_s);
-    let late = parameters.late_s(Channel::Force) / sample_s;
+    let table_m = delayed(simulated.table_m, parameters.latency_s(Channel::Table), sample_s);
+    let late = parameters.latency_s(Channel::Force) / sample_s;
     let force_n = aged(&simulated.force_n, late);
     let axis = AxisSignals {
         motor: Some(smooth(simulated.motor_m, motor)),

@@ -5,9 +5,9 @@ use super::last_tick::LastTick;
 use super::motor_path::MotorPath;
 use super::signals::{AxisSignals, Signals, Smooth};
 use model::effects::Channel;
-use plant::driven::{DrivenStep, DrivenTable, Prescribed};
+use plant::driven::{DrivenStep, DrivenTable, ScrewMotion};
 use plant::parameters::AxisParameters;
-use plant::structure::{self, Tables};
+use plant::tool_point::{self, Tables};
 
 /// Table and force stage of one log.
 #[derive(Clone, Debug, Default)]
@@ -36,18 +36,19 @@ pub fn driven(
     let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
     let Some(first) = path.points.first() else { return result };
     // The error hangs on the place, and the reading is as far from that as the error.
-    let truth = |reading: f64| reading - parameters.dividing_m(reading - parameters.dividing_m(reading));
+    let truth =
+        |reading: f64| reading - parameters.resolver_error_m(reading - parameters.resolver_error_m(reading));
     // Stretch of the spring per acceleration of the table.
     let give =
         parameters.spring.as_ref().map_or(0.0, |spring| parameters.table_mass_kg / spring.stiffness_n_per_m);
 
     let mut motor_m = truth(first.reading_m);
     let nominal_m = parameters.screw.nominal_m(motor_m);
-    let mut screw = Prescribed {
+    let mut screw = ScrewMotion {
         nominal_m,
         velocity: motor.velocity[0],
         acceleration: motor.acceleration[0],
-        ..Prescribed::default()
+        ..ScrewMotion::default()
     };
     let mut dividing = Change::new(motor_m - first.reading_m);
     let mut errors = Change::new(nominal_m - motor_m);
@@ -64,16 +65,16 @@ pub fn driven(
             let velocity = (nominal_m - screw.nominal_m) * per_step;
             dividing.go_on(motor_m - point.reading_m, per_step);
             errors.go_on(nominal_m - motor_m, per_step);
-            screw = Prescribed {
+            screw = ScrewMotion {
                 nominal_m,
                 velocity,
                 acceleration: point.acceleration + dividing.acceleration + errors.acceleration,
-                of_errors: errors.rate,
+                error_velocity: errors.rate,
             };
             table.step(&step, screw);
         }
         let table_m = table.position_m(parameters, screw);
-        let force = parameters.motor_coulomb_n * path.sign[i] - parameters.ripple_n(motor_m)
+        let force = parameters.motor_coulomb_n * path.sign[i] - parameters.torque_ripple_n(motor_m)
             + table.transmitted_n
             + parameters.motor_mass_kg * dividing.acceleration
             - parameters.table_mass_kg * point.acceleration;
@@ -82,7 +83,7 @@ pub fn driven(
     }
     let mass = parameters.motor_mass_kg + parameters.table_mass_kg;
     // Over the tick that ends at the sample: half of one old, and as late as the log is.
-    let late = parameters.late_s(Channel::Force) / sample_s;
+    let late = parameters.latency_s(Channel::Force) / sample_s;
     let age = 0.5 + late;
     let (force_n, acceleration) = (aged(&result.force_n, age), aged(&motor.acceleration, age));
     let table_m =
@@ -92,7 +93,7 @@ pub fn driven(
     add(&mut force_n, added_n, -1.0);
     last_tick.of_means(&mut force_n, &growth, sample_s);
     add(&mut force_n, added_n, 1.0);
-    Driven { table_m: delayed(table_m, parameters.late_s(Channel::Table), sample_s), force_n }
+    Driven { table_m: delayed(table_m, parameters.latency_s(Channel::Table), sample_s), force_n }
 }
 
 /// Adds a force, where there is one, times a sign.
@@ -163,10 +164,10 @@ pub fn tool(
         }
         let all = Tables { names, position_m: &positions, acceleration: &accelerations };
         let time_s = signals.start_s + i as f64 * signals.sample_s;
-        *place += structure::offset_m(&parameters.tool, axis, &all, time_s);
+        *place += tool_point::offset_m(&parameters.tool, axis, &all, time_s);
     }
-    let of_table_s = signals.axes[axis].table.as_ref().map_or(0.0, |_| parameters.late_s(Channel::Table));
-    Some(delayed(places, parameters.late_s(Channel::Tool) - of_table_s, signals.sample_s))
+    let of_table_s = signals.axes[axis].table.as_ref().map_or(0.0, |_| parameters.latency_s(Channel::Table));
+    Some(delayed(places, parameters.latency_s(Channel::Tool) - of_table_s, signals.sample_s))
 }
 
 #[cfg(test)]

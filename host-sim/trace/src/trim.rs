@@ -155,7 +155,7 @@ impl Trims {
         ];
         for (instant, channel) in channels {
             if open(instant) {
-                parameters.late.push(Latency { channel, ms: 1e3 * self.late_s[instant as usize] });
+                parameters.latency.push(Latency { channel, ms: 1e3 * self.late_s[instant as usize] });
             }
         }
         if open(Instant::Speed) {

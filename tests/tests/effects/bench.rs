@@ -6,7 +6,7 @@ use model::axis::Settings;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
-use plant::path;
+use plant::machine_path::MachinePath;
 use plant::simulate::{Run, controller};
 
 /// The machine without any effect.
@@ -67,7 +67,8 @@ pub fn run(machine: &str, motion: &str) -> Seen {
 /// The same with instruments, from a time of the session's clock on.
 pub fn run_with(machine: &str, motion: &str, start_s: f64, instruments: fn(&Machine) -> Instruments) -> Seen {
     let machine = Machine::parse(machine, "machine.toml").unwrap();
-    let path = path::of(&Motion::parse(motion, "motion.toml").unwrap(), &machine, "motion.toml").unwrap();
+    let path =
+        MachinePath::new(&Motion::parse(motion, "motion.toml").unwrap(), &machine, "motion.toml").unwrap();
     let instruments = instruments(&machine);
     let run = Run { machine: &machine, instruments, start_m: &path.start_m, blocks: &path.blocks, start_s };
     let mut controller = controller(&machine, Format::Fixed, &path.start_m).unwrap();

@@ -14,7 +14,7 @@ use model::effects::Stage;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
-use plant::path;
+use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run, SimulationError};
 use trace::Trace;
 use trace::axis::{AxisTrace, StageError};
@@ -90,7 +90,7 @@ pub fn logs(machine: &Machine, seed: u64) -> Result<[Vec<Log>; 2], DemoError> {
 /// If the motion cannot be read, or the machine does not run it.
 pub fn log(machine: &Machine, motion: &str, start_s: f64, seed: u64) -> Result<Log, DemoError> {
     let motion = Motion::parse(motion, "a shipped motion")?;
-    let path = path::of(&motion, machine, "a shipped motion")?;
+    let path = MachinePath::new(&motion, machine, "a shipped motion")?;
     let mut controller = simulate::controller(machine, Format::Fixed, &path.start_m)?;
     let run = Run {
         machine,

@@ -16,7 +16,7 @@ use shared::units::Position;
 use crate::reproduce::ReproduceError;
 use link::controller::ControllerError;
 use model::bodies::{Assembly, Structure};
-use plant::bodies::{Moving, Push};
+use plant::multibody::{AxisForces, Multibody};
 use plant::sensors::Sensor;
 use plant::simulate::SimulationError;
 
@@ -107,7 +107,7 @@ impl Bench {
     /// When the control refuses it, the drives go off, or it does not end.
     pub fn run(&self, start_m: [f64; AXES], blocks: &[Block<AXES>]) -> Result<Vec<Row>, ReproduceError> {
         let tick_s = RATES.velocity_loop_hz.recip();
-        let mut moving = Moving::new(&self.assembly, tick_s)?;
+        let mut moving = Multibody::new(&self.assembly, tick_s)?;
         let mut random = ChaCha8Rng::seed_from_u64(self.instruments.seed);
         let start = start_m.map(place);
         let mut machine = Machine::<Fixed, AXES>::new(RATES, &self.settings, start).map_err(refused)?;
@@ -151,7 +151,7 @@ impl Bench {
                 break;
             }
             for (axis, motor_n) in force_n.into_iter().enumerate() {
-                moving.push(axis, Push { motor_n, ..Push::default() });
+                moving.set_forces(axis, AxisForces { motor_n, ..AxisForces::default() });
             }
             moving.step();
         }

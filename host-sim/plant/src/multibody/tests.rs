@@ -1,4 +1,4 @@
-//! The matrices against formulas by hand, for structures small enough to have one.
+//! The matrices against closed formulas, for structures that are small enough to have one.
 
 use std::f64::consts::TAU;
 
@@ -7,7 +7,7 @@ use model::bodies::*;
 
 use super::*;
 
-/// Stiff enough to be rigid beside what a test looks at, N/µm or N·m/mrad.
+/// Stiff enough to count as rigid, N/µm or N·m/mrad.
 const RIGID: f64 = 1e6;
 
 fn body(mass_kg: f64) -> Body {
@@ -31,8 +31,8 @@ fn point(body: &str, at_mm: [f64; 3]) -> Point {
     Point { body: body.to_owned(), at_mm }
 }
 
-/// A slide of 100 kg that z drives, on a guide that tilts about x and y, seen at (0, 150, 300) mm; the screw, without a
-/// mass worth it, lies at the given place. κ = 2 and 5 MN·m/rad.
+/// A slide of 100 kg that z drives, on a guide that tilts about x and y with κ = 2 and 5 MN·m/rad. The tool is at
+/// (0, 150, 300) mm, the screw at the given position; the inertia of the motor is negligible.
 fn tilting(screw_mm: [f64; 3]) -> Structure {
     let z = Axis {
         from: GROUND.to_owned(),
@@ -55,7 +55,7 @@ fn tilting(screw_mm: [f64; 3]) -> Structure {
 
 /// m₁·x₁″ = −k₁x₁ + k₂(x₂ − x₁), m₂·x₂″ = −k₂(x₂ − x₁): m₁m₂ω⁴ − (m₂(k₁ + k₂) + m₁k₂)ω² + k₁k₂ = 0.
 #[test]
-fn two_bodies_swing_with_the_frequencies_of_the_quadratic() {
+fn two_bodies_have_the_frequencies_of_the_quadratic() {
     let (m1, m2, k1, k2) = (20.0, 5.0, 3e6, 2e6);
     let half: f64 = (m2 * (k1 + k2) + m1 * k2) / (2.0 * m1 * m2);
     let root = (half * half - k1 * k2 / (m1 * m2)).sqrt();
@@ -75,37 +75,37 @@ fn two_bodies_swing_with_the_frequencies_of_the_quadratic() {
     for (found, expected) in found.iter().zip(expected) {
         assert!((found / expected - 1.0).abs() < 1e-6, "{found} {expected}");
     }
-    // The next one is of the rigid directions.
+    // The next one belongs to the rigid directions.
     assert!(found[2] > 1e3, "{found:?}");
 }
 
-/// The moment m·a·h of a screw that lies h beside the centre of gravity turns the slide by m·a·h/κ: a point at the
-/// distance l ahead goes sideways by l times that, a point l above goes along.
+/// The moment m·a·h of a screw at the distance h from the centre of gravity tilts the slide by m·a·h/κ. A point at the
+/// distance l along z then moves across by l times that angle, a point l above moves along z.
 #[test]
 fn talk_is_mass_times_both_levers_over_the_tilting_stiffness() {
     let (mass, up, ahead, about_x, about_y) = (100.0, 0.15, 0.3, 2e6, 5e6);
-    // The screw 40 mm above: about x, so that z runs ahead at the tool, and y falls.
+    // The screw 40 mm above: the slide tilts about x; at the tool z is ahead and y is lower.
     let above = Assembly::of(&tilting([0.0, 40.0, 0.0])).unwrap().talk_at_rest().unwrap();
     let turned = 1e6 * mass * 0.04 / about_x;
     let expected = [0.0, -turned * ahead, turned * up];
     for (found, expected) in above.tool_um_s2_per_m.iter().zip(expected) {
-        // The directions that count as rigid give by m/K: 1e-4 µm.
+        // The directions that count as rigid yield by m/K: 1e-4 µm.
         assert!((found - expected).abs() < 2e-4, "{found} {expected}");
     }
-    // And 40 mm beside: about y, backwards, so that x goes the other way.
+    // The screw 40 mm aside: the slide tilts about y, with the opposite sign.
     let beside = Assembly::of(&tilting([40.0, 0.0, 0.0])).unwrap().talk_at_rest().unwrap();
     let expected = [-1e6 * mass * 0.04 / about_y * ahead, 0.0, 0.0];
     for (found, expected) in beside.tool_um_s2_per_m.iter().zip(expected) {
         assert!((found - expected).abs() < 2e-4, "{found} {expected}");
     }
-    // The drive feels the slide and its own mass.
+    // The drive accelerates the slide and its own inertia.
     assert!((beside.force_kg[(0, 0)] - 100.001).abs() < 1e-6);
-    // Through the centre of gravity nothing tilts.
+    // A force through the centre of gravity does not tilt the slide.
     let through = Assembly::of(&tilting([0.0; 3])).unwrap().talk_at_rest().unwrap();
     assert!(through.tool_um_s2_per_m.amax() < 1e-9);
 }
 
-/// One tilting mode: the coefficient grows by 1/(1 − (ω/ω₁)²) with ω₁² = κ/I, and no faster.
+/// One tilting mode: the coefficient is amplified by 1/(1 − (ω/ω₁)²) with ω₁² = κ/I.
 #[test]
 fn on_a_circle_talk_is_amplified_by_the_tilting_mode() {
     let assembly = Assembly::of(&tilting([40.0, 0.0, 0.0])).unwrap();
@@ -119,7 +119,7 @@ fn on_a_circle_talk_is_amplified_by_the_tilting_mode() {
 }
 
 /// Motor m₁ and slide m₂ on a screw k under a force F from rest: the screw stretches by F·μ/(m₁k)·(1 − cos ωt) with
-/// μ = m₁m₂/(m₁ + m₂), ω² = k/μ, and the whole goes F·t²/2(m₁ + m₂).
+/// μ = m₁m₂/(m₁ + m₂), ω² = k/μ, and the centre of gravity moves by F·t²/2(m₁ + m₂).
 #[test]
 fn a_step_is_exact_however_long() {
     let mut structure = tilting([0.0; 3]);
@@ -127,11 +127,11 @@ fn a_step_is_exact_however_long() {
     let assembly = Assembly::of(&structure).unwrap();
     let (force, stiffness, reduced): (f64, f64, f64) = (300.0, 1e8, 50.0 * 100.0 / 150.0);
     let omega = (stiffness / reduced).sqrt();
-    // Ten steps of it are a tenth of a turn, and five turns, of the screw's swing.
+    // Ten steps are a tenth of a period of the screw's oscillation, and five periods.
     for step_s in [0.01 * TAU / omega, 0.5 * TAU / omega + 1e-5] {
-        let mut moving = Moving::new(&assembly, step_s).unwrap();
+        let mut moving = Multibody::new(&assembly, step_s).unwrap();
         for number in 1..=10 {
-            moving.push(0, Push { motor_n: force, ..Push::default() });
+            moving.set_forces(0, AxisForces { motor_n: force, ..AxisForces::default() });
             moving.step();
             let time = step_s * f64::from(number);
             let stretch = force * reduced / (50.0 * stiffness) * (1.0 - (omega * time).cos());
@@ -140,14 +140,14 @@ fn a_step_is_exact_however_long() {
             assert!((motor - slide - stretch).abs() < 1e-9 * (middle + stretch) + 1e-15, "{number}");
             let centre = (50.0 * motor + 100.0 * slide) / 150.0;
             assert!((centre / middle - 1.0).abs() < 1e-6, "{number}: {centre} {middle}");
-            // Driven through the centre of gravity the tool goes with the scale.
+            // Driven through the centre of gravity, the tool moves with the scale.
             assert!((moving.tool_m()[2] - slide).abs() < 1e-9 * slide);
         }
     }
 }
 
 #[test]
-fn parts_are_scaled_alone() {
+fn each_part_is_scaled_separately() {
     let structure = tilting([40.0, 0.0, 0.0]);
     let talk = |part, factor| {
         let assembly = Assembly::of(&structure.scaled(part, factor)).unwrap();
@@ -162,7 +162,7 @@ fn parts_are_scaled_alone() {
 }
 
 #[test]
-fn what_cannot_be_built_is_refused_by_its_key() {
+fn impossible_structures_are_refused_by_their_key() {
     let refused = |change: fn(&mut Structure)| {
         let mut structure = tilting([0.0; 3]);
         change(&mut structure);
@@ -185,7 +185,7 @@ fn what_cannot_be_built_is_refused_by_its_key() {
         "axis.z.at_mm: expected a number within ±1e6, found NaN"
     );
     assert_eq!(refused(|s| "table".clone_into(&mut s.tool.body)), "tool.body: no body is called \"table\"");
-    // Without its guide the slide hangs on nothing but the screw, which need not lie along one coordinate.
+    // Without its guide the slide is held by the screw alone, which may point in any direction.
     for direction in [[0.0, 0.0, 1.0], [1.0, 2.0, 3.0]] {
         let mut loose = tilting([10.0, 20.0, 0.0]);
         loose.joint.clear();
@@ -196,11 +196,11 @@ fn what_cannot_be_built_is_refused_by_its_key() {
         refused(|s| s.joint[0].stiffness_n_per_um[2] = 1.0),
         "an axis drives in a direction that a joint, or another axis, holds"
     );
-    // An axis across the direction that is free does not drive it.
+    // An axis perpendicular to the free direction does not drive the slide.
     let mut across = tilting([0.0; 3]);
     across.axis[0].direction = [1.0, 0.0, 0.0];
     assert_eq!(Assembly::of(&across).unwrap_err(), StructureError::Stuck);
-    // A workpiece that rides along feels nothing of the axis.
+    // The axis does not move the tool against a workpiece on the same body.
     let along = |s: &mut Structure| s.workpiece.body.clone_from(&s.tool.body);
     assert_eq!(refused(along), "axis.z: does not move the tool against the workpiece");
     assert_eq!(

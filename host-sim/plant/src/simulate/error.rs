@@ -1,15 +1,17 @@
-//! Why a simulation did not reach the end of its motion, in words.
+//! Why a simulation did not reach the end of its motion.
 
 use shared::config::AxisSettings;
 use shared::interpolate::PathError;
 use shared::safety::{Fault, FaultKind};
 
-use super::LONGEST_S;
 use crate::parameters::AxisParameters;
 use link::controller::ControllerError;
 use model::bodies::StructureError;
 use model::machine::Machine;
 use model::servo;
+
+/// The longest run, s of machine time; a path that takes longer ends with [`SimulationError::Endless`].
+pub const MAX_RUN_S: f64 = 3600.0;
 
 /// Why a simulation stopped.
 #[derive(Debug, thiserror::Error)]
@@ -20,12 +22,12 @@ pub enum SimulationError {
     /// A block of the path was refused.
     #[error("block {index}: {error}")]
     Block {
-        /// Counted from 0.
+        /// Its number, from 0.
         index: usize,
-        /// What is wrong with it.
+        /// Why it was refused.
         error: PathError,
     },
-    /// The machine file lacks what a simulation needs.
+    /// The machine file lacks a key that a simulation needs.
     #[error("axis.{axis}: a simulation needs the key {key}")]
     Lacks {
         /// Axis.
@@ -33,40 +35,40 @@ pub enum SimulationError {
         /// Key.
         key: &'static str,
     },
-    /// A step of the plant cannot be short enough for this axis.
+    /// An axis needs shorter steps than the simulation takes.
     #[error("axis.{axis}: {key} asks for steps of {step_s:.1e} s")]
     TooFast {
         /// Axis.
         axis: String,
-        /// Key.
+        /// The key whose value needs them.
         key: &'static str,
-        /// What it asks for.
+        /// The longest step that it allows, s.
         step_s: f64,
     },
-    /// The controller switched the drives off, or what it drives is no longer a machine.
+    /// The controller switched the drives off, or a value of the machine is not finite.
     #[error("{what}: stopped after {time_s:.4} s{hint}")]
     Fault {
-        /// Fault and axis.
+        /// The fault, with its axis.
         what: String,
-        /// When.
+        /// Time since the start, s.
         time_s: f64,
-        /// What may be behind it.
+        /// A possible cause; may be empty.
         hint: &'static str,
     },
-    /// The machine's bodies cannot be put together.
+    /// The machine's structure is impossible.
     #[error("structure: {0}")]
     Structure(#[from] StructureError),
-    /// The path did not end.
-    #[error("the motion did not end within {LONGEST_S} s of machine time")]
+    /// The path did not end within [`MAX_RUN_S`].
+    #[error("the motion did not end within {MAX_RUN_S} s of machine time")]
     Endless,
-    /// A row of the log could not be kept.
+    /// A row of the log could not be written.
     #[error("log: {0}")]
     Log(#[from] std::io::Error),
 }
 
 const UNSTABLE: &str = ": is the loop unstable, or the motion too fast for it?";
 
-/// A fault of the controller with the limit that it is about.
+/// The error of a fault of the controller, with the limit that was exceeded.
 pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationError {
     let (what, hint) = match fault {
         Fault::Overrun => ("a tick took longer than its period".to_owned(), ""),
@@ -77,7 +79,7 @@ pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationE
             Some((name, axis)) => {
                 let settings =
                     servo::settings(&axis.settings, &AxisParameters::of(axis).servo).unwrap_or_default();
-                let (what, hint) = said(kind, &settings);
+                let (what, hint) = described(kind, &settings);
                 (format!("axis.{name}: {what}"), hint)
             }
         },
@@ -85,12 +87,13 @@ pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationE
     SimulationError::Fault { what, time_s, hint }
 }
 
-/// A row that no log may hold.
+/// The error of a row with a value that is not finite.
 pub(super) fn not_finite(time_s: f64) -> SimulationError {
     SimulationError::Fault { what: "a reading is no finite number".to_owned(), time_s, hint: UNSTABLE }
 }
 
-fn said(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str) {
+/// A fault of an axis in words, and a possible cause.
+fn described(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str) {
     let mm = |m: Option<f64>| 1e3 * m.unwrap_or(f64::NAN);
     match kind {
         FaultKind::FollowingError => {
@@ -113,8 +116,8 @@ fn said(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str) {
             ": is the loop unstable, or does the motion ask for more than the drive can give?",
         ),
         FaultKind::SoftLimit => {
-            let [least, greatest] = settings.travel_m.unwrap_or([f64::NAN; 2]).map(|m| 1e3 * m);
-            (format!("the command leaves the travel from {least} to {greatest} mm"), "")
+            let [min, max] = settings.travel_m.unwrap_or([f64::NAN; 2]).map(|m| 1e3 * m);
+            (format!("the command leaves the travel from {min} to {max} mm"), "")
         }
         FaultKind::ScaleLost => ("no reading of the linear scale".to_owned(), ""),
         FaultKind::EncoderFrozen => {
