@@ -21,7 +21,7 @@ fn assert_free(image: &Image, walk: &Walk, functions: usize, instructions: usize
     assert_eq!(walk.panics(image), Vec::<String>::new());
     assert!(walk.traps.is_empty(), "traps at {:x?}", walk.traps);
     assert!(walk.indirect.is_empty(), "calls through a register at {:x?}: to what?", walk.indirect);
-    assert!(walk.lost.is_empty(), "jumps to no function at {:x?}", walk.lost);
+    assert!(walk.without_function.is_empty(), "jumps to no function at {:x?}", walk.without_function);
     println!("{} functions, {} instructions", walk.reached.len(), walk.instructions);
     assert!(walk.reached.len() >= functions && walk.instructions >= instructions);
 }

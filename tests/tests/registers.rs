@@ -85,7 +85,7 @@ fn position(accesses: &[Access], device: &str, offset: u32) -> usize {
 #[test]
 fn the_start_writes_what_the_table_says() {
     let mut chip = Chip::start(&built("board"), None);
-    assert_eq!(chip.run(1), Ok(End::Ticked), "{}", chip.words());
+    assert_eq!(chip.run(1), Ok(End::Ticked), "{}", chip.diagnostics());
     let accesses = chip.log.accesses();
     for (name, offset, value) in TIM1 {
         let last = written(&accesses, "timer[1]", offset).last().unwrap_or(0);
@@ -100,14 +100,14 @@ fn the_start_writes_what_the_table_says() {
         let held = if name == "IPR7" { held & 0xff } else { held };
         assert_eq!(held, value, "{name}: {held:#x}, expected {value:#x}");
     }
-    assert!(chip.clocks.are_watched(), "the clock security system is off");
+    assert!(chip.clocks.are_monitored(), "the clock security system is off");
 }
 
 /// In this order alone no stage sees a pulse that nobody asked for.
 #[test]
 fn the_stages_are_off_before_anything_can_switch_them_on() {
     let mut chip = Chip::start(&built("board"), None);
-    assert_eq!(chip.run(1), Ok(End::Ticked), "{}", chip.words());
+    assert_eq!(chip.run(1), Ok(End::Ticked), "{}", chip.diagnostics());
     let accesses = chip.log.accesses();
     let at = |device, offset| position(&accesses, device, offset);
     // PB14 is low before the crystal is waited for: the clock of TIM1 is switched on behind that.

@@ -117,7 +117,7 @@ fn what_makes_a_depth_unknown_is_named() {
     // blx r3
     assert_eq!(unknown(&[&[0x4798, 0x4770]]), [Obstacle::Indirect(0x1000)]);
     // b.n beyond the last function
-    assert_eq!(unknown(&[&[0xe07e]]), [Obstacle::Lost(0x1000)]);
+    assert_eq!(unknown(&[&[0xe07e]]), [Obstacle::NoFunction(0x1000)]);
     // mov sp, r7
     assert_eq!(unknown(&[&[0xbf00, 0x46bd, 0x4770]]), [Obstacle::Unknown(0x1002)]);
     // sub.w sp, sp, r4 of a register that has no constant

@@ -27,7 +27,7 @@ pub fn stack_is_as_deep_as_computed(chip: &mut Chip) {
     assert!(used <= worst.bytes() && worst.bytes() <= room, "{used} B of {} B of {room} B", worst.bytes());
     // The tick's own frame on that of the core, of which two words, alignment and reserve, are not written.
     let tick = chip.vectors.handler(TICK);
-    let (_, frame) = worst.exceptions.iter().find(|depth| depth.way[0].0 == tick).unwrap().way[0];
+    let (_, frame) = worst.exceptions.iter().find(|depth| depth.chain[0].0 == tick).unwrap().chain[0];
     assert!(used >= frame + EXCEPTION_FRAME - 8, "{used} B of {frame} B");
     let (sp, running) = (chip.target.register(SP).unwrap(), chip.target.register(XPSR).unwrap() & 511);
     assert!(sp <= chip.vectors.initial_sp && sp >= chip.vectors.initial_sp - worst.bytes(), "{sp:#x}");

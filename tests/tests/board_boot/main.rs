@@ -26,12 +26,18 @@ const TICKS: usize = 1000;
 fn the_program_that_is_flashed_starts_and_ticks_a_thousand_times_without_an_exception() {
     let mut chip = Chip::start(&built("board"), None);
     let end = chip.run(TICKS);
-    assert_eq!(end, Ok(End::Ticked), "stack pointer {:#x?}; {}", chip.target.register(SP), chip.words());
+    assert_eq!(
+        end,
+        Ok(End::Ticked),
+        "stack pointer {:#x?}; {}",
+        chip.target.register(SP),
+        chip.diagnostics()
+    );
     let exceptions = chip.log.exceptions();
     assert!(exceptions.iter().all(|&number| number == TICK), "{exceptions:?}");
     assert!((TICKS..100 * TICKS).contains(&exceptions.len()), "{}", exceptions.len());
     // An access to where there is no memory.
-    assert!(!chip.log.text().contains("Invalid"), "{}", chip.words());
+    assert!(!chip.log.text().contains("Invalid"), "{}", chip.diagnostics());
     stack_is_as_deep_as_computed(&mut chip);
     let accesses = chip.log.accesses();
     tick_is_as_fast_as_set_up(&mut chip, &accesses);
@@ -46,7 +52,7 @@ fn the_program_that_is_flashed_starts_and_ticks_a_thousand_times_without_an_exce
 fn the_drives_come_on_when_the_switch_is_closed_afresh_and_push_back() {
     let mut chip = Chip::start(&built("board"), Some(Inputs::default()));
     let end = chip.run((PUSHED + 2 * COUNTS) as usize + 1);
-    assert_eq!(end, Ok(End::Ticked), "{}", chip.words());
+    assert_eq!(end, Ok(End::Ticked), "{}", chip.diagnostics());
     assert!(chip.log.exceptions().iter().all(|&number| number == TICK));
     stack_is_as_deep_as_computed(&mut chip);
     drives_come_on_and_push_back(&chip.log.accesses());
@@ -59,10 +65,10 @@ fn what_the_core_cannot_go_on_from_cuts_the_stages() {
     const HARD_FAULT: usize = 3;
     for exception in [NMI, HARD_FAULT] {
         let mut chip = Chip::start(&built("board"), Some(Inputs::default()));
-        assert_eq!(chip.run(PUSHED as usize), Ok(End::Ticked), "{}", chip.words());
+        assert_eq!(chip.run(PUSHED as usize), Ok(End::Ticked), "{}", chip.diagnostics());
         assert_eq!(stages(&chip.log.accesses()), [true, true]);
         // A handful of instructions each time round.
-        chip.take(exception, 100).unwrap();
+        chip.enter_handler(exception, 100).unwrap();
         assert_eq!(stages(&chip.log.accesses()), [false, false]);
     }
 }
@@ -72,6 +78,6 @@ fn what_the_core_cannot_go_on_from_cuts_the_stages() {
 fn a_stack_that_is_too_small_is_seen() {
     let mut chip = Chip::start(&built("board"), None);
     chip.target.set_register(SP, RAM.start + 256).unwrap();
-    assert_eq!(chip.run(1), Ok(End::Entered("HardFault".to_owned())), "{}", chip.words());
+    assert_eq!(chip.run(1), Ok(End::Entered("HardFault".to_owned())), "{}", chip.diagnostics());
     assert!(chip.target.register(SP).unwrap() < RAM.start);
 }
