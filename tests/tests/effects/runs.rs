@@ -1,4 +1,4 @@
-//! Machines and motions made of text, their runs, and how sizes are read out of a log.
+//! Machines and motions as text, their runs, and measurements on the logs.
 
 use files::log::{Channel, Log};
 use link::controller::Format;
@@ -9,13 +9,13 @@ use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{Run, controller};
 
-/// The machine without any effect.
+/// The machine without effects.
 pub const PLAIN: &str = include_str!("../../../host-sim/machines/vmc.toml");
 
-/// What is waited for, s: the slowest root of both loops is at −29 1/s, and e^(−29·0.4) = 1e-5.
+/// Settling time, s: the slowest pole of both loops is at −29 1/s, and e^(−29·0.4) = 1e-5.
 pub const SETTLED_S: f64 = 0.4;
 
-/// What runs agree to where nothing but roundings and such remnants differ, µm and N.
+/// Tolerance of runs that should be equal: rounding and what is left of transients, µm and N.
 pub const ROUNDING_UM: f64 = 0.003;
 pub const ROUNDING_N: f64 = 0.2;
 
@@ -32,24 +32,24 @@ pub fn declared() -> Settings {
     Machine::parse(PLAIN, "vmc.toml").unwrap().axis["x"].settings.clone()
 }
 
-/// The same text with other words in the first place where they stand.
+/// A text with its first occurrence of `from`, which must exist, replaced.
 pub fn changed(text: &str, from: &str, to: &str) -> String {
     assert!(text.contains(from), "no {from}");
     text.replacen(from, to, 1)
 }
 
-/// From x = 0 along x, at rest at each place: where to (mm) and how fast (mm/s), with 0.5 m/s².
-pub fn lines(places: &[(f64, f64)]) -> String {
+/// A motion from x = 0 along x with a stop at each point: end (mm) and feed (mm/s) of each line, 0.5 m/s².
+pub fn lines(points: &[(f64, f64)]) -> String {
     let block = |(x_mm, mm_s): &(f64, f64)| {
         let feed = 60.0 * mm_s;
         format!("[[block]]\nline_to_mm = {{ x = {x_mm:?} }}\nfeed_mm_per_min = {feed:?}\n")
     };
     let head = "name = \"lines\"\nfeed_mm_per_min = 1000.0\nacceleration_m_per_s2 = 0.5\n";
-    let blocks: String = places.iter().map(block).collect();
+    let blocks: String = points.iter().map(block).collect();
     format!("{head}start_mm = {{ x = 0.0, y = 0.0 }}\n{blocks}[[block]]\ndwell_s = 0.3\n")
 }
 
-/// Turns round the origin from (radius, 0).
+/// A motion of turns about the origin from (radius, 0).
 pub fn circle(radius_mm: f64, mm_s: f64, turns: f64) -> String {
     format!(
         "name = \"circle\"\nfeed_mm_per_min = {:?}\nacceleration_m_per_s2 = 10.0\n\
@@ -59,28 +59,33 @@ pub fn circle(radius_mm: f64, mm_s: f64, turns: f64) -> String {
     )
 }
 
-/// Runs a machine that is read without noise or steps.
-pub fn run(machine: &str, motion: &str) -> Seen {
+/// Runs a machine with ideal instruments.
+pub fn run(machine: &str, motion: &str) -> RunLog {
     run_with(machine, motion, 0.0, |_| Instruments::default())
 }
 
-/// The same with instruments, from a time of the session's clock on.
-pub fn run_with(machine: &str, motion: &str, start_s: f64, instruments: fn(&Machine) -> Instruments) -> Seen {
+/// Runs a machine with instruments, from a time of the session on.
+pub fn run_with(
+    machine: &str,
+    motion: &str,
+    start_s: f64,
+    instruments: fn(&Machine) -> Instruments,
+) -> RunLog {
     let machine = Machine::parse(machine, "machine.toml").unwrap();
     let path =
         MachinePath::new(&Motion::parse(motion, "motion.toml").unwrap(), &machine, "motion.toml").unwrap();
     let instruments = instruments(&machine);
     let run = Run { machine: &machine, instruments, start_m: &path.start_m, blocks: &path.blocks, start_s };
     let mut controller = controller(&machine, Format::Fixed, &path.start_m).unwrap();
-    Seen { log: run.log(controller.as_mut(), |_, _, _| {}).unwrap() }
+    RunLog { log: run.log(controller.as_mut(), |_, _, _| {}).unwrap() }
 }
 
-/// What a run showed.
-pub struct Seen {
+/// The log of a run.
+pub struct RunLog {
     pub log: Log,
 }
 
-impl Seen {
+impl RunLog {
     /// A channel in mm or N.
     pub fn channel(&self, axis: &str, channel: Channel) -> &[f64] {
         self.log.axis(axis).unwrap().channel(channel).unwrap()
@@ -90,25 +95,25 @@ impl Seen {
         self.channel("x", Channel::Force)
     }
 
-    /// One channel of x less another, µm.
-    pub fn beyond_um(&self, channel: Channel, other: Channel) -> Vec<f64> {
+    /// A channel of x minus another one, µm.
+    pub fn difference_um(&self, channel: Channel, other: Channel) -> Vec<f64> {
         difference(self.channel("x", channel), self.channel("x", other)).iter().map(|mm| 1e3 * mm).collect()
     }
 
-    /// A channel of x less that of another run, µm (N for the force).
-    pub fn moved(&self, channel: Channel, plain: &Self) -> Vec<f64> {
+    /// A channel of x minus that of another run, µm (N for the force).
+    pub fn change(&self, channel: Channel, plain: &Self) -> Vec<f64> {
         let unit = if channel == Channel::Force { 1.0 } else { 1e3 };
         let difference = difference(self.channel("x", channel), plain.channel("x", channel));
         difference.iter().map(|value| unit * value).collect()
     }
 
-    /// Table − motor of x less that of another run, µm.
-    pub fn drive_train_moved_um(&self, plain: &Self) -> Vec<f64> {
-        let beyond = |seen: &Self| seen.beyond_um(Channel::Table, Channel::Motor);
-        difference(&beyond(self), &beyond(plain))
+    /// Table − motor of x minus that of another run, µm.
+    pub fn drive_train_change_um(&self, plain: &Self) -> Vec<f64> {
+        let drive_train = |run: &Self| run.difference_um(Channel::Table, Channel::Motor);
+        difference(&drive_train(self), &drive_train(plain))
     }
 
-    /// Samples at which the command of x has moved at a signed speed for [`SETTLED_S`].
+    /// Samples at which the command of x has had a constant velocity (signed) for [`SETTLED_S`].
     pub fn steady(&self, mm_s: f64) -> Vec<usize> {
         let step_mm = mm_s * self.log.sample_time_s;
         let command = self.channel("x", Channel::Command);
@@ -116,12 +121,12 @@ impl Seen {
         self.lasting(is_steady)
     }
 
-    /// Samples at which the command of x has gained speed evenly for [`SETTLED_S`], in + direction.
-    pub fn speeding_up(&self, m_per_s2: f64) -> Vec<usize> {
-        let bend_mm = 1e3 * m_per_s2 * self.log.sample_time_s.powi(2);
+    /// Samples at which the command of x has had a constant acceleration for [`SETTLED_S`], in + direction.
+    pub fn accelerating(&self, m_per_s2: f64) -> Vec<usize> {
+        let expected_mm = 1e3 * m_per_s2 * self.log.sample_time_s.powi(2);
         let command = self.channel("x", Channel::Command);
-        let bend = |i: usize| command[i] - 2.0 * command[i - 1] + command[i - 2];
-        self.lasting(|i| i > 1 && (bend(i) - bend_mm).abs() < 1e-3 * bend_mm)
+        let second_difference = |i: usize| command[i] - 2.0 * command[i - 1] + command[i - 2];
+        self.lasting(|i| i > 1 && (second_difference(i) - expected_mm).abs() < 1e-3 * expected_mm)
     }
 
     fn lasting(&self, holds: impl Fn(usize) -> bool) -> Vec<usize> {
@@ -137,15 +142,15 @@ impl Seen {
         samples
     }
 
-    /// Every channel of every axis is that of another run, to the last bit, but for some of x.
-    pub fn assert_same(&self, plain: &Self, but: &[Channel]) {
+    /// Asserts that every channel of every axis equals that of another run to the last bit, except some of x.
+    pub fn assert_same(&self, plain: &Self, except: &[Channel]) {
         for axis in &plain.log.axes {
             for channel in CHANNELS {
-                if axis.name == "x" && but.contains(&channel) {
+                if axis.name == "x" && except.contains(&channel) {
                     continue;
                 }
                 let same = self.channel(&axis.name, channel) == axis.channel(channel).unwrap();
-                assert!(same, "{} of {} is not what it is without", channel.word(), axis.name);
+                assert!(same, "{} of {} differs from the run without", channel.word(), axis.name);
             }
         }
     }
@@ -160,7 +165,7 @@ pub fn mean(values: &[f64], samples: &[usize]) -> f64 {
     samples.iter().map(|&i| values[i]).sum::<f64>() / samples.len() as f64
 }
 
-/// Every one of the samples lies about a value.
+/// Asserts that the values at all samples are near an expected one.
 pub fn assert_all(values: &[f64], samples: &[usize], expected: f64, bound: f64, what: &str) {
     for &i in samples {
         assert!((values[i] - expected).abs() < bound, "{what}: {} at {i}, expected {expected}", values[i]);
@@ -176,7 +181,7 @@ pub fn rms(values: &[f64]) -> f64 {
     (values.iter().map(|value| value * value).sum::<f64>() / values.len() as f64).sqrt()
 }
 
-/// Coefficients of the columns and of a constant behind them, by least squares.
+/// Coefficients of the columns, and of a constant as the last one, by least squares.
 pub fn fit<const N: usize>(columns: [&[f64]; N], values: &[f64]) -> Vec<f64> {
     let ones = vec![1.0; values.len()];
     let mut all = columns.to_vec();
@@ -186,20 +191,20 @@ pub fn fit<const N: usize>(columns: [&[f64]; N], values: &[f64]) -> Vec<f64> {
         all.iter().map(|other| dot(column, other)).chain([dot(column, values)]).collect()
     };
     let mut rows: Vec<Vec<f64>> = all.iter().map(row).collect();
-    // Normal equations are definite: they need no search for a pivot.
+    // The normal equations are positive definite: no pivoting.
     for pivot in 0..=N {
         let scale = rows[pivot][pivot];
         rows[pivot].iter_mut().for_each(|value| *value /= scale);
         let pivot_row = rows[pivot].clone();
         for (_, row) in rows.iter_mut().enumerate().filter(|(i, _)| *i != pivot) {
-            let share = row[pivot];
-            row.iter_mut().zip(&pivot_row).for_each(|(value, part)| *value -= share * part);
+            let factor = row[pivot];
+            row.iter_mut().zip(&pivot_row).for_each(|(value, part)| *value -= factor * part);
         }
     }
     rows.iter().map(|row| row[N + 1]).collect()
 }
 
-/// The samples of a signal.
-pub fn of(values: &[f64], samples: &[usize]) -> Vec<f64> {
+/// The values at some samples.
+pub fn at(values: &[f64], samples: &[usize]) -> Vec<f64> {
     samples.iter().map(|&i| values[i]).collect()
 }
