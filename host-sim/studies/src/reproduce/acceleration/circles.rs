@@ -215,8 +215,8 @@ fn concatenated(circles: &[&CircleRecord], of: impl Fn(&CircleRecord) -> Vec<f64
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduce::acceleration::closed_loop::Instruments;
     use crate::reproduce::acceleration::machines;
+    use crate::reproduce::acceleration::machines::Instruments;
     use model::bodies::Assembly;
 
     /// Simulated circles, evaluated like a measurement, give the closed form at their frequency to 1 %, and the

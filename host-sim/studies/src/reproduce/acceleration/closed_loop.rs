@@ -13,11 +13,11 @@ use shared::safety::Power;
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
 
-use crate::reproduce::ReproduceError;
+use super::machines::{Gains, Instruments};
+use crate::reproduce::study::ReproduceError;
 use link::controller::ControllerError;
 use model::bodies::{Assembly, Structure};
 use plant::bodies::{Moving, Push};
-use plant::sensors::Sensor;
 use plant::simulate::SimulationError;
 
 /// Number of axes: x, y, z.
@@ -44,19 +44,6 @@ const TIME_LIMIT_S: f64 = 30.0;
 
 /// Force limit of each drive, N: five times the force that the movements take.
 const FORCE_LIMIT_N: f64 = 40_000.0;
-
-/// Resolution and noise of the measuring instruments.
-#[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Instruments {
-    /// Motor encoders and scales, m; the paper calls them internal.
-    pub internal: Sensor,
-    /// Probe at the tool, m; the paper calls it external.
-    pub external: Sensor,
-    /// Drive force, N.
-    pub force: Sensor,
-    /// Seed of all noise.
-    pub seed: u64,
-}
 
 /// A machine with its controller and instruments.
 #[derive(Clone, Debug)]
@@ -99,7 +86,7 @@ impl ClosedLoop {
     ) -> Result<Self, ReproduceError> {
         let assembly = Assembly::of(structure)?;
         let effective_kg = assembly.talk_at_rest()?.force_kg;
-        let settings = std::array::from_fn(|axis| gains.settings(effective_kg[(axis, axis)]));
+        let settings = std::array::from_fn(|axis| axis_settings(gains, effective_kg[(axis, axis)]));
         Ok(Self { assembly, settings, instruments })
     }
 
@@ -170,29 +157,16 @@ impl ClosedLoop {
     }
 }
 
-/// Gains of the cascade, relative to the axis that they control.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Gains {
-    /// Position gain Kp, 1/s.
-    pub position_per_s: f64,
-    /// Bandwidth of the velocity loop (its gain divided by the mass), in multiples of Kp.
-    pub velocity_ratio: f64,
-    /// Integral time of the velocity loop, in multiples of the inverse of that bandwidth.
-    pub integral_ratio: f64,
-}
-
-impl Gains {
-    /// Settings of an axis with the given effective mass at its drive.
-    fn settings(self, effective_kg: f64) -> AxisSettings {
-        let velocity_per_s = self.velocity_ratio * self.position_per_s;
-        AxisSettings {
-            position_gain_per_s: self.position_per_s,
-            velocity_gain_n_s_per_m: velocity_per_s * effective_kg,
-            velocity_integral_time_s: Some(self.integral_ratio / velocity_per_s),
-            sensors: Sensors::Table,
-            force_limit_n: FORCE_LIMIT_N,
-            ..AxisSettings::default()
-        }
+/// Settings of an axis with the given effective mass at its drive.
+fn axis_settings(gains: Gains, effective_kg: f64) -> AxisSettings {
+    let velocity_per_s = gains.velocity_ratio * gains.position_per_s;
+    AxisSettings {
+        position_gain_per_s: gains.position_per_s,
+        velocity_gain_n_s_per_m: velocity_per_s * effective_kg,
+        velocity_integral_time_s: Some(gains.integral_ratio / velocity_per_s),
+        sensors: Sensors::Table,
+        force_limit_n: FORCE_LIMIT_N,
+        ..AxisSettings::default()
     }
 }
 

@@ -4,9 +4,9 @@ use model::bodies::Assembly;
 use model::bodies::talk::Talk;
 
 use super::circles::{self, CircleRecord, Measured};
-use super::closed_loop::{ClosedLoop, Instruments, X, Z};
+use super::closed_loop::{ClosedLoop, X, Z};
 use super::identify::{self, Candidate};
-use super::machines;
+use super::machines::{self, Instruments};
 use super::z_move::{self, Limits, Peaks, ZMove};
 use crate::reproduce::study::ReproduceError;
 

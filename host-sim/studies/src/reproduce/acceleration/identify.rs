@@ -7,6 +7,7 @@
 
 use super::circles::{CircleRecord, Measured};
 use super::closed_loop::AXES;
+use super::machines::Weights;
 use model::bodies::talk::Talk;
 use model::bodies::{Assembly, JointKind, Part, Structure, StructureError};
 
@@ -21,15 +22,6 @@ pub const PARTS: [(Part, &str); 5] = [
 
 /// Lower limit of the search for a factor; the upper limit is its inverse.
 const MIN_FACTOR: f64 = 0.05;
-
-/// Standard deviations of the readings; errors are divided by them.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Weights {
-    /// Of the external reading, µm.
-    pub tool_um: f64,
-    /// Of the drive force, N.
-    pub force_n: f64,
-}
 
 /// A part with its best factor.
 #[derive(Clone, Copy, Debug, PartialEq)]

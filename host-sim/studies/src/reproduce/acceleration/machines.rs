@@ -1,13 +1,45 @@
-//! The machine with the data of the catalogue, and the true machine, whose stiffness and masses differ.
+//! The machine with the data of the catalogue, the true machine, whose stiffness and masses differ, and the gains and
+//! instruments of both.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 
-use super::closed_loop::{Gains, Instruments};
-use super::identify::Weights;
 use crate::reproduce::study::ReproduceError;
 use model::bodies::{JointKind, Structure};
 use plant::sensors::Sensor;
+
+/// Gains of the cascade, relative to the axis that they control.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Gains {
+    /// Position gain Kp, 1/s.
+    pub position_per_s: f64,
+    /// Bandwidth of the velocity loop (its gain divided by the mass), in multiples of Kp.
+    pub velocity_ratio: f64,
+    /// Integral time of the velocity loop, in multiples of the inverse of that bandwidth.
+    pub integral_ratio: f64,
+}
+
+/// Resolution and noise of the measuring instruments.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Instruments {
+    /// Motor encoders and scales, m; the paper calls them internal.
+    pub internal: Sensor,
+    /// Probe at the tool, m; the paper calls it external.
+    pub external: Sensor,
+    /// Drive force, N.
+    pub force: Sensor,
+    /// Seed of all noise.
+    pub seed: u64,
+}
+
+/// Standard deviations of the readings; errors are divided by them.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Weights {
+    /// Of the external reading, µm.
+    pub tool_um: f64,
+    /// Of the drive force, N.
+    pub force_n: f64,
+}
 
 /// Stiffness of the true machine's guideways over that of the catalogue: the factor to be identified. Chosen for the
 /// measured cross-talk of the paper, −1.55 µm per m/s².

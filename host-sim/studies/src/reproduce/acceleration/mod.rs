@@ -1,7 +1,7 @@
 //! Measurement and simulation of acceleration-correlated position errors (Nguyen, Weikert, Wegener).
 //!
-//! - [`machines`]: the machine with the data of the catalogue, and the true one, which differs from it.
-//! - [`closed_loop`]: position and velocity control about either machine.
+//! - [`machines`]: the machine with the data of the catalogue, the true one, their gains and instruments.
+//! - [`closed_loop`]: position and velocity control of either machine.
 //! - [`circles`]: the paper's measurement on circles, and its evaluation.
 //! - [`least_squares`]: linear fits, and the ellipse fit.
 //! - [`identify`]: finds which value of the catalogue is wrong.

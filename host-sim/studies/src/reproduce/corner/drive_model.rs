@@ -30,7 +30,7 @@ pub struct VelocityLoop {
 impl VelocityLoop {
     /// From the declared values of an axis.
     #[must_use]
-    pub fn of(axis: &Axis) -> Self {
+    pub fn from_axis(axis: &Axis) -> Self {
         let mass_kg = axis.motor_mass_kg.unwrap_or(0.0) + axis.table_mass_kg.unwrap_or(0.0);
         Self {
             bandwidth_per_s: axis.velocity_gain_n_s_per_m.unwrap_or(0.0) / mass_kg,

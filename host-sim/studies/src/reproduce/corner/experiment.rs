@@ -144,12 +144,12 @@ impl Corner {
 
 impl Prediction {
     /// Motors and tool from the command of a corner alone, with a given tuning.
-    fn of(corner: &Corner, tuning: Tuning, mechanics: &[Mechanics; 2]) -> Result<Self, ReproduceError> {
+    fn new(corner: &Corner, tuning: Tuning, mechanics: &[Mechanics; 2]) -> Result<Self, ReproduceError> {
         let Tuning { law, gain_per_s, feedforward_percent } = tuning;
         let Motion { command, sample_s, .. } = &corner.motion;
         let declared = machine::tuned(tuning)?;
         let motor = |axis: usize, command: &[f64]| {
-            let velocity = VelocityLoop::of(&declared.axis[axis]);
+            let velocity = VelocityLoop::from_axis(&declared.axis[axis]);
             Servo { law, gain_per_s, feedforward_percent, velocity }.motor_m(command, *sample_s)
         };
         let motor = Track { x_m: motor(0, &command.x_m), y_m: motor(1, &command.y_m) };
@@ -187,7 +187,7 @@ impl SofterMachine {
         let [low, middle, high] =
             GAINS_PER_S.map(|gain| Corner::run_with_structure(tuning(gain), SOFTER_FREQUENCY_RATIO));
         let (mechanics, high) = (low?.mechanics()?, high?);
-        let prediction = Prediction::of(&high, high.tuning, &mechanics)?;
+        let prediction = Prediction::new(&high, high.tuning, &mechanics)?;
         Ok(Self {
             overshoot_ratio: high.overshoot_um() / middle?.overshoot_um(),
             difference_um: high.difference_um(&high.motion.tool, &prediction.tool),
@@ -212,7 +212,7 @@ impl Experiment {
         let mechanics = hpc[0].printed.mechanics()?;
         let predictions = hpc
             .iter()
-            .map(|run| Prediction::of(&run.printed, run.printed.tuning, &mechanics))
+            .map(|run| Prediction::new(&run.printed, run.printed.tuning, &mechanics))
             .collect::<Result<_, _>>()?;
         let rapid = Tuning {
             law: Controller::Hpc,
@@ -229,7 +229,7 @@ impl Experiment {
     /// If the machine file is invalid.
     pub fn predicted_overshoot_um(&self, tuning: Tuning) -> Result<f64, ReproduceError> {
         let corner = &self.hpc[0].printed;
-        let tool = Prediction::of(corner, tuning, &self.mechanics)?.tool;
+        let tool = Prediction::new(corner, tuning, &self.mechanics)?.tool;
         Ok(1e6 * overshoot_m(&tool, &corner.window))
     }
 
@@ -274,7 +274,7 @@ mod tests {
         let tuning =
             Tuning { law: Controller::Hpc, gain_per_s: 51.0, feedforward_percent: FEEDFORWARD_PERCENT };
         let corner = Corner::run(tuning).unwrap();
-        let prediction = Prediction::of(&corner, tuning, &corner.mechanics().unwrap()).unwrap();
+        let prediction = Prediction::new(&corner, tuning, &corner.mechanics().unwrap()).unwrap();
         let difference = corner.difference_um(&corner.motion.tool, &prediction.tool);
         assert!((0.5..5.0).contains(&difference), "{difference}");
     }

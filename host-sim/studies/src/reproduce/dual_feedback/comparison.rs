@@ -30,7 +30,8 @@ struct Performance {
 }
 
 impl Performance {
-    fn of(system: System) -> Result<Self, ReproduceError> {
+    /// Maximum gain, then accuracy at half of it.
+    fn measure(system: System) -> Result<Self, ReproduceError> {
         let max_gain_per_s = max_gain_per_s(system)?;
         let used = 0.5 * max_gain_per_s;
         Ok(Self {
@@ -79,8 +80,8 @@ impl Comparison {
             let softer = max_gain_per_s(System { stiffness_factor: 0.5, ..system })?;
             Ok::<f64, ReproduceError>(softer / full_stiffness.max_gain_per_s)
         };
-        let (semi_results, full_results) = (Performance::of(semi)?, Performance::of(full)?);
-        let [a, b, c, d, e] = DUALS_S.map(|dual_s| Performance::of(dual(dual_s)));
+        let (semi_results, full_results) = (Performance::measure(semi)?, Performance::measure(full)?);
+        let [a, b, c, d, e] = DUALS_S.map(|dual_s| Performance::measure(dual(dual_s)));
         let duals = [a?, b?, c?, d?, e?];
         let softer_gain_ratios =
             [ratio(semi, &semi_results)?, ratio(full, &full_results)?, ratio(dual(DUAL_S), &duals[4])?];

@@ -63,7 +63,7 @@ pub struct Errors {
 }
 
 impl Errors {
-    fn of(errors_um: &[f64]) -> Self {
+    fn from_um(errors_um: &[f64]) -> Self {
         let squares = errors_um.iter().map(|error| error * error).sum::<f64>();
         Self {
             max_um: errors_um.iter().fold(0.0, |max, error| max.max(error.abs())),
@@ -155,7 +155,7 @@ fn stop_errors_um(system: System, gain_per_s: f64) -> Result<Vec<f64>, Reproduce
 /// # Errors
 /// If the simulation fails.
 pub fn positioning_errors(system: System, gain_per_s: f64) -> Result<Errors, ReproduceError> {
-    Ok(Errors::of(&stop_errors_um(system, gain_per_s)?))
+    Ok(Errors::from_um(&stop_errors_um(system, gain_per_s)?))
 }
 
 /// Length of the slow traverse, mm.
@@ -178,7 +178,7 @@ pub fn slow_traverse(system: System, gain_per_s: f64) -> Result<Vec<(f64, f64)>,
 pub fn steady_errors(traverse: &[(f64, f64)]) -> Errors {
     let middle = 0.25 * TRAVERSE_MM..0.75 * TRAVERSE_MM;
     let steady: Vec<f64> = traverse.iter().filter(|row| middle.contains(&row.0)).map(|row| row.1).collect();
-    Errors::of(&steady)
+    Errors::from_um(&steady)
 }
 
 /// Oscillation of motor or table about the command, peak to peak, µm, on a slow movement after a jump; infinite if the
@@ -215,9 +215,9 @@ pub fn max_gain_per_s(system: System) -> Result<f64, ReproduceError> {
     while unstable > 1.01 * stable {
         let middle = f64::sqrt(stable * unstable);
         if oscillation_um(system, middle)? < OSCILLATION_LIMIT_UM {
-            stable = middle
+            stable = middle;
         } else {
-            unstable = middle
+            unstable = middle;
         }
     }
     Ok(stable)

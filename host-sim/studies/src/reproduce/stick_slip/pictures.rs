@@ -2,7 +2,7 @@
 
 use super::contributors::Contributor;
 use super::experiment::{Experiment, StickSlip};
-use super::sentences::um;
+use super::sentences::micrometres;
 use super::table_model::{RADIUS_M, SPEEDS_RAD_PER_S, TABLES};
 use crate::reproduce::ballbar::Ballbar;
 use crate::reproduce::study::Picture;
@@ -93,9 +93,9 @@ fn circle(name: &str, description: &str, ballbar: &Ballbar) -> Picture {
         "{name}, {description}: G {} µm, B {} µm on X and {} µm on Y, greatest distance of the directions H {} µm. One division is \
          {} µm.",
         significant(ballbar.circular_deviation_um(), 3),
-        um(x),
-        um(y),
-        um(ballbar.hysteresis_um()),
+        micrometres(x),
+        micrometres(y),
+        micrometres(ballbar.hysteresis_um()),
         significant(division_um, 1),
     );
     let title = format!("{name}: radial deviation over the angle");

@@ -41,13 +41,13 @@ fn size(contributor: &Contributor, ballbar: &Ballbar) -> String {
         contributor.name(),
         contributor.description(),
         significant(ballbar.circular_deviation_um(), 3),
-        um(x),
-        um(y),
+        micrometres(x),
+        micrometres(y),
     )
 }
 
 /// To 0.01 µm: smaller reversal values are artefacts of an oval in the fit.
-pub fn um(um: f64) -> String {
+pub fn micrometres(um: f64) -> String {
     fixed(um, 2)
 }
 

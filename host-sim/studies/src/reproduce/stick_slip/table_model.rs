@@ -61,27 +61,27 @@ pub struct CircularPath {
 impl CircularPath {
     /// Duration of a lap, s.
     #[must_use]
-    pub fn lap_s(&self) -> f64 {
+    pub fn lap_s(self) -> f64 {
         TAU / self.speed_rad_per_s.abs()
     }
 
     /// Position of the drives, m.
     #[must_use]
-    pub fn position_m(&self, time_s: f64) -> [f64; 2] {
+    pub fn position_m(self, time_s: f64) -> [f64; 2] {
         let (sin, cos) = (self.speed_rad_per_s * time_s).sin_cos();
         [RADIUS_M * cos, RADIUS_M * sin]
     }
 
     /// Velocity of the drives V0, m/s.
     #[must_use]
-    pub fn velocity_m_per_s(&self, time_s: f64) -> [f64; 2] {
+    pub fn velocity_m_per_s(self, time_s: f64) -> [f64; 2] {
         let [x, y] = self.position_m(time_s);
         [-self.speed_rad_per_s * y, self.speed_rad_per_s * x]
     }
 
     /// Acceleration of the drives V0′, m/s².
     #[must_use]
-    pub fn acceleration_m_per_s2(&self, time_s: f64) -> [f64; 2] {
+    pub fn acceleration_m_per_s2(self, time_s: f64) -> [f64; 2] {
         self.position_m(time_s).map(|m| -self.speed_rad_per_s.powi(2) * m)
     }
 }
