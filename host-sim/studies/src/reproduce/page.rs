@@ -2,7 +2,7 @@
 
 use std::path::{Path, PathBuf};
 
-use crate::reproduce::{Outcome, Picture, Reproduction, Study};
+use crate::reproduce::study::{Outcome, Picture, Reproduction, Study};
 use files::output::OutputError;
 use report::markup::{figure, key, list, mark, note, paragraph, section, text};
 use report::number::significant;
@@ -24,7 +24,7 @@ pub fn html(reproduction: &Reproduction, said: &str) -> String {
 }
 
 fn study(study: &Study) -> String {
-    let said: String = study.said.iter().map(|sentence| paragraph(sentence)).collect();
+    let said: String = study.findings.iter().map(|sentence| paragraph(sentence)).collect();
     let pictures: String = study.pictures.iter().map(picture).collect();
     let notes =
         if study.notes.is_empty() { String::new() } else { note("About the print:") + &list(&study.notes) };
@@ -48,7 +48,7 @@ fn row(outcome: &Outcome) -> String {
     format!(
         "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td>{verdict}</td></tr>\n",
         text(&outcome.quantity),
-        text(&outcome.printed.words()),
+        text(&outcome.printed.label()),
         text(&significant(outcome.ours, 4)),
         text(outcome.unit),
     )
@@ -63,7 +63,7 @@ fn entry(class: &str, meaning: &str) -> String {
 }
 
 fn picture(picture: &Picture) -> String {
-    let keys: String = picture.keys.iter().map(|(class, meaning)| entry(class, meaning)).collect();
+    let keys: String = picture.legend.iter().map(|(class, meaning)| entry(class, meaning)).collect();
     let legend = if keys.is_empty() { String::new() } else { format!("<p class=\"legend\">{keys}</p>\n") };
     format!("<h3>{}</h3>\n{legend}{}", text(&picture.title), figure("", &picture.svg, &picture.caption))
 }

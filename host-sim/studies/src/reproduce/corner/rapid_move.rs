@@ -1,13 +1,13 @@
-//! Table 1 run: each axis at its rapid speed, with its printed acceleration.
+//! Table 1: each axis at its rapid speed, with its printed acceleration.
 
 use super::machine::{ACCELERATION_M_PER_S2, RAPID_M, RAPID_M_PER_S, Tuning, rapid};
-use crate::reproduce::ReproduceError;
+use crate::reproduce::study::ReproduceError;
 
-/// Speed (m/s) and acceleration (m/s²) that an axis holds in a rapid move: the mean speed in the middle of the
-/// way, and the slope of the speed over the second half of the ramp.
+/// Speed (m/s) and acceleration (m/s²) that an axis reaches in a rapid move: the mean speed over the last 40 % of the
+/// constant-speed section, and the slope of the speed over the second half of the ramp.
 ///
 /// # Errors
-/// When the loop does not hold.
+/// If the simulation fails.
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand samples")]
 pub fn reached(tuning: Tuning, axis: usize) -> Result<[f64; 2], ReproduceError> {
     let motion = rapid(tuning, axis)?;
@@ -17,11 +17,11 @@ pub fn reached(tuning: Tuning, axis: usize) -> Result<[f64; 2], ReproduceError> 
     let ramp_s = RAPID_M_PER_S / ACCELERATION_M_PER_S2[axis];
     let at = |seconds: f64| start + (seconds / motion.sample_s).round() as usize;
     let speed = |from: usize, to: usize| (motor[to] - motor[from]) / ((to - from) as f64 * motion.sample_s);
-    // The loop has settled on the ramp's acceleration when 2 · 75 1/s · 42 ms = 6 time constants are over.
+    // After half the ramp, 42 ms, the loop has settled: 2 · 75 1/s · 42 ms = 6 time constants.
     let (from, to) = (at(0.5 * ramp_s), at(ramp_s));
     let middle = usize::midpoint(from, to);
     let acceleration =
         (speed(middle, to) - speed(from, middle)) / (0.5 * (to - from) as f64 * motion.sample_s);
-    let way_s = (RAPID_M - RAPID_M_PER_S * ramp_s) / RAPID_M_PER_S;
-    Ok([speed(at(ramp_s + 0.6 * way_s), at(ramp_s + way_s)), acceleration])
+    let constant_speed_s = (RAPID_M - RAPID_M_PER_S * ramp_s) / RAPID_M_PER_S;
+    Ok([speed(at(ramp_s + 0.6 * constant_speed_s), at(ramp_s + constant_speed_s)), acceleration])
 }

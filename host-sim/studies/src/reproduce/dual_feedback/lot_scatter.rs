@@ -1,17 +1,16 @@
-//! The two turned lots of tables 1 to 4: mean, scatter S, and histograms.
+//! The two lots of turned parts in tables 1 to 4: mean, scatter S, and histograms.
 //!
-//! S is twice the standard deviation: that, and neither σ, 3σ nor half of the range, gives the printed ±0.008 mm of
-//! the numerically controlled lot. (The divisor, n or n − 1, does not show in its one digit.) A class holds its
-//! upper bound, not its lower one: so, and not the other way round, the printed frequencies come out.
+//! S is twice the standard deviation: of σ, 2σ, 3σ and half the range only 2σ gives the printed ±0.008 mm of the
+//! numerically controlled lot. (The divisor, n or n − 1, makes no difference in its one digit.) A class includes its
+//! upper bound and excludes its lower one; the printed frequencies require this.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
-use super::printed;
-use crate::reproduce::{Outcome, Picture, Printed, Study};
+use crate::reproduce::study::{Outcome, Picture, Printed, Study};
 use report::number::fixed;
 use report::plot::{Chart, Ink, Layer};
 
-/// Table 1, µm above 39 mm, by part number. Read against the print: 18 as 40.019, 23 as 40.025, 42 as 39.989.
+/// Table 1, µm above 39 mm, by part number. Corrected misprints: 18 to 40.019, 23 to 40.025, 42 to 39.989.
 const CONVENTIONAL_UM: [u32; 42] = [
     1012, 968, 976, 951, 955, 977, 993, 953, 969, 1025, 958, 982, 1019, 976, 966, 977, 974, 1019, 1011, 979,
     979, 978, 1025, 951, 963, 1008, 986, 967, 975, 978, 1015, 1029, 986, 961, 978, 975, 966, 1021, 989, 979,
@@ -24,7 +23,7 @@ const CONTROLLED_UM: [u32; 31] = [
     881, 881, 881, 881, 881, 882, 885, 881, 881, 881,
 ];
 
-/// Parts a class in table 3.
+/// Parts per class in table 3.
 const CONVENTIONAL_PRINTED: [Option<usize>; 14] = [
     Some(4),
     Some(2),
@@ -42,21 +41,24 @@ const CONVENTIONAL_PRINTED: [Option<usize>; 14] = [
     Some(1),
 ];
 
-/// Parts a class in table 4, three of them illegible.
+/// Parts per class in table 4; three are illegible.
 const CONTROLLED_PRINTED: [Option<usize>; 11] =
     [Some(1), Some(19), Some(3), None, None, None, Some(0), Some(0), Some(1), Some(0), Some(1)];
 
-/// A lot as the paper gives it.
+/// A lot of parts as printed.
 struct Lot {
+    /// Name in the report.
     name: &'static str,
-    /// What the sizes are counted from, mm.
+    /// Reference size, mm.
     base_mm: f64,
+    /// Sizes above the reference, µm.
     sizes_um: &'static [u32],
-    /// Lower bound of the first class, µm above the base.
+    /// Lower bound of the first class, µm above the reference.
     first_um: u32,
+    /// Width of a class, µm.
     class_um: u32,
-    /// Parts a class where it can be read.
-    printed: &'static [Option<usize>],
+    /// Printed parts per class; `None` if illegible.
+    printed_parts: &'static [Option<usize>],
     /// Printed S, mm.
     scatter_mm: f64,
 }
@@ -68,7 +70,7 @@ const LOTS: [Lot; 2] = [
         sizes_um: &CONVENTIONAL_UM,
         first_um: 950,
         class_um: 6,
-        printed: &CONVENTIONAL_PRINTED,
+        printed_parts: &CONVENTIONAL_PRINTED,
         scatter_mm: 0.061,
     },
     Lot {
@@ -77,7 +79,7 @@ const LOTS: [Lot; 2] = [
         sizes_um: &CONTROLLED_UM,
         first_um: 877,
         class_um: 2,
-        printed: &CONTROLLED_PRINTED,
+        printed_parts: &CONTROLLED_PRINTED,
         scatter_mm: 0.008,
     },
 ];
@@ -91,6 +93,7 @@ fn moments(values: &[f64]) -> (f64, f64) {
 }
 
 impl Lot {
+    /// Sizes, mm.
     fn sizes_mm(&self) -> Vec<f64> {
         self.sizes_um.iter().map(|&um| self.base_mm + 1e-3 * f64::from(um)).collect()
     }
@@ -100,29 +103,34 @@ impl Lot {
         2.0 * moments(&self.sizes_mm()).1
     }
 
-    /// Bounds of a class, µm above the base; the upper one belongs to it.
+    /// Bounds of a class, µm above the reference; the upper one is included.
     fn class(&self, index: usize) -> (u32, u32) {
         let bound = |classes: usize| self.first_um + self.class_um * u32::try_from(classes).unwrap_or(0);
         (bound(index), bound(index + 1))
     }
 
-    /// Parts a class.
+    /// Counted parts per class.
     fn frequencies(&self) -> Vec<usize> {
         let count = |index| {
             let (low, high) = self.class(index);
             self.sizes_um.iter().filter(|&&um| low < um && um <= high).count()
         };
-        (0..self.printed.len()).map(count).collect()
+        (0..self.printed_parts.len()).map(count).collect()
     }
 
-    /// Classes whose printed frequency can be read, and those of them that hold as many parts.
+    /// Number of classes with a legible frequency, and of those where the count agrees.
     fn classes(&self) -> (usize, usize) {
         let found = self.frequencies();
-        let same =
-            self.printed.iter().zip(&found).filter(|(printed, found)| **printed == Some(**found)).count();
-        (self.printed.iter().flatten().count(), same)
+        let same = self
+            .printed_parts
+            .iter()
+            .zip(&found)
+            .filter(|(printed, found)| **printed == Some(**found))
+            .count();
+        (self.printed_parts.iter().flatten().count(), same)
     }
 
+    /// Scatter, and agreement of the histogram.
     fn outcomes(&self) -> [Outcome; 2] {
         let (legible, same) = self.classes();
         let histogram =
@@ -130,14 +138,15 @@ impl Lot {
         [
             Outcome::new(
                 format!("{}: scatter ±S = 2σ", self.name),
-                printed(self.scatter_mm, 1e-3),
+                Printed::to_digit(self.scatter_mm, 1e-3),
                 self.scatter_mm(),
                 "mm",
             ),
-            Outcome::new(histogram, printed(legible as f64, 1.0), same as f64, ""),
+            Outcome::new(histogram, Printed::to_digit(legible as f64, 1.0), same as f64, ""),
         ]
     }
 
+    /// Histogram, printed frequencies, and the normal distribution.
     fn picture(&self) -> Picture {
         let found = self.frequencies();
         let (mean, sigma) = moments(&self.sizes_mm());
@@ -148,9 +157,9 @@ impl Lot {
             Layer { ink: Ink::BeforeRange, points, is_marked: false }
         });
         let middle = |index| 0.5 * (mm(self.class(index).0) + mm(self.class(index).1));
-        let read = self.printed.iter().enumerate();
-        let marks = read.filter_map(|(index, parts)| Some((middle(index), (*parts)? as f64)));
-        // A mark alone: a line of one corner.
+        let legible = self.printed_parts.iter().enumerate();
+        let marks = legible.filter_map(|(index, parts)| Some((middle(index), (*parts)? as f64)));
+        // One layer per marker, so that no line connects them.
         let marks = marks.map(|point| Layer { ink: Ink::After, points: vec![point], is_marked: true });
         let (left, right) = (mm(self.class(0).0), mm(self.class(found.len() - 1).1));
         let per_class = 1e-3 * f64::from(self.class_um) * self.sizes_um.len() as f64;
@@ -178,20 +187,20 @@ impl Lot {
             layers: bars.chain(marks).chain([normal]).collect(),
         };
         let svg = chart.svg();
-        let keys = vec![
+        let legend = vec![
             ("before-range", "counted".to_owned()),
             ("after mark", "printed, where it can be read".to_owned()),
             ("cw", "normal distribution of the same mean and σ".to_owned()),
         ];
-        Picture { title, svg, caption, keys }
+        Picture { title, svg, caption, legend }
     }
 }
 
-/// Adds the lots.
+/// Adds both lots.
 pub fn add(study: &mut Study) {
     for lot in &LOTS {
         let (mean, sigma) = moments(&lot.sizes_mm());
-        study.said.push(format!(
+        study.findings.push(format!(
             "Of the {} of {} parts the mean is {} mm and S = 2σ = ±{} mm.",
             lot.name,
             lot.sizes_um.len(),
@@ -232,9 +241,9 @@ pub fn add(study: &mut Study) {
 mod tests {
     use super::*;
 
-    /// Every part is in a class, and the sum of squares by another formula, Σx² − (Σx)²/n in whole µm.
+    /// Every part is in a class; σ agrees with Σx² − (Σx)²/n, computed in whole µm.
     #[test]
-    fn moments_are_those_of_whole_micrometres() {
+    fn sigma_agrees_with_the_sum_of_squares() {
         for lot in &LOTS {
             assert_eq!(lot.frequencies().iter().sum::<usize>(), lot.sizes_um.len());
             let n = lot.sizes_um.len() as u64;
@@ -245,9 +254,9 @@ mod tests {
         }
     }
 
-    /// Of all usual definitions only twice σ rounds to the printed ±0.008 mm.
+    /// Of the usual definitions only 2σ rounds to the printed ±0.008 mm.
     #[test]
-    fn only_two_sigma_is_the_printed_scatter() {
+    fn only_two_sigma_gives_the_printed_scatter() {
         let (_, sigma) = moments(&LOTS[1].sizes_mm());
         let half_range = 0.5e-3 * f64::from(898 - 879);
         let sample = sigma * (31f64 / 30.0).sqrt();
@@ -256,9 +265,9 @@ mod tests {
         assert!(![sigma, sample, 3.0 * sigma, 3.0 * sample, half_range].into_iter().any(rounds));
     }
 
-    /// With the lower bound in the class the tally would be another.
+    /// With the lower bound included instead, the frequencies would differ.
     #[test]
-    fn classes_hold_their_upper_bound() {
+    fn classes_include_their_upper_bound() {
         assert_eq!(LOTS.each_ref().map(Lot::classes), [(14, 12), (8, 8)]);
         assert_eq!(LOTS[1].frequencies(), [1, 19, 3, 6, 0, 0, 0, 0, 1, 0, 1]);
         let below = LOTS[1].sizes_um.iter().filter(|&&um| (879..881).contains(&um)).count();

@@ -1,31 +1,33 @@
-//! Superposition of errors, and the paper's design example for positioning.
+//! Superposition of independent errors, and the error budget of the paper's positioning example.
 //!
-//! (A ± ΔA) + (B ± ΔB) = (A + B) ± √(ΔA² + ΔB²). A torque error is a position error through the motor's stiffness, its
-//! torque for one pulse of command: 50 kg·cm at 2.4°, 0.01 mm at the table.
+//! (A ± ΔA) + (B ± ΔB) = (A + B) ± √(ΔA² + ΔB²). A torque error becomes a position error through the motor's stiffness,
+//! its torque per pulse of position error: 50 kg·cm at 2.4°, which is 0.01 mm at the table.
 
 use std::ops::{Add, Mul};
 
-use super::printed;
-use crate::reproduce::{Outcome, Printed, Study};
+use crate::reproduce::study::{Outcome, Printed, Study};
 use report::number::fixed;
 
-/// A value and half the width of its scatter.
+/// A value ± its scatter.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Uncertain {
+    /// Mean.
     value: f64,
+    /// Half the width of the scatter.
     half_width: f64,
 }
 
-const fn about(value: f64, half_width: f64) -> Uncertain {
+/// `value` ± `half_width`.
+const fn uncertain(value: f64, half_width: f64) -> Uncertain {
     Uncertain { value, half_width }
 }
 
-/// Independent errors add as squares.
+/// The scatter of independent errors adds in quadrature.
 impl Add for Uncertain {
     type Output = Self;
 
     fn add(self, other: Self) -> Self {
-        about(self.value + other.value, self.half_width.hypot(other.half_width))
+        uncertain(self.value + other.value, self.half_width.hypot(other.half_width))
     }
 }
 
@@ -33,63 +35,72 @@ impl Mul<f64> for Uncertain {
     type Output = Self;
 
     fn mul(self, factor: f64) -> Self {
-        about(self.value * factor, self.half_width * factor.abs())
+        uncertain(self.value * factor, self.half_width * factor.abs())
     }
 }
 
-/// Static friction of the axis at the motor, kg·cm.
-const STATIC_KG_CM: Uncertain = about(30.0, 3.0);
-/// Fluctuation of the least kinetic friction at the motor, kg·cm.
+/// Static friction of the axis, at the motor, kg·cm.
+const STATIC_KG_CM: Uncertain = uncertain(30.0, 3.0);
+
+/// Scatter of the minimum kinetic friction, at the motor, kg·cm.
 const KINETIC_FLUCTUATION_KG_CM: f64 = 1.5;
-/// Torque of the motor for one pulse of error, kg·cm.
+
+/// Motor torque per pulse of position error, kg·cm.
 const MOTOR_KG_CM_PER_PULSE: f64 = 50.0;
-/// Right side of equation (5): all friction, each with its fluctuation on top, kg·cm.
+
+/// Right-hand side of equation (5), kg·cm: the sum of all friction, each with its scatter added.
 const ALL_FRICTION_KG_CM: f64 = 50.7;
-/// Friction's share of the lost motion in equation (6), pulses.
+
+/// Contribution of friction to the lost motion in equation (6), pulses.
 const FRICTION_PULSES: f64 = 0.92;
+
 /// Backlash in equation (6), pulses.
 const BACKLASH_PULSES: f64 = 0.25;
-/// Accuracy of the transducer, and variation of the command, in equations (6) and (7), pulses.
+
+/// Accuracy of the transducer in equation (6), and variation of the command in equation (7), pulses.
 const SENSING_PULSES: f64 = 0.05;
-/// Travel of the table, µm.
+
+/// Travel of the table per pulse, µm.
 const PULSE_UM: f64 = 10.0;
 
-/// All friction at the motor without its fluctuations, kg·cm.
+/// Sum of all friction at the motor without the scatter, kg·cm.
 fn mean_friction_kg_cm() -> f64 {
     ALL_FRICTION_KG_CM - STATIC_KG_CM.half_width - KINETIC_FLUCTUATION_KG_CM
 }
 
-/// Equation (6), pulses.
+/// Lost motion, equation (6), pulses.
 fn lost_motion() -> Uncertain {
-    let friction = about(mean_friction_kg_cm(), 0.0)
-        + about(0.0, STATIC_KG_CM.half_width)
-        + about(0.0, KINETIC_FLUCTUATION_KG_CM);
-    friction * MOTOR_KG_CM_PER_PULSE.recip() + about(BACKLASH_PULSES, 0.0) + about(0.0, SENSING_PULSES)
+    let friction = uncertain(mean_friction_kg_cm(), 0.0)
+        + uncertain(0.0, STATIC_KG_CM.half_width)
+        + uncertain(0.0, KINETIC_FLUCTUATION_KG_CM);
+    friction * MOTOR_KG_CM_PER_PULSE.recip()
+        + uncertain(BACKLASH_PULSES, 0.0)
+        + uncertain(0.0, SENSING_PULSES)
 }
 
-/// Equation (7), pulses: half of the lost motion, which is from one side to the other.
+/// Positioning error, equation (7), pulses: half of the lost motion, which is measured from side to side.
 fn positioning() -> Uncertain {
-    (lost_motion() + about(0.0, SENSING_PULSES)) * 0.5
+    (lost_motion() + uncertain(0.0, SENSING_PULSES)) * 0.5
 }
 
-/// Equation (8), pulses: kinetic friction on the way there, and on the way there again.
-fn repetition() -> Uncertain {
-    let once = about(0.0, KINETIC_FLUCTUATION_KG_CM) * MOTOR_KG_CM_PER_PULSE.recip();
+/// Repeat error, equation (8), pulses: the kinetic friction of two approaches.
+fn repeatability() -> Uncertain {
+    let once = uncertain(0.0, KINETIC_FLUCTUATION_KG_CM) * MOTOR_KG_CM_PER_PULSE.recip();
     once + once
 }
 
-/// Equation (5), kg·cm: what a pulse must bring up against the worst friction.
+/// Torque that one pulse must produce against the maximum friction, equation (5), kg·cm.
 fn torque_kg_cm() -> f64 {
     FRICTION_PULSES * MOTOR_KG_CM_PER_PULSE + STATIC_KG_CM.half_width + KINETIC_FLUCTUATION_KG_CM
 }
 
 /// Adds the design example.
 pub fn add(study: &mut Study) {
-    let (lost, place) = (lost_motion(), positioning());
-    // 0.92 may be 0.915 to 0.925 pulses.
-    let of_092 = Printed::Figure { value: ALL_FRICTION_KG_CM, tolerance: 0.005 * MOTOR_KG_CM_PER_PULSE };
+    let (lost, position) = (lost_motion(), positioning());
+    // 0.92 pulses stand for 0.915 to 0.925.
+    let torque = Printed::Figure { value: ALL_FRICTION_KG_CM, tolerance: 0.005 * MOTOR_KG_CM_PER_PULSE };
     let (static_kg_cm, motor) = (STATIC_KG_CM.value + STATIC_KG_CM.half_width, MOTOR_KG_CM_PER_PULSE);
-    study.said.push(format!(
+    study.findings.push(format!(
         "A pulse brings up {motor} kg·cm, which moves the axis against its greatest static friction of {static_kg_cm} \
          kg·cm, but not against the sum of all friction, {} kg·cm: that takes two pulses, which is what the paper's \
          repeat error is stated for.",
@@ -98,23 +109,28 @@ pub fn add(study: &mut Study) {
     study.outcomes.extend([
         Outcome::new(
             "torque to move at least one pulse, (5), from the friction in (6)",
-            of_092,
+            torque,
             torque_kg_cm(),
             "kg·cm",
         ),
         Outcome::new(
             "lost motion, (6), from the torque in (5)",
-            printed(11.7, 0.1),
+            Printed::to_digit(11.7, 0.1),
             PULSE_UM * lost.value,
             "µm",
         ),
-        Outcome::new("lost motion: scatter ±", printed(0.8, 0.1), PULSE_UM * lost.half_width, "µm"),
-        Outcome::new("positioning error, (7)", printed(6.0, 1.0), PULSE_UM * place.value, "µm"),
-        Outcome::new("positioning error: scatter ±", printed(3.15, 0.01), PULSE_UM * place.half_width, "µm"),
+        Outcome::new("lost motion: scatter ±", Printed::to_digit(0.8, 0.1), PULSE_UM * lost.half_width, "µm"),
+        Outcome::new("positioning error, (7)", Printed::to_digit(6.0, 1.0), PULSE_UM * position.value, "µm"),
+        Outcome::new(
+            "positioning error: scatter ±",
+            Printed::to_digit(3.15, 0.01),
+            PULSE_UM * position.half_width,
+            "µm",
+        ),
         Outcome::new(
             "repeat error of two pulses and more ±, (8)",
-            printed(0.42, 0.01),
-            PULSE_UM * repetition().half_width,
+            Printed::to_digit(0.42, 0.01),
+            PULSE_UM * repeatability().half_width,
             "µm",
         ),
     ]);
@@ -140,16 +156,16 @@ mod tests {
 
     use super::*;
 
-    /// The rule against 10⁵ draws: the standard deviation of a sum of two independent errors. That of a standard
-    /// deviation from n draws is σ/√(2n), 0.22 % (less for uniform draws), of which five are allowed.
+    /// The rule against 10⁵ draws of a sum of two independent errors. The standard deviation of n draws has a standard
+    /// error of σ/√(2n), 0.22 % (less for uniform draws); five of it are allowed.
     #[test]
-    fn errors_superpose_as_squares() {
+    fn scatter_adds_in_quadrature() {
         let mut random = ChaCha8Rng::seed_from_u64(8);
         let n = 100_000;
         // Uniform in ±√3·Δ has a standard deviation of Δ.
         let mut draw =
             |of: Uncertain| of.value + of.half_width * 3f64.sqrt() * (2.0 * random.random::<f64>() - 1.0);
-        let (a, b) = (about(30.0, 3.0), about(16.2, 1.5));
+        let (a, b) = (uncertain(30.0, 3.0), uncertain(16.2, 1.5));
         let sums: Vec<f64> = (0..n).map(|_| draw(a) + draw(b)).collect();
         let mean = sums.iter().sum::<f64>() / f64::from(n);
         let deviation = (sums.iter().map(|sum| (sum - mean).powi(2)).sum::<f64>() / f64::from(n)).sqrt();
@@ -164,7 +180,7 @@ mod tests {
         let lost = lost_motion();
         assert!((lost.value - 1.174).abs() < 1e-12 && (lost.half_width - 0.0070f64.sqrt()).abs() < 1e-12);
         assert!((positioning().half_width - 0.5 * 0.0095f64.sqrt()).abs() < 1e-12);
-        assert!((repetition().half_width - 0.042_426_4).abs() < 1e-6);
+        assert!((repeatability().half_width - 0.042_426_4).abs() < 1e-6);
         assert!((torque_kg_cm() - 50.5).abs() < 1e-12);
     }
 }
