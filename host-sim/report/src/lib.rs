@@ -4,16 +4,18 @@
 //! `polar` draws a circle as ballbar users do (`circle` finds one in a log, `deviation` is how
 //! far the machine ran off it); `curves` draws residuals against time and against a `variable`,
 //! those of `stages` before and after; `ranking` lists what was tried. `plot`, `markup` and
-//! `number` are what these are made of. `doubts` says what speaks against a model or an effect. [`friction_map`] is the
+//! `number` are what these are made of. `effect_text` describes an effect in a clause, `caveats` says what speaks against a model or an effect. [`friction_map`] is the
 //! page of a steady-state friction map. Pages of other studies are made of the same parts, in the crates of the
 //! studies.
 //!
 //! The page needs nothing but itself: no script, no address. The same trace gives the same bytes.
 
+mod caveats;
 mod circle;
 mod curves;
 mod deviation;
-mod doubts;
+
+mod effect_text;
 pub mod friction_map;
 pub mod markup;
 pub mod number;

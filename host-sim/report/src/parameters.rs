@@ -51,7 +51,7 @@ pub fn brief(effect: &Effect) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::words::tests::one_of_each;
+    use super::super::effect_text::tests::one_of_each;
     use super::*;
 
     #[test]

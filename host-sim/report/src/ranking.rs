@@ -1,9 +1,9 @@
 //! The candidates of each round: what each is worth on held-out data, and why it was taken or not.
 
+use super::effect_text::in_unit;
 use super::markup::{note, text};
 use super::number::{fixed, percent, significant};
 use super::parameters;
-use super::words::rotary;
 use files::log::Unit;
 use trace::axis::{AxisTrace, Found, is_same, stage_names};
 use trace::candidates::{Candidate, LEAST_REDUCTION, LEAST_T};
@@ -59,8 +59,7 @@ fn of_round(axis: &AxisTrace, round: &Round, number: usize) -> String {
 fn row(unit: Unit, candidate: &Candidate, verdict: &str, is_added: bool) -> String {
     let gain = best(candidate).map_or(0.0, gain_percent);
     let shown = if gain < -999.5 { "far worse".to_owned() } else { format!("{} %", fixed(gain, 1)) };
-    let brief = parameters::brief(&candidate.effect);
-    let brief = if unit == Unit::Degree { rotary(&brief) } else { brief };
+    let brief = in_unit(unit, parameters::brief(&candidate.effect));
     let class = if is_added { "taken" } else { "left" };
     let width = fixed(gain.clamp(0.0, 100.0), 1);
     let bar = format!(
@@ -92,8 +91,7 @@ pub fn refused(axis: &AxisTrace) -> Vec<String> {
     let said = |round: &Round| {
         let place = round.refused()?;
         let candidate = &round.candidates[place];
-        let brief = parameters::brief(&candidate.effect);
-        let brief = if axis.unit == Unit::Degree { rotary(&brief) } else { brief };
+        let brief = in_unit(axis.unit, parameters::brief(&candidate.effect));
         Some(format!(
             "{}, {}: not taken, though it explains much: {brief}; {}.",
             axis.axis,

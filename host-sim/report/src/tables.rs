@@ -2,7 +2,7 @@
 
 use super::markup::{note, text};
 use super::number::{fixed, signed};
-use super::{parameters, words};
+use super::{effect_text, parameters};
 use model::effects::Effect;
 use trace::axis::{AxisTrace, Found, StageError, is_same, residual_unit, stage_names};
 
@@ -59,18 +59,22 @@ pub fn truth(axes: &[AxisTrace], truth: &[(String, Effect)]) -> String {
         let found = of_axis(axis).iter().find(|found| is_same(&found.effect, effect));
         let (said, errors) = match found {
             Some(found) => {
-                (words::effect(&found.effect, &found.half_widths), parameter_errors(effect, found))
+                (effect_text::effect(&found.effect, &found.half_widths), parameter_errors(effect, found))
             }
             None => ("not found".to_owned(), String::new()),
         };
-        rows += &truth_row(axis, &words::effect(effect, &[]), &said, &errors);
+        rows += &truth_row(axis, &effect_text::effect(effect, &[]), &said, &errors);
     }
     for axis in axes {
         let is_false =
             |found: &&Found| !truth.iter().any(|(a, e)| *a == axis.axis && is_same(e, &found.effect));
         for found in axis.found.iter().filter(is_false) {
-            rows +=
-                &truth_row(&axis.axis, "not there", &words::effect(&found.effect, &found.half_widths), "");
+            rows += &truth_row(
+                &axis.axis,
+                "not there",
+                &effect_text::effect(&found.effect, &found.half_widths),
+                "",
+            );
         }
     }
     if rows.is_empty() {
