@@ -1,6 +1,6 @@
 //! What a residual is drawn against, and its mean over that.
 
-use super::stages::AxisView;
+use super::axis_view::AxisView;
 use model::effects::{Abscissa, Effect, Stage};
 use trace::residual::Part;
 use trace::signals::{AxisSignals, Smooth};

@@ -154,4 +154,27 @@ mod tests {
             assert_eq!(toml::from_str::<Effect>(&text).unwrap(), effect);
         }
     }
+
+    #[test]
+    fn a_sentence_tells_the_sign_in_words_and_the_units_of_the_axis() {
+        let said = |text: &str, is_rotary| toml::from_str::<Effect>(text).unwrap().sentence(&[], is_rotary);
+        let load = "name = 'constant_load'\nforce_n = -3.5";
+        assert_eq!(said(load, false), "a constant load of 3.500 N against motion in − direction");
+        assert_eq!(said(load, true), "a constant load of 3.500 N·m against motion in − direction");
+        assert!(said("name = 'servo_mismatch'\npercent = -4", false).contains("4.000 % below"));
+        let late = "name = 'latency'\nchannel = 'tool'\nms = 2";
+        assert!(said(late, false).contains("tool reading is logged 2.000 ms late"));
+        let pitch = "name = 'pitch_progressive'\nslope_um_per_m = -40";
+        assert_eq!(
+            said(pitch, false),
+            "the screw carries the table 40.00 µm/m less far than its nominal lead"
+        );
+        assert!(
+            said(pitch, true)
+                .contains("gear carries the table 40.00 mdeg per 1000° less far than its nominal ratio")
+        );
+        let preload =
+            "name = 'preload_variation'\ncentre_mm = 5\nslope_n_per_m = 2\ncurvature_n_per_m2 = 0.5";
+        assert!(said(preload, true).contains("the middle at 5.000° by 2.000 N·m per 1000°"));
+    }
 }

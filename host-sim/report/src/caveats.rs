@@ -2,7 +2,6 @@
 
 use super::number::{percent, significant};
 use super::parameters::brief;
-use super::words::{effect, rotary};
 use files::log::Unit;
 use trace::axis::{AxisTrace, Found, Pair, StageError, residual_unit, stage_names};
 use trace::limits::AtLimit;
@@ -54,8 +53,7 @@ pub fn misfit_held_out(axis: &AxisTrace) -> Option<String> {
 /// The sentence for an effect that the fit logs show and the validation logs refute.
 #[must_use]
 pub fn refuted(axis: &str, unit: Unit, found: &Found) -> String {
-    let what = effect(&found.effect, &found.half_widths);
-    let what = if unit == Unit::Degree { rotary(&what) } else { what };
+    let what = found.effect.sentence(&found.half_widths, unit == Unit::Degree);
     let [before, after] = [found.before, found.after].map(|pair| significant(pair.validate, 3));
     format!(
         "{axis}: refuted by the logs held out, and not in the model (all that these logs decide): {what}; the {} residual \
@@ -68,8 +66,7 @@ pub fn refuted(axis: &str, unit: Unit, found: &Found) -> String {
 /// The sentence for an effect that was not taken because a parameter ended at a limit of its search.
 #[must_use]
 pub fn at_limit(axis: &str, unit: Unit, limit: &AtLimit) -> String {
-    let what = brief(&limit.effect);
-    let what = if unit == Unit::Degree { rotary(&what) } else { what };
+    let what = brief(&limit.effect, unit == Unit::Degree);
     format!(
         "{axis}: not taken, though it would explain much: {what}; {} is the limit of its search, so that the value lies \
          beyond or the effect is another one.",

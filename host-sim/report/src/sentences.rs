@@ -1,9 +1,8 @@
 //! What was found and what was not, in the words of somebody who builds machines.
 
-use super::doubts;
+use super::caveats;
 use super::number::{percent, significant};
 use files::log::Unit;
-use model::effects::Effect;
 use trace::Trace;
 use trace::axis::{AxisTrace, Found, residual_unit, stage_names};
 use trace::empirical::Empirical;
@@ -58,45 +57,10 @@ pub fn look_alike(axis: &AxisTrace, alike: &LookAlike) -> String {
     format!("{}: these logs do not tell {added} from {rival}; {how}.", axis.axis)
 }
 
-/// What an effect does, with its parameters. The half widths of their intervals are in the order of
-/// [`Effect::parameters`]; those that are missing are not told.
-#[must_use]
-pub fn effect(effect: &Effect, half_widths: &[f64]) -> String {
-    effect.sentence(half_widths, false)
-}
-
-/// The same of a rotary axis, where mm stand for degrees and N for N·m: 1 m is 1000°.
-#[must_use]
-pub fn rotary(linear: &str) -> String {
-    const WORDS: [(&str, &str); 18] = [
-        ("screw's pitch", "gear's ratio"),
-        ("screw", "gear"),
-        ("nominal lead", "nominal ratio"),
-        ("drive force", "drive torque"),
-        ("of the force", "of the torque"),
-        ("a force", "a torque"),
-        ("µm per m/s²", "mdeg per 1000°/s²"),
-        ("µm/m²", "mdeg per (1000°)²"),
-        ("µm/m", "mdeg per 1000°"),
-        ("µm per m", "mdeg per 1000°"),
-        ("N/µm", "N·m/mdeg"),
-        ("N·s/m", "N·m·s per 1000°"),
-        ("µm at 100 mm", "mdeg at 100°"),
-        ("µm", "mdeg"),
-        (" mm/s", "°/s"),
-        (" mm", "°"),
-        (" N ", " N·m "),
-        (" N,", " N·m,"),
-    ];
-    let said = WORDS.iter().fold(linear.to_owned(), |said, (linear, rotary)| said.replace(linear, rotary));
-    said.strip_suffix(" N").map_or(said.clone(), |start| format!("{start} N·m"))
-}
-
 /// The sentence for an effect that was found.
 #[must_use]
 pub fn sentence(axis: &str, unit: Unit, found: &Found) -> String {
-    let what = effect(&found.effect, &found.half_widths);
-    let what = if unit == Unit::Degree { rotary(&what) } else { what };
+    let what = found.effect.sentence(&found.half_widths, unit == Unit::Degree);
     let stage = stage_names(&[found.stage]);
     let unseen = "on motions not used to find it";
     let gain = found.validate_reduction_percent();
@@ -126,9 +90,9 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
         format!("{}: {what}.", axis.axis)
     });
     let found = axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found));
-    let refuted = axis.refuted.iter().map(|found| doubts::refuted(&axis.axis, axis.unit, found));
-    let at_limit = axis.refused.iter().map(|limit| doubts::at_limit(&axis.axis, axis.unit, limit));
-    let misfit = doubts::misfit(axis).into_iter().chain(doubts::misfit_held_out(axis));
+    let refuted = axis.refuted.iter().map(|found| caveats::refuted(&axis.axis, axis.unit, found));
+    let at_limit = axis.refused.iter().map(|limit| caveats::at_limit(&axis.axis, axis.unit, limit));
+    let misfit = caveats::misfit(axis).into_iter().chain(caveats::misfit_held_out(axis));
     misfit.chain(none).chain(found).chain(refuted).chain(at_limit).collect()
 }
 
@@ -215,7 +179,7 @@ pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
     bounds
         .into_iter()
         .chain(more)
-        .chain(axis.errors.iter().filter_map(|error| doubts::worse(axis, error)))
+        .chain(axis.errors.iter().filter_map(|error| caveats::worse(axis, error)))
         .collect()
 }
 
@@ -241,15 +205,15 @@ pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
+mod tests {
+    use super::super::number::with_spread;
     use super::*;
-    use crate::number::with_spread;
     use model::axis::{Mechanics, Sensors, Settings};
-    use model::effects::{EffectContext, Stage, initial_guesses, names};
+    use model::effects::{Effect, EffectContext, Stage, initial_guesses, names};
     use trace::axis::Pair;
 
     /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.
-    pub(crate) fn one_of_each() -> Vec<Effect> {
+    fn one_of_each() -> Vec<Effect> {
         let axis = Settings {
             mechanics: Mechanics {
                 table_mass_kg: Some(100.0),
@@ -268,11 +232,8 @@ pub(super) mod tests {
             stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
             travel_mm: [0.0, 100.0],
         };
-        let all = [
-            initial_guesses(&context),
-            initial_guesses(&EffectContext { stages: &[Stage::Force], ..context }),
-        ]
-        .concat();
+        let alone = EffectContext { stages: &[Stage::Force], ..context };
+        let all = [initial_guesses(&context), initial_guesses(&alone)].concat();
         let first = |name: &&str| all.iter().find(|effect| effect.name() == *name).unwrap().clone();
         let moved = |effect: Effect| {
             let values: Vec<f64> =
@@ -302,24 +263,6 @@ pub(super) mod tests {
                 assert!(said.contains(&format!("axis {source}")), "{said}");
             }
         }
-    }
-
-    #[test]
-    fn a_sign_is_told_in_words() {
-        let said = |text: &str| {
-            let effect: Effect = toml::from_str(text).unwrap();
-            super::effect(&effect, &[])
-        };
-        assert_eq!(
-            said("name = 'constant_load'\nforce_n = -3.5"),
-            "a constant load of 3.500 N against motion in − direction"
-        );
-        assert!(said("name = 'servo_mismatch'\npercent = -4").contains("4.000 % below"));
-        assert!(
-            said("name = 'latency'\nchannel = 'tool'\nms = 2")
-                .contains("tool reading is logged 2.000 ms late")
-        );
-        assert!(said("name = 'pitch_progressive'\nslope_um_per_m = -40").contains("40.00 µm/m less far"));
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Finds a circle that two axes were commanded to run.
+//! Finds a circle in the commands of two axes.
 
 use std::f64::consts::TAU;
 use std::ops::Range;
@@ -7,41 +7,42 @@ use nalgebra::{Matrix3, Vector3};
 
 use trace::signals::Signals;
 
-/// Slower than this share of a log's fastest speed the axes stand, and a stretch ends.
-const STANDING: f64 = 0.01;
+/// Largest speed that counts as standstill, as a fraction of the largest speed in the log.
+const STANDSTILL_FRACTION: f64 = 0.01;
 
-/// The command counts as on the circle within this share of its radius.
-const ON_CIRCLE: f64 = 1e-3;
+/// Largest distance of the command from the circle, as a fraction of the radius.
+const MAX_DISTANCE_FRACTION: f64 = 1e-3;
 
-/// Arcs whose centres and radii differ by less than this share of the radius are one circle.
-const SAME: f64 = 0.01;
+/// Arcs are of one circle if their centres and radii differ by less than this fraction of the radius.
+const SAME_CIRCLE_FRACTION: f64 = 0.01;
 
-/// Less than this angle of an arc is a rounded corner, and of all arcs no circle.
-const LEAST_ARC: f64 = TAU / 6.0;
-const LEAST_CIRCLE: f64 = TAU / 2.0;
+/// Smallest angle of an arc; a rounded corner is shorter.
+const MIN_ARC_RAD: f64 = TAU / 6.0;
+/// Smallest angle of all arcs of a circle together.
+const MIN_CIRCLE_RAD: f64 = TAU / 2.0;
 
 /// A circle in the plane of the first two axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circle {
-    /// Number of the log.
+    /// Index of the log.
     pub log: usize,
-    /// Its centre, m.
+    /// Centre, m.
     pub centre: [f64; 2],
-    /// m.
+    /// Radius, m.
     pub radius: f64,
-    /// The stretches of the log on it.
+    /// The parts of the log that lie on it, in the order of time.
     pub arcs: Vec<Arc>,
 }
 
-/// One stretch of a log on a circle, run in one direction.
+/// A part of a log on a circle, in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arc {
-    /// Samples.
+    /// Range of samples.
     pub samples: Range<usize>,
     /// Seen with the first axis to the right and the second up.
     pub is_clockwise: bool,
-    /// Angle run, not negative.
-    pub swept: f64,
+    /// Angle that the command sweeps, rad, not negative.
+    pub swept_rad: f64,
 }
 
 /// The largest circle in the logs.
@@ -62,46 +63,46 @@ fn of_log(log: usize, x: &[f64], y: &[f64]) -> Option<Circle> {
         moving(x, y).into_iter().filter_map(|samples| fit(log, x, y, samples)).collect();
     arcs.sort_by(|a, b| b.radius.total_cmp(&a.radius));
     arcs.iter().find_map(|largest| {
-        let near = SAME * largest.radius;
+        let tolerance = SAME_CIRCLE_FRACTION * largest.radius;
         let is_same = |arc: &&Circle| {
-            let apart = (arc.centre[0] - largest.centre[0]).hypot(arc.centre[1] - largest.centre[1]);
-            apart < near && (arc.radius - largest.radius).abs() < near
+            let distance = (arc.centre[0] - largest.centre[0]).hypot(arc.centre[1] - largest.centre[1]);
+            distance < tolerance && (arc.radius - largest.radius).abs() < tolerance
         };
-        let mut together: Vec<Arc> =
-            arcs.iter().filter(is_same).flat_map(|circle| circle.arcs.clone()).collect();
-        together.sort_by_key(|arc| arc.samples.start);
-        let swept: f64 = together.iter().map(|arc| arc.swept).sum();
-        (swept >= LEAST_CIRCLE).then(|| Circle { arcs: together, ..largest.clone() })
+        let mut same: Vec<Arc> = arcs.iter().filter(is_same).flat_map(|circle| circle.arcs.clone()).collect();
+        same.sort_by_key(|arc| arc.samples.start);
+        let swept_rad: f64 = same.iter().map(|arc| arc.swept_rad).sum();
+        (swept_rad >= MIN_CIRCLE_RAD).then(|| Circle { arcs: same, ..largest.clone() })
     })
 }
 
-/// The stretches between standstills.
+/// The ranges of samples between standstills.
 fn moving(x: &[f64], y: &[f64]) -> Vec<Range<usize>> {
     let step = |i: usize| (x[i + 1] - x[i]).hypot(y[i + 1] - y[i]);
     let steps = x.len().min(y.len()).saturating_sub(1);
-    let least = STANDING * (0..steps).map(step).fold(0.0, f64::max);
-    let mut stretches: Vec<Range<usize>> = Vec::new();
-    for i in (0..steps).filter(|&i| step(i) > least) {
-        match stretches.last_mut() {
+    let min_step = STANDSTILL_FRACTION * (0..steps).map(step).fold(0.0, f64::max);
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    for i in (0..steps).filter(|&i| step(i) > min_step) {
+        match ranges.last_mut() {
             Some(last) if last.end == i => last.end = i + 1,
-            _ => stretches.push(i..i + 1),
+            _ => ranges.push(i..i + 1),
         }
     }
-    stretches
+    ranges
 }
 
-/// The circle that most of a stretch lies on, with the longest part of the stretch that does.
-fn fit(log: usize, x: &[f64], y: &[f64], stretch: Range<usize>) -> Option<Circle> {
+/// The circle that most of a range of samples lies on, with its longest uninterrupted arc.
+fn fit(log: usize, x: &[f64], y: &[f64], range: Range<usize>) -> Option<Circle> {
     const ROUNDS: i32 = 12;
-    let mut kept: Vec<usize> = stretch.clone().collect();
+    let mut kept: Vec<usize> = range.clone().collect();
     let (mut centre, mut radius) = ([0.0; 2], 0.0);
-    // From a tenth of the radius on, what lies off is left out of the next fit.
+    // Samples off the circle are left out of the next fit. The limit falls from a tenth of the radius to its end value.
     for round in 0..=ROUNDS {
         (centre, radius) = least_squares(x, y, &kept)?;
-        let near = radius * 0.1 * (10.0 * ON_CIRCLE).powf(f64::from(round) / f64::from(ROUNDS));
-        let is_on = |i: &usize| ((x[*i] - centre[0]).hypot(y[*i] - centre[1]) - radius).abs() < near;
-        kept = stretch.clone().filter(is_on).collect();
-        if 2 * kept.len() < stretch.len() {
+        let max_distance =
+            radius * 0.1 * (10.0 * MAX_DISTANCE_FRACTION).powf(f64::from(round) / f64::from(ROUNDS));
+        let is_on = |i: &usize| ((x[*i] - centre[0]).hypot(y[*i] - centre[1]) - radius).abs() < max_distance;
+        kept = range.clone().filter(is_on).collect();
+        if 2 * kept.len() < range.len() {
             return None;
         }
     }
@@ -114,13 +115,13 @@ fn fit(log: usize, x: &[f64], y: &[f64], stretch: Range<usize>) -> Option<Circle
     }
     let samples = longest[0]..longest[longest.len() - 1] + 1;
     let angle = |i: usize| (y[i] - centre[1]).atan2(x[i] - centre[0]);
-    let swept: f64 = samples
+    let swept_rad: f64 = samples
         .clone()
         .skip(1)
         .map(|i| (angle(i) - angle(i - 1) + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU)
         .sum();
-    let arc = Arc { samples, is_clockwise: swept < 0.0, swept: swept.abs() };
-    (arc.swept >= LEAST_ARC).then(|| Circle { log, centre, radius, arcs: vec![arc] })
+    let arc = Arc { samples, is_clockwise: swept_rad < 0.0, swept_rad: swept_rad.abs() };
+    (arc.swept_rad >= MIN_ARC_RAD).then(|| Circle { log, centre, radius, arcs: vec![arc] })
 }
 
 /// Least-squares circle through points, linear in 2·centre and radius² − centre² (Kåsa, 1976).
@@ -171,7 +172,7 @@ mod tests {
         let directions: Vec<bool> = circle.arcs.iter().map(|arc| arc.is_clockwise).collect();
         assert_eq!(directions, [false, true]);
         for arc in &circle.arcs {
-            assert!((arc.swept - TAU).abs() < 0.1, "{arc:?}");
+            assert!((arc.swept_rad - TAU).abs() < 0.1, "{arc:?}");
             assert!(arc.samples.len() < 3100, "the line in front is not part of it: {arc:?}");
         }
     }
