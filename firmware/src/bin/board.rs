@@ -27,7 +27,7 @@ mod app {
     #[init(local = [machine: Machine<Fixed, AXES> = Machine::UNCONFIGURED])]
     fn init(context: init::Context) -> (Shared, Local) {
         let (hardware, system) = Hardware::new(context.device, context.local.machine)
-            .expect("a test on the host has tried these values");
+            .expect("the values are verified by a test on the host");
         (Shared {}, Local { hardware, system })
     }
 
@@ -39,26 +39,26 @@ mod app {
     }
 }
 
-/// A panic, which only the start can reach: drives off, until the watchdog or a hand resets the chip.
+/// A panic, possible only during start-up: drives off until a reset by the watchdog or by hand.
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
     stop()
 }
 
-/// What the processor itself refuses. Its default would leave the drives as they are.
+/// A processor fault. The default handler would leave the drives as they are.
 #[exception]
 unsafe fn HardFault(_: &ExceptionFrame) -> ! {
     stop()
 }
 
-/// The crystal has failed: the clock security system has put the chip on its slow clock, and its break has stopped the
-/// PWM.
+/// Failure of the crystal: the clock security system has switched to the internal oscillator and has stopped the PWM by its
+/// break.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     stop()
 }
 
-/// An interrupt or exception that nobody handles.
+/// An interrupt or exception without a handler.
 #[exception]
 unsafe fn DefaultHandler(_: i16) -> ! {
     stop()

@@ -2,6 +2,10 @@
 //! hold 2 m to 0.4 fm.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod filters;
+mod joints;
+mod stops;
+
 use std::f64::consts::{E, TAU};
 
 use proptest::prelude::*;
@@ -170,136 +174,6 @@ proptest! {
     }
 }
 
-/// 2π·50 mm in chords of 0.1 mm. What limits is the queue: its end has to be within reach at every time. When a
-/// block is begun, 14 lie behind it, for this host pushes between ticks. A joint, which turns by 2 mrad, could be
-/// passed at the feed but for its neighbours: with r = W·v/L = 1 it has 2/(1 + √5) = 0.618 of a tick, passes at 62 mm/s,
-/// and takes v·u/T = 0.12 m/s² twice over: v = √(2·0.8·1.4 mm) = 47 mm/s, all the way round.
-#[test]
-fn look_ahead_carries_speed_over_short_blocks() {
-    let (radius, count, feed, acceleration) = (0.05, 3142, 0.1, 1.0);
-    let point =
-        |k: i32| [radius * (TAU * f64::from(k) / 3142.0).cos(), radius * (TAU * f64::from(k) / 3142.0).sin()];
-    let chords = |ramps| -> Vec<_> {
-        (1..=count)
-            .map(|k| Block::line(point(k), feed, acceleration).with_ramps(ramps).within(1e-6))
-            .collect()
-    };
-    let length = f64::from(count) * 2.0 * radius * (TAU / 3142.0 / 2.0).sin();
-    for ramps in [Ramps::Trapezoid, Ramps::SCurve { jerk_m_per_s3: 200.0 }] {
-        let commands = travel(point(0), 1000.0, Smoothing::None, &chords(ramps));
-        let seconds = commands.len() as f64 / 1000.0;
-        let of_queue = length / (2.0 * 0.8 * acceleration * 14.0 * 1e-4).sqrt();
-        // From rest to rest in each chord it would take 2·√(L/A), 63 s in all. With a jerk limit the acceleration
-        // is zero at every joint, which costs a chain of short blocks half its speed.
-        let slower = if ramps == Ramps::Trapezoid { 1.1 } else { 2.4 };
-        assert!(
-            seconds > 0.9 * of_queue && seconds < slower * of_queue,
-            "{seconds} s, expected {of_queue} s"
-        );
-        assert!(greatest(&commands, 1000.0, 2) <= acceleration * (1.0 + 1e-6) + quantum(1000.0, 2));
-    }
-}
-
-/// A line, a quarter of a circle that leaves it smoothly, and a line again, without a stop.
-#[test]
-fn a_smooth_path_does_not_stop() {
-    let blocks = |ramps| {
-        let on = |block: Block<2>| block.with_ramps(ramps).within(0.0);
-        [
-            on(Block::line([0.05, 0.0], 0.05, 2.0)),
-            on(Block::arc([0, 1], [0.05, 0.02], 0.25, 0.05, 2.0)),
-            on(Block::line([0.07, 0.07], 0.05, 2.0)),
-        ]
-    };
-    let commands = travel([0.0, 0.0], 4000.0, Smoothing::None, &blocks(Ramps::Trapezoid));
-    let path = 0.05 + 0.02 * TAU / 4.0 + 0.05;
-    let expected = path / 0.05 + 0.05 / 2.0;
-    let seconds = (commands.len() - 8) as f64 / 4000.0;
-    assert!((seconds - expected).abs() < 2.0 / 4000.0, "{seconds} s, expected {expected}");
-    // v²/R = 0.125 m/s² begins at once: 500 m/s³ at 4 kHz. A jerk limit of J = 100 slows the joints, not to rest:
-    // an arc spares J/16, half of it for the curvature, half of that for each side: v² = J/64·T·R.
-    let smooth = travel([0.0, 0.0], 4000.0, Smoothing::None, &blocks(Ramps::SCurve { jerk_m_per_s3: 100.0 }));
-    assert!(greatest(&smooth, 4000.0, 3) <= 100.0 * (1.0 + 1e-6) + quantum(4000.0, 3));
-    let slowest = smooth[200..smooth.len() - 200].windows(2).map(|w| {
-        let [x, y] = [0, 1].map(|axis| (w[1][axis] - w[0][axis]) as f64 / PER_M * 4000.0);
-        x.hypot(y)
-    });
-    let (slowest, expected) = (slowest.fold(f64::MAX, f64::min), (100.0 / 64.0 / 4000.0 * 0.02f64).sqrt());
-    assert!((slowest / expected - 1.0).abs() < 0.1, "{slowest} m/s, expected {expected}");
-}
-
-/// After the interpolation, a circle of radius R at ω shrinks to R·|H(ω)|: the means by sin(nω/2)/(n·sin(ω/2)) each, the
-/// lag by α/√(1 + (1 − α)² − 2(1 − α)cos ω), ω per tick. Rounding of means and places is below 3 units.
-#[test]
-fn a_circle_shrinks_as_its_filter_says() {
-    let (rate, radius, feed) = (4000.0, 0.02, 0.1);
-    let omega = feed / radius / rate;
-    let mean = |seconds: f64| (seconds * rate * omega / 2.0).sin() / (seconds * rate * (omega / 2.0).sin());
-    let share = 1.0 - (-1.0 / (0.02 * rate)).exp();
-    let lag = share / (1.0 + (1.0 - share).powi(2) - 2.0 * (1.0 - share) * omega.cos()).sqrt();
-    let cases = [
-        (Smoothing::Trapezoid { time_s: 0.05 }, mean(0.05), omega * 0.05 * rate),
-        (Smoothing::SCurve { time_s: 0.05, jerk_time_s: 0.03 }, mean(0.05) * mean(0.03), omega * 0.05 * rate),
-        (Smoothing::Exponential { time_constant_s: 0.02 }, lag, omega * 0.02 * rate),
-    ];
-    for (smoothing, gain, angle) in cases {
-        let block = Block::arc([0, 1], [0.0, 0.0], 3.0, feed, 10.0).with_ramps(Ramps::AfterInterpolation);
-        let commands = travel([radius, 0.0], rate, smoothing, &[block]);
-        assert_eq!(commands.last(), commands.first());
-        let middle = &commands[commands.len() / 3..commands.len() / 2];
-        for [x, y] in metres(middle) {
-            let off = x.hypot(y) - radius * gain;
-            assert!(off.abs() < 0.01e-9, "{smoothing:?}: {off:e} m from {:e}", radius * gain);
-        }
-        // The textbook's ΔR = R(ωT)²/24, of the lag R(ωτ)²/2, to a tenth.
-        let textbook = match smoothing {
-            Smoothing::Exponential { .. } => angle * angle / 2.0,
-            Smoothing::SCurve { .. } => angle * angle / 24.0 * (1.0 + 0.36),
-            _ => angle * angle / 24.0,
-        };
-        assert!(((1.0 - gain) / textbook - 1.0).abs() < 0.1, "{gain}");
-    }
-}
-
-/// The filters turn the step of speed into the block's acceleration: lowered feed where they are too short.
-#[test]
-fn filters_that_are_short_lower_the_feed() {
-    let line = Block::line([0.1, 0.0], 0.5, 2.0).with_ramps(Ramps::AfterInterpolation);
-    let commands = travel([0.0, 0.0], 1000.0, Smoothing::Trapezoid { time_s: 0.1 }, &[line]);
-    assert!((greatest(&commands, 1000.0, 1) - 0.2).abs() < 1e-6, "{}", greatest(&commands, 1000.0, 1));
-    assert!((greatest(&commands, 1000.0, 2) - 2.0).abs() < 1e-4, "{}", greatest(&commands, 1000.0, 2));
-}
-
-/// A stop within an arc takes v²/2a along it, leaves nothing of it, and stands.
-#[test]
-fn a_brake_stops_along_the_path() {
-    let (rate, radius) = (4000.0, 0.05);
-    let mut path = Path::new(at([radius, 0.0]), rate);
-    path.push(&Block::arc([0, 1], [0.0, 0.0], 1.0, 0.1, 1.0).within(0.0)).unwrap();
-    path.push(&Block::line([0.1, 0.0], 0.1, 1.0)).unwrap();
-    for _ in 0..4000 {
-        path.advance();
-    }
-    let angle = |[x, y]: [Position; 2]| y.to_m().atan2(x.to_m());
-    let from = angle(path.command());
-    let deceleration = 2.0 * PER_M / (rate * rate) * 65_536.0;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "1.4e11")]
-    path.brake(deceleration as u64);
-    assert!(!path.has_stopped());
-    let mut ticks = 0;
-    while !path.has_stopped() {
-        let [x, y] = path.advance();
-        assert!((x.to_m().hypot(y.to_m()) - radius).abs() < 0.5e-9);
-        ticks += 1;
-    }
-    // 0.1 m/s at 2 m/s²: 50 ms, 2.5 mm; sums over ticks differ by half of one.
-    assert!((198..=202).contains(&ticks), "{ticks} ticks");
-    let way = (angle(path.command()) - from) * radius;
-    assert!((way - 2.5e-3).abs() < 0.1 / rate, "{way} m");
-    let stands = path.command();
-    assert_eq!(path.advance(), stands);
-}
-
 /// The figures of `docs/controller.md`: `cargo test -p shared --test path figures -- --nocapture`.
 #[test]
 fn figures() {
@@ -344,103 +218,6 @@ fn figures() {
     }
 }
 
-fn braked(start: Point, rate_hz: f64, blocks: &[Block<2>], after: usize) -> Vec<[Position; 2]> {
-    let mut path = Path::new(at(start), rate_hz);
-    for block in blocks {
-        path.push(block).unwrap();
-    }
-    let mut commands: Vec<_> = (0..after).map(|_| path.advance()).collect();
-    path.brake(0);
-    while !path.has_stopped() {
-        commands.push(path.advance());
-        assert!(commands.len() < 100_000, "no stop");
-    }
-    commands
-}
-
-/// Before a corner that is all but a stop, where the step extrapolated for the next tick would lead backwards, and
-/// onto a block that is shorter than a tick: a stop never goes faster than the feed, and stays on the path.
-#[test]
-fn a_stop_beside_a_joint_stays_on_the_path() {
-    let corner = [Block::line([0.1, 0.0], 0.1, 2.0).within(0.0), Block::line([0.1, 0.1], 0.1, 1.0)];
-    for after in 21_000..21_400 {
-        let commands = braked([0.0, 0.0], 20_000.0, &corner, after);
-        assert!(greatest(&commands, 20_000.0, 1) <= 0.1 * (1.0 + 1e-6) + quantum(20_000.0, 1), "{after}");
-    }
-    let short = [Block::line([0.1, 0.0], 0.1, 0.1).within(0.0), Block::line([0.100_005, 0.0], 0.1, 1000.0)];
-    let commands = metres(&braked([0.0, 0.0], 1000.0, &short, 1500));
-    assert!(commands.windows(2).all(|w| w[0][0] <= w[1][0] && w[1][0] <= 0.100_005 + 1e-12));
-    // A polygon whose sides are shorter than a tick: on its lines to 0.5 nm.
-    let point =
-        |k: u32| [5e-5 * (TAU * f64::from(k) / 400.0).cos(), 5e-5 * (TAU * f64::from(k) / 400.0).sin()];
-    let sides: Vec<_> = (1..=16).map(|k| Block::line(point(k), 0.1, 1.0).within(1e-6)).collect();
-    for after in 1..20 {
-        for place in metres(&braked(point(0), 1000.0, &sides, after)) {
-            let off = (0..16).map(|k| from_line(place, point(k), point(k + 1))).fold(f64::INFINITY, f64::min);
-            assert!(off < 0.5e-9, "{off:e} m off after {after}");
-        }
-    }
-}
-
-/// Joints that follow each other within the window of a filter, or within a tick, share what one may take.
-#[test]
-fn corners_that_come_together_keep_limits_and_tolerance_together() {
-    let polygon = |count: u32, radius: f64, feed, acceleration, tolerance: f64, ramps| -> Vec<Block<2>> {
-        let angle = move |k: u32| TAU * f64::from(k) / f64::from(count);
-        let to = move |k: u32| [radius * (angle(k).cos() - 1.0), radius * angle(k).sin()];
-        (1..=3 * count)
-            .map(|k| Block::line(to(k), feed, acceleration).with_ramps(ramps).within(tolerance))
-            .collect()
-    };
-    let trapezoid = Smoothing::Trapezoid { time_s: 0.05 };
-    let exponential = Smoothing::Exponential { time_constant_s: 0.02 };
-    let s_curve = Smoothing::SCurve { time_s: 0.05, jerk_time_s: 0.02 };
-    for (smoothing, ramps, count, radius, feed, tolerance, rate_hz) in [
-        (trapezoid, Ramps::Trapezoid, 20, 2.5e-3, 0.5, 1e-3, 4000.0),
-        (trapezoid, Ramps::Trapezoid, 40, 2.5e-3, 0.5, 50e-6, 4000.0),
-        (exponential, Ramps::Trapezoid, 20, 2.5e-3, 0.5, 1e-3, 4000.0),
-        (s_curve, Ramps::Trapezoid, 20, 2.5e-3, 0.5, 1e-3, 4000.0),
-        (trapezoid, Ramps::AfterInterpolation, 20, 2.5e-3, 0.5, 1e-3, 4000.0),
-        (trapezoid, Ramps::Trapezoid, 100, 5e-3, 0.1, 20e-6, 4000.0),
-        (Smoothing::None, Ramps::Trapezoid, 20, 0.32e-6, 0.5, 0.0, 1000.0),
-        (Smoothing::None, Ramps::Trapezoid, 40, 1e-6, 0.5, 0.0, 1000.0),
-    ] {
-        let blocks = polygon(count, radius, feed, 1.0, tolerance, ramps);
-        let commands = travel([0.0, 0.0], rate_hz, smoothing, &blocks);
-        let worst = greatest(&commands, rate_hz, 2);
-        assert!(worst <= 1.0 + 1e-6 + quantum(rate_hz, 2) + 0.002, "{smoothing:?} {count}: {worst} m/s²");
-        // The polygon lies between the circle and the circle of its sides' middles.
-        let inner = radius * (TAU / f64::from(count) / 2.0).cos();
-        let off = |[x, y]: &Point| (inner - (x + radius).hypot(*y)).max(0.0);
-        let worst = metres(&commands).iter().map(off).fold(0.0, f64::max);
-        assert!(worst <= tolerance + 1e-9, "{smoothing:?} {count}: {worst} m of {tolerance}");
-    }
-}
-
-/// The first step of an exponential ramp is its greatest acceleration, and so is the last step's: between blocks there
-/// has to be room for both.
-#[test]
-fn exponential_ramps_do_not_add_to_their_neighbours() {
-    let back_and_forth = |first, second| {
-        let there = Block::line([0.01, 0.0], 0.1, 1.0).with_ramps(first);
-        travel(
-            [0.0, 0.0],
-            1000.0,
-            Smoothing::None,
-            &[there, Block::line([0.0, 0.0], 0.1, 1.0).with_ramps(second)],
-        )
-    };
-    for first in [Ramps::Exponential, Ramps::Trapezoid] {
-        for second in [Ramps::Exponential, Ramps::Trapezoid] {
-            let worst = greatest(&back_and_forth(first, second), 1000.0, 2);
-            assert!(
-                (0.9..=1.0 + 1e-6 + quantum(1000.0, 2)).contains(&worst),
-                "{first:?} {second:?}: {worst}"
-            );
-        }
-    }
-}
-
 /// A given end off the circle draws the arc aside evenly, within all limits, or is refused.
 #[test]
 fn a_short_arc_to_an_end_off_the_circle_keeps_its_limits() {
@@ -463,20 +240,6 @@ fn a_short_arc_to_an_end_off_the_circle_keeps_its_limits() {
             let worst = greatest(&commands, 4000.0, order);
             assert!(worst <= limit * (1.0 + 1e-6) + quantum(4000.0, order), "{length} {order}: {worst}");
         }
-    }
-}
-
-/// A jerk that is as good as none leaves the acceleration what it is, at joints, too.
-#[test]
-fn a_huge_jerk_keeps_the_acceleration() {
-    let huge = |to, feed, acceleration, jerk_m_per_s3| {
-        Block::line(to, feed, acceleration).with_ramps(Ramps::SCurve { jerk_m_per_s3 }).within(0.0)
-    };
-    let chain = [huge([0.001, 0.0], 0.1, 0.001, 1e6), huge([0.002, 0.0], 0.1, 0.001, 1e6)];
-    let single = [huge([0.01, 0.0], 0.03, 0.001_26, 2e5)];
-    for (blocks, rate_hz, limit) in [(&chain[..], 1000.0, 0.001), (&single, 4000.0, 0.001_26)] {
-        let worst = greatest(&travel([0.0, 0.0], rate_hz, Smoothing::None, blocks), rate_hz, 2);
-        assert!(worst <= limit * (1.0 + 1e-6) + quantum(rate_hz, 2), "{worst} of {limit}");
     }
 }
 
