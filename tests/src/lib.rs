@@ -1,7 +1,7 @@
 //! Parts that several integration tests share.
 //!
-//! [`program`] builds and runs `lost-motion`, [`cases`] finds the blind cases; [`firmware`] builds the programs of the chip,
-//! [`chip`] analyses them, and [`board`] runs them on an emulated chip by [`gdb`].
+//! [`program`] builds and runs `lost-motion`, [`cases`] finds the blind cases; [`firmware`] builds the programs of the
+//! chip, [`chip`] analyses them, and [`board`] runs them on an emulated chip by [`gdb`].
 
 pub mod board;
 pub mod cases;

@@ -50,8 +50,8 @@ fn emps_is_explained_as_the_readme_says() {
     let first = |name: &str| {
         axis.found.iter().find(|found| found.effect.name() == name).unwrap().effect.parameters()[0].1
     };
-    // The controller of this machine differentiates the mean of two samples, which is half a sample late: 0.5 ms. It logs
-    // the force of the next sample, one sample early, to which the latency of the drive is added.
+    // The controller of this machine differentiates the mean of two samples, which is half a sample late: 0.5 ms. It
+    // logs the force of the next sample, one sample early, to which the latency of the drive is added.
     assert!((0.4..0.65).contains(&first("velocity_lag")), "{}", first("velocity_lag"));
     assert!((-1.3..-1.0).contains(&first("latency")), "{}", first("latency"));
 
@@ -158,8 +158,8 @@ fn the_lead_screw_has_a_load_and_stribeck_friction() {
     assert!((sizes[2] + 0.39).abs() < 0.06, "{sizes:?}");
 }
 
-/// A robot with two encoders per axis (TU Kaiserslautern): latency, ratio and wind-up in a short recording. The bounds are
-/// ±5 % of the figures; the fit is deterministic.
+/// A robot with two encoders per axis (TU Kaiserslautern): latency, ratio and wind-up in a short recording. The bounds
+/// are ±5 % of the figures; the fit is deterministic.
 #[test]
 fn the_robot_has_latency_and_windup() {
     let Some(data) = data("data/kuka") else { return };

@@ -1,5 +1,5 @@
-//! A trace that starts from the model of another one, on the same logs, has the residuals that the first one reported and
-//! finds nothing new.
+//! A trace that starts from the model of another one, on the same logs, has the residuals that the first one reported
+//! and finds nothing new.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::Path;
@@ -11,8 +11,8 @@ use tests::{cases, data};
 use trace::axis::{Pair, StageError};
 use trace::{Trace, trace};
 
-/// Relative tolerance of a residual: fits end when a step reduces Σr² by less than 1e-4, and the bias of the model is known
-/// to two per mille of the residual.
+/// Relative tolerance of a residual: fits end when a step reduces Σr² by less than 1e-4, and the bias of the model is
+/// known to two per mille of the residual.
 const TOLERANCE: f64 = 0.02;
 
 /// All residuals of a trace, by name.

@@ -46,7 +46,8 @@ impl Clocks {
         Self { acr: 0, cr: 0x83, pllcfgr: 0x2400_3010, cfgr: 0 }
     }
 
-    /// The clocks of TIM2 to TIM5 and of TIM1, Hz, for a crystal (Hz). Panics where a limit of the data sheet is exceeded.
+    /// The clocks of TIM2 to TIM5 and of TIM1, Hz, for a crystal (Hz). Panics where a limit of the data sheet is
+    /// exceeded.
     #[must_use]
     pub fn timers_hz(&self, crystal_hz: u32) -> [u32; 2] {
         assert_eq!(self.cfgr >> 2 & 3, 2, "the PLL clocks the core: CFGR {:#x}", self.cfgr);

@@ -1,7 +1,7 @@
 //! A model of the inputs of the board as a function of the tick: the enable switch and the encoder of X.
 //!
-//! Each access halts the emulator while its clock runs on, so that every tick of TIM2 would be late. Therefore the first
-//! tick disables its interrupt, and each tick pends the next one after it has read its inputs.
+//! Each access halts the emulator while its clock runs on, so that every tick of TIM2 would be late. Therefore the
+//! first tick disables its interrupt, and each tick pends the next one after it has read its inputs.
 
 use firmware::setup::SWITCH_SETTLING_TICKS;
 
