@@ -7,7 +7,8 @@ use std::path::Path;
 use files::log::Log;
 use model::machine::Machine;
 use studies::demo;
-use tests::{cases, data};
+use tests::cases;
+use tests::data::data_folder;
 use trace::axis::{Pair, StageError};
 use trace::{Trace, trace};
 
@@ -81,7 +82,7 @@ fn a_model_of_a_case_is_stable() {
 
 #[test]
 fn a_model_of_measured_data_is_stable() {
-    let (Some(emps), Some(kuka)) = (data("data/emps"), data("data/kuka")) else { return };
+    let (Some(emps), Some(kuka)) = (data_folder("data/emps"), data_folder("data/kuka")) else { return };
     for (folder, log) in [(emps, "train.csv"), (kuka, "recording_a.csv")] {
         let machine = Machine::read(&folder.join("machine.toml")).unwrap();
         let log = Log::read(&folder.join(log)).unwrap();

@@ -3,7 +3,7 @@
 //! Addresses and bits are those of the reference manual RM0090, chapters 3.9 and 7.3. A clock is ready as soon as it is
 //! on; a sequence of writes that the manual forbids panics.
 
-use super::Device;
+use super::device::Device;
 
 /// Latency of the flash.
 const ACR: u32 = 0x4002_3c00;

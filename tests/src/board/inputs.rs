@@ -5,7 +5,7 @@
 
 use firmware::setup::SWITCH_SETTLING_TICKS;
 
-use super::Device;
+use super::device::Device;
 
 /// Input data of port B; bit 15 is the switch, high: closed.
 const GPIOB_IDR: u32 = 0x4002_0410;

@@ -10,6 +10,7 @@
 #![allow(clippy::unwrap_used, clippy::missing_panics_doc, reason = "for tests, which fail by panicking")]
 
 pub mod clocks;
+mod device;
 pub mod inputs;
 pub mod log;
 
@@ -25,6 +26,8 @@ use crate::chip::walk::is_panic;
 use crate::firmware::{FLASH, RAM, TICK};
 use crate::gdb::{GdbError, Halt, PC, Target, Watch, XPSR};
 use tempfile::TempDir;
+
+pub use device::Device;
 
 use clocks::Clocks;
 use inputs::Inputs;
@@ -61,16 +64,6 @@ pub struct Chip {
     pub log: Log,
     /// For the log and the emulator's messages.
     folder: TempDir,
-}
-
-/// A device that the test models instead of QEMU.
-pub trait Device {
-    /// Addresses of its registers.
-    fn registers(&self) -> &[u32];
-    /// Value of a load.
-    fn read(&mut self, address: u32) -> u32;
-    /// Effect of a store.
-    fn write(&mut self, address: u32, value: u32);
 }
 
 /// How a run ended.
