@@ -3,13 +3,15 @@
 use std::fs::read_dir;
 use std::path::{Path, PathBuf};
 
-/// The folders of the cases, sorted. `None` where there are no data: see [`data`](crate::data).
+use crate::data::data_folder;
+
+/// The folders of the cases, sorted. `None` where there are no data: see [`data_folder`].
 ///
 /// # Panics
 /// Where there are fewer than nine: a case must not be lost.
 #[must_use]
 pub fn folders() -> Option<Vec<PathBuf>> {
-    let folders = sorted(&crate::data("cases")?);
+    let folders = sorted(&data_folder("cases")?);
     assert!(folders.len() >= 9, "{} cases", folders.len());
     Some(folders)
 }

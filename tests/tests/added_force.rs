@@ -112,8 +112,8 @@ fn log(machine: &Machine) -> Log {
     log
 }
 
-/// The same log with the channel: the force over the interval that ends at the sample, times a sign, delayed by a number
-/// of rows.
+/// The same log with the channel: the force over the interval that ends at the sample, times a sign, delayed by a
+/// number of rows.
 fn with_channel(log: &Log, sign: f64, delay: usize) -> Log {
     let delayed = |row: usize| row.checked_sub(1 + delay).map_or(0.0, added_n);
     let mut log = log.clone();
@@ -153,12 +153,12 @@ fn the_motor_stage_models_the_added_force() {
     let log = log(&machine);
     let motor = |log: &Log| stage_of(&machine, log, Stage::Motor);
     let (with, noise, added) = motor(&with_channel(&log, 1.0, 0));
-    // The model is the machine: what remains is the noise of the encoder, which is estimated to 2 %, and some nanometres
-    // of the coarser steps of the model.
+    // The model is the machine: what remains is the noise of the encoder, which is estimated to 2 %, and some
+    // nanometres of the coarser steps of the model.
     assert!((0.95..1.15).contains(&(with / noise)), "{with} {noise}");
 
-    // Without the channel the model lacks the response, with the wrong sign its error is twice that. 4 %: the position loop
-    // is delayed by 1 ms, 2° of 10 Hz, and the compliance of the screw changes it by 1 %.
+    // Without the channel the model lacks the response, with the wrong sign its error is twice that. 4 %: the position
+    // loop is delayed by 1 ms, 2° of 10 Hz, and the compliance of the screw changes it by 1 %.
     let expected = response_um() * added.sqrt();
     let (without, ..) = motor(&log);
     assert!(is_near(without, expected, 0.04), "{without} {expected}");
@@ -203,8 +203,8 @@ fn a_trace_under_an_added_force_finds_nothing() {
     };
     let (found, error) = motor(with_channel(&log, 1.0, 0));
     assert!(found.is_empty(), "{found:?}");
-    // One stroke in one direction determines the declared values only so far that the response of 24 µm changes by a few
-    // nanometres.
+    // One stroke in one direction determines the declared values only so far that the response of 24 µm changes by a
+    // few nanometres.
     assert!((0.9..1.6).contains(&(error.after.validate / error.noise)), "{error:?}");
     // No declared value and no effect oscillates with time: at least half of the response remains.
     let (_, error) = motor(with_channel(&log, -1.0, 0));

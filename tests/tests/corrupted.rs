@@ -74,8 +74,8 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
     assert!((refuted.effect.parameters()[0].1 - 80.0).abs() < 1.0, "{refuted:?}");
     // ±30 mm at 80 µm/m: 2.4 µm, a sine of 1.7 µm rms, less at standstill.
     assert!((1.3..1.75).contains(&refuted.after.validate), "{refuted:?}");
-    // Without it the model fits, except for the stiffness, which the fitted log changes by its tolerance of 10 %: 0.13 µm
-    // at most of 250 N over 200 N/µm.
+    // Without it the model fits, except for the stiffness, which the fitted log changes by its tolerance of 10 %: 0.13
+    // µm at most of 250 N over 200 N/µm.
     assert!(refuted.before.validate < 0.13, "{refuted:?}");
     // The reported model is that without the effect.
     let table = axis.errors.iter().find(|error| error.stage == refuted.stage).unwrap();

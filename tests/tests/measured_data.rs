@@ -7,7 +7,7 @@ use std::path::{Path, PathBuf};
 use files::log::{Log, Unit};
 use model::effects::Stage;
 use model::machine::Machine;
-use tests::data;
+use tests::data::data_folder;
 use trace::friction_map::FrictionMap;
 use trace::friction_map::search::explain;
 use trace::{Trace, trace};
@@ -31,7 +31,7 @@ fn traced(folder: &Path, log: &str) -> Trace {
 /// examined.
 #[test]
 fn emps_is_explained_as_the_readme_says() {
-    let Some(data) = data("data/emps") else { return };
+    let Some(data) = data_folder("data/emps") else { return };
     let trace = traced(&data, "train.csv");
     let axis = &trace.axes[0];
     let names: Vec<&str> = axis.found.iter().map(|found| found.effect.name()).collect();
@@ -50,8 +50,8 @@ fn emps_is_explained_as_the_readme_says() {
     let first = |name: &str| {
         axis.found.iter().find(|found| found.effect.name() == name).unwrap().effect.parameters()[0].1
     };
-    // The controller of this machine differentiates the mean of two samples, which is half a sample late: 0.5 ms. It logs
-    // the force of the next sample, one sample early, to which the latency of the drive is added.
+    // The controller of this machine differentiates the mean of two samples, which is half a sample late: 0.5 ms. It
+    // logs the force of the next sample, one sample early, to which the latency of the drive is added.
     assert!((0.4..0.65).contains(&first("velocity_lag")), "{}", first("velocity_lag"));
     assert!((-1.3..-1.0).contains(&first("latency")), "{}", first("latency"));
 
@@ -80,7 +80,7 @@ fn emps_is_explained_as_the_readme_says() {
 /// With the right latency of the force there is no Stribeck effect: friction drops towards standstill.
 #[test]
 fn emps_has_no_stribeck_effect() {
-    let Some(data) = data("data/emps") else { return };
+    let Some(data) = data_folder("data/emps") else { return };
     let trace = traced(&data, "train.csv");
     let tried = trace.axes[0].rounds.iter().flat_map(|round| &round.candidates);
     let stribeck: Vec<_> = tried.filter(|c| c.effect.name() == "stribeck" && c.fitted.is_some()).collect();
@@ -91,7 +91,7 @@ fn emps_has_no_stribeck_effect() {
 /// A robot without a declared controller or mass: the stages that cannot be tested are listed.
 #[test]
 fn stages_that_cannot_be_tested_are_listed() {
-    let Some(data) = data("data/kuka") else { return };
+    let Some(data) = data_folder("data/kuka") else { return };
     let trace = traced(&data, "recording_a.csv");
     for axis in &trace.axes {
         let stages: Vec<Stage> = axis.not_testable.iter().map(|n| n.stage).collect();
@@ -102,7 +102,7 @@ fn stages_that_cannot_be_tested_are_listed() {
 
 #[test]
 fn measured_logs_and_cases_can_be_read() {
-    let (Some(data), Some(cases)) = (data("data"), data("cases")) else { return };
+    let (Some(data), Some(cases)) = (data_folder("data"), data_folder("cases")) else { return };
     let emps = Log::read(&data.join("emps/train.csv")).unwrap();
     assert_eq!((emps.len(), emps.axes.len()), (24_841, 1));
     assert!((emps.sample_time_s - 1e-3).abs() < 1e-12);
@@ -123,7 +123,7 @@ fn measured_logs_and_cases_can_be_read() {
 
 #[test]
 fn declared_machines_survive_writing_and_reading() {
-    let (Some(data), Some(cases)) = (data("data"), data("cases")) else { return };
+    let (Some(data), Some(cases)) = (data_folder("data"), data_folder("cases")) else { return };
     let folders = [entries(&data), entries(&cases)].concat();
     let files = folders.iter().map(|folder| folder.join("machine.toml"));
     let files: Vec<PathBuf> = files.filter(|file| file.exists()).collect();
@@ -138,7 +138,7 @@ fn declared_machines_survive_writing_and_reading() {
 /// friction are declared. The bounds are ±2 % of the figures; the fit is deterministic.
 #[test]
 fn the_lead_screw_has_a_load_and_stribeck_friction() {
-    let Some(data) = data("data/leadscrew") else { return };
+    let Some(data) = data_folder("data/leadscrew") else { return };
     let map = FrictionMap::read(&data.join("friction_drive1.csv")).unwrap();
     let explained = explain(&map).unwrap();
     let names: Vec<&str> = explained.searched.fitted.law.terms.iter().map(|term| term.name()).collect();
@@ -158,11 +158,11 @@ fn the_lead_screw_has_a_load_and_stribeck_friction() {
     assert!((sizes[2] + 0.39).abs() < 0.06, "{sizes:?}");
 }
 
-/// A robot with two encoders per axis (TU Kaiserslautern): latency, ratio and wind-up in a short recording. The bounds are
-/// ±5 % of the figures; the fit is deterministic.
+/// A robot with two encoders per axis (TU Kaiserslautern): latency, ratio and wind-up in a short recording. The bounds
+/// are ±5 % of the figures; the fit is deterministic.
 #[test]
 fn the_robot_has_latency_and_windup() {
-    let Some(data) = data("data/kuka") else { return };
+    let Some(data) = data_folder("data/kuka") else { return };
     let trace = traced(&data, "recording_a.csv");
     let names = |i: usize| trace.axes[i].found.iter().map(|found| found.effect.name()).collect::<Vec<_>>();
     assert_eq!(names(0), ["latency", "pitch_progressive", "windup"]);

@@ -39,7 +39,8 @@ fn memory_does_not_grow_with_the_length_of_a_run() {
         let out = folder.path().join(name);
         let (short, short_file) = peak_and_file_bytes(&machine, 2.0, &out);
         let (long, long_file) = peak_and_file_bytes(&machine, 40.0, &out);
-        // 20 times the rows are 20 times the file. In memory the additional rows would be 38 s · 1000/s · 10 columns of 8 bytes: 3 MB.
+        // 20 times the rows are 20 times the file. In memory the additional rows would be 38 s · 1000/s · 10 columns of
+        // 8 bytes: 3 MB.
         assert!(long_file > 15 * short_file, "{name}: {short_file} and {long_file} bytes of file");
         assert!(long < short + 1000, "{name}: {short} and {long} bytes of memory");
         let log = Log::read(&out).unwrap();

@@ -1,5 +1,5 @@
-//! A trace that starts from the model of another one, on the same logs, has the residuals that the first one reported and
-//! finds nothing new.
+//! A trace that starts from the model of another one, on the same logs, has the residuals that the first one reported
+//! and finds nothing new.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::path::Path;
@@ -7,12 +7,13 @@ use std::path::Path;
 use files::log::Log;
 use model::machine::Machine;
 use studies::demo;
-use tests::{cases, data};
+use tests::cases;
+use tests::data::data_folder;
 use trace::axis::{Pair, StageError};
 use trace::{Trace, trace};
 
-/// Relative tolerance of a residual: fits end when a step reduces Σr² by less than 1e-4, and the bias of the model is known
-/// to two per mille of the residual.
+/// Relative tolerance of a residual: fits end when a step reduces Σr² by less than 1e-4, and the bias of the model is
+/// known to two per mille of the residual.
 const TOLERANCE: f64 = 0.02;
 
 /// All residuals of a trace, by name.
@@ -81,7 +82,7 @@ fn a_model_of_a_case_is_stable() {
 
 #[test]
 fn a_model_of_measured_data_is_stable() {
-    let (Some(emps), Some(kuka)) = (data("data/emps"), data("data/kuka")) else { return };
+    let (Some(emps), Some(kuka)) = (data_folder("data/emps"), data_folder("data/kuka")) else { return };
     for (folder, log) in [(emps, "train.csv"), (kuka, "recording_a.csv")] {
         let machine = Machine::read(&folder.join("machine.toml")).unwrap();
         let log = Log::read(&folder.join(log)).unwrap();

@@ -1,7 +1,7 @@
 //! The tick of the chip cannot panic: a static analysis of the linked program.
 //!
-//! A servo drive that stops in a panic handler no longer controls its axis. Therefore every call and jump that is reachable
-//! from the tick is followed.
+//! A servo drive that stops in a panic handler no longer controls its axis. Therefore every call and jump that is
+//! reachable from the tick is followed.
 
 use std::collections::BTreeMap;
 use std::fs;

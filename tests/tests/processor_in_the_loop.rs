@@ -161,8 +161,8 @@ fn compare(format: Format, turns: f64) -> [(u32, u32); 2] {
     costs
 }
 
-/// The bounds are a third below and a half above the measured values: less would mean that instructions are not counted,
-/// more that a change made the tick slower. At 20 kHz the board has 8400 cycles per tick.
+/// The bounds are a third below and a half above the measured values: less would mean that instructions are not
+/// counted, more that a change made the tick slower. At 20 kHz the board has 8400 cycles per tick.
 fn assert_within([position, velocity]: [(u32, u32); 2], bounds: [(u32, u32); 2]) {
     for ((median, max), (lower, upper)) in [position, velocity].into_iter().zip(bounds) {
         assert!(

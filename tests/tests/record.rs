@@ -1,4 +1,5 @@
-//! `record` on the emulated core writes the same log as `simulate`, byte for byte; a core that does not reply ends the run.
+//! `record` on the emulated core writes the same log as `simulate`, byte for byte; a core that does not reply ends the
+//! run.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;

@@ -72,7 +72,8 @@ const TIMERS: [(&str, u32, u32); 13] = [
     ("TIM4 CR1", 0x4000_0800, 1),
 ];
 
-/// Enabled interrupts, and the priority of interrupt 28, TIM2, in the highest byte: the second lowest of 16 (ARMv7-M, B3.4.4 and B3.4.9; RTIC's priority 1).
+/// Enabled interrupts, and the priority of interrupt 28, TIM2, in the highest byte: the second lowest of 16 (ARMv7-M,
+/// B3.4.4 and B3.4.9; RTIC's priority 1).
 const INTERRUPTS: [(&str, u32, u32); 2] = [("ISER0", 0xe000_e100, 1 << 28), ("IPR7", 0xe000_e41c & !3, 0xf0)];
 
 fn position(accesses: &[Access], device: &str, offset: u32) -> usize {

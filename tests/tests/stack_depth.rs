@@ -1,7 +1,7 @@
 //! Stack and static data fit the RAM of the chip: a static analysis of the linked program.
 //!
-//! A stack that grows into the static data or below the RAM is not noticed before the chip fails, and the emulated core has
-//! too much RAM to show it. Therefore the frames of the functions are summed over all chains of calls.
+//! A stack that grows into the static data or below the RAM is not noticed before the chip fails, and the emulated core
+//! has too much RAM to show it. Therefore the frames of the functions are summed over all chains of calls.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -17,8 +17,8 @@ const RAM_BYTES: u32 = RAM.end - RAM.start;
 /// Free RAM that must remain, bytes: an eighth of it, for other inlining by later compilers.
 const RESERVE_BYTES: u32 = RAM_BYTES / 8;
 
-/// Lower bound of the tick: saved registers (r4 to r11, lr, d8 to d15) and forces and duties of two axes. Less would mean
-/// that the analysis is incomplete.
+/// Lower bound of the tick: saved registers (r4 to r11, lr, d8 to d15) and forces and duties of two axes. Less would
+/// mean that the analysis is incomplete.
 const MIN_TICK_BYTES: u32 = 100;
 
 /// The linked program, its vector table, and the bytes of its static data and of its deepest stack.
@@ -49,7 +49,8 @@ fn stack_and_static_data_of_the_board_fit_its_ram() {
     assert!(tick.bytes() >= MIN_TICK_BYTES, "a tick of {} B", tick.bytes());
     assert!(stack >= tick.bytes() + EXCEPTION_FRAME);
     assert!(data + stack + RESERVE_BYTES <= RAM_BYTES, "{data} B of static data, {stack} B of stack");
-    // Both are within the RAM: the stack grows down from its start to the static data below it, or to the end of the RAM.
+    // Both are within the RAM: the stack grows down from its start to the static data below it, or to the end of the
+    // RAM.
     let inside = RAM.start..=RAM.end;
     assert!(image.data.iter().all(|range| inside.contains(&range.start) && inside.contains(&range.end)));
     assert!(inside.contains(&vectors.initial_sp));

@@ -2,8 +2,8 @@
 //!
 //! Its controller has the laws of `shared` that the job needs (P, velocity feed-forward, PI with anti-windup), on a
 //! circle by sine and cosine; it has no other laws, sensors, filters, compensation, blocks or monitoring. Its plant has
-//! two masses on a spring and `LuGre` friction with a constant level: velocities from the forces at the beginning of the
-//! step, then positions from the new velocities.
+//! two masses on a spring and `LuGre` friction with a constant level: velocities from the forces at the beginning of
+//! the step, then positions from the new velocities.
 #![expect(clippy::needless_range_loop, reason = "every line is an equation of axis i")]
 
 use model::machine::Machine;

@@ -1,4 +1,5 @@
-//! Speed of the tracer's parts: a rigid model fitted to 24.8 s of a ball-screw axis at 1 kHz, and the signals of that log.
+//! Speed of the tracer's parts: a rigid model fitted to 24.8 s of a ball-screw axis at 1 kHz, and the signals of that
+//! log.
 //!
 //! With `LOST_MOTION_DATA` the log is a recorded one (EMPS); without it one of the same length from the equation of the
 //! model, with noise.

@@ -1,7 +1,7 @@
 //! The axes of a machine whose structure is given as rigid bodies: each moves the others.
 //!
-//! Masses and springs between motor and tool are those of the structure ([`super::multibody`]). An axis adds what is not
-//! linear, as forces: friction of motor and guide, load and ripple, errors and backlash of the screw.
+//! Masses and springs between motor and tool are those of the structure ([`super::multibody`]). An axis adds what is
+//! not linear, as forces: friction of motor and guide, load and ripple, errors and backlash of the screw.
 
 use nalgebra::Vector3;
 
@@ -36,8 +36,8 @@ struct CoupledAxis {
 }
 
 impl CoupledAxes {
-    /// At rest with the motors at `start_m`, one an axis; `parameters` from [`AxisParameters::of_machine`]. Time constant
-    /// 0: a drive without lag.
+    /// At rest with the motors at `start_m`, one an axis; `parameters` from [`AxisParameters::of_machine`]. Time
+    /// constant 0: a drive without lag.
     ///
     /// # Errors
     /// Where the structure is impossible, see [`Assembly::of`].

@@ -116,7 +116,8 @@ impl MachineSim {
         })
     }
 
-    /// Reads motor encoder and linear scale of each axis, with noise, quantisation and latency. To be called once a tick.
+    /// Reads motor encoder and linear scale of each axis, with noise, quantisation and latency. To be called once a
+    /// tick.
     pub fn read(&mut self, readings: &mut [Reading]) {
         // A position outside the format means that the machine ran away: its following error will end the run.
         let position = |m: f64| Position::from_m(m).unwrap_or(Position(i64::MAX / 4));

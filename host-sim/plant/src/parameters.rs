@@ -1,4 +1,5 @@
-//! The physical parameters of an axis: its keys of the machine file in SI units, and its effects sorted by where they act.
+//! The physical parameters of an axis: its keys of the machine file in SI units, and its effects sorted by where they
+//! act.
 
 use model::axis::Mechanics;
 use model::effects::{

@@ -13,7 +13,8 @@
 //! - [`Bristles::force_n`]: the law itself, at one instant;
 //! - [`Bristles::implicit_step`]: backward Euler, for a given velocity and any step;
 //! - [`Bristles::exact_step`]: exact for a constant velocity, affine in the velocity;
-//! - [`Bristles::mean_over_step`]: of second order and affine in the velocity, for velocities that depend on the friction.
+//! - [`Bristles::mean_over_step`]: of second order and affine in the velocity, for velocities that depend on the
+//!   friction.
 
 use super::lane::Lane;
 
@@ -104,10 +105,10 @@ impl ExactStep {
 impl<L: Lane> Bristles<L> {
     /// Mean friction over a step of a body whose mean velocity depends on it.
     ///
-    /// `relaxation` is r = σ0·|v|·h/g, from [`Bristles::relaxation_per_m`] times the travel; `mobility` is the change of
-    /// the mean velocity per newton of friction, m/s/N. The exponential e⁻ʳ is replaced by 1/(1 + r + r²/2): of second
-    /// order for small r, and monotonic to zero where a step relaxes the bristles many times over. What depends on the
-    /// velocity itself is left to [`MeanFriction::force_n`], so that this function does not have to wait for it.
+    /// `relaxation` is r = σ0·|v|·h/g, from [`Bristles::relaxation_per_m`] times the travel; `mobility` is the change
+    /// of the mean velocity per newton of friction, m/s/N. The exponential e⁻ʳ is replaced by 1/(1 + r + r²/2): of
+    /// second order for small r, and monotonic to zero where a step relaxes the bristles many times over. What depends
+    /// on the velocity itself is left to [`MeanFriction::force_n`], so that this function does not have to wait for it.
     #[must_use]
     #[inline]
     pub fn mean_over_step(

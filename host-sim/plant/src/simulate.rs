@@ -47,8 +47,8 @@ impl Run<'_> {
     /// with each row of the log, at the sample rate: one [`Sample`] an axis.
     ///
     /// # Errors
-    /// When the controller refuses a block, the link breaks, the drives are switched off, `on_sample` fails, or the path
-    /// does not end within [`MAX_RUN_S`].
+    /// When the controller refuses a block, the link breaks, the drives are switched off, `on_sample` fails,
+    /// or the path does not end within [`MAX_RUN_S`].
     pub fn rows(
         &self,
         controller: &mut dyn Controller,

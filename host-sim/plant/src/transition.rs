@@ -1,8 +1,8 @@
 //! One step of the linear part of an axis, exact by the matrix exponential.
 //!
 //! Two masses with a spring and a damper between them, viscous friction on the table and a first-order lag of the
-//! drive: with the stretch s, the masses m and M, the velocities v and V of motor and table, and constant forces p and P
-//! on them,
+//! drive: with the stretch s, the masses m and M, the velocities v and V of motor and table, and constant forces p and
+//! P on them,
 //!
 //! ```text
 //! s' = v − V,   m·v' = −k·s − c·s' + F + p,   M·V' = k·s + c·s' − b·V + P,   F' = (commanded − F)/τ.

@@ -3,7 +3,7 @@
 //! Addresses and bits are those of the reference manual RM0090, chapters 3.9 and 7.3. A clock is ready as soon as it is
 //! on; a sequence of writes that the manual forbids panics.
 
-use super::Device;
+use super::device::Device;
 
 /// Latency of the flash.
 const ACR: u32 = 0x4002_3c00;
@@ -46,7 +46,8 @@ impl Clocks {
         Self { acr: 0, cr: 0x83, pllcfgr: 0x2400_3010, cfgr: 0 }
     }
 
-    /// The clocks of TIM2 to TIM5 and of TIM1, Hz, for a crystal (Hz). Panics where a limit of the data sheet is exceeded.
+    /// The clocks of TIM2 to TIM5 and of TIM1, Hz, for a crystal (Hz). Panics where a limit of the data sheet is
+    /// exceeded.
     #[must_use]
     pub fn timers_hz(&self, crystal_hz: u32) -> [u32; 2] {
         assert_eq!(self.cfgr >> 2 & 3, 2, "the PLL clocks the core: CFGR {:#x}", self.cfgr);

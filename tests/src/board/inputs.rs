@@ -1,11 +1,11 @@
 //! A model of the inputs of the board as a function of the tick: the enable switch and the encoder of X.
 //!
-//! Each access halts the emulator while its clock runs on, so that every tick of TIM2 would be late. Therefore the first
-//! tick disables its interrupt, and each tick pends the next one after it has read its inputs.
+//! Each access halts the emulator while its clock runs on, so that every tick of TIM2 would be late. Therefore the
+//! first tick disables its interrupt, and each tick pends the next one after it has read its inputs.
 
 use firmware::setup::SWITCH_SETTLING_TICKS;
 
-use super::Device;
+use super::device::Device;
 
 /// Input data of port B; bit 15 is the switch, high: closed.
 const GPIOB_IDR: u32 = 0x4002_0410;

@@ -1,15 +1,16 @@
 //! The program of the board on an emulated STM32F405.
 //!
 //! QEMU's machine `netduinoplus2` has the core, its interrupt controller, flash and RAM at their addresses, and TIM2 to
-//! TIM5. The program is unchanged, but it would wait for its clocks for ever, which QEMU does not model: the test halts at
-//! the accesses of `FLASH_ACR`, `RCC_CR`, `RCC_PLLCFGR` and `RCC_CFGR` and answers them as the chip does ([`clocks`]). It
-//! also fills the free RAM with a pattern before the start.
+//! TIM5. The program is unchanged, but it would wait for its clocks for ever, which QEMU does not model: the test halts
+//! at the accesses of `FLASH_ACR`, `RCC_CR`, `RCC_PLLCFGR` and `RCC_CFGR` and answers them as the chip does
+//! ([`clocks`]). It also fills the free RAM with a pattern before the start.
 //!
 //! QEMU models no TIM1, GPIO, watchdog or encoder mode either. They read as 0, and writes to them are in the emulator's
 //! log ([`log`]). [`inputs`] provides switch and encoders where a test closes the loops.
 #![allow(clippy::unwrap_used, clippy::missing_panics_doc, reason = "for tests, which fail by panicking")]
 
 pub mod clocks;
+mod device;
 pub mod inputs;
 pub mod log;
 
@@ -25,6 +26,8 @@ use crate::chip::walk::is_panic;
 use crate::firmware::{FLASH, RAM, TICK};
 use crate::gdb::{GdbError, Halt, PC, Target, Watch, XPSR};
 use tempfile::TempDir;
+
+pub use device::Device;
 
 use clocks::Clocks;
 use inputs::Inputs;
@@ -61,16 +64,6 @@ pub struct Chip {
     pub log: Log,
     /// For the log and the emulator's messages.
     folder: TempDir,
-}
-
-/// A device that the test models instead of QEMU.
-pub trait Device {
-    /// Addresses of its registers.
-    fn registers(&self) -> &[u32];
-    /// Value of a load.
-    fn read(&mut self, address: u32) -> u32;
-    /// Effect of a store.
-    fn write(&mut self, address: u32, value: u32);
 }
 
 /// How a run ended.

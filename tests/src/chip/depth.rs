@@ -1,8 +1,8 @@
 //! Stack depth below a function: frames, summed over the chain of calls that needs most.
 //!
-//! A frame is the sum of all decrements of the stack pointer in the instructions of a function, whether they run or not.
-//! A tail call therefore counts with the whole frame of its caller, which may have been released before: the sum is an
-//! upper bound.
+//! A frame is the sum of all decrements of the stack pointer in the instructions of a function, whether they run or
+//! not. A tail call therefore counts with the whole frame of its caller, which may have been released before: the sum
+//! is an upper bound.
 
 use std::collections::BTreeMap;
 
@@ -55,8 +55,8 @@ struct Known {
 pub struct Depths(BTreeMap<u32, Known>);
 
 impl Depths {
-    /// Sums the frames of all functions that are reachable from `roots` (starts), the frames of `self_calls` as often as
-    /// they allow.
+    /// Sums the frames of all functions that are reachable from `roots` (starts), the frames of `self_calls` as often
+    /// as they allow.
     ///
     /// # Errors
     /// Everything that makes a depth unknown.

@@ -34,8 +34,8 @@ pub fn stack_depth_is_as_computed(chip: &mut Chip) {
     assert!(running == 0 || running as usize == TICK, "exception {running}");
 }
 
-/// A tick is a period of the PWM: its rate is the clock of TIM1 over the period of TIM1. Each update of TIM1 resets TIM2,
-/// whose own period, the only one in QEMU, is a little longer.
+/// A tick is a period of the PWM: its rate is the clock of TIM1 over the period of TIM1. Each update of TIM1 resets
+/// TIM2, whose own period, the only one in QEMU, is a little longer.
 pub fn tick_rate_is_as_set_up(chip: &mut Chip, accesses: &[Access]) {
     let [control, interrupts, prescaler, reload] =
         TIMER_REGISTERS.map(|offset| chip.target.word(TIM2 + offset).unwrap());
@@ -50,7 +50,8 @@ pub fn tick_rate_is_as_set_up(chip: &mut Chip, accesses: &[Access]) {
     assert_eq!(chip.target.word(NVIC_ISER0).unwrap(), 1 << 28, "TIM2 and nothing else");
 }
 
-/// Offset and bit of the clock enable of each device (RM0090, 7.3.10 to 7.3.14). Without its clock a device ignores writes.
+/// Offset and bit of the clock enable of each device (RM0090, 7.3.10 to 7.3.14). Without its clock a device ignores
+/// writes.
 const CLOCK_OF: [(&str, u32, u32); 4] =
     [("GPIOA", 0x30, 0), ("GPIOB", 0x30, 1), ("GPIOC", 0x30, 2), ("timer[1]", 0x44, 0)];
 

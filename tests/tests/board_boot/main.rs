@@ -1,8 +1,9 @@
 //! The ELF file that is flashed starts on an emulated STM32F405 and ticks; [`tests::board`] says what is emulated.
 //!
-//! The first run leaves the enable switch open. The period between its ticks is not that of the chip, since QEMU's timer
-//! adds the time since power-up when it is started; the tick rate is computed from the registers of timers and clocks
-//! instead. The second run closes the loops: it models the switch and the encoder counters and pends each tick itself.
+//! The first run leaves the enable switch open. The period between its ticks is not that of the chip, since QEMU's
+//! timer adds the time since power-up when it is started; the tick rate is computed from the registers of timers and
+//! clocks instead. The second run closes the loops: it models the switch and the encoder counters and pends each tick
+//! itself.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod checks;

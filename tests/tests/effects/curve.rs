@@ -16,7 +16,8 @@ fn run_curve(machine: &str) -> RunLog {
     run(machine, &lines(&[(8.0, 10.0), (68.0, 60.0), (8.0, 60.0), (0.0, 10.0)]))
 }
 
-/// At a constant velocity the force is the sum of the curve, viscous friction and motor friction, ±40 N·tanh(v/0.2 mm/s).
+/// At a constant velocity the force is the sum of the curve, viscous friction and motor friction, ±40 N·tanh(v/0.2
+/// mm/s).
 fn assert_force(machine: &str, curve_n: impl Fn(f64) -> f64) {
     let effect_run = run_curve(machine);
     let plain = run_curve(PLAIN);

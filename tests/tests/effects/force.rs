@@ -124,8 +124,8 @@ pub fn shear_thinning() {
     }
 }
 
-/// At a constant velocity no effect; under a constant acceleration a the filtered speed lags by a·τ, and friction is lower
-/// by c·a·τ.
+/// At a constant velocity no effect; under a constant acceleration a the filtered speed lags by a·τ, and friction is
+/// lower by c·a·τ.
 pub fn friction_memory() {
     let (viscous, time_constant_s, m_per_s2) = (400.0, 0.05, 0.5);
     let motion = lines(&[(200.0, 400.0), (0.0, 100.0)]);

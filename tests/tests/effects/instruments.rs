@@ -53,8 +53,8 @@ fn assert_others_are_the_same(effect_run: &RunLog, ideal: &RunLog, channel: Chan
     }
 }
 
-/// White noise with the given standard deviation σ and mean 0. The standard errors of their estimates from n samples are
-/// σ/√(2n) and σ/√n: the bounds are four of each.
+/// White noise with the given standard deviation σ and mean 0. The standard errors of their estimates from n samples
+/// are σ/√(2n) and σ/√n: the bounds are four of each.
 #[test]
 fn noise() {
     let cases = [
@@ -135,8 +135,8 @@ fn motor_latency() {
     }
 }
 
-/// At a constant velocity a delayed scale reading lags by v·τ behind the tool, whose position is that of the table. If the
-/// scale is fed back, its reading does not change and the tool is ahead.
+/// At a constant velocity a delayed scale reading lags by v·τ behind the tool, whose position is that of the table. If
+/// the scale is fed back, its reading does not change and the tool is ahead.
 #[test]
 fn table_latency() {
     let (late_ms, mm_s) = (1.7, 100.0);
@@ -159,16 +159,16 @@ fn table_latency() {
     }
 }
 
-/// Under a ramp of the force, a drive with the lag τ is low by τ·dF/dt. On a guideway with the viscous friction b a constant
-/// acceleration a needs such a ramp, dF/dt = b·a: the commanded force is higher by τ·b·a, and unchanged at a constant
-/// velocity.
+/// Under a ramp of the force, a drive with the lag τ is low by τ·dF/dt. On a guideway with the viscous friction b a
+/// constant acceleration a needs such a ramp, dF/dt = b·a: the commanded force is higher by τ·b·a, and unchanged at a
+/// constant velocity.
 #[test]
 fn drive_time_constant() {
     let (lag_ms, m_per_s2, mm_s, viscous) = (1.0, 0.5, 300.0, 20_000.0);
     let declared = format!("viscous_n_s_per_m = {:?} ", declared().mechanics.viscous_n_s_per_m.unwrap());
     let machine = changed(&rigid(), &declared, &format!("viscous_n_s_per_m = {viscous:?} "));
-    // Both loops at the same rate: a log of every fourth tick has one of the four forces between two steps of the position
-    // loop, not their mean.
+    // Both loops at the same rate: a log of every fourth tick has one of the four forces between two steps of the
+    // position loop, not their mean.
     let machine = changed(&machine, "sample_rate_hz = 1000.0 ", "sample_rate_hz = 4000.0 ");
     let motion = lines(&[(400.0, mm_s)]);
     let ideal = run_ideal(&machine, &motion);

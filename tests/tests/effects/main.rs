@@ -1,8 +1,8 @@
 //! Each effect of the catalogue, each key of the instruments and each friction curve, in a simulated run.
 //!
-//! Every test runs a machine twice in closed loop, with and without one entry of its file, on a motion on which the entry
-//! has an effect. The doc of a test gives the equation of its expected size, from the definition of the entry; the bound
-//! covers what the equation neglects. Channels that an entry must not affect are equal to the last bit.
+//! Every test runs a machine twice in closed loop, with and without one entry of its file, on a motion on which the
+//! entry has an effect. The doc of a test gives the equation of its expected size, from the definition of the entry;
+//! the bound covers what the equation neglects. Channels that an entry must not affect are equal to the last bit.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod bodies;

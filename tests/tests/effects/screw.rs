@@ -36,8 +36,8 @@ fn since_reversal_um(effect_run: &RunLog, travel_um: f64) -> [f64; 2] {
     [table, motor].map(|position_mm| 1e3 * (position_mm[turn] - position_mm[then]))
 }
 
-/// While the motor crosses the gap the table does not move, on a guideway without bristles; after it the table lags by the
-/// gap.
+/// While the motor crosses the gap the table does not move, on a guideway without bristles; after it the table lags by
+/// the gap.
 #[test]
 fn the_table_stands_while_the_motor_crosses_the_gap() {
     let width_um = 12.0;
@@ -81,8 +81,8 @@ pub fn pitch_progressive() {
 
 /// Table = motor + A·sin(2π·motor/period + phase).
 ///
-/// The force that moves the table along the wave, m·A·ω² and (c + b)·A·ω with ω = 2π·v/period, stretches the screw by that
-/// over k.
+/// The force that moves the table along the wave, m·A·ω² and (c + b)·A·ω with ω = 2π·v/period, stretches the screw by
+/// that over k.
 pub fn pitch_cyclic() {
     let (amplitude_um, period_mm, phase_rad, mm_s) = (2.0, 16.0, 0.7, 50.0);
     let motion = lines(&[(100.0, mm_s), (0.0, mm_s)]);
@@ -105,8 +105,8 @@ pub fn pitch_cyclic() {
     }
 }
 
-/// Reading = motor + A·sin(2π·motor/period + phase). The reading is fed back, so that motor and table have the error, with
-/// the opposite sign.
+/// Reading = motor + A·sin(2π·motor/period + phase). The reading is fed back, so that motor and table have the error,
+/// with the opposite sign.
 ///
 /// The loops leave |s²(m·s + b)/(m·s³ + b·s² + Kv(s + Kp)(s + 1/Ti))| = 2e-4 of it in the reading at ω = 2π·v/period.
 pub fn resolver_dividing() {

@@ -26,8 +26,8 @@ pub fn servo_mismatch() {
     }
 }
 
-/// Under a constant acceleration a the measured velocity is low by a·τ. The velocity loop raises the velocity by that until
-/// the position loop balances it at a displacement of a·τ/Kp. At a constant velocity there is no effect.
+/// Under a constant acceleration a the measured velocity is low by a·τ. The velocity loop raises the velocity by that
+/// until the position loop balances it at a displacement of a·τ/Kp. At a constant velocity there is no effect.
 pub fn velocity_lag() {
     let (lag_ms, m_per_s2, mm_s) = (0.2, 0.5, 300.0);
     let motion = lines(&[(400.0, mm_s), (0.0, mm_s)]);

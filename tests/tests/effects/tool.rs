@@ -94,11 +94,11 @@ pub fn thermal_drift() {
     }
 }
 
-/// The channel is that of the run without the effect, delayed by `ms`, and the loop does not change, even when it is closed
-/// over the scale.
+/// The channel is that of the run without the effect, delayed by `ms`, and the loop does not change, even when it is
+/// closed over the scale.
 ///
-/// A position is interpolated within jerk·τ³/6, 3e-5 µm with the 20 m/s³ of this circle; where friction jumps within τ, by at
-/// most 2·250 N on 250 kg, within 2 m/s²·τ²/2 = 4 µm.
+/// A position is interpolated within jerk·τ³/6, 3e-5 µm with the 20 m/s³ of this circle; where friction jumps within τ,
+/// by at most 2·250 N on 250 kg, within 2 m/s²·τ²/2 = 4 µm.
 pub fn latency() {
     let late_samples = 2;
     // The delay is at most v·τ, with 200 mm/s times the gain of the position loop at ω: |Kp + iKfω|/|Kp + iω|.

@@ -69,7 +69,7 @@ impl CrateSource {
                 at.pop();
                 continue;
             }
-            let inside = [&at[..], &[segment.clone()]].concat();
+            let inside = [&at[..], std::slice::from_ref(segment)].concat();
             if self.files.contains_key(&inside) {
                 at = inside;
                 continue;

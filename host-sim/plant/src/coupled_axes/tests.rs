@@ -10,8 +10,8 @@ use model::machine::Machine;
 const MACHINE: &str = model::examples::BODIES_MACHINE;
 
 /// Two turns of a circle of 40 mm radius in x and z at 0.2 m/s: 1 m/s² at 0.8 Hz, far below every mode. Then two turns
-/// back: the friction of one axis tilts the tool in phase with the acceleration of the other, with a sign that depends on
-/// the direction of rotation.
+/// back: the friction of one axis tilts the tool in phase with the acceleration of the other, with a sign that depends
+/// on the direction of rotation.
 fn circle() -> (Machine, Log) {
     run(MACHINE, 0.2, 2.0)
 }

@@ -1,7 +1,7 @@
 //! A path in f32 metres, to show what such positions lose.
 //!
-//! The length of each step is that of the exact path. The position along the path is a sum of these steps in f32, and the
-//! point on the path is computed from it in f32.
+//! The length of each step is that of the exact path. The position along the path is a sum of these steps in f32, and
+//! the point on the path is computed from it in f32.
 
 use shared::units::Position;
 
