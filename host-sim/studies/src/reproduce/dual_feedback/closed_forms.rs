@@ -69,11 +69,12 @@ fn is_equal(one: f64, other: f64) -> bool {
     (one - other).abs() < 1e-9
 }
 
-/// −Qc after a unit step, (15).
-fn detector2_step(times: TimeConstants, time_s: f64) -> f64 {
+/// −Qc after a unit step, (15): e^(−t/T').
+fn detector2_decay(times: TimeConstants, time_s: f64) -> f64 {
     (-time_s / times.dual_s).exp()
 }
 
+/// The closed forms that are compared.
 const FORMS: [Form; 5] = [
     Form {
         name: "step, table Qo, (11) and (12)",
@@ -91,19 +92,19 @@ const FORMS: [Form; 5] = [
         name: "step, second detector Qc",
         lost_nm: |_, _| STEP_NM,
         output_nm: |row| row.detector2_nm,
-        exact_nm: |times, time_s| -STEP_NM * detector2_step(times, time_s),
+        exact_nm: |times, time_s| -STEP_NM * detector2_decay(times, time_s),
     },
     Form {
         name: "ramp, second detector Qc, (15)",
         lost_nm: |times, time_s| ramp_nm_per_s(times) * time_s,
         output_nm: |row| row.detector2_nm,
-        exact_nm: |times, time_s| -STEP_NM * (1.0 - detector2_step(times, time_s)),
+        exact_nm: |times, time_s| -STEP_NM * (1.0 - detector2_decay(times, time_s)),
     },
     Form {
         name: "step and ramp of half of it at once, Qc, (16)",
         lost_nm: |times, time_s| STEP_NM + 0.5 * ramp_nm_per_s(times) * time_s,
         output_nm: |row| row.detector2_nm,
-        exact_nm: |times, time_s| -STEP_NM * (0.5 + 0.5 * detector2_step(times, time_s)),
+        exact_nm: |times, time_s| -STEP_NM * (0.5 + 0.5 * detector2_decay(times, time_s)),
     },
 ];
 
