@@ -1,17 +1,17 @@
-//! Numbers for people: as many digits as mean something.
+//! Numbers as text, with as many digits as mean something.
 
-/// A typographic minus, which is as wide as a plus.
+/// The minus sign U+2212, which is as wide as a plus.
 const MINUS: char = '−';
 
-/// Digits behind the point at which a value shows this many significant ones.
+/// Decimals with which a value has this many significant digits.
 fn decimals(value: f64, digits: i32) -> usize {
     let magnitude = value.abs().log10().floor().clamp(-12.0, 12.0);
     #[expect(clippy::cast_possible_truncation, reason = "between -12 and 12")]
-    let above = if value == 0.0 { 0 } else { magnitude as i32 };
-    usize::try_from((digits - 1 - above).min(9)).unwrap_or(0)
+    let exponent = if value == 0.0 { 0 } else { magnitude as i32 };
+    usize::try_from((digits - 1 - exponent).min(9)).unwrap_or(0)
 }
 
-/// A value with a fixed number of digits behind the point.
+/// A value with a fixed number of decimals; a dash for NaN.
 #[must_use]
 pub fn fixed(value: f64, decimals: usize) -> String {
     if value.is_nan() {
@@ -30,15 +30,15 @@ pub fn significant(value: f64, digits: i32) -> String {
     fixed(rounded, decimals(value, digits))
 }
 
-/// A value with a sign in any case.
+/// A value with this many significant digits and its sign, also a plus.
 #[must_use]
 pub fn signed(value: f64, digits: i32) -> String {
     let text = significant(value, digits);
     if value > 0.0 { format!("+{text}") } else { text }
 }
 
-/// A value and the half width of its interval, both to the first digit of the half width, and to no
-/// more than five digits of the value; without a half width, four digits of the value.
+/// A value and the half width of its interval, both to the first digit of the half width, with at most
+/// five significant digits of the value. Without a half width, the value with four significant digits.
 #[must_use]
 pub fn with_spread(value: f64, half_width: f64) -> String {
     if !half_width.is_finite() || half_width <= 0.0 {
@@ -46,12 +46,12 @@ pub fn with_spread(value: f64, half_width: f64) -> String {
     }
     let decimals = decimals(half_width, 1).min(decimals(value, 5));
     let unit = 0.1_f64.powi(i32::try_from(decimals).unwrap_or(0));
-    // What rounds to nothing is still not nothing.
+    // A half width that would round to 0 is shown as one unit of the last decimal.
     let half_width = if half_width < 0.5 * unit { unit } else { half_width };
     format!("{} ± {}", fixed(value, decimals), fixed(half_width, decimals))
 }
 
-/// A whole number of percent, which says neither 0 nor 100 where it is not.
+/// A whole number of percent; `less than 1 %` and `more than 99 %` instead of a rounded 0 and 100.
 #[must_use]
 pub fn percent(value: f64) -> String {
     match value {

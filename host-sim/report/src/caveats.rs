@@ -1,4 +1,4 @@
-//! What speaks against a model or an effect, in words.
+//! Sentences about what speaks against a model or an effect.
 
 use super::number::{percent, significant};
 use super::parameters::brief;
@@ -7,50 +7,50 @@ use trace::axis::{AxisTrace, Found, Pair, StageError, residual_unit, stage_names
 use trace::limits::AtLimit;
 use trace::verdict;
 
-/// The stages of which so much stays, and how much.
-fn what_stays(
+/// The rms residuals of the stages that a condition selects, as a list; none where it selects none.
+fn list_residuals(
     axis: &AxisTrace,
-    is_told: impl Fn(&StageError) -> bool,
+    is_listed: impl Fn(&StageError) -> bool,
     rms: fn(&Pair) -> f64,
 ) -> Option<String> {
     let of_stage = |error: &StageError| {
         let (unit, _) = residual_unit(axis.unit, error.stage);
-        let stays = rms(&error.after);
+        let residual = rms(&error.after);
         format!(
             "{} {} {unit} rms ({} times the sensors' noise)",
             stage_names(&[error.stage]),
-            significant(stays, 3),
-            significant(stays / error.noise, 2),
+            significant(residual, 3),
+            significant(residual / error.noise, 2),
         )
     };
-    let told: Vec<String> = axis.errors.iter().filter(|error| is_told(error)).map(of_stage).collect();
-    (!told.is_empty()).then(|| told.join(", "))
+    let listed: Vec<String> = axis.errors.iter().filter(|error| is_listed(error)).map(of_stage).collect();
+    (!listed.is_empty()).then(|| listed.join(", "))
 }
 
-/// That a model does not describe the logs, if it does not, with the stages that show it.
+/// That the model does not describe the fitted logs, with the stages that show it; none where it does.
 #[must_use]
 pub fn misfit(axis: &AxisTrace) -> Option<String> {
-    let stays = what_stays(axis, verdict::is_gross, |pair| pair.fit)?;
+    let residuals = list_residuals(axis, verdict::is_gross, |pair| pair.fit)?;
     Some(format!(
-        "{}: the model does not describe these logs, whatever else is told of them; what stays: {stays}. A channel may be \
+        "{}: the model does not describe these logs, whatever else is told of them; what stays: {residuals}. A channel may be \
          wrong (its sign, unit, axis or time), or a declared value.",
         axis.axis
     ))
 }
 
-/// That a model which describes the fitted logs does not describe those held out, if it does not.
+/// That the model describes the fitted logs but not those held out, with the stages that show it; none where it does.
 #[must_use]
 pub fn misfit_held_out(axis: &AxisTrace) -> Option<String> {
-    let only_there = |error: &StageError| verdict::is_gross_held_out(error) && !verdict::is_gross(error);
-    let stays = what_stays(axis, only_there, |pair| pair.validate)?;
+    let only_held_out = |error: &StageError| verdict::is_gross_held_out(error) && !verdict::is_gross(error);
+    let residuals = list_residuals(axis, only_held_out, |pair| pair.validate)?;
     Some(format!(
         "{}: the model does not describe the logs held out, so that they are no judge of what else is told; what stays \
-         there: {stays}. A channel of theirs may be wrong, or they ask more of the machine than the fitted logs.",
+         there: {residuals}. A channel of theirs may be wrong, or they ask more of the machine than the fitted logs.",
         axis.axis
     ))
 }
 
-/// The sentence for an effect that the fit logs show and the validation logs refute.
+/// That the fit logs show an effect and the validation logs refute it.
 #[must_use]
 pub fn refuted(axis: &str, unit: Unit, found: &Found) -> String {
     let what = found.effect.sentence(&found.half_widths, unit == Unit::Degree);
@@ -63,7 +63,7 @@ pub fn refuted(axis: &str, unit: Unit, found: &Found) -> String {
     )
 }
 
-/// The sentence for an effect that was not taken because a parameter ended at a limit of its search.
+/// That an effect was not added because a parameter ended at a limit of its search.
 #[must_use]
 pub fn at_limit(axis: &str, unit: Unit, limit: &AtLimit) -> String {
     let what = brief(&limit.effect, unit == Unit::Degree);
@@ -74,14 +74,13 @@ pub fn at_limit(axis: &str, unit: Unit, limit: &AtLimit) -> String {
     )
 }
 
-/// That the model as fitted in the end does worse on the validation logs than the declared one.
+/// That the final model leaves a larger residual on the validation logs than the declared one; none where it does not.
 #[must_use]
 pub fn worse(axis: &AxisTrace, error: &StageError) -> Option<String> {
-    /// A tenth more of the residual is no matter of chance.
-    const LARGER: f64 = 1.1;
+    /// Smallest ratio that is reported. Smaller ones may be chance.
+    const MIN_RATIO: f64 = 1.1;
     let (before, after) = (error.before.validate, error.after.validate);
-    // Within the noise there is nothing to lose.
-    if !(after > LARGER * before && after > LARGER * error.noise) {
+    if !(after > MIN_RATIO * before && after > MIN_RATIO * error.noise) {
         return None;
     }
     let (unit, _) = residual_unit(axis.unit, error.stage);

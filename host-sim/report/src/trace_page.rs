@@ -58,7 +58,7 @@ fn found(trace: &Trace, extra: &Extra) -> Markup {
         ul.found {
             @for axis in &trace.axes {
                 @for sentence in sentences::of_axis(axis) {
-                    li.none[axis.found.is_empty()] { (text(&sentence)) }
+                    li class=[axis.found.is_empty().then_some("none")] { (text(&sentence)) }
                 }
             }
         }
