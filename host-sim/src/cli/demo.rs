@@ -7,7 +7,6 @@ use anyhow::Result;
 use super::progress::Progress;
 use super::{say, summary};
 use files::output::write_whole;
-use report::effect_text;
 use report::trace_page::{self, Extra};
 use studies::demo::{self, Demo};
 use trace::axis::stage_names;
