@@ -3,8 +3,8 @@
 
 use model::axis::Mechanics;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, Effect, ForceWindup, Intalk, Latency, ResolverDividing, Resonance,
-    Squareness, Straightness, ThermalDrift, TorqueRipple,
+    Channel, ConstantLoad, Crosstalk, Effect, EncoderEllipticity, ForceWindup, Intalk, Latency,
+    ResolverDividing, Resonance, Squareness, Straightness, ThermalDrift, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
@@ -34,8 +34,10 @@ pub struct AxisParameters {
     pub load: ConstantLoad,
     /// Force ripple of the motor.
     pub ripple: Vec<TorqueRipple>,
-    /// Errors of the motor's resolver or encoder.
+    /// Errors of the motor's resolver.
     pub resolver: Vec<ResolverDividing>,
+    /// Errors of the motor's encoder.
+    pub encoder: Vec<EncoderEllipticity>,
     /// Effects between table and tool.
     pub tool: ToolParameters,
     /// Effects in the controller.
@@ -135,6 +137,7 @@ impl AxisParameters {
             // Part of the controller: see `ServoParameters::of`.
             Effect::ServoMismatch(_) | Effect::VelocityLag(_) => {}
             Effect::ResolverDividing(e) => self.resolver.push(e),
+            Effect::EncoderEllipticity(e) => self.encoder.push(e),
             Effect::Intalk(e) => self.tool.intalk = e,
             Effect::Crosstalk(e) => self.tool.crosstalk.push(e),
             Effect::Squareness(e) => self.tool.squareness.um_per_m += e.um_per_m,
@@ -176,7 +179,8 @@ impl AxisParameters {
     #[must_use]
     #[inline]
     pub fn resolver_error_m(&self, motor_m: f64) -> f64 {
-        self.resolver.iter().map(|error| error.error_m(motor_m)).sum()
+        self.resolver.iter().map(|error| error.error_m(motor_m)).sum::<f64>()
+            + self.encoder.iter().map(|error| error.error_m(motor_m)).sum::<f64>()
     }
 
     /// True motor position, m, of a reading (m): the inverse of motor + [`AxisParameters::resolver_error_m`], by two

@@ -105,16 +105,26 @@ pub fn pitch_cyclic() {
     }
 }
 
+/// Once a pole pair.
+pub fn resolver_dividing() {
+    assert_reading_error("resolver_dividing", 3.2);
+}
+
+/// Twice a turn of the screw.
+pub fn encoder_ellipticity() {
+    assert_reading_error("encoder_ellipticity", 8.0);
+}
+
 /// Reading = motor + A·sin(2π·motor/period + phase). The reading is fed back, so that motor and table have the error,
 /// with the opposite sign.
 ///
-/// The loops leave |s²(m·s + b)/(m·s³ + b·s² + Kv(s + Kp)(s + 1/Ti))| = 2e-4 of it in the reading at ω = 2π·v/period.
-pub fn resolver_dividing() {
-    let (amplitude_um, period_mm, phase_rad, mm_s) = (1.0, 3.2, 0.4, 2.0);
+/// The loops leave |s²(m·s + b)/(m·s³ + b·s² + Kv(s + Kp)(s + 1/Ti))| ≤ 2e-4 of it in the reading at ω = 2π·v/period.
+fn assert_reading_error(name: &str, period_mm: f64) {
+    let (amplitude_um, phase_rad, mm_s) = (1.0, 0.4, 2.0);
     let motion = lines(&[(6.0, mm_s), (0.0, mm_s)]);
     let plain = run(PLAIN, &motion);
     let effect = format!(
-        "name = \"resolver_dividing\"\namplitude_um = {amplitude_um}\nperiod_mm = {period_mm}\n\
+        "name = \"{name}\"\namplitude_um = {amplitude_um}\nperiod_mm = {period_mm}\n\
          phase_rad = {phase_rad}"
     );
     let effect_run = run(&with(&effect), &motion);

@@ -14,6 +14,7 @@ mod declaration;
 mod backlash;
 mod constant_load;
 mod crosstalk;
+mod encoder_ellipticity;
 mod force_windup;
 mod friction_asymmetry;
 mod friction_memory;
@@ -53,6 +54,7 @@ pub use declaration::{
 pub use backlash::Backlash;
 pub use constant_load::ConstantLoad;
 pub use crosstalk::Crosstalk;
+pub use encoder_ellipticity::EncoderEllipticity;
 pub use force_windup::ForceWindup;
 pub use friction_asymmetry::FrictionAsymmetry;
 pub use friction_memory::FrictionMemory;
@@ -81,6 +83,7 @@ catalogue! {
     PitchProgressive,
     PitchCyclic,
     ResolverDividing,
+    EncoderEllipticity,
     Windup,
     ForceWindup,
     Stribeck,

@@ -16,6 +16,7 @@ macro_rules! catalogue {
             name: $variant::NAME,
             told_by_key: $variant::TOLD_BY_KEY,
             parameters: $variant::PARAMETERS,
+            occurrence: $variant::OCCURRENCE,
             shown_in: $variant::SHOWN_IN,
             draw_number: $variant::DRAW_NUMBER,
             prerequisite: $variant::prerequisite,
@@ -151,6 +152,8 @@ macro_rules! catalogue {
             pub told_by_key: Option<&'static str>,
             /// [`EffectModel::PARAMETERS`].
             pub parameters: &'static [Parameter],
+            /// [`EffectModel::OCCURRENCE`].
+            pub occurrence: Occurrence,
             /// [`EffectModel::SHOWN_IN`].
             pub shown_in: &'static [Stage],
             /// [`EffectModel::DRAW_NUMBER`].
