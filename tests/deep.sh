@@ -5,13 +5,13 @@
 #   tests/deep.sh mutants [PART…]      do the tests of `shared` fail when its source is changed? docs/testing.md
 #   tests/deep.sh miri [MODULE…]       tests/miri.sh
 #
-# A PART is a module of shared/src: control, drive, safety, session, watch. A file that is done is not repeated as long
+# A PART is a module of shared/src: control, drive, safety, session, monitor. A file that is done is not repeated as long
 # as neither source nor tests change, so that an interrupted run can be continued; FRESH=1 starts again. Installs
 # missing tools.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-parts=(control drive safety session watch)
+parts=(control drive safety session monitor)
 # Minimum percentage of mutants that the tests detect; those listed as equivalent count as not detected.
 min_detected=95
 # Timeout of the tests of a mutant, s: a mutant may loop for ever.

@@ -6,7 +6,6 @@ use link::controller::{AxisOutput, Controller, ControllerError, Format, PathBloc
 use model::effects::Stage;
 use model::machine::Machine;
 use model::motion::Motion;
-use model::servo;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
@@ -125,7 +124,7 @@ fn with_channel(log: &Log, sign: f64, delay: usize) -> Log {
 /// Rms of the residual and noise of a stage of the true model without a fit, µm or N; and the fraction of its samples
 /// under the added force.
 fn stage_of(machine: &Machine, log: &Log, stage: Stage) -> (f64, f64, f64) {
-    let (names, rates) = (["x".to_owned()], servo::rates(machine));
+    let (names, rates) = (["x".to_owned()], machine.rates());
     let logs = [Signals::new(log, &names)];
     let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[], own: &[] };
     let model = AxisModel::new(&machine.axis["x"], rates);

@@ -18,7 +18,7 @@ fn truth(folder: &std::path::Path) -> Effects {
     let effects = truth["effects"].as_array().unwrap().iter();
     effects
         .map(|effect| (text(effect, "axis"), text(effect, "name")))
-        .filter(|(_, name)| model::effects::NAMES.contains(&name.as_str()))
+        .filter(|(_, name)| model::effects::names().contains(&name.as_str()))
         .collect()
 }
 

@@ -1,13 +1,13 @@
 //! The settings of the board's machine are accepted, and hold, move and stop a simulated machine of two masses.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use firmware::setup::{AXES, METRES_PER_COUNT, SETTINGS, TICK_HZ, station};
+use firmware::setup::{AXES, METRES_PER_COUNT, SETTINGS, TICK_HZ, drive_system};
 use shared::axis::Reading;
-use shared::drive::{Board, Duty, Station};
+use shared::drive::{Board, DriveSystem, Duty};
 use shared::feedback::encoder::Encoder;
 use shared::interpolate::Block;
 use shared::machine::Machine;
-use shared::safety::{Fault, Hazard, Power};
+use shared::safety::{Fault, FaultKind, Power};
 use shared::scalar::Fixed;
 
 /// PWM counts on the board: 168 MHz / 20 kHz.
@@ -56,11 +56,11 @@ impl Board<AXES> for TestMachine {
         })
     }
 
-    fn switch_closed(&mut self) -> bool {
+    fn enable_switch_closed(&mut self) -> bool {
         self.closed
     }
 
-    fn is_stopped(&mut self) -> bool {
+    fn hardware_stop_active(&mut self) -> bool {
         false
     }
 
@@ -76,7 +76,7 @@ impl Board<AXES> for TestMachine {
         self.lit = lit;
     }
 
-    fn is_late(&mut self) -> bool {
+    fn next_tick_due(&mut self) -> bool {
         false
     }
 }
@@ -104,49 +104,50 @@ const CIRCLE: Block<AXES> = Block::arc([0, 1], [-0.01, 0.0], 2.0, 2.0 / 60.0, 0.
 fn the_board_holds_when_it_is_enabled_and_follows_its_path() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
-    let mut station = station(&mut machine, FULL_COUNTS, None).unwrap();
-    let run = |station: &mut Station<'_, Fixed, AXES>, test_machine: &mut TestMachine, milliseconds: u32| {
-        let mut max_error = 0f64;
-        for _ in 0..milliseconds * (TICK_HZ / 1000) {
-            station.tick(test_machine);
-            test_machine.step();
-            let [x, y] = test_machine.position_m;
-            max_error = max_error.max(((x + 0.01).hypot(y) - 0.01).abs());
-        }
-        max_error
-    };
-    run(&mut station, &mut test_machine, 500);
+    let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
+    let run =
+        |system: &mut DriveSystem<'_, Fixed, AXES>, test_machine: &mut TestMachine, milliseconds: u32| {
+            let mut max_error = 0f64;
+            for _ in 0..milliseconds * (TICK_HZ / 1000) {
+                system.tick(test_machine);
+                test_machine.step();
+                let [x, y] = test_machine.position_m;
+                max_error = max_error.max(((x + 0.01).hypot(y) - 0.01).abs());
+            }
+            max_error
+        };
+    run(&mut system, &mut test_machine, 500);
     assert_eq!((test_machine.enabled, test_machine.position_m), (false, [0.0; AXES]));
     test_machine.closed = false;
-    run(&mut station, &mut test_machine, 100);
+    run(&mut system, &mut test_machine, 100);
     // Moved by hand before the first enable: it holds there.
     test_machine.position_m = [0.0031, -0.002];
     test_machine.encoder_m = test_machine.position_m;
-    run(&mut station, &mut test_machine, 1);
+    run(&mut system, &mut test_machine, 1);
     test_machine.closed = true;
-    run(&mut station, &mut test_machine, 1000);
+    run(&mut system, &mut test_machine, 1000);
     assert!(test_machine.enabled && !test_machine.lit);
     assert_eq!(test_machine.position_m.map(f64::to_bits), [0.0031, -0.002].map(f64::to_bits));
     test_machine.closed = false;
-    run(&mut station, &mut test_machine, 1);
+    run(&mut system, &mut test_machine, 1);
     assert_eq!((test_machine.enabled, test_machine.duties), (false, [Duty::default(); AXES]));
 
     test_machine.position_m = [0.0; AXES];
     test_machine.encoder_m = test_machine.position_m;
-    run(&mut station, &mut test_machine, 100);
-    station.machine_mut().push(&CIRCLE).unwrap();
+    run(&mut system, &mut test_machine, 100);
+    system.machine_mut().push(&CIRCLE).unwrap();
     test_machine.closed = true;
     // A turn and a half of 62.8 mm at 33.3 mm/s, and the ramp.
-    let mut max_error = run(&mut station, &mut test_machine, 20 + 2827 + 100);
+    let mut max_error = run(&mut system, &mut test_machine, 20 + 2827 + 100);
     assert!(test_machine.enabled && test_machine.position_m[0] < -0.019, "{:?}", test_machine.position_m);
-    max_error = max_error.max(run(&mut station, &mut test_machine, 2000));
+    max_error = max_error.max(run(&mut system, &mut test_machine, 2000));
     assert!(test_machine.enabled && !test_machine.lit);
     // Back at the start but for friction: an error of 10 µm raises the integral part by Kv/Ti·Kp·10 µm = 38 N/s only.
     assert!(test_machine.position_m.iter().all(|m| m.abs() < 30e-6), "{:?}", test_machine.position_m);
     // The contour error was always below half of the limit of the following error.
     assert!(max_error < 0.5 * SETTINGS[0].following_error_limit_m, "{max_error}");
     test_machine.closed = false;
-    run(&mut station, &mut test_machine, 1);
+    run(&mut system, &mut test_machine, 1);
     assert_eq!((test_machine.enabled, test_machine.duties), (false, [Duty::default(); AXES]));
 }
 
@@ -157,13 +158,13 @@ fn a_frozen_encoder_switches_the_power_stages_off() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
     test_machine.closed = false;
-    let mut station = station(&mut machine, FULL_COUNTS, None).unwrap();
-    (0..1000).for_each(|_| station.tick(&mut test_machine));
-    station.machine_mut().push(&CIRCLE).unwrap();
+    let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
+    (0..1000).for_each(|_| system.tick(&mut test_machine));
+    system.machine_mut().push(&CIRCLE).unwrap();
     test_machine.closed = true;
     let mut ticks = 0;
     while !test_machine.lit {
-        station.tick(&mut test_machine);
+        system.tick(&mut test_machine);
         // X alone: its counter freezes at 2 mm.
         let frozen_m = test_machine.position_m[0].max(-0.002);
         test_machine.step();
@@ -171,8 +172,8 @@ fn a_frozen_encoder_switches_the_power_stages_off() {
         ticks += 1;
         assert!(ticks < 40_000, "{:?}", test_machine.position_m);
     }
-    let fault = Fault::Axis { axis: 0, hazard: Hazard::EncoderFrozen };
-    assert_eq!(station.machine_mut().power(), Power::Faulted(fault));
+    let fault = Fault::Axis { axis: 0, kind: FaultKind::EncoderFrozen };
+    assert_eq!(system.machine_mut().power(), Power::Faulted(fault));
     assert!(!test_machine.enabled);
     assert!(
         test_machine.position_m[0] < -0.002 && test_machine.position_m[0] > -0.0035,
@@ -186,10 +187,10 @@ fn a_watchdog_reset_has_to_be_acknowledged_before_the_board_is_enabled() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
     test_machine.closed = false;
-    let mut station = station(&mut machine, FULL_COUNTS, Some(Fault::Watchdog)).unwrap();
+    let mut system = drive_system(&mut machine, FULL_COUNTS, Some(Fault::Watchdog)).unwrap();
     let mut run = |test_machine: &mut TestMachine, closed, ticks| {
         test_machine.closed = closed;
-        (0..ticks).for_each(|_| station.tick(test_machine));
+        (0..ticks).for_each(|_| system.tick(test_machine));
         (test_machine.enabled, test_machine.lit)
     };
     assert_eq!(run(&mut test_machine, false, 1000), (false, true));

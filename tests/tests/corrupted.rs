@@ -3,7 +3,7 @@
 
 use files::log::{AxisLog, Log};
 use model::machine::Machine;
-use report::words;
+use report::sentences;
 use studies::demo;
 use trace::verdict::{self, Verdict};
 use trace::{Trace, trace};
@@ -56,7 +56,7 @@ fn an_effect_at_the_limit_of_its_search_is_refused_by_name() {
     );
     assert_eq!(of("limit").as_f64(), Some(80.0));
     assert!((of("value").as_f64().unwrap() - 80.0).abs() < 0.08, "{json}");
-    let summary = words::summary(&trace).join("\n");
+    let summary = sentences::summary(&trace).join("\n");
     assert!(summary.contains("servo mismatch: 80.0 %; 80.0 is the limit of its search"), "{summary}");
 }
 
@@ -85,7 +85,9 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
     assert_eq!(json["refuted"][0]["name"], "pitch_progressive");
     assert_eq!(json["refuted"][0]["before_um"]["validate"].as_f64(), Some(refuted.before.validate));
     assert!(
-        words::summary(&trace).iter().any(|sentence| sentence.starts_with("x: refuted by the logs held out"))
+        sentences::summary(&trace)
+            .iter()
+            .any(|sentence| sentence.starts_with("x: refuted by the logs held out"))
     );
 }
 
@@ -94,7 +96,7 @@ fn verdict_of(declared: &Machine, logs: [Log; 2]) -> (Verdict, bool) {
     let trace = traced(declared, logs);
     let verdict = verdict::of(&trace);
     assert_eq!(trace::json::of(&trace, false)["verdict"], serde_json::json!(verdict));
-    let sentences = words::of_axis(&trace.axes[0]);
+    let sentences = sentences::of_axis(&trace.axes[0]);
     let says_it =
         sentences.iter().any(|sentence| sentence.starts_with("x: the model does not describe these logs"));
     assert_eq!(says_it, verdict == Verdict::ModelDoesNotFit, "{sentences:?}");
@@ -139,12 +141,14 @@ fn validation_logs_that_the_model_does_not_describe_are_reported() {
     validate.axes[0].table.iter_mut().flatten().for_each(|mm| *mm = -*mm);
     let trace = traced(&declared(), [fit, validate]);
     assert_eq!(verdict::of(&trace), Verdict::Unexplained);
-    let sentences = words::of_axis(&trace.axes[0]);
+    let sentences = sentences::of_axis(&trace.axes[0]);
     assert!(sentences[0].starts_with("x: the model does not describe the logs held out"), "{sentences:?}");
     assert!(
         sentences.iter().all(|sentence| !sentence.contains("does not describe these logs")),
         "{sentences:?}"
     );
     // y is unchanged.
-    assert!(words::of_axis(&trace.axes[1]).iter().all(|sentence| !sentence.contains("does not describe")));
+    assert!(
+        sentences::of_axis(&trace.axes[1]).iter().all(|sentence| !sentence.contains("does not describe"))
+    );
 }

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 
 use files::log::{AxisLog, Log};
 use link::controller::{Format, PathBlock};
-use model::machine::{Axis, Machine};
+use model::axis::Settings;
+use model::machine::Machine;
 use model::motion::{Block, Motion};
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
@@ -52,25 +53,27 @@ fn max_abs(values: impl Iterator<Item = f64>) -> f64 {
 }
 
 /// Asserts bounds of the following error and of the force, and standstill at the end.
-fn assert_good(axis: &Axis, log: &AxisLog, feed_mm_s: f64, context: &str) {
+fn assert_good(axis: &Settings, log: &AxisLog, feed_mm_s: f64, context: &str) {
     let [command, motor, force] = [&log.command, &log.motor, &log.force].map(|c| c.as_deref().unwrap());
     let following: Vec<f64> = command.iter().zip(motor).map(|(command, motor)| command - motor).collect();
 
     // At a constant velocity P control lags by v/Kp, less the feed-forward.
-    let lag_s = (1.0 - axis.feedforward_percent.unwrap_or(0.0) / 100.0) / axis.position_gain_per_s.unwrap();
+    let lag_s = (1.0 - axis.controller.feedforward_percent.unwrap_or(0.0) / 100.0)
+        / axis.controller.position_gain_per_s.unwrap();
     let max = max_abs(following.iter().copied());
     assert!(max < 1.15 * lag_s * feed_mm_s, "{context}: lags by {max} mm at {feed_mm_s} mm/s");
 
     let max = max_abs(force.iter().copied());
-    let limit = axis.force_limit_n.unwrap();
+    let limit = axis.controller.force_limit_n.unwrap();
     assert!(max < 0.5 * limit, "{context}: {max} N of {limit} N");
 
     // At standstill the bristles of the guideway may hold the table by their deflection, Coulomb friction over σ0, some
     // µm. Without bristles friction holds it until the integral part has grown: 1 µm of error is a force of Kv·Kp·1 µm.
     let first = following.len() - EXAMINED;
     let bend_mm = axis
+        .mechanics
         .presliding_stiffness_n_per_um
-        .map_or(1e-3, |stiffness| 1e-3 * axis.coulomb_n.unwrap() / stiffness);
+        .map_or(1e-3, |stiffness| 1e-3 * axis.mechanics.coulomb_n.unwrap() / stiffness);
     let error = max_abs(following[first..].iter().copied());
     assert!(error < bend_mm, "{context}: {error} mm from the end, bristles bend by {bend_mm} mm");
     let travelled = max_abs(motor[first..].iter().map(|mm| mm - motor[first]));
@@ -87,7 +90,7 @@ fn every_machine_runs_every_motion_to_a_standstill() {
             let (log, feed_mm_s) = run(&machine, motion);
             for (name, axis) in &machine.axis {
                 let context = format!("{}, {}, {name}", file.display(), motion.display());
-                assert_good(axis, log.axis(name).unwrap(), feed_mm_s, &context);
+                assert_good(&axis.settings, log.axis(name).unwrap(), feed_mm_s, &context);
             }
         }
     }

@@ -10,7 +10,6 @@ use link::controller::{AxisOutput, Controller, Format, PathBlock, PathShape, Sta
 use link::emulator::{Emulator, PATIENCE};
 use link::remote::{Connection, Remote};
 use model::machine::Machine;
-use model::servo;
 use plant::instruments::Instruments;
 use plant::sensors::Sensor;
 use plant::simulate::{Run, controller, controller_setup};
@@ -117,7 +116,7 @@ fn emulator() -> Emulator {
 fn emulated(format: Format) -> Remote<Emulator> {
     let machine = Machine::parse(MACHINE, "bench").unwrap();
     let (settings, start) = controller_setup(&machine, &START_M).unwrap();
-    Remote::set_up(emulator(), format, servo::rates(&machine), &settings, &start).unwrap()
+    Remote::set_up(emulator(), format, machine.rates(), &settings, &start).unwrap()
 }
 
 /// Median and maximum.
@@ -211,8 +210,8 @@ fn an_unreadable_frame_is_refused_and_an_end_order_ends_the_program() {
 /// All features of the controller, through the protocol alone: filters of force and path, S-curves with blended joints,
 /// every compensation, a change of gains, a scale that fails and recovers.
 mod all_features {
-    use shared::compensate::settings::{Cycle, Of, Pitch, Points, Reversal, Straightness, Talk};
-    use shared::compensate::{CompensationSettings, Item};
+    use shared::compensate::settings::{Cycle, Pitch, PitchSource, Points, Reversal, Straightness, Talk};
+    use shared::compensate::{CompensationKind, CompensationSettings};
     use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
     use shared::interpolate::{Block, Ramps, Smoothing};
     use shared::machine::Reading;
@@ -250,7 +249,11 @@ mod all_features {
             values: (0..21).map(|k| scale * f64::from(k % 5)).collect(),
         };
         CompensationSettings {
-            pitch: Some(Pitch { of: Of::Screw, forward: points(1e-6), backward: Some(points(1.5e-6)) }),
+            pitch: Some(Pitch {
+                of: PitchSource::Screw,
+                forward: points(1e-6),
+                backward: Some(points(1.5e-6)),
+            }),
             backlash_width_m: Some(3e-6),
             dividing: Some(Cycle::harmonic(1e-6, 2.5e-3, 0.3)),
             reversal: Some(Reversal { force_n: 30.0, decay_s: 0.01, fade_m_per_s: 0.05 }),
@@ -309,7 +312,7 @@ mod all_features {
             if k == 3000 {
                 let slower = AxisSettings { law: Law::P, position_gain_per_s: 30.0, ..axis() };
                 ready(send(end, &Order::Change(1, slower)));
-                ready(send(end, &Order::Switch(0, Item::Pitch, false)));
+                ready(send(end, &Order::Switch(0, CompensationKind::Pitch, false)));
             }
             let has_scale = !(4000..5000).contains(&k);
             let position = |m: f64| Position::from_m(m).unwrap();

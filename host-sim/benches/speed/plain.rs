@@ -63,8 +63,8 @@ impl Plain {
     pub fn new(machine: &Machine, steps: u32) -> Self {
         let axis = machine.axis.values().next().unwrap();
         let parameters = AxisParameters::of(axis);
-        let settings = servo::settings(axis, &parameters.servo).unwrap();
-        let rates = servo::rates(machine);
+        let settings = servo::settings(&axis.settings, &parameters.servo).unwrap();
+        let rates = machine.rates();
         let (spring, friction) = (parameters.spring.unwrap(), &parameters.friction);
         let tick_hz = rates.velocity_loop_hz;
         let kv = settings.velocity_gain_n_s_per_m;

@@ -12,7 +12,6 @@ use std::path::Path;
 use criterion::{Criterion, criterion_group, criterion_main};
 use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
-use model::servo;
 use trace::axis_model::AxisModel;
 use trace::fit;
 use trace::residual::Evidence;
@@ -58,7 +57,7 @@ fn rigid(criterion: &mut Criterion) {
     let names: Vec<String> = machine.axis.keys().cloned().collect();
     let logs = [Signals::new(&log, &names)];
     let evidence =
-        Evidence { logs: &logs, names: &names, axis: 0, rates: servo::rates(&machine), aside: &[], own: &[] };
+        Evidence { logs: &logs, names: &names, axis: 0, rates: machine.rates(), aside: &[], own: &[] };
     let axis = &machine.axis[0];
     let (scopes, _) = scopes(axis, 0, &logs);
     let start = AxisModel::new(axis, evidence.rates);

@@ -1,9 +1,10 @@
 //! The physical parameters of an axis: its keys of the machine file in SI units, and its effects sorted by where they
 //! act.
 
+use model::axis::Mechanics;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, Effect, Intalk, Latency, ResolverDividing, Resonance, Squareness,
-    Straightness, ThermalDrift, TorqueRipple, Windup,
+    Channel, ConstantLoad, Crosstalk, Effect, ForceWindup, Intalk, Latency, ResolverDividing, Resonance,
+    Squareness, Straightness, ThermalDrift, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
@@ -26,7 +27,7 @@ pub struct AxisParameters {
     /// Elasticity between motor and table; `None`: motor and table are one rigid mass.
     pub spring: Option<Spring>,
     /// Wind-up under the measured force, for an axis whose masses are not known. Not simulated.
-    pub forced_windup: Option<Windup>,
+    pub forced_windup: Option<ForceWindup>,
     /// Friction of the guideway.
     pub friction: Friction,
     /// Constant force on the table.
@@ -70,13 +71,13 @@ impl AxisParameters {
         };
         let driven = |(axis, driven): (&Axis, &bodies::Axis)| {
             let moved = [&driven.to, &driven.from].into_iter().find_map(|name| structure.body.get(name));
-            Self::of(&Axis {
-                motor_mass_kg: Some(driven.motor_mass_kg),
-                table_mass_kg: moved.map(|body| body.mass_kg),
-                stiffness_n_per_um: Some(driven.stiffness_n_per_um),
-                damping_n_s_per_m: Some(1e3 * driven.damping_n_s_per_mm),
-                ..axis.clone()
-            })
+            let mut axis = axis.clone();
+            let mechanics = &mut axis.settings.mechanics;
+            mechanics.motor_mass_kg = Some(driven.motor_mass_kg);
+            mechanics.table_mass_kg = moved.map(|body| body.mass_kg);
+            mechanics.stiffness_n_per_um = Some(driven.stiffness_n_per_um);
+            mechanics.damping_n_s_per_m = Some(1e3 * driven.damping_n_s_per_mm);
+            Self::of(&axis)
         };
         machine.axis.values().zip(structure.axis.values()).map(driven).collect()
     }
@@ -84,29 +85,32 @@ impl AxisParameters {
     /// One axis of a machine file. A mass that the file does not give is zero.
     #[must_use]
     pub fn of(axis: &Axis) -> Self {
-        let mut parameters = Self { servo: ServoParameters::of(axis), ..Self::without_effects(axis) };
+        let mut parameters = Self {
+            servo: ServoParameters::of(&axis.effect),
+            ..Self::without_effects(&axis.settings.mechanics)
+        };
         for effect in &axis.effect {
             parameters.add(effect);
         }
         parameters
     }
 
-    fn without_effects(axis: &Axis) -> Self {
+    fn without_effects(mechanics: &Mechanics) -> Self {
         let si = |value: Option<f64>| value.unwrap_or(0.0);
         Self {
-            motor_mass_kg: si(axis.motor_mass_kg),
-            table_mass_kg: si(axis.table_mass_kg),
-            motor_coulomb_n: si(axis.motor_coulomb_n),
-            spring: axis.stiffness_n_per_um.map(|stiffness| Spring {
+            motor_mass_kg: si(mechanics.motor_mass_kg),
+            table_mass_kg: si(mechanics.table_mass_kg),
+            motor_coulomb_n: si(mechanics.motor_coulomb_n),
+            spring: mechanics.stiffness_n_per_um.map(|stiffness| Spring {
                 stiffness_n_per_m: 1e6 * stiffness,
-                damping_n_s_per_m: si(axis.damping_n_s_per_m),
+                damping_n_s_per_m: si(mechanics.damping_n_s_per_m),
             }),
             friction: Friction {
-                coulomb_n: si(axis.coulomb_n),
-                viscous_n_s_per_m: si(axis.viscous_n_s_per_m),
-                bristle_stiffness_n_per_m: 1e6 * si(axis.presliding_stiffness_n_per_um),
-                bristle_damping_n_s_per_m: si(axis.presliding_damping_n_s_per_m),
-                curve: axis.friction_curve.clone(),
+                coulomb_n: si(mechanics.coulomb_n),
+                viscous_n_s_per_m: si(mechanics.viscous_n_s_per_m),
+                bristle_stiffness_n_per_m: 1e6 * si(mechanics.presliding_stiffness_n_per_um),
+                bristle_damping_n_s_per_m: si(mechanics.presliding_damping_n_s_per_m),
+                curve: mechanics.friction_curve.clone(),
                 ..Friction::default()
             },
             ..Self::default()
@@ -141,7 +145,7 @@ impl AxisParameters {
             Effect::Backlash(e) => self.screw.backlash = e,
             Effect::PitchProgressive(e) => self.screw.progressive.slope_um_per_m += e.slope_um_per_m,
             Effect::PitchCyclic(e) => self.screw.cyclic.push(e),
-            Effect::Windup(e) if e.friction_n.is_some() => self.forced_windup = Some(e),
+            Effect::ForceWindup(e) => self.forced_windup = Some(e),
             Effect::Windup(e) => {
                 if let Some(spring) = &mut self.spring {
                     spring.stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;

@@ -12,7 +12,7 @@ use std::io;
 use shared::axis::Reading;
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
-use shared::safety::{Fault, Hazard, Power};
+use shared::safety::{Fault, FaultKind, Power};
 use shared::units::Position;
 
 pub use error::{MAX_RUN_S, SimulationError};
@@ -24,7 +24,6 @@ use crate::machine_sim::MachineSim;
 use files::log::{AxisLog, Log, Unit};
 use link::controller::{AxisOutput, Controller, ControllerError, PathBlock, Status};
 use model::machine::Machine;
-use model::servo;
 
 /// A run of a machine along a path.
 #[derive(Clone, Copy, Debug)]
@@ -56,7 +55,7 @@ impl Run<'_> {
         mut on_tick: impl FnMut(f64, &Status, &[AxisOutput]),
         mut on_sample: impl FnMut(&[Sample]) -> io::Result<()>,
     ) -> Result<(), SimulationError> {
-        let rates = servo::rates(self.machine);
+        let rates = self.machine.rates();
         let (tick_s, divider) = (1.0 / rates.velocity_loop_hz, u64::from(rates.position_loop_divider));
         let mut machine_sim = MachineSim::new(self.machine, self.instruments, self.start_m)?;
         let mut waiting = self.blocks.iter().enumerate().peekable();
@@ -100,7 +99,7 @@ impl Run<'_> {
             return Err(error::fault(self.machine, fault, time_s));
         }
         // The controller holds the axis where it is and does not start the motion.
-        if let Some(fault @ Fault::Axis { hazard: Hazard::Displaced, .. }) = status.warning {
+        if let Some(fault @ Fault::Axis { kind: FaultKind::Displaced, .. }) = status.warning {
             return Err(error::fault(self.machine, fault, time_s));
         }
         Ok(())

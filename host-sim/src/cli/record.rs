@@ -12,7 +12,6 @@ use link::controller::Format;
 use link::emulator::PATIENCE;
 use model::machine::Machine;
 use model::motion::Motion;
-use model::servo;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
@@ -67,8 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let path = MachinePath::new(&motion, &machine, motion_file)?;
     let set_up = simulate::controller_setup(&machine, &path.start_m);
     let (settings, start) = set_up.map_err(|error| given.blamed(error))?;
-    let board =
-        link::open(&arguments.port, patience, Format::Fixed, servo::rates(&machine), &settings, &start);
+    let board = link::open(&arguments.port, patience, Format::Fixed, machine.rates(), &settings, &start);
     let mut board = board.map_err(|error| given.blamed(error))?;
     let run = Run {
         machine: &machine,

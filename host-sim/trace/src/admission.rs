@@ -223,7 +223,7 @@ fn saturation(machine: &Machine, fit: &[Cow<'_, Log>], notes: &mut Vec<String>) 
     for log in fit {
         for (name, axis) in &machine.axis {
             let (Some(limit_n), Some(force)) =
-                (axis.force_limit_n, log.axis(name).and_then(|axis| axis.force.as_ref()))
+                (axis.settings.controller.force_limit_n, log.axis(name).and_then(|axis| axis.force.as_ref()))
             else {
                 continue;
             };
@@ -257,7 +257,10 @@ pub fn mark(machine: &Machine, logs: &mut [Signals], first: Option<&str>) {
     for log in logs {
         log.has_own_zero = first.is_some_and(|first| first != log.source);
         for (axis, declared) in log.axes.iter_mut().zip(machine.axis.values()) {
-            let (Some(force), Some(limit_n)) = (&axis.force, declared.force_limit_n) else { continue };
+            let (Some(force), Some(limit_n)) = (&axis.force, declared.settings.controller.force_limit_n)
+            else {
+                continue;
+            };
             let at = at_limit(&force.raw, limit_n);
             if at.iter().any(|at| *at) {
                 let reach = force.reach();

@@ -9,6 +9,7 @@ use super::free_run::{FreeRun, free_runs};
 use super::last_fit::{Finished, finish, first_fit, unmoved};
 use super::limits::AtLimit;
 use super::look_alike::LookAlike;
+use super::not_testable::{EffectNotTestable, effects_not_testable};
 use super::refute::Whole;
 use super::repeatability::{Repeatability, repeatability};
 use super::residual::{Evidence, Part, rms};
@@ -16,9 +17,8 @@ use super::scope::{Mechanics, NotTestable, Scope, scopes};
 use super::search::{Explained, Round, Search};
 use super::settle::{Settled, settle};
 use super::unexplained::{Unexplained, unexplained};
-use super::untested::{Untested, untested};
 use files::log::Unit;
-use model::effects::{Effect, Stage};
+use model::effects::{Effect, Neighbours, Stage};
 use model::machine::Axis;
 
 /// An effect that was found, as reported.
@@ -82,7 +82,7 @@ pub struct AxisTrace {
     /// Stages that could not, and why.
     pub not_testable: Vec<NotTestable>,
     /// Effects that could not be looked for, and why.
-    pub untested: Vec<Untested>,
+    pub untested: Vec<EffectNotTestable>,
     /// Effects, in the order in which they were added.
     pub found: Vec<Found>,
     /// Effects that were not taken because a parameter ended at a limit of its search.
@@ -188,7 +188,8 @@ pub fn trace(
     }
     let mut tried: Vec<&str> = declared.effect.iter().map(Effect::name).collect();
     tried.extend(search.rounds.iter().flat_map(|round| &round.candidates).map(|c| c.effect.name()));
-    let untested = untested(declared, fit_logs.axis, fit_logs.names.len(), &formed, &not_testable, &tried);
+    let neighbours = Neighbours { is_first: fit_logs.axis == 0, others: fit_logs.names.len() - 1 };
+    let untested = effects_not_testable(&declared.settings, neighbours, &formed, &not_testable, &tried);
     let held_out: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
     let free_runs = free_runs(name, &before.axis, &model.axis, &held_out);
     let is_found = |alike: &&LookAlike| found.iter().any(|found| is_same(&found.effect, &alike.added));
@@ -285,12 +286,7 @@ fn joint(scopes: &[Scope]) -> Option<Scope> {
 /// Whether two entries would be the same effect twice: name, and source where there is one.
 #[must_use]
 pub fn is_same(a: &Effect, b: &Effect) -> bool {
-    match (a, b) {
-        (Effect::Crosstalk(a), Effect::Crosstalk(b)) => a.source == b.source,
-        (Effect::Straightness(a), Effect::Straightness(b)) => a.source == b.source,
-        (Effect::Latency(a), Effect::Latency(b)) => a.channel == b.channel,
-        _ => a.name() == b.name(),
-    }
+    a.is_same(b)
 }
 
 /// Unit of a stage's residual as people write it, and as a key of the JSON ends.

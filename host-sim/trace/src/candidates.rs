@@ -131,18 +131,13 @@ fn screen(evidence: &Evidence<'_>, [base, origin]: [&Fitted; 2], scope: &Scope, 
     Candidate { effect, comparison: Vec::new(), gain, fitted: None, material: false, limit: None }
 }
 
-/// Of several starts of one effect the best stays; the sources of one effect are different effects.
+/// Of several guesses of one effect the best stays. Sources of one effect are different effects, and so are its forms
+/// with another number of coordinates.
 fn keep_best_start(sorted: &mut Vec<Candidate>) {
-    let mut seen: Vec<(&'static str, Option<String>)> = Vec::new();
-    sorted.retain(|candidate| {
-        let source = match &candidate.effect {
-            Effect::Crosstalk(e) => Some(e.source.clone()),
-            Effect::Straightness(e) => Some(e.source.clone()),
-            // With its friction turning round at once, and over a way that is fitted.
-            Effect::Windup(e) => e.presliding_mm.map(|_| "presliding".to_owned()),
-            _ => None,
-        };
-        let kind = (candidate.effect.name(), source);
+    let mut seen: Vec<(&'static str, Option<String>, usize)> = Vec::new();
+    sorted.retain(|Candidate { effect, .. }| {
+        let source = effect.distinction().source().map(str::to_owned);
+        let kind = (effect.name(), source, effect.coordinates().len());
         let new = !seen.contains(&kind);
         seen.push(kind);
         new
@@ -164,7 +159,7 @@ fn try_out(
     if let Some(effect) = fitted.model.axis.effect.last() {
         candidate.effect = effect.clone();
     }
-    candidate.material = candidate.effect.is_material(origin.model.nominal(), evidence.rates);
+    candidate.material = candidate.effect.exceeds_tolerance(&origin.model.nominal().settings, evidence.rates);
     candidate.limit = limits::of(&candidate.effect, evidence.rates);
     candidate.fitted = Some(fitted);
 }

@@ -38,7 +38,7 @@ pub struct FreeRun {
 /// When the force was logged is not the mechanics' matter: the declared model is given what was found of it.
 #[must_use]
 pub fn free_runs(name: &str, declared: &Axis, better: &Axis, logs: &[(&AxisSignals, f64)]) -> Vec<FreeRun> {
-    if !better.is_rigid() || !better.has_mass() || logs.is_empty() {
+    if !better.settings.is_rigid() || !better.settings.has_mass() || logs.is_empty() {
         return Vec::new();
     }
     let is_timing =
@@ -107,7 +107,11 @@ mod tests {
     /// x = F·t²/2m, so that after t the model is 2 %·x behind.
     #[test]
     fn a_mass_that_is_declared_wrong_runs_away_with_the_square_of_time() {
-        let axis = |table_mass_kg| Axis { table_mass_kg: Some(table_mass_kg), ..Axis::default() };
+        let axis = |table_mass_kg| {
+            let mut axis = Axis::default();
+            axis.settings.mechanics.table_mass_kg = Some(table_mass_kg);
+            axis
+        };
         let at = |t: f64| 0.5 * 0.5 * t * t;
         let mut log = AxisLog::new("x", Unit::Millimetre);
         log.motor = Some((0..2001).map(|i| 1e3 * at(1e-3 * f64::from(i))).collect());

@@ -193,11 +193,11 @@ mod tests {
     fn greatest_n(limit_n: f64, added_n: f64) -> f64 {
         let machine = Machine::parse(model::examples::DEMO_MACHINE, "demo.toml").unwrap();
         let parameters = AxisParameters::of(&machine.axis["x"]);
-        let settings = servo::settings(&machine.axis["x"], &parameters.servo).unwrap();
+        let settings = servo::settings(&machine.axis["x"].settings, &parameters.servo).unwrap();
         let settings = AxisSettings { force_limit_n: limit_n, ..settings };
         let start = Start { motor_m: 0.0, velocity: 0.0, table_m: None, is_settled: true };
         let command = [0.0; 500];
-        let rates = servo::rates(&machine);
+        let rates = machine.rates();
         let pushed = closed_loop(&parameters, &settings, rates, &command, &[added_n; 500], start).unwrap();
         pushed.force_n.iter().fold(0.0, |greatest, force_n| force_n.abs().max(greatest))
     }

@@ -7,11 +7,9 @@ use super::axis::{AxisTrace, Found, StageError, residual_unit};
 use super::limits::AtLimit;
 use super::look_alike::LookAlike;
 use super::repeatability::Repeatability;
-use super::rotary;
 use super::unexplained::Unexplained;
 use super::verdict;
 use files::log::Unit;
-use model::effects::Effect;
 
 /// The JSON of `trace --json`, with the tables of `--empirical` or without.
 #[must_use]
@@ -30,8 +28,7 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
         })
         .collect();
     for axis in &trace.axes {
-        let one =
-            |u: &super::untested::Untested| json!({"effect": u.effect, "axis": axis.axis, "needs": u.needs});
+        let one = |u: &super::not_testable::EffectNotTestable| json!({"effect": u.effect, "axis": axis.axis, "needs": u.needs});
         not_testable.extend(axis.untested.iter().map(one));
     }
     let repeats: Vec<Value> = trace
@@ -90,20 +87,15 @@ fn refused(axis: &AxisTrace, limit: &AtLimit) -> Value {
     let mut entry = json!({
         "name": limit.effect.name(),
         "axis": axis.axis,
-        "parameter": key(axis, limit.parameter),
+        "parameter": limit.parameter.key_on(axis.unit == Unit::Degree),
         "value": limit.value,
         "limit": limit.limit,
         "why": "at the limit of its search: the value lies beyond, or it is another effect",
     });
-    if let (Value::Object(entry), Some(source)) = (&mut entry, source(&limit.effect)) {
+    if let (Value::Object(entry), Some(source)) = (&mut entry, limit.effect.distinction().source()) {
         entry.insert("source".to_owned(), json!(source));
     }
     entry
-}
-
-/// Name of a parameter in the axis's units.
-fn key(axis: &AxisTrace, name: &str) -> String {
-    if axis.unit == Unit::Degree { rotary::key(name) } else { name.to_owned() }
 }
 
 fn residual(axis: &AxisTrace, error: &StageError) -> Value {
@@ -143,13 +135,13 @@ fn unexplained(axis: &AxisTrace, rest: &Unexplained) -> Value {
 }
 
 fn effect(axis: &AxisTrace, found: &Found) -> Value {
-    let parameters: Map<String, Value> = found
-        .effect
-        .parameters()
-        .into_iter()
+    let is_rotary = axis.unit == Unit::Degree;
+    let declared = found.effect.declared_parameters().iter();
+    let parameters: Map<String, Value> = declared
+        .zip(found.effect.values())
         .zip(&found.half_widths)
-        .map(|((name, value), half)| {
-            (key(axis, name), json!({"value": value, "ci95": [value - half, value + half]}))
+        .map(|((parameter, value), half)| {
+            (parameter.key_on(is_rotary), json!({"value": value, "ci95": [value - half, value + half]}))
         })
         .collect();
     let mut entry = json!({
@@ -163,19 +155,9 @@ fn effect(axis: &AxisTrace, found: &Found) -> Value {
         let (_, unit) = residual_unit(axis.unit, found.stage);
         entry.insert(format!("before_{unit}"), json!(found.before));
         entry.insert(format!("after_{unit}"), json!(found.after));
-        if let Some(source) = source(&found.effect) {
+        if let Some(source) = found.effect.distinction().source() {
             entry.insert("source".to_owned(), json!(source));
         }
     }
     entry
-}
-
-/// The axis that an effect comes from, where that is another one.
-#[must_use]
-pub fn source(effect: &Effect) -> Option<&str> {
-    match effect {
-        Effect::Crosstalk(e) => Some(&e.source),
-        Effect::Straightness(e) => Some(&e.source),
-        _ => None,
-    }
 }

@@ -5,7 +5,7 @@
 //! [`candidates`] tries the catalogue, [`held_out`] says what is worth adding; [`axis`] is the search
 //! for one axis, [`last_fit`] fits all that was found,
 //! [`limits`], [`refute`] and [`settle`] take back what is no measurement or does not hold on other logs;
-//! [`unexplained`] is what stays, [`verdict`] what all of it comes to, [`repeatability`] how much of it could be explained at all, [`untested`]
+//! [`unexplained`] is what stays, [`verdict`] what all of it comes to, [`repeatability`] how much of it could be explained at all, [`not_testable`]
 //! what was not looked for, [`free_run`] what the model is worth without feedback; [`json`] is the whole for programs. [`friction_map`] explains a steady-state friction map in the
 //! same way.
 
@@ -29,12 +29,12 @@ pub mod last_tick;
 pub mod limits;
 pub mod look_alike;
 pub mod motor_path;
+pub mod not_testable;
 pub mod own_error;
 pub mod predict;
 pub mod refute;
 pub mod repeatability;
 pub mod residual;
-pub mod rotary;
 pub mod scope;
 pub mod search;
 pub mod set_aside;
@@ -42,12 +42,11 @@ pub mod settle;
 pub mod signals;
 pub mod trim;
 pub mod unexplained;
-pub mod untested;
 pub mod verdict;
 pub mod wound;
 
 /// The names that a trace may answer with.
-pub use model::effects::NAMES as EFFECT_NAMES;
+pub use model::effects::names as effect_names;
 /// What a trace is given as declared.
 pub use model::machine::Machine;
 
@@ -59,7 +58,6 @@ use admission::Admitted;
 use axis::AxisTrace;
 use files::error::InputError;
 use files::log::Log;
-use model::servo;
 use residual::Evidence;
 use signals::Signals;
 
@@ -115,7 +113,7 @@ impl Trace {
     /// What an axis was explained from, or validated on.
     #[must_use]
     pub fn evidence<'a>(&'a self, logs: &'a [Signals], axis: usize) -> Evidence<'a> {
-        Evidence { logs, names: &self.names, axis, rates: servo::rates(&self.machine), aside: &[], own: &[] }
+        Evidence { logs, names: &self.names, axis, rates: self.machine.rates(), aside: &[], own: &[] }
     }
 }
 

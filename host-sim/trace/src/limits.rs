@@ -7,16 +7,16 @@ use shared::config::Rates;
 
 use super::axis_model::AxisModel;
 use super::search::Round;
-use model::effects::Effect;
+use model::effects::{Effect, Parameter};
 
 /// An effect of which a parameter stands at a limit of its search.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtLimit {
     /// The effect as it was fitted.
     pub effect: Effect,
-    /// Name of the parameter, as in [`Effect::parameters`].
-    pub parameter: &'static str,
-    /// Its value, in the unit of its name.
+    /// The parameter.
+    pub parameter: &'static Parameter,
+    /// Its value, in its unit.
     pub value: f64,
     /// The limit, in the same unit.
     pub limit: f64,
@@ -25,21 +25,21 @@ pub struct AtLimit {
 /// The first parameter of an effect that stands at a limit, on an axis with these loops.
 #[must_use]
 pub fn of(effect: &Effect, rates: Rates) -> Option<AtLimit> {
-    let coordinates = effect.searched(rates);
+    let coordinates = effect.coordinates_at(rates);
     let at = coordinates.iter().enumerate().find_map(|(j, coordinate)| Some((j, coordinate.limit()?)));
     let (j, limit) = at?;
     // A coordinate is not always a parameter: of those it shapes the first is told.
     let moved = |to: f64| {
         let mut values: Vec<f64> = coordinates.iter().map(|coordinate| coordinate.value).collect();
         values[j] = to;
-        effect.at(&values).parameters()
+        effect.at(&values).values()
     };
     let inside = coordinates[j].value - coordinates[j].step.copysign(limit);
     let [there, elsewhere] = [limit, inside].map(moved);
-    let is_shaped = |i: &usize| there[*i].1.to_bits() != elsewhere[*i].1.to_bits();
+    let is_shaped = |i: &usize| there[*i].to_bits() != elsewhere[*i].to_bits();
     let shaped = (0..there.len()).find(is_shaped)?;
-    let (parameter, value) = effect.parameters()[shaped];
-    Some(AtLimit { effect: effect.clone(), parameter, value, limit: there[shaped].1 })
+    let (parameter, value) = (&effect.declared_parameters()[shaped], effect.values()[shaped]);
+    Some(AtLimit { effect: effect.clone(), parameter, value, limit: there[shaped] })
 }
 
 /// The effects that the last round of a search would have taken, were it not for a limit.
@@ -69,7 +69,7 @@ mod tests {
     fn told(effect: &Effect) -> Option<(&'static str, f64)> {
         of(effect, RATES).map(|at| {
             assert_eq!(at.effect, *effect);
-            (at.parameter, at.limit)
+            (at.parameter.key, at.limit)
         })
     }
 
@@ -101,9 +101,7 @@ mod tests {
     /// The coordinate is a compliance, nm/N, of 1e-2 to 1e6: a stiffness of 1e5 to 1e-3 N/µm.
     #[test]
     fn a_limit_is_told_in_the_unit_of_its_parameter() {
-        let windup = |stiffness_n_per_um| {
-            told(&Effect::Windup(Windup { stiffness_n_per_um, friction_n: None, presliding_mm: None }))
-        };
+        let windup = |stiffness_n_per_um| told(&Effect::Windup(Windup { stiffness_n_per_um }));
         let Some(("stiffness_n_per_um", limit)) = windup(1e5) else { panic!("a limit") };
         assert!((limit / 1e5 - 1.0).abs() < 1e-9, "{limit}");
         assert_eq!(windup(200.0), None);

@@ -206,8 +206,8 @@ mod tests {
         let axis = &mut machine.axis["x"].clone();
         axis.effect.extend(effect);
         let parameters = AxisParameters::of(axis);
-        let settings = servo::settings(axis, &parameters.servo).unwrap();
-        let rates = servo::rates(&machine);
+        let settings = servo::settings(&axis.settings, &parameters.servo).unwrap();
+        let rates = machine.rates();
         // ±20 mm at 0.5 Hz: 63 mm/s, 0.2 m/s², three reversals.
         let command: Vec<f64> =
             (0..4000).map(|i| 0.02 * (1.0 - (std::f64::consts::PI * 1e-3 * f64::from(i)).cos())).collect();
@@ -219,7 +219,7 @@ mod tests {
             &motor,
             &MotorPath::new(&motor, 1e-3),
             1e-3,
-            LastTick::new(axis, rates),
+            LastTick::new(&axis.settings.controller, rates),
             None,
         );
         let table = Smooth::new(simulated.table_m.clone(), 1e-3, 5);

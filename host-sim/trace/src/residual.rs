@@ -100,7 +100,7 @@ impl Evidence<'_> {
         let signals = self.signals(log);
         let sample_s = self.logs[log].sample_s;
         let drives = scope.stages.iter().any(|stage| matches!(stage, Stage::Table | Stage::Force));
-        let last_tick = LastTick::new(&model.axis, self.rates);
+        let last_tick = LastTick::new(&model.axis.settings.controller, self.rates);
         let driven = match (&signals.motor, &signals.motor_path) {
             (Some(motor), Some(path)) if drives => {
                 let added = signals.added.as_ref().map(AddedForce::filtered_n);
@@ -114,7 +114,7 @@ impl Evidence<'_> {
                     let measured = signals.table.as_ref().map_or(&[][..], |table| &table.position);
                     let mut left = difference(measured, &driven.table_m, 1e6, model.table_zero_um);
                     wound::add_stretch(&mut left, parameters.forced_windup.as_ref(), signals);
-                    if self.logs[log].has_own_zero && !model.axis.has_mass() {
+                    if self.logs[log].has_own_zero && !model.axis.settings.has_mass() {
                         self.take_zero_out(log, &mut left);
                     }
                     left
@@ -177,7 +177,7 @@ impl Evidence<'_> {
         signals: &AxisSignals,
     ) -> Option<Loop> {
         let command = signals.command.as_ref()?;
-        let settings = servo::settings(&model.axis, &parameters.servo).ok()?;
+        let settings = servo::settings(&model.axis.settings, &parameters.servo).ok()?;
         let start = Start::of(command, signals, 1e-6 * model.table_zero_um)?;
         let sample_s = f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz;
         let added = signals.added.as_ref().map(|added| added.from_sample_n(&model.axis.effect, sample_s));
@@ -206,9 +206,9 @@ impl Evidence<'_> {
                 position(&signals.tool).hypot(position(table))
             }
             Stage::Force => {
-                let axis = &model.axis;
-                let mass = if axis.is_rigid() { axis.table_mass_kg.unwrap_or(0.0) } else { 0.0 }
-                    + axis.motor_mass_kg.unwrap_or(0.0);
+                let axis = &model.axis.settings;
+                let mass = if axis.is_rigid() { axis.mechanics.table_mass_kg.unwrap_or(0.0) } else { 0.0 }
+                    + axis.mechanics.motor_mass_kg.unwrap_or(0.0);
                 of(&signals.force, |force| force.position_noise)
                     .hypot(mass * of(&signals.motor, |motor| motor.acceleration_noise))
             }

@@ -69,8 +69,8 @@ pub fn scopes(axis: &Axis, index: usize, logs: &[Signals]) -> (Vec<Scope>, Vec<N
             vec![
                 (command, "a command channel"),
                 (motor, "a motor channel"),
-                (axis.has_controller(), "the controller's keys in the machine file"),
-                (axis.has_mass(), "masses in the machine file"),
+                (axis.settings.has_controller(), "the controller's keys in the machine file"),
+                (axis.settings.has_mass(), "masses in the machine file"),
                 (moves, "motion of the axis"),
             ],
         ),
@@ -84,7 +84,7 @@ pub fn scopes(axis: &Axis, index: usize, logs: &[Signals]) -> (Vec<Scope>, Vec<N
             vec![
                 (motor, "a motor channel"),
                 (force, "a force channel"),
-                (axis.has_mass(), "masses in the machine file"),
+                (axis.settings.has_mass(), "masses in the machine file"),
                 (moves, "motion of the axis"),
             ],
         ),

@@ -15,7 +15,7 @@ use super::scope::{Mechanics, Scope};
 use super::set_aside::Aside;
 use super::unexplained::unexplained;
 use super::wound;
-use model::effects::{Effect, Stage, Surroundings, VelocityLag, candidates};
+use model::effects::{Effect, EffectContext, Stage, VelocityLag, initial_guesses};
 
 /// Most effects that one scope may gain.
 const MOST_EFFECTS: usize = 10;
@@ -236,14 +236,14 @@ impl Search<'_> {
     fn starts(&self, model: &AxisModel, scope: &Scope) -> Vec<Effect> {
         let names = self.fit_logs.names;
         let others: Vec<String> = names.iter().filter(|name| *name != self.name).cloned().collect();
-        let around = Surroundings {
-            axis: &model.axis,
+        let context = EffectContext {
+            axis: &model.axis.settings,
             first: self.fit_logs.axis == 0,
             others: &others,
             stages: &scope.stages,
             travel_mm: self.fit_logs.travel_mm(),
         };
-        let mut starts = candidates(&around);
+        let mut starts = initial_guesses(&context);
         let force_is_logged =
             self.fit_logs.logs.iter().all(|log| log.axes[self.fit_logs.axis].force.is_some());
         starts.retain(|effect| wound::can_show(effect, force_is_logged));

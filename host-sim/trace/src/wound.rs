@@ -1,16 +1,16 @@
 //! Wind-up of an axis without declared masses: driven by the force that was measured.
 
 use super::signals::AxisSignals;
-use model::effects::{Effect, Windup};
+use model::effects::{Effect, ForceWindup};
 
 /// Whether an effect can show in logs at all: wind-up by the measured force needs that force in every log.
 #[must_use]
 pub fn can_show(effect: &Effect, force_is_logged: bool) -> bool {
-    !matches!(effect, Effect::Windup(Windup { friction_n: Some(_), .. })) || force_is_logged
+    !matches!(effect, Effect::ForceWindup(_)) || force_is_logged
 }
 
 /// Adds the stretch of the drive train (µm) to table − motor: what is left is what it does not explain.
-pub fn add_stretch(residual_um: &mut [f64], windup: Option<&Windup>, signals: &AxisSignals) {
+pub fn add_stretch(residual_um: &mut [f64], windup: Option<&ForceWindup>, signals: &AxisSignals) {
     let (Some(windup), Some(force), Some(motor)) = (windup, &signals.force, &signals.motor) else { return };
     // Friction turns round with the motion, exponentially over its presliding, and keeps what it had while the axis
     // stands.
@@ -28,7 +28,7 @@ pub fn add_stretch(residual_um: &mut [f64], windup: Option<&Windup>, signals: &A
     });
     let ways = motor.filtered(&ways.collect::<Vec<_>>());
     for ((residual, force), way) in residual_um.iter_mut().zip(&force.position).zip(ways) {
-        *residual += windup.stretch_um(*force, way);
+        *residual += windup.deflection_um(*force, way);
     }
 }
 

@@ -23,12 +23,12 @@ fn assert_force(machine: &str, curve_n: impl Fn(f64) -> f64) {
     let plain = run_curve(PLAIN);
     let axis = declared();
     for mm_s in SPEEDS_MM_S {
-        let other_n =
-            1e-3 * mm_s * axis.viscous_n_s_per_m.unwrap() + axis.motor_coulomb_n.unwrap().copysign(mm_s);
+        let other_n = 1e-3 * mm_s * axis.mechanics.viscous_n_s_per_m.unwrap()
+            + axis.mechanics.motor_coulomb_n.unwrap().copysign(mm_s);
         let steady = effect_run.steady(mm_s);
         assert_all(effect_run.force_n(), &steady, curve_n(mm_s) + other_n, ROUNDING_N, "force");
         // The same equation with Coulomb friction holds for the machine without the curve.
-        let coulomb_n = axis.coulomb_n.unwrap().copysign(mm_s);
+        let coulomb_n = axis.mechanics.coulomb_n.unwrap().copysign(mm_s);
         assert_all(plain.force_n(), &steady, coulomb_n + other_n, ROUNDING_N, "force without");
     }
     let y = |effect_run: &RunLog| effect_run.channel("y", Channel::Force).to_vec();

@@ -13,7 +13,7 @@ use crate::runs::{
 fn assert_on_table(effect_run: &RunLog, plain: &RunLog, mm_s: f64, expected_n: f64) {
     let steady = effect_run.steady(mm_s);
     assert_all(&effect_run.change(Channel::Force, plain), &steady, expected_n, ROUNDING_N, "force");
-    let stretch_um = -expected_n / declared().stiffness_n_per_um.unwrap();
+    let stretch_um = -expected_n / declared().mechanics.stiffness_n_per_um.unwrap();
     assert_all(&effect_run.drive_train_change_um(plain), &steady, stretch_um, ROUNDING_UM, "table − motor");
     // The integral part of the velocity loop removes its effect on the motor.
     assert_all(&effect_run.change(Channel::Motor, plain), &steady, 0.0, ROUNDING_UM, "motor");
@@ -66,11 +66,12 @@ pub fn torque_ripple() {
     );
     let effect_run = run(&with(&effect), &motion);
     let axis = declared();
-    let (kv, kp) = (axis.velocity_gain_n_s_per_m.unwrap(), axis.position_gain_per_s.unwrap());
-    let per_ti = 1.0 / axis.velocity_integral_time_s.unwrap();
-    let mass_kg = axis.motor_mass_kg.unwrap() + axis.table_mass_kg.unwrap();
+    let (kv, kp) =
+        (axis.controller.velocity_gain_n_s_per_m.unwrap(), axis.controller.position_gain_per_s.unwrap());
+    let per_ti = 1.0 / axis.controller.velocity_integral_time_s.unwrap();
+    let mass_kg = axis.mechanics.motor_mass_kg.unwrap() + axis.mechanics.table_mass_kg.unwrap();
     let omega: f64 = TAU * mm_s / period_mm;
-    let real = kv * kp * per_ti - (kv + axis.viscous_n_s_per_m.unwrap()) * omega.powi(2);
+    let real = kv * kp * per_ti - (kv + axis.mechanics.viscous_n_s_per_m.unwrap()) * omega.powi(2);
     let imaginary = kv * (kp + per_ti) * omega - mass_kg * omega.powi(3);
     let travel_um = 1e6 * amplitude_n * omega / real.hypot(imaginary);
 
@@ -107,7 +108,7 @@ pub fn presliding() {
     let change_n = run(&without, &motion).change(Channel::Force, &plain);
     // At a reversal the friction rises at once, or over micrometres.
     let max_n = change_n.iter().fold(0.0f64, |max, n| max.max(n.abs()));
-    assert!(max_n > 0.1 * declared().coulomb_n.unwrap(), "{max_n}");
+    assert!(max_n > 0.1 * declared().mechanics.coulomb_n.unwrap(), "{max_n}");
 }
 
 /// Friction drops by force·exp(−|v|/vs).

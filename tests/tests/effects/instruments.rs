@@ -165,7 +165,7 @@ fn table_latency() {
 #[test]
 fn drive_time_constant() {
     let (lag_ms, m_per_s2, mm_s, viscous) = (1.0, 0.5, 300.0, 20_000.0);
-    let declared = format!("viscous_n_s_per_m = {:?} ", declared().viscous_n_s_per_m.unwrap());
+    let declared = format!("viscous_n_s_per_m = {:?} ", declared().mechanics.viscous_n_s_per_m.unwrap());
     let machine = changed(&rigid(), &declared, &format!("viscous_n_s_per_m = {viscous:?} "));
     // Both loops at the same rate: a log of every fourth tick has one of the four forces between two steps of the
     // position loop, not their mean.

@@ -38,5 +38,5 @@ tested! {
 
 #[test]
 fn every_effect_of_the_catalogue_is_tested() {
-    assert_eq!(TESTED, model::effects::NAMES);
+    assert_eq!(TESTED, model::effects::names());
 }

@@ -2,7 +2,8 @@
 
 use files::log::{Channel, Log};
 use link::controller::Format;
-use model::machine::{Axis, Machine};
+use model::axis::Settings;
+use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
@@ -26,9 +27,9 @@ pub fn with(effect: &str) -> String {
     format!("{PLAIN}\n[[axis.x.effect]]\n{effect}\n")
 }
 
-/// The machine's x axis as declared.
-pub fn declared() -> Axis {
-    Machine::parse(PLAIN, "vmc.toml").unwrap().axis["x"].clone()
+/// The settings of the machine's x axis.
+pub fn declared() -> Settings {
+    Machine::parse(PLAIN, "vmc.toml").unwrap().axis["x"].settings.clone()
 }
 
 /// A text with its first occurrence of `from`, which must exist, replaced.

@@ -56,8 +56,8 @@ fn the_table_stands_while_the_motor_crosses_the_gap() {
     };
     // Without a gap the stretch of the screw changes by twice the friction; the inertia, 250 kg · 0.5 m/s², is 125 N.
     let axis = declared();
-    let (coulomb_n, k) = (axis.coulomb_n.unwrap(), axis.stiffness_n_per_um.unwrap());
-    let inertia_n = 0.5 * axis.table_mass_kg.unwrap();
+    let (coulomb_n, k) = (axis.mechanics.coulomb_n.unwrap(), axis.mechanics.stiffness_n_per_um.unwrap());
+    let inertia_n = 0.5 * axis.mechanics.table_mass_kg.unwrap();
     assert_near(lost_um(&plain), 2.0 * coulomb_n / k, 2.0 * inertia_n / k, "lost without a gap");
     assert_near(lost_um(&gap) - lost_um(&plain), width_um, 2.0 * inertia_n / k, "lost in the gap");
 }
@@ -93,9 +93,9 @@ pub fn pitch_cyclic() {
     let effect_run = run(&with(&effect), &motion);
     let axis = declared();
     let omega = TAU * mm_s / period_mm;
-    let damping = axis.damping_n_s_per_m.unwrap() + axis.viscous_n_s_per_m.unwrap();
-    let push_n_per_um = 1e-6 * (axis.table_mass_kg.unwrap() * omega * omega + damping * omega);
-    let bound_um = ROUNDING_UM + amplitude_um * push_n_per_um / axis.stiffness_n_per_um.unwrap();
+    let damping = axis.mechanics.damping_n_s_per_m.unwrap() + axis.mechanics.viscous_n_s_per_m.unwrap();
+    let push_n_per_um = 1e-6 * (axis.mechanics.table_mass_kg.unwrap() * omega * omega + damping * omega);
+    let bound_um = ROUNDING_UM + amplitude_um * push_n_per_um / axis.mechanics.stiffness_n_per_um.unwrap();
     assert!(bound_um < 0.01 * amplitude_um, "{bound_um}");
     let change_um = effect_run.drive_train_change_um(&plain);
     let motor_mm = effect_run.channel("x", Channel::Motor);
@@ -143,10 +143,12 @@ pub fn windup() {
     let effect_run =
         run(&with(&format!("name = \"windup\"\nstiffness_n_per_um = {softer_n_per_um}")), &motion);
     let axis = declared();
-    let more_um_per_n = 1.0 / softer_n_per_um - 1.0 / axis.stiffness_n_per_um.unwrap();
+    let more_um_per_n = 1.0 / softer_n_per_um - 1.0 / axis.mechanics.stiffness_n_per_um.unwrap();
     let change_um = effect_run.drive_train_change_um(&plain);
-    let friction_n =
-        |mm_s: f64| axis.coulomb_n.unwrap().copysign(mm_s) + 1e-3 * mm_s * axis.viscous_n_s_per_m.unwrap();
+    let friction_n = |mm_s: f64| {
+        axis.mechanics.coulomb_n.unwrap().copysign(mm_s)
+            + 1e-3 * mm_s * axis.mechanics.viscous_n_s_per_m.unwrap()
+    };
     for mm_s in [mm_s, -mm_s] {
         let steady = effect_run.steady(mm_s);
         let expected_um = -friction_n(mm_s) * more_um_per_n;

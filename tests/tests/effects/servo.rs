@@ -11,8 +11,8 @@ pub fn servo_mismatch() {
     let plain = run(PLAIN, &motion);
     let effect_run = run(&with(&format!("name = \"servo_mismatch\"\npercent = {percent}")), &motion);
     let axis = declared();
-    let not_led = 1.0 - 0.01 * axis.feedforward_percent.unwrap();
-    let kp = axis.position_gain_per_s.unwrap();
+    let not_led = 1.0 - 0.01 * axis.controller.feedforward_percent.unwrap();
+    let kp = axis.controller.position_gain_per_s.unwrap();
     for mm_s in [50.0, -50.0] {
         let steady = effect_run.steady(mm_s);
         for (run, gain) in [(&plain, kp), (&effect_run, kp * (1.0 + 0.01 * percent))] {
@@ -34,7 +34,7 @@ pub fn velocity_lag() {
     let plain = run(PLAIN, &motion);
     let effect_run = run(&with(&format!("name = \"velocity_lag\"\nms = {lag_ms}")), &motion);
     let change_um = effect_run.change(Channel::Motor, &plain);
-    let ahead_um = 1e3 * m_per_s2 * lag_ms / declared().position_gain_per_s.unwrap();
+    let ahead_um = 1e3 * m_per_s2 * lag_ms / declared().controller.position_gain_per_s.unwrap();
     assert_all(&change_um, &effect_run.accelerating(m_per_s2), ahead_um, 0.002 * ahead_um, "motor");
     for mm_s in [mm_s, -mm_s] {
         let steady = effect_run.steady(mm_s);

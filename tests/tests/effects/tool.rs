@@ -103,7 +103,8 @@ pub fn latency() {
     let late_samples = 2;
     // The delay is at most v·τ, with 200 mm/s times the gain of the position loop at ω: |Kp + iKfω|/|Kp + iω|.
     let axis = declared();
-    let (kp, kf) = (axis.position_gain_per_s.unwrap(), 0.01 * axis.feedforward_percent.unwrap());
+    let (kp, kf) =
+        (axis.controller.position_gain_per_s.unwrap(), 0.01 * axis.controller.feedforward_percent.unwrap());
     let omega: f64 = 200.0 / 20.0;
     let expected_um = 200.0 * late_samples as f64 * kp.hypot(kf * omega) / kp.hypot(omega);
     let loops = [PLAIN.to_owned(), changed(PLAIN, "feedback = \"motor\"", "feedback = \"table\"")];

@@ -2,7 +2,7 @@
 
 use shared::config::AxisSettings;
 use shared::interpolate::PathError;
-use shared::safety::{Fault, Hazard};
+use shared::safety::{Fault, FaultKind};
 
 use crate::parameters::AxisParameters;
 use link::controller::ControllerError;
@@ -74,11 +74,12 @@ pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationE
         Fault::Overrun => ("a tick took longer than its period".to_owned(), ""),
         Fault::HardwareStop => ("the power stages were cut in hardware".to_owned(), ""),
         Fault::Watchdog => ("the board was reset by its watchdog".to_owned(), ""),
-        Fault::Axis { axis, hazard } => match machine.axis.get_index(usize::from(axis)) {
-            None => (format!("axis {axis}: {hazard:?}"), ""),
+        Fault::Axis { axis, kind } => match machine.axis.get_index(usize::from(axis)) {
+            None => (format!("axis {axis}: {kind:?}"), ""),
             Some((name, axis)) => {
-                let settings = servo::settings(axis, &AxisParameters::of(axis).servo).unwrap_or_default();
-                let (what, hint) = described(hazard, &settings);
+                let settings =
+                    servo::settings(&axis.settings, &AxisParameters::of(axis).servo).unwrap_or_default();
+                let (what, hint) = described(kind, &settings);
                 (format!("axis.{name}: {what}"), hint)
             }
         },
@@ -92,37 +93,37 @@ pub(super) fn not_finite(time_s: f64) -> SimulationError {
 }
 
 /// A fault of an axis in words, and a possible cause.
-fn described(hazard: Hazard, settings: &AxisSettings) -> (String, &'static str) {
+fn described(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str) {
     let mm = |m: Option<f64>| 1e3 * m.unwrap_or(f64::NAN);
-    match hazard {
-        Hazard::FollowingError => {
+    match kind {
+        FaultKind::FollowingError => {
             let limit_mm = 1e3 * settings.following_error_limit_m;
             (format!("following error beyond its limit of {limit_mm} mm"), UNSTABLE)
         }
-        Hazard::Disagreement => {
+        FaultKind::Disagreement => {
             let limit_mm = mm(settings.scale_disagreement_limit_m);
             (format!("motor and linear scale further apart than their limit of {limit_mm} mm"), "")
         }
-        Hazard::EncoderStep => {
+        FaultKind::EncoderStep => {
             let limit = mm(settings.fastest_m_per_s);
             (format!("the motor reading moves faster than {limit} mm/s, which the motor cannot"), UNSTABLE)
         }
-        Hazard::ForceSaturated => (
+        FaultKind::ForceSaturated => (
             format!(
                 "the force stands at its limit of {} N, for {} s in all",
                 settings.force_limit_n, settings.saturation_time_s
             ),
             ": is the loop unstable, or does the motion ask for more than the drive can give?",
         ),
-        Hazard::SoftLimit => {
+        FaultKind::SoftLimit => {
             let [min, max] = settings.travel_m.unwrap_or([f64::NAN; 2]).map(|m| 1e3 * m);
             (format!("the command leaves the travel from {min} to {max} mm"), "")
         }
-        Hazard::ScaleLost => ("no reading of the linear scale".to_owned(), ""),
-        Hazard::EncoderFrozen => {
+        FaultKind::ScaleLost => ("no reading of the linear scale".to_owned(), ""),
+        FaultKind::EncoderFrozen => {
             let limit_mm = mm(settings.frozen_encoder_limit_m);
             (format!("the motor reading stands while the command moves by more than {limit_mm} mm"), "")
         }
-        Hazard::Displaced => ("the axis does not stand where its motion begins".to_owned(), ""),
+        FaultKind::Displaced => ("the axis does not stand where its motion begins".to_owned(), ""),
     }
 }

@@ -22,7 +22,7 @@ pub fn controller(
     start_m: &[f64],
 ) -> Result<Box<dyn Controller>, SimulationError> {
     let (settings, start) = controller_setup(machine, start_m)?;
-    Ok(link::controller::in_process(format, servo::rates(machine), &settings, &start)?)
+    Ok(link::controller::in_process(format, machine.rates(), &settings, &start)?)
 }
 
 /// Settings and start of the axes, for a controller in this process or on a chip.
@@ -43,7 +43,7 @@ pub fn controller_setup(
         if step_s * machine.velocity_rate_hz() * MAX_SUBSTEPS < 1.0 {
             return Err(SimulationError::TooFast { axis: name.clone(), key, step_s });
         }
-        settings.push(servo::settings(axis, &parameters.servo).map_err(lacks)?);
+        settings.push(servo::settings(&axis.settings, &parameters.servo).map_err(lacks)?);
     }
     let start = start_m.iter().map(|&m| Position::from_m(m).unwrap_or_default()).collect();
     Ok((settings, start))

@@ -9,7 +9,6 @@ use link::controller::{ControllerError, Format};
 use link::emulator::{Emulator, PATIENCE};
 use link::remote::Remote;
 use model::machine::Machine;
-use model::servo;
 use plant::simulate;
 
 /// The part of a motion that runs on the core, s of machine time: the first dwell and the beginning of the first
@@ -37,7 +36,7 @@ pub fn measure(
     format: Format,
 ) -> Result<Option<Cost>, CompareError> {
     let (settings, start) = simulate::controller_setup(machine, &motion.start_m())?;
-    let rates = servo::rates(machine);
+    let rates = machine.rates();
     let link = Emulator::start(program, PATIENCE).map_err(ControllerError::Link)?;
     let mut board = Remote::set_up(link, format, rates, &settings, &start)?;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "thousands of ticks")]

@@ -185,7 +185,9 @@ mod tests {
         let machine = Machine::parse(MACHINE, "machine.toml").unwrap();
         assert_eq!(machine.axis.len(), AXES);
         for axis in machine.axis.values() {
-            assert!(axis.coulomb_n > Some(100.0) && axis.presliding_stiffness_n_per_um > Some(10.0));
+            let mechanics = &axis.settings.mechanics;
+            assert!(mechanics.coulomb_n > Some(100.0));
+            assert!(mechanics.presliding_stiffness_n_per_um > Some(10.0));
             assert!(axis.effect.iter().any(|effect| effect.name() == "stribeck"));
         }
     }

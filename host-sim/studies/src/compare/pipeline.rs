@@ -10,7 +10,6 @@ use super::point::{AXES, Point};
 use super::single_precision::SinglePrecision;
 use link::controller::{AxisOutput, Controller, Format, Status, in_process};
 use model::machine::Machine;
-use model::servo;
 use plant::instruments::Instruments;
 use plant::machine_sim::MachineSim;
 use plant::simulate::{self, SimulationError};
@@ -50,7 +49,7 @@ impl Pipeline {
     /// When the machine's settings are refused.
     pub fn controller(self, machine: &Machine, motion: Motion) -> Result<Box<dyn Controller>, CompareError> {
         let (settings, start) = simulate::controller_setup(machine, &motion.start_m())?;
-        let rates = servo::rates(machine);
+        let rates = machine.rates();
         Ok(match self {
             Self::Of(format) => in_process(format, rates, &settings, &start)?,
             Self::F32Position => Box::new(SinglePrecision::new(rates, &settings, motion.start())?),
@@ -85,7 +84,7 @@ pub fn run(
     turns: u32,
     max_ticks: usize,
 ) -> Result<Vec<Tick>, CompareError> {
-    let divider = servo::rates(machine).position_loop_divider as usize;
+    let divider = machine.rates().position_loop_divider as usize;
     let instruments = Instruments { drive_time_constant_s: DRIVE_TIME_CONSTANT_S, ..Instruments::default() };
     let mut machine_sim =
         MachineSim::new(machine, instruments, &motion.start_m()).map_err(SimulationError::from)?;

@@ -12,7 +12,7 @@ pub type Point = [Position; AXES];
 /// 1e-8 nm.
 #[must_use]
 pub fn difference_nm(a: Point, b: Point) -> [f64; AXES] {
-    std::array::from_fn(|i| a[i].beyond(b[i]) as f64 / PER_NM as f64)
+    std::array::from_fn(|i| (a[i] - b[i]) as f64 / PER_NM as f64)
 }
 
 /// Length of a vector, in its unit.

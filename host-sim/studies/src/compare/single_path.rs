@@ -133,7 +133,7 @@ mod tests {
 
     /// A distance (nm) from 1 m, rounded to f32.
     fn rounded(nm: f64) -> f64 {
-        let point = Position::from_m(1.0).unwrap().moved(Position::from_m(1e-9 * nm).unwrap().0);
+        let point = Position::from_m(1.0).unwrap() + Position::from_m(1e-9 * nm).unwrap().0;
         1e9 * (f64::from(metres(point)) - 1.0)
     }
 

@@ -100,8 +100,8 @@ impl Controller for SinglePrecision {
             self.advance();
             for (number, ((config, state), reading)) in (0u8..).zip(self.axes.iter_mut().zip(&readings)) {
                 let command = self.command[usize::from(number)];
-                for hazard in state.position_tick(config, command, 0, *reading).iter() {
-                    self.power = self.power.after(Event::Fault(Fault::Axis { axis: number, hazard }));
+                for kind in state.position_tick(config, command, 0, *reading).iter() {
+                    self.power = self.power.after(Event::Fault(Fault::Axis { axis: number, kind }));
                 }
             }
         }
@@ -121,7 +121,7 @@ impl Controller for SinglePrecision {
 
 #[cfg(test)]
 mod tests {
-    use shared::safety::Hazard;
+    use shared::safety::FaultKind;
 
     use super::*;
     use crate::compare::motion::Motion;
@@ -159,6 +159,6 @@ mod tests {
         // 49 mm too far: the force is negative.
         assert!(power == Power::On && force_n < -1.0, "{force_n}");
         let last = (0..5).map(|_| tick(0.151)).last().unwrap();
-        assert_eq!(last, (Power::Faulted(Fault::Axis { axis: 0, hazard: Hazard::FollowingError }), 0.0));
+        assert_eq!(last, (Power::Faulted(Fault::Axis { axis: 0, kind: FaultKind::FollowingError }), 0.0));
     }
 }
