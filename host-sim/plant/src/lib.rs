@@ -21,7 +21,7 @@
 //! | [`lane`] | arithmetic for one axis, or for two in one SIMD register |
 //!
 //! The tracer (the crate `trace`) uses the same parts with measured signals: [`driven`] is the table behind a measured
-//! motor. What plant and tracer both need of a law stands here once: [`friction::smoothed_sign`],
+//! motor. Laws that plant and tracer both need are defined here once: [`friction::smoothed_sign`],
 //! [`presliding::Bristles`], [`screw::Screw`], and the force ripple and resolver errors of
 //! [`parameters::AxisParameters`].
 

@@ -235,7 +235,7 @@ mod tests {
     }
 
     /// Position of the table after every tick under a sinusoidal force, which reverses the motion, m.
-    fn pushed(parameters: &AxisParameters, steps: u32) -> Vec<f64> {
+    fn positions(parameters: &AxisParameters, steps: u32) -> Vec<f64> {
         let stepper = Stepper::new(parameters, 1e-4, 5e-5 / f64::from(steps));
         let mut motion = AxisMotion::default();
         (0..4000)
@@ -256,20 +256,20 @@ mod tests {
     /// evenly, since a reversal lies in another part of a step each time.
     #[test]
     fn converges_with_the_square_of_the_step() {
-        let fine = pushed(&axis(), 256);
-        let [whole, eighth] = [1, 8].map(|steps| rms_nm(&pushed(&axis(), steps), &fine));
-        assert!(whole < 20.0, "{whole} nm");
-        assert!((32.0..128.0).contains(&(whole / eighth)), "{whole} {eighth}");
+        let fine = positions(&axis(), 256);
+        let [error, of_eighth] = [1, 8].map(|steps| rms_nm(&positions(&axis(), steps), &fine));
+        assert!(error < 20.0, "{error} nm");
+        assert!((32.0..128.0).contains(&(error / of_eighth)), "{error} {of_eighth}");
     }
 
     #[test]
     fn backlash_is_crossed_without_force() {
         let mut with_gap = axis();
         with_gap.screw.backlash = Backlash { width_um: 20.0 };
-        let fine = pushed(&with_gap, 64);
-        let whole = rms_nm(&pushed(&with_gap, 1), &fine);
+        let fine = positions(&with_gap, 64);
+        let error = rms_nm(&positions(&with_gap, 1), &fine);
         // The contact is found to one step: 50 µs at the 3 mm/s of the crossing are 150 nm.
-        assert!((0.1..150.0).contains(&whole), "{whole} nm");
+        assert!((0.1..150.0).contains(&error), "{error} nm");
     }
 
     #[test]

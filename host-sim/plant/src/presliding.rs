@@ -120,22 +120,23 @@ impl<L: Lane> Bristles<L> {
     ) -> MeanFriction<L> {
         let (stiffness, damping) = (self.stiffness_n_per_m, self.damping_n_s_per_m);
         let (one, half_one) = (L::all(1.0), L::all(0.5));
-        let half = one + half_one * relaxation;
-        let whole = one + relaxation * half;
-        // Means over the step: deflection half/whole of the old one, plus (1 + r)/(2·whole) of the travel.
-        let rate_n_per_m = damping * (one - whole) * L::all(step.per_second);
-        let offset_n = bristle_m * (stiffness * half + rate_n_per_m);
+        // 1 + r/2, and 1 + r + r²/2 for eʳ.
+        let mean_growth = one + half_one * relaxation;
+        let growth = one + relaxation * mean_growth;
+        // Means over the step: mean_growth/growth of the old deflection, plus (1 + r)/(2·growth) of the travel.
+        let rate_n_per_m = damping * (one - growth) * L::all(step.per_second);
+        let offset_n = bristle_m * (stiffness * mean_growth + rate_n_per_m);
         let slope_n_s_per_m =
-            half_one * stiffness * L::all(step.seconds) * (one + relaxation) + damping * half;
-        let with_mobility = whole + mobility * slope_n_s_per_m;
-        // 1/with_mobility and 1/whole by one division.
-        let both = (with_mobility * whole).recip();
-        let (per_mobility, per_whole) = (both * whole, both * with_mobility);
+            half_one * stiffness * L::all(step.seconds) * (one + relaxation) + damping * mean_growth;
+        let with_mobility = growth + mobility * slope_n_s_per_m;
+        // 1/with_mobility and 1/growth by one division.
+        let both = (with_mobility * growth).recip();
+        let (per_mobility, per_growth) = (both * growth, both * with_mobility);
         MeanFriction {
             offset_n: offset_n * per_mobility,
             slope_n_s_per_m: slope_n_s_per_m * per_mobility,
-            end_offset_m: bristle_m * per_whole,
-            end_slope_s: half * L::all(step.seconds) * per_whole,
+            end_offset_m: bristle_m * per_growth,
+            end_slope_s: mean_growth * L::all(step.seconds) * per_growth,
         }
     }
 }

@@ -102,22 +102,22 @@ impl Transition<f64> {
 
     /// The step of a length (s) with these rates of change, to which the lag of the drive is added.
     fn over_step(mut rates: Rates, drive_time_constant_s: f64, step_s: f64) -> Self {
-        let lags = drive_time_constant_s > 0.0;
-        if lags {
+        let has_lag = drive_time_constant_s > 0.0;
+        if has_lag {
             rates[(LAG, LAG)] = -1.0 / drive_time_constant_s;
         }
-        let whole = (rates * step_s).exp();
-        let column = |cause: usize| [TRAVEL, STRETCH, MOTOR, TABLE].map(|part| whole[(part, cause)]);
+        let exponential = (rates * step_s).exp();
+        let column = |cause: usize| [TRAVEL, STRETCH, MOTOR, TABLE].map(|part| exponential[(part, cause)]);
         Self {
             stretch: column(STRETCH),
             motor: column(MOTOR),
             table: column(TABLE),
-            lag: if lags { column(LAG) } else { [0.0; 4] },
+            lag: if has_lag { column(LAG) } else { [0.0; 4] },
             motor_force: column(MOTOR_FORCE),
             table_force: column(TABLE_FORCE),
-            mobility: whole[(TRAVEL, TABLE_FORCE)] / step_s,
-            stopping_n_s_per_m: whole[(TABLE, TABLE_FORCE)].recip(),
-            lag_left: if lags { whole[(LAG, LAG)] } else { 0.0 },
+            mobility: exponential[(TRAVEL, TABLE_FORCE)] / step_s,
+            stopping_n_s_per_m: exponential[(TABLE, TABLE_FORCE)].recip(),
+            lag_left: if has_lag { exponential[(LAG, LAG)] } else { 0.0 },
         }
     }
 }

@@ -140,12 +140,12 @@ impl Obstacle {
     /// The obstacle and the name of its function.
     #[must_use]
     pub fn describe(&self, image: &Image) -> String {
-        let place = |at: &u32| format!("{at:#x} in {}", name(image, *at));
+        let location = |at: &u32| format!("{at:#x} in {}", name(image, *at));
         match self {
-            Self::Indirect(at) => format!("a call through a register at {}", place(at)),
-            Self::NoFunction(at) => format!("a jump to an address without a function at {}", place(at)),
-            Self::Unknown(at) => format!("an unknown stack pointer at {}", place(at)),
-            Self::Looped(at) => format!("a stack pointer lowered in a loop at {}", place(at)),
+            Self::Indirect(at) => format!("a call through a register at {}", location(at)),
+            Self::NoFunction(at) => format!("a jump to an address without a function at {}", location(at)),
+            Self::Unknown(at) => format!("an unknown stack pointer at {}", location(at)),
+            Self::Looped(at) => format!("a stack pointer lowered in a loop at {}", location(at)),
             Self::Recursion(starts) => {
                 let names: Vec<_> = starts.iter().map(|start| name(image, *start)).collect();
                 format!("a recursion in or above {}", names.join(", "))

@@ -93,13 +93,13 @@ fn talk_is_mass_times_both_levers_over_the_tilting_stiffness() {
         assert!((found - expected).abs() < 2e-4, "{found} {expected}");
     }
     // The screw 40 mm aside: the slide tilts about y, with the opposite sign.
-    let beside = Assembly::of(&tilting([40.0, 0.0, 0.0])).unwrap().talk_at_rest().unwrap();
+    let aside = Assembly::of(&tilting([40.0, 0.0, 0.0])).unwrap().talk_at_rest().unwrap();
     let expected = [-1e6 * mass * 0.04 / about_y * ahead, 0.0, 0.0];
-    for (found, expected) in beside.tool_um_s2_per_m.iter().zip(expected) {
+    for (found, expected) in aside.tool_um_s2_per_m.iter().zip(expected) {
         assert!((found - expected).abs() < 2e-4, "{found} {expected}");
     }
     // The drive accelerates the slide and its own inertia.
-    assert!((beside.force_kg[(0, 0)] - 100.001).abs() < 1e-6);
+    assert!((aside.force_kg[(0, 0)] - 100.001).abs() < 1e-6);
     // A force through the centre of gravity does not tilt the slide.
     let through = Assembly::of(&tilting([0.0; 3])).unwrap().talk_at_rest().unwrap();
     assert!(through.tool_um_s2_per_m.amax() < 1e-9);
