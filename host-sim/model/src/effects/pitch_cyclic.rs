@@ -8,13 +8,16 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
+/// Highest order of a screw turn that is looked for: a runout of nut or bearing, and an ovality.
+const HIGHEST_ORDER: u32 = 2;
+
 /// The screw carries the table amplitude·sin(2π·motor/period + phase) further than its lead says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PitchCyclic {
     /// Half of peak to peak.
     pub amplitude_um: f64,
-    /// The screw's lead.
+    /// The lead of the screw, or half of it.
     pub period_mm: f64,
     /// Phase at motor position zero.
     #[serde(default)]
@@ -50,8 +53,8 @@ impl EffectModel for PitchCyclic {
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let lead = context.axis.mechanics.lead_mm.filter(|_| context.has(Stage::Table));
-        let start = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
-        lead.into_iter().map(start).collect()
+        let guess = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
+        lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {

@@ -8,13 +8,17 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
+/// Highest order of an electrical period that is looked for: offsets of sine and cosine make the first, a difference of
+/// their amplitudes the second.
+const HIGHEST_ORDER: u32 = 2;
+
 /// Motor reading = motor + amplitude·sin(2π·motor/period + phase), after Soeda, section (D).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResolverDividing {
     /// Half of peak to peak.
     pub amplitude_um: f64,
-    /// Lead / pole pairs.
+    /// Lead / pole pairs, or half of it.
     pub period_mm: f64,
     /// Phase at motor position zero.
     #[serde(default)]
@@ -50,15 +54,11 @@ impl EffectModel for ResolverDividing {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let sees_table = context.has(Stage::Table);
-        let lead = context.axis.mechanics.lead_mm.filter(|_| sees_table);
-        let poles = context.axis.sensors.resolver_pole_pairs;
-        let start = |(lead, poles): (f64, u32)| Self {
-            amplitude_um: 0.0,
-            period_mm: lead / f64::from(poles),
-            phase_rad: 0.0,
-        };
-        lead.zip(poles).into_iter().map(start).collect()
+        let lead = context.axis.mechanics.lead_mm.filter(|_| context.has(Stage::Table));
+        let electrical_mm = lead.zip(context.axis.sensors.resolver_pole_pairs);
+        let electrical_mm = electrical_mm.map(|(lead_mm, pole_pairs)| lead_mm / f64::from(pole_pairs));
+        let guess = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
+        electrical_mm.into_iter().flat_map(|mm| harmonic::periods(mm, HIGHEST_ORDER)).map(guess).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {

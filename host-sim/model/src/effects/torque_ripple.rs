@@ -53,14 +53,8 @@ impl EffectModel for TorqueRipple {
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let lead = context.axis.mechanics.lead_mm.filter(|_| context.axis.has_mass());
-        let orders = |lead: f64| {
-            (1..=HIGHEST_ORDER).map(move |order| Self {
-                amplitude_n: 0.0,
-                period_mm: lead / f64::from(order),
-                phase_rad: 0.0,
-            })
-        };
-        lead.into_iter().flat_map(orders).collect()
+        let guess = |period_mm| Self { amplitude_n: 0.0, period_mm, phase_rad: 0.0 };
+        lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {

@@ -1,4 +1,4 @@
-//! What three effects share: amplitude·sin(2π·position/period + phase).
+//! What harmonic effects share: amplitude·sin(2π·position/period + phase).
 
 use std::f64::consts::TAU;
 
@@ -8,6 +8,11 @@ use super::Coordinate;
 #[must_use]
 pub fn wave(position_mm: f64, period_mm: f64, phase_rad: f64) -> f64 {
     (TAU * position_mm / period_mm + phase_rad).sin()
+}
+
+/// The periods of the first orders of a fundamental period.
+pub fn periods(fundamental_mm: f64, highest_order: u32) -> impl Iterator<Item = f64> {
+    (1..=highest_order).map(move |order| fundamental_mm / f64::from(order))
 }
 
 /// Sine and cosine part of a harmonic: the coordinates in which the model is linear.

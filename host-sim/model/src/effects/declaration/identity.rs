@@ -32,7 +32,7 @@ impl PartialEq for Distinction<'_> {
             (Self::None, Self::None) => true,
             (Self::Source(a), Self::Source(b)) => a == b,
             (Self::Channel(a), Self::Channel(b)) => a == b,
-            (Self::Period(a), Self::Period(b)) => (a - b).abs() <= 1e9 * SAME_PERIOD * a.abs(),
+            (Self::Period(a), Self::Period(b)) => (a - b).abs() <= SAME_PERIOD * a.abs(),
             _ => false,
         }
     }
