@@ -8,7 +8,8 @@ use files::log::Log;
 use model::machine::Machine;
 use studies::demo;
 use tests::{cases, data};
-use trace::axis::{Pair, StageError};
+use trace::fit::fit_data::Pair;
+use trace::outcome::StageError;
 use trace::{Trace, trace};
 
 /// Share by which a residual may differ: the fits end when a step brings less than a ten-thousandth of Σr², and the
@@ -17,7 +18,7 @@ const SAME: f64 = 0.02;
 
 /// All residuals of a trace with their names.
 fn residuals(trace: &Trace, of: fn(&StageError) -> Pair) -> Vec<(String, f64)> {
-    let of_axis = |axis: &trace::axis::AxisTrace| {
+    let of_axis = |axis: &trace::outcome::AxisTrace| {
         let of_stage = |error: &StageError| {
             let Pair { fit, validate } = of(error);
             [("fit", fit), ("validate", validate)]

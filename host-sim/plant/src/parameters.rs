@@ -12,7 +12,14 @@ use model::bodies;
 use model::servo::ServoParameters;
 
 /// Sharpness of the motor's own friction, m/s in tanh(v/0.2 mm/s).
-pub const MOTOR_SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
+const MOTOR_SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
+
+/// Smoothed sign of the motor's friction, −1 to 1, at a velocity (m/s).
+#[must_use]
+#[inline]
+pub fn motor_friction_sign(velocity: f64) -> f64 {
+    (velocity / MOTOR_SIGN_WIDTH_M_PER_S).tanh()
+}
 
 /// Everything that the simulation of one axis needs, SI.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -159,7 +166,7 @@ impl AxisParameters {
         if self.motor_coulomb_n == 0.0 {
             return 0.0;
         }
-        self.motor_coulomb_n * (velocity / MOTOR_SIGN_WIDTH_M_PER_S).tanh()
+        self.motor_coulomb_n * motor_friction_sign(velocity)
     }
 
     /// Force of all torque ripple, N, at a motor position (m).

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use trace::signals::Signals;
+use trace::input::signals::Signals;
 
 /// Slower than this share of a log's fastest speed the axes stand, and a stretch ends.
 const STANDING: f64 = 0.01;

@@ -7,7 +7,7 @@ use super::stages::{AxisView, part};
 use super::variable::{Across, means};
 use model::effects::Stage;
 use trace::Trace;
-use trace::axis::{residual_unit, stage_names};
+use trace::stages::{residual_unit, stage_names};
 
 /// Most pieces that a log is cut into for a picture; each is drawn by its least and greatest value.
 const PIECES: usize = 700;
@@ -114,8 +114,7 @@ fn over_time(trace: &Trace, view: &AxisView<'_>, stage: Stage, log: usize, width
 
     let source = super::file_name(&signals.source);
     let error = |parts| {
-        let error = part(parts, stage, log)
-            .map(|part| trace::residual::rms(std::slice::from_ref(part), stage, &view.evidence));
+        let error = part(parts, stage, log).map(|part| view.evidence.rms(std::slice::from_ref(part), stage));
         format!("{} {unit}", significant(error.unwrap_or(0.0), 3))
     };
     let noise = view.evidence.noise_of_log(&view.trace.model, stage, log);

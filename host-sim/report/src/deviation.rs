@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use super::circle::{Arc, Circle};
 use super::stages::{AxisView, part};
 use model::effects::Stage;
-use trace::residual::Part;
-use trace::signals::{AxisSignals, Signals, Smooth};
+use trace::fit::fit_data::ResidualSeries;
+use trace::input::signals::{AxisSignals, Signals};
+use trace::input::smoothing::Smooth;
 
 /// Points a turn; each is the mean of the samples around it.
 const POINTS: f64 = 1440.0;
@@ -59,7 +60,7 @@ impl Run<'_> {
     ///
     /// Each stage is driven by what was measured upstream of it, so their residuals add up along the
     /// chain command, motor, table, tool.
-    pub fn unexplained(&self, residuals: [&[Part]; 2]) -> Vec<Lap> {
+    pub fn unexplained(&self, residuals: [&[ResidualSeries]; 2]) -> Vec<Lap> {
         let stages = self.stages();
         let sums = residuals.map(|parts| {
             let mut sum = vec![0.0; self.signals.len()];

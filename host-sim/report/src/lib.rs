@@ -34,7 +34,7 @@ use markup::{list, note, paragraph, section, text};
 use model::effects::Effect;
 use stages::AxisView;
 use trace::Trace;
-use trace::axis::AxisTrace;
+use trace::outcome::AxisTrace;
 
 /// Name of the page in its folder.
 pub const FILE_NAME: &str = "report.html";
@@ -122,7 +122,7 @@ const DECIDES: &str = "One decision is made with what was held out: an effect th
 
 /// Which logs were fitted and which were not.
 fn sources(trace: &Trace) -> String {
-    let names = |logs: &[trace::signals::Signals]| {
+    let names = |logs: &[trace::input::signals::Signals]| {
         logs.iter().map(|log| file_name(&log.source)).collect::<Vec<_>>().join(", ")
     };
     let (fit, validate) = (names(&trace.fit_logs), names(&trace.validate_logs));
@@ -149,7 +149,7 @@ fn unexplained(axes: &[AxisTrace], notes: &[String]) -> String {
             rests.chain(axis.not_testable.iter().map(|stage| words::not_testable(&axis.axis, stage)))
         })
         .collect();
-    let is_explained = |axis: &AxisTrace, error: &trace::axis::StageError| {
+    let is_explained = |axis: &AxisTrace, error: &trace::outcome::StageError| {
         const MOST: f64 = 1.5;
         let is_quiet = error.after.validate <= MOST * error.noise;
         is_quiet && !axis.unexplained.iter().any(|rest| rest.channel == error.stage)
@@ -158,7 +158,7 @@ fn unexplained(axes: &[AxisTrace], notes: &[String]) -> String {
         .iter()
         .flat_map(|axis| {
             let explained = axis.errors.iter().filter(|error| is_explained(axis, error));
-            explained.map(|error| format!("{} {}", axis.axis, trace::axis::stage_names(&[error.stage])))
+            explained.map(|error| format!("{} {}", axis.axis, trace::stages::stage_names(&[error.stage])))
         })
         .collect();
     let stays: Vec<String> = notes.iter().cloned().chain(stays).collect();

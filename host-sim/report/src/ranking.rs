@@ -5,10 +5,14 @@ use super::number::{fixed, percent, significant};
 use super::parameters;
 use super::words::rotary;
 use files::log::Unit;
-use trace::axis::{AxisTrace, Found, is_same, stage_names};
-use trace::candidates::{Candidate, LEAST_REDUCTION, LEAST_T};
-use trace::held_out::{Comparison, FOLDS};
-use trace::search::Round;
+use trace::effect_identity::is_same;
+use trace::fit::normal_equations::FOLDS;
+use trace::outcome::AxisTrace;
+use trace::search::candidates::Candidate;
+use trace::search::held_out::Comparison;
+use trace::search::round::Round;
+use trace::stages::stage_names;
+use trace::validation::found::Found;
 
 /// Most candidates of a round that are shown.
 const SHOWN: usize = 6;
@@ -124,19 +128,21 @@ fn verdict(axis: &AxisTrace, round: &Round, place: usize) -> String {
     if let Some(limit) = &candidate.limit {
         return format!("{} is the limit of its search", significant(limit.limit, 3));
     }
-    let supported =
-        |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
-    let least = 100.0 * (1.0 - (1.0 - LEAST_REDUCTION).sqrt());
-    if candidate.is_supported() {
+    let options = &round.options;
+    let supported = |c: &Comparison| {
+        c.reduction >= options.min_reduction && c.t >= options.min_t && c.folds_better == FOLDS
+    };
+    let least = 100.0 * (1.0 - (1.0 - options.min_reduction).sqrt());
+    if candidate.is_supported(options) {
         // The best that is supported is added, unless the closed loop speaks against it.
         let is_vetoed = round.added.is_none_or(|added| place < added);
         let why = if is_vetoed { "makes the closed loop worse" } else { "another one is better" };
         format!("supported here, but {why}")
-    } else if !candidate.material {
+    } else if !candidate.exceeds_tolerance {
         "too small to tell from what any model leaves open".to_owned()
     } else if best.reduction <= 0.0 {
         "makes it worse".to_owned()
-    } else if best.reduction < LEAST_REDUCTION {
+    } else if best.reduction < options.min_reduction {
         format!("too small: below {} %", fixed(least, 0))
     } else if candidate.comparison.iter().any(supported) {
         let worst = candidate.comparison.iter().map(|c| c.worst_log).fold(0.0, f64::min);
@@ -144,6 +150,6 @@ fn verdict(axis: &AxisTrace, round: &Round, place: usize) -> String {
     } else if best.folds_better < FOLDS {
         format!("better in {} of {FOLDS} parts of the logs only", best.folds_better)
     } else {
-        format!("may be chance: {} standard errors, below {}", fixed(best.t, 1), fixed(LEAST_T, 1))
+        format!("may be chance: {} standard errors, below {}", fixed(best.t, 1), fixed(options.min_t, 1))
     }
 }

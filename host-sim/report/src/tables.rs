@@ -4,7 +4,10 @@ use super::markup::{note, text};
 use super::number::{fixed, signed};
 use super::{parameters, words};
 use model::effects::Effect;
-use trace::axis::{AxisTrace, Found, StageError, is_same, residual_unit, stage_names};
+use trace::effect_identity::is_same;
+use trace::outcome::{AxisTrace, StageError};
+use trace::stages::{residual_unit, stage_names};
+use trace::validation::found::Found;
 
 /// Errors before and after, by axis and stage; empty where no stage could be formed.
 pub fn errors(axes: &[AxisTrace]) -> String {

@@ -1,6 +1,6 @@
 //! Which effects could not be looked for, and what it would take.
 
-use super::scope::NotTestable;
+use crate::fit::scope::NotTestable;
 use model::effects::{NAMES, Stage};
 use model::machine::Axis;
 
