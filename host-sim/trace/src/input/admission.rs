@@ -130,16 +130,18 @@ mod tests {
     #[test]
     fn channels_that_a_validation_log_lacks_are_noted_and_none_in_common_is_refused() {
         let fit = [log("a.csv", 1000.0, Unit::Millimetre)];
-        let mut lacks = log("b.csv", 1000.0, Unit::Millimetre);
-        lacks.axes[0].force = None;
+        let mut incomplete = log("b.csv", 1000.0, Unit::Millimetre);
+        incomplete.axes[0].force = None;
         // Another motion, so that it is no copy.
-        lacks.axes[0].motor.iter_mut().flatten().for_each(|mm| *mm *= 0.5);
-        let held_out = [lacks.clone()];
+        incomplete.axes[0].motor.iter_mut().flatten().for_each(|mm| *mm *= 0.5);
+        let held_out = [incomplete.clone()];
         let admitted = admit(&machine(), &fit, &held_out, &AdmissionOptions::default()).unwrap();
         assert_eq!(admitted.notes, ["b.csv: has no x force, and judges nothing of it."]);
-        lacks.axes.pop();
-        lacks.axes[0].command = lacks.axes[0].motor.take();
-        assert!(refused(&fit, &[lacks]).contains("b.csv: expected a channel that the fit logs have, too"));
+        incomplete.axes.pop();
+        incomplete.axes[0].command = incomplete.axes[0].motor.take();
+        assert!(
+            refused(&fit, &[incomplete]).contains("b.csv: expected a channel that the fit logs have, too")
+        );
     }
 
     #[test]

@@ -34,8 +34,9 @@ pub struct DrivenInput<'a> {
 
 /// Drives the mechanics with the measured motor.
 ///
-/// The measured motor is filtered, and with it what depends on it linearly. The rest, x_t − x_m + (m_t/c)·a and the
-/// friction forces, is computed first and passes the same filter afterwards.
+/// The measured motor is filtered, and with it what depends on it linearly: the table by its position and the stretch of
+/// the spring by acceleration, the force by mass times acceleration. The rest (friction, backlash, periodic errors) is
+/// computed from the path between samples and passes the same filter afterwards.
 #[must_use]
 pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
     let DrivenInput { motor, path, sample_s, sampling, added_n } = *input;
@@ -61,8 +62,8 @@ pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
     Driven { table_m: delayed_cubic(table_m, parameters.late_s(Channel::Table), sample_s), force_n }
 }
 
-/// Table and force at the samples less what depends on the motor linearly: position − `stretch_s2`·acceleration of the
-/// table, and (m_m + m_t)·acceleration of the force.
+/// Table and force at the samples less their linear part: position − `stretch_s2`·acceleration of the table, and (motor
+/// mass + table mass)·acceleration of the force.
 fn nonlinear_part(
     parameters: &AxisParameters,
     motor: &Smooth,
