@@ -120,8 +120,11 @@ options! {
         /// Fraction at the end of each log that is held out where no validation log is given.
         held_out: f64 = 0.25,
     }
-    /// Which samples count, and what is known of the start of a log.
+    /// How signals are filtered, which samples count, and what is known of the start of a log.
     samples: SampleOptions {
+        /// Half width of the smoothing window of the signals, s: the filter passes the bandwidth of a servo loop and removes
+        /// the sensor's noise from velocities.
+        smoothing_s: f64 = 0.005,
         /// Settling time at the start of a log that is left out, s: the state before the log is not known.
         settling_s: f64 = 0.3,
         /// Shortest standstill, s; a reversal passes through velocity zero in less.
@@ -149,6 +152,8 @@ options! {
         velocity_trim: f64 = 0.25,
         /// How early a drive's force may act, ticks of the velocity loop.
         drive_trim: f64 = 0.15,
+        /// Standard deviation of the prior of these errors, as a fraction of the greatest.
+        trim_prior: f64 = 0.5,
         /// A model in a file that an earlier trace wrote is only replaced by a fit that lowers the residuals by this
         /// fraction in all: from another start a fit ends elsewhere along poorly determined parameters, where a motor stage
         /// at its noise differs by up to 4 %.

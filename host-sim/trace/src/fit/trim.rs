@@ -131,7 +131,7 @@ impl Trims {
             } else {
                 Coordinate::between(1e3 * self.late_s[instant as usize], step, lower, upper)
             };
-            (instant, coordinate, 0.5 * bound)
+            (instant, coordinate, options.trim_prior * bound)
         };
         let of_stages = Instant::ALL.into_iter();
         let of_stages = of_stages.filter(|instant| stages.contains(&instant.stage()) && instant.is_of(axis));

@@ -6,10 +6,6 @@ use super::smoothing::{Smooth, range};
 use crate::options::SampleOptions;
 use files::log::{AxisLog, Log, Unit};
 
-/// Half width of the smoothing window, s: the filter passes the bandwidth of a servo loop and removes the sensor's noise
-/// from velocities.
-const SMOOTHING_HALF_S: f64 = 0.005;
-
 /// One axis of one log, SI (rotary axes: mm and N stand for deg and N·m).
 #[derive(Clone, Debug)]
 pub struct AxisSignals {
@@ -57,7 +53,7 @@ impl Signals {
     pub fn new(log: &Log, axes: &[String], options: &SampleOptions) -> Self {
         let sample_s = log.sample_time_s;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
-        let half_window = ((SMOOTHING_HALF_S / sample_s).round() as usize).clamp(2, 50);
+        let half_window = ((options.smoothing_s / sample_s).round() as usize).clamp(2, 50);
         let prepared = |name: &String| {
             let found = log.axes.iter().find(|axis| axis.name == *name);
             found.map_or_else(AxisSignals::absent, |axis| {
