@@ -1,30 +1,30 @@
-//! The few figures that a score is made of.
+//! Confidence interval of a proportion, and quantiles.
 
 /// 97.5 % point of the normal distribution.
 const Z_975: f64 = 1.96;
 
-/// 95 % interval of a probability of which `hits` of `trials` were seen (E. B. Wilson, *J. Am. Stat. Assoc.* 22, 1927);
-/// all of 0 to 1 without a trial.
+/// 95 % confidence interval of a probability after `hits` in `trials` (E. B. Wilson, *J. Am. Stat. Assoc.* 22, 1927);
+/// 0 to 1 without a trial.
 #[must_use]
 pub fn wilson(hits: usize, trials: usize) -> [f64; 2] {
     if trials == 0 {
         return [0.0, 1.0];
     }
     let n = trials as f64;
-    let share = hits as f64 / n;
+    let p = hits as f64 / n;
     let z2 = Z_975 * Z_975;
-    let middle = share + z2 / (2.0 * n);
-    let half = Z_975 * (share * (1.0 - share) / n + z2 / (4.0 * n * n)).sqrt();
+    let middle = p + z2 / (2.0 * n);
+    let half = Z_975 * (p * (1.0 - p) / n + z2 / (4.0 * n * n)).sqrt();
     [((middle - half) / (1.0 + z2 / n)).max(0.0), ((middle + half) / (1.0 + z2 / n)).min(1.0)]
 }
 
-/// The smallest value that a share (0 to 1) of the values does not exceed; NaN of none.
+/// The smallest of the values that at least a fraction (0 to 1) of them does not exceed; NaN without values.
 #[must_use]
-pub fn quantile(values: &[f64], share: f64) -> f64 {
+pub fn quantile(values: &[f64], fraction: f64) -> f64 {
     let mut sorted = values.to_vec();
     sorted.sort_by(f64::total_cmp);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a count of values")]
-    let rank = (share * sorted.len() as f64).ceil().max(1.0) as usize;
+    let rank = (fraction * sorted.len() as f64).ceil().max(1.0) as usize;
     sorted.get(rank - 1).or(sorted.last()).copied().unwrap_or(f64::NAN)
 }
 
@@ -48,7 +48,7 @@ mod tests {
     #[test]
     fn quantiles_are_values_that_were_seen() {
         let values = [4.0, 1.0, 3.0, 2.0];
-        let found = [0.0, 0.5, 0.51, 0.95, 1.0].map(|share| quantile(&values, share).to_bits());
+        let found = [0.0, 0.5, 0.51, 0.95, 1.0].map(|fraction| quantile(&values, fraction).to_bits());
         assert_eq!(found, [1.0_f64, 2.0, 3.0, 4.0, 4.0].map(f64::to_bits));
         assert!(quantile(&[], 0.5).is_nan());
     }

@@ -18,7 +18,7 @@ use trace::friction_map::unexplained::unexplained;
 /// # Errors
 /// Input that cannot be used, output that cannot be written.
 pub fn run(path: &Path, json_path: Option<&PathBuf>, folder: Option<&PathBuf>) -> Result<()> {
-    let page = report::file_in(folder);
+    let page = report::page::file_in(folder);
     keeps(&[path], &[("--json", json_path), ("--report", page.as_ref())])?;
     let map = FrictionMap::read(path)?;
     let explained = explain(&map).ok_or_else(|| {

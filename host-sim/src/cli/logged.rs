@@ -91,7 +91,7 @@ impl Logged {
     fn new(machine: &Machine) -> Self {
         let axes = machine.axis.iter().map(|(name, axis)| Seen {
             name: name.clone(),
-            limit_n: axis.force_limit_n,
+            limit_n: axis.settings.controller.force_limit_n,
             following_um: Figures::default(),
             force_n: Figures::default(),
             at_limit: 0,

@@ -12,9 +12,8 @@ use link::controller::Format;
 use link::emulator::PATIENCE;
 use model::machine::Machine;
 use model::motion::Motion;
-use model::servo;
 use plant::instruments::Instruments;
-use plant::path;
+use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
 use studies::demo;
 
@@ -64,11 +63,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         arguments.machine.as_ref().map_or_else(|| DEMO_MACHINE.to_owned(), |path| path.display().to_string());
     let motion_file = &arguments.motion.display().to_string();
     let given = Given { machine: &machine, machine_file: &machine_file, motion_file };
-    let path = path::of(&motion, &machine, motion_file)?;
-    let set_up = simulate::set_up(&machine, &path.start_m);
+    let path = MachinePath::new(&motion, &machine, motion_file)?;
+    let set_up = simulate::controller_setup(&machine, &path.start_m);
     let (settings, start) = set_up.map_err(|error| given.blamed(error))?;
-    let board =
-        link::open(&arguments.port, patience, Format::Fixed, servo::rates(&machine), &settings, &start);
+    let board = link::open(&arguments.port, patience, Format::Fixed, machine.rates(), &settings, &start);
     let mut board = board.map_err(|error| given.blamed(error))?;
     let run = Run {
         machine: &machine,

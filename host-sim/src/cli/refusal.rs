@@ -58,8 +58,9 @@ impl Given<'_> {
 
     fn beyond_travel(&self, index: usize, axis: u8) -> InputError {
         let axis = self.machine.axis.get_index(axis.into());
-        let (name, [least, greatest]) =
-            axis.map_or(("", [f64::NAN; 2]), |(name, axis)| (name, axis.travel_mm.unwrap_or([f64::NAN; 2])));
+        let (name, [least, greatest]) = axis.map_or(("", [f64::NAN; 2]), |(name, axis)| {
+            (name, axis.settings.limits.travel_mm.unwrap_or([f64::NAN; 2]))
+        });
         let problem = format!(
             "expected a block within axis.{name}.travel_mm, {least} to {greatest} mm, of {}",
             self.machine_file
@@ -87,8 +88,8 @@ impl Given<'_> {
             (key, Some((axis, _))) => format!("axis.{axis}.{key}"),
         };
         let error = match *error {
-            ConfigError::OutOfRange { name, least, most } => {
-                ConfigError::OutOfRange { name, least: per_si * least, most: per_si * most }
+            ConfigError::OutOfRange { name, min, max } => {
+                ConfigError::OutOfRange { name, min: per_si * min, max: per_si * max }
             }
             error => error,
         };

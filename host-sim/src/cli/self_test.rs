@@ -15,7 +15,7 @@ use self_test::case::Case;
 use self_test::score::Outcome;
 use self_test::statistics::quantile;
 use self_test::summary::Summary;
-use self_test::words;
+use self_test::text_summary;
 
 /// Most cases of one run: some weeks.
 const MOST_CASES: u64 = 100_000;
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let expected = format!("a number of cases from 1 to {MOST_CASES}");
         return Err(InputError::expected("--cases", expected, arguments.cases).into());
     }
-    let page = report::file_in(arguments.report.as_ref());
+    let page = report::page::file_in(arguments.report.as_ref());
     keeps(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
     stop::write_first();
     let (sender, receiver) = channel();
@@ -101,7 +101,8 @@ fn one(arguments: &Arguments, number: u64, news: &Sender<News>) -> Result<News> 
         case.keep(folder)?;
     }
     let began = Instant::now();
-    let outcome = if arguments.no_trace { None } else { Some(self_test::judge(&case, &|what| doing(what))?) };
+    let outcome =
+        if arguments.no_trace { None } else { Some(self_test::trace_and_score(&case, &|what| doing(what))?) };
     Ok(News::Done(outcome, began.elapsed()))
 }
 
@@ -150,9 +151,9 @@ fn write(arguments: &Arguments, run: &Run) -> Result<()> {
         let text = serde_json::to_string_pretty(&json)?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
-    let sentences = words::sentences(arguments.seed, &summary);
+    let sentences = text_summary::sentences(arguments.seed, &summary);
     let mut said = sentences.join("\n");
-    said += &format!("\n\n{}", words::tables(&run.outcomes, &summary));
+    said += &format!("\n\n{}", text_summary::tables(&run.outcomes, &summary));
     said += &format!("\n{:.1} s a case in the median.", quantile(&run.seconds, 0.5));
     if let Some(folder) = &arguments.report {
         let path = self_test::page::write(folder, &sentences, &run.outcomes, &summary)?;

@@ -9,7 +9,8 @@ use super::{friction_map, keeps, say, summary};
 use files::log::Log;
 use files::output::write_whole;
 use model::machine::Machine;
-use report::Extra;
+use report::page;
+use report::trace_page::{self, Extra};
 
 /// Arguments of `trace`.
 #[derive(clap::Args)]
@@ -61,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let logs = arguments.fit.iter().chain(&arguments.validate);
     let inputs: Vec<&Path> = logs.map(PathBuf::as_path).chain([machine]).collect();
-    let page = report::file_in(arguments.report.as_ref());
+    let page = page::file_in(arguments.report.as_ref());
     let outputs = [
         ("--json", arguments.json.as_ref()),
         ("--model", arguments.model.as_ref()),
@@ -97,7 +98,7 @@ fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     }
     if let Some(folder) = &arguments.report {
         let title = format!("Lost motion of {}", machine.name);
-        let path = report::write(folder, &trace, &Extra { title, ..Extra::default() })?;
+        let path = trace_page::write(folder, &trace, &Extra { title, ..Extra::default() })?;
         said += &format!("\n\nReport: {}", path.display());
     }
     say(&said)

@@ -4,7 +4,6 @@ use crate::analysis::empirical::{Empirical, empirical};
 use crate::analysis::free_run::free_runs;
 use crate::analysis::repeatability::{Repeatability, repeatability};
 use crate::analysis::residual_analysis::{Unexplained, unexplained};
-use crate::effect_identity::is_same;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::final_fit::{FinalFit, final_fit, kept};
 use crate::fit::fit_data::{FitData, Pair};
@@ -12,17 +11,17 @@ use crate::fit::least_squares::Fitted;
 use crate::fit::model_bias::first_fit;
 use crate::fit::scope::{Scope, scopes};
 use crate::fit::scope_fit::{Progress, ScopeFit, fit_again, fit_jointly};
+use crate::not_testable::effects_not_testable;
 use crate::outcome::{AxisTrace, StageError};
 use crate::search::ambiguity::Ambiguity;
 use crate::search::effect_search::EffectSearch;
 use crate::search::round::Round;
 use crate::stages::stage_names;
-use crate::untested::untested;
 use crate::validation::confirmation::{Confirmed, confirm};
 use crate::validation::fitted_axis::FittedAxis;
 use crate::validation::found::Found;
 use files::log::Unit;
-use model::effects::{Effect, Stage};
+use model::effects::{Effect, Neighbours, Stage};
 use model::machine::Axis;
 
 /// Traces one axis. `progress` is told what is being tried.
@@ -62,10 +61,17 @@ pub fn trace(
     let logs: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
     let free_runs = free_runs(fit_data.name(), &before.axis, &model.axis, &logs);
     let tried = tried(declared, &rounds);
+    let neighbours = Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 };
     AxisTrace {
         axis: fit_data.name().to_owned(),
         unit: fit_data.logs.iter().find_map(|log| log.axes[fit_data.axis].unit).unwrap_or(Unit::Millimetre),
-        untested: untested(declared, fit_data.axis, fit_data.names.len(), &stages, &not_testable, &tried),
+        effects_not_testable: effects_not_testable(
+            &declared.settings,
+            neighbours,
+            &stages,
+            &not_testable,
+            &tried,
+        ),
         ambiguities: ambiguities(&rounds, &found),
         bias: validate.bias.to_vec(),
         declared: before,
@@ -193,7 +199,7 @@ fn tried<'a>(declared: &'a Axis, rounds: &'a [Round]) -> Vec<&'a str> {
 
 /// The ambiguities of the search between an effect that was found in the end and one that was not.
 fn ambiguities(rounds: &[Round], found: &[Found]) -> Vec<Ambiguity> {
-    let is_found = |effect: &Effect| found.iter().any(|found| is_same(&found.effect, effect));
+    let is_found = |effect: &Effect| found.iter().any(|found| found.effect.is_same(effect));
     let all = rounds.iter().flat_map(|round| &round.ambiguities);
     all.filter(|one| is_found(&one.added) && !is_found(&one.rival)).cloned().collect()
 }

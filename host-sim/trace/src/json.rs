@@ -6,14 +6,13 @@ use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::Unexplained;
 use crate::fit::limits::AtLimit;
 use crate::fit::scope::NotTestable;
+use crate::not_testable::EffectNotTestable;
 use crate::outcome::{AxisTrace, StageError, Trace};
-use crate::rotary;
 use crate::search::ambiguity::Ambiguity;
 use crate::stages::residual_unit;
 use crate::validation::found::Found;
 use crate::verdict;
 use files::log::Unit;
-use model::effects::Effect;
 
 /// The JSON of `trace --json`, with the tables of `--empirical` or without.
 #[must_use]
@@ -32,9 +31,8 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
         })
         .collect();
     for axis in &trace.axes {
-        let one =
-            |u: &crate::untested::Untested| json!({"effect": u.effect, "axis": axis.axis, "needs": u.needs});
-        not_testable.extend(axis.untested.iter().map(one));
+        let one = |n: &EffectNotTestable| json!({"effect": n.effect, "axis": axis.axis, "needs": n.needs});
+        not_testable.extend(axis.effects_not_testable.iter().map(one));
     }
     let repeats: Vec<Value> = trace
         .axes
@@ -92,20 +90,15 @@ fn refused(axis: &AxisTrace, limit: &AtLimit) -> Value {
     let mut entry = json!({
         "name": limit.effect.name(),
         "axis": axis.axis,
-        "parameter": key(axis, limit.parameter),
+        "parameter": limit.parameter.key_on(axis.unit == Unit::Degree),
         "value": limit.value,
         "limit": limit.limit,
         "why": "at the limit of its search: the value lies beyond, or it is another effect",
     });
-    if let (Value::Object(entry), Some(source)) = (&mut entry, source(&limit.effect)) {
+    if let (Value::Object(entry), Some(source)) = (&mut entry, limit.effect.distinction().source()) {
         entry.insert("source".to_owned(), json!(source));
     }
     entry
-}
-
-/// Name of a parameter with the axis's units.
-fn key(axis: &AxisTrace, name: &str) -> String {
-    if axis.unit == Unit::Degree { rotary::key(name) } else { name.to_owned() }
 }
 
 fn residual(axis: &AxisTrace, error: &StageError) -> Value {
@@ -145,13 +138,13 @@ fn unexplained(axis: &AxisTrace, residual: &Unexplained) -> Value {
 }
 
 fn effect(axis: &AxisTrace, found: &Found) -> Value {
-    let parameters: Map<String, Value> = found
-        .effect
-        .parameters()
-        .into_iter()
+    let is_rotary = axis.unit == Unit::Degree;
+    let declared = found.effect.declared_parameters().iter();
+    let parameters: Map<String, Value> = declared
+        .zip(found.effect.values())
         .zip(&found.half_widths)
-        .map(|((name, value), half)| {
-            (key(axis, name), json!({"value": value, "ci95": [value - half, value + half]}))
+        .map(|((parameter, value), half)| {
+            (parameter.key_on(is_rotary), json!({"value": value, "ci95": [value - half, value + half]}))
         })
         .collect();
     let mut entry = json!({
@@ -165,19 +158,9 @@ fn effect(axis: &AxisTrace, found: &Found) -> Value {
         let (_, unit) = residual_unit(axis.unit, found.stage);
         entry.insert(format!("before_{unit}"), json!(found.before));
         entry.insert(format!("after_{unit}"), json!(found.after));
-        if let Some(source) = source(&found.effect) {
+        if let Some(source) = found.effect.distinction().source() {
             entry.insert("source".to_owned(), json!(source));
         }
     }
     entry
-}
-
-/// The axis that an effect is caused by, where that is another one.
-#[must_use]
-pub fn source(effect: &Effect) -> Option<&str> {
-    match effect {
-        Effect::Crosstalk(e) => Some(&e.source),
-        Effect::Straightness(e) => Some(&e.source),
-        _ => None,
-    }
 }

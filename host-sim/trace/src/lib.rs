@@ -11,28 +11,26 @@
 //! 7. [`verdict`]: whether the logs are explained; [`json`]: the result for programs.
 //!
 //! [`axis_trace`] has these steps for one axis, [`outcome`] what they give, [`options`] the thresholds by which they
-//! decide; [`untested`] says what was not searched for. [`friction_map`] explains a steady-state friction map in the same
+//! decide; [`not_testable`] says what was not searched for. [`friction_map`] explains a steady-state friction map in the same
 //! way.
 
 pub mod analysis;
 pub mod axis_trace;
-pub mod effect_identity;
 pub mod fit;
 pub mod friction_map;
 pub mod input;
 pub mod json;
+pub mod not_testable;
 pub mod options;
 pub mod outcome;
 pub mod prediction;
-pub mod rotary;
 pub mod search;
 pub mod stages;
-pub mod untested;
 pub mod validation;
 pub mod verdict;
 
 /// The names that a trace may answer with.
-pub use model::effects::NAMES as EFFECT_NAMES;
+pub use model::effects::names as effect_names;
 /// What a trace is given as declared.
 pub use model::machine::Machine;
 pub use options::TraceOptions;

@@ -9,16 +9,15 @@ use crate::fit::fit_data::{FitData, Pair, ResidualSeries};
 use crate::fit::limits::AtLimit;
 use crate::fit::scope::{NotTestable, Scope};
 use crate::input::signals::Signals;
+use crate::not_testable::EffectNotTestable;
 use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
 use crate::search::distinguishing_motion;
 use crate::search::round::Round;
-use crate::untested::Untested;
 use crate::validation::found::Found;
 use files::log::Unit;
 use model::effects::Stage;
 use model::machine::Machine;
-use model::servo;
 
 /// Everything that a trace found.
 #[derive(Clone, Debug)]
@@ -55,7 +54,7 @@ pub struct AxisTrace {
     /// Stages that could not, and why.
     pub not_testable: Vec<NotTestable>,
     /// Effects that could not be searched for, and why.
-    pub untested: Vec<Untested>,
+    pub effects_not_testable: Vec<EffectNotTestable>,
     /// Effects, in the order in which they were added.
     pub found: Vec<Found>,
     /// Effects that were not added because a parameter ended at a limit of its range.
@@ -127,6 +126,6 @@ impl Trace {
     /// The data of one axis in some of the logs.
     #[must_use]
     pub fn data<'a>(&'a self, logs: &'a [Signals], axis: usize) -> FitData<'a> {
-        FitData::new(logs, &self.names, axis, servo::rates(&self.machine), &self.options)
+        FitData::new(logs, &self.names, axis, self.machine.rates(), &self.options)
     }
 }

@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings, harmonic};
+use super::declaration::{
+    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording, harmonic,
+};
+use crate::axis::Settings;
 
 /// Motor reading = motor + amplitude·sin(2π·motor/period + phase), after Soeda, section (D).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -25,15 +29,30 @@ impl ResolverDividing {
     }
 }
 
-impl Kind for ResolverDividing {
+impl EffectModel for ResolverDividing {
+    const NAME: &'static str = "resolver_dividing";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
+        Parameter::new("period_mm", Unit::Millimetre, Range::Positive),
+        Parameter::phase("phase_rad"),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Table];
+    const DRAW_NUMBER: Option<u32> = Some(3);
+
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        let poles = axis.sensors.resolver_pole_pairs.is_some();
+        Prerequisite::lead(axis).and(Prerequisite::needs(poles, "resolver_pole_pairs in the machine file"))
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Table, Stage::Force, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let sees_table = around.stages.contains(&Stage::Table);
-        let lead = around.axis.lead_mm.filter(|_| sees_table);
-        let poles = around.axis.resolver_pole_pairs;
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let sees_table = context.has(Stage::Table);
+        let lead = context.axis.mechanics.lead_mm.filter(|_| sees_table);
+        let poles = context.axis.sensors.resolver_pole_pairs;
         let start = |(lead, poles): (f64, u32)| Self {
             amplitude_um: 0.0,
             period_mm: lead / f64::from(poles),
@@ -51,11 +70,25 @@ impl Kind for ResolverDividing {
         Self { amplitude_um, phase_rad, ..self.clone() }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![
-            ("amplitude_um", self.amplitude_um),
-            ("period_mm", self.period_mm),
-            ("phase_rad", self.phase_rad),
-        ]
+    fn values(&self) -> Vec<f64> {
+        vec![self.amplitude_um, self.period_mm, self.phase_rad]
+    }
+
+    fn distinction(&self) -> Distinction<'_> {
+        Distinction::Period(self.period_mm)
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!("the motor reading wobbles by {} (amplitude) every {}", wording.value(0), wording.value(1))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::WithinPeriod(self.period_mm)
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        let pole_pairs = draw.axis.sensors.resolver_pole_pairs.unwrap_or(1);
+        let (period_mm, phase_rad) = (draw.lead_mm() / f64::from(pole_pairs), draw.phase_rad);
+        Some(Self { amplitude_um: draw.between(1.5, 4.0), period_mm, phase_rad })
     }
 }

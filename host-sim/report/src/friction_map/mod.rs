@@ -4,13 +4,18 @@ pub mod sentences;
 
 use std::path::{Path, PathBuf};
 
-use crate::markup::{figure, key, list, mark, note, paragraph, section, text};
+use maud::{Markup, html};
+
+use crate::markup::{
+    Column, figure, legend, line_entry, list, note, number_cell, paragraph, point_entry, section,
+    surface_entry, table as table_of, text,
+};
 use crate::number::{fixed, percent};
+use crate::page::{self, file_name};
 use crate::plot::{Chart, Ink, Layer};
-use crate::{file_name, page, write_page};
 use trace::friction_map::FrictionMap;
 use trace::friction_map::fit::Law;
-use trace::friction_map::search::{Explained, Round};
+use trace::friction_map::search::{Candidate, Explained, Round};
 use trace::friction_map::unexplained::Unexplained;
 
 use files::output::OutputError;
@@ -26,7 +31,7 @@ pub fn write(
     explained: &Explained,
     rest: Option<&Unexplained>,
 ) -> Result<PathBuf, OutputError> {
-    write_page(folder, &html(map, explained, rest))
+    page::write(folder, &html(map, explained, rest))
 }
 
 /// The page.
@@ -37,25 +42,24 @@ pub fn html(map: &FrictionMap, explained: &Explained, rest: Option<&Unexplained>
         file_name(&map.source),
         map.runs.len()
     ));
-    let figures = format!("<pre>{}</pre>\n", text(&table(map, explained).join("\n")));
-    let sections = [
-        section("What was found", &list(&sentences(map, explained))),
-        section("Error before and after", &figures),
-        section("The map", &pictures(map, explained)),
-        section("What was tried", &tried(&explained.searched.rounds)),
-        section("What stays unexplained", &list(&remainder(map, explained, rest))),
-    ]
-    .concat();
-    page(&format!("Friction of {}", file_name(&map.source)), &lead, &sections)
+    let figures = html! { pre { (text(&table(map, explained).join("\n"))) } };
+    let sections = html! {
+        (section("What was found", &list(&sentences(map, explained))))
+        (section("Error before and after", &figures))
+        (section("The map", &pictures(map, explained)))
+        (section("What was tried", &tried(&explained.searched.rounds)))
+        (section("What stays unexplained", &list(&remainder(map, explained, rest))))
+    };
+    page::render(&format!("Friction of {}", file_name(&map.source)), &lead, &sections)
 }
 
-fn pictures(map: &FrictionMap, explained: &Explained) -> String {
+fn pictures(map: &FrictionMap, explained: &Explained) -> Markup {
     let (before, after) = (&explained.searched.declared.law, &explained.searched.fitted.law);
     let keys = [
-        mark("cw", "measured: the mean of a run"),
-        key("before", false, "Coulomb and viscous friction"),
-        key("after", false, "with what was found"),
-        key("noise", true, "within ± 2 standard errors of a mean"),
+        point_entry("cw", "measured: the mean of a run"),
+        line_entry("before", "Coulomb and viscous friction"),
+        line_entry("after", "with what was found"),
+        surface_entry("noise", "within ± 2 standard errors of a mean"),
     ];
     let (drive, force, speed) = (map.unit.drive(), map.unit.force(), map.unit.speed());
     let mut layers: Vec<Layer> = map
@@ -92,12 +96,11 @@ fn pictures(map: &FrictionMap, explained: &Explained) -> String {
         noise: 2.0 * map.noise().unwrap_or(0.0),
         layers: left(Ink::Before, before).chain(left(Ink::After, after)).collect(),
     };
-    format!(
-        "<p class=\"legend\">{}</p>\n{}{}",
-        keys.concat(),
-        figure("wide", &all.svg(), "Measured and modelled."),
-        figure("wide", &residual.svg(), "Measured minus modelled, from fits to all runs.")
-    )
+    html! {
+        (legend(&keys))
+        (figure("wide", &all.svg(), "Measured and modelled."))
+        (figure("wide", &residual.svg(), "Measured minus modelled, from fits to all runs."))
+    }
 }
 
 /// A law drawn over the speeds of the map, each way for itself.
@@ -117,38 +120,57 @@ fn curves(map: &FrictionMap, law: &Law, ink: Ink) -> Vec<Layer> {
 }
 
 /// Every round with its terms.
-fn tried(rounds: &[Round]) -> String {
-    let head = "<table>\n<thead><tr><th scope=\"col\">term</th><th class=\"n\" scope=\"col\">error of left-out runs</th>\
-                <th class=\"n\" scope=\"col\">of left-out ranges</th><th class=\"n\" scope=\"col\">chance</th>\
-                <th scope=\"col\">verdict</th></tr></thead>\n";
-    let mut body = note(
-        "How the error (rms) of runs and of ranges of speed that were left out changes with each term, and the chance \
-         that a law without it gives so much (F test, one trial).",
-    );
-    for (number, round) in rounds.iter().enumerate() {
-        let row = |(i, c): (usize, &trace::friction_map::search::Candidate)| {
-            // Not a number where it was not asked: `clamp` keeps it, `max` would not.
-            let change = |share: f64| match 100.0 * ((1.0 - share).clamp(0.0, f64::MAX).sqrt() - 1.0) {
-                change if change.is_finite() && change < 1000.0 => format!("{} %", fixed(change, 1)),
-                _ => "–".to_owned(),
-            };
-            let verdict = match (round.added == Some(i), c.is_supported(round.candidates.len())) {
-                (true, _) => "added",
-                (_, true) => "supported, but less",
-                _ if !c.is_physical => "would need friction below none",
-                _ => "not supported",
-            };
-            format!(
-                "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td class=\"n\">{}</td>\
-                 <td>{verdict}</td></tr>\n",
-                text(c.term.meaning()),
-                change(c.reduction),
-                change(c.range_reduction),
-                percent(100.0 * c.chance),
-            )
-        };
-        let rows: String = round.candidates.iter().enumerate().map(row).collect();
-        body += &format!("<h3>Round {}</h3>\n{head}<tbody>\n{rows}</tbody>\n</table>\n", number + 1);
+fn tried(rounds: &[Round]) -> Markup {
+    if rounds.is_empty() {
+        return paragraph("Nothing could be tried.");
     }
-    if rounds.is_empty() { paragraph("Nothing could be tried.") } else { body }
+    let columns = [
+        Column::Words("term"),
+        Column::Numbers("error of left-out runs"),
+        Column::Numbers("of left-out ranges"),
+        Column::Numbers("chance"),
+        Column::Words("verdict"),
+    ];
+    html! {
+        (note(
+            "How the error (rms) of runs and of ranges of speed that were left out changes with each term, and the chance \
+             that a law without it gives so much (F test, one trial).",
+        ))
+        @for (number, round) in (1..).zip(rounds) {
+            h3 { "Round " (number) }
+            (table_of(&columns, &rows(round)))
+        }
+    }
+}
+
+fn rows(round: &Round) -> Markup {
+    let verdict = |i, candidate: &Candidate| match (
+        round.added == Some(i),
+        candidate.is_supported(round.candidates.len()),
+    ) {
+        (true, _) => "added",
+        (_, true) => "supported, but less",
+        _ if !candidate.is_physical => "would need friction below none",
+        _ => "not supported",
+    };
+    html! {
+        @for (i, candidate) in round.candidates.iter().enumerate() {
+            tr {
+                th scope="row" { (text(candidate.term.meaning())) }
+                (number_cell(&change(candidate.reduction)))
+                (number_cell(&change(candidate.range_reduction)))
+                (number_cell(&percent(100.0 * candidate.chance)))
+                td { (verdict(i, candidate)) }
+            }
+        }
+    }
+}
+
+/// Change of the rms error in percent, from the reduction of the mean square error; a dash where it is not known.
+fn change(reduction: f64) -> String {
+    // `clamp` keeps NaN, which `max` would replace.
+    match 100.0 * ((1.0 - reduction).clamp(0.0, f64::MAX).sqrt() - 1.0) {
+        change if change.is_finite() && change < 1000.0 => format!("{} %", fixed(change, 1)),
+        _ => "–".to_owned(),
+    }
 }

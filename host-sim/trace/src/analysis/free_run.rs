@@ -38,7 +38,7 @@ pub struct FreeRun {
 /// The declared model gets the `latency` of the force that was found, as that is not a property of the mechanics.
 #[must_use]
 pub fn free_runs(name: &str, declared: &Axis, better: &Axis, logs: &[(&AxisSignals, f64)]) -> Vec<FreeRun> {
-    if !better.is_rigid() || !better.has_mass() || logs.is_empty() {
+    if !better.settings.is_rigid() || !better.settings.has_mass() || logs.is_empty() {
         return Vec::new();
     }
     let is_timing =
@@ -77,9 +77,9 @@ fn run(
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "samples of seconds")]
     let length = ((seconds / sample_s).round() as usize).max(2);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
-    let substeps = (sample_s / parameters.step_s()).ceil().max(1.0) as u32;
+    let substeps = (sample_s / parameters.max_step_s()).ceil().max(1.0) as u32;
     let stepper = Stepper::new(parameters, 0.0, sample_s / f64::from(substeps));
-    let late = parameters.late_s(Channel::Force) / sample_s;
+    let late = parameters.latency_s(Channel::Force) / sample_s;
     let force_n = delayed_linear(&force.raw, -1.0 - late);
     // The first sample has no central difference.
     let (mut squares, mut samples, mut runs) = (0.0, 0, 0);
@@ -108,7 +108,11 @@ mod tests {
     /// behind.
     #[test]
     fn the_error_of_a_mass_grows_with_the_square_of_time() {
-        let axis = |table_mass_kg| Axis { table_mass_kg: Some(table_mass_kg), ..Axis::default() };
+        let axis = |table_mass_kg| {
+            let mut axis = Axis::default();
+            axis.settings.mechanics.table_mass_kg = Some(table_mass_kg);
+            axis
+        };
         let at = |t: f64| 0.5 * 0.5 * t * t;
         let mut log = AxisLog::new("x", Unit::Millimetre);
         log.motor = Some((0..2001).map(|i| 1e3 * at(1e-3 * f64::from(i))).collect());

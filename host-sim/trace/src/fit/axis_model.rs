@@ -66,7 +66,8 @@ impl AxisModel {
     pub fn pin_mass(&mut self, scope: &Scope) {
         if scope.mechanics == Mechanics::All {
             let mass_alone = Scope { stages: Vec::new(), mechanics: Mechanics::MotorMass };
-            let mass = self.adjustable(&mass_alone).next().and_then(|(key, _)| (key.get)(&self.axis));
+            let mass =
+                self.adjustable(&mass_alone).next().and_then(|(key, _)| (key.get)(&self.axis.settings));
             self.pinned_mass_kg = mass;
         }
     }
@@ -114,8 +115,8 @@ impl AxisModel {
     pub fn at_nominal(&self) -> Self {
         let mut model = self.clone();
         for key in TOLERATED {
-            if let Some(value) = (key.get)(&self.nominal) {
-                (key.set)(&mut model.axis, value);
+            if let Some(value) = (key.get)(&self.nominal.settings) {
+                (key.set)(&mut model.axis.settings, value);
             }
         }
         model
@@ -128,7 +129,7 @@ impl AxisModel {
         const POORLY_DETERMINED: [&str; 3] =
             ["damping_n_s_per_m", "presliding_stiffness_n_per_um", "presliding_damping_n_s_per_m"];
         let is_at_bound = |key: &&Tolerated| {
-            let values = (key.get)(&self.nominal).zip((key.get)(&self.axis));
+            let values = (key.get)(&self.nominal.settings).zip((key.get)(&self.axis.settings));
             let spread = |declared: f64| self.tolerance() * declared.abs();
             values.is_some_and(|(declared, value)| {
                 spread(declared) > 0.0 && (value - declared).abs() > 0.9999 * spread(declared)
@@ -214,7 +215,7 @@ impl AxisModel {
         );
         for (i, effect) in self.effects_of(scope) {
             let declared = self.nominal.effect.get(i).map(Effect::coordinates);
-            for (j, coordinate) in effect.searched(self.rates).into_iter().enumerate() {
+            for (j, coordinate) in effect.coordinates_at(self.rates).into_iter().enumerate() {
                 parameters.push(match &declared {
                     None => free(coordinate),
                     Some(_) if self.is_untolerated(effect) => free(coordinate),
@@ -227,10 +228,11 @@ impl AxisModel {
 
     /// A declared value as a free parameter within its tolerance; a pinned mass within 1 % of all masses.
     fn declared_value(&self, key: &Tolerated, centre: f64, mechanics: Mechanics) -> FreeParameter {
-        let value = (key.get)(&self.axis).unwrap_or(centre);
+        let value = (key.get)(&self.axis.settings).unwrap_or(centre);
         let mut parameter = self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre);
         if let (Mechanics::MotorMass, Some(pinned_kg)) = (mechanics, self.pinned_mass_kg) {
-            let masses = [self.nominal.motor_mass_kg, self.nominal.table_mass_kg];
+            let mechanics = &self.nominal.settings.mechanics;
+            let masses = [mechanics.motor_mass_kg, mechanics.table_mass_kg];
             let trim = self.options.mass_trim * masses.into_iter().flatten().sum::<f64>();
             let Coordinate { lower, upper, .. } = parameter.coordinate;
             parameter.coordinate.lower = lower.max(pinned_kg - trim);
@@ -255,7 +257,7 @@ impl AxisModel {
             model.trims.set_ms(instant, next(coordinate.value));
         }
         for (key, centre) in self.adjustable(scope) {
-            (key.set)(&mut model.axis, next(centre));
+            (key.set)(&mut model.axis.settings, next(centre));
         }
         for (i, effect) in self.effects_of(scope) {
             let moved: Vec<f64> = effect.coordinates().iter().map(|c| next(c.value)).collect();
@@ -275,7 +277,7 @@ impl AxisModel {
     }
 
     fn tolerance(&self) -> f64 {
-        0.01 * self.declared.plant_tolerance_percent.unwrap_or(0.0)
+        0.01 * self.declared.settings.mechanics.plant_tolerance_percent.unwrap_or(0.0)
     }
 
     /// Declared keys that a scope fits, and their nominal values. The first of them is a mass: that of the motor, or of a
@@ -293,7 +295,7 @@ impl AxisModel {
         let tolerance = self.tolerance();
         TOLERATED
             .iter()
-            .filter_map(move |key| (key.get)(&self.nominal).filter(|&v| v > 0.0).map(|v| (key, v)))
+            .filter_map(move |key| (key.get)(&self.nominal.settings).filter(|&v| v > 0.0).map(|v| (key, v)))
             .filter(move |_| tolerance > 0.0)
     }
 

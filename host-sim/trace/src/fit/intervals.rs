@@ -57,17 +57,16 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
     let of_effect = covariance.matrix.view((indices.start, indices.start), (indices.len(), indices.len()));
     let coordinates = effect.coordinates();
     let values: Vec<f64> = coordinates.iter().map(|c| c.value).collect();
-    let parameters = effect.parameters();
+    let parameters = effect.values();
     let mut jacobian = DMatrix::zeros(parameters.len(), values.len());
     for (j, coordinate) in coordinates.iter().enumerate() {
         let mut moved = values.clone();
         let step = 1e-3 * coordinate.step;
         moved[j] += step;
-        for (i, (name, value)) in effect.at(&moved).parameters().iter().enumerate() {
-            let mut change = value - parameters[i].1;
-            if name.starts_with("phase") {
-                change =
-                    (change + std::f64::consts::PI).rem_euclid(std::f64::consts::TAU) - std::f64::consts::PI;
+        for (i, value) in effect.at(&moved).values().into_iter().enumerate() {
+            let mut change = value - parameters[i];
+            if let Some(period) = effect.declared_parameters()[i].period {
+                change = (change + 0.5 * period).rem_euclid(period) - 0.5 * period;
             }
             jacobian[(i, j)] = change / step;
         }

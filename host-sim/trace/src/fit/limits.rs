@@ -5,16 +5,16 @@
 
 use shared::config::Rates;
 
-use model::effects::Effect;
+use model::effects::{Effect, Parameter};
 
 /// An effect with a parameter at a limit of its search range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AtLimit {
     /// The effect as it was fitted.
     pub effect: Effect,
-    /// Name of the parameter, as in [`Effect::parameters`].
-    pub parameter: &'static str,
-    /// Its value, in the unit of its name.
+    /// The parameter.
+    pub parameter: &'static Parameter,
+    /// Its value, in its unit.
     pub value: f64,
     /// The limit, in the same unit.
     pub limit: f64,
@@ -23,21 +23,21 @@ pub struct AtLimit {
 /// The first parameter of an effect that is at a limit of its range, on an axis with these loop rates.
 #[must_use]
 pub fn of(effect: &Effect, rates: Rates) -> Option<AtLimit> {
-    let coordinates = effect.searched(rates);
+    let coordinates = effect.coordinates_at(rates);
     let at = coordinates.iter().enumerate().find_map(|(j, coordinate)| Some((j, coordinate.limit()?)));
     let (j, limit) = at?;
     // A coordinate may be a function of parameters: the first that changes with it is reported.
     let moved = |to: f64| {
         let mut values: Vec<f64> = coordinates.iter().map(|coordinate| coordinate.value).collect();
         values[j] = to;
-        effect.at(&values).parameters()
+        effect.at(&values).values()
     };
     let inside = coordinates[j].value - coordinates[j].step.copysign(limit);
     let [at_limit, at_inside] = [limit, inside].map(moved);
-    let changes = |i: &usize| at_limit[*i].1.to_bits() != at_inside[*i].1.to_bits();
+    let changes = |i: &usize| at_limit[*i].to_bits() != at_inside[*i].to_bits();
     let changed = (0..at_limit.len()).find(changes)?;
-    let (parameter, value) = effect.parameters()[changed];
-    Some(AtLimit { effect: effect.clone(), parameter, value, limit: at_limit[changed].1 })
+    let (parameter, value) = (&effect.declared_parameters()[changed], effect.values()[changed]);
+    Some(AtLimit { effect: effect.clone(), parameter, value, limit: at_limit[changed] })
 }
 
 #[cfg(test)]
@@ -53,7 +53,7 @@ mod tests {
     fn reported(effect: &Effect) -> Option<(&'static str, f64)> {
         of(effect, RATES).map(|at| {
             assert_eq!(at.effect, *effect);
-            (at.parameter, at.limit)
+            (at.parameter.key, at.limit)
         })
     }
 
@@ -85,9 +85,7 @@ mod tests {
     /// The coordinate is a compliance, nm/N, of 1e-2 to 1e6: a stiffness of 1e5 to 1e-3 N/µm.
     #[test]
     fn a_limit_is_reported_in_the_unit_of_its_parameter() {
-        let windup = |stiffness_n_per_um| {
-            reported(&Effect::Windup(Windup { stiffness_n_per_um, friction_n: None, presliding_mm: None }))
-        };
+        let windup = |stiffness_n_per_um| reported(&Effect::Windup(Windup { stiffness_n_per_um }));
         let Some(("stiffness_n_per_um", limit)) = windup(1e5) else { panic!("a limit") };
         assert!((limit / 1e5 - 1.0).abs() < 1e-9, "{limit}");
         assert_eq!(windup(200.0), None);

@@ -59,8 +59,8 @@ fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Signal
     let smooth = |values: Vec<f64>, like: &Smooth| Smooth::new(values, sample_s, like.half_window());
 
     let zero_m = 1e-6 * model.table_zero_um;
-    let table_m = delayed_cubic(simulated.table_m, parameters.late_s(Channel::Table), sample_s);
-    let late = parameters.late_s(Channel::Force) / sample_s;
+    let table_m = delayed_cubic(simulated.table_m, parameters.latency_s(Channel::Table), sample_s);
+    let late = parameters.latency_s(Channel::Force) / sample_s;
     let force_n = delayed_linear(&simulated.force_n, late);
     let axis = AxisSignals {
         motor: Some(smooth(simulated.motor_m, motor)),

@@ -73,7 +73,7 @@ impl FitData<'_> {
             motor: signals.motor.as_ref()?,
             path: signals.motor_path.as_ref()?,
             sample_s: self.logs[log].sample_s,
-            sampling: ForceSampling::new(&model.axis, self.rates),
+            sampling: ForceSampling::new(&model.axis.settings.controller, self.rates),
             added_n: signals.added_force.as_ref().map(AddedForce::filtered_n),
         };
         Some(driven::driven(parameters, &input))
@@ -84,7 +84,7 @@ impl FitData<'_> {
         let measured = signals.table.as_ref().map_or(&[][..], |table| &table.position);
         let mut residual = difference(measured, &driven.table_m, 1e6, model.table_zero_um);
         force_windup::add_stretch(&mut residual, parameters.forced_windup.as_ref(), signals);
-        if self.logs[log].has_own_zero && !model.axis.has_mass() {
+        if self.logs[log].has_own_zero && !model.axis.settings.has_mass() {
             self.subtract_mean(log, &mut residual);
         }
         residual
@@ -139,7 +139,7 @@ impl FitData<'_> {
         signals: &AxisSignals,
     ) -> Option<ClosedLoopRun> {
         let command = signals.command.as_ref()?;
-        let settings = servo::settings(&model.axis, &parameters.servo).ok()?;
+        let settings = servo::settings(&model.axis.settings, &parameters.servo).ok()?;
         let start = InitialState::of(command, signals, 1e-6 * model.table_zero_um, &self.options.samples)?;
         let sample_s = f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz;
         let added =
@@ -172,9 +172,9 @@ impl FitData<'_> {
                 position(&signals.tool).hypot(position(table))
             }
             Stage::Force => {
-                let axis = &model.axis;
-                let mass = if axis.is_rigid() { axis.table_mass_kg.unwrap_or(0.0) } else { 0.0 }
-                    + axis.motor_mass_kg.unwrap_or(0.0);
+                let axis = &model.axis.settings;
+                let mass = if axis.is_rigid() { axis.mechanics.table_mass_kg.unwrap_or(0.0) } else { 0.0 }
+                    + axis.mechanics.motor_mass_kg.unwrap_or(0.0);
                 of(&signals.force, |force| force.position_noise)
                     .hypot(mass * of(&signals.motor, |motor| motor.acceleration_noise))
             }

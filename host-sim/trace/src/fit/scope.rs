@@ -88,8 +88,8 @@ fn requirements(axis: &Axis, data: &FitData<'_>) -> [(Stage, Vec<(bool, &'static
     let command = (all_have(|a| a.command.is_some()), "a command channel");
     let tool = (all_have(|a| a.tool.is_some()), "a tool channel");
     let force = (all_have(|a| a.force.is_some()), "a force channel");
-    let controller = (axis.has_controller(), "the controller's keys in the machine file");
-    let masses = (axis.has_mass(), "masses in the machine file");
+    let controller = (axis.settings.has_controller(), "the controller's keys in the machine file");
+    let masses = (axis.settings.has_mass(), "masses in the machine file");
     let motion = (logs().any(|signals| signals.moves(min_travel_mm)), "motion of the axis");
     [
         (Stage::Motor, vec![command, motor, controller, masses, motion]),

@@ -7,9 +7,10 @@
 use shared::config::Rates;
 
 use crate::options::ModelOptions;
+use model::axis::Law;
 use model::effects::{Channel, Coordinate, Effect, Latency, Stage};
+use model::machine::Axis;
 use model::machine::nominal::LogOffsets;
-use model::machine::{Axis, Controller};
 use plant::parameters::AxisParameters;
 
 /// An instant or interval that is trimmed.
@@ -50,7 +51,7 @@ impl Instant {
 
     /// Whether an axis has such a parameter.
     fn is_of(self, axis: &Axis) -> bool {
-        self != Self::Filter || axis.controller == Some(Controller::Hpc)
+        self != Self::Filter || axis.settings.controller.law == Some(Law::Hpc)
     }
 
     /// Least and greatest delay, s.
@@ -154,7 +155,7 @@ impl Trims {
         ];
         for (instant, channel) in channels {
             if open(instant) {
-                parameters.late.push(Latency { channel, ms: 1e3 * self.late_s[instant as usize] });
+                parameters.latency.push(Latency { channel, ms: 1e3 * self.late_s[instant as usize] });
             }
         }
         if open(Instant::Speed) {
@@ -178,18 +179,19 @@ mod tests {
         let mut trims = Trims::default();
         trims.set_ms(Instant::Speed, 0.05);
         let stages = [Stage::Motor, Stage::Tool];
-        let of = |effects: &[Effect], controller| {
-            let axis = Axis { effect: effects.to_vec(), controller: Some(controller), ..Axis::default() };
+        let of = |effects: &[Effect], law| {
+            let mut axis = Axis { effect: effects.to_vec(), ..Axis::default() };
+            axis.settings.controller.law = Some(law);
             let trimmed = trims.coordinates(&stages, &axis, RATES, &ModelOptions::default());
             trimmed.into_iter().map(|(instant, c, _)| (instant, c.value, c.upper)).collect::<Vec<_>>()
         };
         // Bounds: a tenth of 1 ms; a quarter of 0.25 ms; zero, as the drive may be early alone.
         let [tool, drive] = [(Instant::Tool, 0.0, 0.1), (Instant::Drive, 0.0, 0.0)];
-        assert_eq!(of(&[], Controller::P), [tool, (Instant::Speed, 0.05, 0.0625), drive]);
+        assert_eq!(of(&[], Law::P), [tool, (Instant::Speed, 0.05, 0.0625), drive]);
         let lag = [Effect::VelocityLag(VelocityLag { ms: 0.1 })];
-        assert_eq!(of(&lag, Controller::P), [tool, (Instant::Speed, 0.0, 0.0), drive]);
+        assert_eq!(of(&lag, Law::P), [tool, (Instant::Speed, 0.0, 0.0), drive]);
         // Only high-order control has a filter to step.
-        assert_eq!(of(&lag, Controller::Hpc)[3], (Instant::Filter, 0.0, 0.1));
+        assert_eq!(of(&lag, Law::Hpc)[3], (Instant::Filter, 0.0, 0.1));
         let mut parameters = AxisParameters::default();
         parameters.servo.lag.ms = 0.1;
         // 0.1 ms of the effect alone, or 0.15 ms with the trim where no effect replaces it.

@@ -3,7 +3,7 @@
 //! It does not depend on the model, so it is computed once a log and not in each simulation of a fit.
 
 use super::smoothing::Smooth;
-use plant::parameters::motor_friction_sign;
+use plant::friction::smoothed_sign;
 
 /// Longest step of the driven table, s.
 const MAX_STEP_S: f64 = 1e-3;
@@ -53,7 +53,7 @@ impl MotorPath {
                 points.push(Point { reading_m, acceleration: before + fraction * (after - before) });
             }
         }
-        let sign = motor.velocity.iter().map(|&velocity| motor_friction_sign(velocity)).collect();
+        let sign = motor.velocity.iter().map(|&velocity| smoothed_sign(velocity)).collect();
         Self { step_s: sample_s / per_sample, steps, points, sign }
     }
 }

@@ -21,7 +21,7 @@ pub fn check(
     for log in fit {
         for (name, axis) in &machine.axis {
             let (Some(limit_n), Some(force)) =
-                (axis.force_limit_n, log.axis(name).and_then(|axis| axis.force.as_ref()))
+                (axis.settings.controller.force_limit_n, log.axis(name).and_then(|axis| axis.force.as_ref()))
             else {
                 continue;
             };
@@ -54,7 +54,10 @@ fn at_limit(force: &[f64], limit_n: f64, options: &AdmissionOptions) -> Vec<bool
 pub fn mark(machine: &Machine, logs: &mut [Signals], options: &AdmissionOptions) {
     for log in logs {
         for (axis, declared) in log.axes.iter_mut().zip(machine.axis.values()) {
-            let (Some(force), Some(limit_n)) = (&axis.force, declared.force_limit_n) else { continue };
+            let (Some(force), Some(limit_n)) = (&axis.force, declared.settings.controller.force_limit_n)
+            else {
+                continue;
+            };
             let at = at_limit(&force.raw, limit_n, options);
             if at.iter().any(|at| *at) {
                 let half = force.half_window();

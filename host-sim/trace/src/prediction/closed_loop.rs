@@ -7,8 +7,8 @@ use shared::units::Position;
 
 use super::initial_state::{InitialState, steady_motion};
 use model::servo::ServoParameters;
+use plant::axis_motion::AxisMotion;
 use plant::mechanics::Stepper;
-use plant::motion::AxisMotion;
 use plant::parameters::AxisParameters;
 
 /// How many times longer the steps may be than those of a simulation: an accuracy of nanometres is enough.
@@ -58,7 +58,7 @@ pub fn closed_loop(
     }
     let tick_s = 1.0 / rates.velocity_loop_hz;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
-    let substeps = (tick_s / (STEP_FACTOR * parameters.step_s())).ceil() as u32;
+    let substeps = (tick_s / (STEP_FACTOR * parameters.max_step_s())).ceil() as u32;
     if substeps > MAX_SUBSTEPS {
         return None;
     }
@@ -67,13 +67,16 @@ pub fn closed_loop(
 
     let (&first, &second) = (command.first()?, command.get(1)?);
     let InitialState { motor_m: motor, velocity, table_m, is_settled } = start;
-    let mut motion = steady_motion(parameters, motor - parameters.dividing_m(motor), velocity);
+    let mut motion = steady_motion(parameters, motor - parameters.resolver_error_m(motor), velocity);
     motion.table_m = table_m.unwrap_or(motion.table_m);
     // A force that acts later than the sensors are read is equivalent to sensors that are read earlier.
     let read = |motion: &AxisMotion| {
         let motor_m = motion.motor_m - drive_late_s * motion.motor_m_per_s;
         let table_m = motion.table_m - drive_late_s * motion.table_m_per_s;
-        Reading { motor: position(motor_m + parameters.dividing_m(motor_m)), table: Some(position(table_m)) }
+        Reading {
+            motor: position(motor_m + parameters.resolver_error_m(motor_m)),
+            table: Some(position(table_m)),
+        }
     };
     let before = |m: f64, velocity: f64| position(m - velocity * tick_s);
     let command_before = position(first - (second - first));
@@ -113,11 +116,11 @@ mod tests {
     fn greatest_n(limit_n: f64, added_n: f64) -> f64 {
         let machine = Machine::parse(model::examples::DEMO_MACHINE, "demo.toml").unwrap();
         let parameters = AxisParameters::of(&machine.axis["x"]);
-        let settings = servo::settings(&machine.axis["x"], &parameters.servo).unwrap();
+        let settings = servo::settings(&machine.axis["x"].settings, &parameters.servo).unwrap();
         let settings = AxisSettings { force_limit_n: limit_n, ..settings };
         let start = InitialState { motor_m: 0.0, velocity: 0.0, table_m: None, is_settled: true };
         let command = [0.0; 500];
-        let rates = servo::rates(&machine);
+        let rates = machine.rates();
         let controlled = Controlled { settings: &settings, rates };
         let pushed = closed_loop(&parameters, controlled, &command, &[added_n; 500], start).unwrap();
         pushed.force_n.iter().fold(0.0, |greatest, force_n| force_n.abs().max(greatest))

@@ -5,7 +5,7 @@ use super::resample::{delayed_cubic, delayed_linear};
 use crate::input::motor_path::{MotorPath, Point};
 use crate::input::smoothing::Smooth;
 use model::effects::Channel;
-use plant::driven::{DrivenStep, DrivenTable, Prescribed};
+use plant::driven::{DrivenStep, DrivenTable, ScrewMotion};
 use plant::parameters::AxisParameters;
 
 /// Table and force stage of one log.
@@ -47,7 +47,7 @@ pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
     let nonlinear = nonlinear_part(parameters, motor, path, *first, stretch_s2);
     let mass = parameters.motor_mass_kg + parameters.table_mass_kg;
     // The force is the mean over the tick that ends at the sample, half a sample before it, and is logged late.
-    let late = parameters.late_s(Channel::Force) / sample_s;
+    let late = parameters.latency_s(Channel::Force) / sample_s;
     let age = 0.5 + late;
     let (force_n, acceleration) =
         (delayed_linear(&nonlinear.force_n, age), delayed_linear(&motor.acceleration, age));
@@ -59,7 +59,7 @@ pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
     add(&mut force_n, added_n, -1.0);
     sampling.last_ticks_from_means(&mut force_n, &growth, sample_s);
     add(&mut force_n, added_n, 1.0);
-    Driven { table_m: delayed_cubic(table_m, parameters.late_s(Channel::Table), sample_s), force_n }
+    Driven { table_m: delayed_cubic(table_m, parameters.latency_s(Channel::Table), sample_s), force_n }
 }
 
 /// Table and force at the samples less their linear part: position − `stretch_s2`·acceleration of the table, and (motor
@@ -74,14 +74,15 @@ fn nonlinear_part(
     let n = motor.position.len();
     let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
     // The dividing error is a function of the true position: one step of a fixed-point iteration.
-    let true_m = |reading: f64| reading - parameters.dividing_m(reading - parameters.dividing_m(reading));
+    let true_m =
+        |reading: f64| reading - parameters.resolver_error_m(reading - parameters.resolver_error_m(reading));
     let mut motor_m = true_m(first.reading_m);
     let nominal_m = parameters.screw.nominal_m(motor_m);
-    let mut screw = Prescribed {
+    let mut screw = ScrewMotion {
         nominal_m,
         velocity: motor.velocity[0],
         acceleration: motor.acceleration[0],
-        ..Prescribed::default()
+        ..ScrewMotion::default()
     };
     let mut dividing_error = Differentiated::new(motor_m - first.reading_m);
     let mut screw_error = Differentiated::new(nominal_m - motor_m);
@@ -98,16 +99,16 @@ fn nonlinear_part(
             let velocity = (nominal_m - screw.nominal_m) * per_step;
             dividing_error.advance(motor_m - point.reading_m, per_step);
             screw_error.advance(nominal_m - motor_m, per_step);
-            screw = Prescribed {
+            screw = ScrewMotion {
                 nominal_m,
                 velocity,
                 acceleration: point.acceleration + dividing_error.acceleration + screw_error.acceleration,
-                of_errors: screw_error.rate,
+                error_velocity: screw_error.rate,
             };
             table.step(&step, screw);
         }
         let table_m = table.position_m(parameters, screw);
-        let force = parameters.motor_coulomb_n * path.sign[i] - parameters.ripple_n(motor_m)
+        let force = parameters.motor_coulomb_n * path.sign[i] - parameters.torque_ripple_n(motor_m)
             + table.transmitted_n
             + parameters.motor_mass_kg * dividing_error.acceleration
             - parameters.table_mass_kg * point.acceleration;
@@ -185,8 +186,8 @@ mod tests {
         let axis = &mut machine.axis["x"].clone();
         axis.effect.extend(effect);
         let parameters = AxisParameters::of(axis);
-        let settings = servo::settings(axis, &parameters.servo).unwrap();
-        let rates = servo::rates(&machine);
+        let settings = servo::settings(&axis.settings, &parameters.servo).unwrap();
+        let rates = machine.rates();
         // ±20 mm at 0.5 Hz: 63 mm/s, 0.2 m/s², three reversals.
         let command: Vec<f64> =
             (0..4000).map(|i| 0.02 * (1.0 - (std::f64::consts::PI * 1e-3 * f64::from(i)).cos())).collect();
@@ -199,7 +200,7 @@ mod tests {
             motor: &motor,
             path: &MotorPath::new(&motor, 1e-3),
             sample_s: 1e-3,
-            sampling: ForceSampling::new(axis, rates),
+            sampling: ForceSampling::new(&axis.settings.controller, rates),
             added_n: None,
         };
         let driven = driven(&parameters, &input);

@@ -2,7 +2,7 @@
 
 use shared::config::Rates;
 
-use model::machine::Axis;
+use model::axis::Controller;
 
 /// Difference between the force of the last velocity tick of a sample, which is logged, and the mean over the sample's D
 /// ticks of period T, which moves the axis.
@@ -30,18 +30,18 @@ pub struct ForceSampling {
 }
 
 impl ForceSampling {
-    /// Of an axis with these loop rates.
+    /// Of an axis with this controller and these loop rates.
     #[must_use]
-    pub fn new(axis: &Axis, rates: Rates) -> Self {
+    pub fn new(controller: &Controller, rates: Rates) -> Self {
         let ticks = f64::from(rates.position_loop_divider);
         let ahead_s = 0.5 * (ticks - 1.0) / rates.velocity_loop_hz;
-        let gain = axis.velocity_gain_n_s_per_m.unwrap_or(0.0);
+        let gain = controller.velocity_gain_n_s_per_m.unwrap_or(0.0);
         Self {
             proportional_kg: gain * ahead_s,
             integral_kg: gain * (ticks + 1.0) / 6.0 / rates.velocity_loop_hz,
             growth_age: (ticks + 4.0) / (3.0 * ticks),
             ahead_s,
-            integral_s: axis.velocity_integral_time_s.unwrap_or(f64::INFINITY),
+            integral_s: controller.velocity_integral_time_s.unwrap_or(f64::INFINITY),
         }
     }
 
@@ -90,13 +90,13 @@ mod tests {
             means.push(sum / f64::from(TICKS));
             accelerations.push(-omega * omega * position(t + 4.0 / 3.0 * tick_s));
         }
-        let axis = Axis {
+        let controller = Controller {
             velocity_gain_n_s_per_m: Some(kv),
             velocity_integral_time_s: Some(ti_s),
-            ..Axis::default()
+            ..Controller::default()
         };
         let sampling =
-            ForceSampling::new(&axis, Rates { velocity_loop_hz: 4000.0, position_loop_divider: TICKS });
+            ForceSampling::new(&controller, Rates { velocity_loop_hz: 4000.0, position_loop_divider: TICKS });
         let error_n = |forces: &[f64]| {
             let squares: f64 = (500..2000).map(|i| (forces[i] - lasts[i]).powi(2)).sum();
             (squares / 1500.0).sqrt()

@@ -1,19 +1,19 @@
 //! Wind-up of an axis without declared masses, computed from the measured force.
 
 use crate::input::signals::AxisSignals;
-use model::effects::{Effect, Windup};
+use model::effects::{Effect, ForceWindup};
 
 /// Whether the logs have the channels for an effect: wind-up by the measured force needs that force in every log.
 #[must_use]
 pub fn is_testable(effect: &Effect, force_is_logged: bool) -> bool {
-    !matches!(effect, Effect::Windup(Windup { friction_n: Some(_), .. })) || force_is_logged
+    !matches!(effect, Effect::ForceWindup(_)) || force_is_logged
 }
 
 /// Adds the stretch of the drive train (µm) to the residual table − motor.
 ///
-/// The stretch is that of [`Windup::stretch_um`]: (force − friction·direction)/stiffness. The direction follows the sign
+/// The stretch is that of [`ForceWindup::deflection_um`]: (force − friction·direction)/stiffness. The direction follows the sign
 /// of motion exponentially over the presliding distance (Dahl, 1968) and is constant during a standstill.
-pub fn add_stretch(residual_um: &mut [f64], windup: Option<&Windup>, signals: &AxisSignals) {
+pub fn add_stretch(residual_um: &mut [f64], windup: Option<&ForceWindup>, signals: &AxisSignals) {
     let (Some(windup), Some(force), Some(motor)) = (windup, &signals.force, &signals.motor) else { return };
     let presliding_m = 1e-3 * windup.presliding_mm.unwrap_or(0.0).max(1e-9);
     let mut direction = 0.0;
@@ -29,7 +29,7 @@ pub fn add_stretch(residual_um: &mut [f64], windup: Option<&Windup>, signals: &A
     });
     let directions = motor.filtered(&directions.collect::<Vec<_>>());
     for ((residual, force), direction) in residual_um.iter_mut().zip(&force.position).zip(directions) {
-        *residual += windup.stretch_um(*force, direction);
+        *residual += windup.deflection_um(*force, direction);
     }
 }
 

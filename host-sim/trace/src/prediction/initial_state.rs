@@ -2,8 +2,8 @@
 
 use crate::input::signals::AxisSignals;
 use crate::options::SampleOptions;
-use plant::driven::{DrivenTable, Prescribed};
-use plant::motion::AxisMotion;
+use plant::axis_motion::AxisMotion;
+use plant::driven::{DrivenTable, ScrewMotion};
 use plant::parameters::AxisParameters;
 
 /// The state in which a closed loop begins.
@@ -48,7 +48,7 @@ impl InitialState {
 #[must_use]
 pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
     let nominal_m = parameters.screw.nominal_m(motor_m);
-    let screw = Prescribed { nominal_m, velocity, ..Prescribed::default() };
+    let screw = ScrewMotion { nominal_m, velocity, ..ScrewMotion::default() };
     let table = DrivenTable::settled(parameters, screw);
     AxisMotion {
         motor_m,
@@ -56,7 +56,7 @@ pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -
         table_m: table.position_m(parameters, screw),
         table_m_per_s: velocity,
         bristle_m: table.bristle_m(),
-        lately_m_per_s: table.lately_m_per_s(),
+        filtered_speed_m_per_s: table.filtered_speed_m_per_s(),
         friction_n: parameters.friction.bristle_stiffness_n_per_m * table.bristle_m(),
         ..AxisMotion::default()
     }

@@ -5,7 +5,7 @@ use crate::input::signals::{AxisSignals, Signals};
 use crate::input::smoothing::Smooth;
 use model::effects::Channel;
 use plant::parameters::AxisParameters;
-use plant::structure::{self, Tables};
+use plant::tool_point::{self, Tables};
 
 /// Tool point of one axis from the measured tables, m. `None` where the axis has neither table nor motor channel.
 ///
@@ -32,8 +32,9 @@ pub fn tool(
         }
         let all = Tables { names, position_m: &positions, acceleration: &accelerations };
         let time_s = signals.start_s + i as f64 * signals.sample_s;
-        *position_m += structure::offset_m(&parameters.tool, axis, &all, time_s);
+        *position_m += tool_point::offset_m(&parameters.tool, axis, &all, time_s);
     }
-    let table_late_s = signals.axes[axis].table.as_ref().map_or(0.0, |_| parameters.late_s(Channel::Table));
-    Some(delayed_cubic(tool_m, parameters.late_s(Channel::Tool) - table_late_s, signals.sample_s))
+    let table_late_s =
+        signals.axes[axis].table.as_ref().map_or(0.0, |_| parameters.latency_s(Channel::Table));
+    Some(delayed_cubic(tool_m, parameters.latency_s(Channel::Tool) - table_late_s, signals.sample_s))
 }

@@ -131,18 +131,13 @@ fn screen(data: &FitData<'_>, reference: Reference<'_>, scope: &Scope, effect: E
     Candidate { effect, comparison: Vec::new(), gain, fitted: None, exceeds_tolerance: false, limit: None }
 }
 
-/// Keeps the best of several initial guesses of one effect. The sources of one effect are different effects.
+/// Keeps the best of several initial guesses of one effect. Sources of one effect are different effects, and so are its
+/// forms with another number of coordinates.
 fn keep_best_guess(sorted: &mut Vec<Candidate>) {
-    let mut known: Vec<(&'static str, Option<String>)> = Vec::new();
-    sorted.retain(|candidate| {
-        let variant = match &candidate.effect {
-            Effect::Crosstalk(e) => Some(e.source.clone()),
-            Effect::Straightness(e) => Some(e.source.clone()),
-            // Friction that reverses at once, and over a presliding distance that is fitted.
-            Effect::Windup(e) => e.presliding_mm.map(|_| "presliding".to_owned()),
-            _ => None,
-        };
-        let identity = (candidate.effect.name(), variant);
+    let mut known: Vec<(&'static str, Option<String>, usize)> = Vec::new();
+    sorted.retain(|Candidate { effect, .. }| {
+        let source = effect.distinction().source().map(str::to_owned);
+        let identity = (effect.name(), source, effect.coordinates().len());
         let is_new = !known.contains(&identity);
         known.push(identity);
         is_new
@@ -164,7 +159,8 @@ fn try_out(
     if let Some(effect) = fitted.model.axis.effect.last() {
         candidate.effect = effect.clone();
     }
-    candidate.exceeds_tolerance = candidate.effect.is_material(origin.model.nominal(), data.rates);
+    candidate.exceeds_tolerance =
+        candidate.effect.exceeds_tolerance(&origin.model.nominal().settings, data.rates);
     candidate.limit = limits::of(&candidate.effect, data.rates);
     candidate.fitted = Some(fitted);
 }

@@ -10,7 +10,7 @@ use link::controller::Format;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
-use plant::path;
+use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
 
 /// A motion that distinguishes two effects.
@@ -84,7 +84,7 @@ pub fn propose(machines: [&Machine; 2], axis: usize, logs: &[Signals]) -> Option
 
 fn run(machine: &Machine, motion: &str) -> Option<Log> {
     let motion = Motion::parse(motion, "proposal").ok()?;
-    let path = path::of(&motion, machine, "proposal").ok()?;
+    let path = MachinePath::new(&motion, machine, "proposal").ok()?;
     let mut controller = simulate::controller(machine, Format::F64, &path.start_m).ok()?;
     let run = Run {
         machine,

@@ -7,7 +7,6 @@ use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
 use super::round::Round;
 use crate::analysis::residual_analysis::unexplained;
-use crate::effect_identity::is_same;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::Exclusion;
 use crate::fit::fit_data::{FitData, ResidualSeries};
@@ -18,7 +17,7 @@ use crate::fit::scope::{Mechanics, Scope};
 use crate::fit::scope_fit::{Progress, ScopeFit};
 use crate::prediction::force_windup;
 use crate::stages::stage_names;
-use model::effects::{Effect, Stage, Surroundings, candidates};
+use model::effects::{Effect, EffectContext, Stage, initial_guesses};
 
 /// The search for the effects that an axis's model lacks.
 pub struct EffectSearch<'a> {
@@ -135,17 +134,17 @@ impl EffectSearch<'_> {
     fn initial_guesses(&self, model: &AxisModel, scope: &Scope) -> Vec<Effect> {
         let data = self.data;
         let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
-        let context = Surroundings {
-            axis: &model.axis,
+        let context = EffectContext {
+            axis: &model.axis.settings,
             first: data.axis == 0,
             others: &others,
             stages: &scope.stages,
             travel_mm: data.travel_mm(),
         };
-        let mut guesses = candidates(&context);
+        let mut guesses = initial_guesses(&context);
         let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
         guesses.retain(|effect| force_windup::is_testable(effect, force_is_logged));
-        guesses.retain(|effect| !model.found().iter().any(|found| is_same(found, effect)));
+        guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
         guesses
     }
 

@@ -4,7 +4,6 @@ use super::fitted_axis::FittedAxis;
 use super::found::Found;
 use super::likelihood::refuting_loss;
 use super::refutation;
-use crate::effect_identity::is_same;
 use crate::fit::fit_data::{FitData, Pair, ResidualSeries};
 use crate::fit::least_squares;
 use crate::fit::limits::AtLimit;
@@ -67,7 +66,7 @@ pub fn confirm(
 /// Adds the effects that the search refused at a limit, unless they were found or are already in the list.
 fn add_refused(refused: &mut Vec<AtLimit>, axis: &FittedAxis, rounds: &[Round]) {
     for limit in refused_at_limit(rounds) {
-        let is_same = |effect: &Effect| is_same(effect, &limit.effect);
+        let is_same = |effect: &Effect| effect.is_same(&limit.effect);
         if !axis.model.found().iter().any(is_same) && !refused.iter().any(|at| is_same(&at.effect)) {
             refused.push(limit);
         }
