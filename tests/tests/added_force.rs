@@ -10,11 +10,11 @@ use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
 use shared::axis::Reading;
-use trace::axis_model::AxisModel;
-use trace::residual::{Evidence, rms};
-use trace::scope::{Mechanics, Scope};
-use trace::signals::Signals;
-use trace::trace;
+use trace::fit::axis_model::AxisModel;
+use trace::fit::fit_data::FitData;
+use trace::fit::scope::{Mechanics, Scope};
+use trace::input::signals::Signals;
+use trace::{TraceOptions, trace};
 
 const KV: f64 = 6e4;
 const KP: f64 = 50.0;
@@ -125,14 +125,15 @@ fn with_channel(log: &Log, sign: f64, delay: usize) -> Log {
 /// under the added force.
 fn stage_of(machine: &Machine, log: &Log, stage: Stage) -> (f64, f64, f64) {
     let (names, rates) = (["x".to_owned()], machine.rates());
-    let logs = [Signals::new(log, &names)];
-    let evidence = Evidence { logs: &logs, names: &names, axis: 0, rates, aside: &[], own: &[] };
-    let model = AxisModel::new(&machine.axis["x"], rates);
-    let parts = evidence.residuals(&model, &Scope { stages: vec![stage], mechanics: Mechanics::None });
-    let counts = evidence.counting(stage, 0);
+    let options = TraceOptions::default();
+    let logs = [Signals::new(log, &names, &options.samples)];
+    let data = FitData::new(&logs, &names, 0, rates, &options);
+    let model = AxisModel::new(&machine.axis["x"], rates, options.model);
+    let residuals = data.residuals(&model, &Scope { stages: vec![stage], mechanics: Mechanics::None });
+    let counts = data.counting(stage, 0);
     let counted: Vec<usize> = (0..log.len()).filter(|&i| counts(i)).collect();
     let added = counted.iter().filter(|i| (ADDED_S[0]..ADDED_S[1]).contains(&(1e-3 * **i as f64))).count();
-    (rms(&parts, stage, &evidence), evidence.noise(&model, stage), added as f64 / counted.len() as f64)
+    (data.rms(&residuals, stage), data.noise(&model, stage), added as f64 / counted.len() as f64)
 }
 
 /// Rms of the response of the motor while the force is added, µm: of a rigid machine

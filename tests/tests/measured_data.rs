@@ -85,7 +85,8 @@ fn emps_has_no_stribeck_effect() {
     let tried = trace.axes[0].rounds.iter().flat_map(|round| &round.candidates);
     let stribeck: Vec<_> = tried.filter(|c| c.effect.name() == "stribeck" && c.fitted.is_some()).collect();
     assert!(!stribeck.is_empty(), "it is tried");
-    assert!(stribeck.iter().all(|c| !c.is_consistent()), "{stribeck:?}");
+    let options = &trace.options.search;
+    assert!(stribeck.iter().all(|c| !c.is_consistent(options)), "{stribeck:?}");
 }
 
 /// A robot without a declared controller or mass: the stages that cannot be tested are listed.

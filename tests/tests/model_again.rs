@@ -9,7 +9,8 @@ use model::machine::Machine;
 use studies::demo;
 use tests::cases;
 use tests::data::data_folder;
-use trace::axis::{Pair, StageError};
+use trace::fit::fit_data::Pair;
+use trace::outcome::StageError;
 use trace::{Trace, trace};
 
 /// Relative tolerance of a residual: fits end when a step reduces Σr² by less than 1e-4, and the bias of the model is
@@ -18,7 +19,7 @@ const TOLERANCE: f64 = 0.02;
 
 /// All residuals of a trace, by name.
 fn residuals(trace: &Trace, of: fn(&StageError) -> Pair) -> Vec<(String, f64)> {
-    let of_axis = |axis: &trace::axis::AxisTrace| {
+    let of_axis = |axis: &trace::outcome::AxisTrace| {
         let of_stage = |error: &StageError| {
             let Pair { fit, validate } = of(error);
             [("fit", fit), ("validate", validate)]

@@ -12,11 +12,12 @@ use std::path::Path;
 use criterion::{Criterion, criterion_group, criterion_main};
 use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
-use trace::axis_model::AxisModel;
-use trace::fit;
-use trace::residual::Evidence;
-use trace::scope::scopes;
-use trace::signals::Signals;
+use trace::TraceOptions;
+use trace::fit::axis_model::AxisModel;
+use trace::fit::fit_data::FitData;
+use trace::fit::least_squares::fit;
+use trace::fit::scope::scopes;
+use trace::input::signals::Signals;
 
 /// Limit of the steps of a fit, which is not reached.
 const STEPS: usize = 10;
@@ -55,17 +56,17 @@ fn synthetic() -> (Machine, Log) {
 fn rigid(criterion: &mut Criterion) {
     let (machine, log) = machine_and_log();
     let names: Vec<String> = machine.axis.keys().cloned().collect();
-    let logs = [Signals::new(&log, &names)];
-    let evidence =
-        Evidence { logs: &logs, names: &names, axis: 0, rates: machine.rates(), aside: &[], own: &[] };
+    let options = TraceOptions::default();
+    let logs = [Signals::new(&log, &names, &options.samples)];
+    let data = FitData::new(&logs, &names, 0, machine.rates(), &options);
     let axis = &machine.axis[0];
-    let (scopes, _) = scopes(axis, 0, &logs);
-    let start = AxisModel::new(axis, evidence.rates);
+    let (scopes, _) = scopes(axis, &data);
+    let start = AxisModel::new(axis, data.rates, options.model);
     criterion.bench_function("rigid model fitted to the force of 24.8 s", |bench| {
-        bench.iter(|| black_box(fit::fit(&evidence, &start, &scopes[0], STEPS)));
+        bench.iter(|| black_box(fit(&data, &start, &scopes[0], STEPS)));
     });
     criterion.bench_function("signals of 24.8 s", |bench| {
-        bench.iter(|| black_box(Signals::new(&log, &names)));
+        bench.iter(|| black_box(Signals::new(&log, &names, &options.samples)));
     });
 }
 

@@ -3,8 +3,11 @@
 use super::number::{percent, significant};
 use super::parameters::brief;
 use files::log::Unit;
-use trace::axis::{AxisTrace, Found, Pair, StageError, residual_unit, stage_names};
-use trace::limits::AtLimit;
+use trace::fit::fit_data::Pair;
+use trace::fit::limits::AtLimit;
+use trace::outcome::{AxisTrace, StageError};
+use trace::stages::{residual_unit, stage_names};
+use trace::validation::found::Found;
 use trace::verdict;
 
 /// The rms residuals of the stages that a condition selects, as a list; none where it selects none.

@@ -5,7 +5,7 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use trace::signals::Signals;
+use trace::input::signals::Signals;
 
 /// Largest speed that counts as standstill, as a fraction of the largest speed in the log.
 const STANDSTILL_FRACTION: f64 = 0.01;

@@ -5,8 +5,9 @@ use std::f64::consts::TAU;
 use super::axis_view::{AxisView, series};
 use super::circle_fit::{Arc, Circle};
 use model::effects::Stage;
-use trace::residual::Part;
-use trace::signals::{AxisSignals, Signals, Smooth};
+use trace::fit::fit_data::ResidualSeries;
+use trace::input::signals::{AxisSignals, Signals};
+use trace::input::smoothing::Smooth;
 
 /// Points per turn; each is the mean of the samples around it.
 const POINTS_PER_TURN: f64 = 1440.0;
@@ -60,7 +61,7 @@ impl Run<'_> {
     ///
     /// Each stage is driven by what was measured upstream of it, so the residuals of the stages add up
     /// along the chain command, motor, table, tool.
-    pub fn residual(&self, residuals: [&[Part]; 2]) -> Vec<Lap> {
+    pub fn residual(&self, residuals: [&[ResidualSeries]; 2]) -> Vec<Lap> {
         let stages = self.stages();
         let sums = residuals.map(|all| {
             let mut sum = vec![0.0; self.signals.len()];

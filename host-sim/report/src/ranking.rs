@@ -6,10 +6,14 @@ use super::markup::{note, number_cell, text};
 use super::number::{fixed, percent, significant};
 use super::parameters;
 use files::log::Unit;
-use trace::axis::{AxisTrace, Found, is_same, stage_names};
-use trace::candidates::{Candidate, LEAST_REDUCTION, LEAST_T};
-use trace::held_out::{Comparison, FOLDS};
-use trace::search::Round;
+use trace::fit::normal_equations::FOLDS;
+use trace::options::SearchOptions;
+use trace::outcome::AxisTrace;
+use trace::search::candidates::Candidate;
+use trace::search::held_out::Comparison;
+use trace::search::round::Round;
+use trace::stages::stage_names;
+use trace::validation::found::Found;
 
 /// Most candidates of a round that are shown.
 const MAX_SHOWN: usize = 6;
@@ -134,26 +138,26 @@ fn verdict(axis: &AxisTrace, round: &Round, index: usize) -> String {
     if let Some(limit) = &candidate.limit {
         return format!("{} is the limit of its search", significant(limit.limit, 3));
     }
-    if candidate.is_supported() {
+    if candidate.is_supported(&round.options) {
         // The best that is supported is added, unless the closed loop speaks against it.
         let is_vetoed = round.added.is_none_or(|added| index < added);
         let why = if is_vetoed { "makes the closed loop worse" } else { "another one is better" };
         return format!("supported here, but {why}");
     }
-    if !candidate.material {
+    if !candidate.exceeds_tolerance {
         return "too small to tell from what any model leaves open".to_owned();
     }
-    verdict_of_unsupported(candidate, best)
+    verdict_of_unsupported(candidate, best, &round.options)
 }
 
 /// What became of a candidate that its round added.
 fn verdict_of_added(axis: &AxisTrace, candidate: &Candidate) -> &'static str {
-    let is_among = |all: &[Found]| all.iter().any(|found| is_same(&found.effect, &candidate.effect));
+    let is_among = |all: &[Found]| all.iter().any(|found| found.effect.is_same(&candidate.effect));
     if is_among(&axis.found) {
         "added"
     } else if is_among(&axis.refuted) {
         "added; refuted by the logs held out"
-    } else if axis.refused.iter().any(|limit| is_same(&limit.effect, &candidate.effect)) {
+    } else if axis.refused.iter().any(|limit| limit.effect.is_same(&candidate.effect)) {
         "added; dropped when the last fits drove it to a limit of its search"
     } else {
         "added; dropped when a later one made it needless"
@@ -161,19 +165,20 @@ fn verdict_of_added(axis: &AxisTrace, candidate: &Candidate) -> &'static str {
 }
 
 /// Which condition of support a candidate misses.
-fn verdict_of_unsupported(candidate: &Candidate, best: &Comparison) -> String {
-    let is_supported =
-        |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
+fn verdict_of_unsupported(candidate: &Candidate, best: &Comparison, options: &SearchOptions) -> String {
+    let is_supported = |c: &Comparison| {
+        c.reduction >= options.min_reduction && c.t >= options.min_t && c.folds_better == FOLDS
+    };
     if best.reduction <= 0.0 {
         "makes it worse".to_owned()
-    } else if best.reduction < LEAST_REDUCTION {
-        format!("too small: below {} %", fixed(100.0 * (1.0 - (1.0 - LEAST_REDUCTION).sqrt()), 0))
+    } else if best.reduction < options.min_reduction {
+        format!("too small: below {} %", fixed(100.0 * (1.0 - (1.0 - options.min_reduction).sqrt()), 0))
     } else if candidate.comparison.iter().any(is_supported) {
         let worst = candidate.comparison.iter().map(|c| c.worst_log).fold(0.0, f64::min);
         format!("worse on another log or stage, by {}", percent(100.0 * ((1.0 - worst).sqrt() - 1.0)))
     } else if best.folds_better < FOLDS {
         format!("better in {} of {FOLDS} parts of the logs only", best.folds_better)
     } else {
-        format!("may be chance: {} standard errors, below {}", fixed(best.t, 1), fixed(LEAST_T, 1))
+        format!("may be chance: {} standard errors, below {}", fixed(best.t, 1), fixed(options.min_t, 1))
     }
 }

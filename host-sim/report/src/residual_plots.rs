@@ -10,8 +10,8 @@ use super::plot::{Chart, Ink, Layer};
 use super::variable::{label, means, of_effect, of_residual};
 use model::effects::{Abscissa, Stage};
 use trace::Trace;
-use trace::axis::{residual_unit, stage_names};
-use trace::residual::Part;
+use trace::fit::fit_data::ResidualSeries;
+use trace::stages::{residual_unit, stage_names};
 
 /// Most pieces that a log is cut into for a picture; of each piece the minimum and maximum are drawn.
 const MAX_PIECES: usize = 700;
@@ -126,9 +126,9 @@ fn time_chart(trace: &Trace, view: &AxisView<'_>, stage: Stage, log: usize, widt
 
 fn rms_before_and_after(view: &AxisView<'_>, stage: Stage, log: usize) -> String {
     let (unit, _) = residual_unit(view.trace.unit, stage);
-    let rms = |all: &[Part]| {
-        let rms = series(all, stage, log)
-            .map(|series| trace::residual::rms(std::slice::from_ref(series), stage, &view.evidence));
+    let rms = |all: &[ResidualSeries]| {
+        let rms =
+            series(all, stage, log).map(|series| view.evidence.rms(std::slice::from_ref(series), stage));
         format!("{} {unit}", significant(rms.unwrap_or(0.0), 3))
     };
     if view.is_changed(stage) {

@@ -4,13 +4,16 @@ use super::caveats;
 use super::number::{percent, significant};
 use files::log::Unit;
 use trace::Trace;
-use trace::axis::{AxisTrace, Found, residual_unit, stage_names};
-use trace::empirical::Empirical;
-use trace::free_run::FreeRun;
-use trace::look_alike::LookAlike;
-use trace::repeatability::Repeatability;
-use trace::scope::NotTestable;
-use trace::unexplained::{Unexplained, Variable};
+use trace::analysis::empirical::Empirical;
+use trace::analysis::free_run::FreeRun;
+use trace::analysis::repeatability::Repeatability;
+use trace::analysis::residual_analysis::Unexplained;
+use trace::analysis::variable::Variable;
+use trace::fit::scope::NotTestable;
+use trace::outcome::AxisTrace;
+use trace::search::ambiguity::Ambiguity;
+use trace::stages::{residual_unit, stage_names};
+use trace::validation::found::Found;
 use trace::verdict::{self, Verdict};
 
 /// What a table over a variable takes away.
@@ -42,14 +45,14 @@ pub fn table(axis: &AxisTrace, table: &Empirical) -> String {
 
 /// That two effects cannot be told apart, and what would tell.
 #[must_use]
-pub fn look_alike(axis: &AxisTrace, alike: &LookAlike) -> String {
+pub fn look_alike(axis: &AxisTrace, alike: &Ambiguity) -> String {
     let how = alike.proposal.as_ref().map_or_else(
         || "a log of another kind of motion would tell".to_owned(),
         |proposal| {
             format!(
                 "{} would tell, where they differ by {} times the noise (--propose writes the motion file)",
                 proposal.name,
-                significant(proposal.apart, 2)
+                significant(proposal.difference, 2)
             )
         },
     );
@@ -210,7 +213,7 @@ mod tests {
     use super::*;
     use model::axis::{Mechanics, Sensors, Settings};
     use model::effects::{Effect, EffectContext, Stage, initial_guesses, names};
-    use trace::axis::Pair;
+    use trace::fit::fit_data::Pair;
 
     /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.
     fn one_of_each() -> Vec<Effect> {

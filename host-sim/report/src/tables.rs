@@ -5,7 +5,9 @@ use maud::{Markup, html};
 use super::markup::{Column, note, number_cell, paragraph, table, text};
 use super::number::{fixed, signed};
 use model::effects::Effect;
-use trace::axis::{AxisTrace, Found, StageError, is_same, residual_unit, stage_names};
+use trace::outcome::{AxisTrace, StageError};
+use trace::stages::{residual_unit, stage_names};
+use trace::validation::found::Found;
 
 const RESIDUALS_NOTE: &str = "Root mean square. Fit: on the logs that the models were fitted to. Validate: on motions that took \
                               part in no fit. Before: the declared model at its best within its tolerance. Noise: \
@@ -94,14 +96,14 @@ pub fn truth(axes: &[AxisTrace], truth: &[(String, Effect)]) -> Markup {
 /// Effects that were found and that the machine does not have.
 fn false_finds<'a>(axis: &'a AxisTrace, truth: &[(String, Effect)]) -> Vec<&'a Found> {
     let is_true = |found: &Found| {
-        truth.iter().any(|(name, effect)| *name == axis.axis && is_same(effect, &found.effect))
+        truth.iter().any(|(name, effect)| *name == axis.axis && effect.is_same(&found.effect))
     };
     axis.found.iter().filter(|found| !is_true(found)).collect()
 }
 
 fn truth_row(axes: &[AxisTrace], name: &str, effect: &Effect) -> Markup {
     let found = axes.iter().find(|axis| axis.axis == name).map_or(&[][..], |axis| &axis.found);
-    let (shown, errors) = match found.iter().find(|found| is_same(&found.effect, effect)) {
+    let (shown, errors) = match found.iter().find(|found| found.effect.is_same(effect)) {
         Some(found) => (found.effect.sentence(&found.half_widths, false), parameter_errors(effect, found)),
         None => ("not found".to_owned(), String::new()),
     };

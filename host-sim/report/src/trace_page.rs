@@ -11,8 +11,9 @@ use super::{page, polar, ranking, residual_plots, sentences, tables};
 use files::output::OutputError;
 use model::effects::Effect;
 use trace::Trace;
-use trace::axis::{AxisTrace, StageError, stage_names};
-use trace::signals::Signals;
+use trace::input::signals::Signals;
+use trace::outcome::{AxisTrace, StageError};
+use trace::stages::stage_names;
 
 /// What a page shows beside the trace.
 #[derive(Clone, Debug, Default, PartialEq)]

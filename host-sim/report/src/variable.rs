@@ -2,9 +2,10 @@
 
 use super::axis_view::AxisView;
 use model::effects::{Abscissa, Effect, Stage};
-use trace::residual::Part;
-use trace::signals::{AxisSignals, Smooth};
-use trace::unexplained::Variable;
+use trace::analysis::variable::Variable;
+use trace::fit::fit_data::ResidualSeries;
+use trace::input::signals::AxisSignals;
+use trace::input::smoothing::Smooth;
 
 /// Bins over the range of a variable.
 const BINS: usize = 64;
@@ -92,7 +93,12 @@ fn other(name: Option<&str>, view: &AxisView<'_>) -> usize {
 /// Mean residual of a stage over all logs in equal bins of a variable: the middle of each bin, and
 /// the mean there, in runs of bins that hold samples. Empty where the variable was not measured or
 /// never changes.
-pub fn means(view: &AxisView<'_>, parts: &[Part], stage: Stage, abscissa: &Abscissa) -> Vec<Vec<(f64, f64)>> {
+pub fn means(
+    view: &AxisView<'_>,
+    parts: &[ResidualSeries],
+    stage: Stage,
+    abscissa: &Abscissa,
+) -> Vec<Vec<(f64, f64)>> {
     let mut pairs: Vec<(f64, f64)> = Vec::new();
     for part in parts.iter().filter(|part| part.stage == stage) {
         let Some(values) = values(abscissa, view, part.log) else { return Vec::new() };

@@ -9,7 +9,7 @@ use super::{say, summary};
 use files::output::write_whole;
 use report::trace_page::{self, Extra};
 use studies::demo::{self, Demo};
-use trace::axis::stage_names;
+use trace::stages::stage_names;
 
 /// Arguments of `demo`.
 #[derive(clap::Args)]

@@ -2,7 +2,8 @@
 
 use report::{ranking, sentences};
 use trace::Trace;
-use trace::axis::{AxisTrace, StageError, residual_unit, stage_names};
+use trace::outcome::{AxisTrace, StageError};
+use trace::stages::{residual_unit, stage_names};
 
 /// Summary of a trace.
 #[must_use]
@@ -31,7 +32,7 @@ pub fn of_trace(trace: &Trace) -> String {
     let alike = trace
         .axes
         .iter()
-        .flat_map(|axis| axis.look_alikes.iter().map(|alike| sentences::look_alike(axis, alike)));
+        .flat_map(|axis| axis.ambiguities.iter().map(|alike| sentences::look_alike(axis, alike)));
     let refused = trace.axes.iter().flat_map(ranking::refused);
     let open = trace.axes.iter().flat_map(sentences::open_ends);
     let rest = alike.chain(refused).chain(open).chain(rest);

@@ -82,9 +82,9 @@ fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
         said += &summary::of_tables(&trace);
     }
     if let Some(path) = &arguments.propose {
-        let alike = trace.axes.iter().flat_map(|axis| &axis.look_alikes);
+        let alike = trace.axes.iter().flat_map(|axis| &axis.ambiguities);
         let proposals = alike.filter_map(|alike| alike.proposal.as_ref());
-        match proposals.max_by(|a, b| a.apart.total_cmp(&b.apart)) {
+        match proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)) {
             Some(proposal) => write_whole(path, |out| out.write_all(proposal.motion.as_bytes()))?,
             None => said += "\n\nNo motion is proposed: no two effects look alike here.",
         }

@@ -1,10 +1,10 @@
-//! Which effects could not be looked for, and what it would take.
+//! Which effects could not be searched for, and what that would need.
 
-use super::scope::NotTestable;
+use crate::fit::scope::NotTestable;
 use model::axis::Settings;
 use model::effects::{KINDS, Kind, Neighbours, Prerequisite, Stage};
 
-/// An effect that could not be looked for.
+/// An effect that could not be searched for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EffectNotTestable {
     /// Its name.
@@ -13,13 +13,13 @@ pub struct EffectNotTestable {
     pub needs: String,
 }
 
-/// The effects that no round tried: those whose stages could not be formed, for which `missing` says why, or for which the
-/// machine file lacks a key.
+/// The effects that no round tried: those whose stages could not be evaluated, for which `missing` says why, or for which
+/// the machine file lacks a key.
 #[must_use]
 pub fn effects_not_testable(
     axis: &Settings,
     neighbours: Neighbours,
-    formed: &[Stage],
+    testable: &[Stage],
     missing: &[NotTestable],
     tried: &[&str],
 ) -> Vec<EffectNotTestable> {
@@ -28,7 +28,7 @@ pub fn effects_not_testable(
         if prerequisite == Prerequisite::NotApplicable {
             return None;
         }
-        if !kind.shown_in.iter().any(|stage| formed.contains(stage)) {
+        if !kind.shown_in.iter().any(|stage| testable.contains(stage)) {
             let first = missing.iter().find(|missing| kind.shown_in.first() == Some(&missing.stage));
             return first.map(|missing| missing.needs.clone());
         }

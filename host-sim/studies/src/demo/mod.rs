@@ -17,7 +17,7 @@ use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run, SimulationError};
 use trace::Trace;
-use trace::axis::{AxisTrace, StageError};
+use trace::outcome::{AxisTrace, StageError};
 
 /// The declared machine.
 pub use model::examples::DEMO_MACHINE as MACHINE;
