@@ -227,10 +227,10 @@ mod tests {
 
     #[test]
     fn a_severe_fault_hides_no_light_one() {
-        let seen = FaultSet::NONE.with(FaultKind::ScaleLost, true).with(FaultKind::Displaced, false);
-        let seen = seen.with(FaultKind::SoftLimit, true);
-        assert!(!seen.is_empty() && FaultSet::NONE.is_empty());
-        assert!(seen.iter().eq([FaultKind::SoftLimit, FaultKind::ScaleLost]));
+        let faults = FaultSet::NONE.with(FaultKind::ScaleLost, true).with(FaultKind::Displaced, false);
+        let faults = faults.with(FaultKind::SoftLimit, true);
+        assert!(!faults.is_empty() && FaultSet::NONE.is_empty());
+        assert!(faults.iter().eq([FaultKind::SoftLimit, FaultKind::ScaleLost]));
         let all = FaultKind::ALL.into_iter().fold(FaultSet::NONE, |all, kind| all.with(kind, true));
         assert!(all.iter().eq(FaultKind::ALL));
         // Adding a fault that is in the set changes nothing.

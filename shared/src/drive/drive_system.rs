@@ -246,8 +246,8 @@ mod tests {
         while system.machine.power() == Power::Stopping(fault) {
             follow(&mut system, &mut bench);
             ticks += 1;
-            let stands = system.machine.power() == Power::Faulted(fault);
-            assert_eq!((bench.enabled, bench.lit), (!stands, true));
+            let stopped = system.machine.power() == Power::Faulted(fault);
+            assert_eq!((bench.enabled, bench.lit), (!stopped, true));
             assert!(ticks < 2000);
         }
         assert!((398..=402).contains(&ticks), "{ticks}");

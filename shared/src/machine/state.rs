@@ -152,7 +152,8 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     fn displaced(&self, state: &State<S, N>, readings: &[Reading; N]) -> Option<Fault> {
         let holding = self.holding_commands(state, readings);
         let mut axes = (0..).zip(holding.into_iter().zip(state.path.command()));
-        let axis = axes.find(|&(_, (place, command))| (place - command).unsigned_abs() > DISPLACEMENT_LIMIT);
+        let axis =
+            axes.find(|&(_, (holding, command))| (holding - command).unsigned_abs() > DISPLACEMENT_LIMIT);
         axis.map(|(axis, _)| Fault::Axis { axis, kind: FaultKind::Displaced })
     }
 
