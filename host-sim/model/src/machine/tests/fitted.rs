@@ -1,0 +1,89 @@
+//! What a trace keeps beside the values that it fitted.
+
+use super::*;
+
+/// What a trace writes behind the keys of axis y, in front of its effects.
+const FITTED: &str = "
+[axis.y.nominal]
+stiffness_n_per_um = 160.0
+coulomb_n = 150.0
+damping_n_s_per_m = 8000.0
+
+[[axis.y.nominal.effect]]
+name = \"backlash\"
+width_um = 9.0
+
+[axis.y.log_offsets]
+table_zero_um = -3.5
+tool_late_ms = 0.05
+drive_late_ms = -0.02
+";
+
+fn fitted(change: [&str; 2]) -> String {
+    let (before, effects) = MACHINE.split_once("[[axis.y.effect]]").unwrap();
+    let text = format!("{before}{FITTED}\n[[axis.y.effect]]{effects}");
+    assert!(text.contains(change[0]), "{change:?}");
+    text.replacen(change[0], change[1], 1)
+}
+
+#[test]
+fn fitted_values_keep_their_nominal_ones_and_the_offsets_of_their_logs() {
+    let machine = Machine::parse(&fitted(["", ""]), "m.toml").unwrap();
+    assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+    let axis = &machine.axis["y"];
+    let nominal = axis.at_nominal();
+    // Of the declared stiffness of 150 the nominal one is 160; what has none is its own.
+    let [fitted, before] = [axis, &nominal].map(|axis| &axis.settings.mechanics);
+    assert_eq!((fitted.stiffness_n_per_um, before.stiffness_n_per_um), (Some(150.0), Some(160.0)));
+    assert_eq!((before.motor_mass_kg, before.coulomb_n), (fitted.motor_mass_kg, Some(150.0)));
+    assert_eq!(nominal.effect[0].parameters(), [("width_um", 9.0)]);
+    assert_eq!(nominal.effect[1..], axis.effect[1..]);
+    assert_eq!(nominal.at_nominal(), nominal);
+    let offsets = axis.log_offsets.as_ref().unwrap();
+    assert_eq!(offsets.zeros_um().map(|(_, um)| um), [Some(-3.5), None]);
+    assert_eq!(offsets.instants_ms()[1], ("tool_late_ms", Some(0.05)));
+}
+
+#[test]
+fn nominal_values_and_offsets_that_do_not_belong_to_the_axis_are_refused() {
+    let refused = |change: [&str; 2]| Machine::parse(&fitted(change), "m.toml").unwrap_err().to_string();
+    // 10 % of 166 are 16.6: 150 lies 16 below, and just within; of 167, 17 below 16.7.
+    assert!(Machine::parse(&fitted(["per_um = 160.0", "per_um = 166.0"]), "m.toml").is_ok());
+    let cases = [
+        (
+            ["per_um = 160.0", "per_um = 167.0"],
+            "axis.y.stiffness_n_per_um: expected a value within plant_tolerance_percent (10) of \
+             nominal.stiffness_n_per_um (167), found 150.0",
+        ),
+        (
+            ["coulomb_n = 150.0\ndamping_n", "coulomb_n = -1.0\ndamping_n"],
+            "axis.y.nominal.coulomb_n: expected a number not below 0, found -1.0",
+        ),
+        (
+            ["damping_n_s_per_m = 8000.0\n", ""],
+            "axis.y.nominal.damping_n_s_per_m: expected no such key, as damping_n_s_per_m is not given, found 8000.0",
+        ),
+        (
+            ["name = \"backlash\"\nwidth_um = 9.0", "name = \"windup\"\nstiffness_n_per_um = 9.0"],
+            "axis.y.nominal.effect[0].name: expected the effect that the axis has in this place (backlash), found \"windup\"",
+        ),
+        (
+            ["width_um = 9.0", "width_um = -9.0"],
+            "axis.y.nominal.effect[0].width_um: expected a number not below 0, found -9.0",
+        ),
+        (["width_um = 9.0", "width_mm = 9.0"], "axis.y.nominal.effect[0].width_mm: unknown key"),
+        (
+            ["tool_late_ms = 0.05", "tool_late_ms = 1.5"],
+            "axis.y.log_offsets.tool_late_ms: expected a number within ±1, found 1.5",
+        ),
+        (
+            ["table_zero_um = -3.5", "table_zero_um = -2e6"],
+            "axis.y.log_offsets.table_zero_um: expected a number within ±1000000, found -2e6",
+        ),
+        (["table_zero_um", "motor_zero_um"], "axis.y.log_offsets.motor_zero_um: unknown key"),
+    ];
+    for (change, wanted) in cases {
+        let said = refused(change);
+        assert!(said.contains(wanted) && !said.contains('\n'), "{said}\n{wanted}");
+    }
+}

@@ -1,0 +1,139 @@
+//! Keys of filters and limits.
+
+use super::*;
+
+/// Keys that may be added to axis y above.
+const LOOPS: &str = "smoothing_s = 0.02
+smoothing_jerk_s = 0.005
+notch_frequency_hz = 120
+notch_width_hz = 30.5
+notch_depth = 0.9
+low_pass_frequency_hz = 800.0
+low_pass_damping_ratio = 0.7
+travel_mm = [-200, 310.5]
+stop_deceleration_m_per_s2 = 3.0
+saturation_time_s = 0.25
+scale_disagreement_limit_mm = 0.4
+fastest_mm_per_s = 900.0
+frozen_encoder_limit_mm = 0.3
+";
+
+/// The machine above with more keys in axis y.
+fn with(loops: &str) -> String {
+    MACHINE.replacen("controller = ", &format!("{loops}controller = "), 1)
+}
+
+#[test]
+fn filters_and_limits_reach_the_controller_in_its_units() {
+    use shared::config::{LowPass, Notch};
+    use shared::interpolate::Smoothing;
+
+    let settings = |text: &str| {
+        let machine = Machine::parse(text, "m.toml").unwrap();
+        assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+        let axis = &machine.axis["y"];
+        crate::servo::settings(&axis.settings, &crate::servo::ServoParameters::of(&axis.effect)).unwrap()
+    };
+    let given = settings(&with(LOOPS));
+    assert_eq!(given.smoothing, Smoothing::SCurve { time_s: 0.02, jerk_time_s: 0.005 });
+    assert_eq!(given.notch, Some(Notch { frequency_hz: 120.0, width_hz: 30.5, depth: 0.9 }));
+    assert_eq!(given.low_pass, Some(LowPass { frequency_hz: 800.0, damping_ratio: 0.7 }));
+    let close = |found: f64, wanted: f64| assert!((found - wanted).abs() < 1e-12, "{found} {wanted}");
+    let [least, greatest] = given.travel_m.unwrap();
+    close(least, -0.2);
+    close(greatest, 0.3105);
+    close(given.stop_deceleration_m_per_s2, 3.0);
+    close(given.saturation_time_s, 0.25);
+    close(given.scale_disagreement_limit_m.unwrap(), 0.4e-3);
+    close(given.fastest_m_per_s.unwrap(), 0.9);
+
+    let trapezoid = settings(&with("smoothing_s = 0.02\n"));
+    assert_eq!(trapezoid.smoothing, Smoothing::Trapezoid { time_s: 0.02 });
+    let lag = settings(&with("smoothing_time_constant_s = 0.03\n"));
+    assert_eq!(lag.smoothing, Smoothing::Exponential { time_constant_s: 0.03 });
+
+    let (none, default) = (settings(MACHINE), shared::config::AxisSettings::default());
+    assert_eq!((none.smoothing, none.notch, none.low_pass), (Smoothing::None, None, None));
+    assert_eq!((none.travel_m, none.fastest_m_per_s, none.scale_disagreement_limit_m), (None, None, None));
+    close(none.stop_deceleration_m_per_s2, default.stop_deceleration_m_per_s2);
+    close(none.saturation_time_s, default.saturation_time_s);
+}
+
+/// The sample rate is 1 kHz, that of the velocity loop 4 kHz.
+const BAD_LOOPS: &[(&str, &str)] = &[
+    ("smoothing_s = 0", "line 6: axis.y.smoothing_s: expected a number above 0, found 0"),
+    ("smoothing_s = 0.0014", "axis.y.smoothing_s: expected two samples (0.002 s) or more, found 0.0014"),
+    (
+        "smoothing_s = 0.513",
+        "axis.y.smoothing_s: expected with smoothing_jerk_s at most 512 samples (0.512 s)",
+    ),
+    (
+        "smoothing_jerk_s = 0.01",
+        "line 5: axis.y.smoothing_s: expected this key, as smoothing_jerk_s is given",
+    ),
+    (
+        "smoothing_s = 0.01\nsmoothing_jerk_s = 0.02",
+        "line 7: axis.y.smoothing_jerk_s: expected a time no longer than smoothing_s, found 0.02",
+    ),
+    (
+        "smoothing_s = 0.3\nsmoothing_jerk_s = 0.3",
+        "line 6: axis.y.smoothing_s: expected with smoothing_jerk_s at most 512 samples (0.512 s), found 0.3",
+    ),
+    (
+        "smoothing_s = 0.3\nsmoothing_time_constant_s = 0.3",
+        "line 7: axis.y.smoothing_time_constant_s: expected no such key, as smoothing_s is given, found 0.3",
+    ),
+    ("smoothing_time_constant_s = 2e3", "expected a time of at most a million samples, found 2e3"),
+    (
+        "notch_frequency_hz = 100.0",
+        "axis.y.notch_width_hz: expected this key, as notch_frequency_hz is given",
+    ),
+    ("notch_depth = 1", "axis.y.notch_frequency_hz: expected this key, as notch_depth is given, found none"),
+    (
+        "notch_frequency_hz = 2000\nnotch_width_hz = 10\nnotch_depth = 1",
+        "line 6: axis.y.notch_frequency_hz: expected a number from 4 to 1800, found 2000",
+    ),
+    (
+        "notch_frequency_hz = 100\nnotch_width_hz = 401\nnotch_depth = 1",
+        "line 7: axis.y.notch_width_hz: expected a number from 0 to 400, found 401",
+    ),
+    ("notch_depth = 1.1", "axis.y.notch_depth: expected a number from 0 to 1, found 1.1"),
+    ("low_pass_frequency_hz = 100", "axis.y.low_pass_damping_ratio: expected this key, as low_pass_freq"),
+    (
+        "low_pass_frequency_hz = 3\nlow_pass_damping_ratio = 0.7",
+        "line 6: axis.y.low_pass_frequency_hz: expected a number from 4 to 1800, found 3",
+    ),
+    (
+        "low_pass_frequency_hz = 300\nlow_pass_damping_ratio = 11",
+        "line 7: axis.y.low_pass_damping_ratio: expected a number from 0.05 to 10, found 11",
+    ),
+    ("travel_mm = [1, 1]", "line 6: axis.y.travel_mm[1]: expected a number above the first, found 1"),
+    ("travel_mm = [-1e6, 1]", "axis.y.travel_mm[0]: expected a travel within 100000 mm of zero, found -1e6"),
+    ("travel_mm = [1]", "axis.y.travel_mm: expected an array of length 2, found an array of 1"),
+    ("travel_mm = 5", "axis.y.travel_mm: expected"),
+    ("stop_deceleration_m_per_s2 = 0", "stop_deceleration_m_per_s2: expected a number above 0, found 0"),
+    ("saturation_time_s = -1", "axis.y.saturation_time_s: expected a number above 0, found -1"),
+    ("scale_disagreement_limit_mm = -1", "scale_disagreement_limit_mm: expected a number from 0 to 100000"),
+    ("fastest_mm_per_s = 0", "axis.y.fastest_mm_per_s: expected a number above 0, found 0"),
+    (
+        "frozen_encoder_limit_mm = 500",
+        "axis.y.frozen_encoder_limit_mm: expected no more than following_error_limit_mm, ",
+    ),
+    ("frozen_encoder_limit_mm = 0", "axis.y.frozen_encoder_limit_mm: expected a number above 0, found 0"),
+];
+
+#[test]
+fn bad_filters_and_limits_are_refused_with_line_key_and_expectation() {
+    for (loops, wanted) in BAD_LOOPS {
+        let said = Machine::parse(&with(&format!("{loops}\n")), "m.toml").expect_err(wanted).to_string();
+        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
+        assert!(!said.contains('\n'), "{said}");
+    }
+    // Without the controller they would be left out without a word.
+    for line in LOOPS.lines() {
+        let text = format!("{MACHINE}{line}\n");
+        let said = Machine::parse(&text, "m.toml").expect_err(line).to_string();
+        let key = line.split(' ').next().unwrap();
+        assert!(said.contains(&format!("axis.x.controller: expected this key, as {key} is given")), "{said}");
+    }
+}

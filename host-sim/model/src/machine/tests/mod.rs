@@ -1,0 +1,161 @@
+//! Machine files that are read, refused, written.
+
+mod fitted;
+mod loops;
+mod refused;
+
+use std::path::Path;
+
+use super::*;
+use crate::axis::{Feedback, Law};
+use crate::effects::Effect;
+
+const MACHINE: &str = r#"name = "m"
+sample_rate_hz = 1000
+velocity_loop_rate_hz = 4000.0
+
+[axis.y]
+controller = "hpc"
+position_gain_per_s = 40.0
+feedforward_percent = 60.0
+velocity_gain_n_s_per_m = 5e4
+velocity_integral_time_s = 0.02
+force_limit_n = 20000.0
+motor_mass_kg = 90.0
+table_mass_kg = 120.0
+stiffness_n_per_um = 150.0
+damping_n_s_per_m = 8000.0
+coulomb_n = 150.0
+viscous_n_s_per_m = 900.0
+motor_coulomb_n = 40.0
+presliding_stiffness_n_per_um = 40.0
+presliding_damping_n_s_per_m = 2000.0
+plant_tolerance_percent = 10.0
+lead_mm = 16
+resolver_pole_pairs = 5
+feedback = "dual"
+dual_feedback_time_constant_s = 0.08
+
+[[axis.y.effect]]
+name = "backlash"
+width_um = 9.5
+
+[[axis.y.effect]]
+name = "crosstalk"
+um_s2_per_m = -1
+source = "x"
+
+[[axis.y.effect]]
+name = "latency"
+channel = "table"
+ms = 0.4
+
+[axis.x]
+"#;
+
+/// What is said of the machine above after one change, which has to change something.
+fn said(from: &str, to: &str) -> String {
+    let text = MACHINE.replacen(from, to, 1);
+    assert_ne!(text, MACHINE);
+    Machine::parse(&text, "m.toml").err().unwrap_or_else(|| panic!("accepted:\n{text}")).to_string()
+}
+
+#[test]
+fn a_machine_reads_with_its_axes_in_the_order_of_the_file() {
+    let machine = Machine::parse(MACHINE, "m.toml").unwrap();
+    assert_eq!(machine.axis.keys().collect::<Vec<_>>(), ["y", "x"]);
+    let (y, x) = (&machine.axis["y"], &machine.axis["x"]);
+    assert_eq!(y.settings.mechanics.lead_mm, Some(16.0));
+    let [of_y, of_x] = [&y.settings, &x.settings];
+    assert_eq!((of_y.controller.law, of_y.sensors.feedback), (Some(Law::Hpc), Feedback::Dual));
+    assert_eq!(y.effect.iter().map(Effect::name).collect::<Vec<_>>(), ["backlash", "crosstalk", "latency"]);
+    assert!(of_y.has_controller() && of_y.has_mass() && !of_y.is_rigid());
+    assert!(!of_x.has_controller() && !of_x.has_mass() && of_x.is_rigid());
+    assert_eq!(of_x.sensors.feedback, Feedback::Motor);
+    assert_eq!(machine.others("x"), ["y"]);
+}
+
+#[test]
+fn the_velocity_loop_runs_at_the_sample_rate_unless_declared() {
+    let text = MACHINE.replacen("velocity_loop_rate_hz = 4000.0\n", "", 1);
+    let machine = Machine::parse(&text, "m.toml").unwrap();
+    assert!((machine.velocity_rate_hz() - 1000.0).abs() < 1e-12);
+}
+
+#[test]
+fn a_machine_written_reads_as_itself() {
+    let machine = Machine::parse(MACHINE, "m.toml").unwrap();
+    let text = machine.to_toml();
+    assert_eq!(Machine::parse(&text, "again.toml").unwrap(), machine, "{text}");
+    let lines: Vec<&str> = text.lines().collect();
+    let place = |line: &str| lines.iter().position(|l| *l == line).unwrap_or_else(|| panic!("{text}"));
+    assert!(place("[axis.y]") < place("controller = \"hpc\""), "{text}");
+    assert!(place("controller = \"hpc\"") < place("[[axis.y.effect]]"), "{text}");
+    assert!(place("[[axis.y.effect]]") < place("[axis.x]"), "{text}");
+}
+
+/// Every effect of the catalogue survives being written and read, tag and strict keys together.
+#[test]
+fn every_effect_written_reads_as_itself() {
+    let mut machine = Machine::parse(MACHINE, "m.toml").unwrap();
+    // Where it is declared it is not looked for.
+    let mechanics = &mut machine.axis["y"].settings.mechanics;
+    mechanics.presliding_stiffness_n_per_um = None;
+    mechanics.presliding_damping_n_s_per_m = None;
+    let axis = machine.axis["y"].settings.clone();
+    let stages = {
+        use crate::effects::Stage::{Force, Motor, Table, Tool};
+        [Motor, Table, Tool, Force]
+    };
+    let others = ["x".to_owned()];
+    let around = crate::effects::EffectContext {
+        axis: &axis,
+        first: true,
+        others: &others,
+        stages: &stages,
+        travel_mm: [0.0, 100.0],
+    };
+    let force = crate::effects::EffectContext { stages: &stages[3..], ..around };
+    let all = [crate::effects::initial_guesses(&around), crate::effects::initial_guesses(&force)].concat();
+    let names: Vec<&str> = all.iter().map(Effect::name).collect();
+    assert!(crate::effects::names().iter().all(|name| names.contains(name)));
+    for effect in all {
+        machine.axis["y"].effect = vec![effect];
+        assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
+    }
+}
+
+#[test]
+fn files_that_are_no_machines_are_refused() {
+    let cases = [
+        ("", "name: expected this key"),
+        ("time_s,x_command_mm\n0,1\n", "line 1: expected valid TOML"),
+        ("name = \"m\"\nsample_rate_hz = 1", "axis: expected this key, found none"),
+        ("name = \"m\"\nsample_rate_hz = 1\n[axis]", "line 3: axis: expected at least one table"),
+    ];
+    for (text, wanted) in cases {
+        let said = Machine::parse(text, "m.toml").unwrap_err().to_string();
+        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
+        assert!(!said.contains('\n'), "{said}");
+    }
+    let folder = tempfile::tempdir().unwrap();
+    let said = |path: &Path| Machine::read(path).unwrap_err().to_string();
+    assert!(said(folder.path()).contains(": expected a readable file: "));
+    assert!(said(&folder.path().join("no.toml")).contains("no.toml: expected a readable file: "));
+    let binary = folder.path().join("binary.toml");
+    std::fs::write(&binary, b"name = 1\n\xff").unwrap();
+    assert!(said(&binary).contains("line 2: expected UTF-8 text, found byte 0xFF"));
+}
+
+/// Whatever one slip of the finger makes of a machine file, it is read or refused in one line.
+#[test]
+fn no_slip_breaks_the_reader() {
+    for at in 0..MACHINE.len() {
+        for slip in ["", "\"", "[", "]", ".", "\n", "-", "9", "e", " ", "=", "ä"] {
+            let text = format!("{}{slip}{}", &MACHINE[..at], &MACHINE[at + 1..]);
+            if let Err(error) = Machine::parse(&text, "m.toml") {
+                assert!(!error.to_string().contains('\n'));
+            }
+        }
+    }
+}

@@ -1,0 +1,155 @@
+//! Machines and effects that are refused, with the line, the key and what was expected.
+
+use super::*;
+
+/// Change to the machine above, and what has to be said of it.
+const BAD_MACHINES: &[(&str, &str, &str)] = &[
+    ("1000", "0", "line 2: sample_rate_hz: expected a rate above 0 and up to 1000000, found 0"),
+    ("1000", "\"fast\"", "line 2: sample_rate_hz: expected a number, found \"fast\""),
+    ("4000.0", "-1", "line 3: velocity_loop_rate_hz: expected a rate above 0"),
+    (
+        "4000.0",
+        "4100.0",
+        "line 3: velocity_loop_rate_hz: expected sample_rate_hz (1000) times 1 to 1000, a whole \
+             number, found 4100.0",
+    ),
+    ("4000.0", "500.0", "line 3: velocity_loop_rate_hz: expected sample_rate_hz (1000) times"),
+    ("name = \"m\"", "", "m.toml: name: expected this key, found none"),
+    ("sample_rate_hz = 1000\n", "", "m.toml: sample_rate_hz: expected this key, found none"),
+    ("name =", "colour =", "line 1: colour: unknown key, expected one of name"),
+    (
+        "motor_mass_kg =",
+        "motr_mass_kg =",
+        "line 12: axis.y.motr_mass_kg: unknown key, expected one of controller",
+    ),
+    (
+        "mass_kg = 90.0",
+        "mass_kg = -3",
+        "line 12: axis.y.motor_mass_kg: expected a number not below 0, found -3",
+    ),
+    ("120.0", "nan", "line 13: axis.y.table_mass_kg: expected a finite number, found nan"),
+    (
+        "120.0",
+        "0",
+        "line 13: axis.y.table_mass_kg: expected a mass above 0, as stiffness_n_per_um is given, found 0",
+    ),
+    (
+        "table_mass_kg = 120.0\n",
+        "",
+        "line 5: axis.y.table_mass_kg: expected a mass above 0, as stiffness_n_per_um is given, found none",
+    ),
+    (
+        "per_s = 40.0",
+        "per_s = 0.0",
+        "line 7: axis.y.position_gain_per_s: expected a number above 0, found 0.0",
+    ),
+    ("5e4", "0", "line 9: axis.y.velocity_gain_n_s_per_m: expected a number above 0, found 0"),
+    ("\"hpc\"", "\"pid\"", "line 6: axis.y.controller: expected p or hpc, found \"pid\""),
+    (
+        "controller = \"hpc\"\n",
+        "",
+        "line 5: axis.y.controller: expected this key, as position_gain_per_s is given, found none",
+    ),
+    (
+        "velocity_gain_n_s_per_m = 5e4\n",
+        "",
+        "line 5: axis.y.velocity_gain_n_s_per_m: expected this key, as controller is given",
+    ),
+    ("60.0", "200.1", "line 8: axis.y.feedforward_percent: expected a number from 0 to 200, found 200.1"),
+    (
+        "percent = 10.0",
+        "percent = 101",
+        "axis.y.plant_tolerance_percent: expected a number from 0 to 100, found 101",
+    ),
+    (
+        "dual_feedback_time_constant_s = 0.08\n",
+        "",
+        "axis.y.dual_feedback_time_constant_s: expected this key, as feedback is \"dual\"",
+    ),
+    ("\"dual\"", "\"both\"", "line 24: axis.y.feedback: expected one of motor, table, dual, found \"both\""),
+    (
+        "presliding_stiffness_n_per_um = 40.0\n",
+        "",
+        "axis.y.presliding_stiffness_n_per_um: expected this key, as presliding_damping_n_s_per_m is given",
+    ),
+    (
+        "coulomb_n = 150.0\n",
+        "",
+        "axis.y.coulomb_n: expected a friction above 0, as presliding_stiffness_n_per_um is given",
+    ),
+    (
+        "pairs = 5",
+        "pairs = 2.5",
+        "line 23: axis.y.resolver_pole_pairs: expected a whole number not below 0, found 2.5",
+    ),
+    ("pairs = 5", "pairs = 0", "line 23: axis.y.resolver_pole_pairs: expected a number above 0, found 0"),
+    ("pairs = 5", "pairs = -1", "line 23: axis.y.resolver_pole_pairs: expected"),
+    ("[axis.x]", "[axis.\"x 1\"]", "line 41: axis.x 1: expected a name that starts with a letter"),
+    ("[axis.x]", "axis = 3", "m.toml: line 4"),
+    ("[axis.x]", "[axis.x]\neffect = 3", "line 42: axis.x.effect: expected an array, found 3"),
+    ("[axis.x]", "[axis.x.effect]\nname = \"backlash\"", "axis.x.effect: expected an array, found a table"),
+    ("[axis.x]", "[axis.x]\ncoulomb_nm = 3", "line 42: axis.x.coulomb_nm: unknown key"),
+    ("[axis.y]", "[axis.y", "line 5: expected valid TOML"),
+    ("force_limit_n", "lead_mm", "line 22: expected valid TOML: duplicate key"),
+];
+
+#[test]
+fn bad_machines_are_refused_with_line_key_and_expectation() {
+    for (from, to, wanted) in BAD_MACHINES {
+        let said = said(from, to);
+        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
+        assert!(!said.contains('\n'), "{said}");
+    }
+}
+
+/// The same for what stands in its effects.
+const BAD_EFFECTS: &[(&str, &str, &str)] = &[
+    (
+        "\"backlash\"",
+        "\"slop\"",
+        "line 28: axis.y.effect[0].name: expected one of backlash, pitch_progressive, ",
+    ),
+    ("name = \"backlash\"\n", "", "line 27: axis.y.effect[0].name: expected this key, found none"),
+    ("width_um = 9.5", "", "line 27: axis.y.effect[0].width_um: expected this key, found none"),
+    (
+        "width_um = 9.5",
+        "width_mm = 9.5",
+        "line 29: axis.y.effect[0].width_mm: unknown key, expected width_um",
+    ),
+    ("width_um = 9.5", "width_um = 9.5\nlead = 1", "line 30: axis.y.effect[0].lead: unknown key"),
+    ("9.5", "\"wide\"", "line 29: axis.y.effect[0].width_um: expected a number, found \"wide\""),
+    ("9.5", "inf", "line 29: axis.y.effect[0].width_um: expected a finite number, found inf"),
+    ("9.5", "-1", "line 29: axis.y.effect[0].width_um: expected a number not below 0, found -1"),
+    (
+        "\"x\"",
+        "\"z\"",
+        "line 34: axis.y.effect[1].source: expected the name of another axis (x), found \"z\"",
+    ),
+    (
+        "\"x\"",
+        "\"y\"",
+        "line 34: axis.y.effect[1].source: expected the name of another axis (x), found \"y\"",
+    ),
+    ("\"x\"", "7", "line 34: axis.y.effect[1].source: expected a text in quotes, found 7"),
+    ("\"table\"", "\"motor\"", "axis.y.effect[2]: expected one of table, tool, force"),
+    ("[axis.x]", "[axis.x]\neffect = [1]", "line 42: axis.x.effect[0].name: expected this key"),
+    (
+        "[axis.x]",
+        "[[axis.x.effect]]\nname = \"pitch_cyclic\"\namplitude_um = 1\nperiod_mm = 0",
+        "line 44: axis.x.effect[0].period_mm: expected a number above 0, found 0",
+    ),
+    (
+        "[axis.x]",
+        "[[axis.x.effect]]\nname = \"servo_mismatch\"\npercent = -100",
+        "line 43: axis.x.effect[0].percent: expected a number above -100, found -100",
+    ),
+];
+
+#[test]
+fn bad_effects_are_refused_with_line_key_and_expectation() {
+    for (from, to, wanted) in BAD_EFFECTS {
+        let said = said(from, to);
+        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
+        assert!(!said.contains('\n'), "{said}");
+    }
+}
