@@ -22,8 +22,8 @@ fn table() -> String {
         "# Effects\n\nEntries of `[[axis.NAME.effect]]` in a machine file, and what a trace can find. Written from the \
          catalogue by `tests/tests/effect_table.rs`. On rotary axes degrees stand for mm and N·m for N in the keys of results, \
          with the same numbers.\n\nShown in: the channels of which at least one is needed to look for the effect. An effect \
-         that may stand more than once adds up.\n\n| name | parameters | on rotary axes | shown in | more than once |\n\
-         |---|---|---|---|---|\n{rows}"
+         that may stand more than once adds up.\n\n| name | what it does | parameters | on rotary axes | shown in | more than once |\n\
+         |---|---|---|---|---|---|\n{rows}"
     )
 }
 
@@ -38,7 +38,8 @@ fn row(kind: &Kind) -> String {
     let rotary = list(&|parameter| format!("`{}`", parameter.key_on(true)));
     let channels: Vec<&str> = kind.shown_in.iter().map(|stage| channel(*stage)).collect();
     let often = if kind.occurrence == Occurrence::Repeated { "yes" } else { "no" };
-    format!("| {name} | {linear} | {rotary} | {} | {often} |\n", channels.join(", "))
+    let summary = kind.summary.replace('|', "\\|");
+    format!("| {name} | {summary} | {linear} | {rotary} | {} | {often} |\n", channels.join(", "))
 }
 
 const fn channel(stage: Stage) -> &'static str {

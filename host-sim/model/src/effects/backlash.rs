@@ -33,6 +33,7 @@ impl Backlash {
 
 impl EffectModel for Backlash {
     const NAME: &'static str = "backlash";
+    const SUMMARY: &'static str = "dead zone between screw and table, total width";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("width_um", Unit::Micrometre, Range::NotNegative)];
     const OCCURRENCE: Occurrence = Occurrence::Once;

@@ -18,6 +18,7 @@ pub struct ConstantLoad {
 
 impl EffectModel for ConstantLoad {
     const NAME: &'static str = "constant_load";
+    const SUMMARY: &'static str = "opposes motion in + direction";
     const PARAMETERS: &'static [Parameter] = &[Parameter::new("force_n", Unit::Newton, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force, Stage::Table];

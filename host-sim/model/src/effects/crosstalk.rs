@@ -28,6 +28,7 @@ impl Crosstalk {
 
 impl EffectModel for Crosstalk {
     const NAME: &'static str = "crosstalk";
+    const SUMMARY: &'static str = "tool − table, per the source axis's acceleration";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("um_s2_per_m", Unit::MicrometrePerAcceleration, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;

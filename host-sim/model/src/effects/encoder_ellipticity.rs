@@ -36,6 +36,7 @@ fn is_a_resolvers(axis: &Settings) -> bool {
 
 impl EffectModel for EncoderEllipticity {
     const NAME: &'static str = "encoder_ellipticity";
+    const SUMMARY: &'static str = "motor reading error, twice a turn";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
         Parameter::new("period_mm", Unit::Millimetre, Range::Positive),

@@ -40,6 +40,8 @@ impl ForceWindup {
 impl EffectModel for ForceWindup {
     const NAME: &'static str = "windup";
     const TOLD_BY_KEY: Option<&'static str> = Some("friction_n");
+    const SUMMARY: &'static str =
+        "without masses: drive train that the measured force, less friction before it, deflects";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("stiffness_n_per_um", Unit::NewtonPerMicrometre, Range::Positive),
         Parameter::new("friction_n", Unit::Newton, Range::NotNegative),

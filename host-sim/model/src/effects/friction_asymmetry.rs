@@ -29,6 +29,7 @@ impl FrictionAsymmetry {
 
 impl EffectModel for FrictionAsymmetry {
     const NAME: &'static str = "friction_asymmetry";
+    const SUMMARY: &'static str = "viscous friction b + h for v > 0, b − h for v < 0";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("half_difference_n_s_per_m", Unit::NewtonSecondPerMetre, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Once;

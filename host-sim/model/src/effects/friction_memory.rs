@@ -50,6 +50,7 @@ impl FrictionMemory {
 
 impl EffectModel for FrictionMemory {
     const NAME: &'static str = "friction_memory";
+    const SUMMARY: &'static str = "c·(m − |v|) more friction, m following |v| with that time constant";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("viscous_n_s_per_m", Unit::NewtonSecondPerMetre, Range::Signed),
         Parameter::new("time_constant_s", Unit::Second, Range::Positive),

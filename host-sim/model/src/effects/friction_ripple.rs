@@ -35,6 +35,7 @@ impl FrictionRipple {
 
 impl EffectModel for FrictionRipple {
     const NAME: &'static str = "friction_ripple";
+    const SUMMARY: &'static str = "friction that goes up and down a whole number of times a lead";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("amplitude_n", Unit::Newton, Range::Signed),
         Parameter::new("period_mm", Unit::Millimetre, Range::Positive),

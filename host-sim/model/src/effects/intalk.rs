@@ -25,6 +25,7 @@ impl Intalk {
 
 impl EffectModel for Intalk {
     const NAME: &'static str = "intalk";
+    const SUMMARY: &'static str = "tool − table, per own table acceleration";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("um_s2_per_m", Unit::MicrometrePerAcceleration, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Once;

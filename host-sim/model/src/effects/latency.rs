@@ -25,6 +25,7 @@ pub const LONGEST_LATENCY_MS: f64 = 1000.0;
 
 impl EffectModel for Latency {
     const NAME: &'static str = "latency";
+    const SUMMARY: &'static str = "that channel is logged late (`ms` below 0: early) against the others, so that a late motor reading looks like an early table";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("ms", Unit::Millisecond, Range::Within(LONGEST_LATENCY_MS))];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;

@@ -34,6 +34,7 @@ impl PitchCyclic {
 
 impl EffectModel for PitchCyclic {
     const NAME: &'static str = "pitch_cyclic";
+    const SUMMARY: &'static str = "screw error, once or twice a lead";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
         Parameter::new("period_mm", Unit::Millimetre, Range::Positive),

@@ -28,6 +28,7 @@ impl PitchProgressive {
 
 impl EffectModel for PitchProgressive {
     const NAME: &'static str = "pitch_progressive";
+    const SUMMARY: &'static str = "screw moves the table (1 + slope) times the motor";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("slope_um_per_m", Unit::MicrometrePerMetre, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;

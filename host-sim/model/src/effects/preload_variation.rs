@@ -43,6 +43,8 @@ impl PreloadVariation {
 
 impl EffectModel for PreloadVariation {
     const NAME: &'static str = "preload_variation";
+    const SUMMARY: &'static str =
+        "slope·(x − c) + curvature·(x − c)² more friction; c is not fitted and moves with the encoder's zero";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("centre_mm", Unit::Millimetre, Range::Signed),
         Parameter::new("slope_n_per_m", Unit::NewtonPerMetre, Range::Signed),

@@ -23,6 +23,8 @@ pub struct Presliding {
 
 impl EffectModel for Presliding {
     const NAME: &'static str = "presliding";
+    const SUMMARY: &'static str =
+        "bristles (LuGre σ0, σ1) under an axis that declares none: friction turns over micrometres";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("stiffness_n_per_um", Unit::NewtonPerMicrometre, Range::Positive),
         Parameter::new("damping_n_s_per_m", Unit::NewtonSecondPerMetre, Range::NotNegative),

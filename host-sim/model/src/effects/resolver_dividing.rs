@@ -35,6 +35,7 @@ impl ResolverDividing {
 
 impl EffectModel for ResolverDividing {
     const NAME: &'static str = "resolver_dividing";
+    const SUMMARY: &'static str = "motor reading error, once or twice a lead / pole pairs";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
         Parameter::new("period_mm", Unit::Millimetre, Range::Positive),

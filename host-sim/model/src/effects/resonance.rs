@@ -26,6 +26,7 @@ fn tool() -> Channel {
 
 impl EffectModel for Resonance {
     const NAME: &'static str = "resonance";
+    const SUMMARY: &'static str = "tool follows table as a second-order mode";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("frequency_hz", Unit::Hertz, Range::Positive),
         Parameter::new("damping_ratio", Unit::One, Range::NotNegative),

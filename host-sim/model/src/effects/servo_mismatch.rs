@@ -28,6 +28,7 @@ impl ServoMismatch {
 
 impl EffectModel for ServoMismatch {
     const NAME: &'static str = "servo_mismatch";
+    const SUMMARY: &'static str = "true Kp above the declared one";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("percent", Unit::Percent, Range::Above(-100.0))];
     const OCCURRENCE: Occurrence = Occurrence::Once;

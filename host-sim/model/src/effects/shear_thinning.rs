@@ -41,6 +41,8 @@ impl ShearThinning {
 
 impl EffectModel for ShearThinning {
     const NAME: &'static str = "shear_thinning";
+    const SUMMARY: &'static str =
+        "sliding friction lacks force·exp(−|v|/vs): the lubricant's part, which saturates with speed";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("force_n", Unit::Newton, Range::Signed),
         Parameter::new("velocity_mm_s", Unit::MillimetrePerSecond, Range::Positive),

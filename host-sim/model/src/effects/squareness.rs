@@ -26,6 +26,7 @@ impl Squareness {
 
 impl EffectModel for Squareness {
     const NAME: &'static str = "squareness";
+    const SUMMARY: &'static str = "tool x += that × table y (first axis of two)";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("um_per_m", Unit::MicrometrePerMetre, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;

@@ -29,6 +29,7 @@ impl Straightness {
 
 impl EffectModel for Straightness {
     const NAME: &'static str = "straightness";
+    const SUMMARY: &'static str = "tool += that × (source axis's position)²";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("um_per_m2", Unit::MicrometrePerSquareMetre, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;

@@ -42,6 +42,7 @@ impl Stribeck {
 
 impl EffectModel for Stribeck {
     const NAME: &'static str = "stribeck";
+    const SUMMARY: &'static str = "friction rises below that speed";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("static_excess_n", Unit::Newton, Range::NotNegative),
         Parameter::new("velocity_mm_s", Unit::MillimetrePerSecond, Range::Positive),

@@ -27,6 +27,7 @@ impl ThermalDrift {
 
 impl EffectModel for ThermalDrift {
     const NAME: &'static str = "thermal_drift";
+    const SUMMARY: &'static str = "tool − table grows as 1 − exp(−t/τ), session clock";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
         Parameter::new("time_constant_s", Unit::Second, Range::Positive),

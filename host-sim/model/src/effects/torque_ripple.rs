@@ -34,6 +34,7 @@ impl TorqueRipple {
 
 impl EffectModel for TorqueRipple {
     const NAME: &'static str = "torque_ripple";
+    const SUMMARY: &'static str = "force on the motor, a whole number of times a lead";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("amplitude_n", Unit::Newton, Range::Signed),
         Parameter::new("period_mm", Unit::Millimetre, Range::Positive),

@@ -40,6 +40,7 @@ const STEP_MS: f64 = 0.02;
 
 impl EffectModel for VelocityLag {
     const NAME: &'static str = "velocity_lag";
+    const SUMMARY: &'static str = "age of the speed that the velocity loop sees, at most one of its periods";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("ms", Unit::Millisecond, Range::Within(LONGEST_LATENCY_MS))];
     const OCCURRENCE: Occurrence = Occurrence::Once;

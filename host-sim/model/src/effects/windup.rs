@@ -19,6 +19,7 @@ pub struct Windup {
 
 impl EffectModel for Windup {
     const NAME: &'static str = "windup";
+    const SUMMARY: &'static str = "drive train softer than the declared tolerance";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("stiffness_n_per_um", Unit::NewtonPerMicrometre, Range::Positive)];
     const OCCURRENCE: Occurrence = Occurrence::Once;

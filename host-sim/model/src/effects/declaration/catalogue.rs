@@ -14,6 +14,7 @@ macro_rules! catalogue {
         /// What is declared of every kind of effect, in catalogue order.
         pub const KINDS: &[Kind] = &[$(Kind {
             name: $variant::NAME,
+            summary: $variant::SUMMARY,
             told_by_key: $variant::TOLD_BY_KEY,
             parameters: $variant::PARAMETERS,
             occurrence: $variant::OCCURRENCE,
@@ -148,6 +149,8 @@ macro_rules! catalogue {
         pub struct Kind {
             /// [`EffectModel::NAME`].
             pub name: &'static str,
+            /// [`EffectModel::SUMMARY`].
+            pub summary: &'static str,
             /// [`EffectModel::TOLD_BY_KEY`].
             pub told_by_key: Option<&'static str>,
             /// [`EffectModel::PARAMETERS`].

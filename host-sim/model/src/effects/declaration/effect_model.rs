@@ -18,6 +18,9 @@ pub trait EffectModel: Sized + Clone {
     /// Name in machine files and results.
     const NAME: &'static str;
 
+    /// What it does, in half a line, for tables.
+    const SUMMARY: &'static str;
+
     /// A key that tells this effect from another of the same name, where there is one.
     const TOLD_BY_KEY: Option<&'static str> = None;
 
