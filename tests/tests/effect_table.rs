@@ -5,6 +5,7 @@ use std::fs;
 use std::path::Path;
 
 use model::effects::{KINDS, Kind, Occurrence, Parameter, Stage};
+use model::range::Range;
 
 #[test]
 fn the_table_of_effects_is_what_the_catalogue_declares() {
@@ -34,7 +35,11 @@ fn row(kind: &Kind) -> String {
     );
     let list =
         |of: &dyn Fn(&Parameter) -> String| kind.parameters.iter().map(of).collect::<Vec<_>>().join("<br>");
-    let linear = list(&|parameter| format!("`{}`, {}", parameter.key, parameter.range.description()));
+    let range = |parameter: &Parameter| match parameter.range {
+        Range::Signed => "of any sign".to_owned(),
+        range => range.description(),
+    };
+    let linear = list(&|parameter| format!("`{}`, {}", parameter.key, range(parameter)));
     let rotary = list(&|parameter| format!("`{}`", parameter.key_on(true)));
     let channels: Vec<&str> = kind.shown_in.iter().map(|stage| channel(*stage)).collect();
     let often = if kind.occurrence == Occurrence::Repeated { "yes" } else { "no" };
