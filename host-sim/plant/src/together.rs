@@ -203,7 +203,7 @@ mod tests {
     }
 
     fn mean(rows: &[[f64; 3]], column: usize) -> f64 {
-        rows.iter().map(|row| row[column]).sum::<f64>() / rows.len() as f64
+        numerics::mean(rows.iter().map(|row| row[column]))
     }
 
     /// One body on a guide, driven through its centre, is an axis: what is known of that (`mechanics`) holds for bodies.
@@ -243,7 +243,7 @@ mod tests {
             };
             let (alone, with_body) = (format!("{axis}{extra}"), format!("{axis}{extra}{body}"));
             let [alone, with_body] = [alone, with_body].map(|machine| run(&machine).table.unwrap());
-            let apart = alone.iter().zip(&with_body).map(|(a, b)| 1e6 * (a - b).abs()).fold(0.0, f64::max);
+            let apart = numerics::max_abs(alone.iter().zip(&with_body).map(|(a, b)| 1e6 * (a - b)));
             assert!(apart < bound_nm, "{apart} nm apart with {extra}");
             assert!(alone.iter().any(|mm| *mm > 19.0));
         }

@@ -74,7 +74,7 @@ impl Run<'_> {
     /// Fastest mean speed of an arc, m/s.
     pub fn speed(&self) -> f64 {
         let of_arc = |arc: &Arc| arc.swept / (self.signals.sample_s * arc.samples.len() as f64);
-        self.circle.radius * self.circle.arcs.iter().map(of_arc).fold(0.0, f64::max)
+        self.circle.radius * numerics::max_abs(self.circle.arcs.iter().map(of_arc))
     }
 
     /// A deviation, given by sample and angle of the command, averaged over pieces of each arc.
@@ -86,8 +86,8 @@ impl Run<'_> {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
             let length = (a_turn / POINTS).round().max(1.0) as usize;
             let point = |piece: &[usize]| {
-                let sum: f64 = piece.iter().map(|&i| deviation(i, self.angle(i))).sum();
-                (self.angle(piece[piece.len() / 2]), sum / piece.len() as f64)
+                let mean = numerics::mean(piece.iter().map(|&i| deviation(i, self.angle(i))));
+                (self.angle(piece[piece.len() / 2]), mean)
             };
             Lap { is_clockwise: arc.is_clockwise, points: counted.chunks(length).map(point).collect() }
         };

@@ -177,8 +177,7 @@ fn surface(plane: &Plane<'_>, ink: Ink, corners: Vec<(f64, f64)>) -> Result<(), 
 
 /// Least and greatest, which are never the same.
 fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let start = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = values.fold(start, |(low, high), v| (low.min(v), high.max(v)));
+    let [low, high] = numerics::min_max(values);
     if low < high {
         (low, high)
     } else if low.is_finite() {

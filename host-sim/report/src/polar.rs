@@ -50,7 +50,7 @@ pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> String {
 /// The least of 1, 2 and 5 times a power of ten µm at which all deviations fit the divisions.
 fn division(all: &[&[Lap]]) -> f64 {
     let points = all.iter().copied().flatten().flat_map(|lap| &lap.points);
-    division_for(points.fold(0.0_f64, |most, point| most.max(point.1.abs())))
+    division_for(numerics::max_abs(points.map(|point| point.1)))
 }
 
 /// The least of 1, 2 and 5 times a power of ten µm of which the divisions hold `most`.
@@ -64,7 +64,7 @@ pub fn division_for(most: f64) -> f64 {
 /// One polar picture with its caption.
 fn picture(run: &Run<'_>, title: &str, laps: &[Lap], division_um: f64) -> String {
     let points = || laps.iter().flat_map(|lap| &lap.points).map(|point| point.1);
-    let (least, most) = (points().fold(f64::INFINITY, f64::min), points().fold(f64::NEG_INFINITY, f64::max));
+    let [least, most] = numerics::min_max(points());
     let magnified = DIVISION / division_um * 1e6 * run.circle.radius / BASE;
     let caption = format!(
         "{title}: {} to {} µm. One division is {} µm, magnified {} times.",

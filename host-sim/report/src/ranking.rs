@@ -139,7 +139,7 @@ fn verdict(axis: &AxisTrace, round: &Round, place: usize) -> String {
     } else if best.reduction < LEAST_REDUCTION {
         format!("too small: below {} %", fixed(least, 0))
     } else if candidate.comparison.iter().any(supported) {
-        let worst = candidate.comparison.iter().map(|c| c.worst_log).fold(0.0, f64::min);
+        let worst = numerics::min(candidate.comparison.iter().map(|c| c.worst_log)).min(0.0);
         format!("worse on another log or stage, by {}", percent(100.0 * ((1.0 - worst).sqrt() - 1.0)))
     } else if best.folds_better < FOLDS {
         format!("better in {} of {FOLDS} parts of the logs only", best.folds_better)

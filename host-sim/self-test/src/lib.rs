@@ -3,7 +3,7 @@
 //! [`plant`], [`servo`] and [`mod@bench`] are that program, in plain f64; they share no code with the crate `plant`,
 //! the effects of `model` and the controller in `shared`: what made the data must not be the only judge of what explains
 //! them. [`draw`], [`truth`] and [`motion`] say what it is given; [`case`] is one machine with its logs. [`score`]
-//! holds a trace against the truth, [`summary`] all of them together, with [`confusion`] and [`statistics`].
+//! holds a trace against the truth, [`summary`] all of them together, with [`confusion`].
 
 pub mod bench;
 pub mod case;
@@ -15,7 +15,6 @@ pub mod page;
 pub mod plant;
 pub mod score;
 pub mod servo;
-pub mod statistics;
 mod strip;
 pub mod summary;
 pub mod truth;

@@ -1,10 +1,11 @@
 //! All cases of a self-test together.
 
+use numerics::distributions::wilson_interval;
+use numerics::quantile;
 use serde_json::{Map, Value, json};
 
 use super::confusion::Confusion;
 use super::score::{Estimate, Outcome};
-use super::statistics::{quantile, wilson};
 
 /// So many of so many.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,7 +33,7 @@ impl Share {
     /// 95 % interval of the probability.
     #[must_use]
     pub fn interval(&self) -> [f64; 2] {
-        wilson(self.hits, self.trials)
+        wilson_interval(self.hits, self.trials)
     }
 
     fn json(self) -> Value {

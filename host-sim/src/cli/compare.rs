@@ -76,7 +76,7 @@ fn emulator(arguments: &Arguments) -> Result<(Option<PathBuf>, Option<String>)> 
 /// What came out, in sentences.
 fn sentences(comparison: &Comparison) -> Vec<String> {
     let fixed = Pipeline::Of(Format::Fixed);
-    let worst = |figure: fn(&Row) -> f64| comparison.of(fixed).map(figure).fold(0.0, f64::max);
+    let worst = |figure: fn(&Row) -> f64| numerics::max_abs(comparison.of(fixed).map(figure));
     let of = |pipeline, motion: Motion| comparison.of(pipeline).find(|row| row.motion == motion.name());
     let hours = comparison.hours;
     let mut said = vec![format!(

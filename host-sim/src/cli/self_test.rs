@@ -11,9 +11,9 @@ use super::stop::{self, Stopped};
 use super::{keeps, say};
 use files::error::InputError;
 use files::output::{remove_unfinished, write_whole};
+use numerics::quantile;
 use self_test::case::Case;
 use self_test::score::Outcome;
-use self_test::statistics::quantile;
 use self_test::summary::Summary;
 use self_test::words;
 

@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::copies;
-use super::signals::{Signals, range};
+use super::signals::Signals;
 use files::error::InputError;
 use files::log::{Channel, Log, Unit};
 use model::machine::Machine;
@@ -111,7 +111,7 @@ fn ordinal(n: usize) -> String {
 fn travel(log: &Log, axis: &str) -> f64 {
     let Some(axis) = log.axis(axis) else { return 0.0 };
     let channels = [&axis.command, &axis.motor, &axis.table].into_iter().flatten();
-    channels.map(|places| range(places)).fold(0.0, f64::max)
+    numerics::max(channels.map(|places| numerics::peak_to_peak(places.iter().copied()))).max(0.0)
 }
 
 /// Less is presliding and noise, mm or degrees.
@@ -138,7 +138,7 @@ fn check(machine: &Machine, log: &Log) -> Result<(), InputError> {
             );
         }
     }
-    let farthest = log.axes.iter().map(|axis| travel(log, &axis.name)).fold(0.0, f64::max);
+    let farthest = numerics::max_abs(log.axes.iter().map(|axis| travel(log, &axis.name)));
     if !(LEAST_TRAVEL..=MOST_TRAVEL).contains(&farthest) {
         return refuse(
             format!("motion over {LEAST_TRAVEL} to {MOST_TRAVEL} mm (or deg) on some axis"),
@@ -146,7 +146,9 @@ fn check(machine: &Machine, log: &Log) -> Result<(), InputError> {
         );
     }
     for axis in &log.axes {
-        let of = |channel: Channel| axis.channel(channel).map(range);
+        let of = |channel: Channel| {
+            axis.channel(channel).map(|places| numerics::peak_to_peak(places.iter().copied()))
+        };
         let [command, motor, table] = [Channel::Command, Channel::Motor, Channel::Table].map(of);
         for (name, dead, moves) in [("motor", motor, table.or(command)), ("table", table, motor)] {
             let (Some(dead), Some(moves)) = (dead, moves) else { continue };

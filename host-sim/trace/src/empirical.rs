@@ -97,8 +97,7 @@ fn samples(evidence: &Evidence<'_>, parts: &[Part], stage: Stage, variable: Vari
 
 /// Mean residual at evenly spread points, each sample shared by the two around it.
 fn table<'a>(samples: impl Iterator<Item = &'a Sample> + Clone) -> Vec<[f64; 2]> {
-    let least = samples.clone().map(|s| s.variable).fold(f64::INFINITY, f64::min);
-    let most = samples.clone().map(|s| s.variable).fold(f64::NEG_INFINITY, f64::max);
+    let [least, most] = numerics::min_max(samples.clone().map(|s| s.variable));
     let width = (most - least) / (POINTS - 1) as f64;
     if !width.is_finite() || width <= 0.0 {
         return Vec::new();

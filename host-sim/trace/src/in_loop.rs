@@ -112,7 +112,7 @@ impl Start {
         let stands = command.len() > STANDS
             && command[..STANDS].windows(2).all(|two| two[0].to_bits() == two[1].to_bits());
         let moves = |later: &[f64]| {
-            let way = later.iter().sum::<f64>() / later.len() as f64 - first;
+            let way = numerics::mean(later.iter().copied()) - first;
             way.abs() > NOISE * motor.noise
         };
         if stands && motor.raw[1..STANDS].chunks(5).any(moves) {
@@ -196,7 +196,7 @@ mod tests {
         let command = [0.0; 500];
         let rates = servo::rates(&machine);
         let pushed = closed_loop(&parameters, &settings, rates, &command, &[added_n; 500], start).unwrap();
-        pushed.force_n.iter().fold(0.0, |greatest, force_n| force_n.abs().max(greatest))
+        numerics::max_abs(pushed.force_n)
     }
 
     /// The drive gives what controller and added force ask for together, within its limit.

@@ -149,21 +149,18 @@ fn run(machine: &Machine, motion: &str) -> Option<Log> {
 fn apart(a: &AxisLog, b: &AxisLog) -> f64 {
     let none = Vec::new();
     let rms = |of: &dyn Fn(&AxisLog) -> Vec<f64>, noise: f64| {
-        let squares: f64 = of(a).iter().zip(of(b)).map(|(a, b)| (a - b).powi(2)).sum();
-        (squares / of(a).len().max(1) as f64).sqrt() / noise
+        numerics::rms(of(a).iter().zip(of(b)).map(|(a, b)| a - b)) / noise
     };
     let less = |of: &Option<Vec<f64>>, what: &Option<Vec<f64>>| -> Vec<f64> {
         let (of, what) = (of.as_ref().unwrap_or(&none), what.as_ref().unwrap_or(&none));
         of.iter().zip(what).map(|(a, b)| a - b).collect()
     };
-    [
+    numerics::max_abs([
         rms(&|log| less(&log.motor, &log.command), 1e-5),
         rms(&|log| less(&log.table, &log.motor), 2e-5),
         rms(&|log| less(&log.tool, &log.table), 8e-5),
         rms(&|log| log.force.clone().unwrap_or_default(), 1.0),
-    ]
-    .into_iter()
-    .fold(0.0, f64::max)
+    ])
 }
 
 impl Trial {
@@ -221,10 +218,10 @@ impl Seen {
     fn of(logs: &[Signals], axis: usize) -> Option<Self> {
         let signals = || logs.iter().filter_map(|log| log.axes.get(axis)?.table_or_motor());
         let greatest = |of: &dyn Fn(&super::signals::Smooth) -> f64| signals().map(of).reduce(f64::max);
-        let most = greatest(&|s| s.position.iter().copied().fold(f64::NEG_INFINITY, f64::max))?;
-        let least = -greatest(&|s| s.position.iter().map(|m| -m).fold(f64::NEG_INFINITY, f64::max))?;
-        let speed = greatest(&|s| s.velocity.iter().map(|v| v.abs()).fold(0.0, f64::max))?;
-        let acceleration = greatest(&|s| s.acceleration.iter().map(|a| a.abs()).fold(0.0, f64::max))?;
+        let most = greatest(&|s| numerics::max(s.position.iter().copied()))?;
+        let least = -greatest(&|s| numerics::max(s.position.iter().map(|m| -m)))?;
+        let speed = greatest(&|s| numerics::max_abs(s.velocity.iter().copied()))?;
+        let acceleration = greatest(&|s| numerics::max_abs(s.acceleration.iter().copied()))?;
         // An axis that stood still shows no limits that it could move within.
         (most > least && speed > 1e-3 && acceleration > 1e-2).then_some(Self {
             middle_mm: 500.0 * (most + least),

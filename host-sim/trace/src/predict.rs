@@ -224,10 +224,10 @@ mod tests {
         let table = Smooth::new(simulated.table_m.clone(), 1e-3, 5);
         let off: Vec<f64> =
             table.position.iter().zip(&driven.table_m).skip(300).map(|(a, b)| 1e9 * (a - b)).collect();
-        let rms = (off.iter().map(|d| d * d).sum::<f64>() / off.len() as f64).sqrt();
+        let rms = numerics::rms(off.iter().copied());
         // The stretch under 200 N is 1 µm: 10 nm of it is a hundredth, and half the scale's noise.
         assert!(rms < 10.0, "{rms} nm");
-        assert!(off.iter().all(|d| d.abs() < 150.0), "{:?}", off.iter().fold(0.0f64, |a, b| a.max(b.abs())));
+        assert!(off.iter().all(|d| d.abs() < 150.0), "{:?}", numerics::max_abs(off));
         // At the fastest point: friction of 180 + 30 N, 1000 N·s/m · 62.8 mm/s, no acceleration.
         let fastest = 2500;
         let velocity = motor.velocity[fastest];

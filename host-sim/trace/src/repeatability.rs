@@ -35,8 +35,7 @@ pub struct Repeatability {
 /// of it, or where nothing moves.
 #[must_use]
 pub fn period(command: &[f64], sample_s: f64) -> Option<usize> {
-    let least = command.iter().copied().fold(f64::INFINITY, f64::min);
-    let most = command.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [least, most] = numerics::min_max(command.iter().copied());
     let same = SAME * (most - least);
     #[expect(
         clippy::cast_possible_truncation,
@@ -74,7 +73,7 @@ pub fn repeatability(evidence: &Evidence<'_>, parts: &[Part], stage: Stage) -> O
                 continue;
             }
             let laps = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / laps;
+            let mean = numerics::mean(values.iter().copied());
             let scatter = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
             // The mean of the laps has 1/laps of their scatter in it.
             of_means += mean * mean - scatter / (laps * (laps - 1.0));

@@ -56,7 +56,7 @@ impl Evidence<'_> {
     pub fn travel_mm(&self) -> [f64; 2] {
         let places = (0..self.logs.len()).filter_map(|log| self.signals(log).table_or_motor());
         let places = places.flat_map(|smooth| smooth.position.iter().map(|m| 1e3 * m));
-        places.fold([f64::INFINITY, f64::NEG_INFINITY], |[least, most], mm| [least.min(mm), most.max(mm)])
+        numerics::min_max(places)
     }
 
     /// Samples at the start of each log that no residual counts.
@@ -154,8 +154,7 @@ impl Evidence<'_> {
     fn take_zero_out(&self, log: usize, left: &mut [f64]) {
         let counts = self.counting(Stage::Table, log);
         let counted = |i: &usize| counts(*i);
-        let count = (0..left.len()).filter(counted).count();
-        let mean = (0..left.len()).filter(counted).map(|i| left[i]).sum::<f64>() / count.max(1) as f64;
+        let mean = numerics::mean((0..left.len()).filter(counted).map(|i| left[i]));
         for value in left {
             *value -= mean;
         }

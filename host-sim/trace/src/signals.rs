@@ -171,7 +171,8 @@ impl AxisSignals {
             // What was not looked at cannot be said to stand.
             return true;
         }
-        places.into_iter().map(|places| range(places)).fold(0.0, f64::max) >= LEAST_M
+        numerics::max(places.into_iter().map(|places| numerics::peak_to_peak(places.iter().copied())))
+            >= LEAST_M
     }
 
     fn len(&self) -> Option<usize> {
@@ -224,13 +225,6 @@ impl Smooth {
     pub fn filtered(&self, values: &[f64]) -> Vec<f64> {
         Cubic::new(self.half).filtered(values)
     }
-}
-
-/// From the least of some values to the greatest.
-#[must_use]
-pub fn range(values: &[f64]) -> f64 {
-    let least = values.iter().copied().fold(f64::INFINITY, f64::min);
-    values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - least
 }
 
 /// Samples within a standstill of 50 ms or more. A reversal is none: it passes through zero at once.
@@ -348,12 +342,11 @@ fn second_difference(kernel: &[f64]) -> Vec<f64> {
 pub fn noise(values: &[f64]) -> f64 {
     const STRETCH: usize = 64;
     let thirds: Vec<f64> = values.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).collect();
-    let mut variances: Vec<f64> = thirds
+    let variances: Vec<f64> = thirds
         .chunks(STRETCH)
         .map(|stretch| stretch.iter().map(|d| d * d).sum::<f64>() / (20.0 * stretch.len() as f64))
         .collect();
-    variances.sort_by(f64::total_cmp);
-    variances.get(variances.len() / 2).copied().unwrap_or(0.0).sqrt()
+    numerics::median(&variances).unwrap_or(0.0).sqrt()
 }
 
 #[cfg(test)]

@@ -1,5 +1,6 @@
 //! What stays, and which physical variable it follows best.
 
+use numerics::bins::{Bin, binned};
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 use serde::Serialize;
@@ -159,39 +160,20 @@ impl Curve {
             let settling = evidence.settling(part.log);
             pairs.extend(values.into_iter().zip(part.values.iter().copied()).skip(settling));
         }
-        let least = pairs.iter().map(|p| p.0).fold(f64::INFINITY, f64::min);
-        let most = pairs.iter().map(|p| p.0).fold(f64::NEG_INFINITY, f64::max);
-        let width = (most - least) / BINS as f64;
-        if !width.is_finite() || width <= 0.0 {
-            return None;
-        }
-        let mut bins = vec![(0usize, 0.0); BINS];
-        let mut total = 0.0;
-        for (value, residual) in &pairs {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to BINS")]
-            let bin = (((value - least) / width) as usize).min(BINS - 1);
-            bins[bin].0 += 1;
-            bins[bin].1 += residual;
-            total += residual * residual;
-        }
-        let middle = |bin: usize| least + (bin as f64 + 0.5) * width;
-        let used: Vec<(usize, usize, f64)> = bins
-            .iter()
-            .enumerate()
-            .filter(|(_, (count, _))| *count > 0)
-            .map(|(bin, (count, sum))| (bin, *count, sum / *count as f64))
-            .collect();
-        let explained: f64 = used.iter().map(|(_, count, mean)| *count as f64 * mean * mean).sum();
+        let mut used = binned(&pairs, BINS)?;
+        used.retain(|bin| bin.count > 0);
+        let total: f64 = pairs.iter().map(|(_, residual)| residual * residual).sum();
+        let explained: f64 = used.iter().map(|bin| bin.count as f64 * bin.mean() * bin.mean()).sum();
         let free = pairs.len() as f64 - used.len() as f64;
         let left = (total - explained) / free.max(1.0);
-        let mut means: Vec<f64> = used.iter().map(|(_, _, mean)| *mean).collect();
-        means.sort_by(f64::total_cmp);
-        let median = means[means.len() / 2];
-        let farthest = used.iter().max_by(|a, b| (a.2 - median).abs().total_cmp(&(b.2 - median).abs()));
+        let means: Vec<f64> = used.iter().map(Bin::mean).collect();
+        let median = numerics::median(&means)?;
+        let off = |bin: &Bin| (bin.mean() - median).abs();
+        let farthest = used.iter().max_by(|a, b| off(a).total_cmp(&off(b)));
         Some(Self {
-            points: used.iter().map(|(bin, _, mean)| (middle(*bin), *mean)).collect(),
+            points: used.iter().map(|bin| (bin.centre, bin.mean())).collect(),
             share: 1.0 - left / (total / pairs.len().max(1) as f64).max(f64::MIN_POSITIVE),
-            centre: farthest.map_or(0.0, |(bin, _, _)| middle(*bin)),
+            centre: farthest.map_or(0.0, |bin| bin.centre),
         })
     }
 }
@@ -201,9 +183,8 @@ impl Curve {
     /// side; `None` if it takes more than `widest` of the range.
     #[must_use]
     pub fn spot(&self, edge: f64, widest: f64) -> Option<[f64; 2]> {
-        let mut values: Vec<f64> = self.points.iter().map(|point| point.1).collect();
-        values.sort_by(f64::total_cmp);
-        let median = *values.get(values.len() / 2)?;
+        let values: Vec<f64> = self.points.iter().map(|point| point.1).collect();
+        let median = numerics::median(&values)?;
         let from_centre = |point: &(f64, f64)| (point.0 - self.centre).abs();
         let (centre, _) =
             self.points.iter().enumerate().min_by(|a, b| from_centre(a.1).total_cmp(&from_centre(b.1)))?;
@@ -250,7 +231,7 @@ fn vibration(evidence: &Evidence<'_>, parts: &[&Part]) -> Option<(f64, f64)> {
 }
 
 fn spectrum(fft: &dyn Fft<f64>, values: &[f64], length: usize) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let mean = numerics::mean(values.iter().copied());
     let mut buffer: Vec<Complex<f64>> = values.iter().map(|r| Complex::new(r - mean, 0.0)).collect();
     buffer.resize(length, Complex::default());
     fft.process(&mut buffer);

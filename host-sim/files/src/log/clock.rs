@@ -26,7 +26,7 @@ pub(super) struct Irregular {
 /// There have to be two times at least.
 pub(super) fn sample_time_s(times_s: &[f64], decimals: usize) -> Result<f64, Irregular> {
     let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let usual_s = median(&steps);
+    let usual_s = numerics::median(&steps).unwrap_or_default();
     let irregular = |step: usize, backwards| Irregular {
         sample: step + 1,
         expected_s: times_s[step] + usual_s.max(0.0),
@@ -56,12 +56,6 @@ fn on_grid(times_s: &[f64], rounding_s: f64) -> Result<f64, Irregular> {
         Some(sample) => Err(Irregular { sample, expected_s: grid(sample), backwards: false }),
         None => Ok(period_s),
     }
-}
-
-fn median(steps: &[f64]) -> f64 {
-    let mut sorted = steps.to_vec();
-    let middle = sorted.len() / 2;
-    *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]

@@ -105,8 +105,7 @@ fn curves(map: &FrictionMap, law: &Law, ink: Ink) -> Vec<Layer> {
     const POINTS: u32 = 120;
     let one = |side: f64| {
         let speeds = map.runs.iter().map(|run| side * run.velocity).filter(|speed| *speed > 0.0);
-        let (low, high) =
-            speeds.fold((f64::INFINITY, 0.0_f64), |(low, high), speed| (low.min(speed), high.max(speed)));
+        let [low, high] = numerics::min_max(speeds);
         let at = |i: u32| {
             let velocity = side * (low + (high - low) * f64::from(i) / f64::from(POINTS));
             (velocity, law.force(velocity))

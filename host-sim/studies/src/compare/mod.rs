@@ -237,7 +237,7 @@ impl Measured<'_> {
         let piece = run.len().div_ceil(CURVE).max(1);
         let most = |(run, double): (&[Tick], &[Tick])| {
             let apart = run.iter().zip(double).map(|(r, d)| length(apart_nm(r.table, d.table)));
-            apart.fold(0.0, f64::max)
+            numerics::max_abs(apart)
         };
         let pieces = run.chunks(piece).zip(double.chunks(piece)).map(most);
         pieces.enumerate().map(|(i, nm)| ((i * piece) as f64 / self.rate_hz, nm)).collect()

@@ -117,7 +117,7 @@ fn charts(comparison: &Comparison) -> String {
 /// Makes nm into the unit in which the greatest value has few digits, and names it.
 fn scale(layers: &mut [Layer]) -> &'static str {
     let points = || layers.iter().flat_map(|layer| &layer.points);
-    let most = points().map(|point| point.1).fold(0.0, f64::max);
+    let most = numerics::max_abs(points().map(|point| point.1));
     let (unit, factor) = match most {
         most if most >= 1e6 => ("mm", 1e-6),
         most if most >= 1e3 => ("µm", 1e-3),

@@ -49,7 +49,7 @@ impl Lap {
     fn from_deviations(mut deviation_um: Vec<f64>) -> Self {
         let mean = |weight: fn(f64) -> f64| {
             let weighted = deviation_um.iter().enumerate().map(|(i, um)| um * weight(angle(i)));
-            weighted.sum::<f64>() / POINTS as f64
+            numerics::mean(weighted)
         };
         let (c, a, b) = (mean(|_| 1.0), 2.0 * mean(f64::cos), 2.0 * mean(f64::sin));
         for (i, um) in deviation_um.iter_mut().enumerate() {
@@ -62,8 +62,7 @@ impl Lap {
     /// G, µm.
     #[must_use]
     pub fn circular_deviation_um(&self) -> f64 {
-        let most = self.deviation_um.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        most - self.deviation_um.iter().copied().fold(f64::INFINITY, f64::min)
+        numerics::peak_to_peak(self.deviation_um.iter().copied())
     }
 
     /// Share (0 to 1) of the deviation's mean square that an oval, the second harmonic, makes.
@@ -121,7 +120,7 @@ impl Ballbar {
     /// H, µm.
     #[must_use]
     pub fn hysteresis_um(&self) -> f64 {
-        (0..POINTS).map(|i| self.apart_um(i).abs()).fold(0.0, f64::max)
+        numerics::max_abs((0..POINTS).map(|i| self.apart_um(i)))
     }
 
     /// B of both axes, µm; positive where an axis falls short in either direction: lost motion.

@@ -3,14 +3,13 @@
 //! Declared is Coulomb and viscous friction, the same both ways. [`read`] takes the file in, [`law`] holds
 //! what friction may do beside that, [`fit`] makes the weighted residual small, [`search`] adds one term
 //! after the other as long as runs that were left out support it, [`unexplained`] says what stays, [`json`]
-//! is the result for programs. [`statistics`] is the little that is needed of distributions.
+//! is the result for programs.
 
 pub mod fit;
 pub mod json;
 pub mod law;
 pub mod read;
 pub mod search;
-pub mod statistics;
 pub mod unexplained;
 
 use files::error::InputError;

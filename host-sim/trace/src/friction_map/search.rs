@@ -1,10 +1,10 @@
 //! Terms added one at a time, each judged on runs that were left out.
 
+use numerics::distributions::{f_test_p_value, student_t_975};
 use rayon::prelude::*;
 
 use super::fit::{Fitted, Law, fit, fit_with, weights};
 use super::law::{TERMS, Term};
-use super::statistics::{chance_of_ratio, t_975};
 use super::{FrictionMap, Run};
 
 /// Greatest chance of adding anything to a map that lacks nothing, in one round over all terms.
@@ -160,7 +160,7 @@ pub fn ranges(runs: &[Run]) -> Vec<usize> {
 /// The law that the runs support.
 #[must_use]
 pub fn search(map: &FrictionMap, runs: &[Run]) -> Option<Searched> {
-    let top = map.runs.iter().map(|run| run.velocity.abs()).fold(0.0, f64::max);
+    let top = numerics::max_abs(map.runs.iter().map(|run| run.velocity));
     let declared = Law { terms: Vec::new(), sizes: vec![0.0; 2], shapes: Vec::new(), top };
     let declared = fit(map, runs, &declared)?;
     let mut fitted = declared.clone();
@@ -250,7 +250,7 @@ fn chance(without: &Fitted, with: &Fitted) -> f64 {
         return 1.0;
     }
     let gained = (without.squares - with.squares) / width as f64;
-    chance_of_ratio(gained / (with.squares / free as f64).max(f64::MIN_POSITIVE), width, free)
+    f_test_p_value(gained / (with.squares / free as f64).max(f64::MIN_POSITIVE), width, free)
 }
 
 /// Weighted squares of ranges of speed that were left out; without bound where a fit is not determined.
@@ -281,7 +281,7 @@ fn is_physical(fitted: &Fitted) -> bool {
 /// Half widths of the 95 % intervals of all sizes, then of the logarithms of the free shapes.
 #[must_use]
 pub fn half_widths(fitted: &Fitted) -> Vec<f64> {
-    let spread = t_975(fitted.free()) * fitted.scatter();
+    let spread = student_t_975(fitted.free()) * fitted.scatter();
     fitted.covariance.diagonal().iter().map(|variance| spread * variance.max(0.0).sqrt()).collect()
 }
 

@@ -1,13 +1,9 @@
-use rand::{RngExt, SeedableRng};
+use numerics::noise::sum_of_uniforms;
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::search::{explain, search};
 use super::*;
-
-/// A deviate near enough to normal: the sum of twelve uniform ones has variance 1.
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0
-}
 
 /// Runs as a test bench makes them, 2 to 200 rpm, whose means are off by 0.015.
 fn bench(seed: u64, both_ways: bool, law: impl Fn(f64) -> f64) -> FrictionMap {
@@ -18,7 +14,7 @@ fn bench(seed: u64, both_ways: bool, law: impl Fn(f64) -> f64) -> FrictionMap {
     let velocities = sides.iter().flat_map(|side| speeds.map(|speed| side * speed));
     let run = |velocity: f64| Run {
         velocity,
-        force: law(velocity) + 0.015 * normal(&mut random),
+        force: law(velocity) + 0.015 * sum_of_uniforms(&mut random),
         deviation: Some(0.3),
         error: Some(0.015),
     };

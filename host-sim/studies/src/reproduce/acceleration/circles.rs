@@ -107,7 +107,7 @@ impl Lap {
         };
         lap.centre();
         let radius = |row: &Row| row.scale_m[p].hypot(row.scale_m[q]);
-        lap.radius_m = lap.rows.iter().map(radius).sum::<f64>() / lap.rows.len() as f64;
+        lap.radius_m = numerics::mean(lap.rows.iter().map(radius));
         let pull = lap.rad_per_s.powi(2) * lap.radius_m;
         lap.acceleration =
             lap.rows.iter().map(|row| [p, q].map(|axis| -pull * row.scale_m[axis] / radius(row))).collect();
@@ -116,10 +116,9 @@ impl Lap {
 
     /// About the means over whole turns.
     fn centre(&mut self) {
-        let count = self.rows.len() as f64;
         for axis in 0..AXES {
-            let scale = self.rows.iter().map(|row| row.scale_m[axis]).sum::<f64>() / count;
-            let tool = self.rows.iter().map(|row| row.tool_m[axis]).sum::<f64>() / count;
+            let scale = numerics::mean(self.rows.iter().map(|row| row.scale_m[axis]));
+            let tool = numerics::mean(self.rows.iter().map(|row| row.tool_m[axis]));
             for row in &mut self.rows {
                 row.scale_m[axis] -= scale;
                 row.tool_m[axis] -= tool;
@@ -175,7 +174,7 @@ pub fn evaluate(laps: &[Lap]) -> Result<Measured, ReproduceError> {
             talk[(axis, axis)] -= 0.25e6 * (external[i] - internal[i]) / pull;
         }
     }
-    let mean = |of: fn(&Lap) -> f64| laps.iter().map(of).sum::<f64>() / laps.len() as f64;
+    let mean = |of: fn(&Lap) -> f64| numerics::mean(laps.iter().map(of));
     Ok(Measured {
         talk_um_s2_per_m: talk,
         deviation_um_s2_per_m: deviation,

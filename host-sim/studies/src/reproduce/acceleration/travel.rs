@@ -71,7 +71,7 @@ pub fn commanded(limits: Limits) -> Result<Peaks, ReproduceError> {
     let rates = |values: &[f64]| -> Vec<f64> {
         values.windows(2).map(|pair| (pair[1] - pair[0]) / SAMPLE_S).collect()
     };
-    let most = |values: &[f64]| values.iter().fold(0.0_f64, |most, value| most.max(value.abs()));
+    let most = |values: &[f64]| numerics::max_abs(values.iter().copied());
     let speeds = rates(&places);
     let accelerations = rates(&speeds);
     Ok(Peaks {
@@ -129,16 +129,15 @@ impl Travel {
     /// Root mean square of an axis' error that coefficients (µm per m/s² of z) leave, µm.
     #[must_use]
     pub fn left_um(&self, axis: usize, um_s2_per_m: f64) -> f64 {
-        let left = |(error, a): (f64, &f64)| (error - um_s2_per_m * a).powi(2);
-        let squares: f64 = self.error_um(axis).into_iter().zip(&self.acceleration).map(left).sum();
-        (squares / self.rows.len() as f64).sqrt()
+        let left = |(error, a): (f64, &f64)| error - um_s2_per_m * a;
+        numerics::rms(self.error_um(axis).into_iter().zip(&self.acceleration).map(left))
     }
 }
 
 /// Second derivatives by a parabola through a window about each row.
 pub fn accelerations(places_m: &[f64]) -> Vec<f64> {
     let squares: Vec<f64> = (0..=2 * HALF_WINDOW).map(|k| (k as f64 - HALF_WINDOW as f64).powi(2)).collect();
-    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    let mean = numerics::mean(squares.iter().copied());
     let weights: Vec<f64> = squares.iter().map(|square| square - mean).collect();
     let sum: f64 = weights.iter().map(|weight| weight * weight).sum::<f64>() * 0.5 * SAMPLE_S.powi(2);
     let mut all = vec![0.0; places_m.len()];

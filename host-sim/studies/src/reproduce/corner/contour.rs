@@ -29,14 +29,14 @@ pub fn window(command: &Track, sample_s: f64) -> Range<usize> {
 pub fn overshoot_m(track: &Track, window: &Range<usize>) -> f64 {
     let beyond: Vec<f64> = along(track, window).map(|[u, _]| u).collect();
     let last = &beyond[beyond.len() - beyond.len() / 10..];
-    let steady = last.iter().sum::<f64>() / last.len() as f64;
-    beyond.iter().fold(f64::NEG_INFINITY, |most, &u| most.max(u)) - steady
+    let steady = numerics::mean(last.iter().copied());
+    numerics::max(beyond.iter().copied()) - steady
 }
 
 /// Least distance from the corner, m: what it is rounded by.
 #[must_use]
 pub fn rounding_m(track: &Track, window: &Range<usize>) -> f64 {
-    along(track, window).map(|[u, w]| u.hypot(w)).fold(f64::INFINITY, f64::min)
+    numerics::min(along(track, window).map(|[u, w]| u.hypot(w)))
 }
 
 /// Greatest distance of a contour's points from another contour, m.
@@ -44,16 +44,10 @@ pub fn rounding_m(track: &Track, window: &Range<usize>) -> f64 {
 pub fn difference_m(one: &Track, other: &Track, window: &Range<usize>, sample_s: f64) -> f64 {
     let (one, other): (Vec<_>, Vec<_>) = (one.points().collect(), other.points().collect());
     let apart = samples(APART_S, sample_s);
-    window
-        .clone()
-        .map(|k| {
-            let near = k.saturating_sub(apart)..(k + apart).min(other.len());
-            other[near]
-                .windows(2)
-                .map(|ends| to_segment_m(one[k], ends[0], ends[1]))
-                .fold(f64::INFINITY, f64::min)
-        })
-        .fold(0.0, f64::max)
+    numerics::max_abs(window.clone().map(|k| {
+        let near = k.saturating_sub(apart)..(k + apart).min(other.len());
+        numerics::min(other[near].windows(2).map(|ends| to_segment_m(one[k], ends[0], ends[1])))
+    }))
 }
 
 /// Radius of the turning part of a track that turns with its command, m: its projection on the command's own

@@ -149,7 +149,7 @@ impl Mechanics {
 pub fn printed_hpc_pole_per_s(gain_per_s: f64, leading: i32) -> f64 {
     let c = HPC[0] * gain_per_s.powi(2);
     let closed = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -c * gain_per_s.powi(leading), -c, -HPC[1]);
-    closed.complex_eigenvalues().iter().map(|pole| pole.re).fold(f64::NEG_INFINITY, f64::max)
+    numerics::max(closed.complex_eigenvalues().iter().map(|pole| pole.re))
 }
 
 #[cfg(test)]
@@ -200,7 +200,7 @@ mod tests {
 
         let mut edge = vec![1.0; 400];
         edge[0] = 0.0;
-        let most = mechanics.table_m(&edge, SAMPLE_S).into_iter().fold(0.0, f64::max);
+        let most = numerics::max(mechanics.table_m(&edge, SAMPLE_S));
         let exact = 1.0 + (-std::f64::consts::PI * 0.2 / (1.0 - 0.04_f64).sqrt()).exp();
         // A top between two samples is missed by (ω·sample/2)²/2 of its height at the most.
         assert!(most > exact - 1e-3 && most < exact + 1e-3, "{most} {exact}");
@@ -210,7 +210,7 @@ mod tests {
     /// 1/√2 and whose step overshoots by e^(−π).
     #[test]
     fn hpc_with_half_feedforward_is_a_butterworth_of_second_order() {
-        let most = step(&servo(Controller::Hpc, 50.0)).map(|(_, y)| y).fold(0.0, f64::max);
+        let most = numerics::max(step(&servo(Controller::Hpc, 50.0)).map(|(_, y)| y));
         // The lead's impulse stands for a sample and is half of one late: ½·(x/2)·y″ less, x = Kp·sample and
         // y″ = −16·e^(−π) at the top, from the step without feed-forward above.
         let late = 0.25 * 50.0 * SAMPLE_S * 16.0;

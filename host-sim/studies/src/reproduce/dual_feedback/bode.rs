@@ -60,7 +60,7 @@ fn add_breaks(study: &mut Study, times: Times, responses: &[Response]) -> Result
 
 /// What the paper concludes of small α.
 fn add_magnitudes(study: &mut Study, responses: &[Vec<Response>; 3]) {
-    let most = |responses: &[Response]| responses.iter().map(Response::magnitude).fold(0.0, f64::max);
+    let most = |responses: &[Response]| numerics::max_abs(responses.iter().map(Response::magnitude));
     let highest = responses.each_ref().map(|responses| most(responses));
     // Highest near ωT = 1/√α, about 3 at a tenth.
     let small = times(0.1);

@@ -114,9 +114,9 @@ impl Form {
     fn farthest_nm(&self, times: Times) -> f64 {
         let rows = run(times, TICKS, |time_s| (self.lost_nm)(times, time_s));
         let off = |(tick, row): (u32, &Shown)| {
-            ((self.shown_nm)(row) - (self.exact_nm)(times, f64::from(tick) * TICK_S)).abs()
+            (self.shown_nm)(row) - (self.exact_nm)(times, f64::from(tick) * TICK_S)
         };
-        (0u32..).zip(&rows).map(off).fold(0.0, f64::max)
+        numerics::max_abs((0u32..).zip(&rows).map(off))
     }
 }
 
@@ -133,15 +133,15 @@ pub fn times(alpha: f64) -> Times {
 /// Greatest |Qc| of backlash and pitch error at once, nm; the one is [`STEP_NM`], the other `ratio` of it in the end.
 fn greatest_of_both_nm(times: Times, ratio: f64) -> f64 {
     let rows = run(times, 2 * TICKS, |time_s| STEP_NM + ratio * ramp_nm_per_s(times) * time_s);
-    rows.iter().fold(0.0, |most, row| most.max(row.second_nm.abs()))
+    numerics::max_abs(rows.iter().map(|row| row.second_nm))
 }
 
 /// Adds the closed forms.
 pub fn add(study: &mut Study) {
     let systems = ALPHAS.map(times);
-    let most_nm = systems.map(bound_nm).into_iter().fold(0.0, f64::max);
+    let most_nm = numerics::max_abs(systems.map(bound_nm));
     for form in &FORMS {
-        let farthest_nm = systems.map(|times| form.farthest_nm(times)).into_iter().fold(0.0, f64::max);
+        let farthest_nm = numerics::max_abs(systems.map(|times| form.farthest_nm(times)));
         study.outcomes.push(Outcome::new(
             format!("{}: farthest from the closed form", form.name),
             Printed::Below(rounded(100.0 * most_nm / STEP_NM, 2)),

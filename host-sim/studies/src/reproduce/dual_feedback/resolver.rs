@@ -138,7 +138,7 @@ mod tests {
     /// Half a count on both samples is √½/amplitude rad at most, of a turn of 4 mm 0.054 nm; D is 10 µm.
     #[test]
     fn the_input_shows_the_formula() {
-        let off = read().unwrap().iter().zip(formula()).map(|(a, b)| (a - b).abs()).fold(0.0, f64::max);
+        let off = numerics::max_abs(read().unwrap().iter().zip(formula()).map(|(a, b)| a - b));
         assert!(off < 8e-6 && off > 1e-6, "{off}");
     }
 

@@ -65,10 +65,9 @@ pub struct Errors {
 
 impl Errors {
     fn of(errors_um: &[f64]) -> Self {
-        let squares = errors_um.iter().map(|error| error * error).sum::<f64>();
         Self {
-            most_um: errors_um.iter().fold(0.0, |most, error| most.max(error.abs())),
-            rms_um: (squares / errors_um.len().max(1) as f64).sqrt(),
+            most_um: numerics::max_abs(errors_um.iter().copied()),
+            rms_um: numerics::rms(errors_um.iter().copied()),
         }
     }
 }
@@ -140,7 +139,7 @@ fn stops_um(system: System, gain_per_s: f64) -> Result<Vec<f64>, ReproduceError>
         let look = count(LOOK_S) as usize;
         if stop.len() as f64 > count(0.5 * STAND_S) {
             let end = &stop[stop.len() - look..];
-            found.push(end.iter().map(|row| row.table_um).sum::<f64>() / look as f64);
+            found.push(numerics::mean(end.iter().map(|row| row.table_um)));
         }
     }
     Ok(found)
@@ -194,10 +193,7 @@ fn swing_um(system: System, gain_per_s: f64) -> Result<f64, ReproduceError> {
     let look = (LOOK_S / log.sample_time_s) as usize;
     let rows = rows(&log);
     let end = &rows[rows.len().saturating_sub(look)..];
-    let swing = |of: fn(&Row) -> f64| {
-        let errors = end.iter().map(of);
-        errors.clone().fold(f64::MIN, f64::max) - errors.fold(f64::MAX, f64::min)
-    };
+    let swing = |of: fn(&Row) -> f64| numerics::peak_to_peak(end.iter().map(of));
     Ok(swing(|row| row.motor_um).max(swing(|row| row.table_um)))
 }
 
@@ -279,7 +275,7 @@ mod tests {
             a[(row, row)] = -1.0 / lag_s;
         }
         let matrix = nalgebra::DMatrix::from_fn(11, 11, |row, column| a[(row, column)]);
-        matrix.complex_eigenvalues().iter().map(|value| value.re).fold(f64::MIN, f64::max)
+        numerics::max(matrix.complex_eigenvalues().iter().map(|value| value.re))
     }
 
     /// Where the machine begins to swing, its linear loop is at its limit: within a tenth, for lags in place of ticks

@@ -205,7 +205,7 @@ fn deviation_picture(laps: &[Stick; 2]) -> Picture {
 /// A ballbar picture.
 fn polar(name: &str, words: &str, ballbar: &Ballbar) -> Picture {
     let (positive, negative) = (ballbar.positive.outline(), ballbar.negative.outline());
-    let most = positive.iter().chain(&negative).fold(0.0_f64, |most, point| most.max(point.1.abs()));
+    let most = numerics::max_abs(positive.iter().chain(&negative).map(|point| point.1));
     let division_um = division_for(most);
     let [x, y] = ballbar.reversal_um();
     let caption = format!(

@@ -149,10 +149,7 @@ impl Deviations {
     /// From the least to the greatest deviation of X and of Y, µm.
     #[must_use]
     pub fn swing_um(&self) -> [f64; 2] {
-        [0, 1].map(|axis| {
-            let values = || self.points.iter().map(|point| point.1[axis]);
-            1e6 * (values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min))
-        })
+        [0, 1].map(|axis| 1e6 * numerics::peak_to_peak(self.points.iter().map(|point| point.1[axis])))
     }
 
     /// The lap as a ballbar sees it. Friction holds a table back: it stands at X0 − x.
@@ -184,7 +181,7 @@ pub fn steepest_fall_n_s_per_m(friction: &FallingRising, most_m_per_s: f64) -> f
     const STEPS: usize = 10_000;
     let at = |i: usize| friction.force_n(most_m_per_s * i as f64 / STEPS as f64);
     let falls = (0..STEPS).map(|i| (at(i) - at(i + 1)) * STEPS as f64 / most_m_per_s);
-    falls.fold(0.0, f64::max)
+    numerics::max(falls).max(0.0)
 }
 
 #[cfg(test)]
@@ -204,9 +201,9 @@ mod tests {
                 let off_m = |(time_s, place): &(f64, [f64; 2])| {
                     let friction_n = table.friction().force_n(circle.velocity_m_per_s(*time_s)[axis]);
                     let inertia_n = table.mass_kg * circle.acceleration_m_per_s2(*time_s)[axis];
-                    (place[axis] - (friction_n - inertia_n) / table.stiffness_n_per_m).abs()
+                    place[axis] - (friction_n - inertia_n) / table.stiffness_n_per_m
                 };
-                let most_m = lap.points.iter().map(off_m).fold(0.0, f64::max);
+                let most_m = numerics::max_abs(lap.points.iter().map(off_m));
                 let slope = table.mass_kg * GRAVITY_M_PER_S2 * 0.145 * 50.0;
                 let rate = slope * RADIUS_M * speed_rad_per_s.powi(2) / table.stiffness_n_per_m;
                 let expected_m = (table.damping_n_s_per_m + slope) * rate / table.stiffness_n_per_m;
