@@ -52,7 +52,7 @@ impl<'a> Document<'a> {
         let root = DeTable::parse(text).map_err(|error| {
             let offset = error.span().map_or(text.len(), |span| span.start);
             let problem = format!("expected valid TOML: {}", error.message());
-            InputError::saying(source, problem).at_line(line_at(text.as_bytes(), offset))
+            InputError::new(source, problem).at_line(line_at(text.as_bytes(), offset))
         })?;
         let mut places = IndexMap::new();
         collect("", root.get_ref(), &mut places);
@@ -91,7 +91,7 @@ impl<'a> Document<'a> {
     /// An error at a key that says what is wrong in its own words.
     #[must_use]
     pub fn says(&self, key: &str, problem: &str) -> InputError {
-        self.located(key, InputError::saying(self.source, problem))
+        self.located(key, InputError::new(self.source, problem))
     }
 
     /// The keys directly in the table, or elements directly in the array, at `key`, in the order
@@ -171,7 +171,7 @@ impl<'a> Document<'a> {
                 let inner = join(key, name);
                 let key = if self.places.contains_key(&inner) { &inner } else { key };
                 let problem = format!("unknown key, expected {expected}");
-                self.located(key, InputError::saying(self.source, problem))
+                self.located(key, InputError::new(self.source, problem))
             }
             None => self.refuse(key, &expected),
         }

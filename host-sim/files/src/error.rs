@@ -27,19 +27,19 @@ impl InputError {
     /// `found` stands as it is: text taken from the input goes through [`quoted`] first.
     #[must_use]
     pub fn expected(file: &str, what: impl Display, found: impl Display) -> Self {
-        Self::saying(file, format!("expected {what}, found {found}"))
+        Self::new(file, format!("expected {what}, found {found}"))
     }
 
     /// A problem that does not fit the form of [`InputError::expected`].
     #[must_use]
-    pub fn saying(file: &str, problem: impl Into<String>) -> Self {
+    pub fn new(file: &str, problem: impl Into<String>) -> Self {
         Self { file: file.to_owned(), line: None, key: None, problem: one_line(&problem.into()) }
     }
 
     /// A file that cannot be read at all.
     #[must_use]
     pub fn unreadable(file: &str, cause: &io::Error) -> Self {
-        Self::saying(file, format!("expected a readable file: {cause}"))
+        Self::new(file, format!("expected a readable file: {cause}"))
     }
 
     /// The same, at a line of the file, counted from 1.
@@ -123,12 +123,12 @@ mod tests {
 
     #[test]
     fn places_that_are_not_known_are_left_out() {
-        assert_eq!(InputError::saying("a.csv", "is a picture").to_string(), "a.csv: is a picture");
+        assert_eq!(InputError::new("a.csv", "is a picture").to_string(), "a.csv: is a picture");
     }
 
     #[test]
     fn line_ends_and_control_characters_never_reach_the_message() {
-        let error = InputError::saying("a\nb.csv", "one\n  | two\r\n\u{1b}[31m").at_key("k\ney");
+        let error = InputError::new("a\nb.csv", "one\n  | two\r\n\u{1b}[31m").at_key("k\ney");
         assert_eq!(error.to_string(), "a?b.csv: k ey: one | two ?[31m");
     }
 

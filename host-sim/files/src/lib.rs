@@ -8,5 +8,5 @@ pub mod axis_name;
 pub mod document;
 pub mod error;
 pub mod log;
-pub mod number;
 pub mod output;
+pub mod table;

@@ -68,7 +68,7 @@ fn emulator(arguments: &Arguments) -> Result<(Option<PathBuf>, Option<String>)> 
     let program = arguments.emulator.clone().unwrap_or_else(emulator::default_program);
     match (Emulator::start(&program, PATIENCE), &arguments.emulator) {
         (Ok(_), _) => Ok((Some(program), None)),
-        (Err(problem), Some(_)) => Err(InputError::saying("--emulator", problem).into()),
+        (Err(problem), Some(_)) => Err(InputError::new("--emulator", problem).into()),
         (Err(problem), None) => Ok((None, Some(problem))),
     }
 }

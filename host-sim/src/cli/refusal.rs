@@ -36,7 +36,7 @@ impl Given<'_> {
                     "expected an axis that steps of a millionth of a second can follow; \
                     this with the masses of the axis asks for {step_s:.1e} s"
                 );
-                InputError::saying(self.machine_file, problem).at_key(&format!("axis.{axis}.{key}"))
+                InputError::new(self.machine_file, problem).at_key(&format!("axis.{axis}.{key}"))
             }
             Controller(ControllerError::Refused(MachineError::Config { axis, error })) => {
                 self.setting(*axis, error)
@@ -45,11 +45,11 @@ impl Given<'_> {
                 let what = format!("1 to {MOST_AXES} axes");
                 InputError::expected(self.machine_file, what, found).at_key("axis")
             }
-            Controller(ControllerError::Port(problem)) => InputError::saying("--port", problem),
+            Controller(ControllerError::Port(problem)) => InputError::new("--port", problem),
             Block { index, error: PathError::BeyondTravel { axis } } => self.beyond_travel(*index, *axis),
             Block { index, error } => {
                 let problem = format!("expected a block that the controller can run: {error}");
-                InputError::saying(self.motion_file, problem).at_key(&format!("block[{index}]"))
+                InputError::new(self.motion_file, problem).at_key(&format!("block[{index}]"))
             }
             _ => return error.into(),
         };
@@ -64,7 +64,7 @@ impl Given<'_> {
             "expected a block within axis.{name}.travel_mm, {least} to {greatest} mm, of {}",
             self.machine_file
         );
-        InputError::saying(self.motion_file, problem).at_key(&format!("block[{index}]"))
+        InputError::new(self.motion_file, problem).at_key(&format!("block[{index}]"))
     }
 
     fn setting(&self, axis: usize, error: &ConfigError) -> InputError {
@@ -94,6 +94,6 @@ impl Given<'_> {
         };
         let text = error.to_string();
         let problem = text.strip_prefix(&format!("{name}: ")).unwrap_or(&text);
-        InputError::saying(self.machine_file, problem).at_key(&key)
+        InputError::new(self.machine_file, problem).at_key(&key)
     }
 }

@@ -18,7 +18,7 @@ pub(super) struct Irregular {
     /// The time at which a uniform clock would have taken it.
     pub expected_s: f64,
     /// Whether the time did not increase at all.
-    pub backwards: bool,
+    pub is_backward: bool,
 }
 
 /// The period of the clock that gave the times, which were printed with `decimals` decimals.
@@ -27,10 +27,10 @@ pub(super) struct Irregular {
 pub(super) fn sample_time_s(times_s: &[f64], decimals: usize) -> Result<f64, Irregular> {
     let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let usual_s = numerics::median(&steps).unwrap_or_default();
-    let irregular = |step: usize, backwards| Irregular {
+    let irregular = |step: usize, is_backward| Irregular {
         sample: step + 1,
         expected_s: times_s[step] + usual_s.max(0.0),
-        backwards,
+        is_backward,
     };
     if let Some(step) = steps.iter().position(|&step_s| step_s <= 0.0) {
         return Err(irregular(step, true));
@@ -53,7 +53,7 @@ fn on_grid(times_s: &[f64], rounding_s: f64) -> Result<f64, Irregular> {
     let grid = |sample: usize| times_s[0] + sample as f64 * period_s;
     let allowed_s = GRID_TOLERANCE * period_s + rounding_s;
     match (0..=last).find(|&i| (times_s[i] - grid(i)).abs() > allowed_s) {
-        Some(sample) => Err(Irregular { sample, expected_s: grid(sample), backwards: false }),
+        Some(sample) => Err(Irregular { sample, expected_s: grid(sample), is_backward: false }),
         None => Ok(period_s),
     }
 }
@@ -95,7 +95,7 @@ mod tests {
                 let mut times = printed(3.0, period_s, 1000, decimals);
                 let lost = times.remove(at);
                 let error = sample_time_s(&times, decimals).expect_err("a gap");
-                assert_eq!((error.sample, error.backwards), (at, false), "{period_s}");
+                assert_eq!((error.sample, error.is_backward), (at, false), "{period_s}");
                 assert!((error.expected_s - lost).abs() < 0.5 * period_s);
             }
         }
@@ -114,7 +114,7 @@ mod tests {
             let mut times = printed(0.0, 1e-3, 100, 3);
             times[40] += change_s;
             let error = sample_time_s(&times, 3).expect_err("not increasing");
-            assert_eq!((error.sample, error.backwards), (40, true));
+            assert_eq!((error.sample, error.is_backward), (40, true));
         }
     }
 

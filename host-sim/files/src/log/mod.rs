@@ -5,7 +5,7 @@
 //! `NAME_added_force_F`, with U `mm` and F `n`, or U `deg` and F `nm`.
 
 mod clock;
-pub mod read;
+mod read;
 mod write;
 
 use std::ops::Range;
