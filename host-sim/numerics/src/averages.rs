@@ -14,6 +14,12 @@ pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     mean(values.into_iter().map(|value| value * value)).abs().sqrt()
 }
 
+/// By how much a root mean square falls, percent, when its square falls by a fraction (0 to 1); negative where it rises.
+#[must_use]
+pub fn rms_reduction_percent(fraction: f64) -> f64 {
+    100.0 * (1.0 - (1.0 - fraction).max(0.0).sqrt())
+}
+
 /// Mean, and standard deviation about it with divisor n (not n − 1); both zero if there is no value.
 #[must_use]
 pub fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
@@ -52,6 +58,12 @@ mod tests {
         assert!((rms(values) - (41.0_f64 / 3.0).sqrt()).abs() < 1e-15);
         let (mean, deviation) = mean_and_deviation(&values);
         assert!((mean - 3.0).abs() < 1e-15 && (deviation - (14.0_f64 / 3.0).sqrt()).abs() < 1e-15);
+    }
+
+    #[test]
+    fn three_quarters_of_the_square_are_half_of_the_root() {
+        assert!((rms_reduction_percent(0.75) - 50.0).abs() < 1e-12);
+        assert!((rms_reduction_percent(-3.0) + 100.0).abs() < 1e-12);
     }
 
     #[test]

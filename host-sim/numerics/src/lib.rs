@@ -16,5 +16,5 @@ pub mod distributions;
 pub mod extremes;
 pub mod noise;
 
-pub use averages::{mean, mean_and_deviation, median, quantile, rms};
+pub use averages::{mean, mean_and_deviation, median, quantile, rms, rms_reduction_percent};
 pub use extremes::{max, max_abs, min, min_max, peak_to_peak};

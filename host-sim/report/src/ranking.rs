@@ -82,7 +82,7 @@ fn best(candidate: &Candidate) -> Option<&Comparison> {
 
 /// By how much the residual itself gets smaller, percent; comparisons are of its square.
 fn gain_percent(comparison: &Comparison) -> f64 {
-    100.0 * (1.0 - (1.0 - comparison.reduction).max(0.0).sqrt())
+    numerics::rms_reduction_percent(comparison.reduction)
 }
 
 /// What would have gained much in the last round of each search, and why it was not taken.
@@ -126,7 +126,7 @@ fn verdict(axis: &AxisTrace, round: &Round, place: usize) -> String {
     }
     let supported =
         |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
-    let least = 100.0 * (1.0 - (1.0 - LEAST_REDUCTION).sqrt());
+    let least = numerics::rms_reduction_percent(LEAST_REDUCTION);
     if candidate.is_supported() {
         // The best that is supported is added, unless the closed loop speaks against it.
         let is_vetoed = round.added.is_none_or(|added| place < added);

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
+use super::print;
 use super::progress::Progress;
-use super::say;
 use files::error::InputError;
 use files::output::write_whole;
 use link::controller::Format;
@@ -48,7 +48,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (emulator, not_counted) = emulator(arguments)?;
     let progress = Progress::start();
     let options = Options { hours: arguments.hours, emulator };
-    let mut comparison = compare::run(&options, &|what| progress.say(what))?;
+    let mut comparison = compare::run(&options, &|what| progress.show(what))?;
     drop(progress);
     comparison.not_counted = not_counted;
     if let Some(path) = &arguments.json {
@@ -60,7 +60,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let path = compare::page::write(folder, &comparison, &sentences(&comparison))?;
         said += &format!("\n\nReport: {}", path.display());
     }
-    say(&said)
+    print(&said)
 }
 
 /// The program of the emulated core, or why there is none. One that was asked for has to work.

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use super::progress::Progress;
-use super::{say, summary};
+use super::{print, summary};
 use files::output::write_whole;
 use report::{Extra, words};
 use studies::demo::{self, Demo};
@@ -31,7 +31,7 @@ pub struct Arguments {
 /// When the simulated machine does not run or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let progress = Progress::start();
-    let demo = demo::run(arguments.seed, &|what| progress.say(what))?;
+    let demo = demo::run(arguments.seed, &|what| progress.show(what))?;
     drop(progress);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&demo.json())?;
@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         truth: Some(vec![(demo.drawn.axis.clone(), demo.drawn.effect.clone())]),
     };
     let path = report::write(&arguments.report, &demo.trace, &extra)?;
-    say(&format!(
+    print(&format!(
         "{INTRODUCTION}\n\n{}\n\n{}\n{}\nReport: {}",
         summary::of_trace(&demo.trace),
         headline(&demo),

@@ -23,7 +23,7 @@ use clap::{Parser, Subcommand};
 use files::error::{InputError, quoted};
 use stop::Stopped;
 
-/// Finds out what a machine does that its model does not say, and gets rid of it.
+/// Finds out what a machine does that its model does not print, and gets rid of it.
 #[derive(Parser)]
 #[command(name = "lost-motion", version, about)]
 struct Arguments {
@@ -77,7 +77,7 @@ pub fn run() -> ExitCode {
 }
 
 /// No output may take the place of an input or of another output.
-fn keeps(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> Result<(), InputError> {
+fn check_outputs(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> Result<(), InputError> {
     let real = |path: &Path| {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let in_folder = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
@@ -96,7 +96,7 @@ fn keeps(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> Result<(), I
 }
 
 /// Says the result on stdout. Files are written before; a reader that has gone away is no failure.
-fn say(text: &str) -> anyhow::Result<()> {
+fn print(text: &str) -> anyhow::Result<()> {
     match writeln!(stdout().lock(), "{text}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),

@@ -38,12 +38,12 @@ impl Progress {
     /// Says how far the simulated machine has come, twice a second of its time.
     pub fn machine_time(&self, time_s: f64) {
         if (2.0 * time_s).fract() == 0.0 {
-            self.say(&format!("{time_s:.1} s of machine time"));
+            self.show(&format!("{time_s:.1} s of machine time"));
         }
     }
 
     /// Says what is being done.
-    pub fn say(&self, what: &str) {
+    pub fn show(&self, what: &str) {
         self.0.set_message(what.to_owned());
     }
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use std::time::Duration;
 
 use super::refusal::Given;
-use super::{keeps, logged, say};
+use super::{check_outputs, logged, print};
 use anyhow::Result;
 use files::error::InputError;
 use link::controller::Format;
@@ -54,7 +54,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let patience = patience(arguments.timeout_s)?;
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
-    keeps(&[machine_path, &arguments.motion], &[("--out", Some(&arguments.out))])?;
+    check_outputs(&[machine_path, &arguments.motion], &[("--out", Some(&arguments.out))])?;
     let machine = match &arguments.machine {
         Some(path) => Machine::read(path)?,
         None => Machine::parse(demo::MACHINE, DEMO_MACHINE)?,
@@ -97,7 +97,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if let (Some(median), Some((worst, _))) = (median(&costs, ticks), costs.last_key_value()) {
         said += &format!("\n\n{ticks} ticks: {median} instructions in the median, {worst} at the worst.");
     }
-    say(&said)
+    print(&said)
 }
 
 /// How long to wait for an answer.

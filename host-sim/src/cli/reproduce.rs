@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
+use super::print;
 use super::progress::Progress;
-use super::say;
 use files::output::write_whole;
 use report::number::significant;
 use studies::reproduce::{self, Reproduction};
@@ -27,7 +27,7 @@ pub struct Arguments {
 /// A loop that does not hold, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let progress = Progress::start();
-    let reproduction = reproduce::run(&|what| progress.say(what))?;
+    let reproduction = reproduce::run(&|what| progress.show(what))?;
     drop(progress);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&reproduction)?;
@@ -38,7 +38,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let path = reproduce::page::write(folder, &reproduction, &sentence(&reproduction))?;
         said += &format!("\n\nReport: {}", path.display());
     }
-    say(&said)
+    print(&said)
 }
 
 /// How much agrees.

@@ -8,7 +8,7 @@ use anyhow::{Context, Result, anyhow};
 
 use super::progress::Progress;
 use super::stop::{self, Stopped};
-use super::{keeps, say};
+use super::{check_outputs, print};
 use files::error::InputError;
 use files::output::{remove_unfinished, write_whole};
 use numerics::quantile;
@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         return Err(InputError::expected("--cases", expected, arguments.cases).into());
     }
     let page = report::file_in(arguments.report.as_ref());
-    keeps(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
+    check_outputs(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
     stop::write_first();
     let (sender, receiver) = channel();
     let work = arguments.clone();
@@ -64,7 +64,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if !arguments.no_trace {
         written = write(arguments, &run);
     } else if run.done > 0 {
-        written = say(&format!("{} cases drawn.", run.done));
+        written = print(&format!("{} cases drawn.", run.done));
     }
     written?;
     if (run.done as u64) < arguments.cases {
@@ -121,7 +121,7 @@ fn collect(arguments: &Arguments, news: &Receiver<News>) -> Result<Run> {
     let mut score = String::new();
     while (run.done as u64) < arguments.cases && !stop::is_asked() {
         match news.recv_timeout(PATIENCE) {
-            Ok(News::Doing(what)) => progress.say(&format!("{score}{what}")),
+            Ok(News::Doing(what)) => progress.show(&format!("{score}{what}")),
             Ok(News::Done(outcome, time)) => {
                 run.done += 1;
                 run.seconds.push(time.as_secs_f64());
@@ -161,5 +161,5 @@ fn write(arguments: &Arguments, run: &Run) -> Result<()> {
     if let Some(folder) = &arguments.keep {
         said += &format!("\nCases: {}", folder.display());
     }
-    say(&said)
+    print(&said)
 }

@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use super::refusal::Given;
-use super::{keeps, logged, say};
+use super::{check_outputs, logged, print};
 use link::controller::Format;
 use model::machine::Machine;
 use model::motion::Motion;
@@ -60,7 +60,7 @@ pub struct Arguments {
 /// # Errors
 /// Input that cannot be used, a loop that does not hold, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    keeps(&[&arguments.machine, &arguments.motion], &[("--out", Some(&arguments.out))])?;
+    check_outputs(&[&arguments.machine, &arguments.motion], &[("--out", Some(&arguments.out))])?;
     let machine = Machine::read(&arguments.machine)?;
     let motion = Motion::read(&arguments.motion)?;
     let machine_file = &arguments.machine.display().to_string();
@@ -77,7 +77,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         start_s: 0.0,
     };
     let logged = logged::run(&run, controller.as_mut(), &arguments.out, &given, |_| {})?;
-    say(&format!(
+    print(&format!(
         "{} ran {}: {} samples in {}.\n\n{}",
         machine.name,
         motion.name,

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 
 use super::progress::Progress;
-use super::{friction_map, keeps, say, summary};
+use super::{check_outputs, friction_map, print, summary};
 use files::log::Log;
 use files::output::write_whole;
 use model::machine::Machine;
@@ -68,13 +68,13 @@ fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
         ("--propose", arguments.propose.as_ref()),
         ("--report", page.as_ref()),
     ];
-    keeps(&inputs, &outputs)?;
+    check_outputs(&inputs, &outputs)?;
     let machine = Machine::read(machine)?;
     let read = |paths: &[PathBuf]| paths.iter().map(|path| Log::read(path)).collect::<Result<Vec<_>, _>>();
     let progress = Progress::start();
-    progress.say("reading the logs");
+    progress.show("reading the logs");
     let (fit, validate) = (read(&arguments.fit)?, read(&arguments.validate)?);
-    let trace = trace::trace(&machine, &fit, &validate, &|what| progress.say(what))?;
+    let trace = trace::trace(&machine, &fit, &validate, &|what| progress.show(what))?;
     drop(progress);
     let mut said = summary::of_trace(&trace);
     if arguments.empirical {
@@ -100,5 +100,5 @@ fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
         let path = report::write(folder, &trace, &Extra { title, ..Extra::default() })?;
         said += &format!("\n\nReport: {}", path.display());
     }
-    say(&said)
+    print(&said)
 }

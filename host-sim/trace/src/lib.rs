@@ -6,8 +6,7 @@
 //! for one axis, [`last_fit`] fits all that was found,
 //! [`limits`], [`refute`] and [`settle`] take back what is no measurement or does not hold on other logs;
 //! [`unexplained`] is what stays, [`verdict`] what all of it comes to, [`repeatability`] how much of it could be explained at all, [`untested`]
-//! what was not looked for, [`free_run`] what the model is worth without feedback; [`json`] is the whole for programs. [`friction_map`] explains a steady-state friction map in the
-//! same way.
+//! what was not looked for, [`free_run`] what the model is worth without feedback; [`json`] is the whole for programs.
 
 pub mod added;
 pub mod admission;
@@ -19,7 +18,6 @@ pub mod empirical;
 pub mod fit;
 pub mod follow;
 pub mod free_run;
-pub mod friction_map;
 pub mod held_out;
 pub mod in_loop;
 pub mod intervals;

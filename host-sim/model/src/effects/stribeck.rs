@@ -5,6 +5,7 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::{Coordinate, Kind, Stage, Surroundings};
+use crate::friction_law::gaussian_decay;
 use crate::machine::Axis;
 
 /// Adds excess·exp(−(v/vs)²) to the sliding level of Coulomb friction.
@@ -33,7 +34,7 @@ impl Stribeck {
             return 0.0;
         }
         let ratio = 1e3 * velocity_m_per_s / self.velocity_mm_s;
-        self.static_excess_n * (-ratio * ratio).exp()
+        self.static_excess_n * gaussian_decay(ratio)
     }
 }
 

@@ -2,19 +2,21 @@
 
 use std::path::Path;
 
-use super::{FrictionMap, Run, Unit};
+use super::map::{FrictionMap, Run, Unit};
 use files::error::{InputError, quoted};
 use files::table::{Row, Table, read_bytes};
 
+/// The columns of both units, in messages.
 const ALLOWED: &str = "speed_rpm and torque_mnm, with speed_sd_rpm, torque_sd_mnm and samples where known; \
                        or velocity_mm_s and force_n, with velocity_sd_mm_s, force_sd_n and samples";
 
-/// The columns of one unit: speed, force, their deviations.
+/// The columns of each unit: speed, force, their standard deviations within a run.
 const COLUMNS: [(Unit, [&str; 4]); 2] = [
     (Unit::Rotary, ["speed_rpm", "torque_mnm", "speed_sd_rpm", "torque_sd_mnm"]),
     (Unit::Linear, ["velocity_mm_s", "force_n", "velocity_sd_mm_s", "force_sd_n"]),
 ];
 
+/// Number of samples of a run.
 const SAMPLES: &str = "samples";
 
 impl FrictionMap {
@@ -41,7 +43,7 @@ impl FrictionMap {
     }
 }
 
-/// Which column holds what.
+/// Index of each column.
 struct Header {
     unit: Unit,
     speed: usize,
