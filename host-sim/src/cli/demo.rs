@@ -28,7 +28,7 @@ pub struct Arguments {
 /// Runs the command.
 ///
 /// # Errors
-/// When the simulated machine does not run or an output cannot be written.
+/// If the simulated machine does not run, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let progress = Progress::start();
     let demo = demo::run(arguments.seed, &|what| progress.show(what))?;
@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 const INTRODUCTION: &str = "A two-axis machine ran circles, its travel and a corner; its logs were traced against \
                             its declared model.";
 
-/// Before and after on what was not fitted.
+/// The residual before and after, on motions that were not fitted.
 fn headline(demo: &Demo) -> String {
     let Some(h) = demo.headline() else { return "Nothing could be measured.".to_owned() };
     format!(
@@ -68,7 +68,7 @@ fn headline(demo: &Demo) -> String {
     )
 }
 
-/// The truth, which the tracer was not told.
+/// The drawn effect, which the tracer did not know, and whether it was named.
 fn reveal(demo: &Demo) -> String {
     let verdict = if demo.is_named() { "named" } else { "not named" };
     let truth = words::effect(&demo.drawn.effect, &[]);

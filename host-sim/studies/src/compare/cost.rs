@@ -6,7 +6,7 @@ use super::CompareError;
 use super::motion::Motion;
 use super::pipeline::run;
 use link::controller::{ControllerError, Format};
-use link::emulator::{Emulator, PATIENCE};
+use link::emulator::{DEFAULT_TIMEOUT, Emulator};
 use link::remote::Remote;
 use model::machine::Machine;
 use model::servo;
@@ -38,7 +38,7 @@ pub fn measure(
 ) -> Result<Option<Cost>, CompareError> {
     let (settings, start) = simulate::set_up(machine, &motion.start_m())?;
     let rates = servo::rates(machine);
-    let link = Emulator::start(program, PATIENCE).map_err(ControllerError::Link)?;
+    let link = Emulator::start(program, DEFAULT_TIMEOUT).map_err(ControllerError::Link)?;
     let mut board = Remote::set_up(link, format, rates, &settings, &start)?;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "thousands of ticks")]
     let most_ticks = (MEASURED_S * rates.velocity_loop_hz) as usize;
