@@ -1,4 +1,4 @@
-//! Gives the linker script of cortex-m-rt the memory map of the chip that the feature names.
+//! Selects the memory map for the linker script of cortex-m-rt by feature.
 
 use std::path::PathBuf;
 use std::{env, fs};
@@ -9,7 +9,7 @@ fn main() {
     let map = match (chosen("BOARD"), chosen("EMULATED"), chosen("COST")) {
         (true, false, false) => "memory/board.x",
         (false, true, false) => "memory/emulated.x",
-        // It uses what the emulated program does.
+        // `cost` implies `emulated`.
         (false, true, true) => "memory/cost.x",
         // Without a feature there is no program to link.
         (false, false, false) => return,

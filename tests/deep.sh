@@ -2,32 +2,32 @@
 # The long checks, an hour and more where tests/run.sh takes minutes:
 #
 #   tests/deep.sh                      all of them
-#   tests/deep.sh mutants [ROOM…]      do the tests of `shared` fail when its source is changed? docs/testing.md
+#   tests/deep.sh mutants [PART…]      do the tests of `shared` fail when its source is changed? docs/testing.md
 #   tests/deep.sh miri [MODULE…]       tests/miri.sh
 #
-# A ROOM is a part of shared/src: control, drive, safety, session, watch. A file of it that is done is not done again
-# while neither source nor tests have changed, so that what was interrupted goes on; FRESH=1 begins anew. Installs
-# what is missing.
+# A PART is a module of shared/src: control, drive, safety, session, monitor. A file that is done is not repeated as long
+# as neither source nor tests change, so that an interrupted run can be continued; FRESH=1 starts again. Installs
+# missing tools.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-rooms=(control drive safety session watch)
-# Per cent of the mutants that the tests have to notice; those listed as equivalent count as not noticed.
-floor=95
-# A test that a mutant sends round in circles is ended after this time, in seconds.
-limit=120
+parts=(control drive safety session monitor)
+# Minimum percentage of mutants that the tests detect; those listed as equivalent count as not detected.
+min_detected=95
+# Timeout of the tests of a mutant, s: a mutant may loop for ever.
+timeout_s=120
 
 work=$PWD/target/deep
 tree=$work/tree
 
 step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
 
-# The source files of a room.
+# The source files of a part.
 files_of() {
   if [ -d "shared/src/$1" ]; then find "shared/src/$1" -name '*.rs' | sort; else echo "shared/src/$1.rs"; fi
 }
 
-# Of all in the copy that a result depends on.
+# Hash of everything in the copy that a result depends on.
 fingerprint() {
   (
     cd "$tree"
@@ -36,8 +36,8 @@ fingerprint() {
   ) | git hash-object --stdin
 }
 
-# The files as they are now, elsewhere: the mutants are made there, one after the other, and each compiles only what it
-# changes. All are newer than what was built last, which may be of a mutant.
+# Copies the working tree: the mutants are made in the copy, one after the other, and each recompiles only what it
+# changes. All files get the current time, since the last build may be that of a mutant.
 copy_tree() {
   rm -rf "$tree"
   mkdir -p "$tree"
@@ -46,36 +46,36 @@ copy_tree() {
     tar --null --files-from - --create --file - | tar --extract --touch --file - --directory "$tree"
 }
 
-# How many lines; none where there is no such file.
+# Number of lines; 0 where the file does not exist.
 lines() { if [ -f "$1" ]; then wc -l <"$1"; else echo 0; fi; }
 
 mutants_of() { (cd "$tree" && cargo mutants --list --package shared --file "$1" "${@:2}" | wc -l); }
 
-# Every mutant of a file. No shrinking, since that a test fails is enough, and the same cases for all of them.
+# Tests every mutant of a file. No shrinking of failures, and the same random cases for all mutants.
 mutate() {
   local file=$1 results=$work/mutants/$1 status=0
   rm -rf "$results"
   mkdir -p "$results"
   (cd "$tree" && CARGO_TARGET_DIR=$work/build PROPTEST_MAX_SHRINK_ITERS=0 PROPTEST_RNG_SEED=1 \
     PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 nice cargo mutants --in-place --package shared --file "$file" \
-    --output "$results" --timeout "$limit" --caught --unviable --no-shuffle --colors never) || status=$?
-  # 2: some were missed, 3: some ran into the limit. With any other there is no result.
+    --output "$results" --timeout "$timeout_s" --caught --unviable --no-shuffle --colors never) || status=$?
+  # 2: some were missed, 3: some timed out. Any other status is a failure of cargo-mutants.
   case $status in 0 | 2 | 3) fingerprint >"$results/done" ;; *) exit "$status" ;; esac
 }
 
 mutants() {
   command -v cargo-mutants >/dev/null || cargo install cargo-mutants --locked
-  local room file survivors=0
+  local part file survivors=0
   local -A sum=([caught]=0 [missed]=0 [timeout]=0 [unviable]=0 [equivalent]=0)
-  for room in "$@"; do
-    [ -n "$(files_of "$room" 2>/dev/null)" ] && [ -e "$(files_of "$room" | head -1)" ] ||
-      { echo "$room: expected a room: ${rooms[*]}" >&2; exit 2; }
+  for part in "$@"; do
+    [ -n "$(files_of "$part" 2>/dev/null)" ] && [ -e "$(files_of "$part" | head -1)" ] ||
+      { echo "$part: expected a part: ${parts[*]}" >&2; exit 2; }
   done
   copy_tree
   [ -z "${FRESH:-}" ] || rm -rf "$work/mutants"
   local table=""
-  for room in "$@"; do
-    for file in $(files_of "$room"); do
+  for part in "$@"; do
+    for file in $(files_of "$part"); do
       local results=$work/mutants/$file listed all
       listed=$(mutants_of "$file")
       all=$(mutants_of "$file" --no-config)
@@ -97,10 +97,10 @@ mutants() {
   printf '%s' "$table"
   printf '%-32s %7d %7d %7d %11d %9d\n' all "${sum[caught]}" "${sum[timeout]}" "${sum[missed]}" \
     "${sum[equivalent]}" "${sum[unviable]}"
-  local noticed=$((sum[caught] + sum[timeout])) viable
-  viable=$((noticed + sum[missed] + sum[equivalent]))
-  awk -v n="$noticed" -v of="$viable" 'BEGIN { printf "%d of %d noticed: %.1f %%\n", n, of, of ? 100 * n / of : 100 }'
-  [ $((100 * noticed)) -ge $((floor * viable)) ] || { echo "expected at least $floor %" >&2; survivors=1; }
+  local detected=$((sum[caught] + sum[timeout])) viable
+  viable=$((detected + sum[missed] + sum[equivalent]))
+  awk -v n="$detected" -v of="$viable" 'BEGIN { printf "%d of %d detected: %.1f %%\n", n, of, of ? 100 * n / of : 100 }'
+  [ $((100 * detected)) -ge $((min_detected * viable)) ] || { echo "expected at least $min_detected %" >&2; survivors=1; }
   [ "${sum[missed]}" -eq 0 ] ||
     { echo "expected a test for each, or a line with the reason in .cargo/mutants.toml" >&2; survivors=1; }
   return $survivors
@@ -108,13 +108,13 @@ mutants() {
 
 case ${1:-all} in
 all)
-  mutants "${rooms[@]}"
+  mutants "${parts[@]}"
   step "Miri"
   tests/miri.sh
   ;;
 mutants)
   shift
-  if [ $# -eq 0 ]; then set -- "${rooms[@]}"; fi
+  if [ $# -eq 0 ]; then set -- "${parts[@]}"; fi
   mutants "$@"
   ;;
 miri)

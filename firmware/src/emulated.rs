@@ -1,5 +1,4 @@
-//! What the emulated core has instead of a board: a host at the end of two pipes, and a counter of
-//! instructions.
+//! The environment of the emulated core: a host connected by two pipes, and an instruction counter.
 
 use core::sync::atomic::{Ordering, compiler_fence};
 
@@ -9,7 +8,7 @@ use cortex_m_semihosting::{nr, syscall};
 use shared::protocol::FRAME;
 use shared::session::Meter;
 
-/// A name that semihosting opens as standard input or output.
+/// The name by which semihosting opens standard input or output.
 const CONSOLE: &[u8] = b":tt\0";
 
 /// Standard input and output of the emulator.
@@ -19,11 +18,11 @@ pub struct Host {
 }
 
 impl Host {
-    /// Opens both. `None` where the emulator runs without semihosting.
+    /// Opens both. `None` if the emulator runs without semihosting.
     #[must_use]
     pub fn open() -> Option<Self> {
         let console = |mode: usize| {
-            // SAFETY: SYS_OPEN reads a name of the given length, which lives for ever.
+            // SAFETY: SYS_OPEN reads a name of the given length, which is static.
             let handle = unsafe { syscall!(OPEN, CONSOLE.as_ptr(), mode, CONSOLE.len() - 1) };
             (handle != usize::MAX).then_some(handle)
         };
@@ -32,52 +31,52 @@ impl Host {
 
     /// Waits for a whole frame. `None` once the host has closed its end.
     pub fn receive(&mut self, frame: &mut [u8; FRAME]) -> Option<()> {
-        let mut rest = frame.as_mut_slice();
-        while !rest.is_empty() {
-            let wanted = rest.len();
-            // SAFETY: SYS_READ writes at most `wanted` bytes into `rest`.
-            let missing = unsafe { syscall!(READ, self.input, rest.as_mut_ptr(), wanted) };
-            let read = wanted.checked_sub(missing).filter(|&read| read > 0)?;
-            rest = rest.get_mut(read..)?;
+        let mut remaining = frame.as_mut_slice();
+        while !remaining.is_empty() {
+            let requested = remaining.len();
+            // SAFETY: SYS_READ writes at most `requested` bytes into `remaining`.
+            let missing = unsafe { syscall!(READ, self.input, remaining.as_mut_ptr(), requested) };
+            let read = requested.checked_sub(missing).filter(|&read| read > 0)?;
+            remaining = remaining.get_mut(read..)?;
         }
         Some(())
     }
 
     /// Sends a whole frame. `None` once the host has closed its end.
     pub fn send(&mut self, frame: &[u8; FRAME]) -> Option<()> {
-        let mut rest = frame.as_slice();
-        while !rest.is_empty() {
-            let wanted = rest.len();
-            // SAFETY: SYS_WRITE reads at most `wanted` bytes of `rest`.
-            let missing = unsafe { syscall!(WRITE, self.output, rest.as_ptr(), wanted) };
-            let written = wanted.checked_sub(missing).filter(|&written| written > 0)?;
-            rest = rest.get(written..)?;
+        let mut remaining = frame.as_slice();
+        while !remaining.is_empty() {
+            let requested = remaining.len();
+            // SAFETY: SYS_WRITE reads at most `requested` bytes of `remaining`.
+            let missing = unsafe { syscall!(WRITE, self.output, remaining.as_ptr(), requested) };
+            let written = requested.checked_sub(missing).filter(|&written| written > 0)?;
+            remaining = remaining.get(written..)?;
         }
         Some(())
     }
 }
 
-/// Nanoseconds of the emulator's clock for an instruction: `-icount shift=10`.
+/// Emulated time per instruction, ns: `-icount shift=10`.
 const NS_PER_INSTRUCTION: u32 = 1024;
 
-/// Nanoseconds of a count of the system timer, which runs at 25 MHz.
+/// Period of the system timer, ns: 25 MHz.
 const NS_PER_COUNT: u32 = 40;
 
-/// The timer counts down from here: 0.67 s, 655,000 instructions.
+/// Start value of the down-counting timer, 24 bits: 0.67 s, 655,000 instructions.
 const RELOAD: u32 = 0x00ff_ffff;
 
-/// Counts instructions with the system timer. With 25.6 counts an instruction the rounding to whole
-/// counts, one at most, leaves the number exact.
+/// Counts instructions with the system timer. An instruction takes 25.6 counts, so that the rounding to a whole count does not
+/// affect the result.
 pub struct InstructionMeter {
-    /// Held so that nobody else sets it.
+    /// Owned, so that it is not reconfigured.
     _timer: SYST,
     started: u32,
-    /// Counts of a measurement of nothing.
+    /// Counts of an empty measurement.
     overhead: u32,
 }
 
 impl InstructionMeter {
-    /// Starts the timer and measures nothing once.
+    /// Starts the timer and measures the overhead.
     #[must_use]
     pub fn new(mut timer: SYST) -> Self {
         timer.set_clock_source(SystClkSource::Core);
@@ -94,7 +93,7 @@ impl InstructionMeter {
     fn counts(&self) -> u32 {
         compiler_fence(Ordering::SeqCst);
         let now = SYST::get_current();
-        // Down from `started`, round the 24 bits once at most.
+        // The timer counts down from `started` and wraps at most once.
         self.started.wrapping_sub(now) & RELOAD
     }
 }

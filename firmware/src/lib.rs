@@ -1,11 +1,11 @@
-//! The controller of [`shared`] on a chip. What can be tested on a host is there; here are only the
-//! registers, one module for each program:
+//! The controller of [`shared`] on a chip. Everything that can be tested on a host is in [`shared`]; this crate has the
+//! registers, one module per program:
 //!
 //! | program | chip | built by |
 //! |---|---|---|
 //! | `board` | STM32F405 with two drives | `cargo board` |
 //! | `emulated` | QEMU's `mps2-an386`, in step with a host | `cargo emulated` |
-//! | `cost` | the same, by itself: counts the instructions of each part of a tick | `cargo cost` |
+//! | `cost` | the same, without a host: counts the instructions of each part of a tick | `cargo cost` |
 #![no_std]
 
 #[cfg(feature = "board")]

@@ -1,24 +1,16 @@
-//! One axis, one tick: read from top to bottom in the order of the signal.
+//! One axis: its loops in the order of the signal.
 
 use crate::config::AxisConfig;
-use crate::control::bump::Bump;
+use crate::control::bumpless_transfer::BumplessTransfer;
 use crate::control::{feedforward, filter, position, velocity};
+pub use crate::feedback::Reading;
 use crate::feedback::dual;
-use crate::safety::Hazards;
+use crate::monitor::{self, MonitorInput};
+use crate::safety::FaultSet;
 use crate::scalar::Scalar;
 use crate::units::{Position, VELOCITY_M_PER_S};
-use crate::watch::{self, Seen};
 
-/// What the sensors of an axis show.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-pub struct Reading {
-    /// Motor encoder or resolver, in table units.
-    pub motor: Position,
-    /// Linear scale, where there is one.
-    pub table: Option<Position>,
-}
-
-/// What an axis remembers from tick to tick.
+/// What an axis keeps from tick to tick.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisState<S: Scalar> {
     feedback: dual::State,
@@ -27,18 +19,20 @@ pub struct AxisState<S: Scalar> {
     velocity: velocity::State<S>,
     notch: filter::State<S>,
     low_pass: filter::State<S>,
-    /// What the loops gave last, and what keeps it from jumping when they are changed.
+    /// Last output of the position loop, velocity units.
     velocity_command: S,
-    shaped_force: S,
-    velocity_bump: Bump<S>,
-    force_bump: Bump<S>,
-    /// Settle the filters of the force on what the changed loop makes: what is between is the bump's.
-    resettle: bool,
-    watch: watch::State<S>,
+    /// Last force after the filters, before compensation and limit.
+    filtered_force: S,
+    velocity_transfer: BumplessTransfer<S>,
+    force_transfer: BumplessTransfer<S>,
+    /// Settle the filters at the next output of the velocity loop, which has been changed. The difference to the last
+    /// output is left to the bumpless transfer.
+    settle_filters: bool,
+    monitor: monitor::State<S>,
 }
 
 impl<S: Scalar> AxisState<S> {
-    /// At rest: nothing integrated, nothing asked for.
+    /// At rest: integral, velocity command and force are zero.
     #[must_use]
     pub const fn at_rest(command: Position, reading: Reading) -> Self {
         Self {
@@ -49,82 +43,86 @@ impl<S: Scalar> AxisState<S> {
             notch: filter::State::AT_REST,
             low_pass: filter::State::AT_REST,
             velocity_command: S::ZERO,
-            shaped_force: S::ZERO,
-            velocity_bump: Bump::NONE,
-            force_bump: Bump::NONE,
-            resettle: false,
-            watch: watch::State::at(command, reading.motor),
+            filtered_force: S::ZERO,
+            velocity_transfer: BumplessTransfer::INACTIVE,
+            force_transfer: BumplessTransfer::INACTIVE,
+            settle_filters: false,
+            monitor: monitor::State::at(command, reading.motor),
         }
     }
 
-    /// The same with a correction (position units) that stands on the command already.
+    /// The same when a correction (position units) is already added to the command.
     #[must_use]
     pub const fn corrected(self, correction: i64) -> Self {
         Self { feedforward: self.feedforward.corrected(correction), ..self }
     }
 
-    /// What the velocity loop is asked for, m/s.
+    /// The velocity command, m/s.
     #[must_use]
     pub fn velocity_command_m_per_s(&self) -> f64 {
         self.velocity_command.value() * VELOCITY_M_PER_S
     }
 
-    /// Goes over to other constants while it moves: neither velocity command nor force jumps.
+    /// Prepares a change of the constants during motion, without a jump of velocity command or force.
     pub fn change(&mut self, from: &AxisConfig<S>, to: &AxisConfig<S>) {
         if from.position.hpc.is_none() {
-            self.position.settle();
+            self.position.settle_filter();
         }
-        if to.velocity.has_no_integral() {
-            self.velocity.forget_integral();
+        if !to.velocity.has_integral {
+            self.velocity.reset_integral();
         }
-        self.resettle = true;
-        self.velocity_bump.change(self.velocity_command);
-        self.force_bump.change(self.shaped_force);
+        self.settle_filters = true;
+        self.velocity_transfer.start(self.velocity_command);
+        self.force_transfer.start(self.filtered_force);
     }
 
-    /// The position loop, once per command, which `correction` (position units) is added to.
+    /// The position loop, once per command. `correction` (position units) is added to the command.
     pub fn position_tick(
         &mut self,
         config: &AxisConfig<S>,
         command: Position,
         correction: i64,
         reading: Reading,
-    ) -> Hazards {
-        let asked = command;
-        let command = asked.moved(correction);
+    ) -> FaultSet {
+        let corrected = command + correction;
         let feedback = config.feedback.position(&mut self.feedback, reading.motor, reading.table);
-        let following_error = S::from_distance(command.beyond(feedback));
-        let lead = config.feedforward.lead(&mut self.feedforward, command);
-        let made = config.position.velocity(&mut self.position, following_error.plus(lead));
-        self.velocity_command = self.velocity_bump.smooth(config.velocity_fades, made);
-        let seen = Seen {
+        let following_error = S::from_distance(corrected - feedback);
+        let lead = config.feedforward.lead(&mut self.feedforward, corrected);
+        let velocity = config.position.velocity(&mut self.position, following_error + lead);
+        self.velocity_command = self.velocity_transfer.apply(config.velocity_transfer_decay, velocity);
+        let input = MonitorInput {
             following_error,
-            command: asked,
+            command,
             velocity_command: self.velocity_command,
             motor: reading.motor,
             table: reading.table,
-            needs_table: config.feedback.needs_table(),
+            uses_scale: config.feedback.uses_scale(),
         };
-        config.watch.position(&mut self.watch, &seen)
+        config.monitor.position(&mut self.monitor, &input)
     }
 
-    /// The velocity loop, every tick, to whose force `added` is added. Returns the force to apply until the next
-    /// one.
-    pub fn velocity_tick(&mut self, config: &AxisConfig<S>, reading: Reading, added: S) -> (S, Hazards) {
-        let wanted = config.velocity.wanted(&mut self.velocity, self.velocity_command, reading.motor);
-        let mut shaped = wanted.force;
-        if core::mem::take(&mut self.resettle) {
-            (self.notch, self.low_pass) = (filter::State::settled(shaped), filter::State::settled(shaped));
+    /// The velocity loop, once per tick. `compensation` is added to its force. Returns the force until the next tick.
+    pub fn velocity_tick(
+        &mut self,
+        config: &AxisConfig<S>,
+        reading: Reading,
+        compensation: S,
+    ) -> (S, FaultSet) {
+        let pi = config.velocity.pi_output(&mut self.velocity, self.velocity_command, reading.motor);
+        let mut filtered = pi.force;
+        if core::mem::take(&mut self.settle_filters) {
+            (self.notch, self.low_pass) =
+                (filter::State::settled(filtered), filter::State::settled(filtered));
         }
         if let Some(notch) = &config.notch {
-            shaped = notch.step(&mut self.notch, shaped);
+            filtered = notch.step(&mut self.notch, filtered);
         }
         if let Some(low_pass) = &config.low_pass {
-            shaped = low_pass.step(&mut self.low_pass, shaped);
+            filtered = low_pass.step(&mut self.low_pass, filtered);
         }
-        self.shaped_force = self.force_bump.smooth(config.force_fades, shaped);
-        let asked = self.shaped_force.plus(added);
-        let (force, limited) = config.velocity.limited(&mut self.velocity, &wanted, asked);
-        (force, config.watch.velocity(&mut self.watch, self.velocity.increment(), limited))
+        self.filtered_force = self.force_transfer.apply(config.force_transfer_decay, filtered);
+        let unlimited = self.filtered_force + compensation;
+        let (force, limited) = config.velocity.limit(&mut self.velocity, &pi, unlimited);
+        (force, config.monitor.velocity(&mut self.monitor, self.velocity.increment(), limited))
     }
 }

@@ -1,14 +1,14 @@
-//! What a host and a board say to each other, as postcard in frames of a fixed length.
+//! The protocol between a host and a board: postcard messages in frames of a fixed length.
 //!
-//! The host sends [`Setup`] and [`Order::Block`]s, then one [`Order::Tick`] a tick with the sensors;
-//! the board answers each with one [`Answer`]. A frame is [`FRAME`] bytes, padded with zeros, so that
-//! a reader knows how much to wait for. An order that is longer comes in [`Part`]s.
+//! The host sends a [`Setup`] and [`Order::Block`]s, then one [`Order::Tick`] per tick with the sensor readings; the board
+//! answers each order with one [`Answer`]. A frame has [`FRAME`] bytes, padded with zeros, so that the receiver knows how many
+//! to read. A longer order is sent in [`Part`]s.
 
 use serde::{Deserialize, Serialize};
 
-use crate::axis::Reading;
-use crate::compensate::{CompensationSettings, Item};
+use crate::compensate::{CompensationKind, CompensationSettings};
 use crate::config::{AxisSettings, Rates};
+use crate::feedback::Reading;
 use crate::interpolate::Block;
 use crate::safety::{Fault, Power};
 use crate::units::Position;
@@ -16,16 +16,16 @@ use crate::units::Position;
 /// Length of every frame in bytes.
 pub const FRAME: usize = 256;
 
-/// Bytes of an order that fit into a part.
+/// Greatest number of bytes of an order in a part.
 pub const PART: usize = FRAME - 8;
 
 /// Length of the longest order in bytes.
 pub const LONGEST_ORDER: usize = 4096;
 
-/// Axes of the protocol.
+/// Number of axes of the protocol.
 pub const AXES: usize = 2;
 
-/// The number format that the board is to compute in.
+/// The number format of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Format {
     /// [`crate::scalar::Fixed`].
@@ -45,62 +45,62 @@ pub struct Setup {
     pub rates: Rates,
     /// Axes.
     pub axes: [AxisSettings; AXES],
-    /// Where they stand.
+    /// Positions of the axes.
     pub start: [Position; AXES],
 }
 
-/// A piece of an order that is longer than a frame.
+/// A part of an order that is longer than a frame.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Part {
     /// The next bytes.
     pub bytes: heapless::Vec<u8, PART>,
-    /// Whether the order is complete with them.
+    /// Whether this is the last part.
     pub last: bool,
 }
 
-/// From host to board.
+/// A message from host to board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "one order at a time, and nothing to allocate it from")]
 pub enum Order {
-    /// A piece of another order. Answered by ready, the last one as that order is.
+    /// A part of another order. Answered by [`Answer::Ready`]; the last one by the answer to that order.
     Part(Part),
-    /// Be this machine, drives off.
+    /// Configure the machine, drives off.
     Setup(Setup),
-    /// Compensate so on an axis.
+    /// Replace the compensation of an axis.
     Compensate(u8, CompensationSettings),
-    /// Switch one compensation of an axis.
-    Switch(u8, Item, bool),
-    /// Go over to other loops on an axis.
+    /// Switch one compensation of an axis on or off.
+    Switch(u8, CompensationKind, bool),
+    /// Change the loops of an axis.
     Change(u8, AxisSettings),
-    /// Append to the path.
+    /// Append a block to the path.
     Block(Block<AXES>),
-    /// Drives on.
+    /// Enable the drives.
     Enable,
-    /// Drives off; acknowledge a fault.
+    /// Disable the drives, or acknowledge a fault.
     Disable,
-    /// One tick with these readings.
+    /// Run one tick with these readings.
     Tick([Reading; AXES]),
-    /// The run has ended.
+    /// End the run.
     End,
 }
 
-/// From board to host, one for each order.
+/// A message from board to host, one per order.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Answer {
-    /// Done.
+    /// Executed.
     Ready,
-    /// Refused; see [`Refusal`].
+    /// Rejected.
     Refused(Refusal),
     /// Result of a tick.
-    Tick(Ticked),
+    Tick(TickResult),
 }
 
-/// Why an order was refused. The host has the same code and can say more.
+/// Why an order was rejected. The host runs the same code and can report details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Refusal {
-    /// The bytes are no order.
+    /// The bytes are not an order.
     Unreadable,
-    /// No [`Setup`] came before.
+    /// There was no [`Setup`] before.
     NotSetUp,
     /// A setting of this axis is out of range.
     Settings {
@@ -113,39 +113,39 @@ pub enum Refusal {
     Path(crate::interpolate::PathError),
 }
 
-/// What a tick gave.
+/// The result of a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub struct Ticked {
-    /// Bits of the force of each axis in the format of the setup.
+pub struct TickResult {
+    /// Bits of the force of each axis in the number format of the setup.
     pub force_bits: [u64; AXES],
     /// Command of each axis.
     pub commands: [Position; AXES],
-    /// State of the drives.
+    /// Power state of the drives.
     pub power: Power,
-    /// The first fault that the machine has gone on with.
+    /// The first warning since the drives were enabled.
     pub warning: Option<Fault>,
-    /// Whether every block has been travelled.
+    /// Whether every block has ended.
     pub done: bool,
-    /// Cost of the tick as the board counts it: instructions where it is emulated, else cycles.
+    /// Cost of the tick: instructions on the emulator, else cycles.
     pub cost: u32,
 }
 
 /// Writes a message into a frame.
 ///
 /// # Errors
-/// When the message does not fit: none of this protocol's is longer than [`FRAME`].
+/// If the message is longer than [`FRAME`]: only orders that are sent in parts are.
 pub fn encode(message: &impl Serialize, frame: &mut [u8; FRAME]) -> postcard::Result<()> {
     frame.fill(0);
     postcard::to_slice(message, frame).map(|_| ())
 }
 
-/// Reads a message from a frame, or from what parts have brought.
+/// Reads a message from a frame, or from the bytes of all parts.
 ///
 /// # Errors
-/// When the bytes are no such message, or something follows it.
+/// If the bytes are not such a message, or other than zeros follow it.
 pub fn decode<'a, M: Deserialize<'a>>(frame: &'a [u8]) -> postcard::Result<M> {
-    let (message, rest) = postcard::take_from_bytes(frame)?;
-    if rest.iter().all(|byte| *byte == 0) {
+    let (message, padding) = postcard::take_from_bytes(frame)?;
+    if padding.iter().all(|byte| *byte == 0) {
         Ok(message)
     } else {
         Err(postcard::Error::DeserializeBadEncoding)
@@ -163,7 +163,7 @@ mod tests {
         let mut frame = [0; FRAME];
         encode(&order, &mut frame).unwrap();
         assert_eq!(decode::<Order>(&frame).unwrap(), order);
-        let answer = Answer::Tick(Ticked {
+        let answer = Answer::Tick(TickResult {
             force_bits: [u64::MAX; AXES],
             commands: [far; AXES],
             power: Power::Faulted(Fault::Overrun),

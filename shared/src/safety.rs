@@ -1,65 +1,69 @@
-//! When the drives are on, what is watched, and what each fault does.
+//! The power state of the drives, and the reaction to each fault.
+//!
+//! # Power states
 //!
 //! | state | drives | path | event | next state |
 //! |---|---|---|---|---|
-//! | Off | off | stands, follows the axes as they are moved | enable | On |
-//! | Off | | | the run before ended by a fault; an enable while a loop has no reading of the scale that it needs | Faulted |
+//! | Off | off | at rest, follows the axes when they are moved | enable | On |
+//! | Off | | | inhibit: the previous run ended by a fault, or a loop has no reading of the scale that it uses | Faulted |
 //! | Off | | | fault, stopped, disable | Off |
-//! | On | on | travels | fault that puts the drives off | Faulted |
+//! | On | on | runs | fault that switches the drives off | Faulted |
 //! | On | | | fault that stops | Stopping |
-//! | On | | | fault that warns | On, the warning stands until disable |
-//! | On | | | disable | Off, path forgotten |
-//! | Stopping | on | slows down along itself | stopped | Faulted |
-//! | Stopping | | | fault that puts the drives off | Faulted, with that fault |
+//! | On | | | fault that warns | On; the warning stays until disable |
+//! | On | | | disable | Off, path discarded |
+//! | Stopping | on | decelerates along the path | stopped | Faulted |
+//! | Stopping | | | fault that switches the drives off | Faulted, with that fault |
 //! | Stopping | | | fault that stops | Stopping |
-//! | Stopping | | | fault that warns | Stopping, the warning stands until disable |
+//! | Stopping | | | fault that warns | Stopping; the warning stays until disable |
 //! | Stopping | | | enable | Stopping |
 //! | Stopping | | | disable | Off |
-//! | Faulted | off | forgotten | disable (acknowledge) | Off |
-//! | Faulted | | | enable, fault, stopped | Faulted: nothing moves without a fresh enable after the acknowledgement |
+//! | Faulted | off | discarded | disable (acknowledge) | Off |
+//! | Faulted | | | enable, fault, stopped | Faulted: after the acknowledgement a new enable is needed |
 //!
-//! The power stages are enabled in On and in Stopping ([`Power::is_on`]), and nowhere else.
+//! The power stages are enabled in On and Stopping only ([`Power::is_on`]).
 //!
-//! | fault | looked for | reaction | why |
+//! # Faults
+//!
+//! | fault | checked | reaction | reason |
 //! |---|---|---|---|
-//! | following error | every position tick | drives off | the loop does not hold the axis: it cannot stop it either |
-//! | motor and scale disagree | every position tick | drives off | a coupling or a sensor has gone; which one is not known |
-//! | encoder step | every tick | drives off | a motor cannot jump: what the loop reads is not where the axis is |
-//! | encoder frozen: the command has moved on, the motor reading has not | every position tick | drives off | a wire is broken or the axis is stuck: the force would grow without anybody seeing what it does |
-//! | overrun | every tick | drives off | the loops have not run in time |
-//! | hardware stop | every tick, by the board | drives off | emergency stop, or the power stage's own fault: the hardware has cut the stage already |
-//! | watchdog | at the start, by the board | stays off until acknowledged | the run before did not end by itself |
-//! | force saturated for a time, less a quarter of the time since that it was not | every tick | stop | the axis follows less than is asked for: asking for less helps |
-//! | soft limit: the command goes outwards beyond the travel, or further out than an axis that came on outside it | every position tick | stop | all is well but the program; the way back is open |
-//! | scale lost | every position tick | warn | the axis goes on with its motor encoder, from where it stood |
-//! | scale lost | when the drives are to come on | stays off until acknowledged | once the scale is back, the axis would go to wherever that sees it |
-//! | displaced: an axis stands away from where the path that waits begins | when the drives come on | warn, forget the path | the axis holds where it is and does not jump to where the path was planned from |
+//! | following error | every position tick | drives off | the loop does not control the axis, so it cannot stop it either |
+//! | motor and scale disagree | every position tick | drives off | a coupling or a sensor has failed; which one is unknown |
+//! | encoder step | every tick | drives off | a motor cannot jump: the reading is wrong |
+//! | encoder frozen: the command has moved, the motor reading has not | every position tick | drives off | a broken wire or a blocked axis: the force would grow without feedback |
+//! | overrun | every tick | drives off | the loops have missed their deadline |
+//! | hardware stop | every tick, by the board | drives off | emergency stop or a fault of a power stage; the hardware has already disabled the stage |
+//! | watchdog | at start-up, by the board | enable inhibited until acknowledged | the previous run ended by a watchdog reset |
+//! | force saturated for longer than its budget; unsaturated time earns back a quarter | every tick | stop | the axis cannot follow; a lower acceleration helps |
+//! | soft limit: the command moves outwards beyond the travel, or further out than an axis that was enabled outside it | every position tick | stop | only the program is wrong; the way back stays open |
+//! | scale lost | every position tick | warn | the axis continues on its motor encoder, without a step |
+//! | scale lost | at enable | enable inhibited until acknowledged | when the scale returns, the axis would jump to its reading |
+//! | displaced: an axis is away from the start of the waiting path | at enable | warn, discard the path | the axis holds its position instead of jumping to the start of the path |
 
 use serde::{Deserialize, Serialize};
 
-/// What can go wrong on one axis.
+/// A fault that can occur on an axis. [`Fault`] adds which axis, and the faults of the whole machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Hazard {
-    /// Command and feedback are further apart than declared.
+pub enum FaultKind {
+    /// The following error exceeds its limit.
     FollowingError,
-    /// Motor and linear scale are further apart than declared.
+    /// The difference between motor and linear scale exceeds its limit.
     Disagreement,
     /// The motor reading has moved further in a tick than the motor can.
     EncoderStep,
-    /// The force has stood at its limit for longer than declared.
+    /// The force has been at its limit for longer than its budget.
     ForceSaturated,
-    /// The command has left the declared travel.
+    /// The command has left the travel.
     SoftLimit,
     /// The loop uses a linear scale and has no reading of it.
     ScaleLost,
-    /// The command has moved on while the motor reading stood.
+    /// The command has moved while the motor reading stood still.
     EncoderFrozen,
-    /// The drives came on with the axis away from where the waiting path begins.
+    /// The axis was enabled away from the start of the waiting path.
     Displaced,
 }
 
-impl Hazard {
-    /// All there are, the gravest first: what puts the drives off, what stops, what warns.
+impl FaultKind {
+    /// Every kind, the most severe reaction first.
     pub const ALL: [Self; 8] = [
         Self::FollowingError,
         Self::Disagreement,
@@ -71,7 +75,7 @@ impl Hazard {
         Self::Displaced,
     ];
 
-    /// What it does on any axis: see the table above.
+    /// The reaction: see the [module](self).
     #[must_use]
     pub const fn reaction(self) -> Reaction {
         match self {
@@ -84,73 +88,73 @@ impl Hazard {
     }
 }
 
-/// The hazards of an axis in one tick: a grave one does not hide a light one.
+/// The faults of an axis in one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Hazards(u8);
+pub struct FaultSet(u8);
 
-impl Hazards {
-    /// All is well.
+impl FaultSet {
+    /// No fault.
     pub const NONE: Self = Self(0);
 
-    /// These and, where `seen`, one more.
+    /// The set with `kind` added if it is `present`.
     #[must_use]
-    pub const fn with(self, hazard: Hazard, seen: bool) -> Self {
-        Self(self.0 | (seen as u8) << hazard as u8)
+    pub const fn with(self, kind: FaultKind, present: bool) -> Self {
+        Self(self.0 | (present as u8) << kind as u8)
     }
 
-    /// Whether there is none.
+    /// Whether there is no fault.
     #[must_use]
     pub const fn is_empty(self) -> bool {
         self.0 == 0
     }
 
-    /// Each of them, the gravest first.
-    pub fn iter(self) -> impl Iterator<Item = Hazard> {
-        Hazard::ALL.into_iter().filter(move |&hazard| self.0 & 1 << hazard as u8 != 0)
+    /// The faults, the most severe reaction first.
+    pub fn iter(self) -> impl Iterator<Item = FaultKind> {
+        FaultKind::ALL.into_iter().filter(move |&kind| self.0 & 1 << kind as u8 != 0)
     }
 }
 
-/// A fault, with the axis (counted from 0) that it happened on.
+/// A fault of an axis or of the machine.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Fault {
     /// On one axis.
     Axis {
-        /// Axis.
+        /// Axis, counted from 0.
         axis: u8,
-        /// What.
-        hazard: Hazard,
+        /// What has failed.
+        kind: FaultKind,
     },
     /// A tick did not end before the next one was due.
     Overrun,
-    /// The emergency stop, or a fault of a power stage, has cut the stages in hardware.
+    /// The emergency stop, or a fault of a power stage, has disabled the stages in hardware.
     HardwareStop,
-    /// The run before ended because nothing fed the watchdog.
+    /// The previous run ended by a reset of the watchdog.
     Watchdog,
 }
 
-/// What a fault does.
+/// The reaction to a fault.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Reaction {
     /// No force from this tick on.
     DriveOff,
     /// Stop along the path with the declared deceleration, then no force.
     Stop,
-    /// Go on, and say so.
+    /// Continue, and report a warning.
     Warn,
 }
 
 impl Fault {
-    /// What the fault does: see the table above.
+    /// The reaction: see the [module](self).
     #[must_use]
     pub const fn reaction(self) -> Reaction {
         match self {
             Self::Overrun | Self::HardwareStop | Self::Watchdog => Reaction::DriveOff,
-            Self::Axis { hazard, .. } => hazard.reaction(),
+            Self::Axis { kind, .. } => kind.reaction(),
         }
     }
 }
 
-/// State of the drives.
+/// Power state of the drives.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Power {
     /// No force. The state after start-up.
@@ -158,29 +162,29 @@ pub enum Power {
     Off,
     /// The loops are closed.
     On,
-    /// The loops are closed, and the path slows down.
+    /// The loops are closed, and the path decelerates.
     Stopping(Fault),
     /// No force until the fault is acknowledged.
     Faulted(Fault),
 }
 
-/// What may change the state.
+/// An event that may change the power state.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Event {
-    /// The operator switches the drives on.
+    /// The operator enables the drives.
     Enable,
-    /// The operator switches them off, or acknowledges a fault.
+    /// The operator disables them, or acknowledges a fault.
     Disable,
-    /// Something went wrong.
+    /// A fault has occurred.
     Fault(Fault),
-    /// A path that was to stop stands.
+    /// The path has come to rest after a stop.
     Stopped,
-    /// A fault is found before the drives are on: the run before ended by it, or a loop lacks its sensor.
-    Found(Fault),
+    /// A fault that is found while the drives are off prevents that they are enabled.
+    Inhibit(Fault),
 }
 
 impl Power {
-    /// The state after an event: every transition there is.
+    /// The state after an event. Total: every transition is listed.
     #[must_use]
     pub const fn after(self, event: Event) -> Self {
         match (self, event) {
@@ -191,17 +195,17 @@ impl Power {
                 (Self::On, Reaction::Stop) => Self::Stopping(fault),
                 (state, _) => state,
             },
-            (Self::Stopping(fault), Event::Stopped) | (Self::Off, Event::Found(fault)) => {
+            (Self::Stopping(fault), Event::Stopped) | (Self::Off, Event::Inhibit(fault)) => {
                 Self::Faulted(fault)
             }
             (Self::On, Event::Stopped)
             | (Self::Stopping(_), Event::Enable)
             | (Self::Faulted(_), Event::Enable | Event::Fault(_) | Event::Stopped)
-            | (_, Event::Found(_)) => self,
+            | (_, Event::Inhibit(_)) => self,
         }
     }
 
-    /// Whether the drives may give force.
+    /// Whether the drives may produce force.
     #[must_use]
     pub const fn is_on(self) -> bool {
         matches!(self, Self::On | Self::Stopping(_))
@@ -212,35 +216,35 @@ impl Power {
 mod tests {
     use super::*;
 
-    const fn on(hazard: Hazard) -> Fault {
-        Fault::Axis { axis: 0, hazard }
+    const fn on(kind: FaultKind) -> Fault {
+        Fault::Axis { axis: 0, kind }
     }
 
     fn faults() -> impl Iterator<Item = Fault> {
         let others = [Fault::Overrun, Fault::HardwareStop, Fault::Watchdog];
-        Hazard::ALL.into_iter().map(on).chain(others)
+        FaultKind::ALL.into_iter().map(on).chain(others)
     }
 
     #[test]
-    fn a_grave_hazard_hides_no_light_one() {
-        let seen = Hazards::NONE.with(Hazard::ScaleLost, true).with(Hazard::Displaced, false);
-        let seen = seen.with(Hazard::SoftLimit, true);
-        assert!(!seen.is_empty() && Hazards::NONE.is_empty());
-        assert!(seen.iter().eq([Hazard::SoftLimit, Hazard::ScaleLost]));
-        let all = Hazard::ALL.into_iter().fold(Hazards::NONE, |all, hazard| all.with(hazard, true));
-        assert!(all.iter().eq(Hazard::ALL));
-        // What is there already stays there.
-        assert_eq!(all.with(Hazard::SoftLimit, true), all);
-        assert_eq!(all.with(Hazard::SoftLimit, false), all);
+    fn a_severe_fault_hides_no_light_one() {
+        let faults = FaultSet::NONE.with(FaultKind::ScaleLost, true).with(FaultKind::Displaced, false);
+        let faults = faults.with(FaultKind::SoftLimit, true);
+        assert!(!faults.is_empty() && FaultSet::NONE.is_empty());
+        assert!(faults.iter().eq([FaultKind::SoftLimit, FaultKind::ScaleLost]));
+        let all = FaultKind::ALL.into_iter().fold(FaultSet::NONE, |all, kind| all.with(kind, true));
+        assert!(all.iter().eq(FaultKind::ALL));
+        // Adding a fault that is in the set changes nothing.
+        assert_eq!(all.with(FaultKind::SoftLimit, true), all);
+        assert_eq!(all.with(FaultKind::SoftLimit, false), all);
     }
 
     #[test]
     fn what_ended_the_run_before_has_to_be_acknowledged() {
-        let found = Event::Found(Fault::Watchdog);
-        assert_eq!(Power::Off.after(found), Power::Faulted(Fault::Watchdog));
-        // Only while the drives are off is there anything to be found.
-        for power in [Power::On, Power::Stopping(on(Hazard::SoftLimit)), Power::Faulted(Fault::Overrun)] {
-            assert_eq!(power.after(found), power);
+        let inhibit = Event::Inhibit(Fault::Watchdog);
+        assert_eq!(Power::Off.after(inhibit), Power::Faulted(Fault::Watchdog));
+        // An inhibit acts while the drives are off only.
+        for power in [Power::On, Power::Stopping(on(FaultKind::SoftLimit)), Power::Faulted(Fault::Overrun)] {
+            assert_eq!(power.after(inhibit), power);
         }
     }
 

@@ -1,4 +1,4 @@
-//! Machine units, and the one place where they meet SI.
+//! Machine units and their conversion to SI.
 //!
 //! | quantity | machine unit | why |
 //! |---|---|---|
@@ -8,8 +8,10 @@
 //! | velocity | 16.384 µm/s | resolves 1 nm/s, holds ±2.147 m/s |
 //! | force | 1 N | resolves 61 µN, holds ±131 kN |
 //!
-//! "Resolves" and "holds" are those of the fixed-point signal; floating point has its own.
-//! On a rotary axis read 1 µdeg for 1 nm (so 1 deg for 1 mm) and N·m for N.
+//! Resolution and range are those of the fixed-point signal ([`crate::scalar::Fixed`]).
+//! On a rotary axis read 1 µdeg for 1 nm (hence 1 deg for 1 mm) and N·m for N.
+
+use core::ops::{Add, AddAssign, Sub};
 
 /// Position units in one nanometre.
 pub const PER_NM: i64 = 1 << 20;
@@ -26,43 +28,64 @@ pub const INCREMENT_M: f64 = 16e-9;
 /// Metres in one unit of error or distance.
 pub const LENGTH_M: f64 = 1.024e-6;
 
-/// Greatest position that is accepted, either way, m: far inside i64, so that sums and squares of
-/// differences stay exact.
+/// Greatest magnitude of an accepted position, m. Far inside the range of i64, so that sums and squares of differences
+/// are exact.
 pub const TRAVEL_LIMIT_M: f64 = 100.0;
 
-/// A place on an axis in units of 2⁻²⁰ nm, the same in every build.
+/// A position on an axis in units of 2⁻²⁰ nm, in every number format.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
 )]
 pub struct Position(pub i64);
 
 impl Position {
-    /// The position nearest to a place in metres; `None` beyond ±[`TRAVEL_LIMIT_M`] or not a number.
+    /// The position nearest to a value in metres; `None` beyond ±[`TRAVEL_LIMIT_M`] or for a NaN.
     #[must_use]
     pub fn from_m(m: f64) -> Option<Self> {
-        // A NaN fails the comparison, too.
+        // The comparison is false for a NaN.
         (m.abs() <= TRAVEL_LIMIT_M).then(|| {
             #[expect(clippy::cast_possible_truncation, reason = "within the travel limit")]
             Self(libm::rint(m * PER_M) as i64)
         })
     }
 
-    /// The place in metres, to double precision.
+    /// The position in metres, to double precision.
     #[must_use]
     pub fn to_m(self) -> f64 {
         self.0 as f64 / PER_M
     }
+}
 
-    /// How far this lies beyond another place, in position units: exact.
-    #[must_use]
-    pub const fn beyond(self, other: Self) -> i64 {
+/// The distance from `other` to this position, position units: exact (wraps at ±2⁶³, far outside the travel).
+impl Sub for Position {
+    type Output = i64;
+
+    fn sub(self, other: Self) -> i64 {
         self.0.wrapping_sub(other.0)
     }
+}
 
-    /// The place `distance` position units further on.
-    #[must_use]
-    pub const fn moved(self, distance: i64) -> Self {
+/// The position `distance` position units further on.
+impl Add<i64> for Position {
+    type Output = Self;
+
+    fn add(self, distance: i64) -> Self {
         Self(self.0.wrapping_add(distance))
+    }
+}
+
+/// The position `distance` position units further back.
+impl Sub<i64> for Position {
+    type Output = Self;
+
+    fn sub(self, distance: i64) -> Self {
+        Self(self.0.wrapping_sub(distance))
+    }
+}
+
+impl AddAssign<i64> for Position {
+    fn add_assign(&mut self, distance: i64) {
+        *self = *self + distance;
     }
 }
 
@@ -74,8 +97,8 @@ mod tests {
     fn a_metre_and_a_picometre_survive_together() {
         // 1 m + 1 pm = 1.048576e15 + 1048.6 units: the sum is exact, f32 would lose 60 nm of it.
         let metre = Position::from_m(1.0).unwrap();
-        let further = metre.moved(1049);
-        assert_eq!(further.beyond(metre), 1049);
+        let further = metre + 1049;
+        assert_eq!(further - metre, 1049);
         assert_eq!(metre.0, 1_048_576_000_000_000);
     }
 

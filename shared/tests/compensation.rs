@@ -7,8 +7,8 @@
 use std::f64::consts::TAU;
 
 use proptest::prelude::*;
-use shared::compensate::settings::{Cycle, Of, Pitch, Points, Reversal, Straightness, Talk};
-use shared::compensate::{AxisCompensation, Compensation, CompensationSettings, Item};
+use shared::compensate::settings::{Cycle, Pitch, PitchSource, Points, Reversal, Straightness, Talk};
+use shared::compensate::{AxisCompensation, Compensation, CompensationKind, CompensationSettings};
 use shared::config::{ConfigError, Rates};
 use shared::machine::Reading;
 use shared::scalar::{Fixed, Scalar};
@@ -48,7 +48,7 @@ impl<S: Scalar> Bench<S> {
         let forces = self.all.forces(&readings);
         for axis in 0..2 {
             self.added[0][axis] = commands[axis] as f64 / PER_M;
-            self.added[1][axis] = readings[axis].motor.beyond(raw[axis].motor) as f64 / PER_M;
+            self.added[1][axis] = (readings[axis].motor - raw[axis].motor) as f64 / PER_M;
             self.added[2][axis] = forces[axis].value();
         }
     }
@@ -68,43 +68,51 @@ type Expected = fn(f64, f64) -> f64;
 
 /// One item on the first axis alone, and what it has to add there: to the command, the reading or the force, at
 /// x, y, having come from −.
-fn items() -> Vec<(Item, CompensationSettings, usize, Expected)> {
+fn items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)> {
     let none = CompensationSettings::default;
     let slope = || points(-0.3, 0.01, |x| 30e-6 * x);
     vec![
         // table = motor + 30 µm/m·motor: the command goes back by that.
         (
-            Item::Pitch,
+            CompensationKind::Pitch,
             CompensationSettings {
-                pitch: Some(Pitch { of: Of::Screw, forward: slope(), backward: None }),
+                pitch: Some(Pitch { of: PitchSource::Screw, forward: slope(), backward: None }),
                 ..none()
             },
             0,
             |x, _| -30e-6 * x,
         ),
         // The table lags half the width behind: the command goes ahead.
-        (Item::Backlash, CompensationSettings { backlash_width_m: Some(8e-6), ..none() }, 0, |_, _| 4e-6),
+        (
+            CompensationKind::Backlash,
+            CompensationSettings { backlash_width_m: Some(8e-6), ..none() },
+            0,
+            |_, _| 4e-6,
+        ),
         // The resolver reads 2 µm·sin(…) too much.
         (
-            Item::Dividing,
+            CompensationKind::Dividing,
             CompensationSettings { dividing: Some(Cycle::harmonic(2e-6, 2.5e-3, 0.4)), ..none() },
             1,
             |x, _| -2e-6 * (TAU * x / 2.5e-3 + 0.4).sin(),
         ),
         // tool x = … + 40 µm/m·y.
-        (Item::Squareness, CompensationSettings { squareness: Some((1, 40e-6)), ..none() }, 0, |_, y| {
-            -40e-6 * y
-        }),
+        (
+            CompensationKind::Squareness,
+            CompensationSettings { squareness: Some((1, 40e-6)), ..none() },
+            0,
+            |_, y| -40e-6 * y,
+        ),
         // tool x = … + 50 µm/m²·y².
         (
-            Item::Straightness,
+            CompensationKind::Straightness,
             CompensationSettings { straightness: Some((1, Straightness::Quadratic(50e-6))), ..none() },
             0,
             |_, y| -50e-6 * y * y,
         ),
         // The motor is pushed by 6 N·sin(…): the force takes that back.
         (
-            Item::Ripple,
+            CompensationKind::Ripple,
             CompensationSettings { ripple: Some(Cycle::harmonic(6.0, 5e-3, 0.2)), ..none() },
             2,
             |x, _| -6.0 * (TAU * x / 5e-3 + 0.2).sin(),
@@ -172,7 +180,7 @@ fn pitch_knows_direction_and_scale() {
         pitch: Some(Pitch { of, forward: table(2e-6), backward: Some(table(5e-6)) }),
         ..CompensationSettings::default()
     };
-    for (of, sign) in [(Of::Screw, -1.0), (Of::Scale, 1.0)] {
+    for (of, sign) in [(PitchSource::Screw, -1.0), (PitchSource::Scale, 1.0)] {
         let mut bench = Bench::<Fixed>::new([&both(of), &CompensationSettings::default()]);
         for (from, to, value) in [(0.0, 0.05, 2e-6), (0.05, 0.02, 5e-6), (0.02, 0.03, 2e-6)] {
             bench.settle([from, 0.0], [to, 0.0]);
@@ -186,7 +194,7 @@ fn everything() -> impl Strategy<Value = CompensationSettings> {
     let sizes = (0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64, any::<[bool; 9]>(), 1e-3..0.1f64, 1e3..1e6f64);
     sizes.prop_map(|(a, b, c, has, position_rate_m_per_s, force_rate_n_per_s)| CompensationSettings {
         pitch: has[0].then(|| Pitch {
-            of: Of::Screw,
+            of: PitchSource::Screw,
             forward: points(-0.3, 0.01, |x| 20e-6 * a * (40.0 * x).sin()),
             backward: Some(points(-0.3, 0.01, |x| 20e-6 * b * (70.0 * x).cos())),
         }),
@@ -218,10 +226,10 @@ fn never_jumps<S: Scalar>(one: &CompensationSettings, other: &CompensationSettin
     for &(to, what) in way {
         let from = at;
         match what {
-            0..=8 => bench.all.switch(0, Item::ALL[usize::from(what)], what % 2 == 0),
+            0..=8 => bench.all.switch(0, CompensationKind::ALL[usize::from(what)], what % 2 == 0),
             9 => bench.all.replace(0, AxisCompensation::new(other, RATES, 2).unwrap()),
             10 => bench.all.replace(0, AxisCompensation::new(one, RATES, 2).unwrap()),
-            _ => Item::ALL.into_iter().for_each(|item| bench.all.switch(0, item, true)),
+            _ => CompensationKind::ALL.into_iter().for_each(|item| bench.all.switch(0, item, true)),
         }
         for k in 1..=200 {
             let part = f64::from(k) / 200.0;
@@ -359,9 +367,7 @@ fn rates_that_round_away_are_refused() {
     };
     assert!(matches!(made(1e-7, 1e4), Some(ConfigError::OutOfRange { name: "position_rate_m_per_s", .. })));
     // 50 of 2⁻¹⁴ N at 20 kHz.
-    assert!(
-        matches!(made(1e-3, 1.0), Some(ConfigError::OutOfRange { name: "force_rate_n_per_s", least, .. })
-        if (61.0..61.1).contains(&least))
-    );
+    assert!(matches!(made(1e-3, 1.0), Some(ConfigError::OutOfRange { name: "force_rate_n_per_s", min, .. })
+        if (61.0..61.1).contains(&min)));
     assert_eq!(made(1e-3, 100.0), None);
 }

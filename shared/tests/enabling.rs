@@ -163,10 +163,10 @@ fn nothing_integrated_is_left_over() {
 /// With a correction standing on the command, off and on again: neither moves, so that feed-forward has nothing to add.
 fn does_not_kick_with_a_correction<S: Scalar>() {
     use shared::compensate::CompensationSettings;
-    use shared::compensate::settings::{Of, Pitch, Points};
+    use shared::compensate::settings::{Pitch, PitchSource, Points};
     let pitch = Points { start_m: -0.1, spacing_m: 0.1, values: [1e-4; 3].into_iter().collect() };
     let settings = CompensationSettings {
-        pitch: Some(Pitch { of: Of::Screw, forward: pitch, backward: None }),
+        pitch: Some(Pitch { of: PitchSource::Screw, forward: pitch, backward: None }),
         ..CompensationSettings::default()
     };
     let mut machine = machine::<S>(&AxisSettings { feedforward_percent: 100.0, ..AxisSettings::default() });

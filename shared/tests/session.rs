@@ -1,15 +1,15 @@
 //! The board's side of the protocol: each order does to the machine what it says, and the answer is the machine's.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use shared::compensate::settings::{Of, Pitch, Points};
-use shared::compensate::{CompensationSettings, Item};
+use shared::compensate::settings::{Pitch, PitchSource, Points};
+use shared::compensate::{CompensationKind, CompensationSettings};
 use shared::config::{AxisSettings, Rates};
 use shared::interpolate::Block;
 use shared::machine::{Machine, Reading};
 use shared::protocol::{
-    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, PART, Part, Setup, Ticked, encode,
+    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, PART, Part, Setup, TickResult, encode,
 };
-use shared::safety::{Fault, Hazard, Power};
+use shared::safety::{Fault, FaultKind, Power};
 use shared::scalar::{Fixed, Scalar};
 use shared::session::{Meter, NoMeter, Session};
 use shared::units::Position;
@@ -49,7 +49,7 @@ impl Host {
     }
 
     /// A tick with both axes somewhere.
-    fn tick(&mut self, at_m: f64) -> Ticked {
+    fn tick(&mut self, at_m: f64) -> TickResult {
         let motor = Position::from_m(at_m).unwrap();
         match self.ask(&Order::Tick([Reading { motor, table: None }; AXES])) {
             Answer::Tick(ticked) => ticked,
@@ -86,7 +86,7 @@ fn disable_acknowledges_a_fault() {
         host.ask(&Order::Enable);
         host.tick(0.0);
         // 60 mm off is more than the 50 mm that are declared; seen when the position loop is due.
-        let fault = Power::Faulted(Fault::Axis { axis: 0, hazard: Hazard::FollowingError });
+        let fault = Power::Faulted(Fault::Axis { axis: 0, kind: FaultKind::FollowingError });
         assert!((0..RATES.position_loop_divider).any(|_| host.tick(0.06).power == fault));
         host.ask(&Order::Enable);
         assert_eq!(host.tick(0.06).power, fault);
@@ -106,7 +106,7 @@ fn is_the_machine<S: Scalar>(format: Format) {
     let stiffer = AxisSettings { position_gain_per_s: 50.0, ..AxisSettings::default() };
     let pitch = Points { start_m: -0.1, spacing_m: 0.1, values: [1e-4; 3].into_iter().collect() };
     let compensation = CompensationSettings {
-        pitch: Some(Pitch { of: Of::Screw, forward: pitch, backward: None }),
+        pitch: Some(Pitch { of: PitchSource::Screw, forward: pitch, backward: None }),
         ..CompensationSettings::default()
     };
     let block = Block::line([0.1, 0.05], 0.1, 1.0);
@@ -118,7 +118,7 @@ fn is_the_machine<S: Scalar>(format: Format) {
             1 => Some(Order::Enable),
             500 => Some(Order::Change(1, stiffer)),
             1000 => Some(Order::Compensate(0, compensation.clone())),
-            2500 => Some(Order::Switch(0, Item::Pitch, false)),
+            2500 => Some(Order::Switch(0, CompensationKind::Pitch, false)),
             _ => None,
         };
         if let Some(order) = order {

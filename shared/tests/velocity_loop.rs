@@ -43,7 +43,7 @@ proptest! {
             ..AxisSettings::default()
         });
         let [proportional, integral, rate, before] =
-            [law.proportional, law.integral, law.rate, law.rate_before].map(|gain| i128::from(gain.to_bits()));
+            [law.proportional, law.integral, law.rate, law.previous_rate].map(|gain| i128::from(gain.to_bits()));
         let mut state = State::at(Position(0));
         let (mut motor, mut last, mut sum) = (0, 0, 0);
         for (command, increment) in ticks {
@@ -125,9 +125,9 @@ fn integrates_towards_the_range<S: Scalar>() {
     for [error, added] in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
         let mut state = State::at(Position(0));
         for _ in 0..ticks {
-            let wanted = law.wanted(&mut state, signal(error * c), Position(0));
-            let shaped = wanted.force.plus(S::signal(added * 3.0 * LIMIT_N));
-            let (force, limited) = law.limited(&mut state, &wanted, shaped);
+            let wanted = law.pi_output(&mut state, signal(error * c), Position(0));
+            let shaped = wanted.force + S::signal(added * 3.0 * LIMIT_N);
+            let (force, limited) = law.limit(&mut state, &wanted, shaped);
             assert!(limited && force == S::signal(added * LIMIT_N), "{}", S::NAME);
         }
         let kept = if (error > 0.0) == (added > 0.0) { 0 } else { ticks };

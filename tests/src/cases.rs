@@ -1,30 +1,32 @@
-//! The blind cases: a folder each, with a machine file, logs to fit and logs to validate.
+//! The blind cases: each a folder with a machine file, logs to fit and logs to validate.
 
 use std::fs::read_dir;
 use std::path::{Path, PathBuf};
 
-/// The folders of the cases, in order. `None` where there are no data: see [`data`](crate::data).
+use crate::data::data_folder;
+
+/// The folders of the cases, sorted. `None` where there are no data: see [`data_folder`].
 ///
 /// # Panics
-/// Where there are fewer than nine: a case must not vanish.
+/// Where there are fewer than nine: a case must not be lost.
 #[must_use]
 pub fn folders() -> Option<Vec<PathBuf>> {
-    let folders = sorted(&crate::data("cases")?);
+    let folders = sorted(&data_folder("cases")?);
     assert!(folders.len() >= 9, "{} cases", folders.len());
     Some(folders)
 }
 
-/// The logs of a case whose names begin with a word, in order.
+/// The logs of a case whose names begin with a prefix, sorted.
 #[must_use]
-pub fn logs(folder: &Path, begins: &str) -> Vec<PathBuf> {
-    let is_one =
-        |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(begins));
-    sorted(folder).into_iter().filter(is_one).collect()
+pub fn logs(folder: &Path, prefix: &str) -> Vec<PathBuf> {
+    let has_prefix =
+        |path: &PathBuf| path.file_name().is_some_and(|name| name.to_string_lossy().starts_with(prefix));
+    sorted(folder).into_iter().filter(has_prefix).collect()
 }
 
 fn sorted(folder: &Path) -> Vec<PathBuf> {
-    let entries = read_dir(folder).expect("the folder is there");
-    let mut paths: Vec<_> = entries.map(|entry| entry.expect("it can be read").path()).collect();
+    let entries = read_dir(folder).expect("the folder exists");
+    let mut paths: Vec<_> = entries.map(|entry| entry.expect("the entry can be read").path()).collect();
     paths.sort();
     paths
 }

@@ -1,4 +1,4 @@
-//! Builds the programs of the chip, for tests that read or run them.
+//! The programs of the chip, for tests that analyse or run them.
 
 use std::ops::Range;
 use std::path::{Path, PathBuf};
@@ -6,22 +6,22 @@ use std::process::Command;
 
 use crate::chip::depth::SelfCall;
 
-/// Where the program of an STM32F405 begins, with its vector table.
+/// Address of the program of an STM32F405, which begins with its vector table.
 pub const FLASH: u32 = 0x0800_0000;
 
-/// Position of the tick in that table: 16 of the core, and TIM2 is interrupt 28.
+/// Exception number of the tick: 16 exceptions of the core precede the interrupts, and TIM2 is interrupt 28.
 pub const TICK: usize = 16 + 28;
 
 /// Main RAM of an STM32F405 (data sheet DS8626, memory map): 128 KiB.
 pub const RAM: Range<u32> = 0x2000_0000..0x2002_0000;
 
-/// `frexp` of a number below the normal ones calls itself once, with that number times 2⁶⁴, which is a normal one.
+/// `frexp` of a subnormal number calls itself once, with that number times 2⁶⁴, which is normal.
 pub const SELF_CALLS: [SelfCall; 1] = [SelfCall { name: "libm4math5frexp5frexp", frames: 2 }];
 
 /// The ELF file of `board` or `emulated`, built by the alias of that name.
 ///
 /// # Panics
-/// Where cargo cannot build it, with what cargo said.
+/// Where cargo cannot build it, with its messages.
 #[must_use]
 pub fn built(program: &str) -> PathBuf {
     let workspace =
@@ -33,7 +33,7 @@ pub fn built(program: &str) -> PathBuf {
         "`cargo {program}` failed (is the target thumbv7em-none-eabihf installed?):\n{}",
         String::from_utf8_lossy(&output.stderr)
     );
-    // A relative one is relative to where cargo ran; an absolute one replaces what it is joined to.
+    // A relative path is relative to where cargo ran; an absolute one replaces the workspace in `join`.
     let target = workspace.join(std::env::var_os("CARGO_TARGET_DIR").unwrap_or("target".into()));
     target.join("thumbv7em-none-eabihf/firmware").join(program)
 }

@@ -1,6 +1,6 @@
-//! A client of GDB's remote protocol over the two pipes of a process: `qemu-system-… -gdb stdio`.
+//! A client of GDB's remote serial protocol over stdin and stdout of a process: `qemu-system-… -gdb stdio`.
 //!
-//! Only what a test of a chip needs: registers, memory, breakpoints and watchpoints, and a halt.
+//! It has the requests that a test of a chip needs: registers, memory, breakpoints, watchpoints, run, step and halt.
 
 use std::io::{Read, Write};
 use std::process::{Child, ChildStdin, ChildStdout, Command, Stdio};
@@ -8,34 +8,34 @@ use std::sync::mpsc::{Receiver, RecvTimeoutError, channel};
 use std::thread;
 use std::time::Duration;
 
-/// Numbers of registers of an M-profile core, as the target describes them.
+/// Stack pointer: its register number in QEMU's target description of an M-profile core.
 pub const SP: u32 = 13;
 /// Program counter.
 pub const PC: u32 = 15;
-/// Status; its lowest nine bits are the number of the exception that runs, 0: none.
+/// Program status; its lowest nine bits are the number of the active exception, 0: none.
 pub const XPSR: u32 = 25;
 
-/// An answer has to be there within this time.
-const ANSWER: Duration = Duration::from_secs(10);
+/// Timeout of a reply.
+const REPLY_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// Bytes of memory in one packet: two digits each, well below what QEMU takes, 4 KiB.
+/// Bytes of memory in one packet: two digits each, well below QEMU's limit of 4 KiB.
 const CHUNK: usize = 1024;
 
-/// Where the target is to halt.
+/// A breakpoint or watchpoint.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Watch {
     /// Before the instruction at an address.
     Run,
-    /// At a write of the word at an address.
+    /// At a write to the word at an address.
     Write,
-    /// At a read of it.
+    /// At a read from the word at an address.
     Read,
 }
 
 /// Why the target has halted.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Halt {
-    /// At a breakpoint, or because it was told to.
+    /// At a breakpoint, or on request.
     Here,
     /// At a write to this address.
     Write(u32),
@@ -43,190 +43,190 @@ pub enum Halt {
     Read(u32),
 }
 
-/// A target that answers, and its process, which ends with this value.
+/// A target and its process, which is killed when this value is dropped.
 pub struct Target {
     process: Child,
-    orders: ChildStdin,
-    answers: Receiver<String>,
+    requests: ChildStdin,
+    replies: Receiver<String>,
 }
 
-/// What the target did not do.
+/// Why a request failed.
 #[derive(Debug, PartialEq, Eq)]
-pub enum Trouble {
-    /// No answer in time.
-    Silent,
+pub enum GdbError {
+    /// No reply in time.
+    Timeout,
     /// Its process has ended.
     Ended,
-    /// An answer that is none to this order.
-    Answer(String),
+    /// A reply that does not belong to the request.
+    Reply(String),
 }
 
 impl Drop for Target {
     fn drop(&mut self) {
-        // It may have ended by itself.
+        // The process may have ended already.
         let _ = self.process.kill();
         let _ = self.process.wait();
     }
 }
 
 impl Target {
-    /// Starts the process, which has to halt before the first instruction, and asks how its registers are called.
+    /// Starts the process, which must halt before the first instruction, and reads its target description.
     ///
     /// # Errors
-    /// Where it does not answer.
+    /// Where it does not reply.
     ///
     /// # Panics
     /// Where it cannot be started.
-    pub fn start(command: &mut Command) -> Result<Self, Trouble> {
+    pub fn start(command: &mut Command) -> Result<Self, GdbError> {
         let piped = command.stdin(Stdio::piped()).stdout(Stdio::piped());
         let mut process = piped.spawn().unwrap_or_else(|error| panic!("{command:?}: {error}"));
-        let orders = process.stdin.take().expect("piped");
+        let requests = process.stdin.take().expect("piped");
         let mut output = process.stdout.take().expect("piped");
-        let (sender, answers) = channel();
+        let (sender, replies) = channel();
         thread::spawn(move || {
-            while let Some(answer) = packet(&mut output) {
-                if sender.send(answer).is_err() {
+            while let Some(reply) = packet(&mut output) {
+                if sender.send(reply).is_err() {
                     break;
                 }
             }
         });
-        let mut target = Self { process, orders, answers };
-        // Single registers can be asked for only after their description.
-        target.ask("qXfer:features:read:target.xml:0,ffb")?;
+        let mut target = Self { process, requests, replies };
+        // QEMU gives single registers only after their description was read.
+        target.request("qXfer:features:read:target.xml:0,ffb")?;
         Ok(target)
     }
 
-    fn send(&mut self, order: &str) -> Result<(), Trouble> {
-        let sum = order.bytes().fold(0u8, u8::wrapping_add);
-        let sent = write!(self.orders, "${order}#{sum:02x}").and_then(|()| self.orders.flush());
-        sent.map_err(|_| Trouble::Ended)
+    fn send(&mut self, request: &str) -> Result<(), GdbError> {
+        let sum = request.bytes().fold(0u8, u8::wrapping_add);
+        let sent = write!(self.requests, "${request}#{sum:02x}").and_then(|()| self.requests.flush());
+        sent.map_err(|_| GdbError::Ended)
     }
 
-    fn receive(&mut self, within: Duration) -> Result<String, Trouble> {
-        let answer = self.answers.recv_timeout(within).map_err(|error| match error {
-            RecvTimeoutError::Timeout => Trouble::Silent,
-            RecvTimeoutError::Disconnected => Trouble::Ended,
+    fn receive(&mut self, timeout: Duration) -> Result<String, GdbError> {
+        let reply = self.replies.recv_timeout(timeout).map_err(|error| match error {
+            RecvTimeoutError::Timeout => GdbError::Timeout,
+            RecvTimeoutError::Disconnected => GdbError::Ended,
         })?;
-        self.orders.write_all(b"+").and_then(|()| self.orders.flush()).map_err(|_| Trouble::Ended)?;
-        Ok(answer)
+        self.requests.write_all(b"+").and_then(|()| self.requests.flush()).map_err(|_| GdbError::Ended)?;
+        Ok(reply)
     }
 
-    fn ask(&mut self, order: &str) -> Result<String, Trouble> {
-        self.send(order)?;
-        self.receive(ANSWER)
+    fn request(&mut self, request: &str) -> Result<String, GdbError> {
+        self.send(request)?;
+        self.receive(REPLY_TIMEOUT)
     }
 
-    fn tell(&mut self, order: &str) -> Result<(), Trouble> {
-        let answer = self.ask(order)?;
-        if answer == "OK" { Ok(()) } else { Err(Trouble::Answer(format!("{order}: {answer}"))) }
+    fn command(&mut self, request: &str) -> Result<(), GdbError> {
+        let reply = self.request(request)?;
+        if reply == "OK" { Ok(()) } else { Err(GdbError::Reply(format!("{request}: {reply}"))) }
     }
 
     /// The value of a register.
     ///
     /// # Errors
-    /// Where the target does not give it.
-    pub fn register(&mut self, number: u32) -> Result<u32, Trouble> {
-        let answer = self.ask(&format!("p{number:x}"))?;
-        let bytes = bytes(&answer).and_then(|bytes| bytes.try_into().ok());
-        bytes.map(u32::from_le_bytes).ok_or(Trouble::Answer(answer))
+    /// Where the target refuses.
+    pub fn register(&mut self, number: u32) -> Result<u32, GdbError> {
+        let reply = self.request(&format!("p{number:x}"))?;
+        let bytes = bytes(&reply).and_then(|bytes| bytes.try_into().ok());
+        bytes.map(u32::from_le_bytes).ok_or(GdbError::Reply(reply))
     }
 
     /// Sets a register.
     ///
     /// # Errors
-    /// Where the target does not take it.
-    pub fn set_register(&mut self, number: u32, value: u32) -> Result<(), Trouble> {
-        self.tell(&format!("P{number:x}={}", digits(&value.to_le_bytes())))
+    /// Where the target refuses.
+    pub fn set_register(&mut self, number: u32, value: u32) -> Result<(), GdbError> {
+        self.command(&format!("P{number:x}={}", digits(&value.to_le_bytes())))
     }
 
-    /// So many bytes of memory from an address on.
+    /// Bytes of memory from an address on.
     ///
     /// # Errors
-    /// Where the target does not give them.
-    pub fn memory(&mut self, address: u32, length: usize) -> Result<Vec<u8>, Trouble> {
+    /// Where the target refuses.
+    pub fn memory(&mut self, address: u32, length: usize) -> Result<Vec<u8>, GdbError> {
         let mut all = Vec::with_capacity(length);
         for (from, length) in chunks(address, length) {
-            let answer = self.ask(&format!("m{from:x},{length:x}"))?;
-            match bytes(&answer).filter(|bytes| bytes.len() == length) {
+            let reply = self.request(&format!("m{from:x},{length:x}"))?;
+            match bytes(&reply).filter(|bytes| bytes.len() == length) {
                 Some(bytes) => all.extend(bytes),
-                None => return Err(Trouble::Answer(answer)),
+                None => return Err(GdbError::Reply(reply)),
             }
         }
         Ok(all)
     }
 
-    /// The word at an address, as a load of a program would read it.
+    /// The word at an address, little-endian.
     ///
     /// # Errors
-    /// Where the target does not give it.
-    pub fn word(&mut self, address: u32) -> Result<u32, Trouble> {
+    /// Where the target refuses.
+    pub fn word(&mut self, address: u32) -> Result<u32, GdbError> {
         let bytes = self.memory(address, 4)?;
         Ok(bytes.iter().rev().fold(0, |word, &byte| word << 8 | u32::from(byte)))
     }
 
-    /// Puts bytes into memory from an address on; what is not memory is left out without a word.
+    /// Writes bytes to memory from an address on. QEMU ignores addresses without memory.
     ///
     /// # Errors
-    /// Where the target does not take it.
-    pub fn set_memory(&mut self, address: u32, bytes: &[u8]) -> Result<(), Trouble> {
+    /// Where the target refuses.
+    pub fn set_memory(&mut self, address: u32, bytes: &[u8]) -> Result<(), GdbError> {
         for ((from, length), part) in chunks(address, bytes.len()).zip(bytes.chunks(CHUNK)) {
-            self.tell(&format!("M{from:x},{length:x}:{}", digits(part)))?;
+            self.command(&format!("M{from:x},{length:x}:{}", digits(part)))?;
         }
         Ok(())
     }
 
-    /// Halts there from now on.
+    /// Sets a breakpoint or watchpoint.
     ///
     /// # Errors
-    /// Where the target cannot.
-    pub fn watch(&mut self, watch: Watch, address: u32) -> Result<(), Trouble> {
+    /// Where the target refuses.
+    pub fn watch(&mut self, watch: Watch, address: u32) -> Result<(), GdbError> {
         match watch {
-            Watch::Run => self.tell(&format!("Z0,{address:x},2")),
-            Watch::Write => self.tell(&format!("Z2,{address:x},4")),
-            Watch::Read => self.tell(&format!("Z3,{address:x},4")),
+            Watch::Run => self.command(&format!("Z0,{address:x},2")),
+            Watch::Write => self.command(&format!("Z2,{address:x},4")),
+            Watch::Read => self.command(&format!("Z3,{address:x},4")),
         }
     }
 
-    /// Lets the target run. [`Target::halted`] says when it halts.
+    /// Lets the target run, until [`Target::halted`] reports a halt.
     ///
     /// # Errors
     /// Where its process has ended.
-    pub fn run(&mut self) -> Result<(), Trouble> {
+    pub fn run(&mut self) -> Result<(), GdbError> {
         self.send("c")
     }
 
-    /// Runs one instruction, with interrupts held back.
+    /// Runs one instruction with interrupts masked.
     ///
     /// # Errors
-    /// Where the target does not halt behind it.
-    pub fn step(&mut self) -> Result<(), Trouble> {
+    /// Where the target does not halt after it.
+    pub fn step(&mut self) -> Result<(), GdbError> {
         self.send("s")?;
-        self.halted(ANSWER)?.map(drop).ok_or(Trouble::Silent)
+        self.halted(REPLY_TIMEOUT)?.map(drop).ok_or(GdbError::Timeout)
     }
 
-    /// Why the target has halted; `None` where it still runs after that time.
+    /// Why the target has halted; `None` where it still runs after the timeout.
     ///
     /// # Errors
-    /// Where its process has ended, or it answers something else.
-    pub fn halted(&mut self, within: Duration) -> Result<Option<Halt>, Trouble> {
-        match self.receive(within) {
-            Ok(answer) => halt(&answer).map(Some).ok_or(Trouble::Answer(answer)),
-            Err(Trouble::Silent) => Ok(None),
-            Err(trouble) => Err(trouble),
+    /// Where its process has ended, or its reply is not a halt.
+    pub fn halted(&mut self, timeout: Duration) -> Result<Option<Halt>, GdbError> {
+        match self.receive(timeout) {
+            Ok(reply) => halt(&reply).map(Some).ok_or(GdbError::Reply(reply)),
+            Err(GdbError::Timeout) => Ok(None),
+            Err(error) => Err(error),
         }
     }
 
-    /// Halts the target that runs.
+    /// Halts the running target.
     ///
     /// # Errors
     /// Where its process has ended, or it does not halt.
-    pub fn stop(&mut self) -> Result<Halt, Trouble> {
-        self.orders.write_all(&[3]).and_then(|()| self.orders.flush()).map_err(|_| Trouble::Ended)?;
-        self.halted(ANSWER)?.ok_or(Trouble::Silent)
+    pub fn stop(&mut self) -> Result<Halt, GdbError> {
+        self.requests.write_all(&[3]).and_then(|()| self.requests.flush()).map_err(|_| GdbError::Ended)?;
+        self.halted(REPLY_TIMEOUT)?.ok_or(GdbError::Timeout)
     }
 }
 
-/// The text of the next packet, its acknowledgements and check sum left out: a pipe loses nothing.
+/// The text of the next packet, without acknowledgements and checksum: a pipe loses nothing.
 fn packet(output: &mut ChildStdout) -> Option<String> {
     let mut next = || {
         let mut byte = [0];
@@ -245,7 +245,7 @@ fn packet(output: &mut ChildStdout) -> Option<String> {
     Some(text)
 }
 
-/// The reason in a stop reply: `T05thread:p01.01;rwatch:40023800;`.
+/// The reason in a stop reply, for example `T05thread:p01.01;rwatch:40023800;`.
 fn halt(reply: &str) -> Option<Halt> {
     let fields = reply.strip_prefix('T')?.get(2..)?;
     for field in fields.split(';') {

@@ -1,4 +1,4 @@
-//! Simulated machines made by a program that shares no code with this one, traced blind.
+//! Blind cases: logs of machines that another program simulated, which shares no code with this one.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::collections::BTreeSet;
@@ -8,17 +8,17 @@ use model::machine::Machine;
 use tests::cases;
 use trace::trace;
 
-type Named = BTreeSet<(String, String)>;
+type Effects = BTreeSet<(String, String)>;
 
-/// Effects of a case's `truth.json` that the catalogue has.
-fn truth(folder: &std::path::Path) -> Named {
-    let text = std::fs::read_to_string(folder.join("truth.json")).unwrap();
-    let truth: serde_json::Value = serde_json::from_str(&text).unwrap();
-    let word = |effect: &serde_json::Value, key: &str| effect[key].as_str().unwrap().to_owned();
+/// The effects of a case's `truth.json` that are in the catalogue, with their axes.
+fn truth(folder: &std::path::Path) -> Effects {
+    let json = std::fs::read_to_string(folder.join("truth.json")).unwrap();
+    let truth: serde_json::Value = serde_json::from_str(&json).unwrap();
+    let text = |effect: &serde_json::Value, key: &str| effect[key].as_str().unwrap().to_owned();
     let effects = truth["effects"].as_array().unwrap().iter();
     effects
-        .map(|effect| (word(effect, "axis"), word(effect, "name")))
-        .filter(|(_, name)| model::effects::NAMES.contains(&name.as_str()))
+        .map(|effect| (text(effect, "axis"), text(effect, "name")))
+        .filter(|(_, name)| model::effects::names().contains(&name.as_str()))
         .collect()
 }
 
@@ -27,12 +27,12 @@ fn logs(folder: &std::path::Path, kind: &str) -> Vec<Log> {
 }
 
 #[test]
-fn every_case_comes_out_as_it_was_made() {
+fn exactly_the_true_effects_of_every_case_are_found() {
     let Some(folders) = cases::folders() else { return };
     for folder in folders {
         let machine = Machine::read(&folder.join("machine.toml")).unwrap();
         let trace = trace(&machine, &logs(&folder, "fit_"), &logs(&folder, "validate_"), &|_| {}).unwrap();
-        let found: Named = trace
+        let found: Effects = trace
             .axes
             .iter()
             .flat_map(|axis| axis.found.iter().map(|f| (axis.axis.clone(), f.effect.name().to_owned())))

@@ -1,13 +1,13 @@
-//! The table of the board's machine is accepted, and it holds, travels and stops on a bench of two masses.
+//! The settings of the board's machine are accepted, and hold, move and stop a simulated machine of two masses.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use firmware::setup::{AXES, METRES_PER_COUNT, SETTINGS, TICK_HZ, station};
+use firmware::setup::{AXES, METRES_PER_COUNT, SETTINGS, TICK_HZ, drive_system};
 use shared::axis::Reading;
-use shared::drive::{Board, Duty, Station};
+use shared::drive::{Board, DriveSystem, Duty};
 use shared::feedback::encoder::Encoder;
 use shared::interpolate::Block;
 use shared::machine::Machine;
-use shared::safety::{Fault, Hazard, Power};
+use shared::safety::{Fault, FaultKind, Power};
 use shared::scalar::Fixed;
 
 /// PWM counts on the board: 168 MHz / 20 kHz.
@@ -16,11 +16,11 @@ const FULL_COUNTS: u16 = 8400;
 const MASS_KG: f64 = 15.0;
 const COULOMB_N: f64 = 20.0;
 
-/// Drives, masses and counters.
-struct Bench {
-    place_m: [f64; AXES],
-    /// What the counters see: the same, unless they stand.
-    shown_m: [f64; AXES],
+/// A simulated board: drives, masses and encoder counters.
+struct TestMachine {
+    position_m: [f64; AXES],
+    /// Position at the encoders: the same, unless an encoder is frozen.
+    encoder_m: [f64; AXES],
     velocity: [f64; AXES],
     counters: [Encoder; AXES],
     duties: [Duty; AXES],
@@ -29,11 +29,11 @@ struct Bench {
     lit: bool,
 }
 
-impl Bench {
-    /// What a counter of 16 bits shows: it wraps.
+impl TestMachine {
+    /// Value of a counter of 16 bits, which wraps.
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "wraps on purpose")]
     fn count(&self, axis: usize) -> u16 {
-        ((self.shown_m[axis] / METRES_PER_COUNT[axis]).floor() as i64 & 0xffff) as u16
+        ((self.encoder_m[axis] / METRES_PER_COUNT[axis]).floor() as i64 & 0xffff) as u16
     }
 
     fn step(&mut self) {
@@ -42,13 +42,13 @@ impl Bench {
             let force = 400.0 * f64::from(counts) / f64::from(FULL_COUNTS) * if reverse { -1.0 } else { 1.0 };
             let friction = COULOMB_N * (self.velocity[axis] / 1e-4).tanh();
             self.velocity[axis] += (force - friction) / MASS_KG / f64::from(TICK_HZ);
-            self.place_m[axis] += self.velocity[axis] / f64::from(TICK_HZ);
+            self.position_m[axis] += self.velocity[axis] / f64::from(TICK_HZ);
         }
-        self.shown_m = self.place_m;
+        self.encoder_m = self.position_m;
     }
 }
 
-impl Board<AXES> for Bench {
+impl Board<AXES> for TestMachine {
     fn readings(&mut self) -> [Reading; AXES] {
         core::array::from_fn(|axis| Reading {
             motor: self.counters[axis].read(self.count(axis)),
@@ -56,11 +56,11 @@ impl Board<AXES> for Bench {
         })
     }
 
-    fn switch_closed(&mut self) -> bool {
+    fn enable_switch_closed(&mut self) -> bool {
         self.closed
     }
 
-    fn is_stopped(&mut self) -> bool {
+    fn hardware_stop_active(&mut self) -> bool {
         false
     }
 
@@ -76,17 +76,17 @@ impl Board<AXES> for Bench {
         self.lit = lit;
     }
 
-    fn is_late(&mut self) -> bool {
+    fn next_tick_due(&mut self) -> bool {
         false
     }
 }
 
-impl Bench {
-    /// At zero, the enable switch closed, as somebody may have left it.
+impl TestMachine {
+    /// At zero, with the enable switch closed, as it may have been left.
     fn new() -> Self {
         Self {
-            place_m: [0.0; AXES],
-            shown_m: [0.0; AXES],
+            position_m: [0.0; AXES],
+            encoder_m: [0.0; AXES],
             velocity: [0.0; AXES],
             counters: METRES_PER_COUNT.map(|metres| Encoder::new(metres, 0).unwrap()),
             duties: [Duty::default(); AXES],
@@ -97,100 +97,105 @@ impl Bench {
     }
 }
 
-/// Two turns of a circle of 10 mm radius at 2 m/min that starts at zero.
+/// Two turns of a circle of 10 mm radius at 2 m/min, from zero.
 const CIRCLE: Block<AXES> = Block::arc([0, 1], [-0.01, 0.0], 2.0, 2.0 / 60.0, 0.5);
 
 #[test]
-fn the_board_holds_when_it_is_enabled_and_travels_what_it_is_given() {
+fn the_board_holds_when_it_is_enabled_and_follows_its_path() {
     let mut machine = Machine::UNCONFIGURED;
-    let mut bench = Bench::new();
-    let mut station = station(&mut machine, FULL_COUNTS, None).unwrap();
-    let run = |station: &mut Station<'_, Fixed, AXES>, bench: &mut Bench, milliseconds: u32| {
-        let mut farthest = 0f64;
-        for _ in 0..milliseconds * (TICK_HZ / 1000) {
-            station.tick(bench);
-            bench.step();
-            let [x, y] = bench.place_m;
-            farthest = farthest.max(((x + 0.01).hypot(y) - 0.01).abs());
-        }
-        farthest
-    };
-    run(&mut station, &mut bench, 500);
-    assert_eq!((bench.enabled, bench.place_m), (false, [0.0; AXES]));
-    bench.closed = false;
-    run(&mut station, &mut bench, 100);
-    // Pushed by hand before the first enable: it holds there.
-    bench.place_m = [0.0031, -0.002];
-    bench.shown_m = bench.place_m;
-    run(&mut station, &mut bench, 1);
-    bench.closed = true;
-    run(&mut station, &mut bench, 1000);
-    assert!(bench.enabled && !bench.lit);
-    assert_eq!(bench.place_m.map(f64::to_bits), [0.0031, -0.002].map(f64::to_bits));
-    bench.closed = false;
-    run(&mut station, &mut bench, 1);
-    assert_eq!((bench.enabled, bench.duties), (false, [Duty::default(); AXES]));
+    let mut test_machine = TestMachine::new();
+    let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
+    let run =
+        |system: &mut DriveSystem<'_, Fixed, AXES>, test_machine: &mut TestMachine, milliseconds: u32| {
+            let mut max_error = 0f64;
+            for _ in 0..milliseconds * (TICK_HZ / 1000) {
+                system.tick(test_machine);
+                test_machine.step();
+                let [x, y] = test_machine.position_m;
+                max_error = max_error.max(((x + 0.01).hypot(y) - 0.01).abs());
+            }
+            max_error
+        };
+    run(&mut system, &mut test_machine, 500);
+    assert_eq!((test_machine.enabled, test_machine.position_m), (false, [0.0; AXES]));
+    test_machine.closed = false;
+    run(&mut system, &mut test_machine, 100);
+    // Moved by hand before the first enable: it holds there.
+    test_machine.position_m = [0.0031, -0.002];
+    test_machine.encoder_m = test_machine.position_m;
+    run(&mut system, &mut test_machine, 1);
+    test_machine.closed = true;
+    run(&mut system, &mut test_machine, 1000);
+    assert!(test_machine.enabled && !test_machine.lit);
+    assert_eq!(test_machine.position_m.map(f64::to_bits), [0.0031, -0.002].map(f64::to_bits));
+    test_machine.closed = false;
+    run(&mut system, &mut test_machine, 1);
+    assert_eq!((test_machine.enabled, test_machine.duties), (false, [Duty::default(); AXES]));
 
-    bench.place_m = [0.0; AXES];
-    bench.shown_m = bench.place_m;
-    run(&mut station, &mut bench, 100);
-    station.machine_mut().push(&CIRCLE).unwrap();
-    bench.closed = true;
+    test_machine.position_m = [0.0; AXES];
+    test_machine.encoder_m = test_machine.position_m;
+    run(&mut system, &mut test_machine, 100);
+    system.machine_mut().push(&CIRCLE).unwrap();
+    test_machine.closed = true;
     // A turn and a half of 62.8 mm at 33.3 mm/s, and the ramp.
-    let mut farthest = run(&mut station, &mut bench, 20 + 2827 + 100);
-    assert!(bench.enabled && bench.place_m[0] < -0.019, "{:?}", bench.place_m);
-    farthest = farthest.max(run(&mut station, &mut bench, 2000));
-    assert!(bench.enabled && !bench.lit);
-    // Back at the start but for friction: the last 10 µm raise the integral by Kv/Ti·Kp·10 µm = 38 N/s only.
-    assert!(bench.place_m.iter().all(|place| place.abs() < 30e-6), "{:?}", bench.place_m);
-    // On the way never off the circle by half the following error that would have ended it.
-    assert!(farthest < 0.5 * SETTINGS[0].following_error_limit_m, "{farthest}");
-    bench.closed = false;
-    run(&mut station, &mut bench, 1);
-    assert_eq!((bench.enabled, bench.duties), (false, [Duty::default(); AXES]));
+    let mut max_error = run(&mut system, &mut test_machine, 20 + 2827 + 100);
+    assert!(test_machine.enabled && test_machine.position_m[0] < -0.019, "{:?}", test_machine.position_m);
+    max_error = max_error.max(run(&mut system, &mut test_machine, 2000));
+    assert!(test_machine.enabled && !test_machine.lit);
+    // Back at the start but for friction: an error of 10 µm raises the integral part by Kv/Ti·Kp·10 µm = 38 N/s only.
+    assert!(test_machine.position_m.iter().all(|m| m.abs() < 30e-6), "{:?}", test_machine.position_m);
+    // The contour error was always below half of the limit of the following error.
+    assert!(max_error < 0.5 * SETTINGS[0].following_error_limit_m, "{max_error}");
+    test_machine.closed = false;
+    run(&mut system, &mut test_machine, 1);
+    assert_eq!((test_machine.enabled, test_machine.duties), (false, [Duty::default(); AXES]));
 }
 
-/// An encoder that stands from the middle of the motion on: the stages are cut before the axis has gone 1.5 mm on. The
-/// following error alone would let it run for 5 mm.
+/// An encoder that freezes in the middle of the motion: the power stages are off before the axis has moved by another
+/// 1.5 mm. The limit of the following error alone would allow 5 mm.
 #[test]
-fn a_frozen_encoder_cuts_the_stages() {
+fn a_frozen_encoder_switches_the_power_stages_off() {
     let mut machine = Machine::UNCONFIGURED;
-    let mut bench = Bench::new();
-    bench.closed = false;
-    let mut station = station(&mut machine, FULL_COUNTS, None).unwrap();
-    (0..1000).for_each(|_| station.tick(&mut bench));
-    station.machine_mut().push(&CIRCLE).unwrap();
-    bench.closed = true;
+    let mut test_machine = TestMachine::new();
+    test_machine.closed = false;
+    let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
+    (0..1000).for_each(|_| system.tick(&mut test_machine));
+    system.machine_mut().push(&CIRCLE).unwrap();
+    test_machine.closed = true;
     let mut ticks = 0;
-    while !bench.lit {
-        station.tick(&mut bench);
-        // X alone: it has come to 2 mm, and its counter shows no more.
-        let shown = bench.place_m[0].max(-0.002);
-        bench.step();
-        bench.shown_m[0] = shown;
+    while !test_machine.lit {
+        system.tick(&mut test_machine);
+        // X alone: its counter freezes at 2 mm.
+        let frozen_m = test_machine.position_m[0].max(-0.002);
+        test_machine.step();
+        test_machine.encoder_m[0] = frozen_m;
         ticks += 1;
-        assert!(ticks < 40_000, "{:?}", bench.place_m);
+        assert!(ticks < 40_000, "{:?}", test_machine.position_m);
     }
-    let fault = Fault::Axis { axis: 0, hazard: Hazard::EncoderFrozen };
-    assert_eq!(station.machine_mut().power(), Power::Faulted(fault));
-    assert!(!bench.enabled);
-    assert!(bench.place_m[0] < -0.002 && bench.place_m[0] > -0.0035, "{:?}", bench.place_m);
+    let fault = Fault::Axis { axis: 0, kind: FaultKind::EncoderFrozen };
+    assert_eq!(system.machine_mut().power(), Power::Faulted(fault));
+    assert!(!test_machine.enabled);
+    assert!(
+        test_machine.position_m[0] < -0.002 && test_machine.position_m[0] > -0.0035,
+        "{:?}",
+        test_machine.position_m
+    );
 }
 
 #[test]
-fn a_run_that_a_watchdog_ended_is_acknowledged_before_the_board_comes_on() {
+fn a_watchdog_reset_has_to_be_acknowledged_before_the_board_is_enabled() {
     let mut machine = Machine::UNCONFIGURED;
-    let mut bench = Bench::new();
-    bench.closed = false;
-    let mut station = station(&mut machine, FULL_COUNTS, Some(Fault::Watchdog)).unwrap();
-    let mut run = |bench: &mut Bench, closed, ticks| {
-        bench.closed = closed;
-        (0..ticks).for_each(|_| station.tick(bench));
-        (bench.enabled, bench.lit)
+    let mut test_machine = TestMachine::new();
+    test_machine.closed = false;
+    let mut system = drive_system(&mut machine, FULL_COUNTS, Some(Fault::Watchdog)).unwrap();
+    let mut run = |test_machine: &mut TestMachine, closed, ticks| {
+        test_machine.closed = closed;
+        (0..ticks).for_each(|_| system.tick(test_machine));
+        (test_machine.enabled, test_machine.lit)
     };
-    assert_eq!(run(&mut bench, false, 1000), (false, true));
-    // Closed, it does not come on; opened again, the fault is acknowledged.
-    assert_eq!(run(&mut bench, true, 1000), (false, true));
-    assert_eq!(run(&mut bench, false, 1000), (false, false));
-    assert_eq!(run(&mut bench, true, 1000), (true, false));
+    assert_eq!(run(&mut test_machine, false, 1000), (false, true));
+    // Closing the switch does not enable it; opening it again acknowledges the fault.
+    assert_eq!(run(&mut test_machine, true, 1000), (false, true));
+    assert_eq!(run(&mut test_machine, false, 1000), (false, false));
+    assert_eq!(run(&mut test_machine, true, 1000), (true, false));
 }

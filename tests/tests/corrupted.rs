@@ -1,9 +1,9 @@
-//! Logs that are not those of the declared machine: what is said of them, and what is not.
+//! Logs that do not belong to the declared machine: refused and refuted effects, and the verdict.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use files::log::{AxisLog, Log};
 use model::machine::Machine;
-use report::words;
+use report::sentences;
 use studies::demo;
 use trace::verdict::{self, Verdict};
 use trace::{Trace, trace};
@@ -11,7 +11,7 @@ use trace::{Trace, trace};
 const FIT: &str = model::examples::DEMO_CIRCLE;
 const VALIDATE: &str = model::examples::DEMO_BALLBAR;
 
-/// The demo's machine with something else in its file; `old` stands there first for axis x.
+/// The demo's machine with a text of its file replaced, at its first occurrence: that of axis x.
 fn machine(old: &str, new: &str) -> Machine {
     assert!(demo::MACHINE.contains(old), "{old}");
     Machine::parse(&demo::MACHINE.replacen(old, new, 1), "m.toml").unwrap()
@@ -21,7 +21,7 @@ fn declared() -> Machine {
     Machine::parse(demo::MACHINE, "m.toml").unwrap()
 }
 
-/// A circle to fit and another one, each of a machine.
+/// A log to fit and a log to validate, each of a machine.
 fn logs([fit, validate]: [&Machine; 2]) -> [Log; 2] {
     [demo::log(fit, FIT, 0.0, 1).unwrap(), demo::log(validate, VALIDATE, 40.0, 2).unwrap()]
 }
@@ -30,7 +30,7 @@ fn traced(declared: &Machine, [fit, validate]: [Log; 2]) -> Trace {
     trace(declared, &[fit], &[validate], &|_| {}).unwrap()
 }
 
-/// The declared machine's logs with their axis x changed.
+/// Logs of the declared machine with axis x changed.
 fn corrupted(change: impl Fn(&mut AxisLog)) -> [Log; 2] {
     logs([&declared(); 2]).map(|mut log| {
         change(&mut log.axes[0]);
@@ -40,12 +40,12 @@ fn corrupted(change: impl Fn(&mut AxisLog)) -> [Log; 2] {
 
 #[test]
 fn an_effect_at_the_limit_of_its_search_is_refused_by_name() {
-    // 120 % above the declared gain, of which 80 % are searched.
+    // 120 % above the declared gain; the search ends at 80 %.
     let truth = machine("position_gain_per_s = 50.0", "position_gain_per_s = 110.0");
     let trace = traced(&declared(), logs([&truth; 2]));
     let axis = &trace.axes[0];
     assert!(axis.found.iter().all(|found| found.effect.name() != "servo_mismatch"), "{:?}", axis.found);
-    assert!(trace.better_machine().axis["x"].effect.is_empty(), "nothing of it is written");
+    assert!(trace.better_machine().axis["x"].effect.is_empty(), "it is not in the model");
     let json = trace::json::of(&trace, false);
     let refused = json["refused"].as_array().unwrap();
     assert_eq!(refused.len(), 1, "{refused:?}");
@@ -56,13 +56,13 @@ fn an_effect_at_the_limit_of_its_search_is_refused_by_name() {
     );
     assert_eq!(of("limit").as_f64(), Some(80.0));
     assert!((of("value").as_f64().unwrap() - 80.0).abs() < 0.08, "{json}");
-    let said = words::summary(&trace).join("\n");
-    assert!(said.contains("servo mismatch: 80.0 %; 80.0 is the limit of its search"), "{said}");
+    let summary = sentences::summary(&trace).join("\n");
+    assert!(summary.contains("servo mismatch: 80.0 %; 80.0 is the limit of its search"), "{summary}");
 }
 
 #[test]
-fn an_effect_that_the_validation_log_refutes_is_listed_with_both_figures() {
-    // The screw of the fitted log has another lead than that of the other log, which is the declared one.
+fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
+    // The screw of the fitted log has a pitch error, that of the other log does not.
     let effect = "[[axis.x.effect]]\nname = \"pitch_progressive\"\nslope_um_per_m = 80.0\n\n[axis.y]";
     let fitted = machine("[axis.y]", effect);
     let trace = traced(&declared(), logs([&fitted, &declared()]));
@@ -72,73 +72,83 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_figures() {
     let [refuted] = &axis.refuted[..] else { panic!("{:?}", axis.refuted) };
     assert_eq!(refuted.effect.name(), "pitch_progressive");
     assert!((refuted.effect.parameters()[0].1 - 80.0).abs() < 1.0, "{refuted:?}");
-    // ±30 mm at 80 µm/m: 2.4 µm, as a sine 1.7 µm rms, less the few tenths in which the circle stands.
+    // ±30 mm at 80 µm/m: 2.4 µm, a sine of 1.7 µm rms, less at standstill.
     assert!((1.3..1.75).contains(&refuted.after.validate), "{refuted:?}");
-    // Without it the log is that of its machine, but for a stiffness that the fitted log bends by its tolerance of 10 %:
-    // of some 250 N over 200 N/µm that is 0.13 µm at the most.
+    // Without it the model fits, except for the stiffness, which the fitted log changes by its tolerance of 10 %: 0.13
+    // µm at most of 250 N over 200 N/µm.
     assert!(refuted.before.validate < 0.13, "{refuted:?}");
-    // What is reported is the model without.
+    // The reported model is that without the effect.
     let table = axis.errors.iter().find(|error| error.stage == refuted.stage).unwrap();
     assert!((table.after.validate / refuted.before.validate - 1.0).abs() < 0.01, "{table:?} {refuted:?}");
     let json = trace::json::of(&trace, false);
     assert_eq!(json["effects"].as_array().map(Vec::len), Some(0));
     assert_eq!(json["refuted"][0]["name"], "pitch_progressive");
     assert_eq!(json["refuted"][0]["before_um"]["validate"].as_f64(), Some(refuted.before.validate));
-    assert!(words::summary(&trace).iter().any(|said| said.starts_with("x: refuted by the logs held out")));
+    assert!(
+        sentences::summary(&trace)
+            .iter()
+            .any(|sentence| sentence.starts_with("x: refuted by the logs held out"))
+    );
 }
 
-/// What a trace says in its head, and whether it says that nothing is wrong with x.
-fn heads(declared: &Machine, logs: [Log; 2]) -> (Verdict, bool) {
+/// The verdict of a trace, and whether its sentences say that nothing was found on x.
+fn verdict_of(declared: &Machine, logs: [Log; 2]) -> (Verdict, bool) {
     let trace = traced(declared, logs);
     let verdict = verdict::of(&trace);
     assert_eq!(trace::json::of(&trace, false)["verdict"], serde_json::json!(verdict));
-    let said = words::of_axis(&trace.axes[0]);
-    let is_told = said.iter().any(|said| said.starts_with("x: the model does not describe these logs"));
-    assert_eq!(is_told, verdict == Verdict::ModelDoesNotFit, "{said:?}");
-    (verdict, said.iter().any(|said| said.contains("nothing found")))
+    let sentences = sentences::of_axis(&trace.axes[0]);
+    let says_it =
+        sentences.iter().any(|sentence| sentence.starts_with("x: the model does not describe these logs"));
+    assert_eq!(says_it, verdict == Verdict::ModelDoesNotFit, "{sentences:?}");
+    (verdict, sentences.iter().any(|sentence| sentence.contains("nothing found")))
 }
 
 #[test]
-fn a_model_that_does_not_describe_the_log_is_said_not_to() {
+fn a_model_that_does_not_describe_the_log_is_reported() {
     let table = |change: fn(usize, f64) -> f64| {
         corrupted(move |x| {
             x.table.iter_mut().flatten().enumerate().for_each(|(i, mm)| *mm = change(i, *mm));
         })
     };
     let wrong = (Verdict::ModelDoesNotFit, false);
-    assert_eq!(heads(&declared(), table(|_, mm| -mm)), wrong, "negated scale");
-    assert_eq!(heads(&declared(), table(|_, mm| 1e3 * mm)), wrong, "a scale in micrometres");
+    assert_eq!(verdict_of(&declared(), table(|_, mm| -mm)), wrong, "negated scale");
+    assert_eq!(verdict_of(&declared(), table(|_, mm| 1e3 * mm)), wrong, "a scale in micrometres");
     // 20 µm, after 3 of 11 s.
     assert_eq!(
-        heads(&declared(), table(|i, mm| if i > 3000 { mm + 0.02 } else { mm })),
+        verdict_of(&declared(), table(|i, mm| if i > 3000 { mm + 0.02 } else { mm })),
         wrong,
         "a scale that slips"
     );
     let force = corrupted(|x| x.force.iter_mut().flatten().for_each(|n| *n *= 1e-3));
-    assert_eq!(heads(&declared(), force), wrong, "a force in kN");
+    assert_eq!(verdict_of(&declared(), force), wrong, "a force in kN");
     let heavy = machine(
         "motor_mass_kg = 90.0\ntable_mass_kg = 160.0",
         "motor_mass_kg = 270.0\ntable_mass_kg = 480.0",
     );
-    assert_eq!(heads(&heavy, logs([&declared(); 2])), wrong, "masses three times too large");
+    assert_eq!(verdict_of(&heavy, logs([&declared(); 2])), wrong, "masses three times too large");
 }
 
 #[test]
-fn a_model_that_describes_the_log_is_not_said_not_to() {
-    let (verdict, _) = heads(&declared(), logs([&declared(); 2]));
+fn a_model_that_describes_the_log_is_not_reported() {
+    let (verdict, _) = verdict_of(&declared(), logs([&declared(); 2]));
     assert!(verdict < Verdict::ModelDoesNotFit);
 }
 
-/// Of the logs held out alone the scale has the wrong sign: they are no judge, and that is what is said first.
+/// Only in the validation log the scale has the wrong sign: the first sentence says that it cannot validate.
 #[test]
-fn logs_held_out_that_the_model_does_not_describe_are_said_to_be_no_judge() {
+fn validation_logs_that_the_model_does_not_describe_are_reported() {
     let [fit, mut validate] = logs([&declared(); 2]);
     validate.axes[0].table.iter_mut().flatten().for_each(|mm| *mm = -*mm);
     let trace = traced(&declared(), [fit, validate]);
     assert_eq!(verdict::of(&trace), Verdict::Unexplained);
-    let said = words::of_axis(&trace.axes[0]);
-    assert!(said[0].starts_with("x: the model does not describe the logs held out"), "{said:?}");
-    assert!(said.iter().all(|said| !said.contains("does not describe these logs")), "{said:?}");
-    // y is as it was.
-    assert!(words::of_axis(&trace.axes[1]).iter().all(|said| !said.contains("does not describe")));
+    let sentences = sentences::of_axis(&trace.axes[0]);
+    assert!(sentences[0].starts_with("x: the model does not describe the logs held out"), "{sentences:?}");
+    assert!(
+        sentences.iter().all(|sentence| !sentence.contains("does not describe these logs")),
+        "{sentences:?}"
+    );
+    // y is unchanged.
+    assert!(
+        sentences::of_axis(&trace.axes[1]).iter().all(|sentence| !sentence.contains("does not describe"))
+    );
 }

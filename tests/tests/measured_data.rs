@@ -1,4 +1,4 @@
-//! Measured logs as regressions: what is found on them, and by how much it lowers the held-out error.
+//! Regression tests on measured logs: the effects that are found, and the held-out error before and after.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
@@ -8,10 +8,10 @@ use files::log::{Log, Unit};
 use friction_map::{FrictionMap, explain};
 use model::effects::Stage;
 use model::machine::Machine;
-use tests::data;
+use tests::data::data_folder;
 use trace::{Trace, trace};
 
-/// What a folder holds, in the order of the names.
+/// The entries of a folder, sorted.
 fn entries(folder: &Path) -> Vec<PathBuf> {
     let mut entries: Vec<_> = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path()).collect();
     entries.sort();
@@ -26,11 +26,11 @@ fn traced(folder: &Path, log: &str) -> Trace {
 
 /// EMPS, the ball-screw axis of Janot, Gautier and Brunot (2019): the README's figures.
 ///
-/// The bounds are 1 % of the figures on either side: the fit is deterministic, and what moves them
-/// further is a change of the model, which has to be looked at.
+/// The bounds are ±1 % of the figures: the fit is deterministic, and a larger change is one of the model, which must be
+/// examined.
 #[test]
 fn emps_is_explained_as_the_readme_says() {
-    let Some(data) = data("data/emps") else { return };
+    let Some(data) = data_folder("data/emps") else { return };
     let trace = traced(&data, "train.csv");
     let axis = &trace.axes[0];
     let names: Vec<&str> = axis.found.iter().map(|found| found.effect.name()).collect();
@@ -49,8 +49,8 @@ fn emps_is_explained_as_the_readme_says() {
     let first = |name: &str| {
         axis.found.iter().find(|found| found.effect.name() == name).unwrap().effect.parameters()[0].1
     };
-    // The controller of this machine differences the mean of two samples, half a sample late: 0.5 ms. It logs the
-    // force that is going to be given, which is one sample early, and the drive takes its time on top of that.
+    // The controller of this machine differentiates the mean of two samples, which is half a sample late: 0.5 ms. It
+    // logs the force of the next sample, one sample early, to which the latency of the drive is added.
     assert!((0.4..0.65).contains(&first("velocity_lag")), "{}", first("velocity_lag"));
     assert!((-1.3..-1.0).contains(&first("latency")), "{}", first("latency"));
 
@@ -60,37 +60,38 @@ fn emps_is_explained_as_the_readme_says() {
     assert!(near(force.before.validate, 2.592) && near(force.after.validate, 0.938), "{force:?}");
     let motor = error(Stage::Motor);
     assert!(near(motor.before.validate, 1.594) && near(motor.after.validate, 0.602), "{motor:?}");
-    // What no model takes away, because it differs from lap to lap.
+    // The part that no model explains, since it differs from lap to lap.
     let repeats = |stage| axis.repeats.iter().find(|part| part.channel == stage).unwrap();
     assert!((repeats(Stage::Force).period_s - 6.24).abs() < 1e-9);
     assert!(near(repeats(Stage::Force).non_repeatable, 0.515), "{:?}", axis.repeats);
     assert!(near(repeats(Stage::Motor).non_repeatable, 0.222), "{:?}", axis.repeats);
     // Without feedback, over 0.1 and 0.5 s.
-    let astray: Vec<[f64; 2]> = axis.free_runs.iter().map(|run| [run.declared_um, run.after_um]).collect();
-    for (found, figure) in astray.iter().zip([[37.9, 13.3], [582.0, 208.0]]) {
-        assert!(found.iter().zip(figure).all(|(found, figure)| near(*found, figure)), "{astray:?}");
+    let errors_um: Vec<[f64; 2]> = axis.free_runs.iter().map(|run| [run.declared_um, run.after_um]).collect();
+    for (found, figure) in errors_um.iter().zip([[37.9, 13.3], [582.0, 208.0]]) {
+        assert!(found.iter().zip(figure).all(|(found, figure)| near(*found, figure)), "{errors_um:?}");
     }
-    // Held out is no better than fitted by luck, nor worse by over-fitting, beyond 4 %.
+    // The held-out error is that of the fit within 4 %: no over-fitting.
     for error in [force, motor] {
         assert!((error.after.validate / error.after.fit - 1.0).abs() < 0.04, "{error:?}");
     }
 }
 
-/// Once the force is timed right there is no Stribeck effect in it: friction falls towards standstill.
+/// With the right latency of the force there is no Stribeck effect: friction drops towards standstill.
 #[test]
-fn emps_does_not_tempt_into_a_stribeck_effect() {
-    let Some(data) = data("data/emps") else { return };
+fn emps_has_no_stribeck_effect() {
+    let Some(data) = data_folder("data/emps") else { return };
     let trace = traced(&data, "train.csv");
     let tried = trace.axes[0].rounds.iter().flat_map(|round| &round.candidates);
     let stribeck: Vec<_> = tried.filter(|c| c.effect.name() == "stribeck" && c.fitted.is_some()).collect();
     assert!(!stribeck.is_empty(), "it is tried");
-    assert!(stribeck.iter().all(|c| !c.is_consistent()), "{stribeck:?}");
+    let options = &trace.options.search;
+    assert!(stribeck.iter().all(|c| !c.is_consistent(options)), "{stribeck:?}");
 }
 
-/// A robot without a declared controller or mass: the stages that cannot be formed are named.
+/// A robot without a declared controller or mass: the stages that cannot be tested are listed.
 #[test]
-fn what_cannot_be_tested_is_said() {
-    let Some(data) = data("data/kuka") else { return };
+fn stages_that_cannot_be_tested_are_listed() {
+    let Some(data) = data_folder("data/kuka") else { return };
     let trace = traced(&data, "recording_a.csv");
     for axis in &trace.axes {
         let stages: Vec<Stage> = axis.not_testable.iter().map(|n| n.stage).collect();
@@ -100,8 +101,8 @@ fn what_cannot_be_tested_is_said() {
 }
 
 #[test]
-fn measured_logs_and_cases_read() {
-    let (Some(data), Some(cases)) = (data("data"), data("cases")) else { return };
+fn measured_logs_and_cases_can_be_read() {
+    let (Some(data), Some(cases)) = (data_folder("data"), data_folder("cases")) else { return };
     let emps = Log::read(&data.join("emps/train.csv")).unwrap();
     assert_eq!((emps.len(), emps.axes.len()), (24_841, 1));
     assert!((emps.sample_time_s - 1e-3).abs() < 1e-12);
@@ -121,8 +122,8 @@ fn measured_logs_and_cases_read() {
 }
 
 #[test]
-fn declared_machines_read_and_written_read_as_themselves() {
-    let (Some(data), Some(cases)) = (data("data"), data("cases")) else { return };
+fn declared_machines_survive_writing_and_reading() {
+    let (Some(data), Some(cases)) = (data_folder("data"), data_folder("cases")) else { return };
     let folders = [entries(&data), entries(&cases)].concat();
     let files = folders.iter().map(|folder| folder.join("machine.toml"));
     let files: Vec<PathBuf> = files.filter(|file| file.exists()).collect();
@@ -134,10 +135,10 @@ fn declared_machines_read_and_written_read_as_themselves() {
 }
 
 /// The friction map of a lead screw (Mablekos-Alexiou, da Cruz and Bergeles, 2021), of which Coulomb and viscous
-/// friction are declared. The bounds are 2 % of the figures on either side, as the fit is deterministic.
+/// friction are declared. The bounds are ±2 % of the figures; the fit is deterministic.
 #[test]
 fn the_lead_screw_has_a_load_and_stribeck_friction() {
-    let Some(data) = data("data/leadscrew") else { return };
+    let Some(data) = data_folder("data/leadscrew") else { return };
     let map = FrictionMap::read(&data.join("friction_drive1.csv")).unwrap();
     let explained = explain(&map).unwrap();
     let names: Vec<&str> = explained.selection.fitted.law.terms.iter().map(|term| term.name()).collect();
@@ -150,18 +151,18 @@ fn the_lead_screw_has_a_load_and_stribeck_friction() {
         "{before:?} {after:?}"
     );
     assert!(near(map.standard_error().unwrap(), 0.01529));
-    // Friction towards standstill is (3.56 + 2.77)/2 mN·m in the map's slowest runs: Coulomb and excess make it.
+    // Friction in the slowest runs of the map, the sum of Coulomb and Stribeck friction, is (3.56 + 2.77)/2 mN·m.
     let sizes = &explained.selection.fitted.law.sizes;
     assert!((sizes[0] + sizes[3] - 3.16).abs() < 0.1, "{sizes:?}");
-    // Half the difference of the directions there: (2.77 − 3.56)/2.
+    // Half of the difference between the directions there: (2.77 − 3.56)/2.
     assert!((sizes[2] + 0.39).abs() < 0.06, "{sizes:?}");
 }
 
-/// Two encoders an axis of a robot (TU Kaiserslautern): what a short recording supports of latency, ratio and wind-up.
-/// The bounds are 5 % of the figures on either side, as the fit is deterministic.
+/// A robot with two encoders per axis (TU Kaiserslautern): latency, ratio and wind-up in a short recording. The bounds
+/// are ±5 % of the figures; the fit is deterministic.
 #[test]
-fn the_robot_is_late_and_winds_up() {
-    let Some(data) = data("data/kuka") else { return };
+fn the_robot_has_latency_and_windup() {
+    let Some(data) = data_folder("data/kuka") else { return };
     let trace = traced(&data, "recording_a.csv");
     let names = |i: usize| trace.axes[i].found.iter().map(|found| found.effect.name()).collect::<Vec<_>>();
     assert_eq!(names(0), ["latency", "pitch_progressive", "windup"]);
@@ -172,8 +173,8 @@ fn the_robot_is_late_and_winds_up() {
     for (axis, (before, after)) in trace.axes.iter().zip(held_out) {
         let error = &axis.errors[0];
         assert!(near(error.before.validate, before) && near(error.after.validate, after), "{error:?}");
-        // One bus reads all three axes: they are late by the same 3 ms, within what wind-up leaves open.
-        let late_ms = axis.found[0].effect.parameters()[0].1;
-        assert!((2.8..3.2).contains(&late_ms), "{late_ms}");
+        // One bus reads all three axes: the same latency of 3 ms, within the uncertainty from wind-up.
+        let latency_ms = axis.found[0].effect.parameters()[0].1;
+        assert!((2.8..3.2).contains(&latency_ms), "{latency_ms}");
     }
 }

@@ -1,7 +1,7 @@
-//! Nothing that the tick of a chip can reach panics: read from the bytes that go to the chip.
+//! The tick of the chip cannot panic: a static analysis of the linked program.
 //!
-//! A servo drive that stops in a panic handler is a machine that has lost its axis. So the linked
-//! program is taken apart: from the tick on, every call and jump is followed.
+//! A servo drive that stops in a panic handler no longer controls its axis. Therefore every call and jump that is
+//! reachable from the tick is followed.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -16,51 +16,58 @@ fn program(name: &str) -> Image {
     Image::read(&fs::read(&path).expect("cargo has just built it"))
 }
 
-/// The tick reaches no panic, nothing unknown, and enough to be the whole controller.
-fn assert_free(image: &Image, walk: &Walk, functions: usize, instructions: usize) {
+/// Asserts that a walk has no panics, traps or unresolved calls, and is as large as the whole controller.
+fn assert_panic_free(image: &Image, walk: &Walk, functions: usize, instructions: usize) {
     assert_eq!(walk.panics(image), Vec::<String>::new());
     assert!(walk.traps.is_empty(), "traps at {:x?}", walk.traps);
     assert!(walk.indirect.is_empty(), "calls through a register at {:x?}: to what?", walk.indirect);
-    assert!(walk.lost.is_empty(), "jumps to no function at {:x?}", walk.lost);
+    assert!(
+        walk.without_function.is_empty(),
+        "calls of addresses without a function at {:x?}",
+        walk.without_function
+    );
     println!("{} functions, {} instructions", walk.reached.len(), walk.instructions);
     assert!(walk.reached.len() >= functions && walk.instructions >= instructions);
 }
 
 #[test]
-fn the_interrupt_of_the_board_reaches_no_panic() {
+fn the_tick_of_the_board_cannot_panic() {
     let image = program("board");
     let tick = Vectors::read(&image, FLASH).handler(TICK);
     assert_eq!(image.functions[&tick].names, ["TIM2"], "RTIC names the handler after its interrupt");
     // Interpolation of an arc, two position and velocity loops, two outputs: 2,000 instructions at least.
-    assert_free(&image, &walk(&image, &[tick]), 5, 1500);
+    assert_panic_free(&image, &walk(&image, &[tick]), 5, 1500);
 }
 
 #[test]
-fn the_same_walk_finds_the_panics_of_the_start() {
+fn the_walk_finds_the_panics_of_the_start_up() {
     let image = program("board");
     let walk = walk(&image, &image.named(|name| name == "Reset"));
-    // `init` expects values that are right; its panics are there, and the walk has to see them.
+    // `init` may panic on wrong settings, and the walk must find that.
     let panics = walk.panics(&image);
-    assert!(panics.iter().any(|way| way.starts_with("Reset → ") && way.contains("panicking")), "{panics:#?}");
+    assert!(
+        panics.iter().any(|chain| chain.starts_with("Reset → ") && chain.contains("panicking")),
+        "{panics:#?}"
+    );
 }
 
 #[test]
-fn the_ticks_of_the_emulated_core_reach_no_panic() {
+fn the_ticks_of_the_emulated_core_cannot_panic() {
     let image = program("emulated");
     let ticks = image.named(|name| name.contains("7session4tick"));
-    assert_eq!(ticks.len(), 3, "one a number format");
+    assert_eq!(ticks.len(), 3, "one per number format");
     for tick in ticks {
-        assert_free(&image, &walk(&image, &[tick]), 3, 1500);
+        assert_panic_free(&image, &walk(&image, &[tick]), 3, 1500);
     }
 }
 
-/// Code put together by hand at 0x1000: a tick that jumps into a function that calls a panic.
+/// Machine code by hand at 0x1000: a tick with a tail call of a function that calls a panic.
 #[test]
-fn a_call_over_a_tail_call_to_a_panic_is_found_and_data_is_not_read_as_code() {
+fn a_panic_behind_a_tail_call_is_found_and_data_is_not_decoded() {
     let halves: [u16; 8] = [
         0xb500, // tick: push {lr}
         0xe001, //       b.n other
-        0xf7ff, 0xfffe, // data that would be a call
+        0xf7ff, 0xfffe, // data with the encoding of a call
         0xf000, 0xf800, // other: bl panic
         0xbd00, //       pop {pc}
         0xe7fe, // panic: b.n panic

@@ -1,8 +1,7 @@
-//! The controller on an emulated Cortex-M4F is the controller on this computer, to the last bit.
+//! The controller on an emulated Cortex-M4F equals the controller on the host to the last bit.
 //!
-//! Both close the loop on a plant of their own: a first bit that differed would come back through
-//! the plant, and grow. `cargo test --test processor_in_the_loop -- --nocapture` prints the
-//! instructions of a tick.
+//! Each closes the loop with its own copy of the plant, through which a single different bit would grow.
+//! `cargo test --test processor_in_the_loop -- --nocapture` prints the instructions of a tick.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::time::Instant;
@@ -11,13 +10,12 @@ use link::controller::{AxisOutput, Controller, Format, PathBlock, PathShape, Sta
 use link::emulator::{DEFAULT_TIMEOUT, Emulator};
 use link::remote::{Connection, Remote};
 use model::machine::Machine;
-use model::servo;
 use plant::instruments::Instruments;
 use plant::sensors::Sensor;
-use plant::simulate::{Run, controller, set_up};
+use plant::simulate::{Run, controller, controller_setup};
 use shared::protocol::{Answer, FRAME, Order, Refusal, decode, encode};
 
-/// Two axes that use everything there is: both laws, integral part, feed-forward, dual feedback.
+/// Two axes with all features of a machine file: both laws, integral part, feed-forward, dual feedback.
 const MACHINE: &str = r#"
 name = "bench"
 sample_rate_hz = 4000.0
@@ -60,13 +58,13 @@ presliding_damping_n_s_per_m = 2000.0
 feedback = "motor"
 "#;
 
-/// Velocity ticks from one position tick to the next on that machine.
+/// Velocity ticks per position tick of that machine.
 const DIVIDER: usize = 5;
 
-/// Circles start here.
+/// Start of the motion.
 const START_M: [f64; 2] = [0.01, 0.0];
 
-/// A line out and back, a circle of 10 mm radius at 3 m/min one way and `turns` the other.
+/// A circle of 10 mm radius at 3 m/min by `turns`, a line forth and back, and the circle in the other direction.
 fn motion(turns: f64) -> Vec<PathBlock> {
     let moving = |shape| PathBlock::new(shape, 0.05, 2.0);
     let line = |x, y| moving(PathShape::Line { to_m: vec![x, y] });
@@ -75,13 +73,13 @@ fn motion(turns: f64) -> Vec<PathBlock> {
     vec![dwell.clone(), arc(turns), line(0.013, 0.001), line(0.01, 0.0), arc(-turns), dwell]
 }
 
-/// Encoders of 50 nm, and noise, the same in every run.
+/// Encoders with a resolution of 50 nm and noise, the same in every run.
 fn instruments() -> Instruments {
     let encoder = Sensor { resolution: 50e-9, noise: 20e-9 };
     Instruments { motor: encoder, table: encoder, seed: 7, ..Instruments::default() }
 }
 
-/// All that the controller gave in one tick.
+/// Everything that the controller returns in one tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 struct Tick {
     outputs: [AxisOutput; 2],
@@ -106,7 +104,7 @@ fn run(controller: &mut dyn Controller, turns: f64) -> Vec<Tick> {
     ticks
 }
 
-fn here(format: Format, text: &str, turns: f64) -> Vec<Tick> {
+fn on_host(format: Format, text: &str, turns: f64) -> Vec<Tick> {
     let machine = Machine::parse(text, "bench").unwrap();
     run(controller(&machine, format, &START_M).unwrap().as_mut(), turns)
 }
@@ -117,43 +115,44 @@ fn emulator() -> Emulator {
 
 fn emulated(format: Format) -> Remote<Emulator> {
     let machine = Machine::parse(MACHINE, "bench").unwrap();
-    let (settings, start) = set_up(&machine, &START_M).unwrap();
-    Remote::set_up(emulator(), format, servo::rates(&machine), &settings, &start).unwrap()
+    let (settings, start) = controller_setup(&machine, &START_M).unwrap();
+    Remote::set_up(emulator(), format, machine.rates(), &settings, &start).unwrap()
 }
 
-/// Instructions: the median and the most.
-fn median_and_most(mut costs: Vec<u32>) -> (u32, u32) {
+/// Median and maximum.
+fn median_and_max(mut costs: Vec<u32>) -> (u32, u32) {
     costs.sort_unstable();
     (costs[costs.len() / 2], costs[costs.len() - 1])
 }
 
-/// Runs both, compares every tick, and returns the costs of position ticks and of the others.
+/// Runs both, compares every tick, and gives median and maximum of the instructions of ticks with and without position
+/// loops.
 fn compare(format: Format, turns: f64) -> [(u32, u32); 2] {
-    let ours = here(format, MACHINE, turns);
+    let host = on_host(format, MACHINE, turns);
     let mut emulated = emulated(format);
-    let began = Instant::now();
-    let theirs = run(&mut emulated, turns);
-    let frames_per_s = theirs.len() as f64 / began.elapsed().as_secs_f64();
+    let start = Instant::now();
+    let chip = run(&mut emulated, turns);
+    let frames_per_s = chip.len() as f64 / start.elapsed().as_secs_f64();
 
-    assert_eq!(ours.len(), theirs.len());
-    for (k, (our, their)) in ours.iter().zip(&theirs).enumerate() {
-        let without_cost = Status { cost: None, ..their.status };
-        assert_eq!(*our, Tick { status: without_cost, ..*their }, "{format:?}, tick {k}");
+    assert_eq!(host.len(), chip.len());
+    for (k, (on_host, on_chip)) in host.iter().zip(&chip).enumerate() {
+        let without_cost = Status { cost: None, ..on_chip.status };
+        assert_eq!(*on_host, Tick { status: without_cost, ..*on_chip }, "{format:?}, tick {k}");
     }
-    // The axes have travelled: the comparison was not one of standstills.
-    let forces = ours.iter().map(|tick| tick.outputs[0].force_n);
-    let (least, most) = forces.fold((0f64, 0f64), |(least, most), n| (least.min(n), most.max(n)));
-    assert!(least < -300.0 && most > 300.0, "{least} N to {most} N");
+    // The axes have moved: forces of both signs.
+    let forces = host.iter().map(|tick| tick.outputs[0].force_n);
+    let (min, max) = forces.fold((0f64, 0f64), |(min, max), n| (min.min(n), max.max(n)));
+    assert!(min < -300.0 && max > 300.0, "{min} N to {max} N");
 
     let of = |position: bool| {
-        let costs = theirs.iter().enumerate().filter(|(k, _)| k.is_multiple_of(DIVIDER) == position);
-        median_and_most(costs.map(|(_, tick)| tick.status.cost.unwrap()).collect())
+        let costs = chip.iter().enumerate().filter(|(k, _)| k.is_multiple_of(DIVIDER) == position);
+        median_and_max(costs.map(|(_, tick)| tick.status.cost.unwrap()).collect())
     };
     let costs = [of(true), of(false)];
     println!(
-        "{format:?}: {} ticks equal to the last bit, {frames_per_s:.0} frames/s. Instructions of a tick, median and most: \
+        "{format:?}: {} ticks equal to the last bit, {frames_per_s:.0} frames/s. Instructions of a tick, median and maximum: \
          {} and {} with position loops, {} and {} without",
-        ours.len(),
+        host.len(),
         costs[0].0,
         costs[0].1,
         costs[1].0,
@@ -162,13 +161,13 @@ fn compare(format: Format, turns: f64) -> [(u32, u32); 2] {
     costs
 }
 
-/// A third less than was measured would mean that something is not counted, a half more that a change
-/// made the tick that much slower. For comparison: at 20 kHz the board has 8400 cycles for a tick.
+/// The bounds are a third below and a half above the measured values: less would mean that instructions are not
+/// counted, more that a change made the tick slower. At 20 kHz the board has 8400 cycles per tick.
 fn assert_within([position, velocity]: [(u32, u32); 2], bounds: [(u32, u32); 2]) {
-    for ((median, most), (least, limit)) in [position, velocity].into_iter().zip(bounds) {
+    for ((median, max), (lower, upper)) in [position, velocity].into_iter().zip(bounds) {
         assert!(
-            least <= median && most <= limit,
-            "{median} to {most} instructions, expected {least} to {limit}"
+            lower <= median && max <= upper,
+            "{median} to {max} instructions, expected {lower} to {upper}"
         );
     }
 }
@@ -188,15 +187,15 @@ fn double_precision_is_the_same_to_the_last_bit() {
     assert_within(compare(Format::F64, 0.2), [(3700, 8400), (1450, 3500)]);
 }
 
-/// The comparison sees a change in the last place of one gain.
+/// The comparison detects a change of a gain in the last place.
 #[test]
-fn a_gain_that_differs_by_1e_minus_15_is_seen() {
+fn a_gain_that_differs_by_1e_minus_15_is_detected() {
     let changed = MACHINE.replace("= 60.0", "= 60.00000000000001");
-    assert_ne!(here(Format::F64, &changed, 0.1), here(Format::F64, MACHINE, 0.1));
+    assert_ne!(on_host(Format::F64, &changed, 0.1), on_host(Format::F64, MACHINE, 0.1));
 }
 
 #[test]
-fn garbage_is_refused_and_the_end_is_an_end() {
+fn an_unreadable_frame_is_refused_and_an_end_order_ends_the_program() {
     let mut emulator = emulator();
     let mut frame = [0xff; FRAME];
     emulator.exchange(&mut frame).unwrap();
@@ -208,11 +207,11 @@ fn garbage_is_refused_and_the_end_is_an_end() {
     assert_eq!(emulator.exchange(&mut frame).unwrap_err(), "the emulator has ended");
 }
 
-/// Everything the controller has, through the protocol alone: filters of the force and behind the path, S-curves that
-/// pass their joints, every compensation, a change of gains, a scale that is lost and comes back.
-mod everything {
-    use shared::compensate::settings::{Cycle, Of, Pitch, Points, Reversal, Straightness, Talk};
-    use shared::compensate::{CompensationSettings, Item};
+/// All features of the controller, through the protocol alone: filters of force and path, S-curves with blended joints,
+/// every compensation, a change of gains, a scale that fails and recovers.
+mod all_features {
+    use shared::compensate::settings::{Cycle, Pitch, PitchSource, Points, Reversal, Straightness, Talk};
+    use shared::compensate::{CompensationKind, CompensationSettings};
     use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
     use shared::interpolate::{Block, Ramps, Smoothing};
     use shared::machine::Reading;
@@ -250,7 +249,11 @@ mod everything {
             values: (0..21).map(|k| scale * f64::from(k % 5)).collect(),
         };
         CompensationSettings {
-            pitch: Some(Pitch { of: Of::Screw, forward: points(1e-6), backward: Some(points(1.5e-6)) }),
+            pitch: Some(Pitch {
+                of: PitchSource::Screw,
+                forward: points(1e-6),
+                backward: Some(points(1.5e-6)),
+            }),
             backlash_width_m: Some(3e-6),
             dividing: Some(Cycle::harmonic(1e-6, 2.5e-3, 0.3)),
             reversal: Some(Reversal { force_n: 30.0, decay_s: 0.01, fade_m_per_s: 0.05 }),
@@ -263,34 +266,34 @@ mod everything {
         }
     }
 
-    /// One end of the protocol: the host's own session, or a chip.
-    type Ask<'a> = &'a mut dyn FnMut(&mut [u8; FRAME]);
+    /// The controller's end of the protocol: a session on the host, or the chip.
+    type Exchange<'a> = &'a mut dyn FnMut(&mut [u8; FRAME]);
 
-    fn ask(end: Ask, order: &Order) -> Answer {
+    fn send(end: Exchange, order: &Order) -> Answer {
         let mut frame = [0; FRAME];
         if encode(order, &mut frame).is_ok() {
             end(&mut frame);
             return decode(&frame).unwrap();
         }
         let mut bytes = [0; LONGEST_ORDER];
-        let pieces: Vec<Vec<u8>> =
+        let parts: Vec<Vec<u8>> =
             postcard::to_slice(order, &mut bytes).unwrap().chunks(PART).map(<[u8]>::to_vec).collect();
-        for (k, piece) in pieces.iter().enumerate() {
-            let bytes = heapless::Vec::from_slice(piece).unwrap();
-            encode(&Order::Part(Part { bytes, last: k + 1 == pieces.len() }), &mut frame).unwrap();
+        for (k, part) in parts.iter().enumerate() {
+            let bytes = heapless::Vec::from_slice(part).unwrap();
+            encode(&Order::Part(Part { bytes, last: k + 1 == parts.len() }), &mut frame).unwrap();
             end(&mut frame);
         }
         decode(&frame).unwrap()
     }
 
-    /// What each tick gave: force bits and commands.
-    fn run(end: Ask, format: Format) -> Vec<([u64; 2], [Position; 2])> {
+    /// Force bits and commands of each tick.
+    fn run(end: Exchange, format: Format) -> Vec<([u64; 2], [Position; 2])> {
         let ready = |answer: Answer| assert_eq!(answer, Answer::Ready);
         let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 2 };
         let start = [Position(0); 2];
-        ready(ask(end, &Order::Setup(Setup { format, rates, axes: [axis(); 2], start })));
+        ready(send(end, &Order::Setup(Setup { format, rates, axes: [axis(); 2], start })));
         for number in [0, 1] {
-            ready(ask(end, &Order::Compensate(number, compensation(1 - number))));
+            ready(send(end, &Order::Compensate(number, compensation(1 - number))));
         }
         let ramps = Ramps::SCurve { jerk_m_per_s3: 500.0 };
         let blocks = [
@@ -301,23 +304,23 @@ mod everything {
         ];
         for block in blocks {
             let ramps = if block.ramps == Ramps::Trapezoid { ramps } else { block.ramps };
-            ready(ask(end, &Order::Block(block.with_ramps(ramps).within(20e-6))));
+            ready(send(end, &Order::Block(block.with_ramps(ramps).within(20e-6))));
         }
-        ready(ask(end, &Order::Enable));
+        ready(send(end, &Order::Enable));
         let (mut at_m, mut velocity, mut ticks) = ([0.0f64; 2], [0.0f64; 2], Vec::new());
         for k in 0..14_000 {
             if k == 3000 {
                 let slower = AxisSettings { law: Law::P, position_gain_per_s: 30.0, ..axis() };
-                ready(ask(end, &Order::Change(1, slower)));
-                ready(ask(end, &Order::Switch(0, Item::Pitch, false)));
+                ready(send(end, &Order::Change(1, slower)));
+                ready(send(end, &Order::Switch(0, CompensationKind::Pitch, false)));
             }
-            let scale = !(4000..5000).contains(&k);
-            let place = |m: f64| Position::from_m(m).unwrap();
+            let has_scale = !(4000..5000).contains(&k);
+            let position = |m: f64| Position::from_m(m).unwrap();
             let readings = at_m.map(|m| Reading {
-                motor: place(m),
-                table: scale.then(|| place(m + 2e-6 * (m * 500.0).sin())),
+                motor: position(m),
+                table: has_scale.then(|| position(m + 2e-6 * (m * 500.0).sin())),
             });
-            let Answer::Tick(ticked) = ask(end, &Order::Tick(readings)) else { panic!("no tick") };
+            let Answer::Tick(ticked) = send(end, &Order::Tick(readings)) else { panic!("no tick") };
             assert!(ticked.power.is_on(), "{:?} at {k}", ticked.power);
             for i in 0..2 {
                 let bits = ticked.force_bits[i];
@@ -336,10 +339,10 @@ mod everything {
     }
 
     #[test]
-    fn at_once_is_the_same_to_the_last_bit() {
+    fn all_features_are_the_same_to_the_last_bit() {
         for format in [Format::Fixed, Format::F32, Format::F64] {
             let mut session = Session::default();
-            let here = run(
+            let on_host = run(
                 &mut |frame| {
                     let answer = session.answer(frame, &mut NoMeter).unwrap();
                     encode(&answer, frame).unwrap();
@@ -347,12 +350,12 @@ mod everything {
                 format,
             );
             let mut chip = emulator();
-            let there = run(&mut |frame| chip.exchange(frame).unwrap(), format);
-            let first = here.iter().zip(&there).position(|(a, b)| a != b);
+            let on_chip = run(&mut |frame| chip.exchange(frame).unwrap(), format);
+            let first = on_host.iter().zip(&on_chip).position(|(a, b)| a != b);
             assert_eq!(first, None, "{format:?}: first different tick");
-            // It has moved, and come back to its programmed end.
-            assert!(here.iter().any(|(_, [x, _])| x.to_m() > 0.0079));
-            assert_eq!(here.last().unwrap().1, [Position(0); 2]);
+            // It has moved and is at its programmed end.
+            assert!(on_host.iter().any(|(_, [x, _])| x.to_m() > 0.0079));
+            assert_eq!(on_host.last().unwrap().1, [Position(0); 2]);
         }
     }
 }

@@ -1,5 +1,5 @@
-//! `record` on the emulated core and `simulate` here write the same log, byte for byte; a core that does not answer ends
-//! the run.
+//! `record` on the emulated core writes the same log as `simulate`, byte for byte; a core that does not reply ends the
+//! run.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
@@ -9,7 +9,7 @@ use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// Once there and back, and a quarter of a circle: half a second, 2,000 ticks.
+/// A line forth and back, and a quarter of a circle: half a second, 2,000 ticks.
 const MOTION: &str = r#"name = "short"
 feed_mm_per_min = 3000.0
 acceleration_m_per_s2 = 2.0
@@ -25,8 +25,8 @@ line_to_mm = { x = 5.0, y = 0.0 }
 arc = { plane = ["x", "y"], centre_mm = { x = 0.0, y = 0.0 }, turns = 0.25 }
 "#;
 
-/// Runs `lost-motion` in a folder and gives what it printed.
-fn done(folder: &Path, arguments: &[&str]) -> String {
+/// Runs `lost-motion` in a folder, expects success, and gives its stdout.
+fn succeeds(folder: &Path, arguments: &[&str]) -> String {
     let output = Command::new(tests::program::lost_motion()).args(arguments).current_dir(folder).output();
     let output = output.unwrap();
     assert!(output.status.success(), "{arguments:?}: {}", String::from_utf8_lossy(&output.stderr));
@@ -43,18 +43,18 @@ fn the_emulated_core_writes_the_log_of_the_simulation() {
         let file = machines.join(name);
         let run = |command: &[&str], out| {
             let files = ["--machine", file.to_str().unwrap(), "--motion", "motion.toml", "--out", out];
-            let said = done(folder.path(), &[command, &files].concat());
-            (said, fs::read(folder.path().join(out)).unwrap())
+            let stdout = succeeds(folder.path(), &[command, &files].concat());
+            (stdout, fs::read(folder.path().join(out)).unwrap())
         };
-        let (_, here) = run(&["simulate"], "here.csv");
-        let (said, there) = run(&["record", "--port", &port], "there.csv");
-        assert!(here == there, "{name}: the logs differ");
-        assert!(here.len() > 10_000, "{name}: {} bytes are no log of half a second", here.len());
-        assert!(said.contains("instructions in the median"), "{said}");
+        let (_, simulated) = run(&["simulate"], "simulated.csv");
+        let (stdout, recorded) = run(&["record", "--port", &port], "recorded.csv");
+        assert!(simulated == recorded, "{name}: the logs differ");
+        assert!(simulated.len() > 10_000, "{name}: {} bytes are too few for half a second", simulated.len());
+        assert!(stdout.contains("instructions in the median"), "{stdout}");
     }
 }
 
-/// Half an hour of standing still: it is under way whenever it is looked at.
+/// Half an hour of standstill, which does not end during the test.
 const LONG: &str = r#"name = "long"
 feed_mm_per_min = 3000.0
 acceleration_m_per_s2 = 2.0
@@ -64,10 +64,10 @@ start_mm = { x = 5.0, y = 0.0 }
 dwell_s = 1800.0
 "#;
 
-/// How long the tests let an answer take.
+/// Timeout of a reply in these tests.
 const TIMEOUT_S: f64 = 1.5;
 
-/// A folder whose `bin/qemu-system-arm` writes its process number to `pid` and becomes another command.
+/// A folder whose `bin/qemu-system-arm` writes its process id to `pid` and executes another command.
 struct StandIn {
     folder: tempfile::TempDir,
     path: String,
@@ -99,9 +99,9 @@ impl StandIn {
         command
     }
 
-    /// The process that it has become, once it has.
+    /// The process id of the command; waits until it runs.
     fn pid(&self) -> u32 {
-        waited_for(|| fs::read_to_string(self.folder.path().join("pid")).ok()?.trim().parse().ok())
+        wait_for(|| fs::read_to_string(self.folder.path().join("pid")).ok()?.trim().parse().ok())
     }
 
     fn outputs(&self) -> Vec<PathBuf> {
@@ -109,61 +109,61 @@ impl StandIn {
         entries.map(|entry| entry.unwrap().path()).collect()
     }
 
-    /// Asserts that the run ended with 1, one line that says what did not answer, and nothing left.
-    fn assert_given_up(&self, output: &Output) {
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(1), "{said}");
+    /// Asserts exit code 1, a message about the emulator that does not reply, no output and no process.
+    fn assert_timed_out(&self, output: &Output) {
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(1), "{stderr}");
         let line =
             format!("the emulator has not answered for {TIMEOUT_S} s and was ended; check that its program");
-        let last = said.trim_end().lines().last().unwrap();
-        assert!(last.starts_with("lost-motion: ") && last.contains(&line), "{said}");
+        let last = stderr.trim_end().lines().last().unwrap();
+        assert!(last.starts_with("lost-motion: ") && last.contains(&line), "{stderr}");
         assert!(self.outputs().is_empty(), "left behind: {:?}", self.outputs());
         let process = PathBuf::from(format!("/proc/{}", self.pid()));
         assert!(!process.exists(), "the emulator still runs");
     }
 }
 
-/// What `look` sees as soon as it sees something; waits for half a minute.
-fn waited_for<T>(mut look: impl FnMut() -> Option<T>) -> T {
+/// Polls until there is a value, for half a minute at most.
+fn wait_for<T>(mut poll: impl FnMut() -> Option<T>) -> T {
     let start = Instant::now();
     loop {
-        if let Some(seen) = look() {
-            return seen;
+        if let Some(value) = poll() {
+            return value;
         }
-        assert!(start.elapsed() < Duration::from_secs(30), "it does not come");
+        assert!(start.elapsed() < Duration::from_secs(30), "timeout");
         sleep(Duration::from_millis(10));
     }
 }
 
 #[test]
-fn an_emulator_that_never_answers_is_given_up() {
+fn an_emulator_that_never_replies_times_out() {
     let stand_in = StandIn::new("cat 3>&1 > /dev/null");
     let program = stand_in.folder.path().join("motion.toml");
     let start = Instant::now();
     let output = stand_in.record(&program).output().unwrap();
-    stand_in.assert_given_up(&output);
-    // It waits as long as it was told; the rest is the start of two programs on a busy computer.
+    stand_in.assert_timed_out(&output);
+    // The timeout, and the start of two programs on a busy computer.
     let waited_s = start.elapsed().as_secs_f64();
     assert!((TIMEOUT_S..TIMEOUT_S + 20.0).contains(&waited_s), "{waited_s}");
 }
 
 #[test]
-fn an_emulator_that_stops_on_the_way_is_given_up() {
+fn an_emulator_that_stops_during_a_run_times_out() {
     let found = std::env::split_paths(&std::env::var_os("PATH").unwrap())
         .map(|folder| folder.join("qemu-system-arm"))
         .find(|path| path.is_file())
         .expect("qemu-system-arm is installed");
     let stand_in = StandIn::new(&format!("'{}' \"$@\"", found.display()));
     let recording = stand_in.record(&tests::firmware::built("emulated")).spawn().unwrap();
-    // The log is begun once the controller at the other end is set up: it has answered.
-    waited_for(|| stand_in.outputs().first().cloned());
+    // The log is created when the controller on the emulator is set up.
+    wait_for(|| stand_in.outputs().first().cloned());
     let stopped = Command::new("kill").args(["-STOP", &stand_in.pid().to_string()]).status().unwrap();
     assert!(stopped.success());
-    stand_in.assert_given_up(&recording.wait_with_output().unwrap());
+    stand_in.assert_timed_out(&recording.wait_with_output().unwrap());
 }
 
 #[test]
-fn a_timeout_that_is_none_is_refused() {
+fn an_invalid_timeout_is_refused() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("motion.toml"), MOTION).unwrap();
     for seconds in ["0", "-1", "nan", "1e9"] {
@@ -173,8 +173,8 @@ fn a_timeout_that_is_none_is_refused() {
             .current_dir(folder.path())
             .output()
             .unwrap();
-        let said = String::from_utf8_lossy(&output.stderr);
-        assert_eq!(output.status.code(), Some(2), "{said}");
-        assert!(said.contains("--timeout-s: expected seconds above 0 and up to 3600, found"), "{said}");
+        let stderr = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(2), "{stderr}");
+        assert!(stderr.contains("--timeout-s: expected seconds above 0 and up to 3600, found"), "{stderr}");
     }
 }

@@ -1,8 +1,7 @@
-//! The stack fits the chip, with the static data beside it: read from the bytes that go to the chip.
+//! Stack and static data fit the RAM of the chip: a static analysis of the linked program.
 //!
-//! A stack that grows into the static data, or below the RAM, is seen by nobody before the chip stops, and the
-//! emulated core has so much RAM that it hides it. So the linked program is taken apart: what each function takes
-//! from the stack pointer is summed over the calls.
+//! A stack that grows into the static data or below the RAM is not noticed before the chip fails, and the emulated core
+//! has too much RAM to show it. Therefore the frames of the functions are summed over all chains of calls.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -15,26 +14,26 @@ use tests::firmware::{FLASH, RAM, SELF_CALLS, TICK};
 /// Bytes of the main RAM of the chip.
 const RAM_BYTES: u32 = RAM.end - RAM.start;
 
-/// What has to stay free, bytes: an eighth of the RAM, for a compiler of tomorrow that inlines otherwise.
+/// Free RAM that must remain, bytes: an eighth of it, for other inlining by later compilers.
 const RESERVE_BYTES: u32 = RAM_BYTES / 8;
 
-/// The least that the tick takes: registers of the caller (r4 to r11, lr, d8 to d15) and the forces and duties of
-/// two axes. Less would mean that the walk has lost its way.
-const LEAST_TICK_BYTES: u32 = 100;
+/// Lower bound of the tick: saved registers (r4 to r11, lr, d8 to d15) and forces and duties of two axes. Less would
+/// mean that the analysis is incomplete.
+const MIN_TICK_BYTES: u32 = 100;
 
-/// The linked program, and how many bytes of RAM its static data and its deepest stack take together.
-fn taken(program: &str, flash: u32) -> (Image, Vectors, [u32; 2]) {
+/// The linked program, its vector table, and the bytes of its static data and of its deepest stack.
+fn ram_use(program: &str, flash: u32) -> (Image, Vectors, [u32; 2]) {
     let path = tests::firmware::built(program);
     let image = Image::read(&fs::read(&path).expect("cargo has just built it"));
     let vectors = Vectors::read(&image, flash);
     let worst = vectors.worst_case(&image, &SELF_CALLS).unwrap_or_else(|obstacles| {
         let lines: Vec<_> = obstacles.iter().map(|obstacle| obstacle.describe(&image)).collect();
-        panic!("{program}: its stack cannot be known: {lines:#?}")
+        panic!("{program}: its stack depth is unknown: {lines:#?}")
     });
     let data: u32 = image.data.iter().map(|range| range.end - range.start).sum();
     println!("{program}:\n{}", worst.report(&image));
     println!(
-        "{} B of stack and {data} B of static data: {} B of {RAM_BYTES} B are free, {RESERVE_BYTES} B have to be",
+        "{} B of stack and {data} B of static data: {} B of {RAM_BYTES} B are free, {RESERVE_BYTES} B must be",
         worst.bytes(),
         i64::from(RAM_BYTES) - i64::from(worst.bytes() + data)
     );
@@ -44,13 +43,14 @@ fn taken(program: &str, flash: u32) -> (Image, Vectors, [u32; 2]) {
 
 #[test]
 fn stack_and_static_data_of_the_board_fit_its_ram() {
-    let (image, vectors, [data, stack]) = taken("board", FLASH);
+    let (image, vectors, [data, stack]) = ram_use("board", FLASH);
     let tick = vectors.handler(TICK);
     let tick = Depths::new(&image, &[tick], &[]).expect("known above").below(tick);
-    assert!(tick.bytes() >= LEAST_TICK_BYTES, "a tick of {} B", tick.bytes());
+    assert!(tick.bytes() >= MIN_TICK_BYTES, "a tick of {} B", tick.bytes());
     assert!(stack >= tick.bytes() + EXCEPTION_FRAME);
     assert!(data + stack + RESERVE_BYTES <= RAM_BYTES, "{data} B of static data, {stack} B of stack");
-    // And they lie in it: the stack grows down from its start to the static data below it, or out of the RAM.
+    // Both are within the RAM: the stack grows down from its start to the static data below it, or to the end of the
+    // RAM.
     let inside = RAM.start..=RAM.end;
     assert!(image.data.iter().all(|range| inside.contains(&range.start) && inside.contains(&range.end)));
     assert!(inside.contains(&vectors.initial_sp));
@@ -58,14 +58,14 @@ fn stack_and_static_data_of_the_board_fit_its_ram() {
     assert!(stack + RESERVE_BYTES <= vectors.initial_sp - floor, "{stack} B above {floor:#x}");
 }
 
-/// The core is emulated to show what the board does: its program is held against the same RAM.
+/// The emulated core stands for the board: its program must fit the same RAM.
 #[test]
-fn stack_and_static_data_of_the_emulated_core_would_fit_the_same_ram() {
-    let (_, _, [data, stack]) = taken("emulated", 0);
+fn stack_and_static_data_of_the_emulated_core_fit_the_same_ram() {
+    let (_, _, [data, stack]) = ram_use("emulated", 0);
     assert!(data + stack + RESERVE_BYTES <= RAM_BYTES, "{data} B of static data, {stack} B of stack");
 }
 
-/// A program put together by hand at 0x1000, a function for each slice of halfwords.
+/// A program by hand at 0x1000, with a function for each slice of halfwords.
 fn by_hand(functions: &[&[u16]]) -> Image {
     let mut image = Image { marks: BTreeMap::from([(0x1000, true)]), ..Image::default() };
     let mut bytes = Vec::new();
@@ -87,7 +87,7 @@ fn depth(functions: &[&[u16]]) -> Result<u32, Vec<Obstacle>> {
 const LEAF: &[u16] = &[0x4770]; // bx lr
 
 #[test]
-fn frames_add_up_along_the_deepest_calls() {
+fn frames_are_summed_along_the_deepest_chain() {
     let outer: &[u16] = &[
         0xb5f0, //         push {r4-r7, lr}: 20
         0xf5ad, 0x3db1, // sub.w sp, sp, #90624
@@ -105,39 +105,39 @@ fn frames_add_up_along_the_deepest_calls() {
         0x4770, //         bx lr
     ];
     assert_eq!(depth(&[outer, shallow, deep]), Ok(20 + 90_624 + 16 + 65_536 + 0x9440));
-    // Without the call of the deepest one.
+    // Without the call of the deepest function.
     let mut without = outer.to_vec();
     without[5..7].copy_from_slice(&[0xbf00, 0xbf00]);
     assert_eq!(depth(&[&without, shallow, deep]), Ok(20 + 90_624 + 8));
 }
 
 #[test]
-fn what_makes_a_depth_unknown_is_named() {
+fn every_obstacle_is_reported() {
     let unknown = |functions: &[&[u16]]| depth(functions).expect_err("unknown");
     // blx r3
     assert_eq!(unknown(&[&[0x4798, 0x4770]]), [Obstacle::Indirect(0x1000)]);
-    // b.n beyond the last function
-    assert_eq!(unknown(&[&[0xe07e]]), [Obstacle::Lost(0x1000)]);
+    // b.n to an address after the last function
+    assert_eq!(unknown(&[&[0xe07e]]), [Obstacle::NoFunction(0x1000)]);
     // mov sp, r7
     assert_eq!(unknown(&[&[0xbf00, 0x46bd, 0x4770]]), [Obstacle::Unknown(0x1002)]);
-    // sub.w sp, sp, r4 of a register that has no constant
+    // sub.w sp, sp, r4 without a constant in r4
     assert_eq!(unknown(&[&[0xbf00, 0xebad, 0x0d04]]), [Obstacle::Unknown(0x1002)]);
     // push {r0}, and a branch back to it
     assert_eq!(unknown(&[&[0xbf00, 0xb401, 0xd1fd, 0x4770]]), [Obstacle::Looped(0x1002)]);
     // bl to itself
     assert_eq!(unknown(&[&[0xf7ff, 0xfffe, 0x4770]]), [Obstacle::Recursion(vec![0x1000])]);
-    // The same, said to end with its third frame: push {r4-r7, lr} and bl.
+    // The same with a limit of three frames: push {r4-r7, lr} and bl.
     let image = by_hand(&[&[0xb5f0, 0xf7ff, 0xfffd, 0xbdf0]]);
     let three = Depths::new(&image, &[0x1000], &[SelfCall { name: "f0", frames: 3 }]).expect("an end");
     assert_eq!(three.below(0x1000).bytes(), 3 * 20);
-    // f0 calls f1, which calls f0, and a leaf that is in no ring
+    // f0 calls f1, which calls f0, and a leaf outside of the recursion
     let ring: [&[u16]; 3] = [&[0xf000, 0xf800], &[0xf7ff, 0xfffc, 0xf000, 0xf800], LEAF];
     assert_eq!(unknown(&ring), [Obstacle::Recursion(vec![0x1000, 0x1004])]);
 }
 
-/// Exceptions stand on each other: thread 8, an interrupt 8, the hard fault nothing, the non-maskable one nothing.
+/// Nested exceptions, each with the frame that the core pushes.
 #[test]
-fn exceptions_stand_on_each_other_with_what_the_core_pushes() {
+fn exceptions_are_nested_with_the_frames_of_the_core() {
     let mut image = by_hand(&[&[0xb510, 0xbd10], &[0xb5f0, 0xbdf0], LEAF]);
     let words = [0x2000_8000u32, 0x1001, 0x1009, 0x1009, 0x1009, 0x1005, 0];
     let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();

@@ -11,7 +11,7 @@ use firmware::board::drives_off;
 mod app {
     use firmware::board::Hardware;
     use firmware::setup::AXES;
-    use shared::drive::Station;
+    use shared::drive::DriveSystem;
     use shared::machine::Machine;
     use shared::scalar::Fixed;
 
@@ -21,44 +21,44 @@ mod app {
     #[local]
     struct Local {
         hardware: Hardware,
-        station: Station<'static, Fixed, AXES>,
+        system: DriveSystem<'static, Fixed, AXES>,
     }
 
     #[init(local = [machine: Machine<Fixed, AXES> = Machine::UNCONFIGURED])]
     fn init(context: init::Context) -> (Shared, Local) {
-        let (hardware, station) = Hardware::new(context.device, context.local.machine)
-            .expect("a test on the host has tried these values");
-        (Shared {}, Local { hardware, station })
+        let (hardware, system) = Hardware::new(context.device, context.local.machine)
+            .expect("the values are verified by a test on the host");
+        (Shared {}, Local { hardware, system })
     }
 
-    #[task(binds = TIM2, local = [hardware, station])]
+    #[task(binds = TIM2, local = [hardware, system])]
     fn tick(context: tick::Context) {
-        let tick::LocalResources { hardware, station, .. } = context.local;
+        let tick::LocalResources { hardware, system, .. } = context.local;
         hardware.begin_tick();
-        station.tick(hardware);
+        system.tick(hardware);
     }
 }
 
-/// A panic, which only the start can reach: drives off, until the watchdog or a hand resets the chip.
+/// A panic, possible only during start-up: drives off until a reset by the watchdog or by hand.
 #[panic_handler]
 fn panic(_: &PanicInfo) -> ! {
     stop()
 }
 
-/// What the processor itself refuses. Its default would leave the drives as they are.
+/// A processor fault. The default handler would leave the drives as they are.
 #[exception]
 unsafe fn HardFault(_: &ExceptionFrame) -> ! {
     stop()
 }
 
-/// The crystal has failed: the clock security system has put the chip on its slow clock, and its break has stopped the
-/// PWM.
+/// Failure of the crystal: the clock security system has switched to the internal oscillator and has stopped the PWM by its
+/// break.
 #[exception]
 unsafe fn NonMaskableInt() -> ! {
     stop()
 }
 
-/// An interrupt or exception that nobody handles.
+/// An interrupt or exception without a handler.
 #[exception]
 unsafe fn DefaultHandler(_: i16) -> ! {
     stop()

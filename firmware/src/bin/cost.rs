@@ -19,11 +19,11 @@ fn main() -> ! {
     stop()
 }
 
-/// Prints the table. `None` where the machine has refused its settings or its motion.
+/// Prints the table. `None` if the machine rejects its settings or does not complete the motion.
 fn run() -> Option<()> {
     let meter = InstructionMeter::new(cortex_m::Peripherals::take()?.SYST);
     let mut counter = Counter::new(meter);
-    counter.head();
+    counter.print_header();
     of_the_path(&mut counter)?;
     of_the_tick::<Fixed>(&mut counter)?;
     of_the_tick::<f32>(&mut counter)?;
@@ -37,7 +37,7 @@ fn panic(info: &PanicInfo) -> ! {
     stop()
 }
 
-/// The emulator has ended by now.
+/// Not reached: the emulator has ended.
 fn stop() -> ! {
     loop {
         cortex_m::asm::wfi();

@@ -1,6 +1,6 @@
 //! The controller on an emulated Cortex-M4F, in step with a host: one frame in, one frame out.
 //!
-//! See `docs/firmware.md` for how QEMU is to be started.
+//! `docs/firmware.md` describes how to start QEMU.
 #![no_std]
 #![no_main]
 
@@ -19,7 +19,7 @@ fn main() -> ! {
     stop()
 }
 
-/// Answers orders until the host ends the run. `None` where it is gone before that.
+/// Answers orders until the host ends the run. `None` if the connection is lost before.
 fn run() -> Option<()> {
     let mut host = Host::open()?;
     let mut meter = InstructionMeter::new(cortex_m::Peripherals::take()?.SYST);
@@ -41,7 +41,7 @@ fn panic(_: &PanicInfo) -> ! {
     stop()
 }
 
-/// The emulator has ended by now.
+/// Not reached: the emulator has ended.
 fn stop() -> ! {
     loop {
         cortex_m::asm::wfi();

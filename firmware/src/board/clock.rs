@@ -1,4 +1,4 @@
-//! The clock and its watch, and how the chip came to start.
+//! The clock with its supervision, and the cause of the last reset.
 
 use shared::safety::Fault;
 use stm32f4xx_hal::pac::RCC;
@@ -7,8 +7,8 @@ use stm32f4xx_hal::rcc::{Config, Rcc};
 
 use crate::setup;
 
-/// 168 MHz of the crystal, with the clock security system on: a crystal that fails stops the PWM by the break of its
-/// timer and raises the NMI, instead of slowing down ticks and watchdog feeding alike.
+/// Sets the clock to 168 MHz from the crystal, with the clock security system on: a failure of the crystal stops the PWM by
+/// the break of its timer and raises the NMI, instead of slowing down the ticks together with the watchdog feeding.
 ///
 /// Waits for the crystal. To be called with the power stages off.
 pub fn set_up(rcc: Rcc) -> Rcc {
@@ -17,8 +17,8 @@ pub fn set_up(rcc: Rcc) -> Rcc {
     rcc
 }
 
-/// Why the run before ended, where it did not by power or by hand. The flags are cleared for the next start.
-pub fn ended_by(rcc: &RCC) -> Option<Fault> {
+/// The fault that ended the previous run, if it was a watchdog reset. Clears the reset flags.
+pub fn previous_fault(rcc: &RCC) -> Option<Fault> {
     let cause = rcc.csr().read();
     rcc.csr().modify(|_, w| w.rmvf().set_bit());
     let watchdog = cause.wdgrstf().bit_is_set() || cause.wwdgrstf().bit_is_set();

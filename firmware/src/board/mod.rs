@@ -6,7 +6,7 @@ mod stage;
 mod tick;
 
 use shared::axis::Reading;
-use shared::drive::{Board, Duty, Station};
+use shared::drive::{Board, DriveSystem, Duty};
 use shared::machine::Machine;
 use shared::scalar::Fixed;
 use stm32f4xx_hal::gpio::{Input, Output, PB15, PC13, PinState, Pull};
@@ -19,7 +19,7 @@ use quadrature::Quadrature;
 use stage::{Pins, Stages};
 use tick::TickTimer;
 
-/// The pins and timers that a tick uses.
+/// The pins and timers of a tick.
 pub struct Hardware {
     x: Quadrature<TIM3>,
     y: Quadrature<TIM4>,
@@ -31,30 +31,30 @@ pub struct Hardware {
 }
 
 impl Hardware {
-    /// Sets clocks, pins and timers up, makes the machine, and starts ticks, drives off.
+    /// Initialises clocks, pins and timers, configures the machine, and starts the ticks with the drives off.
     ///
     /// # Errors
-    /// The [`SetupError`] of a value in [`setup`] that is wrong.
+    /// [`SetupError`] for an invalid value in [`setup`].
     pub fn new(
         device: Peripherals,
         machine: &'static mut Machine<Fixed, AXES>,
-    ) -> Result<(Self, Station<'static, Fixed, AXES>), SetupError> {
+    ) -> Result<(Self, DriveSystem<'static, Fixed, AXES>), SetupError> {
         let mut rcc = device.RCC.constrain();
-        // First of all, before the crystal is waited for: the stages are off.
+        // First of all, before waiting for the crystal: disable the stages.
         let b = device.GPIOB.split(&mut rcc);
         let enable = b.pb14.into_push_pull_output_in_state(PinState::Low);
-        let ended_by = clock::ended_by(&rcc);
+        let previous_fault = clock::previous_fault(&rcc);
 
         let mut rcc = clock::set_up(rcc);
         let (a, c) = (device.GPIOA.split(&mut rcc), device.GPIOC.split(&mut rcc));
         let pins =
             Pins { enable, directions: (c.pc6.into_push_pull_output(), c.pc7.into_push_pull_output()) };
-        // A broken wire stops.
+        // With the pull-down, a broken wire stops the drives.
         let stop = b.pb12.into_alternate().internal_resistor(Pull::Down);
-        let of_timer = (a.pa8.into_alternate(), a.pa9.into_alternate(), stop);
-        let stages = Stages::new(device.TIM1, pins, of_timer, &mut rcc);
+        let timer_pins = (a.pa8.into_alternate(), a.pa9.into_alternate(), stop);
+        let stages = Stages::new(device.TIM1, pins, timer_pins, &mut rcc);
 
-        // An open input does not wander.
+        // Pull-ups: an open input does not float.
         let _ = (
             a.pa6.into_alternate::<2>().internal_resistor(Pull::Up),
             a.pa7.into_alternate::<2>().internal_resistor(Pull::Up),
@@ -64,10 +64,10 @@ impl Hardware {
         let [x, y] = setup::METRES_PER_COUNT;
         let (x, y) = (Quadrature::new(device.TIM3, x, &mut rcc)?, Quadrature::new(device.TIM4, y, &mut rcc)?);
 
-        let station = setup::station(machine, stages.full_counts(), ended_by)?;
+        let system = setup::drive_system(machine, stages.full_counts(), previous_fault)?;
 
         let tick_timer = TickTimer::new(device.TIM2, &mut rcc);
-        // A hundred ticks or more: resets the chip, and the stages with it, when ticks stay away.
+        // 10 ms, at least a hundred ticks: without ticks the watchdog resets the chip, and the stages with it.
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.start(10.millis());
 
@@ -75,16 +75,16 @@ impl Hardware {
             x,
             y,
             stages,
-            // A broken wire reads as open.
+            // With the pull-down, a broken wire reads as open.
             enable_switch: b.pb15.into_pull_down_input(),
             fault_light: c.pc13.into_push_pull_output_in_state(PinState::High),
             tick_timer,
             watchdog,
         };
-        Ok((hardware, station))
+        Ok((hardware, system))
     }
 
-    /// What has to be done first in a tick, while the period of the PWM is young.
+    /// The first step of a tick, at the start of the PWM period.
     pub fn begin_tick(&mut self) {
         self.stages.begin_period();
         self.tick_timer.acknowledge();
@@ -97,11 +97,11 @@ impl Board<AXES> for Hardware {
         [self.x.position(), self.y.position()].map(|motor| Reading { motor, table: None })
     }
 
-    fn switch_closed(&mut self) -> bool {
+    fn enable_switch_closed(&mut self) -> bool {
         self.enable_switch.is_high()
     }
 
-    fn is_stopped(&mut self) -> bool {
+    fn hardware_stop_active(&mut self) -> bool {
         self.stages.are_stopped()
     }
 
@@ -114,16 +114,16 @@ impl Board<AXES> for Hardware {
     }
 
     fn set_light(&mut self, lit: bool) {
-        // The light hangs between the pin and the supply.
+        // The light is connected between the pin and the supply: active low.
         self.fault_light.set_state((!lit).into());
     }
 
-    fn is_late(&mut self) -> bool {
+    fn next_tick_due(&mut self) -> bool {
         self.tick_timer.is_due()
     }
 }
 
-/// Cuts the power stages from anywhere, whatever state the program is in.
+/// Disables the power stages from any context and in any state of the program.
 pub fn drives_off() {
     Stages::cut();
 }

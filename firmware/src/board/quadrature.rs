@@ -9,20 +9,21 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use crate::setup::SetupError;
 
-/// A counter in encoder mode, and what makes a position of it.
+/// A counter in encoder mode, and its conversion to a position.
 pub struct Quadrature<Timer> {
     timer: Timer,
     encoder: Encoder,
 }
 
 impl<Timer: Deref<Target = RegisterBlock> + Enable + Reset> Quadrature<Timer> {
-    /// Starts the counter; position zero is where the encoder stands. The pins have to be the timer's already.
+    /// Starts the counter, with position zero at the present position of the encoder. The pins must already be assigned to
+    /// the timer.
     ///
-    /// An edge counts once eight samples at 42 MHz agree: 190 ns, so that spikes of the PWM do not count and 2.6 million
-    /// counts a second do.
+    /// The input filter accepts an edge after eight equal samples at 42 MHz, 190 ns: it suppresses spikes of the PWM and
+    /// allows 2.6 million counts per second.
     ///
     /// # Errors
-    /// [`SetupError::Encoder`] where a count is not from 1 pm to 1 mm, either way.
+    /// [`SetupError::Encoder`] unless the magnitude of a count is 1 pm to 1 mm.
     pub fn new(timer: Timer, metres_per_count: f64, rcc: &mut Rcc) -> Result<Self, SetupError> {
         Timer::enable(rcc);
         Timer::reset(rcc);
@@ -38,7 +39,7 @@ impl<Timer: Deref<Target = RegisterBlock> + Enable + Reset> Quadrature<Timer> {
         Ok(Self { encoder: encoder.ok_or(SetupError::Encoder)?, timer })
     }
 
-    /// Where the motor is.
+    /// The motor position.
     pub fn position(&mut self) -> Position {
         self.encoder.read(self.timer.cnt().read().cnt().bits())
     }

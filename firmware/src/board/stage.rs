@@ -1,10 +1,10 @@
 //! The power stages: PWM of TIM1, direction pins and the enable pin.
 //!
-//! TIM1 is set up register by register: a library that knows only PWM leaves the outputs to come on by themselves
-//! after a break (AOE), and lets their pins float while they are off (OSSI).
+//! TIM1 is configured by its registers: PWM drivers of libraries let the outputs restart automatically after a break (AOE)
+//! and let the pins float while the outputs are off (OSSI).
 //!
-//! The pulse lies at the end of a period (PWM mode 2), and a direction pin is set in the first microsecond of the
-//! period in which its duty acts: pin and pulse belong together, whatever the duty.
+//! The pulse is at the end of the period (PWM mode 2), and a direction pin is set in the first microsecond of the period in
+//! which its duty takes effect: direction and pulse match for any duty.
 
 use shared::drive::Duty;
 use stm32f4xx_hal::gpio::{Alternate, Output, PA8, PA9, PB12, PB14, PC6, PC7};
@@ -13,16 +13,16 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use crate::setup::{self, AXES};
 
-/// The pins that the program switches.
+/// The pins that are switched by the program.
 pub struct Pins {
-    /// Enable of both, high: on.
+    /// Enable input of both stages, active high.
     pub enable: PB14<Output>,
     /// High for a negative force.
     pub directions: (PC6<Output>, PC7<Output>),
 }
 
-/// The pins that the timer has, proof that they are its own: PWM, and the break input, which cuts the PWM in hardware
-/// while it is low.
+/// The pins of the timer: two PWM outputs, and the break input, which stops the PWM in hardware while it is low. Their types
+/// prove that they are assigned to the timer.
 pub type TimerPins = (PA8<Alternate<1>>, PA9<Alternate<1>>, PB12<Alternate<1>>);
 
 /// Both power stages.
@@ -31,7 +31,7 @@ pub struct Stages {
     pins: Pins,
     full_counts: u16,
     enabled: bool,
-    /// Directions of the duties that act from the next period on.
+    /// Directions of the duties that take effect in the next period.
     reverse: [bool; AXES],
 }
 
@@ -39,8 +39,8 @@ impl Stages {
     /// Starts the PWM with its outputs off and low.
     ///
     /// # Panics
-    /// Where the PWM frequency leaves no counts or more than 65,535: both are constants.
-    pub fn new(timer: TIM1, pins: Pins, _of_timer: TimerPins, rcc: &mut Rcc) -> Self {
+    /// If a PWM period is not 1 to 65,535 counts. Clock and PWM frequency are constants.
+    pub fn new(timer: TIM1, pins: Pins, _timer_pins: TimerPins, rcc: &mut Rcc) -> Self {
         TIM1::enable(rcc);
         TIM1::reset(rcc);
         let period = rcc.clocks.timclk2().raw() / setup::PWM_HZ;
@@ -51,14 +51,14 @@ impl Stages {
             w.oc1m().pwm_mode2().oc1pe().set_bit();
             w.oc2m().pwm_mode2().oc2pe().set_bit()
         });
-        // Beyond the period: never reached, no pulse.
+        // A compare value beyond the period gives no pulse.
         timer.ccr1().write(|w| w.ccr().set(full_counts));
         timer.ccr2().write(|w| w.ccr().set(full_counts));
         timer.ccer().write(|w| w.cc1e().set_bit().cc2e().set_bit());
-        // Idle outputs are low (OIS of CR2); each update is told to the timer of the ticks.
+        // Idle outputs are low (OIS of CR2). Each update triggers the timer of the ticks.
         timer.cr2().write(|w| w.mms().update());
-        // Off until the program sets MOE, and off again by a low break input or a failed clock; never on by itself. The
-        // second level of the lock holds all of it but MOE, and the polarities, until the next reset.
+        // Outputs are off until the program sets MOE, and are switched off by a low break input or a clock failure; they
+        // never switch on by themselves. Lock level 2 protects these bits (except MOE) and the polarities until a reset.
         timer.bdtr().write(|w| {
             w.bke().set_bit().bkp().clear_bit().aoe().clear_bit().moe().clear_bit();
             w.ossr().set_bit().ossi().set_bit().lock().level2()
@@ -74,21 +74,21 @@ impl Stages {
         self.full_counts
     }
 
-    /// To be called at the start of a period: sets the directions that belong to its duties.
+    /// Sets the directions that belong to the duties of this period. To be called at its start.
     pub fn begin_period(&mut self) {
         let [x, y] = self.reverse;
         self.pins.directions.0.set_state(x.into());
         self.pins.directions.1.set_state(y.into());
     }
 
-    /// Duties and directions from the next period on: the compare registers are buffered until then.
+    /// Sets duties and directions for the next period; the compare registers are buffered.
     pub fn set(&mut self, [x, y]: [Duty; AXES]) {
         self.timer.ccr1().write(|w| w.ccr().set(self.full_counts - x.counts.min(self.full_counts)));
         self.timer.ccr2().write(|w| w.ccr().set(self.full_counts - y.counts.min(self.full_counts)));
         self.reverse = [x.reverse, y.reverse];
     }
 
-    /// Enables the stages or cuts them, at once.
+    /// Enables or disables the stages immediately.
     pub fn set_enabled(&mut self, enabled: bool) {
         if enabled != self.enabled {
             self.timer.bdtr().modify(|_, w| w.moe().bit(enabled));
@@ -97,8 +97,7 @@ impl Stages {
         }
     }
 
-    /// Whether the break has acted since the last call, or still does: the flag cannot be cleared as long as the
-    /// input is low.
+    /// Whether the break has been active since the last call. The flag cannot be cleared while the input is low.
     pub fn are_stopped(&mut self) -> bool {
         let stopped = self.timer.sr().read().bif().bit_is_set();
         if stopped {
@@ -107,9 +106,9 @@ impl Stages {
         stopped
     }
 
-    /// Cuts the stages from anywhere, whatever state the program is in.
+    /// Disables the stages from any context and in any state of the program.
     pub fn cut() {
-        // SAFETY: writes that only ever switch off, to a set-reset register and to the timer's main output enable.
+        // SAFETY: these writes to a set-reset register and to the main output enable can only switch off.
         let (port, timer) = unsafe { (&*pac::GPIOB::ptr(), &*TIM1::ptr()) };
         port.bsrr().write(|w| w.br14().set_bit());
         timer.bdtr().modify(|_, w| w.moe().clear_bit());

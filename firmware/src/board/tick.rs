@@ -1,13 +1,13 @@
-//! The tick: an interrupt of TIM2 at the start of each period of the PWM.
+//! The tick: an interrupt of TIM2 at the start of each PWM period.
 
 use stm32f4xx_hal::pac::TIM2;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use crate::setup;
 
-/// Counts by which the timer's own period is longer than the PWM's: while that runs its update comes first and starts
-/// the period anew. Were it to stand, ticks go on 1.5 % slower.
-const LONGER: u32 = 64;
+/// Counts by which the period of the timer exceeds the PWM period. While the PWM runs, its update resets the timer before
+/// that; if the PWM stops, the ticks continue 1.5 % slower.
+const EXTRA_COUNTS: u32 = 64;
 
 /// The timer of the ticks.
 pub struct TickTimer(TIM2);
@@ -18,7 +18,7 @@ impl TickTimer {
         TIM2::enable(rcc);
         TIM2::reset(rcc);
         let period = rcc.clocks.timclk1().raw() / setup::TICK_HZ;
-        timer.arr().write(|w| w.arr().set(period + LONGER - 1));
+        timer.arr().write(|w| w.arr().set(period + EXTRA_COUNTS - 1));
         timer.smcr().write(|w| w.ts().itr0().sms().reset_mode());
         timer.egr().write(|w| w.ug().set_bit());
         timer.sr().write(|w| w.uif().clear_bit());
@@ -27,12 +27,12 @@ impl TickTimer {
         Self(timer)
     }
 
-    /// Acknowledges the interrupt: what is due at the end of the tick is the next one.
+    /// Clears the interrupt flag. If it is set again during the tick, the next tick is due.
     pub fn acknowledge(&mut self) {
         self.0.sr().write(|w| w.uif().clear_bit());
     }
 
-    /// Whether a tick is due.
+    /// Whether the next tick is due.
     pub fn is_due(&self) -> bool {
         self.0.sr().read().uif().bit_is_set()
     }

@@ -8,16 +8,16 @@ use shared::session::Meter;
 use super::motion::TICKS;
 use crate::emulated::InstructionMeter;
 
-/// The counts of one part, one a tick.
+/// Counts the instructions of one part at a time.
 pub struct Counter {
     meter: InstructionMeter,
     counts: [u32; TICKS],
-    /// Of a part that gives its input back: the opaque calls round a part cost a few themselves.
+    /// Count of a part that returns its input: that of the calls around a part.
     overhead: u32,
 }
 
 impl Counter {
-    /// Counts nothing once, to take that off everything else.
+    /// Measures the overhead, which is subtracted from every count.
     #[must_use]
     pub fn new(meter: InstructionMeter) -> Self {
         let mut counter = Self { meter, counts: [0; TICKS], overhead: 0 };
@@ -25,21 +25,21 @@ impl Counter {
         counter
     }
 
-    /// Prints the head of the table.
-    pub fn head(&self) {
+    /// Prints the header of the table.
+    pub fn print_header(&self) {
         hprintln!("{:<26} {:<6} {:>7} {:>7} {:>8}", "part", "format", "median", "worst", "worst/");
         hprintln!("{:<26} {:<6} {:>7} {:>7} {:>8}", "", "", "", "", "median");
     }
 
-    /// Counts a part and prints its line.
+    /// Counts a part over its inputs and prints its row.
     pub fn part<T, R>(&mut self, name: &str, format: &str, inputs: &[T], part: impl FnMut(&T) -> R) {
         let Count { median, worst } = self.count(inputs, part);
         let percent = (worst * 100).checked_div(median).unwrap_or(0);
         hprintln!("{name:<26} {format:<6} {median:>7} {worst:>7} {:>5}.{:02}", percent / 100, percent % 100);
     }
 
-    /// The compiler may neither know an input, nor drop a result, nor move work past the clock: `black_box`
-    /// stands between, in that order. It keeps a state behind a pointer in memory, as a tick does.
+    /// `black_box` keeps the compiler from knowing an input, dropping a result or moving work across the measurement. It also
+    /// keeps the state in memory behind a pointer, as in a tick.
     #[inline(never)]
     fn count<T, R>(&mut self, inputs: &[T], mut part: impl FnMut(&T) -> R) -> Count {
         for (count, input) in self.counts.iter_mut().zip(inputs) {

@@ -1,8 +1,8 @@
-//! A motion of two axes, recorded once: what the parts are given.
+//! A motion of two axes, recorded once: the inputs of the parts.
 
 use shared::axis::Reading;
 use shared::compensate::CompensationSettings;
-use shared::compensate::settings::{Cycle, Of, Pitch, Points, Reversal, Straightness, Talk};
+use shared::compensate::settings::{Cycle, Pitch, PitchSource, Points, Reversal, Straightness, Talk};
 use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
 use shared::machine::{Machine, Output};
@@ -15,14 +15,14 @@ pub const AXES: usize = 2;
 /// Ticks of the motion, 0.4 s: the blocks take 0.36 s of it.
 pub const TICKS: usize = 8000;
 
-/// Every tick does everything.
+/// Rates: every tick is a position tick.
 pub const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
 
-/// Where the motion starts.
+/// Start of the motion.
 pub const START: [Position; AXES] = [Position(0); AXES];
 
-/// A line, a circle one way, a small circle the other way, a line of two axes, and a stop between: ramps and full
-/// feed, all reversals.
+/// A line, an arc, a smaller arc in the other direction, a dwell and a line of two axes: ramps, full feed, and reversals of both
+/// axes.
 pub const PROGRAM: [Block<AXES>; 5] = [
     line([0.003, 0.0]),
     arc([-0.002, 0.0], 1.25),
@@ -41,15 +41,15 @@ pub const fn line(to_m: [f64; AXES]) -> Block<AXES> {
     Block::line(to_m, FEED_M_PER_S, ACCELERATION_M_PER_S2).with_ramps(RAMPS)
 }
 
-/// An arc round a point.
+/// An arc around a point.
 #[must_use]
 pub const fn arc(centre_m: [f64; 2], turns: f64) -> Block<AXES> {
     Block::arc([0, 1], centre_m, turns, FEED_M_PER_S, ACCELERATION_M_PER_S2).with_ramps(RAMPS)
 }
 
-/// An axis with everything that the controller has, switched on.
+/// An axis with every law of the controller switched on.
 #[must_use]
-pub fn everything() -> AxisSettings {
+pub fn full_axis() -> AxisSettings {
     AxisSettings {
         law: Law::Hpc,
         position_gain_per_s: 60.0,
@@ -73,7 +73,7 @@ pub fn everything() -> AxisSettings {
     }
 }
 
-/// Every compensation that there is.
+/// Every compensation.
 #[must_use]
 pub fn all_compensations(axis: usize) -> CompensationSettings {
     let other = u8::from(axis == 0);
@@ -83,7 +83,7 @@ pub fn all_compensations(axis: usize) -> CompensationSettings {
         values: (0..21).map(|k| scale * f64::from(k % 5)).collect(),
     };
     CompensationSettings {
-        pitch: Some(Pitch { of: Of::Screw, forward: points(1e-6), backward: Some(points(1.5e-6)) }),
+        pitch: Some(Pitch { of: PitchSource::Screw, forward: points(1e-6), backward: Some(points(1.5e-6)) }),
         backlash_width_m: Some(3e-6),
         dividing: Some(Cycle::harmonic(1e-6, 2.5e-3, 0.3)),
         reversal: Some(Reversal { force_n: 30.0, decay_s: 0.01, fade_m_per_s: 0.05 }),
@@ -96,7 +96,7 @@ pub fn all_compensations(axis: usize) -> CompensationSettings {
     }
 }
 
-/// An axis to close the loop on: a mass on guides with friction, read by encoders. Not part of what is counted.
+/// A simulated axis: a mass on guides with friction, measured by encoders. Not counted.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct Axis {
     position_m: f64,
@@ -106,27 +106,27 @@ pub struct Axis {
 const MASS_KG: f64 = 200.0;
 const VISCOUS_N_S_PER_M: f64 = 1000.0;
 const COULOMB_N: f64 = 300.0;
-/// At this speed half of the Coulomb friction acts: it turns with the velocity without a jump.
+/// Speed at which half of the Coulomb friction acts: it reverses without a jump.
 const COULOMB_SPEED_M_PER_S: f64 = 1e-3;
 const STIFFNESS_N_PER_M: f64 = 150e6;
 const ENCODER_M: f64 = 50e-9;
 
 impl Axis {
-    /// Goes one tick on under a force, and reads: the motor turns on while the screw winds up.
-    fn moved(&mut self, force_n: f64) -> Reading {
+    /// The readings after a tick under a force. The motor is ahead of the table by the wind-up of the screw.
+    fn step(&mut self, force_n: f64) -> Reading {
         let speed = if self.velocity_m_per_s < 0.0 { -self.velocity_m_per_s } else { self.velocity_m_per_s };
         let coulomb = COULOMB_N * self.velocity_m_per_s / (COULOMB_SPEED_M_PER_S + speed);
         let tick = 1.0 / RATES.velocity_loop_hz;
         let accelerating = force_n - coulomb - VISCOUS_N_S_PER_M * self.velocity_m_per_s;
         self.velocity_m_per_s += accelerating / MASS_KG * tick;
         self.position_m += self.velocity_m_per_s * tick;
-        let motor = read(self.position_m + force_n / STIFFNESS_N_PER_M);
-        Reading { motor, table: Some(read(self.position_m)) }
+        let motor = quantised(self.position_m + force_n / STIFFNESS_N_PER_M);
+        Reading { motor, table: Some(quantised(self.position_m)) }
     }
 }
 
-/// What an encoder shows: whole steps.
-fn read(m: f64) -> Position {
+/// The reading of an encoder: whole steps.
+fn quantised(m: f64) -> Position {
     let steps = m / ENCODER_M;
     #[expect(clippy::cast_possible_truncation, reason = "millimetres")]
     let steps = if steps < 0.0 { (steps - 0.5) as i64 } else { (steps + 0.5) as i64 };
@@ -134,20 +134,20 @@ fn read(m: f64) -> Position {
     Position(steps * 52_428_800)
 }
 
-/// A machine with the program queued, asked to come on. `None` where it refuses what it is given.
+/// A machine with the program queued and the enable requested. `None` if it rejects a setting or a block.
 #[must_use]
 pub fn machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
-    let mut machine = Machine::new(RATES, &[everything(); AXES], START).ok()?;
+    let mut machine = Machine::new(RATES, &[full_axis(); AXES], START).ok()?;
     for axis in 0..AXES {
         machine.compensate(axis, &all_compensations(axis)).ok()?;
     }
     ready(machine, program)
 }
 
-/// The same with path, loops, dual feedback and watch alone.
+/// The same with path, loops, dual feedback and monitoring only.
 #[must_use]
 pub fn plain_machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
-    let axis = AxisSettings { notch: None, low_pass: None, smoothing: Smoothing::None, ..everything() };
+    let axis = AxisSettings { notch: None, low_pass: None, smoothing: Smoothing::None, ..full_axis() };
     ready(Machine::new(RATES, &[axis; AXES], START).ok()?, program)
 }
 
@@ -159,16 +159,16 @@ fn ready<S: Scalar>(mut machine: Machine<S, AXES>, program: &[Block<AXES>]) -> O
     Some(machine)
 }
 
-/// One tick of the recorded motion: what the machine got, and gave.
+/// One tick of the recorded motion.
 #[derive(Clone, Copy, Debug)]
 pub struct Tick<S> {
-    /// What the sensors showed.
+    /// Sensor readings.
     pub readings: [Reading; AXES],
-    /// What the machine made of it.
+    /// Result of the tick.
     pub output: Output<S, AXES>,
 }
 
-/// Travels the program in closed loop. `None` where the machine refuses it or does not travel all of it.
+/// Runs the program in closed loop. `None` if the machine rejects it or does not complete it.
 #[must_use]
 pub fn record<S: Scalar>(ticks: &mut [Tick<S>; TICKS]) -> Option<()> {
     let mut machine = machine::<S>(&PROGRAM)?;
@@ -176,7 +176,7 @@ pub fn record<S: Scalar>(ticks: &mut [Tick<S>; TICKS]) -> Option<()> {
     let mut forces = [S::default(); AXES];
     for tick in &mut *ticks {
         for ((axis, force), reading) in axes.iter_mut().zip(&forces).zip(&mut tick.readings) {
-            *reading = axis.moved(force.value());
+            *reading = axis.step(force.value());
         }
         tick.output = machine.tick(&tick.readings);
         forces = tick.output.forces;
@@ -186,7 +186,7 @@ pub fn record<S: Scalar>(ticks: &mut [Tick<S>; TICKS]) -> Option<()> {
 }
 
 impl<S: Scalar> Tick<S> {
-    /// Nothing recorded yet.
+    /// Not recorded yet.
     #[must_use]
     pub fn empty() -> Self {
         let output = Output {
@@ -199,9 +199,9 @@ impl<S: Scalar> Tick<S> {
         Self { readings: [Reading { motor: Position(0), table: None }; AXES], output }
     }
 
-    /// How far the motor of the first axis is behind.
+    /// Command − motor reading of the first axis, error units.
     #[must_use]
     pub fn error(&self) -> S {
-        S::from_distance(self.output.commands[0].beyond(self.readings[0].motor))
+        S::from_distance(self.output.commands[0] - self.readings[0].motor)
     }
 }

@@ -1,4 +1,4 @@
-//! The parts of a tick, in the order of the signal: a new one is one line.
+//! The parts of a tick in the order of the signal, one statement each.
 
 use core::array::from_fn;
 use core::hint::black_box;
@@ -14,12 +14,12 @@ use shared::interpolate::{Block, Path, Smoothing};
 use shared::scalar::Scalar;
 
 use super::count::Counter;
-use super::motion::{self, AXES, PROGRAM, RATES, START, TICKS, Tick, arc, everything, line};
+use super::motion::{self, AXES, PROGRAM, RATES, START, TICKS, Tick, arc, full_axis, line};
 
-/// What every scalar shares: the path, in integers. `None` where it refuses a block.
+/// The parts that do not depend on the number format: the path and the phase, in integers. `None` if a block is rejected.
 #[inline(never)]
 pub fn of_the_path(counter: &mut Counter) -> Option<()> {
-    // An odd stride visits the whole turn, and every place between two tabled angles.
+    // An odd stride covers the whole turn and every offset from the tabulated angles.
     let phases: [u64; 1000] = from_fn(|k| (k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
     counter.part("sine and cosine", "all", &phases, |&phase| sin_cos(phase));
 
@@ -27,7 +27,7 @@ pub fn of_the_path(counter: &mut Counter) -> Option<()> {
     let none = Smoothing::None;
     path(counter, "path, a line", &[line([0.02, 0.01])], none)?;
     path(counter, "path, an arc", &[arc([-0.01, 0.0], 0.3)], none)?;
-    path(counter, "path, an arc, S-curve behind it", &[arc([-0.01, 0.0], 0.3)], everything().smoothing)?;
+    path(counter, "path, an arc, S-curve behind it", &[arc([-0.01, 0.0], 0.3)], full_axis().smoothing)?;
     path(counter, "path, blocks of 12 ticks", &there_and_back, none)?;
     let samples: [(i32, i32); 1000] = from_fn(|k| {
         let (sine, cosine) = sin_cos((k as u64).wrapping_mul(0x9e37_79b9_7f4a_7c15));
@@ -39,7 +39,7 @@ pub fn of_the_path(counter: &mut Counter) -> Option<()> {
     Some(())
 }
 
-/// Every compensation on both axes.
+/// Every compensation, on both axes.
 fn compensation<S: Scalar>() -> Option<Compensation<S, AXES>> {
     let mut all = Compensation::none(START);
     for axis in 0..AXES {
@@ -48,7 +48,7 @@ fn compensation<S: Scalar>() -> Option<Compensation<S, AXES>> {
     Some(all)
 }
 
-/// Every tick of a path of these blocks, with a filter behind it.
+/// Counts every tick of a path of these blocks, with a filter behind it.
 fn path(counter: &mut Counter, name: &str, blocks: &[Block<AXES>], smoothing: Smoothing) -> Option<()> {
     let mut path = Path::new(START, RATES.position_loop_hz());
     path.smooth(&[smoothing; AXES]).ok()?;
@@ -65,16 +65,16 @@ fn path(counter: &mut Counter, name: &str, blocks: &[Block<AXES>], smoothing: Sm
     Some(())
 }
 
-/// The laws and the whole tick in the format `S`. `None` where it refuses the settings or the motion.
+/// The laws and the whole tick in the format `S`. `None` if the settings or the motion are rejected.
 #[inline(never)]
 pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     let mut ticks: [Tick<S>; TICKS] = from_fn(|_| Tick::empty());
     motion::record(&mut ticks)?;
-    let (first, rest) = ticks.split_first()?;
-    let config = |law| AxisConfig::<S>::new(&AxisSettings { law, ..everything() }, RATES).ok();
+    let (first, others) = ticks.split_first()?;
+    let config = |law| AxisConfig::<S>::new(&AxisSettings { law, ..full_axis() }, RATES).ok();
     let (p, all) = &black_box((config(Law::P)?, config(Law::Hpc)?));
 
-    // What the first axis had between its parts.
+    // The signals between the parts of the first axis.
     let errors: [S; TICKS] = from_fn(|k| ticks.get(k).map_or(S::default(), Tick::error));
     let mut filter = position::State::default();
     let speeds = errors.map(|error| all.position.velocity(&mut filter, error));
@@ -82,10 +82,10 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
 
     let (command, reading) = (first.output.commands[0], first.readings[0]);
     let mut part = Parts { counter, format: S::NAME };
-    part.of("dual feedback", rest, dual::State::settled(reading.motor, reading.table), |state, tick| {
+    part.of("dual feedback", others, dual::State::settled(reading.motor, reading.table), |state, tick| {
         all.feedback.position(state, tick.readings[0].motor, tick.readings[0].table)
     });
-    part.of("feed-forward", rest, feedforward::State::at(command), |state, tick| {
+    part.of("feed-forward", others, feedforward::State::at(command), |state, tick| {
         all.feedforward.lead(state, tick.output.commands[0])
     });
     part.of("P", &errors, position::State::default(), |state, &error| p.position.velocity(state, error));
@@ -93,14 +93,14 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     part.of("PI", &motors, velocity::State::at(reading.motor), |state, &(speed, motor)| {
         all.velocity.force(state, speed, motor)
     });
-    part.of("position loop of an axis", rest, AxisState::at_rest(command, reading), |state, tick| {
+    part.of("position loop of an axis", others, AxisState::at_rest(command, reading), |state, tick| {
         state.position_tick(all, tick.output.commands[0], 0, tick.readings[0])
     });
     part.of("tick, drives coming on", &ticks[..1], motion::machine::<S>(&PROGRAM)?, |machine, tick| {
         machine.tick(&tick.readings)
     });
     let compensation = compensation::<S>()?;
-    part.of("compensation of two axes", rest, compensation, |all, tick| {
+    part.of("compensation of two axes", others, compensation, |all, tick| {
         let readings = all.readings(&tick.readings);
         (all.commands(&tick.output.commands), all.forces(&readings))
     });
@@ -109,21 +109,21 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     part.of("low-pass", &errors, filter::State::default(), |state, &x| low_pass.step(state, x));
     let mut plain = motion::plain_machine::<S>(&PROGRAM)?;
     plain.tick(&first.readings);
-    part.of("tick of two axes, path and loops", rest, plain, |machine, tick| machine.tick(&tick.readings));
+    part.of("tick of two axes, path and loops", others, plain, |machine, tick| machine.tick(&tick.readings));
     let mut moving = motion::machine::<S>(&PROGRAM)?;
     moving.tick(&first.readings);
-    part.of("tick of two axes, all on", rest, moving, |machine, tick| machine.tick(&tick.readings));
+    part.of("tick of two axes, all on", others, moving, |machine, tick| machine.tick(&tick.readings));
     Some(())
 }
 
-/// Parts in one format.
+/// The parts in one number format.
 struct Parts<'a> {
     counter: &'a mut Counter,
     format: &'static str,
 }
 
 impl Parts<'_> {
-    /// A part with what it remembers.
+    /// Counts a part with its state.
     fn of<T, St, R>(
         &mut self,
         name: &str,

@@ -1,13 +1,13 @@
-"""How fast others run the job of ../speed: two axes of two masses, 20 kHz ticks, one core.
+"""Speed of other programs with the job of ../speed: two axes of two masses, 20 kHz ticks, one core.
 
-numba   A plain loop, compiled; the equations of ../speed/plain.rs. It has the command (a circle of 50 mm at 100 mm/s
-        from sine and cosine), P position loop, velocity feed-forward and PI velocity loop with limit in every tick,
-        and LuGre friction; semi-implicit Euler steps. It has nothing else of the program.
-MuJoCo  Two slide joints an axis, a spring tendon between them, its Euler integrator. It has no controller: a constant
-        force keeps the tables at 100 mm/s. It has no LuGre friction: its frictionloss (Coulomb) and the joint's
-        damping stand for it. All steps of a lap are one call, so that Python takes no time in between.
+numba   A compiled loop with the equations of ../speed/plain.rs: the command (a circle of 50 mm at 100 mm/s by sine and
+        cosine), P position loop, velocity feed-forward and PI velocity loop with limit in every tick, and LuGre
+        friction; semi-implicit Euler steps.
+MuJoCo  Two slide joints an axis, a spring tendon between them, its Euler integrator. No controller: a constant force
+        keeps the tables at 100 mm/s. No LuGre friction: frictionloss (Coulomb) and joint damping instead. All steps of
+        a lap are one call, so that no time is spent in Python.
 
-Laps are those of ../speed; a figure is that of the fastest tenth of them.
+Laps are those of ../speed; a figure is the 10 % quantile of the laps.
 """
 
 import math
@@ -20,7 +20,7 @@ LAPS = 300
 
 RADIUS = 0.05
 FEED = 0.1
-# Of 2 m/s2, a sixteenth and what points to the centre are not for speeding up.
+# Acceleration along the circle: 15/16 of 2 m/s2, less the centripetal part.
 RAMP_S = FEED / math.sqrt((2.0 * 15.0 / 16.0) ** 2 - (FEED * FEED / RADIUS) ** 2)
 
 KP = 50.0
@@ -38,24 +38,24 @@ VISCOUS = 1000.0
 BRISTLE_STIFFNESS = 40e6
 BRISTLE_DAMPING = 2000.0
 
-# Rows of the state of the compiled loop, a column an axis.
+# Rows of the state of the compiled loop; a column per axis.
 COMMAND, LAST_MOTOR, INTEGRAL, MOTOR_X, MOTOR_V, TABLE_X, TABLE_V, BRISTLE = range(8)
 
 
 def lap(state, first, ticks, steps):
-    """Ticks of the compiled loop, the first of which is number `first`."""
+    """Ticks of the compiled loop; `first` is the number of the first one."""
     h = 1.0 / (TICK_HZ * steps)
     command = [0.0, 0.0]
     force = [0.0, 0.0]
     for tick in range(first, first + ticks):
         time = (tick + 1) / TICK_HZ
-        way = FEED / RAMP_S * time * time / 2.0 if time < RAMP_S else FEED * (time - RAMP_S / 2.0)
-        command[0] = RADIUS * math.cos(way / RADIUS)
-        command[1] = RADIUS * math.sin(way / RADIUS)
+        travel = FEED / RAMP_S * time * time / 2.0 if time < RAMP_S else FEED * (time - RAMP_S / 2.0)
+        command[0] = RADIUS * math.cos(travel / RADIUS)
+        command[1] = RADIUS * math.sin(travel / RADIUS)
         for i in range(2):
             lead = LEAD * (command[i] - state[COMMAND, i])
-            asked = KP * (command[i] - state[MOTOR_X, i] + lead)
-            error = asked - TICK_HZ * (state[MOTOR_X, i] - state[LAST_MOTOR, i])
+            velocity_command = KP * (command[i] - state[MOTOR_X, i] + lead)
+            error = velocity_command - TICK_HZ * (state[MOTOR_X, i] - state[LAST_MOTOR, i])
             integral = state[INTEGRAL, i] + KI * error
             wanted = KV * error + integral
             force[i] = min(max(wanted, -LIMIT), LIMIT)
@@ -67,17 +67,17 @@ def lap(state, first, ticks, steps):
             for i in range(2):
                 v, z = state[TABLE_V, i], state[BRISTLE, i]
                 screw = STIFFNESS * (state[MOTOR_X, i] - state[TABLE_X, i]) + DAMPING * (state[MOTOR_V, i] - v)
-                bends = v - BRISTLE_STIFFNESS / COULOMB * abs(v) * z
-                friction = BRISTLE_STIFFNESS * z + BRISTLE_DAMPING * bends + VISCOUS * v
+                bristle_rate = v - BRISTLE_STIFFNESS / COULOMB * abs(v) * z
+                friction = BRISTLE_STIFFNESS * z + BRISTLE_DAMPING * bristle_rate + VISCOUS * v
                 state[MOTOR_V, i] += h / MOTOR * (force[i] - screw)
                 state[TABLE_V, i] += h / TABLE * (screw - friction)
                 state[MOTOR_X, i] += h * state[MOTOR_V, i]
                 state[TABLE_X, i] += h * state[TABLE_V, i]
-                state[BRISTLE, i] += h * bends
+                state[BRISTLE, i] += h * bristle_rate
 
 
 def model(steps):
-    """The plant for MuJoCo."""
+    """The plant as a MuJoCo model."""
 
     def axis(name, direction):
         return f"""
@@ -103,13 +103,13 @@ def model(steps):
 
 
 def fastest_tenth(run):
-    """ns a tick of laps, after a first one for whatever is compiled or filled in it."""
+    """Time of a tick, ns, the 10 % quantile of the laps; a first lap for compilation and caches is not counted."""
     run(0)
     laps = []
     for number in range(1, LAPS + 1):
-        began = perf_counter_ns()
+        start = perf_counter_ns()
         run(number)
-        laps.append((perf_counter_ns() - began) / LAP)
+        laps.append((perf_counter_ns() - start) / LAP)
     return sorted(laps)[LAPS // 10]
 
 
@@ -121,7 +121,7 @@ def numba_loop(steps):
     state = numpy.zeros((8, 2))
     state[[COMMAND, LAST_MOTOR, MOTOR_X, TABLE_X], 0] = RADIUS
     ns = fastest_tenth(lambda number: compiled(state, number * LAP, LAP, steps))
-    # The loop lags along the circle and hardly across it.
+    # The following error is along the circle, not across it.
     if not abs(math.hypot(*state[TABLE_X]) - RADIUS) < 0.01 * RADIUS:
         raise RuntimeError(f"numba: the tool has left the circle at {state[TABLE_X]} m")
     return f"numba {numba.__version__}", ns
@@ -135,11 +135,11 @@ def mujoco_plant(steps):
     data.qvel[:] = FEED
     data.ctrl[:] = COULOMB + VISCOUS * FEED
     ns = fastest_tenth(lambda number: mujoco.mj_step(compiled, data, nstep=LAP * steps))
-    # Friction is what the force is for, and the spring carries it to the table.
+    # The force balances the friction, through the spring.
     stretch = data.qpos[0] - data.qpos[1]
     expected = (COULOMB + VISCOUS * FEED) / STIFFNESS
     if not (abs(data.qvel[1] / FEED - 1.0) < 0.01 and abs(stretch / expected - 1.0) < 0.01):
-        raise RuntimeError(f"mujoco: the table goes at {data.qvel[1]} m/s, the screw is stretched by {stretch} m")
+        raise RuntimeError(f"mujoco: the table moves at {data.qvel[1]} m/s, the screw is stretched by {stretch} m")
     return f"MuJoCo {mujoco.__version__}, no controller", ns
 
 

@@ -1,6 +1,6 @@
 #!/usr/bin/env bash
-# What others need for the job of ../speed: `bash host-sim/benches/peers/run.sh`, in a Python environment of its own
-# under target/peers. The first run fetches numba, numpy and mujoco from PyPI, about 400 MB when unpacked.
+# Speed of other programs with the job of ../speed: `bash host-sim/benches/peers/run.sh`. It makes a Python environment of
+# its own under target/peers. The first run fetches numba, numpy and mujoco from PyPI, about 400 MB when unpacked.
 set -eu
 
 here=$(cd "$(dirname "${BASH_SOURCE[0]}")" && pwd)

@@ -1,9 +1,8 @@
-//! How fast the closed loop runs: two axes of two masses with `LuGre` friction on a circle, velocity loops at 20 kHz.
+//! Speed of the closed loop: two axes of two masses with `LuGre` friction on a circle, velocity loops at 20 kHz.
 //!
-//! `cargo bench -p host-sim --bench speed`. Each figure is that of the fastest tenth of the laps, for the others have
-//! shared the processor with other programs; steps a tick are what the plant takes of them, and accuracy is the tool
-//! point against a run with as many steps as change nothing any more. [`plain`] is the same job without any of the
-//! program, to compare with.
+//! `cargo bench -p host-sim --bench speed`. Each figure is the 10 % quantile of the laps, since other programs slow
+//! down the rest. Steps are steps of the plant per tick; accuracy is the distance of the tool point from a run with so
+//! many steps that it has converged. [`plain`] is the same job without the crates of the program, for comparison.
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot run stops")]
 
 mod plain;
@@ -13,8 +12,8 @@ use std::time::Instant;
 
 use link::controller::{AxisOutput, Controller, Format, PathBlock, PathShape};
 use model::machine::Machine;
-use plant::desk::Desk;
 use plant::instruments::Instruments;
+use plant::machine_sim::MachineSim;
 use plant::simulate;
 use shared::axis::Reading;
 use shared::units::Position;
@@ -27,11 +26,11 @@ const START_M: [f64; 2] = [RADIUS_M, 0.0];
 const FEED_M_PER_S: f64 = 0.1;
 const ACCELERATION_M_PER_S2: f64 = 2.0;
 
-/// Ticks of a lap, and laps.
+/// Ticks of a lap, the unit of a time measurement, and laps.
 const LAP: u32 = 2000;
 const LAPS: usize = 300;
 
-/// The plant of the benchmark: two axes; with a position loop in every `divider`-th tick.
+/// The machine of the benchmark: two axes with a position loop in every `divider`-th tick.
 fn machine(divider: u32) -> Machine {
     machine_of(2, divider)
 }
@@ -48,10 +47,10 @@ fn machine_of(axes: usize, divider: u32) -> Machine {
     Machine::parse(&(top + &axes.collect::<String>()), "benchmark").unwrap()
 }
 
-/// A loop that goes round a circle of 50 mm at 100 mm/s.
+/// The closed loop on a circle of 50 mm radius at 100 mm/s.
 struct Loop {
     controller: Box<dyn Controller>,
-    desk: Desk,
+    machine_sim: MachineSim,
     readings: Vec<Reading>,
     outputs: Vec<AxisOutput>,
 }
@@ -64,38 +63,39 @@ impl Loop {
         controller.enable().unwrap();
         Self {
             controller,
-            desk: Desk::with_steps(machine, Instruments::default(), &START_M, steps).unwrap(),
+            machine_sim: MachineSim::with_steps(machine, Instruments::default(), &START_M, steps).unwrap(),
             readings: vec![Reading { motor: Position(0), table: None }; 2],
             outputs: vec![AxisOutput::default(); 2],
         }
     }
 
     fn tick(&mut self) {
-        self.desk.read(&mut self.readings);
+        self.machine_sim.read(&mut self.readings);
         self.controller.tick(&self.readings, &mut self.outputs).unwrap();
-        self.desk.step(self.outputs.iter().map(|output| output.force_n));
+        self.machine_sim.step(self.outputs.iter().map(|output| output.force_n));
     }
 
     fn tool_m(&mut self) -> [f64; 2] {
-        let rows = self.desk.row(&self.readings, self.outputs.iter().map(|output| output.force_n), 0.0);
-        [rows[0].tool_m, rows[1].tool_m]
+        let measured =
+            self.machine_sim.measure(&self.readings, self.outputs.iter().map(|output| output.force_n), 0.0);
+        [measured[0].tool_m, measured[1].tool_m]
     }
 }
 
-/// ns a tick.
+/// Time of a tick, ns.
 fn cost<T>(mut job: T, tick: impl Fn(&mut T)) -> f64 {
     let mut laps: Vec<f64> = (0..LAPS)
         .map(|_| {
-            let began = Instant::now();
+            let start = Instant::now();
             (0..LAP).for_each(|_| tick(black_box(&mut job)));
-            began.elapsed().as_secs_f64() * 1e9 / f64::from(LAP)
+            start.elapsed().as_secs_f64() * 1e9 / f64::from(LAP)
         })
         .collect();
     laps.sort_by(f64::total_cmp);
     laps[LAPS / 10]
 }
 
-/// Tool points of a second of circle, its beginning included, a row a millisecond, m.
+/// Tool points of the first second, one per millisecond, m.
 fn tool<T>(mut job: T, tick: impl Fn(&mut T), tool_m: impl Fn(&mut T) -> [f64; 2]) -> Vec<f64> {
     let mut points = Vec::new();
     for ticks in 0..20_000 {
@@ -137,10 +137,14 @@ fn main() {
     println!("\n{:<12}{:>16}{:>12}{:>14}", "axes", "plant alone", "steps", "ns a tick");
     for axes in 1..=3 {
         for steps in [1, 5, 10] {
-            let desk =
-                Desk::with_steps(&machine_of(axes, 4), Instruments::default(), &[0.0; 3][..axes], steps)
-                    .unwrap();
-            let ns = cost(desk, |desk| desk.step([100.0; 3].into_iter()));
+            let machine_sim = MachineSim::with_steps(
+                &machine_of(axes, 4),
+                Instruments::default(),
+                &[0.0; 3][..axes],
+                steps,
+            )
+            .unwrap();
+            let ns = cost(machine_sim, |machine_sim| machine_sim.step([100.0; 3].into_iter()));
             println!("{axes:<12}{:>16}{steps:>12}{ns:>14.1}", "");
         }
     }

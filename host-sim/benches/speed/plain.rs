@@ -1,10 +1,10 @@
-//! The same job as one writes it down first: a plain loop in f64, stepped by the semi-implicit Euler method.
+//! The same job in the simplest form: a loop in f64 with the semi-implicit Euler method.
 //!
-//! Its controller computes what `shared` does (P, velocity feed-forward, PI with a limit that does not wind up), on a
-//! circle from sine and cosine; there are no other laws, sensors, filters, compensations or blocks, and nothing is
-//! watched. Its plant has two masses on a spring and `LuGre` friction of a constant level, explicit in everything:
-//! velocities from the forces at the beginning of the step, then places from the new velocities.
-#![expect(clippy::needless_range_loop, reason = "plain: every line is an equation of axis i")]
+//! Its controller has the laws of `shared` that the job needs (P, velocity feed-forward, PI with anti-windup), on a
+//! circle by sine and cosine; it has no other laws, sensors, filters, compensation, blocks or monitoring. Its plant has
+//! two masses on a spring and `LuGre` friction with a constant level: velocities from the forces at the beginning of
+//! the step, then positions from the new velocities.
+#![expect(clippy::needless_range_loop, reason = "every line is an equation of axis i")]
 
 use model::machine::Machine;
 use model::servo;
@@ -14,11 +14,11 @@ use super::{ACCELERATION_M_PER_S2, FEED_M_PER_S, RADIUS_M, START_M};
 
 const AXES: usize = 2;
 
-/// The loop, both axes with the constants of the first; each array holds one number an axis.
+/// The loop; arrays hold one number an axis, and both axes have the constants of the first.
 pub struct Plain {
     /// Constants of controller and plant.
-    with: Constants,
-    /// Commands so far.
+    constants: Constants,
+    /// Number of position ticks so far.
     commands: f64,
     until_position_tick: u32,
     command_m: [f64; AXES],
@@ -32,7 +32,7 @@ pub struct Plain {
     bristle_m: [f64; AXES],
 }
 
-/// All divisions are done here.
+/// Constants, so that the loop has no divisions.
 struct Constants {
     divider: u32,
     steps: u32,
@@ -41,7 +41,7 @@ struct Constants {
     tick_hz: f64,
     step_s: f64,
     kp: f64,
-    /// Seconds that the position loop aims ahead, per command.
+    /// Velocity feed-forward: lead of the command per change of it in a position tick.
     lead: f64,
     kv: f64,
     /// Kv·T/Ti.
@@ -53,7 +53,7 @@ struct Constants {
     bristle_damping: f64,
     viscous: f64,
     /// σ0/g, 1/m.
-    relaxes_per_m: f64,
+    relaxation_per_m: f64,
     per_motor_kg: f64,
     per_table_kg: f64,
 }
@@ -63,12 +63,12 @@ impl Plain {
     pub fn new(machine: &Machine, steps: u32) -> Self {
         let axis = machine.axis.values().next().unwrap();
         let parameters = AxisParameters::of(axis);
-        let settings = servo::settings(axis, &parameters.servo).unwrap();
-        let rates = servo::rates(machine);
+        let settings = servo::settings(&axis.settings, &parameters.servo).unwrap();
+        let rates = machine.rates();
         let (spring, friction) = (parameters.spring.unwrap(), &parameters.friction);
         let tick_hz = rates.velocity_loop_hz;
         let kv = settings.velocity_gain_n_s_per_m;
-        let with = Constants {
+        let constants = Constants {
             divider: rates.position_loop_divider,
             steps,
             ramp_m_per_s2: ramp_m_per_s2(),
@@ -86,12 +86,12 @@ impl Plain {
             bristle_stiffness: friction.bristle_stiffness_n_per_m,
             bristle_damping: friction.bristle_damping_n_s_per_m,
             viscous: friction.viscous_n_s_per_m,
-            relaxes_per_m: friction.bristle_stiffness_n_per_m / friction.coulomb_n,
+            relaxation_per_m: friction.bristle_stiffness_n_per_m / friction.coulomb_n,
             per_motor_kg: 1.0 / parameters.motor_mass_kg,
             per_table_kg: 1.0 / parameters.table_mass_kg,
         };
         Self {
-            with,
+            constants,
             commands: 0.0,
             until_position_tick: 0,
             command_m: START_M,
@@ -106,45 +106,45 @@ impl Plain {
         }
     }
 
-    /// One tick: position loops where they are due, velocity loops, and the steps of the plant.
+    /// One tick: position loops in every `divider`-th one, velocity loops, and the steps of the plant.
     pub fn tick(&mut self) {
         if self.until_position_tick == 0 {
-            self.until_position_tick = self.with.divider;
+            self.until_position_tick = self.constants.divider;
             self.position_loops();
         }
         self.until_position_tick -= 1;
         let force_n = self.velocity_loops();
-        for _ in 0..self.with.steps {
+        for _ in 0..self.constants.steps {
             self.step(force_n);
         }
     }
 
-    /// Where the tables, and so the tool, are, m.
+    /// Positions of the tables, which are those of the tool, m.
     pub fn tool_m(&self) -> [f64; AXES] {
         self.table_m
     }
 
     fn position_loops(&mut self) {
-        let with = &self.with;
+        let constants = &self.constants;
         self.commands += 1.0;
-        let command_m = on_circle(self.commands * with.command_s, with.ramp_m_per_s2);
+        let command_m = on_circle(self.commands * constants.command_s, constants.ramp_m_per_s2);
         for i in 0..AXES {
-            let lead_m = with.lead * (command_m[i] - self.command_m[i]);
-            self.velocity_command[i] = with.kp * (command_m[i] - self.motor_m[i] + lead_m);
+            let lead_m = constants.lead * (command_m[i] - self.command_m[i]);
+            self.velocity_command[i] = constants.kp * (command_m[i] - self.motor_m[i] + lead_m);
         }
         self.command_m = command_m;
     }
 
     fn velocity_loops(&mut self) -> [f64; AXES] {
-        let with = &self.with;
+        let constants = &self.constants;
         let mut force_n = [0.0; AXES];
         for i in 0..AXES {
-            let velocity = with.tick_hz * (self.motor_m[i] - self.last_motor_m[i]);
+            let velocity = constants.tick_hz * (self.motor_m[i] - self.last_motor_m[i]);
             let error = self.velocity_command[i] - velocity;
-            let integral_n = self.integral_n[i] + with.ki * error;
-            let wanted_n = with.kv * error + integral_n;
-            force_n[i] = wanted_n.clamp(-with.limit_n, with.limit_n);
-            if wanted_n.abs() <= with.limit_n || (error > 0.0) != (wanted_n > 0.0) {
+            let integral_n = self.integral_n[i] + constants.ki * error;
+            let wanted_n = constants.kv * error + integral_n;
+            force_n[i] = wanted_n.clamp(-constants.limit_n, constants.limit_n);
+            if wanted_n.abs() <= constants.limit_n || (error > 0.0) != (wanted_n > 0.0) {
                 self.integral_n[i] = integral_n;
             }
         }
@@ -153,37 +153,38 @@ impl Plain {
     }
 
     fn step(&mut self, force_n: [f64; AXES]) {
-        let (with, h) = (&self.with, self.with.step_s);
+        let (constants, h) = (&self.constants, self.constants.step_s);
         for i in 0..AXES {
             let (v, z) = (self.table_m_per_s[i], self.bristle_m[i]);
-            let screw_n = with.stiffness * (self.motor_m[i] - self.table_m[i])
-                + with.damping * (self.motor_m_per_s[i] - v);
-            let bends = v - with.relaxes_per_m * v.abs() * z;
-            let friction_n = with.bristle_stiffness * z + with.bristle_damping * bends + with.viscous * v;
-            self.motor_m_per_s[i] += h * with.per_motor_kg * (force_n[i] - screw_n);
-            self.table_m_per_s[i] += h * with.per_table_kg * (screw_n - friction_n);
+            let screw_n = constants.stiffness * (self.motor_m[i] - self.table_m[i])
+                + constants.damping * (self.motor_m_per_s[i] - v);
+            let bristle_m_per_s = v - constants.relaxation_per_m * v.abs() * z;
+            let friction_n = constants.bristle_stiffness * z
+                + constants.bristle_damping * bristle_m_per_s
+                + constants.viscous * v;
+            self.motor_m_per_s[i] += h * constants.per_motor_kg * (force_n[i] - screw_n);
+            self.table_m_per_s[i] += h * constants.per_table_kg * (screw_n - friction_n);
             self.motor_m[i] += h * self.motor_m_per_s[i];
             self.table_m[i] += h * self.table_m_per_s[i];
-            self.bristle_m[i] += h * bends;
+            self.bristle_m[i] += h * bristle_m_per_s;
         }
     }
 }
 
-/// Along the circle while it speeds up, as `shared` plans it: of the block's acceleration it spares a sixteenth on arcs,
-/// and what points to the centre is taken from the rest.
+/// Acceleration along the circle as `shared` plans it: 15/16 of the block's acceleration, less the centripetal part.
 fn ramp_m_per_s2() -> f64 {
-    let to_centre = FEED_M_PER_S * FEED_M_PER_S / RADIUS_M;
-    ((ACCELERATION_M_PER_S2 * 15.0 / 16.0).powi(2) - to_centre.powi(2)).sqrt()
+    let centripetal = FEED_M_PER_S * FEED_M_PER_S / RADIUS_M;
+    ((ACCELERATION_M_PER_S2 * 15.0 / 16.0).powi(2) - centripetal.powi(2)).sqrt()
 }
 
-/// The circle at a time, m: speeding up, then at its feed.
+/// The point of the circle at a time, m: constant acceleration, then constant feed.
 fn on_circle(time_s: f64, ramp_m_per_s2: f64) -> [f64; AXES] {
     let ramp_s = FEED_M_PER_S / ramp_m_per_s2;
-    let way_m = if time_s < ramp_s {
+    let travel_m = if time_s < ramp_s {
         0.5 * ramp_m_per_s2 * time_s * time_s
     } else {
         FEED_M_PER_S * (time_s - 0.5 * ramp_s)
     };
-    let (sine, cosine) = (way_m / RADIUS_M).sin_cos();
+    let (sine, cosine) = (travel_m / RADIUS_M).sin_cos();
     [RADIUS_M * cosine, RADIUS_M * sine]
 }

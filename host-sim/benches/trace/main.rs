@@ -1,7 +1,8 @@
-//! What the tracer's work costs: the rigid model fitted to 24.8 s of a ball-screw axis at 1 kHz, and one axis traced.
+//! Speed of the tracer's parts: a rigid model fitted to 24.8 s of a ball-screw axis at 1 kHz, and the signals of that
+//! log.
 //!
-//! With `LOST_MOTION_DATA` the log is the recorded one (EMPS); without it one of the same length, made by the model's own
-//! equation with noise added.
+//! With `LOST_MOTION_DATA` the log is a recorded one (EMPS); without it one of the same length from the equation of the
+//! model, with noise.
 
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot run stops")]
 
@@ -11,26 +12,26 @@ use std::path::Path;
 use criterion::{Criterion, criterion_group, criterion_main};
 use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
-use model::servo;
-use trace::axis_model::AxisModel;
-use trace::fit;
-use trace::residual::Evidence;
-use trace::scope::scopes;
-use trace::signals::Signals;
+use trace::TraceOptions;
+use trace::fit::axis_model::AxisModel;
+use trace::fit::fit_data::FitData;
+use trace::fit::least_squares::fit;
+use trace::fit::scope::scopes;
+use trace::input::signals::Signals;
 
-/// Steps that a fit may take; it ends before.
+/// Limit of the steps of a fit, which is not reached.
 const STEPS: usize = 10;
 
-fn given() -> (Machine, Log) {
+fn machine_and_log() -> (Machine, Log) {
     let recorded = std::env::var("LOST_MOTION_DATA").ok().and_then(|data| {
         let folder = Path::new(&data).join("data/emps");
         Some((Machine::read(&folder.join("machine.toml")).ok()?, Log::read(&folder.join("train.csv")).ok()?))
     });
-    recorded.unwrap_or_else(made)
+    recorded.unwrap_or_else(synthetic)
 }
 
-/// A rigid axis that swings over 200 mm under the force that its model says, 5 % off its declared values.
-fn made() -> (Machine, Log) {
+/// A rigid axis that oscillates over 200 mm under the force of its model, 5 % off its declared values.
+fn synthetic() -> (Machine, Log) {
     let text = "name = \"rigid\"\nsample_rate_hz = 1000.0\n[axis.x]\ntable_mass_kg = 100.0\ncoulomb_n = 20.0\n\
                 viscous_n_s_per_m = 200.0\nplant_tolerance_percent = 10.0\n[[axis.x.effect]]\n\
                 name = \"constant_load\"\nforce_n = -3.0\n";
@@ -49,23 +50,23 @@ fn made() -> (Machine, Log) {
         105.0 * acceleration + 21.0 * velocity.signum() + 190.0 * velocity - 3.1 + 2.0 * noise()
     };
     axis.force = Some((0..24_840).map(force).collect());
-    (machine, Log { source: "made".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] })
+    (machine, Log { source: "synthetic".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] })
 }
 
 fn rigid(criterion: &mut Criterion) {
-    let (machine, log) = given();
+    let (machine, log) = machine_and_log();
     let names: Vec<String> = machine.axis.keys().cloned().collect();
-    let logs = [Signals::new(&log, &names)];
-    let evidence =
-        Evidence { logs: &logs, names: &names, axis: 0, rates: servo::rates(&machine), aside: &[], own: &[] };
+    let options = TraceOptions::default();
+    let logs = [Signals::new(&log, &names, &options.samples)];
+    let data = FitData::new(&logs, &names, 0, machine.rates(), &options);
     let axis = &machine.axis[0];
-    let (scopes, _) = scopes(axis, 0, &logs);
-    let start = AxisModel::new(axis, evidence.rates);
+    let (scopes, _) = scopes(axis, &data);
+    let start = AxisModel::new(axis, data.rates, options.model);
     criterion.bench_function("rigid model fitted to the force of 24.8 s", |bench| {
-        bench.iter(|| black_box(fit::fit(&evidence, &start, &scopes[0], STEPS)));
+        bench.iter(|| black_box(fit(&data, &start, &scopes[0], STEPS)));
     });
-    criterion.bench_function("24.8 s made ready", |bench| {
-        bench.iter(|| black_box(Signals::new(&log, &names)));
+    criterion.bench_function("signals of 24.8 s", |bench| {
+        bench.iter(|| black_box(Signals::new(&log, &names, &options.samples)));
     });
 }
 

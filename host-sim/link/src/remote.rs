@@ -4,7 +4,9 @@ use shared::axis::Reading;
 use shared::config::{AxisSettings, Rates};
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
-use shared::protocol::{self, AXES, Answer, FRAME, LONGEST_ORDER, Order, PART, Part, Refusal, Setup, Ticked};
+use shared::protocol::{
+    self, AXES, Answer, FRAME, LONGEST_ORDER, Order, PART, Part, Refusal, Setup, TickResult,
+};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
 
@@ -142,7 +144,7 @@ impl<C: Connection> Controller for Remote<C> {
             Answer::Tick(ticked) => ticked,
             other => return Err(unexpected(&other)),
         };
-        let Ticked { force_bits, commands, power, warning, done, cost } = ticked;
+        let TickResult { force_bits, commands, power, warning, done, cost } = ticked;
         for ((out, bits), command) in outputs.iter_mut().zip(force_bits).zip(commands) {
             *out = AxisOutput { force_n: force_n(self.format, bits), force_bits: bits, command };
         }
@@ -224,8 +226,8 @@ mod tests {
         let mut others = outputs.clone();
         for k in 0..5000 {
             let reading = |out: &AxisOutput| Reading {
-                motor: out.command.moved(1000 * k),
-                table: Some(out.command.moved(500 * k)),
+                motor: out.command + 1000 * k,
+                table: Some(out.command + 500 * k),
             };
             let readings: Vec<_> = outputs.iter().map(reading).collect();
             let status = local.tick(&readings, &mut outputs).unwrap();

@@ -1,38 +1,43 @@
-//! The table behind a motor whose motion is known: what the tracer drives with a measured motor.
+//! The table behind a motor whose motion is given: the tracer drives it with a measured motor.
 //!
-//! Unknown is only the deflection d = screw − table: m·d″ = m·a + friction + load − k·dz(d) − c·d′,
-//! with the screw's acceleration a given and dz the dead zone. The step is implicit in d and in the
-//! bristles: where motor and table are in quasi-static balance it is exact at any step, and it damps
-//! the ringing of the table against a motor that is held in place. The real motor is not held, it
-//! gives way; but its giving way, nanometres at the frequency of that ringing, is lost in the noise of
-//! its encoder, and a step that does not damp would ring where the machine does not.
+//! The only unknown is the deflection d = screw − table:
+//!
+//! ```text
+//! m·d'' = m·a + friction + load − k·dz(d) − c·d',
+//! ```
+//!
+//! with the acceleration a of the screw and the dead zone dz. The step is implicit in d and in the bristles: exact at
+//! any step where motor and table are in quasi-static balance, and damping the oscillation of the table against a motor
+//! that cannot yield. The real motor does yield, by nanometres at the frequency of that oscillation, which the noise of
+//! its encoder hides; a step without damping would oscillate where the machine does not.
 
-use super::friction::Slide;
+use super::friction::SlidingState;
 use super::parameters::AxisParameters;
+use super::presliding::{ExactStep, StepTime};
 use super::screw::Spring;
 
-/// Where the screw is, m, and how it moves, m/s and m/s².
+/// Motion of the screw at the end of a step.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Prescribed {
-    /// Where the screw would carry an unloaded table.
+pub struct ScrewMotion {
+    /// Position of an unloaded table, m; see [`super::screw::Screw::nominal_m`].
     pub nominal_m: f64,
-    /// Its velocity.
+    /// Its mean velocity over the step, m/s.
     pub velocity: f64,
-    /// Its acceleration.
+    /// Its acceleration, m/s².
     pub acceleration: f64,
-    /// How much of the velocity comes of the screw's errors: the damper lies between motor and table and does not
-    /// see it.
-    pub of_errors: f64,
+    /// The part of the velocity that is the rate of the pitch error, m/s: the damper lies between motor and table and
+    /// does not see it.
+    pub error_velocity: f64,
 }
 
-/// The table's state, relative to the screw.
+/// State of the table, relative to the screw.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct DrivenTable {
     deflection_m: f64,
     deflection_rate: f64,
     bristle_m: f64,
-    lately_m_per_s: f64,
-    /// Where a rigid screw left the table.
+    filtered_speed_m_per_s: f64,
+    /// Position of the table of a rigid screw.
     table_m: f64,
     /// Force of the screw on the table, N.
     pub transmitted_n: f64,
@@ -41,17 +46,17 @@ pub struct DrivenTable {
 impl DrivenTable {
     /// In balance behind a screw that moves steadily, or at rest without any force.
     #[must_use]
-    pub fn settled(parameters: &AxisParameters, screw: Prescribed) -> Self {
-        // Bristles are bent through within micrometres; slower than this they may still be upright.
+    pub fn settled(parameters: &AxisParameters, screw: ScrewMotion) -> Self {
+        // Bristles reach their sliding deflection within micrometres; below this speed they may not have done so.
         const MOVING_M_PER_S: f64 = 1e-3;
         let mut table = Self { table_m: screw.nominal_m, ..Self::default() };
         if screw.velocity.abs() < MOVING_M_PER_S {
             return table;
         }
         let friction = &parameters.friction;
-        table.lately_m_per_s = screw.velocity.abs();
-        let slide = table.slide(screw);
-        let level = friction.level_n(screw.velocity, slide).copysign(screw.velocity);
+        table.filtered_speed_m_per_s = screw.velocity.abs();
+        let sliding = table.sliding(screw);
+        let level = friction.level_n(screw.velocity, sliding).copysign(screw.velocity);
         if friction.has_bristles() {
             table.bristle_m = level / friction.bristle_stiffness_n_per_m;
         }
@@ -68,34 +73,35 @@ impl DrivenTable {
         table
     }
 
-    /// Bend of the guide's bristles, m.
+    /// Deflection of the guide's bristles, m.
     #[must_use]
     pub fn bristle_m(&self) -> f64 {
         self.bristle_m
     }
 
-    /// Speed that the guide's friction remembers, m/s.
+    /// Low-pass filtered speed, on which friction with memory depends, m/s.
     #[must_use]
-    pub fn lately_m_per_s(&self) -> f64 {
-        self.lately_m_per_s
+    pub fn filtered_speed_m_per_s(&self) -> f64 {
+        self.filtered_speed_m_per_s
     }
 
-    fn slide(&self, screw: Prescribed) -> Slide {
-        Slide { place_m: screw.nominal_m, lately_m_per_s: self.lately_m_per_s }
+    fn sliding(&self, screw: ScrewMotion) -> SlidingState {
+        SlidingState { position_m: screw.nominal_m, filtered_speed_m_per_s: self.filtered_speed_m_per_s }
     }
 
-    /// Table position, m.
+    /// Position of the table, m, behind the screw of the last step.
     #[must_use]
-    pub fn position_m(&self, parameters: &AxisParameters, screw: Prescribed) -> f64 {
+    pub fn position_m(&self, parameters: &AxisParameters, screw: ScrewMotion) -> f64 {
         if parameters.spring.is_some() { screw.nominal_m - self.deflection_m } else { self.table_m }
     }
 
-    /// One step that ends where `screw` says.
+    /// One step, at whose end the screw has the given motion.
     #[inline]
-    pub fn step(&mut self, step: &DrivenStep<'_>, screw: Prescribed) {
+    pub fn step(&mut self, step: &DrivenStep<'_>, screw: ScrewMotion) {
         let memory = &step.parameters.friction.memory;
         if memory.remembers() {
-            self.lately_m_per_s += memory.share(step.step_s) * (screw.velocity.abs() - self.lately_m_per_s);
+            self.filtered_speed_m_per_s +=
+                memory.share(step.time.seconds) * (screw.velocity.abs() - self.filtered_speed_m_per_s);
         }
         match step.parameters.spring {
             Some(_) => self.step_elastic(step, screw),
@@ -103,61 +109,65 @@ impl DrivenTable {
         }
     }
 
-    fn step_rigid(&mut self, step: &DrivenStep<'_>, screw: Prescribed) {
+    fn step_rigid(&mut self, step: &DrivenStep<'_>, screw: ScrewMotion) {
         let parameters = step.parameters;
-        self.table_m = parameters.screw.carried_m(screw.nominal_m, self.table_m);
-        let slide = self.slide(screw);
-        let friction = parameters.friction.step(&mut self.bristle_m, screw.velocity, slide, step.step_s);
+        self.table_m = parameters.screw.rigid_table_m(screw.nominal_m, self.table_m);
+        let sliding = self.sliding(screw);
+        let friction =
+            parameters.friction.step(&mut self.bristle_m, screw.velocity, sliding, step.time.seconds);
         self.transmitted_n =
             parameters.table_mass_kg * screw.acceleration + friction + parameters.load.force_n;
     }
 
     #[inline]
-    fn step_elastic(&mut self, step: &DrivenStep<'_>, screw: Prescribed) {
-        // The screw's mean velocity over the step, and the deflection's as it was.
-        let sliding = screw.velocity - self.deflection_rate;
-        let friction = step.friction(self.bristle_m, sliding, self.slide(screw));
-        // Everything that does not act through the screw, as rest + inertia·d.
-        let inertia = step.mass_per_h2 + friction.slope * step.per_h;
-        let rest = step.mass * screw.acceleration
+    fn step_elastic(&mut self, step: &DrivenStep<'_>, screw: ScrewMotion) {
+        let per_h = step.time.per_second;
+        // The mean velocity of the screw over the step, less the rate of the deflection at its beginning.
+        let about = screw.velocity - self.deflection_rate;
+        let friction = step.friction(self.bristle_m, about, self.sliding(screw));
+        // All forces but that of the screw are explicit_n − inertia·d.
+        let inertia = step.mass_per_h2 + friction.slope_n_s_per_m * per_h;
+        let explicit_n = step.mass * screw.acceleration
             + step.mass_per_h2 * self.deflection_m
             + step.mass_per_h * self.deflection_rate
-            + friction.offset
-            + friction.slope * (screw.velocity + self.deflection_m * step.per_h)
+            + friction.offset_n
+            + friction.slope_n_s_per_m * (screw.velocity + self.deflection_m * per_h)
             + step.parameters.load.force_n;
-        let in_gap = rest.abs() <= step.half_gap_m * inertia;
-        let gap_m = step.half_gap_m.copysign(rest);
+        let in_gap = explicit_n.abs() <= step.half_gap_m * inertia;
+        let gap_m = step.half_gap_m.copysign(explicit_n);
         let deflection = if in_gap {
-            rest / inertia
+            explicit_n / inertia
         } else {
-            (rest + step.stiffness * gap_m + step.drag * self.deflection_m + step.damping * screw.of_errors)
-                / (inertia + step.stiffness + step.drag)
+            (explicit_n
+                + step.stiffness * gap_m
+                + step.damping_per_h * self.deflection_m
+                + step.damping * screw.error_velocity)
+                / (inertia + step.stiffness + step.damping_per_h)
         };
-        let rate = (deflection - self.deflection_m) * step.per_h;
-        self.bristle_m = friction.bristle(self.bristle_m, screw.velocity - rate, step.step_s);
+        let rate = (deflection - self.deflection_m) * per_h;
+        self.bristle_m =
+            friction.bristles.bristle_m(self.bristle_m, screw.velocity - rate, step.time.seconds);
         self.transmitted_n = if in_gap {
             0.0
         } else {
-            step.stiffness * (deflection - gap_m) + step.damping * (rate - screw.of_errors)
+            step.stiffness * (deflection - gap_m) + step.damping * (rate - screw.error_velocity)
         };
         self.deflection_m = deflection;
         self.deflection_rate = rate;
     }
 }
 
-/// What is the same in all steps of one length.
+/// The constants of all steps of one length.
 #[derive(Clone, Debug)]
 pub struct DrivenStep<'a> {
     parameters: &'a AxisParameters,
-    step_s: f64,
-    per_h: f64,
+    time: StepTime,
     mass: f64,
     mass_per_h: f64,
     mass_per_h2: f64,
     stiffness: f64,
     damping: f64,
-    /// Damping over a step, N/m.
-    drag: f64,
+    damping_per_h: f64,
     half_gap_m: f64,
 }
 
@@ -166,62 +176,50 @@ impl<'a> DrivenStep<'a> {
     #[must_use]
     pub fn new(parameters: &'a AxisParameters, step_s: f64) -> Self {
         let of_spring = |value: fn(&Spring) -> f64| parameters.spring.as_ref().map_or(0.0, value);
-        let (mass, per_h) = (parameters.table_mass_kg, step_s.recip());
+        let (mass, time) = (parameters.table_mass_kg, StepTime::new(step_s));
+        let per_h = time.per_second;
         let damping = of_spring(|spring| spring.damping_n_s_per_m);
         Self {
             parameters,
-            step_s,
-            per_h,
+            time,
             mass,
             mass_per_h: mass * per_h,
             mass_per_h2: mass * per_h * per_h,
             stiffness: of_spring(|spring| spring.stiffness_n_per_m),
             damping,
-            drag: damping * per_h,
+            damping_per_h: damping * per_h,
             half_gap_m: parameters.screw.backlash.half_m(),
         }
     }
 
-    /// Friction of the step about a velocity.
+    /// Friction of the step about a velocity, m/s.
     #[inline]
-    fn friction(&self, bristle_m: f64, about: f64, slide: Slide) -> Linear {
+    fn friction(&self, bristle_m: f64, about: f64, sliding: SlidingState) -> StepFriction {
         let friction = &self.parameters.friction;
         let viscous = friction.viscous_n_s_per_m;
-        let one_way = friction.asymmetry.force_n(about);
+        let asymmetry_n = friction.asymmetry.force_n(about);
         if !friction.has_bristles() {
-            let mut none = 0.0;
-            let dry = friction.step(&mut none, about, slide, self.step_s) - friction.viscous_n(about);
-            return Linear { offset: dry + one_way, slope: viscous, keeps: 0.0, takes: 0.0 };
+            let mut no_bristle_m = 0.0;
+            let dry_n = friction.step(&mut no_bristle_m, about, sliding, self.time.seconds)
+                - friction.viscous_n(about);
+            let bristles = ExactStep::default();
+            return StepFriction { offset_n: dry_n + asymmetry_n, slope_n_s_per_m: viscous, bristles };
         }
-        let (stiffness, damping) = (friction.bristle_stiffness_n_per_m, friction.bristle_damping_n_s_per_m);
-        let relaxation = friction.relaxes_per_m(friction.level_n(about, slide)) * about.abs() * self.step_s;
-        let keeps = (-relaxation).exp();
-        let takes = if relaxation > 1e-6 { (1.0 - keeps) / relaxation } else { 1.0 };
-        Linear {
-            offset: bristle_m * (stiffness * keeps + damping * (keeps - 1.0) * self.per_h) + one_way,
-            slope: (stiffness * self.step_s + damping) * takes + viscous,
-            keeps,
-            takes,
+        let level_n = friction.level_n(about, sliding);
+        let bristles = friction.bristles().exact_step(bristle_m, about, level_n, self.time);
+        StepFriction {
+            offset_n: bristles.offset_n + asymmetry_n,
+            slope_n_s_per_m: bristles.slope_n_s_per_m + viscous,
+            bristles,
         }
     }
 }
 
-/// Friction over one step as offset + slope·v, v the mean velocity of the step.
-///
-/// Bristles relax exactly for a velocity that stays: z′ = z·e⁻ʳ + v·h·(1 − e⁻ʳ)/r, r = σ0·|v|·h/g. A
-/// reversal takes few steps, and a first-order rule would show there as a Stribeck effect.
-struct Linear {
-    offset: f64,
-    slope: f64,
-    keeps: f64,
-    takes: f64,
-}
-
-impl Linear {
-    #[inline]
-    fn bristle(&self, bristle_m: f64, velocity: f64, step_s: f64) -> f64 {
-        bristle_m * self.keeps + velocity * step_s * self.takes
-    }
+/// Whole friction over one step as offset + slope·v, with the mean velocity v of the step (m/s).
+struct StepFriction {
+    offset_n: f64,
+    slope_n_s_per_m: f64,
+    bristles: ExactStep,
 }
 
 #[cfg(test)]
@@ -245,18 +243,17 @@ mod tests {
         }
     }
 
-    /// Goes back and forth over ±1 mm at 20 mm/s and tells where the table lags behind, way out and way
-    /// back, m.
+    /// Screw − table, m, at 20 mm/s after more than 1 mm of travel forwards, and backwards.
     fn lag(parameters: &AxisParameters) -> (f64, f64) {
         let h = 5e-4;
         let mut table = DrivenTable::default();
-        let mut screw = Prescribed::default();
+        let mut screw = ScrewMotion::default();
         let step = DrivenStep::new(parameters, h);
         let mut lags = (0.0, 0.0);
         for (velocity, steps) in [(0.02, 100), (-0.02, 200), (0.02, 200)] {
             for _ in 0..steps {
                 let nominal_m = screw.nominal_m + velocity * h;
-                screw = Prescribed { nominal_m, velocity, ..Prescribed::default() };
+                screw = ScrewMotion { nominal_m, velocity, ..ScrewMotion::default() };
                 table.step(&step, screw);
             }
             let lag = screw.nominal_m - table.position_m(parameters, screw);
@@ -267,17 +264,23 @@ mod tests {
 
     #[test]
     fn stretches_by_friction_over_stiffness() {
-        // (200 N + 1000 N·s/m · 0.02 m/s)/200 N/µm = 1.1 µm either way.
-        let (out, back) = lag(&axis());
-        assert!((out - 1.1e-6).abs() < 1e-9 && (back + 1.1e-6).abs() < 1e-9, "{out:e} {back:e}");
+        // (200 N + 1000 N·s/m · 0.02 m/s)/200 N/µm = 1.1 µm in either direction.
+        let (forwards, backwards) = lag(&axis());
+        assert!(
+            (forwards - 1.1e-6).abs() < 1e-9 && (backwards + 1.1e-6).abs() < 1e-9,
+            "{forwards:e} {backwards:e}"
+        );
     }
 
     #[test]
-    fn loses_the_gap_at_reversal() {
+    fn backlash_adds_half_its_width_in_either_direction() {
         let mut with_gap = axis();
         with_gap.screw.backlash = Backlash { width_um: 10.0 };
-        let (out, back) = lag(&with_gap);
-        // Half the gap on either side, on top of the stretch.
-        assert!((out - 6.1e-6).abs() < 1e-9 && (back + 6.1e-6).abs() < 1e-9, "{out:e} {back:e}");
+        let (forwards, backwards) = lag(&with_gap);
+        // Half the gap on either side, and the stretch.
+        assert!(
+            (forwards - 6.1e-6).abs() < 1e-9 && (backwards + 6.1e-6).abs() < 1e-9,
+            "{forwards:e} {backwards:e}"
+        );
     }
 }

@@ -1,57 +1,59 @@
-//! What a table slides on: friction over a step, implicit, and load.
+//! The guideway under a table over one step: implicit friction, and constant load.
 
 use wide::f64x2;
 
-use super::friction::{Bristles, Slide, StepTime};
+use super::axis_motion::AxisMotion;
+use super::friction::{Friction, SlidingState};
 use super::lane::Lane;
-use super::motion::Motion;
 use super::parameters::AxisParameters;
+use super::presliding::{Bristles, StepTime};
 
-/// The guides of a register.
+/// The guides of a register, with everything that is the same in every step.
 #[derive(Clone, Copy, Debug)]
 pub struct Guide<L> {
     /// `None`: friction without a presliding state.
     bristles: Option<Bristles<L>>,
-    /// [`super::friction::Friction::relaxes_per_m`] where it is the same at every velocity.
-    relaxes_per_m: Option<L>,
+    /// [`Bristles::relaxation_per_m`] where the sliding level is constant.
+    relaxation_per_m: Option<L>,
     load_n: L,
-    /// Whether friction of any of them hangs on the speed of before.
-    remembers: bool,
+    /// Whether the friction of any of the axes depends on its filtered speed.
+    has_memory: bool,
     asymmetry_n_s_per_m: L,
 }
 
-/// How tables would move over a step without guides, and how hard they are to stop.
+/// Motion of the tables over a step as it would be without guides, and their response to a force.
 #[derive(Clone, Copy, Debug)]
-pub struct Free<L> {
-    /// Mean velocity.
+pub struct FreeStep<L> {
+    /// Mean velocity over the step, m/s.
     pub mean_m_per_s: L,
-    /// Velocity at the end.
+    /// Velocity at the end, m/s.
     pub end_m_per_s: L,
-    /// By how much a newton that stays changes the mean velocity, m/s.
+    /// Change of the mean velocity per constant force on the table, m/s/N.
     pub mobility: L,
-    /// Newtons that have to stay to change the velocity at the end by 1 m/s.
-    pub stops_n_s_per_m: L,
+    /// Constant force that changes the velocity at the end by 1 m/s, N·s/m.
+    pub stopping_n_s_per_m: L,
 }
 
 impl Guide<f64> {
-    /// Of one axis.
+    /// The guide of one axis.
     #[must_use]
     pub fn new(parameters: &AxisParameters) -> Self {
         let friction = &parameters.friction;
+        let bristles = friction.bristles();
         Self {
-            bristles: friction.has_bristles().then(|| friction.bristles()),
-            relaxes_per_m: friction.even_level_n().map(|level_n| friction.relaxes_per_m(level_n)),
+            bristles: friction.has_bristles().then_some(bristles),
+            relaxation_per_m: friction.constant_level_n().map(|level_n| bristles.relaxation_per_m(level_n)),
             load_n: parameters.load.force_n,
-            remembers: friction.memory.remembers(),
+            has_memory: friction.memory.remembers(),
             asymmetry_n_s_per_m: friction.asymmetry.half_difference_n_s_per_m,
         }
     }
 }
 
 impl Guide<f64x2> {
-    /// Two beside each other; `None` where one has bristles and the other has not.
+    /// The guides of two axes in one register; `None` where only one of them has bristles.
     #[must_use]
-    pub fn beside(guides: [Guide<f64>; 2]) -> Option<Self> {
+    pub fn pair(guides: [Guide<f64>; 2]) -> Option<Self> {
         let bristles = match guides.map(|guide| guide.bristles) {
             [Some(a), Some(b)] => Some(Bristles {
                 stiffness_n_per_m: f64x2::new([a.stiffness_n_per_m, b.stiffness_n_per_m]),
@@ -60,14 +62,14 @@ impl Guide<f64x2> {
             [None, None] => None,
             _ => return None,
         };
-        let relaxes_per_m = match guides.map(|guide| guide.relaxes_per_m) {
+        let relaxation_per_m = match guides.map(|guide| guide.relaxation_per_m) {
             [Some(a), Some(b)] => Some(f64x2::new([a, b])),
             _ => None,
         };
         Some(Self {
             bristles,
-            relaxes_per_m,
-            remembers: guides.iter().any(|guide| guide.remembers),
+            relaxation_per_m,
+            has_memory: guides.iter().any(|guide| guide.has_memory),
             load_n: f64x2::new(guides.map(|guide| guide.load_n)),
             asymmetry_n_s_per_m: f64x2::new(guides.map(|guide| guide.asymmetry_n_s_per_m)),
         })
@@ -75,42 +77,46 @@ impl Guide<f64x2> {
 }
 
 impl<L: Lane> Guide<L> {
-    /// Mean push on the tables over a step, N: friction without its viscous part, and load. Bends the bristles.
+    /// Mean force of the guides on the tables over a step, N: friction without its viscous part, and load. Updates the
+    /// bristles, the filtered speed and `friction_n` of the motion.
+    ///
+    /// Friction and mean velocity of the step depend on each other; both relations are linear for a fixed sliding
+    /// level, which is taken at the extrapolated velocity in the middle of the step.
     #[inline]
-    pub fn push_n(
+    pub fn force_n(
         &self,
         parameters: &[&AxisParameters],
-        motion: &mut Motion<L>,
-        free: Free<L>,
+        motion: &mut AxisMotion<L>,
+        free: FreeStep<L>,
         step: StepTime,
     ) -> L {
         let about = motion.table_m_per_s + L::all(0.5) * motion.table_change;
-        if self.remembers {
-            motion.lately_m_per_s = motion.lately_m_per_s
+        if self.has_memory {
+            motion.filtered_speed_m_per_s = motion.filtered_speed_m_per_s
                 + L::of(|axis| parameters[axis].friction.memory.share(step.seconds))
-                    * (about.abs() - motion.lately_m_per_s);
+                    * (about.abs() - motion.filtered_speed_m_per_s);
         }
-        let slide = |axis: usize| Slide {
-            place_m: motion.table_m.lane(axis),
-            lately_m_per_s: motion.lately_m_per_s.lane(axis),
+        let sliding = |axis: usize| SlidingState {
+            position_m: motion.table_m.lane(axis),
+            filtered_speed_m_per_s: motion.filtered_speed_m_per_s.lane(axis),
         };
         let load_n = self.load_n + self.asymmetry_n_s_per_m * about.abs();
         if let Some(bristles) = &self.bristles {
-            let relaxes_per_m = self.relaxes_per_m.unwrap_or_else(|| {
-                let friction = |axis: usize| &parameters[axis].friction;
-                L::of(|axis| {
-                    friction(axis).relaxes_per_m(friction(axis).level_n(about.lane(axis), slide(axis)))
-                })
-            });
-            let relaxation = relaxes_per_m * about.abs() * L::all(step.seconds);
-            let mean = bristles.over(motion.bristle_m, relaxation, free.mobility, step);
+            let of_level = |friction: &Friction, axis: usize| {
+                friction.bristles().relaxation_per_m(friction.level_n(about.lane(axis), sliding(axis)))
+            };
+            let relaxation_per_m = self
+                .relaxation_per_m
+                .unwrap_or_else(|| L::of(|axis| of_level(&parameters[axis].friction, axis)));
+            let relaxation = relaxation_per_m * about.abs() * L::all(step.seconds);
+            let mean = bristles.mean_over_step(motion.bristle_m, relaxation, free.mobility, step);
             let velocity = free.mean_m_per_s - free.mobility * load_n;
             motion.friction_n = mean.force_n(velocity);
             motion.bristle_m = mean.bristle_m(velocity - free.mobility * motion.friction_n);
         } else {
-            let holds_n = free.end_m_per_s * free.stops_n_s_per_m - load_n;
+            let holding_n = free.end_m_per_s * free.stopping_n_s_per_m - load_n;
             let dry_n = |axis: usize| {
-                parameters[axis].friction.dry_n(about.lane(axis), slide(axis), holds_n.lane(axis))
+                parameters[axis].friction.dry_n(about.lane(axis), sliding(axis), holding_n.lane(axis))
             };
             motion.friction_n = L::of(dry_n);
         }

@@ -1,12 +1,12 @@
-//! The sensors of a machine, and what else lies between it and its controller.
+//! The sensors of a machine, their latencies, and the lag of its drives.
 
 use super::sensors::Sensor;
 use model::machine::Machine;
 
-/// What reads the machine, the same for every axis, and what no declared model knows of it.
+/// Sensors and drives, the same for every axis. They are not part of the declared model of a machine.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Instruments {
-    /// Motor encoder, m.
+    /// Motor encoder or resolver, m.
     pub motor: Sensor,
     /// Linear scale, m.
     pub table: Sensor,
@@ -14,19 +14,19 @@ pub struct Instruments {
     pub tool: Sensor,
     /// Force reading, N.
     pub force: Sensor,
-    /// First-order lag of the drive's current loop, s; zero: none.
+    /// Time constant of the drive's current loop, a first-order lag, s; zero: no lag.
     pub drive_time_constant_s: f64,
-    /// How old the motor reading is when the controller gets it, s.
+    /// Latency of the motor reading at the controller, s.
     pub motor_latency_s: f64,
-    /// How old the reading of the scale is then, s.
+    /// Latency of the reading of the linear scale at the controller, s.
     pub table_latency_s: f64,
     /// Seed of all noise.
     pub seed: u64,
 }
 
 impl Instruments {
-    /// What a well-kept machine is measured with: encoders and scale of 10 nm, a grid encoder at the
-    /// tool, and a drive whose current loop takes 0.1 ms.
+    /// The instruments of a machine in good condition: encoders and scales with a resolution of 10 nm, a grid encoder
+    /// at the tool, and a current loop with a time constant of 0.1 ms.
     #[must_use]
     pub fn typical(seed: u64) -> Self {
         Self {
@@ -40,7 +40,7 @@ impl Instruments {
         }
     }
 
-    /// What a machine file says, and for the rest [`Instruments::typical`].
+    /// The instruments of a machine file; those that it does not give are [`Instruments::typical`].
     #[must_use]
     pub fn of(machine: &Machine, seed: u64) -> Self {
         let typical = Self::typical(seed);

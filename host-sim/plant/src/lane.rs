@@ -1,32 +1,34 @@
-//! One axis in a register, or two axes beside each other in one.
+//! The values of one axis, or of two axes at once in one SIMD register.
 //!
-//! What an axis does in a step waits for itself nearly all the time, and no axis waits for another. The same step,
-//! written once over [`Lane`], moves one axis as `f64` and two at the price of one as `f64x2`, with the same bits.
+//! The operations of a step depend on each other, so a single axis leaves most of the processor's floating-point units
+//! idle; two axes do not depend on each other. The step is written once over [`Lane`]: with `f64` it moves one axis,
+//! with `f64x2` two axes in about the same time. Both give the same bits, since every lane computes the same IEEE
+//! operations in the same order.
 
 use std::fmt::Debug;
 use std::ops::{Add, Mul, Sub};
 
 use wide::f64x2;
 
-/// A value of as many axes as a register holds.
+/// A quantity of every axis of a register.
 pub trait Lane:
     Copy + Debug + Default + PartialEq + Add<Output = Self> + Sub<Output = Self> + Mul<Output = Self>
 {
-    /// The value of each axis, by its number in the register.
+    /// Collects one value per axis; `value` gets the number of the axis in the register, from 0.
     fn of(value: impl FnMut(usize) -> f64) -> Self;
 
-    /// The value of one axis.
+    /// The value of one axis, by its number in the register.
     fn lane(self, axis: usize) -> f64;
 
-    /// Without the sign.
+    /// Absolute value of each axis.
     #[must_use]
     fn abs(self) -> Self;
 
-    /// One over it.
+    /// Reciprocal of each axis, correctly rounded.
     #[must_use]
     fn recip(self) -> Self;
 
-    /// The same for all axes.
+    /// The same value for all axes.
     #[must_use]
     #[inline]
     fn all(value: f64) -> Self {
@@ -74,7 +76,7 @@ impl Lane for f64x2 {
 
     #[inline]
     fn recip(self) -> Self {
-        // A division, so that it is the same as that of one axis.
+        // A division: `f64x2::recip` may be an approximation, and the result must be that of `f64`.
         Self::ONE / self
     }
 }

@@ -1,26 +1,46 @@
-//! The machine on the desk: drive, motor, screw, table, tool point, and the sensors on them.
+//! The simulated machine, and the closed loop of a controller with it.
 //!
-//! [`parameters::AxisParameters`] is what an axis is made of, in SI and with one of each effect; [`mechanics`] moves it (its
-//! linear part by [`transition`]), [`structure`] carries the tool, [`sensors`] read it after a [`delay`], [`desk`] holds the
-//! whole machine. [`bodies`] is the structure in full, rigid bodies on elastic joints, and [`together`] moves the axes of
-//! one. The tracer drives the same parts with measured
-//! signals.
+//! In the order of the signal:
+//!
+//! | | |
+//! |---|---|
+//! | [`machine_path`] | the motion file as blocks in the axes of the machine |
+//! | [`simulate`] | the closed loop: the controller of a machine file, a run along a path, its log |
+//! | [`machine_sim`] | the machine in one tick: commanded forces in, readings and measurements out |
+//! | [`instruments`] | lag of the drives, sensors and their latencies, the same for all axes |
+//! | [`parameters`] | the physical parameters of an axis: keys and effects of the machine file, in SI |
+//! | [`mechanics`] | one step of an axis from its drive to its table: motor, screw, guide |
+//! | [`transition`] | its linear part: masses, spring, viscous friction and drive lag, exact |
+//! | [`screw`] | pitch errors, backlash and elasticity between motor and table |
+//! | [`guide`] | force of the guideway over a step: implicit friction, load |
+//! | [`friction`], [`presliding`] | the friction laws |
+//! | [`axis_motion`] | the state of an axis: positions, velocities, bristles |
+//! | [`coupled_axes`], [`multibody`] | instead of `mechanics` where the machine file describes rigid bodies |
+//! | [`tool_point`] | from table to tool: offsets by acceleration, position and time; resonance |
+//! | [`delay`], [`sensors`] | latency, noise and quantisation of the readings and of the log |
+//! | [`lane`] | arithmetic for one axis, or for two in one SIMD register |
+//!
+//! The tracer (the crate `trace`) uses the same parts with measured signals: [`driven`] is the table behind a measured
+//! motor. Laws that plant and tracer both need are defined here once: [`friction::smoothed_sign`],
+//! [`presliding::Bristles`], [`screw::Screw`], and the force ripple and resolver errors of
+//! [`parameters::AxisParameters`].
 
-pub mod bodies;
+pub mod axis_motion;
+pub mod coupled_axes;
 pub mod delay;
-pub mod desk;
 pub mod driven;
 pub mod friction;
 pub mod guide;
 pub mod instruments;
 pub mod lane;
+pub mod machine_path;
+pub mod machine_sim;
 pub mod mechanics;
-pub mod motion;
+pub mod multibody;
 pub mod parameters;
-pub mod path;
+pub mod presliding;
 pub mod screw;
 pub mod sensors;
 pub mod simulate;
-pub mod structure;
-pub mod together;
+pub mod tool_point;
 pub mod transition;

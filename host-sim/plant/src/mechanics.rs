@@ -1,37 +1,56 @@
-//! Motion of one axis: two masses and a screw, or one rigid mass.
+//! Motion of one axis over a step: motor and table on an elastic screw, or one rigid mass.
 //!
-//! A step takes the linear part exactly ([`super::transition`]), however stiff it is, so that it is the friction alone
-//! that asks for short steps. Friction is implicit: its mean over the step and the step's mean velocity follow from
-//! each other, and both are linear. What depends on positions (gap, errors of the screw, ripple) is taken in the
-//! middle of the step. The whole is of second order. Two axes may go beside each other, see [`super::lane`].
+//! A step takes the linear part exactly ([`super::transition`]), however stiff it is, so that the friction alone
+//! requires short steps. Friction is implicit: its mean over the step and the mean velocity of the step follow from two
+//! linear equations ([`super::guide`]). What depends on positions (backlash, pitch errors, ripple) is evaluated in the
+//! middle of the step. The whole is of second order in the step. Two axes can be moved at once, see [`super::lane`].
 
 use wide::f64x2;
 
-use super::friction::StepTime;
-use super::guide::{Free, Guide};
+use super::axis_motion::AxisMotion;
+use super::guide::{FreeStep, Guide};
 use super::lane::Lane;
-use super::motion::{AxisMotion, Motion};
 use super::parameters::AxisParameters;
+use super::presliding::StepTime;
 use super::screw::Spring;
 use super::transition::{Masses, Transition};
 
-/// How the axes of a register move in steps of one length.
+/// Steps of one length of the axes of a register.
 #[derive(Clone, Debug)]
 pub struct Stepper<L> {
     step: StepTime,
-    touching: Transition<L>,
-    /// In the gap of the screw; the same where there is none.
-    apart: Transition<L>,
-    /// Middle of the gap to its edge, m.
+    /// Screw and nut in contact.
+    in_contact: Transition<L>,
+    /// The nut within the backlash of the screw; equal to `in_contact` where there is no backlash.
+    in_gap: Transition<L>,
     half_gap_m: f64,
     guide: Guide<L>,
-    /// Whether nothing but the drive pushes a motor, and the screws are true.
-    plain_motor: bool,
-    plain_screw: bool,
+    /// Whether the motors have neither friction nor ripple.
+    is_motor_ideal: bool,
+    /// Whether the screws have no pitch errors.
+    is_screw_exact: bool,
+}
+
+/// What acts on the axes of a register over a step.
+#[derive(Clone, Copy)]
+struct StepInput<'a, L> {
+    parameters: &'a [&'a AxisParameters],
+    /// Commanded force of the drives, N.
+    force_n: L,
+    /// True position of the motors in the middle of the step, m.
+    middle_m: L,
+}
+
+/// How the screws couple motors and tables over a step.
+#[derive(Clone, Copy)]
+struct Coupling<'a, L> {
+    transition: &'a Transition<L>,
+    /// Stretch of the spring − (motor − table), m: pitch error and edge of the backlash.
+    offset_m: L,
 }
 
 impl Stepper<f64> {
-    /// Steps of `step_s` behind a drive that lags by its time constant (0: not at all).
+    /// Steps of `step_s` behind a drive with a first-order lag; time constant 0: no lag.
     #[must_use]
     pub fn new(parameters: &AxisParameters, drive_time_constant_s: f64, step_s: f64) -> Self {
         let masses = Masses {
@@ -39,22 +58,22 @@ impl Stepper<f64> {
             table_kg: parameters.table_mass_kg,
             viscous_n_s_per_m: parameters.friction.viscous_n_s_per_m,
         };
-        let of_two =
-            |spring: Option<&Spring>| Transition::of_two(masses, spring, drive_time_constant_s, step_s);
+        let two_masses =
+            |spring: Option<&Spring>| Transition::two_masses(masses, spring, drive_time_constant_s, step_s);
         let half_gap_m = parameters.screw.backlash.half_m();
-        let touching = match &parameters.spring {
-            Some(spring) => of_two(Some(spring)),
-            None => Transition::of_one(masses, drive_time_constant_s, step_s),
+        let in_contact = match &parameters.spring {
+            Some(spring) => two_masses(Some(spring)),
+            None => Transition::one_mass(masses, drive_time_constant_s, step_s),
         };
         let has_gap = half_gap_m > 0.0 && parameters.spring.is_some();
         Self {
             step: StepTime::new(step_s),
-            touching,
-            apart: if has_gap { of_two(None) } else { touching },
+            in_contact,
+            in_gap: if has_gap { two_masses(None) } else { in_contact },
             half_gap_m,
             guide: Guide::new(parameters),
-            plain_motor: parameters.motor_coulomb_n == 0.0 && parameters.ripple.is_empty(),
-            plain_screw: parameters.screw.is_true(),
+            is_motor_ideal: parameters.motor_coulomb_n == 0.0 && parameters.ripple.is_empty(),
+            is_screw_exact: parameters.screw.is_exact(),
         }
     }
 
@@ -62,139 +81,133 @@ impl Stepper<f64> {
     #[inline]
     pub fn step(&self, parameters: &AxisParameters, motion: &mut AxisMotion, force_n: f64) {
         let middle_m = motion.motor_m + motion.motor_m_per_s * (0.5 * self.step.seconds);
+        let input = StepInput { parameters: &[parameters], force_n, middle_m };
         if parameters.spring.is_some() {
-            let (linear, offset_m) = self.touch(parameters, motion, middle_m);
-            self.elastic(&[parameters], motion, force_n, middle_m, linear, offset_m);
+            let coupling = self.coupling(parameters, motion, middle_m);
+            self.elastic(motion, input, coupling);
         } else {
-            self.rigid(parameters, motion, force_n, middle_m);
+            self.rigid(parameters, motion, input);
         }
     }
 
-    fn rigid(&self, parameters: &AxisParameters, motion: &mut AxisMotion, force_n: f64, middle_m: f64) {
+    fn rigid(&self, parameters: &AxisParameters, motion: &mut AxisMotion, input: StepInput<f64>) {
         let (motor_m, table_m) = (motion.motor_m, motion.table_m);
-        let [way_m, _] = self.push(&[parameters], motion, force_n, middle_m, &self.touching, 0.0);
-        motion.motor_m = motor_m + way_m;
+        let [travel_m, _] = self.apply(motion, input, &self.in_contact, 0.0);
+        motion.motor_m = motor_m + travel_m;
         let nominal_m = parameters.screw.nominal_m(motion.motor_m);
-        motion.table_m = parameters.screw.carried_m(nominal_m, table_m);
+        motion.table_m = parameters.screw.rigid_table_m(nominal_m, table_m);
     }
 
-    /// Whether the screw touches the nut, and what is to be added to motor − table for the stretch of the spring.
+    /// Whether screw and nut are in contact in the middle of the step, and the offset of the spring.
     #[inline]
-    fn touch(
-        &self,
-        parameters: &AxisParameters,
-        motion: &AxisMotion,
-        motor_m: f64,
-    ) -> (&Transition<f64>, f64) {
-        let error_m = parameters.screw.error_m(motor_m);
+    fn coupling(&self, parameters: &AxisParameters, motion: &AxisMotion, middle_m: f64) -> Coupling<'_, f64> {
+        let error_m = parameters.screw.error_m(middle_m);
         if self.half_gap_m == 0.0 {
-            return (&self.touching, error_m);
+            return Coupling { transition: &self.in_contact, offset_m: error_m };
         }
         let table_m = motion.table_m + motion.table_m_per_s * (0.5 * self.step.seconds);
-        let deflection_m = motor_m + error_m - table_m;
+        let deflection_m = middle_m + error_m - table_m;
         if deflection_m.abs() <= self.half_gap_m {
-            (&self.apart, 0.0)
+            Coupling { transition: &self.in_gap, offset_m: 0.0 }
         } else {
-            (&self.touching, error_m - self.half_gap_m.copysign(deflection_m))
+            let offset_m = error_m - self.half_gap_m.copysign(deflection_m);
+            Coupling { transition: &self.in_contact, offset_m }
         }
     }
 
-    /// Whether [`Stepper::beside`] may have it: an elastic axis without a gap.
+    /// Whether [`Stepper::pair`] accepts the axis: it has a spring and no backlash.
     #[must_use]
-    pub fn is_smooth(&self, parameters: &AxisParameters) -> bool {
+    pub fn can_be_paired(&self, parameters: &AxisParameters) -> bool {
         parameters.spring.is_some() && self.half_gap_m == 0.0
     }
 }
 
 impl Stepper<f64x2> {
-    /// Two smooth axes beside each other; `None` where one has bristles and the other has not.
+    /// Two axes in one register, both of which [can be paired](Stepper::can_be_paired); `None` where only one of them
+    /// has bristles.
     #[must_use]
-    pub fn beside(axes: [&Stepper<f64>; 2]) -> Option<Self> {
-        let guide = Guide::beside(axes.map(|axis| axis.guide))?;
-        let touching = Transition::beside(&axes.map(|axis| &axis.touching));
+    pub fn pair(axes: [&Stepper<f64>; 2]) -> Option<Self> {
+        let guide = Guide::pair(axes.map(|axis| axis.guide))?;
+        let in_contact = Transition::joined(&axes.map(|axis| &axis.in_contact));
         Some(Self {
             step: axes[0].step,
-            touching,
-            apart: touching,
+            in_contact,
+            in_gap: in_contact,
             half_gap_m: 0.0,
             guide,
-            plain_motor: axes.iter().all(|axis| axis.plain_motor),
-            plain_screw: axes.iter().all(|axis| axis.plain_screw),
+            is_motor_ideal: axes.iter().all(|axis| axis.is_motor_ideal),
+            is_screw_exact: axes.iter().all(|axis| axis.is_screw_exact),
         })
     }
 
     /// One step of both under their commanded forces, N.
     #[inline]
-    pub fn step(&self, parameters: [&AxisParameters; 2], motion: &mut Motion<f64x2>, force_n: f64x2) {
+    pub fn step(&self, parameters: [&AxisParameters; 2], motion: &mut AxisMotion<f64x2>, force_n: f64x2) {
         let middle_m = motion.motor_m + motion.motor_m_per_s * f64x2::splat(0.5 * self.step.seconds);
-        let error_m = if self.plain_screw {
+        let offset_m = if self.is_screw_exact {
             f64x2::ZERO
         } else {
             f64x2::of(|axis| parameters[axis].screw.error_m(middle_m.lane(axis)))
         };
-        self.elastic(&parameters, motion, force_n, middle_m, &self.touching, error_m);
+        let input = StepInput { parameters: &parameters, force_n, middle_m };
+        self.elastic(motion, input, Coupling { transition: &self.in_contact, offset_m });
     }
 }
 
 impl<L: Lane> Stepper<L> {
-    /// One step of axes with a spring, to whose motor − table `offset_m` is added for its stretch.
+    /// One step of axes with a spring.
     #[inline]
-    fn elastic(
-        &self,
-        parameters: &[&AxisParameters],
-        motion: &mut Motion<L>,
-        force_n: L,
-        middle_m: L,
-        linear: &Transition<L>,
-        offset_m: L,
-    ) {
+    fn elastic(&self, motion: &mut AxisMotion<L>, input: StepInput<L>, coupling: Coupling<L>) {
+        let Coupling { transition, offset_m } = coupling;
         let table_m = motion.table_m;
         let stretch_m = motion.motor_m - table_m + offset_m;
-        let [way_m, stretch_m] = self.push(parameters, motion, force_n, middle_m, linear, stretch_m);
-        motion.table_m = table_m + way_m;
+        let [travel_m, stretch_m] = self.apply(motion, input, transition, stretch_m);
+        motion.table_m = table_m + travel_m;
         motion.motor_m = motion.table_m + stretch_m - offset_m;
     }
 
-    /// Drives and tables pushed over a step: velocities, friction and drive then, and way of the table and stretch.
+    /// Applies all forces of a step: updates velocities, friction and drive; gives travel of the table and stretch of
+    /// the spring at the end, m.
     #[inline]
-    fn push(
+    fn apply(
         &self,
-        parameters: &[&AxisParameters],
-        motion: &mut Motion<L>,
-        force_n: L,
-        middle_m: L,
-        linear: &Transition<L>,
+        motion: &mut AxisMotion<L>,
+        input: StepInput<L>,
+        transition: &Transition<L>,
         stretch_m: L,
     ) -> [L; 2] {
+        let StepInput { parameters, force_n, .. } = input;
         let (motor_m_per_s, table_m_per_s) = (motion.motor_m_per_s, motion.table_m_per_s);
-        let push_n = self.on_motor(parameters, motion, force_n, middle_m);
+        let on_motor_n = self.on_motor_n(motion, input);
         let lag_n = motion.drive_n - force_n;
-        let end = linear.end(stretch_m, [motor_m_per_s, table_m_per_s], lag_n, push_n);
-        let free = Free {
+        let end = transition.end(stretch_m, [motor_m_per_s, table_m_per_s], lag_n, on_motor_n);
+        let free = FreeStep {
             mean_m_per_s: end[0] * L::all(self.step.per_second),
             end_m_per_s: end[3],
-            mobility: linear.mobility,
-            stops_n_s_per_m: linear.stops_n_s_per_m,
+            mobility: transition.mobility,
+            stopping_n_s_per_m: transition.stopping_n_s_per_m,
         };
-        let push_n = self.guide.push_n(parameters, motion, free, self.step);
-        let [way_m, stretch_m, motor_end, table_end] = linear.pushed(end, push_n);
+        let on_table_n = self.guide.force_n(parameters, motion, free, self.step);
+        let [travel_m, stretch_m, motor_end, table_end] = transition.with_table_force(end, on_table_n);
 
-        motion.drive_n = force_n + linear.lag_left * lag_n;
+        motion.drive_n = force_n + transition.lag_left * lag_n;
         motion.motor_change = motor_end - motor_m_per_s;
         motion.table_change = table_end - table_m_per_s;
         (motion.motor_m_per_s, motion.table_m_per_s) = (motor_end, table_end);
-        [way_m, stretch_m]
+        [travel_m, stretch_m]
     }
 
-    /// Mean push on the motor, N: of the drive, its ripple, and its own friction.
+    /// Mean force on the motor, N: commanded force and ripple, less friction at the extrapolated velocity in the middle
+    /// of the step.
     #[inline]
-    fn on_motor(&self, parameters: &[&AxisParameters], motion: &Motion<L>, force_n: L, middle_m: L) -> L {
-        if self.plain_motor {
+    fn on_motor_n(&self, motion: &AxisMotion<L>, input: StepInput<L>) -> L {
+        let StepInput { parameters, force_n, middle_m } = input;
+        if self.is_motor_ideal {
             return force_n;
         }
         let about = motion.motor_m_per_s + L::all(0.5) * motion.motor_change;
         let friction_n = L::of(|axis| parameters[axis].motor_friction_n(about.lane(axis)));
-        force_n + L::of(|axis| parameters[axis].ripple_n(middle_m.lane(axis))) - friction_n
+        force_n + L::of(|axis| parameters[axis].torque_ripple_n(middle_m.lane(axis))) - friction_n
     }
 }
 
@@ -221,8 +234,8 @@ mod tests {
         }
     }
 
-    /// Table in every tick of a push and a pull with a reversal between them, m.
-    fn pushed(parameters: &AxisParameters, steps: u32) -> Vec<f64> {
+    /// Position of the table after every tick under a sinusoidal force, which reverses the motion, m.
+    fn positions(parameters: &AxisParameters, steps: u32) -> Vec<f64> {
         let stepper = Stepper::new(parameters, 1e-4, 5e-5 / f64::from(steps));
         let mut motion = AxisMotion::default();
         (0..4000)
@@ -238,24 +251,24 @@ mod tests {
         numerics::rms(a.iter().zip(b).map(|(a, b)| 1e9 * (a - b)))
     }
 
-    /// Of second order: an eighth of the step, a sixty-fourth of the error; between steps it does not fall evenly, for
-    /// what bends at a reversal is met at another part of the step.
+    /// Second order: an eighth of the step, a sixty-fourth of the error. Between these steps the error does not fall
+    /// evenly, since a reversal lies in another part of a step each time.
     #[test]
     fn converges_with_the_square_of_the_step() {
-        let fine = pushed(&axis(), 256);
-        let [whole, eighth] = [1, 8].map(|steps| rms_nm(&pushed(&axis(), steps), &fine));
-        assert!(whole < 20.0, "{whole} nm");
-        assert!((32.0..128.0).contains(&(whole / eighth)), "{whole} {eighth}");
+        let fine = positions(&axis(), 256);
+        let [error, of_eighth] = [1, 8].map(|steps| rms_nm(&positions(&axis(), steps), &fine));
+        assert!(error < 20.0, "{error} nm");
+        assert!((32.0..128.0).contains(&(error / of_eighth)), "{error} {of_eighth}");
     }
 
     #[test]
-    fn a_gap_is_crossed_freely() {
+    fn backlash_is_crossed_without_force() {
         let mut with_gap = axis();
         with_gap.screw.backlash = Backlash { width_um: 20.0 };
-        let fine = pushed(&with_gap, 64);
-        let whole = rms_nm(&pushed(&with_gap, 1), &fine);
-        // The touch is met to a step: 50 µs at the 3 mm/s of the crossing are 150 nm.
-        assert!((0.1..150.0).contains(&whole), "{whole} nm");
+        let fine = positions(&with_gap, 64);
+        let error = rms_nm(&positions(&with_gap, 1), &fine);
+        // The contact is found to one step: 50 µs at the 3 mm/s of the crossing are 150 nm.
+        assert!((0.1..150.0).contains(&error), "{error} nm");
     }
 
     #[test]
@@ -273,14 +286,14 @@ mod tests {
         (0..9).for_each(|_| stepper.step(&parameters, &mut motion, 0.0));
         assert!(motion.table_m_per_s.abs() < 1e-15);
         // 19 N do not move it.
-        let place_m = motion.table_m;
+        let position_m = motion.table_m;
         stepper.step(&parameters, &mut motion, 19.0);
-        assert!((motion.table_m - place_m).abs() < 1e-15);
+        assert!((motion.table_m - position_m).abs() < 1e-15);
     }
 
-    /// Two axes that differ in all there is, beside each other and each alone: the same to the last bit.
+    /// Two axes with different parameters, as a pair and each alone: the same to the last bit.
     #[test]
-    fn beside_each_other_they_move_as_alone() {
+    fn a_pair_moves_as_its_axes_do_alone() {
         let mut rough = axis();
         rough.motor_coulomb_n = 0.0;
         rough.screw.cyclic = vec![PitchCyclic { amplitude_um: 2.0, period_mm: 5.0, phase_rad: 0.3 }];
@@ -303,12 +316,13 @@ mod tests {
             [dry(160.0), dry(90.0)],
         ] {
             let alone = [&a, &b].map(|parameters| Stepper::new(parameters, 1e-4, 5e-5));
-            let beside = Stepper::beside([&alone[0], &alone[1]]).unwrap();
+            let pair = Stepper::pair([&alone[0], &alone[1]]).unwrap();
             let mut one_by_one = [AxisMotion::default(); 2];
-            let mut motion = Motion::<f64x2>::beside(one_by_one.each_ref());
+            let mut motion = AxisMotion::<f64x2>::pair(one_by_one.each_ref());
             for tick in 0..4000 {
-                let force_n = [1.0, -0.7].map(|share| share * 2000.0 * (f64::from(tick) * 5e-5 * 40.0).sin());
-                beside.step([&a, &b], &mut motion, f64x2::new(force_n));
+                let force_n =
+                    [1.0, -0.7].map(|factor| factor * 2000.0 * (f64::from(tick) * 5e-5 * 40.0).sin());
+                pair.step([&a, &b], &mut motion, f64x2::new(force_n));
                 for (axis, (stepper, parameters)) in alone.iter().zip([&a, &b]).enumerate() {
                     stepper.step(parameters, &mut one_by_one[axis], force_n[axis]);
                 }
@@ -317,12 +331,12 @@ mod tests {
             assert!(one_by_one.iter().all(|motion| motion.table_m.abs() > 1e-4), "they moved");
         }
         let alone = [&axis(), &dry(160.0)].map(|parameters| Stepper::new(parameters, 1e-4, 5e-5));
-        assert!(Stepper::beside([&alone[0], &alone[1]]).is_none(), "bristles beside none");
+        assert!(Stepper::pair([&alone[0], &alone[1]]).is_none(), "one has bristles and the other has none");
     }
 
     /// Constant force on one free mass: x = F·t²/2m, to the last digits at any step.
     #[test]
-    fn what_is_linear_is_exact() {
+    fn linear_motion_is_exact() {
         let parameters = AxisParameters { table_mass_kg: 100.0, ..AxisParameters::default() };
         let stepper = Stepper::new(&parameters, 0.0, 1e-2);
         let mut motion = AxisMotion::default();

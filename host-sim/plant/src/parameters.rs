@@ -1,121 +1,125 @@
-//! What an axis is made of: the machine file's axis in SI, with its effects put where they act.
+//! The physical parameters of an axis: its keys of the machine file in SI units, and its effects sorted by where they
+//! act.
 
+use model::axis::Mechanics;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, Effect, Intalk, Latency, ResolverDividing, Resonance, Squareness,
-    Straightness, ThermalDrift, TorqueRipple, Windup,
+    Channel, ConstantLoad, Crosstalk, Effect, EncoderEllipticity, ForceWindup, Intalk, Latency,
+    ResolverDividing, Resonance, Squareness, Straightness, ThermalDrift, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
-use super::friction::Friction;
+use super::friction::{self, Friction};
 use super::screw::{Screw, Spring};
 use model::bodies;
 use model::servo::ServoParameters;
 
-/// Sharpness of the motor's own friction, m/s in tanh(v/0.2 mm/s).
-pub const MOTOR_SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
-
-/// Everything that the simulation of one axis needs, SI.
+/// The parameters of one axis, SI. Motor quantities are reflected to the table by the lead.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct AxisParameters {
-    /// Motor side, reflected to the table.
+    /// Inertia of the motor side.
     pub motor_mass_kg: f64,
-    /// Table side.
+    /// Mass of the table side.
     pub table_mass_kg: f64,
-    /// Level of the motor's own friction.
+    /// Coulomb friction of the motor and its bearings.
     pub motor_coulomb_n: f64,
-    /// Errors between motor and table.
+    /// Pitch errors and backlash between motor and table.
     pub screw: Screw,
-    /// Elasticity between motor and table; `None`: rigid, one mass.
+    /// Elasticity between motor and table; `None`: motor and table are one rigid mass.
     pub spring: Option<Spring>,
-    /// Wind-up by a measured force, of an axis whose masses are not known.
-    pub forced_windup: Option<Windup>,
-    /// Of the table.
+    /// Wind-up under the measured force, for an axis whose masses are not known. Not simulated.
+    pub forced_windup: Option<ForceWindup>,
+    /// Friction of the guideway.
     pub friction: Friction,
-    /// On the table.
+    /// Constant force on the table.
     pub load: ConstantLoad,
-    /// On the motor.
+    /// Force ripple of the motor.
     pub ripple: Vec<TorqueRipple>,
-    /// Of the motor reading.
-    pub dividing: Vec<ResolverDividing>,
-    /// Between table and tool.
+    /// Errors of the motor's resolver.
+    pub resolver: Vec<ResolverDividing>,
+    /// Errors of the motor's encoder.
+    pub encoder: Vec<EncoderEllipticity>,
+    /// Effects between table and tool.
     pub tool: ToolParameters,
-    /// Of the controller.
+    /// Effects in the controller.
     pub servo: ServoParameters,
-    /// Channels that are logged late.
-    pub late: Vec<Latency>,
+    /// Latencies of the logged channels.
+    pub latency: Vec<Latency>,
 }
 
 /// Effects between table and tool.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ToolParameters {
-    /// Per own acceleration.
+    /// Offset per acceleration of the axis itself.
     pub intalk: Intalk,
-    /// Per another axis's acceleration.
+    /// Offset per acceleration of another axis.
     pub crosstalk: Vec<Crosstalk>,
-    /// Per the other axis's position.
+    /// Offset per position of the other axis.
     pub squareness: Squareness,
-    /// Per the square of another axis's position.
+    /// Offset per squared position of another axis.
     pub straightness: Vec<Straightness>,
-    /// Over the session.
+    /// Offset over the time of the session.
     pub drift: Option<ThermalDrift>,
-    /// Swing behind the table.
+    /// Oscillation of the tool against the table.
     pub resonance: Option<Resonance>,
 }
 
 impl AxisParameters {
-    /// All axes of a machine file as a simulation moves them: motors and screws are those of the bodies, where it has
-    /// bodies.
+    /// All axes of a machine file, in its order. Where the file describes rigid bodies, masses and springs are those of
+    /// the bodies.
     #[must_use]
-    pub fn of_all(machine: &Machine) -> Vec<Self> {
+    pub fn of_machine(machine: &Machine) -> Vec<Self> {
         let Some(structure) = &machine.structure else {
             return machine.axis.values().map(Self::of).collect();
         };
         let driven = |(axis, driven): (&Axis, &bodies::Axis)| {
             let moved = [&driven.to, &driven.from].into_iter().find_map(|name| structure.body.get(name));
-            Self::of(&Axis {
-                motor_mass_kg: Some(driven.motor_mass_kg),
-                table_mass_kg: moved.map(|body| body.mass_kg),
-                stiffness_n_per_um: Some(driven.stiffness_n_per_um),
-                damping_n_s_per_m: Some(1e3 * driven.damping_n_s_per_mm),
-                ..axis.clone()
-            })
+            let mut axis = axis.clone();
+            let mechanics = &mut axis.settings.mechanics;
+            mechanics.motor_mass_kg = Some(driven.motor_mass_kg);
+            mechanics.table_mass_kg = moved.map(|body| body.mass_kg);
+            mechanics.stiffness_n_per_um = Some(driven.stiffness_n_per_um);
+            mechanics.damping_n_s_per_m = Some(1e3 * driven.damping_n_s_per_mm);
+            Self::of(&axis)
         };
         machine.axis.values().zip(structure.axis.values()).map(driven).collect()
     }
 
-    /// The axis of a machine file. Masses that it lacks are zero.
+    /// One axis of a machine file. A mass that the file does not give is zero.
     #[must_use]
     pub fn of(axis: &Axis) -> Self {
-        let mut parameters = Self { servo: ServoParameters::of(axis), ..Self::without_effects(axis) };
+        let mut parameters = Self {
+            servo: ServoParameters::of(&axis.effect),
+            ..Self::without_effects(&axis.settings.mechanics)
+        };
         for effect in &axis.effect {
             parameters.add(effect);
         }
         parameters
     }
 
-    fn without_effects(axis: &Axis) -> Self {
+    fn without_effects(mechanics: &Mechanics) -> Self {
         let si = |value: Option<f64>| value.unwrap_or(0.0);
         Self {
-            motor_mass_kg: si(axis.motor_mass_kg),
-            table_mass_kg: si(axis.table_mass_kg),
-            motor_coulomb_n: si(axis.motor_coulomb_n),
-            spring: axis.stiffness_n_per_um.map(|stiffness| Spring {
+            motor_mass_kg: si(mechanics.motor_mass_kg),
+            table_mass_kg: si(mechanics.table_mass_kg),
+            motor_coulomb_n: si(mechanics.motor_coulomb_n),
+            spring: mechanics.stiffness_n_per_um.map(|stiffness| Spring {
                 stiffness_n_per_m: 1e6 * stiffness,
-                damping_n_s_per_m: si(axis.damping_n_s_per_m),
+                damping_n_s_per_m: si(mechanics.damping_n_s_per_m),
             }),
             friction: Friction {
-                coulomb_n: si(axis.coulomb_n),
-                viscous_n_s_per_m: si(axis.viscous_n_s_per_m),
-                bristle_stiffness_n_per_m: 1e6 * si(axis.presliding_stiffness_n_per_um),
-                bristle_damping_n_s_per_m: si(axis.presliding_damping_n_s_per_m),
-                curve: axis.friction_curve.clone(),
+                coulomb_n: si(mechanics.coulomb_n),
+                viscous_n_s_per_m: si(mechanics.viscous_n_s_per_m),
+                bristle_stiffness_n_per_m: 1e6 * si(mechanics.presliding_stiffness_n_per_um),
+                bristle_damping_n_s_per_m: si(mechanics.presliding_damping_n_s_per_m),
+                curve: mechanics.friction_curve.clone(),
                 ..Friction::default()
             },
             ..Self::default()
         }
     }
 
-    /// Puts an effect where it acts.
+    /// Adds an effect to the part of the axis that it acts on.
     fn add(&mut self, effect: &Effect) {
         match effect.clone() {
             Effect::Stribeck(e) => self.friction.stribeck = e,
@@ -132,18 +136,19 @@ impl AxisParameters {
             Effect::ConstantLoad(e) => self.load.force_n += e.force_n,
             // Part of the controller: see `ServoParameters::of`.
             Effect::ServoMismatch(_) | Effect::VelocityLag(_) => {}
-            Effect::ResolverDividing(e) => self.dividing.push(e),
+            Effect::ResolverDividing(e) => self.resolver.push(e),
+            Effect::EncoderEllipticity(e) => self.encoder.push(e),
             Effect::Intalk(e) => self.tool.intalk = e,
             Effect::Crosstalk(e) => self.tool.crosstalk.push(e),
             Effect::Squareness(e) => self.tool.squareness.um_per_m += e.um_per_m,
             Effect::Straightness(e) => self.tool.straightness.push(e),
             Effect::ThermalDrift(e) => self.tool.drift = Some(e),
             Effect::Resonance(e) => self.tool.resonance = Some(e),
-            Effect::Latency(e) => self.late.push(e),
+            Effect::Latency(e) => self.latency.push(e),
             Effect::Backlash(e) => self.screw.backlash = e,
             Effect::PitchProgressive(e) => self.screw.progressive.slope_um_per_m += e.slope_um_per_m,
             Effect::PitchCyclic(e) => self.screw.cyclic.push(e),
-            Effect::Windup(e) if e.friction_n.is_some() => self.forced_windup = Some(e),
+            Effect::ForceWindup(e) => self.forced_windup = Some(e),
             Effect::Windup(e) => {
                 if let Some(spring) = &mut self.spring {
                     spring.stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;
@@ -152,69 +157,86 @@ impl AxisParameters {
         }
     }
 
-    /// Friction of the motor itself, N, against its velocity (m/s).
+    /// Friction of the motor at its velocity (m/s), N, against the motion: Fc·tanh(v/w), see
+    /// [`friction::smoothed_sign`].
     #[must_use]
     #[inline]
     pub fn motor_friction_n(&self, velocity: f64) -> f64 {
         if self.motor_coulomb_n == 0.0 {
             return 0.0;
         }
-        self.motor_coulomb_n * (velocity / MOTOR_SIGN_WIDTH_M_PER_S).tanh()
+        self.motor_coulomb_n * friction::smoothed_sign(velocity)
     }
 
-    /// Force of all torque ripple, N, at a motor position (m).
+    /// Sum of all force ripple of the motor, N, at a true motor position (m); it adds to the force of the drive.
     #[must_use]
     #[inline]
-    pub fn ripple_n(&self, motor_m: f64) -> f64 {
+    pub fn torque_ripple_n(&self, motor_m: f64) -> f64 {
         self.ripple.iter().map(|ripple| ripple.force_n(motor_m)).sum()
     }
 
-    /// Reading − true position of the motor, m.
+    /// Error of the motor's resolver or encoder, m: reading − true position, at a true motor position (m).
     #[must_use]
     #[inline]
-    pub fn dividing_m(&self, motor_m: f64) -> f64 {
-        self.dividing.iter().map(|dividing| dividing.error_m(motor_m)).sum()
+    pub fn resolver_error_m(&self, motor_m: f64) -> f64 {
+        self.resolver.iter().map(|error| error.error_m(motor_m)).sum::<f64>()
+            + self.encoder.iter().map(|error| error.error_m(motor_m)).sum::<f64>()
     }
 
-    /// How late a channel is logged, s.
+    /// True motor position, m, of a reading (m): the inverse of motor + [`AxisParameters::resolver_error_m`], by two
+    /// fixed-point iterations.
+    ///
+    /// With an amplitude A and a period λ each iteration reduces the error by 2π·A/λ, some 1e-3; what remains of A is
+    /// (2π·A/λ)², some 1e-6.
     #[must_use]
-    pub fn late_s(&self, channel: Channel) -> f64 {
-        let of = |late: &Latency| if late.channel == channel { 1e-3 * late.ms } else { 0.0 };
-        self.late.iter().map(of).sum()
+    #[inline]
+    pub fn motor_of_reading_m(&self, reading_m: f64) -> f64 {
+        reading_m - self.resolver_error_m(reading_m - self.resolver_error_m(reading_m))
     }
 
-    /// A step (s) short enough for what is not linear.
+    /// Latency of a logged channel, s; negative: it is logged early.
     #[must_use]
-    pub fn step_s(&self) -> f64 {
-        self.fastest().1
+    pub fn latency_s(&self, channel: Channel) -> f64 {
+        let of = |latency: &Latency| if latency.channel == channel { 1e-3 * latency.ms } else { 0.0 };
+        self.latency.iter().map(of).sum()
     }
 
-    /// The key of the machine file behind what is fastest of all that is not linear, and a step (s) short enough for
-    /// it: the guide's bristles under the table, the motor's own friction about standstill, the touch at the edges of
-    /// a gap.
+    /// Longest step (s) that resolves what is not linear; see [`AxisParameters::step_limit`].
     #[must_use]
-    pub fn fastest(&self) -> (&'static str, f64) {
+    pub fn max_step_s(&self) -> f64 {
+        self.step_limit().1
+    }
+
+    /// The machine file's key that limits the step, and the longest step (s) that it allows.
+    ///
+    /// The linear part is exact at any step. The fastest of these nonlinear parts limits it: the bristles of the guide
+    /// under the table, 0.06 rad of √(σ0/m) a step; the friction of the motor about standstill, 0.2 of Fc/(w·m); the
+    /// contact at the edges of the backlash, 0.1 rad of √(k·(1/m + 1/M)). It is 1 ms at the most.
+    #[must_use]
+    pub fn step_limit(&self) -> (&'static str, f64) {
         let (motor_kg, table_kg) = match self.spring {
             Some(_) => (self.motor_mass_kg, self.table_mass_kg),
             None => (self.motor_mass_kg + self.table_mass_kg, self.motor_mass_kg + self.table_mass_kg),
         };
         let bristles = (self.friction.bristle_stiffness_n_per_m / table_kg).sqrt();
-        let motor = self.motor_coulomb_n / MOTOR_SIGN_WIDTH_M_PER_S / motor_kg;
-        let touch = match &self.spring {
+        let motor = self.motor_coulomb_n / friction::SIGN_WIDTH_M_PER_S / motor_kg;
+        let contact = match &self.spring {
             Some(spring) if self.screw.backlash.width_um > 0.0 => {
                 (spring.stiffness_n_per_m * (motor_kg.recip() + table_kg.recip())).sqrt()
             }
             _ => 0.0,
         };
-        // Per step: radians of the bristles' swing and of the screw's, and share of a velocity that friction stops.
+        // Steps per second.
         let rates = [
             ("presliding_stiffness_n_per_um", bristles / 0.06),
             ("motor_coulomb_n", motor / 0.2),
-            ("stiffness_n_per_um", touch / 0.1),
+            ("stiffness_n_per_um", contact / 0.1),
         ];
-        let slow = ("velocity_loop_rate_hz", 1e3);
-        let (key, rate) =
-            rates.into_iter().fold(slow, |fastest, rate| if rate.1 > fastest.1 { rate } else { fastest });
+        let min_rate = ("velocity_loop_rate_hz", 1e3);
+        let faster = |fastest: (&'static str, f64), rate: (&'static str, f64)| {
+            if rate.1 > fastest.1 { rate } else { fastest }
+        };
+        let (key, rate) = rates.into_iter().fold(min_rate, faster);
         (key, rate.recip())
     }
 }

@@ -1,42 +1,44 @@
-//! The ball screw: carries the table along, with its pitch errors, its gap and its spring.
+//! The ball screw between motor and table: pitch errors, backlash, elasticity.
+//!
+//! Positions of the motor are reflected to the table (rotation times lead), m.
 
 use model::effects::{Backlash, PitchCyclic, PitchProgressive};
 
-/// The errors of the screw.
+/// Geometric errors of the screw.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Screw {
-    /// Dead zone between screw and table.
+    /// Dead zone between screw and nut.
     pub backlash: Backlash,
-    /// Slope of the lead.
+    /// Pitch error in proportion to the position.
     pub progressive: PitchProgressive,
-    /// Wobble of the lead.
+    /// Periodic pitch errors.
     pub cyclic: Vec<PitchCyclic>,
 }
 
-/// The elasticity between motor and table, SI.
+/// Axial elasticity between motor and table, in series: screw shaft, nut, bearing, coupling.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Spring {
-    /// Drive stiffness.
+    /// Stiffness.
     pub stiffness_n_per_m: f64,
-    /// In parallel with it.
+    /// Viscous damping parallel to the stiffness.
     pub damping_n_s_per_m: f64,
 }
 
 impl Screw {
-    /// Whether it has no pitch error.
+    /// Whether the screw has no pitch error. It may have backlash.
     #[must_use]
-    pub fn is_true(&self) -> bool {
+    pub fn is_exact(&self) -> bool {
         self.progressive.slope_um_per_m == 0.0 && self.cyclic.is_empty()
     }
 
-    /// Where the screw would carry an unloaded table, for a motor position (both m).
+    /// Position of the table without load and without backlash, m, for a true motor position (m): motor + pitch error.
     #[must_use]
     #[inline]
     pub fn nominal_m(&self, motor_m: f64) -> f64 {
         motor_m + self.error_m(motor_m)
     }
 
-    /// Pitch error, m, at a motor position.
+    /// Pitch error, m: table − motor without load, for a true motor position (m).
     #[must_use]
     #[inline]
     pub fn error_m(&self, motor_m: f64) -> f64 {
@@ -44,11 +46,11 @@ impl Screw {
         self.progressive.error_m(motor_m) + cyclic
     }
 
-    /// Where a rigid screw leaves the table that stood at `table_m`: it takes it along at the edges of
-    /// the gap.
+    /// Position of the table of a rigid screw, m, after the nut has come to `nominal_m` and before which the table
+    /// stood at `table_m`: the table moves only when an edge of the backlash reaches it.
     #[must_use]
     #[inline]
-    pub fn carried_m(&self, nominal_m: f64, table_m: f64) -> f64 {
+    pub fn rigid_table_m(&self, nominal_m: f64, table_m: f64) -> f64 {
         nominal_m - self.backlash.swallowed_m(nominal_m - table_m)
     }
 }

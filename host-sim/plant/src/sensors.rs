@@ -1,23 +1,23 @@
-//! What the sensors show of the machine: resolution and noise.
+//! Sensors: white noise and quantisation.
 
 use numerics::noise::sum_of_uniforms;
 use rand_chacha::ChaCha8Rng;
 
-/// Resolution and noise of one position sensor or of the force reading, in its own unit.
+/// A position sensor (m) or the force reading (N).
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Sensor {
-    /// Readings are whole multiples of this; zero: not quantised.
+    /// Quantisation step; zero: not quantised.
     pub resolution: f64,
-    /// Standard deviation of white noise before quantisation.
+    /// Standard deviation of the white noise, which is added before quantisation.
     pub noise: f64,
 }
 
 impl Sensor {
-    /// What the sensor shows of a value.
+    /// A reading of a value.
     #[inline]
     pub fn read(&self, value: f64, random: &mut ChaCha8Rng) -> f64 {
         let noisy = if self.noise > 0.0 { value + self.noise * sum_of_uniforms(random) } else { value };
-        // A step too small for a number to count is none.
+        // A quantisation step below the resolution of f64 has no effect.
         let steps = (noisy / self.resolution).round();
         if self.resolution > 0.0 && steps.is_finite() { steps * self.resolution } else { noisy }
     }
@@ -30,7 +30,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn noise_has_the_size_it_says() {
+    fn noise_has_its_standard_deviation() {
         let mut random = ChaCha8Rng::seed_from_u64(1);
         let sensor = Sensor { resolution: 0.0, noise: 2.0 };
         let n = 100_000;
@@ -40,7 +40,7 @@ mod tests {
     }
 
     #[test]
-    fn readings_are_whole_steps() {
+    fn readings_are_multiples_of_the_resolution() {
         let mut random = ChaCha8Rng::seed_from_u64(1);
         let sensor = Sensor { resolution: 0.25, noise: 0.0 };
         assert!((sensor.read(0.9, &mut random) - 1.0).abs() < 1e-12);

@@ -1,104 +1,156 @@
-//! The few pieces of HTML that more than one section needs.
+//! HTML elements that several sections of a page use; maud escapes all text.
 
-/// Text as it may stand between tags and in attributes. What stands between a number and its unit or
-/// its uncertainty is no place for a line to end.
+use maud::{Markup, PreEscaped, html};
+
+/// Plain text in an element or attribute. The spaces between a number and its unit or uncertainty
+/// become no-break spaces (U+00A0).
 #[must_use]
-pub fn text(plain: &str) -> String {
-    let mut escaped = String::with_capacity(plain.len());
-    let mut rest = plain.chars().peekable();
+pub fn text(plain: &str) -> Markup {
+    const NO_BREAK_SPACE: char = '\u{a0}';
+    let mut spaced = String::with_capacity(plain.len());
+    let mut remaining = plain.chars().peekable();
     let mut last = ' ';
-    while let Some(c) = rest.next() {
-        match c {
-            ' ' if matches!(last, '±' | '−' | '+')
-                || last.is_ascii_digit() && matches!(rest.peek(), Some('%' | 'µ' | '±')) =>
-            {
-                escaped.push_str("&nbsp;");
-            }
-            '&' => escaped.push_str("&amp;"),
-            '<' => escaped.push_str("&lt;"),
-            '>' => escaped.push_str("&gt;"),
-            '"' => escaped.push_str("&quot;"),
-            '\'' => escaped.push_str("&#39;"),
-            c => escaped.push(c),
-        }
+    while let Some(c) = remaining.next() {
+        let is_in_quantity = matches!(last, '±' | '−' | '+')
+            || last.is_ascii_digit() && matches!(remaining.peek(), Some('%' | 'µ' | '±'));
+        spaced.push(if c == ' ' && is_in_quantity { NO_BREAK_SPACE } else { c });
         last = c;
     }
-    escaped
+    html! { (spaced) }
 }
 
-/// A section with its heading; the body is markup. Nothing where the body is empty.
+/// A section with its heading; empty where the body is empty.
 #[must_use]
-pub fn section(heading: &str, body: &str) -> String {
-    if body.is_empty() {
-        String::new()
-    } else {
-        format!("<section>\n<h2>{}</h2>\n{body}</section>\n", text(heading))
+pub fn section(heading: &str, body: &Markup) -> Markup {
+    html! {
+        @if !body.0.is_empty() {
+            section { h2 { (text(heading)) } (body) }
+        }
     }
 }
 
 /// A paragraph of plain text.
 #[must_use]
-pub fn paragraph(plain: &str) -> String {
-    format!("<p>{}</p>\n", text(plain))
+pub fn paragraph(plain: &str) -> Markup {
+    html! { p { (text(plain)) } }
 }
 
 /// A paragraph that explains what follows.
 #[must_use]
-pub fn note(plain: &str) -> String {
-    format!("<p class=\"small\">{}</p>\n", text(plain))
+pub fn note(plain: &str) -> Markup {
+    html! { p.small { (text(plain)) } }
 }
 
 /// A list of plain sentences.
 #[must_use]
-pub fn list(sentences: &[String]) -> String {
-    let items: String = sentences.iter().map(|sentence| format!("<li>{}</li>\n", text(sentence))).collect();
-    format!("<ul>\n{items}</ul>\n")
+pub fn list(sentences: &[String]) -> Markup {
+    html! {
+        ul {
+            @for sentence in sentences { li { (text(sentence)) } }
+        }
+    }
 }
 
-/// A picture with its caption in plain text.
+/// A column of a [`table`], with its heading.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Column {
+    /// Words, aligned left.
+    Words(&'static str),
+    /// Numbers, aligned right.
+    Numbers(&'static str),
+}
+
+/// A table with one row of headings; the rows are markup.
 #[must_use]
-pub fn figure(class: &str, picture: &str, caption: &str) -> String {
-    let class = if class.is_empty() { String::new() } else { format!(" class=\"{class}\"") };
-    let caption = if caption.is_empty() {
-        String::new()
-    } else {
-        format!("<figcaption>{}</figcaption>\n", text(caption))
+pub fn table(columns: &[Column], rows: &Markup) -> Markup {
+    html! {
+        table {
+            thead {
+                tr {
+                    @for column in columns {
+                        @match column {
+                            Column::Words(heading) => th scope="col" { (heading) },
+                            Column::Numbers(heading) => th.n scope="col" { (heading) },
+                        }
+                    }
+                }
+            }
+            tbody { (rows) }
+        }
+    }
+}
+
+/// A cell of a column of numbers.
+#[must_use]
+pub fn number_cell(shown: &str) -> Markup {
+    html! { td.n { (text(shown)) } }
+}
+
+/// A picture (an SVG element) with its caption in plain text; without a class or caption where that is empty.
+#[must_use]
+pub fn figure(class: &str, picture: &str, caption: &str) -> Markup {
+    html! {
+        figure class=[(!class.is_empty()).then_some(class)] {
+            (PreEscaped(picture))
+            @if !caption.is_empty() {
+                figcaption { (text(caption)) }
+            }
+        }
+    }
+}
+
+/// An SVG element with title and description for screen readers. The size is in units of the drawing; the page scales
+/// it.
+#[must_use]
+pub fn svg((width, height): (u32, u32), title: &str, description: &str, body: &Markup) -> String {
+    let element = html! {
+        svg viewBox={ "0 0 " (width) " " (height) } role="img" {
+            title { (text(title)) }
+            desc { (text(description)) }
+            (body)
+        }
     };
-    format!("<figure{class}>\n{picture}{caption}</figure>\n")
+    element.into_string()
 }
 
-/// An inline picture that tells a screen reader what it shows. The body is markup.
+/// The legend of a picture; empty without entries.
 #[must_use]
-pub fn svg((width, height): (u32, u32), title: &str, description: &str, body: &str) -> String {
-    format!(
-        "<svg viewBox=\"0 0 {width} {height}\" role=\"img\">\n<title>{}</title>\n<desc>{}</desc>\n{body}</svg>\n",
-        text(title),
-        text(description)
-    )
+pub fn legend(entries: &[Markup]) -> Markup {
+    html! {
+        @if !entries.is_empty() {
+            p.legend {
+                // The space lets a line end between two entries.
+                @for entry in entries { (entry) " " }
+            }
+        }
+    }
 }
 
-/// One entry of a legend: a piece of line, or of surface, and what it stands for.
+/// Legend entry of a line with a class of the stylesheet.
 #[must_use]
-pub fn key(class: &str, is_surface: bool, meaning: &str) -> String {
-    let sample = if is_surface {
-        format!("<rect class=\"{class}\" x=\"1\" y=\"2\" width=\"30\" height=\"8\"/>")
-    } else {
-        format!("<line class=\"{class}\" x1=\"0\" y1=\"6\" x2=\"32\" y2=\"6\"/>")
-    };
-    entry(&sample, meaning)
+pub fn line_entry(class: &str, meaning: &str) -> Markup {
+    entry(&html! { line class=(class) x1="0" y1="6" x2="32" y2="6" {} }, meaning)
 }
 
-/// One entry of a legend: a point, and what it stands for.
+/// Legend entry of a surface with a class of the stylesheet.
 #[must_use]
-pub fn mark(class: &str, meaning: &str) -> String {
-    entry(&format!("<circle class=\"{class}\" cx=\"16\" cy=\"6\" r=\"3\"/>"), meaning)
+pub fn surface_entry(class: &str, meaning: &str) -> Markup {
+    entry(&html! { rect class=(class) x="1" y="2" width="30" height="8" {} }, meaning)
 }
 
-fn entry(sample: &str, meaning: &str) -> String {
-    let meaning = text(meaning);
-    format!(
-        "<span class=\"key\"><svg viewBox=\"0 0 32 12\" aria-hidden=\"true\">{sample}</svg>{meaning}</span>\n"
-    )
+/// Legend entry of a point with a class of the stylesheet.
+#[must_use]
+pub fn point_entry(class: &str, meaning: &str) -> Markup {
+    entry(&html! { circle class=(class) cx="16" cy="6" r="3" {} }, meaning)
+}
+
+fn entry(sample: &Markup, meaning: &str) -> Markup {
+    html! {
+        span.key {
+            svg viewBox="0 0 32 12" aria-hidden="true" { (sample) }
+            (text(meaning))
+        }
+    }
 }
 
 #[cfg(test)]
@@ -107,9 +159,25 @@ mod tests {
 
     #[test]
     fn markup_in_a_text_is_text() {
-        assert_eq!(text("a<b> & \"c\" 'd'"), "a&lt;b&gt; &amp; &quot;c&quot; &#39;d&#39;");
-        assert_eq!(text("3 ± 1 µm, 5 m"), "3&nbsp;±&nbsp;1&nbsp;µm, 5 m");
-        assert_eq!(section("<", ""), "");
-        assert!(figure("wide", "", "<script>").contains("&lt;script&gt;"));
+        assert_eq!(text("a<b> & \"c\" 'd'").0, "a&lt;b&gt; &amp; &quot;c&quot; 'd'");
+        assert_eq!(text("3 ± 1 µm, 5 m").0, "3\u{a0}±\u{a0}1\u{a0}µm, 5 m");
+        assert_eq!(section("<", &Markup::default()).0, "");
+        assert!(figure("wide", "", "<script>").0.contains("&lt;script&gt;"));
+        assert!(svg((1, 1), "\"<", "", &Markup::default()).contains("<title>&quot;&lt;</title>"));
+        let entries = [line_entry("a\"b", "<"), surface_entry("a\"b", "<"), point_entry("a\"b", "<")];
+        assert_eq!(legend(&entries).0.matches("class=\"a&quot;b\"").count(), 3);
+        assert_eq!(legend(&entries).0.matches("&lt;</span> ").count(), 3);
+        assert_eq!(legend(&[]).0, "");
+    }
+
+    #[test]
+    fn a_table_has_a_heading_for_each_column() {
+        let row = html! { tr { td { "a" } (number_cell("1 µm")) } };
+        let table = table(&[Column::Words("name"), Column::Numbers("size")], &row);
+        assert_eq!(
+            table.0,
+            "<table><thead><tr><th scope=\"col\">name</th><th class=\"n\" scope=\"col\">size</th></tr></thead>\
+             <tbody><tr><td>a</td><td class=\"n\">1\u{a0}µm</td></tr></tbody></table>"
+        );
     }
 }

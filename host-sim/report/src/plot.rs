@@ -1,8 +1,9 @@
-//! Line charts: plotters draws them, the stylesheet gives them their colours and dashes.
+//! Line charts drawn by plotters, with colours and dashes from the stylesheet.
 //!
-//! plotters knows colours only, and a page that is read in light, in dark and on paper needs names:
-//! each [`Ink`] is drawn in a colour of its own that is replaced by a class afterwards. Coordinates
-//! are whole numbers in plotters, so it draws [`FINE`] times as large as the page shows it.
+//! plotters has no classes, only colours, and the colours of a page depend on its medium (light, dark,
+//! paper). So each [`Ink`] is drawn in a colour of its own, which is replaced by a class afterwards.
+//! Coordinates are whole numbers in plotters, so it draws [`UNITS_PER_PIXEL`] times as large as the page
+//! shows it.
 
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
@@ -12,11 +13,13 @@ use plotters::element::{Circle, PathElement, Polygon};
 use plotters::prelude::{Cartesian2d, SVGBackend};
 use plotters::style::{Color, IntoFont, RGBColor, TextStyle};
 
+use maud::PreEscaped;
+
 use super::markup;
 use super::number::fixed;
 
-/// Units of a drawing in a pixel of the page.
-const FINE: u32 = 4;
+/// Units of a drawing per pixel of the page.
+const UNITS_PER_PIXEL: u32 = 4;
 
 /// What a line or surface stands for; the stylesheet has a class of each name.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -25,21 +28,21 @@ pub enum Ink {
     Label,
     /// Axes.
     Axis,
-    /// Lines behind the curves.
+    /// Grid lines behind the curves.
     Grid,
-    /// The residual of zero.
+    /// The line y = 0.
     Zero,
-    /// What the sensors' noise makes of nothing.
+    /// The band of the sensors' noise.
     Noise,
-    /// Before, as a line.
+    /// The declared model, as a line.
     Before,
-    /// Before, as the surface between least and greatest.
+    /// The declared model, as the surface between minimum and maximum.
     BeforeRange,
-    /// After.
+    /// The model with what was found.
     After,
-    /// A third line beside before and after.
+    /// A third line beside [`Ink::Before`] and [`Ink::After`].
     Third,
-    /// A fourth.
+    /// A fourth line.
     Fourth,
 }
 
@@ -65,61 +68,61 @@ impl Ink {
 /// One curve.
 #[derive(Clone, Debug)]
 pub struct Layer {
-    /// How it is drawn.
+    /// Colour and dashes.
     pub ink: Ink,
-    /// Its corners; those of a surface go around it.
+    /// Its corners; those of a surface in the order of its outline.
     pub points: Vec<(f64, f64)>,
-    /// Whether a line's corners are marked.
+    /// Whether the corners are drawn as points.
     pub is_marked: bool,
 }
 
-/// A chart of residuals over something.
+/// A line chart.
 #[derive(Clone, Debug)]
 pub struct Chart<'a> {
-    /// Pixels of the page.
+    /// Width and height, pixels of the page.
     pub size: (u32, u32),
-    /// What it shows, for those who do not see it.
+    /// Title for screen readers.
     pub title: &'a str,
-    /// The same, at length.
+    /// Description for screen readers.
     pub description: &'a str,
-    /// What goes to the right, with its unit.
+    /// Label of the horizontal axis, with its unit.
     pub x: &'a str,
-    /// What goes up, with its unit.
+    /// Label of the vertical axis, with its unit.
     pub y: &'a str,
-    /// Half height of the band that noise alone would fill; 0: none.
+    /// Half height of the noise band, in the unit of y; 0: none.
     pub noise: f64,
-    /// From back to front.
+    /// Curves and surfaces, from back to front.
     pub layers: Vec<Layer>,
 }
 
 impl Chart<'_> {
-    /// The chart as markup.
+    /// The chart as an SVG element.
     #[must_use]
     pub fn svg(&self) -> String {
-        let size = (FINE * self.size.0, FINE * self.size.1);
+        let size = (UNITS_PER_PIXEL * self.size.0, UNITS_PER_PIXEL * self.size.1);
         let mut drawn = String::new();
         let outcome = self.draw(&SVGBackend::with_string(&mut drawn, size).into_drawing_area());
         // Drawing into memory does not fail; if it did, the page would say so.
         if let Err(cause) = outcome {
-            return markup::paragraph(&format!("not drawn: {cause}"));
+            return markup::paragraph(&format!("not drawn: {cause}")).into_string();
         }
-        // The element itself is written here, with a title and without the address of a namespace.
-        let body = drawn.split_once('>').map_or("", |(_, rest)| rest.trim_start());
+        // The element of plotters has no title, and the address of a namespace, which a page does not need.
+        let body = drawn.split_once('>').map_or("", |(_, body)| body.trim_start());
         let body = body.trim_end().strip_suffix("</svg>").unwrap_or(body);
-        markup::svg(size, self.title, self.description, &named(body))
+        markup::svg(size, self.title, self.description, &PreEscaped(with_classes(body)))
     }
 
-    fn draw(&self, area: &DrawingArea<SVGBackend<'_>, Shift>) -> Result<(), Failure> {
+    fn draw(&self, area: &Area<'_>) -> Result<(), Failure> {
         let ((left, right), (low, high)) = self.range();
         // plotters takes a font's height for its size.
-        let size = f64::from(FINE) * 11.0 * 1.24;
+        let size = f64::from(UNITS_PER_PIXEL) * 11.0 * 1.24;
         let colour = Ink::Label.colour();
         let words = TextStyle::from(("sans-serif", size).into_font()).color(&colour);
         let mut chart = ChartBuilder::on(area)
-            .margin_top(2 * FINE)
-            .margin_right(12 * FINE)
-            .x_label_area_size(34 * FINE)
-            .y_label_area_size(54 * FINE)
+            .margin_top(2 * UNITS_PER_PIXEL)
+            .margin_right(12 * UNITS_PER_PIXEL)
+            .x_label_area_size(34 * UNITS_PER_PIXEL)
+            .y_label_area_size(54 * UNITS_PER_PIXEL)
             .build_cartesian_2d(left..right, low..high)?;
         let (columns, rows) = (((self.size.0 / 60) as usize).max(3), 6);
         chart
@@ -128,54 +131,60 @@ impl Chart<'_> {
             .bold_line_style(Ink::Grid.colour())
             .axis_style(Ink::Axis.colour())
             .disable_x_mesh()
-            .set_all_tick_mark_size(4 * FINE)
+            .set_all_tick_mark_size(4 * UNITS_PER_PIXEL)
             .label_style(words.clone())
             .axis_desc_style(words)
             .x_labels(columns)
             .y_labels(rows)
-            .x_label_formatter(&|x| tick(*x, right - left, columns))
-            .y_label_formatter(&|y| tick(*y, high - low, rows))
+            .x_label_formatter(&|x| tick_label(*x, right - left, columns))
+            .y_label_formatter(&|y| tick_label(*y, high - low, rows))
             .x_desc(self.x)
             .y_desc(self.y)
             .draw()?;
-        let plane = chart.plotting_area();
+        self.draw_layers(chart.plotting_area(), (left, right))?;
+        area.present()
+    }
+
+    /// The noise band, the line y = 0, and the layers over them.
+    fn draw_layers(&self, plane: &Plane<'_>, (left, right): (f64, f64)) -> Result<(), Failure> {
         if self.noise > 0.0 {
             let corners =
                 vec![(left, -self.noise), (left, self.noise), (right, self.noise), (right, -self.noise)];
-            surface(plane, Ink::Noise, corners)?;
+            draw_surface(plane, Ink::Noise, corners)?;
         }
         plane.draw(&PathElement::new(vec![(left, 0.0), (right, 0.0)], Ink::Zero.colour()))?;
         for layer in &self.layers {
             if layer.ink == Ink::BeforeRange {
-                surface(plane, layer.ink, layer.points.clone())?;
+                draw_surface(plane, layer.ink, layer.points.clone())?;
             } else {
                 plane.draw(&PathElement::new(layer.points.clone(), layer.ink.colour()))?;
             }
             for point in layer.points.iter().filter(|_| layer.is_marked) {
-                plane.draw(&Circle::new(*point, 2 * FINE, layer.ink.colour()))?;
+                plane.draw(&Circle::new(*point, 2 * UNITS_PER_PIXEL, layer.ink.colour()))?;
             }
         }
-        area.present()
+        Ok(())
     }
 
-    /// What the axes have to show: all points, zero, and the noise.
+    /// Ends of both axes: they include all points and the noise band, vertically with a margin.
     fn range(&self) -> ((f64, f64), (f64, f64)) {
         let points = || self.layers.iter().flat_map(|layer| &layer.points);
         let (left, right) = bounds(points().map(|point| point.0));
         let (low, high) = bounds(points().map(|point| point.1).chain([-self.noise, self.noise]));
-        let room = 0.06 * (high - low);
-        ((left, right), (low - room, high + room))
+        let margin = 0.06 * (high - low);
+        ((left, right), (low - margin, high + margin))
     }
 }
 
 type Failure = DrawingAreaErrorKind<std::io::Error>;
+type Area<'a> = DrawingArea<SVGBackend<'a>, Shift>;
 type Plane<'a> = DrawingArea<SVGBackend<'a>, Cartesian2d<RangedCoordf64, RangedCoordf64>>;
 
-fn surface(plane: &Plane<'_>, ink: Ink, corners: Vec<(f64, f64)>) -> Result<(), Failure> {
+fn draw_surface(plane: &Plane<'_>, ink: Ink, corners: Vec<(f64, f64)>) -> Result<(), Failure> {
     plane.draw(&Polygon::new(corners, ink.colour().filled()))
 }
 
-/// Least and greatest, which are never the same.
+/// Minimum and maximum, moved apart where they are equal; 0 and 1 without values.
 fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let [low, high] = numerics::min_max(values);
     if low < high {
@@ -187,33 +196,33 @@ fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
     }
 }
 
-/// A label with the digits that its neighbours differ in.
-fn tick(value: f64, range: f64, count: usize) -> String {
-    // That many labels have one step less between them, and up to two beside them.
-    let least = range / (count + 1) as f64;
-    let power = 10_f64.powf(least.log10().floor());
+/// A label of an axis with as many decimals as neighbouring labels need to differ.
+fn tick_label(value: f64, range: f64, count: usize) -> String {
+    // Between `count` labels are `count` − 1 steps, and up to two more beside them.
+    let min_step = range / (count + 1) as f64;
+    let power = 10_f64.powf(min_step.log10().floor());
     // Steps are 1, 2 or 5 times a power of ten.
     let step =
-        [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|step| *step >= least).unwrap_or(power);
+        [1.0, 2.0, 5.0, 10.0].into_iter().map(|m| m * power).find(|step| *step >= min_step).unwrap_or(power);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "between 0 and 9")]
     let decimals = (-(step * 1.001).log10().floor()).clamp(0.0, 9.0) as usize;
     fixed(value, decimals)
 }
 
-/// Colours replaced by the names that they stand for, and what the stylesheet says left out.
-fn named(drawn: &str) -> String {
-    let mut named = drawn.replace(" opacity=\"1\"", "").replace(" stroke-width=\"1\"", "");
+/// Replaces colours by their classes and removes attributes that the stylesheet sets.
+fn with_classes(drawn: &str) -> String {
+    let mut classed = drawn.replace(" opacity=\"1\"", "").replace(" stroke-width=\"1\"", "");
     for (ink, class) in INKS {
         let RGBColor(r, g, b) = ink.colour();
         for attribute in ["fill", "stroke"] {
-            named = named
+            classed = classed
                 .replace(&format!("{attribute}=\"#{r:02X}{g:02X}{b:02X}\""), &format!("class=\"{class}\""));
         }
     }
-    for needless in [" fill=\"none\"", " stroke=\"none\"", " font-family=\"sans-serif\""] {
-        named = named.replace(needless, "");
+    for attribute in [" fill=\"none\"", " stroke=\"none\"", " font-family=\"sans-serif\""] {
+        classed = classed.replace(attribute, "");
     }
-    named.replace(" \"/>", "\"/>")
+    classed.replace(" \"/>", "\"/>")
 }
 
 #[cfg(test)]
@@ -240,7 +249,7 @@ mod tests {
         };
         let svg = chart.svg();
         assert!(
-            svg.starts_with("<svg viewBox=\"0 0 1600 800\" role=\"img\">\n<title>a &lt; b</title>"),
+            svg.starts_with("<svg viewBox=\"0 0 1600 800\" role=\"img\"><title>a &lt; b</title>"),
             "{svg}"
         );
         assert!(!svg.contains('#') && !svg.contains("http"), "{svg}");
@@ -253,9 +262,9 @@ mod tests {
 
     #[test]
     fn labels_have_the_digits_they_need() {
-        assert_eq!(tick(0.05, 0.31, 6), "0.05");
-        assert_eq!(tick(0.1, 0.5, 6), "0.1");
-        assert_eq!(tick(-0.02, 0.06, 6), "−0.02");
-        assert_eq!(tick(1500.0, 6000.0, 6), "1500");
+        assert_eq!(tick_label(0.05, 0.31, 6), "0.05");
+        assert_eq!(tick_label(0.1, 0.5, 6), "0.1");
+        assert_eq!(tick_label(-0.02, 0.06, 6), "−0.02");
+        assert_eq!(tick_label(1500.0, 6000.0, 6), "1500");
     }
 }

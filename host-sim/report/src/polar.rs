@@ -1,16 +1,18 @@
-//! The circle as ballbar users draw it: the deviation from it, magnified.
+//! A circle as ballbar users draw it: the radial deviation over the angle, magnified.
 
 use std::f64::consts::FRAC_1_SQRT_2;
-use std::fmt::Write;
 
-use super::circle::find;
-use super::deviation::{Lap, Run};
-use super::markup::{figure, key, note, svg, text};
+use maud::{Markup, html};
+
+use super::axis_view::AxisView;
+use super::circle_fit::find;
+use super::markup::{figure, legend, line_entry, note, svg, text};
 use super::number::{signed, significant};
-use super::stages::AxisView;
+use super::page::file_name;
+use super::radial_deviation::{Lap, Run};
 use trace::Trace;
 
-/// Pixels of the page: the picture, radius of the circle, and one division.
+/// Side of the picture, radius of the circle, and one division, in pixels of the page.
 const SIDE: u32 = 310;
 const BASE: f64 = 80.0;
 const DIVISION: f64 = 15.0;
@@ -20,58 +22,68 @@ const DIVISIONS: i32 = 4;
 
 /// The section's body; empty where no log holds a circle with the channels for it.
 #[must_use]
-pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> String {
-    let (Some(circle), [x, y, ..]) = (find(&trace.validate_logs), views) else { return String::new() };
+pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
+    let (Some(circle), [x, y, ..]) = (find(&trace.validate_logs), views) else { return Markup::default() };
     let run = Run { circle: &circle, signals: &trace.validate_logs[circle.log], axes: [x, y] };
-    let Some((channel, measured)) = run.measured() else { return String::new() };
-    let mut pictures = picture(&run, "As measured", &measured, division(&[&measured]));
-    let mut intro = format!(
-        "{}: a circle of {} mm radius at {} mm/s, seen with +{} to the right and +{} up. Outside the circle is \
-         outwards. As measured: how far the {channel} ran off the commanded circle.",
-        super::file_name(&run.signals.source),
-        significant(1e3 * circle.radius, 3),
-        significant(1e3 * run.speed(), 3),
-        x.trace.axis,
-        y.trace.axis,
-    );
-    if !run.stages().is_empty() {
-        let before = run.unexplained([&x.before, &y.before]);
-        let after = run.unexplained([&x.after, &y.after]);
-        let same = division(&[&before, &after]);
-        pictures += &picture(&run, "Unexplained before", &before, same);
-        pictures += &picture(&run, "Unexplained after", &after, same);
-        intro += " Unexplained before: what is left of it when all that the declared model predicts is taken away. \
-                  Unexplained after: the same with the effects found, at the same magnification.";
+    let Some((channel, measured)) = run.measured() else { return Markup::default() };
+    let residuals = (!run.stages().is_empty())
+        .then(|| [run.residual([&x.before, &y.before]), run.residual([&x.after, &y.after])]);
+    html! {
+        (note(&introduction(&run, channel, residuals.is_some())))
+        div.circles {
+            (picture(&run, "As measured", &measured, division(&[&measured])))
+            @if let Some([before, after]) = &residuals {
+                @let same = division(&[before, after]);
+                (picture(&run, "Unexplained before", before, same))
+                (picture(&run, "Unexplained after", after, same))
+            }
+        }
+        (legend(&[line_entry("cw", "clockwise"), line_entry("ccw", "counter-clockwise")]))
     }
-    let keys = [key("cw", false, "clockwise"), key("ccw", false, "counter-clockwise")].concat();
-    format!("{}<div class=\"circles\">\n{pictures}</div>\n<p class=\"legend\">{keys}</p>\n", note(&intro))
 }
 
-/// The least of 1, 2 and 5 times a power of ten µm at which all deviations fit the divisions.
+/// What the pictures show.
+fn introduction(run: &Run<'_>, channel: &str, has_residuals: bool) -> String {
+    let [x, y] = run.axes.map(|axis| &axis.trace.axis);
+    let mut introduction = format!(
+        "{}: a circle of {} mm radius at {} mm/s, seen with +{x} to the right and +{y} up. Outside the circle is \
+         outwards. As measured: how far the {channel} ran off the commanded circle.",
+        file_name(&run.signals.source),
+        significant(1e3 * run.circle.radius, 3),
+        significant(1e3 * run.speed(), 3),
+    );
+    if has_residuals {
+        introduction += " Unexplained before: what is left of it when all that the declared model predicts is taken away. \
+                         Unexplained after: the same with the effects found, at the same magnification.";
+    }
+    introduction
+}
+
+/// The smallest of 1, 2 and 5 times a power of ten µm at which all deviations are within the divisions.
 fn division(all: &[&[Lap]]) -> f64 {
     let points = all.iter().copied().flatten().flat_map(|lap| &lap.points);
     division_for(numerics::max_abs(points.map(|point| point.1)))
 }
 
-/// The least of 1, 2 and 5 times a power of ten µm of which the divisions hold `most`.
+/// The smallest of 1, 2 and 5 times a power of ten µm of which the divisions hold `max_um`.
 #[must_use]
-pub fn division_for(most: f64) -> f64 {
-    let least = (most / f64::from(DIVISIONS)).max(1e-3);
-    let power = 10_f64.powf(least.log10().floor());
-    [1.0, 2.0, 5.0].into_iter().map(|m| m * power).find(|d| *d >= least).unwrap_or(10.0 * power)
+pub fn division_for(max_um: f64) -> f64 {
+    let min = (max_um / f64::from(DIVISIONS)).max(1e-3);
+    let power = 10_f64.powf(min.log10().floor());
+    [1.0, 2.0, 5.0].into_iter().map(|m| m * power).find(|d| *d >= min).unwrap_or(10.0 * power)
 }
 
 /// One polar picture with its caption.
-fn picture(run: &Run<'_>, title: &str, laps: &[Lap], division_um: f64) -> String {
+fn picture(run: &Run<'_>, title: &str, laps: &[Lap], division_um: f64) -> Markup {
     let points = || laps.iter().flat_map(|lap| &lap.points).map(|point| point.1);
-    let [least, most] = numerics::min_max(points());
-    let magnified = DIVISION / division_um * 1e6 * run.circle.radius / BASE;
+    let [min, max] = numerics::min_max(points());
+    let magnification = DIVISION / division_um * 1e6 * run.circle.radius / BASE;
     let caption = format!(
         "{title}: {} to {} µm. One division is {} µm, magnified {} times.",
-        signed(least, 2),
-        signed(most, 2),
+        signed(min, 2),
+        signed(max, 2),
         significant(division_um, 1),
-        significant(magnified, 2),
+        significant(magnification, 2),
     );
     let class = |lap: &Lap| if lap.is_clockwise { "cw" } else { "ccw" };
     let lines: Vec<(&str, &[(f64, f64)])> = laps.iter().map(|lap| (class(lap), &lap.points[..])).collect();
@@ -80,7 +92,7 @@ fn picture(run: &Run<'_>, title: &str, laps: &[Lap], division_um: f64) -> String
     figure("", &drawing(&title, &caption, &lines, division_um, axes), &caption)
 }
 
-/// The drawing alone: lines of a class of the stylesheet through points of angle (rad) and deviation (µm).
+/// The SVG element alone: lines, each of a class of the stylesheet, through points of angle (rad) and deviation (µm).
 #[must_use]
 pub fn drawing(
     title: &str,
@@ -89,50 +101,61 @@ pub fn drawing(
     division_um: f64,
     axes: [&str; 2],
 ) -> String {
-    let mut body = grid(axes, division_um);
-    for (class, points) in lines {
-        let place = |(angle, um): &(f64, f64)| place(*angle, BASE + DIVISION * um / division_um);
-        let path: Vec<String> = points.iter().map(place).map(|(x, y)| format!("{x:.1},{y:.1}")).collect();
-        let _ = writeln!(body, "<polyline class=\"{class}\" points=\"{}\"/>", path.join(" "));
-    }
+    let position = |(angle, um): &(f64, f64)| position(*angle, BASE + DIVISION * um / division_um);
+    let path = |points: &[(f64, f64)]| {
+        let corners = points.iter().map(position).map(|(x, y)| format!("{x:.1},{y:.1}"));
+        corners.collect::<Vec<_>>().join(" ")
+    };
+    let body = html! {
+        (grid())
+        (labels(axes, division_um))
+        @for (class, points) in lines { polyline class=(class) points=(path(points)) {} }
+    };
     svg((SIDE, SIDE), title, description, &body)
 }
 
-/// Place of a polar point in the picture.
-fn place(angle: f64, radius: f64) -> (f64, f64) {
+/// Position of a polar point in the picture.
+fn position(angle: f64, radius: f64) -> (f64, f64) {
     let middle = 0.5 * f64::from(SIDE);
     (middle + radius * angle.cos(), middle - radius * angle.sin())
 }
 
-/// The circle, its divisions, and what they mean.
-fn grid([x, y]: [&str; 2], division_um: f64) -> String {
-    let mut grid = String::new();
+/// Radius of the outermost division.
+const OUTER: f64 = BASE + DIVISION * DIVISIONS as f64;
+
+/// The circle, its divisions, and pieces of both axes.
+fn grid() -> Markup {
     let middle = 0.5 * f64::from(SIDE);
-    for ring in -DIVISIONS..=DIVISIONS {
-        let class = if ring == 0 { "ring base" } else { "ring" };
-        let radius = BASE + DIVISION * f64::from(ring);
-        let _ = writeln!(grid, "<circle class=\"{class}\" cx=\"{middle}\" cy=\"{middle}\" r=\"{radius}\"/>");
-    }
-    let outer = BASE + DIVISION * f64::from(DIVISIONS);
     let inner = BASE - DIVISION * f64::from(DIVISIONS);
-    for (x, y) in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
-        let at = |radius: f64| (middle + radius * x, middle + radius * y);
-        let ((x1, y1), (x2, y2)) = (at(inner), at(outer));
-        let _ = writeln!(grid, "<line class=\"ring\" x1=\"{x1}\" y1=\"{y1}\" x2=\"{x2}\" y2=\"{y2}\"/>");
+    let end =
+        |direction: (f64, f64), radius: f64| (middle + radius * direction.0, middle + radius * direction.1);
+    html! {
+        @for ring in -DIVISIONS..=DIVISIONS {
+            circle.ring.base[ring == 0] cx=(middle) cy=(middle) r=(BASE + DIVISION * f64::from(ring)) {}
+        }
+        @for direction in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
+            @let ((x1, y1), (x2, y2)) = (end(direction, inner), end(direction, OUTER));
+            line.ring x1=(x1) y1=(y1) x2=(x2) y2=(y2) {}
+        }
     }
-    let mut label = |x: f64, y: f64, anchor: &str, words: &str| {
-        let words = text(words);
-        let _ = writeln!(
-            grid,
-            "<text class=\"label\" x=\"{x:.1}\" y=\"{y:.1}\" text-anchor=\"{anchor}\" font-size=\"11\">{words}</text>"
-        );
-    };
+}
+
+/// The deviation of the outermost and innermost division, and the names of both axes.
+fn labels([x, y]: [&str; 2], division_um: f64) -> Markup {
+    let middle = 0.5 * f64::from(SIDE);
     let edge = f64::from(DIVISIONS) * division_um;
-    let corner = middle - FRAC_1_SQRT_2 * outer;
-    label(corner - 2.0, corner - 2.0, "end", &format!("{} µm", signed(edge, 1)));
-    label(middle, middle + 4.0, "middle", &signed(-edge, 1));
-    let [x, y] = [x, y].map(|axis| format!("+{axis}"));
-    label(middle + outer + 3.0, middle + 4.0, "start", &x);
-    label(middle, middle - outer - 3.0, "middle", &y);
-    grid
+    let corner = middle - FRAC_1_SQRT_2 * OUTER;
+    let label = |x: f64, y: f64, anchor: &str, words: &str| {
+        html! {
+            text.label x=(format_args!("{x:.1}")) y=(format_args!("{y:.1}")) text-anchor=(anchor) font-size="11" {
+                (text(words))
+            }
+        }
+    };
+    html! {
+        (label(corner - 2.0, corner - 2.0, "end", &format!("{} µm", signed(edge, 1))))
+        (label(middle, middle + 4.0, "middle", &signed(-edge, 1)))
+        (label(middle + OUTER + 3.0, middle + 4.0, "start", &format!("+{x}")))
+        (label(middle, middle - OUTER - 3.0, "middle", &format!("+{y}")))
+    }
 }

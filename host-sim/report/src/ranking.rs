@@ -1,149 +1,184 @@
-//! The candidates of each round: what each is worth on held-out data, and why it was taken or not.
+//! The candidates of each round: their gain on held-out data, and why each was added or not.
 
-use super::markup::{note, text};
+use maud::{Markup, html};
+
+use super::markup::{note, number_cell, text};
 use super::number::{fixed, percent, significant};
 use super::parameters;
-use super::words::rotary;
 use files::log::Unit;
-use trace::axis::{AxisTrace, Found, is_same, stage_names};
-use trace::candidates::{Candidate, LEAST_REDUCTION, LEAST_T};
-use trace::held_out::{Comparison, FOLDS};
-use trace::search::Round;
+use trace::fit::normal_equations::FOLDS;
+use trace::options::SearchOptions;
+use trace::outcome::AxisTrace;
+use trace::search::candidates::Candidate;
+use trace::search::held_out::Comparison;
+use trace::search::round::Round;
+use trace::stages::stage_names;
+use trace::validation::found::Found;
 
 /// Most candidates of a round that are shown.
-const SHOWN: usize = 6;
+const MAX_SHOWN: usize = 6;
 
-/// The section's body.
-pub fn body(axes: &[AxisTrace]) -> String {
-    let tables: String = axes.iter().map(of_axis).collect();
-    if tables.is_empty() {
+const NOTE: &str = "In each round every effect of the catalogue is tried on what is left, the most promising are fitted \
+                    with everything else free, and held against parts of the fit logs that the fit did not see. Gain: by \
+                    how much the residual of the stage that it helps most gets smaller there. The best that is supported \
+                    is added, and the next round begins.";
+
+/// The section's body; empty without rounds.
+#[must_use]
+pub fn body(axes: &[AxisTrace]) -> Markup {
+    let tables = html! {
+        @for axis in axes { (table_of_axis(axis)) }
+    };
+    if tables.0.is_empty() {
         return tables;
     }
-    let what = "In each round every effect of the catalogue is tried on what is left, the most promising are fitted \
-                with everything else free, and held against parts of the fit logs that the fit did not see. Gain: by \
-                how much the residual of the stage that it helps most gets smaller there. The best that is supported \
-                is added, and the next round begins.";
-    note(what) + &tables
+    html! { (note(NOTE)) (tables) }
 }
 
-fn of_axis(axis: &AxisTrace) -> String {
-    let mut number = 0;
-    let mut last: &[_] = &[];
-    let mut rounds = String::new();
-    for round in &axis.rounds {
-        number = if round.stages == last { number + 1 } else { 1 };
-        last = &round.stages;
-        rounds += &of_round(axis, round, number);
-    }
-    if rounds.is_empty() {
+fn table_of_axis(axis: &AxisTrace) -> Markup {
+    let rounds = html! {
+        @for (round, number) in axis.rounds.iter().zip(round_numbers(axis)) { (rows_of_round(axis, round, number)) }
+    };
+    if rounds.0.is_empty() {
         return rounds;
     }
-    format!(
-        "<h3>Axis {}</h3>\n<table class=\"ranking\">\n<colgroup><col><col><col><col></colgroup>\n<thead><tr><th scope=\"col\">candidate</th><th scope=\"col\" \
-         colspan=\"2\">gain</th><th scope=\"col\">verdict</th></tr></thead>\n{rounds}</table>\n",
-        text(&axis.axis)
-    )
+    html! {
+        h3 { "Axis " (text(&axis.axis)) }
+        table.ranking {
+            colgroup { col; col; col; col; }
+            thead {
+                tr {
+                    th scope="col" { "candidate" }
+                    th scope="col" colspan="2" { "gain" }
+                    th scope="col" { "verdict" }
+                }
+            }
+            (rounds)
+        }
+    }
 }
 
-fn of_round(axis: &AxisTrace, round: &Round, number: usize) -> String {
+/// Number of each round, counted from 1 for each search (rounds in a row about the same stages).
+fn round_numbers(axis: &AxisTrace) -> Vec<usize> {
+    let searches = axis.rounds.chunk_by(|a, b| a.stages == b.stages);
+    searches.flat_map(|rounds| 1..=rounds.len()).collect()
+}
+
+fn rows_of_round(axis: &AxisTrace, round: &Round, number: usize) -> Markup {
     let fitted = round.candidates.iter().enumerate().filter(|(_, candidate)| best(candidate).is_some());
-    let row = |(i, candidate)| row(axis.unit, candidate, &verdict(axis, round, i), round.added == Some(i));
-    let rows: String = fitted.take(SHOWN).map(row).collect();
-    if rows.is_empty() {
+    let rows = html! {
+        @for (i, candidate) in fitted.take(MAX_SHOWN) {
+            (row(axis.unit, candidate, &verdict(axis, round, i), round.added == Some(i)))
+        }
+    };
+    if rows.0.is_empty() {
         return rows;
     }
-    let heading = text(&format!("{}, round {number}", stage_names(&round.stages)));
-    format!("<tbody>\n<tr><th colspan=\"4\" scope=\"rowgroup\">{heading}</th></tr>\n{rows}</tbody>\n")
+    let heading = format!("{}, round {number}", stage_names(&round.stages));
+    html! {
+        tbody {
+            tr { th colspan="4" scope="rowgroup" { (text(&heading)) } }
+            (rows)
+        }
+    }
 }
 
-fn row(unit: Unit, candidate: &Candidate, verdict: &str, is_added: bool) -> String {
+fn row(unit: Unit, candidate: &Candidate, verdict: &str, is_added: bool) -> Markup {
     let gain = best(candidate).map_or(0.0, gain_percent);
     let shown = if gain < -999.5 { "far worse".to_owned() } else { format!("{} %", fixed(gain, 1)) };
-    let brief = parameters::brief(&candidate.effect);
-    let brief = if unit == Unit::Degree { rotary(&brief) } else { brief };
     let class = if is_added { "taken" } else { "left" };
-    let width = fixed(gain.clamp(0.0, 100.0), 1);
-    let bar = format!(
-        "<svg class=\"bar\" viewBox=\"0 0 100 8\" preserveAspectRatio=\"none\" aria-hidden=\"true\"><rect \
-         class=\"{class}\" x=\"0\" y=\"1\" width=\"{width}\" height=\"6\"/></svg>"
-    );
-    format!(
-        "<tr><td>{}</td><td class=\"n\">{}</td><td>{bar}</td><td>{}</td></tr>\n",
-        text(&brief),
-        text(&shown),
-        text(verdict)
-    )
+    html! {
+        tr {
+            td { (text(&parameters::brief(&candidate.effect, unit == Unit::Degree))) }
+            (number_cell(&shown))
+            td {
+                svg.bar viewBox="0 0 100 8" preserveAspectRatio="none" aria-hidden="true" {
+                    rect class=(class) x="0" y="1" width=(fixed(gain.clamp(0.0, 100.0), 1)) height="6" {}
+                }
+            }
+            td { (text(verdict)) }
+        }
+    }
 }
 
-/// The stage that a candidate helps most, on held-out data; none if it was not fitted.
+/// The comparison of the stage that a candidate improves most on held-out data; none if it was not fitted.
 fn best(candidate: &Candidate) -> Option<&Comparison> {
     candidate.comparison.iter().max_by(|a, b| a.reduction.total_cmp(&b.reduction))
 }
 
-/// By how much the residual itself gets smaller, percent; comparisons are of its square.
+/// Reduction of the rms residual in percent; a comparison has that of its square.
 fn gain_percent(comparison: &Comparison) -> f64 {
     numerics::rms_reduction_percent(comparison.reduction)
 }
 
-/// What would have gained much in the last round of each search, and why it was not taken.
+/// Candidates with a large gain in the last round of each search that were not added, and why.
 #[must_use]
 pub fn refused(axis: &AxisTrace) -> Vec<String> {
-    let last = axis.rounds.iter().filter(|round| round.added.is_none());
-    let said = |round: &Round| {
-        let place = round.refused()?;
-        let candidate = &round.candidates[place];
-        let brief = parameters::brief(&candidate.effect);
-        let brief = if axis.unit == Unit::Degree { rotary(&brief) } else { brief };
+    let last_rounds = axis.rounds.iter().filter(|round| round.added.is_none());
+    let sentence = |round: &Round| {
+        let index = round.refused()?;
+        let brief = parameters::brief(&round.candidates[index].effect, axis.unit == Unit::Degree);
         Some(format!(
             "{}, {}: not taken, though it explains much: {brief}; {}.",
             axis.axis,
             stage_names(&round.stages),
-            verdict(axis, round, place)
+            verdict(axis, round, index)
         ))
     };
-    last.filter_map(said).collect()
+    last_rounds.filter_map(sentence).collect()
 }
 
-/// Why the candidate at a place of a round was added or not, the first reason that holds.
-fn verdict(axis: &AxisTrace, round: &Round, place: usize) -> String {
-    let candidate = &round.candidates[place];
+/// Why a candidate of a round was added or not: the first reason that holds; empty if it was not fitted.
+fn verdict(axis: &AxisTrace, round: &Round, index: usize) -> String {
+    let candidate = &round.candidates[index];
     let Some(best) = best(candidate) else { return String::new() };
-    if round.added == Some(place) {
-        let is_among = |all: &[Found]| all.iter().any(|found| is_same(&found.effect, &candidate.effect));
-        let said = if is_among(&axis.found) {
-            "added"
-        } else if is_among(&axis.refuted) {
-            "added; refuted by the logs held out"
-        } else if axis.refused.iter().any(|limit| is_same(&limit.effect, &candidate.effect)) {
-            "added; dropped when the last fits drove it to a limit of its search"
-        } else {
-            "added; dropped when a later one made it needless"
-        };
-        return said.to_owned();
+    if round.added == Some(index) {
+        return verdict_of_added(axis, candidate).to_owned();
     }
     if let Some(limit) = &candidate.limit {
         return format!("{} is the limit of its search", significant(limit.limit, 3));
     }
-    let supported =
-        |c: &Comparison| c.reduction >= LEAST_REDUCTION && c.t >= LEAST_T && c.folds_better == FOLDS;
-    let least = numerics::rms_reduction_percent(LEAST_REDUCTION);
-    if candidate.is_supported() {
+    if candidate.is_supported(&round.options) {
         // The best that is supported is added, unless the closed loop speaks against it.
-        let is_vetoed = round.added.is_none_or(|added| place < added);
+        let is_vetoed = round.added.is_none_or(|added| index < added);
         let why = if is_vetoed { "makes the closed loop worse" } else { "another one is better" };
-        format!("supported here, but {why}")
-    } else if !candidate.material {
-        "too small to tell from what any model leaves open".to_owned()
-    } else if best.reduction <= 0.0 {
+        return format!("supported here, but {why}");
+    }
+    if !candidate.exceeds_tolerance {
+        return "too small to tell from what any model leaves open".to_owned();
+    }
+    verdict_of_unsupported(candidate, best, &round.options)
+}
+
+/// What became of a candidate that its round added.
+fn verdict_of_added(axis: &AxisTrace, candidate: &Candidate) -> &'static str {
+    let is_among = |all: &[Found]| all.iter().any(|found| found.effect.is_same(&candidate.effect));
+    if is_among(&axis.found) {
+        "added"
+    } else if is_among(&axis.refuted) {
+        "added; refuted by the logs held out"
+    } else if axis.refused.iter().any(|limit| limit.effect.is_same(&candidate.effect)) {
+        "added; dropped when the last fits drove it to a limit of its search"
+    } else {
+        "added; dropped when a later one made it needless"
+    }
+}
+
+/// Which condition of support a candidate misses.
+fn verdict_of_unsupported(candidate: &Candidate, best: &Comparison, options: &SearchOptions) -> String {
+    let is_supported = |c: &Comparison| {
+        c.reduction >= options.min_reduction && c.t >= options.min_t && c.folds_better == FOLDS
+    };
+    if best.reduction <= 0.0 {
         "makes it worse".to_owned()
-    } else if best.reduction < LEAST_REDUCTION {
-        format!("too small: below {} %", fixed(least, 0))
-    } else if candidate.comparison.iter().any(supported) {
+    } else if best.reduction < options.min_reduction {
+        format!("too small: below {} %", fixed(numerics::rms_reduction_percent(options.min_reduction), 0))
+    } else if candidate.comparison.iter().any(is_supported) {
         let worst = numerics::min(candidate.comparison.iter().map(|c| c.worst_log)).min(0.0);
         format!("worse on another log or stage, by {}", percent(100.0 * ((1.0 - worst).sqrt() - 1.0)))
     } else if best.folds_better < FOLDS {
         format!("better in {} of {FOLDS} parts of the logs only", best.folds_better)
     } else {
-        format!("may be chance: {} standard errors, below {}", fixed(best.t, 1), fixed(LEAST_T, 1))
+        format!("may be chance: {} standard errors, below {}", fixed(best.t, 1), fixed(options.min_t, 1))
     }
 }

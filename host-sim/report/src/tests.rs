@@ -1,6 +1,11 @@
-use super::*;
+use std::fs;
+
+use super::markup::text;
+use super::sentences;
+use super::trace_page::{Extra, html, write};
 use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
+use trace::Trace;
 
 /// A circle run both ways by two axes of which only motor and table were logged; the table of x
 /// stays 4 µm of backlash behind.
@@ -83,12 +88,13 @@ fn the_page_tells_what_was_found_shows_it_and_says_what_was_not() {
         "What was tried",
         "What stays",
     ];
-    let places: Vec<usize> = sections.iter().map(|name| page.find(&format!("<h2>{name}")).unwrap()).collect();
-    assert!(places.is_sorted(), "{places:?}");
-    assert!(page.contains(&text(&words::sentence("x", Unit::Millimetre, &trace.axes[0].found[0]))));
+    let positions: Vec<usize> =
+        sections.iter().map(|name| page.find(&format!("<h2>{name}")).unwrap()).collect();
+    assert!(positions.is_sorted(), "{positions:?}");
+    assert!(page.contains(&text(&sentences::sentence("x", Unit::Millimetre, &trace.axes[0].found[0])).0));
     assert!(page.contains("backlash between screw and table; takes away"));
     assert!(page.contains("y: nothing found"));
-    let truth = text("4.000 µm backlash between screw and table");
+    let truth = text("4.000 µm backlash between screw and table").0;
     assert!(page.contains(&format!("<td>{truth}</td>")), "the truth");
     assert!(page.contains("a circle of 25.0 mm radius"));
     assert!(page.contains("class=\"cw\" points") && page.contains("class=\"ccw\" points"));

@@ -1,11 +1,12 @@
 //! What a residual is drawn against, and its mean over that.
 
-use super::stages::AxisView;
-use model::effects::{Effect, Stage};
+use super::axis_view::AxisView;
+use model::effects::{Abscissa, Effect, Stage};
 use numerics::bins::{Bin, binned};
-use trace::residual::Part;
-use trace::signals::{AxisSignals, Smooth};
-use trace::unexplained::Variable;
+use trace::analysis::variable::Variable;
+use trace::fit::fit_data::ResidualSeries;
+use trace::input::signals::AxisSignals;
+use trace::input::smoothing::Smooth;
 
 /// Bins over the range of a variable.
 const BINS: usize = 64;
@@ -13,125 +14,95 @@ const BINS: usize = 64;
 /// A mean over fewer samples than this is left out.
 const LEAST_SAMPLES: usize = 8;
 
-/// What goes to the right in a picture of a residual.
-#[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Across {
-    /// The session's clock.
-    Time,
-    /// Place on the axis.
-    Position,
-    /// Place of the motor within a period, mm.
-    Folded(f64),
-    /// Of the axis.
-    Velocity,
-    /// Of the axis.
-    Acceleration,
-    /// Of the drive.
-    Force,
-    /// Place on another axis.
-    OtherPosition(usize),
-    /// Of another axis.
-    OtherAcceleration(usize),
+/// The variable over which an effect's residual is drawn.
+pub fn of_effect(effect: &Effect, view: &AxisView<'_>) -> Abscissa {
+    let is_force_known = view.evidence.logs.iter().all(|log| log.axes[view.evidence.axis].force.is_some());
+    match effect.abscissa() {
+        Abscissa::Force if !is_force_known => Abscissa::Acceleration,
+        Abscissa::OtherPosition(None) => Abscissa::OtherPosition(first_other(view)),
+        Abscissa::OtherAcceleration(None) => Abscissa::OtherAcceleration(first_other(view)),
+        abscissa => abscissa,
+    }
 }
 
-impl Across {
-    /// The variable that what an effect does is a function of, or that shows it best.
-    pub fn of_effect(effect: &Effect, view: &AxisView<'_>) -> Self {
-        let (names, own) = (view.evidence.names, view.evidence.axis);
-        let is_force_known = view.evidence.logs.iter().all(|log| log.axes[own].force.is_some());
-        let named = |name: &String| names.iter().position(|other| other == name).unwrap_or(own);
-        match effect {
-            Effect::Backlash(_)
-            | Effect::Stribeck(_)
-            | Effect::FrictionAsymmetry(_)
-            | Effect::ConstantLoad(_)
-            | Effect::Presliding(_)
-            | Effect::ShearThinning(_)
-            | Effect::ServoMismatch(_)
-            | Effect::Latency(_) => Self::Velocity,
-            Effect::PitchProgressive(_) | Effect::PreloadVariation(_) => Self::Position,
-            Effect::FrictionMemory(_) => Self::Acceleration,
-            Effect::FrictionRipple(e) => Self::Folded(e.period_mm),
-            Effect::PitchCyclic(e) => Self::Folded(e.period_mm),
-            Effect::ResolverDividing(e) => Self::Folded(e.period_mm),
-            Effect::TorqueRipple(e) => Self::Folded(e.period_mm),
-            Effect::Windup(_) if is_force_known => Self::Force,
-            Effect::Windup(_) | Effect::VelocityLag(_) | Effect::Intalk(_) | Effect::Resonance(_) => {
-                Self::Acceleration
-            }
-            Effect::Crosstalk(e) => Self::OtherAcceleration(named(&e.source)),
-            Effect::Straightness(e) => Self::OtherPosition(named(&e.source)),
-            Effect::Squareness(_) => Self::OtherPosition(other(names.len(), own).unwrap_or(own)),
-            Effect::ThermalDrift(_) => Self::Time,
-        }
+/// The variable that an unexplained residual follows; a vibration is seen in the picture over time.
+pub fn of_residual(variable: Variable, view: &AxisView<'_>) -> Option<Abscissa> {
+    match variable {
+        Variable::Time | Variable::None => None,
+        Variable::Position => Some(Abscissa::Position),
+        Variable::Velocity | Variable::Direction => Some(Abscissa::Velocity),
+        Variable::Acceleration => Some(Abscissa::Acceleration),
+        Variable::Force => Some(Abscissa::Force),
+        Variable::OtherPosition => first_other(view).map(|axis| Abscissa::OtherPosition(Some(axis))),
+        Variable::OtherAcceleration => first_other(view).map(|axis| Abscissa::OtherAcceleration(Some(axis))),
     }
+}
 
-    /// The variable that an unexplained rest follows; a vibration is seen in the picture over time.
-    pub fn of_rest(variable: Variable, axes: usize, own: usize) -> Option<Self> {
-        match variable {
-            Variable::Time | Variable::None => None,
-            Variable::Position => Some(Self::Position),
-            Variable::Velocity | Variable::Direction => Some(Self::Velocity),
-            Variable::Acceleration => Some(Self::Acceleration),
-            Variable::Force => Some(Self::Force),
-            Variable::OtherPosition => other(axes, own).map(Self::OtherPosition),
-            Variable::OtherAcceleration => other(axes, own).map(Self::OtherAcceleration),
+/// The name of a variable with its unit, for an axis of a picture.
+pub fn label(abscissa: &Abscissa, view: &AxisView<'_>) -> String {
+    let name = |name: &Option<String>| &view.evidence.names[other(name.as_deref(), view)];
+    match abscissa {
+        Abscissa::Time => "time, s".to_owned(),
+        Abscissa::Position => "position, mm".to_owned(),
+        Abscissa::WithinPeriod(period_mm) => {
+            let period = super::number::significant(*period_mm, 4);
+            format!("motor position within each {period} mm, mm")
         }
+        Abscissa::Velocity => "velocity, mm/s".to_owned(),
+        Abscissa::Acceleration => "acceleration, m/s²".to_owned(),
+        Abscissa::Force => "drive force, N".to_owned(),
+        Abscissa::OtherPosition(axis) => format!("position of {}, mm", name(axis)),
+        Abscissa::OtherAcceleration(axis) => format!("acceleration of {}, m/s²", name(axis)),
     }
+}
 
-    /// Its name with its unit, for an axis of a picture.
-    pub fn label(self, names: &[String]) -> String {
-        let name = |axis: usize| names.get(axis).map_or("", String::as_str);
-        match self {
-            Self::Time => "time, s".to_owned(),
-            Self::Position => "position, mm".to_owned(),
-            Self::Folded(period) => {
-                let period = super::number::significant(period, 4);
-                format!("motor position within each {period} mm, mm")
-            }
-            Self::Velocity => "velocity, mm/s".to_owned(),
-            Self::Acceleration => "acceleration, m/s²".to_owned(),
-            Self::Force => "drive force, N".to_owned(),
-            Self::OtherPosition(axis) => format!("position of {}, mm", name(axis)),
-            Self::OtherAcceleration(axis) => format!("acceleration of {}, m/s²", name(axis)),
+/// The values of a variable over one log, if it was measured, in the unit of its [`label`].
+fn values(abscissa: &Abscissa, view: &AxisView<'_>, log: usize) -> Option<Vec<f64>> {
+    let log = &view.evidence.logs[log];
+    let own = &log.axes[view.evidence.axis];
+    let millimetres = |values: &[f64]| values.iter().map(|v| 1e3 * v).collect();
+    let carried = |axis: usize| log.axes.get(axis).and_then(AxisSignals::table_or_motor);
+    let acceleration = |smooth: &Smooth| smooth.acceleration.clone();
+    let other = |name: &Option<String>| carried(other(name.as_deref(), view));
+    match abscissa {
+        Abscissa::Time => Some((0..log.len()).map(|i| log.start_s + i as f64 * log.sample_s).collect()),
+        Abscissa::Position => carried(view.evidence.axis).map(|smooth| millimetres(&smooth.position)),
+        Abscissa::WithinPeriod(period_mm) => {
+            let motor = own.motor.as_ref().or(own.table.as_ref())?;
+            Some(motor.position.iter().map(|m| (1e3 * m).rem_euclid(*period_mm)).collect())
         }
-    }
-
-    /// Its values over one log, if it was measured, in the unit of [`Across::label`].
-    fn values(self, view: &AxisView<'_>, log: usize) -> Option<Vec<f64>> {
-        let log = &view.evidence.logs[log];
-        let own = &log.axes[view.evidence.axis];
-        let millimetres = |values: &[f64]| values.iter().map(|v| 1e3 * v).collect();
-        let carried = |axis: usize| log.axes.get(axis).and_then(AxisSignals::table_or_motor);
-        let acceleration = |smooth: &Smooth| smooth.acceleration.clone();
-        match self {
-            Self::Time => Some((0..log.len()).map(|i| log.start_s + i as f64 * log.sample_s).collect()),
-            Self::Position => carried(view.evidence.axis).map(|smooth| millimetres(&smooth.position)),
-            Self::Folded(period) => {
-                let motor = own.motor.as_ref().or(own.table.as_ref())?;
-                Some(motor.position.iter().map(|m| (1e3 * m).rem_euclid(period)).collect())
-            }
-            Self::Velocity => carried(view.evidence.axis).map(|smooth| millimetres(&smooth.velocity)),
-            Self::Acceleration => carried(view.evidence.axis).map(acceleration),
-            Self::Force => own.force.as_ref().map(|force| force.position.clone()),
-            Self::OtherPosition(axis) => carried(axis).map(|smooth| millimetres(&smooth.position)),
-            Self::OtherAcceleration(axis) => carried(axis).map(acceleration),
-        }
+        Abscissa::Velocity => carried(view.evidence.axis).map(|smooth| millimetres(&smooth.velocity)),
+        Abscissa::Acceleration => carried(view.evidence.axis).map(acceleration),
+        Abscissa::Force => own.force.as_ref().map(|force| force.position.clone()),
+        Abscissa::OtherPosition(axis) => other(axis).map(|smooth| millimetres(&smooth.position)),
+        Abscissa::OtherAcceleration(axis) => other(axis).map(acceleration),
     }
 }
 
 /// The first of the other axes.
-fn other(axes: usize, own: usize) -> Option<usize> {
-    (0..axes).find(|&axis| axis != own)
+fn first_other(view: &AxisView<'_>) -> Option<String> {
+    let (names, own) = (view.evidence.names, view.evidence.axis);
+    names.iter().enumerate().find(|(axis, _)| *axis != own).map(|(_, name)| name.clone())
+}
+
+/// The axis of a name; the view's own where there is none of that name.
+fn other(name: Option<&str>, view: &AxisView<'_>) -> usize {
+    let (names, own) = (view.evidence.names, view.evidence.axis);
+    names.iter().position(|other| Some(other.as_str()) == name).unwrap_or(own)
 }
 
 /// Mean residual of a stage over all logs in equal bins of a variable: the middle of each bin, and
 /// the mean there, in runs of bins that hold samples. Empty where the variable was not measured or
 /// never changes.
-pub fn means(view: &AxisView<'_>, parts: &[Part], stage: Stage, across: Across) -> Vec<Vec<(f64, f64)>> {
+pub fn means(
+    view: &AxisView<'_>,
+    parts: &[ResidualSeries],
+    stage: Stage,
+    abscissa: &Abscissa,
+) -> Vec<Vec<(f64, f64)>> {
     let mut pairs: Vec<(f64, f64)> = Vec::new();
     for part in parts.iter().filter(|part| part.stage == stage) {
-        let Some(values) = across.values(view, part.log) else { return Vec::new() };
+        let Some(values) = values(abscissa, view, part.log) else { return Vec::new() };
         let (skipped, residual) = view.settled(parts, stage, part.log);
         pairs.extend(values.into_iter().skip(skipped).zip(residual.iter().copied()));
     }

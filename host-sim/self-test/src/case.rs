@@ -1,4 +1,4 @@
-//! One case: a drawn machine, its logs, the truth about it.
+//! One case: a drawn machine, its logs, and its undeclared effects.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -9,36 +9,36 @@ use rayon::prelude::*;
 use serde_json::json;
 
 use super::truth::{Truth, bend};
-use super::{bench, draw, motion};
+use super::{draw, motion, simulation};
 use files::error::InputError;
 use files::log::Log;
 use files::output::{OutputError, write_whole};
 use trace::Machine;
 
-/// Between two motions on the session's clock, s.
+/// Pause between two motions of a session, s.
 const PAUSE_S: f64 = 20.0;
 
 /// A machine with logs.
 pub struct Case {
-    /// From 1.
+    /// Number of the case, from 1.
     pub number: u64,
     /// Text of the machine file.
     pub machine_text: String,
-    /// What is declared.
+    /// The declared machine.
     pub machine: Machine,
-    /// What the declaration lacks.
+    /// The undeclared effects.
     pub truths: Vec<Truth>,
-    /// To fit.
+    /// Logs to fit.
     pub fit: Vec<Log>,
-    /// To validate.
+    /// Logs to validate.
     pub validate: Vec<Log>,
 }
 
 impl Case {
-    /// Draws a case and runs it. A function of seed and number alone.
+    /// Draws a case and simulates it. The result depends on seed and number only.
     ///
     /// # Errors
-    /// None: a machine that is drawn can be declared; its text is read like any other.
+    /// None in practice: the text of a drawn machine file is valid, but read like any other.
     pub fn draw(seed: u64, number: u64) -> Result<Self, InputError> {
         let mut random = stream(seed, number, 0);
         let mut drawn = draw::machine(&mut random);
@@ -50,20 +50,23 @@ impl Case {
             drawn.declared[0].text, drawn.declared[1].text
         );
         let machine = Machine::parse(&machine_text, &name)?;
-        let paths = session.map(|m| (m.name, motion::sampled(m.start, &m.stretches, m.pace)));
+        let paths = session.map(|m| (m.name, motion::sampled(m.start, &m.segments, m.pace)));
         let mut start_s = 0.0;
-        let timed = paths.map(|(name, places)| {
-            let this_s = start_s;
-            // To the ms, as the log's clock says it.
-            start_s = (1e3 * (start_s + PAUSE_S) + places.len() as f64).round() / 1e3;
-            (name, places, this_s)
+        let timed = paths.map(|(name, positions)| {
+            let own_start_s = start_s;
+            // Whole ms, as in the log.
+            start_s = (1e3 * (start_s + PAUSE_S) + positions.len() as f64).round() / 1e3;
+            (name, positions, own_start_s)
         });
         let logs: Vec<Log> = timed
             .into_par_iter()
             .enumerate()
-            .map(|(index, (name, places, start_s))| {
+            .map(|(index, (name, positions, start_s))| {
                 let mut noise = stream(seed, number, 1 + index as u64);
-                Log { source: name.to_owned(), ..bench::run(&drawn.axes, &places, start_s, &mut noise) }
+                Log {
+                    source: name.to_owned(),
+                    ..simulation::run(&drawn.axes, &positions, start_s, &mut noise)
+                }
             })
             .collect();
         let (fit, validate) = logs.into_iter().partition(|log| log.source.starts_with("fit"));
@@ -89,10 +92,10 @@ impl Case {
     }
 }
 
-/// Random numbers of one part of one case; parts and cases do not disturb each other.
-fn stream(seed: u64, number: u64, part: u64) -> ChaCha8Rng {
-    const PARTS: u64 = 8;
+/// Random numbers for one purpose of one case, independent of those of other purposes and cases.
+fn stream(seed: u64, number: u64, purpose: u64) -> ChaCha8Rng {
+    const MAX_PURPOSES: u64 = 8;
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(PARTS * number + part);
+    random.set_stream(MAX_PURPOSES * number + purpose);
     random
 }

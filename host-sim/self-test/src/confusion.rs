@@ -1,37 +1,37 @@
-//! Which effect was taken for which.
+//! The confusion matrix of effects.
 
 use serde_json::{Map, Value, json};
 
 use super::score::{Outcome, is_same};
 use super::truth::{NAMES, OUTSIDE, Truth};
 
-/// Row of false effects that no missed one accounts for.
+/// Row of false finds that no missed effect accounts for.
 pub const NOTHING: &str = "nothing";
-/// Column of effects that were not found, under no other name either.
+/// Column of effects that were not found, not under another name either.
 pub const MISSED: &str = "missed";
-/// Column of effects from outside the catalogue of which the trace says what they follow.
-pub const SAID: &str = "unexplained";
+/// Column of effects from outside the catalogue that the trace describes as unexplained.
+pub const DESCRIBED: &str = "unexplained";
 
-/// How often what stands in a row was found as what stands in a column.
+/// How often the effect of a row was found as the effect of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Confusion {
     /// Truths: the catalogue, what is outside it, [`NOTHING`].
     pub rows: Vec<&'static str>,
-    /// Findings: the catalogue, [`SAID`], [`MISSED`].
+    /// Findings: the catalogue, [`DESCRIBED`], [`MISSED`].
     pub columns: Vec<&'static str>,
-    /// A row after the other.
+    /// Counts by row and column.
     pub counts: Vec<Vec<usize>>,
 }
 
 impl Confusion {
-    /// Counts. A false effect is put down to what was missed on its axis, each missed one once; where nothing was
-    /// missed, to [`NOTHING`].
+    /// Counts all outcomes. A false find is attributed to an effect that was missed on its axis, each missed effect once;
+    /// where none was missed, to [`NOTHING`].
     #[must_use]
     pub fn new(outcomes: &[Outcome]) -> Self {
         let rows: Vec<&str> = NAMES.into_iter().chain(OUTSIDE).chain([NOTHING]).collect();
-        // A trace may know more effects than are drawn.
-        let more = trace::EFFECT_NAMES.iter().copied().filter(|name| !NAMES.contains(name));
-        let columns: Vec<&str> = NAMES.into_iter().chain(more).chain([SAID, MISSED]).collect();
+        // The tracer's catalogue may have more effects than are drawn.
+        let more = trace::effect_names().into_iter().filter(|name| !NAMES.contains(name));
+        let columns: Vec<&str> = NAMES.into_iter().chain(more).chain([DESCRIBED, MISSED]).collect();
         let counts = vec![vec![0; columns.len()]; rows.len()];
         let mut confusion = Self { rows, columns, counts };
         for outcome in outcomes {
@@ -45,13 +45,14 @@ impl Confusion {
         for truth in outcome.truths.iter().filter(is_found) {
             self.count(truth.name, truth.name);
         }
-        let (said, unsaid): (Vec<_>, Vec<_>) = outcome.outside().partition(|(_, said)| *said);
-        for (truth, _) in said {
-            self.count(truth.name, SAID);
+        let (described, undescribed): (Vec<_>, Vec<_>) =
+            outcome.outside().partition(|(_, described)| *described);
+        for (truth, _) in described {
+            self.count(truth.name, DESCRIBED);
         }
         let mut missed = outcome.missed();
-        missed.extend(unsaid.iter().map(|(truth, _)| *truth));
-        for (name, axis) in outcome.false_ones() {
+        missed.extend(undescribed.iter().map(|(truth, _)| *truth));
+        for (name, axis) in outcome.false_finds() {
             let cause = missed.iter().position(|truth| truth.axis == axis);
             let row = cause.map_or(NOTHING, |index| missed.remove(index).name);
             self.count(row, name);
@@ -62,8 +63,8 @@ impl Confusion {
     }
 
     fn count(&mut self, row: &str, column: &str) {
-        let place = |names: &[&str], name: &str| names.iter().position(|n| *n == name);
-        if let Some((row, column)) = place(&self.rows, row).zip(place(&self.columns, column)) {
+        let position = |names: &[&str], name: &str| names.iter().position(|n| *n == name);
+        if let Some((row, column)) = position(&self.rows, row).zip(position(&self.columns, column)) {
             self.counts[row][column] += 1;
         }
     }
@@ -83,10 +84,10 @@ impl Confusion {
         self.rows.iter().copied().zip(self.counts.clone()).flat_map(row)
     }
 
-    /// Whether a cell is where it should be.
+    /// Whether a cell counts correct results.
     #[must_use]
     pub fn is_right(row: &str, column: &str) -> bool {
-        row == column || column == SAID
+        row == column || column == DESCRIBED
     }
 
     /// Rows by name, each with the cells that are not 0.
@@ -108,7 +109,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_false_effect_is_put_down_to_what_was_missed_on_its_axis() {
+    fn a_false_find_is_attributed_to_an_effect_missed_on_its_axis() {
         let truths = [truth("windup", "x", &[]), truth("backlash", "y", &[]), truth("stribeck", "x", &[])];
         let effects = [
             found("stribeck", "x", &json!({})),
@@ -124,11 +125,11 @@ mod tests {
     }
 
     #[test]
-    fn what_is_outside_the_catalogue_is_said_mistaken_or_missed() {
+    fn an_effect_outside_the_catalogue_is_described_mistaken_or_missed() {
         let truths = [truth("vibration", "x", &[("frequency_hz", 60.0)])];
         let of = |trace: Value| Confusion::new(&[Outcome::new(1, &truths, &trace)]);
-        let said = of(json!({"unexplained": [{"axis": "x", "variable": "time", "frequency_hz": 60.2}]}));
-        assert_eq!(said.of("vibration", SAID), 1);
+        let described = of(json!({"unexplained": [{"axis": "x", "variable": "time", "frequency_hz": 60.2}]}));
+        assert_eq!(described.of("vibration", DESCRIBED), 1);
         let mistaken = of(json!({"effects": [found("resonance", "x", &json!({}))]}));
         assert_eq!(mistaken.of("vibration", "resonance"), 1);
         assert_eq!(of(json!({})).of("vibration", MISSED), 1);

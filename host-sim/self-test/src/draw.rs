@@ -3,108 +3,153 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
-use super::bench::{AXES, Axis};
-use super::motion::{Pace, Stretch};
+use super::motion::{Pace, Segment};
 use super::plant::Mechanics;
 use super::servo::Settings;
+use super::simulation::{AXES, Axis};
 
-/// How far the true mechanical values lie from the declared ones, at the most.
+/// Largest relative difference between declared and true mechanical values.
 const DEVIATION: f64 = 0.06;
-/// What the machine file says of that.
+/// Tolerance of these values in the machine file.
 const TOLERANCE_PERCENT: f64 = 10.0;
-/// σ0 (N/µm) and σ1 (N s/m), declared as they are.
+/// σ0 (N/µm) and σ1 (N s/m); the declared values are the true ones.
 const PRESLIDING: [f64; 2] = [40.0, 2000.0];
 const FORCE_LIMIT_N: f64 = 20_000.0;
 
-/// What a machine file says of an axis, in its units, and what a drawn machine has in common with its declaration.
+/// Declared values of an axis, in the units of the machine file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Declared {
-    /// Travel in one turn of the screw.
+    /// Travel per turn of the screw; the true value, too.
     pub lead_mm: f64,
-    /// Electrical periods of the resolver in one turn.
+    /// Electrical periods of the resolver per turn; the true value, too.
     pub pole_pairs: u32,
-    /// Between motor and table.
+    /// Stiffness between motor and table.
     pub stiffness_n_per_um: f64,
     /// The axis's table of the machine file.
     pub text: String,
 }
 
-/// A machine without effects yet: each axis as it is, and as it is declared.
+/// A machine without undeclared effects: each axis with its true and its declared values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Drawn {
-    /// As it is.
+    /// True values.
     pub axes: [Axis; 2],
-    /// As it is declared.
+    /// Declared values.
     pub declared: [Declared; 2],
 }
 
-/// Draws a machine without effects.
+/// What both axes of a machine have in common.
+struct Design {
+    hpc: bool,
+    dual_feedback: bool,
+    lead_mm: f64,
+    pole_pairs: u32,
+}
+
+/// Mechanical values in the units of the machine file: masses of motor and table (kg), stiffness (N/µm), damping
+/// (N s/m), Coulomb (N) and viscous (N s/m) friction of the table, Coulomb friction of the motor (N).
+type MechanicalValues = [f64; 7];
+
+/// Settings of a drive in the units of the machine file.
+struct DriveValues {
+    position_gain_per_s: f64,
+    feedforward_percent: f64,
+    velocity_gain_n_s_per_m: f64,
+    velocity_integral_time_s: f64,
+    dual_feedback_time_s: Option<f64>,
+}
+
+/// Draws a machine without undeclared effects.
 pub fn machine(random: &mut ChaCha8Rng) -> Drawn {
-    let hpc = random.random_bool(0.4);
-    let dual = random.random_bool(0.6);
-    let lead_mm = one_of(&[10.0, 16.0, 20.0], random);
-    let pole_pairs = one_of(&[2, 4, 5], random);
-    let mut axis = |name: &str| {
-        let mut declared = |low, high| six(random.random_range(low..high));
-        let [kp, kf] = [declared(32.0, 75.0), declared(42.0, 92.0)];
-        let [kv, ti] = [declared(43e3, 83e3), declared(0.0125, 0.03)];
-        let time_s = dual.then(|| declared(0.04, 0.1));
-        let plant = [
-            declared(70.0, 140.0),
-            declared(90.0, 200.0),
-            declared(120.0, 285.0),
-            declared(8e3, 20e3),
-            declared(88.0, 235.0),
-            declared(540.0, 1490.0),
-            declared(20.0, 60.0),
-        ];
-        let truth = plant.map(|value| value / (1.0 + random.random_range(-DEVIATION..DEVIATION)));
-        let [motor_kg, table_kg, stiffness, damping, coulomb, viscous, motor_coulomb] = truth;
-        let truth = Axis {
-            servo: Settings {
-                hpc,
-                position_gain_per_s: kp,
-                feedforward: 0.01 * kf,
-                velocity_gain_n_s_per_m: kv,
-                integral_s: ti,
-                limit_n: FORCE_LIMIT_N,
-                dual_s: time_s,
-            },
-            mechanics: Mechanics {
-                motor_kg,
-                table_kg,
-                stiffness_n_per_m: 1e6 * stiffness,
-                damping_n_s_per_m: damping,
-                coulomb_n: coulomb,
-                viscous_n_s_per_m: viscous,
-                motor_coulomb_n: motor_coulomb,
-                presliding_n_per_m: 1e6 * PRESLIDING[0],
-                presliding_n_s_per_m: PRESLIDING[1],
-                ..Mechanics::default()
-            },
-            ..Axis::default()
-        };
-        let feedback = match time_s {
-            None => "feedback = \"motor\"\n".to_owned(),
-            Some(time_s) => format!("feedback = \"dual\"\ndual_feedback_time_constant_s = {time_s}\n"),
-        };
-        let [motor_kg, table_kg, stiffness, damping, coulomb, viscous, motor_coulomb] = plant;
-        let text = format!(
-            "[axis.{name}]\ncontroller = \"{}\"\nposition_gain_per_s = {kp}\nfeedforward_percent = {kf}\n\
-             velocity_gain_n_s_per_m = {kv}\nvelocity_integral_time_s = {ti}\nforce_limit_n = {FORCE_LIMIT_N:.1}\n\
-             motor_mass_kg = {motor_kg}\ntable_mass_kg = {table_kg}\nstiffness_n_per_um = {stiffness}\n\
-             damping_n_s_per_m = {damping}\ncoulomb_n = {coulomb}\nviscous_n_s_per_m = {viscous}\n\
-             motor_coulomb_n = {motor_coulomb}\npresliding_stiffness_n_per_um = {:.1}\n\
-             presliding_damping_n_s_per_m = {:.1}\nplant_tolerance_percent = {TOLERANCE_PERCENT:.1}\n\
-             lead_mm = {lead_mm}\nresolver_pole_pairs = {pole_pairs}\n{feedback}",
-            if hpc { "hpc" } else { "p" },
-            PRESLIDING[0],
-            PRESLIDING[1],
-        );
-        (truth, Declared { lead_mm, pole_pairs, stiffness_n_per_um: stiffness, text })
+    let design = Design {
+        hpc: random.random_bool(0.4),
+        dual_feedback: random.random_bool(0.6),
+        lead_mm: one_of(&[10.0, 16.0, 20.0], random),
+        pole_pairs: one_of(&[2, 4, 5], random),
     };
-    let [(x, declared_x), (y, declared_y)] = AXES.map(&mut axis);
+    let [(x, declared_x), (y, declared_y)] = AXES.map(|name| axis(name, &design, random));
     Drawn { axes: [x, y], declared: [declared_x, declared_y] }
+}
+
+/// Draws the true and the declared values of an axis. The order of the draws decides what a seed gives.
+fn axis(name: &str, design: &Design, random: &mut ChaCha8Rng) -> (Axis, Declared) {
+    let mut declared = |low, high| six_digits(random.random_range(low..high));
+    let drive = DriveValues {
+        position_gain_per_s: declared(32.0, 75.0),
+        feedforward_percent: declared(42.0, 92.0),
+        velocity_gain_n_s_per_m: declared(43e3, 83e3),
+        velocity_integral_time_s: declared(0.0125, 0.03),
+        dual_feedback_time_s: design.dual_feedback.then(|| declared(0.04, 0.1)),
+    };
+    let mechanics: MechanicalValues = [
+        declared(70.0, 140.0),
+        declared(90.0, 200.0),
+        declared(120.0, 285.0),
+        declared(8e3, 20e3),
+        declared(88.0, 235.0),
+        declared(540.0, 1490.0),
+        declared(20.0, 60.0),
+    ];
+    let truth = mechanics.map(|value| value / (1.0 + random.random_range(-DEVIATION..DEVIATION)));
+    let axis = Axis { servo: settings(&drive, design), mechanics: true_mechanics(truth), ..Axis::default() };
+    let declared = Declared {
+        lead_mm: design.lead_mm,
+        pole_pairs: design.pole_pairs,
+        stiffness_n_per_um: mechanics[2],
+        text: file_text(name, design, &drive, mechanics),
+    };
+    (axis, declared)
+}
+
+fn settings(drive: &DriveValues, design: &Design) -> Settings {
+    Settings {
+        hpc: design.hpc,
+        position_gain_per_s: drive.position_gain_per_s,
+        feedforward: 0.01 * drive.feedforward_percent,
+        velocity_gain_n_s_per_m: drive.velocity_gain_n_s_per_m,
+        integral_s: drive.velocity_integral_time_s,
+        limit_n: FORCE_LIMIT_N,
+        dual_s: drive.dual_feedback_time_s,
+    }
+}
+
+fn true_mechanics(values: MechanicalValues) -> Mechanics {
+    let [motor_kg, table_kg, stiffness, damping, coulomb, viscous, motor_coulomb] = values;
+    Mechanics {
+        motor_kg,
+        table_kg,
+        stiffness_n_per_m: 1e6 * stiffness,
+        damping_n_s_per_m: damping,
+        coulomb_n: coulomb,
+        viscous_n_s_per_m: viscous,
+        motor_coulomb_n: motor_coulomb,
+        presliding_n_per_m: 1e6 * PRESLIDING[0],
+        presliding_n_s_per_m: PRESLIDING[1],
+        ..Mechanics::default()
+    }
+}
+
+/// The axis's table of the machine file.
+fn file_text(name: &str, design: &Design, drive: &DriveValues, mechanics: MechanicalValues) -> String {
+    let controller = if design.hpc { "hpc" } else { "p" };
+    let Design { lead_mm, pole_pairs, .. } = design;
+    let DriveValues { position_gain_per_s: kp, feedforward_percent: kf, .. } = drive;
+    let DriveValues { velocity_gain_n_s_per_m: kv, velocity_integral_time_s: ti, .. } = drive;
+    let feedback = match drive.dual_feedback_time_s {
+        None => "feedback = \"motor\"\n".to_owned(),
+        Some(time_s) => format!("feedback = \"dual\"\ndual_feedback_time_constant_s = {time_s}\n"),
+    };
+    let [motor_kg, table_kg, stiffness, damping, coulomb, viscous, motor_coulomb] = mechanics;
+    format!(
+        "[axis.{name}]\ncontroller = \"{controller}\"\nposition_gain_per_s = {kp}\nfeedforward_percent = {kf}\n\
+         velocity_gain_n_s_per_m = {kv}\nvelocity_integral_time_s = {ti}\nforce_limit_n = {FORCE_LIMIT_N:.1}\n\
+         motor_mass_kg = {motor_kg}\ntable_mass_kg = {table_kg}\nstiffness_n_per_um = {stiffness}\n\
+         damping_n_s_per_m = {damping}\ncoulomb_n = {coulomb}\nviscous_n_s_per_m = {viscous}\n\
+         motor_coulomb_n = {motor_coulomb}\npresliding_stiffness_n_per_um = {:.1}\n\
+         presliding_damping_n_s_per_m = {:.1}\nplant_tolerance_percent = {TOLERANCE_PERCENT:.1}\n\
+         lead_mm = {lead_mm}\nresolver_pole_pairs = {pole_pairs}\n{feedback}",
+        PRESLIDING[0], PRESLIDING[1],
+    )
 }
 
 /// A motion of a session.
@@ -112,11 +157,11 @@ pub fn machine(random: &mut ChaCha8Rng) -> Drawn {
 pub struct Motion {
     /// Name of its log.
     pub name: &'static str,
-    /// Where it starts, mm.
+    /// Start of its path, mm.
     pub start: [f64; 2],
     /// Its path.
-    pub stretches: Vec<Stretch>,
-    /// Its speed.
+    pub segments: Vec<Segment>,
+    /// Its speed and acceleration.
     pub pace: Pace,
 }
 
@@ -128,30 +173,30 @@ pub fn session(random: &mut ChaCha8Rng) -> [Motion; 5] {
     let mirrored = centre.map(|c| -c);
     let mut pace = |low, high| Pace { speed: between(low, high), acceleration };
     let paces = [pace(26.0, 65.0), pace(70.0, 150.0), pace(35.0, 64.0), pace(50.0, 100.0)];
-    let [circle, reach, side, check] =
+    let [radius, reach, half_diagonal, validate_radius] =
         [between(31.0, 50.0), between(60.0, 95.0), between(30.0, 58.0), between(29.0, 59.0)];
-    let radial = between(3000.0, 4500.0);
-    let small = Pace { speed: (radial * SMALL_MM).sqrt(), acceleration: radial };
+    let radial_acceleration = between(3000.0, 4500.0);
+    let small = Pace { speed: (radial_acceleration * SMALL_MM).sqrt(), acceleration: radial_acceleration };
     [
-        Motion { name: "fit_circle", pace: paces[0], ..circles(centre, circle, 1.25, 0.25) },
+        Motion { name: "fit_circle", pace: paces[0], ..circles(centre, radius, 1.25, 0.25) },
         Motion { name: "fit_steps", pace: paces[1], ..steps(reach) },
         Motion { name: "fit_small", pace: small, ..circles(centre, SMALL_MM, 14.0, 0.3) },
-        Motion { name: "validate_corner", pace: paces[2], ..corner(mirrored, side) },
-        Motion { name: "validate_circle", pace: paces[3], ..circles(mirrored, check, 1.25, 0.25) },
+        Motion { name: "validate_corner", pace: paces[2], ..corner(mirrored, half_diagonal) },
+        Motion { name: "validate_circle", pace: paces[3], ..circles(mirrored, validate_radius, 1.25, 0.25) },
     ]
 }
 
 /// Radius of the small circle.
 const SMALL_MM: f64 = 2.0;
-/// At both ends of a motion, s.
-const REST: Stretch = Stretch::Dwell(0.25);
+/// Standstill at both ends of a motion.
+const REST: Segment = Segment::Dwell(0.25);
 const NO_PACE: Pace = Pace { speed: 0.0, acceleration: 0.0 };
 
-/// A circle forth and back.
+/// A circle counter-clockwise, then clockwise.
 fn circles(centre: [f64; 2], radius: f64, turns: f64, pause_s: f64) -> Motion {
-    let stretches =
-        vec![REST, Stretch::Arc(centre, turns), Stretch::Dwell(pause_s), Stretch::Arc(centre, -turns), REST];
-    Motion { name: "", start: [centre[0] + radius, centre[1]], stretches, pace: NO_PACE }
+    let segments =
+        vec![REST, Segment::Arc(centre, turns), Segment::Dwell(pause_s), Segment::Arc(centre, -turns), REST];
+    Motion { name: "", start: [centre[0] + radius, centre[1]], segments, pace: NO_PACE }
 }
 
 /// To one end of a diagonal, then along it and back in eight steps each.
@@ -159,38 +204,38 @@ fn steps(reach: f64) -> Motion {
     const STEPS: i32 = 4;
     const SLOPE: f64 = 0.8;
     const PAUSE_S: f64 = 0.15;
-    let forth = -STEPS..=STEPS;
+    let forwards = -STEPS..=STEPS;
     let back = (-STEPS..STEPS).rev();
-    let places = forth.chain(back).map(|step| f64::from(step) / f64::from(STEPS) * reach);
-    let mut stretches = vec![REST];
-    for x in places {
-        stretches.extend([Stretch::Line([x, SLOPE * x]), Stretch::Dwell(PAUSE_S)]);
+    let positions = forwards.chain(back).map(|step| f64::from(step) / f64::from(STEPS) * reach);
+    let mut segments = vec![REST];
+    for x in positions {
+        segments.extend([Segment::Line([x, SLOPE * x]), Segment::Dwell(PAUSE_S)]);
     }
-    stretches.pop();
-    stretches.push(REST);
-    Motion { name: "", start: [0.0; 2], stretches, pace: NO_PACE }
+    segments.pop();
+    segments.push(REST);
+    Motion { name: "", start: [0.0; 2], segments, pace: NO_PACE }
 }
 
-/// A square on its corner, half a diagonal long, stopping exactly at each corner.
-fn corner(centre: [f64; 2], side: f64) -> Motion {
+/// A square on its corner with an exact stop at each corner. Half its diagonal is given.
+fn corner(centre: [f64; 2], half_diagonal: f64) -> Motion {
     let [left, middle] = [centre[0] - 40.0, centre[1]];
     let ends = [
-        [left + side, middle + side],
-        [left + 2.0 * side, middle],
-        [left + side, middle - side],
+        [left + half_diagonal, middle + half_diagonal],
+        [left + 2.0 * half_diagonal, middle],
+        [left + half_diagonal, middle - half_diagonal],
         [left, middle],
     ];
-    let stretches = [REST].into_iter().chain(ends.map(Stretch::Line)).chain([REST]).collect();
-    Motion { name: "", start: [left, middle], stretches, pace: NO_PACE }
+    let segments = [REST].into_iter().chain(ends.map(Segment::Line)).chain([REST]).collect();
+    Motion { name: "", start: [left, middle], segments, pace: NO_PACE }
 }
 
-/// One of some.
+/// One of several values, each with the same probability.
 pub fn one_of<T: Copy>(choice: &[T], random: &mut ChaCha8Rng) -> T {
     choice[random.random_range(0..choice.len())]
 }
 
-/// To six digits, as the machine file says it.
-fn six(value: f64) -> f64 {
+/// Rounded to six significant digits, as it is written to the machine file.
+fn six_digits(value: f64) -> f64 {
     let factor = 10_f64.powf(5.0 - value.abs().log10().floor());
     (value * factor).round() / factor
 }

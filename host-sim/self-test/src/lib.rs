@@ -1,24 +1,32 @@
-//! Machines drawn at random and simulated by a second, separate program: is what they lack found?
+//! Tests the tracer on machines that are drawn at random and simulated by a second, separate program.
 //!
-//! [`plant`], [`servo`] and [`mod@bench`] are that program, in plain f64; they share no code with the crate `plant`,
-//! the effects of `model` and the controller in `shared`: what made the data must not be the only judge of what explains
-//! them. [`draw`], [`truth`] and [`motion`] say what it is given; [`case`] is one machine with its logs. [`score`]
-//! holds a trace against the truth, [`summary`] all of them together, with [`confusion`].
+//! [`plant`], [`servo`] and [`simulation`] are that program, in plain f64. They share no code with the crate `plant`,
+//! the effects of `model` and the controller in `shared`, none of which this crate depends on: the code that makes the
+//! data must not be the only judge of the code that explains them.
+//!
+//! | step | module |
+//! |---|---|
+//! | draw a machine, its motions and its undeclared effects | [`draw`], [`motion`], [`truth`] |
+//! | simulate it | [`simulation`], [`plant`], [`servo`] |
+//! | one machine with its logs | [`case`] |
+//! | compare a trace with the true effects | [`score`] |
+//! | figures of all cases | [`summary`], [`confusion`] |
+//! | text and page | [`text_summary`], [`page`], `confusion_plot`, `parameter_plot` |
 
-pub mod bench;
 pub mod case;
 pub mod confusion;
-mod confusion_table;
+mod confusion_plot;
 pub mod draw;
 pub mod motion;
 pub mod page;
+mod parameter_plot;
 pub mod plant;
 pub mod score;
 pub mod servo;
-mod strip;
+pub mod simulation;
 pub mod summary;
+pub mod text_summary;
 pub mod truth;
-pub mod words;
 
 use serde_json::{Value, json};
 
@@ -27,12 +35,12 @@ use files::error::InputError;
 use score::Outcome;
 use summary::Summary;
 
-/// Traces a case without a look at its truth, then scores it.
+/// Traces a case without its true effects, then scores the trace. `progress` gets what is being done.
 ///
 /// # Errors
 /// When the tracer refuses a log.
-pub fn judge(case: &Case, say: &(dyn Fn(&str) + Sync)) -> Result<Outcome, InputError> {
-    let trace = trace::trace(&case.machine, &case.fit, &case.validate, say)?;
+pub fn trace_and_score(case: &Case, progress: &(dyn Fn(&str) + Sync)) -> Result<Outcome, InputError> {
+    let trace = trace::trace(&case.machine, &case.fit, &case.validate, progress)?;
     Ok(Outcome::new(case.number, &case.truths, &trace::json::of(&trace, false)))
 }
 

@@ -4,18 +4,18 @@ use std::f64::consts::TAU;
 
 use super::servo::SAMPLE_S;
 
-/// A stretch of a path that starts and ends at rest, mm.
+/// A segment of a path that starts and ends at rest, mm.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub enum Stretch {
+pub enum Segment {
     /// Stand still, s.
     Dwell(f64),
-    /// Straight to a point.
+    /// Straight line to a point.
     Line([f64; 2]),
-    /// Signed turns round a centre.
+    /// Arc around a centre, in turns, positive counter-clockwise.
     Arc([f64; 2], f64),
 }
 
-/// How fast, mm/s and mm/s².
+/// Speed and acceleration of a motion, mm/s and mm/s².
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// Along the path.
@@ -25,24 +25,24 @@ pub struct Pace {
 }
 
 impl Pace {
-    /// Time over a length at this pace, s.
+    /// Time for a length from rest to rest, s.
     fn time_s(&self, length: f64) -> f64 {
-        let speed = self.top(length);
+        let speed = self.reached_speed(length);
         length / speed + speed / self.acceleration
     }
 
-    /// A short path is not long enough for the speed.
-    fn top(&self, length: f64) -> f64 {
+    /// Largest speed over a length, which a short one limits, mm/s.
+    fn reached_speed(&self, length: f64) -> f64 {
         self.speed.min((length * self.acceleration).sqrt())
     }
 
-    /// Path travelled at a time.
+    /// Length travelled at a time since the start, mm.
     fn travelled(&self, length: f64, time_s: f64) -> f64 {
         let total_s = self.time_s(length);
         if time_s >= total_s {
             return length;
         }
-        let speed = self.top(length);
+        let speed = self.reached_speed(length);
         let ramp_s = speed / self.acceleration;
         let from_end_s = total_s - time_s;
         if time_s < ramp_s {
@@ -55,37 +55,40 @@ impl Pace {
     }
 }
 
-/// Commanded places (mm) at each sample. The whole path is at one pace.
+/// Commanded positions (mm) at each sample; all segments at one pace.
 #[must_use]
-pub fn sampled(start: [f64; 2], stretches: &[Stretch], pace: Pace) -> Vec<[f64; 2]> {
-    let mut places = Vec::new();
+pub fn sampled(start: [f64; 2], segments: &[Segment], pace: Pace) -> Vec<[f64; 2]> {
+    let mut positions = Vec::new();
     let mut from = start;
-    for stretch in stretches {
-        match *stretch {
-            Stretch::Dwell(time_s) => places.extend(vec![from; whole((time_s / SAMPLE_S).round())]),
-            Stretch::Line(to) => {
+    for segment in segments {
+        match *segment {
+            Segment::Dwell(time_s) => positions.extend(vec![from; to_count((time_s / SAMPLE_S).round())]),
+            Segment::Line(to) => {
                 let [dx, dy] = [to[0] - from[0], to[1] - from[1]];
                 let length = dx.hypot(dy);
-                places.extend(along(pace, length).map(|share| [from[0] + share * dx, from[1] + share * dy]));
+                positions.extend(
+                    fractions(pace, length)
+                        .map(|fraction| [from[0] + fraction * dx, from[1] + fraction * dy]),
+                );
                 from = to;
             }
-            Stretch::Arc(centre, turns) => {
+            Segment::Arc(centre, turns) => {
                 let [dx, dy] = [from[0] - centre[0], from[1] - centre[1]];
-                let turned = |share: f64| {
-                    let (sin, cos) = (TAU * turns * share).sin_cos();
+                let turned = |fraction: f64| {
+                    let (sin, cos) = (TAU * turns * fraction).sin_cos();
                     [centre[0] + cos * dx - sin * dy, centre[1] + sin * dx + cos * dy]
                 };
-                places.extend(along(pace, TAU * turns.abs() * dx.hypot(dy)).map(turned));
+                positions.extend(fractions(pace, TAU * turns.abs() * dx.hypot(dy)).map(turned));
                 from = turned(1.0);
             }
         }
     }
-    places
+    positions
 }
 
-/// Share of a length at each sample, both ends included.
-fn along(pace: Pace, length: f64) -> impl Iterator<Item = f64> {
-    let samples = whole((pace.time_s(length) / SAMPLE_S).ceil());
+/// Fraction of a length travelled at each sample, both ends included.
+fn fractions(pace: Pace, length: f64) -> impl Iterator<Item = f64> {
+    let samples = to_count((pace.time_s(length) / SAMPLE_S).ceil());
     (0..=samples).map(move |i| pace.travelled(length, SAMPLE_S * i as f64) / length)
 }
 
@@ -94,7 +97,7 @@ fn along(pace: Pace, length: f64) -> impl Iterator<Item = f64> {
     clippy::cast_sign_loss,
     reason = "seconds of samples, not negative"
 )]
-fn whole(samples: f64) -> usize {
+fn to_count(samples: f64) -> usize {
     samples as usize
 }
 
@@ -105,13 +108,13 @@ mod tests {
     #[test]
     fn a_line_takes_its_length_over_the_speed_and_one_ramp() {
         let pace = Pace { speed: 50.0, acceleration: 1000.0 };
-        let places = sampled([0.0; 2], &[Stretch::Dwell(0.25), Stretch::Line([30.0, 40.0])], pace);
+        let positions = sampled([0.0; 2], &[Segment::Dwell(0.25), Segment::Line([30.0, 40.0])], pace);
         // 250 samples of rest; 50 mm / 50 mm/s + 50/1000 s = 1.05 s: 1051 samples with both ends, one more where the
         // quotient rounds up.
-        assert!((1301..=1302).contains(&places.len()), "{}", places.len());
-        assert_eq!(places[places.len() - 1].map(f64::to_bits), [30.0_f64, 40.0].map(f64::to_bits));
+        assert!((1301..=1302).contains(&positions.len()), "{}", positions.len());
+        assert_eq!(positions[positions.len() - 1].map(f64::to_bits), [30.0_f64, 40.0].map(f64::to_bits));
         let speeds: Vec<f64> =
-            places.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]) / SAMPLE_S).collect();
+            positions.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]) / SAMPLE_S).collect();
         let top = numerics::max_abs(speeds.iter().copied());
         assert!((top - 50.0).abs() < 1e-6, "{top}");
         let jumps = numerics::max_abs(speeds.windows(2).map(|w| (w[1] - w[0]) / SAMPLE_S));
@@ -121,9 +124,9 @@ mod tests {
     #[test]
     fn an_arc_stays_on_its_circle_and_turns_as_told() {
         let pace = Pace { speed: 40.0, acceleration: 2000.0 };
-        let places = sampled([10.0, 0.0], &[Stretch::Arc([0.0, 0.0], 1.25)], pace);
-        assert!(places.iter().all(|p| (p[0].hypot(p[1]) - 10.0).abs() < 1e-9));
-        let last = places[places.len() - 1];
+        let positions = sampled([10.0, 0.0], &[Segment::Arc([0.0, 0.0], 1.25)], pace);
+        assert!(positions.iter().all(|p| (p[0].hypot(p[1]) - 10.0).abs() < 1e-9));
+        let last = positions[positions.len() - 1];
         assert!(last[0].abs() < 1e-9 && (last[1] - 10.0).abs() < 1e-9, "{last:?}");
     }
 

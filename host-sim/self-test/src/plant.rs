@@ -1,23 +1,23 @@
 //! One axis of the second simulator: two masses, a spring with a dead zone, `LuGre` friction, in plain f64.
 //!
 //! It shares no code with the crate `plant`, the effects of `model` or the controller in `shared`: what made the data must
-//! not be the only judge of what explains them. All of it is written down from the contract's sentences, one
-//! semi-implicit Euler step ([`STEP_S`]) at a time.
+//! not be the only judge of what explains them. The equations are those of docs/self-test.md, integrated by
+//! semi-implicit Euler steps of [`STEP_S`].
 
 use std::f64::consts::TAU;
 
-/// One step of the integration: fine beside the fastest motion of the machines drawn, some 400 Hz between the masses.
+/// Step of the integration, s: short against the fastest mode of the drawn machines, about 400 Hz between the masses.
 pub const STEP_S: f64 = 50e-6;
 
-/// Slope of the motor's Coulomb friction: tanh(v / this), m/s; the contract's.
+/// Speed scale of the motor's Coulomb friction, tanh(v / this), m/s.
 const MOTOR_FRICTION_M_PER_S: f64 = 0.2e-3;
 
-/// amplitude·sin(2π·x/period + phase), all SI; no wave at amplitude 0.
+/// amplitude·sin(2π·x/period + phase), SI units; 0 for amplitude 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Wave {
-    /// In the unit of what waves.
+    /// In the unit of the value.
     pub amplitude: f64,
-    /// In the unit of x; over 0 where there is an amplitude.
+    /// In the unit of x; above 0 unless the amplitude is 0.
     pub period: f64,
     /// rad.
     pub phase: f64,
@@ -34,14 +34,14 @@ impl Wave {
     }
 }
 
-/// A bump over the travel: height·exp(−((x − centre)/width)²/2), m.
+/// A local error over the travel: height·exp(−((x − centre)/width)²/2), m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Bump {
-    /// Greatest value.
+    /// Largest value.
     pub height_m: f64,
-    /// Where.
+    /// Position of the largest value.
     pub centre_m: f64,
-    /// Standard deviation of the Gaussian; over 0 where there is a height.
+    /// Standard deviation of the Gaussian; above 0 unless the height is 0.
     pub width_m: f64,
 }
 
@@ -52,71 +52,71 @@ impl Bump {
         if self.height_m == 0.0 {
             return 0.0;
         }
-        let away = (x_m - self.centre_m) / self.width_m;
-        self.height_m * (-0.5 * away * away).exp()
+        let distance = (x_m - self.centre_m) / self.width_m;
+        self.height_m * (-0.5 * distance * distance).exp()
     }
 }
 
-/// The mechanics of one axis as they are, SI. What is 0 is not there.
+/// True mechanical values of one axis, SI units. An error of value 0 is absent.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Mechanics {
-    /// Motor and screw, reflected to the table.
+    /// Mass of motor and screw, reflected to the table.
     pub motor_kg: f64,
-    /// Table.
+    /// Mass of the table.
     pub table_kg: f64,
-    /// Between screw and table.
+    /// Stiffness between screw and table.
     pub stiffness_n_per_m: f64,
-    /// Between screw and table, while they touch.
+    /// Damping between screw and table, while they are in contact.
     pub damping_n_s_per_m: f64,
-    /// On the table.
+    /// Coulomb friction of the table.
     pub coulomb_n: f64,
-    /// On the table.
+    /// Viscous friction of the table.
     pub viscous_n_s_per_m: f64,
-    /// On the motor.
+    /// Coulomb friction of the motor.
     pub motor_coulomb_n: f64,
-    /// σ0.
+    /// σ0 of the `LuGre` model.
     pub presliding_n_per_m: f64,
-    /// σ1.
+    /// σ1 of the `LuGre` model.
     pub presliding_n_s_per_m: f64,
     /// Total width of the gap between screw and table.
     pub backlash_m: f64,
-    /// The screw moves the table 1 + this times the motor.
+    /// Relative error of the lead: the screw moves the table by (1 + this) times the motor.
     pub pitch_slope: f64,
-    /// Error of the screw over the motor's position, m over m.
+    /// Cyclic error of the screw over the motor's position, m over m.
     pub pitch: Wave,
-    /// Where the screw is damaged.
+    /// Local defect of the screw.
     pub screw_bump: Bump,
-    /// Force on the motor over its position, N over m.
+    /// Ripple force on the motor over its position, N over m.
     pub ripple: Wave,
-    /// Rise of the table's friction at standstill.
+    /// Additional friction of the table at standstill.
     pub stribeck_n: f64,
-    /// Speed at which 1/e of the rise is left.
+    /// Speed at which that has fallen to 1/e.
     pub stribeck_m_per_s: f64,
-    /// Viscous friction is more by this forwards, less by it backwards.
+    /// Viscous friction is larger by this forwards and smaller by this backwards.
     pub asymmetry_n_s_per_m: f64,
-    /// Opposes motion forwards.
+    /// Constant load, positive against motion forwards.
     pub load_n: f64,
 }
 
-/// Where an axis is, m and m/s.
+/// Positions and speeds of an axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct State {
-    /// Motor.
+    /// Position of the motor.
     pub motor_m: f64,
-    /// Motor.
+    /// Speed of the motor.
     pub motor_m_per_s: f64,
-    /// Table.
+    /// Position of the table.
     pub table_m: f64,
-    /// Table.
+    /// Speed of the table.
     pub table_m_per_s: f64,
-    /// Over the last step, m/s².
+    /// Acceleration of the table over the last step.
     pub table_m_per_s2: f64,
-    /// Deflection of the bristles of the table's friction, m.
+    /// Deflection of the bristles of the table's friction.
     pub bristle_m: f64,
 }
 
 impl State {
-    /// At rest, unstrained as far as the screw is true.
+    /// At rest; without strain if the screw has no error.
     #[must_use]
     pub fn resting(at_m: f64) -> Self {
         Self { motor_m: at_m, table_m: at_m, ..Self::default() }
@@ -140,12 +140,12 @@ impl Mechanics {
         state.table_m += STEP_S * state.table_m_per_s;
     }
 
-    /// Where the screw holds the table.
+    /// Position of the table that the screw sets, without strain.
     fn screw_m(&self, motor_m: f64) -> f64 {
         (1.0 + self.pitch_slope) * motor_m + self.pitch.at(motor_m) + self.screw_bump.at(motor_m)
     }
 
-    /// Of the screw on the table; nothing inside the gap.
+    /// Force of the screw on the table; 0 inside the gap.
     fn spring_n(&self, state: &State) -> f64 {
         let half_gap_m = 0.5 * self.backlash_m;
         let strain_m = self.screw_m(state.motor_m) - state.table_m;
@@ -160,21 +160,21 @@ impl Mechanics {
         self.stiffness_n_per_m * stretch_m + self.damping_n_s_per_m * speed
     }
 
-    /// `LuGre`: F = σ0·z + σ1·ż + b·v with ż = v − σ0·|v|·z/g(v). The step of z is implicit, as σ0·|v|/g reaches the
-    /// rate of the steps.
+    /// `LuGre`: F = σ0·z + σ1·ż + b·v with ż = v − σ0·|v|·z/g(v). The step of z is implicit, because σ0·|v|/g reaches
+    /// 1/[`STEP_S`].
     fn friction_n(&self, state: &mut State) -> f64 {
         let v = state.table_m_per_s;
-        let rise_n = if self.stribeck_n == 0.0 {
+        let stribeck_n = if self.stribeck_n == 0.0 {
             0.0
         } else {
             self.stribeck_n * (-(v / self.stribeck_m_per_s).powi(2)).exp()
         };
-        let level_n = self.coulomb_n + rise_n;
+        let level_n = self.coulomb_n + stribeck_n;
         let before_m = state.bristle_m;
         state.bristle_m =
             (before_m + STEP_S * v) / (1.0 + STEP_S * self.presliding_n_per_m * v.abs() / level_n);
-        let bending = (state.bristle_m - before_m) / STEP_S;
+        let deflection_rate = (state.bristle_m - before_m) / STEP_S;
         let viscous = self.viscous_n_s_per_m + self.asymmetry_n_s_per_m * v.signum();
-        self.presliding_n_per_m * state.bristle_m + self.presliding_n_s_per_m * bending + viscous * v
+        self.presliding_n_per_m * state.bristle_m + self.presliding_n_s_per_m * deflection_rate + viscous * v
     }
 }

@@ -1,15 +1,15 @@
-//! What a trace made of one case, held against the truth as the project's `score.py` does.
+//! The trace of one case compared with its true effects.
 
 use serde_json::{Map, Value, json};
 
 use super::truth::Truth;
 
-/// A frequency is right within this, Hz.
-const SAME_HZ: f64 = 1.5;
-/// A place is right within the width of the defect, or within this, mm.
-const SAME_MM: f64 = 3.0;
+/// Largest error of the frequency of a described vibration, Hz.
+const MAX_ERROR_HZ: f64 = 1.5;
+/// Largest error of the position of a described defect, mm; the width of the defect, if that is larger.
+const MAX_ERROR_MM: f64 = 3.0;
 
-/// A parameter that was found, beside its truth.
+/// A parameter that was found, with its true value.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Estimate {
     /// Name of the effect.
@@ -25,41 +25,41 @@ pub struct Estimate {
 }
 
 impl Estimate {
-    /// Error over truth, not negative.
+    /// Absolute value of the relative error.
     #[must_use]
     pub fn error(&self) -> f64 {
         ((self.value - self.truth) / self.truth).abs()
     }
 
-    /// Whether the interval holds the truth.
+    /// Whether the interval contains the true value.
     #[must_use]
     pub fn is_covered(&self) -> bool {
         (self.ci95[0]..=self.ci95[1]).contains(&self.truth)
     }
 
-    /// Whether the machine file gave it away: the lead says the period, which no fit moves.
+    /// Whether the machine file gives it: the period follows from the lead and is not fitted.
     #[must_use]
-    pub fn is_given(&self) -> bool {
+    pub fn is_declared(&self) -> bool {
         self.parameter == "period_mm"
     }
 }
 
-/// A case and what came out.
+/// The score of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
-    /// Of the case.
+    /// Number of the case.
     pub number: u64,
-    /// What there was.
+    /// The true effects.
     pub truths: Vec<Truth>,
     /// Name and axis of what was found, in the order of the trace.
     pub found: Vec<(String, String)>,
-    /// The entries of the trace, for the record.
+    /// The effects in the JSON of the trace.
     pub effects: Vec<Value>,
-    /// Of each effect from outside the catalogue, whether the trace says that it is there and what it follows.
-    pub said: Vec<bool>,
-    /// Of what was rightly found.
+    /// For each effect from outside the catalogue, whether the trace describes it as unexplained.
+    pub described: Vec<bool>,
+    /// Parameters of the effects that were found and are true.
     pub estimates: Vec<Estimate>,
-    /// Residual after over noise on the logs that were not fitted, by channel.
+    /// Residual after the search over noise, rms, on the logs that were not fitted, by axis and channel.
     pub ratios: Vec<(String, f64)>,
 }
 
@@ -70,16 +70,17 @@ impl Outcome {
         let entries = |key: &str| trace[key].as_array().cloned().unwrap_or_default();
         let effects = entries("effects");
         let unexplained = entries("unexplained");
-        let found = effects.iter().map(|e| (word(e, "name"), word(e, "axis"))).collect();
-        let said = truths.iter().filter(|t| t.is_outside()).map(|t| unexplained.iter().any(|u| says(u, t)));
+        let found = effects.iter().map(|e| (string(e, "name"), string(e, "axis"))).collect();
+        let described =
+            truths.iter().filter(|t| t.is_outside()).map(|t| unexplained.iter().any(|u| describes(u, t)));
         let estimates = truths.iter().flat_map(|truth| {
             let same =
-                effects.iter().filter(|e| word(e, "name") == truth.name && word(e, "axis") == truth.axis);
+                effects.iter().filter(|e| string(e, "name") == truth.name && string(e, "axis") == truth.axis);
             same.flat_map(|entry| estimates(truth, &entry["parameters"])).collect::<Vec<_>>()
         });
         Self {
             number,
-            said: said.collect(),
+            described: described.collect(),
             estimates: estimates.collect(),
             ratios: entries("residual").iter().filter_map(ratio).collect(),
             truths: truths.to_vec(),
@@ -88,30 +89,30 @@ impl Outcome {
         }
     }
 
-    /// Effects of the catalogue that were there and are not found.
+    /// True effects of the catalogue that were not found.
     #[must_use]
     pub fn missed(&self) -> Vec<&Truth> {
         let catalogued = self.truths.iter().filter(|truth| !truth.is_outside());
         catalogued.filter(|truth| !self.found.iter().any(|found| is_same(truth, found))).collect()
     }
 
-    /// Effects that were found and are not there.
+    /// Effects that were found and are not true.
     #[must_use]
-    pub fn false_ones(&self) -> Vec<&(String, String)> {
+    pub fn false_finds(&self) -> Vec<&(String, String)> {
         self.found.iter().filter(|found| !self.truths.iter().any(|truth| is_same(truth, found))).collect()
     }
 
-    /// Effects that were found more than once on an axis (two channels late, say). The score takes them for one.
+    /// Effects that were found again on the same axis (latency of two channels, for example). The score counts them once.
     #[must_use]
-    pub fn doubled(&self) -> usize {
-        let again = |i: &usize| self.found[..*i].contains(&self.found[*i]);
-        (0..self.found.len()).filter(again).count()
+    pub fn duplicates(&self) -> usize {
+        let is_duplicate = |i: &usize| self.found[..*i].contains(&self.found[*i]);
+        (0..self.found.len()).filter(is_duplicate).count()
     }
 
-    /// Whether exactly the effects of the catalogue that were there were found.
+    /// Whether exactly the true effects of the catalogue were found.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        self.missed().is_empty() && self.false_ones().is_empty()
+        self.missed().is_empty() && self.false_finds().is_empty()
     }
 
     /// Whether the machine was as declared.
@@ -120,12 +121,12 @@ impl Outcome {
         self.truths.is_empty()
     }
 
-    /// Effects from outside the catalogue, each with whether the trace says what it follows.
+    /// Effects from outside the catalogue, each with whether the trace describes it.
     pub fn outside(&self) -> impl Iterator<Item = (&Truth, bool)> {
-        self.truths.iter().filter(|truth| truth.is_outside()).zip(self.said.iter().copied())
+        self.truths.iter().filter(|truth| truth.is_outside()).zip(self.described.iter().copied())
     }
 
-    /// As it stands in the JSON of the self-test.
+    /// Its entry in the JSON of the self-test.
     #[must_use]
     pub fn json(&self) -> Value {
         let ratios: Map<String, Value> =
@@ -135,32 +136,32 @@ impl Outcome {
             "exact": self.is_exact(),
             "truth": self.truths.iter().map(Truth::json).collect::<Vec<_>>(),
             "found": self.effects,
-            "outside_said": self.said,
+            "outside_said": self.described,
             "after_over_noise": ratios,
         })
     }
 }
 
-/// Name and axis make an effect the same.
+/// Whether a found effect is a true one: name and axis count.
 pub(super) fn is_same(truth: &Truth, (name, axis): &(String, String)) -> bool {
     truth.name == name && truth.axis == axis
 }
 
-fn word(entry: &Value, key: &str) -> String {
+fn string(entry: &Value, key: &str) -> String {
     entry[key].as_str().unwrap_or_default().to_owned()
 }
 
-/// Whether an entry about what stays unexplained describes an effect from outside the catalogue.
-fn says(entry: &Value, truth: &Truth) -> bool {
+/// Whether an entry about an unexplained residual describes an effect from outside the catalogue.
+fn describes(entry: &Value, truth: &Truth) -> bool {
     let near = |key: &str, truth_key: &str, tolerance: f64| {
         let pair = entry[key].as_f64().zip(truth.parameter(truth_key));
-        pair.is_some_and(|(said, true_value)| (said - true_value).abs() < tolerance)
+        pair.is_some_and(|(value, true_value)| (value - true_value).abs() < tolerance)
     };
-    word(entry, "axis") == truth.axis
-        && match (truth.name, word(entry, "variable").as_str()) {
-            ("vibration", "time") => near("frequency_hz", "frequency_hz", SAME_HZ),
+    string(entry, "axis") == truth.axis
+        && match (truth.name, string(entry, "variable").as_str()) {
+            ("vibration", "time") => near("frequency_hz", "frequency_hz", MAX_ERROR_HZ),
             ("local_defect", "position") => {
-                near("centre_mm", "centre_mm", SAME_MM.max(truth.parameter("width_mm").unwrap_or(0.0)))
+                near("centre_mm", "centre_mm", MAX_ERROR_MM.max(truth.parameter("width_mm").unwrap_or(0.0)))
             }
             _ => false,
         }
@@ -181,12 +182,12 @@ fn estimates(truth: &Truth, parameters: &Value) -> Vec<Estimate> {
     truth.parameters.iter().filter_map(estimate).collect()
 }
 
-/// `x table` and the like, and by how much its residual exceeds the noise.
+/// Axis and channel (`x table`), and the residual over noise.
 fn ratio(entry: &Value) -> Option<(String, f64)> {
     let unit = if entry.get("noise_n").is_some() { "n" } else { "um" };
     let noise = entry[format!("noise_{unit}")].as_f64().filter(|&noise| noise > 0.0)?;
     let after = entry[format!("after_{unit}")]["validate"].as_f64()?;
-    Some((format!("{} {}", word(entry, "axis"), word(entry, "channel")), after / noise))
+    Some((format!("{} {}", string(entry, "axis"), string(entry, "channel")), after / noise))
 }
 
 #[cfg(test)]
@@ -211,26 +212,26 @@ pub(super) mod tests {
         let outcome = named(&wrong_axis);
         assert!(!outcome.is_exact());
         assert_eq!(outcome.missed(), [&truths[0]]);
-        assert_eq!(outcome.false_ones(), [&("backlash".to_owned(), "y".to_owned())]);
+        assert_eq!(outcome.false_finds(), [&("backlash".to_owned(), "y".to_owned())]);
         assert!(!named(&both[..1]).is_exact());
     }
 
     #[test]
-    fn an_effect_from_outside_is_no_part_of_the_set_but_has_to_be_said() {
+    fn an_effect_from_outside_is_no_part_of_the_set_but_has_to_be_described() {
         let truths = [
             truth("vibration", "x", &[("frequency_hz", 119.0)]),
             truth("local_defect", "y", &[("centre_mm", 10.0), ("width_mm", 8.0)]),
         ];
-        let said = |unexplained: Value| {
+        let described = |unexplained: Value| {
             let outcome = Outcome::new(1, &truths, &json!({"effects": [], "unexplained": unexplained}));
             assert!(outcome.is_exact() && !outcome.is_clean());
-            outcome.said
+            outcome.described
         };
         let time = |hz: f64| json!({"axis": "x", "variable": "time", "frequency_hz": hz});
-        let place = |mm: f64| json!({"axis": "y", "variable": "position", "centre_mm": mm});
-        assert_eq!(said(json!([time(120.4), place(17.9)])), [true, true]);
-        assert_eq!(said(json!([time(120.6), place(18.1)])), [false, false]);
-        assert_eq!(said(json!([])), [false, false]);
+        let position = |mm: f64| json!({"axis": "y", "variable": "position", "centre_mm": mm});
+        assert_eq!(described(json!([time(120.4), position(17.9)])), [true, true]);
+        assert_eq!(described(json!([time(120.6), position(18.1)])), [false, false]);
+        assert_eq!(described(json!([])), [false, false]);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! The controller of the second simulator, as the contract writes it; see [`super::plant`].
+//! The controller of the second simulator in f64, with the equations in docs/self-test.md; see [`super::plant`].
 
 use super::plant::STEP_S;
 
@@ -6,20 +6,20 @@ use super::plant::STEP_S;
 pub const STEPS_A_VELOCITY_TICK: u32 = 5;
 /// Steps of the plant in a sample: 1 kHz.
 pub const STEPS_A_SAMPLE: u32 = 20;
-/// Of the position loop and of the log.
+/// Period of the position loop and of the log, s.
 pub const SAMPLE_S: f64 = 1e-3;
-/// Of the velocity loop.
+/// Period of the velocity loop, s.
 const VELOCITY_TICK_S: f64 = 0.25e-3;
 
-/// k1 and k2 of the HPC filter.
+/// k1 and k2 of the HPC filter; see [`Servo::filtered`].
 const HPC: [f64; 2] = [8.0 / 3.0, 6.0];
 
-/// The settings of one drive, SI.
+/// Settings of one drive, SI units.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
-    /// HPC in front of the gain.
+    /// Whether the HPC filter is in front of the position gain.
     pub hpc: bool,
-    /// Kp as it is in the drive.
+    /// Kp, as the drive really has it.
     pub position_gain_per_s: f64,
     /// Kf, 1 for 100 %.
     pub feedforward: f64,
@@ -27,19 +27,19 @@ pub struct Settings {
     pub velocity_gain_n_s_per_m: f64,
     /// Ti.
     pub integral_s: f64,
-    /// Largest force.
+    /// Largest force, either sign.
     pub limit_n: f64,
-    /// Time constant of dual feedback; none: the motor is fed back.
+    /// Time constant of dual feedback; none: motor feedback.
     pub dual_s: Option<f64>,
 }
 
-/// What one drive remembers.
+/// One drive with its state.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Servo {
     settings: Settings,
     last_command_m: f64,
     last_reading_m: f64,
-    asked_m_per_s: f64,
+    set_m_per_s: f64,
     filtered_m: f64,
     filtered_m_per_s: f64,
     dual_m: f64,
@@ -48,14 +48,14 @@ pub struct Servo {
 }
 
 impl Servo {
-    /// At rest where the command starts; `reading_m` is what the motor's sensor says there.
+    /// At rest at the start of the command; `reading_m` is the reading of the motor's sensor there.
     #[must_use]
     pub fn new(settings: Settings, command_m: f64, reading_m: f64) -> Self {
         Self {
             settings,
             last_command_m: command_m,
             last_reading_m: reading_m,
-            asked_m_per_s: 0.0,
+            set_m_per_s: 0.0,
             filtered_m: 0.0,
             filtered_m_per_s: 0.0,
             dual_m: 0.0,
@@ -64,7 +64,7 @@ impl Servo {
         }
     }
 
-    /// Force of the last tick of the velocity loop, N.
+    /// Force from the last tick of the velocity loop, N.
     #[must_use]
     pub fn force_n(&self) -> f64 {
         self.force_n
@@ -80,32 +80,33 @@ impl Servo {
                 motor_m + self.dual_m
             }
         };
-        let lead_s = settings.feedforward / settings.position_gain_per_s;
-        let ahead_m = lead_s * (command_m - self.last_command_m) / SAMPLE_S;
+        let feedforward_s = settings.feedforward / settings.position_gain_per_s;
+        let feedforward_m = feedforward_s * (command_m - self.last_command_m) / SAMPLE_S;
         self.last_command_m = command_m;
-        let error_m = command_m + ahead_m - feedback_m;
-        let asked_m = if self.settings.hpc { self.filtered(error_m) } else { error_m };
-        self.asked_m_per_s = self.settings.position_gain_per_s * asked_m;
+        let error_m = command_m + feedforward_m - feedback_m;
+        let filtered_m = if self.settings.hpc { self.filtered(error_m) } else { error_m };
+        self.set_m_per_s = self.settings.position_gain_per_s * filtered_m;
     }
 
-    /// HPC filter k1k2Kp²/(s² + k2·Kp·s + k1k2Kp²) over one sample, in steps as fine as the plant's.
+    /// HPC filter k1k2Kp²/(s² + k2·Kp·s + k1k2Kp²) over one sample, in steps of the plant.
     fn filtered(&mut self, error_m: f64) -> f64 {
         let kp = self.settings.position_gain_per_s;
         let [k1, k2] = HPC;
         for _ in 0..STEPS_A_SAMPLE {
-            let pull = k1 * k2 * kp * kp * (error_m - self.filtered_m) - k2 * kp * self.filtered_m_per_s;
-            self.filtered_m_per_s += STEP_S * pull;
+            let acceleration =
+                k1 * k2 * kp * kp * (error_m - self.filtered_m) - k2 * kp * self.filtered_m_per_s;
+            self.filtered_m_per_s += STEP_S * acceleration;
             self.filtered_m += STEP_S * self.filtered_m_per_s;
         }
         self.filtered_m
     }
 
-    /// Tick of the velocity loop: Kv·(ev + ∫ev dt/Ti), the integral held while the force is at its limit.
+    /// Tick of the velocity loop: Kv·(ev + ∫ev dt/Ti), with the integral held while the force is at its limit.
     pub fn velocity_tick(&mut self, reading_m: f64) {
         let settings = &self.settings;
         let speed = (reading_m - self.last_reading_m) / VELOCITY_TICK_S;
         self.last_reading_m = reading_m;
-        let error = self.asked_m_per_s - speed;
+        let error = self.set_m_per_s - speed;
         let integral_m = self.integral_m + VELOCITY_TICK_S * error;
         let force_n = settings.velocity_gain_n_s_per_m * (error + integral_m / settings.integral_s);
         self.force_n = force_n.clamp(-settings.limit_n, settings.limit_n);
@@ -125,15 +126,15 @@ mod tests {
         let settings = Settings { hpc: true, position_gain_per_s: kp, ..Settings::default() };
         let mut servo = Servo::new(settings, 0.0, 0.0);
         let slope = 0.1;
-        let mut behind_m = 0.0;
+        let mut lag_m = 0.0;
         for tick in 0..1000 {
             let error_m = slope * SAMPLE_S * f64::from(tick);
-            behind_m = error_m - servo.filtered(error_m);
+            lag_m = error_m - servo.filtered(error_m);
         }
-        // A ramp comes out k2·Kp/(k1k2·Kp²) later; held over a sample it is half a sample late, and what comes out is
-        // that of the end of the sample, a whole one ahead. One step of the scheme is open.
+        // The filter delays a ramp by k2·Kp/(k1k2·Kp²). Holding the input over a sample adds half a sample; the output is that
+        // of the end of the sample, one sample early. The tolerance is one step of the integration.
         let lag_s = HPC[1] / (HPC[0] * HPC[1] * kp) + 0.5 * SAMPLE_S - SAMPLE_S;
-        assert!((behind_m / slope - lag_s).abs() < STEP_S, "{} {lag_s}", behind_m / slope);
+        assert!((lag_m / slope - lag_s).abs() < STEP_S, "{} {lag_s}", lag_m / slope);
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! All cases of a self-test together.
+//! The figures of all cases of a self-test.
 
 use numerics::distributions::wilson_interval;
 use numerics::quantile;
@@ -7,16 +7,16 @@ use serde_json::{Map, Value, json};
 use super::confusion::Confusion;
 use super::score::{Estimate, Outcome};
 
-/// So many of so many.
+/// A count of successes in trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Share {
-    /// Of these.
+pub struct Proportion {
+    /// Successes.
     pub hits: usize,
-    /// Of these.
+    /// Trials.
     pub trials: usize,
 }
 
-impl Share {
+impl Proportion {
     fn of(each: impl Iterator<Item = bool>) -> Self {
         each.fold(Self::default(), |sum, hit| Self {
             hits: sum.hits + usize::from(hit),
@@ -24,13 +24,13 @@ impl Share {
         })
     }
 
-    /// 0 to 1; NaN of none.
+    /// Successes over trials, 0 to 1; NaN without trials.
     #[must_use]
-    pub fn share(&self) -> f64 {
+    pub fn fraction(&self) -> f64 {
         self.hits as f64 / self.trials as f64
     }
 
-    /// 95 % interval of the probability.
+    /// 95 % confidence interval of the probability.
     #[must_use]
     pub fn interval(&self) -> [f64; 2] {
         wilson_interval(self.hits, self.trials)
@@ -38,28 +38,28 @@ impl Share {
 
     fn json(self) -> Value {
         let Self { hits, trials } = self;
-        json!({"hits": hits, "of": trials, "share": known(self.share()), "interval95": self.interval()})
+        json!({"hits": hits, "of": trials, "share": finite(self.fraction()), "interval95": self.interval()})
     }
 }
 
-/// How a figure spreads.
+/// Distribution of a figure.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
-    /// How many.
+    /// Number of values.
     pub count: usize,
-    /// Half of them are no greater.
+    /// Median.
     pub median: f64,
-    /// 95 % of them are no greater.
-    pub most: f64,
+    /// 95th percentile.
+    pub percentile95: f64,
 }
 
 impl Spread {
     fn of(values: &[f64]) -> Self {
-        Self { count: values.len(), median: quantile(values, 0.5), most: quantile(values, 0.95) }
+        Self { count: values.len(), median: quantile(values, 0.5), percentile95: quantile(values, 0.95) }
     }
 
     fn json(self) -> Value {
-        json!({"count": self.count, "median": known(self.median), "percentile95": known(self.most)})
+        json!({"count": self.count, "median": finite(self.median), "percentile95": finite(self.percentile95)})
     }
 }
 
@@ -70,62 +70,62 @@ pub struct Parameter {
     pub effect: &'static str,
     /// Name of the parameter.
     pub parameter: &'static str,
-    /// Error over truth of each.
+    /// Relative errors, not negative, by case.
     pub errors: Vec<f64>,
-    /// Of the errors.
+    /// Distribution of the errors.
     pub error: Spread,
-    /// Share of the truths inside the 95 % confidence intervals; none of what the machine file gives away.
-    pub coverage: Option<Share>,
+    /// How many 95 % confidence intervals contain the true value; none for what the machine file gives.
+    pub coverage: Option<Proportion>,
 }
 
-/// All figures.
+/// All figures of a self-test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Cases with exactly the right effects.
-    pub exact: Share,
+    pub exact: Proportion,
     /// Effects of the catalogue that were found.
-    pub found: Share,
-    /// Effects that were found and were not there.
-    pub false_ones: usize,
-    /// Effects that were found a second time on an axis, which the score takes for one.
-    pub doubled: usize,
-    /// Machines as declared in which nothing was found.
-    pub clean: Share,
-    /// Effects from outside the catalogue of which the trace said what they follow.
-    pub outside: Share,
+    pub found: Proportion,
+    /// Effects that were found and are not true.
+    pub false_finds: usize,
+    /// Effects that were found again on the same axis, which the score counts once.
+    pub duplicates: usize,
+    /// Machines without undeclared effects in which nothing was found.
+    pub clean: Proportion,
+    /// Effects from outside the catalogue that the trace described.
+    pub outside: Proportion,
     /// By effect and parameter, in the order of the catalogue.
     pub parameters: Vec<Parameter>,
-    /// Errors of all parameters that the machine file does not give away.
+    /// Errors of all parameters that the machine file does not give.
     pub error: Spread,
-    /// Coverage of all of these.
-    pub coverage: Share,
-    /// Residual after over noise on the logs that were not fitted, by channel.
+    /// How many of their 95 % confidence intervals contain the true value.
+    pub coverage: Proportion,
+    /// Residual after the search over noise, rms, on the logs that were not fitted, by channel.
     pub ratios: Vec<(&'static str, Spread)>,
-    /// What was taken for what.
+    /// The confusion matrix.
     pub confusion: Confusion,
 }
 
 impl Summary {
-    /// Sums up.
+    /// Figures of these outcomes.
     #[must_use]
     pub fn new(outcomes: &[Outcome]) -> Self {
         let missed: usize = outcomes.iter().map(|outcome| outcome.missed().len()).sum();
         let there = outcomes.iter().flat_map(|outcome| &outcome.truths).filter(|t| !t.is_outside()).count();
         let estimates: Vec<&Estimate> = outcomes.iter().flat_map(|outcome| &outcome.estimates).collect();
-        let open = || estimates.iter().filter(|estimate| !estimate.is_given());
-        let errors: Vec<f64> = open().map(|estimate| estimate.error()).collect();
+        let fitted = || estimates.iter().filter(|estimate| !estimate.is_declared());
+        let errors: Vec<f64> = fitted().map(|estimate| estimate.error()).collect();
         let clean = outcomes.iter().filter(|outcome| outcome.is_clean());
-        let outside = outcomes.iter().flat_map(|outcome| &outcome.said);
+        let outside = outcomes.iter().flat_map(|outcome| &outcome.described);
         Self {
-            exact: Share::of(outcomes.iter().map(Outcome::is_exact)),
-            found: Share { hits: there - missed, trials: there },
-            false_ones: outcomes.iter().map(|outcome| outcome.false_ones().len()).sum(),
-            doubled: outcomes.iter().map(Outcome::doubled).sum(),
-            clean: Share::of(clean.map(Outcome::is_exact)),
-            outside: Share::of(outside.copied()),
+            exact: Proportion::of(outcomes.iter().map(Outcome::is_exact)),
+            found: Proportion { hits: there - missed, trials: there },
+            false_finds: outcomes.iter().map(|outcome| outcome.false_finds().len()).sum(),
+            duplicates: outcomes.iter().map(Outcome::duplicates).sum(),
+            clean: Proportion::of(clean.map(Outcome::is_exact)),
+            outside: Proportion::of(outside.copied()),
             parameters: parameters(&estimates),
             error: Spread::of(&errors),
-            coverage: Share::of(open().map(|estimate| estimate.is_covered())),
+            coverage: Proportion::of(fitted().map(|estimate| estimate.is_covered())),
             ratios: ["table", "force", "motor", "tool"]
                 .map(|channel| (channel, of_channel(outcomes, channel)))
                 .to_vec(),
@@ -133,7 +133,7 @@ impl Summary {
         }
     }
 
-    /// As it stands in the JSON of the self-test.
+    /// Its entry in the JSON of the self-test.
     #[must_use]
     pub fn json(&self) -> Value {
         let mut parameters = Map::new();
@@ -150,8 +150,8 @@ impl Summary {
             "exact": self.exact.json(),
             "found": self.found.json(),
             "missed": self.found.trials - self.found.hits,
-            "false": self.false_ones,
-            "doubled": self.doubled,
+            "false": self.false_finds,
+            "doubled": self.duplicates,
             "clean": self.clean.json(),
             "outside": self.outside.json(),
             "parameter_error": {"all": self.error.json(), "by_parameter": parameters},
@@ -174,8 +174,8 @@ fn parameters(estimates: &[&Estimate]) -> Vec<Parameter> {
     let of = |(effect, parameter)| {
         let same = || estimates.iter().filter(move |e| (e.effect, e.parameter) == (effect, parameter));
         let errors: Vec<f64> = same().map(|estimate| estimate.error()).collect();
-        let is_given = same().all(|estimate| estimate.is_given());
-        let coverage = (!is_given).then(|| Share::of(same().map(|estimate| estimate.is_covered())));
+        let is_declared = same().all(|estimate| estimate.is_declared());
+        let coverage = (!is_declared).then(|| Proportion::of(same().map(|estimate| estimate.is_covered())));
         Parameter { effect, parameter, error: Spread::of(&errors), errors, coverage }
     };
     keys.into_iter().map(of).collect()
@@ -188,8 +188,8 @@ fn of_channel(outcomes: &[Outcome], channel: &str) -> Spread {
     Spread::of(&same.map(|(_, ratio)| *ratio).collect::<Vec<_>>())
 }
 
-/// JSON has no number for a figure that nothing was seen of.
-fn known(figure: f64) -> Option<f64> {
+/// A figure without values is NaN, which JSON has no number for.
+fn finite(figure: f64) -> Option<f64> {
     figure.is_finite().then_some(figure)
 }
 
@@ -217,23 +217,25 @@ mod tests {
     #[test]
     fn counts_add_up() {
         let summary = Summary::new(&outcomes());
-        assert_eq!(summary.exact, Share { hits: 3, trials: 5 });
-        assert_eq!(summary.found, Share { hits: 3, trials: 4 });
-        assert_eq!(summary.false_ones, 1);
-        assert_eq!(summary.clean, Share { hits: 1, trials: 1 });
-        assert_eq!(summary.outside, Share::default());
-        // 10.0 lies within 10.1 ± 0.2, neither within 9.7 ± 0.2 nor 5.0 within 5.5 ± 0.1; the period is given.
-        assert_eq!(summary.coverage, Share { hits: 1, trials: 3 });
+        assert_eq!(summary.exact, Proportion { hits: 3, trials: 5 });
+        assert_eq!(summary.found, Proportion { hits: 3, trials: 4 });
+        assert_eq!(summary.false_finds, 1);
+        assert_eq!(summary.clean, Proportion { hits: 1, trials: 1 });
+        assert_eq!(summary.outside, Proportion::default());
+        // 10.0 lies within 10.1 ± 0.2, neither within 9.7 ± 0.2 nor 5.0 within 5.5 ± 0.1; the period is declared.
+        assert_eq!(summary.coverage, Proportion { hits: 1, trials: 3 });
         // Errors 1 %, 3 % and 10 %.
-        assert!((summary.error.median - 0.03).abs() < 1e-12 && (summary.error.most - 0.1).abs() < 1e-12);
+        assert!(
+            (summary.error.median - 0.03).abs() < 1e-12 && (summary.error.percentile95 - 0.1).abs() < 1e-12
+        );
         let by: Vec<_> =
             summary.parameters.iter().map(|p| (p.parameter, p.error.count, p.coverage)).collect();
-        assert_eq!(by[0], ("width_um", 2, Some(Share { hits: 1, trials: 2 })));
+        assert_eq!(by[0], ("width_um", 2, Some(Proportion { hits: 1, trials: 2 })));
         assert_eq!(by[2], ("period_mm", 1, None));
     }
 
     #[test]
-    fn nothing_seen_is_no_number() {
+    fn a_figure_without_values_is_null() {
         let json = Summary::new(&[]).json();
         assert_eq!(json["exact"]["share"], Value::Null);
         assert_eq!(json["exact"]["interval95"], json!([0.0, 1.0]));

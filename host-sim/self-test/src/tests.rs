@@ -1,13 +1,13 @@
-//! The second simulator against closed forms; a case against itself; two cases traced.
+//! The second simulator compared with closed forms, the reproducibility of a case, and two cases traced.
 
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::bench::{self, Axis};
 use super::case::Case;
-use super::motion::{Pace, Stretch, sampled};
+use super::motion::{Pace, Segment, sampled};
 use super::plant::{Mechanics, STEP_S, State};
 use super::servo::Settings;
+use super::simulation::{self, Axis};
 use super::summary::Summary;
 use super::*;
 use files::log::{Channel, Log};
@@ -42,13 +42,13 @@ fn axis(hpc: bool) -> Axis {
 
 const SPEED_MM_PER_S: f64 = 40.0;
 
-/// Log of a line along x, 80 mm forth and back, and the samples of 0.4 s of constant speed each way.
+/// Log of a line of 80 mm along x, forwards and back, and the samples of 0.4 s of constant speed in each direction.
 fn line(x: &Axis) -> (Log, [std::ops::Range<usize>; 2]) {
     let pace = Pace { speed: SPEED_MM_PER_S, acceleration: 2000.0 };
-    let places = sampled([-40.0, 0.0], &[Stretch::Line([40.0, 0.0]), Stretch::Line([-40.0, 0.0])], pace);
+    let positions = sampled([-40.0, 0.0], &[Segment::Line([40.0, 0.0]), Segment::Line([-40.0, 0.0])], pace);
     let mut random = ChaCha8Rng::seed_from_u64(1);
-    let log = bench::run(&[x.clone(), axis(false)], &places, 0.0, &mut random);
-    // A way takes 2.02 s; the loop's slowest answer, the integral's, has a time constant near 20 ms.
+    let log = simulation::run(&[x.clone(), axis(false)], &positions, 0.0, &mut random);
+    // One direction takes 2.02 s; the slowest response of the loop, that of the integral, has a time constant near 20 ms.
     (log, [1500..1900, 3520..3920])
 }
 
@@ -60,12 +60,12 @@ fn difference(log: &Log, of: [Channel; 2], at: &std::ops::Range<usize>) -> f64 {
 
 #[test]
 fn at_constant_speed_the_motor_follows_at_v_over_kp_less_the_feed_forward() {
-    // The integral makes v = Kp·e on the whole; e = command + Kf/Kp·v − motor; HPC passes a constant as it is.
+    // With the integral, v = Kp·e in steady state; e = command + Kf/Kp·v − motor; HPC has the gain 1 for a constant.
     let expected_mm = SPEED_MM_PER_S / 50.0 * (1.0 - 0.6);
     for hpc in [false, true] {
         let (log, [forth, back]) = line(&axis(hpc));
         let following = |at| difference(&log, [Channel::Command, Channel::Motor], at);
-        // The mean of 400 samples of 10 nm noise lies within 2 nm; what the integral has left is of that size.
+        // The mean of 400 samples of 10 nm noise lies within 2 nm; the remaining response of the integral is of that size.
         assert!((following(&forth) - expected_mm).abs() < 5e-6, "{}", following(&forth));
         assert!((following(&back) + expected_mm).abs() < 5e-6, "{}", following(&back));
     }
@@ -76,13 +76,13 @@ fn reversal_shows_the_gap_and_twice_the_stretch_under_friction() {
     let gap_mm = 12e-3;
     let mut with_gap = axis(false);
     with_gap.mechanics.backlash_m = 1e-3 * gap_mm;
-    // (C + b·v)/K each way.
+    // (C + b·v)/K in each direction.
     let stretch_mm = 1e3 * (150.0 + 900.0 * 1e-3 * SPEED_MM_PER_S) / 200e6;
     for (axis, gap_mm) in [(axis(false), 0.0), (with_gap, gap_mm)] {
         let (log, [forth, back]) = line(&axis);
         let lost = |at| difference(&log, [Channel::Motor, Channel::Table], at);
         let expected_mm = gap_mm + 2.0 * stretch_mm;
-        // Means of 400 samples, 22 nm each: three of their standard deviations, of both ways.
+        // Means of 400 samples with noise of 22 nm: the tolerance is three standard deviations of the difference.
         let found_mm = lost(&forth) - lost(&back);
         assert!((found_mm - expected_mm).abs() < 5e-6, "{found_mm} {expected_mm}");
     }
@@ -93,14 +93,14 @@ fn under_a_constant_force_it_ends_at_the_speed_at_which_all_friction_is_that_for
     let (force_n, load_n) = (400.0, 100.0);
     let plant = Mechanics { load_n, asymmetry_n_s_per_m: 200.0, ..mechanics() };
     let mut state = State::resting(0.0);
-    // m/b is 0.23 s: after 5 s, e^−21 of the way is left.
+    // m/b is 0.23 s: after 5 s, a fraction of e^−21 of the difference in speed is left.
     for _ in 0..100_000 {
         plant.step(&mut state, force_n);
     }
-    // LuGre slides at its Coulomb level: F = motor + C + load + (b + h)·v.
+    // Sliding LuGre friction is at its Coulomb level: F = motor + C + load + (b + h)·v.
     let speed = (force_n - 40.0 - 150.0 - load_n) / (900.0 + 200.0);
     assert!((state.table_m_per_s - speed).abs() < 1e-6 * speed, "{} {speed}", state.table_m_per_s);
-    // The spring carries what acts on the table; bristles bend by C/σ0.
+    // The spring carries all forces on the table; the deflection of the bristles is C/σ0.
     let stretch_m = (150.0 + load_n + 1100.0 * speed) / 200e6;
     assert!((state.motor_m - state.table_m - stretch_m).abs() < 1e-10);
     assert!((state.bristle_m - 150.0 / 40e6).abs() < 1e-10, "{}", state.bristle_m);
@@ -114,22 +114,22 @@ fn a_bristle_that_does_not_slide_is_a_spring() {
     for _ in 0..200_000 {
         plant.step(&mut state, force_n);
     }
-    // Far below the Coulomb level, and the motor's own friction gives way at rest: z ≈ F/σ0. What bends under load also
-    // creeps a little: the model's sliding share at 20 of 150 N; it never makes the bristle longer.
+    // Far below the Coulomb level, and without motor friction at rest, z ≈ F/σ0. The model also creeps a little at 20 of
+    // 150 N, which only shortens the bristle.
     let longest_m = force_n / 40e6;
     assert!(state.bristle_m > 0.9 * longest_m && state.bristle_m < 1.001 * longest_m, "{}", state.bristle_m);
 }
 
 #[test]
-fn the_tool_swings_as_its_mode_says() {
-    // Behind a table at constant speed the mode ω²/(s² + 2ζωs + ω²) lags by 2ζ/ω.
-    let mut swinging = axis(false);
+fn the_tool_lags_by_its_mode() {
+    // At constant speed the mode ω²/(s² + 2ζωs + ω²) lags by 2ζ/ω.
+    let mut flexible = axis(false);
     let (omega, zeta) = (std::f64::consts::TAU * 30.0, 0.1);
-    swinging.resonance = Some([omega, zeta]);
-    let (log, [forth, _]) = line(&swinging);
+    flexible.resonance = Some([omega, zeta]);
+    let (log, [forth, _]) = line(&flexible);
     let lag_mm = difference(&log, [Channel::Table, Channel::Tool], &forth);
     let expected_mm = SPEED_MM_PER_S * 2.0 * zeta / omega;
-    // Half a step of the plant is open, 1 µm at this speed; noise means are 5 nm.
+    // The tolerance is half a step of the plant, 1 µm at this speed; means of noise are 5 nm.
     assert!(
         (lag_mm - expected_mm).abs() < 0.5 * 1e3 * STEP_S * 1e-3 * SPEED_MM_PER_S + 1e-5,
         "{lag_mm} {expected_mm}"
@@ -137,15 +137,15 @@ fn the_tool_swings_as_its_mode_says() {
 }
 
 #[test]
-fn a_late_channel_lags_by_its_way() {
-    let mut late = axis(false);
-    late.table_late_s = 0.77e-3;
-    let (log, [forth, back]) = line(&late);
-    let (prompt, _) = line(&axis(false));
+fn a_delayed_channel_lags_by_delay_times_speed() {
+    let mut delayed = axis(false);
+    delayed.table_delay_s = 0.77e-3;
+    let (log, [forth, back]) = line(&delayed);
+    let (undelayed, _) = line(&axis(false));
     let lag = |log: &Log, at| difference(log, [Channel::Motor, Channel::Table], at);
     for (at, sign) in [(&forth, 1.0), (&back, -1.0)] {
-        let way_mm = lag(&log, at) - lag(&prompt, at);
-        assert!((way_mm - sign * 0.77e-3 * SPEED_MM_PER_S).abs() < 5e-6, "{way_mm}");
+        let lag_mm = lag(&log, at) - lag(&undelayed, at);
+        assert!((lag_mm - sign * 0.77e-3 * SPEED_MM_PER_S).abs() < 5e-6, "{lag_mm}");
     }
 }
 
@@ -163,7 +163,7 @@ fn a_case_is_a_function_of_seed_and_number() {
 }
 
 #[test]
-fn what_is_kept_is_what_was_traced() {
+fn a_kept_case_is_the_traced_one() {
     let folder = tempfile::tempdir().unwrap();
     let case = Case::draw(7, 4).unwrap();
     let kept = case.keep(folder.path()).unwrap();
@@ -179,22 +179,25 @@ fn what_is_kept_is_what_was_traced() {
     assert_eq!(truth["effects"].as_array().unwrap().len(), case.truths.len());
 }
 
-/// Two machines, one with an effect, one without: the whole chain.
+/// The whole chain on two machines, one with an effect and one without.
 #[test]
 fn two_machines_come_out_as_they_were_drawn() {
-    let outcomes = [2, 15].map(|number| judge(&Case::draw(1, number).unwrap(), &|_| {}).unwrap());
+    let outcomes = [2, 15].map(|number| trace_and_score(&Case::draw(1, number).unwrap(), &|_| {}).unwrap());
     let summary = Summary::new(&outcomes);
     assert_eq!((summary.exact.hits, summary.clean.trials), (2, 1));
     assert_eq!(summary.confusion.of("squareness", "squareness"), 1);
-    // 50 µm/m over 60 mm are 3 µm beside 80 nm of noise in each of 40 000 samples: 1 % is far outside of chance.
-    assert!(summary.error.most < 0.01, "{}", summary.error.most);
-    // Nothing is left of the tool's residual but noise: both axes, both machines.
+    // 50 µm/m over 60 mm are 3 µm beside 80 nm of noise in each of 40 000 samples: 1 % is far more than noise makes.
+    assert!(summary.error.percentile95 < 0.01, "{}", summary.error.percentile95);
+    // Only noise is left of the tool's residual: both axes, both machines.
     let (channel, spread) = &summary.ratios[3];
-    assert!(*channel == "tool" && spread.count == 4 && (0.9..1.1).contains(&spread.most), "{spread:?}");
-    // Nor of the other stages, which hang on friction: reversals leave less than noise has.
+    assert!(
+        *channel == "tool" && spread.count == 4 && (0.9..1.1).contains(&spread.percentile95),
+        "{spread:?}"
+    );
+    // At the other stages, which depend on friction, reversals leave less than the noise.
     for (channel, spread) in &summary.ratios[..3] {
         assert!(
-            spread.count == 4 && spread.most < 2f64.sqrt() && spread.median > 0.9,
+            spread.count == 4 && spread.percentile95 < 2f64.sqrt() && spread.median > 0.9,
             "{channel} {spread:?}"
         );
     }

@@ -6,9 +6,9 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
 
-use super::bench::{AXES, Axis};
 use super::draw::{Drawn, one_of};
 use super::plant::{Bump, Wave};
+use super::simulation::{AXES, Axis};
 
 /// The contract's effects, each as likely as the others.
 pub const NAMES: [&str; 17] = [
@@ -215,8 +215,8 @@ fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut Ch
         "latency" => {
             let late_ms = between(0.2, 2.0);
             match channel {
-                "table" => axis.table_late_s = 1e-3 * late_ms,
-                _ => axis.tool_late_s = 1e-3 * late_ms,
+                "table" => axis.table_delay_s = 1e-3 * late_ms,
+                _ => axis.tool_delay_s = 1e-3 * late_ms,
             }
             word = Some(("channel", channel));
             vec![("ms", late_ms)]

@@ -87,8 +87,8 @@ fn sentences(comparison: &Comparison) -> Vec<String> {
         nanometres(worst(|row| row.position_error_nm.max)),
         nanometres(worst(|row| row.position_error_nm.rms)),
         comparison.turns,
-        nanometres(comparison.travelled.end_nm),
-        nanometres(comparison.travelled.landing_nm),
+        nanometres(comparison.long_run.end_nm),
+        nanometres(comparison.long_run.landing_nm),
     )];
     if let (Some(step), Some(day)) =
         (of(Pipeline::F32Position, Motion::Steps), of(Pipeline::F32Position, Motion::LongRun))
@@ -111,7 +111,7 @@ fn sentences(comparison: &Comparison) -> Vec<String> {
 fn cost(comparison: &Comparison) -> String {
     let of = |format: Format, name: &str| {
         let medians = || comparison.of(Pipeline::Of(format)).filter_map(|row| row.instructions_per_tick);
-        let most = comparison.of(Pipeline::Of(format)).filter_map(|row| row.most_instructions).max();
+        let most = comparison.of(Pipeline::Of(format)).filter_map(|row| row.max_instructions).max();
         format!(
             "{} to {} in {name} ({} at the worst)",
             medians().min().unwrap_or(0),

@@ -7,9 +7,9 @@ use anyhow::Result;
 use super::progress::Progress;
 use super::{print, summary};
 use files::output::write_whole;
-use report::{Extra, words};
+use report::trace_page::{self, Extra};
 use studies::demo::{self, Demo};
-use trace::axis::stage_names;
+use trace::stages::stage_names;
 
 /// Arguments of `demo`.
 #[derive(clap::Args)]
@@ -42,7 +42,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         lead: vec![INTRODUCTION.to_owned(), headline(&demo)],
         truth: Some(vec![(demo.drawn.axis.clone(), demo.drawn.effect.clone())]),
     };
-    let path = report::write(&arguments.report, &demo.trace, &extra)?;
+    let path = trace_page::write(&arguments.report, &demo.trace, &extra)?;
     print(&format!(
         "{INTRODUCTION}\n\n{}\n\n{}\n{}\nReport: {}",
         summary::of_trace(&demo.trace),
@@ -71,6 +71,6 @@ fn headline(demo: &Demo) -> String {
 /// The drawn effect, which the tracer did not know, and whether it was named.
 fn reveal(demo: &Demo) -> String {
     let verdict = if demo.is_named() { "named" } else { "not named" };
-    let truth = words::effect(&demo.drawn.effect, &[]);
+    let truth = demo.drawn.effect.sentence(&[], false);
     format!("The truth, drawn from seed {}: {}: {truth} ({verdict}).", demo.seed, demo.drawn.axis)
 }

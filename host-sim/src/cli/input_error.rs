@@ -58,8 +58,9 @@ impl Inputs<'_> {
 
     fn travel_error(&self, index: usize, axis: u8) -> InputError {
         let axis = self.machine.axis.get_index(axis.into());
-        let (name, [min, max]) =
-            axis.map_or(("", [f64::NAN; 2]), |(name, axis)| (name, axis.travel_mm.unwrap_or([f64::NAN; 2])));
+        let (name, [min, max]) = axis.map_or(("", [f64::NAN; 2]), |(name, axis)| {
+            (name, axis.settings.limits.travel_mm.unwrap_or([f64::NAN; 2]))
+        });
         let problem = format!(
             "expected a block within axis.{name}.travel_mm, {min} to {max} mm, of {}",
             self.machine_file
@@ -87,8 +88,8 @@ impl Inputs<'_> {
             (key, Some((axis, _))) => format!("axis.{axis}.{key}"),
         };
         let error = match *error {
-            ConfigError::OutOfRange { name, least, most } => {
-                ConfigError::OutOfRange { name, least: factor * least, most: factor * most }
+            ConfigError::OutOfRange { name, min, max } => {
+                ConfigError::OutOfRange { name, min: factor * min, max: factor * max }
             }
             error => error,
         };

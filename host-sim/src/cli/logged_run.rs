@@ -94,7 +94,7 @@ impl RunStatistics {
     fn new(machine: &Machine) -> Self {
         let axes = machine.axis.iter().map(|(name, axis)| AxisStatistics {
             name: name.clone(),
-            force_limit_n: axis.force_limit_n,
+            force_limit_n: axis.settings.controller.force_limit_n,
             following_error_um: Magnitude::default(),
             force_n: Magnitude::default(),
             rows_at_limit: 0,

@@ -14,9 +14,8 @@ use link::emulator::{DEFAULT_TIMEOUT, Emulator};
 use link::remote::Remote;
 use model::machine::Machine;
 use model::motion::Motion;
-use model::servo;
 use plant::instruments::Instruments;
-use plant::path;
+use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run, SimulationError};
 use studies::demo;
 
@@ -66,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         arguments.machine.as_ref().map_or_else(|| DEMO_MACHINE.to_owned(), |path| path.display().to_string());
     let motion_file = &arguments.motion.display().to_string();
     let inputs = Inputs { machine: &machine, machine_file: &machine_file, motion_file };
-    let path = path::of(&motion, &machine, motion_file)?;
+    let path = MachinePath::new(&motion, &machine, motion_file)?;
     let mut controller =
         set_up(&arguments.port, timeout, &machine, &path.start_m).map_err(|error| inputs.error(error))?;
     let run = Run {
@@ -98,9 +97,9 @@ fn set_up(
     machine: &Machine,
     start_m: &[f64],
 ) -> Result<Remote<Emulator>, SimulationError> {
-    let (settings, start) = simulate::set_up(machine, start_m)?;
+    let (settings, start) = simulate::controller_setup(machine, start_m)?;
     let connection = link::open(port, timeout)?;
-    Ok(Remote::set_up(connection, Format::Fixed, servo::rates(machine), &settings, &start)?)
+    Ok(Remote::set_up(connection, Format::Fixed, machine.rates(), &settings, &start)?)
 }
 
 /// The time for which to wait for an answer.

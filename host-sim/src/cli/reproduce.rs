@@ -57,13 +57,13 @@ fn summary(reproduction: &Reproduction) -> String {
     let mut lines = vec![sentence(reproduction)];
     for study in &reproduction.studies {
         lines.push(format!("\n{}: {}", study.paper, study.title));
-        lines.extend(study.said.iter().map(|sentence| format!("  {sentence}")));
+        lines.extend(study.findings.iter().map(|sentence| format!("  {sentence}")));
         lines.push(format!("  {:<68}{:>18}{:>12}  {:<12}verdict", "quantity", "printed", "ours", "unit"));
         for outcome in &study.outcomes {
             lines.push(format!(
                 "  {:<68}{:>18}{:>12}  {:<12}{}",
                 outcome.quantity,
-                outcome.printed.words(),
+                outcome.printed.label(),
                 significant(outcome.ours, 4),
                 outcome.unit,
                 if outcome.agrees() { "agrees" } else { "DIFFERS" }

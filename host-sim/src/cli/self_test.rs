@@ -15,7 +15,7 @@ use numerics::quantile;
 use self_test::case::Case;
 use self_test::score::Outcome;
 use self_test::summary::Summary;
-use self_test::words;
+use self_test::text_summary;
 
 /// Maximum number of cases of one run, which take some weeks.
 const MAX_CASES: u64 = 100_000;
@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let expected = format!("a number of cases from 1 to {MAX_CASES}");
         return Err(InputError::expected("--cases", expected, arguments.cases).into());
     }
-    let page = report::file_in(arguments.report.as_ref());
+    let page = report::page::file_in(arguments.report.as_ref());
     check_outputs(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
     stop::write_partial_result();
     let (sender, receiver) = channel();
@@ -101,8 +101,11 @@ fn run_case(arguments: &Arguments, number: u64, messages: &Sender<Message>) -> R
         case.keep(folder)?;
     }
     let start = Instant::now();
-    let outcome =
-        if arguments.no_trace { None } else { Some(self_test::judge(&case, &|what| progress(what))?) };
+    let outcome = if arguments.no_trace {
+        None
+    } else {
+        Some(self_test::trace_and_score(&case, &|what| progress(what))?)
+    };
     Ok(Message::Done(outcome, start.elapsed()))
 }
 
@@ -152,9 +155,9 @@ fn write(arguments: &Arguments, run: &Run) -> Result<()> {
         let text = serde_json::to_string_pretty(&json)?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
-    let sentences = words::sentences(arguments.seed, &summary);
+    let sentences = text_summary::sentences(arguments.seed, &summary);
     let mut output = sentences.join("\n");
-    output += &format!("\n\n{}", words::tables(&run.outcomes, &summary));
+    output += &format!("\n\n{}", text_summary::tables(&run.outcomes, &summary));
     output += &format!("\n{:.1} s a case in the median.", quantile(&run.seconds, 0.5));
     if let Some(folder) = &arguments.report {
         let path = self_test::page::write(folder, &sentences, &run.outcomes, &summary)?;

@@ -10,7 +10,7 @@ use link::controller::Format;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
-use plant::path;
+use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
 
 /// The number format of a controller.
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let machine_file = &arguments.machine.display().to_string();
     let motion_file = &arguments.motion.display().to_string();
     let inputs = Inputs { machine: &machine, machine_file, motion_file };
-    let path = path::of(&motion, &machine, motion_file)?;
+    let path = MachinePath::new(&motion, &machine, motion_file)?;
     let controller = simulate::controller(&machine, arguments.scalar.into(), &path.start_m);
     let mut controller = controller.map_err(|error| inputs.error(error))?;
     let run = Run {

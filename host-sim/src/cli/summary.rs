@@ -1,13 +1,14 @@
 //! What a trace found, for people: sentences, then a table, then what stays.
 
-use report::{ranking, words};
+use report::{ranking, sentences};
 use trace::Trace;
-use trace::axis::{AxisTrace, StageError, residual_unit, stage_names};
+use trace::outcome::{AxisTrace, StageError};
+use trace::stages::{residual_unit, stage_names};
 
 /// Summary of a trace.
 #[must_use]
 pub fn of_trace(trace: &Trace) -> String {
-    let mut lines = words::summary(trace);
+    let mut lines = sentences::summary(trace);
     lines.push(String::new());
     lines.push(format!(
         "{:<6}{:<8}{:>5}{:>22}{:>22}{:>11}",
@@ -21,19 +22,19 @@ pub fn of_trace(trace: &Trace) -> String {
         lines.extend(axis.errors.iter().map(|error| row(axis, error)));
     }
     let rest = trace.axes.iter().flat_map(|axis| {
-        let stays = axis.unexplained.iter().map(|rest| words::remainder(axis, rest));
-        stays.chain(axis.not_testable.iter().map(|stage| words::not_testable(&axis.axis, stage)))
+        let stays = axis.unexplained.iter().map(|rest| sentences::remainder(axis, rest));
+        stays.chain(axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage)))
     });
     // Of several logs the page and the JSON tell it: here it would drown what was found.
     let told = if trace.fit_logs.len() == 1 { &trace.axes[..] } else { &[] };
-    let repeats = told.iter().flat_map(|axis| axis.repeats.iter().map(|part| words::repeats(axis, part)));
-    let runs = trace.axes.iter().flat_map(|axis| axis.free_runs.iter().map(words::free_run));
+    let repeats = told.iter().flat_map(|axis| axis.repeats.iter().map(|part| sentences::repeats(axis, part)));
+    let runs = trace.axes.iter().flat_map(|axis| axis.free_runs.iter().map(sentences::free_run));
     let alike = trace
         .axes
         .iter()
-        .flat_map(|axis| axis.look_alikes.iter().map(|alike| words::look_alike(axis, alike)));
+        .flat_map(|axis| axis.ambiguities.iter().map(|alike| sentences::look_alike(axis, alike)));
     let refused = trace.axes.iter().flat_map(ranking::refused);
-    let open = trace.axes.iter().flat_map(words::open_ends);
+    let open = trace.axes.iter().flat_map(sentences::open_ends);
     let rest = alike.chain(refused).chain(open).chain(rest);
     let rest: Vec<String> = trace.notes.iter().cloned().chain(rest).chain(repeats).chain(runs).collect();
     if !rest.is_empty() {
@@ -45,7 +46,8 @@ pub fn of_trace(trace: &Trace) -> String {
 
 /// What the tables of `--empirical` take away.
 pub fn of_tables(trace: &Trace) -> String {
-    let lines = trace.axes.iter().flat_map(|axis| axis.tables.iter().map(|table| words::table(axis, table)));
+    let lines =
+        trace.axes.iter().flat_map(|axis| axis.tables.iter().map(|table| sentences::table(axis, table)));
     let lines: Vec<String> = lines.collect();
     if lines.is_empty() {
         return "\n\nNothing that stays is worth a table.".to_owned();

@@ -9,7 +9,8 @@ use super::{check_outputs, friction_map, print, summary};
 use files::log::Log;
 use files::output::write_whole;
 use model::machine::Machine;
-use report::Extra;
+use report::page;
+use report::trace_page::{self, Extra};
 
 /// Arguments of `trace`.
 #[derive(clap::Args)]
@@ -61,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let logs = arguments.fit.iter().chain(&arguments.validate);
     let inputs: Vec<&Path> = logs.map(PathBuf::as_path).chain([machine]).collect();
-    let page = report::file_in(arguments.report.as_ref());
+    let page = page::file_in(arguments.report.as_ref());
     let outputs = [
         ("--json", arguments.json.as_ref()),
         ("--model", arguments.model.as_ref()),
@@ -81,9 +82,9 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
         output += &summary::of_tables(&trace);
     }
     if let Some(path) = &arguments.propose {
-        let alike = trace.axes.iter().flat_map(|axis| &axis.look_alikes);
+        let alike = trace.axes.iter().flat_map(|axis| &axis.ambiguities);
         let proposals = alike.filter_map(|alike| alike.proposal.as_ref());
-        match proposals.max_by(|a, b| a.apart.total_cmp(&b.apart)) {
+        match proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)) {
             Some(proposal) => write_whole(path, |out| out.write_all(proposal.motion.as_bytes()))?,
             None => output += "\n\nNo motion is proposed: no two effects look alike here.",
         }
@@ -97,7 +98,7 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     }
     if let Some(folder) = &arguments.report {
         let title = format!("Lost motion of {}", machine.name);
-        let path = report::write(folder, &trace, &Extra { title, ..Extra::default() })?;
+        let path = trace_page::write(folder, &trace, &Extra { title, ..Extra::default() })?;
         output += &format!("\n\nReport: {}", path.display());
     }
     print(&output)

@@ -1,43 +1,43 @@
-//! The trace as programs read it; see the contract's `trace --json`.
+//! The trace as programs read it, `trace --json`; described in `docs/files.md`.
 
 use serde_json::{Map, Value, json};
 
-use super::Trace;
-use super::axis::{AxisTrace, Found, StageError, residual_unit};
-use super::limits::AtLimit;
-use super::look_alike::LookAlike;
-use super::repeatability::Repeatability;
-use super::rotary;
-use super::unexplained::Unexplained;
-use super::verdict;
+use crate::analysis::repeatability::Repeatability;
+use crate::analysis::residual_analysis::Unexplained;
+use crate::fit::limits::AtLimit;
+use crate::fit::scope::NotTestable;
+use crate::not_testable::EffectNotTestable;
+use crate::outcome::{AxisTrace, StageError, Trace};
+use crate::search::ambiguity::Ambiguity;
+use crate::stages::residual_unit;
+use crate::validation::found::Found;
+use crate::verdict;
 use files::log::Unit;
-use model::effects::Effect;
 
 /// The JSON of `trace --json`, with the tables of `--empirical` or without.
 #[must_use]
 pub fn of(trace: &Trace, with_tables: bool) -> Value {
     let residual: Vec<Value> =
         trace.axes.iter().flat_map(|axis| axis.errors.iter().map(move |e| residual(axis, e))).collect();
-    let rest = |axis| move |rest| unexplained(axis, rest);
+    let of_axis = |axis| move |residual| unexplained(axis, residual);
     let unexplained: Vec<Value> =
-        trace.axes.iter().flat_map(|axis| axis.unexplained.iter().map(rest(axis))).collect();
+        trace.axes.iter().flat_map(|axis| axis.unexplained.iter().map(of_axis(axis))).collect();
     let mut not_testable: Vec<Value> = trace
         .axes
         .iter()
         .flat_map(|axis| {
-            let one = |n: &super::scope::NotTestable| json!({"channel": n.stage, "axis": axis.axis, "needs": n.needs});
+            let one = |n: &NotTestable| json!({"channel": n.stage, "axis": axis.axis, "needs": n.needs});
             axis.not_testable.iter().map(one).collect::<Vec<_>>()
         })
         .collect();
     for axis in &trace.axes {
-        let one =
-            |u: &super::untested::Untested| json!({"effect": u.effect, "axis": axis.axis, "needs": u.needs});
-        not_testable.extend(axis.untested.iter().map(one));
+        let one = |n: &EffectNotTestable| json!({"effect": n.effect, "axis": axis.axis, "needs": n.needs});
+        not_testable.extend(axis.effects_not_testable.iter().map(one));
     }
     let repeats: Vec<Value> = trace
         .axes
         .iter()
-        .flat_map(|axis| axis.repeats.iter().map(move |part| repeatability(axis, part)))
+        .flat_map(|axis| axis.repeats.iter().map(move |split| repeatability(axis, split)))
         .collect();
     let free_runs: Vec<_> = trace.axes.iter().flat_map(|axis| &axis.free_runs).collect();
     let mut all = json!({
@@ -49,7 +49,7 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
         "unexplained": unexplained,
         "not_testable": not_testable,
         "notes": trace.notes,
-        "look_alikes": look_alikes(trace),
+        "look_alikes": ambiguities(trace),
         "repeatability": repeats,
         "free_run": free_runs,
     });
@@ -60,17 +60,17 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
     all
 }
 
-/// Pairs of effects of which the logs show one, but not which, and the motion file that would tell.
-fn look_alikes(trace: &Trace) -> Vec<Value> {
+/// Pairs of effects that the logs cannot tell apart, and the motion file that distinguishes them.
+fn ambiguities(trace: &Trace) -> Vec<Value> {
     let of_axis = |axis: &AxisTrace| {
-        let one = |alike: &LookAlike| {
+        let one = |ambiguity: &Ambiguity| {
             json!({
                 "axis": axis.axis,
-                "effects": [alike.added.name(), alike.rival.name()],
-                "motion": alike.proposal.as_ref().map(|proposal| &proposal.motion),
+                "effects": [ambiguity.added.name(), ambiguity.rival.name()],
+                "motion": ambiguity.proposal.as_ref().map(|proposal| &proposal.motion),
             })
         };
-        axis.look_alikes.iter().map(one).collect::<Vec<_>>()
+        axis.ambiguities.iter().map(one).collect::<Vec<_>>()
     };
     trace.axes.iter().flat_map(of_axis).collect()
 }
@@ -85,25 +85,20 @@ fn of_axes(trace: &Trace, of: impl Fn(&AxisTrace) -> Vec<Value>) -> Vec<Value> {
     trace.axes.iter().flat_map(of).collect()
 }
 
-/// An effect that was not taken because a parameter ended at a limit of its search.
+/// An effect that was not added because a parameter ended at a limit of its range.
 fn refused(axis: &AxisTrace, limit: &AtLimit) -> Value {
     let mut entry = json!({
         "name": limit.effect.name(),
         "axis": axis.axis,
-        "parameter": key(axis, limit.parameter),
+        "parameter": limit.parameter.key_on(axis.unit == Unit::Degree),
         "value": limit.value,
         "limit": limit.limit,
         "why": "at the limit of its search: the value lies beyond, or it is another effect",
     });
-    if let (Value::Object(entry), Some(source)) = (&mut entry, source(&limit.effect)) {
+    if let (Value::Object(entry), Some(source)) = (&mut entry, limit.effect.distinction().source()) {
         entry.insert("source".to_owned(), json!(source));
     }
     entry
-}
-
-/// Name of a parameter in the axis's units.
-fn key(axis: &AxisTrace, name: &str) -> String {
-    if axis.unit == Unit::Degree { rotary::key(name) } else { name.to_owned() }
 }
 
 fn residual(axis: &AxisTrace, error: &StageError) -> Value {
@@ -118,21 +113,21 @@ fn residual(axis: &AxisTrace, error: &StageError) -> Value {
     Value::Object(entry)
 }
 
-fn repeatability(axis: &AxisTrace, part: &Repeatability) -> Value {
-    let mut entry = json!(part);
+fn repeatability(axis: &AxisTrace, split: &Repeatability) -> Value {
+    let mut entry = json!(split);
     if let Value::Object(entry) = &mut entry {
-        let (_, unit) = residual_unit(axis.unit, part.channel);
-        entry.insert(format!("repeatable_{unit}"), json!(part.repeatable));
-        entry.insert(format!("non_repeatable_{unit}"), json!(part.non_repeatable));
+        let (_, unit) = residual_unit(axis.unit, split.channel);
+        entry.insert(format!("repeatable_{unit}"), json!(split.repeatable));
+        entry.insert(format!("non_repeatable_{unit}"), json!(split.non_repeatable));
     }
     entry
 }
 
-fn unexplained(axis: &AxisTrace, rest: &Unexplained) -> Value {
-    let mut entry = json!(rest);
+fn unexplained(axis: &AxisTrace, residual: &Unexplained) -> Value {
+    let mut entry = json!(residual);
     if let Value::Object(entry) = &mut entry {
-        let (_, unit) = residual_unit(axis.unit, rest.channel);
-        entry.insert(format!("rms_{unit}"), json!(rest.rms));
+        let (_, unit) = residual_unit(axis.unit, residual.channel);
+        entry.insert(format!("rms_{unit}"), json!(residual.rms));
         if axis.unit == Unit::Degree
             && let Some(centre) = entry.remove("centre_mm")
         {
@@ -143,13 +138,13 @@ fn unexplained(axis: &AxisTrace, rest: &Unexplained) -> Value {
 }
 
 fn effect(axis: &AxisTrace, found: &Found) -> Value {
-    let parameters: Map<String, Value> = found
-        .effect
-        .parameters()
-        .into_iter()
+    let is_rotary = axis.unit == Unit::Degree;
+    let declared = found.effect.declared_parameters().iter();
+    let parameters: Map<String, Value> = declared
+        .zip(found.effect.values())
         .zip(&found.half_widths)
-        .map(|((name, value), half)| {
-            (key(axis, name), json!({"value": value, "ci95": [value - half, value + half]}))
+        .map(|((parameter, value), half)| {
+            (parameter.key_on(is_rotary), json!({"value": value, "ci95": [value - half, value + half]}))
         })
         .collect();
     let mut entry = json!({
@@ -163,19 +158,9 @@ fn effect(axis: &AxisTrace, found: &Found) -> Value {
         let (_, unit) = residual_unit(axis.unit, found.stage);
         entry.insert(format!("before_{unit}"), json!(found.before));
         entry.insert(format!("after_{unit}"), json!(found.after));
-        if let Some(source) = source(&found.effect) {
+        if let Some(source) = found.effect.distinction().source() {
             entry.insert("source".to_owned(), json!(source));
         }
     }
     entry
-}
-
-/// The axis that an effect comes from, where that is another one.
-#[must_use]
-pub fn source(effect: &Effect) -> Option<&str> {
-    match effect {
-        Effect::Crosstalk(e) => Some(&e.source),
-        Effect::Straightness(e) => Some(&e.source),
-        _ => None,
-    }
 }

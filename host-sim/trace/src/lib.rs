@@ -1,125 +1,53 @@
 //! From a log to the effect that its machine has and its model lacks.
 //!
-//! [`admission`] says which logs can be used; [`signals`] prepares them; [`predict`] drives the declared model with measured signals;
-//! [`residual`] is what it leaves; [`fit`] moves the declared values within their tolerance;
-//! [`candidates`] tries the catalogue, [`held_out`] says what is worth adding; [`axis`] is the search
-//! for one axis, [`last_fit`] fits all that was found,
-//! [`limits`], [`refute`] and [`settle`] take back what is no measurement or does not hold on other logs;
-//! [`unexplained`] is what stays, [`verdict`] what all of it comes to, [`repeatability`] how much of it could be explained at all, [`untested`]
-//! what was not looked for, [`free_run`] what the model is worth without feedback; [`json`] is the whole for programs.
+//! In the order of a trace:
+//!
+//! 1. [`input`]: which logs are taken, and their filtered signals.
+//! 2. [`prediction`]: what a model predicts for each stage, from the measured signal upstream of it.
+//! 3. [`fit`]: residuals, and the declared values fitted to them within their tolerance.
+//! 4. [`search`]: effects of the catalogue added as held-out data support them.
+//! 5. [`validation`]: effects dropped that are at a limit or that the validation logs refute.
+//! 6. [`analysis`]: what remains of the residuals.
+//! 7. [`verdict`]: whether the logs are explained; [`json`]: the result for programs.
+//!
+//! [`axis_trace`] has these steps for one axis, [`outcome`] what they give, [`options`] the thresholds by which they
+//! decide; [`not_testable`] says what was not searched for.
 
-pub mod added;
-pub mod admission;
-pub mod axis;
-pub mod axis_model;
-pub mod candidates;
-pub mod copies;
-pub mod empirical;
+pub mod analysis;
+pub mod axis_trace;
 pub mod fit;
-pub mod follow;
-pub mod free_run;
-pub mod held_out;
-pub mod in_loop;
-pub mod intervals;
+pub mod input;
 pub mod json;
-pub mod last_fit;
-pub mod last_tick;
-pub mod limits;
-pub mod look_alike;
-pub mod motor_path;
-pub mod own_error;
-pub mod predict;
-pub mod refute;
-pub mod repeatability;
-pub mod residual;
-pub mod rotary;
-pub mod scope;
+pub mod not_testable;
+pub mod options;
+pub mod outcome;
+pub mod prediction;
 pub mod search;
-pub mod set_aside;
-pub mod settle;
-pub mod signals;
-pub mod trim;
-pub mod unexplained;
-pub mod untested;
+pub mod stages;
+pub mod validation;
 pub mod verdict;
-pub mod wound;
 
 /// The names that a trace may answer with.
-pub use model::effects::NAMES as EFFECT_NAMES;
+pub use model::effects::names as effect_names;
 /// What a trace is given as declared.
 pub use model::machine::Machine;
+pub use options::TraceOptions;
+pub use outcome::Trace;
 
 use std::borrow::Cow;
 
 use rayon::prelude::*;
 
-use admission::Admitted;
-use axis::AxisTrace;
 use files::error::InputError;
 use files::log::Log;
-use model::servo;
-use residual::Evidence;
-use signals::Signals;
+use fit::scope_fit::Progress;
+use input::admission::{self, Admitted};
+use input::signals::Signals;
+use input::{checks, saturation};
 
-/// Share of a log that is held out where no validation log is given.
-const HELD_OUT: f64 = 0.25;
-
-/// Everything that tracing found.
-#[derive(Clone, Debug)]
-pub struct Trace {
-    /// One an axis, in the order of the machine file.
-    pub axes: Vec<AxisTrace>,
-    /// The logs that were fitted.
-    pub fit_logs: Vec<Signals>,
-    /// The logs that were not.
-    pub validate_logs: Vec<Signals>,
-    /// Names of the axes.
-    pub names: Vec<String>,
-    /// The declared machine.
-    pub machine: Machine,
-    /// What the user has to know of the logs: what was left out, thinned or lacking.
-    pub notes: Vec<String>,
-}
-
-impl Trace {
-    /// The machine with fitted values and with the effects found.
-    #[must_use]
-    pub fn better_machine(&self) -> Machine {
-        // What the bodies do to an axis is among its effects now: both would do it twice.
-        let mut machine = Machine { structure: None, ..self.machine.clone() };
-        for trace in &self.axes {
-            if let Some(axis) = machine.axis.get_mut(&trace.axis) {
-                *axis = trace.model.written();
-            }
-        }
-        machine
-    }
-
-    /// Finds for effects that the logs cannot tell apart the motions that would.
-    fn propose(&mut self) {
-        let better = self.better_machine();
-        let logs = &self.fit_logs;
-        for (number, axis) in self.axes.iter_mut().enumerate() {
-            for alike in &mut axis.look_alikes {
-                let mut other = better.clone();
-                if let Some(of_axis) = other.axis.get_mut(&axis.axis) {
-                    *of_axis = alike.with_rival.axis.clone();
-                }
-                alike.proposal = look_alike::propose([&better, &other], number, logs);
-            }
-        }
-    }
-
-    /// What an axis was explained from, or validated on.
-    #[must_use]
-    pub fn evidence<'a>(&'a self, logs: &'a [Signals], axis: usize) -> Evidence<'a> {
-        Evidence { logs, names: &self.names, axis, rates: servo::rates(&self.machine), aside: &[], own: &[] }
-    }
-}
-
-/// Traces a machine. Without validation logs the last quarter of each log is held out.
+/// Traces a machine with the default thresholds. Without validation logs the last quarter of each log is held out.
 ///
-/// `say` is told what is being tried, from several threads.
+/// `progress` is told what is being tried, from several threads.
 ///
 /// # Errors
 /// When a log does not fit the machine file: its rate, its axes.
@@ -127,44 +55,74 @@ pub fn trace(
     machine: &Machine,
     fit: &[Log],
     validate: &[Log],
-    say: &(dyn Fn(&str) + Sync),
+    progress: &Progress<'_>,
 ) -> Result<Trace, InputError> {
-    let Admitted { fit, validate, mut notes } = admission::admit(machine, fit, validate)?;
+    trace_with(&TraceOptions::default(), machine, [fit, validate], progress)
+}
+
+/// The same with other thresholds; logs to fit, and to validate on.
+///
+/// # Errors
+/// As [`trace`].
+pub fn trace_with(
+    options: &TraceOptions,
+    machine: &Machine,
+    [fit, validate]: [&[Log]; 2],
+    progress: &Progress<'_>,
+) -> Result<Trace, InputError> {
+    let Admitted { fit, validate, mut notes } = admission::admit(machine, fit, validate, &options.admission)?;
     let names: Vec<String> = machine.axis.keys().cloned().collect();
-    let prepared =
-        |logs: &[Cow<'_, Log>]| logs.par_iter().map(|log| Signals::new(log, &names)).collect::<Vec<_>>();
-    let (mut fit_logs, mut validate_logs) = if validate.is_empty() {
-        let (first, last): (Vec<_>, Vec<_>) =
-            fit.iter().map(|log| split(log)).map(|(a, b)| (Cow::Owned(a), Cow::Owned(b))).unzip();
-        (prepared(&first), prepared(&last))
-    } else {
-        (prepared(&fit), prepared(&validate))
-    };
-    let first = fit.first().map(|log| log.source.as_str());
-    admission::mark(machine, &mut fit_logs, first);
-    admission::mark(machine, &mut validate_logs, first);
-    for name in names.iter().filter(|name| admission::stands(&fit, name)) {
+    for name in names.iter().filter(|name| checks::is_at_rest(&fit, name, &options.admission)) {
         if fit.iter().any(|log| log.axis(name).is_some()) {
             notes.push(format!("{name}: did not move; only what other axes do to it can be seen."));
         }
     }
-    let mut trace =
-        Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine: machine.clone(), notes };
+    let first = fit.first().map(|log| log.source.clone());
+    let (fit, validate) = if validate.is_empty() { split(&fit, options) } else { (fit, validate) };
+    let [fit_logs, validate_logs] =
+        [&fit, &validate].map(|logs| prepared(logs, machine, &names, first.as_deref(), options));
+    let machine = machine.clone();
+    let options = *options;
+    let mut trace = Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine, options, notes };
     let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
-        let evidence = trace.evidence(&trace.fit_logs, i);
-        axis::trace(axis, &evidence, &trace.evidence(&trace.validate_logs, i), say)
+        let [fit_data, validate] = [&trace.fit_logs, &trace.validate_logs].map(|logs| trace.data(logs, i));
+        axis_trace::trace(axis, &fit_data, &validate, progress)
     };
-    let axes: Vec<&model::machine::Axis> = machine.axis.values().collect();
+    let axes: Vec<&model::machine::Axis> = trace.machine.axis.values().collect();
     trace.axes = axes.into_par_iter().enumerate().map(of_axis).collect();
-    trace.propose();
+    trace.propose_motions();
     Ok(trace)
 }
 
-/// A log in front of the held-out part, and the held-out part.
-fn split(log: &Log) -> (Log, Log) {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a share of the length")]
-    let cut = ((1.0 - HELD_OUT) * log.len() as f64).round() as usize;
-    (log.slice(0..cut), log.slice(cut..log.len()))
+/// The signals of logs, with saturated samples marked; `first` is the source of the first fit log.
+fn prepared(
+    logs: &[Cow<'_, Log>],
+    machine: &Machine,
+    names: &[String],
+    first: Option<&str>,
+    options: &TraceOptions,
+) -> Vec<Signals> {
+    let signals = |log: &Cow<'_, Log>| {
+        let has_own_zero = first.is_some_and(|first| first != log.source);
+        Signals { has_own_zero, ..Signals::new(log, names, &options.samples) }
+    };
+    let mut signals: Vec<Signals> = logs.par_iter().map(signals).collect();
+    saturation::mark(machine, &mut signals, &options.admission);
+    signals
+}
+
+/// The logs without their held-out ends, and these ends.
+fn split<'a>(logs: &[Cow<'_, Log>], options: &TraceOptions) -> (Vec<Cow<'a, Log>>, Vec<Cow<'a, Log>>) {
+    let parts = logs.iter().map(|log| {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a fraction of the length"
+        )]
+        let end = ((1.0 - options.admission.held_out) * log.len() as f64).round() as usize;
+        (Cow::Owned(log.slice(0..end)), Cow::Owned(log.slice(end..log.len())))
+    });
+    parts.unzip()
 }
 
 #[cfg(test)]
@@ -180,7 +138,7 @@ mod tests {
         Machine::parse(&text, "m.toml").unwrap()
     }
 
-    /// 3 s of a rigid axis that swings over `travel_mm` under the force that its model says.
+    /// 3 s of a rigid axis that oscillates over `travel_mm` under the force of its model.
     fn log(travel_mm: f64) -> Log {
         let mut axis = AxisLog::new("x", Unit::Millimetre);
         let omega = 4.0;
@@ -196,19 +154,19 @@ mod tests {
     }
 
     #[test]
-    fn a_log_in_which_nothing_moves_tells_nothing() {
+    fn a_log_without_motion_is_refused() {
         let error = trace(&machine(""), &[log(0.0)], &[], &|_| {}).unwrap_err();
         assert!(error.to_string().starts_with("log.csv: expected motion over 0.01"), "{error}");
     }
 
     #[test]
-    fn the_same_log_twice_is_no_evidence() {
+    fn the_same_log_twice_is_refused() {
         let error = trace(&machine(""), &[log(100.0), log(100.0)], &[], &|_| {}).unwrap_err();
         assert!(error.to_string().contains("a log of its own"), "{error}");
     }
 
     #[test]
-    fn a_declared_effect_may_lie_where_no_fit_would_go() {
+    fn a_declared_effect_may_be_outside_its_search_range() {
         let effect = "[[axis.x.effect]]\nname = \"stribeck\"\nstatic_excess_n = 1.0\nvelocity_mm_s = 0.01\n";
         let trace = trace(&machine(effect), &[log(100.0)], &[], &|_| {}).unwrap();
         assert!(trace.axes[0].found.is_empty(), "{:?}", trace.axes[0].found);

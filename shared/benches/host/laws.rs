@@ -49,11 +49,10 @@ fn config<S: Scalar>(law: Law) -> AxisConfig<S> {
     AxisConfig::new(&settings, Rates { velocity_loop_hz: RATE_HZ, position_loop_divider: 1 }).unwrap()
 }
 
-/// One step an input, with the state behind a pointer as in a tick.
+/// One step per input, with the state behind a pointer as in a tick; `name` and `peer` as in [`Compared::row`].
 fn steps<T: Copy, S, R>(
     compared: &mut Compared,
-    name: &str,
-    peer: &str,
+    (name, peer): (&str, &str),
     inputs: &[T],
     mut state: S,
     step: impl Fn(&mut S, T) -> R,
@@ -73,30 +72,33 @@ fn ours<S: Scalar>(compared: &mut Compared) {
     let (p, hpc) = black_box((config::<S>(Law::P), config::<S>(Law::Hpc)));
     let name = |law: &str| format!("{law}, {}", S::NAME);
     let (biquad, pi) = (name("idsp biquad"), name("idsp biquad as PI"));
-    steps(compared, &name("P"), &biquad, &errors, position::State::default(), |state, error| {
+    steps(compared, (&name("P"), &biquad), &errors, position::State::default(), |state, error| {
         p.position.velocity(state, error)
     });
-    steps(compared, &name("HPC"), &biquad, &errors, position::State::default(), |state, error| {
+    steps(compared, (&name("HPC"), &biquad), &errors, position::State::default(), |state, error| {
         hpc.position.velocity(state, error)
     });
     let low_pass = filter::Filter::<S>::low_pass(0.14, 1.4);
-    steps(compared, &name("low-pass"), &biquad, &errors, filter::State::default(), |state, error| {
+    steps(compared, (&name("low-pass"), &biquad), &errors, filter::State::default(), |state, error| {
         low_pass.step(state, error)
     });
-    steps(compared, &name("PI"), &pi, &places, velocity::State::at(Position(0)), |state, motor| {
+    steps(compared, (&name("PI"), &pi), &places, velocity::State::at(Position(0)), |state, motor| {
         p.velocity.force(state, S::default(), motor)
     });
     steps(
         compared,
-        &name("feed-forward"),
-        &biquad,
+        (&name("feed-forward"), &biquad),
         &places,
         feedforward::State::at(Position(0)),
         |state, to| p.feedforward.lead(state, to),
     );
-    steps(compared, &name("dual feedback"), &biquad, &readings, dual::State::default(), |state, reading| {
-        p.feedback.position(state, reading.motor, reading.table)
-    });
+    steps(
+        compared,
+        (&name("dual feedback"), &biquad),
+        &readings,
+        dual::State::default(),
+        |state, reading| p.feedback.position(state, reading.motor, reading.table),
+    );
 }
 
 /// The biquad of `idsp` with coefficients `C` on signals `T`: a notch at 400 Hz, and PI.
@@ -112,7 +114,7 @@ where
 {
     let notch: Biquad<C> = Filter::<f64>::default().critical_frequency(400.0 / RATE_HZ).q(2.0).notch().into();
     let notch = black_box(notch);
-    steps(compared, &format!("idsp biquad, {format}"), "", inputs, DirectForm1::default(), |state, x| {
+    steps(compared, (&format!("idsp biquad, {format}"), ""), inputs, DirectForm1::default(), |state, x| {
         notch.process(state, x)
     });
     // y0 = y1 + b0·x0 + b1·x1
@@ -120,8 +122,7 @@ where
     let pi = black_box(BiquadClamp { min: -limit, max: limit, ..pi });
     steps(
         compared,
-        &format!("idsp biquad as PI, {format}"),
-        "",
+        (&format!("idsp biquad as PI, {format}"), ""),
         inputs,
         DirectForm1::default(),
         |state, x| pi.process(state, x),

@@ -7,7 +7,7 @@ use std::hint::black_box;
 
 use rsruckig::prelude::{InputParameter, Ruckig, Synchronization, ThrowErrorHandler, Trajectory};
 use shared::interpolate::block::{Block, Joint, Ramps, Shape};
-use shared::interpolate::planned::Planned;
+use shared::interpolate::planned::PlannedBlock;
 use shared::interpolate::smooth::Filter;
 use shared::units::Position;
 
@@ -59,7 +59,7 @@ fn ours(compared: &mut Compared, name: &str, ramps: Ramps, shape: impl Fn(f64) -
     let rounding = Filter::Pass.rounding();
     compared.row(name, PEER, BLOCKS, || {
         for block in &blocks {
-            black_box(Planned::new(black_box(block), [Position(0); 2], 20_000.0, &rounding).unwrap());
+            black_box(PlannedBlock::new(black_box(block), [Position(0); 2], 20_000.0, &rounding).unwrap());
         }
     });
 }

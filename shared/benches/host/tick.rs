@@ -44,7 +44,7 @@ fn moving<S: Scalar>(block: &Block<2>) -> Machine<S, 2> {
 
 /// Axes that stand on the command, the table 1 µm behind the motor.
 fn follow(commands: &[Position; 2]) -> [Reading; 2] {
-    commands.map(|motor| Reading { motor, table: Some(motor.moved(-1000 << 20)) })
+    commands.map(|motor| Reading { motor, table: Some(motor - (1000 << 20)) })
 }
 
 fn row<S: Scalar>(compared: &mut Compared, motion: &str, block: &Block<2>) {

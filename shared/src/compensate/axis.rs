@@ -1,16 +1,17 @@
-//! The compensations of one axis, and what they remember.
+//! The compensations of one axis, and their state.
 
-use super::Item;
 use super::backlash::Backlash;
 use super::geometry::{Squareness, Straightness};
-use super::motion::Motion;
+use super::kind::CompensationKind;
+use super::motion::CommandMotion;
 use super::pitch::Pitch;
 use super::reversal::Reversal;
 use super::settings::{self, CompensationSettings};
 use super::slew::Slew;
-use super::table::Cycle;
+use super::table::{PeriodicTable, ValueRange};
 use super::talk::Talk;
-use crate::config::{ConfigError, Rates, positive, ranged};
+use crate::config::check::{positive, ranged};
+use crate::config::{ConfigError, Rates};
 use crate::scalar::Scalar;
 use crate::units::{LENGTH_M, Position};
 
@@ -19,36 +20,43 @@ use crate::units::{LENGTH_M, Position};
 pub struct AxisCompensation<S: Scalar> {
     pitch: Option<Pitch<S>>,
     backlash: Option<Backlash<S>>,
-    dividing: Option<Cycle<S>>,
+    dividing: Option<PeriodicTable<S>>,
     reversal: Option<Reversal<S>>,
     intalk: Option<Talk<S>>,
     crosstalk: Option<(u8, Talk<S>)>,
     squareness: Option<(u8, Squareness<S>)>,
     straightness: Option<(u8, Straightness<S>)>,
-    ripple: Option<Cycle<S>>,
-    /// For corrections of the command, a position tick; of the motor reading, a tick; of the force, a tick.
+    ripple: Option<PeriodicTable<S>>,
+    /// Of the command, per position tick.
     command: Slew<S>,
+    /// Of the motor reading, per tick.
     reading: Slew<S>,
+    /// Of the force, per tick.
     force: Slew<S>,
 }
 
-/// What the compensations of an axis remember.
+/// State of the compensations of an axis.
 #[derive(Clone, Copy, Debug)]
 pub struct State<S: Scalar> {
+    /// Present correction of the command, error units.
     command: S,
+    /// Present correction of the motor reading, error units.
     reading: S,
+    /// Present added force, N.
     force: S,
-    /// What is left of the pulse of a reversal, and the force that it gives.
+    /// Pulse of the last reversal without its velocity factor, and its force.
     pulse: S,
     pulse_force: S,
-    looked_up: LookedUp<S>,
+    slow: SlowTerms<S>,
+    /// One bit per kind that is switched off.
     off: u16,
 }
 
-/// What changes slowly: one of them is looked up with each command, in turn.
+/// Terms that change slowly: one of them is evaluated with each command, in turn.
 #[derive(Clone, Copy, Debug)]
-struct LookedUp<S: Scalar> {
-    turn: u8,
+struct SlowTerms<S: Scalar> {
+    /// The term that was evaluated last, 0 to 3.
+    last: u8,
     pitch: S,
     straightness: S,
     intalk: S,
@@ -56,15 +64,15 @@ struct LookedUp<S: Scalar> {
 }
 
 impl<S: Scalar> State<S> {
-    /// Nothing corrected so far, every compensation on.
+    /// No correction so far, every compensation switched on.
     pub const NEW: Self = Self {
         command: S::ZERO,
         reading: S::ZERO,
         force: S::ZERO,
         pulse: S::ZERO,
         pulse_force: S::ZERO,
-        looked_up: LookedUp {
-            turn: 0,
+        slow: SlowTerms {
+            last: 0,
             pitch: S::ZERO,
             straightness: S::ZERO,
             intalk: S::ZERO,
@@ -73,23 +81,22 @@ impl<S: Scalar> State<S> {
         off: 0,
     };
 
-    /// Switches one compensation on or off. They are on to begin with.
-    pub const fn switch(&mut self, item: Item, on: bool) {
+    /// Switches one compensation on or off. Initially all are on.
+    pub const fn switch(&mut self, item: CompensationKind, on: bool) {
         let bit = 1 << item as u16;
         self.off = if on { self.off & !bit } else { self.off | bit };
     }
 
-    const fn is_on(&self, item: Item) -> bool {
+    const fn is_on(&self, item: CompensationKind) -> bool {
         self.off & (1 << item as u16) == 0
     }
 }
 
 impl<S: Scalar> AxisCompensation<S> {
-    /// For an axis of a machine with `axes` of them.
+    /// Checks and converts the settings of an axis of a machine with `axes` axes.
     ///
     /// # Errors
-    /// The [`ConfigError`] that names the first setting which is not finite, beyond its bound, or beyond what the
-    /// number format `S` holds.
+    /// [`ConfigError`] for the first setting that is not finite, exceeds its bound or the range of the number format `S`.
     pub fn new(settings: &CompensationSettings, rates: Rates, axes: usize) -> Result<Self, ConfigError> {
         let (tick_hz, rate_hz) = (rates.velocity_loop_hz, rates.position_loop_hz());
         let bound_m = positive("position_bound_m", settings.position_bound_m)?;
@@ -106,13 +113,12 @@ impl<S: Scalar> AxisCompensation<S> {
             if usize::from(axis) < axes {
                 Ok(axis)
             } else {
-                Err(ConfigError::OutOfRange { name, least: 0.0, most: axes as f64 - 1.0 })
+                Err(ConfigError::OutOfRange { name, min: 0.0, max: axes as f64 - 1.0 })
             }
         };
         let cycle = |name, cycle: &Option<settings::Cycle>, unit, bound| {
-            let made =
-                cycle.as_ref().map(|cycle| Cycle::new(name, &cycle.values, cycle.period_m, unit, bound));
-            made.transpose()
+            let range = ValueRange { unit, bound };
+            cycle.as_ref().map(|cycle| PeriodicTable::new(name, cycle, range)).transpose()
         };
         let pitch = settings.pitch.as_ref().map(|pitch| Pitch::new(pitch, bound_m)).transpose()?;
         let intalk = settings.intalk.as_ref().map(|talk| Talk::new("intalk", talk, rate_hz)).transpose()?;
@@ -148,80 +154,88 @@ impl<S: Scalar> AxisCompensation<S> {
         })
     }
 
-    /// What is added to the command now, position units.
-    pub fn standing(state: &State<S>) -> i64 {
+    /// The present correction of the command, position units.
+    pub fn active_correction(state: &State<S>) -> i64 {
         state.command.distance()
     }
 
-    /// With every command: what to add to it, position units.
+    /// The correction of the command, position units, once per command.
     pub fn command<const N: usize>(
         &self,
         state: &mut State<S>,
         axis: usize,
-        motions: &[Motion<S>; N],
+        motions: &[CommandMotion<S>; N],
     ) -> i64 {
         let Some(own) = motions.get(axis) else { return 0 };
         let other = |axis: u8| motions.get(usize::from(axis)).unwrap_or(own);
-        self.look_up(state, own, other);
-        let looked_up = &state.looked_up;
-        let mut sum = looked_up.pitch.widen() + looked_up.straightness.widen();
-        sum += looked_up.intalk.by(own.acceleration);
+        self.update_slow_term(state, own, other);
+        let slow = &state.slow;
+        let mut sum = slow.pitch.widen() + slow.straightness.widen();
+        sum += slow.intalk * own.acceleration;
         if let Some((source, _)) = &self.crosstalk {
-            sum += looked_up.crosstalk.by(other(*source).acceleration);
+            sum += slow.crosstalk * other(*source).acceleration;
         }
-        if let Some(backlash) = self.backlash.as_ref().filter(|_| state.is_on(Item::Backlash)) {
+        if let Some(backlash) = self.backlash.as_ref().filter(|_| state.is_on(CompensationKind::Backlash)) {
             sum += backlash.correction(own).widen();
         }
-        if let Some((source, square)) = self.squareness.as_ref().filter(|_| state.is_on(Item::Squareness)) {
-            sum += square.correction(other(*source));
+        if let Some((source, squareness)) =
+            self.squareness.as_ref().filter(|_| state.is_on(CompensationKind::Squareness))
+        {
+            sum += squareness.correction(other(*source));
         }
         let force = self.reversal.as_ref().map(|reversal| reversal.force(&mut state.pulse, own));
-        state.pulse_force = force.filter(|_| state.is_on(Item::Reversal)).unwrap_or_default();
+        state.pulse_force = force.filter(|_| state.is_on(CompensationKind::Reversal)).unwrap_or_default();
         self.command.step(&mut state.command, S::round(sum)).distance()
     }
 
-    /// Looks one value up: at 1 m/s and 4 kHz, each of them once a millimetre.
-    fn look_up<'a>(&self, state: &mut State<S>, own: &'a Motion<S>, other: impl Fn(u8) -> &'a Motion<S>) {
+    /// Evaluates the next slow term: at 1 m/s and 4 kHz, each of them once per millimetre.
+    fn update_slow_term<'a>(
+        &self,
+        state: &mut State<S>,
+        own: &'a CommandMotion<S>,
+        other: impl Fn(u8) -> &'a CommandMotion<S>,
+    ) {
         let none = S::default();
-        state.looked_up.turn = (state.looked_up.turn + 1) & 3;
-        match state.looked_up.turn {
+        state.slow.last = (state.slow.last + 1) & 3;
+        match state.slow.last {
             0 => {
-                let pitch = self.pitch.as_ref().filter(|_| state.is_on(Item::Pitch));
-                state.looked_up.pitch = pitch.map_or(none, |pitch| pitch.correction(own));
+                let pitch = self.pitch.as_ref().filter(|_| state.is_on(CompensationKind::Pitch));
+                state.slow.pitch = pitch.map_or(none, |pitch| pitch.correction(own));
             }
             1 => {
-                let shape = self.straightness.as_ref().filter(|_| state.is_on(Item::Straightness));
-                state.looked_up.straightness =
+                let shape =
+                    self.straightness.as_ref().filter(|_| state.is_on(CompensationKind::Straightness));
+                state.slow.straightness =
                     shape.map_or(none, |(source, shape)| shape.correction(other(*source)));
             }
             2 => {
-                let talk = self.intalk.as_ref().filter(|_| state.is_on(Item::Intalk));
-                state.looked_up.intalk = talk.map_or(none, |talk| talk.correction(own.place));
+                let talk = self.intalk.as_ref().filter(|_| state.is_on(CompensationKind::Intalk));
+                state.slow.intalk = talk.map_or(none, |talk| talk.correction(own.position));
             }
             _ => {
-                let talk = self.crosstalk.as_ref().filter(|_| state.is_on(Item::Crosstalk));
-                state.looked_up.crosstalk = talk.map_or(none, |(_, talk)| talk.correction(own.place));
+                let talk = self.crosstalk.as_ref().filter(|_| state.is_on(CompensationKind::Crosstalk));
+                state.slow.crosstalk = talk.map_or(none, |(_, talk)| talk.correction(own.position));
             }
         }
     }
 
-    /// With every tick: the motor reading without the resolver's error.
+    /// The motor reading with the error of the resolver corrected, once per tick.
     pub fn reading(&self, state: &mut State<S>, motor: Position) -> Position {
         let none = S::default();
         let error = match &self.dividing {
-            Some(dividing) if state.is_on(Item::Dividing) => dividing.at(motor),
-            // What was there before fades, too.
+            Some(dividing) if state.is_on(CompensationKind::Dividing) => dividing.at(motor),
+            // A previous correction still has to return to zero.
             None if state.reading == none => return motor,
             _ => none,
         };
-        motor.moved(-self.reading.step(&mut state.reading, error).distance())
+        motor - self.reading.step(&mut state.reading, error).distance()
     }
 
-    /// With every tick: the force to add.
+    /// The force to add, once per tick.
     pub fn force(&self, state: &mut State<S>, motor: Position) -> S {
         let mut target = state.pulse_force;
-        if let Some(ripple) = self.ripple.as_ref().filter(|_| state.is_on(Item::Ripple)) {
-            target = target.minus(ripple.at(motor));
+        if let Some(ripple) = self.ripple.as_ref().filter(|_| state.is_on(CompensationKind::Ripple)) {
+            target = target - ripple.at(motor);
         }
         self.force.step(&mut state.force, target)
     }

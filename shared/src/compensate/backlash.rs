@@ -1,6 +1,8 @@
-//! Backlash: the table lags behind the screw by half the width, whichever way it goes.
+//! Backlash: the table lags behind the screw by half the width, in either direction.
+//!
+//! The command is moved by ±half the width in the direction of travel.
 
-use super::motion::Motion;
+use super::motion::CommandMotion;
 use crate::config::ConfigError;
 use crate::scalar::Scalar;
 use crate::units::LENGTH_M;
@@ -15,15 +17,15 @@ impl<S: Scalar> Backlash<S> {
     /// From the total width, m.
     ///
     /// # Errors
-    /// Names `backlash_width_m` where it is negative, or half of it beyond the bound.
+    /// [`ConfigError`] with `backlash_width_m` if it is negative, or half of it exceeds the bound.
     pub fn new(width_m: f64, bound_m: f64) -> Result<Self, ConfigError> {
-        let width = crate::config::ranged("backlash_width_m", width_m, 0.0, 2.0 * bound_m)?;
+        let width = crate::config::check::ranged("backlash_width_m", width_m, 0.0, 2.0 * bound_m)?;
         Ok(Self { half: S::signal(width / 2.0 / LENGTH_M) })
     }
 
-    /// What to add to the command, error units: the screw has to be ahead.
+    /// Correction of the command, error units.
     #[must_use]
-    pub fn correction(&self, own: &Motion<S>) -> S {
+    pub fn correction(&self, own: &CommandMotion<S>) -> S {
         if own.forward { self.half } else { -self.half }
     }
 }

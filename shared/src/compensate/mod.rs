@@ -1,24 +1,26 @@
-//! What the machine is known to do wrong, put right: corrections of the command, of the motor reading and of the
-//! force. Each has the number and the sign of the effect that it undoes.
+//! Compensation of known errors of the machine: corrections of the command, of the motor reading and of the force. Each has
+//! the unit and the sign of the error that it cancels.
 //!
-//! | compensation | undoes | acts on |
+//! | compensation | cancels | acts on |
 //! |---|---|---|
-//! | [`pitch`] | what the screw moves too far, or the scale reads too much, over the travel | command |
-//! | [`backlash`] | the dead zone between screw and table | command |
-//! | [`talk`] | the tool point's give under acceleration, own or another axis's | command |
+//! | [`pitch`] | pitch error of screw or scale over the travel | command |
+//! | [`backlash`] | backlash between screw and table | command |
+//! | [`talk`] | in-talk and cross-talk: displacement of the tool by an acceleration | command |
 //! | [`geometry`] | squareness and straightness | command |
-//! | dividing ([`table::Cycle`]) | the resolver's periodic error | motor reading |
-//! | [`reversal`] | the stick of friction at reversal | force |
-//! | ripple ([`table::Cycle`]) | the motor's periodic force | force |
+//! | dividing ([`table::PeriodicTable`]) | periodic error of the resolver | motor reading |
+//! | [`reversal`] | static friction at reversal | force |
+//! | ripple ([`table::PeriodicTable`]) | force ripple of the motor | force |
 //!
-//! Corrections of the command are computed from the command, which has no noise, and add up; so do those of the
-//! force. Each sum, and the reading's correction, passes a [`slew`]: within a declared bound, and no faster
-//! than a declared rate. So whatever is switched, reverses, or is replaced, nothing jumps. Tables over the
-//! travel, which change slowly, are looked up one with each command in turn, four commands for all of an axis.
+//! Corrections of the command are computed from the command, which has no noise, and added up; so are those of the force.
+//! Each sum, and the correction of the reading, passes a slew-rate limiter ([`slew`]), so that nothing jumps when a
+//! compensation is switched or replaced, or the axis reverses. Tables over the travel change slowly: one of them is
+//! evaluated with each command, in turn, so that all of an axis take four commands.
 
 pub mod axis;
 pub mod backlash;
 pub mod geometry;
+pub mod kind;
+pub mod machine;
 pub mod motion;
 pub mod pitch;
 pub mod reversal;
@@ -28,147 +30,6 @@ pub mod table;
 pub mod talk;
 
 pub use axis::AxisCompensation;
-use motion::Motion;
+pub use kind::CompensationKind;
+pub use machine::Compensation;
 pub use settings::CompensationSettings;
-
-use crate::axis::Reading;
-use crate::scalar::Scalar;
-use crate::units::Position;
-
-/// One of the compensations of an axis.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, serde::Serialize, serde::Deserialize)]
-#[expect(missing_docs, reason = "as the table above")]
-pub enum Item {
-    Pitch,
-    Backlash,
-    Dividing,
-    Reversal,
-    Intalk,
-    Crosstalk,
-    Squareness,
-    Straightness,
-    Ripple,
-}
-
-impl Item {
-    /// All there are.
-    pub const ALL: [Self; 9] = [
-        Self::Pitch,
-        Self::Backlash,
-        Self::Dividing,
-        Self::Reversal,
-        Self::Intalk,
-        Self::Crosstalk,
-        Self::Squareness,
-        Self::Straightness,
-        Self::Ripple,
-    ];
-}
-
-/// The compensations of a machine.
-#[derive(Clone, Debug)]
-pub struct Compensation<S: Scalar, const N: usize> {
-    axes: [Option<AxisCompensation<S>>; N],
-    states: [axis::State<S>; N],
-    motions: [Motion<S>; N],
-    any: bool,
-}
-
-impl<S: Scalar, const N: usize> Compensation<S, N> {
-    /// None yet, of axes that stand at zero.
-    pub const NONE: Self = Self {
-        axes: [None; N],
-        states: [axis::State::NEW; N],
-        motions: [Motion::at(Position(0)); N],
-        any: false,
-    };
-
-    /// None yet, of axes that stand at a place.
-    #[must_use]
-    pub fn none(start: [Position; N]) -> Self {
-        Self { motions: start.map(Motion::at), ..Self::NONE }
-    }
-
-    /// Forgets all there is, for axes that stand at a place, in place: tables are large.
-    pub fn reset(&mut self, start: &[Position; N]) {
-        for axis in &mut self.axes {
-            *axis = None;
-        }
-        self.states = [axis::State::NEW; N];
-        self.motions = start.map(Motion::at);
-        self.any = false;
-    }
-
-    /// Replaces what is compensated on an axis; what is corrected now goes over to it.
-    pub fn replace(&mut self, axis: usize, made: AxisCompensation<S>) {
-        if let Some(place) = self.axes.get_mut(axis) {
-            *place = Some(made);
-            self.any = true;
-        }
-    }
-
-    /// Switches one compensation of an axis on or off.
-    pub fn switch(&mut self, axis: usize, item: Item, on: bool) {
-        if let Some(state) = self.states.get_mut(axis) {
-            state.switch(item, on);
-        }
-    }
-
-    /// Takes the axes to stand somewhere else.
-    pub fn stand_at(&mut self, places: &[Position; N]) {
-        self.motions = places.map(Motion::at);
-    }
-
-    /// What is added to the commands of axes that stand, position units.
-    #[must_use]
-    pub fn standing(&self) -> [i64; N] {
-        self.states.each_ref().map(AxisCompensation::standing)
-    }
-
-    /// With every tick: the readings without what their resolvers add.
-    pub fn readings(&mut self, readings: &[Reading; N]) -> [Reading; N] {
-        let mut corrected = *readings;
-        if self.any {
-            for ((reading, axis), state) in corrected.iter_mut().zip(&self.axes).zip(&mut self.states) {
-                if let Some(axis) = axis {
-                    reading.motor = axis.reading(state, reading.motor);
-                }
-            }
-        }
-        corrected
-    }
-
-    /// With every command: what to add to it, position units.
-    pub fn commands(&mut self, commands: &[Position; N]) -> [i64; N] {
-        let mut corrections = [0; N];
-        // Also without a compensation: one that is given under way goes on from how the axes move then.
-        for (motion, command) in self.motions.iter_mut().zip(commands) {
-            motion.step(*command);
-        }
-        if self.any {
-            for (i, ((correction, axis), state)) in
-                corrections.iter_mut().zip(&self.axes).zip(&mut self.states).enumerate()
-            {
-                if let Some(axis) = axis {
-                    *correction = axis.command(state, i, &self.motions);
-                }
-            }
-        }
-        corrections
-    }
-
-    /// With every tick: what to add to the forces.
-    pub fn forces(&mut self, readings: &[Reading; N]) -> [S; N] {
-        let mut forces = [S::default(); N];
-        if self.any {
-            for (((force, axis), state), reading) in
-                forces.iter_mut().zip(&self.axes).zip(&mut self.states).zip(readings)
-            {
-                if let Some(axis) = axis {
-                    *force = axis.force(state, reading.motor);
-                }
-            }
-        }
-        forces
-    }
-}

@@ -1,57 +1,57 @@
-//! How an axis is commanded to move: what corrections depend on.
+//! The commanded motion of an axis, which corrections depend on.
 
 use crate::scalar::Scalar;
-use crate::units::Position;
+use crate::units::{PER_NM, Position};
 
-/// Of one axis, at a position tick.
+/// The commanded motion of one axis at a position tick.
 #[derive(Clone, Copy, Debug)]
-pub struct Motion<S: Scalar> {
-    /// The command.
-    pub place: Position,
-    /// Per tick, increment units.
+pub struct CommandMotion<S: Scalar> {
+    /// Command.
+    pub position: Position,
+    /// Change of the command per tick, increment units.
     pub increment: S,
-    /// Per tick², increment units.
+    /// Change of the increment per tick, increment units.
     pub acceleration: S,
-    /// +1 or −1: which way it went last. A command that stands, or trembles by less than
+    /// Whether the last direction of travel was positive. A command at rest, or one that moves back by less than
     /// [`REVERSAL_NM`], has not reversed.
     pub forward: bool,
-    /// Whether it has just reversed.
+    /// Whether the direction reversed in this tick.
     pub reversed: bool,
-    /// The command furthest on in the present direction.
-    furthest: Position,
+    /// The extreme command in the present direction.
+    extreme: Position,
     increment_units: i64,
 }
 
-/// How far a command has to come back to count as reversed, nm.
+/// Distance that a command has to move back to count as reversed, nm.
 pub const REVERSAL_NM: i64 = 10;
 
-impl<S: Scalar> Motion<S> {
+impl<S: Scalar> CommandMotion<S> {
     /// At rest.
     #[must_use]
-    pub const fn at(place: Position) -> Self {
+    pub const fn at(position: Position) -> Self {
         Self {
-            place,
+            position,
             increment: S::ZERO,
             acceleration: S::ZERO,
             forward: true,
             reversed: false,
-            furthest: place,
+            extreme: position,
             increment_units: 0,
         }
     }
 
-    /// The next command.
-    pub fn step(&mut self, place: Position) {
-        let increment = place.beyond(self.place);
+    /// Updates the motion with the next command.
+    pub fn step(&mut self, position: Position) {
+        let increment = position - self.position;
         self.acceleration = S::from_increment(increment.wrapping_sub(self.increment_units));
         self.increment = S::from_increment(increment);
-        (self.place, self.increment_units) = (place, increment);
-        let on = place.beyond(self.furthest);
+        (self.position, self.increment_units) = (position, increment);
+        let from_extreme = position - self.extreme;
         self.reversed = false;
-        if (on > 0) == self.forward {
-            self.furthest = place;
-        } else if on.unsigned_abs() > (REVERSAL_NM * crate::units::PER_NM).unsigned_abs() {
-            (self.forward, self.reversed, self.furthest) = (!self.forward, true, place);
+        if (from_extreme > 0) == self.forward {
+            self.extreme = position;
+        } else if from_extreme.unsigned_abs() > (REVERSAL_NM * PER_NM).unsigned_abs() {
+            (self.forward, self.reversed, self.extreme) = (!self.forward, true, position);
         }
     }
 }

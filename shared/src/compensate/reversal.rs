@@ -1,53 +1,53 @@
-//! Friction at reversal: a force pulse against the presliding stick that makes quadrant glitches.
+//! Friction at reversal: a force pulse against the static friction that causes quadrant glitches.
 //!
-//! F = sign(v)·F₀·e^(−t/τ)·max(0, 1 − |v|/v₀), t from the commanded reversal: shaped in time, for the stick is
-//! overcome once, and in velocity, for what slides needs no help. A pulse in time whose size and decay are set for
-//! the machine is what controls of machine tools offer as quadrant or backlash acceleration; the
-//! velocity factor keeps it short at high feeds, as acceleration-dependent pulses are (Erkorkmaz and Altintas,
-//! *High speed CNC system design, part II*, 2001).
+//! F = sign(v)·F₀·e^(−t/τ)·max(0, 1 − |v|/v₀), with t from the commanded reversal. A pulse whose height and decay are set for
+//! the machine is what machine-tool controls offer as quadrant-glitch compensation or backlash acceleration. The
+//! velocity factor makes it shorter at high feeds, as acceleration-dependent pulses are (Erkorkmaz and Altintas, *High speed
+//! CNC system design, part II*, 2001).
 
-use super::motion::Motion;
+use super::motion::CommandMotion;
 use super::settings;
-use crate::config::{ConfigError, gain, positive, ranged};
+use crate::config::ConfigError;
+use crate::config::check::{gain, positive, ranged};
 use crate::scalar::Scalar;
 use crate::units::INCREMENT_M;
 
-/// The pulse.
+/// Constants of the pulse.
 #[derive(Clone, Copy, Debug)]
 pub struct Reversal<S: Scalar> {
     force: S,
-    /// Share that decays in a position tick.
-    decays: S::Gain,
-    /// Of one, per increment unit.
-    fades: S::Gain,
+    /// Fraction that decays per position tick.
+    decay: S::Gain,
+    /// 1/v₀, per increment unit.
+    fade: S::Gain,
 }
 
 impl<S: Scalar> Reversal<S> {
     /// From settings, for a command every 1/`rate_hz`.
     ///
     /// # Errors
-    /// Names `reversal_force_n`, `reversal_decay_s` or `reversal_fade_m_per_s`.
+    /// [`ConfigError`] with `reversal_force_n`, `reversal_decay_s` or `reversal_fade_m_per_s`.
     pub fn new(settings: &settings::Reversal, rate_hz: f64, bound_n: f64) -> Result<Self, ConfigError> {
         let decay = positive("reversal_decay_s", settings.decay_s)?;
         let fade = positive("reversal_fade_m_per_s", settings.fade_m_per_s)?;
         Ok(Self {
             force: S::signal(ranged("reversal_force_n", settings.force_n, -bound_n, bound_n)?),
-            decays: gain::<S>("reversal_decay_s", -libm::expm1(-1.0 / (decay * rate_hz)), 1.0)?,
-            fades: gain::<S>("reversal_fade_m_per_s", rate_hz / fade, INCREMENT_M)?,
+            decay: gain::<S>("reversal_decay_s", -libm::expm1(-1.0 / (decay * rate_hz)), 1.0)?,
+            fade: gain::<S>("reversal_fade_m_per_s", rate_hz / fade, INCREMENT_M)?,
         })
     }
 
-    /// One position tick: what is left of the pulse, and the force to add.
-    pub fn force(&self, pulse: &mut S, own: &Motion<S>) -> S {
+    /// The force to add in a position tick; `pulse` is sign(v)·F₀·e^(−t/τ).
+    pub fn force(&self, pulse: &mut S, own: &CommandMotion<S>) -> S {
         if own.reversed {
             *pulse = if own.forward { self.force } else { -self.force };
         } else {
-            *pulse = pulse.minus(S::round(pulse.times(self.decays)));
+            *pulse = *pulse - S::round(*pulse * self.decay);
         }
         let one = S::signal(1.0);
-        let faded = S::round(own.increment.times(self.fades)).within(one);
-        let left = if faded < S::default() { one.plus(faded) } else { one.minus(faded) };
-        S::round(pulse.by(left))
+        let speed_ratio = S::round(own.increment * self.fade).clamp_magnitude(one);
+        let factor = if speed_ratio < S::default() { one + speed_ratio } else { one - speed_ratio };
+        S::round(*pulse * factor)
     }
 }
 
@@ -57,12 +57,12 @@ mod tests {
     use crate::scalar::Fixed;
     use crate::units::Position;
 
-    /// At 1 kHz a command goes up by 10 µm a tick, 10 mm/s, and back: the pulse begins with the tick that turns,
-    /// decays in 5 ms, and is half as high for v₀ = 20 mm/s.
+    /// At 1 kHz the command advances by 10 µm per tick, 10 mm/s, and reverses: the pulse starts in the tick of the
+    /// reversal, decays with 5 ms, and has half its height because v₀ = 20 mm/s.
     fn worst<S: Scalar>() -> f64 {
         let settings = settings::Reversal { force_n: 100.0, decay_s: 5e-3, fade_m_per_s: 0.02 };
         let reversal = Reversal::<S>::new(&settings, 1000.0, 200.0).unwrap();
-        let mut motion = Motion::at(Position(0));
+        let mut motion = CommandMotion::at(Position(0));
         let (mut pulse, mut worst) = (S::default(), 0.0f64);
         for k in 1..60 {
             let at = if k <= 20 { f64::from(k) } else { 40.0 - f64::from(k) };
@@ -76,7 +76,7 @@ mod tests {
 
     #[test]
     fn is_the_pulse_of_its_equation() {
-        // Each tick rounds to 2⁻¹⁵, the decay to 2⁻²⁵.
+        // Rounding per tick is 2⁻¹⁵, that of the decay 2⁻²⁵.
         assert!(worst::<Fixed>() < 1e-3, "{}", worst::<Fixed>());
         assert!(worst::<f32>() < 1e-4, "{}", worst::<f32>());
         assert!(worst::<f64>() < 1e-9, "{}", worst::<f64>());

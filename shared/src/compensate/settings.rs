@@ -1,40 +1,41 @@
-//! What is compensated on an axis, in SI, as a person, a file or the tracer gives it.
+//! The compensation settings of an axis in SI.
 
 use core::f64::consts::TAU;
 
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
-use super::table::POINTS;
+/// Greatest number of points of a table.
+pub const POINTS: usize = 64;
 
 /// Compensation of one axis. The default compensates nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct CompensationSettings {
-    /// Pitch error over the travel.
+    /// Pitch error of screw or scale over the travel.
     pub pitch: Option<Pitch>,
-    /// Dead zone between screw and table, total width, m.
+    /// Backlash between screw and table: total width, m.
     pub backlash_width_m: Option<f64>,
-    /// Dividing error of the motor's resolver, m of reading.
+    /// Dividing (interpolation) error of the motor resolver, m of reading.
     pub dividing: Option<Cycle>,
     /// Friction at reversal.
     pub reversal: Option<Reversal>,
-    /// Tool less table, per own table acceleration.
+    /// In-talk: tool − table per acceleration of the same axis.
     pub intalk: Option<Talk>,
-    /// Tool less table, per another axis's.
+    /// Cross-talk: tool − table per acceleration of another axis (counted from 0).
     pub crosstalk: Option<(u8, Talk)>,
-    /// Tool moves by so much per other axis's position, m/m.
+    /// Squareness: displacement of the tool per position of another axis, m/m.
     pub squareness: Option<(u8, f64)>,
-    /// Tool moves by a function of another axis's position.
+    /// Straightness: displacement of the tool as a function of the position of another axis.
     pub straightness: Option<(u8, Straightness)>,
-    /// Periodic force on the motor, N.
+    /// Force ripple of the motor, N.
     pub ripple: Option<Cycle>,
-    /// Greatest correction of the command, and of the motor reading, m.
+    /// Greatest correction of the command, and of the motor reading, m; at most 10 mm.
     pub position_bound_m: f64,
-    /// How fast they may change, m/s.
+    /// Greatest rate of change of these corrections, m/s.
     pub position_rate_m_per_s: f64,
     /// Greatest added force, N.
     pub force_bound_n: f64,
-    /// How fast it may change, N/s.
+    /// Greatest rate of change of the added force, N/s.
     pub force_rate_n_per_s: f64,
 }
 
@@ -61,31 +62,31 @@ impl Default for CompensationSettings {
 /// Evenly spaced values over a travel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Points {
-    /// Where the first lies, m.
+    /// Position of the first value, m.
     pub start_m: f64,
-    /// From one to the next, m.
+    /// Distance between values, m.
     pub spacing_m: f64,
     /// The values; 2 to 64.
     pub values: Vec<f64, POINTS>,
 }
 
-/// What a pitch-error table belongs to.
+/// The source of a pitch error.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-pub enum Of {
-    /// The screw moves the table by the error too far.
+pub enum PitchSource {
+    /// The screw: the table moves too far by the error.
     Screw,
-    /// The scale reads the error too much.
+    /// The scale: it reads too much by the error.
     Scale,
 }
 
 /// Pitch error, m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Pitch {
-    /// Whose.
-    pub of: Of,
-    /// While the axis travels in + direction, or in both.
+    /// Source of the error.
+    pub of: PitchSource,
+    /// Error for travel in the positive direction, or in both.
     pub forward: Points,
-    /// While it travels in − direction, where that differs.
+    /// Error for travel in the negative direction, if that differs.
     pub backward: Option<Points>,
 }
 
@@ -107,33 +108,33 @@ impl Cycle {
     }
 }
 
-/// A force pulse at each reversal: sign(v)·force·e^(−t/decay)·(1 − |v|/fade), while that is positive.
+/// A force pulse at each reversal: sign(v)·force·e^(−t/decay)·max(0, 1 − |v|/fade).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Reversal {
-    /// At the reversal itself, N.
+    /// Force at the reversal, N.
     pub force_n: f64,
     /// Time constant of the decay, s.
     pub decay_s: f64,
-    /// Speed at which nothing is left of it, m/s.
+    /// Speed at which the pulse is zero, m/s.
     pub fade_m_per_s: f64,
 }
 
-/// Coefficient of an acceleration, m·s²/m.
+/// Displacement per acceleration, m/(m/s²).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "nothing to allocate a table from")]
 pub enum Talk {
-    /// The same everywhere.
+    /// Constant.
     Constant(f64),
-    /// Over the own position.
+    /// As a function of the position of the compensated axis.
     Over(Points),
 }
 
-/// Shape of a guideway.
+/// Straightness of a guideway.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[expect(clippy::large_enum_variant, reason = "nothing to allocate a table from")]
 pub enum Straightness {
-    /// So much per other position squared, m/m².
+    /// Per squared position of the other axis, m/m².
     Quadratic(f64),
-    /// Over the other position, m.
+    /// As a function of the position of the other axis, m.
     Over(Points),
 }

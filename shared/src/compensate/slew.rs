@@ -1,5 +1,15 @@
-//! What makes any correction bounded and bumpless: it goes to its target no faster than a declared rate, and
-//! no further than a declared bound.
+//! Slew-rate limiter: a correction approaches its target at a limited rate and within a bound.
+//!
+//! # Example
+//!
+//! ```
+//! use shared::compensate::slew::Slew;
+//!
+//! let slew = Slew { bound: 2.5, per_tick: 1.0 };
+//! let mut value = 0.0;
+//! let outputs = [100.0, 100.0, 100.0, 0.0].map(|target| slew.step(&mut value, target));
+//! assert_eq!(outputs, [1.0, 2.0, 2.5, 1.5]);
+//! ```
 
 use crate::config::ConfigError;
 use crate::scalar::Scalar;
@@ -7,14 +17,14 @@ use crate::scalar::Scalar;
 /// Bound and rate.
 #[derive(Clone, Copy, Debug)]
 pub struct Slew<S: Scalar> {
-    /// Greatest value either way.
+    /// Greatest magnitude.
     pub bound: S,
-    /// Greatest change in a tick.
+    /// Greatest change per tick.
     pub per_tick: S,
 }
 
 impl<S: Scalar> Slew<S> {
-    /// A rate per second as a step of `rate/unit` a tick, refused where the format does not hold it to 1 %.
+    /// A rate per second as a change of `rate/unit` per tick. Rejected if the format does not hold it to 1 %.
     ///
     /// # Errors
     /// [`ConfigError::OutOfRange`] with the range of the rate.
@@ -23,15 +33,15 @@ impl<S: Scalar> Slew<S> {
         if (step.value() - exact).abs() <= 0.01 * exact && exact < S::SIGNAL_LIMIT {
             return Ok(step);
         }
-        let least = 50.0 * S::SIGNAL_STEP * unit;
-        Err(ConfigError::OutOfRange { name, least, most: S::SIGNAL_LIMIT * unit })
+        let min = 50.0 * S::SIGNAL_STEP * unit;
+        Err(ConfigError::OutOfRange { name, min, max: S::SIGNAL_LIMIT * unit })
     }
 
-    /// One tick towards a target. A target that is no number stops where it is.
+    /// One tick towards a target. A NaN leaves the value unchanged.
     pub fn step(&self, value: &mut S, target: S) -> S {
-        let step = target.within(self.bound).minus(*value).within(self.per_tick);
+        let step = (target.clamp_magnitude(self.bound) - *value).clamp_magnitude(self.per_tick);
         if !step.exceeds(self.per_tick) {
-            *value = value.plus(step);
+            *value = *value + step;
         }
         *value
     }

@@ -1,12 +1,11 @@
-//! Feed-forward: command + (Kf/Kp)·d(command)/dt.
+//! Velocity feed-forward: the position loop follows command + (Kf/Kp)·d(command)/dt.
 //!
-//! With Kf = 100 % the position loop has nothing to do at constant speed; Kf below that leaves a
-//! following error of (1 − Kf)·v/Kp. The derivative is the backward difference of the command,
-//! exact in position units.
+//! At constant speed v the following error is (1 − Kf)·v/Kp: zero with Kf = 100 %. The derivative is the backward
+//! difference of the command, exact in position units.
 //!
 //! # Example
 //!
-//! At 100 mm/s, Kf = 50 % and Kp = 33 /s the loop aims 0.5·(100 mm/s)/(33 /s) = 1.515 mm further.
+//! At 100 mm/s, Kf = 50 % and Kp = 33 /s the lead is 0.5·(100 mm/s)/(33 /s) = 1.515 mm.
 //!
 //! ```
 //! use shared::config::{AxisConfig, AxisSettings, Rates};
@@ -26,14 +25,14 @@
 use crate::scalar::Scalar;
 use crate::units::Position;
 
-/// Kf/Kp for a difference per tick.
+/// Constants of the feed-forward.
 #[derive(Clone, Copy, Debug)]
 pub struct Feedforward<S: Scalar> {
-    /// Error units per increment unit.
+    /// (Kf/Kp)/tick, error units per increment unit.
     pub gain: S::Gain,
 }
 
-/// The command of the tick before.
+/// The previous command.
 #[derive(Clone, Copy, Debug)]
 pub struct State {
     last: Position,
@@ -46,18 +45,18 @@ impl State {
         Self { last: command }
     }
 
-    /// At rest at a command that a correction (position units) stands on already.
+    /// The same when a correction (position units) is already added to the command.
     #[must_use]
     pub const fn corrected(self, correction: i64) -> Self {
-        Self { last: self.last.moved(correction) }
+        Self { last: Position(self.last.0.wrapping_add(correction)) }
     }
 }
 
 impl<S: Scalar> Feedforward<S> {
-    /// How much further than the command the loop aims, in error units.
+    /// The lead (Kf/Kp)·d(command)/dt to add to the following error, error units.
     pub fn lead(&self, state: &mut State, command: Position) -> S {
-        let increment = S::from_increment(command.beyond(state.last));
+        let increment = S::from_increment(command - state.last);
         state.last = command;
-        S::round(increment.times(self.gain))
+        S::round(increment * self.gain)
     }
 }

@@ -6,22 +6,23 @@
 //! low-pass: ω₀²/(s² + kω₀s + ω₀²), k = 2ζ        notch: 1 − d·kω₀s/(s² + kω₀s + ω₀²), k = width/f
 //! ```
 //!
-//! made discrete by the bilinear transform with g = tan(πf/rate), which meets the frequency f exactly. Realised
-//! as two integrators (the trapezoidal state-variable filter of Zavalishin, *The Art of VA Filter Design*, 2012),
+//! discretised by the bilinear transform, prewarped so that the frequency f is exact: g = tan(πf/rate). The realisation
+//! is the trapezoidal state-variable filter of Zavalishin (*The Art of VA Filter Design*, 2012), with input x, integrator
+//! states p and q and output w (low-pass) or x − d·k·v (notch):
 //!
 //! ```text
 //! u = x − q,   v = a₁p + a₂u,   w = q + a₂p + a₃u,   p ← 2v − p,   q ← 2w − q,
 //! a₁ = 1/(1 + g(g + k)),   a₂ = g·a₁,   a₃ = g·a₂,
 //! ```
 //!
-//! w the low-pass, x − d·k·v the notch: at rest p = 0 and q = x, so the gain at frequency zero is one
-//! exactly, in every number format. The integrators are sums that are not rounded: nothing is lost. What is read of
-//! them is: half a step of p and q a tick, which a filter that forgets g·k of its swing a tick may keep up as a swing of
-//! 1/(2gk) steps (the deadband of recursive filters): at 150 Hz, k = 0.2 and 20 kHz at most 7 mN, and 0.2 mN were seen.
+//! For a constant input p = 0 and q = x, so the DC gain is exactly one in every number format. The integrators are not
+//! rounded, but the values read from them are, by half a step of p and q per tick. With a decay of g·k per tick this can
+//! sustain a limit cycle of 1/(2gk) steps (the deadband of recursive filters): at 150 Hz, k = 0.2 and 20 kHz at most 7 mN;
+//! 0.2 mN was observed.
 //!
 //! # Example
 //!
-//! A low-pass leaves a force that stands as it is; a full notch leaves nothing of its own frequency.
+//! A low-pass passes a constant force unchanged; a notch of depth 1 removes its centre frequency.
 //!
 //! ```
 //! use shared::control::filter::{Filter, State};
@@ -33,27 +34,27 @@
 //! let mut state = State::settled(250.0);
 //! assert_eq!(low_pass.step(&mut state, 250.0), 250.0);
 //!
-//! // Half as wide as its frequency: what swings in has decayed after 0.1 s, e^(−π·200 Hz·0.1 s) = e⁻⁶³.
+//! // With a width of half its frequency the transient decays as e^(−π·200 Hz·t): e⁻⁶³ after 0.1 s.
 //! let notch = Filter::<f64>::notch(g, 0.5, 1.0);
 //! let mut state = State::default();
-//! let swing = |tick: u32| (2.0 * PI * notch_hz * f64::from(tick) / rate_hz).sin();
-//! let left = (0..4000).map(|tick| notch.step(&mut state, swing(tick))).skip(2000);
-//! assert!(left.fold(0.0, |most: f64, force| most.max(force.abs())) < 1e-9);
+//! let sine = |tick: u32| (2.0 * PI * notch_hz * f64::from(tick) / rate_hz).sin();
+//! let output = (0..4000).map(|tick| notch.step(&mut state, sine(tick))).skip(2000);
+//! assert!(output.fold(0.0, |max: f64, force| max.max(force.abs())) < 1e-9);
 //! ```
 
 use crate::scalar::Scalar;
 
-/// A filter.
+/// Coefficients of a filter.
 #[derive(Clone, Copy, Debug)]
 pub struct Filter<S: Scalar> {
     a1: S::Gain,
     a2: S::Gain,
     a3: S::Gain,
-    /// d·k of a notch; `None`: a low-pass.
+    /// d·k of a notch; `None` for a low-pass.
     notch: Option<S::Gain>,
 }
 
-/// Its two integrators.
+/// The integrators of a filter.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State<S: Scalar> {
     p: S::Sum,
@@ -61,10 +62,10 @@ pub struct State<S: Scalar> {
 }
 
 impl<S: Scalar> State<S> {
-    /// Settled on zero.
+    /// Settled at zero.
     pub const AT_REST: Self = Self { p: S::ZERO_SUM, q: S::ZERO_SUM };
 
-    /// Settled on a value.
+    /// Settled at a constant input.
     #[must_use]
     pub fn settled(value: S) -> Self {
         Self { p: S::Sum::default(), q: value.widen() }
@@ -72,13 +73,13 @@ impl<S: Scalar> State<S> {
 }
 
 impl<S: Scalar> Filter<S> {
-    /// A low-pass for g = tan(πf/rate) and k = 2ζ.
+    /// A low-pass filter with g = tan(πf/rate) and k = 2ζ.
     #[must_use]
     pub fn low_pass(g: f64, k: f64) -> Self {
         Self::new(g, k, None)
     }
 
-    /// A notch for g = tan(πf/rate) and k = width/f that leaves 1 − `depth` of its frequency.
+    /// A notch filter with g = tan(πf/rate), k = width/f and the gain 1 − `depth` at its centre frequency.
     #[must_use]
     pub fn notch(g: f64, k: f64, depth: f64) -> Self {
         Self::new(g, k, Some(S::gain(depth * k)))
@@ -89,19 +90,19 @@ impl<S: Scalar> Filter<S> {
         Self { a1: S::gain(a1), a2: S::gain(g * a1), a3: S::gain(g * g * a1), notch }
     }
 
-    /// One tick.
-    pub fn step(&self, state: &mut State<S>, value: S) -> S {
+    /// The output for one input, once per tick.
+    pub fn step(&self, state: &mut State<S>, input: S) -> S {
         let (p, q) = (S::round(state.p), S::round(state.q));
-        let ahead = value.minus(q);
-        let v = p.times(self.a1) + ahead.times(self.a2);
-        // w − q, without q's own rounding.
-        let w = p.times(self.a2) + ahead.times(self.a3);
+        let u = input - q;
+        let v = p * self.a1 + u * self.a2;
+        // w − q, so that the rounding of q does not enter.
+        let w_minus_q = p * self.a2 + u * self.a3;
         state.p = v + (v - state.p);
-        state.q += w + w;
+        state.q += w_minus_q + w_minus_q;
         match self.notch {
-            // w lies half a step before the new q.
-            None => S::round(state.q - w),
-            Some(share) => value.minus(S::round(S::round(v).times(share))),
+            // The new q is q + 2(w − q).
+            None => S::round(state.q - w_minus_q),
+            Some(dk) => input - S::round(S::round(v) * dk),
         }
     }
 }
@@ -121,12 +122,12 @@ mod tests {
         (frequency_hz / RATE_HZ * TAU / 2.0).tan()
     }
 
-    /// Gain at a frequency: sine in, what comes out in phase and in quadrature, after `settling` periods.
+    /// Gain at a frequency, from the in-phase and quadrature components of the response to a sine after settling.
     fn measured<S: Scalar>(filter: &Filter<S>, frequency_hz: f64) -> f64 {
         let mut state = State::default();
         let (mut sine, mut cosine) = (0.0, 0.0);
         let period = RATE_HZ / frequency_hz;
-        #[expect(clippy::cast_possible_truncation, reason = "some 10⁵")]
+        #[expect(clippy::cast_possible_truncation, reason = "about 10⁵")]
         let (settling, counted) = ((40.0 * period) as i32, (20.0 * period) as i32);
         for k in 0..settling + counted {
             let angle = TAU * frequency_hz / RATE_HZ * f64::from(k);
@@ -139,8 +140,7 @@ mod tests {
         2.0 * sine.hypot(cosine) / 1000.0 / f64::from(counted)
     }
 
-    /// The continuous filter at the frequency that the bilinear transform makes of this one:
-    /// s/ω₀ = j·tan(πf/rate)/g.
+    /// Gain of the continuous filter at the frequency that the bilinear transform maps to: s/ω₀ = j·tan(πf/rate)/g.
     fn exact(g0: f64, k: f64, frequency_hz: f64, depth: Option<f64>) -> f64 {
         let x = g(frequency_hz) / g0;
         let (re, im) = (1.0 - x * x, k * x);
@@ -162,8 +162,8 @@ mod tests {
         }
     }
 
-    /// The window holds whole periods only to a sample: 1/(20 periods · 12 samples) of the transient that is
-    /// left, and in fixed point gains of 2⁻²⁵ on a₃ = 1e-3.
+    /// Tolerance: the window holds whole periods only to one sample, 1/(20 periods · 12 samples), and in fixed point
+    /// a₃ = 1e-3 is rounded by 2⁻²⁵.
     #[test]
     fn responds_as_its_transfer_function_says() {
         responds::<f64>(3e-3);
@@ -171,7 +171,7 @@ mod tests {
         responds::<Fixed>(3e-3);
     }
 
-    /// At its own frequency the notch leaves 1 − d: derived, 0.1, whatever its width.
+    /// At the centre frequency the gain is 1 − d = 0.1 for any width.
     #[test]
     fn a_notch_leaves_what_it_is_told_to() {
         for width in [0.3, 0.05, 1.0].into_iter().take(if cfg!(miri) { 1 } else { 3 }) {
@@ -187,7 +187,7 @@ mod tests {
             for _ in 0..100 {
                 assert!(filter.step(&mut state, value) == value, "{}", S::NAME);
             }
-            // From somewhere else it comes there, and stays within a step of the format.
+            // From another state it converges to the input, and stays within a step of the format.
             let mut state = State::settled(S::default());
             for _ in 0..if cfg!(miri) { 100 } else { 400_000 } {
                 filter.step(&mut state, value);
@@ -196,8 +196,8 @@ mod tests {
                 return;
             }
             let off = filter.step(&mut state, value).value() - value.value();
-            // An integrator stops where its step, g of the error, is lost beside its state: 2⁻²⁴ of it in f32. In fixed
-            // point half a step a tick keeps up a swing that loses g·k of itself in one; a notch shows it k times.
+            // In f32 an integrator stops where its increment, g·error, is below 2⁻²⁴ of its state. In fixed point a
+            // rounding of half a step per tick sustains a limit cycle that decays by g·k per tick; a notch multiplies it by k.
             let lost = if S::NAME == "f32" { 8.0 / 16_777_216.0 / g(frequency_hz) } else { 0.0 };
             let swing = S::SIGNAL_STEP * (1.0 + k) / (2.0 * g(frequency_hz) * k);
             let bound = 2.0 / 16_384.0 + swing + value.value().abs() * (1e-6 + lost);
@@ -208,7 +208,7 @@ mod tests {
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 1 } else { 16 }))]
 
-        /// Settled it does not move by a bit; unsettled it settles, without a cycle that stays.
+        /// A settled filter does not change by a bit; an unsettled one settles without a limit cycle.
         #[test]
         fn passes_what_stands(value in -1e4..1e4f64, frequency_hz in 30.0..5000.0f64, k in 0.1..2.0f64) {
             rests::<Fixed>(value, frequency_hz, k);
@@ -216,7 +216,7 @@ mod tests {
             rests::<f64>(value, frequency_hz, k);
         }
 
-        /// Full-scale steps from rail to rail: no wrap, no more than the overshoot of k ≥ 0.5 allows.
+        /// Full-scale steps from rail to rail: no wrap-around, and no more overshoot than k ≥ 0.5 allows.
         #[test]
         fn saturates_at_full_scale(period in 1usize..200, frequency_hz in 30.0..5000.0f64, k in 0.5..2.0f64) {
             let low_pass = Filter::<Fixed>::low_pass(g(frequency_hz), k);
@@ -225,10 +225,10 @@ mod tests {
             for n in 0..2000 {
                 let rail = if n / period % 2 == 0 { Fixed::MAX } else { Fixed::MIN };
                 let out = low_pass.step(&mut state, rail);
-                // The step towards the rail is at most a₃ + … < 2 of the way, never a wrap to the other side.
-                let towards = Scalar::value(rail) - Scalar::value(last);
+                // The change per tick is below 2·distance to the rail: it never wraps to the other rail.
+                let distance = Scalar::value(rail) - Scalar::value(last);
                 let step = Scalar::value(out) - Scalar::value(last);
-                prop_assert!(step.abs() <= 2.0 * towards.abs() + 140_000.0);
+                prop_assert!(step.abs() <= 2.0 * distance.abs() + 140_000.0);
                 last = out;
             }
         }

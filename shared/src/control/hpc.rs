@@ -1,11 +1,11 @@
-//! High-order position control: the error passes a second-order filter before Kp.
+//! High-order position control (HPC): the following error passes a second-order filter before Kp.
 //!
-//! Gp = Kp · k1k2Kp² / (s² + k2·Kp·s + k1k2Kp²), k1 = 8/3, k2 = 6. The paper of Matsubara, Hatozaki
-//! and Ibaraki prints it with a Kp lost twice (k1k2Kp²/(s² + k2·s + k1k2Kp²)); as written here, Gp with an
-//! integrator closes to x³ + 6x² + 16x + 16 = (x + 2)(x² + 4x + 8), x = s/Kp: poles at −2 and −2 ± 2j.
+//! Gp = Kp · k1k2Kp² / (s² + k2·Kp·s + k1k2Kp²), k1 = 8/3, k2 = 6 (Matsubara, Hatozaki, Ibaraki). The paper prints the
+//! equation with two factors Kp missing (k1k2Kp²/(s² + k2·s + k1k2Kp²)); as written here, the loop of Gp and an integrator
+//! has the characteristic polynomial x³ + 6x² + 16x + 16 = (x + 2)(x² + 4x + 8), x = s/Kp: poles at −2 and −2 ± 2j.
 //!
-//! State: y, the filtered error, and w = y'/Kp. Held input (zero-order hold) makes the step exact:
-//! with E = e^(−3x), c = cos √7·x, s = sin √7·x/√7, x = Kp·T,
+//! The states are the filtered error y and w = y'/Kp. For an input that is held over a tick T (zero-order hold) the
+//! discretisation is exact. With E = e^(−3x), c = cos √7·x, s = sin √7·x/√7, x = Kp·T:
 //!
 //! ```text
 //! y += (E(c + 3s) − 1)·(y − e) + E·s·w
@@ -14,7 +14,7 @@
 //!
 //! # Example
 //!
-//! A step of the error passes with y(t) = 1 − e^(−3x)·(cos √7·x + 3/√7·sin √7·x), x = Kp·t: 1.017 at x = 1.
+//! The step response is y(t) = 1 − e^(−3x)·(cos √7·x + 3/√7·sin √7·x), x = Kp·t: 1.017 at x = 1.
 //!
 //! ```
 //! use shared::control::hpc::{Hpc, State};
@@ -31,7 +31,7 @@
 
 use crate::scalar::Scalar;
 
-/// The four constants of a step.
+/// The four coefficients of a tick.
 #[derive(Clone, Copy, Debug)]
 pub struct Hpc<S: Scalar> {
     yy: S::Gain,
@@ -40,20 +40,20 @@ pub struct Hpc<S: Scalar> {
     ww: S::Gain,
 }
 
-/// Filtered error and its scaled derivative.
+/// The filtered error and its scaled derivative.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State<S: Scalar> {
     y: S::Sum,
     w: S::Sum,
-    /// y, rounded.
+    /// y, rounded to a signal.
     filtered: S,
 }
 
 impl<S: Scalar> State<S> {
-    /// Settled on no error.
+    /// Settled at an error of zero.
     pub const AT_REST: Self = Self { y: S::ZERO_SUM, w: S::ZERO_SUM, filtered: S::ZERO };
 
-    /// Settled on a filtered error.
+    /// Settled at a constant error.
     #[must_use]
     pub fn settled(filtered: S) -> Self {
         Self { y: filtered.widen(), w: S::Sum::default(), filtered }
@@ -61,7 +61,7 @@ impl<S: Scalar> State<S> {
 }
 
 impl<S: Scalar> Hpc<S> {
-    /// For x = Kp·T, position gain times tick; every constant is below 16 for any x > 0.
+    /// For x = Kp·T, position gain times tick. The magnitude of each coefficient is below 16 for any x > 0.
     #[must_use]
     pub fn new(x: f64) -> Self {
         let root7 = libm::sqrt(7.0);
@@ -75,29 +75,29 @@ impl<S: Scalar> Hpc<S> {
         }
     }
 
-    /// For a controller that takes the filter in short semi-implicit Euler steps, w first, of a length `h`·Kp = `step`,
-    /// as another maker's may; `step` between 0, where it is [`Hpc::new`], and 0.1.
+    /// Model of a controller that integrates the filter by semi-implicit Euler steps (w first) shorter than a tick.
     ///
-    /// One step is a matrix A in (y − e, w) with trace 2 − 6h − 16h² and determinant 1 − 6h; as many as make a tick, whole
-    /// or not, are Aⁿ = rⁿ(cos nθ + sin nθ/sin θ·(A/r − cos θ)), r² = det A, 2r·cos θ = tr A and, from
-    /// 4·det A − tr² A, 2r·sin θ = h·√(28 − 192h − 256h²).
+    /// `step` is Kp times the length of a step, limited to 0.1; 0 gives [`Hpc::new`]. A step h multiplies (y − e, w) by a
+    /// matrix A with trace 2 − 6h − 16h² and determinant 1 − 6h. The n = x/h steps of a tick, n not necessarily whole, are
+    /// Aⁿ = rⁿ(cos nθ + sin nθ/sin θ·(A/r − cos θ)), with r² = det A, 2r·cos θ = tr A and, from 4·det A − tr² A,
+    /// 2r·sin θ = h·√(28 − 192h − 256h²).
     #[must_use]
     pub fn stepped(x: f64, step: f64) -> Self {
-        const LEAST: f64 = 1e-6;
-        const MOST: f64 = 0.1;
-        if step < LEAST {
+        const MIN_STEP: f64 = 1e-6;
+        const MAX_STEP: f64 = 0.1;
+        if step < MIN_STEP {
             return Self::new(x);
         }
-        let h = step.min(MOST);
+        let h = step.min(MAX_STEP);
         let n = x / h;
         let det = 1.0 - 6.0 * h;
         let r = libm::sqrt(det);
         let cosine = (1.0 - 3.0 * h - 8.0 * h * h) / r;
         let sine = h * libm::sqrt(7.0 - 48.0 * h - 64.0 * h * h) / r;
         let angle = libm::atan2(sine, cosine);
-        let size = libm::pow(r, n);
+        let magnitude = libm::pow(r, n);
         let (c, s) = (libm::cos(n * angle), libm::sin(n * angle) / sine);
-        let entry = |a: f64, one: f64| size * (one * c + s * (a / r - one * cosine));
+        let entry = |a: f64, identity: f64| magnitude * (identity * c + s * (a / r - identity * cosine));
         Self {
             yy: S::gain(entry(1.0 - 16.0 * h * h, 1.0) - 1.0),
             yw: S::gain(entry(h * det, 0.0)),
@@ -106,12 +106,12 @@ impl<S: Scalar> Hpc<S> {
         }
     }
 
-    /// One tick: error in, filtered error out.
+    /// The filtered error for an error, once per tick.
     pub fn filter(&self, state: &mut State<S>, error: S) -> S {
         let w = S::round(state.w);
-        let ahead = state.filtered.minus(error);
-        state.y += ahead.times(self.yy) + w.times(self.yw);
-        state.w += ahead.times(self.wy) + w.times(self.ww);
+        let difference = state.filtered - error;
+        state.y += difference * self.yy + w * self.yw;
+        state.w += difference * self.wy + w * self.ww;
         state.filtered = S::round(state.y);
         state.filtered
     }
@@ -122,7 +122,7 @@ mod tests {
     use super::*;
     use crate::scalar::Fixed;
 
-    /// Step response of 16/(x² + 6x + 16), from its poles −3 ± j√7.
+    /// Step response of 16/(x² + 6x + 16), which has poles at −3 ± j√7.
     fn exact(t: f64) -> f64 {
         let root7 = 7f64.sqrt();
         1.0 - (-3.0 * t).exp() * ((root7 * t).cos() + 3.0 / root7 * (root7 * t).sin())
@@ -139,7 +139,7 @@ mod tests {
             .fold(0.0, f64::max)
     }
 
-    /// Twenty steps of a tick, taken one by one.
+    /// Against 20 Euler steps per tick, taken one by one.
     #[test]
     fn short_steps_are_what_they_stand_for() {
         let (x, error) = (0.05, 1000.0);
@@ -153,7 +153,7 @@ mod tests {
                 y += h * w;
             }
             assert!((hpc.filter(&mut state, error) - y).abs() < 1e-8 * error);
-            // Of first order in h: 16·h of a step's way at most, and not nothing on the way up.
+            // The difference from the exact filter is of first order in h: at most 16·h of the step.
             let off = (exact.filter(&mut other, error) - y).abs();
             assert!(off < 16.0 * h * error);
         }
@@ -163,11 +163,11 @@ mod tests {
     #[test]
     fn steps_as_its_transfer_function_says() {
         assert!(worst::<f64>() < 1e-9);
-        // Gains round to 2⁻²⁵ and each of 1/x ticks adds it up: 1000·2⁻²⁵/x·a few = 0.05 at most.
+        // Coefficients are rounded by 2⁻²⁵, accumulated over 1/x ticks: about 1000·2⁻²⁵/x, at most 0.05.
         assert!(worst::<Fixed>() < 0.05, "{}", worst::<Fixed>());
     }
 
-    /// A step of no length stands for the exact filter, and with the step the filter approaches it.
+    /// As the step length goes to 0 the coefficients approach those of the exact filter.
     #[test]
     fn steps_of_no_length_are_the_exact_filter() {
         let x = 0.05;
@@ -177,12 +177,12 @@ mod tests {
         for step in [1e-5, 1e-4, 1e-3] {
             let stepped = entries(&Hpc::stepped(x, step));
             for (stepped, exact) in stepped.into_iter().zip(entries(&exact)) {
-                // Of first order in h: each entry is e^(−3x) ≤ 1 times sines and cosines of it, with 16 at most before.
+                // The difference is of first order in h; the factor of each coefficient is at most 16.
                 let off = (stepped - exact).abs();
                 assert!(off < 16.0 * step && off > 1e-3 * step, "{stepped} for {exact} at {step}");
             }
         }
-        // Longer steps than it takes are the longest that it takes.
+        // Steps above the limit are the limit.
         let longest = entries(&Hpc::stepped(x, 0.1)).map(f64::to_bits);
         assert_eq!(entries(&Hpc::stepped(x, 0.5)).map(f64::to_bits), longest);
         assert_ne!(entries(&Hpc::stepped(x, 0.09)).map(f64::to_bits), longest);

@@ -1,6 +1,15 @@
-//! The control laws of one axis, one a file, each a constant part and a state apart.
+//! The control laws of one axis, one per module, each with its constants and its state apart.
+//!
+//! | module | law |
+//! |---|---|
+//! | [`feedforward`] | velocity feed-forward: command + (Kf/Kp)·d(command)/dt |
+//! | [`position`] | position loop: P, or P behind the filter of [`hpc`] |
+//! | [`hpc`] | high-order position control: a second-order filter of the following error |
+//! | [`velocity`] | velocity loop: PI with anti-windup, on the differenced motor reading |
+//! | [`mod@filter`] | notch and low-pass filter of the force |
+//! | [`bumpless_transfer`] | no jump of velocity command or force when gains are changed |
 
-pub mod bump;
+pub mod bumpless_transfer;
 pub mod feedforward;
 pub mod filter;
 pub mod hpc;

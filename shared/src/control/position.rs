@@ -1,8 +1,8 @@
-//! The position loop: error in, velocity command out.
+//! The position loop: velocity command = Kp·(following error + lead), or behind the filter of [`super::hpc`].
 //!
 //! # Example
 //!
-//! An error of 1 mm, Kp = 33 /s: 33 mm/s.
+//! An error of 1 mm with Kp = 33 /s commands 33 mm/s.
 //!
 //! ```
 //! use shared::config::{AxisConfig, AxisSettings, Rates};
@@ -21,40 +21,40 @@
 use super::hpc::{self, Hpc};
 use crate::scalar::Scalar;
 
-/// P, or P behind the filter of [`Hpc`].
+/// Constants of the position loop.
 #[derive(Clone, Copy, Debug)]
 pub struct PositionControl<S: Scalar> {
-    /// Kp, in velocity units per error unit.
+    /// Kp, velocity units per error unit.
     pub gain: S::Gain,
-    /// The filter of high-order position control.
+    /// Filter of high-order position control; `None`: P control.
     pub hpc: Option<Hpc<S>>,
 }
 
-/// What the position loop remembers.
+/// State of the position loop.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct State<S: Scalar> {
     hpc: hpc::State<S>,
-    /// What was multiplied by Kp last.
+    /// The last input of the gain Kp.
     filtered: S,
 }
 
 impl<S: Scalar> State<S> {
-    /// No error so far.
+    /// At an error of zero.
     pub const AT_REST: Self = Self { hpc: hpc::State::AT_REST, filtered: S::ZERO };
 
-    /// Lets a filter that was not used so far start from where the loop is.
-    pub fn settle(&mut self) {
+    /// Settles the HPC filter at the last error of a loop that did not use it.
+    pub fn settle_filter(&mut self) {
         self.hpc = hpc::State::settled(self.filtered);
     }
 }
 
 impl<S: Scalar> PositionControl<S> {
-    /// Velocity command for an error.
+    /// The velocity command for an error, once per position tick.
     pub fn velocity(&self, state: &mut State<S>, error: S) -> S {
         state.filtered = match &self.hpc {
             Some(hpc) => hpc.filter(&mut state.hpc, error),
             None => error,
         };
-        S::round(state.filtered.times(self.gain))
+        S::round(state.filtered * self.gain)
     }
 }

@@ -1,13 +1,15 @@
-//! The velocity loop: force = Kv·(ev + ∫ev dt/Ti), on the differenced motor reading.
+//! The velocity loop: force = Kv·(ev + ∫ev dt/Ti), with ev = velocity command − differenced motor reading.
 //!
-//! The integral is the sum of ev·T up to and including this tick (backward rule), held unrounded. What is made
-//! of the force behind the loop (filters, compensation, the limit) decides whether the tick's integral is
-//! kept: it is not while the force is at its limit and ev would drive it further (anti-windup).
+//! The integral is the sum of ev·T up to and including the present tick (backward Euler), not rounded.
+//!
+//! Anti-windup by conditional integration: [`VelocityControl::pi_output`] computes the new integral, and
+//! [`VelocityControl::limit`], which gets the force after filters and compensation, keeps it unless the force is at its
+//! limit and ev would drive it further beyond.
 //!
 //! # Example
 //!
-//! 10 mm/s asked of a motor that stands, Kv = 50,000 N·s/m, Ti = 20 ms: 500 N, and each tick of 50 µs adds
-//! 500 N·50 µs/20 ms = 1.25 N.
+//! A command of 10 mm/s to a motor at standstill, Kv = 50,000 N·s/m, Ti = 20 ms: the proportional part is 500 N, and each
+//! tick of 50 µs adds 500 N·50 µs/20 ms = 1.25 N.
 //!
 //! ```
 //! use shared::config::{AxisConfig, AxisSettings, Rates};
@@ -31,25 +33,25 @@
 use crate::scalar::Scalar;
 use crate::units::Position;
 
-/// Constants of the loop.
+/// Constants of the velocity loop.
 #[derive(Clone, Copy, Debug)]
 pub struct VelocityControl<S: Scalar> {
-    /// Velocity units per increment unit: the tick rate, less what goes to the increment before.
+    /// Factor of the present increment, velocity units per increment unit: tick rate − `previous_rate`.
     pub rate: S::Gain,
-    /// The same of the increment before this one: 0 for a plain difference, half of the rate for the
-    /// difference of two-sample means.
-    pub rate_before: S::Gain,
+    /// Factor of the previous increment: 0 for a plain difference, half the tick rate for the difference of
+    /// two-sample means.
+    pub previous_rate: S::Gain,
     /// Kv, force units per velocity unit.
     pub proportional: S::Gain,
     /// Kv·T/Ti, force units per velocity unit; zero without an integral part.
     pub integral: S::Gain,
-    /// Whether it has one.
-    pub integrates: bool,
-    /// Greatest force either way.
+    /// Whether there is an integral part.
+    pub has_integral: bool,
+    /// Limit of the force in both directions.
     pub force_limit: S,
 }
 
-/// What the loop remembers.
+/// State of the velocity loop.
 #[derive(Clone, Copy, Debug)]
 pub struct State<S: Scalar> {
     last: Position,
@@ -57,10 +59,10 @@ pub struct State<S: Scalar> {
     integral: S::Sum,
 }
 
-/// What the loop wants, before filters and limit.
+/// Output of the PI law, before filters and force limit.
 #[derive(Clone, Copy, Debug)]
-pub struct Wanted<S: Scalar> {
-    /// The force.
+pub struct PiOutput<S: Scalar> {
+    /// Force, N.
     pub force: S,
     error: S,
     integral: S::Sum,
@@ -73,50 +75,45 @@ impl<S: Scalar> State<S> {
         Self { last: motor, last_increment: S::ZERO, integral: S::ZERO_SUM }
     }
 
-    /// What the motor has moved in the last tick, increment units.
+    /// Motion of the motor in the last tick, increment units.
     #[must_use]
     pub const fn increment(&self) -> S {
         self.last_increment
     }
 
-    /// Forgets the integral: the loop goes on without one.
-    pub fn forget_integral(&mut self) {
+    /// Sets the integral to zero, for a loop without an integral part.
+    pub fn reset_integral(&mut self) {
         self.integral = S::Sum::default();
     }
 }
 
 impl<S: Scalar> VelocityControl<S> {
-    /// The force for a velocity command and a motor reading.
-    pub fn wanted(&self, state: &mut State<S>, command: S, motor: Position) -> Wanted<S> {
-        let increment = S::from_increment(motor.beyond(state.last));
-        let velocity = S::round(increment.times(self.rate) + state.last_increment.times(self.rate_before));
+    /// The PI law for a velocity command (velocity units) and a motor reading.
+    pub fn pi_output(&self, state: &mut State<S>, command: S, motor: Position) -> PiOutput<S> {
+        let increment = S::from_increment(motor - state.last);
+        let velocity = S::round(increment * self.rate + state.last_increment * self.previous_rate);
         state.last = motor;
         state.last_increment = increment;
-        let error = command.minus(velocity);
-        let integral = state.integral + error.times(self.integral);
-        Wanted { force: S::round(error.times(self.proportional) + integral), error, integral }
+        let error = command - velocity;
+        let integral = state.integral + error * self.integral;
+        PiOutput { force: S::round(error * self.proportional + integral), error, integral }
     }
 
-    /// The force within its limit, and whether it is at it. Keeps the integral unless that would wind up.
-    pub fn limited(&self, state: &mut State<S>, wanted: &Wanted<S>, shaped: S) -> (S, bool) {
-        let force = shaped.within(self.force_limit);
+    /// Limits the force after filters and compensation, and tells whether the limit is active. The new integral is kept
+    /// unless that would wind it up.
+    pub fn limit(&self, state: &mut State<S>, pi: &PiOutput<S>, unlimited: S) -> (S, bool) {
+        let force = unlimited.clamp_magnitude(self.force_limit);
         let zero = S::default();
-        let limited = force != shaped;
-        if !(limited && (wanted.error > zero) == (shaped > zero)) {
-            state.integral = wanted.integral;
+        let limited = force != unlimited;
+        if !(limited && (pi.error > zero) == (unlimited > zero)) {
+            state.integral = pi.integral;
         }
         (force, limited)
     }
 
-    /// Whether the loop has no integral part.
-    #[must_use]
-    pub const fn has_no_integral(&self) -> bool {
-        !self.integrates
-    }
-
-    /// Both at once: a loop with nothing behind it.
+    /// Both steps, for a loop without filters and compensation.
     pub fn force(&self, state: &mut State<S>, command: S, motor: Position) -> S {
-        let wanted = self.wanted(state, command, motor);
-        self.limited(state, &wanted, wanted.force).0
+        let pi = self.pi_output(state, command, motor);
+        self.limit(state, &pi, pi.force).0
     }
 }

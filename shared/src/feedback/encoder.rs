@@ -1,10 +1,21 @@
-//! A quadrature counter of 16 bits that wraps: a [`Transducer`] whose cycle is the counter's range.
+//! A 16-bit quadrature counter that wraps: a [`Transducer`] whose cycle is the range of the counter.
+//!
+//! # Example
+//!
+//! With 50 nm per count, the counter wraps forward by 10 counts: 500 nm.
+//!
+//! ```
+//! use shared::feedback::encoder::Encoder;
+//!
+//! let mut encoder = Encoder::new(50e-9, 65_530).unwrap();
+//! assert!((encoder.read(4).to_m() - 500e-9).abs() < 1e-15);
+//! ```
 
 use super::phase::Phase;
 use super::transducer::Transducer;
 use crate::units::Position;
 
-/// Counts in the counter's range.
+/// Counts per range of the counter.
 const RANGE: f64 = 65_536.0;
 
 /// An incremental encoder on a hardware counter.
@@ -12,22 +23,22 @@ const RANGE: f64 = 65_536.0;
 pub struct Encoder(Transducer);
 
 impl Encoder {
-    /// An encoder that stands at position zero while the counter shows `raw`. The metres of a count are negative where
-    /// the counter falls as the axis goes forward.
+    /// An encoder that is at position zero when the counter reads `raw`. `metres_per_count` is negative if the counter
+    /// decreases in the positive direction of the axis.
     ///
-    /// `None` unless one count is between 1 pm and 1 mm, either way. The range's length is rounded to a position
-    /// unit, which is 2⁻¹⁷ of one a count; a lead that a count does not divide wants
-    /// [`Transducer::new`] and [`Phase::of_counter`].
+    /// `None` unless the magnitude of a count is 1 pm to 1 mm. The length of the range is rounded to a position unit, an
+    /// error of at most 2⁻¹⁷ units per count; for a lead that is not a whole number of such counts use [`Transducer::new`]
+    /// with [`Phase::from_counter`].
     #[must_use]
     pub fn new(metres_per_count: f64, raw: u16) -> Option<Self> {
         let plausible = (1e-12..=1e-3).contains(&libm::fabs(metres_per_count));
         let range_m = plausible.then_some(metres_per_count * RANGE)?;
-        Transducer::new(range_m, 1, Phase::of_counter(raw)).map(Self)
+        Transducer::new(range_m, 1, Phase::from_counter(raw)).map(Self)
     }
 
-    /// The position for what the counter shows now, at most half its range after the last call.
+    /// The position for a counter value. The counter must have moved by less than half its range since the last call.
     pub fn read(&mut self, raw: u16) -> Position {
-        self.0.read(Phase::of_counter(raw))
+        self.0.read(Phase::from_counter(raw))
     }
 }
 
@@ -53,7 +64,7 @@ mod tests {
 
     #[test]
     fn does_not_drift_over_a_long_travel() {
-        // 1,000,000 counts of 0.1 µm/3 are 33.333 mm; the rate is rounded to 2⁻¹⁷ unit a count.
+        // 1,000,000 counts of 0.1 µm/3 are 33.333 mm; the error is at most 2⁻¹⁷ units per count.
         let mut encoder = Encoder::new(1e-7 / 3.0, 0).unwrap();
         let mut raw = 0u16;
         let mut last = Position(0);
@@ -75,13 +86,13 @@ mod tests {
     #[test]
     #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
     fn a_lead_that_a_count_does_not_divide_comes_back_exactly() {
-        // 7 counts in 1 µm; a million leads are 1 m, of 1.05·10¹⁵ units.
-        let mut counter = Transducer::new(65_536e-6, 7, Phase::of_counter(0)).unwrap();
-        let mut place = Position(0);
+        // 7 counts per 1 µm lead; a million leads are 1 m, 1.05·10¹⁵ units.
+        let mut counter = Transducer::new(65_536e-6, 7, Phase::from_counter(0)).unwrap();
+        let mut position = Position(0);
         for leads in 1..=1_000_000u64 {
             let raw = ((7 * leads) & 0xffff) as u16;
-            place = counter.read(Phase::of_counter(raw));
+            position = counter.read(Phase::from_counter(raw));
         }
-        assert!((place.0 - 1_048_576_000_000_000).abs() <= 1, "{place:?}");
+        assert!((position.0 - 1_048_576_000_000_000).abs() <= 1, "{position:?}");
     }
 }

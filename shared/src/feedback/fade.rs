@@ -1,38 +1,40 @@
-//! A distance that fades away: exponentially, in integers, to exactly zero.
+//! A distance that decays exponentially, in integers, to exactly zero.
 
-/// 1 − e^(−tick/time constant), times 2³².
+/// An exponential decay.
+///
+/// Holds the fraction of a distance that decays per tick, 1 − e^(−tick/time constant), times 2³².
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Fade(u32);
 
 impl Fade {
-    /// For a time constant in ticks, above 0.
+    /// From a time constant in ticks, above 0.
     #[must_use]
     pub fn new(ticks: f64) -> Self {
         #[expect(
             clippy::cast_possible_truncation,
             clippy::cast_sign_loss,
-            reason = "a share of one saturates"
+            reason = "a fraction of 1 saturates"
         )]
         Self((libm::rint(-libm::expm1(-1.0 / ticks) * 4_294_967_296.0) as u32).max(1))
     }
 
-    /// What is left of a distance a tick later: at least one unit nearer to zero, and never beyond.
+    /// The distance a tick later: at least one unit nearer to zero, and never past it.
     #[must_use]
     pub fn step(self, distance: i64) -> i64 {
-        // Nearly always.
+        // The usual case.
         if distance == 0 {
             return 0;
         }
-        // 32 × 64 bits, of which the lowest 32 are dropped: towards −∞, so one is added above zero.
+        // The product of 32 and 64 bits, without its lowest 32: rounded towards −∞, so a positive one needs one more.
         #[expect(
             clippy::cast_sign_loss,
             clippy::cast_possible_truncation,
-            reason = "the low half, of any sign"
+            reason = "the low half, whatever the sign"
         )]
         let low = (u64::from(self.0) * u64::from(distance as u32)) >> 32;
         let high = i64::from(self.0) * (distance >> 32);
-        let part = high.wrapping_add_unsigned(low).wrapping_add(i64::from(distance > 0));
-        distance.wrapping_sub(part)
+        let decay = high.wrapping_add_unsigned(low).wrapping_add(i64::from(distance > 0));
+        distance.wrapping_sub(decay)
     }
 }
 
@@ -45,11 +47,11 @@ mod tests {
     #[test]
     fn a_time_constant_leaves_one_part_in_e() {
         let fade = Fade::new(2000.0);
-        let left = (0..2000).fold(1i64 << 40, |left, _| fade.step(left));
+        let remaining = (0..2000).fold(1i64 << 40, |distance, _| fade.step(distance));
         let exact = f64::from(1 << 30) * 1024.0 / core::f64::consts::E;
-        // Half a step of the share, of 2³²/2000 steps, and a unit a tick.
+        // Half a step of the fraction, which has 2³²/2000 steps, and a unit per tick.
         let bound = exact * 0.5 * 2000.0 / 4_294_967_296.0 + 2000.0;
-        assert!((left as f64 - exact).abs() < bound, "{left} of {exact}");
+        assert!((remaining as f64 - exact).abs() < bound, "{remaining} of {exact}");
     }
 
     #[test]
@@ -61,15 +63,15 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_fades_goes_to_zero_and_not_beyond(distance: i64, share: u32) {
-            let left = Fade(share.max(1)).step(distance);
-            let nearer = left.unsigned_abs() < distance.unsigned_abs();
-            prop_assert!(nearer || distance == 0 && left == 0);
-            prop_assert!(left == 0 || (left > 0) == (distance > 0));
-            // Against 128 bits.
-            let part = i128::from(distance) * i128::from(share.max(1));
-            let exact = i128::from(distance) - (part >> 32) - i128::from(distance > 0);
-            prop_assert_eq!(i128::from(left), exact);
+        fn what_fades_goes_to_zero_and_not_beyond(distance: i64, fraction: u32) {
+            let remaining = Fade(fraction.max(1)).step(distance);
+            let nearer = remaining.unsigned_abs() < distance.unsigned_abs();
+            prop_assert!(nearer || distance == 0 && remaining == 0);
+            prop_assert!(remaining == 0 || (remaining > 0) == (distance > 0));
+            // Against 128-bit arithmetic.
+            let decay = i128::from(distance) * i128::from(fraction.max(1));
+            let exact = i128::from(distance) - (decay >> 32) - i128::from(distance > 0);
+            prop_assert_eq!(i128::from(remaining), exact);
         }
     }
 }

@@ -1,7 +1,18 @@
-//! From sensors to the position that the loop closes on.
+//! From sensor signals to the position that closes the position loop.
+//!
+//! | module | from | to |
+//! |---|---|---|
+//! | [`phase`] | sine and cosine samples, or a counter | a phase: the position within a cycle |
+//! | [`transducer`] | phases of a resolver or a linear scale | a position |
+//! | [`encoder`] | a 16-bit quadrature counter | a position |
+//! | [`dual`] | motor and table positions | the feedback of the position loop |
+//! | [`fade`] | the offset of a scale that has returned | the same, decaying to zero |
 
 pub mod dual;
 pub mod encoder;
 pub mod fade;
 pub mod phase;
+mod reading;
 pub mod transducer;
+
+pub use reading::Reading;

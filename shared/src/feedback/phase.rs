@@ -1,64 +1,70 @@
-//! A phase: where in its cycle a resolver, a linear scale or a counter stands.
+//! Phases: the position of a resolver, a linear scale or a counter within its cycle.
 //!
-//! A cycle is 2³² steps of a `u32`, so that a phase wraps where the cycle does and the difference of
-//! two is right across the wrap without a branch.
+//! A cycle is 2³² steps of a `u32`, so that a phase wraps with the cycle and the difference of two phases is right across
+//! the wrap without a branch.
 //!
-//! [`Phase::from_samples`] makes one of the two windings' samples, sine and cosine:
+//! [`Phase::from_samples`] computes the phase of a sine and a cosine sample:
 //!
-//! 1. The signs and the order of the two fold the circle to an octant, 0 ≤ short ≤ long.
-//! 2. (long, short) is turned back by π/8, which leaves an angle of at most π/8 either way:
+//! 1. Signs and order of the two fold the circle to an octant, 0 ≤ short ≤ long.
+//! 2. (long, short) is rotated by −π/8, so that the angle is within ±π/8:
 //!    u = long + tan(π/8)·short, v = short − tan(π/8)·long.
-//! 3. z = v/u, by one division of 32 bits for 1/u to 2⁻¹⁵ and one step of Newton's rule to 2⁻³⁰.
-//! 4. atan z/2π by an odd polynomial of degree 11, the best in the greatest error on ±tan(π/8)
-//!    (Remez): it misses by at most 2·10⁻¹¹ cycle.
+//! 3. z = v/u, by a 32-bit division for 1/u to 2⁻¹⁵ and one Newton iteration to 2⁻³⁰.
+//! 4. atan z/2π by the odd minimax polynomial of degree 11 on ±tan(π/8) (Remez): the error is at most 2·10⁻¹¹ cycle.
 //! 5. The folds are undone.
 //!
-//! Everything is integer, so every target finds the same bits. Steps 2 to 4 lose at most 4 steps of
-//! the phase together, at any amplitude: 10⁻⁹ cycle, 2 pm of a scale of 2 mm. What the converter's own
-//! steps lose is more: half a count on both samples is an angle of up to 0.71/amplitude rad, 7 nm of
-//! that scale with 16 bits and 27 pm with 24.
+//! In integer arithmetic, every target gets the same bits. The total error of steps 2 to 4 is at most 4 steps of the phase
+//! at any amplitude: 10⁻⁹ cycle, 2 pm for a scale of 2 mm pitch. The quantisation of the converter has a greater error: half a
+//! count on both samples is an angle of up to 0.71/amplitude rad, 7 nm for that scale with 16 bits and 27 pm with 24.
+//!
+//! # Example
+//!
+//! ```
+//! use shared::feedback::phase::Phase;
+//!
+//! let eighth = Phase::from_samples(20_000, 20_000, 10_000).unwrap();
+//! assert!(eighth.difference(Phase(1 << 29)).abs() < 4);
+//! assert_eq!(Phase::from_samples(20, -30, 10_000), None); // signal lost
+//! ```
 
-/// Where in its cycle something stands: 2³² steps a cycle, wrapping.
+/// A phase: 2³² steps per cycle, wrapping.
 #[derive(
     Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash, serde::Serialize, serde::Deserialize,
 )]
 pub struct Phase(pub u32);
 
 /// tan(π/8)·2³².
-const TAN: u32 = 1_779_033_704;
+const TAN_PI_8: u32 = 1_779_033_704;
 
-/// π/8 as a phase.
-const SIXTEENTH: i32 = 1 << 28;
+/// π/8 as a phase, a sixteenth of a cycle.
+const PI_8: i32 = 1 << 28;
 
 /// atan z/2π = z·(c0 − z²·(c1 − z²·(c2 − …))), times 2³².
-const ARC: [u32; 6] = [683_565_273, 227_854_666, 136_692_706, 97_231_423, 71_641_709, 39_905_100];
+const ATAN: [u32; 6] = [683_565_273, 227_854_666, 136_692_706, 97_231_423, 71_641_709, 39_905_100];
 
 impl Phase {
-    /// A counter of 16 bits: its whole range is a cycle.
+    /// The phase of a 16-bit counter whose range is a cycle.
     #[must_use]
-    pub const fn of_counter(raw: u16) -> Self {
+    pub const fn from_counter(raw: u16) -> Self {
         Self((raw as u32) << 16)
     }
 
-    /// How far this is ahead of another phase, −½ to ½ cycle: wraps with both of them.
+    /// The difference to another phase, −½ to ½ cycle.
     #[must_use]
     pub const fn difference(self, other: Self) -> i32 {
         self.0.wrapping_sub(other.0).cast_signed()
     }
 
-    /// The phase whose sine and cosine were sampled, in converter counts with their offset taken off,
-    /// from 2 bits to 32.
+    /// The phase of a sine and a cosine sample, in converter counts (2 to 32 bits) without their offset.
     ///
-    /// `None`: the signal is lost. What is compared with `least_amplitude` is long + short/2, which is
-    /// between 1 and 1.12 times the amplitude, so every signal of that amplitude passes, and none below
-    /// 0.89 times it. A signal of zero is lost whatever is asked for. Half of the amplitude that the
-    /// converter sees in good order is a fair value.
+    /// `None`: the signal is lost. long + short/2, which is 1 to 1.12 times the amplitude, is compared with
+    /// `min_amplitude`: a signal with that amplitude is always accepted, one below 0.89 times it never, and neither is a
+    /// signal of zero. Half the nominal amplitude is a reasonable value.
     #[must_use]
-    pub fn from_samples(sine: i32, cosine: i32, least_amplitude: u32) -> Option<Self> {
+    pub fn from_samples(sine: i32, cosine: i32, min_amplitude: u32) -> Option<Self> {
         let (across, along) = (sine.unsigned_abs(), cosine.unsigned_abs());
         let steep = across > along;
         let (long, short) = if steep { (across, along) } else { (along, across) };
-        if long.wrapping_add(short >> 1) < least_amplitude.max(1) {
+        if long.wrapping_add(short >> 1) < min_amplitude.max(1) {
             return None;
         }
         let octant = octant(long, short);
@@ -68,37 +74,40 @@ impl Phase {
     }
 }
 
-/// The phase of (long, short), 0 ≤ short ≤ long, 1 ≤ long ≤ 2³¹: 0 to an eighth of a cycle.
+/// The phase of (long, short), 0 ≤ short ≤ long, 1 ≤ long ≤ 2³¹: 0 to 1/8 cycle.
 fn octant(long: u32, short: u32) -> u32 {
-    let lift = long.leading_zeros();
-    // 2³⁰ ≤ x < 2³¹: u then fits 32 bits.
-    let (x, y) = (long.wrapping_shl(lift) >> 1, short.wrapping_shl(lift) >> 1);
-    let u = x.wrapping_add(part(TAN, y));
-    let v = y.wrapping_sub(part(TAN, x)).cast_signed();
+    let normalisation = long.leading_zeros();
+    // 2³⁰ ≤ x < 2³¹, so that u fits into 32 bits.
+    let (x, y) = (long.wrapping_shl(normalisation) >> 1, short.wrapping_shl(normalisation) >> 1);
+    let u = x.wrapping_add(mul_high(TAN_PI_8, y));
+    let v = y.wrapping_sub(mul_high(TAN_PI_8, x)).cast_signed();
 
-    // 2⁴⁷/u, by u rounded to 17 bits. The odd divisor is never zero, which the compiler can see.
+    // 2⁴⁷/u from u rounded to 17 bits. The divisor is odd, so the compiler knows that it is not zero.
     let reciprocal = (u32::MAX / (u >> 15 | 1)).cast_signed();
     let excess = (u64::from(reciprocal.cast_unsigned()) * u64::from(u)).wrapping_sub(1 << 47).cast_signed();
-    #[expect(clippy::cast_possible_truncation, reason = "the reciprocal is right to 2⁻¹⁴, so |excess| < 2³⁴")]
+    #[expect(
+        clippy::cast_possible_truncation,
+        reason = "the relative error of the reciprocal is below 2⁻¹⁴: |excess| < 2³⁴"
+    )]
     let excess = (excess >> 16) as i32;
     #[expect(clippy::cast_possible_truncation, reason = "|v/u| ≤ tan(π/8) < ½, times 2³²")]
     let rough = ((i64::from(v) * i64::from(reciprocal)) >> 15) as i32;
-    let z = rough.wrapping_sub(high(rough, excess).wrapping_mul(2));
+    let z = rough.wrapping_sub(mul_high_signed(rough, excess).wrapping_mul(2));
 
-    let square = high(z, z).cast_unsigned();
-    let [c0, c1, c2, c3, c4, c5] = ARC;
-    // Never below zero: z² < 0.18, and every coefficient is smaller than the one before it.
-    let arc = [c4, c3, c2, c1, c0].into_iter().fold(c5, |rest, c| c.wrapping_sub(part(rest, square)));
-    SIXTEENTH.wrapping_add(high(z, arc.cast_signed())).cast_unsigned()
+    let square = mul_high_signed(z, z).cast_unsigned();
+    let [c0, c1, c2, c3, c4, c5] = ATAN;
+    // Horner's scheme. No difference is negative: z² < 0.18, and the coefficients decrease.
+    let ratio = [c4, c3, c2, c1, c0].into_iter().fold(c5, |sum, c| c.wrapping_sub(mul_high(sum, square)));
+    PI_8.wrapping_add(mul_high_signed(z, ratio.cast_signed())).cast_unsigned()
 }
 
 /// a·b/2³².
-fn part(a: u32, b: u32) -> u32 {
+fn mul_high(a: u32, b: u32) -> u32 {
     ((u64::from(a) * u64::from(b)) >> 32) as u32
 }
 
-/// a·b/2³², towards −∞ (`SMMUL`).
-fn high(a: i32, b: i32) -> i32 {
+/// a·b/2³², rounded towards −∞ (`SMMUL`).
+fn mul_high_signed(a: i32, b: i32) -> i32 {
     ((i64::from(a) * i64::from(b)) >> 32) as i32
 }
 
@@ -114,7 +123,7 @@ mod tests {
 
     const CYCLE: f64 = 4_294_967_296.0;
 
-    /// Steps from the angle that libm finds for the same samples (right to 2⁻⁵⁰ cycle) to the phase.
+    /// Difference in steps from the angle by libm (exact to 2⁻⁵⁰ cycle).
     fn error(sine: i32, cosine: i32) -> f64 {
         let found = f64::from(Phase::from_samples(sine, cosine, 1).unwrap().0);
         let exact = f64::from(sine).atan2(f64::from(cosine)) / TAU * CYCLE;
@@ -135,9 +144,9 @@ mod tests {
                 let (sine, cosine) = samples(TAU * f64::from(k) / 100_000.0, amplitude);
                 worst = worst.max(error(sine, cosine).abs());
             }
-            // Steps of the phase: 0.1 by the polynomial, and roundings: u and v 1.3, z 0.4, its
-            // reciprocal 0.3, the polynomial's terms 0.6, the product 1. Half a step is what an integer
-            // must lose somewhere, except where the samples know only eight or twelve angles.
+            // Error budget in steps: polynomial 0.1; rounding of u and v 1.3, of z 0.4, of the reciprocal 0.3, of the terms of
+            // the polynomial 0.6, of the product 1. The rounding to an integer reaches half a step, except for amplitudes
+            // with only eight or twelve angles.
             std::println!("{worst:.2} steps of 2^-32 cycle at an amplitude of {amplitude}");
             assert!(worst < 4.0, "{worst} at {amplitude}");
             assert!(worst > 0.5 || amplitude < 3.0, "{worst} at {amplitude}");
@@ -147,8 +156,8 @@ mod tests {
     #[test]
     #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
     fn loses_less_than_the_converter() {
-        // Half a count on both samples, across the angle: √½/amplitude rad. It is nearly met somewhere
-        // among 10⁵ angles, so half the bound must be exceeded.
+        // Half a count on both samples, perpendicular to the vector: √½/amplitude rad. Among 10⁵ angles the worst case
+        // comes close, so half the bound must be exceeded.
         for bits in [16, 20, 24] {
             let amplitude = f64::from((1 << (bits - 1)) - 1);
             let mut worst = 0.0f64;
@@ -180,7 +189,7 @@ mod tests {
         assert_eq!(Phase::from_samples(0, 0, 0), None);
         for k in 0..1000 {
             let angle = TAU * f64::from(k) / 1000.0;
-            // Rounding may take a count.
+            // Rounding may reduce a sample by a count.
             let (sine, cosine) = samples(angle, 10_002.0);
             assert!(Phase::from_samples(sine, cosine, 10_000).is_some());
             let (sine, cosine) = samples(angle, 8_900.0);
@@ -196,7 +205,7 @@ mod tests {
             prop_assert!(error(sine, cosine).abs() < 4.0);
         }
 
-        /// However often both have wrapped, a lead below half a cycle is found as it is.
+        /// A lead below half a cycle is exact across any wrap.
         #[test]
         fn a_difference_wraps(phase: u32, lead: i32) {
             let ahead = Phase(phase.wrapping_add_signed(lead));

@@ -1,33 +1,44 @@
-//! Phases made into a position: a resolver on a screw, a linear scale, a counter.
+//! From phases to a position: a resolver on a screw, a linear scale, a counter.
 //!
-//! All three show only where in a cycle they stand. The steps from phase to phase add up to the
-//! cycles travelled, an integer, and the position is a pure function of that sum:
+//! All of them measure the position within a cycle only. The differences between phases are accumulated in an integer, and
+//! the position is a pure function of that sum:
 //!
 //! ```text
 //! travelled += step·(phase − last)      a cycle is step·2³²
 //! position   = travelled·pitch/2⁶⁴      rounded down
 //! ```
 //!
-//! so nothing can drift, and a phase that comes back gives the position that it gave before.
+//! so there is no drift, and a phase that recurs gives the same position again.
 //!
-//! The pitch is the ratio of a distance, whole in position units, to a number of cycles (lead to pole
-//! pairs). It is held to 2⁻⁶¹ of itself, with `step` the power of two that lets it: a pitch of whole
-//! position units is exact, and with it every sum of cycles; any other, such as a third of 10 mm, is
-//! wrong by less than a quarter of a unit (0.25 fm) in a hundred metres, whichever way and however
-//! often they are travelled.
+//! The pitch is a distance, a whole number of position units, over a number of cycles (lead over pole pairs). `step` is a
+//! power of two that gives it a relative error of 2⁻⁶¹. A pitch of whole position units is exact; for any other, such as a
+//! third of 10 mm, the position error is below a quarter of a unit (0.25 fm) in 100 m, independent of the history.
+//!
+//! # Example
+//!
+//! A resolver with 3 pole pairs on a screw of 10 mm lead, turned by a quarter of an electrical cycle.
+//!
+//! ```
+//! use shared::feedback::phase::Phase;
+//! use shared::feedback::transducer::Transducer;
+//!
+//! let mut resolver = Transducer::new(0.01, 3, Phase(0)).unwrap();
+//! let position = resolver.read(Phase(1 << 30));
+//! assert!((position.to_m() - 0.01 / 3.0 / 4.0).abs() < 1e-15);
+//! ```
 
 use super::phase::Phase;
 use crate::units::Position;
 
-/// Shortest cycle, m: 2³¹ of them, which is what the sum holds, are 107 m.
-pub const LEAST_PITCH_M: f64 = 50e-9;
+/// Shortest cycle, m: the sum holds 2³¹ cycles, 107 m.
+pub const MIN_PITCH_M: f64 = 50e-9;
 
-/// Something that shows a phase and is asked for a position.
+/// A sensor that measures a phase, converted to a position.
 #[derive(Clone, Copy, Debug)]
 pub struct Transducer {
-    /// Position units a cycle, times 2³²/step.
+    /// Position units per cycle, times 2³²/step.
     pitch: i64,
-    /// 2⁶⁴/position units a cycle.
+    /// 2⁶⁴ over the position units per cycle.
     inverse: i64,
     /// A power of two.
     step: i32,
@@ -36,64 +47,62 @@ pub struct Transducer {
 }
 
 impl Transducer {
-    /// A transducer that passes `cycles` cycles in `distance_m` and stands at position zero while it
-    /// shows `start`. The distance is rounded to a position unit and negative where the phase falls as
-    /// the axis goes forward.
+    /// A transducer with `cycles` cycles in `distance_m` that is at position zero at the phase `start`. The distance is rounded
+    /// to a position unit; it is negative if the phase decreases in the positive direction of the axis.
     ///
-    /// A resolver: the lead and its pole pairs. A linear scale: its pitch and 1, or its length and the
-    /// cycles on it. A counter: 65,536 times the lead and the counts in a lead.
+    /// For a resolver: lead and pole pairs. For a linear scale: pitch and 1, or length and number of cycles. For a 16-bit
+    /// counter: 65,536 times the lead, and counts per lead.
     ///
-    /// `None` unless a cycle is [`LEAST_PITCH_M`] or longer and the distance within
-    /// [`crate::units::TRAVEL_LIMIT_M`].
+    /// `None` if a cycle is shorter than [`MIN_PITCH_M`] or the distance exceeds [`crate::units::TRAVEL_LIMIT_M`].
     #[must_use]
     pub fn new(distance_m: f64, cycles: u32, start: Phase) -> Option<Self> {
         let distance = Position::from_m(distance_m)?.0;
-        if cycles == 0 || distance_m.abs() / f64::from(cycles) < LEAST_PITCH_M {
+        if cycles == 0 || distance_m.abs() / f64::from(cycles) < MIN_PITCH_M {
             return None;
         }
         let bits = 64 - (distance.unsigned_abs() / u64::from(cycles)).leading_zeros();
-        // From 30 bits on the pitch fills 62; a shorter one is multiplied by 2³².
-        let lift = bits.saturating_sub(30);
+        // A pitch of 30 bits or more is scaled to 62 bits; a shorter one by 2³².
+        let step_bits = bits.saturating_sub(30);
         let (distance, cycles) = (i128::from(distance), i128::from(cycles));
         Some(Self {
-            pitch: nearest(distance << (32 - lift), cycles)?,
+            pitch: nearest(distance << (32 - step_bits), cycles)?,
             inverse: nearest(cycles << 64, distance)?,
-            step: 1 << lift,
+            step: 1 << step_bits,
             last: start,
             travelled: 0,
         })
     }
 
-    /// The position where the transducer shows `phase`, at most half a cycle after the last call.
+    /// The position at a phase. It must have moved by less than half a cycle since the last call.
     pub fn read(&mut self, phase: Phase) -> Position {
-        let moved = i64::from(phase.difference(self.last)) * i64::from(self.step);
+        let increment = i64::from(phase.difference(self.last)) * i64::from(self.step);
         self.last = phase;
-        self.travelled = self.travelled.wrapping_add(moved);
-        Position(high(self.travelled, self.pitch, 0))
+        self.travelled = self.travelled.wrapping_add(increment);
+        Position(mul_shift_64(self.travelled, self.pitch, 0))
     }
 
-    /// The position where the transducer shows `phase` after its signal was lost for any time: the phase
-    /// tells the place in the cycle, and `near` which cycle.
+    /// The position at a phase after the signal was lost for any time. The phase gives the position within a cycle, and `near`
+    /// the cycle.
     ///
-    /// `near` is where another sensor sees the axis, less than half a cycle off: for a scale the motor
-    /// and what was between the two. With a `near` that is further off, whole cycles are lost.
+    /// `near` is the position by another sensor to less than half a cycle: for a scale, the motor position plus their last
+    /// difference. If it is further off, the result is wrong by whole cycles.
     pub fn resume(&mut self, phase: Phase, near: Position) -> Position {
-        let found = self.read(phase);
-        let cycles = high(near.beyond(found), self.inverse, 1 << 63);
+        let in_last_cycle = self.read(phase);
+        let cycles = mul_shift_64(near - in_last_cycle, self.inverse, 1 << 63);
         let missed = cycles.wrapping_mul(i64::from(self.step)) << 32;
         self.travelled = self.travelled.wrapping_add(missed);
         self.read(phase)
     }
 }
 
-/// The integer nearest to a ratio, where there is one.
-fn nearest(above: i128, below: i128) -> Option<i64> {
-    let half = if (above < 0) == (below < 0) { below / 2 } else { -below / 2 };
-    i64::try_from((above + half).checked_div(below)?).ok()
+/// The nearest integer to a ratio, if it fits.
+fn nearest(numerator: i128, denominator: i128) -> Option<i64> {
+    let half = if (numerator < 0) == (denominator < 0) { denominator / 2 } else { -denominator / 2 };
+    i64::try_from((numerator + half).checked_div(denominator)?).ok()
 }
 
-/// (a·b + rounding)/2⁶⁴, towards −∞.
-fn high(a: i64, b: i64, rounding: i128) -> i64 {
+/// (a·b + rounding)/2⁶⁴, rounded towards −∞.
+fn mul_shift_64(a: i64, b: i64, rounding: i128) -> i64 {
     ((i128::from(a) * i128::from(b) + rounding) >> 64) as i64
 }
 
@@ -105,31 +114,31 @@ mod tests {
 
     const QUARTER: u32 = 1 << 30;
 
-    /// What it shows after so many quarters of a cycle, one after the other.
+    /// The position after a number of quarters of a cycle, one at a time.
     fn after(transducer: &mut Transducer, quarters: i64) -> Position {
-        let mut place = Position(0);
+        let mut position = Position(0);
         for _ in 0..quarters.abs() {
             let step = if quarters < 0 { QUARTER.wrapping_neg() } else { QUARTER };
-            place = transducer.read(Phase(transducer.last.0.wrapping_add(step)));
+            position = transducer.read(Phase(transducer.last.0.wrapping_add(step)));
         }
-        place
+        position
     }
 
     #[test]
     fn a_resolver_of_three_pole_pairs_comes_back_to_the_lead() {
-        // A third of 10 mm is not whole in position units; three of them are.
+        // A third of 10 mm is not a whole number of position units, 10 mm is.
         let lead = Position::from_m(0.01).unwrap().0;
         let mut resolver = Transducer::new(0.01, 3, Phase(77)).unwrap();
-        // 25,000 turns are 250 m: beyond the travel limit, and the unit is not yet lost.
-        let place = after(&mut resolver, 4 * 3 * 25_000).0;
-        assert!((place - 25_000 * lead).abs() <= 1, "{}", place - 25_000 * lead);
+        // 25,000 turns are 250 m, beyond the travel limit: still exact to a unit.
+        let position = after(&mut resolver, 4 * 3 * 25_000).0;
+        assert!((position - 25_000 * lead).abs() <= 1, "{}", position - 25_000 * lead);
         assert_eq!(after(&mut resolver, -4 * 3 * 25_000), Position(0));
     }
 
     #[test]
     #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
     fn a_scale_of_whole_units_is_exact() {
-        // 2 mm: ¼ of it is whole, too.
+        // A quarter of 2 mm is a whole number of units, too.
         let pitch = Position::from_m(0.002).unwrap().0;
         let mut scale = Transducer::new(0.002, 1, Phase(0)).unwrap();
         for quarters in 1..=200_000 {
@@ -167,11 +176,11 @@ mod tests {
     }
 
     proptest! {
-        /// However far the axis went unseen, the place is the one that it would have had.
+        /// However far the axis has moved without a signal, the position is as if the signal had never been lost.
         #[test]
         fn a_signal_that_comes_back_finds_its_cycle(
             nm in 50i64..100_000_000, backwards: bool, cycles in 1u32..1000, start: u32,
-            share in -1.0f64..1.0, within: u32, off in -0.49f64..0.49,
+            fraction in -1.0f64..1.0, within: u32, off in -0.49f64..0.49,
         ) {
             let distance_m = nm as f64 * 1e-9 * f64::from(cycles) * if backwards { -1.0 } else { 1.0 };
             prop_assume!(distance_m.abs() <= 100.0);
@@ -180,16 +189,16 @@ mod tests {
             let mut lost = never_lost;
             // Up to a hundred metres away.
             #[expect(clippy::cast_possible_truncation, reason = "below 2³¹ cycles")]
-            let away = (share * 99.0 / pitch_m) as i64;
+            let away = (fraction * 99.0 / pitch_m) as i64;
             let phase = Phase(start.wrapping_add(within));
             never_lost.travelled = (away * i64::from(never_lost.step)) << 32;
-            let place = never_lost.read(phase);
-            let near = Position::from_m(place.to_m() + off * pitch_m).unwrap();
-            prop_assert_eq!(lost.resume(phase, near), place);
+            let position = never_lost.read(phase);
+            let near = Position::from_m(position.to_m() + off * pitch_m).unwrap();
+            prop_assert_eq!(lost.resume(phase, near), position);
             prop_assert_eq!(lost.travelled, never_lost.travelled);
         }
 
-        /// Against the same ratio in 128 bits. Both round down, with ¼ of a unit between them: at most one apart.
+        /// Against the same ratio in 128 bits. Both are rounded down and differ by ¼ unit before that: at most by one.
         #[test]
         fn any_walk_is_exact(
             nm in 50i64..100_000_000, cycles in 1u32..1000,

@@ -1,52 +1,50 @@
-//! A piece of path in SI, as a program or a host gives it.
+//! Blocks: the segments of a path in SI, as a program or a host gives them.
 
 use serde::{Deserialize, Serialize};
 
-/// One piece of a path; it starts where the one before ended.
+/// One segment of a path. It starts at the end of the previous block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Block<const N: usize> {
-    /// What is travelled.
+    /// Geometry.
     #[serde(bound = "")]
     pub shape: Shape<N>,
-    /// Greatest speed along the path, m/s. Not used by a dwell.
+    /// Greatest speed along the path, m/s. Ignored by a dwell.
     pub feed_m_per_s: f64,
-    /// Greatest acceleration, m/s²: along the path, and together with that towards the centre of an arc.
-    /// Not used by a dwell.
+    /// Greatest acceleration, m/s²: on an arc, of the tangential and centripetal components together. Ignored by a dwell.
     pub acceleration_m_per_s2: f64,
-    /// How the speed rises and falls. Not used by a dwell.
+    /// Shape of the speed ramps. Ignored by a dwell.
     pub ramps: Ramps,
-    /// How the path goes on from the end of this block.
+    /// Transition to the next block.
     pub joint: Joint,
 }
 
-/// How the speed along a block rises and falls.
+/// The shape of the speed ramps of a block.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Ramps {
-    /// With the block's acceleration, which jumps.
+    /// Constant acceleration, which jumps.
     #[default]
     Trapezoid,
-    /// With an acceleration that rises and falls with a jerk.
+    /// Limited jerk.
     SCurve {
         /// Greatest jerk, m/s³.
         jerk_m_per_s3: f64,
     },
-    /// Exponentially, with the block's acceleration at the most. Starts and ends at rest.
+    /// A first-order lag, whose greatest acceleration is that of the block. The block starts and ends at rest.
     Exponential,
-    /// Not at all: the feed stands from start to end, for the filters behind the path to smooth
-    /// ([`super::Smoothing`]). It is lowered where they would accelerate by more than the block allows.
+    /// No ramps: constant feed from start to end, smoothed by the axis filters behind the path
+    /// ([`super::smooth::Smoothing`]). The feed is lowered if the filters would exceed the acceleration of the block.
     AfterInterpolation,
 }
 
-/// How the path goes on from the end of a block.
+/// The transition from one block to the next.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Joint {
-    /// From rest.
+    /// Stop at the end of the block.
     #[default]
     Stop,
-    /// At the greatest speed that keeps acceleration and jerk, and keeps the command, behind the filters of
-    /// the axes, within a tolerance of the path.
+    /// Pass at the greatest speed that keeps acceleration, jerk and, behind the axis filters, a tolerance to the corner.
     Within {
-        /// Greatest distance from the corner, m.
+        /// Greatest distance of the command from the corner, m.
         tolerance_m: f64,
     },
 }
@@ -54,41 +52,41 @@ pub enum Joint {
 /// The geometry of a block.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Shape<const N: usize> {
-    /// Stand still.
+    /// Standstill.
     Dwell {
-        /// How long.
+        /// Duration, s.
         seconds: f64,
     },
-    /// Straight to a point.
+    /// Straight line to a point.
     Line {
         /// End point, m.
         #[serde(with = "array")]
         to_m: [f64; N],
     },
-    /// Round a centre.
+    /// Circular arc by a number of turns.
     Arc {
-        /// The two axes that turn; positive turns run from the first towards the second.
+        /// The two axes of the plane; positive turns are from the first towards the second.
         plane: [u8; 2],
-        /// Centre in the plane's axes, m.
+        /// Centre in the axes of the plane, m.
         centre_m: [f64; 2],
-        /// Signed turns, any fraction.
+        /// Signed number of turns, not necessarily whole.
         turns: f64,
     },
-    /// Round a centre to a point on the circle.
+    /// Circular arc to an end point.
     ArcTo {
-        /// The two axes that turn.
+        /// The two axes of the plane.
         plane: [u8; 2],
-        /// Centre in the plane's axes, m.
+        /// Centre in the axes of the plane, m.
         centre_m: [f64; 2],
-        /// End point in the plane's axes, m.
+        /// End point in the axes of the plane, m.
         to_m: [f64; 2],
-        /// From the plane's first axis towards its second, or the other way.
+        /// Whether the direction is from the first axis of the plane towards the second.
         positive: bool,
     },
 }
 
 impl<const N: usize> Block<N> {
-    /// A straight line.
+    /// A straight line that starts and ends at rest.
     #[must_use]
     pub const fn line(to_m: [f64; N], feed_m_per_s: f64, acceleration_m_per_s2: f64) -> Self {
         Self {
@@ -100,7 +98,7 @@ impl<const N: usize> Block<N> {
         }
     }
 
-    /// A circular arc by signed turns round a centre.
+    /// A circular arc that starts and ends at rest.
     #[must_use]
     pub const fn arc(
         plane: [u8; 2],
@@ -113,7 +111,7 @@ impl<const N: usize> Block<N> {
         Self { shape, feed_m_per_s, acceleration_m_per_s2, ramps: Ramps::Trapezoid, joint: Joint::Stop }
     }
 
-    /// A pause.
+    /// A dwell, s.
     #[must_use]
     pub const fn dwell(seconds: f64) -> Self {
         Self {
@@ -125,20 +123,20 @@ impl<const N: usize> Block<N> {
         }
     }
 
-    /// The same with other ramps.
+    /// The block with other ramps.
     #[must_use]
     pub const fn with_ramps(self, ramps: Ramps) -> Self {
         Self { ramps, ..self }
     }
 
-    /// The same, joined to the next one within a tolerance.
+    /// The block with a transition to the next one within a tolerance, m.
     #[must_use]
     pub const fn within(self, tolerance_m: f64) -> Self {
         Self { joint: Joint::Within { tolerance_m }, ..self }
     }
 }
 
-/// serde knows arrays of a const length only up to 32 and not generically: as a tuple of N.
+/// Serialises an array of const length as a tuple: serde implements arrays only up to 32, and not generically.
 mod array {
     use core::fmt;
 

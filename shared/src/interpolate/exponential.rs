@@ -1,63 +1,63 @@
-//! Path length over time with an exponential approach to speed, and from it.
+//! Path length over time as a first-order lag: exponential acceleration and deceleration.
 //!
-//! The distance follows a target that moves at the feed F, and by how much is the lag between them:
-//! d += α·(target − d), α = A/F, so that the first step, the steepest, accelerates by F·α = A. The lag that
-//! the target leaves at the end decays as (1 − α)ⁿ; once it is no more than F·α, the last step takes it
-//! all, and decelerates by no more than A. It stands for a tick before and behind, so that neither the first nor the
-//! last step adds to what the neighbouring block does in one tick.
+//! The distance d follows a target that moves at the feed F: d += α·(target − d) per tick, α = A/F, so that the first
+//! step, the steepest, has the acceleration F·α = A. When the target has reached the end, the lag decays as (1 − α)ⁿ; as
+//! soon as it is at most F·α, the last step covers all of it with a deceleration of at most A. The curve is at rest for one
+//! tick at both ends, so that its first and last step do not add to those of the adjacent blocks within a tick.
 
-use super::profile::part;
-use super::ramp::Limits;
-use super::{PathError, speed, whole};
+use super::error::PathError;
+use super::fraction::{speed, whole};
+use super::limits::Limits;
+use crate::integer::wide_mul_q32;
 
-/// Least α with 32 fraction bits: a time constant of 2²⁰ ticks, 52 s at 20 kHz.
-const LEAST_SHARE: u32 = 1 << 12;
+/// Least α, 32 fraction bits: a time constant of 2²⁰ ticks, 52 s at 20 kHz.
+const MIN_ALPHA: u32 = 1 << 12;
 
 /// A planned curve.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Exponential {
-    /// Position units, 64 fraction bits.
+    /// Length and feed, position units (per tick), 64 fraction bits.
     length: i128,
     feed: i128,
-    /// F·α.
+    /// F·α, the greatest last step.
     last_step: i128,
     /// α, 32 fraction bits, below 1.
-    share: u32,
+    alpha: u32,
 }
 
 impl Exponential {
     /// Plans a length from rest to rest.
     ///
     /// # Errors
-    /// [`PathError::TooLong`] where the time constant is 2²⁰ ticks or more.
+    /// [`PathError::TooLong`] if the time constant is 2²⁰ ticks or more.
     pub fn plan(length: i64, limits: &Limits) -> Result<Self, PathError> {
-        let share = (u128::from(limits.acceleration) << 32) / u128::from(limits.feed.max(1));
-        let share = u32::try_from(share).unwrap_or(u32::MAX);
-        if share < LEAST_SHARE {
+        let alpha = (u128::from(limits.acceleration) << 32) / u128::from(limits.feed.max(1));
+        let alpha = u32::try_from(alpha).unwrap_or(u32::MAX);
+        if alpha < MIN_ALPHA {
             return Err(PathError::TooLong);
         }
         let feed = i128::from(limits.feed) << 48;
-        Ok(Self { length: i128::from(length) << 64, feed, last_step: part(feed, share), share })
+        Ok(Self { length: i128::from(length) << 64, feed, last_step: wide_mul_q32(feed, alpha), alpha })
     }
 
-    /// Goes one tick on. Whole position units, and whether they are the end.
+    /// Advances by a tick. Returns the distance in position units, and whether the curve has ended.
     pub fn advance(&self, progress: &mut Progress) -> (i64, bool) {
-        if !core::mem::replace(&mut progress.begun, true) {
+        if !core::mem::replace(&mut progress.started, true) {
             return (0, false);
         }
         progress.target = (progress.target + self.feed).min(self.length);
         let lag = progress.target - progress.distance;
         let lands = progress.target == self.length && lag <= self.last_step;
-        progress.step = if lands { lag } else { part(lag, self.share) };
+        progress.step = if lands { lag } else { wide_mul_q32(lag, self.alpha) };
         progress.distance += progress.step;
         (whole(progress.distance), lag == 0)
     }
 }
 
-/// How far a curve has come, position units with 64 fraction bits.
+/// Progress along a curve, position units with 64 fraction bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    begun: bool,
+    started: bool,
     target: i128,
     distance: i128,
     step: i128,
@@ -65,15 +65,15 @@ pub struct Progress {
 
 impl Progress {
     /// At the start.
-    pub const NONE: Self = Self { begun: false, target: 0, distance: 0, step: 0 };
+    pub const NONE: Self = Self { started: false, target: 0, distance: 0, step: 0 };
 
-    /// Position units per tick, 16 fraction bits.
+    /// Speed, position units per tick with 16 fraction bits.
     #[must_use]
     pub const fn speed(&self) -> u64 {
         speed(self.step)
     }
 
-    /// Whole position units.
+    /// Distance from the start, whole position units.
     #[must_use]
     pub const fn distance(&self) -> i64 {
         whole(self.distance)
@@ -89,8 +89,8 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Differences of whole units are off by 1, second differences by 2. The lag of F/α has to
-        /// decay to F·α: ln(1/α²)/α ticks after the target, and some for the discrete decay being faster.
+        /// Differences of rounded distances are off by 1, second differences by 2. The lag F/α has to decay to F·α, which
+        /// takes ln(1/α²)/α ticks after the target has reached the end.
         #[test]
         #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
         fn keeps_feed_and_acceleration_and_ends_exactly(
@@ -112,20 +112,20 @@ mod tests {
             let steps: std::vec::Vec<i64> = distances.windows(2).map(|w| w[1] - w[0]).collect();
             prop_assert!(steps.iter().all(|&v| v >= 0 && v.unsigned_abs() <= feed + 1));
             prop_assert!(steps.windows(2).all(|w| (w[1] - w[0]).unsigned_abs() <= (acceleration >> 16) + 3));
-            let least = length as f64 / feed as f64;
-            prop_assert!(steps.len() as f64 <= least + ticks * (2.0 * libm::log(ticks)) + 6.0, "{}", steps.len());
-            prop_assert!(steps.len() as f64 >= least);
+            let shortest = length as f64 / feed as f64;
+            prop_assert!(steps.len() as f64 <= shortest + ticks * (2.0 * libm::log(ticks)) + 6.0, "{}", steps.len());
+            prop_assert!(steps.len() as f64 >= shortest);
         }
     }
 
     #[test]
     fn rises_as_an_exponential_does() {
-        // One tick in of time constant 1000: the velocity after n ticks is F(1 − (1 − 1/1000)ⁿ).
+        // α = 1/1000: the speed after n ticks is F(1 − (1 − 1/1000)ⁿ).
         let feed = 1u64 << 30;
         let limits = Limits::new(feed << 16, (feed << 16) / 1000, None);
         let curve = Exponential::plan(1 << 50, &limits).unwrap();
         let mut progress = Progress::NONE;
-        // It stands for a tick.
+        // At rest for one tick.
         assert_eq!(curve.advance(&mut progress), (0, false));
         for n in 1..5000 {
             let _ = curve.advance(&mut progress);

@@ -1,9 +1,10 @@
 //! A straight line through N axes.
 
-use super::{PathError, scaled};
+use super::error::PathError;
+use crate::integer::mul_shift;
 use crate::units::Position;
 
-/// A line as a function of the distance along it.
+/// A line as a function of path length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Line<const N: usize> {
     start: [Position; N],
@@ -17,11 +18,11 @@ impl<const N: usize> Line<N> {
     /// Plans the line.
     ///
     /// # Errors
-    /// [`PathError::ZeroLength`] where start and end coincide.
+    /// [`PathError::ZeroLength`] if start and end coincide.
     pub fn plan(start: [Position; N], end: [Position; N]) -> Result<Self, PathError> {
         let mut squares = 0u128;
         for (from, to) in start.iter().zip(&end) {
-            let distance = u128::from(to.beyond(*from).unsigned_abs());
+            let distance = u128::from((*to - *from).unsigned_abs());
             squares += distance * distance;
         }
         let length = squares.isqrt();
@@ -33,27 +34,27 @@ impl<const N: usize> Line<N> {
             clippy::cast_possible_wrap,
             reason = "|direction| ≤ 1, length < 2⁵⁹"
         )]
-        let along = |axis: usize| {
-            let distance = i128::from(end[axis].beyond(start[axis]));
+        let cosine = |axis: usize| {
+            let distance = i128::from(end[axis] - start[axis]);
             ((distance << 62) / length as i128) as i64
         };
         #[expect(clippy::cast_possible_truncation, reason = "travel is limited to ±100 m, 2⁵⁷ units")]
-        Ok(Self { start, end, direction: core::array::from_fn(along), length: length as i64 })
+        Ok(Self { start, end, direction: core::array::from_fn(cosine), length: length as i64 })
     }
 
-    /// Distance from start to end, position units.
+    /// Length, position units.
     #[must_use]
     pub const fn length(&self) -> i64 {
         self.length
     }
 
-    /// Direction, 62 fraction bits.
+    /// Direction of travel, a unit vector with 62 fraction bits.
     #[must_use]
     pub const fn direction(&self) -> [i64; N] {
         self.direction
     }
 
-    /// Where the line ends.
+    /// End point.
     #[must_use]
     pub const fn end(&self) -> [Position; N] {
         self.end
@@ -61,16 +62,16 @@ impl<const N: usize> Line<N> {
 
     /// The least and the greatest position of each axis.
     #[must_use]
-    pub fn extent(&self) -> [[Position; 2]; N] {
+    pub fn bounds(&self) -> [[Position; 2]; N] {
         core::array::from_fn(|i| [self.start[i].min(self.end[i]), self.start[i].max(self.end[i])])
     }
 
-    /// The point at a distance from the start, each axis within one position unit of exact.
+    /// The point at a path length, each axis exact to one position unit.
     #[must_use]
-    pub fn at(&self, distance: i64) -> [Position; N] {
+    pub fn at(&self, length: i64) -> [Position; N] {
         let mut point = self.start;
-        for (place, direction) in point.iter_mut().zip(&self.direction) {
-            *place = place.moved(scaled::<62>(distance, *direction));
+        for (position, direction) in point.iter_mut().zip(&self.direction) {
+            *position += mul_shift::<62>(length, *direction);
         }
         point
     }

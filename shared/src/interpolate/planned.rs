@@ -1,79 +1,82 @@
-//! A block made ready for the tick: geometry and length over time in machine units.
+//! A block ready to run: its geometry over path length, and the path length over time, in machine units.
 
 use super::arc::Arc;
 use super::block::{self, Block, Ramps, Shape};
+use super::error::{Field, PathError};
 use super::exponential::{self, Exponential};
-use super::joint::{End, Joint};
+use super::joint::{BlockEnd, Corner, JointLimits, limits_of_ramps};
+use super::limits::Limits;
 use super::line::Line;
 use super::profile::{self, Profile, Step};
-use super::ramp::{Limits, MOST_TICKS};
-use super::smooth::Rounding;
-use super::{Field, PathError};
+use super::ramp::{MAX_TICKS, reachable};
+use super::smooth::CornerRounding;
 use crate::units::{self, PER_M, Position};
 
-/// Fraction bits of speeds, accelerations and jerks.
+/// 1 with the 16 fraction bits of speeds, accelerations and jerks.
 const ONE: f64 = 65_536.0;
 
 /// Greatest speed, position units per tick: 2 m/s at 1 kHz, 40 m/s at 20 kHz.
-const MOST_FEED: f64 = 2_199_023_255_552.0;
+const MAX_FEED: f64 = 2_199_023_255_552.0;
 
 /// A planned block.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Planned<const N: usize> {
+pub struct PlannedBlock<const N: usize> {
     geometry: Geometry<N>,
-    time: Time,
-    /// What the time was planned within: `limits` but for what the joints take.
-    timed_within: Limits,
+    timing: Timing,
+    /// Limits of the block.
     limits: Limits,
-    ramps: Kind,
-    /// Position units; `None`: stop.
+    /// Limits that `timing` was planned with: those of the block without what its joints take.
+    ramp_limits: Limits,
+    end_speeds: EndSpeeds,
+    /// Corner tolerance, position units; `None`: stop at the end.
     tolerance: Option<u64>,
-    /// Speed at which the block is entered, per tick with 16 fraction bits.
+    /// Entry speed, per tick with 16 fraction bits.
     pub entry: u64,
-    /// Speed at which it is left; 0: the path stops there, and waits for the filters behind it.
+    /// Exit speed; 0: the path stops there and waits for the axis filters.
     pub exit: u64,
-    /// The joint with the block before.
-    pub enters: Joint,
-    /// The joint with the block behind.
-    pub leaves: Joint,
+    /// The joint with the previous block.
+    pub entry_joint: JointLimits,
+    /// The joint with the next block.
+    pub exit_joint: JointLimits,
 }
 
+/// Position over path length.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 enum Geometry<const N: usize> {
-    Stand([Position; N]),
+    Point([Position; N]),
     Line(Line<N>),
     Arc(Arc<N>),
 }
 
-/// Length over time.
+/// Path length over time.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Time {
-    Pieces(Profile),
-    Lag(Exponential),
+enum Timing {
+    Profile(Profile),
+    Exponential(Exponential),
 }
 
-/// What the speeds at the ends may be.
+/// Which speeds a block can have at its ends.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-enum Kind {
-    /// Anything that is within reach.
-    Ramps,
-    /// Nothing but rest.
-    FromRest,
-    /// Nothing but the feed.
-    Steady,
+enum EndSpeeds {
+    /// Any speed that its ramps can reach.
+    Reachable,
+    /// Zero.
+    Rest,
+    /// The feed.
+    Feed,
 }
 
-/// How far a block has come; one of the two is in use.
+/// Progress along a block. `exponential` tells which of the two is in use.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
-    pieces: profile::Progress,
+    profile: profile::Progress,
     lag: exponential::Progress,
-    lags: bool,
+    exponential: bool,
 }
 
-impl<const N: usize> Planned<N> {
-    /// Plans a block that starts at `start`, from rest to rest, for a command every 1/`rate_hz` and filters
-    /// behind the path that round as `rounding` says.
+impl<const N: usize> PlannedBlock<N> {
+    /// Plans a block from `start`, from rest to rest, for a command every 1/`rate_hz` and axis filters with the effect
+    /// `rounding`.
     ///
     /// # Errors
     /// The [`PathError`] that names what is wrong with the block.
@@ -81,118 +84,127 @@ impl<const N: usize> Planned<N> {
         block: &Block<N>,
         start: [Position; N],
         rate_hz: f64,
-        rounding: &Rounding,
+        rounding: &CornerRounding,
     ) -> Result<Self, PathError> {
         let tolerance = match block.joint {
             block::Joint::Stop => None,
             block::Joint::Within { tolerance_m } => {
-                Some(whole(tolerance_m * PER_M, 0.0, units::TRAVEL_LIMIT_M * PER_M, Field::Tolerance)?)
+                let max = units::TRAVEL_LIMIT_M * PER_M;
+                Some(integer(tolerance_m * PER_M, 0.0, max, Field::Tolerance)?)
             }
         };
         let geometry = Geometry::plan(&block.shape, start)?;
-        let rest = Self {
+        let at_rest = Self {
             geometry,
-            time: Time::Pieces(Profile::default()),
-            timed_within: Limits::new(0, 0, None),
+            timing: Timing::Profile(Profile::default()),
             limits: Limits::new(0, 0, None),
-            ramps: Kind::FromRest,
+            ramp_limits: Limits::new(0, 0, None),
+            end_speeds: EndSpeeds::Rest,
             tolerance,
             entry: 0,
             exit: 0,
-            enters: Joint::default(),
-            leaves: Joint::default(),
+            entry_joint: JointLimits::default(),
+            exit_joint: JointLimits::default(),
         };
         if let Shape::Dwell { seconds } = block.shape {
-            let ticks = whole(seconds * rate_hz, 1.0, MOST_TICKS as f64 - 1.0, Field::Dwell)?;
-            return Ok(Self { time: Time::Pieces(Profile::dwell(ticks)), tolerance: None, ..rest });
+            let ticks = integer(seconds * rate_hz, 1.0, MAX_TICKS as f64 - 1.0, Field::Dwell)?;
+            return Ok(Self { timing: Timing::Profile(Profile::dwell(ticks)), tolerance: None, ..at_rest });
         }
-        let mut limits = limits(block, rate_hz)?;
+        let mut limits = block_limits(block, rate_hz)?;
         if let Geometry::Arc(arc) = &geometry {
-            limits = limits.on_radius(arc.curvature_radius()).less(arc.off_per_length());
+            limits =
+                limits.on_arc(arc.curvature_radius()).reduced_for_correction(arc.correction_per_length());
         }
-        let ramps = match block.ramps {
-            Ramps::Trapezoid | Ramps::SCurve { .. } => Kind::Ramps,
-            Ramps::Exponential => Kind::FromRest,
+        let end_speeds = match block.ramps {
+            Ramps::Trapezoid | Ramps::SCurve { .. } => EndSpeeds::Reachable,
+            Ramps::Exponential => EndSpeeds::Rest,
             Ramps::AfterInterpolation => {
                 let stretched = (u128::from(limits.acceleration) * u128::from(rounding.stretch)) >> 16;
                 limits.feed = limits.feed.min(u64::try_from(stretched).unwrap_or(u64::MAX)).max(1);
-                Kind::Steady
+                EndSpeeds::Feed
             }
         };
-        let mut planned = Self { limits, timed_within: limits, ramps, ..rest };
-        planned.time = planned.timed()?;
+        let mut planned = Self { limits, ramp_limits: limits, end_speeds, ..at_rest };
+        planned.timing = planned.plan_timing()?;
         Ok(planned)
     }
 
-    /// Plans the time again between speeds that look-ahead has found for its ends.
-    pub fn pass(&mut self, entry: u64, exit: u64) {
+    /// Plans the timing again for the entry and exit speeds that look-ahead has found.
+    pub fn set_end_speeds(&mut self, entry: u64, exit: u64) {
         let limits = self.limits_of_ramps();
-        if (entry, exit) == (self.entry, self.exit) && limits == self.timed_within {
+        if (entry, exit) == (self.entry, self.exit) && limits == self.ramp_limits {
             return;
         }
-        (self.entry, self.exit, self.timed_within) = (entry, exit, limits);
-        // Faster ends take less time: what was not too long does not become it.
-        if let Ok(time) = self.timed() {
-            self.time = time;
+        (self.entry, self.exit, self.ramp_limits) = (entry, exit, limits);
+        // Higher end speeds take less time: a block that was not too long does not become so.
+        if let Ok(timing) = self.plan_timing() {
+            self.timing = timing;
         }
     }
 
-    fn timed(&self) -> Result<Time, PathError> {
+    fn plan_timing(&self) -> Result<Timing, PathError> {
         let length = self.length();
-        Ok(match self.ramps {
-            _ if length == 0 => self.time,
-            Kind::Ramps => Time::Pieces(Profile::plan(length, self.entry, self.exit, &self.timed_within)?),
-            Kind::Steady => Time::Pieces(Profile::steady(length, self.limits.feed)?),
-            Kind::FromRest => Time::Lag(Exponential::plan(length, &self.limits)?),
+        Ok(match self.end_speeds {
+            _ if length == 0 => self.timing,
+            EndSpeeds::Reachable => {
+                Timing::Profile(Profile::plan(length, self.entry, self.exit, &self.ramp_limits)?)
+            }
+            EndSpeeds::Feed => Timing::Profile(Profile::steady(length, self.limits.feed)?),
+            EndSpeeds::Rest => Timing::Exponential(Exponential::plan(length, &self.limits)?),
         })
     }
 
     fn limits_of_ramps(&self) -> Limits {
-        self.limits.beside(&self.enters, &self.leaves)
+        limits_of_ramps(&self.limits, &self.entry_joint, &self.exit_joint)
     }
 
-    /// How the path passes from this block to the next.
+    /// The joint with the next block.
     #[must_use]
-    pub fn joint_with(&self, next: &Self, rounding: &Rounding) -> Joint {
+    pub fn joint_with(&self, next: &Self, rounding: &CornerRounding) -> JointLimits {
         let (Some(tolerance), Some((_, from)), Some((to, _))) = (self.tolerance, self.ends(), next.ends())
         else {
-            return Joint::default();
+            return JointLimits::default();
         };
-        let limits = self.limits.both(&next.limits);
+        let limits = self.limits.intersection(&next.limits);
         let length = self.length().min(next.length()).unsigned_abs();
-        let between = |ramps| Joint::between(&from, &to, &limits, ramps, rounding, tolerance, length);
-        match (self.ramps, next.ramps) {
-            (Kind::Ramps, Kind::Ramps) => between(self.limits.acceleration.max(next.limits.acceleration)),
-            // Without ramps it is the feed of both or nothing.
-            (Kind::Steady, Kind::Steady) if self.limits.feed == next.limits.feed => {
-                Some(between(0)).filter(|joint| joint.speed == limits.feed).unwrap_or_default()
+        let plan = |ramp_acceleration| {
+            let (from, to, limits) = (&from, &to, &limits);
+            JointLimits::plan(&Corner { from, to, limits, ramp_acceleration, rounding, tolerance, length })
+        };
+        match (self.end_speeds, next.end_speeds) {
+            (EndSpeeds::Reachable, EndSpeeds::Reachable) => {
+                plan(self.limits.acceleration.max(next.limits.acceleration))
             }
-            _ => Joint::default(),
+            // Without ramps the joint is passed at the common feed or not at all.
+            (EndSpeeds::Feed, EndSpeeds::Feed) if self.limits.feed == next.limits.feed => {
+                Some(plan(0)).filter(|joint| joint.speed == limits.feed).unwrap_or_default()
+            }
+            _ => JointLimits::default(),
         }
     }
 
-    /// The greatest speed up to `most` at one end for a speed at the other.
+    /// The greatest speed up to `max` at one end for a given speed at the other.
     #[must_use]
-    pub fn reachable(&self, speed: u64, most: u64) -> u64 {
-        match self.ramps {
-            Kind::Ramps if most > speed => {
-                super::ramp::reachable(self.length(), speed, most, &self.limits_of_ramps())
+    pub fn reachable(&self, speed: u64, max: u64) -> u64 {
+        match self.end_speeds {
+            EndSpeeds::Reachable if max > speed => {
+                reachable(self.length(), speed, max, &self.limits_of_ramps())
             }
-            _ => most,
+            _ => max,
         }
     }
 
-    /// Direction and curvature at both ends, where there is a direction.
-    fn ends(&self) -> Option<(End<N>, End<N>)> {
+    /// Start and end with their directions; `None` for a dwell.
+    fn ends(&self) -> Option<(BlockEnd<N>, BlockEnd<N>)> {
         match &self.geometry {
-            Geometry::Stand(_) => None,
+            Geometry::Point(_) => None,
             Geometry::Line(line) => {
-                let end = End { direction: line.direction(), radius: None };
+                let end = BlockEnd { direction: line.direction(), radius: None };
                 Some((end, end))
             }
             Geometry::Arc(arc) => {
-                let end = |distance| End {
-                    direction: arc.direction(distance),
+                let end = |length| BlockEnd {
+                    direction: arc.direction(length),
                     radius: Some(arc.curvature_radius()),
                 };
                 Some((end(0), end(arc.length())))
@@ -200,11 +212,11 @@ impl<const N: usize> Planned<N> {
         }
     }
 
-    /// Distance from start to end, position units.
+    /// Path length, position units.
     #[must_use]
     pub const fn length(&self) -> i64 {
         match &self.geometry {
-            Geometry::Stand(_) => 0,
+            Geometry::Point(_) => 0,
             Geometry::Line(line) => line.length(),
             Geometry::Arc(arc) => arc.length(),
         }
@@ -216,74 +228,76 @@ impl<const N: usize> Planned<N> {
         self.limits.acceleration
     }
 
-    /// Where the block ends.
+    /// End point.
     #[must_use]
     pub const fn end(&self) -> [Position; N] {
         match &self.geometry {
-            Geometry::Stand(place) => *place,
+            Geometry::Point(position) => *position,
             Geometry::Line(line) => line.end(),
             Geometry::Arc(arc) => arc.end(),
         }
     }
 
-    /// The least and the greatest position of each axis on the block.
+    /// The least and the greatest position of each axis.
     #[must_use]
-    pub fn extent(&self) -> [[Position; 2]; N] {
+    pub fn bounds(&self) -> [[Position; 2]; N] {
         match &self.geometry {
-            Geometry::Stand(place) => place.map(|place| [place; 2]),
-            Geometry::Line(line) => line.extent(),
-            Geometry::Arc(arc) => arc.extent(),
+            Geometry::Point(position) => position.map(|position| [position; 2]),
+            Geometry::Line(line) => line.bounds(),
+            Geometry::Arc(arc) => arc.bounds(),
         }
     }
 
-    /// Puts a progress at the start of the block.
+    /// Sets a progress to the start of the block.
     pub fn start(&self, progress: &mut Progress) {
-        match &self.time {
-            Time::Pieces(profile) => {
-                progress.lags = false;
-                profile.start(&mut progress.pieces);
+        match &self.timing {
+            Timing::Profile(profile) => {
+                progress.exponential = false;
+                profile.start(&mut progress.profile);
             }
-            Time::Lag(_) => (progress.lags, progress.lag) = (true, exponential::Progress::NONE),
+            Timing::Exponential(_) => {
+                (progress.exponential, progress.lag) = (true, exponential::Progress::NONE);
+            }
         }
     }
 
-    /// Goes on by a part of a tick.
+    /// Advances by a time up to a tick, 32 fraction bits.
     pub fn advance(&self, progress: &mut Progress, time: u64) -> Step {
-        match &self.time {
-            Time::Pieces(profile) => profile.advance(&mut progress.pieces, time),
-            Time::Lag(curve) => match curve.advance(&mut progress.lag) {
+        match &self.timing {
+            Timing::Profile(profile) => profile.advance(&mut progress.profile, time),
+            Timing::Exponential(curve) => match curve.advance(&mut progress.lag) {
                 (_, true) => Step::Beyond(0),
-                (distance, false) => Step::Within(distance),
+                (length, false) => Step::Within(length),
             },
         }
     }
 
-    /// The point at a distance from the start.
+    /// The point at a path length.
     #[must_use]
-    pub fn at(&self, distance: i64) -> [Position; N] {
+    pub fn at(&self, length: i64) -> [Position; N] {
         match &self.geometry {
-            Geometry::Stand(place) => *place,
-            Geometry::Line(line) => line.at(distance),
-            Geometry::Arc(arc) => arc.at(distance),
+            Geometry::Point(position) => *position,
+            Geometry::Line(line) => line.at(length),
+            Geometry::Arc(arc) => arc.at(length),
         }
     }
 }
 
 impl Progress {
-    /// Of a block that has not been started.
+    /// Not started.
     pub const NONE: Self =
-        Self { pieces: profile::Progress::NONE, lag: exponential::Progress::NONE, lags: false };
+        Self { profile: profile::Progress::NONE, lag: exponential::Progress::NONE, exponential: false };
 
-    /// Position units from the start of the block.
+    /// Path length from the start of the block, position units.
     #[must_use]
     pub const fn distance(&self) -> i64 {
-        if self.lags { self.lag.distance() } else { self.pieces.distance() }
+        if self.exponential { self.lag.distance() } else { self.profile.distance() }
     }
 
     /// Speed, per tick with 16 fraction bits.
     #[must_use]
     pub const fn speed(&self) -> u64 {
-        if self.lags { self.lag.speed() } else { self.pieces.speed() }
+        if self.exponential { self.lag.speed() } else { self.profile.speed() }
     }
 }
 
@@ -291,11 +305,11 @@ impl<const N: usize> Geometry<N> {
     fn plan(shape: &Shape<N>, start: [Position; N]) -> Result<Self, PathError> {
         let centre = |[x, y]: [f64; 2]| Ok([position(x, Field::Centre)?, position(y, Field::Centre)?]);
         Ok(match *shape {
-            Shape::Dwell { .. } => Self::Stand(start),
+            Shape::Dwell { .. } => Self::Point(start),
             Shape::Line { to_m } => {
                 let mut end = start;
-                for (place, &m) in end.iter_mut().zip(&to_m) {
-                    *place = position(m, Field::EndPoint)?;
+                for (coordinate, &m) in end.iter_mut().zip(&to_m) {
+                    *coordinate = position(m, Field::EndPoint)?;
                 }
                 Self::Line(Line::plan(start, end)?)
             }
@@ -312,7 +326,7 @@ impl<const N: usize> Geometry<N> {
     }
 }
 
-/// An arc's plane, refused before anything else of the block: a machine of one axis has none.
+/// The plane of an arc, checked before anything else: a machine of one axis has none.
 fn plane_of<const N: usize>(plane: [u8; 2]) -> Result<[usize; 2], PathError> {
     let [first, second] = plane.map(usize::from);
     if first == second || first.max(second) >= N {
@@ -321,21 +335,21 @@ fn plane_of<const N: usize>(plane: [u8; 2]) -> Result<[usize; 2], PathError> {
     Ok([first, second])
 }
 
-/// Feed, acceleration and jerk of a block per tick with 16 fraction bits, rounded down so that they are kept.
-fn limits<const N: usize>(block: &Block<N>, rate_hz: f64) -> Result<Limits, PathError> {
+/// Feed, acceleration and jerk of a block per tick with 16 fraction bits, rounded down.
+fn block_limits<const N: usize>(block: &Block<N>, rate_hz: f64) -> Result<Limits, PathError> {
     let feed = block.feed_m_per_s * PER_M / rate_hz;
     let acceleration = block.acceleration_m_per_s2 * PER_M / (rate_hz * rate_hz);
     let jerk = match block.ramps {
         Ramps::SCurve { jerk_m_per_s3 } => {
             let jerk = jerk_m_per_s3 * PER_M / (rate_hz * rate_hz * rate_hz);
-            Some(whole(jerk * ONE, 1.0, MOST_FEED * ONE, Field::Jerk)?)
+            Some(integer(jerk * ONE, 1.0, MAX_FEED * ONE, Field::Jerk)?)
         }
         _ => None,
     };
-    // A feed below one position unit a tick would be lost in rounding.
-    let feed = whole(feed * ONE, ONE, MOST_FEED * ONE, Field::Feed)?;
-    let acceleration = whole(acceleration * ONE, 1.0, MOST_FEED * ONE, Field::Acceleration)?;
-    // The rise of a ramp is counted in parts of a tick: with a few of them its acceleration would not be met.
+    // A feed below one position unit per tick would be lost in rounding.
+    let feed = integer(feed * ONE, ONE, MAX_FEED * ONE, Field::Feed)?;
+    let acceleration = integer(acceleration * ONE, 1.0, MAX_FEED * ONE, Field::Acceleration)?;
+    // The rise time A/J has 32 fraction bits; a rise below 1/16 tick would not reach the acceleration accurately.
     let jerk = jerk.map(|jerk| jerk.min(acceleration.saturating_mul(16)));
     Ok(Limits::new(feed, acceleration, jerk))
 }
@@ -347,21 +361,21 @@ fn position(m: f64, field: Field) -> Result<Position, PathError> {
     Position::from_m(m).ok_or(PathError::TooLarge(field))
 }
 
-/// A number from `least` to `most`, rounded down.
-fn whole(value: f64, least: f64, most: f64, field: Field) -> Result<u64, PathError> {
+/// A number from `min` to `max`, rounded down.
+fn integer(value: f64, min: f64, max: f64, field: Field) -> Result<u64, PathError> {
     if !value.is_finite() {
         return Err(PathError::NotFinite(field));
     }
-    if value < least {
+    if value < min {
         return Err(PathError::NotPositive(field));
     }
-    if value > most {
+    if value > max {
         return Err(PathError::TooLarge(field));
     }
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "0 ≤ least ≤ value ≤ most < 2⁶⁴"
+        reason = "0 ≤ min ≤ value ≤ max < 2⁶⁴"
     )]
     Ok(value as u64)
 }

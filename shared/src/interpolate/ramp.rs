@@ -1,212 +1,90 @@
-//! How long a change of speed takes, how far it goes, and which speed can be reached: the arithmetic of
-//! planning, in integers.
+//! Ramps: how long a change of speed takes, how far it goes, and which speed can be reached, in integers.
 //!
-//! A change of speed by Δ with acceleration A and jerk J takes three pieces: the acceleration rises for
-//! t, stands for c, falls for t. With A reached (ΔJ ≥ A²) t = A/J and c = Δ/A − t, otherwise
-//! t = √(Δ/J) and c = 0; without a jerk limit t = 0 and c = Δ/A. By symmetry it goes
-//! (from + to)/2 · (2t + c). Times are rounded up, so that the limits are kept.
+//! A change of speed by Δ with acceleration A and jerk J has three segments: the acceleration rises for t, holds for c and
+//! falls for t. If A is reached (ΔJ ≥ A²), t = A/J and c = Δ/A − t; otherwise t = √(Δ/J) and c = 0; without a jerk limit
+//! t = 0 and c = Δ/A. By symmetry the distance is (from + to)/2 · (2t + c). Times are rounded up, so that the limits are
+//! kept.
 
-use super::joint::Joint;
+use super::limits::Limits;
 
-/// One as a time, in ticks.
+/// One tick as a time: 32 fraction bits.
 pub const TICK: u64 = 1 << 32;
 
-/// Longest piece at constant speed, in ticks: 29 h at 20 kHz.
-pub const MOST_TICKS: u64 = 1 << 31;
+/// Longest segment at constant speed, in ticks: 29 h at 20 kHz.
+pub const MAX_TICKS: u64 = 1 << 31;
 
 /// Longest ramp, in ticks: 7 h at 20 kHz.
-pub const MOST_RAMP_TICKS: u64 = 1 << 29;
+pub const MAX_RAMP_TICKS: u64 = 1 << 29;
 
-/// Steps of the search for a speed: a bracket of 2⁶⁰ ends at one unit of 2⁻¹⁶.
-const SEARCH_STEPS: u32 = 60;
+/// Bisection steps for a speed: they narrow a bracket of 2⁶⁰ to one unit of 2⁻¹⁶.
+const BISECTION_STEPS: u32 = 60;
 
-/// What a block must keep to, per tick, with 16 fraction bits: position units, per tick, per tick².
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Limits {
-    /// Speed along the path, at least 1.
-    pub feed: u64,
-    /// Acceleration along the path, at least 1.
-    pub acceleration: u64,
-    /// Jerk along the path, at least 1; `None`: the acceleration may jump.
-    pub jerk: Option<u64>,
-    /// Acceleration that a joint may take.
-    pub spare_acceleration: u64,
-    /// Jerk that a joint may take.
-    pub spare_jerk: u64,
-}
-
-impl Limits {
-    /// Limits of which a joint may take half.
-    #[must_use]
-    pub fn new(feed: u64, acceleration: u64, jerk: Option<u64>) -> Self {
-        let spare_jerk = jerk.unwrap_or(0) / 2;
-        Self { feed, acceleration, jerk, spare_acceleration: acceleration / 2, spare_jerk }
-    }
-
-    /// The same for a path that is drawn aside by this share of its length (32 fraction bits): less by twice that, as
-    /// what is aside may point where an acceleration does.
-    #[must_use]
-    pub fn less(self, aside: u64) -> Self {
-        let less = |limit: u64| {
-            let part = (u128::from(limit) * u128::from(aside)) >> 31;
-            limit.saturating_sub(u64::try_from(part).unwrap_or(limit)).max(1)
-        };
-        Self {
-            feed: less(self.feed),
-            acceleration: less(self.acceleration),
-            jerk: self.jerk.map(less),
-            spare_acceleration: less(self.spare_acceleration),
-            spare_jerk: less(self.spare_jerk),
-        }
-    }
-
-    /// What keeps the whole acceleration and jerk on an arc, with the part towards the centre.
-    ///
-    /// A sixteenth of A is spared for the joints. Of the rest, A*, towards the centre goes v²/R, at most
-    /// √¾·A*; along the path what that leaves, at least A*/2. Of the jerk, half goes along the path; v³/R² is
-    /// kept to a quarter, and 3va/R to a half of it, so that all three together stay below
-    /// √((½ + ¼)² + ½²)·J = 0.91·J, and a sixteenth is spared.
-    #[must_use]
-    pub fn on_radius(self, radius: i64) -> Self {
-        let radius = u128::from(radius.unsigned_abs()).max(1);
-        let spare_acceleration = self.acceleration / 16;
-        let greatest = u128::from(self.acceleration - spare_acceleration);
-        // √¾ = 0.8660
-        let centripetal = greatest * 8660 / 10_000;
-        let mut feed = u128::from(self.feed).min((centripetal.saturating_mul(radius) << 16).isqrt());
-        let towards_centre = |feed: u128| (feed * feed / radius) >> 16;
-        if let Some(jerk) = self.jerk {
-            let most = u128::from(jerk) / 4;
-            let turning = |feed: u128| (towards_centre(feed) * feed / radius) >> 16;
-            if turning(feed) > most {
-                let (mut low, mut high) = (0, feed);
-                for _ in 0..SEARCH_STEPS {
-                    let middle = u128::midpoint(low, high);
-                    if turning(middle) > most {
-                        high = middle;
-                    } else {
-                        low = middle;
-                    }
-                }
-                feed = low;
-            }
-        }
-        let feed = feed.max(1);
-        let mut along = (greatest * greatest).saturating_sub(towards_centre(feed).pow(2)).isqrt();
-        if let Some(jerk) = self.jerk {
-            along = along.min(((u128::from(jerk) * radius).saturating_mul(1 << 16) / (6 * feed)).max(1));
-        }
-        #[expect(clippy::cast_possible_truncation, reason = "none is more than it was")]
-        Self {
-            feed: feed as u64,
-            acceleration: along.max(1) as u64,
-            jerk: self.jerk.map(|jerk| (jerk / 2).max(1)),
-            spare_acceleration,
-            spare_jerk: self.jerk.unwrap_or(0) / 16,
-        }
-    }
-
-    /// What joints at the ends leave for the ramps.
-    #[must_use]
-    pub fn beside(&self, enter: &Joint, leave: &Joint) -> Self {
-        let less = |limit: u64, one: u64, other: u64| limit.saturating_sub(one.max(other)).max(1);
-        Self {
-            acceleration: less(self.acceleration, enter.acceleration, leave.acceleration),
-            jerk: self.jerk.map(|jerk| less(jerk, enter.jerk, leave.jerk)),
-            ..*self
-        }
-    }
-
-    /// What keeps the limits of both.
-    #[must_use]
-    pub fn both(&self, other: &Self) -> Self {
-        Self {
-            feed: self.feed.min(other.feed),
-            acceleration: self.acceleration.min(other.acceleration),
-            jerk: match (self.jerk, other.jerk) {
-                (Some(one), Some(two)) => Some(one.min(two)),
-                (one, two) => one.or(two),
-            },
-            spare_acceleration: self.spare_acceleration.min(other.spare_acceleration),
-            spare_jerk: match (self.jerk, other.jerk) {
-                (None, _) => other.spare_jerk,
-                (_, None) => self.spare_jerk,
-                _ => self.spare_jerk.min(other.spare_jerk),
-            },
-        }
-    }
-}
-
-/// The pieces of a change of speed, in ticks with 32 fraction bits.
+/// The durations of a change of speed, in ticks with 32 fraction bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
 pub struct Ramp {
-    /// The acceleration rises, and falls again, for so long.
+    /// Duration of the rise of the acceleration, and of its fall.
     pub rise: u64,
-    /// It stands in between.
-    pub stand: u64,
+    /// Duration of constant acceleration in between.
+    pub hold: u64,
 }
 
 impl Ramp {
-    /// The shortest that changes the speed from one to the other within the limits.
+    /// The shortest ramp between two speeds within the limits.
     #[must_use]
     pub fn between(from: u64, to: u64, limits: &Limits) -> Self {
         let change = u128::from(from.abs_diff(to));
         let acceleration = u128::from(limits.acceleration.max(1));
         let Some(jerk) = limits.jerk.map(|jerk| u128::from(jerk.max(1))) else {
-            return Self { rise: 0, stand: time((change << 32).div_ceil(acceleration)) };
+            return Self { rise: 0, hold: time((change << 32).div_ceil(acceleration)) };
         };
         if change * jerk >= acceleration * acceleration {
             let rise = (acceleration << 32).div_ceil(jerk);
-            let stand = (change << 32).div_ceil(acceleration).saturating_sub(rise);
-            Self { rise: time(rise), stand: time(stand) }
+            let hold = (change << 32).div_ceil(acceleration).saturating_sub(rise);
+            Self { rise: time(rise), hold: time(hold) }
         } else {
-            Self { rise: time(ceil_sqrt((change << 64).div_ceil(jerk))), stand: 0 }
+            Self { rise: time(ceil_sqrt((change << 64).div_ceil(jerk))), hold: 0 }
         }
     }
 
-    /// Whether it is shorter than the longest that is planned.
+    /// Whether the ramp is shorter than [`MAX_RAMP_TICKS`].
     #[must_use]
     pub const fn is_short(&self) -> bool {
-        self.duration() < MOST_RAMP_TICKS << 32
+        self.duration() < MAX_RAMP_TICKS << 32
     }
 
-    /// From start to end, ticks with 32 fraction bits.
+    /// Total duration, ticks with 32 fraction bits.
     #[must_use]
     pub const fn duration(&self) -> u64 {
-        2 * self.rise + self.stand
+        2 * self.rise + self.hold
     }
 
-    /// How far it goes between two speeds, in position units with 17 fraction bits, rounded up.
+    /// Distance between two speeds, position units with 17 fraction bits, rounded up.
     fn distance(&self, from: u64, to: u64) -> u128 {
         ((u128::from(from) + u128::from(to)) * u128::from(self.duration())).div_ceil(1 << 32)
     }
 }
 
-/// A time of at most [`MOST_RAMP_TICKS`]; a ramp as long as that is refused where pieces are put together.
+/// A time, limited to [`MAX_RAMP_TICKS`]: a ramp of that length is rejected when the profile is composed.
 fn time(ticks_q32: u128) -> u64 {
-    u64::try_from(ticks_q32).unwrap_or(u64::MAX).min(MOST_RAMP_TICKS << 32)
+    u64::try_from(ticks_q32).unwrap_or(u64::MAX).min(MAX_RAMP_TICKS << 32)
 }
 
-/// How far the change from one speed to another goes, position units with 17 fraction bits.
+/// Distance of the ramp between two speeds, position units with 17 fraction bits.
 fn distance(from: u64, to: u64, limits: &Limits) -> u128 {
     Ramp::between(from, to, limits).distance(from, to)
 }
 
-/// The greatest speed up to `most` that can be changed into `speed`, or reached from it, within a
-/// length. At least `speed` itself.
+/// The greatest speed up to `max` that a ramp connects with `speed` within a length. At least `speed` itself.
 ///
-/// One square root without a jerk limit, at most 60 steps of a search with one.
+/// One square root without a jerk limit, at most 60 bisection steps with one.
 #[must_use]
-pub fn reachable(length: i64, speed: u64, most: u64, limits: &Limits) -> u64 {
-    let room = u128::from(length.unsigned_abs()) << 17;
-    if most <= speed || distance(speed, most, limits) <= room {
-        return most.max(speed);
+pub fn reachable(length: i64, speed: u64, max: u64, limits: &Limits) -> u64 {
+    let available = u128::from(length.unsigned_abs()) << 17;
+    if max <= speed || distance(speed, max, limits) <= available {
+        return max.max(speed);
     }
-    greatest(
-        speed,
-        most,
-        limits,
-        room,
+    let search = Search { min: speed, max, limits, available };
+    search.greatest(
         |top| distance(speed, top, limits),
         || {
             // to² = from² + 2AL
@@ -215,54 +93,58 @@ pub fn reachable(length: i64, speed: u64, most: u64, limits: &Limits) -> u64 {
     )
 }
 
-/// The greatest speed up to the feed on a block that is entered and left at given speeds.
+/// The greatest speed up to the feed on a block with given entry and exit speeds.
 ///
 /// Bounded as [`reachable`] is.
 #[must_use]
 pub fn peak(length: i64, entry: u64, exit: u64, limits: &Limits) -> u64 {
-    let room = u128::from(length.unsigned_abs()) << 17;
-    let least = entry.max(exit);
+    let available = u128::from(length.unsigned_abs()) << 17;
+    let min = entry.max(exit);
     let both = |top| distance(entry, top, limits) + distance(top, exit, limits);
-    if limits.feed <= least || both(limits.feed) <= room {
-        return limits.feed.max(least);
+    if limits.feed <= min || both(limits.feed) <= available {
+        return limits.feed.max(min);
     }
-    greatest(least, limits.feed, limits, room, both, || {
+    let search = Search { min, max: limits.feed, limits, available };
+    search.greatest(both, || {
         // 2·top² = entry² + exit² + 2AL
         (square(entry) / 2 + square(exit) / 2).saturating_add(work(length, limits))
     })
 }
 
-/// The greatest speed from `least` to `most` whose ramps find room: by its square where the acceleration
-/// alone limits, else by halving.
-fn greatest(
-    least: u64,
-    most: u64,
-    limits: &Limits,
-    room: u128,
-    needed: impl Fn(u64) -> u128,
-    squared: impl Fn() -> u128,
-) -> u64 {
-    if limits.jerk.is_none() {
-        #[expect(clippy::cast_possible_truncation, reason = "the root of 128 bits has 64")]
-        return (squared().isqrt() as u64).clamp(least, most);
-    }
-    let (mut low, mut high) = (least, most);
-    for _ in 0..SEARCH_STEPS {
-        // 2⁻²⁴ below the greatest speed lengthens a block by less than that.
-        if high - low <= 1 + (low >> 24) {
-            break;
-        }
-        let middle = low.midpoint(high);
-        if needed(middle) <= room {
-            low = middle;
-        } else {
-            high = middle;
-        }
-    }
-    low
+/// A search for the greatest speed whose ramps fit a length.
+struct Search<'a> {
+    min: u64,
+    max: u64,
+    limits: &'a Limits,
+    /// Position units with 17 fraction bits.
+    available: u128,
 }
 
-/// A·L, with the fraction bits of a speed squared.
+impl Search<'_> {
+    /// The greatest speed: from its square if only the acceleration is limited, else by bisection of the required length.
+    fn greatest(&self, required: impl Fn(u64) -> u128, squared: impl Fn() -> u128) -> u64 {
+        if self.limits.jerk.is_none() {
+            #[expect(clippy::cast_possible_truncation, reason = "the root of 128 bits has 64")]
+            return (squared().isqrt() as u64).clamp(self.min, self.max);
+        }
+        let (mut low, mut high) = (self.min, self.max);
+        for _ in 0..BISECTION_STEPS {
+            // A speed too low by 2⁻²⁴ makes the block longer by less than that.
+            if high - low <= 1 + (low >> 24) {
+                break;
+            }
+            let middle = low.midpoint(high);
+            if required(middle) <= self.available {
+                low = middle;
+            } else {
+                high = middle;
+            }
+        }
+        low
+    }
+}
+
+/// A·L, with the fraction bits of a squared speed.
 fn work(length: i64, limits: &Limits) -> u128 {
     u128::from(limits.acceleration).saturating_mul(u128::from(length.unsigned_abs()) << 16)
 }
@@ -283,7 +165,7 @@ mod tests {
 
     use super::*;
 
-    /// 16 fraction bits.
+    /// 1 with 16 fraction bits.
     const ONE: f64 = 65_536.0;
 
     fn limits() -> impl Strategy<Value = Limits> {
@@ -297,17 +179,17 @@ mod tests {
     }
 
     proptest! {
-        /// The pieces' own acceleration and jerk, from their durations, against the limits: at most them,
-        /// and one of them reached, unless the change takes so little of a tick that 2⁻³² of it shows.
+        /// Acceleration and jerk, computed from the durations: within the limits, and one limit reached unless the ramp is so
+        /// short that the rounding of its durations to 2⁻³² ticks shows.
         #[test]
-        fn a_ramp_keeps_its_limits_and_reaches_one(limits in limits(), share in 0.0..1.0f64) {
+        fn a_ramp_keeps_its_limits_and_reaches_one(limits in limits(), fraction in 0.0..1.0f64) {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below the feed")]
-            let to = (limits.feed as f64 * share) as u64;
+            let to = (limits.feed as f64 * fraction) as u64;
             prop_assume!(to > 1 << 16);
             let ramp = Ramp::between(0, to, &limits);
             prop_assume!(ramp.is_short());
-            let (rise, stand) = (ramp.rise as f64 / TICK as f64, ramp.stand as f64 / TICK as f64);
-            let acceleration = to as f64 / (rise + stand);
+            let (rise, hold) = (ramp.rise as f64 / TICK as f64, ramp.hold as f64 / TICK as f64);
+            let acceleration = to as f64 / (rise + hold);
             prop_assert!(acceleration <= limits.acceleration as f64 * (1.0 + 1e-9));
             let mut closest = acceleration / limits.acceleration as f64;
             if let Some(jerk) = limits.jerk {
@@ -317,18 +199,18 @@ mod tests {
             prop_assert!(closest > 1.0 - 1e-6 || ramp.duration() < 1 << 24, "{closest}");
         }
 
-        /// What is reachable fits, and 1e-6 more does not, or is more than the feed.
+        /// The peak speed fits the length; 1e-6 more does not fit, or exceeds the feed.
         #[test]
         fn a_peak_is_the_greatest_that_fits(limits in limits(), length in 1i64 << 20..1 << 51, entry in 0.0..1.0f64) {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below the feed")]
             let entry = reachable(length, 0, (limits.feed as f64 * entry) as u64, &limits);
             let top = peak(length, entry, 0, &limits);
             prop_assert!(top <= limits.feed && top >= entry);
-            let room = (length as f64) * 2.0 * ONE;
-            let needed = |top| (distance(entry, top, &limits) + distance(top, 0, &limits)) as f64;
-            prop_assert!(needed(top) <= room * (1.0 + 1e-6) + 4.0 * ONE, "{} of {room}", needed(top));
+            let available = (length as f64) * 2.0 * ONE;
+            let required = |top| (distance(entry, top, &limits) + distance(top, 0, &limits)) as f64;
+            prop_assert!(required(top) <= available * (1.0 + 1e-6) + 4.0 * ONE, "{} of {available}", required(top));
             let more = top + 2 + top / 1_000_000;
-            prop_assert!(top == limits.feed || needed(more) >= room * (1.0 - 1e-9) - 4.0 * ONE);
+            prop_assert!(top == limits.feed || required(more) >= available * (1.0 - 1e-9) - 4.0 * ONE);
         }
     }
 }

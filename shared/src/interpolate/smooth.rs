@@ -1,4 +1,4 @@
-//! Acceleration after interpolation: a filter of each axis behind the path.
+//! Acceleration after interpolation: a filter per axis behind the path.
 //!
 //! | filter | response | a circle of radius R at ω shrinks to |
 //! |---|---|---|
@@ -6,66 +6,82 @@
 //! | S-curve | mean over T₁, then over T₂ | R·sinc(ωT₁/2)·sinc(ωT₂/2) |
 //! | exponential | first-order lag τ | R/√(1 + ω²τ²) |
 //!
-//! sinc x = sin x/x; of n ticks Δ it is sin(nωΔ/2)/(n·sin(ωΔ/2)), of the lag with share α per tick
-//! α/√(1 + (1 − α)² − 2(1 − α)·cos ωΔ). All of it integer, and each comes to rest on the very place
-//! that it is given: n·y + r = Σx holds exactly for the mean y, and r is 0 once all x are equal.
+//! with sinc x = sin x/x. For n ticks of Δ it is sin(nωΔ/2)/(n·sin(ωΔ/2)), and for the lag with the factor α per tick
+//! α/√(1 + (1 − α)² − 2(1 − α)·cos ωΔ). In integer arithmetic, each filter comes to rest exactly at its input: the mean y
+//! with remainder r satisfies n·y + r = Σx exactly, and r is 0 when all x are equal.
+//!
+//! # Example
+//!
+//! A step of the position through a mean over 4 ticks is a ramp of 4 ticks.
+//!
+//! ```
+//! use shared::interpolate::smooth::{Filter, Smoothing, State};
+//! use shared::units::Position;
+//!
+//! let filter = Filter::new(&Smoothing::Trapezoid { time_s: 0.004 }, 1000.0)?;
+//! let mut state = State::at(Position(0));
+//! let outputs = [(); 5].map(|()| state.step(&filter, Position(4000)).0);
+//! assert_eq!(outputs, [1000, 2000, 3000, 4000, 4000]);
+//! # Ok::<(), shared::interpolate::PathError>(())
+//! ```
 
 use serde::{Deserialize, Serialize};
 
-use super::{Field, PathError, share};
+use super::error::{Field, PathError};
+use crate::integer::mul_q32;
 use crate::units::Position;
 
-/// Ticks that the windows of an axis have together: 128 ms at 4 kHz, 4 kB an axis.
+/// Greatest total length of the windows of an axis, ticks: 128 ms at 4 kHz, 4 kB per axis.
 pub const WINDOW: usize = 512;
 
-/// Least share of the lag per tick, 32 fraction bits: 2²⁰ ticks.
-const LEAST_SHARE: f64 = 4096.0;
+/// Least α of the lag, 32 fraction bits: a time constant of 2²⁰ ticks.
+const MIN_ALPHA: f64 = 4096.0;
 
 /// The filter of an axis, in SI.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub enum Smoothing {
-    /// The command is the path.
+    /// No filter: the command is the path.
     #[default]
     None,
-    /// A step of speed becomes a ramp.
+    /// A mean: a step of speed becomes a ramp.
     Trapezoid {
-        /// T.
+        /// T, s.
         time_s: f64,
     },
-    /// It becomes a ramp with rounded ends.
+    /// Two means: a step of speed becomes a ramp with limited jerk.
     SCurve {
-        /// T₁, the longer of the two.
+        /// T₁, the longer of the two, s.
         time_s: f64,
-        /// T₂.
+        /// T₂, s.
         jerk_time_s: f64,
     },
-    /// It becomes an exponential.
+    /// A first-order lag: a step of speed becomes an exponential.
     Exponential {
-        /// τ.
+        /// τ, s.
         time_constant_s: f64,
     },
 }
 
-/// A tick with 16 fraction bits.
+/// One tick with 16 fraction bits.
 const ONE_TICK: u64 = 1 << 16;
 
-/// What a filter does to a kink of the path.
+/// The effect of a filter on a corner of the path, all with 16 fraction bits.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Rounding {
-    /// A step of velocity leaves the kink by so many ticks of it, 16 fraction bits.
+pub struct CornerRounding {
+    /// κ: distance from the corner per velocity step, ticks.
     pub deviation: u64,
-    /// Accelerations beside the kink, by so many ticks² of them, 16 fraction bits.
+    /// κ₂: distance from the corner per acceleration of the adjacent ramps, ticks².
     pub deviation_by_acceleration: u64,
-    /// And is stretched to an acceleration over so many ticks, at least one, 16 fraction bits.
+    /// T: duration over which a velocity step is spread, at least one tick.
     pub stretch: u64,
-    /// Whose own rise takes so many ticks, at least one, 16 fraction bits.
+    /// T': rise time of the acceleration of that, at least one tick.
     pub rise: u64,
-    /// Joints that follow each other within so many ticks add up, 16 fraction bits.
+    /// W: the effects of joints within this time add up, ticks.
     pub window: u64,
 }
 
-impl Rounding {
-    /// Without a filter a step of velocity is taken within a tick.
+impl CornerRounding {
+    /// Without a filter a velocity step is taken within a tick.
     pub const NONE: Self = Self {
         deviation: 0,
         deviation_by_acceleration: 0,
@@ -74,9 +90,9 @@ impl Rounding {
         window: ONE_TICK,
     };
 
-    /// The one that rounds more and stretches less.
+    /// The worst case of two filters: most deviation, least stretch.
     #[must_use]
-    pub fn worse(self, other: Self) -> Self {
+    pub fn worst_of(self, other: Self) -> Self {
         Self {
             deviation: self.deviation.max(other.deviation),
             deviation_by_acceleration: self.deviation_by_acceleration.max(other.deviation_by_acceleration),
@@ -87,16 +103,16 @@ impl Rounding {
     }
 }
 
-/// The filter of an axis, in ticks.
+/// The filter of an axis, in machine units.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Filter {
-    /// None.
+    /// No filter.
     Pass,
-    /// One mean.
+    /// A moving mean.
     Mean(Divisor),
-    /// Two.
+    /// Two moving means in series, the longer first.
     Means(Divisor, Divisor),
-    /// 2³² of it is the whole lag in one tick.
+    /// A first-order lag with α, 32 fraction bits.
     Lag(u32),
 }
 
@@ -115,11 +131,11 @@ impl Divisor {
 }
 
 impl Filter {
-    /// Makes the filter for a command every 1/`rate_hz`.
+    /// Converts the settings for a command every 1/`rate_hz`.
     ///
     /// # Errors
-    /// [`PathError`] with [`Field::Smoothing`]: times that are not finite, negative, longer together than
-    /// [`WINDOW`] ticks, or in the wrong order; a time constant above 2²⁰ ticks.
+    /// [`PathError`] with [`Field::Smoothing`] for times that are not finite, negative, longer in total than [`WINDOW`] ticks or
+    /// in the wrong order, and for a time constant above 2²⁰ ticks.
     pub fn new(smoothing: &Smoothing, rate_hz: f64) -> Result<Self, PathError> {
         match *smoothing {
             Smoothing::None => Ok(Self::Pass),
@@ -138,13 +154,13 @@ impl Filter {
                 if time_constant_s <= 0.0 {
                     return Err(PathError::NotPositive(Field::Smoothing));
                 }
-                // 1 − e^(−1/τ): the lag then decays as the continuous one does.
-                let share = -libm::expm1(-1.0 / (time_constant_s * rate_hz)) * 4_294_967_296.0;
-                if share < LEAST_SHARE {
+                // α = 1 − e^(−1/τ): the lag decays as the continuous one.
+                let alpha = -libm::expm1(-1.0 / (time_constant_s * rate_hz)) * 4_294_967_296.0;
+                if alpha < MIN_ALPHA {
                     return Err(PathError::TooLarge(Field::Smoothing));
                 }
                 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates at 1")]
-                Ok(Self::Lag(share as u32))
+                Ok(Self::Lag(alpha as u32))
             }
         }
     }
@@ -157,15 +173,15 @@ impl Filter {
         }
     }
 
-    /// Rounding of a kink that is passed with v|t| + a·t²/2 on its two sides.
+    /// The rounding of a corner whose sides are passed with v·|t| + a·t²/2.
     ///
-    /// When the filter is half through, the command is off by half the step times the mean of that over the
-    /// window: v·T/8 + a·T²/48 for the mean over T, v·(T₁ + T₂²/(3T₁))/8 + a·(T₁² + T₂²)/48 for two. The
-    /// lag is off by no more than what it still has of the first side after τ: (v·τ + a·τ²)/e.
+    /// With the corner in the middle of the window, the distance from it is half the step times the mean of that over the
+    /// window: v·T/8 + a·T²/48 for a mean over T, v·(T₁ + T₂²/(3T₁))/8 + a·(T₁² + T₂²)/48 for two. For the lag it is at most
+    /// what remains of the first side after τ: (v·τ + a·τ²)/e.
     #[must_use]
-    pub fn rounding(&self) -> Rounding {
+    pub fn rounding(&self) -> CornerRounding {
         const ONE: u64 = ONE_TICK;
-        let means = |long: u64, short: u64| Rounding {
+        let means = |long: u64, short: u64| CornerRounding {
             deviation: ONE * (3 * long * long + short * short) / (24 * long),
             deviation_by_acceleration: ONE * (long * long + short * short) / 48,
             stretch: ONE * long,
@@ -173,27 +189,27 @@ impl Filter {
             window: ONE * (long + short),
         };
         match self {
-            Self::Pass => Rounding::NONE,
+            Self::Pass => CornerRounding::NONE,
             Self::Mean(long) => means(long.ticks.into(), 0),
             Self::Means(long, short) => means(long.ticks.into(), short.ticks.into()),
-            Self::Lag(share) => {
-                let lag = (1u64 << 48) / u64::from((*share).max(1));
+            Self::Lag(alpha) => {
+                let lag = (1u64 << 48) / u64::from((*alpha).max(1));
                 // 1/e = 0.3679
                 let deviation = lag * 3679 / 10_000;
                 let by_acceleration = (u128::from(deviation) * u128::from(lag)) >> 16;
-                Rounding {
+                CornerRounding {
                     deviation,
                     deviation_by_acceleration: u64::try_from(by_acceleration).unwrap_or(u64::MAX),
                     stretch: lag.max(ONE),
                     rise: ONE,
-                    // Steps that follow each other after d ticks add up to 1/(1 − e^(−d/τ)), below 1 + τ/d of one.
+                    // Steps every d ticks add up to 1/(1 − e^(−d/τ)) of one step, which is below 1 + τ/d.
                     window: lag.max(ONE),
                 }
             }
         }
     }
 
-    /// Ticks after which the filter has forgotten what was before, where there is such a number.
+    /// Ticks after which the output is independent of older inputs; 0 for the lag, whose memory is unlimited.
     const fn memory(&self) -> u16 {
         match self {
             Self::Pass | Self::Lag(_) => 0,
@@ -206,33 +222,33 @@ impl Filter {
 /// The filters of all axes.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Filters<const N: usize> {
-    /// One an axis.
+    /// One per axis.
     pub axes: [Filter; N],
-    /// What the axis that rounds most does to a kink.
-    pub rounding: Rounding,
-    /// Whether any of them does anything.
-    pub smooth: bool,
+    /// Worst case of the rounding over the axes.
+    pub rounding: CornerRounding,
+    /// Whether any axis has a filter.
+    pub active: bool,
 }
 
 impl<const N: usize> Filters<N> {
-    /// The command of every axis is the path.
-    pub const PASS: Self = Self { axes: [Filter::Pass; N], rounding: Rounding::NONE, smooth: false };
+    /// No filters.
+    pub const PASS: Self = Self { axes: [Filter::Pass; N], rounding: CornerRounding::NONE, active: false };
 
-    /// Makes the filters for a command every 1/`rate_hz`.
+    /// Converts the settings for a command every 1/`rate_hz`.
     ///
     /// # Errors
     /// As [`Filter::new`].
     pub fn new(smoothing: &[Smoothing; N], rate_hz: f64) -> Result<Self, PathError> {
-        let mut made = Self::PASS;
-        let mut rounding: Option<Rounding> = None;
-        for (filter, smoothing) in made.axes.iter_mut().zip(smoothing) {
+        let mut filters = Self::PASS;
+        let mut rounding: Option<CornerRounding> = None;
+        for (filter, smoothing) in filters.axes.iter_mut().zip(smoothing) {
             *filter = Filter::new(smoothing, rate_hz)?;
-            let this = filter.rounding();
-            rounding = Some(rounding.map_or(this, |other| other.worse(this)));
+            let own = filter.rounding();
+            rounding = Some(rounding.map_or(own, |other| other.worst_of(own)));
         }
-        made.smooth = made.axes.iter().any(|filter| *filter != Filter::Pass);
-        made.rounding = rounding.unwrap_or(Rounding::NONE);
-        Ok(made)
+        filters.active = filters.axes.iter().any(|filter| *filter != Filter::Pass);
+        filters.rounding = rounding.unwrap_or(CornerRounding::NONE);
+        Ok(filters)
     }
 }
 
@@ -251,96 +267,103 @@ fn ticks(seconds: f64, rate_hz: f64) -> Result<u16, PathError> {
     Ok(ticks as u16)
 }
 
-/// What the filter of an axis remembers.
+/// State of the filter of an axis.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// The windows, one behind the other.
-    past: [i64; WINDOW],
+    /// The windows of both means, one after the other.
+    windows: [i64; WINDOW],
     means: [Mean; 2],
-    /// What the filter shows.
-    place: i64,
-    /// What it was given last, and for how many ticks that has not changed.
-    target: i64,
-    still: u16,
+    /// Last output.
+    output: i64,
+    /// Last input, and the number of ticks for which it has not changed.
+    input: i64,
+    unchanged_ticks: u16,
 }
 
-/// A mean over a window that was filled with one place when it began.
+/// A moving mean. Its window counts as filled with the initial position, so that it need not be written.
 #[derive(Clone, Copy, Debug)]
 struct Mean {
-    began_at: i64,
-    /// Whether the window has been written once round.
+    initial: i64,
+    /// Whether every slot of the window has been written.
     full: bool,
     next: u16,
-    shows: i64,
-    /// Sum of the window less ticks times what it shows.
-    rest: i64,
+    value: i64,
+    /// Sum of the window − ticks·value.
+    remainder: i64,
 }
 
 impl Mean {
-    const fn at(place: i64) -> Self {
-        Self { began_at: place, full: false, next: 0, shows: place, rest: 0 }
+    const fn at(position: i64) -> Self {
+        Self { initial: position, full: false, next: 0, value: position, remainder: 0 }
     }
 
-    /// Takes one value in and the oldest one out of the window.
+    /// Replaces the oldest value of the window and returns the mean.
     fn step(&mut self, window: &mut [i64], divisor: Divisor, value: i64) -> i64 {
         if let Some(slot) = window.get_mut(usize::from(self.next)) {
-            let oldest = if self.full { *slot } else { self.began_at };
-            self.rest = self.rest.wrapping_add(value.wrapping_sub(oldest));
+            let oldest = if self.full { *slot } else { self.initial };
+            self.remainder = self.remainder.wrapping_add(value.wrapping_sub(oldest));
             *slot = value;
         }
         self.next += 1;
         if self.next >= divisor.ticks {
             (self.next, self.full) = (0, true);
         }
-        // The reciprocal is rounded up: a rest of n gives 1, one below n gives 0. What a large rest
-        // gives too much comes back with the next tick, for the rest itself is exact.
-        let more = share(self.rest, divisor.reciprocal);
-        self.shows = self.shows.wrapping_add(more);
-        self.rest = self.rest.wrapping_sub(more.wrapping_mul(i64::from(divisor.ticks)));
-        self.shows
+        // The reciprocal is rounded up: a remainder of n gives 1, one below n gives 0. An excess for a large remainder is
+        // corrected in the next tick, since the remainder itself is exact.
+        let change = mul_q32(self.remainder, divisor.reciprocal);
+        self.value = self.value.wrapping_add(change);
+        self.remainder = self.remainder.wrapping_sub(change.wrapping_mul(i64::from(divisor.ticks)));
+        self.value
     }
 }
 
 impl State {
     /// At rest.
     #[must_use]
-    pub const fn at(place: Position) -> Self {
-        let place = place.0;
-        Self { past: [0; WINDOW], means: [Mean::at(place); 2], place, target: place, still: u16::MAX }
+    pub const fn at(position: Position) -> Self {
+        let position = position.0;
+        Self {
+            windows: [0; WINDOW],
+            means: [Mean::at(position); 2],
+            output: position,
+            input: position,
+            unchanged_ticks: u16::MAX,
+        }
     }
 
-    /// At rest somewhere else: nothing of the windows has to be written for it.
-    pub const fn stand_at(&mut self, place: Position) {
-        self.means = [Mean::at(place.0); 2];
-        (self.place, self.target, self.still) = (place.0, place.0, u16::MAX);
+    /// Rests at another position, without writing the windows.
+    pub const fn rest_at(&mut self, position: Position) {
+        self.means = [Mean::at(position.0); 2];
+        (self.output, self.input, self.unchanged_ticks) = (position.0, position.0, u16::MAX);
     }
 
-    /// Takes the path's next place and gives the command.
-    pub fn step(&mut self, filter: &Filter, target: Position) -> Position {
-        self.still = if target.0 == self.target { self.still.saturating_add(1) } else { 0 };
-        self.target = target.0;
+    /// The command for a position on the path, once per position tick.
+    pub fn step(&mut self, filter: &Filter, input: Position) -> Position {
+        let unchanged = input.0 == self.input;
+        self.unchanged_ticks = if unchanged { self.unchanged_ticks.saturating_add(1) } else { 0 };
+        self.input = input.0;
         let [first, second] = &mut self.means;
-        self.place = match *filter {
-            Filter::Pass => target.0,
-            Filter::Mean(long) => first.step(&mut self.past, long, target.0),
+        self.output = match *filter {
+            Filter::Pass => input.0,
+            Filter::Mean(long) => first.step(&mut self.windows, long, input.0),
             Filter::Means(long, short) => {
                 let (head, tail) =
-                    self.past.split_at_mut_checked(usize::from(long.ticks)).unwrap_or_default();
-                let mean = first.step(head, long, target.0);
+                    self.windows.split_at_mut_checked(usize::from(long.ticks)).unwrap_or_default();
+                let mean = first.step(head, long, input.0);
                 second.step(tail, short, mean)
             }
-            Filter::Lag(part) => {
-                let lag = target.0.wrapping_sub(self.place);
-                // Rounded away from zero, so that the rest of the lag is not for ever.
-                self.place.wrapping_add(share(lag, part)).wrapping_add(i64::from(lag > 0))
+            Filter::Lag(alpha) => {
+                let lag = input.0.wrapping_sub(self.output);
+                // Rounded away from zero, so that the lag ends.
+                self.output.wrapping_add(mul_q32(lag, alpha)).wrapping_add(i64::from(lag > 0))
             }
         };
-        Position(self.place)
+        Position(self.output)
     }
 
-    /// Whether the command stands on the path's place and stays there while that does.
+    /// Whether the command has reached the input, and stays there while the input does not change.
     #[must_use]
     pub const fn is_settled(&self, filter: &Filter) -> bool {
-        self.place == self.target && self.still >= filter.memory()
+        self.output == self.input && self.unchanged_ticks >= filter.memory()
     }
 }

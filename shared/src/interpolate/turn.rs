@@ -1,33 +1,42 @@
-//! Sine and cosine of a turn by integers: 2049 tabled values and a short series between them.
+//! Sine and cosine in integer arithmetic: a table of 2049 values and a short series between them.
 //!
-//! The angle is an unsigned phase, 2⁶⁴ a turn. The nearest of 8192 tabled angles leaves |δ| ≤ π/8192, less
-//! than 2⁻¹¹, where sin δ = δ − δ³/6 and 1 − cos δ = δ²/2 − δ⁴/24 leave out less than 1e-19. With the rounding
-//! of the products the result is within [`ERROR`] (measured: see the test): a quarter of a position unit on a
-//! radius of 1 m. It has to be so small because noise in the command is noise in its second difference:
-//! 1 unit is 0.4 µm/s² at 20 kHz.
+//! The angle is an unsigned phase, 2⁶⁴ per turn. The nearest of 8192 tabulated angles leaves |δ| ≤ π/8192, less than 2⁻¹¹,
+//! for which sin δ = δ − δ³/6 and 1 − cos δ = δ²/2 − δ⁴/24 have errors below 1e-19. With the rounding of the products the
+//! error is at most [`ERROR`] (verified by a test), a quarter of a position unit on a radius of 1 m. It has to be that
+//! small because noise of the command appears in its second difference: 1 unit is 0.4 µm/s² at 20 kHz.
+//!
+//! # Example
+//!
+//! ```
+//! use shared::interpolate::turn::{ERROR, ONE, sin_cos};
+//!
+//! let (sine, cosine) = sin_cos(1 << 61); // an eighth of a turn
+//! let exact = 0.5f64.sqrt();
+//! assert!((sine as f64 / ONE as f64 - exact).abs() < ERROR && (cosine as f64 / ONE as f64 - exact).abs() < ERROR);
+//! ```
 
-use super::high;
+use crate::integer::mul_high;
 
-/// One as a result of [`sin_cos`].
+/// The number 1 as a result of [`sin_cos`]: 62 fraction bits.
 pub const ONE: i64 = 1 << 62;
 
-/// Greatest error of [`sin_cos`], of one.
+/// Greatest error of [`sin_cos`].
 pub const ERROR: f64 = 2.5e-16;
 
 /// 2π with 60 fraction bits.
 const TAU_Q60: i64 = 7_244_019_458_077_122_842;
 
-/// Steps of a quarter turn.
+/// Table steps per quarter turn.
 const STEPS: usize = 2048;
 
-/// Bits of the phase within a step.
+/// Bits of the phase within a table step.
 const STEP_BITS: u32 = 51;
 
 /// sin(2π·k/8192) for k = 0 … 2048, with 62 fraction bits: 16 kB.
 static QUARTER: [i64; STEPS + 1] = quarter();
 
-/// Taylor series of the sine with 62 fraction bits, evaluated by the compiler.
-#[expect(clippy::large_stack_arrays, reason = "the stack of the compiler")]
+/// The table by the Taylor series of the sine, with 62 fraction bits, at compile time.
+#[expect(clippy::large_stack_arrays, reason = "evaluated at compile time")]
 const fn quarter() -> [i64; STEPS + 1] {
     let mut table = [0i64; STEPS + 1];
     let mut k = 0;
@@ -52,10 +61,10 @@ const fn quarter() -> [i64; STEPS + 1] {
     table
 }
 
-/// Sine and cosine of a tabled angle, k of 8192.
-fn tabled(k: usize) -> (i64, i64) {
+/// Sine and cosine of a tabulated angle, k/8192 of a turn.
+fn tabulated(k: usize) -> (i64, i64) {
     let step = k & (STEPS - 1);
-    // `get` leaves no panic behind; the index is at most 2048.
+    // The index is at most 2048; `get` compiles to no panic.
     let at = |i: usize| QUARTER.get(i).copied().unwrap_or(ONE);
     let (rising, falling) = (at(step), at(STEPS - step));
     match (k / STEPS) & 3 {
@@ -68,17 +77,17 @@ fn tabled(k: usize) -> (i64, i64) {
 
 /// Sine and cosine of `phase`/2⁶⁴ of a turn, in units of 1/[`ONE`], each within [`ERROR`].
 #[must_use]
-#[expect(clippy::cast_possible_truncation, reason = "the upper 32 bits of each number are what is meant")]
+#[expect(clippy::cast_possible_truncation, reason = "the upper 32 bits of each number are used")]
 pub fn sin_cos(phase: u64) -> (i64, i64) {
     let nearest = phase.wrapping_add(1 << (STEP_BITS - 1)) >> STEP_BITS;
-    let (sine, cosine) = tabled(nearest as usize);
+    let (sine, cosine) = tabulated(nearest as usize);
 
-    // The rest, |rest| ≤ 2⁵⁰, is δ = 2π·rest/2⁶⁴: with 72 fraction bits, |δ| < 2⁶¹.
-    let rest = phase.wrapping_sub(nearest << STEP_BITS).cast_signed();
-    let delta = high(rest << 12, TAU_Q60);
-    // δ² and δ³ are below 2⁻²² and 2⁻³³: from 32 bits of δ, with 42 fraction bits.
+    // δ = 2π·residual/2⁶⁴, |residual| ≤ 2⁵⁰: |δ| < 2⁶¹ with 72 fraction bits.
+    let residual = phase.wrapping_sub(nearest << STEP_BITS).cast_signed();
+    let delta = mul_high(residual << 12, TAU_Q60);
+    // δ² and δ³ are below 2⁻²² and 2⁻³³: 32 bits of δ suffice, with 42 fraction bits.
     let short = i64::from((delta >> 30) as i32);
-    // δ²/2 with 54 fraction bits, below 2³¹, and (δ²/2)²/6 = δ⁴/24, below 16 of them.
+    // δ²/2 with 54 fraction bits, below 2³¹, and δ⁴/24 = (δ²/2)²/6, below 16 in the same units.
     let half_square = i64::from(((short * short) >> 31) as i32);
     let fourth = (i64::from(((half_square * half_square) >> 48) as i32) * 683) >> 18;
     let versine = i64::from((half_square - fourth) as i32);
@@ -86,8 +95,11 @@ pub fn sin_cos(phase: u64) -> (i64, i64) {
     let cube_sixth = (i64::from(((short * half_square) >> 32) as i32) * THIRD_Q31) >> 23;
     let sin_delta = delta - cube_sixth;
 
-    let less = |value: i64| (i64::from((value >> 32) as i32) * versine) >> 22;
-    (sine - less(sine) + (high(cosine, sin_delta) >> 8), cosine - less(cosine) - (high(sine, sin_delta) >> 8))
+    let times_versine = |value: i64| (i64::from((value >> 32) as i32) * versine) >> 22;
+    (
+        sine - times_versine(sine) + (mul_high(cosine, sin_delta) >> 8),
+        cosine - times_versine(cosine) - (mul_high(sine, sin_delta) >> 8),
+    )
 }
 
 /// 1/3 with 31 fraction bits.
@@ -97,36 +109,36 @@ const THIRD_Q31: i64 = 715_827_883;
 mod tests {
     use super::*;
 
-    /// The angle to 1e-30 as the sum of two doubles, and its sine and cosine by the addition theorem: `libm`'s
-    /// sine of a double is good to 1e-16, so an error of 3e-16 is seen. (Miri makes the host's worse on purpose.)
+    /// The angle to 1e-30 as the sum of two doubles, and its sine and cosine by the addition theorem. The sine of `libm` is
+    /// accurate to 1e-16, so an error of 3e-16 is detected. (Miri deliberately degrades that of the host.)
     fn exact(phase: u64) -> (f64, f64) {
         // 2π to 106 bits.
         const TAU: [f64; 2] = [core::f64::consts::TAU, 2.449_293_598_294_706_4e-16];
         let upper = (phase >> 32) as f64 / 4_294_967_296.0;
         let lower = (phase & 0xffff_ffff) as f64 / 18_446_744_073_709_551_616.0;
-        // upper has 32 bits and TAU[0] 53: the product's error is found by a fused multiplication.
+        // The rounding error of the product, by a fused multiply-add.
         let product = upper * TAU[0];
-        let rest = f64::mul_add(upper, TAU[0], -product) + upper * TAU[1] + lower * TAU[0];
+        let residual = f64::mul_add(upper, TAU[0], -product) + upper * TAU[1] + lower * TAU[0];
         let (s, c) = (libm::sin(product), libm::cos(product));
-        (s + c * rest, c - s * rest)
+        (s + c * residual, c - s * residual)
     }
 
     #[test]
     fn is_within_the_stated_error_everywhere() {
         let mut worst = 0.0f64;
         let count = if cfg!(miri) { 1_000 } else { 200_000 };
-        // A prime stride visits the whole turn and every offset from the tabled angles.
+        // A prime stride covers the whole turn and every offset from the tabulated angles.
         let mut phase = 0u64;
         for _ in 0..count {
             let (s, c) = sin_cos(phase);
             let (sine, cosine) = exact(phase);
-            // In two parts, for a double has 53 bits and the result 62.
+            // In two parts: a double has 53 bits and the result 62.
             let off = |q62: i64, exact: f64| {
                 let upper = (exact * 4_294_967_296.0).floor();
-                let rest = exact - upper / 4_294_967_296.0;
+                let lower = exact - upper / 4_294_967_296.0;
                 #[expect(clippy::cast_possible_truncation, reason = "33 bits")]
-                let left = q62 - ((upper as i64) << 30);
-                (left as f64 / ONE as f64 - rest).abs()
+                let difference = q62 - ((upper as i64) << 30);
+                (difference as f64 / ONE as f64 - lower).abs()
             };
             worst = worst.max(off(s, sine)).max(off(c, cosine));
             phase = phase.wrapping_add(92_233_720_368_547_759);

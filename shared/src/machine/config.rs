@@ -1,36 +1,35 @@
 //! The constants of a machine, in machine units.
 
-use super::MachineError;
+use super::error::MachineError;
 use crate::config::{AxisConfig, AxisSettings, Rates, Sensors};
 use crate::interpolate::Smoothing;
 use crate::interpolate::smooth::Filters;
 use crate::scalar::Scalar;
 use crate::units::Position;
 
-/// What a tick computes with.
+/// The constants of N axes, checked and converted.
 #[derive(Clone, Debug)]
 pub struct MachineConfig<S: Scalar, const N: usize> {
     pub(super) axes: [AxisConfig<S>; N],
     pub(super) rates: Rates,
-    /// Sensors of the position loops, as they were declared.
+    /// Declared sensors of the position loops.
     pub(super) sensors: [Sensors; N],
-    /// The filters behind the path, as they were declared and as they are computed.
+    /// The axis filters behind the path, as declared and in machine units.
     pub(super) smoothing: [Smoothing; N],
     pub(super) filters: Filters<N>,
 }
 
 impl<S: Scalar, const N: usize> MachineConfig<S, N> {
-    /// Converts settings.
+    /// Checks and converts settings.
     ///
     /// # Errors
-    /// [`MachineError::Config`] with the axis and the setting that was refused, [`MachineError::Path`] for a filter
-    /// behind the path.
+    /// [`MachineError::Config`] with the axis and the setting, [`MachineError::Path`] for an axis filter behind the path.
     pub fn new(rates: Rates, settings: &[AxisSettings; N]) -> Result<Self, MachineError> {
         let mut axes = heapless::Vec::<_, N>::new();
         for (axis, settings) in settings.iter().enumerate() {
-            let made = AxisConfig::new(settings, rates);
-            // The vector holds N, as many as there are settings.
-            let _ = axes.push(made.map_err(|error| MachineError::Config { axis, error })?);
+            let config = AxisConfig::new(settings, rates);
+            // The capacity is the number of settings.
+            let _ = axes.push(config.map_err(|error| MachineError::Config { axis, error })?);
         }
         let smoothing = settings.each_ref().map(|axis| axis.smoothing);
         let filters = Filters::new(&smoothing, rates.position_loop_hz())?;
@@ -40,11 +39,11 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
 
     /// Least and greatest command of each axis.
     pub(super) fn travel(&self) -> [[Position; 2]; N] {
-        self.axes.each_ref().map(|axis| axis.watch.travel)
+        self.axes.each_ref().map(|axis| axis.monitor.travel)
     }
 
-    /// Deceleration of a stop along the path: the least of the axes, position units per position tick² with 16
-    /// fraction bits.
+    /// Deceleration of a stop along the path, the least of the axes: position units per position tick² with 16 fraction
+    /// bits.
     pub(super) fn stop_deceleration(&self) -> u64 {
         self.axes.iter().map(|axis| axis.stop_deceleration).min().unwrap_or(u64::MAX)
     }

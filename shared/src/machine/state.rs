@@ -1,29 +1,32 @@
-//! What a machine remembers from tick to tick, and the tick.
+//! The state of a machine, and the tick.
 
-use super::{MachineConfig, Output};
-use crate::axis::{AxisState, Reading};
+use super::config::MachineConfig;
+use super::output::Output;
+use crate::axis::AxisState;
 use crate::compensate::Compensation;
 use crate::config::AxisConfig;
+use crate::feedback::Reading;
 use crate::interpolate::Path;
-use crate::safety::{Event, Fault, Hazard, Hazards, Power, Reaction};
+use crate::safety::{Event, Fault, FaultKind, FaultSet, Power, Reaction};
 use crate::scalar::Scalar;
 use crate::units::{PER_NM, Position};
 
-/// An axis that stands further than this from where the waiting path begins has been moved: 0.1 mm. With a position
-/// gain of 50 /s it would start at 5 mm/s.
-const DISPLACED: u64 = 100_000 * PER_NM.unsigned_abs();
+/// Greatest distance of an axis from the start of a waiting path at enable, position units: 0.1 mm. With a position gain of
+/// 50 /s the axis would start at 5 mm/s.
+const DISPLACEMENT_LIMIT: u64 = 100_000 * PER_NM.unsigned_abs();
 
-/// The state of a machine.
+/// What a machine keeps from tick to tick.
 #[derive(Clone, Debug)]
 pub(super) struct State<S: Scalar, const N: usize> {
     pub axes: [AxisState<S>; N],
     pub compensation: Compensation<S, N>,
     pub path: Path<N>,
+    /// Ticks until the next position tick.
     until_position_tick: u32,
     pub power: Power,
     pub warning: Option<Fault>,
     pub enable_requested: bool,
-    /// Whether the drives were on in the tick before.
+    /// Whether the drives were on in the previous tick.
     pub was_on: bool,
 }
 
@@ -40,19 +43,19 @@ impl<S: Scalar, const N: usize> State<S, N> {
         was_on: false,
     };
 
-    /// Makes it the state of another machine that stands at `start`, drives off.
+    /// Resets to the state of a machine at rest at `start`, drives off.
     pub fn reset(&mut self, config: &MachineConfig<S, N>, start: &[Position; N]) {
-        self.axes = start.map(|place| AxisState::at_rest(place, Reading { motor: place, table: None }));
+        self.axes = start.map(|motor| AxisState::at_rest(motor, Reading { motor, table: None }));
         self.compensation.reset(start);
         self.path.reset(start, config.rates.position_loop_hz(), config.filters);
-        self.path.keep_within(config.travel());
+        self.path.set_travel(config.travel());
         self.until_position_tick = 0;
         self.power = Power::Off;
         self.warning = None;
         (self.enable_requested, self.was_on) = (false, false);
     }
 
-    /// Takes a fault.
+    /// Reacts to a fault.
     pub fn fault(&mut self, config: &MachineConfig<S, N>, fault: Fault) {
         if !self.power.is_on() {
             return;
@@ -65,7 +68,7 @@ impl<S: Scalar, const N: usize> State<S, N> {
         self.power = self.power.after(Event::Fault(fault));
     }
 
-    /// What the tick gives to the drives and to whoever watches.
+    /// The result of the tick.
     pub fn output(&self, forces: [S; N]) -> Output<S, N> {
         Output {
             forces,
@@ -76,13 +79,13 @@ impl<S: Scalar, const N: usize> State<S, N> {
         }
     }
 
-    fn raise(&mut self, config: &MachineConfig<S, N>, hazards: [Hazards; N]) {
-        if hazards.iter().all(|hazards| hazards.is_empty()) {
+    fn raise(&mut self, config: &MachineConfig<S, N>, faults: [FaultSet; N]) {
+        if faults.iter().all(|faults| faults.is_empty()) {
             return;
         }
-        for (axis, hazards) in (0..).zip(hazards) {
-            for hazard in hazards.iter() {
-                self.fault(config, Fault::Axis { axis, hazard });
+        for (axis, faults) in (0..).zip(faults) {
+            for kind in faults.iter() {
+                self.fault(config, Fault::Axis { axis, kind });
             }
         }
     }
@@ -93,10 +96,10 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     pub(super) fn tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> Output<S, N> {
         let readings = &state.compensation.readings(readings);
         if !state.power.is_on() && (state.was_on || state.path.is_done()) {
-            self.stand(state, readings);
+            self.hold_axes(state, readings);
         }
         if core::mem::take(&mut state.enable_requested) && state.power == Power::Off {
-            self.switch_on(state, readings);
+            self.enable(state, readings);
         }
         let mut forces = [S::ZERO; N];
         if state.power.is_on() {
@@ -108,69 +111,70 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             forces = self.velocity_tick(state, readings);
             if !state.power.is_on() {
                 forces = [S::ZERO; N];
-                self.stand(state, readings);
+                self.hold_axes(state, readings);
             }
         }
         state.was_on = state.power.is_on();
         state.output(forces)
     }
 
-    /// Closes the loops on the command that stands, with nothing integrated.
-    fn switch_on(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
-        if let Some(fault) = self.lacks_scale(readings) {
-            state.power = state.power.after(Event::Found(fault));
+    /// Closes the loops at the present command, with every integral at zero.
+    fn enable(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
+        if let Some(fault) = self.missing_scale(readings) {
+            state.power = state.power.after(Event::Inhibit(fault));
             return;
         }
         let displaced = self.displaced(state, readings);
         if displaced.is_some() {
-            self.stand(state, readings);
+            self.hold_axes(state, readings);
             state.warning = displaced;
         }
-        let standing = state.compensation.standing();
-        for (((axis, command), reading), added) in
-            state.axes.iter_mut().zip(state.path.command()).zip(readings).zip(standing)
+        let corrections = state.compensation.active_corrections();
+        for (((axis, command), reading), correction) in
+            state.axes.iter_mut().zip(state.path.command()).zip(readings).zip(corrections)
         {
-            *axis = AxisState::at_rest(command, *reading).corrected(added);
+            *axis = AxisState::at_rest(command, *reading).corrected(correction);
         }
         state.until_position_tick = 0;
         state.power = state.power.after(Event::Enable);
     }
 
-    /// The first axis whose loop needs a scale that is not read.
-    fn lacks_scale(&self, readings: &[Reading; N]) -> Option<Fault> {
-        let lacks = |(config, reading): (&AxisConfig<S>, &Reading)| {
-            config.feedback.needs_table() && reading.table.is_none()
+    /// The first axis whose loop uses a scale that has no reading.
+    fn missing_scale(&self, readings: &[Reading; N]) -> Option<Fault> {
+        let missing = |(config, reading): (&AxisConfig<S>, &Reading)| {
+            config.feedback.uses_scale() && reading.table.is_none()
         };
-        let mut axes = (0..).zip(self.axes.iter().zip(readings).map(lacks));
-        axes.find(|(_, lacks)| *lacks).map(|(axis, _)| Fault::Axis { axis, hazard: Hazard::ScaleLost })
+        let mut axes = (0..).zip(self.axes.iter().zip(readings).map(missing));
+        axes.find(|(_, missing)| *missing).map(|(axis, _)| Fault::Axis { axis, kind: FaultKind::ScaleLost })
     }
 
-    /// The first axis that stands away from where the path begins.
+    /// The first axis that is away from the start of the path.
     fn displaced(&self, state: &State<S, N>, readings: &[Reading; N]) -> Option<Fault> {
-        let places = self.places(state, readings).into_iter().zip(state.path.command());
-        let mut axes = (0..).zip(places);
-        let axis = axes.find(|(_, (place, command))| place.beyond(*command).unsigned_abs() > DISPLACED);
-        axis.map(|(axis, _)| Fault::Axis { axis, hazard: Hazard::Displaced })
+        let holding = self.holding_commands(state, readings);
+        let mut axes = (0..).zip(holding.into_iter().zip(state.path.command()));
+        let axis =
+            axes.find(|&(_, (holding, command))| (holding - command).unsigned_abs() > DISPLACEMENT_LIMIT);
+        axis.map(|(axis, _)| Fault::Axis { axis, kind: FaultKind::Displaced })
     }
 
-    /// Commands that ask of each axis to stay where it is.
-    fn places(&self, state: &State<S, N>, readings: &[Reading; N]) -> [Position; N] {
-        let mut places = [Position(0); N];
-        let standing = state.compensation.standing();
-        for (((place, config), reading), added) in
-            places.iter_mut().zip(&self.axes).zip(readings).zip(standing)
+    /// The commands that hold each axis at its present position.
+    fn holding_commands(&self, state: &State<S, N>, readings: &[Reading; N]) -> [Position; N] {
+        let mut commands = [Position(0); N];
+        let corrections = state.compensation.active_corrections();
+        for (((command, config), reading), correction) in
+            commands.iter_mut().zip(&self.axes).zip(readings).zip(corrections)
         {
-            *place = config.feedback.settled(reading.motor, reading.table).moved(-added);
+            *command = config.feedback.settled(reading.motor, reading.table) - correction;
         }
-        places
+        commands
     }
 
-    /// The next command with what corrects it, and the position loops.
+    /// The next command, its corrections, and the position loops.
     fn position_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         let commands = state.path.advance();
         let corrections = state.compensation.commands(&commands);
-        let mut hazards = [Hazards::NONE; N];
-        for (((((hazards, axis), config), command), correction), reading) in hazards
+        let mut faults = [FaultSet::NONE; N];
+        for (((((faults, axis), config), command), correction), reading) in faults
             .iter_mut()
             .zip(&mut state.axes)
             .zip(&self.axes)
@@ -178,31 +182,36 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             .zip(corrections)
             .zip(readings)
         {
-            *hazards = axis.position_tick(config, command, correction, *reading);
+            *faults = axis.position_tick(config, command, correction, *reading);
         }
-        state.raise(self, hazards);
+        state.raise(self, faults);
         if state.path.has_stopped() {
             state.power = state.power.after(Event::Stopped);
         }
     }
 
-    /// The velocity loops, with the forces that are added.
+    /// The velocity loops, with the forces of the compensations.
     fn velocity_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> [S; N] {
-        let added = state.compensation.forces(readings);
-        let (mut forces, mut hazards) = ([S::ZERO; N], [Hazards::NONE; N]);
-        for (((((force, hazards), axis), config), reading), added) in
-            forces.iter_mut().zip(&mut hazards).zip(&mut state.axes).zip(&self.axes).zip(readings).zip(added)
+        let compensation = state.compensation.forces(readings);
+        let (mut forces, mut faults) = ([S::ZERO; N], [FaultSet::NONE; N]);
+        for (((((force, faults), axis), config), reading), compensation) in forces
+            .iter_mut()
+            .zip(&mut faults)
+            .zip(&mut state.axes)
+            .zip(&self.axes)
+            .zip(readings)
+            .zip(compensation)
         {
-            (*force, *hazards) = axis.velocity_tick(config, *reading, added);
+            (*force, *faults) = axis.velocity_tick(config, *reading, compensation);
         }
-        state.raise(self, hazards);
+        state.raise(self, faults);
         forces
     }
 
-    /// Forgets the path and makes the command what the position loops read: no error, no jump.
-    fn stand(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
-        let places = self.places(state, readings);
-        state.compensation.stand_at(&places);
-        state.path.stand_at(&places);
+    /// Discards the path and sets the commands to the positions of the axes, so that there is no following error.
+    fn hold_axes(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
+        let commands = self.holding_commands(state, readings);
+        state.compensation.rest_at(&commands);
+        state.path.rest_at(&commands);
     }
 }

@@ -57,7 +57,7 @@ fn without_its_scale_a_loop_does_not_come_on() {
             Bench::<Fixed>::new(&AxisSettings { sensors, scale_disagreement_limit_m: None, ..axis() });
         bench.scale = false;
         let output = bench.run(10);
-        assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::ScaleLost)), "{sensors:?}");
+        assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::ScaleLost)), "{sensors:?}");
         assert!(!output.enabled && output.forces == [Fixed::ZERO; 2]);
         (bench.scale, bench.scale_off_m) = (true, 5e-3);
         bench.machine.enable();
@@ -89,7 +89,7 @@ fn a_path_that_was_pushed_before_the_axis_was_moved_is_forgotten() {
         assert_eq!(machine.power(), Power::On);
         assert_eq!(output.done, holds, "{moved_m}");
         if holds {
-            assert_eq!(output.warning, Some(on(0, Hazard::Displaced)));
+            assert_eq!(output.warning, Some(on(0, FaultKind::Displaced)));
             assert_eq!(output.commands, [at(moved_m)[0].motor]);
             // No error, no force; 4000 ticks on it still stands.
             assert!((0..4000).all(|_| machine.tick(&at(moved_m)).forces == [Fixed::ZERO]));
@@ -111,7 +111,7 @@ fn before_the_first_enable_the_command_follows_the_axis() {
     let output = machine.tick(&reading);
     assert_eq!((output.warning, output.done), (None, false));
     // The first tick of a ramp of 2 m/s² is 2/4000² m = 0.125 µm long at most: 250 N·s at Kp = 50, Kv = 20,000 are 0.2 N.
-    assert!(output.commands[0].beyond(place).unsigned_abs() <= 131_072 * 1000);
+    assert!((output.commands[0] - place).unsigned_abs() <= 131_072 * 1000);
     assert!(output.forces[0].abs() < 1.0, "{}", output.forces[0]);
 }
 
@@ -119,7 +119,7 @@ fn before_the_first_enable_the_command_follows_the_axis() {
 #[test]
 fn a_watchdog_reset_has_to_be_acknowledged() {
     let mut bench = Bench::<Fixed>::new(&axis());
-    bench.machine.restarted_after(Fault::Watchdog);
+    bench.machine.inhibit_enable(Fault::Watchdog);
     bench.run(10);
     assert_eq!(bench.machine.power(), Power::Faulted(Fault::Watchdog));
     bench.machine.enable();
@@ -134,10 +134,10 @@ fn a_watchdog_reset_has_to_be_acknowledged() {
 #[test]
 fn coming_on_again_does_not_move_a_compensated_axis() {
     use shared::compensate::CompensationSettings;
-    use shared::compensate::settings::{Of, Pitch, Points};
+    use shared::compensate::settings::{Pitch, PitchSource, Points};
     let pitch = Points { start_m: -0.1, spacing_m: 0.1, values: [1e-4; 3].into_iter().collect() };
     let settings = CompensationSettings {
-        pitch: Some(Pitch { of: Of::Screw, forward: pitch, backward: None }),
+        pitch: Some(Pitch { of: PitchSource::Screw, forward: pitch, backward: None }),
         ..CompensationSettings::default()
     };
     let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::Motor, ..axis() });

@@ -59,7 +59,7 @@ fn a_frozen_encoder_puts_the_drives_off() {
             ticks += 1;
             assert!(ticks < 400, "{place} m");
         }
-        assert_eq!(machine.power(), Power::Faulted(on(0, Hazard::EncoderFrozen)));
+        assert_eq!(machine.power(), Power::Faulted(on(0, FaultKind::EncoderFrozen)));
         // 10 ms are 40 ticks.
         assert!((39..=42).contains(&ticks), "{ticks}");
         assert!(place < 0.4e-3, "{place} m");

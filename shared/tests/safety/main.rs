@@ -9,7 +9,7 @@ mod travel;
 use shared::config::{AxisSettings, ConfigError, Rates, Sensors};
 use shared::interpolate::{Block, PathError, Smoothing};
 use shared::machine::{Machine, MachineError, Output, Reading};
-use shared::safety::{Fault, Hazard, Power};
+use shared::safety::{Fault, FaultKind, Power};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
 
@@ -91,8 +91,8 @@ fn axis() -> AxisSettings {
     }
 }
 
-const fn on(axis: u8, hazard: Hazard) -> Fault {
-    Fault::Axis { axis, hazard }
+const fn on(axis: u8, kind: FaultKind) -> Fault {
+    Fault::Axis { axis, kind }
 }
 
 /// The drives go off in the tick that sees it.
@@ -112,8 +112,8 @@ fn goes_off_at_once<S: Scalar>(change: impl Fn(&mut Bench<S>), fault: Fault) {
 
 fn sudden<S: Scalar>() {
     // 0.3 mm in a tick of 0.25 ms is 1.2 m/s, and less than scale and motor may disagree.
-    goes_off_at_once::<S>(|bench| bench.motor_jump_m = 0.3e-3, on(1, Hazard::EncoderStep));
-    goes_off_at_once::<S>(|bench| bench.scale_off_m = 0.6e-3, on(0, Hazard::Disagreement));
+    goes_off_at_once::<S>(|bench| bench.motor_jump_m = 0.3e-3, on(1, FaultKind::EncoderStep));
+    goes_off_at_once::<S>(|bench| bench.scale_off_m = 0.6e-3, on(0, FaultKind::Disagreement));
     goes_off_at_once::<S>(|bench| bench.machine.fault(Fault::Overrun), Fault::Overrun);
     goes_off_at_once::<S>(|bench| bench.machine.fault(Fault::HardwareStop), Fault::HardwareStop);
 }
@@ -130,7 +130,7 @@ fn a_following_error_puts_the_drives_off() {
     let mut bench = Bench::<Fixed>::new(&AxisSettings { following_error_limit_m: 1.5e-3, ..axis() });
     // 0.1 m/s·2/√5 over Kp = 50/s is 1.8 mm on the first axis: reached while it speeds up.
     bench.run(2000);
-    assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::FollowingError)));
+    assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::FollowingError)));
 }
 
 #[test]
@@ -145,7 +145,7 @@ fn a_force_at_its_limit_stops_after_its_time() {
     }
     // 10 ms are 40 ticks, which begin once the error asks for 20 N: 1 mm/s, after some ticks.
     assert!((41..=80).contains(&ticks), "{ticks}");
-    assert_eq!(bench.machine.power(), Power::Stopping(on(0, Hazard::ForceSaturated)));
+    assert_eq!(bench.machine.power(), Power::Stopping(on(0, FaultKind::ForceSaturated)));
 }
 
 /// Differences of the motor reading close the velocity loop one tick late: with Kv·Δt/m > 2 each tick turns the speed
@@ -176,7 +176,7 @@ fn a_lost_scale_warns_and_goes_on() {
     bench.run(1000);
     bench.scale = false;
     let output = bench.tick();
-    assert_eq!(output.warning, Some(on(0, Hazard::ScaleLost)));
+    assert_eq!(output.warning, Some(on(0, FaultKind::ScaleLost)));
     assert_eq!(bench.run(1000).warning, output.warning);
     assert_eq!(bench.machine.power(), Power::On);
     bench.scale = true;

@@ -17,7 +17,7 @@ fn a_soft_limit_stops_along_the_path() {
         stopping += u32::from(matches!(bench.machine.power(), Power::Stopping(_)));
         assert!(commands.len() < 20_000);
     }
-    assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::SoftLimit)));
+    assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::SoftLimit)));
     // 0.1 m/s at 4 m/s² is 25 ms: 100 ticks, one more to see it; 1.25 mm of path, 1.12 mm of x.
     assert!((98..=102).contains(&stopping), "{stopping}");
     let [x, _] = commands[commands.len() - 2].map(Position::to_m);
@@ -38,7 +38,7 @@ fn a_lost_scale_leaves_the_soft_limits_on() {
         bench.machine.change(0, &narrow).unwrap();
         bench.scale = false;
         let warned = bench.tick().warning;
-        assert_eq!(warned, Some(on(0, Hazard::ScaleLost)));
+        assert_eq!(warned, Some(on(0, FaultKind::ScaleLost)));
         let mut x = 0.0;
         bench.until_off(|bench, output| {
             if bench.machine.power().is_on() {
@@ -46,7 +46,7 @@ fn a_lost_scale_leaves_the_soft_limits_on() {
             }
             assert!(x < 0.06, "{x}");
         });
-        assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::SoftLimit)));
+        assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::SoftLimit)));
         // 0.1 m/s of path at 4 m/s² are 1.25 mm of path, 1.12 mm of x; a tick of 22 µm to see it.
         assert!(x > 0.05 + 1.0e-3 && x < 0.05 + 1.2e-3, "{x}");
     }
@@ -60,8 +60,8 @@ fn a_lost_scale_and_a_soft_limit_in_one_tick_are_both_told() {
     bench.machine.change(0, &AxisSettings { travel_m: Some([-0.01, 0.0]), ..axis() }).unwrap();
     bench.scale = false;
     let output = bench.tick();
-    assert_eq!(bench.machine.power(), Power::Stopping(on(0, Hazard::SoftLimit)));
-    assert_eq!(output.warning, Some(on(0, Hazard::ScaleLost)));
+    assert_eq!(bench.machine.power(), Power::Stopping(on(0, FaultKind::SoftLimit)));
+    assert_eq!(output.warning, Some(on(0, FaultKind::ScaleLost)));
 }
 
 /// After a soft limit the axis comes on where it stopped, is refused any further out, and goes back under power. What
@@ -73,7 +73,7 @@ fn an_axis_beyond_its_travel_goes_back_and_no_further_out() {
     bench.run(100);
     bench.machine.change(0, &narrow).unwrap();
     bench.until_off(|_, _| {});
-    assert_eq!(bench.machine.power(), Power::Faulted(on(0, Hazard::SoftLimit)));
+    assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::SoftLimit)));
     bench.run(4000);
     bench.machine.disable();
     bench.run(10);
@@ -162,7 +162,7 @@ fn a_block_that_ends_on_the_travel_is_travelled_behind_every_filter() {
 fn a_path_that_stops_takes_no_block() {
     let mut bench = Bench::<Fixed>::new(&axis());
     bench.run(2000);
-    bench.machine.fault(on(0, Hazard::SoftLimit));
-    assert_eq!(bench.machine.power(), Power::Stopping(on(0, Hazard::SoftLimit)));
+    bench.machine.fault(on(0, FaultKind::SoftLimit));
+    assert_eq!(bench.machine.power(), Power::Stopping(on(0, FaultKind::SoftLimit)));
     assert_eq!(bench.machine.push(&Block::line([0.0, 0.0], 0.1, 1.0)), Err(PathError::Interrupted));
 }

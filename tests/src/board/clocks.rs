@@ -1,9 +1,9 @@
-//! The shim: the clock set-up of an STM32F405, which QEMU's `netduinoplus2` has not.
+//! A model of the clock registers of an STM32F405, which QEMU's `netduinoplus2` does not have.
 //!
-//! Four registers, their addresses and bits after the reference manual RM0090, chapters 3.9 and 7.3. A clock is
-//! ready as soon as it is on; an order of writes that the manual forbids is refused.
+//! Addresses and bits are those of the reference manual RM0090, chapters 3.9 and 7.3. A clock is ready as soon as it is
+//! on; a sequence of writes that the manual forbids panics.
 
-use super::Device;
+use super::device::Device;
 
 /// Latency of the flash.
 const ACR: u32 = 0x4002_3c00;
@@ -14,18 +14,18 @@ const PLLCFGR: u32 = 0x4002_3804;
 /// Source of the clock, and prescalers of the buses.
 const CFGR: u32 = 0x4002_3808;
 
-/// Bits of CR: on, each with ready one higher.
+/// Enable bits of CR; the ready bit of each is the next higher one.
 const HSI_ON: u32 = 1;
 const HSE_ON: u32 = 1 << 16;
 const PLL_ON: u32 = 1 << 24;
 
-/// Bit of PLLCFGR: the PLL is fed by the crystal.
+/// Bit of PLLCFGR: the source of the PLL is the crystal.
 const FROM_CRYSTAL: u32 = 1 << 22;
 
 /// Wait states that 168 MHz need at 2.7 to 3.6 V (RM0090, table 10).
 const WAIT_STATES: u32 = 5;
 
-/// The registers, as they are read back.
+/// The registers.
 pub struct Clocks {
     acr: u32,
     cr: u32,
@@ -34,9 +34,9 @@ pub struct Clocks {
 }
 
 impl Clocks {
-    /// Whether a crystal that fails is seen: the clock security system (RM0090, 7.2.7).
+    /// Whether a failure of the crystal is detected: the clock security system (RM0090, 7.2.7).
     #[must_use]
-    pub const fn are_watched(&self) -> bool {
+    pub const fn are_monitored(&self) -> bool {
         self.cr & 1 << 19 != 0
     }
 
@@ -46,15 +46,16 @@ impl Clocks {
         Self { acr: 0, cr: 0x83, pllcfgr: 0x2400_3010, cfgr: 0 }
     }
 
-    /// The clocks that feed TIM2 to TIM5 and TIM1, Hz, with that crystal, after the limits of the data sheet.
+    /// The clocks of TIM2 to TIM5 and of TIM1, Hz, for a crystal (Hz). Panics where a limit of the data sheet is
+    /// exceeded.
     #[must_use]
     pub fn timers_hz(&self, crystal_hz: u32) -> [u32; 2] {
         assert_eq!(self.cfgr >> 2 & 3, 2, "the PLL clocks the core: CFGR {:#x}", self.cfgr);
         assert_ne!(self.pllcfgr & FROM_CRYSTAL, 0, "the crystal feeds the PLL: {:#x}", self.pllcfgr);
         let (m, n, p) = (self.pllcfgr & 63, self.pllcfgr >> 6 & 511, 2 * (self.pllcfgr >> 16 & 3) + 2);
-        let compared = crystal_hz / m;
-        assert!((1_000_000..=2_000_000).contains(&compared), "{compared} Hz into the PLL");
-        let oscillator = compared * n;
+        let reference = crystal_hz / m;
+        assert!((1_000_000..=2_000_000).contains(&reference), "{reference} Hz into the PLL");
+        let oscillator = reference * n;
         assert!((100_000_000..=432_000_000).contains(&oscillator), "{oscillator} Hz in the PLL");
         let core = oscillator / p;
         assert!(core <= 168_000_000, "{core} Hz of the core");
@@ -63,7 +64,7 @@ impl Clocks {
         let divider = |bits: u32| if bits & 4 == 0 { 1 } else { 2 << (bits & 3) };
         let (slow, fast) = (divider(self.cfgr >> 10), divider(self.cfgr >> 13));
         assert!(core / slow <= 42_000_000 && core / fast <= 84_000_000, "buses at 1/{slow} and 1/{fast}");
-        // Timers run at twice the clock of a bus that is divided.
+        // The clock of a timer is twice that of its bus where the bus has a divider.
         [slow, fast].map(|divider| core / divider * if divider == 1 { 1 } else { 2 })
     }
 }
@@ -95,11 +96,11 @@ impl Device for Clocks {
             CR => {
                 let on = value & (HSI_ON | HSE_ON | PLL_ON);
                 let source = if self.pllcfgr & FROM_CRYSTAL == 0 { HSI_ON } else { HSE_ON };
-                assert!(on & PLL_ON == 0 || on & source != 0, "the PLL without what feeds it: {value:#x}");
+                assert!(on & PLL_ON == 0 || on & source != 0, "the PLL without its source: {value:#x}");
                 self.cr = value & !((HSI_ON | HSE_ON | PLL_ON) << 1) | on << 1;
             }
             PLLCFGR => {
-                assert_eq!(self.cr & PLL_ON, 0, "factors of a PLL that runs: {value:#x}");
+                assert_eq!(self.cr & PLL_ON, 0, "factors of a running PLL: {value:#x}");
                 self.pllcfgr = value;
             }
             CFGR => {
@@ -117,7 +118,7 @@ impl Device for Clocks {
 
 /// 8 MHz / 4 · 168 / 2, the buses at a quarter and a half: 84 and 168 MHz for their timers.
 #[test]
-fn clocks_that_are_set_up_in_order_are_ready_and_give_their_rate() {
+fn a_correct_sequence_gives_ready_clocks_with_their_rates() {
     let mut clocks = Clocks::new();
     clocks.write(PLLCFGR, FROM_CRYSTAL | 168 << 6 | 4);
     clocks.write(CR, HSI_ON | HSE_ON);
@@ -131,7 +132,7 @@ fn clocks_that_are_set_up_in_order_are_ready_and_give_their_rate() {
 }
 
 #[test]
-fn an_order_that_the_manual_forbids_is_refused() {
+fn a_sequence_that_the_manual_forbids_is_refused() {
     let refused = |writes: &[(u32, u32)]| {
         let run = || {
             writes.iter().fold(Clocks::new(), |mut clocks, &(to, value)| {
@@ -145,8 +146,8 @@ fn an_order_that_the_manual_forbids_is_refused() {
     let [factors, on] = ready;
     assert!(!refused(&[factors, on, (ACR, WAIT_STATES), (CFGR, 2)]));
     assert!(refused(&[factors, on, (ACR, WAIT_STATES - 1), (CFGR, 2)]), "too few wait states");
-    assert!(refused(&[factors, (CR, HSI_ON | PLL_ON)]), "the PLL without the crystal that feeds it");
-    assert!(refused(&[factors, on, factors]), "factors of a PLL that runs");
+    assert!(refused(&[factors, (CR, HSI_ON | PLL_ON)]), "the PLL without its crystal");
+    assert!(refused(&[factors, on, factors]), "factors of a running PLL");
     assert!(refused(&[(ACR, WAIT_STATES), (CFGR, 2)]), "a PLL that is off");
     assert!(refused(&[(CFGR, 1)]), "a crystal that is off");
 }

@@ -1,13 +1,13 @@
-//! What stands at the pins of the board, by the number of the tick: the enable switch and the encoder of X.
+//! A model of the inputs of the board as a function of the tick: the enable switch and the encoder of X.
 //!
-//! Each access halts the emulator, and its clock goes on meanwhile: TIM2 would find every tick late. So the first
-//! tick stops its interrupts, and each tick, when it has read its inputs, pends the next one.
+//! Each access halts the emulator while its clock runs on, so that every tick of TIM2 would be late. Therefore the
+//! first tick disables its interrupt, and each tick pends the next one after it has read its inputs.
 
 use firmware::setup::SWITCH_SETTLING_TICKS;
 
-use super::Device;
+use super::device::Device;
 
-/// Input data of port B; its bit 15 is the switch, high: closed.
+/// Input data of port B; bit 15 is the switch, high: closed.
 const GPIOB_IDR: u32 = 0x4002_0410;
 const SWITCH: u32 = 1 << 15;
 
@@ -15,31 +15,31 @@ const SWITCH: u32 = 1 << 15;
 const TIM3_CNT: u32 = 0x4000_0424;
 const TIM4_CNT: u32 = 0x4000_0824;
 
-/// The tick that first sees the switch closed, long enough after one that saw it open for the first time.
+/// First tick with the switch closed: the switch has been open for longer than its settling time.
 pub const CLOSED: u32 = SWITCH_SETTLING_TICKS + 50;
 
-/// The tick that first sees X pushed, when the drives are on.
+/// First tick with X displaced; the drives are on.
 pub const PUSHED: u32 = CLOSED + SWITCH_SETTLING_TICKS + 50;
 
-/// X is pushed so many counts, one a tick: 5 mm/s.
+/// Counts by which X is displaced, one a tick: 5 mm/s.
 pub const COUNTS: u32 = 20;
 
-/// Interrupts of TIM2, and those that are to be pended by hand (RM0090, 18.4.4; ARMv7-M, B3.4.6).
+/// Interrupt enable of TIM2, and set-pending register of the interrupt controller (RM0090, 18.4.4; ARMv7-M, B3.4.6).
 const TIM2_DIER: u32 = 0x4000_000c;
 const NVIC_ISPR0: u32 = 0xe000_e200;
 const TIM2_PENDING: u32 = 1 << 28;
 
-/// The pins.
+/// The inputs.
 #[derive(Default)]
 pub struct Inputs {
-    /// Ticks that have looked at the switch: each does once, before the encoders.
+    /// Number of ticks so far: each reads the switch once, before the encoders.
     ticks: u32,
-    /// What the core has to store before it goes on: address and value.
+    /// Pending stores of the core: address and value.
     stores: Vec<(u32, u32)>,
 }
 
 impl Inputs {
-    /// What the core has to store before it goes on.
+    /// Takes the stores that the core has to execute before it continues: address and value.
     pub fn stores(&mut self) -> Vec<(u32, u32)> {
         std::mem::take(&mut self.stores)
     }
@@ -60,7 +60,7 @@ impl Device for Inputs {
             }
             TIM3_CNT => self.ticks.saturating_sub(PUSHED).min(COUNTS),
             TIM4_CNT => {
-                // The start reads it once, too.
+                // The start-up reads it once, before the first tick.
                 self.stores.extend((self.ticks > 0).then_some((NVIC_ISPR0, TIM2_PENDING)));
                 0
             }
@@ -70,7 +70,7 @@ impl Device for Inputs {
 
     fn write(&mut self, address: u32, value: u32) {
         match address {
-            // The start of an encoder may clear its counter.
+            // The start-up of an encoder may clear its counter.
             TIM3_CNT | TIM4_CNT => assert_eq!(value, 0, "to the counter {address:#x}"),
             _ => panic!("{value:#x} to the input {address:#x}"),
         }

@@ -1,15 +1,16 @@
-//! The program of the board on an emulated STM32F405, and how it is run.
+//! The program of the board on an emulated STM32F405.
 //!
-//! QEMU's `netduinoplus2` has the core, its interrupt controller, flash and RAM at their addresses, and TIM2 to
-//! TIM5. The program is unchanged. One thing is put in its way, because it would wait for it for ever: the
-//! clocks. The test halts at the accesses of `FLASH_ACR`, `RCC_CR`, `RCC_PLLCFGR` and `RCC_CFGR` and answers them as
-//! the chip does ([`clocks`]). Besides, it fills the free RAM with a pattern before the start.
+//! QEMU's machine `netduinoplus2` has the core, its interrupt controller, flash and RAM at their addresses, and TIM2 to
+//! TIM5. The program is unchanged, but it would wait for its clocks for ever, which QEMU does not model: the test halts
+//! at the accesses of `FLASH_ACR`, `RCC_CR`, `RCC_PLLCFGR` and `RCC_CFGR` and answers them as the chip does
+//! ([`clocks`]). It also fills the free RAM with a pattern before the start.
 //!
-//! QEMU models no TIM1, no GPIO, no watchdog and no encoder mode. They read as 0; what is written to them stands in the
-//! emulator's log ([`log`]). [`inputs`] answers for switch and encoders where a test closes the loops.
+//! QEMU models no TIM1, GPIO, watchdog or encoder mode either. They read as 0, and writes to them are in the emulator's
+//! log ([`log`]). [`inputs`] provides switch and encoders where a test closes the loops.
 #![allow(clippy::unwrap_used, clippy::missing_panics_doc, reason = "for tests, which fail by panicking")]
 
 pub mod clocks;
+mod device;
 pub mod inputs;
 pub mod log;
 
@@ -21,28 +22,30 @@ use std::time::{Duration, Instant};
 use crate::chip::image::Image;
 use crate::chip::memory::{Offset, Word, word};
 use crate::chip::vectors::Vectors;
-use crate::chip::walk::panics;
+use crate::chip::walk::is_panic;
 use crate::firmware::{FLASH, RAM, TICK};
-use crate::gdb::{Halt, PC, Target, Trouble, Watch, XPSR};
+use crate::gdb::{GdbError, Halt, PC, Target, Watch, XPSR};
 use tempfile::TempDir;
+
+pub use device::Device;
 
 use clocks::Clocks;
 use inputs::Inputs;
 use log::Log;
 
-/// All ticks have to be over within this time: a thousand take four seconds on a slow machine.
-const DEADLINE: Duration = Duration::from_secs(40);
+/// Timeout of a run: a thousand ticks take four seconds on a slow machine.
+const TIMEOUT: Duration = Duration::from_secs(40);
 
-/// How often the log is looked at.
-const LOOK: Duration = Duration::from_millis(50);
+/// Interval between readings of the log.
+const POLL: Duration = Duration::from_millis(50);
 
-/// Bits of the status that say which of the next instructions run.
+/// State of an IT block in the program status: not 0 where the next instructions are conditional.
 const IT_STATE: u32 = 0x0600_fc00;
 
 /// `str r0, [r1]`
 const STORE: [u8; 2] = 0x6008u16.to_le_bytes();
 
-/// What the free RAM is filled with.
+/// Pattern of the free RAM.
 const PATTERN: u8 = 0xa5;
 
 /// The emulated chip with its program, halted.
@@ -53,37 +56,27 @@ pub struct Chip {
     pub vectors: Vectors,
     /// Memory and registers of the core.
     pub target: Target,
-    /// What is answered instead of the clocks.
+    /// Model of the clocks.
     pub clocks: Clocks,
-    /// Without them the inputs read as QEMU has them: 0, and counters that run.
+    /// Model of the inputs; `None`: as in QEMU, pins read as 0 and the encoder counters run.
     pub inputs: Option<Inputs>,
-    /// What the emulator writes down.
+    /// The emulator's log.
     pub log: Log,
-    /// For the log and for what the emulator says.
+    /// For the log and the emulator's messages.
     folder: TempDir,
 }
 
-/// Registers that the test answers for instead of QEMU.
-pub trait Device {
-    /// Addresses of the words.
-    fn registers(&self) -> &[u32];
-    /// What a load gets.
-    fn read(&mut self, address: u32) -> u32;
-    /// Takes a store.
-    fn write(&mut self, address: u32, value: u32);
-}
-
-/// How a run has ended.
+/// How a run ended.
 #[derive(Debug, PartialEq, Eq)]
 pub enum End {
-    /// With as many ticks as were asked for.
+    /// After the requested number of ticks.
     Ticked,
-    /// Where the program never comes back from: a fault, an interrupt that nobody handles, a panic.
+    /// In a function that never returns: of a fault, an unhandled interrupt or a panic; its name.
     Entered(String),
 }
 
 impl Chip {
-    /// Before the first instruction.
+    /// Starts the emulator, halted before the first instruction.
     #[must_use]
     pub fn start(program: &Path, inputs: Option<Inputs>) -> Self {
         let image = Image::read(&fs::read(program).unwrap());
@@ -105,8 +98,8 @@ impl Chip {
         chip
     }
 
-    /// Fills the free RAM and says where to halt.
-    fn prepare(&mut self) -> Result<(), Trouble> {
+    /// Fills the free RAM and sets breakpoints and watchpoints.
+    fn prepare(&mut self) -> Result<(), GdbError> {
         let (floor, top) = (self.floor(), self.vectors.initial_sp);
         self.target.set_memory(floor, &vec![PATTERN; (top - floor) as usize])?;
         let inputs = self.inputs.iter().flat_map(Device::registers);
@@ -116,34 +109,34 @@ impl Chip {
         }
         let tick = self.vectors.handler(TICK);
         let handlers = self.vectors.exceptions().into_iter().filter(|&handler| handler != tick);
-        for address in handlers.chain(self.image.named(panics)) {
+        for address in handlers.chain(self.image.named(is_panic)) {
             self.target.watch(Watch::Run, address)?;
         }
         Ok(())
     }
 
-    /// Runs until so many ticks have begun, or until it is at one of its ends, and halts it there.
+    /// Runs until a number of ticks have begun or the program has entered a function that never returns; halts there.
     ///
     /// # Errors
-    /// When the emulator does not answer.
-    pub fn run(&mut self, ticks: usize) -> Result<End, Trouble> {
-        let began = Instant::now();
-        let mut looked = began;
+    /// When the emulator does not reply.
+    pub fn run(&mut self, ticks: usize) -> Result<End, GdbError> {
+        let start = Instant::now();
+        let mut polled = start;
         self.target.run()?;
         loop {
-            let halted = self.target.halted(LOOK)?;
-            if looked.elapsed() >= LOOK {
-                looked = Instant::now();
+            let halted = self.target.halted(POLL)?;
+            if polled.elapsed() >= POLL {
+                polled = Instant::now();
                 if self.log.exceptions().len() >= ticks {
                     return halted
                         .map_or_else(|| self.target.stop().map(drop), |_| Ok(()))
                         .map(|()| End::Ticked);
                 }
-                assert!(began.elapsed() < DEADLINE, "too slow; {}", self.words());
+                assert!(start.elapsed() < TIMEOUT, "too slow; {}", self.diagnostics());
             }
             match halted {
                 Some(Halt::Read(address) | Halt::Write(address)) => {
-                    self.answer(address)?;
+                    self.emulate_access(address)?;
                     self.target.run()?;
                 }
                 Some(Halt::Here) => {
@@ -156,22 +149,22 @@ impl Chip {
         }
     }
 
-    /// Does the access to a watched register that the target has halted at instead of it, and goes on behind it.
-    fn answer(&mut self, address: u32) -> Result<(), Trouble> {
+    /// Performs the access to a watched register at which the target has halted, and skips its instruction.
+    fn emulate_access(&mut self, address: u32) -> Result<(), GdbError> {
         let at = self.target.register(PC)?;
         let (high, low) = (self.image.half(at).unwrap_or(0), self.image.half(at + 2).unwrap_or(0));
         let access =
-            word(high, low).unwrap_or_else(|| panic!("{high:#06x} {low:#06x} at {at:#x}: no access"));
+            word(high, low).unwrap_or_else(|| panic!("{high:#06x} {low:#06x} at {at:#x} is no access"));
         let Word { loads, register, base, offset } = access;
-        // With `-icount` QEMU halts before an access to a device; behind it, this would be another instruction.
+        // With `-icount` QEMU halts before an access to a device, so that the instruction at PC is the access.
         let added = match offset {
             Offset::Bytes(bytes) => bytes.cast_unsigned(),
             Offset::Register(number, shift) => self.target.register(number)? << shift,
         };
         let conditional = self.target.register(XPSR)? & IT_STATE;
-        assert_eq!(conditional, 0, "{access:?} at {at:#x} is conditional: it cannot be left out");
+        assert_eq!(conditional, 0, "{access:?} at {at:#x} is conditional: it cannot be skipped");
         let accessed = self.target.register(base)?.wrapping_add(added);
-        assert_eq!(accessed, address, "{access:?} at {at:#x} is not what was watched");
+        assert_eq!(accessed, address, "{access:?} at {at:#x} is not at the watched address");
         let device: &mut dyn Device = match &mut self.inputs {
             Some(inputs) if inputs.registers().contains(&address) => inputs,
             _ => &mut self.clocks,
@@ -186,8 +179,8 @@ impl Chip {
         stores.into_iter().try_for_each(|(to, value)| self.store(to, value))
     }
 
-    /// Lets the core itself store a word where GDB cannot: in a device. The instruction stands in free RAM meanwhile.
-    fn store(&mut self, address: u32, value: u32) -> Result<(), Trouble> {
+    /// Lets the core store a word in a device, which GDB cannot do, by an instruction in free RAM.
+    fn store(&mut self, address: u32, value: u32) -> Result<(), GdbError> {
         let free = self.floor();
         let [r0, r1, pc] = [self.target.register(0)?, self.target.register(1)?, self.target.register(PC)?];
         self.target.set_memory(free, &STORE)?;
@@ -202,32 +195,32 @@ impl Chip {
         self.target.set_memory(free, &[PATTERN; 2])
     }
 
-    /// Takes an exception by hand, to the first instructions of its handler.
+    /// Runs the first instructions of the handler of an exception, without its exception frame.
     ///
     /// # Errors
-    /// When the target does not answer.
-    pub fn take(&mut self, exception: usize, instructions: u32) -> Result<(), Trouble> {
+    /// When the target does not reply.
+    pub fn enter_handler(&mut self, exception: usize, instructions: u32) -> Result<(), GdbError> {
         self.target.set_register(PC, self.vectors.handler(exception))?;
         (0..instructions).try_for_each(|_| self.target.step())
     }
 
-    /// What the emulator has said.
+    /// Messages of the emulator and the end of its log.
     #[must_use]
-    pub fn words(&self) -> String {
+    pub fn diagnostics(&self) -> String {
         let errors = fs::read_to_string(self.folder.path().join("errors")).unwrap_or_default();
-        let begun = self.log.exceptions().len();
-        format!("{begun} exceptions so far. The emulator: {errors}\n{}", self.log.end())
+        let count = self.log.exceptions().len();
+        format!("{count} exceptions so far. The emulator: {errors}\n{}", self.log.end())
     }
 
     fn floor(&self) -> u32 {
         self.vectors.stack_floor(&self.image, &RAM)
     }
 
-    /// Bytes below the start of the stack that are not the pattern any more, and those above the data.
+    /// Used bytes of the stack, by the pattern, and bytes that it may use.
     ///
     /// # Errors
-    /// When the emulator does not answer.
-    pub fn stack(&mut self) -> Result<[u32; 2], Trouble> {
+    /// When the emulator does not reply.
+    pub fn stack(&mut self) -> Result<[u32; 2], GdbError> {
         let (floor, top) = (self.floor(), self.vectors.initial_sp);
         let bytes = self.target.memory(floor, (top - floor) as usize)?;
         let untouched = bytes.iter().take_while(|&&byte| byte == PATTERN).count();

@@ -1,8 +1,8 @@
-//! How deep the stack gets below a function: frames, summed over the calls that need the most.
+//! Stack depth below a function: frames, summed over the chain of calls that needs most.
 //!
-//! A frame is the sum of all that the instructions of a function take from the stack pointer, whichever of
-//! them run. So a jump out of a function counts with the whole frame, though it may have given it back: the
-//! sum is an upper bound.
+//! A frame is the sum of all decrements of the stack pointer in the instructions of a function, whether they run or
+//! not. A tail call therefore counts with the whole frame of its caller, which may have been released before: the sum
+//! is an upper bound.
 
 use std::collections::BTreeMap;
 
@@ -11,61 +11,62 @@ use super::pointer::{Pointer, constant, pointer, upper_half};
 use super::thumb::{Flow, decode};
 use super::walk::{instructions, walk};
 
-/// What makes a depth unknown. Places are addresses of instructions.
+/// Why a depth is unknown, with addresses of instructions.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub enum Obstacle {
     /// A call or jump through a register.
     Indirect(u32),
-    /// A call or jump to where there is no function.
-    Lost(u32),
-    /// Sets the stack pointer, or lowers it by an unknown number of bytes.
+    /// A call or jump to an address without a function.
+    NoFunction(u32),
+    /// The stack pointer is set, or lowered by an unknown number of bytes.
     Unknown(u32),
-    /// Lowers the stack pointer inside a loop.
+    /// The stack pointer is lowered inside a loop.
     Looped(u32),
-    /// Functions that call one another in a ring, each by its start.
+    /// Functions in or above a recursion, by their starts.
     Recursion(Vec<u32>),
 }
 
-/// A function that calls itself, and for which a reason is known why that ends.
+/// A function that calls itself with a known limit.
 #[derive(Clone, Copy, Debug)]
 pub struct SelfCall {
     /// Part of its mangled name.
     pub name: &'static str,
-    /// How many of its frames stand on each other at most.
+    /// Most frames of it at a time.
     pub frames: u32,
 }
 
-/// The deepest way below a function.
+/// The deepest chain of calls below a function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Depth {
-    /// Start and frame, in bytes, of each function on the way.
-    pub way: Vec<(u32, u32)>,
+    /// Start and frame, in bytes, of each function of the chain.
+    pub chain: Vec<(u32, u32)>,
 }
 
-/// What has to be known of a function.
+/// Stack of a function, bytes.
 struct Known {
     frame: u32,
-    /// With all below it.
+    /// Frame and deepest callee.
     total: u32,
+    /// Start of the deepest callee.
     deepest: Option<u32>,
 }
 
-/// The depths of functions and of all that they reach.
+/// The depths of functions and of all that they call.
 pub struct Depths(BTreeMap<u32, Known>);
 
 impl Depths {
-    /// Sums the frames of all that can be reached from the given functions, the frames of `self_calls` as often as
-    /// these say.
+    /// Sums the frames of all functions that are reachable from `roots` (starts), the frames of `self_calls` as often
+    /// as they allow.
     ///
     /// # Errors
-    /// All that makes one of the depths unknown.
+    /// Everything that makes a depth unknown.
     ///
     /// # Panics
     /// Where one of the addresses is not the start of a function.
     pub fn new(image: &Image, roots: &[u32], self_calls: &[SelfCall]) -> Result<Self, Vec<Obstacle>> {
         let mut walk = walk(image, roots);
         let mut obstacles: Vec<_> = walk.indirect.iter().copied().map(Obstacle::Indirect).collect();
-        obstacles.extend(walk.lost.iter().copied().map(Obstacle::Lost));
+        obstacles.extend(walk.without_function.iter().copied().map(Obstacle::NoFunction));
         let mut frames = BTreeMap::new();
         for &start in walk.reached.keys() {
             match frame(image, start) {
@@ -84,7 +85,7 @@ impl Depths {
             }
         }
         let mut depths = Self(BTreeMap::new());
-        // Callees first: a function is taken once all below it are known, and a ring never is.
+        // Callees first: a function is added when all its callees are known, which a recursion never is.
         while depths.0.len() < frames.len() {
             let known = depths.0.len();
             for (&start, &frame) in &frames {
@@ -96,58 +97,58 @@ impl Depths {
                 }
             }
             if depths.0.len() == known {
-                let open = |start: &&u32| !depths.0.contains_key(start);
-                return Err(vec![Obstacle::Recursion(frames.keys().filter(open).copied().collect())]);
+                let unknown = |start: &&u32| !depths.0.contains_key(start);
+                return Err(vec![Obstacle::Recursion(frames.keys().filter(unknown).copied().collect())]);
             }
         }
         Ok(depths)
     }
 
-    /// The deepest way below one of the functions that were reached.
+    /// The deepest chain of calls below a function.
     ///
     /// # Panics
-    /// Where the function was not.
+    /// Where the function is not reachable from the roots.
     #[must_use]
     pub fn below(&self, start: u32) -> Depth {
-        let mut way = Vec::new();
+        let mut chain = Vec::new();
         let mut next = Some(start);
         while let Some(at) = next {
-            way.push((at, self.0[&at].frame));
+            chain.push((at, self.0[&at].frame));
             next = self.0[&at].deepest;
         }
-        Depth { way }
+        Depth { chain }
     }
 }
 
 impl Depth {
-    /// Bytes of all frames on the way.
+    /// Sum of all frames, bytes.
     #[must_use]
     pub fn bytes(&self) -> u32 {
-        self.way.iter().map(|(_, frame)| frame).sum()
+        self.chain.iter().map(|(_, frame)| frame).sum()
     }
 
-    /// The calls with their frames in bytes.
+    /// The functions of the chain with their frames in bytes.
     #[must_use]
-    pub fn calls(&self, image: &Image) -> String {
+    pub fn describe(&self, image: &Image) -> String {
         let names: Vec<_> =
-            self.way.iter().map(|(start, frame)| format!("{} {frame}", name(image, *start))).collect();
+            self.chain.iter().map(|(start, frame)| format!("{} {frame}", name(image, *start))).collect();
         names.join(" → ")
     }
 }
 
 impl Obstacle {
-    /// What and where, by the name of the function.
+    /// The obstacle and the name of its function.
     #[must_use]
     pub fn describe(&self, image: &Image) -> String {
-        let place = |at: &u32| format!("{at:#x} in {}", name(image, *at));
+        let location = |at: &u32| format!("{at:#x} in {}", name(image, *at));
         match self {
-            Self::Indirect(at) => format!("a call through a register at {}", place(at)),
-            Self::Lost(at) => format!("a jump to no function at {}", place(at)),
-            Self::Unknown(at) => format!("an unknown stack pointer at {}", place(at)),
-            Self::Looped(at) => format!("a stack pointer lowered in a loop at {}", place(at)),
+            Self::Indirect(at) => format!("a call through a register at {}", location(at)),
+            Self::NoFunction(at) => format!("a jump to an address without a function at {}", location(at)),
+            Self::Unknown(at) => format!("an unknown stack pointer at {}", location(at)),
+            Self::Looped(at) => format!("a stack pointer lowered in a loop at {}", location(at)),
             Self::Recursion(starts) => {
                 let names: Vec<_> = starts.iter().map(|start| name(image, *start)).collect();
-                format!("a ring of calls in or above {}", names.join(", "))
+                format!("a recursion in or above {}", names.join(", "))
             }
         }
     }
@@ -157,7 +158,7 @@ fn name(image: &Image, at: u32) -> &str {
     image.function_at(at).and_then(|(_, function)| function.names.first()).map_or("?", String::as_str)
 }
 
-/// All that the instructions of a function take from the stack pointer, bytes.
+/// Sum of all decrements of the stack pointer in a function, bytes.
 fn frame(image: &Image, start: u32) -> Result<u32, Obstacle> {
     let (mut total, mut lowered, mut jumps_back) = (0, Vec::new(), Vec::new());
     let mut before: [(u16, u16); 2] = Default::default();
@@ -183,7 +184,7 @@ fn frame(image: &Image, start: u32) -> Result<u32, Obstacle> {
     lowered.iter().find(looped).map_or(Ok(total), |&at| Err(Obstacle::Looped(at)))
 }
 
-/// The constant that the two instructions before have put into a register.
+/// The constant that the two preceding instructions have loaded into a register.
 fn value([first, last]: [(u16, u16); 2], register: u32) -> Option<u32> {
     match upper_half(last.0, last.1, register) {
         Some(upper) => Some(upper << 16 | constant(first.0, first.1, register)?),

@@ -1,4 +1,4 @@
-//! What of an ELF file a walk through its code needs.
+//! Sections, functions and code marks of an ELF file.
 
 use std::collections::BTreeMap;
 use std::ops::Range;
@@ -6,33 +6,33 @@ use std::ops::Range;
 use object::read::elf::ElfFile32;
 use object::{Endianness, Object, ObjectSection, ObjectSymbol, SectionKind, SymbolKind};
 
-/// A stretch of bytes at an address.
+/// Contiguous bytes of the program.
 pub struct Section {
-    /// Of the first byte.
+    /// Address of the first byte.
     pub address: u32,
-    /// What stands there.
+    /// The bytes.
     pub bytes: Vec<u8>,
 }
 
-/// A function: its names (one body may have several) and where it ends.
+/// A function: its names (identical bodies may be merged) and its end.
 #[derive(Clone, Debug, Default, PartialEq, Eq)]
 pub struct Function {
-    /// As the linker has them: mangled.
+    /// Mangled names.
     pub names: Vec<String>,
-    /// Address behind the last byte.
+    /// Address after the last byte.
     pub end: u32,
 }
 
 /// The program of a chip.
 #[derive(Default)]
 pub struct Image {
-    /// What stands in flash.
+    /// Code and constants.
     pub sections: Vec<Section>,
     /// Addresses of the static data: `.data`, `.bss` and `.uninit`, in no order.
     pub data: Vec<Range<u32>>,
     /// By the address of the first instruction.
     pub functions: BTreeMap<u32, Function>,
-    /// From each of these addresses on there is code (true) or data (false): `$t` and `$d` of the ABI.
+    /// Whether code (true) or data (false) begins at an address: the mapping symbols `$t` and `$d` of the ABI.
     pub marks: BTreeMap<u32, bool>,
 }
 
@@ -40,7 +40,7 @@ impl Image {
     /// Reads an ELF file for a little-endian 32-bit ARM.
     ///
     /// # Panics
-    /// Where the file is none of these: it comes from the linker.
+    /// Where the file is not one: it comes from the linker.
     #[must_use]
     pub fn read(file: &[u8]) -> Self {
         let elf = ElfFile32::<Endianness>::parse(file).expect("cargo links an ELF file");
@@ -55,7 +55,7 @@ impl Image {
                 _ => {}
             }
             if matches!(section.kind(), SectionKind::Text | SectionKind::ReadOnlyData) {
-                let bytes = section.data().expect("stands in the file").to_vec();
+                let bytes = section.data().expect("the file has the bytes").to_vec();
                 image.sections.push(Section { address, bytes });
             }
         }
@@ -66,7 +66,7 @@ impl Image {
                 "$t" => _ = image.marks.insert(address, true),
                 "$d" => _ = image.marks.insert(address, false),
                 _ if symbol.kind() == SymbolKind::Text && symbol.is_definition() => {
-                    // The lowest bit says Thumb.
+                    // The lowest bit marks Thumb code.
                     let function = image.functions.entry(address & !1).or_default();
                     function.names.push(name.to_owned());
                     let size = u32::try_from(symbol.size()).expect("32 bit");
@@ -75,22 +75,22 @@ impl Image {
                 _ => {}
             }
         }
-        image.end_the_endless(&code_ends);
+        image.set_missing_ends(&code_ends);
         image
     }
 
-    /// Assembly gives no sizes: such a function goes as far as the next one, or its section.
-    fn end_the_endless(&mut self, code_ends: &[u32]) {
+    /// Assembly gives no sizes: such a function ends at the next one, or with its section.
+    fn set_missing_ends(&mut self, code_ends: &[u32]) {
         let starts: Vec<u32> = self.functions.keys().copied().collect();
         for (&start, function) in &mut self.functions {
             if function.end <= start {
                 let next = starts.iter().chain(code_ends).copied().filter(|&end| end > start).min();
-                function.end = next.expect("code lies in a section");
+                function.end = next.expect("code is in a section");
             }
         }
     }
 
-    /// The 16 bits at an address; `None` where the file holds none.
+    /// The 16 bits at an address; `None` outside the sections.
     #[must_use]
     pub fn half(&self, address: u32) -> Option<u16> {
         self.sections.iter().find_map(|section| {
@@ -105,20 +105,20 @@ impl Image {
         Some(u32::from(self.half(address)?) | u32::from(self.half(address + 2)?) << 16)
     }
 
-    /// Whether instructions stand at an address.
+    /// Whether there is code at an address.
     #[must_use]
     pub fn is_code(&self, address: u32) -> bool {
         self.marks.range(..=address).next_back().is_some_and(|(_, &code)| code)
     }
 
-    /// The function that an address lies in, by its start.
+    /// The function that contains an address, and its start.
     #[must_use]
     pub fn function_at(&self, address: u32) -> Option<(u32, &Function)> {
         let (&start, function) = self.functions.range(..=address).next_back()?;
         (address < function.end).then_some((start, function))
     }
 
-    /// Starts of the functions that one of whose names fulfils a condition.
+    /// Starts of the functions that have a name with a property.
     pub fn named(&self, condition: impl Fn(&str) -> bool) -> Vec<u32> {
         let with = |(&start, function): (&u32, &Function)| {
             function.names.iter().any(|name| condition(name)).then_some(start)

@@ -1,28 +1,29 @@
-//! Loads and stores of one word: which register, and where (ARMv7-M reference manual, A5.2.4, A5.3.7, A5.3.10).
+//! Decoding of loads and stores of one word (ARMv7-M reference manual, A5.2.4, A5.3.7, A5.3.10).
 
 /// A load or store of a word.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Word {
-    /// From memory into the register.
+    /// Whether it is a load.
     pub loads: bool,
-    /// The register that is loaded or stored.
+    /// Number of the register that is loaded or stored.
     pub register: u32,
-    /// Register with the address.
+    /// Number of the base register.
     pub base: u32,
-    /// What is added to it.
+    /// What is added to the base.
     pub offset: Offset,
 }
 
-/// What is added to the address in a register.
+/// Offset of an address from its base.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Offset {
     /// Bytes.
     Bytes(i32),
-    /// Another register, shifted to the left by so many bits.
+    /// A register, shifted to the left by a number of bits.
     Register(u32, u32),
 }
 
-/// The load or store that an instruction is, where it is one of a word that leaves its base as it is.
+/// The load or store of a word that the instruction `high` `low` is; `None` for other instructions and for those that
+/// write back the base.
 #[must_use]
 pub fn word(high: u16, low: u16) -> Option<Word> {
     let (h, l) = (u32::from(high), u32::from(low));

@@ -1,4 +1,7 @@
-//! Reads the program of a chip: its functions, what its instructions do, and what can be reached.
+//! Static analysis of a program of the chip: its functions, the effects of its instructions, its call graph.
+//!
+//! [`image`] reads the ELF file, [`thumb`], [`pointer`] and [`memory`] decode instructions; [`walk`] follows all calls,
+//! [`depth`] sums stack frames over them, and [`vectors`] adds the exceptions.
 
 pub mod depth;
 pub mod image;

@@ -1,27 +1,27 @@
-//! What a Thumb-2 instruction does to the stack pointer (ARMv7-M reference manual, chapters A5 to A7).
+//! Effect of a Thumb-2 instruction on the stack pointer (ARMv7-M reference manual, chapters A5 to A7).
 
 /// Number of the stack pointer among the registers.
 const SP: u32 = 13;
 
-/// What an instruction does to the stack pointer.
+/// Effect of an instruction on the stack pointer.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pointer {
-    /// Leaves it.
+    /// None.
     Kept,
     /// Lowers it by this many bytes.
     Lowered(u32),
     /// Lowers it by the value of this register.
     LoweredBy(u32),
-    /// Raises it: gives back what was taken before.
+    /// Raises it: releases stack.
     Raised,
-    /// Sets it to what the instruction alone does not tell.
+    /// Sets it to a value that the instruction alone does not determine.
     Set,
 }
 
-/// What the instruction `high` `low` does to the stack pointer; `low` counts for 32-bit instructions only.
+/// Effect of the instruction `high` `low` on the stack pointer; `low` matters for 32-bit instructions only.
 ///
-/// Instructions whose result the manual calls unpredictable, such as a multiplication into the stack pointer,
-/// are not told from those that leave it: no compiler emits them.
+/// Instructions that the manual calls unpredictable, such as a multiplication into the stack pointer, are not
+/// recognised: no compiler emits them.
 #[must_use]
 pub fn pointer(high: u16, low: u16) -> Pointer {
     if high >= 0xe800 { wide(u32::from(high), u32::from(low)) } else { narrow(u32::from(high)) }
@@ -59,12 +59,12 @@ fn wide(h: u32, l: u32) -> Pointer {
     }
 }
 
-/// The stack pointer as base that is written back, up or down by some bytes.
+/// Write-back of the stack pointer as a base, up or down by a number of bytes.
 fn moved(up: bool, bytes: u32) -> Pointer {
     if up { Pointer::Raised } else { Pointer::Lowered(bytes) }
 }
 
-/// STM, LDM, VSTM and VLDM of so many words: P (bit 8), U (bit 7), W (bit 5), L (bit 4).
+/// STM, LDM, VSTM and VLDM of a number of words: P (bit 8), U (bit 7), W (bit 5), L (bit 4).
 fn several(h: u32, base: u32, words: u32) -> Pointer {
     if base != SP || h & 0x20 == 0 {
         return Pointer::Kept;
@@ -76,12 +76,12 @@ fn several(h: u32, base: u32, words: u32) -> Pointer {
     }
 }
 
-/// STRD and LDRD: P (bit 8), U (bit 7), W (bit 5), imm8·4. Without P and W it is another instruction.
+/// STRD and LDRD: P (bit 8), U (bit 7), W (bit 5), imm8·4. Without P and W the encoding is another instruction.
 fn pair(h: u32, l: u32, base: u32) -> Pointer {
     if base != SP || h & 0x20 == 0 { Pointer::Kept } else { moved(h & 0x80 != 0, 4 * (l & 0xff)) }
 }
 
-/// STR, LDR and those of bytes and halfwords.
+/// STR, LDR and their byte and halfword forms.
 fn single(h: u32, l: u32, base: u32) -> Pointer {
     let loads_word = h & 0x70 == 0x50;
     if loads_word && l >> 12 == SP {
@@ -92,7 +92,7 @@ fn single(h: u32, l: u32, base: u32) -> Pointer {
     if base == SP && writes_back { moved(l & 0x200 != 0, l & 0xff) } else { Pointer::Kept }
 }
 
-/// Data processing of registers into the stack pointer; only SUB from itself, unshifted, is known.
+/// Data processing of registers into the stack pointer; only an unshifted SUB from itself is evaluated.
 fn by_register(h: u32, l: u32, base: u32) -> Pointer {
     let (operation, unshifted) = ((h >> 5) & 15, l & 0x70f0 == 0);
     if operation == 0b1101 && base == SP && unshifted { Pointer::LoweredBy(l & 15) } else { Pointer::Set }
@@ -110,7 +110,7 @@ fn by_immediate(h: u32, l: u32, base: u32) -> Pointer {
     }
 }
 
-/// The modified immediate of 12 bits: bytes side by side, or a byte with its top bit set, rotated.
+/// The value of a modified immediate of 12 bits: a repeated byte, or a byte with its top bit set, rotated.
 #[must_use]
 pub fn expanded(coded: u32) -> u32 {
     let byte = coded & 0xff;
@@ -123,7 +123,7 @@ pub fn expanded(coded: u32) -> u32 {
     }
 }
 
-/// The value that an instruction puts into a register, where it is a constant: `movw`, `mov.w`, `movs`.
+/// The constant that an instruction loads into a register: `movw`, `mov.w`, `movs`.
 #[must_use]
 pub fn constant(high: u16, low: u16, register: u32) -> Option<u32> {
     let (h, l) = (u32::from(high), u32::from(low));
@@ -139,7 +139,7 @@ pub fn constant(high: u16, low: u16, register: u32) -> Option<u32> {
     }
 }
 
-/// The upper half that `movt` puts into a register.
+/// The upper half that `movt` loads into a register.
 #[must_use]
 pub fn upper_half(high: u16, low: u16, register: u32) -> Option<u32> {
     let (h, l) = (u32::from(high), u32::from(low));

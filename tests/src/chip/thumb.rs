@@ -1,27 +1,28 @@
-//! Where a Thumb-2 instruction may go on to (ARMv7-M reference manual, chapter A5 and A7.7).
+//! Effect of a Thumb-2 instruction on the program counter (ARMv7-M reference manual, chapter A5 and A7.7).
 
-/// What an instruction does to the program counter.
+/// Effect of an instruction on the program counter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Flow {
-    /// Nothing but to go on, or a return.
-    On,
-    /// A jump to an address, on a condition or without.
+    /// The next instruction, or a return.
+    Next,
+    /// A jump to an address, conditional or not.
     To(u32),
-    /// A call of an address: the way back is kept.
+    /// A call of an address: the return address is saved.
     Call(u32),
     /// A call or jump through a register or a table of addresses in memory.
     Indirect,
-    /// An instruction that is undefined on purpose: a trap.
+    /// A permanently undefined instruction, or one that this core does not have.
     Trap,
 }
 
-/// The flow of the instruction at an address and its length in bytes. `low` is the halfword after `high`.
+/// The flow of the instruction `high` `low` at an address, and its length in bytes.
 #[must_use]
 pub fn decode(address: u32, high: u16, low: u16) -> (Flow, u32) {
     if high >= 0xe800 { (wide(address, high, low), 4) } else { (narrow(address, high), 2) }
 }
 
-/// `value`'s lowest `bits` bits as a signed number, added to the program counter, 4 ahead.
+/// The target of a relative branch: the lowest `bits` bits of `value`, sign-extended, added to the program counter,
+/// which is 4 ahead of the instruction.
 fn relative(address: u32, value: u32, bits: u32) -> u32 {
     let unused = 32 - bits;
     let offset = (value << unused).cast_signed() >> unused;
@@ -34,7 +35,7 @@ fn narrow(address: u32, high: u16) -> Flow {
         // B<c> label; conditions 14 and 15 are UDF and SVC.
         0b1101 => match (high >> 8) & 15 {
             14 => Flow::Trap,
-            15 => Flow::On,
+            15 => Flow::Next,
             _ => Flow::To(relative(address, (bits & 0xff) << 1, 9)),
         },
         // B label.
@@ -44,18 +45,18 @@ fn narrow(address: u32, high: u16) -> Flow {
             let offset = (bits & 0x200) >> 3 | (bits & 0xf8) >> 2;
             Flow::To(address + 4 + offset)
         }
-        // BX LR returns; BX and BLX of another register go where it says.
-        0b0100 if high == 0x4770 => Flow::On,
+        // BX LR returns; BX and BLX of other registers are indirect.
+        0b0100 if high == 0x4770 => Flow::Next,
         0b0100 if high & 0xff00 == 0x4700 => Flow::Indirect,
         // ADD PC, reg and MOV PC, reg.
         0b0100 if high & 0xfd87 == 0x4487 => {
             if high == 0x46f7 {
-                Flow::On
+                Flow::Next
             } else {
                 Flow::Indirect
             }
         }
-        _ => Flow::On,
+        _ => Flow::Next,
     }
 }
 
@@ -72,7 +73,7 @@ fn wide(address: u32, high: u16, low: u16) -> Flow {
         return match (low >> 12) & 0b0101 {
             0b0001 => Flow::To(far()),
             0b0101 => Flow::Call(far()),
-            // BLX label changes to the ARM instruction set, which this core has not.
+            // BLX label changes to the ARM instruction set, which this core does not have.
             0b0100 => Flow::Trap,
             // B<c>.W label: S:J2:J1:imm6:imm11:0; conditions 14 and 15 are system instructions.
             _ if (high >> 7) & 7 != 7 => {
@@ -81,23 +82,23 @@ fn wide(address: u32, high: u16, low: u16) -> Flow {
                 Flow::To(relative(address, offset, 21))
             }
             _ if high & 0xfff0 == 0xf7f0 && low & 0xf000 == 0xa000 => Flow::Trap,
-            _ => Flow::On,
+            _ => Flow::Next,
         };
     }
-    // TBB, TBH: the offsets stand behind the instruction, and every branch of a function is walked.
+    // TBB, TBH: the targets are within the function, all of which is walked.
     if high & 0xfff0 == 0xe8d0 && low & 0xffe0 == 0xf000 {
-        return Flow::On;
+        return Flow::Next;
     }
     // LDR PC, …: a return where it pops one word from the stack.
     if high & 0xff70 == 0xf850 && low & 0xf000 == 0xf000 {
         let pops = high == 0xf85d && low == 0xfb04;
-        return if pops { Flow::On } else { Flow::Indirect };
+        return if pops { Flow::Next } else { Flow::Indirect };
     }
     // LDM with the program counter from any register but the stack pointer.
     if (high & 0xffd0 == 0xe890 || high & 0xffd0 == 0xe910) && low & 0x8000 != 0 && high & 15 != 13 {
         return Flow::Indirect;
     }
-    Flow::On
+    Flow::Next
 }
 
 #[cfg(test)]
@@ -118,19 +119,19 @@ mod tests {
         assert_eq!(flow(0xbb08, 0), Flow::To(0x1046)); // cbnz r0
         assert_eq!(flow(0x4798, 0), Flow::Indirect); // blx r3
         assert_eq!(flow(0x4718, 0), Flow::Indirect); // bx r3
-        assert_eq!(flow(0x4770, 0), Flow::On); // bx lr
+        assert_eq!(flow(0x4770, 0), Flow::Next); // bx lr
         assert_eq!(flow(0x469f, 0), Flow::Indirect); // mov pc, r3
-        assert_eq!(flow(0x4698, 0), Flow::On); // mov r8, r3
-        assert_eq!(flow(0xbd10, 0), Flow::On); // pop {r4, pc}
+        assert_eq!(flow(0x4698, 0), Flow::Next); // mov r8, r3
+        assert_eq!(flow(0xbd10, 0), Flow::Next); // pop {r4, pc}
         assert_eq!(flow(0xde00, 0), Flow::Trap); // udf
         assert_eq!(flow(0xf7f0, 0xa000), Flow::Trap); // udf.w
-        assert_eq!(flow(0xf85d, 0xfb04), Flow::On); // pop.w {pc}
+        assert_eq!(flow(0xf85d, 0xfb04), Flow::Next); // pop.w {pc}
         assert_eq!(flow(0xf8d3, 0xf000), Flow::Indirect); // ldr.w pc, [r3]
-        assert_eq!(flow(0xe8bd, 0x8010), Flow::On); // pop.w {r4, pc}
+        assert_eq!(flow(0xe8bd, 0x8010), Flow::Next); // pop.w {r4, pc}
         assert_eq!(flow(0xe8b3, 0x8010), Flow::Indirect); // ldm r3!, {r4, pc}
-        assert_eq!(flow(0xe8df, 0xf000), Flow::On); // tbb [pc, r0]
-        assert_eq!(flow(0xf3bf, 0x8f5f), Flow::On); // dmb
-        assert_eq!(flow(0xf04f, 0x30ff), Flow::On); // mov.w r0, #-1
+        assert_eq!(flow(0xe8df, 0xf000), Flow::Next); // tbb [pc, r0]
+        assert_eq!(flow(0xf3bf, 0x8f5f), Flow::Next); // dmb
+        assert_eq!(flow(0xf04f, 0x30ff), Flow::Next); // mov.w r0, #-1
         assert_eq!(decode(0, 0xbd10, 0).1, 2);
         assert_eq!(decode(0, 0xf04f, 0).1, 4);
     }

@@ -1,28 +1,28 @@
-//! The functions that can be reached from some, by the calls and jumps that their bytes hold.
+//! The call graph: functions that are reachable from given ones by the calls and jumps in their code.
 
 use std::collections::{BTreeMap, BTreeSet};
 
 use super::image::Image;
 use super::thumb::{Flow, decode};
 
-/// What a walk found. Places are addresses of instructions.
+/// Results of a walk, with addresses of instructions.
 #[derive(Debug, Default)]
 pub struct Walk {
-    /// Every function that was reached, with the one that it was first reached from.
+    /// Every reachable function, with the function from which it was reached first.
     pub reached: BTreeMap<u32, Option<u32>>,
-    /// For each of them, the functions that it calls or jumps to.
+    /// The functions that each of them calls or jumps to.
     pub calls: BTreeMap<u32, BTreeSet<u32>>,
-    /// How many instructions these functions have.
+    /// Number of instructions of these functions.
     pub instructions: usize,
     /// Calls and jumps through a register.
     pub indirect: BTreeSet<u32>,
-    /// Instructions that are undefined on purpose.
+    /// Traps.
     pub traps: BTreeSet<u32>,
-    /// Jumps to where there is no function.
-    pub lost: BTreeSet<u32>,
+    /// Calls and jumps to addresses without a function.
+    pub without_function: BTreeSet<u32>,
 }
 
-/// Walks from the given functions. Every instruction of a function counts as reached.
+/// Walks from the functions that start at `roots`. Every instruction of a function counts as reachable.
 ///
 /// # Panics
 /// Where one of the addresses is not the start of a function.
@@ -46,18 +46,18 @@ pub fn walk(image: &Image, roots: &[u32]) -> Walk {
                         calls.insert(function);
                         waiting.push((function, Some(start)));
                     }
-                    None => _ = walk.lost.insert(at),
+                    None => _ = walk.without_function.insert(at),
                 },
                 Flow::Indirect => _ = walk.indirect.insert(at),
                 Flow::Trap => _ = walk.traps.insert(at),
-                Flow::On => {}
+                Flow::Next => {}
             }
         }
     }
     walk
 }
 
-/// The instructions of a function, each with its address and its two halfwords, data left out.
+/// The instructions of a function, each with its address and two halfwords, without the data between them.
 ///
 /// # Panics
 /// Where the address is not the start of a function.
@@ -76,26 +76,27 @@ pub fn instructions(image: &Image, start: u32) -> impl Iterator<Item = (u32, u16
 }
 
 impl Walk {
-    /// The reached functions of the panic machinery, each with the calls that lead there.
+    /// The chains of calls to the reachable functions of the panic machinery.
     #[must_use]
     pub fn panics(&self, image: &Image) -> Vec<String> {
-        let is_panic = |start: &&u32| image.functions[start].names.iter().any(|name| panics(name));
-        self.reached.keys().filter(is_panic).map(|&start| self.way_to(image, start)).collect()
+        let panics = |start: &&u32| image.functions[start].names.iter().any(|name| is_panic(name));
+        self.reached.keys().filter(panics).map(|&start| self.chain_to(image, start)).collect()
     }
 
-    fn way_to(&self, image: &Image, start: u32) -> String {
-        let mut way = vec![start];
-        while let Some(&Some(from)) = way.last().and_then(|last| self.reached.get(last)) {
-            way.push(from);
+    fn chain_to(&self, image: &Image, start: u32) -> String {
+        let mut chain = vec![start];
+        while let Some(&Some(from)) = chain.last().and_then(|last| self.reached.get(last)) {
+            chain.push(from);
         }
-        let names: Vec<_> = way.iter().rev().map(|start| image.functions[start].names[0].as_str()).collect();
+        let names: Vec<_> =
+            chain.iter().rev().map(|start| image.functions[start].names[0].as_str()).collect();
         names.join(" → ")
     }
 }
 
-/// Whether a function is one that only a panic runs, mangled either way.
+/// Whether a function, by its mangled name, belongs to the panic machinery.
 #[must_use]
-pub fn panics(name: &str) -> bool {
+pub fn is_panic(name: &str) -> bool {
     [
         "panicking",
         "panic_fmt",

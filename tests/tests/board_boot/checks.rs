@@ -1,4 +1,4 @@
-//! What has to hold after the run.
+//! What must hold after a run.
 
 use firmware::setup::{CRYSTAL_HZ, FULL_DUTY_N, METRES_PER_COUNT, SETTINGS, SWITCH_SETTLING_TICKS, TICK_HZ};
 use shared::config::AxisSettings;
@@ -19,27 +19,27 @@ const TIMER_REGISTERS: [u32; 4] = [0, 0xc, 0x28, 0x2c];
 /// Enabled interrupts 0 to 31 (ARMv7-M reference manual, B3.4.4).
 const NVIC_ISER0: u32 = 0xe000_e100;
 
-/// What was used of the stack is not more than its depth computed from the code, and not less than one tick takes.
-pub fn stack_is_as_deep_as_computed(chip: &mut Chip) {
+/// The used stack is at most the depth computed from the code, and at least that of one tick.
+pub fn stack_depth_is_as_computed(chip: &mut Chip) {
     let [used, room] = chip.stack().unwrap();
     let worst = chip.vectors.worst_case(&chip.image, &SELF_CALLS).unwrap();
-    println!("{used} B of the stack were used, {} B computed, {room} B are there", worst.bytes());
+    println!("{used} B of the stack were used, {} B computed, {room} B available", worst.bytes());
     assert!(used <= worst.bytes() && worst.bytes() <= room, "{used} B of {} B of {room} B", worst.bytes());
-    // The tick's own frame on that of the core, of which two words, alignment and reserve, are not written.
+    // The frame of the tick and that of the core, of which two words, alignment and reserve, are not written.
     let tick = chip.vectors.handler(TICK);
-    let (_, frame) = worst.exceptions.iter().find(|depth| depth.way[0].0 == tick).unwrap().way[0];
+    let (_, frame) = worst.exceptions.iter().find(|depth| depth.chain[0].0 == tick).unwrap().chain[0];
     assert!(used >= frame + EXCEPTION_FRAME - 8, "{used} B of {frame} B");
     let (sp, running) = (chip.target.register(SP).unwrap(), chip.target.register(XPSR).unwrap() & 511);
     assert!(sp <= chip.vectors.initial_sp && sp >= chip.vectors.initial_sp - worst.bytes(), "{sp:#x}");
     assert!(running == 0 || running as usize == TICK, "exception {running}");
 }
 
-/// A tick is a period of the PWM: the clocks as they were set up, over the period of TIM1, give the rate of the ticks.
-/// TIM2 is reset by each update of TIM1; its own period, which is all that QEMU has, is a little longer.
-pub fn tick_is_as_fast_as_set_up(chip: &mut Chip, accesses: &[Access]) {
+/// A tick is a period of the PWM: its rate is the clock of TIM1 over the period of TIM1. Each update of TIM1 resets
+/// TIM2, whose own period, the only one in QEMU, is a little longer.
+pub fn tick_rate_is_as_set_up(chip: &mut Chip, accesses: &[Access]) {
     let [control, interrupts, prescaler, reload] =
         TIMER_REGISTERS.map(|offset| chip.target.word(TIM2 + offset).unwrap());
-    // Counts up, without end, an update by a reset sets its flag (URS = 0); interrupts at an update, and at nothing else.
+    // Counts up continuously, an update by a reset sets its flag (URS = 0); interrupts at updates only.
     assert_eq!((control & 0x7d, interrupts), (1, 1), "CR1 {control:#x}, DIER {interrupts:#x}");
     let [own_clock, clock] = chip.clocks.timers_hz(CRYSTAL_HZ);
     let period = written(accesses, "timer[1]", 0x2c).last().unwrap() + 1;
@@ -50,11 +50,12 @@ pub fn tick_is_as_fast_as_set_up(chip: &mut Chip, accesses: &[Access]) {
     assert_eq!(chip.target.word(NVIC_ISER0).unwrap(), 1 << 28, "TIM2 and nothing else");
 }
 
-/// Offset and bit of each device's clock (RM0090, 7.3.10 to 7.3.14): without it a write is lost.
+/// Offset and bit of the clock enable of each device (RM0090, 7.3.10 to 7.3.14). Without its clock a device ignores
+/// writes.
 const CLOCK_OF: [(&str, u32, u32); 4] =
     [("GPIOA", 0x30, 0), ("GPIOB", 0x30, 1), ("GPIOC", 0x30, 2), ("timer[1]", 0x44, 0)];
 
-/// The clock of each device was switched on before its first access.
+/// The clock of each device was enabled before its first access.
 pub fn every_device_has_a_clock(accesses: &[Access]) {
     for (device, offset, bit) in CLOCK_OF {
         let first = accesses.iter().position(|access| access.device == device).expect(device);
@@ -64,7 +65,7 @@ pub fn every_device_has_a_clock(accesses: &[Access]) {
         };
         assert!(accesses[..first].iter().any(clocked), "{device} is used without its clock");
     }
-    // TIM2 to TIM4 are modelled: their accesses are not in the log.
+    // TIM2 to TIM4 are modelled, so that their accesses are not in the log.
     for bit in 0..3 {
         let enables = |access: &Access| access.written.is_some_and(|value| value >> bit & 1 == 1);
         let clocked = accesses.iter().any(|a| a.device == "RCC" && a.offset == 0x40 && enables(a));
@@ -72,14 +73,14 @@ pub fn every_device_has_a_clock(accesses: &[Access]) {
     }
 }
 
-/// Counts of a period: a compare value that is not below it is never reached, and gives no pulse.
+/// Counts of a period. A compare value of at least this is never reached and gives no pulse.
 const FULL_COUNTS: u32 = 8400;
 
 /// Main output enable in BDTR of TIM1.
 const MOE: u32 = 1 << 15;
 
-/// Whether the enable pin is high and the PWM on, by the last that was written.
-pub fn stages(accesses: &[Access]) -> [bool; 2] {
+/// Whether the enable pin is high and whether the PWM is on, by the last writes.
+pub fn power_stages(accesses: &[Access]) -> [bool; 2] {
     let enable = written(accesses, "GPIOB", 0x18).filter(|bits| bits & 0x4000_4000 != 0).last();
     let outputs = written(accesses, "timer[1]", 0x44).last();
     [enable.unwrap() & 1 << 14 != 0, outputs.unwrap() & MOE != 0]
@@ -119,21 +120,20 @@ pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize
     assert!(key(0xaaaa) >= ticks, "fed {} times in {ticks} ticks", key(0xaaaa));
 }
 
-/// PB14 and the PWM's main output go on once, when the switch has been closed for its time, and stay so. X, pushed in the positive
-/// direction by so many counts with one count a tick, is pushed back:
-/// - while it moves at v, by Kv·v and no more than the rest below on top;
-/// - when it stands at a distance d, by Kv·Kp·d of the position loop and Kv/Ti·d, what the motion has left in the
-///   integral. That grows by Kv/Ti·Kp·d·t: 4 % of the whole in the 3 ms of the push and after it; and the duty is
-///   rounded to a count.
+/// PB14 and the main output of the PWM are switched on once, when the switch has been closed for its settling time. X,
+/// displaced in the positive direction by one count a tick, is pushed back:
+/// - while it moves at v, by Kv·v and at most the force at standstill in addition;
+/// - at standstill at a distance d, by Kv·Kp·d of the position loop and Kv/Ti·d of the integral part, which grows by
+///   Kv/Ti·Kp·d·t: 4 % of the sum in the 3 ms of the motion and after it. The duty is rounded to a count.
 pub fn drives_come_on_and_push_back(accesses: &[Access]) {
-    // Low at the start, then high once and for good; the PWM with it.
+    // Low at the start, then high once; the PWM with it.
     let power: Vec<bool> = written(accesses, "GPIOB", 0x18).map(|bits| bits & 1 << 14 != 0).collect();
     assert_eq!(power, [false, true]);
     let outputs: Vec<u32> = written(accesses, "timer[1]", 0x44).map(|bits| bits & MOE).collect();
     assert_eq!(outputs, [0, MOE]);
     let high = |a: &Access| a.device == "GPIOB" && a.offset == 0x18 && a.written == Some(1 << 14);
     let on = accesses.iter().position(high).unwrap();
-    // The watchdog is fed once by its start, and in each tick before the stages are enabled.
+    // The watchdog is fed once by its start, and in each tick before the power stages are enabled.
     let fed = accesses[..on].iter().filter(|access| access.written == Some(0xaaaa)).count();
     assert_eq!(fed, 1 + (CLOSED + SWITCH_SETTLING_TICKS) as usize, "the first tick with the drives on");
 
@@ -146,15 +146,15 @@ pub fn drives_come_on_and_push_back(accesses: &[Access]) {
     let rate = position_gain_per_s + 1.0 / velocity_integral_time_s.unwrap();
     let standing = velocity_gain_n_s_per_m * rate * distance * counts_per_n;
 
-    // The pulse lies at the end of the period, behind the compare value.
+    // The pulse is at the end of the period, after the compare value.
     let counts = |offset| written(accesses, "timer[1]", offset).map(|compare| FULL_COUNTS - compare);
     let duties: Vec<f64> = counts(0x34).map(f64::from).collect();
-    let (most, last) = (duties.iter().copied().fold(0.0, f64::max), duties[duties.len() - 1]);
-    assert!(moving - 1.0 <= most && most <= moving + 1.04 * standing + 1.0, "{most} of {moving} counts");
+    let (max, last) = (duties.iter().copied().fold(0.0, f64::max), duties[duties.len() - 1]);
+    assert!(moving - 1.0 <= max && max <= moving + 1.04 * standing + 1.0, "{max} of {moving} counts");
     assert!(standing - 1.0 <= last && last <= 1.04 * standing + 1.0, "{last} of {standing} counts");
     // PC6 is high for a negative force.
     let directions = written(accesses, "GPIOC", 0x18).filter(|bits| bits & 0x0040_0040 != 0);
     assert_eq!(directions.last(), Some(1 << 6));
-    // Y stands: rounding of a position that is zero gives no duty.
+    // Y stands at zero: no duty by rounding.
     assert!(counts(0x38).all(|counts| counts == 0));
 }

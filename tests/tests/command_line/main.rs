@@ -1,9 +1,9 @@
-//! The command line as people and scripts meet it: exit codes, one-line errors, whole outputs.
+//! The command line: exit codes, one-line errors, complete outputs.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod accepted;
 mod compare;
-mod desk;
-mod good;
 mod refused;
 mod reproduce;
 mod stopped;
+mod work_folder;

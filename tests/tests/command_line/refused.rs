@@ -1,33 +1,38 @@
-//! Bad input: exit code 2, one line that names the place and what was expected, no output.
+//! Invalid input: exit code 2, one line with the location and the expected value, no output.
 
-use super::desk::{Desk, MACHINE, MOTION, SIMULATE, TRACE, log};
+use super::work_folder::{MACHINE, MOTION, SIMULATE, TRACE, WorkFolder, log};
 
 const RECORD: &str = "record --port emulated --machine machine.toml --motion motion.toml --out out.csv";
 
-/// A command that is given a bad input, and what its one line has to contain.
-struct Bad {
+/// A command with an invalid file, and parts of its one-line message.
+struct BadInput {
     command: String,
     file: &'static str,
     content: Vec<u8>,
-    said: &'static [&'static str],
+    message: &'static [&'static str],
 }
 
-/// One file of the desk is bad.
-fn bad(command: &str, file: &'static str, content: impl Into<Vec<u8>>, said: &'static [&'static str]) -> Bad {
-    Bad { command: command.to_owned(), file, content: content.into(), said }
+/// A command with one invalid file.
+fn bad(
+    command: &str,
+    file: &'static str,
+    content: impl Into<Vec<u8>>,
+    message: &'static [&'static str],
+) -> BadInput {
+    BadInput { command: command.to_owned(), file, content: content.into(), message }
 }
 
-fn bad_log(content: impl Into<Vec<u8>>, said: &'static [&'static str]) -> Bad {
-    bad(TRACE, "fit.csv", content, said)
+fn bad_log(content: impl Into<Vec<u8>>, message: &'static [&'static str]) -> BadInput {
+    bad(TRACE, "fit.csv", content, message)
 }
 
-/// A text with something else in one place, which it has to have.
+/// A text with its first occurrence of `old`, which must exist, replaced.
 fn with(text: &str, old: &str, new: &str) -> String {
     assert!(text.contains(old), "{old}");
     text.replacen(old, new, 1)
 }
 
-/// The log with its lines (counted from 1, as in messages) changed; `None` removes one.
+/// The log with its lines (from 1, as in messages) changed; `None` removes a line.
 fn lines(change: impl Fn(usize, &str) -> Option<String>) -> String {
     let changed = log().lines().enumerate().filter_map(|(index, line)| change(index + 1, line));
     changed.map(|line| line + "\n").collect()
@@ -38,43 +43,43 @@ fn line(number: usize, change: impl Fn(&str) -> String) -> String {
     lines(|at, line| Some(if at == number { change(line) } else { line.to_owned() }))
 }
 
-/// The log with other times from some line on.
+/// The log with other times from a line on.
 fn times(from: usize, change: impl Fn(f64) -> f64) -> String {
     lines(|at, line| {
-        let (time, rest) = line.split_once(',').unwrap();
-        let changed = || format!("{:.6},{rest}", change(time.parse().unwrap()));
+        let (time, values) = line.split_once(',').unwrap();
+        let changed = || format!("{:.6},{values}", change(time.parse().unwrap()));
         Some(if at < from { line.to_owned() } else { changed() })
     })
 }
 
-/// Without a column: `time_s` is the first.
+/// The log without its first column, `time_s`.
 fn without_time() -> String {
     lines(|_, line| Some(line.split_once(',').unwrap().1.to_owned()))
 }
 
-fn refuse(cases: impl IntoIterator<Item = Bad>) {
-    for Bad { command, file, content, said } in cases {
+fn refuse(cases: impl IntoIterator<Item = BadInput>) {
+    for BadInput { command, file, content, message } in cases {
         let mut files: Vec<(&str, &[u8])> =
             vec![("machine.toml", MACHINE.as_bytes()), ("motion.toml", MOTION.as_bytes())];
         files.push(("fit.csv", log().as_bytes()));
         files.retain(|(name, _)| *name != file);
         files.push((file, &content));
-        let desk = Desk::with(&files);
-        let before = desk.content();
-        let output = desk.run(&command);
+        let folder = WorkFolder::with(&files);
+        let before = folder.contents();
+        let output = folder.run(&command);
         let error = String::from_utf8(output.stderr).unwrap();
-        let context = format!("{command}, {said:?}:\n{error}");
+        let context = format!("{command}, {message:?}:\n{error}");
         assert_eq!(output.status.code(), Some(2), "{context}");
         assert!(error.lines().count() == 1 && error.ends_with('\n'), "{context}");
-        assert!(said.iter().all(|words| error.contains(words)), "{context}");
+        assert!(message.iter().all(|part| error.contains(part)), "{context}");
         assert!(error.contains("expected"), "{context}");
         assert!(output.stdout.is_empty(), "{context}");
-        assert!(desk.content() == before, "outputs were written: {context}");
+        assert!(folder.contents() == before, "outputs were written: {context}");
     }
 }
 
 #[test]
-fn logs_that_are_no_table_of_the_known_columns() {
+fn logs_without_a_table_of_the_known_columns() {
     refuse([
         bad_log(without_time(), &["fit.csv: line 1: time_s: expected this column"]),
         bad_log(
@@ -139,13 +144,13 @@ fn a_bad_log_for_validation() {
     refuse([bad(&command, "held_out.csv", without_time(), &["held_out.csv: line 1: time_s"])]);
 }
 
-/// A log that judges its own fit is no evidence: not under another name, nor with fewer rows.
+/// A log cannot validate a fit to itself: not under another name, nor with fewer rows.
 #[test]
 fn a_copy_of_a_fitted_log() {
     let command = format!("{TRACE} --validate held_out.csv");
-    let said: &[&str] = &["held_out.csv: expected a log of its own, found", "shared with", "fit.csv"];
+    let message: &[&str] = &["held_out.csv: expected a log of its own, found", "shared with", "fit.csv"];
     let shorter = lines(|at, line| (at == 1 || at > 40).then(|| line.to_owned()));
-    refuse([bad(&command, "held_out.csv", log(), said), bad(&command, "held_out.csv", shorter, said)]);
+    refuse([bad(&command, "held_out.csv", log(), message), bad(&command, "held_out.csv", shorter, message)]);
     let itself = format!("{TRACE} --validate fit.csv");
     refuse([bad(&itself, "other.csv", "", &["fit.csv: expected a log of its own, found 100 %"])]);
 }
@@ -153,7 +158,7 @@ fn a_copy_of_a_fitted_log() {
 #[test]
 fn missing_files() {
     let missing =
-        |command: &str, given: &str, said| bad(&with(command, given, "nowhere"), "other.txt", "", said);
+        |command: &str, given: &str, message| bad(&with(command, given, "nowhere"), "other.txt", "", message);
     let file: &[&str] = &["nowhere: expected a readable file"];
     refuse([
         missing(TRACE, "machine.toml", file),
@@ -167,11 +172,15 @@ fn missing_files() {
 #[test]
 fn machine_files() {
     let effect = |text: &str| format!("{MACHINE}\n[[axis.y.effect]]\n{text}\n");
-    let of_both = |content: String, said: &'static [&'static str]| {
-        [SIMULATE, TRACE].map(|command| bad(command, "machine.toml", content.clone(), said))
+    let of_both = |content: String, message: &'static [&'static str]| {
+        [SIMULATE, TRACE].map(|command| bad(command, "machine.toml", content.clone(), message))
     };
     let line_of = |key: &str| MACHINE.lines().position(|line| line.starts_with(key)).unwrap() + 1;
-    assert_eq!((line_of("lead_mm"), line_of("table_mass_kg")), (23, 14), "lines that are named below");
+    assert_eq!(
+        (line_of("lead_mm"), line_of("table_mass_kg")),
+        (23, 14),
+        "the line numbers in the messages below"
+    );
     let cases = [
         of_both(
             with(MACHINE, "lead_mm", "leed_mm"),
@@ -249,7 +258,7 @@ fn machines_that_cannot_be_controlled() {
 
 #[test]
 fn motions() {
-    let of = |old: &str, new: &str, said| bad(SIMULATE, "motion.toml", with(MOTION, old, new), said);
+    let of = |old: &str, new: &str, message| bad(SIMULATE, "motion.toml", with(MOTION, old, new), message);
     let name = "name = \"short\"";
     refuse([
         of(
@@ -274,7 +283,7 @@ fn motions() {
                 "motion.toml: line 13: block[2].arc.centre_mm: expected a centre away from where the axes stand",
             ],
         ),
-        // Long enough for a file, too short for the controller.
+        // A radius that the file format allows and the controller refuses.
         of(
             "centre_mm = { x = 0.0, y = 0.0 }",
             "centre_mm = { x = 10.0001, y = 0.0 }",
@@ -308,9 +317,9 @@ fn ports() {
 }
 
 #[test]
-fn outputs_in_the_place_of_inputs() {
-    let desk = Desk::with(&[("machine.toml", MACHINE), ("motion.toml", MOTION), ("fit.csv", log())]);
-    let before = desk.content();
+fn outputs_that_would_replace_inputs() {
+    let folder = WorkFolder::with(&[("machine.toml", MACHINE), ("motion.toml", MOTION), ("fit.csv", log())]);
+    let before = folder.contents();
     for (command, flag) in [
         (SIMULATE.replace("out.csv", "machine.toml"), "--out"),
         (SIMULATE.replace("out.csv", "./motion.toml"), "--out"),
@@ -318,8 +327,11 @@ fn outputs_in_the_place_of_inputs() {
         (TRACE.replace("out.toml", "machine.toml"), "--model"),
         (TRACE.replace("out.toml", "out.json"), "--model"),
     ] {
-        let said = desk.fails(&command, 2);
-        assert!(said.contains(&format!("{flag}: expected a file that is neither an input nor")), "{said}");
-        assert!(desk.content() == before, "{command}");
+        let message = folder.fails(&command, 2);
+        assert!(
+            message.contains(&format!("{flag}: expected a file that is neither an input nor")),
+            "{message}"
+        );
+        assert!(folder.contents() == before, "{command}");
     }
 }

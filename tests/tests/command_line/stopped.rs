@@ -1,8 +1,8 @@
-//! Machines and motions that cannot be run to the end: refused, or stopped with the reason and the time, and no log.
+//! Runs that do not reach their end: refused, faulted with reason and time, or interrupted; without a log.
 
-use super::desk::{Desk, MACHINE, MOTION, SIMULATE};
+use super::work_folder::{MACHINE, MOTION, SIMULATE, WorkFolder};
 
-/// The machine with other values of some keys, on all axes; with new keys on the first.
+/// The machine with keys changed on all axes, or added to the first one.
 fn machine(changes: &[(&str, &str)]) -> String {
     let mut text: Vec<String> = MACHINE.lines().map(str::to_owned).collect();
     for (key, value) in changes {
@@ -18,61 +18,62 @@ fn machine(changes: &[(&str, &str)]) -> String {
     text.join("\n")
 }
 
-fn says(machine: &str, motion: &str, code: i32, expected: &[&str]) {
+fn assert_fails(machine: &str, motion: &str, code: i32, expected: &[&str]) {
     for out in ["out.csv", "out.csv.gz"] {
-        let desk = Desk::with(&[("machine.toml", machine), ("motion.toml", motion)]);
-        let before = desk.content();
-        let said = desk.fails(&SIMULATE.replace("out.csv", out), code);
+        let folder = WorkFolder::with(&[("machine.toml", machine), ("motion.toml", motion)]);
+        let before = folder.contents();
+        let message = folder.fails(&SIMULATE.replace("out.csv", out), code);
         for part in expected {
-            assert!(said.contains(part), "{part} in {said}");
+            assert!(message.contains(part), "{part} in {message}");
         }
-        assert!(desk.content() == before, "{said}");
+        assert!(folder.contents() == before, "{message}");
     }
 }
 
-/// A minute of circles, which a loop that cannot hold does not outlive.
+/// A minute of circles, within which an unstable loop faults.
 fn long() -> String {
     MOTION.replace("turns = 0.25", "turns = 50.0")
 }
 
 #[test]
-fn unstable_gains_are_stopped_with_the_time() {
-    // A velocity loop at its rate has the motor's mass alone above the screw's resonance: beyond Kv·Δt/m = 2 a
-    // difference of positions turns over and grows. 1e6 · 0.25 ms / 90 kg is 2.8.
-    let stands = [
+fn unstable_gains_fault_with_the_time() {
+    // Above the resonance of the screw the velocity loop drives the mass of the motor alone and is unstable beyond
+    // Kv·Δt/m = 2: 1e6 · 0.25 ms / 90 kg is 2.8.
+    let saturated = [
         "axis.x: the force stands at its limit of 20000 N, for 1 s in all: stopped after ",
         " s: is the loop unstable",
     ];
-    says(&machine(&[("velocity_gain_n_s_per_m", "1e6")]), &long(), 1, &stands);
-    // With patience for its force it still may not leave its path.
-    let strong = [
+    assert_fails(&machine(&[("velocity_gain_n_s_per_m", "1e6")]), &long(), 1, &saturated);
+    // With a long saturation time the following error faults.
+    let patient = [
         ("velocity_gain_n_s_per_m", "1e6"),
         ("saturation_time_s", "1e4"),
         ("following_error_limit_mm", "0.5"),
     ];
-    let leaves = ["following error beyond its limit of 0.5 mm: stopped after ", " s: is the loop unstable"];
-    says(&machine(&strong), &long(), 1, &leaves);
+    let following =
+        ["following error beyond its limit of 0.5 mm: stopped after ", " s: is the loop unstable"];
+    assert_fails(&machine(&patient), &long(), 1, &following);
 }
 
 #[test]
-fn what_no_step_can_follow_is_refused_by_its_key() {
+fn an_axis_that_needs_too_short_steps_is_refused_by_its_key() {
     let stiff =
         ["machine.toml: axis.x.presliding_stiffness_n_per_um: expected an axis that steps of a millionth"];
-    says(&machine(&[("presliding_stiffness_n_per_um", "1e12")]), MOTION, 2, &stiff);
+    assert_fails(&machine(&[("presliding_stiffness_n_per_um", "1e12")]), MOTION, 2, &stiff);
     let light = ["machine.toml: axis.x.motor_coulomb_n: expected an axis that steps of a millionth"];
-    says(&machine(&[("motor_mass_kg", "1e-9")]), MOTION, 2, &light);
+    assert_fails(&machine(&[("motor_mass_kg", "1e-9")]), MOTION, 2, &light);
     for key in ["motor_mass_kg", "table_mass_kg"] {
         let none = ["machine.toml: line ", key, "expected a mass above 0"];
-        says(&machine(&[(key, "0.0")]), MOTION, 2, &none);
+        assert_fails(&machine(&[(key, "0.0")]), MOTION, 2, &none);
         let negative = ["machine.toml: line ", key];
-        says(&machine(&[(key, "-1.0")]), MOTION, 2, &negative);
-        says(&machine(&[(key, "nan")]), MOTION, 2, &negative);
-        says(&machine(&[(key, "inf")]), MOTION, 2, &negative);
+        assert_fails(&machine(&[(key, "-1.0")]), MOTION, 2, &negative);
+        assert_fails(&machine(&[(key, "nan")]), MOTION, 2, &negative);
+        assert_fails(&machine(&[(key, "inf")]), MOTION, 2, &negative);
     }
 }
 
 #[test]
-fn numbers_that_no_machine_has_are_refused() {
+fn numbers_out_of_range_are_refused() {
     for (key, value, expected) in [
         (
             "stiffness_n_per_um",
@@ -86,7 +87,7 @@ fn numbers_that_no_machine_has_are_refused() {
             "axis.x.following_error_limit_mm: expected a number from 0 to 134",
         ),
     ] {
-        says(&machine(&[(key, value)]), MOTION, 2, &["machine.toml: ", expected]);
+        assert_fails(&machine(&[(key, value)]), MOTION, 2, &["machine.toml: ", expected]);
     }
     let effect = |text: &str| format!("{MACHINE}\n[[axis.x.effect]]\nname = {text}\n");
     for (text, expected) in [
@@ -106,40 +107,42 @@ fn numbers_that_no_machine_has_are_refused() {
             "effect[1]: expected this effect once",
         ),
     ] {
-        says(&effect(text), MOTION, 2, &["machine.toml: ", expected]);
+        assert_fails(&effect(text), MOTION, 2, &["machine.toml: ", expected]);
     }
 }
 
-/// A swing far above the rate of the log is as stable as a slow one.
+/// A resonance far above the sample rate is as stable as a slow one.
 #[test]
 fn a_fast_resonance_stays_in_bounds() {
     for (frequency_hz, damping_ratio) in [(1250.0, 0.02), (400.0, 0.001), (60.0, 30.0)] {
         let effect = format!(
             "[[axis.x.effect]]\nname = \"resonance\"\nfrequency_hz = {frequency_hz:?}\ndamping_ratio = {damping_ratio:?}\n"
         );
-        let desk =
-            Desk::with(&[("machine.toml", format!("{MACHINE}\n{effect}").as_str()), ("motion.toml", MOTION)]);
-        desk.done(SIMULATE);
-        let log = desk.read("out.csv");
+        let folder = WorkFolder::with(&[
+            ("machine.toml", format!("{MACHINE}\n{effect}").as_str()),
+            ("motion.toml", MOTION),
+        ]);
+        folder.succeeds(SIMULATE);
+        let log = folder.read("out.csv");
         let column = log.lines().next().unwrap().split(',').position(|name| name == "x_tool_mm").unwrap();
         let tool =
             log.lines().skip(1).map(|line| line.split(',').nth(column).unwrap().parse::<f64>().unwrap());
-        // From −10 to 20 mm, and what 2ζ/ω = 0.16 s at 50 mm/s leaves it behind.
+        // From −10 to 20 mm, and a lag of 2ζ/ω = 0.16 s at 50 mm/s.
         assert!(tool.map(f64::abs).fold(0.0, f64::max) < 21.0, "{frequency_hz} Hz, {damping_ratio}");
     }
 }
 
 #[test]
-fn motions_outside_the_stroke_are_refused() {
-    // The motion goes out to x = 20 mm.
-    let leaves = ["motion.toml: ", "block[", "axis.x.travel_mm, -5 to 15 mm, of ", "machine.toml"];
-    says(&machine(&[("travel_mm", "[-5.0, 15.0]")]), MOTION, 2, &leaves);
+fn motions_beyond_the_travel_are_refused() {
+    // The motion reaches x = 20 mm.
+    let beyond_travel = ["motion.toml: ", "block[", "axis.x.travel_mm, -5 to 15 mm, of ", "machine.toml"];
+    assert_fails(&machine(&[("travel_mm", "[-5.0, 15.0]")]), MOTION, 2, &beyond_travel);
     let beyond = ["motion.toml: ", "block[0]"];
-    says(MACHINE, &MOTION.replace("x = 20.0", "x = 200e3"), 2, &beyond);
+    assert_fails(MACHINE, &MOTION.replace("x = 20.0", "x = 200e3"), 2, &beyond);
 }
 
 #[test]
-fn bodies_that_cannot_stand_are_refused() {
+fn impossible_structures_are_refused() {
     let bodies = include_str!("../../../host-sim/machines/bodies.toml");
     let with = |old: &str, new: &str| {
         assert!(bodies.contains(old), "{old}");
@@ -149,7 +152,7 @@ fn bodies_that_cannot_stand_are_refused() {
         (with("mass_kg = 5000.0", "mass_kg = 0.0"), "body.bed.mass_kg"),
         (with("kind = \"foot\"", "kind = \"balloon\""), "balloon"),
         (with("[structure.axis.z]", "[structure.axis.w]"), "the axes of the machine: x, y, z"),
-        (with("to = \"table\"\ndirection", "to = \"desk\"\ndirection"), "desk"),
+        (with("to = \"table\"\ndirection", "to = \"pallet\"\ndirection"), "pallet"),
         (with("stiffness_n_per_um = [100.0, 300.0, 100.0]", "stiffness_n_per_um = [0.0, 0.0, 0.0]"), "loose"),
         (
             with("[100.0, 300.0, 100.0]", "[1e300, 300.0, 100.0]"),
@@ -165,68 +168,68 @@ fn bodies_that_cannot_stand_are_refused() {
         ),
         (with("body = \"table\"", "body = \"ground\""), "structure.axis.x: does not move the tool"),
     ] {
-        says(&text, MOTION, 2, &["machine.toml: ", expected]);
+        assert_fails(&text, MOTION, 2, &["machine.toml: ", expected]);
     }
 }
 
-/// Broken off while it writes: nothing half-written stays, and the exit code is a shell's for that.
+/// A signal while it writes: no incomplete file remains, and the exit code is 130.
 #[cfg(unix)]
 #[test]
-fn a_run_that_is_broken_off_leaves_nothing() {
+fn an_interrupted_run_leaves_no_file() {
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
     let dwell = "name = \"long\"\nfeed_mm_per_min = 1.0\nacceleration_m_per_s2 = 1.0\nstart_mm = { x = 0.0, y = 0.0 }\n\
                  [[block]]\ndwell_s = 3500.0\n";
     for signal in ["INT", "TERM"] {
-        let desk = Desk::with(&[("machine.toml", MACHINE), ("motion.toml", dwell)]);
-        let before = desk.content();
+        let folder = WorkFolder::with(&[("machine.toml", MACHINE), ("motion.toml", dwell)]);
+        let before = folder.contents();
         let mut child = Command::new(tests::program::lost_motion())
             .args(SIMULATE.split_whitespace())
-            .current_dir(desk.path())
+            .current_dir(folder.path())
             .stderr(Stdio::null())
             .spawn()
             .unwrap();
-        let began = Instant::now();
-        while desk.content().len() == before.len() && began.elapsed() < Duration::from_secs(30) {
+        let start = Instant::now();
+        while folder.contents().len() == before.len() && start.elapsed() < Duration::from_secs(30) {
             std::thread::sleep(Duration::from_millis(20));
         }
-        assert!(desk.content().len() > before.len(), "it has begun to write");
+        assert!(folder.contents().len() > before.len(), "it has started to write");
         let id = child.id().to_string();
         assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
         assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");
-        assert!(desk.content() == before, "{signal}");
+        assert!(folder.contents() == before, "{signal}");
     }
 }
 
-/// Broken off between two cases: what is done is written, and the exit code still says that it was broken off.
+/// A signal between two cases: the finished cases are written, and the exit code is 130.
 #[cfg(unix)]
 #[test]
-fn a_self_test_that_is_broken_off_keeps_what_is_done() {
+fn an_interrupted_self_test_keeps_its_finished_cases() {
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
-    let desk = Desk::with(&[("machine.toml", MACHINE)]);
+    let folder = WorkFolder::with(&[("machine.toml", MACHINE)]);
     let child = Command::new(tests::program::lost_motion())
         .args("self-test --cases 1000 --seed 3 --keep . --no-trace".split_whitespace())
-        .current_dir(desk.path())
+        .current_dir(folder.path())
         .stdout(Stdio::piped())
         .stderr(Stdio::piped())
         .spawn()
         .unwrap();
-    let began = Instant::now();
-    // The second case is begun when the first is done.
-    while !desk.path().join("case-2").exists() && began.elapsed() < Duration::from_mins(1) {
+    let start = Instant::now();
+    // The second case starts when the first one is finished.
+    while !folder.path().join("case-2").exists() && start.elapsed() < Duration::from_mins(1) {
         std::thread::sleep(Duration::from_millis(20));
     }
     let id = child.id().to_string();
     assert!(Command::new("kill").args(["-s", "INT", &id]).status().unwrap().success());
     let output = child.wait_with_output().unwrap();
     assert_eq!(output.status.code(), Some(130));
-    let said = String::from_utf8(output.stdout).unwrap();
-    assert!(said.contains("cases drawn."), "{said}");
-    let problem = String::from_utf8(output.stderr).unwrap();
-    assert!(problem.contains("broken off after") && problem.contains("of 1000 cases"), "{problem}");
-    let truth = std::fs::read_to_string(desk.path().join("case-1/truth.json")).unwrap();
+    let stdout = String::from_utf8(output.stdout).unwrap();
+    assert!(stdout.contains("cases drawn."), "{stdout}");
+    let message = String::from_utf8(output.stderr).unwrap();
+    assert!(message.contains("broken off after") && message.contains("of 1000 cases"), "{message}");
+    let truth = std::fs::read_to_string(folder.path().join("case-1/truth.json")).unwrap();
     assert!(truth.contains("\"effects\""), "{truth}");
 }

@@ -1,40 +1,41 @@
-//! Friction that is given as a curve, in the force that the drive gives.
+//! Friction curves, in the force of the drive.
 
 use files::log::Channel;
 
-use crate::bench::{PLAIN, ROUNDING_N, Seen, assert_all, changed, declared, lines, run};
+use crate::runs::{PLAIN, ROUNDING_N, RunLog, assert_all, changed, declared, lines, run};
 
-/// The motion: each of two speeds both ways.
+/// The velocities of the motion: two speeds in both directions.
 const SPEEDS_MM_S: [f64; 4] = [10.0, 60.0, -60.0, -10.0];
 
-/// The machine whose guideway of x has a curve instead of its Coulomb friction.
+/// The machine with a friction curve of x in the place of its Coulomb friction.
 fn machine(curve: &str) -> String {
     changed(PLAIN, "coulomb_n = 250.0 ", &format!("friction_curve = {{ {curve} }} "))
 }
 
-fn seen(machine: &str) -> Seen {
+fn run_curve(machine: &str) -> RunLog {
     run(machine, &lines(&[(8.0, 10.0), (68.0, 60.0), (8.0, 60.0), (0.0, 10.0)]))
 }
 
-/// At a steady speed the force is the curve's, with viscous friction and that of the motor, ±40 N·tanh(v/0.2 mm/s).
+/// At a constant velocity the force is the sum of the curve, viscous friction and motor friction, ±40 N·tanh(v/0.2
+/// mm/s).
 fn assert_force(machine: &str, curve_n: impl Fn(f64) -> f64) {
-    let seen = seen(machine);
-    let plain = self::seen(PLAIN);
+    let effect_run = run_curve(machine);
+    let plain = run_curve(PLAIN);
     let axis = declared();
     for mm_s in SPEEDS_MM_S {
-        let rest_n =
-            1e-3 * mm_s * axis.viscous_n_s_per_m.unwrap() + axis.motor_coulomb_n.unwrap().copysign(mm_s);
-        let steady = seen.steady(mm_s);
-        assert_all(seen.force_n(), &steady, curve_n(mm_s) + rest_n, ROUNDING_N, "force");
-        // The same with Coulomb friction: the equation is not the curve's alone.
-        let coulomb_n = axis.coulomb_n.unwrap().copysign(mm_s);
-        assert_all(plain.force_n(), &steady, coulomb_n + rest_n, ROUNDING_N, "force without");
+        let other_n = 1e-3 * mm_s * axis.mechanics.viscous_n_s_per_m.unwrap()
+            + axis.mechanics.motor_coulomb_n.unwrap().copysign(mm_s);
+        let steady = effect_run.steady(mm_s);
+        assert_all(effect_run.force_n(), &steady, curve_n(mm_s) + other_n, ROUNDING_N, "force");
+        // The same equation with Coulomb friction holds for the machine without the curve.
+        let coulomb_n = axis.mechanics.coulomb_n.unwrap().copysign(mm_s);
+        assert_all(plain.force_n(), &steady, coulomb_n + other_n, ROUNDING_N, "force without");
     }
-    let y = |seen: &Seen| seen.channel("y", Channel::Force).to_vec();
-    assert_eq!(y(&seen), y(&plain), "the other axis has its own friction");
+    let y = |effect_run: &RunLog| effect_run.channel("y", Channel::Force).to_vec();
+    assert_eq!(y(&effect_run), y(&plain), "the friction of the other axis does not change");
 }
 
-/// Straight lines between the points, of each direction its own; beyond the last one the last line goes on.
+/// Straight lines between the points of each direction; the last line continues beyond the last point.
 #[test]
 fn piecewise() {
     let curve = "piecewise = { \
@@ -60,7 +61,7 @@ fn falling_rising() {
         "falling_rising = {{ mu1 = {mu1}, mu2 = {mu2}, alpha = {alpha}, beta = {beta}, gamma = {gamma}, \
          load_n = {load_n} }}"
     );
-    // A curve that leads through zero has no bristles under it.
+    // A curve that is continuous through zero is used without bristles.
     let machine = changed(&machine(&curve), "presliding_stiffness_n_per_um = 40.0 ", "# ");
     let machine = changed(&machine, "presliding_damping_n_s_per_m = 2000.0 ", "# ");
     assert_force(&machine, |mm_s| {

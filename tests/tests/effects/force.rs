@@ -1,22 +1,22 @@
-//! Seen in the force that the drive gives.
+//! Effects that are forces on table or motor, in the force of the drive.
 
 use std::f64::consts::TAU;
 
 use files::log::Channel;
 
-use crate::bench::{
-    PLAIN, ROUNDING_N, ROUNDING_UM, Seen, assert_all, assert_near, changed, declared, difference, fit, lines,
-    of, run, with,
+use crate::runs::{
+    PLAIN, ROUNDING_N, ROUNDING_UM, RunLog, assert_all, assert_near, at, changed, declared, difference, fit,
+    lines, run, with,
 };
 
-/// A force on the table: the drive gives it, too, and the screw bends by it, the other way.
-fn assert_on_table(seen: &Seen, plain: &Seen, mm_s: f64, expected_n: f64) {
-    let steady = seen.steady(mm_s);
-    assert_all(&seen.moved(Channel::Force, plain), &steady, expected_n, ROUNDING_N, "force");
-    let bent_um = -expected_n / declared().stiffness_n_per_um.unwrap();
-    assert_all(&seen.drive_train_moved_um(plain), &steady, bent_um, ROUNDING_UM, "table − motor");
-    // The integral part of the velocity loop leaves nothing of it in the motor's place.
-    assert_all(&seen.moved(Channel::Motor, plain), &steady, 0.0, ROUNDING_UM, "motor");
+/// Asserts the effect of a force on the table: the drive compensates it, and the screw is stretched by it.
+fn assert_on_table(effect_run: &RunLog, plain: &RunLog, mm_s: f64, expected_n: f64) {
+    let steady = effect_run.steady(mm_s);
+    assert_all(&effect_run.change(Channel::Force, plain), &steady, expected_n, ROUNDING_N, "force");
+    let stretch_um = -expected_n / declared().mechanics.stiffness_n_per_um.unwrap();
+    assert_all(&effect_run.drive_train_change_um(plain), &steady, stretch_um, ROUNDING_UM, "table − motor");
+    // The integral part of the velocity loop removes its effect on the motor.
+    assert_all(&effect_run.change(Channel::Motor, plain), &steady, 0.0, ROUNDING_UM, "motor");
 }
 
 /// Friction rises by excess·exp(−(v/vs)²), against the motion.
@@ -25,37 +25,37 @@ pub fn stribeck() {
     let motion = lines(&[(3.0, 2.0), (9.0, 5.0), (49.0, 40.0), (9.0, 40.0), (3.0, 5.0), (0.0, 2.0)]);
     let plain = run(PLAIN, &motion);
     let effect = format!("name = \"stribeck\"\nstatic_excess_n = {excess_n}\nvelocity_mm_s = {vs_mm_s}");
-    let seen = run(&with(&effect), &motion);
+    let effect_run = run(&with(&effect), &motion);
     for mm_s in [2.0_f64, 5.0, 40.0, -40.0, -5.0, -2.0] {
         let rise_n = excess_n * (-(mm_s / vs_mm_s).powi(2)).exp();
-        assert_on_table(&seen, &plain, mm_s, rise_n.copysign(mm_s));
+        assert_on_table(&effect_run, &plain, mm_s, rise_n.copysign(mm_s));
     }
 }
 
-/// b + h forwards and b − h backwards: h·|v| more force, the same way for both.
+/// b + h forwards and b − h backwards: h·|v| more force in + direction for both.
 pub fn friction_asymmetry() {
     let half = 300.0;
     let motion = lines(&[(40.0, 30.0), (160.0, 100.0), (40.0, 100.0), (0.0, 30.0)]);
     let plain = run(PLAIN, &motion);
     let effect = format!("name = \"friction_asymmetry\"\nhalf_difference_n_s_per_m = {half}");
-    let seen = run(&with(&effect), &motion);
+    let effect_run = run(&with(&effect), &motion);
     for mm_s in [30.0_f64, 100.0, -100.0, -30.0] {
-        assert_on_table(&seen, &plain, mm_s, 1e-3 * half * mm_s.abs());
+        assert_on_table(&effect_run, &plain, mm_s, 1e-3 * half * mm_s.abs());
     }
 }
 
-/// Against a constant force the drive pushes that much more, in both directions.
+/// The drive compensates a constant force in both directions.
 pub fn constant_load() {
     let force_n = 300.0;
     let motion = lines(&[(40.0, 50.0), (0.0, 50.0)]);
     let plain = run(PLAIN, &motion);
-    let seen = run(&with(&format!("name = \"constant_load\"\nforce_n = {force_n}")), &motion);
+    let effect_run = run(&with(&format!("name = \"constant_load\"\nforce_n = {force_n}")), &motion);
     for mm_s in [50.0, -50.0] {
-        assert_on_table(&seen, &plain, mm_s, force_n);
+        assert_on_table(&effect_run, &plain, mm_s, force_n);
     }
 }
 
-/// A force d on the motor is answered with the force −L/(1 + L)·d and the way s·d/D, with
+/// The loop responds to a force d on the motor with the force −L/(1 + L)·d and the displacement s·d/D, where
 /// D = m·s³ + b·s² + Kv(s + Kp)(s + 1/Ti), at ω = 2π·v/period; 1/(1 + L) = s²(m·s + b)/D is 1e-4 there.
 pub fn torque_ripple() {
     let (amplitude_n, period_mm, phase_rad, mm_s) = (50.0, 4.0, 0.3, 2.0);
@@ -64,37 +64,38 @@ pub fn torque_ripple() {
     let effect = format!(
         "name = \"torque_ripple\"\namplitude_n = {amplitude_n}\nperiod_mm = {period_mm}\nphase_rad = {phase_rad}"
     );
-    let seen = run(&with(&effect), &motion);
+    let effect_run = run(&with(&effect), &motion);
     let axis = declared();
-    let (kv, kp) = (axis.velocity_gain_n_s_per_m.unwrap(), axis.position_gain_per_s.unwrap());
-    let per_ti = 1.0 / axis.velocity_integral_time_s.unwrap();
-    let mass_kg = axis.motor_mass_kg.unwrap() + axis.table_mass_kg.unwrap();
+    let (kv, kp) =
+        (axis.controller.velocity_gain_n_s_per_m.unwrap(), axis.controller.position_gain_per_s.unwrap());
+    let per_ti = 1.0 / axis.controller.velocity_integral_time_s.unwrap();
+    let mass_kg = axis.mechanics.motor_mass_kg.unwrap() + axis.mechanics.table_mass_kg.unwrap();
     let omega: f64 = TAU * mm_s / period_mm;
-    let real = kv * kp * per_ti - (kv + axis.viscous_n_s_per_m.unwrap()) * omega.powi(2);
+    let real = kv * kp * per_ti - (kv + axis.mechanics.viscous_n_s_per_m.unwrap()) * omega.powi(2);
     let imaginary = kv * (kp + per_ti) * omega - mass_kg * omega.powi(3);
-    let way_um = 1e6 * amplitude_n * omega / real.hypot(imaginary);
+    let travel_um = 1e6 * amplitude_n * omega / real.hypot(imaginary);
 
-    let motor_mm = seen.channel("x", Channel::Motor);
+    let motor_mm = effect_run.channel("x", Channel::Motor);
     for mm_s in [mm_s, -mm_s] {
-        let steady = seen.steady(mm_s);
+        let steady = effect_run.steady(mm_s);
         let angle = |&i: &usize| TAU * motor_mm[i] / period_mm + phase_rad;
         let sines: Vec<f64> = steady.iter().map(|i| angle(i).sin()).collect();
         let cosines: Vec<f64> = steady.iter().map(|i| angle(i).cos()).collect();
-        let parts = |values: Vec<f64>| -> Vec<f64> { fit([&sines, &cosines], &of(&values, &steady)) };
-        // The tick in which the force answers, 0.25 ms, and 1/(1 + L) are 1e-3 of it together.
-        let force = parts(seen.moved(Channel::Force, &plain));
+        let parts = |values: Vec<f64>| -> Vec<f64> { fit([&sines, &cosines], &at(&values, &steady)) };
+        // The delay of a tick, 0.25 ms, and 1/(1 + L) are 1e-3 of it.
+        let force = parts(effect_run.change(Channel::Force, &plain));
         assert_near(force[0], -amplitude_n, 0.005 * amplitude_n, "force in phase");
-        assert_near(force[1], 0.0, 0.005 * amplitude_n, "force across");
+        assert_near(force[1], 0.0, 0.005 * amplitude_n, "force in quadrature");
         assert_near(force[2], 0.0, ROUNDING_N, "mean force");
-        // Friction's rise with speed within the wave is left out of D but for b: 2 %.
-        let motor = parts(seen.moved(Channel::Motor, &plain));
-        assert_near(motor[0].hypot(motor[1]), way_um, 0.02 * way_um, "motor");
-        // What acts on the motor does not bend the screw: only the table's share of the wave's inertia does.
-        assert_all(&seen.drive_train_moved_um(&plain), &steady, 0.0, ROUNDING_UM, "table − motor");
+        // D neglects the dependence of friction on velocity except b: 2 %.
+        let motor = parts(effect_run.change(Channel::Motor, &plain));
+        assert_near(motor[0].hypot(motor[1]), travel_um, 0.02 * travel_um, "motor");
+        // A force on the motor does not stretch the screw, except by the inertia of the table.
+        assert_all(&effect_run.drive_train_change_um(&plain), &steady, 0.0, ROUNDING_UM, "table − motor");
     }
 }
 
-/// Found instead of declared it is the same, to the last bit, and not to be without.
+/// The effect equals the declared keys to the last bit, and has an effect on the force.
 pub fn presliding() {
     let motion = lines(&[(3.0, 20.0), (0.0, 20.0), (3.0, 20.0)]);
     let keys = "presliding_stiffness_n_per_um = 40.0    # guideway before it slides (LuGre σ0)\n\
@@ -104,27 +105,27 @@ pub fn presliding() {
         "\n[[axis.x.effect]]\nname = \"presliding\"\nstiffness_n_per_um = 40.0\ndamping_n_s_per_m = 2000.0\n";
     let plain = run(PLAIN, &motion);
     run(&(without.clone() + effect), &motion).assert_same(&plain, &[]);
-    let least = run(&without, &motion).moved(Channel::Force, &plain);
-    // At a reversal it is friction itself that comes at once or over micrometres.
-    let most_n = least.iter().fold(0.0f64, |most, n| most.max(n.abs()));
-    assert!(most_n > 0.1 * declared().coulomb_n.unwrap(), "{most_n}");
+    let change_n = run(&without, &motion).change(Channel::Force, &plain);
+    // At a reversal the friction rises at once, or over micrometres.
+    let max_n = change_n.iter().fold(0.0f64, |max, n| max.max(n.abs()));
+    assert!(max_n > 0.1 * declared().mechanics.coulomb_n.unwrap(), "{max_n}");
 }
 
-/// Friction lacks force·exp(−|v|/vs), against the motion.
+/// Friction drops by force·exp(−|v|/vs).
 pub fn shear_thinning() {
     let (force_n, vs_mm_s) = (80.0, 5.0);
     let motion = lines(&[(3.0, 2.0), (9.0, 5.0), (49.0, 40.0), (9.0, 40.0), (3.0, 5.0), (0.0, 2.0)]);
     let plain = run(PLAIN, &motion);
     let effect = format!("name = \"shear_thinning\"\nforce_n = {force_n}\nvelocity_mm_s = {vs_mm_s}");
-    let seen = run(&with(&effect), &motion);
+    let effect_run = run(&with(&effect), &motion);
     for mm_s in [2.0_f64, 5.0, 40.0, -40.0, -5.0, -2.0] {
         let lack_n = force_n * (-mm_s.abs() / vs_mm_s).exp();
-        assert_on_table(&seen, &plain, mm_s, -lack_n.copysign(mm_s));
+        assert_on_table(&effect_run, &plain, mm_s, -lack_n.copysign(mm_s));
     }
 }
 
-/// At a steady speed nothing; while the speed grows evenly with a, what is remembered is a·τ below it, and
-/// friction c·a·τ below what it would be.
+/// At a constant velocity no effect; under a constant acceleration a the filtered speed lags by a·τ, and friction is
+/// lower by c·a·τ.
 pub fn friction_memory() {
     let (viscous, time_constant_s, m_per_s2) = (400.0, 0.05, 0.5);
     let motion = lines(&[(200.0, 400.0), (0.0, 100.0)]);
@@ -132,14 +133,14 @@ pub fn friction_memory() {
     let effect = format!(
         "name = \"friction_memory\"\nviscous_n_s_per_m = {viscous}\ntime_constant_s = {time_constant_s}"
     );
-    let seen = run(&with(&effect), &motion);
-    assert_on_table(&seen, &plain, -100.0, 0.0);
-    let moved = seen.moved(Channel::Force, &plain);
+    let effect_run = run(&with(&effect), &motion);
+    assert_on_table(&effect_run, &plain, -100.0, 0.0);
+    let moved = effect_run.change(Channel::Force, &plain);
     let expected_n = -viscous * m_per_s2 * time_constant_s;
-    assert_all(&moved, &seen.speeding_up(m_per_s2), expected_n, ROUNDING_N, "force");
+    assert_all(&moved, &effect_run.accelerating(m_per_s2), expected_n, ROUNDING_N, "force");
 }
 
-/// slope·(x − c) + curvature·(x − c)² more friction at each place, against the motion.
+/// Friction rises by slope·(x − c) + curvature·(x − c)² at the position x.
 pub fn preload_variation() {
     let (centre_mm, slope, curvature, mm_s) = (20.0, 300.0, 8000.0, 20.0);
     let motion = lines(&[(60.0, mm_s), (0.0, mm_s)]);
@@ -148,21 +149,21 @@ pub fn preload_variation() {
         "name = \"preload_variation\"\ncentre_mm = {centre_mm}\nslope_n_per_m = {slope}\n\
          curvature_n_per_m2 = {curvature}"
     );
-    let seen = run(&with(&effect), &motion);
-    let table_mm = seen.channel("x", Channel::Table);
+    let effect_run = run(&with(&effect), &motion);
+    let table_mm = effect_run.channel("x", Channel::Table);
     for mm_s in [mm_s, -mm_s] {
         let expected = |mm: &f64| {
             let x_m = 1e-3 * (mm - centre_mm);
             mm_s.signum() * x_m * (slope + curvature * x_m)
         };
         let expected: Vec<f64> = table_mm.iter().map(expected).collect();
-        let off = difference(&seen.moved(Channel::Force, &plain), &expected);
-        // It rises by up to 20 N/s, which the loop answers within some 10 ms.
-        assert_all(&off, &seen.steady(mm_s), 0.0, ROUNDING_N + 0.3, "force");
+        let error = difference(&effect_run.change(Channel::Force, &plain), &expected);
+        // Friction rises by up to 20 N/s, and the response of the loop takes some 10 ms.
+        assert_all(&error, &effect_run.steady(mm_s), 0.0, ROUNDING_N + 0.3, "force");
     }
 }
 
-/// amplitude·sin(2π·x/period + phase) more friction, against the motion: it turns with the direction.
+/// Friction rises by amplitude·sin(2π·x/period + phase): its sign in the force is that of the velocity.
 pub fn friction_ripple() {
     let (amplitude_n, period_mm, phase_rad, mm_s) = (50.0_f64, 4.0, 0.3, 2.0);
     let motion = lines(&[(10.0, mm_s), (0.0, mm_s)]);
@@ -170,17 +171,17 @@ pub fn friction_ripple() {
     let effect = format!(
         "name = \"friction_ripple\"\namplitude_n = {amplitude_n}\nperiod_mm = {period_mm}\nphase_rad = {phase_rad}"
     );
-    let seen = run(&with(&effect), &motion);
-    let table_mm = seen.channel("x", Channel::Table);
+    let effect_run = run(&with(&effect), &motion);
+    let table_mm = effect_run.channel("x", Channel::Table);
     for mm_s in [mm_s, -mm_s] {
-        let steady = seen.steady(mm_s);
+        let steady = effect_run.steady(mm_s);
         let angle = |&i: &usize| TAU * table_mm[i] / period_mm + phase_rad;
         let sines: Vec<f64> = steady.iter().map(|i| angle(i).sin()).collect();
         let cosines: Vec<f64> = steady.iter().map(|i| angle(i).cos()).collect();
-        let force = fit([&sines, &cosines], &of(&seen.moved(Channel::Force, &plain), &steady));
-        // What the loop leaves open at half a wave a second, and friction's own rise with speed: 2 %.
+        let force = fit([&sines, &cosines], &at(&effect_run.change(Channel::Force, &plain), &steady));
+        // The loop at half a period a second, and the dependence of friction on velocity: 2 %.
         assert_near(force[0], amplitude_n.copysign(mm_s), 0.02 * amplitude_n, "force in phase");
-        assert_near(force[1], 0.0, 0.02 * amplitude_n, "force across");
+        assert_near(force[1], 0.0, 0.02 * amplitude_n, "force in quadrature");
         assert_near(force[2], 0.0, ROUNDING_N, "mean force");
     }
 }

@@ -1,23 +1,23 @@
-//! The `[instruments]` table: each key in its channel, with its own size.
+//! The `[instruments]` table: each key in its channel, with its size.
 
 use files::log::Channel;
 use model::machine::Machine;
 use model::machine::instruments::InstrumentKeys;
 use plant::instruments::Instruments;
 
-use crate::bench::{
-    PLAIN, ROUNDING_N, ROUNDING_UM, Seen, assert_all, assert_near, changed, declared, difference, lines, of,
-    rms, run_with,
+use crate::runs::{
+    PLAIN, ROUNDING_N, ROUNDING_UM, RunLog, assert_all, assert_near, at, changed, declared, difference,
+    lines, rms, run_with,
 };
 
-/// The machine without its spring: motor and table are one, so that one channel shows the truth of the other.
+/// The machine without its spring: motor and table are one mass, so that each channel gives the truth of the other.
 fn rigid() -> String {
     let machine = changed(PLAIN, "stiffness_n_per_um = 200.0", "# ");
     changed(&machine, "damping_n_s_per_m = 12000.0 ", "# ")
 }
 
-/// The run of a machine whose instruments are perfect but for one key.
-fn run_key(machine: &str, motion: &str, key: &str, value: f64) -> Seen {
+/// The run of a machine with instruments that are ideal except for one key.
+fn run_key(machine: &str, motion: &str, key: &str, value: f64) -> RunLog {
     let mut keys: Vec<(&str, f64)> =
         InstrumentKeys::default().all().iter().map(|(name, _)| (*name, 0.0)).collect();
     keys.iter_mut().find(|(name, _)| *name == key).unwrap().1 = value;
@@ -27,34 +27,34 @@ fn run_key(machine: &str, motion: &str, key: &str, value: f64) -> Seen {
     })
 }
 
-/// The same with all of them perfect.
-fn run_perfect(machine: &str, motion: &str) -> Seen {
+/// The run of a machine with ideal instruments.
+fn run_ideal(machine: &str, motion: &str) -> RunLog {
     run_key(machine, motion, "motor_noise_um", 0.0)
 }
 
-/// What a channel of the rigid machine shows beyond the truth, µm or N, beside its run with perfect instruments.
-fn error(seen: &Seen, perfect: &Seen, channel: Channel) -> Vec<f64> {
+/// Error of a channel of the rigid machine, µm or N; that of the force is against a run with ideal instruments.
+fn error(effect_run: &RunLog, ideal: &RunLog, channel: Channel) -> Vec<f64> {
     match channel {
-        Channel::Motor => seen.beyond_um(Channel::Motor, Channel::Table),
-        Channel::Table => seen.beyond_um(Channel::Table, Channel::Motor),
-        Channel::Tool => seen.beyond_um(Channel::Tool, Channel::Table),
-        _ => difference(seen.force_n(), perfect.force_n()),
+        Channel::Motor => effect_run.difference_um(Channel::Motor, Channel::Table),
+        Channel::Table => effect_run.difference_um(Channel::Table, Channel::Motor),
+        Channel::Tool => effect_run.difference_um(Channel::Tool, Channel::Table),
+        _ => difference(effect_run.force_n(), ideal.force_n()),
     }
 }
 
-/// What is logged only, or not fed back, leaves the rest alone; the motor's reading moves everything.
-fn assert_rest_is_the_same(seen: &Seen, perfect: &Seen, channel: Channel) {
+/// An instrument that is not in the loop affects its channel alone; the motor reading affects all channels.
+fn assert_others_are_the_same(effect_run: &RunLog, ideal: &RunLog, channel: Channel) {
     if channel != Channel::Motor {
-        // The other axis is read by instruments of the same kind: x is looked at.
+        // Only x: the instruments of the other axis are the same.
         for other in [Channel::Command, Channel::Motor, Channel::Table, Channel::Tool, Channel::Force] {
-            let is_same = seen.channel("x", other) == perfect.channel("x", other);
+            let is_same = effect_run.channel("x", other) == ideal.channel("x", other);
             assert_eq!(is_same, other != channel, "{}", other.word());
         }
     }
 }
 
-/// White noise of the standard deviation that is written, about the truth. Of n samples its estimate has a standard
-/// deviation of 1/√(2n), the mean one of σ/√n: four of each are allowed.
+/// White noise with the given standard deviation σ and mean 0. The standard errors of their estimates from n samples
+/// are σ/√(2n) and σ/√n: the bounds are four of each.
 #[test]
 fn noise() {
     let cases = [
@@ -64,20 +64,20 @@ fn noise() {
         ("force_noise_n", 7.0, Channel::Force),
     ];
     let motion = lines(&[(30.0, 7.3)]);
-    let perfect = run_perfect(&rigid(), &motion);
+    let ideal = run_ideal(&rigid(), &motion);
     for (key, sigma, channel) in cases {
-        let seen = run_key(&rigid(), &motion, key, sigma);
-        let error = error(&seen, &perfect, channel);
+        let effect_run = run_key(&rigid(), &motion, key, sigma);
+        let error = error(&effect_run, &ideal, channel);
         let n = error.len() as f64;
         assert!(n > 4000.0);
         assert_near(rms(&error), sigma, 4.0 * sigma / (2.0 * n).sqrt(), key);
         let mean = error.iter().sum::<f64>() / n;
         assert_near(mean, 0.0, 4.0 * sigma / n.sqrt(), key);
-        assert_rest_is_the_same(&seen, &perfect, channel);
+        assert_others_are_the_same(&effect_run, &ideal, channel);
     }
 }
 
-/// Readings are whole steps, none further than half a step q from the truth, and evenly so: q/√12 on average.
+/// Readings are multiples of the step q with uniform errors up to q/2: q/√12 rms.
 #[test]
 fn resolution() {
     let cases = [
@@ -86,103 +86,109 @@ fn resolution() {
         ("tool_resolution_um", 0.9, 1e3, Channel::Tool),
         ("force_resolution_n", 0.7, 1.0, Channel::Force),
     ];
-    // Hardly at a steady speed, so that the force, too, moves through its steps.
+    // Mostly accelerating, so that the force, too, passes through its steps.
     let motion = lines(&[(200.0, 330.0), (0.0, 330.0)]);
-    let perfect = run_perfect(&rigid(), &motion);
+    let ideal = run_ideal(&rigid(), &motion);
     for (key, step, unit, channel) in cases {
-        let seen = run_key(&rigid(), &motion, key, step);
-        for reading in seen.channel("x", channel) {
+        let effect_run = run_key(&rigid(), &motion, key, step);
+        for reading in effect_run.channel("x", channel) {
             let steps = unit * reading / step;
             assert_near(steps, steps.round(), 1e-6, key);
         }
-        let error = error(&seen, &perfect, channel);
-        let most = error.iter().fold(0.0, |most: f64, error| most.max(error.abs()));
-        assert!(most > 0.45 * step && most < 0.5001 * step, "{key}: {most}");
-        // Where the truth moves through the steps; of n samples the estimate has 0.45/√n, 1 %.
-        let shown = seen.channel("x", channel);
-        let truth: Vec<f64> = shown.iter().zip(&error).map(|(s, e)| unit * s - e).collect();
+        let error = error(&effect_run, &ideal, channel);
+        let max = error.iter().fold(0.0, |max: f64, error| max.max(error.abs()));
+        assert!(max > 0.45 * step && max < 0.5001 * step, "{key}: {max}");
+        // Where the truth passes through the steps; the standard error of the estimate is 0.45/√n, 1 %.
+        let readings = effect_run.channel("x", channel);
+        let truth: Vec<f64> = readings.iter().zip(&error).map(|(r, e)| unit * r - e).collect();
         let moves = |i: &usize| (truth[*i] - truth[i - 1]).abs() > 0.1 * step;
-        let moving = of(&error, &(1..error.len()).filter(moves).collect::<Vec<_>>());
+        let moving = at(&error, &(1..error.len()).filter(moves).collect::<Vec<_>>());
         assert!(moving.len() > 1000, "{key}: {}", moving.len());
         assert_near(rms(&moving), step / 12.0_f64.sqrt(), 0.03 * step, key);
-        assert_rest_is_the_same(&seen, &perfect, channel);
+        assert_others_are_the_same(&effect_run, &ideal, channel);
     }
 }
 
-/// At a steady speed an old motor reading is v·τ behind. It is what is fed back: the reading keeps its place, and the
-/// table goes ahead.
+/// At a constant velocity a delayed motor reading lags by v·τ. As it is fed back, the reading does not change and the
+/// table is ahead.
 ///
-/// 1.3 ms are more than five ticks of the velocity loop, which crosses over at Kv/m, 270 rad/s: 0.35 rad of its phase.
+/// 1.3 ms are more than five ticks of the velocity loop, and 0.35 rad of its phase at the crossover Kv/m = 270 rad/s.
 #[test]
 fn motor_latency() {
     let (late_ms, mm_s) = (1.3, 100.0);
     let motion = lines(&[(100.0, mm_s), (0.0, mm_s)]);
-    let perfect = run_perfect(&rigid(), &motion);
-    let seen = run_key(&rigid(), &motion, "motor_latency_ms", late_ms);
+    let ideal = run_ideal(&rigid(), &motion);
+    let effect_run = run_key(&rigid(), &motion, "motor_latency_ms", late_ms);
     for mm_s in [mm_s, -mm_s] {
-        let (steady, ahead_um) = (seen.steady(mm_s), mm_s * late_ms);
+        let (steady, ahead_um) = (effect_run.steady(mm_s), mm_s * late_ms);
         let bound_um = 1e-4 * ahead_um.abs();
-        assert_all(&seen.beyond_um(Channel::Table, Channel::Motor), &steady, ahead_um, bound_um, "behind");
-        assert_all(&seen.moved(Channel::Table, &perfect), &steady, ahead_um, bound_um, "table");
-        assert_all(&seen.moved(Channel::Motor, &perfect), &steady, 0.0, bound_um, "motor");
-        assert_all(&seen.moved(Channel::Force, &perfect), &steady, 0.0, ROUNDING_N, "force");
+        assert_all(
+            &effect_run.difference_um(Channel::Table, Channel::Motor),
+            &steady,
+            ahead_um,
+            bound_um,
+            "lag",
+        );
+        assert_all(&effect_run.change(Channel::Table, &ideal), &steady, ahead_um, bound_um, "table");
+        assert_all(&effect_run.change(Channel::Motor, &ideal), &steady, 0.0, bound_um, "motor");
+        assert_all(&effect_run.change(Channel::Force, &ideal), &steady, 0.0, ROUNDING_N, "force");
     }
 }
 
-/// An old scale reading is v·τ behind the tool, which is where the table is. Fed back or not decides which of the two
-/// keeps its place.
+/// At a constant velocity a delayed scale reading lags by v·τ behind the tool, whose position is that of the table. If
+/// the scale is fed back, its reading does not change and the tool is ahead.
 #[test]
 fn table_latency() {
     let (late_ms, mm_s) = (1.7, 100.0);
     let motion = lines(&[(100.0, mm_s), (0.0, mm_s)]);
     let closed = changed(&rigid(), "feedback = \"motor\"", "feedback = \"table\"");
     for (machine, is_fed_back) in [(rigid(), false), (closed, true)] {
-        let perfect = run_perfect(&machine, &motion);
-        let seen = run_key(&machine, &motion, "table_latency_ms", late_ms);
+        let ideal = run_ideal(&machine, &motion);
+        let effect_run = run_key(&machine, &motion, "table_latency_ms", late_ms);
         if !is_fed_back {
-            assert_rest_is_the_same(&seen, &perfect, Channel::Table);
+            assert_others_are_the_same(&effect_run, &ideal, Channel::Table);
         }
         for mm_s in [mm_s, -mm_s] {
-            let (steady, late_um) = (seen.steady(mm_s), mm_s * late_ms);
+            let (steady, late_um) = (effect_run.steady(mm_s), mm_s * late_ms);
             let bound_um = 1e-4 * late_um.abs();
-            let lean_um = seen.beyond_um(Channel::Tool, Channel::Table);
-            assert_all(&lean_um, &steady, late_um, bound_um, "table behind tool");
+            let offset_um = effect_run.difference_um(Channel::Tool, Channel::Table);
+            assert_all(&offset_um, &steady, late_um, bound_um, "table behind tool");
             let ahead_um = if is_fed_back { late_um } else { 0.0 };
-            assert_all(&seen.moved(Channel::Tool, &perfect), &steady, ahead_um, bound_um, "tool");
+            assert_all(&effect_run.change(Channel::Tool, &ideal), &steady, ahead_um, bound_um, "tool");
         }
     }
 }
 
-/// Under a force that rises evenly a drive that lags by τ gives τ·dF/dt too little. On a guideway of the viscous
-/// friction b an even acceleration a takes such a force, dF/dt = b·a: the command is higher by τ·b·a, and at a steady
-/// speed as it was.
+/// Under a ramp of the force, a drive with the lag τ is low by τ·dF/dt. On a guideway with the viscous friction b a
+/// constant acceleration a needs such a ramp, dF/dt = b·a: the commanded force is higher by τ·b·a, and unchanged at a
+/// constant velocity.
 #[test]
 fn drive_time_constant() {
     let (lag_ms, m_per_s2, mm_s, viscous) = (1.0, 0.5, 300.0, 20_000.0);
-    let declared = format!("viscous_n_s_per_m = {:?} ", declared().viscous_n_s_per_m.unwrap());
+    let declared = format!("viscous_n_s_per_m = {:?} ", declared().mechanics.viscous_n_s_per_m.unwrap());
     let machine = changed(&rigid(), &declared, &format!("viscous_n_s_per_m = {viscous:?} "));
-    // Both loops at one rate: a log at every fourth tick shows one of the four forces that answer a step of the
+    // Both loops at the same rate: a log of every fourth tick has one of the four forces between two steps of the
     // position loop, not their mean.
     let machine = changed(&machine, "sample_rate_hz = 1000.0 ", "sample_rate_hz = 4000.0 ");
     let motion = lines(&[(400.0, mm_s)]);
-    let perfect = run_perfect(&machine, &motion);
-    let seen = run_key(&machine, &motion, "drive_time_constant_ms", lag_ms);
+    let ideal = run_ideal(&machine, &motion);
+    let effect_run = run_key(&machine, &motion, "drive_time_constant_ms", lag_ms);
     let more_n = 1e-3 * lag_ms * viscous * m_per_s2;
-    let samples = seen.speeding_up(m_per_s2);
-    assert_all(&seen.moved(Channel::Force, &perfect), &samples, more_n, 0.002 * more_n, "force");
-    let steady = seen.steady(mm_s);
-    assert_all(&seen.moved(Channel::Force, &perfect), &steady, 0.0, ROUNDING_N, "force");
-    assert_all(&seen.moved(Channel::Table, &perfect), &steady, 0.0, ROUNDING_UM, "table");
+    let samples = effect_run.accelerating(m_per_s2);
+    assert_all(&effect_run.change(Channel::Force, &ideal), &samples, more_n, 0.002 * more_n, "force");
+    let steady = effect_run.steady(mm_s);
+    assert_all(&effect_run.change(Channel::Force, &ideal), &steady, 0.0, ROUNDING_N, "force");
+    assert_all(&effect_run.change(Channel::Table, &ideal), &steady, 0.0, ROUNDING_UM, "table");
 }
 
-/// A file that says nothing of its instruments has those of a well-kept machine; what it says takes their place alone.
+/// Keys that a file does not give have their typical values.
 #[test]
-fn what_is_absent_is_typical() {
+fn absent_keys_are_typical() {
     let read = |text: &str| Instruments::of(&Machine::parse(text, "machine.toml").unwrap(), 3);
     let typical = Instruments::typical(3);
     assert_eq!(read(PLAIN), typical);
-    let said = read(&format!("{PLAIN}\n[instruments]\ntool_noise_um = 0.5\n"));
+    let given = read(&format!("{PLAIN}\n[instruments]\ntool_noise_um = 0.5\n"));
     let mut expected = typical;
     expected.tool.noise = 0.5e-6;
-    assert_eq!(said, expected);
+    assert_eq!(given, expected);
 }

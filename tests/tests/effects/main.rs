@@ -1,20 +1,20 @@
-//! What a machine file says, seen in a run: each effect of the catalogue, each instrument and each friction curve.
+//! Each effect of the catalogue, each key of the instruments and each friction curve, in a simulated run.
 //!
-//! Every test runs a machine twice in closed loop, with and without one entry of its file, on a motion that the entry
-//! shows in. The expected size is an equation of the entry's definition, in the doc of the test, and the bound says
-//! what the equation leaves out. The channels that an entry must not touch are the same to the last bit.
+//! Every test runs a machine twice in closed loop, with and without one entry of its file, on a motion on which the
+//! entry has an effect. The doc of a test gives the equation of its expected size, from the definition of the entry;
+//! the bound covers what the equation neglects. Channels that an entry must not affect are equal to the last bit.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-mod bench;
 mod bodies;
 mod curve;
 mod force;
 mod instruments;
-mod loops;
+mod runs;
 mod screw;
+mod servo;
 mod tool;
 
-/// One test an effect, under its name; the list cannot name one that is not tested.
+/// One test per effect, under its name, and the list of these names.
 macro_rules! tested {
     ($($module:ident: $($name:ident),+;)+) => {
         $($(
@@ -29,14 +29,14 @@ macro_rules! tested {
 }
 
 tested! {
-    screw: backlash, pitch_progressive, pitch_cyclic, resolver_dividing, windup;
+    screw: backlash, pitch_progressive, pitch_cyclic, resolver_dividing, encoder_ellipticity, windup;
     force: stribeck, friction_asymmetry, torque_ripple, constant_load, presliding, shear_thinning, friction_memory,
         preload_variation, friction_ripple;
-    loops: servo_mismatch, velocity_lag;
+    servo: servo_mismatch, velocity_lag;
     tool: intalk, crosstalk, squareness, straightness, thermal_drift, latency, resonance;
 }
 
 #[test]
 fn every_effect_of_the_catalogue_is_tested() {
-    assert_eq!(TESTED, model::effects::NAMES);
+    assert_eq!(TESTED, model::effects::names());
 }

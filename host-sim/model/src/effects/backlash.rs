@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
+    Wording,
+};
 
 /// A gap between screw nut and table; the screw spring acts only where the gap is closed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,13 +31,20 @@ impl Backlash {
     }
 }
 
-impl Kind for Backlash {
+impl EffectModel for Backlash {
+    const NAME: &'static str = "backlash";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("width_um", Unit::Micrometre, Range::NotNegative)];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Table];
+    const DRAW_NUMBER: Option<u32> = Some(0);
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Table, Stage::Force, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let sees_table = around.stages.contains(&Stage::Table);
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let sees_table = context.has(Stage::Table);
         let widths: &[f64] = if sees_table { &[2.0, 8.0, 25.0, 80.0] } else { &[] };
         widths.iter().map(|&width_um| Self { width_um }).collect()
     }
@@ -47,7 +57,19 @@ impl Kind for Backlash {
         Self { width_um: x[0] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("width_um", self.width_um)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.width_um]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!("{} backlash between screw and table", wording.value(0))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Velocity
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        Some(Self { width_um: draw.between(4.0, 15.0) })
     }
 }

@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording,
+};
+use crate::axis::Settings;
 
 /// Tool − table per acceleration of another axis, after Nguyen, Weikert, Wegener, equations (7) to (9).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,14 +26,25 @@ impl Crosstalk {
     }
 }
 
-impl Kind for Crosstalk {
+impl EffectModel for Crosstalk {
+    const NAME: &'static str = "crosstalk";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("um_s2_per_m", Unit::MicrometrePerAcceleration, Range::Signed)];
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
+    const DRAW_NUMBER: Option<u32> = Some(9);
+
+    fn prerequisite(_axis: &Settings, neighbours: Neighbours) -> Prerequisite {
+        Prerequisite::needs(neighbours.others > 0, "another axis")
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Tool]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let start = |source: &String| Self { um_s2_per_m: 0.0, source: source.clone() };
-        around.others.iter().map(start).collect()
+        context.others.iter().map(start).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
@@ -40,7 +55,23 @@ impl Kind for Crosstalk {
         Self { um_s2_per_m: x[0], ..self.clone() }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("um_s2_per_m", self.um_s2_per_m)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.um_s2_per_m]
+    }
+
+    fn distinction(&self) -> Distinction<'_> {
+        Distinction::Source(&self.source)
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!("the tool leans by {} of acceleration of axis {}", wording.value(0), self.source)
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::OtherAcceleration(Some(self.source.clone()))
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        Some(Self { um_s2_per_m: draw.signed(0.8, 3.0), source: draw.other.to_owned() })
     }
 }

@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite,
+    Range, Stage, Unit, Wording,
+};
+use crate::axis::Settings;
 
 /// Viscous friction b + h for v > 0 and b − h for v < 0.
 ///
@@ -23,13 +27,24 @@ impl FrictionAsymmetry {
     }
 }
 
-impl Kind for FrictionAsymmetry {
+impl EffectModel for FrictionAsymmetry {
+    const NAME: &'static str = "friction_asymmetry";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("half_difference_n_s_per_m", Unit::NewtonSecondPerMetre, Range::Signed)];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Force, Stage::Table];
+    const DRAW_NUMBER: Option<u32> = Some(5);
+
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        Prerequisite::masses(axis)
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Force, Stage::Table, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        if around.axis.has_mass() { vec![Self::default()] } else { Vec::new() }
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        if context.axis.has_mass() { vec![Self::default()] } else { Vec::new() }
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
@@ -40,7 +55,23 @@ impl Kind for FrictionAsymmetry {
         Self { half_difference_n_s_per_m: x[0] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("half_difference_n_s_per_m", self.half_difference_n_s_per_m)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.half_difference_n_s_per_m]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        let [higher, lower] = if self.half_difference_n_s_per_m >= 0.0 { ["+", "−"] } else { ["−", "+"] };
+        let size = wording.size(0);
+        format!(
+            "viscous friction is {size} higher in {higher} direction and as much lower in {lower} direction"
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Velocity
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        Some(Self { half_difference_n_s_per_m: draw.signed(150.0, 350.0) })
     }
 }

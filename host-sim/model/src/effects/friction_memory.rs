@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite, Range,
+    Stage, Unit, Wording,
+};
+use crate::axis::Settings;
 
 /// A part c of viscous friction goes with the speed of before (the lubricant's film takes time):
 /// c·(m − |v|) on top of the sliding level, where m follows |v| with a time constant. At a speed that
@@ -44,13 +48,25 @@ impl FrictionMemory {
     }
 }
 
-impl Kind for FrictionMemory {
+impl EffectModel for FrictionMemory {
+    const NAME: &'static str = "friction_memory";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("viscous_n_s_per_m", Unit::NewtonSecondPerMetre, Range::Signed),
+        Parameter::new("time_constant_s", Unit::Second, Range::Positive),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Force];
+
+    fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        Prerequisite::WITHOUT_TABLE
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Force, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let times_s: &[f64] = if around.shows_friction_alone() { &[0.01, 0.1, 0.5] } else { &[] };
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let times_s: &[f64] = if context.shows_friction_alone() { &[0.01, 0.1, 0.5] } else { &[] };
         times_s.iter().map(|&time_constant_s| Self { viscous_n_s_per_m: 0.0, time_constant_s }).collect()
     }
 
@@ -72,7 +88,16 @@ impl Kind for FrictionMemory {
         Self { viscous_n_s_per_m: x[0], time_constant_s: x[1] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("viscous_n_s_per_m", self.viscous_n_s_per_m), ("time_constant_s", self.time_constant_s)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.viscous_n_s_per_m, self.time_constant_s]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        let how = wording.by_sign("behind", "ahead of");
+        format!("{} of viscous friction are {how} the speed, by {}", wording.size(0), wording.value(1))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Acceleration
     }
 }

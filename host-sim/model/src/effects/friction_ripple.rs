@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings, harmonic};
+use super::declaration::{
+    Abscissa, Coordinate, Distinction, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording, harmonic,
+};
+use crate::axis::Settings;
 
 /// Highest order of a screw turn that is looked for.
 const HIGHEST_ORDER: u32 = 4;
@@ -29,22 +33,28 @@ impl FrictionRipple {
     }
 }
 
-impl Kind for FrictionRipple {
+impl EffectModel for FrictionRipple {
+    const NAME: &'static str = "friction_ripple";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("amplitude_n", Unit::Newton, Range::Signed),
+        Parameter::new("period_mm", Unit::Millimetre, Range::Positive),
+        Parameter::phase("phase_rad"),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Force];
+
+    fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        Prerequisite::WITHOUT_TABLE
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Force, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let lead = around.axis.lead_mm.filter(|_| around.shows_friction_alone());
-        let orders = |lead: f64| {
-            let period = move |order| lead / f64::from(order);
-            (1..=HIGHEST_ORDER).map(move |order| Self {
-                amplitude_n: 0.0,
-                period_mm: period(order),
-                phase_rad: 0.0,
-            })
-        };
-        lead.into_iter().flat_map(orders).collect()
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let lead = context.axis.mechanics.lead_mm.filter(|_| context.shows_friction_alone());
+        let guess = |period_mm| Self { amplitude_n: 0.0, period_mm, phase_rad: 0.0 };
+        lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
@@ -56,7 +66,19 @@ impl Kind for FrictionRipple {
         Self { amplitude_n, phase_rad, ..self.clone() }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("amplitude_n", self.amplitude_n), ("period_mm", self.period_mm), ("phase_rad", self.phase_rad)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.amplitude_n, self.period_mm, self.phase_rad]
+    }
+
+    fn distinction(&self) -> Distinction<'_> {
+        Distinction::Period(self.period_mm)
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!("friction goes up and down by {} (amplitude) every {}", wording.value(0), wording.value(1))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::WithinPeriod(self.period_mm)
     }
 }

@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
+    Wording,
+};
 
 /// Tool − table per acceleration of the same axis, after Nguyen, Weikert, Wegener, equations (7) to (9).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,12 +23,19 @@ impl Intalk {
     }
 }
 
-impl Kind for Intalk {
+impl EffectModel for Intalk {
+    const NAME: &'static str = "intalk";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("um_s2_per_m", Unit::MicrometrePerAcceleration, Range::Signed)];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
+    const DRAW_NUMBER: Option<u32> = Some(8);
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Tool]
     }
 
-    fn starts(_around: &Surroundings<'_>) -> Vec<Self> {
+    fn initial_guesses(_context: &EffectContext<'_>) -> Vec<Self> {
         vec![Self::default()]
     }
 
@@ -37,7 +47,19 @@ impl Kind for Intalk {
         Self { um_s2_per_m: x[0] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("um_s2_per_m", self.um_s2_per_m)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.um_s2_per_m]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!("the tool leans by {} of the axis's own acceleration", wording.value(0))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Acceleration
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        Some(Self { um_s2_per_m: draw.signed(0.8, 3.0) })
     }
 }

@@ -4,8 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::{Coordinate, Kind, Stage, Surroundings};
-use crate::machine::Axis;
+use super::declaration::{
+    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Occurrence, Parameter,
+    Range, Stage, Unit, Wording,
+};
+use crate::axis::Settings;
 
 /// The named channel shows what was true `ms` earlier. The loop itself is not affected.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -17,20 +20,17 @@ pub struct Latency {
     pub ms: f64,
 }
 
-/// A channel that may be late against the others.
-#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
-#[serde(rename_all = "snake_case")]
-pub enum Channel {
-    /// Linear scale.
-    Table,
-    /// Tool-point probe.
-    Tool,
-    /// Drive force, against the time that the log's format gives it: over the tick that ends at the
-    /// sample. A log that shows what is going to be given over the next tick is early by one.
-    Force,
-}
+/// No reading is older than this, ms.
+pub const LONGEST_LATENCY_MS: f64 = 1000.0;
 
-impl Kind for Latency {
+impl EffectModel for Latency {
+    const NAME: &'static str = "latency";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("ms", Unit::Millisecond, Range::Within(LONGEST_LATENCY_MS))];
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Table, Stage::Tool];
+    const DRAW_NUMBER: Option<u32> = Some(14);
+
     fn stages(&self) -> &'static [Stage] {
         match self.channel {
             Channel::Table => &[Stage::Table],
@@ -39,8 +39,8 @@ impl Kind for Latency {
         }
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let has = |stage| around.stages.contains(&stage);
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let has = |stage| context.has(stage);
         // Beside a linear scale a force that is late looks like a screw that is soft and damped.
         let force = has(Stage::Force) && !has(Stage::Table);
         [(has(Stage::Table), Channel::Table), (has(Stage::Tool), Channel::Tool), (force, Channel::Force)]
@@ -54,7 +54,7 @@ impl Kind for Latency {
     }
 
     /// A tenth of a sample: the instants of a log's channels are not known better.
-    fn is_material(&self, _declared: &Axis, rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms.abs() * rates.velocity_loop_hz > 0.1 * f64::from(rates.position_loop_divider)
     }
 
@@ -62,7 +62,29 @@ impl Kind for Latency {
         Self { ms: x[0], ..self.clone() }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("ms", self.ms)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.ms]
+    }
+
+    fn distinction(&self) -> Distinction<'_> {
+        Distinction::Channel(self.channel)
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        let channel = match self.channel {
+            Channel::Table => "table reading",
+            Channel::Tool => "tool reading",
+            Channel::Force => "force",
+        };
+        let how = wording.by_sign("late", "early");
+        format!("the {channel} is logged {} {how}", wording.size(0))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Velocity
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        Some(Self { channel: Channel::Tool, ms: draw.between(0.3, 2.0) })
     }
 }

@@ -2,7 +2,14 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings, harmonic};
+use super::declaration::{
+    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording, harmonic,
+};
+use crate::axis::Settings;
+
+/// Highest order of a screw turn that is looked for: a runout of nut or bearing, and an ovality.
+const HIGHEST_ORDER: u32 = 2;
 
 /// The screw carries the table amplitude·sin(2π·motor/period + phase) further than its lead says.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -10,7 +17,7 @@ use super::{Coordinate, Kind, Stage, Surroundings, harmonic};
 pub struct PitchCyclic {
     /// Half of peak to peak.
     pub amplitude_um: f64,
-    /// The screw's lead.
+    /// The lead of the screw, or half of it.
     pub period_mm: f64,
     /// Phase at motor position zero.
     #[serde(default)]
@@ -25,15 +32,29 @@ impl PitchCyclic {
     }
 }
 
-impl Kind for PitchCyclic {
+impl EffectModel for PitchCyclic {
+    const NAME: &'static str = "pitch_cyclic";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
+        Parameter::new("period_mm", Unit::Millimetre, Range::Positive),
+        Parameter::phase("phase_rad"),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Table];
+    const DRAW_NUMBER: Option<u32> = Some(2);
+
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        Prerequisite::lead(axis)
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Table]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let lead = around.axis.lead_mm.filter(|_| around.stages.contains(&Stage::Table));
-        let start = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
-        lead.into_iter().map(start).collect()
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let lead = context.axis.mechanics.lead_mm.filter(|_| context.has(Stage::Table));
+        let guess = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
+        lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
@@ -45,11 +66,29 @@ impl Kind for PitchCyclic {
         Self { amplitude_um, phase_rad, ..self.clone() }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![
-            ("amplitude_um", self.amplitude_um),
-            ("period_mm", self.period_mm),
-            ("phase_rad", self.phase_rad),
-        ]
+    fn values(&self) -> Vec<f64> {
+        vec![self.amplitude_um, self.period_mm, self.phase_rad]
+    }
+
+    fn distinction(&self) -> Distinction<'_> {
+        Distinction::Period(self.period_mm)
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!(
+            "the {} wobbles by {} (amplitude) every {}",
+            wording.by_axis("screw's pitch", "gear's ratio"),
+            wording.value(0),
+            wording.value(1)
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::WithinPeriod(self.period_mm)
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        let (period_mm, phase_rad) = (draw.lead_mm(), draw.phase_rad);
+        Some(Self { amplitude_um: draw.between(2.0, 6.0), period_mm, phase_rad })
     }
 }

@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite, Range,
+    Stage, Unit, Wording,
+};
+use crate::axis::Settings;
 
 /// Adds slope·(x − centre) + curvature·(x − centre)² to the sliding level: screw and nut or guide and
 /// carriage are tighter at one place than at another.
@@ -37,15 +41,28 @@ impl PreloadVariation {
     }
 }
 
-impl Kind for PreloadVariation {
+impl EffectModel for PreloadVariation {
+    const NAME: &'static str = "preload_variation";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("centre_mm", Unit::Millimetre, Range::Signed),
+        Parameter::new("slope_n_per_m", Unit::NewtonPerMetre, Range::Signed),
+        Parameter::new("curvature_n_per_m2", Unit::NewtonPerSquareMetre, Range::Signed),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Force];
+
+    fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        Prerequisite::WITHOUT_TABLE
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Force, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let [least, most] = around.travel_mm;
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let [least, most] = context.travel_mm;
         let centre_mm = 0.5 * (least + most);
-        if around.shows_friction_alone() { vec![Self { centre_mm, ..Self::default() }] } else { Vec::new() }
+        if context.shows_friction_alone() { vec![Self { centre_mm, ..Self::default() }] } else { Vec::new() }
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
@@ -59,11 +76,20 @@ impl Kind for PreloadVariation {
         Self { slope_n_per_m: x[0], curvature_n_per_m2: x[1], ..self.clone() }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![
-            ("centre_mm", self.centre_mm),
-            ("slope_n_per_m", self.slope_n_per_m),
-            ("curvature_n_per_m2", self.curvature_n_per_m2),
-        ]
+    fn values(&self) -> Vec<f64> {
+        vec![self.centre_mm, self.slope_n_per_m, self.curvature_n_per_m2]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!(
+            "friction changes along the travel, from the middle at {} by {} and {}",
+            wording.value(0),
+            wording.value(1),
+            wording.value(2)
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Position
     }
 }

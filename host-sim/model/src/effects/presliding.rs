@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
+    Placement, Prerequisite, Range, Stage, Unit, Wording,
+};
+use crate::axis::Settings;
 
 /// Where the machine file declares none: bristles of stiffness σ0 and damping σ1 (`LuGre`), which the
 /// table bends before it slides. At a reversal friction then turns over a way of Coulomb friction/σ0
@@ -17,17 +21,39 @@ pub struct Presliding {
     pub damping_n_s_per_m: f64,
 }
 
-impl Kind for Presliding {
+impl EffectModel for Presliding {
+    const NAME: &'static str = "presliding";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("stiffness_n_per_um", Unit::NewtonPerMicrometre, Range::Positive),
+        Parameter::new("damping_n_s_per_m", Unit::NewtonSecondPerMetre, Range::NotNegative),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Force];
+
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        let is_declared = axis.mechanics.presliding_stiffness_n_per_um.is_some();
+        Prerequisite::needs(!is_declared, "a machine file that declares no presliding")
+            .and(Prerequisite::WITHOUT_TABLE)
+    }
+
+    fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
+        if place.axis.mechanics.presliding_stiffness_n_per_um.is_some() {
+            return Some(Misplaced::name("this effect where presliding_stiffness_n_per_um is not given"));
+        }
+        let slides = place.axis.mechanics.coulomb_n.unwrap_or(0.0) > 0.0;
+        (!slides).then(|| Misplaced::name("this effect where coulomb_n is above 0"))
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Force, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let is_declared = around.axis.presliding_stiffness_n_per_um.is_some();
-        let slides = around.axis.coulomb_n.is_some_and(|coulomb_n| coulomb_n > 0.0);
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let is_declared = context.axis.mechanics.presliding_stiffness_n_per_um.is_some();
+        let slides = context.axis.mechanics.coulomb_n.is_some_and(|coulomb_n| coulomb_n > 0.0);
         let ways_um: &[f64] =
-            if around.shows_friction_alone() && slides && !is_declared { &[5.0, 20.0] } else { &[] };
-        let coulomb_n = around.axis.coulomb_n.unwrap_or(0.0);
+            if context.shows_friction_alone() && slides && !is_declared { &[5.0, 20.0] } else { &[] };
+        let coulomb_n = context.axis.mechanics.coulomb_n.unwrap_or(0.0);
         let over = |way_um: &f64| Self { stiffness_n_per_um: coulomb_n / way_um, damping_n_s_per_m: 0.0 };
         ways_um.iter().map(over).collect()
     }
@@ -51,7 +77,19 @@ impl Kind for Presliding {
         Self { stiffness_n_per_um: x[0], damping_n_s_per_m: x[1] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("stiffness_n_per_um", self.stiffness_n_per_um), ("damping_n_s_per_m", self.damping_n_s_per_m)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.stiffness_n_per_um, self.damping_n_s_per_m]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!(
+            "friction builds up against a stiffness of {}, damped by {}, before the axis slides",
+            wording.value(0),
+            wording.value(1)
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Velocity
     }
 }

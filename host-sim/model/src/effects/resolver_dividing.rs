@@ -2,7 +2,15 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings, harmonic};
+use super::declaration::{
+    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording, harmonic,
+};
+use crate::axis::Settings;
+
+/// Highest order of an electrical period that is looked for: offsets of sine and cosine make the first, a difference of
+/// their amplitudes the second.
+const HIGHEST_ORDER: u32 = 2;
 
 /// Motor reading = motor + amplitude·sin(2π·motor/period + phase), after Soeda, section (D).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -10,7 +18,7 @@ use super::{Coordinate, Kind, Stage, Surroundings, harmonic};
 pub struct ResolverDividing {
     /// Half of peak to peak.
     pub amplitude_um: f64,
-    /// Lead / pole pairs.
+    /// Lead / pole pairs, or half of it.
     pub period_mm: f64,
     /// Phase at motor position zero.
     #[serde(default)]
@@ -25,21 +33,32 @@ impl ResolverDividing {
     }
 }
 
-impl Kind for ResolverDividing {
+impl EffectModel for ResolverDividing {
+    const NAME: &'static str = "resolver_dividing";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
+        Parameter::new("period_mm", Unit::Millimetre, Range::Positive),
+        Parameter::phase("phase_rad"),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Table];
+    const DRAW_NUMBER: Option<u32> = Some(3);
+
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        let poles = axis.sensors.resolver_pole_pairs.is_some();
+        Prerequisite::lead(axis).and(Prerequisite::needs(poles, "resolver_pole_pairs in the machine file"))
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Table, Stage::Force, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let sees_table = around.stages.contains(&Stage::Table);
-        let lead = around.axis.lead_mm.filter(|_| sees_table);
-        let poles = around.axis.resolver_pole_pairs;
-        let start = |(lead, poles): (f64, u32)| Self {
-            amplitude_um: 0.0,
-            period_mm: lead / f64::from(poles),
-            phase_rad: 0.0,
-        };
-        lead.zip(poles).into_iter().map(start).collect()
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let lead = context.axis.mechanics.lead_mm.filter(|_| context.has(Stage::Table));
+        let electrical_mm = lead.zip(context.axis.sensors.resolver_pole_pairs);
+        let electrical_mm = electrical_mm.map(|(lead_mm, pole_pairs)| lead_mm / f64::from(pole_pairs));
+        let guess = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
+        electrical_mm.into_iter().flat_map(|mm| harmonic::periods(mm, HIGHEST_ORDER)).map(guess).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
@@ -51,11 +70,25 @@ impl Kind for ResolverDividing {
         Self { amplitude_um, phase_rad, ..self.clone() }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![
-            ("amplitude_um", self.amplitude_um),
-            ("period_mm", self.period_mm),
-            ("phase_rad", self.phase_rad),
-        ]
+    fn values(&self) -> Vec<f64> {
+        vec![self.amplitude_um, self.period_mm, self.phase_rad]
+    }
+
+    fn distinction(&self) -> Distinction<'_> {
+        Distinction::Period(self.period_mm)
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!("the motor reading wobbles by {} (amplitude) every {}", wording.value(0), wording.value(1))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::WithinPeriod(self.period_mm)
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        let pole_pairs = draw.axis.sensors.resolver_pole_pairs.unwrap_or(1);
+        let (period_mm, phase_rad) = (draw.lead_mm() / f64::from(pole_pairs), draw.phase_rad);
+        Some(Self { amplitude_um: draw.between(1.5, 4.0), period_mm, phase_rad })
     }
 }

@@ -2,8 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::latency::Channel;
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Channel, Coordinate, EffectContext, EffectModel, Misplaced, Occurrence, Parameter, Placement,
+    Range, Stage, Unit, Wording,
+};
 
 /// The channel follows the table as ω²/(s² + 2ζωs + ω²).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,12 +24,25 @@ fn tool() -> Channel {
     Channel::Tool
 }
 
-impl Kind for Resonance {
+impl EffectModel for Resonance {
+    const NAME: &'static str = "resonance";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("frequency_hz", Unit::Hertz, Range::Positive),
+        Parameter::new("damping_ratio", Unit::One, Range::NotNegative),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
+
+    fn misplaced(&self, _place: &Placement<'_>) -> Option<Misplaced> {
+        let is_modelled = self.channel == Channel::Tool;
+        (!is_modelled).then(|| Misplaced { key: "channel", expected: "\"tool\"".to_owned() })
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Tool]
     }
 
-    fn starts(_around: &Surroundings<'_>) -> Vec<Self> {
+    fn initial_guesses(_context: &EffectContext<'_>) -> Vec<Self> {
         [15.0, 30.0, 60.0, 120.0]
             .map(|frequency_hz| Self { channel: tool(), frequency_hz, damping_ratio: 0.05 })
             .to_vec()
@@ -45,7 +60,19 @@ impl Kind for Resonance {
         Self { frequency_hz: x[0], damping_ratio: x[1], ..self.clone() }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("frequency_hz", self.frequency_hz), ("damping_ratio", self.damping_ratio)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.frequency_hz, self.damping_ratio]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!(
+            "the tool swings behind the table at {}, with a damping ratio of {}",
+            wording.value(0),
+            wording.value(1)
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Acceleration
     }
 }

@@ -4,8 +4,11 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::{Coordinate, Kind, Stage, Surroundings};
-use crate::machine::Axis;
+use super::declaration::{
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
+    Wording,
+};
+use crate::axis::Settings;
 
 /// True Kp = declared Kp · (1 + percent/100).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -23,13 +26,20 @@ impl ServoMismatch {
     }
 }
 
-impl Kind for ServoMismatch {
+impl EffectModel for ServoMismatch {
+    const NAME: &'static str = "servo_mismatch";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("percent", Unit::Percent, Range::Above(-100.0))];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
+    const DRAW_NUMBER: Option<u32> = Some(12);
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let sees_motor = around.stages.contains(&Stage::Motor);
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let sees_motor = context.has(Stage::Motor);
         if sees_motor { vec![Self::default()] } else { Vec::new() }
     }
 
@@ -38,7 +48,7 @@ impl Kind for ServoMismatch {
     }
 
     /// A quarter of a percent: how a drive steps its filters makes as much.
-    fn is_material(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 0.25
     }
 
@@ -46,7 +56,20 @@ impl Kind for ServoMismatch {
         Self { percent: x[0] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("percent", self.percent)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.percent]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        let how = wording.by_sign("above", "below");
+        format!("the position gain lies {} {how} the declared one", wording.size(0))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Velocity
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        Some(Self { percent: draw.signed(3.0, 8.0) })
     }
 }

@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite, Range,
+    Stage, Unit, Wording,
+};
+use crate::axis::Settings;
 use crate::friction_law::exponential_decay;
 
 /// Of the declared sliding level `force_n` is what it takes to shear the lubricant, whose viscosity falls
@@ -36,13 +40,25 @@ impl ShearThinning {
     }
 }
 
-impl Kind for ShearThinning {
+impl EffectModel for ShearThinning {
+    const NAME: &'static str = "shear_thinning";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("force_n", Unit::Newton, Range::Signed),
+        Parameter::new("velocity_mm_s", Unit::MillimetrePerSecond, Range::Positive),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Force];
+
+    fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        Prerequisite::WITHOUT_TABLE
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Force, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let speeds: &[f64] = if around.shows_friction_alone() { &[3.0, 12.0, 50.0] } else { &[] };
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let speeds: &[f64] = if context.shows_friction_alone() { &[3.0, 12.0, 50.0] } else { &[] };
         speeds.iter().map(|&velocity_mm_s| Self { force_n: 0.0, velocity_mm_s }).collect()
     }
 
@@ -57,7 +73,19 @@ impl Kind for ShearThinning {
         Self { force_n: x[0], velocity_mm_s: x[1] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("force_n", self.force_n), ("velocity_mm_s", self.velocity_mm_s)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.force_n, self.velocity_mm_s]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!(
+            "sliding friction lacks {} at standstill and comes up to its level within {}",
+            wording.value(0),
+            wording.value(1)
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Velocity
     }
 }

@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
+    Placement, Prerequisite, Range, Stage, Unit, Wording,
+};
+use crate::axis::Settings;
 
 /// Tool x += that × table y. Reported on x, the machine's first axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -20,13 +24,29 @@ impl Squareness {
     }
 }
 
-impl Kind for Squareness {
+impl EffectModel for Squareness {
+    const NAME: &'static str = "squareness";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("um_per_m", Unit::MicrometrePerMetre, Range::Signed)];
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
+    const DRAW_NUMBER: Option<u32> = Some(10);
+
+    fn prerequisite(_axis: &Settings, neighbours: Neighbours) -> Prerequisite {
+        let is_first_of_two = neighbours.is_first && neighbours.others == 1;
+        Prerequisite::needs(is_first_of_two, "the first of two axes")
+    }
+
+    fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
+        (place.axes < 2).then(|| Misplaced::name("this effect where there is another axis"))
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Tool]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        if around.first && around.others.len() == 1 { vec![Self::default()] } else { Vec::new() }
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        if context.first && context.others.len() == 1 { vec![Self::default()] } else { Vec::new() }
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
@@ -37,7 +57,23 @@ impl Kind for Squareness {
         Self { um_per_m: x[0] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("um_per_m", self.um_per_m)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.um_per_m]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        let unit = wording.by_axis("µm per m", "mdeg per 1000°");
+        format!(
+            "out of square, the tool goes astray by {} {unit} of the other axis's travel",
+            wording.number(0)
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::OtherPosition(None)
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        Some(Self { um_per_m: draw.signed(40.0, 120.0) })
     }
 }

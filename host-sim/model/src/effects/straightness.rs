@@ -1,8 +1,13 @@
 //! Straightness: the guide of the other axis is bent.
 
+use files::format::significant;
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording,
+};
+use crate::axis::Settings;
 
 /// Tool += that × (table position of the source axis)².
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,14 +27,25 @@ impl Straightness {
     }
 }
 
-impl Kind for Straightness {
+impl EffectModel for Straightness {
+    const NAME: &'static str = "straightness";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("um_per_m2", Unit::MicrometrePerSquareMetre, Range::Signed)];
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
+    const DRAW_NUMBER: Option<u32> = Some(11);
+
+    fn prerequisite(_axis: &Settings, neighbours: Neighbours) -> Prerequisite {
+        Prerequisite::needs(neighbours.others > 0, "another axis")
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Tool]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let start = |source: &String| Self { um_per_m2: 0.0, source: source.clone() };
-        around.others.iter().map(start).collect()
+        context.others.iter().map(start).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
@@ -40,7 +56,29 @@ impl Kind for Straightness {
         Self { um_per_m2: x[0], ..self.clone() }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("um_per_m2", self.um_per_m2)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.um_per_m2]
+    }
+
+    fn distinction(&self) -> Distinction<'_> {
+        Distinction::Source(&self.source)
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        let near = significant(0.01 * self.um_per_m2.abs(), 2);
+        format!(
+            "the guide of axis {} is bent, which moves the tool by {} ({near} {})",
+            self.source,
+            wording.value(0),
+            wording.by_axis("µm at 100 mm", "mdeg at 100°")
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::OtherPosition(Some(self.source.clone()))
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        Some(Self { um_per_m2: draw.signed(200.0, 600.0), source: draw.other.to_owned() })
     }
 }

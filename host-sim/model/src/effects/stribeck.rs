@@ -4,9 +4,12 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite,
+    Range, Stage, Unit, Wording,
+};
+use crate::axis::Settings;
 use crate::friction_law::gaussian_decay;
-use crate::machine::Axis;
 
 /// Adds excess·exp(−(v/vs)²) to the sliding level of Coulomb friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -38,13 +41,26 @@ impl Stribeck {
     }
 }
 
-impl Kind for Stribeck {
+impl EffectModel for Stribeck {
+    const NAME: &'static str = "stribeck";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("static_excess_n", Unit::Newton, Range::NotNegative),
+        Parameter::new("velocity_mm_s", Unit::MillimetrePerSecond, Range::Positive),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Force, Stage::Table];
+    const DRAW_NUMBER: Option<u32> = Some(4);
+
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        Prerequisite::masses(axis)
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Force, Stage::Table, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let speeds: &[f64] = if around.axis.has_mass() { &[2.0, 8.0, 30.0] } else { &[] };
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let speeds: &[f64] = if context.axis.has_mass() { &[2.0, 8.0, 30.0] } else { &[] };
         let start = |&velocity_mm_s: &f64| Self { static_excess_n: 0.0, velocity_mm_s };
         speeds.iter().map(start).collect()
     }
@@ -57,7 +73,7 @@ impl Kind for Stribeck {
     }
 
     /// Slower than this bristles bend and a sign is smooth: it is presliding that differs, not the sliding level.
-    fn is_material(&self, _declared: &Axis, _rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.velocity_mm_s > 0.5
     }
 
@@ -65,7 +81,19 @@ impl Kind for Stribeck {
         Self { static_excess_n: x[0], velocity_mm_s: x[1] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("static_excess_n", self.static_excess_n), ("velocity_mm_s", self.velocity_mm_s)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.static_excess_n, self.velocity_mm_s]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!("friction rises by {} towards standstill, below {}", wording.value(0), wording.value(1))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Velocity
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        Some(Self { static_excess_n: draw.between(70.0, 150.0), velocity_mm_s: draw.between(3.0, 10.0) })
     }
 }

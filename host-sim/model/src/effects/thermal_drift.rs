@@ -2,7 +2,10 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings};
+use super::declaration::{
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
+    Wording,
+};
 
 /// Tool − table grows as amplitude·(1 − exp(−t/τ)), t on the clock of the session.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -22,12 +25,21 @@ impl ThermalDrift {
     }
 }
 
-impl Kind for ThermalDrift {
+impl EffectModel for ThermalDrift {
+    const NAME: &'static str = "thermal_drift";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
+        Parameter::new("time_constant_s", Unit::Second, Range::Positive),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
+    const DRAW_NUMBER: Option<u32> = Some(13);
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Tool]
     }
 
-    fn starts(_around: &Surroundings<'_>) -> Vec<Self> {
+    fn initial_guesses(_context: &EffectContext<'_>) -> Vec<Self> {
         [5.0, 20.0, 80.0, 320.0].map(|time_constant_s| Self { amplitude_um: 0.0, time_constant_s }).to_vec()
     }
 
@@ -42,7 +54,23 @@ impl Kind for ThermalDrift {
         Self { amplitude_um: x[0], time_constant_s: x[1] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("amplitude_um", self.amplitude_um), ("time_constant_s", self.time_constant_s)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.amplitude_um, self.time_constant_s]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!(
+            "the tool drifts by {} while the machine warms up, with a time constant of {}",
+            wording.value(0),
+            wording.value(1)
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Time
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        Some(Self { amplitude_um: draw.signed(5.0, 12.0), time_constant_s: draw.between(15.0, 60.0) })
     }
 }

@@ -2,7 +2,11 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::{Coordinate, Kind, Stage, Surroundings, harmonic};
+use super::declaration::{
+    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
+    Prerequisite, Range, Stage, Unit, Wording, harmonic,
+};
+use crate::axis::Settings;
 
 /// Highest order of a screw turn that is looked for.
 const HIGHEST_ORDER: u32 = 12;
@@ -28,21 +32,29 @@ impl TorqueRipple {
     }
 }
 
-impl Kind for TorqueRipple {
+impl EffectModel for TorqueRipple {
+    const NAME: &'static str = "torque_ripple";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("amplitude_n", Unit::Newton, Range::Signed),
+        Parameter::new("period_mm", Unit::Millimetre, Range::Positive),
+        Parameter::phase("phase_rad"),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Force];
+    const DRAW_NUMBER: Option<u32> = Some(6);
+
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        Prerequisite::lead(axis).and(Prerequisite::masses(axis))
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Force, Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let lead = around.axis.lead_mm.filter(|_| around.axis.has_mass());
-        let orders = |lead: f64| {
-            (1..=HIGHEST_ORDER).map(move |order| Self {
-                amplitude_n: 0.0,
-                period_mm: lead / f64::from(order),
-                phase_rad: 0.0,
-            })
-        };
-        lead.into_iter().flat_map(orders).collect()
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let lead = context.axis.mechanics.lead_mm.filter(|_| context.axis.has_mass());
+        let guess = |period_mm| Self { amplitude_n: 0.0, period_mm, phase_rad: 0.0 };
+        lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
@@ -54,7 +66,25 @@ impl Kind for TorqueRipple {
         Self { amplitude_n, phase_rad, ..self.clone() }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("amplitude_n", self.amplitude_n), ("period_mm", self.period_mm), ("phase_rad", self.phase_rad)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.amplitude_n, self.period_mm, self.phase_rad]
+    }
+
+    fn distinction(&self) -> Distinction<'_> {
+        Distinction::Period(self.period_mm)
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        let force = wording.by_axis("force", "torque");
+        format!("the drive {force} ripples by {} (amplitude) every {}", wording.value(0), wording.value(1))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::WithinPeriod(self.period_mm)
+    }
+
+    fn draw(draw: &mut Draw<'_>) -> Option<Self> {
+        let period_mm = draw.lead_mm() / draw.between(2.0, 7.0).floor();
+        Some(Self { amplitude_n: draw.between(30.0, 80.0), period_mm, phase_rad: draw.phase_rad })
     }
 }

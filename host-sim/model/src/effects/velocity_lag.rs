@@ -3,8 +3,12 @@
 use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
-use super::{Coordinate, Kind, Stage, Surroundings};
-use crate::machine::Axis;
+use super::declaration::{
+    Abscissa, Coordinate, EffectContext, EffectModel, Misplaced, Occurrence, Parameter, Placement, Range,
+    Stage, Unit, Wording,
+};
+use super::latency::LONGEST_LATENCY_MS;
+use crate::axis::Settings;
 
 /// The drive averages or filters its velocity reading; the loop acts on a speed that is `ms` old.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -34,13 +38,24 @@ impl VelocityLag {
 /// A change that shows, ms.
 const STEP_MS: f64 = 0.02;
 
-impl Kind for VelocityLag {
+impl EffectModel for VelocityLag {
+    const NAME: &'static str = "velocity_lag";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("ms", Unit::Millisecond, Range::Within(LONGEST_LATENCY_MS))];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
+
+    fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
+        let range = Range::UpTo(Self::longest_ms(place.rates));
+        (!range.contains(self.ms)).then(|| Misplaced { key: "ms", expected: range.description() })
+    }
+
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Motor]
     }
 
-    fn starts(around: &Surroundings<'_>) -> Vec<Self> {
-        let sees_motor = around.stages.contains(&Stage::Motor);
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        let sees_motor = context.has(Stage::Motor);
         if sees_motor { vec![Self::default()] } else { Vec::new() }
     }
 
@@ -51,7 +66,7 @@ impl Kind for VelocityLag {
 
     /// A quarter of a tick: a machine file does not say how the drive steps its filters, and the choices
     /// differ by that much.
-    fn is_material(&self, _declared: &Axis, rates: Rates) -> bool {
+    fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms * rates.velocity_loop_hz > 0.25
     }
 
@@ -59,7 +74,19 @@ impl Kind for VelocityLag {
         Self { ms: x[0] }
     }
 
-    fn parameters(&self) -> Vec<(&'static str, f64)> {
-        vec![("ms", self.ms)]
+    fn values(&self) -> Vec<f64> {
+        vec![self.ms]
+    }
+
+    fn coordinates_at(&self, rates: Rates) -> Vec<Coordinate> {
+        vec![self.within(rates)]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!("the velocity loop acts on a speed that is {} old", wording.value(0))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Acceleration
     }
 }

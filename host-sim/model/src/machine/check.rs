@@ -3,82 +3,24 @@
 mod loops;
 mod nominal;
 
-use super::instruments::InstrumentKeys;
-use super::{Axis, Feedback, Machine};
 use files::axis_name::{AXIS_NAME, is_axis_name};
-use shared::units::TRAVEL_LIMIT_M;
-
-use crate::bodies::Assembly;
-use crate::effects::{Channel, Effect, NAMES, VelocityLag};
-use crate::friction_curve::Curve;
-use crate::servo;
 use files::document::Document;
 use files::error::InputError;
 
-/// No machine needs a greater number in any of its units.
-const GREATEST: f64 = 1e12;
-
-/// No sensor is later than this.
-const LONGEST_LATENCY_MS: f64 = 1000.0;
-
-/// Effects that an axis has once: two of them would not add up to one.
-const ONCE: [&str; 10] = [
-    "stribeck",
-    "presliding",
-    "shear_thinning",
-    "friction_memory",
-    "preload_variation",
-    "servo_mismatch",
-    "velocity_lag",
-    "thermal_drift",
-    "resonance",
-    "windup",
-];
+use super::axis::Axis;
+use super::declared::Machine;
+use super::instruments::InstrumentKeys;
+use crate::axis::{Feedback, KEYS, Settings};
+use crate::bodies::Assembly;
+use crate::effects::{Effect, LONGEST_LATENCY_MS, Occurrence, Placement, names};
+use crate::friction_curve::Curve;
+use crate::range::Range;
+use crate::servo;
 
 /// Faster loops than this are a slip of the unit.
 const HIGHEST_RATE_HZ: f64 = 1e6;
 /// Velocity steps within one position step; more is a slip, and would take for ever to simulate.
 const MOST_VELOCITY_STEPS: f64 = 1000.0;
-
-/// The range of a number, in the words of the error.
-#[derive(Clone, Copy)]
-enum Range {
-    Positive,
-    NotNegative,
-    Signed,
-    UpTo(f64),
-    Within(f64),
-}
-
-impl Range {
-    fn holds(self, value: f64) -> bool {
-        match self {
-            Self::Positive => value > 0.0 && value <= GREATEST,
-            Self::NotNegative => (0.0..=GREATEST).contains(&value),
-            Self::Signed => value.abs() <= GREATEST,
-            Self::UpTo(greatest) => (0.0..=greatest).contains(&value),
-            Self::Within(greatest) => value.abs() <= greatest,
-        }
-    }
-
-    fn words(self) -> String {
-        match self {
-            Self::Positive => "a number above 0".to_owned(),
-            Self::NotNegative => "a number not below 0".to_owned(),
-            Self::Signed => format!("a number within ±{GREATEST:e}"),
-            Self::UpTo(greatest) => format!("a number from 0 to {greatest}"),
-            Self::Within(greatest) => format!("a number within ±{greatest}"),
-        }
-    }
-
-    fn check(self, key: &str, value: f64, document: &Document<'_>) -> Result<(), InputError> {
-        if self.holds(value) {
-            return Ok(());
-        }
-        let at_most = if value > GREATEST { format!(", at most {GREATEST:e}") } else { String::new() };
-        Err(document.refuse(key, &(self.words() + &at_most)))
-    }
-}
 
 /// Checks a machine that was read from a document.
 pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
@@ -92,7 +34,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
     }
     for (name, axis) in &machine.axis {
         let key = format!("axis.{name}");
-        let context = Context { key: &key, axis, document };
+        let context = Context { key: &key, axis, settings: &axis.settings, document };
         context.ranges()?;
         context.controller()?;
         context.smoothing(machine.sample_rate_hz)?;
@@ -105,8 +47,9 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
             let effect_key = format!("{key}.effect[{index}]");
             parameters(effect, &effect_key, document)?;
             context.place(effect, &effect_key, machine)?;
-            let once = |other: &Effect| other.name() == effect.name() && ONCE.contains(&effect.name());
-            if axis.effect[..index].iter().any(once) {
+            let is_second =
+                |other: &Effect| other.name() == effect.name() && effect.occurrence() == Occurrence::Once;
+            if axis.effect[..index].iter().any(is_second) {
                 return Err(document.refuse(&effect_key, "this effect once"));
             }
         }
@@ -174,6 +117,7 @@ fn rates(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
 struct Context<'a> {
     key: &'a str,
     axis: &'a Axis,
+    settings: &'a Settings,
     document: &'a Document<'a>,
 }
 
@@ -183,46 +127,9 @@ impl Context<'_> {
     }
 
     fn ranges(&self) -> Result<(), InputError> {
-        use Range::{NotNegative, Positive, UpTo};
-
-        let a = self.axis;
-        let numbers = [
-            ("position_gain_per_s", a.position_gain_per_s, Positive),
-            ("feedforward_percent", a.feedforward_percent, UpTo(200.0)),
-            ("velocity_gain_n_s_per_m", a.velocity_gain_n_s_per_m, Positive),
-            ("velocity_integral_time_s", a.velocity_integral_time_s, Positive),
-            ("force_limit_n", a.force_limit_n, Positive),
-            ("smoothing_s", a.smoothing_s, Positive),
-            ("smoothing_jerk_s", a.smoothing_jerk_s, Positive),
-            ("smoothing_time_constant_s", a.smoothing_time_constant_s, Positive),
-            ("notch_frequency_hz", a.notch_frequency_hz, Positive),
-            ("notch_width_hz", a.notch_width_hz, Positive),
-            ("notch_depth", a.notch_depth, UpTo(1.0)),
-            ("low_pass_frequency_hz", a.low_pass_frequency_hz, Positive),
-            ("low_pass_damping_ratio", a.low_pass_damping_ratio, Positive),
-            ("following_error_limit_mm", a.following_error_limit_mm, Positive),
-            ("stop_deceleration_m_per_s2", a.stop_deceleration_m_per_s2, Positive),
-            ("saturation_time_s", a.saturation_time_s, Positive),
-            ("scale_disagreement_limit_mm", a.scale_disagreement_limit_mm, UpTo(1e3 * TRAVEL_LIMIT_M)),
-            ("fastest_mm_per_s", a.fastest_mm_per_s, Positive),
-            ("frozen_encoder_limit_mm", a.frozen_encoder_limit_mm, Positive),
-            ("motor_mass_kg", a.motor_mass_kg, NotNegative),
-            ("table_mass_kg", a.table_mass_kg, NotNegative),
-            ("stiffness_n_per_um", a.stiffness_n_per_um, Positive),
-            ("damping_n_s_per_m", a.damping_n_s_per_m, NotNegative),
-            ("coulomb_n", a.coulomb_n, NotNegative),
-            ("viscous_n_s_per_m", a.viscous_n_s_per_m, NotNegative),
-            ("motor_coulomb_n", a.motor_coulomb_n, NotNegative),
-            ("presliding_stiffness_n_per_um", a.presliding_stiffness_n_per_um, Positive),
-            ("presliding_damping_n_s_per_m", a.presliding_damping_n_s_per_m, NotNegative),
-            ("plant_tolerance_percent", a.plant_tolerance_percent, UpTo(100.0)),
-            ("lead_mm", a.lead_mm, Positive),
-            ("resolver_pole_pairs", a.resolver_pole_pairs.map(f64::from), Positive),
-            ("dual_feedback_time_constant_s", a.dual_feedback_time_constant_s, Positive),
-        ];
-        for (name, value, range) in numbers {
-            if let Some(value) = value {
-                range.check(&format!("{}.{name}", self.key), value, self.document)?;
+        for key in KEYS {
+            if let (Some(range), Some(value)) = (key.range, (key.number)(self.settings)) {
+                range.check(&format!("{}.{}", self.key, key.name), value, self.document)?;
             }
         }
         Ok(())
@@ -230,45 +137,29 @@ impl Context<'_> {
 
     /// Some of the controller's keys without the others would silently leave out the motor stage.
     fn controller(&self) -> Result<(), InputError> {
-        let axis = self.axis;
+        let Settings { controller, limits, sensors, .. } = self.settings;
         let needed = [
-            ("controller", axis.controller.is_some()),
-            ("position_gain_per_s", axis.position_gain_per_s.is_some()),
-            ("velocity_gain_n_s_per_m", axis.velocity_gain_n_s_per_m.is_some()),
+            ("controller", controller.law.is_some()),
+            ("position_gain_per_s", controller.position_gain_per_s.is_some()),
+            ("velocity_gain_n_s_per_m", controller.velocity_gain_n_s_per_m.is_some()),
         ];
-        let optional = [
-            ("feedforward_percent", axis.feedforward_percent.is_some()),
-            ("velocity_integral_time_s", axis.velocity_integral_time_s.is_some()),
-            ("force_limit_n", axis.force_limit_n.is_some()),
-            ("smoothing_s", axis.smoothing_s.is_some()),
-            ("smoothing_jerk_s", axis.smoothing_jerk_s.is_some()),
-            ("smoothing_time_constant_s", axis.smoothing_time_constant_s.is_some()),
-            ("notch_frequency_hz", axis.notch_frequency_hz.is_some()),
-            ("notch_width_hz", axis.notch_width_hz.is_some()),
-            ("notch_depth", axis.notch_depth.is_some()),
-            ("low_pass_frequency_hz", axis.low_pass_frequency_hz.is_some()),
-            ("low_pass_damping_ratio", axis.low_pass_damping_ratio.is_some()),
-            ("travel_mm", axis.travel_mm.is_some()),
-            ("following_error_limit_mm", axis.following_error_limit_mm.is_some()),
-            ("stop_deceleration_m_per_s2", axis.stop_deceleration_m_per_s2.is_some()),
-            ("saturation_time_s", axis.saturation_time_s.is_some()),
-            ("scale_disagreement_limit_mm", axis.scale_disagreement_limit_mm.is_some()),
-            ("fastest_mm_per_s", axis.fastest_mm_per_s.is_some()),
-            ("frozen_encoder_limit_mm", axis.frozen_encoder_limit_mm.is_some()),
-        ];
-        let present = needed.iter().chain(&optional).find(|(_, present)| *present);
-        let missing = needed.iter().find(|(_, present)| !present);
+        let all = KEYS
+            .iter()
+            .filter(|key| ["controller", "filters", "limits"].contains(&key.group))
+            .map(|key| (key.name, (key.is_given)(self.settings)));
+        let present = needed.into_iter().chain(all).find(|(_, is_given)| *is_given);
+        let missing = needed.into_iter().find(|(_, is_given)| !is_given);
         if let (Some((present, _)), Some((missing, _))) = (present, missing) {
             return Err(self.refuse(missing, &format!("this key, as {present} is given")));
         }
-        if let Some(limit_mm) = axis.frozen_encoder_limit_mm {
-            let most_mm = axis.following_error_limit_mm.unwrap_or(1e3 * servo::FOLLOWING_ERROR_LIMIT_M);
+        if let Some(limit_mm) = limits.frozen_encoder_limit_mm {
+            let most_mm = limits.following_error_limit_mm.unwrap_or(1e3 * servo::FOLLOWING_ERROR_LIMIT_M);
             if limit_mm > most_mm {
                 let what = format!("no more than following_error_limit_mm, {most_mm}");
                 return Err(self.refuse("frozen_encoder_limit_mm", &what));
             }
         }
-        if axis.feedback == Feedback::Dual && axis.dual_feedback_time_constant_s.is_none() {
+        if sensors.feedback == Feedback::Dual && sensors.dual_feedback_time_constant_s.is_none() {
             let what = "this key, as feedback is \"dual\"";
             return Err(self.refuse("dual_feedback_time_constant_s", what));
         }
@@ -276,19 +167,19 @@ impl Context<'_> {
     }
 
     fn mechanics(&self) -> Result<(), InputError> {
-        let axis = self.axis;
-        let masses = [("motor_mass_kg", axis.motor_mass_kg), ("table_mass_kg", axis.table_mass_kg)];
+        let mechanics = &self.settings.mechanics;
+        let masses = [("motor_mass_kg", mechanics.motor_mass_kg), ("table_mass_kg", mechanics.table_mass_kg)];
         let massless = masses.iter().find(|(_, mass)| mass.unwrap_or(0.0) <= 0.0);
-        if let (Some((key, _)), false) = (massless, axis.is_rigid()) {
+        if let (Some((key, _)), false) = (massless, self.settings.is_rigid()) {
             return Err(self.refuse(key, "a mass above 0, as stiffness_n_per_um is given"));
         }
-        let presliding = axis.presliding_stiffness_n_per_um;
-        if presliding.is_none() && axis.presliding_damping_n_s_per_m.is_some() {
+        let presliding = mechanics.presliding_stiffness_n_per_um;
+        if presliding.is_none() && mechanics.presliding_damping_n_s_per_m.is_some() {
             let what = "this key, as presliding_damping_n_s_per_m is given";
             return Err(self.refuse("presliding_stiffness_n_per_um", what));
         }
-        if let Some(curve) = &axis.friction_curve {
-            if axis.coulomb_n.is_some() {
+        if let Some(curve) = &mechanics.friction_curve {
+            if mechanics.coulomb_n.is_some() {
                 return Err(self.refuse("coulomb_n", "no such key, as friction_curve is given"));
             }
             curve.check().map_err(|expected| self.refuse("friction_curve", expected))?;
@@ -299,8 +190,8 @@ impl Context<'_> {
         }
         // The bristles bend by coulomb / stiffness: without Coulomb friction there are none. A curve that leads
         // through zero has its own way from one direction to the other.
-        let is_piecewise = matches!(axis.friction_curve, Some(Curve::Piecewise(_)));
-        if presliding.is_some() && axis.coulomb_n.unwrap_or(0.0) <= 0.0 && !is_piecewise {
+        let is_piecewise = matches!(mechanics.friction_curve, Some(Curve::Piecewise(_)));
+        if presliding.is_some() && mechanics.coulomb_n.unwrap_or(0.0) <= 0.0 && !is_piecewise {
             let what = "a friction above 0, as presliding_stiffness_n_per_um is given";
             return Err(self.refuse("coulomb_n", what));
         }
@@ -309,37 +200,17 @@ impl Context<'_> {
 }
 
 impl Context<'_> {
-    /// Whether there is something for an effect to act on.
+    /// Whether an effect may stand here.
     fn place(&self, effect: &Effect, key: &str, machine: &Machine) -> Result<(), InputError> {
-        let what = match effect {
-            Effect::Windup(windup) if windup.friction_n.is_some() => {
-                if !self.axis.has_mass() {
-                    return Ok(());
-                }
-                return Err(self
-                    .document
-                    .refuse(&format!("{key}.friction_n"), "no such key, as masses are given"));
-            }
-            Effect::Windup(_) if self.axis.is_rigid() && machine.structure.is_none() => {
-                "this effect where stiffness_n_per_um is given: a rigid axis does not wind up"
-            }
-            Effect::Presliding(_) if self.axis.presliding_stiffness_n_per_um.is_some() => {
-                "this effect where presliding_stiffness_n_per_um is not given"
-            }
-            Effect::Presliding(_) if self.axis.coulomb_n.unwrap_or(0.0) <= 0.0 => {
-                "this effect where coulomb_n is above 0"
-            }
-            Effect::Squareness(_) if machine.axis.len() < 2 => "this effect where there is another axis",
-            Effect::VelocityLag(lag) => {
-                let longest_ms = VelocityLag::longest_ms(servo::rates(machine));
-                return Range::UpTo(longest_ms).check(&format!("{key}.ms"), lag.ms, self.document);
-            }
-            Effect::Resonance(resonance) if resonance.channel != Channel::Tool => {
-                return Err(self.document.refuse(&format!("{key}.channel"), "\"tool\""));
-            }
-            _ => return Ok(()),
+        let place = Placement {
+            axis: self.settings,
+            axes: machine.axis.len(),
+            has_structure: machine.structure.is_some(),
+            rates: machine.rates(),
         };
-        Err(self.document.refuse(&format!("{key}.name"), what))
+        effect.misplaced(&place).map_or(Ok(()), |misplaced| {
+            Err(self.document.refuse(&format!("{key}.{}", misplaced.key), &misplaced.expected))
+        })
     }
 }
 
@@ -350,8 +221,8 @@ pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
         for effect in entries(axis, document).into_iter().chain(entries(&nominal, document)) {
             let name_key = format!("{effect}.name");
             let name: String = document.deserialize_at(&name_key)?;
-            if !NAMES.contains(&name.as_str()) {
-                let what = format!("one of {}", NAMES.join(", "));
+            if !names().contains(&name.as_str()) {
+                let what = format!("one of {}", names().join(", "));
                 return Err(document.refuse(&name_key, &what));
             }
             numbers(effect, document)?;
@@ -381,26 +252,12 @@ fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Values at which an effect means nothing, or divides by zero.
+/// Values that an effect may have.
 fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(), InputError> {
-    for (name, value) in effect.parameters() {
-        let range = match name {
-            "period_mm" | "presliding_mm" | "time_constant_s" | "velocity_mm_s" | "frequency_hz"
-            | "stiffness_n_per_um" => Range::Positive,
-            "width_um" | "damping_ratio" | "static_excess_n" | "friction_n" | "damping_n_s_per_m" => {
-                Range::NotNegative
-            }
-            "ms" => Range::Within(LONGEST_LATENCY_MS),
-            _ => Range::Signed,
-        };
-        range.check(&format!("{key}.{name}"), value, document)?;
-    }
-    match effect {
-        Effect::ServoMismatch(mismatch) if mismatch.factor() <= 0.0 => {
-            Err(document.refuse(&format!("{key}.percent"), "a number above -100"))
-        }
-        _ => Ok(()),
-    }
+    let declared = effect.declared_parameters().iter().zip(effect.values());
+    declared.into_iter().try_for_each(|(parameter, value)| {
+        parameter.range.check(&format!("{key}.{}", parameter.key), value, document)
+    })
 }
 
 fn sources(others: &[String], key: &str, document: &Document<'_>) -> Result<(), InputError> {

@@ -3,7 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::Axis;
+use crate::axis::Settings;
 use crate::effects::Effect;
 
 /// A mechanical value that `plant_tolerance_percent` is about.
@@ -11,9 +11,9 @@ pub struct Tolerated {
     /// Key of the axis and of its `nominal` table.
     pub key: &'static str,
     /// The value of an axis.
-    pub get: fn(&Axis) -> Option<f64>,
+    pub get: fn(&Settings) -> Option<f64>,
     /// Sets the value of an axis.
-    pub set: fn(&mut Axis, f64),
+    pub set: fn(&mut Settings, f64),
     /// The value in a `nominal` table.
     pub nominal: fn(&Nominal) -> Option<f64>,
     /// Sets the value in a `nominal` table.
@@ -41,8 +41,8 @@ macro_rules! tolerated {
         /// All values that have a tolerance.
         pub const TOLERATED: &[Tolerated] = &[$(Tolerated {
             key: stringify!($key),
-            get: |axis| axis.$key,
-            set: |axis, value| axis.$key = Some(value),
+            get: |settings| settings.mechanics.$key,
+            set: |settings, value| settings.mechanics.$key = Some(value),
             nominal: |nominal| nominal.$key,
             set_nominal: |nominal, value| nominal.$key = Some(value),
         }),+];
@@ -60,24 +60,6 @@ tolerated!(
     presliding_stiffness_n_per_um,
     presliding_damping_n_s_per_m,
 );
-
-impl Axis {
-    /// The same axis with its values and effects as they were before they were fitted.
-    #[must_use]
-    pub fn at_nominal(&self) -> Self {
-        let mut axis = Self { nominal: None, log_offsets: None, ..self.clone() };
-        let Some(nominal) = &self.nominal else { return axis };
-        for value in TOLERATED {
-            if let Some(number) = (value.nominal)(nominal) {
-                (value.set)(&mut axis, number);
-            }
-        }
-        for (effect, nominal) in axis.effect.iter_mut().zip(&nominal.effect) {
-            effect.clone_from(nominal);
-        }
-        axis
-    }
-}
 
 /// `[axis.NAME.log_offsets]`: zeros and instants of the logs that the values of an axis were fitted to. A trace begins
 /// with them and fits them anew; nothing else uses them. What is absent is 0.

@@ -1,4 +1,8 @@
+use std::path::Path;
+
 use super::*;
+use crate::axis::{Feedback, Law};
+use crate::effects::Effect;
 
 const MACHINE: &str = r#"name = "m"
 sample_rate_hz = 1000
@@ -73,7 +77,7 @@ fn filters_and_limits_reach_the_controller_in_its_units() {
         let machine = Machine::parse(text, "m.toml").unwrap();
         assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
         let axis = &machine.axis["y"];
-        crate::servo::settings(axis, &crate::servo::ServoParameters::of(axis)).unwrap()
+        crate::servo::settings(&axis.settings, &crate::servo::ServoParameters::of(&axis.effect)).unwrap()
     };
     let given = settings(&with(LOOPS));
     assert_eq!(given.smoothing, Smoothing::SCurve { time_s: 0.02, jerk_time_s: 0.005 });
@@ -191,12 +195,13 @@ fn a_machine_reads_with_its_axes_in_the_order_of_the_file() {
     let machine = Machine::parse(MACHINE, "m.toml").unwrap();
     assert_eq!(machine.axis.keys().collect::<Vec<_>>(), ["y", "x"]);
     let (y, x) = (&machine.axis["y"], &machine.axis["x"]);
-    assert_eq!(y.lead_mm, Some(16.0));
-    assert_eq!((y.controller, y.feedback), (Some(Controller::Hpc), Feedback::Dual));
+    assert_eq!(y.settings.mechanics.lead_mm, Some(16.0));
+    let [of_y, of_x] = [&y.settings, &x.settings];
+    assert_eq!((of_y.controller.law, of_y.sensors.feedback), (Some(Law::Hpc), Feedback::Dual));
     assert_eq!(y.effect.iter().map(Effect::name).collect::<Vec<_>>(), ["backlash", "crosstalk", "latency"]);
-    assert!(y.has_controller() && y.has_mass() && !y.is_rigid());
-    assert!(!x.has_controller() && !x.has_mass() && x.is_rigid());
-    assert_eq!(x.feedback, Feedback::Motor);
+    assert!(of_y.has_controller() && of_y.has_mass() && !of_y.is_rigid());
+    assert!(!of_x.has_controller() && !of_x.has_mass() && of_x.is_rigid());
+    assert_eq!(of_x.sensors.feedback, Feedback::Motor);
     assert_eq!(machine.others("x"), ["y"]);
 }
 
@@ -224,25 +229,26 @@ fn a_machine_written_reads_as_itself() {
 fn every_effect_written_reads_as_itself() {
     let mut machine = Machine::parse(MACHINE, "m.toml").unwrap();
     // Where it is declared it is not looked for.
-    machine.axis["y"].presliding_stiffness_n_per_um = None;
-    machine.axis["y"].presliding_damping_n_s_per_m = None;
-    let axis = machine.axis["y"].clone();
+    let mechanics = &mut machine.axis["y"].settings.mechanics;
+    mechanics.presliding_stiffness_n_per_um = None;
+    mechanics.presliding_damping_n_s_per_m = None;
+    let axis = machine.axis["y"].settings.clone();
     let stages = {
         use crate::effects::Stage::{Force, Motor, Table, Tool};
         [Motor, Table, Tool, Force]
     };
     let others = ["x".to_owned()];
-    let around = crate::effects::Surroundings {
+    let around = crate::effects::EffectContext {
         axis: &axis,
         first: true,
         others: &others,
         stages: &stages,
         travel_mm: [0.0, 100.0],
     };
-    let force = crate::effects::Surroundings { stages: &stages[3..], ..around };
-    let all = [crate::effects::candidates(&around), crate::effects::candidates(&force)].concat();
+    let force = crate::effects::EffectContext { stages: &stages[3..], ..around };
+    let all = [crate::effects::initial_guesses(&around), crate::effects::initial_guesses(&force)].concat();
     let names: Vec<&str> = all.iter().map(Effect::name).collect();
-    assert!(crate::effects::NAMES.iter().all(|name| names.contains(name)));
+    assert!(crate::effects::names().iter().all(|name| names.contains(name)));
     for effect in all {
         machine.axis["y"].effect = vec![effect];
         assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
@@ -467,8 +473,9 @@ fn fitted_values_keep_their_nominal_ones_and_the_offsets_of_their_logs() {
     let axis = &machine.axis["y"];
     let nominal = axis.at_nominal();
     // Of the declared stiffness of 150 the nominal one is 160; what has none is its own.
-    assert_eq!((axis.stiffness_n_per_um, nominal.stiffness_n_per_um), (Some(150.0), Some(160.0)));
-    assert_eq!((nominal.motor_mass_kg, nominal.coulomb_n), (axis.motor_mass_kg, Some(150.0)));
+    let [fitted, before] = [axis, &nominal].map(|axis| &axis.settings.mechanics);
+    assert_eq!((fitted.stiffness_n_per_um, before.stiffness_n_per_um), (Some(150.0), Some(160.0)));
+    assert_eq!((before.motor_mass_kg, before.coulomb_n), (fitted.motor_mass_kg, Some(150.0)));
     assert_eq!(nominal.effect[0].parameters(), [("width_um", 9.0)]);
     assert_eq!(nominal.effect[1..], axis.effect[1..]);
     assert_eq!(nominal.at_nominal(), nominal);

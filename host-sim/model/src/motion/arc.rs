@@ -5,23 +5,25 @@ use std::f64::consts::TAU;
 use indexmap::IndexMap;
 use shared::interpolate::arc::END_TOLERANCE_NM;
 
-use super::{Direction, RawArc, SHORTEST_MM, Sweep, unknown_axis, within_travel};
+use super::block::{Direction, Sweep};
+use super::bounds::{SHORTEST_MM, unknown_axis, within_travel};
+use super::tables::ArcTable;
 use files::document::Document;
 use files::error::InputError;
 
 /// An arc that has been checked; pairs are in the order of the plane.
 #[derive(Debug)]
-pub(super) struct Planned {
+pub(super) struct PlannedArc {
     pub centre_mm: [f64; 2],
     pub sweep: Sweep,
     pub end_mm: [f64; 2],
     pub length_mm: f64,
 }
 
-impl Planned {
+impl PlannedArc {
     /// Checks an arc of a motion with axes `names`, of which `from_mm` says where they stand.
     pub fn of(
-        arc: &RawArc,
+        arc: &ArcTable,
         from_mm: impl Fn(&String) -> Option<f64>,
         names: &[&str],
         key: &str,
@@ -57,7 +59,7 @@ impl Planned {
 
 /// An arc and where it stands.
 struct Reader<'a> {
-    arc: &'a RawArc,
+    arc: &'a ArcTable,
     key: &'a str,
     document: &'a Document<'a>,
 }

@@ -1,46 +1,35 @@
 //! How blocks are travelled: what the file says for all of them, and what each says for itself.
 
-use serde::Deserialize;
 use shared::interpolate::Ramps;
 
-use super::{Pace, RawBlock, RawMotion, positive};
+use super::block::Pace;
+use super::bounds::positive;
+use super::tables::{BlockTable, MotionTable, RampKind};
 use files::document::Document;
 use files::error::InputError;
 
-/// Ramps as a file names them.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
-#[serde(rename_all = "kebab-case")]
-pub(super) enum Kind {
-    /// See [`Ramps`].
-    #[default]
-    Trapezoid,
-    SCurve,
-    Exponential,
-    AfterInterpolation,
-}
-
 /// What a file says.
 #[derive(Debug)]
-pub(super) struct Defaults {
+pub(super) struct DefaultPace {
     feed_mm_per_min: f64,
     acceleration_m_per_s2: f64,
-    ramps: Kind,
+    ramps: RampKind,
     jerk_m_per_s3: Option<f64>,
     joint_tolerance_um: f64,
 }
 
 /// What a block says.
 #[derive(Debug, Default, PartialEq)]
-pub(super) struct Own {
+pub(super) struct BlockPace {
     feed_mm_per_min: Option<f64>,
     acceleration_m_per_s2: Option<f64>,
-    ramps: Option<Kind>,
+    ramps: Option<RampKind>,
     jerk_m_per_s3: Option<f64>,
     joint_tolerance_um: Option<f64>,
 }
 
-impl Own {
-    pub fn of(raw: &RawBlock) -> Self {
+impl BlockPace {
+    pub fn of(raw: &BlockTable) -> Self {
         Self {
             feed_mm_per_min: raw.feed_mm_per_min,
             acceleration_m_per_s2: raw.acceleration_m_per_s2,
@@ -51,12 +40,12 @@ impl Own {
     }
 }
 
-impl Defaults {
-    pub fn of(raw: &RawMotion, document: &Document<'_>) -> Result<Self, InputError> {
+impl DefaultPace {
+    pub fn of(raw: &MotionTable, document: &Document<'_>) -> Result<Self, InputError> {
         let positive = |key, value| positive(value, key, document);
         let ramps = raw.ramps.unwrap_or_default();
         let jerk_m_per_s3 = raw.jerk_m_per_s3.map(|jerk| positive("jerk_m_per_s3", jerk)).transpose()?;
-        if ramps == Kind::SCurve && jerk_m_per_s3.is_none() {
+        if ramps == RampKind::SCurve && jerk_m_per_s3.is_none() {
             return Err(document.refuse("jerk_m_per_s3", NEEDS_JERK));
         }
         Ok(Self {
@@ -73,33 +62,33 @@ impl Defaults {
     }
 
     /// Refuses a jerk of the file that is there for nothing.
-    pub fn jerk_is_used(&self, blocks: &[RawBlock], document: &Document<'_>) -> Result<(), InputError> {
-        let by_a_block = || blocks.iter().any(|block| block.ramps == Some(Kind::SCurve));
-        if self.jerk_m_per_s3.is_none() || self.ramps == Kind::SCurve || by_a_block() {
+    pub fn jerk_is_used(&self, blocks: &[BlockTable], document: &Document<'_>) -> Result<(), InputError> {
+        let by_a_block = || blocks.iter().any(|block| block.ramps == Some(RampKind::SCurve));
+        if self.jerk_m_per_s3.is_none() || self.ramps == RampKind::SCurve || by_a_block() {
             return Ok(());
         }
         Err(document.refuse("jerk_m_per_s3", NO_JERK))
     }
 
     /// What holds for a block: its own, or the file's.
-    pub fn with(&self, own: &Own, key: &str, document: &Document<'_>) -> Result<Pace, InputError> {
+    pub fn with(&self, own: &BlockPace, key: &str, document: &Document<'_>) -> Result<Pace, InputError> {
         let inner = |name: &str| format!("{key}.{name}");
         let positive = |name: &str, value| positive(value, &inner(name), document);
         let feed_mm_per_min = own.feed_mm_per_min.unwrap_or(self.feed_mm_per_min);
         let acceleration_m_per_s2 = own.acceleration_m_per_s2.unwrap_or(self.acceleration_m_per_s2);
         let kind = own.ramps.unwrap_or(self.ramps);
-        if own.jerk_m_per_s3.is_some() && kind != Kind::SCurve {
+        if own.jerk_m_per_s3.is_some() && kind != RampKind::SCurve {
             return Err(document.refuse(&inner("jerk_m_per_s3"), NO_JERK));
         }
         let ramps = match kind {
-            Kind::Trapezoid => Ramps::Trapezoid,
-            Kind::SCurve => {
+            RampKind::Trapezoid => Ramps::Trapezoid,
+            RampKind::SCurve => {
                 let jerk = own.jerk_m_per_s3.or(self.jerk_m_per_s3);
                 let jerk = jerk.ok_or_else(|| document.refuse(&inner("jerk_m_per_s3"), NEEDS_JERK))?;
                 Ramps::SCurve { jerk_m_per_s3: positive("jerk_m_per_s3", jerk)? }
             }
-            Kind::Exponential => Ramps::Exponential,
-            Kind::AfterInterpolation => Ramps::AfterInterpolation,
+            RampKind::Exponential => Ramps::Exponential,
+            RampKind::AfterInterpolation => Ramps::AfterInterpolation,
         };
         Ok(Pace {
             feed_mm_per_min: positive("feed_mm_per_min", feed_mm_per_min)?,

@@ -3,6 +3,9 @@ use std::fs;
 use std::path::PathBuf;
 
 use super::*;
+use files::error::InputError;
+use indexmap::IndexMap;
+use shared::interpolate::Ramps;
 
 const HEAD: &str = r#"
 name = "m"

@@ -3,28 +3,28 @@
 use friction_map::law::Law;
 use friction_map::map::FrictionMap;
 use friction_map::selection::Selection;
+use maud::{Markup, html};
 
-use crate::markup::{figure, key, mark};
+use crate::markup::{figure, legend, line_entry, point_entry, surface_entry};
 use crate::plot::{Chart, Ink, Layer};
 
 /// The direction factors of the two sides of a map.
 const SIDES: [f64; 2] = [-1.0, 1.0];
 
 /// Both charts under their legend.
-pub fn charts(map: &FrictionMap, selection: &Selection) -> String {
+pub fn charts(map: &FrictionMap, selection: &Selection) -> Markup {
     let (before, after) = (&selection.declared.law, &selection.fitted.law);
-    let legend = [
-        mark("cw", "measured: the mean of a run"),
-        key("before", false, "Coulomb and viscous friction"),
-        key("after", false, "with what was found"),
-        key("noise", true, "within ± 2 standard errors of a mean"),
+    let entries = [
+        point_entry("cw", "measured: the mean of a run"),
+        line_entry("before", "Coulomb and viscous friction"),
+        line_entry("after", "with what was found"),
+        surface_entry("noise", "within ± 2 standard errors of a mean"),
     ];
-    format!(
-        "<p class=\"legend\">{}</p>\n{}{}",
-        legend.concat(),
-        figure("wide", &friction(map, before, after), "Measured and modelled."),
-        figure("wide", &residuals(map, before, after), "Measured minus modelled, from fits to all runs.")
-    )
+    html! {
+        (legend(&entries))
+        (figure("wide", &friction(map, before, after), "Measured and modelled."))
+        (figure("wide", &residuals(map, before, after), "Measured minus modelled, from fits to all runs."))
+    }
 }
 
 fn friction(map: &FrictionMap, before: &Law, after: &Law) -> String {

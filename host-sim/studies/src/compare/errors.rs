@@ -1,96 +1,94 @@
-//! How far a run lies from the exact path, and from the run in double precision.
+//! Errors of a run against the exact path and against the run in double precision.
 
-use super::AXES;
-use super::exact::{Exact, Point, apart_nm, length};
+use super::exact_path::ExactPath;
 use super::motion::Motion;
-use super::pipeline::{Tick, start_of};
+use super::pipeline::Tick;
+use super::point::{AXES, Point, difference_nm, length};
 
-/// Greatest and root mean square, nm.
+/// Maximum and root mean square of distances, nm.
 #[derive(Clone, Copy, Debug, Default, PartialEq, serde::Serialize)]
 pub struct Spread {
-    /// Greatest.
+    /// Maximum.
     pub max: f64,
     /// Root mean square.
     pub rms: f64,
 }
 
-/// Adds a [`Spread`] up.
+/// Accumulates the [`Spread`] of distances.
 #[derive(Clone, Copy, Debug, Default)]
-pub struct Sum {
-    most: f64,
+pub struct SpreadSum {
+    max: f64,
     squares: f64,
     count: u64,
 }
 
-impl Sum {
+impl SpreadSum {
     /// Adds a distance, nm.
     pub fn add(&mut self, nm: f64) {
-        self.most = self.most.max(nm);
+        self.max = self.max.max(nm);
         self.squares += nm * nm;
         self.count += 1;
     }
 
-    /// What has been added.
+    /// The spread of all distances that were added.
     #[must_use]
     pub fn spread(&self) -> Spread {
-        Spread { max: self.most, rms: (self.squares / self.count.max(1) as f64).sqrt() }
+        Spread { max: self.max, rms: (self.squares / self.count.max(1) as f64).sqrt() }
     }
 }
 
-/// Where the command of a run should have been at each tick: the point of the exact path nearest to the
-/// command of the run in double precision, as its offset from that command, nm.
+/// Error of each command of the run in double precision, nm: the vector from the nearest point of the exact path.
 #[must_use]
-pub fn off_exact(motion: Motion, turns: u32, double: &[Tick]) -> Vec<[f64; AXES]> {
-    let mut start = start_of(motion);
+pub fn of_double_nm(motion: Motion, turns: u32, double: &[Tick]) -> Vec<[f64; AXES]> {
+    let mut start = motion.start();
     let mut exact = Vec::new();
     for block in motion.blocks(turns) {
-        exact.push(Exact::of(&block, start));
-        start = exact.last().map_or(start, Exact::end);
+        exact.push(ExactPath::of(&block, start));
+        start = exact.last().map_or(start, ExactPath::end);
     }
-    let of = |tick: &Tick| exact.get(tick.block).map_or([f64::NAN; AXES], |e| e.off_nm(tick.command));
+    let of = |tick: &Tick| exact.get(tick.block).map_or([f64::NAN; AXES], |path| path.error_nm(tick.command));
     double.iter().map(of).collect()
 }
 
-/// Distances between the commands of a run and where they should have been; `off` is from [`off_exact`].
+/// Distances of the commands of a run from the exact path at that tick, with the result of [`of_double_nm`].
 #[must_use]
-pub fn command(run: &[Tick], double: &[Tick], off: &[[f64; AXES]]) -> Spread {
-    let mut sum = Sum::default();
-    for ((run, double), off) in run.iter().zip(double).zip(off) {
-        sum.add(command_nm(run.command, double.command, *off));
+pub fn command(run: &[Tick], double: &[Tick], of_double_nm: &[[f64; AXES]]) -> Spread {
+    let mut sum = SpreadSum::default();
+    for ((run, double), error_nm) in run.iter().zip(double).zip(of_double_nm) {
+        sum.add(command_nm(run.command, double.command, *error_nm));
     }
     sum.spread()
 }
 
-/// Distance between a command and where it should be, for the command in double precision and how far
-/// that is off.
+/// Distance of a command from the exact path at that tick, nm, from the command in double precision and its error, nm.
 #[must_use]
-pub fn command_nm(command: Point, double: Point, off: [f64; AXES]) -> f64 {
-    let [x, y] = apart_nm(command, double);
-    length([x + off[0], y + off[1]])
+pub fn command_nm(command: Point, double: Point, error_nm: [f64; AXES]) -> f64 {
+    let [x, y] = difference_nm(command, double);
+    length([x + error_nm[0], y + error_nm[1]])
 }
 
 /// Distances between the tables of two runs.
 #[must_use]
 pub fn position(run: &[Tick], double: &[Tick]) -> Spread {
-    let mut sum = Sum::default();
+    let mut sum = SpreadSum::default();
     for (run, double) in run.iter().zip(double) {
-        sum.add(length(apart_nm(run.table, double.table)));
+        sum.add(length(difference_nm(run.table, double.table)));
     }
     sum.spread()
 }
 
-/// How far the mean of the table has moved from one block to another with the same commands, nm.
+/// Distance between the mean table positions of two blocks with the same commands, nm.
 ///
-/// Over the second half of either, so that coming out of a standstill has no part in it.
+/// The means are those of the second halves, in which the start from a standstill has decayed.
 #[must_use]
-pub fn mean_moved_nm(run: &[Tick], first: usize, last: usize) -> f64 {
+pub fn mean_shift_nm(run: &[Tick], first: usize, last: usize) -> f64 {
     let Some(origin) = run.first().map(|tick| tick.table) else { return 0.0 };
     let mean = |block: usize| {
         let of: Vec<&Tick> = run.iter().filter(|tick| tick.block == block).collect();
         let half = &of[of.len() / 2..];
         let mut sum = [0.0; AXES];
         for tick in half {
-            let [x, y] = apart_nm(tick.table, origin);
+            let [x, y] = difference_nm(tick.table, origin);
             sum = [sum[0] + x, sum[1] + y];
         }
         sum.map(|sum| sum / half.len().max(1) as f64)
@@ -111,23 +109,23 @@ mod tests {
     }
 
     #[test]
-    fn greatest_and_root_mean_square_are_by_hand() {
+    fn maximum_and_root_mean_square_are_those_by_hand() {
         let double = [tick(0, 1.0, 1.0), tick(0, 1.0, 1.0)];
         let run = [tick(0, 1.0 + 3e-9, 1.0), tick(0, 1.0 - 4e-9, 1.0 + 2e-9)];
-        let off = [[0.0; AXES], [0.0, 3.0]];
-        // 3, and 4 with 3 across: 5. √((9 + 25)/2) = 4.123.
-        let spread = command(&run, &double, &off);
+        let of_double_nm = [[0.0; AXES], [0.0, 3.0]];
+        // 3, and √(4² + 3²) = 5: √((9 + 25)/2) = 4.123.
+        let spread = command(&run, &double, &of_double_nm);
         assert!((spread.max - 5.0).abs() < 1e-5 && (spread.rms - 17f64.sqrt()).abs() < 1e-5, "{spread:?}");
         let spread = position(&run, &double);
         assert!((spread.max - 2.0).abs() < 1e-5 && (spread.rms - 2f64.sqrt()).abs() < 1e-5, "{spread:?}");
     }
 
     #[test]
-    fn a_mean_that_moves_is_seen_and_a_start_is_not() {
-        // The first half of each block is far off; the second halves lie 7 nm apart.
+    fn the_shift_of_the_mean_ignores_the_start() {
+        // The first halves of the blocks differ widely, the second halves by 7 nm.
         let run: Vec<Tick> = [(0, 0.5), (0, 1.0), (1, 0.1), (1, 1.0 + 7e-9)]
             .map(|(block, table)| tick(block, 0.0, table))
             .to_vec();
-        assert!((mean_moved_nm(&run, 0, 1) - 7.0).abs() < 1e-5);
+        assert!((mean_shift_nm(&run, 0, 1) - 7.0).abs() < 1e-5);
     }
 }

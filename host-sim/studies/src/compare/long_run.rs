@@ -1,88 +1,88 @@
-//! The path of the long run: every tick of it, without a loop around it.
+//! The path of the long run: every tick of it, without control loops.
 //!
-//! `shared` interpolates in integers whatever the number format of its laws, so what is found of its path
-//! holds for fixed, f32 and f64. The way in f32 metres goes along beside it.
+//! `shared` interpolates in integers for every number format of its laws, so the errors of its path are those of fixed,
+//! f32 and f64. The path in f32 metres ([`SinglePath`]) takes the same steps.
 
 use std::f64::consts::TAU;
 
 use shared::interpolate::{Path, PathError};
 use shared::units::{PER_NM, Position};
 
-use super::AXES;
-use super::errors::{Spread, Sum};
-use super::exact::{apart_nm, length};
-use super::motion::{Motion, RADIUS_M, pieces};
-use super::pipeline::start_of;
-use super::single::Way;
+use super::errors::{Spread, SpreadSum};
+use super::motion::{Motion, RADIUS_M, circle_blocks};
+use super::point::{AXES, difference_nm, length};
+use super::single_path::SinglePath;
 
-/// What the commands of a long run came to.
+/// Errors of the commands of a long run.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Travelled {
+pub struct LongRunPath {
     /// Ticks of the path.
     pub ticks: u64,
-    /// Distances between the integer command and the exact path.
-    pub integers: Spread,
-    /// From the programmed end to the last integer command, nm.
+    /// Distances of the integer commands from the exact path.
+    pub integer: Spread,
+    /// Distance of the last integer command from the programmed end, nm.
     pub end_nm: f64,
-    /// What landing on the end of a piece hides, nm, at the most: how far from it the parabola through the
-    /// last three commands before it comes to rest.
+    /// Largest correction by which the last command of a block is set to its programmed end, nm: the distance of that
+    /// end from where the parabola through the three commands before comes to rest.
     pub landing_nm: f64,
-    /// Distances between the command in f32 metres and the place where it should be at that tick.
-    pub singles: Spread,
-    /// How far along the path the way in f32 ends from where it should, nm: that may be turns. The way never
-    /// lands, as f32 knows no greatest number of turns.
-    pub singles_end_nm: f64,
+    /// Distances of the commands in f32 metres from the exact path at that tick.
+    pub single: Spread,
+    /// Distance along the path between the end of the path in f32 and the programmed end, nm; it may be several turns.
+    /// The path in f32 is one block without a programmed end.
+    pub single_end_nm: f64,
 }
 
-/// Goes round for a number of turns, with a command every 1/`rate_hz`.
+/// Runs a number of turns with `rate_hz` commands per second.
 ///
 /// # Errors
 /// When the path refuses its blocks.
-pub fn travel(turns: u32, rate_hz: f64) -> Result<Travelled, PathError> {
-    let start = start_of(Motion::LongRun);
+pub fn run(turns: u32, rate_hz: f64) -> Result<LongRunPath, PathError> {
+    let start = Motion::LongRun.start();
     let mut path = Path::<AXES>::new(start, rate_hz);
-    let mut way: Option<Way> = None;
-    let mut travelled = Travelled::default();
-    let (mut integers, mut singles) = (Sum::default(), Sum::default());
-    for piece in pieces(turns) {
-        // Circles of two axes are blocks of two axes.
-        let Some(block) = piece.for_axes::<AXES>() else { continue };
+    let mut single_path: Option<SinglePath> = None;
+    let mut result = LongRunPath::default();
+    let (mut integer, mut single) = (SpreadSum::default(), SpreadSum::default());
+    for circle in circle_blocks(turns) {
+        // Always `Some`: a circle in two axes.
+        let Some(block) = circle.for_axes::<AXES>() else { continue };
         path.push(&block)?;
-        let way = way.get_or_insert_with(|| Way::of(&piece, start));
+        let single_path = single_path.get_or_insert_with(|| SinglePath::new(&circle, start));
         let mut before = [start; 3];
         while !path.is_done() {
             let from = path.command();
             before.rotate_right(1);
             before[0] = from;
             let to = path.advance();
-            travelled.ticks += 1;
+            result.ticks += 1;
             let [u, v] = to.map(nm);
-            integers.add((length([u, v]) - 1e9 * RADIUS_M).abs());
-            let [x, y] = way.go(way.step_m(from, to)).map(|metres| 1e9 * f64::from(metres));
-            // The integer path stands for the exact one: it is five orders of magnitude closer to it.
-            singles.add(length([x - u, y - v]));
+            integer.add((length([u, v]) - 1e9 * RADIUS_M).abs());
+            let [x, y] =
+                single_path.advance(single_path.step_m(from, to)).map(|metres| 1e9 * f64::from(metres));
+            // The integer path is taken for the exact one: it is five orders of magnitude closer to it.
+            single.add(length([x - u, y - v]));
         }
         let end = path.command();
-        travelled.landing_nm = travelled.landing_nm.max(rest_nm(before.map(|at| length(apart_nm(end, at)))));
+        let distances_nm = before.map(|at| length(difference_nm(end, at)));
+        result.landing_nm = result.landing_nm.max(vertex_nm(distances_nm));
     }
-    travelled.integers = integers.spread();
-    travelled.singles = singles.spread();
-    travelled.end_nm = length(apart_nm(path.command(), start));
-    let behind = way.map_or(0.0, |way| f64::from(turns) - way.turns());
-    travelled.singles_end_nm = 1e9 * TAU * RADIUS_M * behind.abs();
-    Ok(travelled)
+    result.integer = integer.spread();
+    result.single = single.spread();
+    result.end_nm = length(difference_nm(path.command(), start));
+    let missing = single_path.map_or(0.0, |path| f64::from(turns) - path.turns());
+    result.single_end_nm = 1e9 * TAU * RADIUS_M * missing.abs();
+    Ok(result)
 }
 
-/// Where the parabola through three distances from the end, the nearest first, has its vertex: zero, where
-/// an even deceleration comes to rest on the end, between ticks or on one.
-fn rest_nm([r1, r2, r3]: [f64; 3]) -> f64 {
+/// Vertex of the parabola through three distances from the end, the nearest first, nm: zero, where a constant
+/// deceleration comes to rest at the end, at a tick or between two.
+fn vertex_nm([r1, r2, r3]: [f64; 3]) -> f64 {
     let (deceleration, slope) = (r3 - 2.0 * r2 + r1, (r3 - r1) / 2.0);
     (r2 - slope * slope / (2.0 * deceleration)).abs()
 }
 
 /// A position in nm, to 1e-8 nm on this circle.
-fn nm(place: Position) -> f64 {
-    place.0 as f64 / PER_NM as f64
+fn nm(position: Position) -> f64 {
+    position.0 as f64 / PER_NM as f64
 }
 
 #[cfg(test)]
@@ -90,34 +90,34 @@ mod tests {
     use super::*;
 
     /// Three turns at 4 kHz.
-    fn short() -> Travelled {
-        travel(3, 4000.0).unwrap()
+    fn short() -> LongRunPath {
+        run(3, 4000.0).unwrap()
     }
 
     #[test]
-    fn integers_close_and_stay_on_the_circle() {
+    fn the_integer_path_stays_on_the_circle_and_closes() {
         let short = short();
         // 3 · 2π · 100 mm at 1/6 m/s take 11.310 s; v²/R = 0.278 m/s² of 15/16 m/s² leave 0.895 for the ramps: 0.186 s.
         assert!((45_980..45_988).contains(&short.ticks), "{}", short.ticks);
         assert!(short.end_nm == 0.0, "{}", short.end_nm);
         // A position is rounded to 1e-6 nm in each axis.
-        assert!(short.integers.max < 2e-5 && short.integers.rms > 1e-8, "{:?}", short.integers);
+        assert!(short.integer.max < 2e-5 && short.integer.rms > 1e-8, "{:?}", short.integer);
         // Roundings of half a unit, 5e-7 nm, in distances of up to 280 nm.
         assert!(short.landing_nm < 1e-4, "{}", short.landing_nm);
     }
 
-    /// A tick goes 41.67 µm, the same in every tick of the cruise. Each sum is rounded to half a unit
-    /// in the last place, 30 nm from 0.5 m on: that bounds the loss. Between two powers of two the
-    /// rounding is the same in every tick and does not average out: it must show as more than a few units.
+    /// A tick is 41.67 µm long, the same in every tick at constant feed. Each sum is rounded to half a unit in the last
+    /// place, 30 nm from 0.5 m on, which bounds the loss. Between two powers of two the rounding is the same in every
+    /// tick and does not average out, so that the drift is more than a few units.
     #[test]
-    fn sums_in_single_precision_run_away() {
+    fn sums_in_single_precision_drift() {
         let short = short();
         let bound = short.ticks as f64 * 29.9;
-        assert!(short.singles_end_nm < bound && short.singles_end_nm > 500.0, "{}", short.singles_end_nm);
-        assert!(short.singles.max > 500.0 && short.singles.max < bound, "{:?}", short.singles);
-        assert!(short.singles.rms < short.singles.max);
-        // Twice as long, twice as far: it is a drift, within the share of the ramps.
-        let ratio = travel(6, 4000.0).unwrap().singles_end_nm / short.singles_end_nm;
+        assert!(short.single_end_nm < bound && short.single_end_nm > 500.0, "{}", short.single_end_nm);
+        assert!(short.single.max > 500.0 && short.single.max < bound, "{:?}", short.single);
+        assert!(short.single.rms < short.single.max);
+        // Twice as long, twice as far, but for the ramps: a drift.
+        let ratio = run(6, 4000.0).unwrap().single_end_nm / short.single_end_nm;
         assert!((1.8..2.2).contains(&ratio), "{ratio}");
     }
 }

@@ -1,8 +1,10 @@
-//! The motions that every pipeline runs.
+//! The motions that are run in every pipeline.
 
 use std::f64::consts::TAU;
 
-use super::AXES;
+use shared::units::Position;
+
+use super::point::{AXES, Point};
 use link::controller::{PathBlock, PathShape};
 
 /// Radius of all circles, m.
@@ -13,19 +15,19 @@ pub const FEED_M_PER_S: f64 = 10.0 / 60.0;
 
 const ACCELERATION_M_PER_S2: f64 = 1.0;
 
-/// Turns of an arc that the path takes at the most.
-const MOST_TURNS: u32 = 1000;
+/// Most turns of one arc that the path accepts.
+const MAX_TURNS: u32 = 1000;
 
-/// One of the five.
+/// One of the motions.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Motion {
-    /// Twice round, radius 100 mm, 10 m/min, from a standstill.
+    /// Two turns of a circle, radius 100 mm, 10 m/min.
     Circle,
-    /// Out and back round a corner of 90 degrees, stopping in it, 10 m/min.
+    /// Around a corner of 90 degrees and back, with a stop in it, 10 m/min.
     Corner,
     /// Ten steps of 1 µm up and ten down, 1 m from the origin.
     Steps,
-    /// 1 µm/s out and back over 10 µm, 1 m from the origin.
+    /// 10 µm forth and back at 1 µm/s, 1 m from the origin.
     Creep,
     /// Circles for a day.
     LongRun,
@@ -35,7 +37,7 @@ impl Motion {
     /// All of them.
     pub const ALL: [Self; 5] = [Self::Circle, Self::Corner, Self::Steps, Self::Creep, Self::LongRun];
 
-    /// Name in results.
+    /// Name in the results.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -47,7 +49,7 @@ impl Motion {
         }
     }
 
-    /// Where the axes stand before it, m.
+    /// Start of the axes, m.
     #[must_use]
     pub const fn start_m(self) -> [f64; AXES] {
         match self {
@@ -57,7 +59,13 @@ impl Motion {
         }
     }
 
-    /// The blocks that the loop is closed on; a long run's first and last `turns` turns.
+    /// Start of the axes.
+    #[must_use]
+    pub fn start(self) -> Point {
+        self.start_m().map(|m| Position::from_m(m).unwrap_or_default())
+    }
+
+    /// The blocks on which the loop is closed. Of the long run they are the first and the last `turns` turns.
     #[must_use]
     pub fn blocks(self, turns: u32) -> Vec<PathBlock> {
         match self {
@@ -87,7 +95,7 @@ impl Motion {
                     PathBlock::dwell(0.3),
                 ]
             }
-            // A second between them, in which everything comes to rest.
+            // Everything comes to rest within the second between them.
             Self::LongRun => vec![
                 PathBlock::dwell(0.1),
                 circles(turns),
@@ -99,23 +107,23 @@ impl Motion {
     }
 }
 
-/// Turns of that many hours of circles, at least two.
+/// Turns of the circle in a number of hours, at least two.
 #[must_use]
 pub fn turns_in(hours: f64) -> u32 {
     let turns = hours * 3600.0 * FEED_M_PER_S / (TAU * RADIUS_M);
     #[expect(
         clippy::cast_possible_truncation,
         clippy::cast_sign_loss,
-        reason = "saturates; checked by callers"
+        reason = "saturates; callers check the hours"
     )]
     let whole = turns.round() as u32;
     whole.max(2)
 }
 
-/// A number of turns as the blocks that the path takes: of 1000 turns, and the rest.
-pub fn pieces(turns: u32) -> impl Iterator<Item = PathBlock> {
-    let whole = std::iter::repeat_n(MOST_TURNS, (turns / MOST_TURNS) as usize);
-    whole.chain([turns % MOST_TURNS]).filter(|&turns| turns > 0).map(circles)
+/// A number of turns as blocks that the path accepts: of 1000 turns each, and the rest.
+pub fn circle_blocks(turns: u32) -> impl Iterator<Item = PathBlock> {
+    let whole = std::iter::repeat_n(MAX_TURNS, (turns / MAX_TURNS) as usize);
+    whole.chain([turns % MAX_TURNS]).filter(|&turns| turns > 0).map(circles)
 }
 
 fn circles(turns: u32) -> PathBlock {
@@ -132,16 +140,16 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_day_of_circles_is_all_there() {
+    fn a_day_of_circles_is_complete() {
         // 86,400 s · (1/6 m/s) / (2π · 0.1 m) = 22,918.3 turns.
         assert_eq!(turns_in(24.0), 22_918);
         let turns = |block: PathBlock| match block.shape {
             PathShape::Arc { turns, .. } => turns,
             other => panic!("{other:?}"),
         };
-        let pieces: Vec<f64> = pieces(22_918).map(turns).collect();
-        assert!((pieces.iter().sum::<f64>() - 22_918.0).abs() < f64::EPSILON);
-        assert!(pieces.iter().all(|&turns| (1.0..=1000.0).contains(&turns)));
-        assert_eq!(super::pieces(2000).count(), 2);
+        let blocks: Vec<f64> = circle_blocks(22_918).map(turns).collect();
+        assert!((blocks.iter().sum::<f64>() - 22_918.0).abs() < f64::EPSILON);
+        assert!(blocks.iter().all(|&turns| (1.0..=1000.0).contains(&turns)));
+        assert_eq!(circle_blocks(2000).count(), 2);
     }
 }

@@ -1,35 +1,51 @@
-//! The page of a comparison of number formats: sentences, the table, and the errors over time.
+//! The page of a comparison of number formats: sentences, a table of errors and cost, and the errors over time.
 
 use std::path::{Path, PathBuf};
 
+use maud::{Markup, html};
+
+use crate::compare::errors::Spread;
 use crate::compare::motion::Motion;
 use crate::compare::pipeline::Pipeline;
 use crate::compare::{Comparison, Row};
 use files::output::OutputError;
 use link::controller::Format;
-use report::markup::{figure, key, note, paragraph, section, text};
+use report::markup::{figure, legend, line_entry, note, number_cell, paragraph, section, text};
 use report::number::significant;
+use report::page;
 use report::plot::{Chart, Ink, Layer};
-use report::{page, write_page};
 
-/// Writes the page into a folder, which is made where it is missing, and gives its path.
+const TABLE_NOTE: &str = "Command: distance from the point of the exact path at which the command in double precision \
+                          stands in that tick. Position: distance of the table from the table in the run in double \
+                          precision. Drift, of the long run: last command to programmed end along the path, or \
+                          movement of the mean table position, whichever is more. Instructions: median of the ticks \
+                          with path and position loops, emulated Cortex-M4F.";
+
+const CHARTS_NOTE: &str = "Greatest distance of each of up to 400 pieces of a motion. Of the long run the two minutes at \
+                           its beginning and the two at its end, between which only the path runs.";
+
+/// Writes the page into a folder, which is made where it is missing, and returns its path.
 ///
 /// # Errors
 /// If the folder cannot be made or the page not be written.
-pub fn write(folder: &Path, comparison: &Comparison, said: &[String]) -> Result<PathBuf, OutputError> {
-    write_page(folder, &html(comparison, said))
+pub fn write(folder: &Path, comparison: &Comparison, lead: &[String]) -> Result<PathBuf, OutputError> {
+    page::write(folder, &html(comparison, lead))
 }
 
-/// The page; the sentences stand on top.
+/// The page, with sentences above the sections.
 #[must_use]
-pub fn html(comparison: &Comparison, said: &[String]) -> String {
-    let lead: String = said.iter().map(|sentence| paragraph(sentence)).collect();
-    let sections =
-        [section("Errors and cost", &table(comparison)), section("Over time", &charts(comparison))].concat();
-    page("Fixed point against floating point", &lead, &sections)
+pub fn html(comparison: &Comparison, lead: &[String]) -> String {
+    let lead = html! {
+        @for sentence in lead { (paragraph(sentence)) }
+    };
+    let sections = html! {
+        (section("Errors and cost", &table(comparison)))
+        (section("Over time", &charts(comparison)))
+    };
+    page::render("Fixed point against floating point", &lead, &sections)
 }
 
-/// Nanometres for people: three digits, and nothing below a picometre.
+/// Nanometres with three significant digits; below a picometre only that it is less.
 #[must_use]
 pub fn nanometres(nm: f64) -> String {
     match nm {
@@ -39,88 +55,105 @@ pub fn nanometres(nm: f64) -> String {
     }
 }
 
-fn table(comparison: &Comparison) -> String {
-    let what = "Command: distance from the point of the exact path at which the command in double precision stands \
-                in that tick. Position: distance of the table from the table in the run in double precision. Drift, \
-                of the long run: last command to programmed end along the path, or movement of the mean table \
-                position, whichever is more. Instructions: median of the ticks with path and position loops, emulated \
-                Cortex-M4F.";
-    let rows: String = comparison.rows.iter().map(row).collect();
-    let spread = "<th class=\"n\" scope=\"col\">max</th><th class=\"n\" scope=\"col\">rms</th>";
-    format!(
-        "{}<table>\n<thead>\n<tr><th rowspan=\"2\" scope=\"col\">motion</th><th rowspan=\"2\" \
-         scope=\"col\">arithmetic</th><th colspan=\"2\" scope=\"colgroup\">command, nm</th><th colspan=\"2\" \
-         scope=\"colgroup\">position, nm</th><th class=\"n\" rowspan=\"2\" scope=\"col\">drift, nm</th><th class=\"n\" \
-         rowspan=\"2\" scope=\"col\">instructions<br>a tick</th></tr>\n<tr>{spread}{spread}</tr>\n</thead>\n\
-         <tbody>\n{rows}</tbody>\n</table>\n",
-        note(what)
-    )
-}
-
-fn row(row: &Row) -> String {
-    let cell = |said: String| format!("<td class=\"n\">{}</td>", text(&said));
-    let spread =
-        |s: crate::compare::errors::Spread| [cell(nanometres(s.max)), cell(nanometres(s.rms))].concat();
-    let or_none = |said: Option<String>| cell(said.unwrap_or_else(|| "–".to_owned()));
-    format!(
-        "<tr><th scope=\"row\">{}</th><td>{}</td>{}{}{}{}</tr>\n",
-        text(&row.motion.replace('_', " ")),
-        text(&row.scalar.replace("_position", ", positions too")),
-        spread(row.command_error_nm),
-        spread(row.position_error_nm),
-        or_none(row.drift_nm.map(nanometres)),
-        or_none(row.instructions_per_tick.map(|count| count.to_string())),
-    )
-}
-
-fn charts(comparison: &Comparison) -> String {
-    let legend = [
-        key("after", false, "fixed point"),
-        key("before", false, "f32, and on the right f32 with f32 positions"),
-    ];
-    let of_motion = |motion: Motion| {
-        let layer = |pipeline, ink| {
-            let row = comparison.of(pipeline).find(|row| row.motion == motion.name());
-            Layer { ink, points: row.map(|row| row.curve.clone()).unwrap_or_default(), is_marked: false }
-        };
-        let chart = |size, mut layers: Vec<Layer>| {
-            let unit = scale(&mut layers);
-            Chart {
-                size,
-                title: &format!("Table error over time, {}", motion.name()),
-                description: "Distance from the table in the run in double precision.",
-                x: "time, s",
-                y: &format!("from f64, {unit}"),
-                noise: 0.0,
-                layers,
+fn table(comparison: &Comparison) -> Markup {
+    html! {
+        (note(TABLE_NOTE))
+        table {
+            thead {
+                tr {
+                    th rowspan="2" scope="col" { "motion" }
+                    th rowspan="2" scope="col" { "arithmetic" }
+                    th colspan="2" scope="colgroup" { "command, nm" }
+                    th colspan="2" scope="colgroup" { "position, nm" }
+                    th.n rowspan="2" scope="col" { "drift, nm" }
+                    th.n rowspan="2" scope="col" { "instructions" br; "a tick" }
+                }
+                tr {
+                    @for _ in ["command", "position"] {
+                        th.n scope="col" { "max" }
+                        th.n scope="col" { "rms" }
+                    }
+                }
             }
-            .svg()
-        };
-        let close = vec![
-            layer(Pipeline::Of(Format::F32), Ink::Before),
-            layer(Pipeline::Of(Format::Fixed), Ink::After),
-        ];
-        let far = vec![layer(Pipeline::F32Position, Ink::Before)];
-        format!(
-            "<h3>{}</h3>\n<div class=\"stage\">\n{}{}</div>\n",
-            text(&motion.name().replace('_', " ")),
-            figure("", &chart((590, 190), close), ""),
-            figure("", &chart((354, 190), far), "")
-        )
-    };
-    let charts: String = Motion::ALL.into_iter().map(of_motion).collect();
-    let what = "Greatest distance of each of up to 400 pieces of a motion. Of the long run the two minutes at its \
-                beginning and the two at its end, between which only the path runs.";
-    format!("{}<p class=\"legend\">{}</p>\n{charts}", note(what), legend.concat())
+            tbody {
+                @for row in &comparison.rows { (table_row(row)) }
+            }
+        }
+    }
 }
 
-/// Makes nm into the unit in which the greatest value has few digits, and names it.
-fn scale(layers: &mut [Layer]) -> &'static str {
+fn table_row(row: &Row) -> Markup {
+    let spread = |spread: Spread| {
+        html! {
+            (number_cell(&nanometres(spread.max)))
+            (number_cell(&nanometres(spread.rms)))
+        }
+    };
+    let or_dash = |shown: Option<String>| number_cell(shown.as_deref().unwrap_or("–"));
+    html! {
+        tr {
+            th scope="row" { (text(&row.motion.replace('_', " "))) }
+            td { (text(&row.scalar.replace("_position", ", positions too"))) }
+            (spread(row.command_error_nm))
+            (spread(row.position_error_nm))
+            (or_dash(row.drift_nm.map(nanometres)))
+            (or_dash(row.instructions_per_tick.map(|count| count.to_string())))
+        }
+    }
+}
+
+fn charts(comparison: &Comparison) -> Markup {
+    let entries = [
+        line_entry("after", "fixed point"),
+        line_entry("before", "f32, and on the right f32 with f32 positions"),
+    ];
+    html! {
+        (note(CHARTS_NOTE))
+        (legend(&entries))
+        @for motion in Motion::ALL {
+            h3 { (text(&motion.name().replace('_', " "))) }
+            div.stage { (charts_of(comparison, motion)) }
+        }
+    }
+}
+
+/// The charts of one motion: on the left both formats with fixed-point positions, on the right f32 positions.
+fn charts_of(comparison: &Comparison, motion: Motion) -> Markup {
+    let layer = |pipeline, ink| {
+        let row = comparison.of(pipeline).find(|row| row.motion == motion.name());
+        Layer { ink, points: row.map(|row| row.curve.clone()).unwrap_or_default(), is_marked: false }
+    };
+    let formats =
+        vec![layer(Pipeline::Of(Format::F32), Ink::Before), layer(Pipeline::Of(Format::Fixed), Ink::After)];
+    let f32_positions = vec![layer(Pipeline::F32Position, Ink::Before)];
+    html! {
+        (figure("", &chart(motion, (590, 190), formats), ""))
+        (figure("", &chart(motion, (354, 190), f32_positions), ""))
+    }
+}
+
+/// The SVG element of errors (nm) over time, drawn in the unit that suits them.
+fn chart(motion: Motion, size: (u32, u32), mut layers: Vec<Layer>) -> String {
+    let unit = convert_from_nm(&mut layers);
+    let chart = Chart {
+        size,
+        title: &format!("Table error over time, {}", motion.name()),
+        description: "Distance from the table in the run in double precision.",
+        x: "time, s",
+        y: &format!("from f64, {unit}"),
+        noise: 0.0,
+        layers,
+    };
+    chart.svg()
+}
+
+/// Converts nm into the unit in which the maximum has few digits, and returns the unit.
+fn convert_from_nm(layers: &mut [Layer]) -> &'static str {
     let points = || layers.iter().flat_map(|layer| &layer.points);
-    let most = numerics::max_abs(points().map(|point| point.1));
-    let (unit, factor) = match most {
-        most if most >= 1e6 => ("mm", 1e-6),
-        most if most >= 1e3 => ("µm", 1e-3),
+    let max = numerics::max_abs(points().map(|point| point.1));
+    let (unit, factor) = match max {
+        max if max >= 1e6 => ("mm", 1e-6),
+        max if max >= 1e3 => ("µm", 1e-3),
         _ => ("nm", 1.0),
     };
     for point in layers.iter_mut().flat_map(|layer| &mut layer.points) {

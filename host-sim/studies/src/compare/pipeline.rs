@@ -1,31 +1,29 @@
-//! The four pipelines, and the loop that is closed with each of them.
+//! The pipelines that are compared, and the closed loop of each.
 
 use shared::axis::Reading;
 use shared::safety::Power;
 use shared::units::Position;
 
-use super::exact::Point;
+use super::error::CompareError;
 use super::motion::Motion;
-use super::single::Single;
-use super::{AXES, CompareError};
+use super::point::{AXES, Point};
+use super::single_precision::SinglePrecision;
 use link::controller::{AxisOutput, Controller, Format, Status, in_process};
 use model::machine::Machine;
-use model::servo;
-use plant::desk::Desk;
 use plant::instruments::Instruments;
-use plant::simulate;
-use plant::simulate::SimulationError;
+use plant::machine_sim::MachineSim;
+use plant::simulate::{self, SimulationError};
 
-/// Current loop of the drives, s. Sensors are exact to the unit of a position, so that what differs
-/// between two runs is the arithmetic of the controller and nothing else.
-const INSTRUMENTS_DRIVE_S: f64 = 1e-4;
+/// Time constant of the drives' current loops, s. The sensors are exact to the unit of a position, so that two runs
+/// differ by the arithmetic of the controller alone.
+const DRIVE_TIME_CONSTANT_S: f64 = 1e-4;
 
-/// A controller in some arithmetic.
+/// The arithmetic of a controller.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Pipeline {
     /// `shared` in a number format.
     Of(Format),
-    /// Laws in f32, and positions in f32 metres.
+    /// Laws in f32 and positions in f32 metres, see [`SinglePrecision`].
     F32Position,
 }
 
@@ -34,7 +32,7 @@ impl Pipeline {
     pub const ALL: [Self; 4] =
         [Self::Of(Format::Fixed), Self::Of(Format::F32), Self::Of(Format::F64), Self::F32Position];
 
-    /// Name in results.
+    /// Name in the results.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -45,69 +43,64 @@ impl Pipeline {
         }
     }
 
-    /// The controller, standing at the start of a motion.
+    /// The controller of a machine that stands at the start of a motion.
     ///
     /// # Errors
     /// When the machine's settings are refused.
     pub fn controller(self, machine: &Machine, motion: Motion) -> Result<Box<dyn Controller>, CompareError> {
-        let (settings, start) = simulate::set_up(machine, &motion.start_m())?;
-        let rates = servo::rates(machine);
+        let (settings, start) = simulate::controller_setup(machine, &motion.start_m())?;
+        let rates = machine.rates();
         Ok(match self {
             Self::Of(format) => in_process(format, rates, &settings, &start)?,
-            Self::F32Position => Box::new(Single::new(rates, &settings, start_of(motion))?),
+            Self::F32Position => Box::new(SinglePrecision::new(rates, &settings, motion.start())?),
         })
     }
 }
 
-/// Where a motion starts.
-#[must_use]
-pub fn start_of(motion: Motion) -> Point {
-    motion.start_m().map(|m| Position::from_m(m).unwrap_or_default())
-}
-
-/// What stood at one tick of the path and position loops.
+/// State of a run at one tick of the path and position loops.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Tick {
     /// Number of the block that the command belongs to.
     pub block: usize,
-    /// Command.
+    /// Position commands.
     pub command: Point,
-    /// Linear scales: the tables as they are.
+    /// True positions of the tables: readings of the linear scales without error.
     pub table: Point,
-    /// Cost of the tick, where it is counted.
+    /// Instructions of the tick, where they are counted.
     pub cost: Option<u32>,
 }
 
-/// Closes the loop of a controller over a motion, and gives every tick of path and position loops.
+/// Closes the loop of a controller over a motion and gives every tick of the path and position loops, of the first
+/// `max_ticks` velocity ticks.
 ///
-/// A block is handed over when the one before has ended, to every controller at the same tick. A run may be cut
-/// short after a number of velocity ticks.
+/// A block is passed on when the one before has ended, so that every controller gets it at the same tick.
 ///
 /// # Errors
-/// When a block is refused, the link breaks or the drives go off.
+/// When a block is refused, the link breaks or the drives are switched off.
 pub fn run(
     controller: &mut dyn Controller,
     machine: &Machine,
     motion: Motion,
     turns: u32,
-    most_ticks: usize,
+    max_ticks: usize,
 ) -> Result<Vec<Tick>, CompareError> {
-    let divider = servo::rates(machine).position_loop_divider as usize;
-    let instruments = Instruments { drive_time_constant_s: INSTRUMENTS_DRIVE_S, ..Instruments::default() };
-    let mut desk = Desk::new(machine, instruments, &motion.start_m()).map_err(SimulationError::from)?;
+    let divider = machine.rates().position_loop_divider as usize;
+    let instruments = Instruments { drive_time_constant_s: DRIVE_TIME_CONSTANT_S, ..Instruments::default() };
+    let mut machine_sim =
+        MachineSim::new(machine, instruments, &motion.start_m()).map_err(SimulationError::from)?;
     let blocks = motion.blocks(turns);
     let mut ticks = Vec::new();
     let mut readings = [Reading { motor: Position(0), table: None }; AXES];
     let mut outputs = [AxisOutput::default(); AXES];
-    let (mut handed, mut done) = (0, true);
+    let (mut pushed, mut done) = (0, true);
     controller.enable()?;
-    for tick in 0..most_ticks {
+    for tick in 0..max_ticks {
         if done {
-            let Some(block) = blocks.get(handed) else { break };
+            let Some(block) = blocks.get(pushed) else { break };
             controller.push(block)?;
-            handed += 1;
+            pushed += 1;
         }
-        desk.read(&mut readings);
+        machine_sim.read(&mut readings);
         let status: Status = controller.tick(&readings, &mut outputs)?;
         done = status.done;
         if let Power::Faulted(fault) = status.power {
@@ -115,13 +108,13 @@ pub fn run(
         }
         if tick.is_multiple_of(divider) {
             ticks.push(Tick {
-                block: handed - 1,
+                block: pushed - 1,
                 command: outputs.map(|output| output.command),
                 table: readings.map(|reading| reading.table.unwrap_or(reading.motor)),
                 cost: status.cost,
             });
         }
-        desk.step(outputs.iter().map(|output| output.force_n));
+        machine_sim.step(outputs.iter().map(|output| output.force_n));
     }
     Ok(ticks)
 }

@@ -1,4 +1,4 @@
-//! The main job, with nothing to prepare: a machine with an undeclared effect is run, logged and traced.
+//! The demonstration: a machine with one undeclared effect is simulated, logged and traced.
 
 mod draw;
 
@@ -14,22 +14,22 @@ use model::effects::Stage;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
-use plant::path;
+use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run, SimulationError};
 use trace::Trace;
-use trace::axis::{AxisTrace, StageError};
+use trace::outcome::{AxisTrace, StageError};
 
 /// The declared machine.
 pub use model::examples::DEMO_MACHINE as MACHINE;
 
-/// Motions that are fitted, and when the session's clock stands where (s).
+/// Motions of the fit, and the session time at which each starts, s.
 const FIT: [(&str, f64); 3] = [
     (include_str!("../../../motions/demo_circle.toml"), 0.0),
     (include_str!("../../../motions/demo_fast.toml"), 40.0),
     (include_str!("../../../motions/demo_travel.toml"), 60.0),
 ];
 
-/// Motions that take part in no fit.
+/// Motions of the validation, likewise. They are not used in the fit.
 const VALIDATE: [(&str, f64); 2] = [
     (include_str!("../../../motions/demo_ballbar.toml"), 90.0),
     (include_str!("../../../motions/demo_corner.toml"), 120.0),
@@ -38,41 +38,41 @@ const VALIDATE: [(&str, f64); 2] = [
 /// Why the demo failed.
 #[derive(Debug, thiserror::Error)]
 pub enum DemoError {
-    /// A shipped file is not what it should be.
+    /// A shipped file is invalid.
     #[error(transparent)]
     Input(#[from] InputError),
-    /// The simulated machine did not run.
+    /// The simulated machine did not complete a motion.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
 }
 
-/// What the demo did.
+/// The result of one demonstration.
 pub struct Demo {
-    /// Seed of everything that was drawn.
+    /// Seed of the machine, its effect and the noise.
     pub seed: u64,
-    /// The machine as it is.
+    /// The true machine and its undeclared effect.
     pub drawn: Drawn,
-    /// What the tracer, who was not told, made of its logs.
+    /// The trace of its logs, from the declared machine alone.
     pub trace: Trace,
 }
 
-/// Runs, logs and traces the machine of a seed.
+/// Simulates, logs and traces the machine of a seed; `progress` receives the name of each step as it starts.
 ///
 /// # Errors
-/// When a shipped file is unusable or the simulated machine does not run.
-pub fn run(seed: u64, say: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
+/// If a shipped file is invalid or the simulated machine does not complete a motion.
+pub fn run(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
     let declared = Machine::parse(MACHINE, "machines/demo.toml")?;
     let drawn = draw(&declared, seed);
-    say("running the machine");
+    progress("running the machine");
     let [fit, validate] = logs(&drawn.truth, seed)?;
-    let trace = trace::trace(&declared, &fit, &validate, say)?;
+    let trace = trace::trace(&declared, &fit, &validate, progress)?;
     Ok(Demo { seed, drawn, trace })
 }
 
-/// What a machine logs on the demo's motions: those that are fitted, and those that are not.
+/// Logs of a machine on the demonstration's motions: those of the fit, and those of the validation.
 ///
 /// # Errors
-/// When the machine does not run.
+/// If the machine does not complete a motion.
 pub fn logs(machine: &Machine, seed: u64) -> Result<[Vec<Log>; 2], DemoError> {
     let motions: Vec<&(&str, f64)> = FIT.iter().chain(&VALIDATE).collect();
     let mut fit: Vec<Log> = motions
@@ -84,13 +84,13 @@ pub fn logs(machine: &Machine, seed: u64) -> Result<[Vec<Log>; 2], DemoError> {
     Ok([fit, validate])
 }
 
-/// The log of a machine that runs a motion file, from a time of the session on, with the typical noise of a seed.
+/// Log of a machine on a motion (the text of a motion file) that starts at a session time, s, with typical noise.
 ///
 /// # Errors
-/// If the motion cannot be read, or the machine does not run it.
+/// If the motion is invalid, or the machine does not complete it.
 pub fn log(machine: &Machine, motion: &str, start_s: f64, seed: u64) -> Result<Log, DemoError> {
     let motion = Motion::parse(motion, "a shipped motion")?;
-    let path = path::of(&motion, machine, "a shipped motion")?;
+    let path = MachinePath::new(&motion, machine, "a shipped motion")?;
     let mut controller = simulate::controller(machine, Format::Fixed, &path.start_m)?;
     let run = Run {
         machine,
@@ -104,45 +104,46 @@ pub fn log(machine: &Machine, motion: &str, start_s: f64, seed: u64) -> Result<L
     Ok(log)
 }
 
-/// The residual that the demo's figures are about, µm, on motions that were not fitted.
+/// The residual reported by the demonstration, µm rms, on the validation motions.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Headline {
-    /// Stage.
+    /// Stage of the residual.
     pub stage: Stage,
-    /// Declared model.
+    /// With the declared model.
     pub before: f64,
-    /// With what was found.
+    /// With the effects found.
     pub after: f64,
-    /// What no model can remove.
+    /// Measurement noise, which no model removes.
     pub noise: f64,
 }
 
 impl Demo {
-    /// The axis with the effect.
+    /// Trace of the axis with the undeclared effect.
     #[must_use]
     pub fn axis(&self) -> Option<&AxisTrace> {
         self.trace.axes.iter().find(|axis| axis.axis == self.drawn.axis)
     }
 
-    /// The position stage of that axis whose residual fell most, in units of its noise; where none did, the one that
-    /// stands highest above it.
+    /// The position stage of that axis with the largest decrease of the residual relative to its noise. If none
+    /// decreases by more than its noise, the stage with the largest residual relative to its noise.
     #[must_use]
     pub fn headline(&self) -> Option<Headline> {
         let errors = || self.axis().into_iter().flat_map(|axis| &axis.errors);
-        let of_places = || errors().filter(|error| error.stage != Stage::Force);
-        let most = |of: fn(&StageError) -> f64| of_places().max_by(|a, b| of(a).total_cmp(&of(b)));
-        let fell = |error: &StageError| (error.before.validate - error.after.validate) / error.noise;
-        let highest =
-            most(fell).filter(|error| fell(error) > 1.0).or_else(|| most(|e| e.before.validate / e.noise))?;
+        let positions = || errors().filter(|error| error.stage != Stage::Force);
+        let max_by = |of: fn(&StageError) -> f64| positions().max_by(|a, b| of(a).total_cmp(&of(b)));
+        let decrease = |error: &StageError| (error.before.validate - error.after.validate) / error.noise;
+        let error = max_by(decrease)
+            .filter(|error| decrease(error) > 1.0)
+            .or_else(|| max_by(|e| e.before.validate / e.noise))?;
         Some(Headline {
-            stage: highest.stage,
-            before: highest.before.validate,
-            after: highest.after.validate,
-            noise: highest.noise,
+            stage: error.stage,
+            before: error.before.validate,
+            after: error.after.validate,
+            noise: error.noise,
         })
     }
 
-    /// Whether the tracer named exactly the undeclared effect.
+    /// Whether the trace found exactly the undeclared effect, on its axis.
     #[must_use]
     pub fn is_named(&self) -> bool {
         let found: Vec<(&str, &str)> = self
@@ -170,7 +171,7 @@ impl Demo {
             "axis": self.drawn.axis,
             "parameters": parameters,
         });
-        if let (Some(source), Value::Object(truth)) = (trace::json::source(&self.drawn.effect), &mut truth) {
+        if let (Some(source), Value::Object(truth)) = (self.drawn.effect.distinction().source(), &mut truth) {
             truth.insert("source".to_owned(), json!(source));
         }
         json!({

@@ -1,69 +1,92 @@
-//! The page of the published experiments: of each paper what came out, every figure, pictures, and notes.
+//! The page of the published experiments: for each paper the results in sentences, all figures, pictures, and notes.
 
 use std::path::{Path, PathBuf};
 
-use crate::reproduce::{Outcome, Picture, Reproduction, Study};
-use files::output::OutputError;
-use report::markup::{figure, key, list, mark, note, paragraph, section, text};
-use report::number::significant;
-use report::{page, write_page};
+use maud::{Markup, html};
 
-/// Writes the page into a folder, which is made where it is missing, and gives its path.
+use super::Reproduction;
+use super::study::{Outcome, Picture, Study};
+use files::output::OutputError;
+use report::markup::{
+    Column, figure, legend, line_entry, list, note, number_cell, paragraph, point_entry, section,
+    surface_entry, table, text,
+};
+use report::number::significant;
+use report::page;
+
+/// Writes the page into a folder, which is made where it is missing, and returns its path.
 ///
 /// # Errors
 /// If the folder cannot be made or the page not be written.
-pub fn write(folder: &Path, reproduction: &Reproduction, said: &str) -> Result<PathBuf, OutputError> {
-    write_page(folder, &html(reproduction, said))
+pub fn write(folder: &Path, reproduction: &Reproduction, lead: &str) -> Result<PathBuf, OutputError> {
+    page::write(folder, &html(reproduction, lead))
 }
 
-/// The page; the sentence stands on top.
+/// The page, with a sentence above the studies.
 #[must_use]
-pub fn html(reproduction: &Reproduction, said: &str) -> String {
-    let sections: String = reproduction.studies.iter().map(study).collect();
-    page("Published experiments, run again", &paragraph(said), &sections)
+pub fn html(reproduction: &Reproduction, lead: &str) -> String {
+    let sections = html! {
+        @for study in &reproduction.studies { (section_of(study)) }
+    };
+    page::render("Published experiments, run again", &paragraph(lead), &sections)
 }
 
-fn study(study: &Study) -> String {
-    let said: String = study.said.iter().map(|sentence| paragraph(sentence)).collect();
-    let pictures: String = study.pictures.iter().map(picture).collect();
-    let notes =
-        if study.notes.is_empty() { String::new() } else { note("About the print:") + &list(&study.notes) };
-    section(
-        &format!("{}: {}", study.paper, study.title),
-        &[said, table(&study.outcomes), pictures, notes].concat(),
-    )
+fn section_of(study: &Study) -> Markup {
+    let body = html! {
+        @for sentence in &study.findings { (paragraph(sentence)) }
+        (outcomes(&study.outcomes))
+        @for picture in &study.pictures { (picture_with_legend(picture)) }
+        @if !study.notes.is_empty() {
+            (note("About the print:"))
+            (list(&study.notes))
+        }
+    };
+    section(&format!("{}: {}", study.paper, study.title), &body)
 }
 
-fn table(outcomes: &[Outcome]) -> String {
-    let rows: String = outcomes.iter().map(row).collect();
-    format!(
-        "<table>\n<thead>\n<tr><th scope=\"col\">quantity</th><th class=\"n\" scope=\"col\">printed</th><th class=\"n\" \
-         scope=\"col\">ours</th><th scope=\"col\">unit</th><th scope=\"col\">verdict</th></tr>\n</thead>\n<tbody>\n\
-         {rows}</tbody>\n</table>\n"
-    )
+fn outcomes(outcomes: &[Outcome]) -> Markup {
+    let columns = [
+        Column::Words("quantity"),
+        Column::Numbers("printed"),
+        Column::Numbers("ours"),
+        Column::Words("unit"),
+        Column::Words("verdict"),
+    ];
+    let rows = html! {
+        @for outcome in outcomes { (row(outcome)) }
+    };
+    table(&columns, &rows)
 }
 
-fn row(outcome: &Outcome) -> String {
-    let verdict = if outcome.agrees() { "agrees" } else { "<strong>differs</strong>" };
-    format!(
-        "<tr><th scope=\"row\">{}</th><td class=\"n\">{}</td><td class=\"n\">{}</td><td>{}</td><td>{verdict}</td></tr>\n",
-        text(&outcome.quantity),
-        text(&outcome.printed.words()),
-        text(&significant(outcome.ours, 4)),
-        text(outcome.unit),
-    )
-}
-
-/// An entry of a legend: a mark where the class says so, a surface or a line otherwise.
-fn entry(class: &str, meaning: &str) -> String {
-    match class.strip_suffix(" mark") {
-        Some(class) => mark(class, meaning),
-        None => key(class, class == "before-range", meaning),
+fn row(outcome: &Outcome) -> Markup {
+    html! {
+        tr {
+            th scope="row" { (text(&outcome.quantity)) }
+            (number_cell(&outcome.printed.label()))
+            (number_cell(&significant(outcome.ours, 4)))
+            td { (text(outcome.unit)) }
+            td {
+                @if outcome.agrees() { "agrees" } @else { strong { "differs" } }
+            }
+        }
     }
 }
 
-fn picture(picture: &Picture) -> String {
-    let keys: String = picture.keys.iter().map(|(class, meaning)| entry(class, meaning)).collect();
-    let legend = if keys.is_empty() { String::new() } else { format!("<p class=\"legend\">{keys}</p>\n") };
-    format!("<h3>{}</h3>\n{legend}{}", text(&picture.title), figure("", &picture.svg, &picture.caption))
+fn picture_with_legend(picture: &Picture) -> Markup {
+    let entries: Vec<Markup> =
+        picture.legend.iter().map(|(class, meaning)| legend_entry(class, meaning)).collect();
+    html! {
+        h3 { (text(&picture.title)) }
+        (legend(&entries))
+        (figure("", &picture.svg, &picture.caption))
+    }
+}
+
+/// A point where the class ends in ` mark`, a surface for `before-range`, otherwise a line.
+fn legend_entry(class: &str, meaning: &str) -> Markup {
+    match class.strip_suffix(" mark") {
+        Some(class) => point_entry(class, meaning),
+        None if class == "before-range" => surface_entry(class, meaning),
+        None => line_entry(class, meaning),
+    }
 }

@@ -11,13 +11,13 @@ use files::error::InputError;
 impl Context<'_> {
     /// The filter behind the path, which works in whole samples.
     pub(super) fn smoothing(&self, sample_rate_hz: f64) -> Result<(), InputError> {
-        let axis = self.axis;
-        let windows = [("smoothing_s", axis.smoothing_s), ("smoothing_jerk_s", axis.smoothing_jerk_s)];
+        let filters = &self.settings.filters;
+        let windows = [("smoothing_s", filters.smoothing_s), ("smoothing_jerk_s", filters.smoothing_jerk_s)];
         let window = windows.into_iter().find(|(_, time_s)| time_s.is_some());
-        if let (Some((key, _)), Some(_)) = (window, axis.smoothing_time_constant_s) {
+        if let (Some((key, _)), Some(_)) = (window, filters.smoothing_time_constant_s) {
             return Err(self.refuse("smoothing_time_constant_s", &format!("no such key, as {key} is given")));
         }
-        if let (None, Some(_)) = (axis.smoothing_s, axis.smoothing_jerk_s) {
+        if let (None, Some(_)) = (filters.smoothing_s, filters.smoothing_jerk_s) {
             return Err(self.refuse("smoothing_s", "this key, as smoothing_jerk_s is given"));
         }
         for (key, time_s) in windows {
@@ -27,13 +27,13 @@ impl Context<'_> {
                 return Err(self.refuse(key, &what));
             }
         }
-        if axis.smoothing_jerk_s > axis.smoothing_s {
+        if filters.smoothing_jerk_s > filters.smoothing_s {
             return Err(self.refuse("smoothing_jerk_s", "a time no longer than smoothing_s"));
         }
-        if Filter::new(&servo::smoothing(axis), sample_rate_hz).is_ok() {
+        if Filter::new(&servo::smoothing(filters), sample_rate_hz).is_ok() {
             return Ok(());
         }
-        if axis.smoothing_time_constant_s.is_some() {
+        if filters.smoothing_time_constant_s.is_some() {
             return Err(self.refuse("smoothing_time_constant_s", "a time of at most a million samples"));
         }
         let longest_s = WINDOW as f64 / sample_rate_hz;
@@ -43,27 +43,27 @@ impl Context<'_> {
 
     /// The filters of the force.
     pub(super) fn filters(&self, velocity_loop_hz: f64) -> Result<(), InputError> {
-        let axis = self.axis;
+        let filters = &self.settings.filters;
         self.complete(&[
-            ("notch_frequency_hz", axis.notch_frequency_hz),
-            ("notch_width_hz", axis.notch_width_hz),
-            ("notch_depth", axis.notch_depth),
+            ("notch_frequency_hz", filters.notch_frequency_hz),
+            ("notch_width_hz", filters.notch_width_hz),
+            ("notch_depth", filters.notch_depth),
         ])?;
         self.complete(&[
-            ("low_pass_frequency_hz", axis.low_pass_frequency_hz),
-            ("low_pass_damping_ratio", axis.low_pass_damping_ratio),
+            ("low_pass_frequency_hz", filters.low_pass_frequency_hz),
+            ("low_pass_damping_ratio", filters.low_pass_damping_ratio),
         ])?;
         let settings = AxisSettings {
-            notch: servo::notch(axis),
-            low_pass: servo::low_pass(axis),
+            notch: servo::notch(filters),
+            low_pass: servo::low_pass(filters),
             ..AxisSettings::default()
         };
         let rates = Rates { velocity_loop_hz, position_loop_divider: 1 };
         match AxisConfig::<f64>::new(&settings, rates) {
-            Err(ConfigError::OutOfRange { name, least, most })
+            Err(ConfigError::OutOfRange { name, min, max })
                 if name.starts_with("notch") || name.starts_with("low_pass") =>
             {
-                Err(self.refuse(name, &format!("a number from {least} to {most}")))
+                Err(self.refuse(name, &format!("a number from {min} to {max}")))
             }
             _ => Ok(()),
         }
@@ -82,7 +82,7 @@ impl Context<'_> {
     }
 
     pub(super) fn travel(&self) -> Result<(), InputError> {
-        let Some([least, greatest]) = self.axis.travel_mm else { return Ok(()) };
+        let Some([least, greatest]) = self.settings.limits.travel_mm else { return Ok(()) };
         let limit_mm = 1e3 * TRAVEL_LIMIT_M;
         for (index, end_mm) in [least, greatest].into_iter().enumerate() {
             if end_mm.abs() > limit_mm {

@@ -1,7 +1,8 @@
 //! What a trace has written beside fitted values: it has to belong to them.
 
-use super::{Context, Range, parameters};
+use super::{Context, parameters};
 use crate::machine::nominal::TOLERATED;
+use crate::range::Range;
 use files::error::InputError;
 
 /// Farther zeros are a slip of the unit: a metre.
@@ -15,12 +16,12 @@ impl Context<'_> {
     /// tolerance allows.
     pub(super) fn nominal(&self) -> Result<(), InputError> {
         let Some(nominal) = &self.axis.nominal else { return Ok(()) };
-        let percent = self.axis.plant_tolerance_percent.unwrap_or(0.0);
+        let percent = self.settings.mechanics.plant_tolerance_percent.unwrap_or(0.0);
         for value in TOLERATED {
             let Some(centre) = (value.nominal)(nominal) else { continue };
             let key = format!("nominal.{}", value.key);
             Range::NotNegative.check(&format!("{}.{key}", self.key), centre, self.document)?;
-            let Some(fitted) = (value.get)(self.axis) else {
+            let Some(fitted) = (value.get)(self.settings) else {
                 return Err(self.refuse(&key, &format!("no such key, as {} is not given", value.key)));
             };
             if (fitted - centre).abs() > (0.01 * percent + ROUNDING) * centre {

@@ -1,83 +1,110 @@
-//! Every figure and finding of the paper beside ours.
+//! The paper's values beside ours.
 
+use super::experiment::{Experiment, FEEDFORWARD_PERCENT, LawAtGain};
 use super::machine::{ACCELERATION_M_PER_S2, RAPID_M_PER_S};
-use super::{Experiment, FEEDFORWARD_PERCENT, Tuned};
-use crate::reproduce::{Outcome, Printed};
+use crate::reproduce::study::{Outcome, Printed};
 
-/// Half of the last digit of the printed Kf.
-const FEEDFORWARD_TOLERANCE: f64 = 0.5;
+/// Printed: maximum difference of simulated and measured contours, also of those used in the identification, µm.
+const DIFFERENCE_UM: Printed = Printed::Below(5.0);
 
-/// Printed: how far simulated and measured contours differ, and what the identification had to keep, µm.
-const DIFFERENCE_UM: f64 = 5.0;
+/// All outcomes.
+pub fn all(experiment: &Experiment) -> Vec<Outcome> {
+    [
+        rapid_moves(experiment),
+        circle_shrinkage(experiment),
+        contours(experiment),
+        overshoot_over_gain(experiment),
+        overshoot_by_cause(experiment),
+    ]
+    .concat()
+}
 
-pub(super) fn outcomes(experiment: &Experiment) -> Vec<Outcome> {
+/// Table 1: speed and acceleration of both axes.
+fn rapid_moves(experiment: &Experiment) -> Vec<Outcome> {
     let mut outcomes = Vec::new();
-    let mut say = |quantity: String, printed, ours, unit| {
-        outcomes.push(Outcome::new(quantity, printed, ours, unit));
-    };
     for (axis, [speed, acceleration]) in ["X", "Y"].into_iter().zip(experiment.reached) {
-        let printed = Printed::Figure { value: 60.0 * RAPID_M_PER_S, tolerance: 0.5 };
-        say(format!("{axis}: speed reached"), printed, 60.0 * speed, "m/min");
-        let value = ACCELERATION_M_PER_S2[usize::from(axis == "Y")];
-        let printed = Printed::Figure { value, tolerance: 0.05 };
-        say(format!("{axis}: acceleration reached"), printed, acceleration, "m/s²");
+        let printed = Printed::to_digit(60.0 * RAPID_M_PER_S, 1.0);
+        outcomes.push(Outcome::new(format!("{axis}: speed reached"), printed, 60.0 * speed, "m/min"));
+        let printed = Printed::to_digit(ACCELERATION_M_PER_S2[usize::from(axis == "Y")], 0.1);
+        outcomes.push(Outcome::new(format!("{axis}: acceleration reached"), printed, acceleration, "m/s²"));
     }
-    for tuned in &experiment.hpc {
-        let printed = Printed::Figure { value: FEEDFORWARD_PERCENT, tolerance: FEEDFORWARD_TOLERANCE };
-        let quantity = format!("Kf of least circle shrinkage, HPC, motors, Kp = {}", tuned.gain_per_s);
-        say(quantity, printed, tuned.kept.motor_percent, "%");
-    }
-    let below = Printed::Below(DIFFERENCE_UM);
-    for (tuned, predicted) in experiment.hpc.iter().zip(&experiment.predicted) {
-        let corner = &tuned.printed;
-        let difference = corner.difference_um(&corner.motion.motor, &predicted.motor);
-        say(
-            format!("motor contour, from the command, Kp = {}", tuned.gain_per_s),
-            below.clone(),
-            difference,
-            "µm",
-        );
-    }
-    say(
-        "tool contour, from the motors, Kp = 33 (identified)".to_owned(),
-        below.clone(),
-        experiment.identified_um(),
+    outcomes
+}
+
+/// The printed feed-forward, which was set for minimum circle shrinkage.
+fn circle_shrinkage(experiment: &Experiment) -> Vec<Outcome> {
+    let outcome = |run: &LawAtGain| {
+        let quantity = format!("Kf of least circle shrinkage, HPC, motors, Kp = {}", run.gain_per_s);
+        let printed = Printed::to_digit(FEEDFORWARD_PERCENT, 1.0);
+        Outcome::new(quantity, printed, run.feedforward.motor_percent, "%")
+    };
+    experiment.hpc.iter().map(outcome).collect()
+}
+
+/// Distances of predicted and simulated contours at the corner.
+fn contours(experiment: &Experiment) -> Vec<Outcome> {
+    let runs = || experiment.hpc.iter().zip(&experiment.predictions);
+    let motors = runs().map(|(run, prediction)| {
+        let corner = &run.printed;
+        let quantity = format!("motor contour, from the command, Kp = {}", run.gain_per_s);
+        let difference_um = corner.difference_um(&corner.motion.motor, &prediction.motor);
+        Outcome::new(quantity, DIFFERENCE_UM, difference_um, "µm")
+    });
+    let identified = Outcome::new(
+        "tool contour, from the motors, Kp = 33 (identified)",
+        DIFFERENCE_UM,
+        experiment.identification_residual_um(),
         "µm",
     );
-    for (tuned, predicted) in experiment.hpc.iter().zip(&experiment.predicted) {
-        let corner = &tuned.printed;
-        let difference = corner.difference_um(&corner.motion.tool, &predicted.tool);
-        say(
-            format!("tool contour, from the command, Kp = {}", tuned.gain_per_s),
-            below.clone(),
-            difference,
-            "µm",
-        );
-    }
-    for pair in experiment.hpc.windows(2) {
+    let tools = runs().map(|(run, prediction)| {
+        let corner = &run.printed;
+        let quantity = format!("tool contour, from the command, Kp = {}", run.gain_per_s);
+        let difference_um = corner.difference_um(&corner.motion.tool, &prediction.tool);
+        Outcome::new(quantity, DIFFERENCE_UM, difference_um, "µm")
+    });
+    motors.chain([identified]).chain(tools).collect()
+}
+
+/// Overshoot of the tool at each gain over that at the next lower one.
+fn overshoot_over_gain(experiment: &Experiment) -> Vec<Outcome> {
+    let outcome = |pair: &[LawAtGain]| {
         let [low, high] = [&pair[0], &pair[1]];
         let quantity = format!("corner overshoot, Kp = {} over Kp = {}", high.gain_per_s, low.gain_per_s);
-        say(quantity, Printed::Below(1.0), high.printed.overshoot_um() / low.printed.overshoot_um(), "");
-    }
+        let ratio = high.printed.overshoot_um() / low.printed.overshoot_um();
+        Outcome::new(quantity, Printed::Below(1.0), ratio, "")
+    };
+    experiment.hpc.windows(2).map(outcome).collect()
+}
+
+/// Contributions of feed-forward and mechanics to the overshoot.
+fn overshoot_by_cause(experiment: &Experiment) -> Vec<Outcome> {
     let (low, high) = (&experiment.hpc[0], &experiment.hpc[2]);
-    let ratio = low.printed.lead_um() / high.printed.lead_um();
-    say(
-        "command beyond the corner by feed-forward, Kp = 33 over 75".to_owned(),
-        Printed::Above(1.0),
-        ratio,
-        "",
-    );
-    let ratio = high.least.overshoot_um() / low.least.overshoot_um();
-    say("overshoot at Kf of least shrinkage, Kp = 75 over 33".to_owned(), Printed::Below(1.0), ratio, "");
-    let more = low.least.overshoot_um() - low.without.overshoot_um();
-    say("overshoot that Kf of least shrinkage adds, Kp = 33".to_owned(), Printed::Above(0.0), more, "µm");
-    let added = |tuned: &Tuned| tuned.printed.overshoot_um() - tuned.printed.motor_overshoot_um();
-    let eased = added(high) - added(low);
-    say(
-        "overshoot that the mechanics adds, Kp = 75 less Kp = 33".to_owned(),
-        Printed::Below(0.0),
-        eased,
-        "µm",
-    );
-    outcomes
+    let added_by_mechanics_um =
+        |run: &LawAtGain| run.printed.overshoot_um() - run.printed.motor_overshoot_um();
+    vec![
+        Outcome::new(
+            "command beyond the corner by feed-forward, Kp = 33 over 75",
+            Printed::Above(1.0),
+            low.printed.feedforward_overshoot_um() / high.printed.feedforward_overshoot_um(),
+            "",
+        ),
+        Outcome::new(
+            "overshoot at Kf of least shrinkage, Kp = 75 over 33",
+            Printed::Below(1.0),
+            high.radius_kept.overshoot_um() / low.radius_kept.overshoot_um(),
+            "",
+        ),
+        Outcome::new(
+            "overshoot that Kf of least shrinkage adds, Kp = 33",
+            Printed::Above(0.0),
+            low.radius_kept.overshoot_um() - low.without.overshoot_um(),
+            "µm",
+        ),
+        Outcome::new(
+            "overshoot that the mechanics adds, Kp = 75 less Kp = 33",
+            Printed::Below(0.0),
+            added_by_mechanics_um(high) - added_by_mechanics_um(low),
+            "µm",
+        ),
+    ]
 }

@@ -1,47 +1,53 @@
-//! The contours at the corner, magnified, and the overshoot over the gain.
+//! Contours at the corner, and overshoot over the gain.
 
+use super::experiment::{Experiment, FEEDFORWARD_PERCENT, LawAtGain};
 use super::machine::{Track, Tuning, corner_m};
-use super::{Experiment, FEEDFORWARD_PERCENT, Tuned};
-use crate::reproduce::{Picture, ReproduceError};
-use model::machine::Controller;
+use crate::reproduce::study::{Picture, ReproduceError};
+use model::axis::Law;
 use report::plot::{Chart, Ink, Layer};
 
-/// Pixels of the page that a picture is wide, and those that the labels beside and below its plane take.
+/// Width of a contour picture, pixels.
 const WIDTH: f64 = 620.0;
+
+/// Space that a chart uses for labels beside and below its plane, pixels.
 const LABELS: (f64, f64) = (66.0, 36.0);
 
-/// What a chart leaves free above and below, share of its height each.
-const ROOM: f64 = 0.06;
+/// Margin that a chart leaves above and below the data, fraction of the data's height each.
+const MARGIN: f64 = 0.06;
 
-pub(super) fn all(experiment: &Experiment) -> Result<Vec<Picture>, ReproduceError> {
+/// All pictures.
+///
+/// # Errors
+/// If a prediction fails.
+pub fn all(experiment: &Experiment) -> Result<Vec<Picture>, ReproduceError> {
     let predicted = (0..experiment.hpc.len()).map(|gain| prediction(experiment, gain));
     let laws = experiment.hpc.iter().zip(&experiment.p).map(|(hpc, p)| both_laws(hpc, p));
     Ok(predicted.chain(laws).chain([over_gain(experiment)?]).collect())
 }
 
-/// Plant and prediction at one gain.
+/// Plant and prediction at one gain, by its index.
 fn prediction(experiment: &Experiment, gain: usize) -> Picture {
     const HALF_UM: f64 = 300.0;
-    let (tuned, predicted) = (&experiment.hpc[gain], &experiment.predicted[gain]);
-    let corner = &tuned.printed;
+    let (run, prediction) = (&experiment.hpc[gain], &experiment.predictions[gain]);
+    let corner = &run.printed;
     let tool = &corner.motion.tool;
     let tracks = [
         (Ink::Axis, &corner.motion.command),
-        (Ink::Third, &predicted.motor),
+        (Ink::Third, &prediction.motor),
         (Ink::After, tool),
-        (Ink::Before, &predicted.tool),
+        (Ink::Before, &prediction.tool),
     ];
     Picture {
-        title: format!("The corner at Kp = {} 1/s, plant and prediction", tuned.gain_per_s),
+        title: format!("The corner at Kp = {} 1/s, plant and prediction", run.gain_per_s),
         svg: contours("Tool and motors at the corner", HALF_UM, &tracks),
         caption: format!(
             "HPC, Kf = {FEEDFORWARD_PERCENT} %, {HALF_UM} µm either side of the corner, run through from left to right. \
              The tool of the plant and that predicted from the command differ by {:.1} µm at the most; it stands out \
              by {:.0} µm.",
-            corner.difference_um(tool, &predicted.tool),
+            corner.difference_um(tool, &prediction.tool),
             corner.overshoot_um(),
         ),
-        keys: vec![
+        legend: vec![
             ("axis", "command".to_owned()),
             ("cw", "motors, predicted".to_owned()),
             ("after", "tool, plant".to_owned()),
@@ -51,13 +57,13 @@ fn prediction(experiment: &Experiment, gain: usize) -> Picture {
 }
 
 /// P and HPC on the plant at one gain.
-fn both_laws(hpc: &Tuned, p: &Tuned) -> Picture {
+fn both_laws(hpc: &LawAtGain, p: &LawAtGain) -> Picture {
     const HALF_UM: f64 = 900.0;
     let tracks = [
         (Ink::Axis, &hpc.printed.motion.command),
         (Ink::Before, &p.printed.motion.tool),
         (Ink::After, &hpc.printed.motion.tool),
-        (Ink::Fourth, &p.least.motion.tool),
+        (Ink::Fourth, &p.radius_kept.motion.tool),
     ];
     Picture {
         title: format!("P and HPC at Kp = {} 1/s", hpc.gain_per_s),
@@ -66,27 +72,27 @@ fn both_laws(hpc: &Tuned, p: &Tuned) -> Picture {
             "Kf = {FEEDFORWARD_PERCENT} % keeps a circle's radius under HPC, and P then rounds the corner by {:.0} µm. \
              With the {:.0} % that keep a radius under P, P overshoots by {:.0} µm.",
             p.printed.rounding_um(),
-            p.kept.tool_percent,
-            p.least.overshoot_um(),
+            p.feedforward.tool_percent,
+            p.radius_kept.overshoot_um(),
         ),
-        keys: vec![
+        legend: vec![
             ("axis", "command".to_owned()),
             ("after", format!("HPC, Kf = {FEEDFORWARD_PERCENT} %")),
             ("before", format!("P, Kf = {FEEDFORWARD_PERCENT} %")),
-            ("ccw", format!("P, Kf = {:.0} %", p.kept.tool_percent)),
+            ("ccw", format!("P, Kf = {:.0} %", p.feedforward.tool_percent)),
         ],
     }
 }
 
-/// Overshoot over Kp: lines as predicted, marks from the plant.
+/// Overshoot over Kp: predictions as lines, the plant as markers.
 fn over_gain(experiment: &Experiment) -> Result<Picture, ReproduceError> {
-    let kinds = [
-        (Ink::After, Controller::Hpc, FEEDFORWARD_PERCENT),
-        (Ink::Third, Controller::Hpc, 0.0),
-        (Ink::Before, Controller::P, FEEDFORWARD_PERCENT),
+    let cases = [
+        (Ink::After, Law::Hpc, FEEDFORWARD_PERCENT),
+        (Ink::Third, Law::Hpc, 0.0),
+        (Ink::Before, Law::P, FEEDFORWARD_PERCENT),
     ];
     let mut layers = Vec::new();
-    for (ink, law, feedforward_percent) in kinds {
+    for (ink, law, feedforward_percent) in cases {
         let line = (0..=14).map(|k| {
             let gain_per_s = 24.0 + 4.0 * f64::from(k);
             let overshoot =
@@ -94,10 +100,10 @@ fn over_gain(experiment: &Experiment) -> Result<Picture, ReproduceError> {
             Ok((gain_per_s, overshoot))
         });
         layers.push(Layer { ink, points: line.collect::<Result<_, ReproduceError>>()?, is_marked: false });
-        let plant = if law == Controller::Hpc { &experiment.hpc } else { &experiment.p };
-        for tuned in plant {
-            let corner = if feedforward_percent > 0.0 { &tuned.printed } else { &tuned.without };
-            let points = vec![(tuned.gain_per_s, corner.overshoot_um())];
+        let plant = if law == Law::Hpc { &experiment.hpc } else { &experiment.p };
+        for run in plant {
+            let corner = if feedforward_percent > 0.0 { &run.printed } else { &run.without };
+            let points = vec![(run.gain_per_s, corner.overshoot_um())];
             layers.push(Layer { ink, points, is_marked: true });
         }
     }
@@ -116,7 +122,7 @@ fn over_gain(experiment: &Experiment) -> Result<Picture, ReproduceError> {
         caption: "How far the tool stands out over the second line. Lines: predicted, with the mechanics identified \
                   at Kp = 33; circles: the plant."
             .to_owned(),
-        keys: vec![
+        legend: vec![
             ("after", format!("HPC, Kf = {FEEDFORWARD_PERCENT} %")),
             ("cw", "HPC, Kf = 0".to_owned()),
             ("before", format!("P, Kf = {FEEDFORWARD_PERCENT} %")),
@@ -124,21 +130,21 @@ fn over_gain(experiment: &Experiment) -> Result<Picture, ReproduceError> {
     })
 }
 
-/// Contours around the corner, µm from it, as large upwards as to the right.
+/// Contours around the corner, µm, with the same scale on both axes.
 fn contours(title: &str, half_um: f64, tracks: &[(Ink, &Track)]) -> String {
     let layers: Vec<Layer> = tracks
         .iter()
         .map(|&(ink, track)| Layer { ink, points: near(track, half_um), is_marked: false })
         .collect();
     let points = || layers.iter().flat_map(|layer| &layer.points);
-    // The plane of a chart reaches from the least to the greatest, with room above and below, and holds zero.
+    // The plane of a chart spans the data and zero, with a margin above and below.
     let span = |values: &mut dyn Iterator<Item = f64>, start: f64| {
-        let (least, most) = values.fold((start, start), |(least, most), v| (least.min(v), most.max(v)));
-        most - least
+        let (min, max) = values.fold((start, start), |(min, max), v| (min.min(v), max.max(v)));
+        max - min
     };
-    let wide = span(&mut points().map(|point| point.0), -half_um);
-    let high = span(&mut points().map(|point| point.1), 0.0) * (1.0 + 2.0 * ROOM);
-    let height = LABELS.1 + (WIDTH - LABELS.0) * high / wide;
+    let width = span(&mut points().map(|point| point.0), -half_um);
+    let data_height = span(&mut points().map(|point| point.1), 0.0) * (1.0 + 2.0 * MARGIN);
+    let height = LABELS.1 + (WIDTH - LABELS.0) * data_height / width;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few hundred pixels")]
     let size = (WIDTH as u32, height.round() as u32);
     Chart {
@@ -153,7 +159,7 @@ fn contours(title: &str, half_um: f64, tracks: &[(Ink, &Track)]) -> String {
     .svg()
 }
 
-/// Points of a track no further from the corner than `half_um` to the right or upwards, µm.
+/// Points of a track within ±`half_um` of the corner in X and Y, µm.
 fn near(track: &Track, half_um: f64) -> Vec<(f64, f64)> {
     let [cx, cy] = corner_m();
     track

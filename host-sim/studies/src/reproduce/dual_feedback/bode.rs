@@ -1,40 +1,40 @@
-//! The Bode diagram of the appendix, (13) and (14), measured on the system run in [`super::response`].
+//! The Bode diagram of the appendix, (13) and (14), measured on the system in [`super::ideal_loop`].
 //!
 //! ```text
-//! G = Qo/ΔQ = −s(T + T' + TT's)/((1 + Ts)(1 + T's))      breaks at 1/(T + T'), 1/T, 1/T', (T + T')/(TT')
+//! G = Qo/ΔQ = −s(T + T' + TT's)/((1 + Ts)(1 + T's));   breaks at 1/(T + T'), 1/T, 1/T', (T + T')/(TT')
 //! |G|² − 1 = (2αx² − 1)/((1 + x²)(1 + α²x²)),  x = ωT, α = T'/T
 //! ```
 
-use super::closed_forms::{ALPHAS, INKS, keys, line, rounded, times};
-use super::printed;
-use super::response::{Response, Times, at, breaks};
-use crate::reproduce::{Outcome, Picture, Printed, ReproduceError, Study};
+use super::frequency_response::{Response, fit_breaks, measure};
+use super::ideal_loop::{ALPHAS, TimeConstants};
+use super::plotting::{INKS, legend, line, marker, rounded};
+use crate::reproduce::study::{Outcome, Picture, Printed, ReproduceError, Study};
 use report::number::significant;
 use report::plot::{Chart, Ink};
 
-/// |G| of (13).
-fn magnitude(Times { position_s, shift_s }: Times, omega: f64) -> f64 {
-    let (x, y) = (omega * position_s, omega * shift_s);
+/// |G| of (13); `omega` in rad/s.
+fn magnitude(TimeConstants { position_s, dual_s }: TimeConstants, omega: f64) -> f64 {
+    let (x, y) = (omega * position_s, omega * dual_s);
     (x + y).hypot(x * y) / (1f64.hypot(x) * 1f64.hypot(y))
 }
 
-/// (13), rad/s, in the order of its text.
-fn break_frequencies(Times { position_s, shift_s }: Times) -> [f64; 4] {
-    let sum = position_s + shift_s;
-    [1.0 / sum, 1.0 / position_s.max(shift_s), 1.0 / position_s.min(shift_s), sum / (position_s * shift_s)]
+/// Break frequencies of (13), rad/s, ascending.
+fn break_frequencies(TimeConstants { position_s, dual_s }: TimeConstants) -> [f64; 4] {
+    let sum = position_s + dual_s;
+    [1.0 / sum, 1.0 / position_s.max(dual_s), 1.0 / position_s.min(dual_s), sum / (position_s * dual_s)]
 }
 
-/// Measured from 0.03 to 30 times 1/T, four a decade.
-fn bode(times: Times) -> Vec<Response> {
-    (-6..=6).map(|quarter| at(times, 10f64.powf(0.25 * f64::from(quarter)) / times.position_s)).collect()
+/// Responses from 0.03/T to 30/T, four per decade.
+fn bode(times: TimeConstants) -> Vec<Response> {
+    (-6..=6).map(|quarter| measure(times, 10f64.powf(0.25 * f64::from(quarter)) / times.position_s)).collect()
 }
 
-/// Adds the diagram.
+/// Adds the Bode diagram.
 ///
 /// # Errors
-/// When the fit of the break frequencies fails.
+/// If the fit of the break frequencies fails.
 pub fn add(study: &mut Study) -> Result<(), ReproduceError> {
-    let systems = ALPHAS.map(times);
+    let systems = ALPHAS.map(TimeConstants::with_alpha);
     let responses = systems.map(bode);
     add_breaks(study, systems[2], &responses[2])?;
     add_magnitudes(study, &responses);
@@ -42,15 +42,16 @@ pub fn add(study: &mut Study) -> Result<(), ReproduceError> {
     Ok(())
 }
 
-fn add_breaks(study: &mut Study, times: Times, responses: &[Response]) -> Result<(), ReproduceError> {
-    let unfit = || ReproduceError::Numerics("no break frequencies fit the measured responses".to_owned());
-    // From a tenth to ten times the middle of the four.
-    let found = breaks(&responses[2..11]).ok_or_else(unfit)?;
+/// Break frequencies fitted to the responses, against the formulas.
+fn add_breaks(study: &mut Study, times: TimeConstants, responses: &[Response]) -> Result<(), ReproduceError> {
+    let no_fit = || ReproduceError::Numerics("no break frequencies fit the measured responses".to_owned());
+    // From 0.1/T to 10/T: one decade on either side of the breaks.
+    let found = fit_breaks(&responses[2..11]).ok_or_else(no_fit)?;
     let names = ["1/(T + T')", "1/T'", "1/T", "(T + T')/(TT')"];
     for ((name, exact), found) in names.into_iter().zip(break_frequencies(times)).zip(found) {
         study.outcomes.push(Outcome::new(
             format!("Bode diagram, break at {name}, T = 0.03 s, T' = 0.08 s"),
-            printed(rounded(exact, 1), 0.1),
+            Printed::to_digit(rounded(exact, 1), 0.1),
             found,
             "rad/s",
         ));
@@ -58,20 +59,20 @@ fn add_breaks(study: &mut Study, times: Times, responses: &[Response]) -> Result
     Ok(())
 }
 
-/// What the paper concludes of small α.
+/// The paper's conclusion about small α, against the maxima of |G|.
 fn add_magnitudes(study: &mut Study, responses: &[Vec<Response>; 3]) {
-    let most = |responses: &[Response]| numerics::max_abs(responses.iter().map(Response::magnitude));
-    let highest = responses.each_ref().map(|responses| most(responses));
-    // Highest near ωT = 1/√α, about 3 at a tenth.
-    let small = times(0.1);
-    let near = [2.0, 3.0, 4.0, 5.0].map(|x| at(small, x / small.position_s));
+    let max = |responses: &[Response]| numerics::max_abs(responses.iter().map(Response::magnitude));
+    let highest = responses.each_ref().map(|responses| max(responses));
+    // The maximum is near ωT = 1/√α, about 3 for α = 0.1.
+    let small = TimeConstants::with_alpha(0.1);
+    let near_maximum = [2.0, 3.0, 4.0, 5.0].map(|x| measure(small, x / small.position_s));
     study.outcomes.push(Outcome::new(
         "highest |Qo/ΔQ| with T' = T/10, over that with T' = T (the paper: unusable for α ≪ 1)",
         Printed::Above(1.0),
-        most(&near) / highest[1],
+        max(&near_maximum) / highest[1],
         "",
     ));
-    study.said.push(format!(
+    study.findings.push(format!(
         "The table moves by up to {} times a lost motion that comes and goes where T' = T, by {} times where T' is \
          three times shorter: 2/√3 at the most.",
         significant(highest[1], 4),
@@ -85,16 +86,17 @@ fn add_magnitudes(study: &mut Study, responses: &[Vec<Response>; 3]) {
     );
 }
 
-fn picture(systems: [Times; 3], responses: &[Vec<Response>; 3]) -> Picture {
+/// |G| over ωT: formula (13) as lines, measurements as markers.
+fn picture(systems: [TimeConstants; 3], responses: &[Vec<Response>; 3]) -> Picture {
     let db = |magnitude: f64| 20.0 * magnitude.log10();
     let mut layers = Vec::new();
     for ((times, responses), ink) in systems.into_iter().zip(responses).zip(INKS) {
         let exact = (-150..=150).map(|k| 0.01 * f64::from(k));
         let exact = exact.map(|decade| (decade, db(magnitude(times, 10f64.powf(decade) / times.position_s))));
-        layers.push(line(ink, exact.collect(), false));
-        let place =
+        layers.push(line(ink, exact.collect()));
+        let point =
             |response: &Response| ((response.omega * times.position_s).log10(), db(response.magnitude()));
-        layers.extend(responses.iter().map(|response| line(Ink::After, vec![place(response)], true)));
+        layers.extend(responses.iter().map(|response| marker(Ink::After, point(response))));
     }
     let title = "Bode diagram of the dual feedback system".to_owned();
     let caption = "How much of a lost motion that comes and goes the table shows, |Qo/ΔQ|: formula (13), and measured \
@@ -111,26 +113,26 @@ fn picture(systems: [Times; 3], responses: &[Vec<Response>; 3]) -> Picture {
         layers,
     };
     let svg = chart.svg();
-    Picture { title, svg, caption, keys: keys(systems, "measured") }
+    Picture { title, svg, caption, legend: legend(systems, "measured") }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduce::dual_feedback::response::TICK_S;
+    use crate::reproduce::dual_feedback::ideal_loop::TICK_S;
 
-    /// Held over a tick the motor's share is off by (ωh)²/3 of itself at most, and 5e-5 in fixed point.
+    /// The zero-order hold changes the motor's contribution by (ωh)²/3 of itself at most; fixed point by 5e-5.
     #[test]
     fn the_magnitude_is_that_of_the_formula() {
-        for times in ALPHAS.map(times) {
+        for times in ALPHAS.map(TimeConstants::with_alpha) {
             for response in bode(times) {
                 let exact = magnitude(times, response.omega);
                 let motor = 1.0
                     / (1f64.hypot(response.omega * times.position_s)
-                        * 1f64.hypot(response.omega * times.shift_s));
+                        * 1f64.hypot(response.omega * times.dual_s));
                 let tolerance = 1.02
                     * motor
-                    * ((response.omega * TICK_S).powi(2) / 3.0 + (TICK_S / times.shift_s).powi(2) / 6.0)
+                    * ((response.omega * TICK_S).powi(2) / 3.0 + (TICK_S / times.dual_s).powi(2) / 6.0)
                     + 5e-5;
                 assert!((response.magnitude() - exact).abs() < tolerance, "{times:?} {response:?} {exact}");
             }

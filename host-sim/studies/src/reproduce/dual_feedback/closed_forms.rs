@@ -1,7 +1,7 @@
-//! The closed forms of the appendix in time, (9) to (12), (15) and (16), against the system run in
-//! [`super::response`].
+//! The closed forms of the appendix in time, (9) to (12), (15) and (16), against the system in
+//! [`super::ideal_loop`].
 //!
-//! Lost motion ΔQ, K = 1/T, K' = 1/T' = 1/(αT), no command:
+//! With the lost motion ΔQ, K = 1/T, K' = 1/T' = 1/(αT), and no command:
 //!
 //! ```text
 //! (9), (10)   Qo/ΔQ = 1/((1 + Ts)(1 + T's)) − 1
@@ -11,147 +11,142 @@
 //! (16)        Qc of both at once: their sum
 //! ```
 //!
-//! A tick holds what continuous time lets slide: the shift is late by up to h·ΔQ/T', which bounds every deviation.
+//! The sampled system holds its values over a tick h: the shift lags by up to h·ΔQ/T', which bounds every deviation.
 
-use super::response::{Shown, TICK_S, Times, run};
-use crate::reproduce::{Outcome, Picture, Printed, Study};
-use report::number::fixed;
-use report::plot::{Chart, Ink, Layer};
+use super::ideal_loop::{ALPHAS, Output, TICK_S, TimeConstants, run};
+use super::plotting::{INKS, legend, line, marker, rounded};
+use crate::reproduce::study::{Outcome, Picture, Printed, Study};
+use report::plot::{Chart, Ink};
 
-/// T, s: Kp = 33 1/s.
-const POSITION_S: f64 = 0.03;
-
-/// T'/T.
-pub const ALPHAS: [f64; 3] = [1.0 / 3.0, 1.0, 8.0 / 3.0];
-
-/// Lost motion, nm.
+/// Step of the lost motion ΔQ, nm.
 const STEP_NM: f64 = 10_000.0;
 
-/// What fixed point leaves of 10 µm, nm: its gains are h/T' right to 2⁻²⁵ of one, 5e-5 of themselves, and an answer
-/// goes with at most 1/e of that; half of its 1/16 nm stands in each of the two integrators.
+/// Error of the number format on 10 µm, nm: the gains h/T' are rounded to 2⁻²⁵, 5e-5 relative, of which at most 1/e
+/// appears in a response; each of the two integrators is rounded to half of 1/16 nm.
 const FORMAT_NM: f64 = 0.3;
 
-/// Half a second.
+/// Duration of a run: 0.5 s.
 const TICKS: u32 = 10_000;
 
-/// One closed form: what ΔQ is (nm), what is looked at, and what it should be (nm), over time (s).
+/// One closed form.
 struct Form {
+    /// Name in the report.
     name: &'static str,
-    /// Of ΔQ over time.
-    lost_nm: fn(Times, f64) -> f64,
-    shown_nm: fn(&Shown) -> f64,
-    exact_nm: fn(Times, f64) -> f64,
+    /// Lost motion ΔQ (nm) over time (s).
+    lost_nm: fn(TimeConstants, f64) -> f64,
+    /// The output that is compared, nm.
+    output_nm: fn(&Output) -> f64,
+    /// The closed form of that output (nm) over time (s).
+    exact_nm: fn(TimeConstants, f64) -> f64,
 }
 
-/// Pitch error, nm/s, that in the end is as much as the step: `ΔQp/K' = ΔQb`.
-fn ramp_nm_per_s(times: Times) -> f64 {
-    STEP_NM / times.shift_s
+/// Rate of a ramp, nm/s, whose final Qc equals that of the step: `ΔQp/K' = ΔQb`.
+fn ramp_nm_per_s(times: TimeConstants) -> f64 {
+    STEP_NM / times.dual_s
 }
 
-/// Qo of a step of one.
-fn after_step(Times { position_s, shift_s }: Times, time_s: f64) -> f64 {
-    let fades = |time_constant: f64| (-time_s / time_constant).exp();
-    if is_equal(position_s, shift_s) {
-        -(1.0 + time_s / position_s) * fades(position_s)
+/// Qo after a unit step, (11) and (12).
+fn step_response(TimeConstants { position_s, dual_s }: TimeConstants, time_s: f64) -> f64 {
+    let decay = |time_constant: f64| (-time_s / time_constant).exp();
+    if is_equal(position_s, dual_s) {
+        -(1.0 + time_s / position_s) * decay(position_s)
     } else {
-        -(position_s * fades(position_s) - shift_s * fades(shift_s)) / (position_s - shift_s)
+        -(position_s * decay(position_s) - dual_s * decay(dual_s)) / (position_s - dual_s)
     }
 }
 
-/// Qo of a ramp of one a second.
-fn after_ramp(Times { position_s, shift_s }: Times, time_s: f64) -> f64 {
-    if is_equal(position_s, shift_s) {
+/// Qo on a ramp of one per second: the integral of the step response.
+fn ramp_response(TimeConstants { position_s, dual_s }: TimeConstants, time_s: f64) -> f64 {
+    if is_equal(position_s, dual_s) {
         return -(2.0 * position_s - (2.0 * position_s + time_s) * (-time_s / position_s).exp());
     }
-    let part = |time_constant: f64| -time_constant.powi(2) * (-time_s / time_constant).exp_m1();
-    -(part(position_s) - part(shift_s)) / (position_s - shift_s)
+    let term = |time_constant: f64| -time_constant.powi(2) * (-time_s / time_constant).exp_m1();
+    -(term(position_s) - term(dual_s)) / (position_s - dual_s)
 }
 
+/// Whether two time constants, s, are equal but for rounding.
 fn is_equal(one: f64, other: f64) -> bool {
     (one - other).abs() < 1e-9
 }
 
-/// Qc of a step of one: what of it the second detector still sees.
-fn unseen(times: Times, time_s: f64) -> f64 {
-    (-time_s / times.shift_s).exp()
+/// −Qc after a unit step, (15): e^(−t/T').
+fn detector2_decay(times: TimeConstants, time_s: f64) -> f64 {
+    (-time_s / times.dual_s).exp()
 }
 
+/// The closed forms that are compared.
 const FORMS: [Form; 5] = [
     Form {
         name: "step, table Qo, (11) and (12)",
         lost_nm: |_, _| STEP_NM,
-        shown_nm: |row| row.table_nm,
-        exact_nm: |times, time_s| STEP_NM * after_step(times, time_s),
+        output_nm: |row| row.table_nm,
+        exact_nm: |times, time_s| STEP_NM * step_response(times, time_s),
     },
     Form {
         name: "ramp, table Qo, from (10)",
         lost_nm: |times, time_s| ramp_nm_per_s(times) * time_s,
-        shown_nm: |row| row.table_nm,
-        exact_nm: |times, time_s| ramp_nm_per_s(times) * after_ramp(times, time_s),
+        output_nm: |row| row.table_nm,
+        exact_nm: |times, time_s| ramp_nm_per_s(times) * ramp_response(times, time_s),
     },
     Form {
         name: "step, second detector Qc",
         lost_nm: |_, _| STEP_NM,
-        shown_nm: |row| row.second_nm,
-        exact_nm: |times, time_s| -STEP_NM * unseen(times, time_s),
+        output_nm: |row| row.detector2_nm,
+        exact_nm: |times, time_s| -STEP_NM * detector2_decay(times, time_s),
     },
     Form {
         name: "ramp, second detector Qc, (15)",
         lost_nm: |times, time_s| ramp_nm_per_s(times) * time_s,
-        shown_nm: |row| row.second_nm,
-        exact_nm: |times, time_s| -STEP_NM * (1.0 - unseen(times, time_s)),
+        output_nm: |row| row.detector2_nm,
+        exact_nm: |times, time_s| -STEP_NM * (1.0 - detector2_decay(times, time_s)),
     },
     Form {
         name: "step and ramp of half of it at once, Qc, (16)",
         lost_nm: |times, time_s| STEP_NM + 0.5 * ramp_nm_per_s(times) * time_s,
-        shown_nm: |row| row.second_nm,
-        exact_nm: |times, time_s| -STEP_NM * (0.5 + 0.5 * unseen(times, time_s)),
+        output_nm: |row| row.detector2_nm,
+        exact_nm: |times, time_s| -STEP_NM * (0.5 + 0.5 * detector2_decay(times, time_s)),
     },
 ];
 
 impl Form {
-    /// Farthest that the run is from the closed form, nm.
-    fn farthest_nm(&self, times: Times) -> f64 {
+    /// Maximum deviation of the run from the closed form, nm.
+    fn max_deviation_nm(&self, times: TimeConstants) -> f64 {
         let rows = run(times, TICKS, |time_s| (self.lost_nm)(times, time_s));
-        let off = |(tick, row): (u32, &Shown)| {
-            (self.shown_nm)(row) - (self.exact_nm)(times, f64::from(tick) * TICK_S)
+        let deviation = |(tick, row): (u32, &Output)| {
+            (self.output_nm)(row) - (self.exact_nm)(times, f64::from(tick) * TICK_S)
         };
-        numerics::max_abs((0u32..).zip(&rows).map(off))
+        numerics::max_abs((0u32..).zip(&rows).map(deviation))
     }
 }
 
-/// What a tick may add, nm: as much as the shift moves in it.
-fn bound_nm(times: Times) -> f64 {
-    STEP_NM * TICK_S / times.shift_s + FORMAT_NM
+/// Bound of the deviation by sampling, nm: the movement of the shift in one tick.
+fn bound_nm(times: TimeConstants) -> f64 {
+    STEP_NM * TICK_S / times.dual_s + FORMAT_NM
 }
 
-/// Of an α.
-pub fn times(alpha: f64) -> Times {
-    Times { position_s: POSITION_S, shift_s: alpha * POSITION_S }
-}
-
-/// Greatest |Qc| of backlash and pitch error at once, nm; the one is [`STEP_NM`], the other `ratio` of it in the end.
-fn greatest_of_both_nm(times: Times, ratio: f64) -> f64 {
+/// Maximum |Qc| with backlash and pitch error together, nm: a step of [`STEP_NM`], and a ramp with `ratio` times its
+/// final Qc.
+fn max_of_both_nm(times: TimeConstants, ratio: f64) -> f64 {
     let rows = run(times, 2 * TICKS, |time_s| STEP_NM + ratio * ramp_nm_per_s(times) * time_s);
-    numerics::max_abs(rows.iter().map(|row| row.second_nm))
+    numerics::max_abs(rows.iter().map(|row| row.detector2_nm))
 }
 
 /// Adds the closed forms.
 pub fn add(study: &mut Study) {
-    let systems = ALPHAS.map(times);
-    let most_nm = numerics::max_abs(systems.map(bound_nm));
+    let systems = ALPHAS.map(TimeConstants::with_alpha);
+    let bound_nm_of_all = numerics::max_abs(systems.map(bound_nm));
     for form in &FORMS {
-        let farthest_nm = numerics::max_abs(systems.map(|times| form.farthest_nm(times)));
+        let deviation_nm = numerics::max_abs(systems.map(|times| form.max_deviation_nm(times)));
         study.outcomes.push(Outcome::new(
             format!("{}: farthest from the closed form", form.name),
-            Printed::Below(rounded(100.0 * most_nm / STEP_NM, 2)),
-            100.0 * farthest_nm / STEP_NM,
+            Printed::Below(rounded(100.0 * bound_nm_of_all / STEP_NM, 2)),
+            100.0 * deviation_nm / STEP_NM,
             "% of ΔQ",
         ));
     }
-    let equal = times(1.0);
-    let greatest = |ratio: f64| greatest_of_both_nm(equal, ratio) / STEP_NM;
-    let (twice, half) = (greatest(2.0), greatest(0.5));
+    let equal = TimeConstants::with_alpha(1.0);
+    let max_of_both = |ratio: f64| max_of_both_nm(equal, ratio) / STEP_NM;
+    let (twice, half) = (max_of_both(2.0), max_of_both(0.5));
     let one = Printed::Below(1.0 + rounded(bound_nm(equal) / STEP_NM, 4));
     study.outcomes.extend([
         Outcome::new(
@@ -167,7 +162,7 @@ pub fn add(study: &mut Study) {
             "",
         ),
     ]);
-    study.pictures.push(picture_of_steps(systems));
+    study.pictures.push(step_picture(systems));
     study.notes.extend([
         "That Qc never exceeds ΔQp or ΔQb, as the paper ends, holds for the greater of the two: by (16) Qc is a mean \
          of ΔQb and ΔQp/K' that goes from the one to the other. It exceeds the lesser, and that verdict differs. ΔQp \
@@ -179,37 +174,17 @@ pub fn add(study: &mut Study) {
     ]);
 }
 
-/// To so many digits behind the point, for a printed bound.
-pub fn rounded(value: f64, decimals: i32) -> f64 {
-    let unit = 10f64.powi(decimals);
-    (value * unit).round() / unit
-}
-
-/// One line, or a mark.
-pub fn line(ink: Ink, points: Vec<(f64, f64)>, is_marked: bool) -> Layer {
-    Layer { ink, points, is_marked }
-}
-
-/// Of the three α.
-pub const INKS: [Ink; 3] = [Ink::Before, Ink::Third, Ink::Fourth];
-
-/// What they stand for.
-pub fn keys(systems: [Times; 3], marks: &str) -> Vec<(&'static str, String)> {
-    let name = |times: Times| format!("T' = {} s", fixed(times.shift_s, 2));
-    let [a, b, c] = systems.map(name);
-    vec![("before", a), ("cw", b), ("ccw", c), ("after mark", marks.to_owned())]
-}
-
-fn picture_of_steps(systems: [Times; 3]) -> Picture {
+/// Table position after a step of the lost motion: closed forms as lines, runs as markers.
+fn step_picture(systems: [TimeConstants; 3]) -> Picture {
     const END_S: f64 = 0.35;
     let mut layers = Vec::new();
     for (times, ink) in systems.into_iter().zip(INKS) {
-        let exact = (0..=350).map(|k| 1e-3 * f64::from(k)).map(|t| (t, after_step(times, t)));
-        layers.push(line(ink, exact.collect(), false));
+        let exact = (0..=350).map(|k| 1e-3 * f64::from(k)).map(|t| (t, step_response(times, t)));
+        layers.push(line(ink, exact.collect()));
         let rows = run(times, TICKS, |_| STEP_NM);
-        let marks =
+        let points =
             (0u32..).zip(&rows).step_by(400).map(|(k, row)| (f64::from(k) * TICK_S, row.table_nm / STEP_NM));
-        layers.extend(marks.filter(|mark| mark.0 <= END_S).map(|mark| line(Ink::After, vec![mark], true)));
+        layers.extend(points.filter(|point| point.0 <= END_S).map(|point| marker(Ink::After, point)));
     }
     let title = "A step of the lost motion".to_owned();
     let caption =
@@ -226,41 +201,41 @@ fn picture_of_steps(systems: [Times; 3]) -> Picture {
         layers,
     };
     let svg = chart.svg();
-    Picture { title, svg, caption, keys: keys(systems, "run") }
+    Picture { title, svg, caption, legend: legend(systems, "run") }
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Each within what its own tick explains; the table's step does show the tick.
+    /// Each within the bound of its own sampling; in the table's step the effect of sampling is visible.
     #[test]
     fn every_closed_form_holds_at_every_alpha() {
-        for times in ALPHAS.map(times) {
+        for times in ALPHAS.map(TimeConstants::with_alpha) {
             for form in &FORMS {
-                let (farthest, bound) = (form.farthest_nm(times), bound_nm(times));
-                assert!(farthest < bound, "{} {times:?}: {farthest} of {bound}", form.name);
+                let (deviation, bound) = (form.max_deviation_nm(times), bound_nm(times));
+                assert!(deviation < bound, "{} {times:?}: {deviation} of {bound}", form.name);
             }
-            assert!(FORMS[0].farthest_nm(times) > 0.02 * bound_nm(times));
+            assert!(FORMS[0].max_deviation_nm(times) > 0.02 * bound_nm(times));
         }
     }
 
-    /// The step's closed form solves what it was made from: T·T'·Q″ + (T + T')·Q′ + Q = 0, by differences.
+    /// The step response solves T·T'·Q″ + (T + T')·Q′ + Q = 0, checked by finite differences.
     #[test]
-    fn the_step_solves_its_equation() {
+    fn the_step_response_solves_its_equation() {
         let h = 1e-4;
-        for times in [Times { position_s: 0.03, shift_s: 0.01 }, times(1.0)] {
+        for times in [TimeConstants { position_s: 0.03, dual_s: 0.01 }, TimeConstants::with_alpha(1.0)] {
             for t in [0.005, 0.03, 0.1] {
-                let q = |k: f64| after_step(times, t + k * h);
+                let q = |k: f64| step_response(times, t + k * h);
                 let (first, second) =
                     ((q(1.0) - q(-1.0)) / (2.0 * h), (q(1.0) - 2.0 * q(0.0) + q(-1.0)) / (h * h));
-                let Times { position_s, shift_s } = times;
-                let sum = position_s * shift_s * second + (position_s + shift_s) * first + q(0.0);
+                let TimeConstants { position_s, dual_s } = times;
+                let sum = position_s * dual_s * second + (position_s + dual_s) * first + q(0.0);
                 assert!(sum.abs() < 1e-4, "{times:?} {t}: {sum}");
             }
-            // The ramp's is the step's integral.
-            let slope = (after_ramp(times, 0.05 + h) - after_ramp(times, 0.05 - h)) / (2.0 * h);
-            assert!((slope - after_step(times, 0.05)).abs() < 1e-5);
+            // The ramp response is the integral of the step response.
+            let slope = (ramp_response(times, 0.05 + h) - ramp_response(times, 0.05 - h)) / (2.0 * h);
+            assert!((slope - step_response(times, 0.05)).abs() < 1e-5);
         }
     }
 }

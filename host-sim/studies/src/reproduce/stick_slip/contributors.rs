@@ -1,54 +1,56 @@
-//! The contributors to the error of a circle that the paper lists, one at a time, at its radius and lower speed.
+//! The contributors to circle error that the paper lists, one at a time, at its radius and lower speed.
 //!
-//! Squareness, backlash and servo mismatch are effects of the machine on the desk, hysteresis and the master–slave
-//! changeover paths in closed form (both in [`super::laps`]); stick-slip is the paper's model. What each makes of the
-//! circle can be said beforehand, [`Contributor::expected_um`]. The sizes are chosen here: the paper gives none.
+//! Squareness, backlash and servo mismatch are effects of the simulated machine ([`super::simulated_circle`]);
+//! hysteresis and the master–slave changeover are paths in closed form ([`super::closed_form_circle`]); stick-slip is
+//! the paper's model ([`super::table_model`]). [`Contributor::expected_um`] gives the theoretical size of each. The paper
+//! prints no sizes; those here are chosen.
 
 use std::f64::consts::FRAC_PI_2;
 
-use super::laps::{POSITION_GAIN_PER_S, SPEED_RAD_PER_S, drawn, lag_um, late_um, on_desk};
+use super::closed_form_circle::{dahl_lag_um, delay_um, from_axis_errors};
+use super::simulated_circle::{POSITION_GAIN_PER_S, SPEED_RAD_PER_S, simulate};
 use super::table_model::{self, RADIUS_M};
-use crate::reproduce::ReproduceError;
 use crate::reproduce::ballbar::Ballbar;
+use crate::reproduce::study::ReproduceError;
 use model::effects::{Backlash, Effect, ServoMismatch, Squareness};
 
-/// Something that bends a circle.
+/// A cause of circle error.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Contributor {
-    /// The axes are not at a right angle.
+    /// The axes are not perpendicular.
     Squareness {
-        /// x for y.
+        /// Displacement of x per displacement of y.
         um_per_m: f64,
     },
-    /// A gap in the screw of either axis.
+    /// Backlash in the screws of both axes.
     Backlash {
-        /// Total.
+        /// Total width.
         width_um: f64,
     },
-    /// Tables that follow the way back later than the way out, by a loop that is closed within some distance from the
-    /// reversal: Dahl's friction on an elastic drive.
+    /// Dahl friction on an elastic drive: the table position depends on the direction, with an exponential transition
+    /// after each reversal.
     Hysteresis {
-        /// Between way out and way back.
+        /// Difference of the table position between the directions.
         width_um: f64,
-        /// In which a reversal is over but for 1/e.
+        /// Distance from the reversal in which the transition decays to 1/e.
         distance_um: f64,
     },
-    /// Position gain of X above that of Y.
+    /// Position gain of X higher than that of Y.
     ServoMismatch {
-        /// How much.
+        /// Relative difference.
         percent: f64,
     },
-    /// The faster axis leads, and the other one follows it late.
+    /// The faster axis is the master; the slower one follows it with a delay.
     MasterSlaveChangeover {
-        /// How late.
+        /// Delay of the slower axis.
         delay_s: f64,
     },
-    /// The paper's model of it.
+    /// The paper's model of stick-slip.
     StickSlip,
 }
 
-/// What is shown.
-pub const SHOWN: [Contributor; 6] = [
+/// The contributors and sizes that are run.
+pub const CONTRIBUTORS: [Contributor; 6] = [
     Contributor::Squareness { um_per_m: 50.0 },
     Contributor::Backlash { width_um: 5.0 },
     Contributor::Hysteresis { width_um: 5.0, distance_um: 30.0 },
@@ -57,17 +59,17 @@ pub const SHOWN: [Contributor; 6] = [
     Contributor::StickSlip,
 ];
 
-/// Circular deviation and reversal value, µm.
+/// Theoretical size of a circle error.
 #[derive(Clone, Copy, Debug, PartialEq)]
-pub struct Size {
-    /// G.
+pub struct ExpectedSize {
+    /// Circular deviation G, µm.
     pub circular_deviation_um: f64,
-    /// B of either axis.
+    /// Reversal value B of either axis, µm.
     pub reversal_um: f64,
 }
 
 impl Contributor {
-    /// As a heading.
+    /// Name, as a heading.
     #[must_use]
     pub fn name(&self) -> &'static str {
         match self {
@@ -80,9 +82,9 @@ impl Contributor {
         }
     }
 
-    /// What was set, in words.
+    /// The size that is set, as text.
     #[must_use]
-    pub fn words(&self) -> String {
+    pub fn description(&self) -> String {
         match self {
             Self::Squareness { um_per_m } => format!("{um_per_m} µm/m between the axes"),
             Self::Backlash { width_um } => format!("{width_um} µm in either screw"),
@@ -97,52 +99,55 @@ impl Contributor {
         }
     }
 
-    /// What theory makes of it; none for stick-slip, which is what the paper integrates for.
+    /// Theoretical size; `None` for stick-slip, which has no closed form.
     ///
     /// - Squareness s, x = s·y: r = (s·R/2)·sin 2θ in both directions.
-    /// - Backlash w, half of it against each axis's velocity: r = (w/2)·(cos θ − sin θ) behind each reversal, from w/2
-    ///   down to −w/2.
-    /// - Hysteresis: the same, long behind the reversal. B is read there; G misses what the loop has not yet closed
-    ///   where the other axis takes over, and is not more than w.
-    /// - Servo mismatch: X lags by 1/Kx and Y by 1/Ky, r = (v/2)·(1/Kx − 1/Ky)·sin 2θ, v the path speed, turned over
-    ///   with the direction.
-    /// - Changeover: the slower axis is late by T, r = ±(v·T/2)·sin 2θ, with the sign of the octant: it jumps by v·T on
+    /// - Backlash w, each axis offset by w/2 against its velocity: r = (w/2)·(cos θ − sin θ) after each reversal, falling
+    ///   from w/2 to −w/2.
+    /// - Hysteresis w: the same, far from the reversal, where B is fitted. G is at most w: the transition is not quite
+    ///   complete when the other axis reverses.
+    /// - Servo mismatch: X lags by 1/Kx and Y by 1/Ky, r = ∓(v/2)·(1/Kx − 1/Ky)·sin 2θ, with v the path speed; the sign
+    ///   changes with the direction.
+    /// - Changeover: the slower axis is delayed by T, r = ±(v·T/2)·sin 2θ, with the sign of the octant: a jump of v·T on
     ///   each diagonal.
     #[must_use]
-    pub fn expected_um(&self) -> Option<Size> {
+    pub fn expected_um(&self) -> Option<ExpectedSize> {
         let path_speed_um_per_s = 1e6 * RADIUS_M * SPEED_RAD_PER_S;
-        let size = |circular_deviation_um, reversal_um| Some(Size { circular_deviation_um, reversal_um });
+        let size =
+            |circular_deviation_um, reversal_um| Some(ExpectedSize { circular_deviation_um, reversal_um });
         match *self {
             Self::Squareness { um_per_m } => size(um_per_m * RADIUS_M, 0.0),
             Self::Backlash { width_um } | Self::Hysteresis { width_um, .. } => size(width_um, width_um),
             Self::ServoMismatch { percent } => {
-                let slower_s = 1.0 / POSITION_GAIN_PER_S;
-                size(path_speed_um_per_s * (slower_s - slower_s / (1.0 + 0.01 * percent)), 0.0)
+                let lag_s = 1.0 / POSITION_GAIN_PER_S;
+                size(path_speed_um_per_s * (lag_s - lag_s / (1.0 + 0.01 * percent)), 0.0)
             }
             Self::MasterSlaveChangeover { delay_s } => size(path_speed_um_per_s * delay_s, 0.0),
             Self::StickSlip => None,
         }
     }
 
-    /// The circle with it, in both directions.
+    /// The circular test with this contributor alone.
     ///
     /// # Errors
-    /// When a loop does not hold or an integration fails.
+    /// If a simulation or an integration fails.
     pub fn ballbar(&self) -> Result<Ballbar, ReproduceError> {
         match *self {
             Self::Squareness { um_per_m } => {
-                on_desk([vec![Effect::Squareness(Squareness { um_per_m })], vec![]])
+                simulate([vec![Effect::Squareness(Squareness { um_per_m })], vec![]])
             }
             Self::Backlash { width_um } => {
-                on_desk([(); 2].map(|()| vec![Effect::Backlash(Backlash { width_um })]))
+                simulate([(); 2].map(|()| vec![Effect::Backlash(Backlash { width_um })]))
             }
             Self::ServoMismatch { percent } => {
-                on_desk([vec![Effect::ServoMismatch(ServoMismatch { percent })], vec![]])
+                simulate([vec![Effect::ServoMismatch(ServoMismatch { percent })], vec![]])
             }
-            Self::Hysteresis { width_um, distance_um } => drawn(|angle, sense| {
-                [angle, angle - FRAC_PI_2].map(|from| lag_um(from, sense, width_um, distance_um))
+            Self::Hysteresis { width_um, distance_um } => from_axis_errors(|angle, sense| {
+                [angle, angle - FRAC_PI_2].map(|from| dahl_lag_um(from, sense, width_um, distance_um))
             }),
-            Self::MasterSlaveChangeover { delay_s } => drawn(|angle, sense| late_um(angle, sense, delay_s)),
+            Self::MasterSlaveChangeover { delay_s } => {
+                from_axis_errors(|angle, sense| delay_um(angle, sense, delay_s))
+            }
             Self::StickSlip => table_model::ballbar(SPEED_RAD_PER_S),
         }
     }
@@ -153,17 +158,17 @@ mod tests {
     use super::*;
     use crate::reproduce::ballbar::Lap;
 
-    /// Each has the size that theory gives it. Backlash misses the angle √(2w/R) = 10 mrad in which a gap is crossed,
-    /// half of it in G. At λ = 30 µm, 1 % of a hysteresis is open at 3°, and G is w·(½ + (½ − e^(−s/λ))·(1 − δ)) with
-    /// s = R·δ²/2 at its greatest, δ ≈ 3.4°: 0.96·w.
+    /// Sizes against theory. With backlash, the gap is crossed within √(2w/R) = 10 mrad, half of which reduces G. With
+    /// λ = 30 µm, 1 % of the hysteresis transition remains at 3°, and G = w·(½ + (½ − e^(−s/λ))·(1 − δ)), s = R·δ²/2,
+    /// has its maximum of 0.96·w at δ ≈ 3.4°.
     #[test]
-    fn each_has_the_size_that_theory_gives_it() {
-        for contributor in &SHOWN {
+    fn each_has_the_theoretical_size() {
+        for contributor in &CONTRIBUTORS {
             let Some(expected) = contributor.expected_um() else { continue };
             let ballbar = contributor.ballbar().unwrap();
             let g = ballbar.circular_deviation_um();
-            let share = if matches!(contributor, Contributor::Hysteresis { .. }) { 0.05 } else { 0.01 };
-            assert!((g / expected.circular_deviation_um - 1.0).abs() < share, "{contributor:?}: G {g}");
+            let tolerance = if matches!(contributor, Contributor::Hysteresis { .. }) { 0.05 } else { 0.01 };
+            assert!((g / expected.circular_deviation_um - 1.0).abs() < tolerance, "{contributor:?}: G {g}");
             for b in ballbar.reversal_um() {
                 let off_um = (b - expected.reversal_um).abs();
                 assert!(off_um < 0.03 * expected.circular_deviation_um, "{contributor:?}: B {b}");
@@ -174,9 +179,9 @@ mod tests {
     /// Radial deviation, µm, at an angle, rad, in a direction, 1 or −1.
     type Shape = fn(f64, f64) -> f64;
 
-    /// The signs and the shapes: r at an angle in both directions, from the formulas of [`Contributor::expected_um`].
+    /// Signs and shapes: r over the angle in both directions, from the formulas of [`Contributor::expected_um`].
     #[test]
-    fn each_has_the_shape_that_theory_gives_it() {
+    fn each_has_the_theoretical_shape() {
         let at = |lap: &Lap, degrees: usize| lap.deviation_um[10 * degrees];
         let shapes: [(usize, Shape); 4] = [
             (0, |angle, _| 2.5 * (2.0 * angle).sin()),
@@ -190,12 +195,12 @@ mod tests {
             }),
         ];
         for (index, shape) in shapes {
-            let ballbar = SHOWN[index].ballbar().unwrap();
+            let ballbar = CONTRIBUTORS[index].ballbar().unwrap();
             for degrees in [5, 30, 60, 85, 110, 160, 200, 255, 300, 340] {
                 let angle = (degrees as f64).to_radians();
                 for (lap, sense) in [(&ballbar.positive, 1.0), (&ballbar.negative, -1.0)] {
                     let off_um = at(lap, degrees) - shape(angle, sense);
-                    assert!(off_um.abs() < 0.1, "{:?} at {degrees}, {sense}: {off_um}", SHOWN[index]);
+                    assert!(off_um.abs() < 0.1, "{:?} at {degrees}, {sense}: {off_um}", CONTRIBUTORS[index]);
                 }
             }
         }

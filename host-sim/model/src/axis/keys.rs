@@ -1,0 +1,104 @@
+//! The keys of an `[axis.NAME]` table of a machine file, each declared once: documentation, name, type, range.
+
+/// Calls the macro `$then` with the declaration of all keys, in the order in which a machine file is written.
+///
+/// A group is `name: Type { keys }`. A key is `name: type`; behind the name stands `("key")` where the file calls it
+/// otherwise, behind the type `[range]` of a number.
+macro_rules! axis_keys {
+    ($then:ident) => {
+        $then! {
+            /// Position loop, velocity loop and drive.
+            controller: Controller {
+                /// Law of the position controller.
+                law ("controller"): Option<Law>,
+                /// Kp, gain of the position loop.
+                position_gain_per_s: Option<f64> [Positive],
+                /// Kf, velocity feed-forward; absent: none.
+                feedforward_percent: Option<f64> [UpTo(200.0)],
+                /// Kv, gain of the velocity loop.
+                velocity_gain_n_s_per_m: Option<f64> [Positive],
+                /// Ti, integral time of the velocity loop; absent: no integral part.
+                velocity_integral_time_s: Option<f64> [Positive],
+                /// Largest force of the drive; absent: not limited.
+                force_limit_n: Option<f64> [Positive],
+            }
+            /// Filter of the path, and filters of the force.
+            filters: Filters {
+                /// Window of the moving average over the path; absent: the path is not filtered.
+                smoothing_s: Option<f64> [Positive],
+                /// Second, shorter window: it limits the jerk.
+                smoothing_jerk_s: Option<f64> [Positive],
+                /// Time constant of a first-order lag of the path, instead of the two windows.
+                smoothing_time_constant_s: Option<f64> [Positive],
+                /// Centre of a notch on the force; absent: no notch.
+                notch_frequency_hz: Option<f64> [Positive],
+                /// Width of the notch between its −3 dB points at full depth.
+                notch_width_hz: Option<f64> [Positive],
+                /// Fraction that the notch removes at its centre; 1: all.
+                notch_depth: Option<f64> [UpTo(1.0)],
+                /// Corner of a second-order low-pass on the force; absent: no low-pass.
+                low_pass_frequency_hz: Option<f64> [Positive],
+                /// ζ of the low-pass.
+                low_pass_damping_ratio: Option<f64> [Positive],
+            }
+            /// Limits at which the path stops or the drives are switched off.
+            limits: Limits {
+                /// Smallest and largest command; outside of it the path stops; absent: not watched.
+                travel_mm: Option<[f64; 2]>,
+                /// Largest difference of command and reading; beyond it the drives are switched off; absent: 130 mm.
+                following_error_limit_mm: Option<f64> [Positive],
+                /// Deceleration of a stop along the path; absent: 2 m/s².
+                stop_deceleration_m_per_s2: Option<f64> [Positive],
+                /// How long the force may stay at its limit before the path stops; absent: 1 s.
+                saturation_time_s: Option<f64> [Positive],
+                /// Largest difference of motor and table reading; beyond it the drives are switched off; absent: not
+                /// watched.
+                scale_disagreement_limit_mm: Option<f64> [UpTo(1e3 * TRAVEL_LIMIT_M)],
+                /// Largest speed of the motor; a reading that moves faster switches the drives off; absent: not
+                /// watched.
+                fastest_mm_per_s: Option<f64> [Positive],
+                /// How far the command may move while the motor reading does not change, before the drives are
+                /// switched off; absent: not watched.
+                frozen_encoder_limit_mm: Option<f64> [Positive],
+            }
+            /// Masses, drive train and friction.
+            mechanics: Mechanics {
+                /// Motor and screw, reflected to the table.
+                motor_mass_kg: Option<f64> [NotNegative],
+                /// Table and workpiece.
+                table_mass_kg: Option<f64> [NotNegative],
+                /// Stiffness between motor and table; absent: rigid, one mass.
+                stiffness_n_per_um: Option<f64> [Positive],
+                /// Damping between motor and table.
+                damping_n_s_per_m: Option<f64> [NotNegative],
+                /// Coulomb friction of the table.
+                coulomb_n: Option<f64> [NotNegative],
+                /// Viscous friction of the table.
+                viscous_n_s_per_m: Option<f64> [NotNegative],
+                /// Coulomb friction of the motor; multiplied by tanh(v / 0.2 mm/s).
+                motor_coulomb_n: Option<f64> [NotNegative],
+                /// σ0 of the table's friction (`LuGre`); absent: no presliding.
+                presliding_stiffness_n_per_um: Option<f64> [Positive],
+                /// σ1 of the table's friction (`LuGre`).
+                presliding_damping_n_s_per_m: Option<f64> [NotNegative],
+                /// Friction of the table as a published curve instead of `coulomb_n`.
+                friction_curve: Option<Curve>,
+                /// How far the true mechanical values may lie from the declared ones; absent: 0.
+                plant_tolerance_percent: Option<f64> [UpTo(100.0)],
+                /// Travel in one turn of the screw.
+                lead_mm: Option<f64> [Positive],
+            }
+            /// Position sensors, and which of them closes the position loop.
+            sensors: Sensors {
+                /// Electrical periods in one turn of the resolver.
+                resolver_pole_pairs: Option<u32> [Positive],
+                /// The position that is fed back.
+                feedback: Feedback,
+                /// Time constant of the low-pass of dual feedback.
+                dual_feedback_time_constant_s: Option<f64> [Positive],
+            }
+        }
+    };
+}
+
+pub(crate) use axis_keys;

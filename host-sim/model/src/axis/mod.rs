@@ -1,0 +1,191 @@
+//! The settings of one axis as declared: controller, filters, limits, mechanics, sensors.
+//!
+//! A machine file has them as flat keys of its `[axis.NAME]` table; `keys` declares each of them once. From that
+//! declaration come the structs here, the list [`KEYS`], and the form of the file in [`crate::machine`].
+
+mod keys;
+
+pub(crate) use keys::axis_keys;
+
+use serde::{Deserialize, Serialize};
+use shared::units::TRAVEL_LIMIT_M;
+
+use crate::friction_curve::Curve;
+use crate::range::Range::{self, NotNegative, Positive, UpTo};
+
+/// Law of the position controller.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Law {
+    /// Proportional.
+    P,
+    /// High-precision contour: a second-order filter before the gain.
+    Hpc,
+}
+
+/// Which position the controller is fed back.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(rename_all = "snake_case")]
+pub enum Feedback {
+    /// Motor reading.
+    #[default]
+    Motor,
+    /// Table scale.
+    Table,
+    /// Motor reading + low-pass(table − motor).
+    Dual,
+}
+
+/// A key of an `[axis.NAME]` table.
+pub struct Key {
+    /// Name in the file.
+    pub name: &'static str,
+    /// Name of its group in [`Settings`].
+    pub group: &'static str,
+    /// Range of its number; `None`: it holds no number.
+    pub range: Option<Range>,
+    /// Whether an axis declares it.
+    pub is_given: fn(&Settings) -> bool,
+    /// The number that an axis declares.
+    pub number: fn(&Settings) -> Option<f64>,
+}
+
+/// A key's field: an `Option`, or a value with a default.
+pub(crate) trait Field {
+    /// Whether the key is given.
+    fn is_given(&self) -> bool;
+
+    /// Whether the key is left out of a written file.
+    fn is_absent(&self) -> bool {
+        !self.is_given()
+    }
+
+    /// The number that is given.
+    fn number(&self) -> Option<f64>;
+}
+
+/// What stands behind a key.
+pub(crate) trait Value {
+    /// Its number, if it is one.
+    fn number(&self) -> Option<f64> {
+        None
+    }
+}
+
+impl Value for f64 {
+    fn number(&self) -> Option<f64> {
+        Some(*self)
+    }
+}
+
+impl Value for u32 {
+    fn number(&self) -> Option<f64> {
+        Some(f64::from(*self))
+    }
+}
+
+impl Value for [f64; 2] {}
+impl Value for Law {}
+impl Value for Curve {}
+
+impl<T: Value> Field for Option<T> {
+    fn is_given(&self) -> bool {
+        self.is_some()
+    }
+
+    fn number(&self) -> Option<f64> {
+        self.as_ref().and_then(Value::number)
+    }
+}
+
+impl Field for Feedback {
+    /// A written file always says which.
+    fn is_given(&self) -> bool {
+        true
+    }
+
+    fn number(&self) -> Option<f64> {
+        None
+    }
+}
+
+/// The name that the file has for a key.
+macro_rules! file_name {
+    ($field:ident) => {
+        stringify!($field)
+    };
+    ($field:ident $key:literal) => {
+        $key
+    };
+}
+
+/// The range of a key, if it has one.
+macro_rules! range {
+    () => {
+        None
+    };
+    ($range:expr) => {
+        Some($range)
+    };
+}
+
+/// The structs of the settings and the list of their keys.
+macro_rules! settings {
+    ($(
+        $(#[$group_doc:meta])*
+        $group:ident: $Group:ident {
+            $($(#[$doc:meta])* $field:ident $(($key:literal))?: $type:ty $([$range:expr])?,)+
+        }
+    )+) => {
+        /// The settings of an axis as declared. What is absent is not known, or not there.
+        ///
+        /// Without the controller's keys the motor stage is not modelled, without masses the force stage is not.
+        #[derive(Clone, Debug, Default, PartialEq)]
+        pub struct Settings { $(
+            $(#[$group_doc])*
+            pub $group: $Group,
+        )+ }
+
+        $(
+            $(#[$group_doc])*
+            #[derive(Clone, Debug, Default, PartialEq)]
+            pub struct $Group { $(
+                $(#[$doc])*
+                pub $field: $type,
+            )+ }
+        )+
+
+        /// All keys, in the order of a written file.
+        pub const KEYS: &[Key] = &[$($(Key {
+            name: file_name!($field $($key)?),
+            group: stringify!($group),
+            range: range!($($range)?),
+            is_given: |settings| settings.$group.$field.is_given(),
+            number: |settings| settings.$group.$field.number(),
+        },)+)+];
+    };
+}
+
+axis_keys!(settings);
+
+impl Settings {
+    /// Whether the position and velocity loops are declared.
+    #[must_use]
+    pub fn has_controller(&self) -> bool {
+        self.controller.law.is_some()
+            && self.controller.position_gain_per_s.is_some()
+            && self.controller.velocity_gain_n_s_per_m.is_some()
+    }
+
+    /// Whether there is a mass for a force to move.
+    #[must_use]
+    pub fn has_mass(&self) -> bool {
+        self.mechanics.motor_mass_kg.unwrap_or(0.0) + self.mechanics.table_mass_kg.unwrap_or(0.0) > 0.0
+    }
+
+    /// Whether motor and table are one mass.
+    #[must_use]
+    pub fn is_rigid(&self) -> bool {
+        self.mechanics.stiffness_n_per_um.is_none()
+    }
+}

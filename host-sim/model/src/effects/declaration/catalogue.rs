@@ -1,0 +1,189 @@
+//! What the list of all effects is made into.
+
+/// Declares [`Effect`](super::super::Effect), [`KINDS`](super::super::KINDS) and all that is asked of an effect of any
+/// kind, from the list of the types that implement [`EffectModel`](super::EffectModel).
+macro_rules! catalogue {
+    ($($variant:ident),+ $(,)?) => {
+        /// An effect with its parameters, as it stands in a machine file.
+        #[derive(Clone, Debug, PartialEq)]
+        pub enum Effect { $(
+            #[doc = concat!("See [`", stringify!($variant), "`].")]
+            $variant($variant),
+        )+ }
+
+        /// What is declared of every kind of effect, in catalogue order.
+        pub const KINDS: &[Kind] = &[$(Kind {
+            name: $variant::NAME,
+            told_by_key: $variant::TOLD_BY_KEY,
+            parameters: $variant::PARAMETERS,
+            occurrence: $variant::OCCURRENCE,
+            shown_in: $variant::SHOWN_IN,
+            draw_number: $variant::DRAW_NUMBER,
+            prerequisite: $variant::prerequisite,
+            draw: |draw| $variant::draw(draw).map(Effect::$variant),
+        }),+];
+
+        impl Effect {
+            /// Its name in files and results.
+            #[must_use]
+            pub fn name(&self) -> &'static str {
+                match self { $(Self::$variant(_) => $variant::NAME,)+ }
+            }
+
+            /// What is declared of its parameters, in the order of [`Effect::parameters`].
+            #[must_use]
+            pub fn declared_parameters(&self) -> &'static [Parameter] {
+                match self { $(Self::$variant(_) => $variant::PARAMETERS,)+ }
+            }
+
+            /// Whether an axis may have more than one.
+            #[must_use]
+            pub fn occurrence(&self) -> Occurrence {
+                match self { $(Self::$variant(_) => $variant::OCCURRENCE,)+ }
+            }
+
+            /// See [`EffectModel::misplaced`].
+            #[must_use]
+            pub fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
+                match self { $(Self::$variant(e) => e.misplaced(place),)+ }
+            }
+
+            /// The stages whose residual it shapes.
+            #[must_use]
+            pub fn stages(&self) -> &'static [Stage] {
+                match self { $(Self::$variant(e) => e.stages(),)+ }
+            }
+
+            /// The numbers to fit.
+            #[must_use]
+            pub fn coordinates(&self) -> Vec<Coordinate> {
+                match self { $(Self::$variant(e) => e.coordinates(),)+ }
+            }
+
+            /// The numbers to fit on an axis with these loops.
+            #[must_use]
+            pub fn coordinates_at(&self, rates: Rates) -> Vec<Coordinate> {
+                match self { $(Self::$variant(e) => e.coordinates_at(rates),)+ }
+            }
+
+            /// The same effect at other coordinates.
+            #[must_use]
+            pub fn at(&self, x: &[f64]) -> Self {
+                match self { $(Self::$variant(e) => Self::$variant(e.at(x)),)+ }
+            }
+
+            /// Whether it is larger than what a declared model leaves open in any case.
+            #[must_use]
+            pub fn exceeds_tolerance(&self, declared: &Settings, rates: Rates) -> bool {
+                match self { $(Self::$variant(e) => e.exceeds_tolerance(declared, rates),)+ }
+            }
+
+            /// The values of its parameters.
+            #[must_use]
+            pub fn values(&self) -> Vec<f64> {
+                match self { $(Self::$variant(e) => e.values(),)+ }
+            }
+
+            /// What tells it from another of its name on the same axis.
+            #[must_use]
+            pub fn distinction(&self) -> Distinction<'_> {
+                match self { $(Self::$variant(e) => e.distinction(),)+ }
+            }
+
+            /// The variable over which its residual is drawn.
+            #[must_use]
+            pub fn abscissa(&self) -> Abscissa {
+                match self { $(Self::$variant(e) => e.abscissa(),)+ }
+            }
+
+            /// What it does, with its values and the half widths of their intervals; those that are missing are not
+            /// told.
+            #[must_use]
+            pub fn sentence(&self, half_widths: &[f64], is_rotary: bool) -> String {
+                let wording = Wording::new(self.declared_parameters(), self.values(), half_widths, is_rotary);
+                match self { $(Self::$variant(e) => e.sentence(&wording),)+ }
+            }
+        }
+
+        /// Every initial guess of every effect that the context allows.
+        #[must_use]
+        pub fn initial_guesses(context: &EffectContext<'_>) -> Vec<Effect> {
+            let mut all = Vec::new();
+            $(all.extend($variant::initial_guesses(context).into_iter().map(Effect::$variant));)+
+            all
+        }
+
+        impl Serialize for Effect {
+            fn serialize<S: Serializer>(&self, serializer: S) -> Result<S::Ok, S::Error> {
+                #[derive(Serialize)]
+                struct Named<'a, T> {
+                    name: &'static str,
+                    #[serde(flatten)]
+                    effect: &'a T,
+                }
+                let name = self.name();
+                match self { $(Self::$variant(effect) => Named { name, effect }.serialize(serializer),)+ }
+            }
+        }
+
+        impl<'de> Deserialize<'de> for Effect {
+            fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
+                let mut keys = BTreeMap::<String, EntryValue>::deserialize(deserializer)?;
+                let name = match keys.remove("name") {
+                    Some(EntryValue::Text(name)) => name,
+                    Some(EntryValue::Number(_)) | None => return Err(de::Error::missing_field("name")),
+                };
+                let is_told = |kind: &&Kind| kind.told_by_key.is_some_and(|key| keys.contains_key(key));
+                let kinds = KINDS.iter().filter(|kind| kind.name == name);
+                let told_by_key = kinds.clone().find(is_told).and_then(|kind| kind.told_by_key);
+                let values = MapDeserializer::new(keys.into_iter());
+                $(if name == $variant::NAME && $variant::TOLD_BY_KEY == told_by_key {
+                    return $variant::deserialize(values).map(Self::$variant);
+                })+
+                Err(de::Error::unknown_variant(&name, &[$($variant::NAME),+]))
+            }
+        }
+
+        /// What is declared of one kind of effect; see [`EffectModel`].
+        pub struct Kind {
+            /// [`EffectModel::NAME`].
+            pub name: &'static str,
+            /// [`EffectModel::TOLD_BY_KEY`].
+            pub told_by_key: Option<&'static str>,
+            /// [`EffectModel::PARAMETERS`].
+            pub parameters: &'static [Parameter],
+            /// [`EffectModel::OCCURRENCE`].
+            pub occurrence: Occurrence,
+            /// [`EffectModel::SHOWN_IN`].
+            pub shown_in: &'static [Stage],
+            /// [`EffectModel::DRAW_NUMBER`].
+            pub draw_number: Option<u32>,
+            /// [`EffectModel::prerequisite`].
+            pub prerequisite: fn(&Settings, Neighbours) -> Prerequisite,
+            /// [`EffectModel::draw`].
+            pub draw: fn(&mut Draw<'_>) -> Option<Effect>,
+        }
+
+        /// The names of all effects, in catalogue order, each once.
+        #[must_use]
+        pub fn names() -> Vec<&'static str> {
+            KINDS.iter().filter(|kind| kind.told_by_key.is_none()).map(|kind| kind.name).collect()
+        }
+
+        impl Effect {
+            /// Key and value of each parameter.
+            #[must_use]
+            pub fn parameters(&self) -> Vec<(&'static str, f64)> {
+                self.declared_parameters().iter().map(|parameter| parameter.key).zip(self.values()).collect()
+            }
+
+            /// Whether this and another are one effect of an axis, of whatever size.
+            #[must_use]
+            pub fn is_same(&self, other: &Self) -> bool {
+                self.name() == other.name() && self.distinction() == other.distinction()
+            }
+        }
+    };
+}
+
+pub(in crate::effects) use catalogue;

@@ -1,0 +1,30 @@
+//! What an effect is described with.
+
+mod abscissa;
+mod catalogue;
+mod context;
+mod coordinate;
+mod draw;
+mod effect_model;
+mod entry;
+pub mod harmonic;
+mod identity;
+mod parameter;
+mod stage;
+mod unit;
+mod wording;
+
+pub use abscissa::Abscissa;
+pub(super) use catalogue::catalogue;
+pub use context::{EffectContext, Misplaced, Neighbours, Placement, Prerequisite};
+pub use coordinate::Coordinate;
+pub use draw::Draw;
+pub use effect_model::EffectModel;
+pub use entry::EntryValue;
+pub use identity::{Distinction, Occurrence};
+pub use parameter::Parameter;
+pub use stage::{Channel, Stage};
+pub use unit::Unit;
+pub use wording::Wording;
+
+pub(super) use crate::range::Range;

@@ -1,0 +1,83 @@
+//! Parameters of an effect as they are declared: key, unit, range.
+
+use super::unit::Unit;
+use crate::range::Range;
+
+/// A parameter of an effect.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Parameter {
+    /// Its key in a machine file and in the JSON of a linear axis; it ends in the unit.
+    pub key: &'static str,
+    /// Unit of the value.
+    pub unit: Unit,
+    /// Values that have a meaning.
+    pub range: Range,
+    /// Values that differ by a multiple of this are the same; absent: all differ.
+    pub period: Option<f64>,
+}
+
+impl Parameter {
+    /// A parameter that does not repeat.
+    #[must_use]
+    pub const fn new(key: &'static str, unit: Unit, range: Range) -> Self {
+        Self { key, unit, range, period: None }
+    }
+
+    /// A phase, rad.
+    #[must_use]
+    pub const fn phase(key: &'static str) -> Self {
+        Self { key, unit: Unit::Radian, range: Range::Signed, period: Some(std::f64::consts::TAU) }
+    }
+
+    /// The key on an axis; the value is the same on a rotary one.
+    #[must_use]
+    pub fn key_on(&self, is_rotary: bool) -> String {
+        let [linear, rotary] = self.unit.key_ends();
+        match self.key.strip_suffix(linear) {
+            Some(stem) if is_rotary => format!("{stem}{rotary}"),
+            _ => self.key.to_owned(),
+        }
+    }
+
+    /// The key without its unit, with spaces; empty where the key is the unit alone.
+    #[must_use]
+    pub fn title(&self) -> String {
+        let [end, _] = self.unit.key_ends();
+        self.key.strip_suffix(end).unwrap_or(self.key).replace('_', " ").trim_end().to_owned()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_title_is_the_key_without_its_unit() {
+        let title = |key, unit| Parameter::new(key, unit, Range::Signed).title();
+        assert_eq!(title("static_excess_n", Unit::Newton), "static excess");
+        assert_eq!(title("velocity_mm_s", Unit::MillimetrePerSecond), "velocity");
+        assert_eq!(title("um_per_m2", Unit::MicrometrePerSquareMetre), "");
+        assert_eq!(title("damping_ratio", Unit::One), "damping ratio");
+    }
+
+    #[test]
+    fn rotary_keys_say_degrees_and_newton_metres() {
+        for (key, unit, rotary) in [
+            ("stiffness_n_per_um", Unit::NewtonPerMicrometre, "stiffness_nm_per_mdeg"),
+            ("slope_um_per_m", Unit::MicrometrePerMetre, "slope_mdeg_per_kdeg"),
+            ("slope_n_per_m", Unit::NewtonPerMetre, "slope_nm_per_kdeg"),
+            ("curvature_n_per_m2", Unit::NewtonPerSquareMetre, "curvature_nm_per_kdeg2"),
+            ("width_um", Unit::Micrometre, "width_mdeg"),
+            ("period_mm", Unit::Millimetre, "period_deg"),
+            ("friction_n", Unit::Newton, "friction_nm"),
+            ("velocity_mm_s", Unit::MillimetrePerSecond, "velocity_deg_s"),
+            ("damping_ratio", Unit::One, "damping_ratio"),
+            ("phase_rad", Unit::Radian, "phase_rad"),
+            ("ms", Unit::Millisecond, "ms"),
+        ] {
+            let parameter = Parameter::new(key, unit, Range::Signed);
+            assert_eq!(parameter.key_on(true), rotary);
+            assert_eq!(parameter.key_on(false), key);
+        }
+    }
+}

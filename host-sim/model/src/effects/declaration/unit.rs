@@ -1,0 +1,112 @@
+//! Units of parameters: the end of a key in a file, and the symbol for people, of linear and of rotary axes.
+
+/// The unit of a parameter. On a rotary axis degrees stand for mm and N·m for N, with the same numbers; a metre is 1000°.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Unit {
+    /// µm; millidegrees.
+    Micrometre,
+    /// mm; degrees.
+    Millimetre,
+    /// mm/s; °/s.
+    MillimetrePerSecond,
+    /// µm/m; millidegrees per 1000°.
+    MicrometrePerMetre,
+    /// µm/m²; millidegrees per (1000°)².
+    MicrometrePerSquareMetre,
+    /// µm per m/s²; millidegrees per 1000°/s².
+    MicrometrePerAcceleration,
+    /// N; N·m.
+    Newton,
+    /// N/m; N·m per 1000°.
+    NewtonPerMetre,
+    /// N/m²; N·m per (1000°)².
+    NewtonPerSquareMetre,
+    /// N/µm; N·m per millidegree.
+    NewtonPerMicrometre,
+    /// N·s/m; N·m·s per 1000°.
+    NewtonSecondPerMetre,
+    /// s.
+    Second,
+    /// ms.
+    Millisecond,
+    /// Hz.
+    Hertz,
+    /// rad, of a phase.
+    Radian,
+    /// %.
+    Percent,
+    /// A ratio.
+    One,
+}
+
+impl Unit {
+    /// How keys end that hold a value in this unit: of linear and of rotary axes. Empty for a ratio.
+    #[must_use]
+    pub const fn key_ends(self) -> [&'static str; 2] {
+        match self {
+            Self::Micrometre => ["um", "mdeg"],
+            Self::Millimetre => ["mm", "deg"],
+            Self::MillimetrePerSecond => ["mm_s", "deg_s"],
+            Self::MicrometrePerMetre => ["um_per_m", "mdeg_per_kdeg"],
+            Self::MicrometrePerSquareMetre => ["um_per_m2", "mdeg_per_kdeg2"],
+            Self::MicrometrePerAcceleration => ["um_s2_per_m", "mdeg_s2_per_kdeg"],
+            Self::Newton => ["n", "nm"],
+            Self::NewtonPerMetre => ["n_per_m", "nm_per_kdeg"],
+            Self::NewtonPerSquareMetre => ["n_per_m2", "nm_per_kdeg2"],
+            Self::NewtonPerMicrometre => ["n_per_um", "nm_per_mdeg"],
+            Self::NewtonSecondPerMetre => ["n_s_per_m", "nm_s_per_kdeg"],
+            Self::Second => ["s"; 2],
+            Self::Millisecond => ["ms"; 2],
+            Self::Hertz => ["hz"; 2],
+            Self::Radian => ["rad"; 2],
+            Self::Percent => ["percent"; 2],
+            Self::One => [""; 2],
+        }
+    }
+
+    /// What is written behind a number, for people: on linear and on rotary axes. Empty for a ratio.
+    #[must_use]
+    pub const fn symbols(self) -> [&'static str; 2] {
+        match self {
+            Self::Micrometre => ["µm", "mdeg"],
+            Self::Millimetre => ["mm", "°"],
+            Self::MillimetrePerSecond => ["mm/s", "°/s"],
+            Self::MicrometrePerMetre => ["µm/m", "mdeg per 1000°"],
+            Self::MicrometrePerSquareMetre => ["µm/m²", "mdeg per (1000°)²"],
+            Self::MicrometrePerAcceleration => ["µm per m/s²", "mdeg per 1000°/s²"],
+            Self::Newton => ["N", "N·m"],
+            Self::NewtonPerMetre => ["N/m", "N·m per 1000°"],
+            Self::NewtonPerSquareMetre => ["N/m²", "N·m per (1000°)²"],
+            Self::NewtonPerMicrometre => ["N/µm", "N·m/mdeg"],
+            Self::NewtonSecondPerMetre => ["N·s/m", "N·m·s per 1000°"],
+            Self::Second => ["s"; 2],
+            Self::Millisecond => ["ms"; 2],
+            Self::Hertz => ["Hz"; 2],
+            Self::Radian => ["rad"; 2],
+            Self::Percent => ["%"; 2],
+            Self::One => [""; 2],
+        }
+    }
+
+    /// A number with this unit, for people. Degrees stand at the number without a space.
+    #[must_use]
+    pub fn with(self, number: &str, is_rotary: bool) -> String {
+        match self.symbols()[usize::from(is_rotary)] {
+            "" => number.to_owned(),
+            symbol if symbol.starts_with('°') => format!("{number}{symbol}"),
+            symbol => format!("{number} {symbol}"),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_degree_sign_follows_its_number() {
+        assert_eq!(Unit::MillimetrePerSecond.with("3.1", true), "3.1°/s");
+        assert_eq!(Unit::MillimetrePerSecond.with("3.1", false), "3.1 mm/s");
+        assert_eq!(Unit::One.with("0.05", true), "0.05");
+    }
+}

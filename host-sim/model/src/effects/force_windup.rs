@@ -1,0 +1,124 @@
+//! Wind-up by the measured force, on an axis whose masses are not declared.
+
+use serde::{Deserialize, Serialize};
+use shared::config::Rates;
+
+use super::declaration::{
+    Abscissa, Coordinate, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
+    Placement, Prerequisite, Range, Stage, Unit, Wording,
+};
+use crate::axis::Settings;
+
+/// Compliance of a drive train as good as rigid, µm/N.
+const MIN_COMPLIANCE: f64 = 1e-6;
+
+/// A millimetre per newton is no drive train, µm/N.
+const MAX_COMPLIANCE: f64 = 1e3;
+
+/// The drive force, less friction before the drive train, deflects it. In machine files this is `windup`, too, told by
+/// its friction.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ForceWindup {
+    /// Stiffness between motor and table.
+    pub stiffness_n_per_um: f64,
+    /// Friction of the motor and of what lies before the gear, which does not deflect the drive train.
+    pub friction_n: f64,
+    /// Travel over which that friction reverses (Dahl, 1968). Absent: at once.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub presliding_mm: Option<f64>,
+}
+
+impl ForceWindup {
+    /// Lag of the table behind the motor, µm, under a measured force; `direction` of travel is −1 to 1.
+    #[must_use]
+    pub fn deflection_um(&self, force_n: f64, direction: f64) -> f64 {
+        (force_n - self.friction_n * direction) / self.stiffness_n_per_um
+    }
+}
+
+impl EffectModel for ForceWindup {
+    const NAME: &'static str = "windup";
+    const TOLD_BY_KEY: Option<&'static str> = Some("friction_n");
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::new("stiffness_n_per_um", Unit::NewtonPerMicrometre, Range::Positive),
+        Parameter::new("friction_n", Unit::Newton, Range::NotNegative),
+        Parameter::new("presliding_mm", Unit::Millimetre, Range::Positive),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Table];
+
+    fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
+        if axis.has_mass() {
+            return Prerequisite::NotApplicable;
+        }
+        Prerequisite::Needs("a force channel in every log that is fitted")
+    }
+
+    fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
+        let expected = "no such key, as masses are given".to_owned();
+        place.axis.has_mass().then_some(Misplaced { key: "friction_n", expected })
+    }
+
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Table, Stage::Force, Stage::Motor]
+    }
+
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        if context.axis.has_mass() || !context.has(Stage::Table) {
+            return Vec::new();
+        }
+        let guess =
+            |presliding_mm| Self { stiffness_n_per_um: 1.0 / MIN_COMPLIANCE, friction_n: 0.0, presliding_mm };
+        [None, Some(0.03), Some(0.3)].map(guess).to_vec()
+    }
+
+    /// The compliance, µm/N, and the deflection that friction takes away, µm: the model is linear in both. Then the
+    /// travel of a reversal, mm.
+    fn coordinates(&self) -> Vec<Coordinate> {
+        let per_um = 1.0 / self.stiffness_n_per_um;
+        let reversal = self.presliding_mm.map(|mm| Coordinate::scale(mm, 1e-3, 10.0));
+        // At the rigid end the effect ends, not its search.
+        let per_um = Coordinate::between(per_um, 0.01, MIN_COMPLIANCE, MAX_COMPLIANCE);
+        [
+            Coordinate { limits: [f64::NEG_INFINITY, MAX_COMPLIANCE], ..per_um },
+            Coordinate::between(self.friction_n * per_um.value, 0.1, 0.0, 1e4),
+        ]
+        .into_iter()
+        .chain(reversal)
+        .collect()
+    }
+
+    fn at(&self, x: &[f64]) -> Self {
+        Self {
+            stiffness_n_per_um: 1.0 / x[0],
+            friction_n: x[1] / x[0],
+            presliding_mm: self.presliding_mm.and_then(|_| x.get(2).copied()),
+        }
+    }
+
+    /// A drive train as good as rigid does not wind up: what remains of this effect is friction without a force.
+    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
+        1.0 / self.stiffness_n_per_um > 10.0 * MIN_COMPLIANCE
+    }
+
+    fn values(&self) -> Vec<f64> {
+        [self.stiffness_n_per_um, self.friction_n].into_iter().chain(self.presliding_mm).collect()
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        let reversal = self
+            .presliding_mm
+            .map_or_else(String::new, |_| format!(", which turns round over {}", wording.value(2)));
+        format!(
+            "the drive {} winds up the drive train, with {} between motor and table; friction before it takes {}{reversal}",
+            wording.by_axis("force", "torque"),
+            wording.value(0),
+            wording.value(1)
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Force
+    }
+}

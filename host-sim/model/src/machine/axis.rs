@@ -1,0 +1,93 @@
+//! An axis of a machine file: its settings, the effects found on it, and what a trace keeps beside them.
+
+use serde::{Deserialize, Serialize};
+
+use super::nominal::{LogOffsets, Nominal, TOLERATED};
+use crate::axis::{
+    Controller, Feedback, Field, Filters, Law, Limits, Mechanics, Sensors, Settings, axis_keys,
+};
+use crate::effects::Effect;
+use crate::friction_curve::Curve;
+
+/// One axis as declared.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(from = "AxisTable", into = "AxisTable")]
+pub struct Axis {
+    /// Controller, filters, limits, mechanics, sensors.
+    pub settings: Settings,
+    /// Values and effects as they were before a trace fitted them; absent: as they are.
+    pub nominal: Option<Nominal>,
+    /// Zeros and instants of the logs that a trace fitted.
+    pub log_offsets: Option<LogOffsets>,
+    /// Effects found, in the order in which they were added.
+    pub effect: Vec<Effect>,
+}
+
+impl Axis {
+    /// The same axis with its values and effects as they were before they were fitted.
+    #[must_use]
+    pub fn at_nominal(&self) -> Self {
+        let mut axis = Self { nominal: None, log_offsets: None, ..self.clone() };
+        let Some(nominal) = &self.nominal else { return axis };
+        for value in TOLERATED {
+            if let Some(number) = (value.nominal)(nominal) {
+                (value.set)(&mut axis.settings, number);
+            }
+        }
+        for (effect, nominal) in axis.effect.iter_mut().zip(&nominal.effect) {
+            effect.clone_from(nominal);
+        }
+        axis
+    }
+}
+
+/// The table `[axis.NAME]` as it stands in the file, where all settings are flat keys, and both conversions. A nested
+/// struct under serde's `flatten` would accept unknown keys and lose the place of an error.
+macro_rules! axis_table {
+    ($(
+        $(#[$group_doc:meta])*
+        $group:ident: $Group:ident {
+            $($(#[$doc:meta])* $field:ident $(($key:literal))?: $type:ty $([$range:expr])?,)+
+        }
+    )+) => {
+        #[derive(Default, Serialize, Deserialize)]
+        #[serde(default, deny_unknown_fields)]
+        struct AxisTable {
+            $($(
+                $(#[serde(rename = $key)])?
+                #[serde(skip_serializing_if = "Field::is_absent")]
+                $field: $type,
+            )+)+
+            #[serde(skip_serializing_if = "Option::is_none")]
+            nominal: Option<Nominal>,
+            #[serde(skip_serializing_if = "Option::is_none")]
+            log_offsets: Option<LogOffsets>,
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            effect: Vec<Effect>,
+        }
+
+        impl From<AxisTable> for Axis {
+            fn from(table: AxisTable) -> Self {
+                Self {
+                    settings: Settings { $($group: $Group { $($field: table.$field,)+ },)+ },
+                    nominal: table.nominal,
+                    log_offsets: table.log_offsets,
+                    effect: table.effect,
+                }
+            }
+        }
+
+        impl From<Axis> for AxisTable {
+            fn from(axis: Axis) -> Self {
+                Self {
+                    $($($field: axis.settings.$group.$field,)+)+
+                    nominal: axis.nominal,
+                    log_offsets: axis.log_offsets,
+                    effect: axis.effect,
+                }
+            }
+        }
+    };
+}
+
+axis_keys!(axis_table);

@@ -1,0 +1,65 @@
+//! A machine as declared.
+
+use indexmap::IndexMap;
+use serde::{Deserialize, Serialize};
+use shared::config::Rates;
+
+use super::axis::Axis;
+use super::instruments::InstrumentKeys;
+use crate::bodies::Structure;
+
+/// A machine as declared.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct Machine {
+    /// For people.
+    pub name: String,
+    /// Rate of the position loop and of the log.
+    pub sample_rate_hz: f64,
+    /// A whole multiple of the sample rate; absent: the same. See [`Machine::velocity_rate_hz`].
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub velocity_loop_rate_hz: Option<f64>,
+    /// What reads the machine; absent: as on a well-kept one.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub instruments: Option<InstrumentKeys>,
+    /// The axes by name, in the order of the file.
+    pub axis: IndexMap<String, Axis>,
+    /// The machine as rigid bodies, for a simulation instead of masses, springs and friction of its axes; the tracer
+    /// goes by the axes.
+    #[serde(skip_serializing_if = "Option::is_none")]
+    pub structure: Option<Structure>,
+}
+
+impl Machine {
+    /// The text of a machine file that reads as this machine.
+    #[must_use]
+    #[expect(clippy::missing_panics_doc, reason = "it cannot happen: see the message")]
+    pub fn to_toml(&self) -> String {
+        toml::to_string(self).expect("texts, numbers and tables under text keys fit into TOML")
+    }
+
+    /// Rate of the velocity loop.
+    #[must_use]
+    pub fn velocity_rate_hz(&self) -> f64 {
+        self.velocity_loop_rate_hz.unwrap_or(self.sample_rate_hz)
+    }
+
+    /// Rates of both loops.
+    #[must_use]
+    pub fn rates(&self) -> Rates {
+        let velocity_loop_hz = self.velocity_rate_hz();
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a validated whole multiple"
+        )]
+        let position_loop_divider = (velocity_loop_hz / self.sample_rate_hz).round() as u32;
+        Rates { velocity_loop_hz, position_loop_divider }
+    }
+
+    /// Names of all axes but one.
+    #[must_use]
+    pub fn others(&self, name: &str) -> Vec<String> {
+        self.axis.keys().filter(|other| *other != name).cloned().collect()
+    }
+}

@@ -1,0 +1,34 @@
+//! Reads a machine file.
+
+use std::path::Path;
+
+use files::document::{Document, read_text};
+use files::error::InputError;
+
+use super::check;
+use super::declared::Machine;
+
+impl Machine {
+    /// Reads a machine file.
+    ///
+    /// # Errors
+    /// If it cannot be read, or does not describe a machine that can exist.
+    pub fn read(path: &Path) -> Result<Self, InputError> {
+        Self::parse(&read_text(path)?, &path.display().to_string())
+    }
+
+    /// Reads the text of a machine file; `source` is for messages.
+    ///
+    /// # Errors
+    /// If the text does not describe a machine that can exist.
+    pub fn parse(text: &str, source: &str) -> Result<Self, InputError> {
+        let document = Document::parse(text, source)?;
+        check::effects(&document)?;
+        let mut machine: Self = document.deserialize()?;
+        let order = document.children("axis");
+        let place = |name: &String| order.iter().position(|key| key[5..] == name[..]);
+        machine.axis.sort_by_cached_key(|name, _| place(name));
+        check::machine(&machine, &document)?;
+        Ok(machine)
+    }
+}

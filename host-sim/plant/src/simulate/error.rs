@@ -1,0 +1,129 @@
+//! Why a simulation did not reach the end of its motion.
+
+use shared::config::AxisSettings;
+use shared::interpolate::PathError;
+use shared::safety::{Fault, FaultKind};
+
+use crate::parameters::AxisParameters;
+use link::controller::ControllerError;
+use model::bodies::StructureError;
+use model::machine::Machine;
+use model::servo;
+
+/// The longest run, s of machine time; a path that takes longer ends with [`SimulationError::Endless`].
+pub const MAX_RUN_S: f64 = 3600.0;
+
+/// Why a simulation stopped.
+#[derive(Debug, thiserror::Error)]
+pub enum SimulationError {
+    /// The controller refused the machine or the motion, or the link broke.
+    #[error(transparent)]
+    Controller(#[from] ControllerError),
+    /// A block of the path was refused.
+    #[error("block {index}: {error}")]
+    Block {
+        /// Its number, from 0.
+        index: usize,
+        /// Why it was refused.
+        error: PathError,
+    },
+    /// The machine file lacks a key that a simulation needs.
+    #[error("axis.{axis}: a simulation needs the key {key}")]
+    Lacks {
+        /// Axis.
+        axis: String,
+        /// Key.
+        key: &'static str,
+    },
+    /// An axis needs shorter steps than the simulation takes.
+    #[error("axis.{axis}: {key} asks for steps of {step_s:.1e} s")]
+    TooFast {
+        /// Axis.
+        axis: String,
+        /// The key whose value needs them.
+        key: &'static str,
+        /// The longest step that it allows, s.
+        step_s: f64,
+    },
+    /// The controller switched the drives off, or a value of the machine is not finite.
+    #[error("{what}: stopped after {time_s:.4} s{hint}")]
+    Fault {
+        /// The fault, with its axis.
+        what: String,
+        /// Time since the start, s.
+        time_s: f64,
+        /// A possible cause; may be empty.
+        hint: &'static str,
+    },
+    /// The machine's structure is impossible.
+    #[error("structure: {0}")]
+    Structure(#[from] StructureError),
+    /// The path did not end within [`MAX_RUN_S`].
+    #[error("the motion did not end within {MAX_RUN_S} s of machine time")]
+    Endless,
+    /// A row of the log could not be written.
+    #[error("log: {0}")]
+    Log(#[from] std::io::Error),
+}
+
+const UNSTABLE: &str = ": is the loop unstable, or the motion too fast for it?";
+
+/// The error of a fault of the controller, with the limit that was exceeded.
+pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationError {
+    let (what, hint) = match fault {
+        Fault::Overrun => ("a tick took longer than its period".to_owned(), ""),
+        Fault::HardwareStop => ("the power stages were cut in hardware".to_owned(), ""),
+        Fault::Watchdog => ("the board was reset by its watchdog".to_owned(), ""),
+        Fault::Axis { axis, kind } => match machine.axis.get_index(usize::from(axis)) {
+            None => (format!("axis {axis}: {kind:?}"), ""),
+            Some((name, axis)) => {
+                let settings =
+                    servo::settings(&axis.settings, &AxisParameters::of(axis).servo).unwrap_or_default();
+                let (what, hint) = described(kind, &settings);
+                (format!("axis.{name}: {what}"), hint)
+            }
+        },
+    };
+    SimulationError::Fault { what, time_s, hint }
+}
+
+/// The error of a row with a value that is not finite.
+pub(super) fn not_finite(time_s: f64) -> SimulationError {
+    SimulationError::Fault { what: "a reading is no finite number".to_owned(), time_s, hint: UNSTABLE }
+}
+
+/// A fault of an axis in words, and a possible cause.
+fn described(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str) {
+    let mm = |m: Option<f64>| 1e3 * m.unwrap_or(f64::NAN);
+    match kind {
+        FaultKind::FollowingError => {
+            let limit_mm = 1e3 * settings.following_error_limit_m;
+            (format!("following error beyond its limit of {limit_mm} mm"), UNSTABLE)
+        }
+        FaultKind::Disagreement => {
+            let limit_mm = mm(settings.scale_disagreement_limit_m);
+            (format!("motor and linear scale further apart than their limit of {limit_mm} mm"), "")
+        }
+        FaultKind::EncoderStep => {
+            let limit = mm(settings.fastest_m_per_s);
+            (format!("the motor reading moves faster than {limit} mm/s, which the motor cannot"), UNSTABLE)
+        }
+        FaultKind::ForceSaturated => (
+            format!(
+                "the force stands at its limit of {} N, for {} s in all",
+                settings.force_limit_n, settings.saturation_time_s
+            ),
+            ": is the loop unstable, or does the motion ask for more than the drive can give?",
+        ),
+        FaultKind::SoftLimit => {
+            let [min, max] = settings.travel_m.unwrap_or([f64::NAN; 2]).map(|m| 1e3 * m);
+            (format!("the command leaves the travel from {min} to {max} mm"), "")
+        }
+        FaultKind::ScaleLost => ("no reading of the linear scale".to_owned(), ""),
+        FaultKind::EncoderFrozen => {
+            let limit_mm = mm(settings.frozen_encoder_limit_m);
+            (format!("the motor reading stands while the command moves by more than {limit_mm} mm"), "")
+        }
+        FaultKind::Displaced => ("the axis does not stand where its motion begins".to_owned(), ""),
+    }
+}

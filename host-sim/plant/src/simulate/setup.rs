@@ -1,0 +1,50 @@
+//! The controller of a machine file.
+
+use shared::config::AxisSettings;
+use shared::units::Position;
+
+use super::error::SimulationError;
+use crate::parameters::AxisParameters;
+use link::controller::{Controller, Format};
+use model::machine::Machine;
+use model::servo;
+
+/// Most steps of the plant per tick: a stiffer machine is refused.
+const MAX_SUBSTEPS: f64 = 500.0;
+
+/// A controller in this process for a machine that stands at `start_m`, one position an axis.
+///
+/// # Errors
+/// When the file lacks a key or a setting is refused.
+pub fn controller(
+    machine: &Machine,
+    format: Format,
+    start_m: &[f64],
+) -> Result<Box<dyn Controller>, SimulationError> {
+    let (settings, start) = controller_setup(machine, start_m)?;
+    Ok(link::controller::in_process(format, machine.rates(), &settings, &start)?)
+}
+
+/// Settings and start of the axes, for a controller in this process or on a chip.
+///
+/// # Errors
+/// The key that the machine file lacks, or whose value needs steps that are too short.
+pub fn controller_setup(
+    machine: &Machine,
+    start_m: &[f64],
+) -> Result<(Vec<AxisSettings>, Vec<Position>), SimulationError> {
+    let mut settings = Vec::new();
+    for ((name, axis), parameters) in machine.axis.iter().zip(AxisParameters::of_machine(machine)) {
+        let lacks = |key| SimulationError::Lacks { axis: name.clone(), key };
+        if parameters.motor_mass_kg + parameters.table_mass_kg <= 0.0 {
+            return Err(lacks("table_mass_kg"));
+        }
+        let (key, step_s) = parameters.step_limit();
+        if step_s * machine.velocity_rate_hz() * MAX_SUBSTEPS < 1.0 {
+            return Err(SimulationError::TooFast { axis: name.clone(), key, step_s });
+        }
+        settings.push(servo::settings(&axis.settings, &parameters.servo).map_err(lacks)?);
+    }
+    let start = start_m.iter().map(|&m| Position::from_m(m).unwrap_or_default()).collect();
+    Ok((settings, start))
+}

@@ -1,0 +1,122 @@
+//! From table to tool point: offsets that depend on accelerations, positions and time, and a structural resonance.
+
+use nalgebra::Matrix3;
+
+use model::effects::{Crosstalk, Resonance, Straightness};
+
+use super::parameters::ToolParameters;
+
+/// The tables of all axes at one instant.
+#[derive(Clone, Copy, Debug)]
+pub struct Tables<'a> {
+    /// Axis names, in the order of the values.
+    pub names: &'a [String],
+    /// Positions, m.
+    pub position_m: &'a [f64],
+    /// Accelerations, m/s².
+    pub acceleration: &'a [f64],
+}
+
+impl Tables<'_> {
+    fn index(&self, name: &str) -> Option<usize> {
+        self.names.iter().position(|n| n == name)
+    }
+}
+
+/// Tool − table of one axis, m, without its resonance, at a time of the session (s).
+#[must_use]
+pub fn offset_m(tool: &ToolParameters, axis: usize, tables: &Tables<'_>, time_s: f64) -> f64 {
+    let other = (0..tables.names.len()).find(|&i| i != axis);
+    let from = |name: &str, values: &[f64]| tables.index(name).map_or(0.0, |i| values[i]);
+    let crosstalk = |c: &Crosstalk| c.offset_m(from(&c.source, tables.acceleration));
+    let straightness = |s: &Straightness| s.offset_m(from(&s.source, tables.position_m));
+    tool.intalk.offset_m(tables.acceleration[axis])
+        + tool.crosstalk.iter().map(crosstalk).sum::<f64>()
+        + other.map_or(0.0, |i| tool.squareness.offset_m(tables.position_m[i]))
+        + tool.straightness.iter().map(straightness).sum::<f64>()
+        + tool.drift.as_ref().map_or(0.0, |drift| drift.offset_m(time_s))
+}
+
+/// The oscillation of the tool of one axis against its table.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Oscillation {
+    /// Tool − table, m.
+    pub offset_m: f64,
+    /// m/s.
+    rate: f64,
+}
+
+/// Steps of an [`Oscillation`], exact for an acceleration that is constant over the step.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct OscillationStep {
+    /// Offset and rate at the end per offset, per rate, and per constant force per mass.
+    columns: [[f64; 2]; 3],
+    /// 2ζω, 1/s.
+    damping_per_s: f64,
+    half_s: f64,
+}
+
+impl OscillationStep {
+    /// Steps of a length (s) of a resonance.
+    #[must_use]
+    pub fn new(resonance: &Resonance, step_s: f64) -> Self {
+        let omega = std::f64::consts::TAU * resonance.frequency_hz;
+        let damping_per_s = 2.0 * resonance.damping_ratio * omega;
+        let rates = Matrix3::new(0.0, 1.0, 0.0, -omega * omega, -damping_per_s, 1.0, 0.0, 0.0, 0.0);
+        let exponential = (rates * step_s).exp();
+        Self {
+            columns: [0, 1, 2].map(|cause| [exponential[(0, cause)], exponential[(1, cause)]]),
+            damping_per_s,
+            half_s: 0.5 * step_s,
+        }
+    }
+}
+
+impl Oscillation {
+    /// One step under the table's acceleration (m/s²), at whose end the table has a velocity (m/s).
+    ///
+    /// The tool follows the table by ω²/(s² + 2ζωs + ω²). With d = tool − table that is
+    /// d'' + 2ζω·d' + ω²·d = −(table'' + 2ζω·table').
+    pub fn step(&mut self, step: &OscillationStep, acceleration: f64, velocity: f64) {
+        // The velocity in the middle of the step.
+        let force = -acceleration - step.damping_per_s * (velocity - step.half_s * acceleration);
+        let [per_offset, per_rate, per_force] = step.columns;
+        let end = |part: usize| {
+            per_offset[part] * self.offset_m + per_rate[part] * self.rate + per_force[part] * force
+        };
+        (self.offset_m, self.rate) = (end(0), end(1));
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::effects::Channel;
+
+    /// Without damping and under a constant acceleration a, d = −a/ω²·(1 − cos ωt), at any step.
+    #[test]
+    fn oscillates_about_the_static_offset() {
+        let resonance = Resonance { channel: Channel::Tool, frequency_hz: 300.0, damping_ratio: 0.0 };
+        let omega = std::f64::consts::TAU * 300.0;
+        for step_s in [2e-5, 1e-3, 7e-3] {
+            let (step, mut tool) = (OscillationStep::new(&resonance, step_s), Oscillation::default());
+            for i in 1..50 {
+                tool.step(&step, 2.0, f64::from(i) * step_s * 2.0);
+                let expected = -2.0 / omega.powi(2) * (1.0 - (omega * step_s * f64::from(i)).cos());
+                assert!((tool.offset_m - expected).abs() < 1e-15, "{step_s}: {} {expected}", tool.offset_m);
+            }
+        }
+    }
+
+    /// At a steady speed the tool lags by 2ζ/ω: the slope of the transfer function at zero frequency.
+    #[test]
+    fn lags_by_its_damping_at_a_steady_speed() {
+        for damping_ratio in [0.02, 0.7, 30.0] {
+            let resonance = Resonance { channel: Channel::Tool, frequency_hz: 60.0, damping_ratio };
+            let (step, mut tool) = (OscillationStep::new(&resonance, 1e-3), Oscillation::default());
+            (0..100_000).for_each(|_| tool.step(&step, 0.0, 0.1));
+            let lag_m = 0.1 * 2.0 * damping_ratio / (std::f64::consts::TAU * 60.0);
+            assert!((tool.offset_m / -lag_m - 1.0).abs() < 1e-9, "{damping_ratio}: {}", tool.offset_m);
+        }
+    }
+}

@@ -1,0 +1,99 @@
+//! Sentences about what speaks against a model or an effect.
+
+use super::number::{percent, significant};
+use super::parameters::brief;
+use files::log::Unit;
+use trace::fit::fit_data::Pair;
+use trace::fit::limits::AtLimit;
+use trace::outcome::{AxisTrace, StageError};
+use trace::stages::{residual_unit, stage_names};
+use trace::validation::found::Found;
+use trace::verdict;
+
+/// The rms residuals of the stages that a condition selects, as a list; none where it selects none.
+fn list_residuals(
+    axis: &AxisTrace,
+    is_listed: impl Fn(&StageError) -> bool,
+    rms: fn(&Pair) -> f64,
+) -> Option<String> {
+    let of_stage = |error: &StageError| {
+        let (unit, _) = residual_unit(axis.unit, error.stage);
+        let residual = rms(&error.after);
+        format!(
+            "{} {} {unit} rms ({} times the sensors' noise)",
+            stage_names(&[error.stage]),
+            significant(residual, 3),
+            significant(residual / error.noise, 2),
+        )
+    };
+    let listed: Vec<String> = axis.errors.iter().filter(|error| is_listed(error)).map(of_stage).collect();
+    (!listed.is_empty()).then(|| listed.join(", "))
+}
+
+/// That the model does not describe the fitted logs, with the stages that show it; none where it does.
+#[must_use]
+pub fn misfit(axis: &AxisTrace) -> Option<String> {
+    let residuals = list_residuals(axis, verdict::is_gross, |pair| pair.fit)?;
+    Some(format!(
+        "{}: the model does not describe these logs, whatever else is told of them; what stays: {residuals}. A channel may be \
+         wrong (its sign, unit, axis or time), or a declared value.",
+        axis.axis
+    ))
+}
+
+/// That the model describes the fitted logs but not those held out, with the stages that show it; none where it does.
+#[must_use]
+pub fn misfit_held_out(axis: &AxisTrace) -> Option<String> {
+    let only_held_out = |error: &StageError| verdict::is_gross_held_out(error) && !verdict::is_gross(error);
+    let residuals = list_residuals(axis, only_held_out, |pair| pair.validate)?;
+    Some(format!(
+        "{}: the model does not describe the logs held out, so that they are no judge of what else is told; what stays \
+         there: {residuals}. A channel of theirs may be wrong, or they ask more of the machine than the fitted logs.",
+        axis.axis
+    ))
+}
+
+/// That the fit logs show an effect and the validation logs refute it.
+#[must_use]
+pub fn refuted(axis: &str, unit: Unit, found: &Found) -> String {
+    let what = found.effect.sentence(&found.half_widths, unit == Unit::Degree);
+    let [before, after] = [found.before, found.after].map(|pair| significant(pair.validate, 3));
+    format!(
+        "{axis}: refuted by the logs held out, and not in the model (all that these logs decide): {what}; the {} residual \
+         there goes from {before} to {after} {} rms with it.",
+        stage_names(&[found.stage]),
+        residual_unit(unit, found.stage).0,
+    )
+}
+
+/// That an effect was not added because a parameter ended at a limit of its search.
+#[must_use]
+pub fn at_limit(axis: &str, unit: Unit, limit: &AtLimit) -> String {
+    let what = brief(&limit.effect, unit == Unit::Degree);
+    format!(
+        "{axis}: not taken, though it would explain much: {what}; {} is the limit of its search, so that the value lies \
+         beyond or the effect is another one.",
+        significant(limit.limit, 3)
+    )
+}
+
+/// That the final model leaves a larger residual on the validation logs than the declared one; none where it does not.
+#[must_use]
+pub fn worse(axis: &AxisTrace, error: &StageError) -> Option<String> {
+    /// Smallest ratio that is reported. Smaller ones may be chance.
+    const MIN_RATIO: f64 = 1.1;
+    let (before, after) = (error.before.validate, error.after.validate);
+    if !(after > MIN_RATIO * before && after > MIN_RATIO * error.noise) {
+        return None;
+    }
+    let (unit, _) = residual_unit(axis.unit, error.stage);
+    Some(format!(
+        "{}, {}: on motions not used {} {unit} rms stay with all that was fitted, {} more than the {} {unit} with the declared \
+         values fitted alone.",
+        axis.axis,
+        stage_names(&[error.stage]),
+        significant(after, 3),
+        percent(100.0 * (after / before - 1.0)),
+        significant(before, 3),
+    ))
+}

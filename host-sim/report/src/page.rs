@@ -1,0 +1,61 @@
+//! An HTML page as a file of its own: without scripts and without references to other files.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use maud::{DOCTYPE, Markup, PreEscaped, html};
+
+use super::markup::text;
+use files::output::{OutputError, write_whole};
+
+/// Name of the page in its folder.
+pub const FILE_NAME: &str = "report.html";
+
+const STYLE: &str = include_str!("style.css");
+
+/// Path of the page in a folder, if there is one.
+#[must_use]
+pub fn file_in(folder: Option<&PathBuf>) -> Option<PathBuf> {
+    folder.map(|folder| folder.join(FILE_NAME))
+}
+
+/// A whole page; the title is plain text, and the heading of the page, too.
+#[must_use]
+pub fn render(title: &str, lead: &Markup, sections: &Markup) -> String {
+    let page = html! {
+        (DOCTYPE)
+        html lang="en" {
+            head {
+                meta charset="utf-8";
+                meta name="viewport" content="width=device-width, initial-scale=1";
+                title { (text(title)) }
+                style { (PreEscaped(STYLE)) }
+            }
+            body {
+                main {
+                    header { h1 { (text(title)) } (lead) }
+                    (sections)
+                }
+            }
+        }
+        "\n"
+    };
+    page.into_string()
+}
+
+/// Writes a page into a folder, which is made where it is missing, and returns its path.
+///
+/// # Errors
+/// If the folder cannot be made or the page not be written.
+pub fn write(folder: &Path, html: &str) -> Result<PathBuf, OutputError> {
+    let path = folder.join(FILE_NAME);
+    fs::create_dir_all(folder).map_err(|cause| OutputError { path: folder.to_owned(), cause })?;
+    write_whole(&path, |out| out.write_all(html.as_bytes()))?;
+    Ok(path)
+}
+
+/// The last part of a path: pages do not show the folders of their author.
+#[must_use]
+pub fn file_name(source: &str) -> &str {
+    source.rsplit(['/', '\\']).next().unwrap_or(source)
+}

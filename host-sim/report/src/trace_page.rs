@@ -1,0 +1,117 @@
+//! The page of a trace: what was found, pictures of it, and what was not found.
+
+use std::path::{Path, PathBuf};
+
+use maud::{Markup, html};
+
+use super::axis_view::AxisView;
+use super::markup::{list, note, paragraph, section, text};
+use super::page::file_name;
+use super::{page, polar, ranking, residual_plots, sentences, tables};
+use files::output::OutputError;
+use model::effects::Effect;
+use trace::Trace;
+use trace::input::signals::Signals;
+use trace::outcome::{AxisTrace, StageError};
+use trace::stages::stage_names;
+
+/// What a page shows beside the trace.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Extra {
+    /// Heading of the page.
+    pub title: String,
+    /// Sentences above the sections.
+    pub lead: Vec<String>,
+    /// The effects of the machine, each with its axis, where they are known.
+    pub truth: Option<Vec<(String, Effect)>>,
+}
+
+/// Writes the page into a folder, which is made where it is missing, and returns its path.
+///
+/// # Errors
+/// If the folder cannot be made or the page not be written.
+pub fn write(folder: &Path, trace: &Trace, extra: &Extra) -> Result<PathBuf, OutputError> {
+    page::write(folder, &html(trace, extra))
+}
+
+/// The page. The same trace gives the same bytes.
+#[must_use]
+pub fn html(trace: &Trace, extra: &Extra) -> String {
+    let views = AxisView::all(trace);
+    let lead = html! {
+        @for sentence in &extra.lead { (paragraph(sentence)) }
+        (note(&sources(trace)))
+    };
+    let sections = html! {
+        (section("What was found", &found(trace, extra)))
+        (section("Residuals before and after", &tables::errors(&trace.axes)))
+        (section("The circle", &polar::body(trace, &views)))
+        (section("The residual of each stage", &residual_plots::body(trace, &views)))
+        (section("What was tried", &ranking::body(&trace.axes)))
+        (section("What stays unexplained", &unexplained(&trace.axes, &trace.notes)))
+    };
+    page::render(&extra.title, &lead, &sections)
+}
+
+/// One sentence for each effect, and the truth where it is known.
+fn found(trace: &Trace, extra: &Extra) -> Markup {
+    html! {
+        ul.found {
+            @for axis in &trace.axes {
+                @for sentence in sentences::of_axis(axis) {
+                    li class=[axis.found.is_empty().then_some("none")] { (text(&sentence)) }
+                }
+            }
+        }
+        @if let Some(truth) = &extra.truth { (tables::truth(&trace.axes, truth)) }
+    }
+}
+
+/// The one decision that the validation logs take part in.
+const VALIDATION_DECIDES: &str = "One decision is made with what was held out: an effect that makes its residual larger is refuted, and left out of the model.";
+
+/// Which logs were fitted and which were not.
+fn sources(trace: &Trace) -> String {
+    let names =
+        |logs: &[Signals]| logs.iter().map(|log| file_name(&log.source)).collect::<Vec<_>>().join(", ");
+    let (fit, validate) = (names(&trace.fit_logs), names(&trace.validate_logs));
+    let judged = if fit == validate {
+        "judged on the last part of it".to_owned()
+    } else {
+        format!("judged on {validate}")
+    };
+    let separator = if fit == validate { "," } else { ";" };
+    format!(
+        "Machine {}. Fitted to {fit}{separator} {judged}, which no fit saw. {VALIDATION_DECIDES}",
+        trace.machine.name
+    )
+}
+
+/// What remains, what could not be tested, and which residuals are down to noise.
+fn unexplained(axes: &[AxisTrace], notes: &[String]) -> Markup {
+    let of_axis = |axis: &AxisTrace| {
+        let remainders = axis.unexplained.iter().map(|entry| sentences::remainder(axis, entry));
+        let not_testable = axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage));
+        sentences::open_ends(axis).into_iter().chain(remainders).chain(not_testable).collect::<Vec<_>>()
+    };
+    let remaining: Vec<String> = notes.iter().cloned().chain(axes.iter().flat_map(of_axis)).collect();
+    let explained: Vec<String> = axes.iter().flat_map(explained_stages).collect();
+    html! {
+        @if !remaining.is_empty() { (list(&remaining)) }
+        @if !explained.is_empty() {
+            (paragraph(&format!("Down to the sensors' noise: {}.", explained.join(", "))))
+        }
+    }
+}
+
+/// Axis and name of each stage of which only noise is left.
+fn explained_stages(axis: &AxisTrace) -> Vec<String> {
+    /// Largest residual that counts as noise, in multiples of the noise's rms.
+    const MAX_NOISE_MULTIPLE: f64 = 1.5;
+    let is_explained = |error: &&StageError| {
+        let is_noise = error.after.validate <= MAX_NOISE_MULTIPLE * error.noise;
+        is_noise && !axis.unexplained.iter().any(|entry| entry.channel == error.stage)
+    };
+    let explained = axis.errors.iter().filter(is_explained);
+    explained.map(|error| format!("{} {}", axis.axis, stage_names(&[error.stage]))).collect()
+}

@@ -1,0 +1,197 @@
+//! The result of a self-test as plain text: sentences and tables.
+
+use super::confusion::Confusion;
+use super::score::Outcome;
+use super::summary::{Proportion, Spread, Summary};
+
+/// The figures in sentences.
+#[must_use]
+pub fn sentences(seed: u64, summary: &Summary) -> Vec<String> {
+    let Summary { clean, outside, duplicates, coverage, .. } = summary;
+    let mut sentences = vec![exact_sentence(seed, summary.exact), found_sentence(summary)];
+    if *duplicates > 0 {
+        sentences.push(format!(
+            "{} {} found a second time on {} axis, which the score takes for one.",
+            counted(*duplicates, "effect"),
+            was_or_were(*duplicates),
+            if *duplicates == 1 { "its" } else { "their" }
+        ));
+    }
+    if clean.trials > 0 {
+        let machines = counted(clean.trials, "machine");
+        sentences.push(format!("Of {machines} as declared {} came out clean.", clean.hits));
+    }
+    if outside.trials > 0 {
+        sentences.push(format!(
+            "Of {} from outside the catalogue {} {} described as unexplained.",
+            counted(outside.trials, "effect"),
+            outside.hits,
+            was_or_were(outside.hits)
+        ));
+    }
+    if coverage.trials > 0 {
+        sentences.push(parameter_sentence(summary));
+    }
+    sentences
+}
+
+fn exact_sentence(seed: u64, exact: Proportion) -> String {
+    let [low, high] = exact.interval();
+    format!(
+        "{} drawn from seed {seed}: in {} of them exactly the undeclared effects were found ({}, 95 % interval {} to {}).",
+        counted(exact.trials, "machine"),
+        exact.hits,
+        percent(exact.fraction()),
+        percent(low),
+        percent(high)
+    )
+}
+
+fn found_sentence(Summary { found, false_finds, .. }: &Summary) -> String {
+    format!(
+        "Of {} {} {} found and {} missed; {false_finds} {were} found that {were} not there.",
+        counted(found.trials, "effect"),
+        found.hits,
+        was_or_were(found.hits),
+        found.trials - found.hits,
+        were = was_or_were(*false_finds)
+    )
+}
+
+fn parameter_sentence(Summary { coverage, error, .. }: &Summary) -> String {
+    let [low, high] = coverage.interval();
+    format!(
+        "Parameters are off by {} in the median, {} in 95 of 100; {} of {} 95 % confidence intervals hold the truth \
+         ({}, interval {} to {}).",
+        fine_percent(error.median),
+        fine_percent(error.percentile95),
+        coverage.hits,
+        coverage.trials,
+        percent(coverage.fraction()),
+        percent(low),
+        percent(high)
+    )
+}
+
+/// A count with its noun: `1 effect`, `2 effects`.
+fn counted(count: usize, noun: &str) -> String {
+    format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
+}
+
+fn was_or_were(count: usize) -> &'static str {
+    if count == 1 { "was" } else { "were" }
+}
+
+/// Cases that went wrong, mistakes, parameters, residuals.
+#[must_use]
+pub fn tables(outcomes: &[Outcome], summary: &Summary) -> String {
+    let mut lines = Vec::new();
+    for outcome in outcomes.iter().filter(|outcome| !is_right(outcome)) {
+        let (there, found) = true_and_found(outcome);
+        lines.push(format!("case {}: there was {there}; found {found}", outcome.number));
+    }
+    let wrong = |(row, column, count): (&str, &str, usize)| {
+        (count > 0 && !Confusion::is_right(row, column)).then(|| format!("{count:>5} × {row} → {column}"))
+    };
+    let mistakes: Vec<String> = summary.confusion.cells().filter_map(wrong).collect();
+    if !mistakes.is_empty() {
+        lines.push(String::new());
+        lines.extend(mistakes);
+    }
+    lines.push(format!("\n{:<48}{:>6}{:>12}{:>12}{:>14}", "parameter", "n", "error", "95 %", "in interval"));
+    for p in &summary.parameters {
+        let name = format!("{} {}", p.effect, p.parameter);
+        let Spread { count, median, percentile95 } = p.error;
+        let covered = p.coverage.map_or_else(|| "–".to_owned(), hits_of_trials);
+        lines.push(format!(
+            "{name:<48}{count:>6}{:>12}{:>12}{covered:>14}",
+            fine_percent(median),
+            fine_percent(percentile95)
+        ));
+    }
+    lines.push(format!(
+        "\n{:<48}{:>6}{:>12}{:>12}",
+        "residual after / noise, held out", "n", "median", "95 %"
+    ));
+    for (channel, Spread { count, median, percentile95 }) in &summary.ratios {
+        lines.push(format!("{channel:<48}{count:>6}{median:>12.2}{percentile95:>12.2}"));
+    }
+    lines.join("\n") + "\n"
+}
+
+/// Whether a case has no mistake: every effect found once, every effect from outside the catalogue described.
+#[must_use]
+pub fn is_right(outcome: &Outcome) -> bool {
+    outcome.is_exact() && outcome.duplicates() == 0 && outcome.described.iter().all(|&described| described)
+}
+
+/// The true effects and what was found, as lists in words.
+#[must_use]
+pub fn true_and_found(outcome: &Outcome) -> (String, String) {
+    let or_nothing = |names: Vec<String>| {
+        if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
+    };
+    let there = outcome.truths.iter().map(|truth| format!("{} on {}", truth.name, truth.axis)).collect();
+    let mut found: Vec<String> =
+        outcome.found.iter().map(|(name, axis)| format!("{name} on {axis}")).collect();
+    let described = outcome.outside().filter(|(_, described)| *described);
+    found.extend(described.map(|(truth, _)| format!("something like {} on {}", truth.name, truth.axis)));
+    (or_nothing(there), or_nothing(found))
+}
+
+/// `12 of 13`.
+fn hits_of_trials(proportion: Proportion) -> String {
+    format!("{} of {}", proportion.hits, proportion.trials)
+}
+
+/// A fraction in whole percent.
+fn percent(fraction: f64) -> String {
+    if fraction.is_nan() { "–".to_owned() } else { format!("{:.0} %", 100.0 * fraction) }
+}
+
+/// A relative error in percent with two digits.
+fn fine_percent(error: f64) -> String {
+    match 100.0 * error {
+        p if p.is_nan() => "–".to_owned(),
+        p if p >= 10.0 => format!("{p:.0} %"),
+        p if p >= 1.0 => format!("{p:.1} %"),
+        p if p >= 0.1 => format!("{p:.2} %"),
+        p => format!("{p:.3} %"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use serde_json::json;
+
+    use super::super::score::tests::{found, truth};
+    use super::*;
+
+    #[test]
+    fn a_mistake_is_listed_with_its_case() {
+        let truths = [truth("windup", "x", &[("stiffness_n_per_um", 100.0)])];
+        let trace = json!({"effects": [found("stribeck", "x", &json!({}))]});
+        let outcomes = [Outcome::new(7, &truths, &trace)];
+        let said = tables(&outcomes, &Summary::new(&outcomes));
+        assert!(said.contains("case 7: there was windup on x; found stribeck on x"), "{said}");
+        assert!(said.contains("1 × windup → stribeck"), "{said}");
+    }
+
+    #[test]
+    fn a_single_effect_is_counted_in_the_singular() {
+        let truths = [truth("windup", "x", &[])];
+        let trace =
+            json!({"effects": [found("windup", "x", &json!({})), found("stribeck", "x", &json!({}))]});
+        let sentences = sentences(1, &Summary::new(&[Outcome::new(7, &truths, &trace)]));
+        assert!(sentences[0].starts_with("1 machine drawn from seed 1: in 0 of them "), "{sentences:?}");
+        assert_eq!(sentences[1], "Of 1 effect 1 was found and 0 missed; 1 was found that was not there.");
+    }
+
+    #[test]
+    fn errors_have_two_digits() {
+        assert_eq!(
+            [0.000_123, 0.0034, 0.034, 0.34].map(fine_percent),
+            ["0.012 %", "0.34 %", "3.4 %", "34 %"]
+        );
+    }
+}

@@ -1,0 +1,131 @@
+//! The mechanical model simulated with the measured force alone, without feedback that corrects its error.
+//!
+//! The model of a rigid axis is integrated from the measured state with the logged force; its distance from the measured
+//! motor is the double integral of the error of its forces over the mass. As that grows without bound, the simulation is
+//! restarted at regular intervals.
+
+use serde::Serialize;
+
+use crate::input::signals::AxisSignals;
+use crate::prediction::initial_state::steady_motion;
+use crate::prediction::resample::delayed_linear;
+use model::effects::{Channel, Effect};
+use model::machine::Axis;
+use plant::mechanics::Stepper;
+use plant::parameters::AxisParameters;
+
+/// Durations after which the simulation is restarted, s.
+const DURATIONS_S: [f64; 4] = [0.1, 0.5, 2.0, 6.0];
+
+/// Position error of free runs of one length.
+#[derive(Clone, Debug, PartialEq, Serialize)]
+pub struct FreeRun {
+    /// Axis.
+    pub axis: String,
+    /// Duration of each run, s.
+    pub seconds: f64,
+    /// Number of runs.
+    pub runs: usize,
+    /// Error of the declared model over all of them, µm rms.
+    pub declared_um: f64,
+    /// Error of the model with the effects found, µm rms.
+    pub after_um: f64,
+}
+
+/// Free runs of the declared and of the better model, both fitted, over held-out logs. Empty if the axis is not rigid (the
+/// initial stretch of its spring is not measured), or if motor, force or masses are missing.
+///
+/// The declared model gets the `latency` of the force that was found, as that is not a property of the mechanics.
+#[must_use]
+pub fn free_runs(name: &str, declared: &Axis, better: &Axis, logs: &[(&AxisSignals, f64)]) -> Vec<FreeRun> {
+    if !better.settings.is_rigid() || !better.settings.has_mass() || logs.is_empty() {
+        return Vec::new();
+    }
+    let is_timing =
+        |effect: &&Effect| matches!(effect, Effect::Latency(late) if late.channel == Channel::Force);
+    let mut timed = declared.clone();
+    timed.effect.retain(|effect| !is_timing(&effect));
+    timed.effect.extend(better.effect.iter().filter(is_timing).cloned());
+    let models = [&timed, better].map(AxisParameters::of);
+    let of_duration = |&seconds: &f64| {
+        let sums = models.each_ref().map(|model| {
+            let of_log = |&(signals, sample_s): &(&AxisSignals, f64)| run(model, signals, sample_s, seconds);
+            logs.iter().filter_map(of_log).fold((0.0, 0, 0), |a, b| (a.0 + b.0, a.1 + b.1, a.2 + b.2))
+        });
+        let rms_um = |(squares, samples, _): (f64, usize, usize)| 1e6 * (squares / samples as f64).sqrt();
+        let [declared, after] = sums;
+        (after.1 > 0).then(|| FreeRun {
+            axis: name.to_owned(),
+            seconds,
+            runs: after.2,
+            declared_um: rms_um(declared),
+            after_um: rms_um(after),
+        })
+    };
+    DURATIONS_S.iter().filter_map(of_duration).collect()
+}
+
+/// Σ error² (m²), samples and runs over one log; an incomplete run at its end is left out.
+fn run(
+    parameters: &AxisParameters,
+    signals: &AxisSignals,
+    sample_s: f64,
+    seconds: f64,
+) -> Option<(f64, usize, usize)> {
+    let (motor, force) = (signals.motor.as_ref()?, signals.force.as_ref()?);
+    let n = motor.raw.len();
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "samples of seconds")]
+    let length = ((seconds / sample_s).round() as usize).max(2);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
+    let substeps = (sample_s / parameters.max_step_s()).ceil().max(1.0) as u32;
+    let stepper = Stepper::new(parameters, 0.0, sample_s / f64::from(substeps));
+    let late = parameters.latency_s(Channel::Force) / sample_s;
+    let force_n = delayed_linear(&force.raw, -1.0 - late);
+    // The first sample has no central difference.
+    let (mut squares, mut samples, mut runs) = (0.0, 0, 0);
+    for start in (1..n).step_by(length).take_while(|start| start + length <= n) {
+        let mut motion = steady_motion(parameters, motor.position[start], motor.velocity[start]);
+        for (i, measured_m) in motor.raw.iter().enumerate().skip(start).take(length) {
+            squares += (motion.motor_m - measured_m).powi(2);
+            samples += 1;
+            // The force from this sample to the next is logged with the next one.
+            let force_n = force_n[i];
+            (0..substeps).for_each(|_| stepper.step(parameters, &mut motion, force_n));
+        }
+        runs += 1;
+    }
+    Some((squares, samples, runs))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::signals::Signals;
+    use crate::options::SampleOptions;
+    use files::log::{AxisLog, Log, Unit};
+
+    /// A mass of 100 kg, declared 2 % too high, under 50 N without friction: x = F·t²/(2·m), so that the model is 2 % of x
+    /// behind.
+    #[test]
+    fn the_error_of_a_mass_grows_with_the_square_of_time() {
+        let axis = |table_mass_kg| {
+            let mut axis = Axis::default();
+            axis.settings.mechanics.table_mass_kg = Some(table_mass_kg);
+            axis
+        };
+        let at = |t: f64| 0.5 * 0.5 * t * t;
+        let mut log = AxisLog::new("x", Unit::Millimetre);
+        log.motor = Some((0..2001).map(|i| 1e3 * at(1e-3 * f64::from(i))).collect());
+        log.force = Some(vec![50.0; 2001]);
+        let log = Log { source: "test".to_owned(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![log] };
+        let signals = Signals::new(&log, &["x".to_owned()], &SampleOptions::default());
+        let runs = free_runs("x", &axis(102.0), &axis(100.0), &[(&signals.axes[0], 1e-3)]);
+        // Over a run of duration T, the mean of x² is (a·T²/2)²/5.
+        for (run, seconds) in runs.iter().zip(DURATIONS_S) {
+            let expected_um = 1e6 * (1.0 - 1.0 / 1.02) * 0.25 * seconds * seconds / 5.0f64.sqrt();
+            assert!((run.declared_um / expected_um - 1.0).abs() < 0.02, "{run:?} {expected_um}");
+            assert!(run.after_um < 0.01 * expected_um, "{run:?}");
+        }
+        assert_eq!(runs.iter().map(|run| run.runs).collect::<Vec<_>>(), [20, 4, 1]);
+    }
+}

@@ -1,0 +1,205 @@
+//! One axis traced, in the order of docs/tracing.md.
+
+use crate::analysis::empirical::{Empirical, empirical};
+use crate::analysis::free_run::free_runs;
+use crate::analysis::repeatability::{Repeatability, repeatability};
+use crate::analysis::residual_analysis::{Unexplained, unexplained};
+use crate::fit::axis_model::AxisModel;
+use crate::fit::final_fit::{FinalFit, final_fit, kept};
+use crate::fit::fit_data::{FitData, Pair};
+use crate::fit::least_squares::Fitted;
+use crate::fit::model_bias::first_fit;
+use crate::fit::scope::{Scope, scopes};
+use crate::fit::scope_fit::{Progress, ScopeFit, fit_again, fit_jointly};
+use crate::not_testable::effects_not_testable;
+use crate::outcome::{AxisTrace, StageError};
+use crate::search::ambiguity::Ambiguity;
+use crate::search::effect_search::EffectSearch;
+use crate::search::round::Round;
+use crate::stages::stage_names;
+use crate::validation::confirmation::{Confirmed, confirm};
+use crate::validation::fitted_axis::FittedAxis;
+use crate::validation::found::Found;
+use files::log::Unit;
+use model::effects::{Effect, Neighbours, Stage};
+use model::machine::Axis;
+
+/// Traces one axis. `progress` is told what is being tried.
+#[must_use]
+pub fn trace(
+    declared: &Axis,
+    fit_data: &FitData<'_>,
+    validate: &FitData<'_>,
+    progress: &Progress<'_>,
+) -> AxisTrace {
+    let (scopes, not_testable) = scopes(declared, fit_data);
+    let written = AxisModel::new(declared, fit_data.rates, fit_data.options.model);
+    let stage = Tracing { fit_data, scopes: &scopes, progress };
+
+    // "Order", 1 to 4: the declared values, then the effects, scope by scope; where friction is seen alone, all to both.
+    let (before, declared_fits) = stage.fit_declared(&written);
+    let (model, fits, rounds) = stage.search(&before);
+    // 5: again without the tracer's own error.
+    let FinalFit { model, fits, bias } =
+        final_fit([fit_data, validate], &written, (model, fits), &scopes, progress);
+    let [fit_data, validate] =
+        &[(fit_data, &bias[0]), (validate, &bias[1])].map(|(data, bias)| FitData { bias, ..*data });
+    let stage = Tracing { fit_data, ..stage };
+    // 6: the declared model in the same way.
+    let before =
+        if model.found().is_empty() { model.clone() } else { stage.fit_alike(&before, declared_fits, &fits) };
+    // "What the validation logs decide".
+    let stages: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
+    let axis = FittedAxis { declared: before.clone(), model, fits };
+    let Confirmed { axis: FittedAxis { model, .. }, found, refused, refuted } =
+        confirm([fit_data, validate], axis, &stages, &rounds, progress);
+    // If all effects were dropped, the declared model is the model with everything fitted.
+    let before = if model.found().is_empty() { model.clone() } else { before };
+    // "The verdict" and "Beside the residuals".
+    let Remainder { errors, unexplained, repeats, tables } =
+        remainder([fit_data, validate], [&before, &model], &scopes);
+    let logs: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
+    let free_runs = free_runs(fit_data.name(), &before.axis, &model.axis, &logs);
+    let tried = tried(declared, &rounds);
+    let neighbours = Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 };
+    AxisTrace {
+        axis: fit_data.name().to_owned(),
+        unit: fit_data.logs.iter().find_map(|log| log.axes[fit_data.axis].unit).unwrap_or(Unit::Millimetre),
+        effects_not_testable: effects_not_testable(
+            &declared.settings,
+            neighbours,
+            &stages,
+            &not_testable,
+            &tried,
+        ),
+        ambiguities: ambiguities(&rounds, &found),
+        bias: validate.bias.to_vec(),
+        declared: before,
+        model,
+        scopes,
+        not_testable,
+        found,
+        refused,
+        refuted,
+        errors,
+        unexplained,
+        repeats,
+        free_runs,
+        tables,
+        rounds,
+    }
+}
+
+/// The fits of one axis before the validation.
+#[derive(Clone, Copy)]
+struct Tracing<'a> {
+    fit_data: &'a FitData<'a>,
+    scopes: &'a [Scope],
+    progress: &'a Progress<'a>,
+}
+
+impl Tracing<'_> {
+    /// Fits the declared values, scope by scope; keeps those of a file that an earlier trace wrote unless the fit is much
+    /// better.
+    fn fit_declared(&self, written: &AxisModel) -> (AxisModel, Vec<Fitted>) {
+        let data = self.fit_data;
+        let mut model = written.clone();
+        let mut fits = Vec::new();
+        for scope in self.scopes {
+            let stages = stage_names(&scope.stages);
+            (self.progress)(&format!("{}: fitting the declared values to {stages}", data.name()));
+            let (fitted, _) = first_fit(data, &model, scope);
+            model = fitted.model.clone();
+            model.pin_mass(scope);
+            fits.push(fitted);
+        }
+        if let Some((kept, _)) = kept(data, written, &model, self.scopes) {
+            model = kept;
+        }
+        (model, fits)
+    }
+
+    /// Searches for effects, scope by scope, and fits all to the scopes that belong together.
+    fn search(&self, before: &AxisModel) -> (AxisModel, Vec<ScopeFit>, Vec<Round>) {
+        let servo = self.scopes.iter().find(|scope| scope.stages == [Stage::Motor]).cloned();
+        let mut search =
+            EffectSearch { data: self.fit_data, progress: self.progress, servo, rounds: Vec::new() };
+        let mut model = before.clone();
+        let mut fits = Vec::new();
+        for scope in self.scopes {
+            let fit = search.search(&model, scope);
+            model = fit.fitted.model.clone();
+            model.pin_mass(scope);
+            fits.push(fit);
+        }
+        fit_jointly(self.fit_data, &mut model, &mut fits, self.scopes, self.progress);
+        (model, fits, search.rounds)
+    }
+
+    /// Fits the declared model like the one with effects: with the same exclusions and the same error subtracted.
+    fn fit_alike(&self, declared: &AxisModel, fits: Vec<Fitted>, with_effects: &[ScopeFit]) -> AxisModel {
+        let alike = |(fitted, other): (Fitted, &ScopeFit)| {
+            let (scope, exclusions) = (other.scope.clone(), other.exclusions.clone());
+            ScopeFit { fitted_scope: scope.clone(), scope, fitted, exclusions }
+        };
+        let fits: Vec<ScopeFit> = fits.into_iter().zip(with_effects).map(alike).collect();
+        fit_again(self.fit_data, declared, &fits, self.scopes, self.progress).0
+    }
+}
+
+/// What remains after the fit.
+#[derive(Default)]
+struct Remainder {
+    errors: Vec<StageError>,
+    unexplained: Vec<Unexplained>,
+    repeats: Vec<Repeatability>,
+    tables: Vec<Empirical>,
+}
+
+/// What remains of each stage under the declared model and under the one with effects.
+fn remainder(
+    [fit_data, validate]: [&FitData<'_>; 2],
+    [before, model]: [&AxisModel; 2],
+    scopes: &[Scope],
+) -> Remainder {
+    let mut remainder = Remainder::default();
+    for scope in scopes {
+        let [fit_before, fit_after] = [before, model].map(|model| fit_data.residuals(model, scope));
+        let [held_out_before, held_out_after] = [before, model].map(|model| validate.residuals(model, scope));
+        for &stage in &scope.stages {
+            let noise = fit_data.noise(model, stage);
+            let pair = |fitted, held_out| Pair {
+                fit: fit_data.rms(fitted, stage),
+                validate: validate.rms(held_out, stage),
+            };
+            remainder.errors.push(StageError {
+                stage,
+                before: pair(&fit_before, &held_out_before),
+                after: pair(&fit_after, &held_out_after),
+                noise,
+                max_described: fit_data.options.verdict.max_described(noise),
+            });
+            remainder.repeats.extend(repeatability(fit_data, &fit_after, stage));
+            if let Some(found) = unexplained(fit_data, &fit_after, stage, noise) {
+                let residuals = [&fit_after[..], &held_out_after];
+                let table = empirical([fit_data, validate], residuals, stage, found.variable);
+                remainder.tables.extend(table);
+                remainder.unexplained.push(found);
+            }
+        }
+    }
+    remainder
+}
+
+/// Names of the effects that are declared or were tried.
+fn tried<'a>(declared: &'a Axis, rounds: &'a [Round]) -> Vec<&'a str> {
+    let candidates = rounds.iter().flat_map(|round| &round.candidates).map(|c| c.effect.name());
+    declared.effect.iter().map(Effect::name).chain(candidates).collect()
+}
+
+/// The ambiguities of the search between an effect that was found in the end and one that was not.
+fn ambiguities(rounds: &[Round], found: &[Found]) -> Vec<Ambiguity> {
+    let is_found = |effect: &Effect| found.iter().any(|found| found.effect.is_same(effect));
+    let all = rounds.iter().flat_map(|round| &round.ambiguities);
+    all.filter(|one| is_found(&one.added) && !is_found(&one.rival)).cloned().collect()
+}

@@ -1,0 +1,323 @@
+//! The model of one axis and its free parameters in a fit.
+
+use shared::config::Rates;
+
+use super::limits::{self, AtLimit};
+use super::scope::{Mechanics, Scope};
+use super::trim::{Instant, Trims};
+use crate::options::ModelOptions;
+use model::effects::{Coordinate, Effect, Stage};
+use model::machine::Axis;
+use model::machine::nominal::{LogOffsets, Nominal, TOLERATED, Tolerated};
+use plant::parameters::AxisParameters;
+
+/// One axis: as declared, with values and effects as fitted so far.
+#[derive(Clone, Debug)]
+pub struct AxisModel {
+    /// As in the machine file.
+    declared: Axis,
+    /// The same at its nominal values, which are the centres of the tolerances.
+    nominal: Axis,
+    /// With fitted values, the declared effects, and after them those found.
+    pub axis: Axis,
+    /// Zero of the linear scale relative to the motor's, µm.
+    pub table_zero_um: f64,
+    /// Zero of the tool-point probe relative to the table's, µm.
+    pub tool_zero_um: f64,
+    /// Timing that the machine file leaves open.
+    trims: Trims,
+    rates: Rates,
+    options: ModelOptions,
+    /// The mass that [`Mechanics::MotorMass`] fits, as it was fitted to table and force.
+    pinned_mass_kg: Option<f64>,
+}
+
+/// A free parameter of a fit.
+#[derive(Clone, Copy, Debug)]
+pub struct FreeParameter {
+    /// Value, step and bounds.
+    pub coordinate: Coordinate,
+    /// Normal prior: mean and standard deviation.
+    pub prior: Option<(f64, f64)>,
+}
+
+impl AxisModel {
+    /// The declared model.
+    #[must_use]
+    pub fn new(declared: &Axis, rates: Rates, options: ModelOptions) -> Self {
+        let [table_zero_um, tool_zero_um] = declared
+            .log_offsets
+            .as_ref()
+            .map_or([0.0; 2], |offsets| offsets.zeros_um().map(|(_, um)| um.unwrap_or(0.0)));
+        Self {
+            declared: declared.clone(),
+            nominal: declared.at_nominal(),
+            axis: declared.clone(),
+            table_zero_um,
+            tool_zero_um,
+            trims: Trims::of(declared, rates, &options),
+            rates,
+            options,
+            pinned_mass_kg: None,
+        }
+    }
+
+    /// After a fit of all mechanics, pins the mass to its fitted value: the motor stage may change it by 1 % only.
+    pub fn pin_mass(&mut self, scope: &Scope) {
+        if scope.mechanics == Mechanics::All {
+            let mass_alone = Scope { stages: Vec::new(), mechanics: Mechanics::MotorMass };
+            let mass =
+                self.adjustable(&mass_alone).next().and_then(|(key, _)| (key.get)(&self.axis.settings));
+            self.pinned_mass_kg = mass;
+        }
+    }
+
+    /// The declared axis at its nominal values.
+    #[must_use]
+    pub fn nominal(&self) -> &Axis {
+        &self.nominal
+    }
+
+    /// Whether the machine file was written by a trace.
+    #[must_use]
+    pub fn was_fitted(&self) -> bool {
+        self.declared.nominal.is_some() || self.declared.log_offsets.is_some()
+    }
+
+    /// The axis of the better machine file: fitted, with the nominal values of the tolerances and with the offsets of the
+    /// fitted logs.
+    #[must_use]
+    pub fn written(&self) -> Axis {
+        let mut nominal = Nominal::default();
+        let mut offsets = LogOffsets::default();
+        for (key, centre) in self.tolerated_keys() {
+            (key.set_nominal)(&mut nominal, centre);
+        }
+        if self.tolerance() > 0.0 {
+            let declared = self.nominal.effect.iter().zip(&self.axis.effect);
+            // An effect that was fitted without its tolerance has its fitted value as nominal value.
+            let centre = |(nominal, fitted)| if self.is_untolerated(fitted) { fitted } else { nominal };
+            nominal.effect = declared.map(centre).cloned().collect();
+        }
+        self.trims.write(&self.axis, &mut offsets);
+        let zero = |um: f64| (um != 0.0).then_some(um);
+        offsets.table_zero_um = zero(self.table_zero_um);
+        offsets.tool_zero_um = zero(self.tool_zero_um);
+        Axis {
+            nominal: (nominal != Nominal::default()).then_some(nominal),
+            log_offsets: (offsets != LogOffsets::default()).then_some(offsets),
+            ..self.axis.clone()
+        }
+    }
+
+    /// The same model with its declared values at their nominal values.
+    #[must_use]
+    pub fn at_nominal(&self) -> Self {
+        let mut model = self.clone();
+        for key in TOLERATED {
+            if let Some(value) = (key.get)(&self.nominal.settings) {
+                (key.set)(&mut model.axis.settings, value);
+            }
+        }
+        model
+    }
+
+    /// Keys of declared values that ended at a bound of their tolerance. Damping and presliding are left out: few motions
+    /// determine them.
+    #[must_use]
+    pub fn at_bounds(&self) -> Vec<&'static str> {
+        const POORLY_DETERMINED: [&str; 3] =
+            ["damping_n_s_per_m", "presliding_stiffness_n_per_um", "presliding_damping_n_s_per_m"];
+        let is_at_bound = |key: &&Tolerated| {
+            let values = (key.get)(&self.nominal.settings).zip((key.get)(&self.axis.settings));
+            let spread = |declared: f64| self.tolerance() * declared.abs();
+            values.is_some_and(|(declared, value)| {
+                spread(declared) > 0.0 && (value - declared).abs() > 0.9999 * spread(declared)
+            })
+        };
+        let at_bounds =
+            TOLERATED.iter().filter(|key| !POORLY_DETERMINED.contains(&key.key)).filter(is_at_bound);
+        at_bounds.map(|key| key.key).collect()
+    }
+
+    /// The effects that were found.
+    #[must_use]
+    pub fn found(&self) -> &[Effect] {
+        &self.axis.effect[self.declared.effect.len()..]
+    }
+
+    /// The parameter of a found effect, by its index in [`AxisModel::found`], that is at a limit of its search range.
+    #[must_use]
+    pub fn at_limit(&self, found: usize) -> Option<AtLimit> {
+        self.found().get(found).and_then(|effect| limits::of(effect, self.rates))
+    }
+
+    /// The first found effect with a parameter at a limit of its search range: its index and the limit.
+    #[must_use]
+    pub fn first_at_limit(&self) -> Option<(usize, AtLimit)> {
+        (0..self.found().len()).find_map(|index| Some((index, self.at_limit(index)?)))
+    }
+
+    /// The same model with an effect added.
+    #[must_use]
+    pub fn with(&self, effect: Effect) -> Self {
+        let mut model = self.clone();
+        model.axis.effect.push(effect);
+        model
+    }
+
+    /// The same model without the found effect at an index of [`AxisModel::found`].
+    #[must_use]
+    pub fn without(&self, found: usize) -> Self {
+        let mut model = self.clone();
+        model.axis.effect.remove(self.declared.effect.len() + found);
+        model
+    }
+
+    /// Indices of a found effect's coordinates among the free parameters of a scope.
+    #[must_use]
+    pub fn indices_of(&self, scope: &Scope, found: usize) -> std::ops::Range<usize> {
+        let index = self.declared.effect.len() + found;
+        let mut start = self.free_parameters(scope).len();
+        for effect in self.axis.effect[index..].iter().filter(|effect| scope.holds(effect)) {
+            start -= effect.coordinates().len();
+        }
+        let width = self.axis.effect.get(index).map_or(0, |effect| effect.coordinates().len());
+        start..start + width
+    }
+
+    /// Indices of the coordinates of the effect that was added last among the free parameters of a scope; empty without
+    /// one.
+    #[must_use]
+    pub fn indices_of_last(&self, scope: &Scope) -> std::ops::Range<usize> {
+        let end = self.free_parameters(scope).len();
+        let last = self.found().iter().rev().find(|effect| scope.holds(effect));
+        end - last.map_or(0, |effect| effect.coordinates().len())..end
+    }
+
+    /// The free parameters of a scope, in this order: zeros, timing, declared values, effects.
+    #[must_use]
+    pub fn free_parameters(&self, scope: &Scope) -> Vec<FreeParameter> {
+        let free = |coordinate| FreeParameter { coordinate, prior: None };
+        let mut parameters = Vec::new();
+        for (stage, zero) in [(Stage::Table, self.table_zero_um), (Stage::Tool, self.tool_zero_um)] {
+            if scope.stages.contains(&stage) {
+                parameters.push(free(Coordinate::signed(zero, 0.01, 1e6)));
+            }
+        }
+        let trimmed = self.trimmed(scope).into_iter();
+        let prior = |spread| Some((0.0, spread));
+        parameters.extend(
+            trimmed.map(|(_, coordinate, spread)| FreeParameter { coordinate, prior: prior(spread) }),
+        );
+        parameters.extend(
+            self.adjustable(scope).map(|(key, centre)| self.declared_value(key, centre, scope.mechanics)),
+        );
+        for (i, effect) in self.effects_of(scope) {
+            let declared = self.nominal.effect.get(i).map(Effect::coordinates);
+            for (j, coordinate) in effect.coordinates_at(self.rates).into_iter().enumerate() {
+                parameters.push(match &declared {
+                    None => free(coordinate),
+                    Some(_) if self.is_untolerated(effect) => free(coordinate),
+                    Some(declared) => self.tolerated(coordinate, declared[j].value),
+                });
+            }
+        }
+        parameters
+    }
+
+    /// A declared value as a free parameter within its tolerance; a pinned mass within 1 % of all masses.
+    fn declared_value(&self, key: &Tolerated, centre: f64, mechanics: Mechanics) -> FreeParameter {
+        let value = (key.get)(&self.axis.settings).unwrap_or(centre);
+        let mut parameter = self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre);
+        if let (Mechanics::MotorMass, Some(pinned_kg)) = (mechanics, self.pinned_mass_kg) {
+            let mechanics = &self.nominal.settings.mechanics;
+            let masses = [mechanics.motor_mass_kg, mechanics.table_mass_kg];
+            let trim = self.options.mass_trim * masses.into_iter().flatten().sum::<f64>();
+            let Coordinate { lower, upper, .. } = parameter.coordinate;
+            parameter.coordinate.lower = lower.max(pinned_kg - trim);
+            parameter.coordinate.upper = upper.min(pinned_kg + trim);
+        }
+        parameter
+    }
+
+    /// The model at other values of its [`AxisModel::free_parameters`].
+    #[must_use]
+    pub fn at(&self, scope: &Scope, values: &[f64]) -> Self {
+        let mut model = self.clone();
+        let mut values = values.iter().copied();
+        let mut next = |old: f64| values.next().unwrap_or(old);
+        if scope.stages.contains(&Stage::Table) {
+            model.table_zero_um = next(self.table_zero_um);
+        }
+        if scope.stages.contains(&Stage::Tool) {
+            model.tool_zero_um = next(self.tool_zero_um);
+        }
+        for (instant, coordinate, _) in self.trimmed(scope) {
+            model.trims.set_ms(instant, next(coordinate.value));
+        }
+        for (key, centre) in self.adjustable(scope) {
+            (key.set)(&mut model.axis.settings, next(centre));
+        }
+        for (i, effect) in self.effects_of(scope) {
+            let moved: Vec<f64> = effect.coordinates().iter().map(|c| next(c.value)).collect();
+            model.axis.effect[i] = effect.at(&moved);
+        }
+        model
+    }
+
+    /// Parameters for the simulation of the axis.
+    #[must_use]
+    pub fn parameters(&self) -> AxisParameters {
+        self.trims.applied(AxisParameters::of(&self.axis), &self.axis.effect)
+    }
+
+    fn trimmed(&self, scope: &Scope) -> Vec<(Instant, Coordinate, f64)> {
+        self.trims.coordinates(&scope.stages, &self.axis, self.rates, &self.options)
+    }
+
+    fn tolerance(&self) -> f64 {
+        0.01 * self.declared.settings.mechanics.plant_tolerance_percent.unwrap_or(0.0)
+    }
+
+    /// Declared keys that a scope fits, and their nominal values. The first of them is a mass: that of the motor, or of a
+    /// rigid axis the one that the machine file declares.
+    fn adjustable(&self, scope: &Scope) -> impl Iterator<Item = (&'static Tolerated, f64)> {
+        self.tolerated_keys().take(match scope.mechanics {
+            Mechanics::All => TOLERATED.len(),
+            Mechanics::MotorMass => 1,
+            Mechanics::None => 0,
+        })
+    }
+
+    /// Keys with a tolerance, and their nominal values.
+    fn tolerated_keys(&self) -> impl Iterator<Item = (&'static Tolerated, f64)> {
+        let tolerance = self.tolerance();
+        TOLERATED
+            .iter()
+            .filter_map(move |key| (key.get)(&self.nominal.settings).filter(|&v| v > 0.0).map(|v| (key, v)))
+            .filter(move |_| tolerance > 0.0)
+    }
+
+    /// A coordinate bounded by the tolerance about its nominal value.
+    fn tolerated(&self, coordinate: Coordinate, declared: f64) -> FreeParameter {
+        let spread = self.tolerance() * declared.abs();
+        let bounded = Coordinate {
+            lower: coordinate.lower.max(declared - spread).min(declared),
+            upper: coordinate.upper.min(declared + spread).max(declared),
+            ..coordinate
+        };
+        FreeParameter { coordinate: bounded, prior: (spread > 0.0).then_some((declared, spread)) }
+    }
+
+    /// Whether a declared effect is fitted without its tolerance: a constant load, once a friction asymmetry was found. A
+    /// load that was identified with a symmetric friction contains the mean of the asymmetry.
+    fn is_untolerated(&self, declared: &Effect) -> bool {
+        let is_asymmetry = |found: &Effect| matches!(found, Effect::FrictionAsymmetry(_));
+        matches!(declared, Effect::ConstantLoad(_)) && self.found().iter().any(is_asymmetry)
+    }
+
+    fn effects_of(&self, scope: &Scope) -> impl Iterator<Item = (usize, &Effect)> {
+        self.axis.effect.iter().enumerate().filter(move |(_, effect)| scope.holds(effect))
+    }
+}

@@ -1,0 +1,73 @@
+//! What no effect of the catalogue describes, excluded from a residual so that it neither hides nor imitates an effect.
+//!
+//! A vibration or a local defect of the travel can be larger than an effect. Once the search has ended and one of them
+//! is most of what remains, the search is repeated without the samples at that position, or without the part of the
+//! residual at that frequency. It is reported as unexplained.
+
+use model::effects::Stage;
+
+/// Something in the residual of one stage that is left out of it.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Exclusion {
+    /// Stage.
+    pub stage: Stage,
+    /// What is left out.
+    pub part: ExcludedPart,
+}
+
+/// A part of a residual.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ExcludedPart {
+    /// Samples at which the axis is between two positions, mm.
+    Position {
+        /// From here on.
+        from_mm: f64,
+        /// Up to here, exclusive.
+        to_mm: f64,
+    },
+    /// A sine, with amplitude and phase of its own in each log.
+    Sine {
+        /// Frequency, Hz.
+        frequency_hz: f64,
+    },
+}
+
+impl Exclusion {
+    /// Whether a sample of a stage is left out; `position_mm` gives the position of the axis, if it was measured.
+    pub fn covers(&self, stage: Stage, position_mm: impl Fn() -> Option<f64>) -> bool {
+        let ExcludedPart::Position { from_mm, to_mm } = self.part else { return false };
+        self.stage == stage && position_mm().is_some_and(|mm| (from_mm..to_mm).contains(&mm))
+    }
+
+    /// The frequency that is taken out of a stage, Hz.
+    #[must_use]
+    pub fn frequency_hz(&self, stage: Stage) -> Option<f64> {
+        match self.part {
+            ExcludedPart::Sine { frequency_hz } if self.stage == stage => Some(frequency_hz),
+            _ => None,
+        }
+    }
+}
+
+/// Subtracts the least-squares sine (amplitude and phase) of `step_rad` a sample from the values that count.
+pub fn subtract_sine(values: &mut [f64], counts: &[bool], step_rad: f64) {
+    let waves = || counts.iter().enumerate().map(|(i, counts)| (*counts, (step_rad * i as f64).sin_cos()));
+    let mut sums = [0.0; 5];
+    for ((counts, (sin, cos)), value) in waves().zip(values.iter()) {
+        if counts {
+            let terms = [cos * cos, sin * cos, sin * sin, cos * value, sin * value];
+            sums.iter_mut().zip(terms).for_each(|(sum, term)| *sum += term);
+        }
+    }
+    let [cc, sc, ss, cv, sv] = sums;
+    let determinant = cc * ss - sc * sc;
+    if determinant <= 0.0 {
+        return;
+    }
+    let (a, b) = ((ss * cv - sc * sv) / determinant, (cc * sv - sc * cv) / determinant);
+    for ((counts, (sin, cos)), value) in waves().zip(values) {
+        if counts {
+            *value -= a * cos + b * sin;
+        }
+    }
+}

@@ -1,0 +1,123 @@
+//! What a model is fitted to or validated on: logs, and what is left out of their residuals.
+
+use serde::Serialize;
+use shared::config::Rates;
+
+use super::exclusion::Exclusion;
+use crate::input::signals::{AxisSignals, Signals};
+use crate::options::TraceOptions;
+use model::effects::Stage;
+
+/// The logs of a fit or of a validation, for one axis.
+#[derive(Clone, Copy, Debug)]
+pub struct FitData<'a> {
+    /// The logs.
+    pub logs: &'a [Signals],
+    /// Names of the machine's axes.
+    pub names: &'a [String],
+    /// Index of the axis.
+    pub axis: usize,
+    /// Rates of its loops.
+    pub rates: Rates,
+    /// What is left out of the residuals because no effect describes it.
+    pub exclusions: &'a [Exclusion],
+    /// Error of the tracer's own simulation, subtracted from the residuals: see [`super::model_bias`].
+    pub bias: &'a [ResidualSeries],
+    /// The thresholds of the trace.
+    pub options: &'a TraceOptions,
+}
+
+/// The residual of one stage over one log, sample by sample.
+#[derive(Clone, Debug, PartialEq)]
+pub struct ResidualSeries {
+    /// Stage.
+    pub stage: Stage,
+    /// Index of the log.
+    pub log: usize,
+    /// µm, or N for the force stage. Samples that do not count are zero.
+    pub values: Vec<f64>,
+}
+
+/// A figure on the logs that were fitted and on those that were held out.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
+pub struct Pair {
+    /// Fit logs.
+    pub fit: f64,
+    /// Validation logs.
+    pub validate: f64,
+}
+
+impl<'a> FitData<'a> {
+    /// The logs for one axis, with nothing left out.
+    #[must_use]
+    pub const fn new(
+        logs: &'a [Signals],
+        names: &'a [String],
+        axis: usize,
+        rates: Rates,
+        options: &'a TraceOptions,
+    ) -> Self {
+        Self { logs, names, axis, rates, exclusions: &[], bias: &[], options }
+    }
+
+    /// Name of the axis.
+    #[must_use]
+    pub fn name(&self) -> &'a str {
+        &self.names[self.axis]
+    }
+
+    /// The axis's signals of a log.
+    #[must_use]
+    pub fn signals(&self, log: usize) -> &'a AxisSignals {
+        &self.logs[log].axes[self.axis]
+    }
+
+    /// Least and greatest position of the table, or of the motor without a table channel, mm.
+    #[must_use]
+    pub fn travel_mm(&self) -> [f64; 2] {
+        let positions = (0..self.logs.len()).filter_map(|log| self.signals(log).table_or_motor());
+        let positions = positions.flat_map(|smooth| smooth.position.iter().map(|m| 1e3 * m));
+        numerics::min_max(positions)
+    }
+
+    /// Number of samples at the start of a log that no residual counts.
+    #[must_use]
+    pub fn settling(&self, log: usize) -> usize {
+        let log = &self.logs[log];
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0.3 s of samples")]
+        let samples = (self.options.samples.settling_s / log.sample_s) as usize;
+        samples.min(log.len() / 4)
+    }
+
+    /// Which samples of a stage of a log count: those after the settling that are not excluded; in the table and force
+    /// stages, which depend on friction, those in motion; in the force stage those below the force limit.
+    pub fn counting(&self, stage: Stage, log: usize) -> impl Fn(usize) -> bool {
+        let settling = self.settling(log);
+        let signals = self.signals(log);
+        let depends_on_friction = matches!(stage, Stage::Table | Stage::Force);
+        let standstill = if depends_on_friction { &signals.standstill[..] } else { &[] };
+        let saturated = if stage == Stage::Force { &signals.saturated[..] } else { &[] };
+        let is = |flags: &[bool], sample: usize| flags.get(sample).copied().unwrap_or(false);
+        let position_mm = move |sample: usize| {
+            signals.table_or_motor().and_then(|signal| signal.position.get(sample)).map(|m| 1e3 * m)
+        };
+        let is_excluded = move |sample: usize| {
+            self.exclusions.iter().any(|exclusion| exclusion.covers(stage, || position_mm(sample)))
+        };
+        move |sample| {
+            sample >= settling && !is(standstill, sample) && !is(saturated, sample) && !is_excluded(sample)
+        }
+    }
+
+    /// Root mean square of a stage's residuals over all samples that count; not a number without any.
+    #[must_use]
+    pub fn rms(&self, residuals: &[ResidualSeries], stage: Stage) -> f64 {
+        let (mut squares, mut count) = (0.0, 0usize);
+        for series in residuals.iter().filter(|series| series.stage == stage) {
+            squares += series.values.iter().map(|r| r * r).sum::<f64>();
+            let counts = self.counting(stage, series.log);
+            count += (0..series.values.len()).filter(|&i| counts(i)).count();
+        }
+        if count == 0 { f64::NAN } else { (squares / count as f64).sqrt() }
+    }
+}

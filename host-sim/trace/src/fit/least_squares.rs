@@ -1,0 +1,218 @@
+//! Least squares over the stages of a scope, within bounds (Levenberg and Marquardt).
+//!
+//! Each stage of each log is weighted by its own residual, so that the product of their errors is minimized, independently
+//! of units and of the roughness of the motion. The normal equations are kept by block of the log: a fit without some
+//! blocks then costs a small linear solve, not another fit ([`crate::search::held_out`]).
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use nalgebra::DVector;
+use rayon::prelude::*;
+
+use super::axis_model::{AxisModel, FreeParameter};
+use super::fit_data::{FitData, ResidualSeries};
+use super::normal_equations::{Block, Column, blocks, normal, stepped};
+use super::scope::Scope;
+use model::effects::Stage;
+
+/// A fit ends when a step lowers the cost by less than this fraction.
+const MIN_GAIN: f64 = 1e-4;
+
+/// Most steps of a fit that is to end at its optimum.
+pub const STEPS: usize = 10;
+
+/// Derivatives are kept while a step gains more than this fraction of what the normal equations predict.
+const MIN_GAIN_OF_PREDICTED: f64 = 0.7;
+
+/// Dampings that are tried in a step, each ten times the one before, until the cost falls.
+const DAMPINGS: usize = 5;
+
+/// A fitted model with the normal equations at its optimum.
+#[derive(Clone, Debug)]
+pub struct Fitted {
+    /// At its optimum.
+    pub model: AxisModel,
+    /// Its free parameters there.
+    pub parameters: Vec<FreeParameter>,
+    /// The normal equations there.
+    pub blocks: Vec<Block>,
+    /// Weight of each series of the residuals.
+    pub weights: Vec<f64>,
+    /// The residuals there.
+    pub residuals: Vec<ResidualSeries>,
+    /// Their derivatives, one column a parameter.
+    pub columns: Vec<Column>,
+}
+
+impl Fitted {
+    /// Weighted Σr² of a stage.
+    #[must_use]
+    pub fn squares(&self, stage: Stage) -> f64 {
+        self.blocks.iter().filter(|block| block.stage == stage).map(|block| block.squares).sum()
+    }
+}
+
+/// Fits the free parameters of a scope, from their values in the model, in at most `steps` steps.
+#[must_use]
+pub fn fit(data: &FitData<'_>, start: &AxisModel, scope: &Scope, steps: usize) -> Fitted {
+    fit_from(data, start, scope, steps, &[])
+}
+
+/// The same where the derivatives with respect to the first parameters are known from a point nearby.
+///
+/// A derivative costs a simulation. Those of the declared values hardly change during a fit, so they are computed again
+/// only after a step that gains less than predicted; those of the last effect, whose parameters are less well known, in
+/// each step.
+#[must_use]
+pub fn fit_from(
+    data: &FitData<'_>,
+    start: &AxisModel,
+    scope: &Scope,
+    steps: usize,
+    known: &[Column],
+) -> Fitted {
+    let mut point = Point::new(data, start, scope, known);
+    let count = point.columns.len();
+    let moving = if known.is_empty() { start.indices_of_last(scope) } else { known.len()..count };
+    for _ in 0..steps {
+        let Gain { gained, predicted } = point.step(data, scope);
+        point.weights = weights(data, &point.model, &point.residuals);
+        let is_done = gained < MIN_GAIN;
+        if is_done && !(point.has_old_columns && gained == 0.0) {
+            if gained > 0.0 {
+                point.blocks = blocks(data, &point.columns, &point.residuals, &point.weights);
+            }
+            break;
+        }
+        let renewed = if gained > MIN_GAIN_OF_PREDICTED * predicted { moving.clone() } else { 0..count };
+        point.renew(data, scope, renewed);
+    }
+    let Point { model, residuals, weights, columns, blocks, .. } = point;
+    Fitted { parameters: model.free_parameters(scope), model, blocks, weights, residuals, columns }
+}
+
+/// A point of a fit.
+struct Point {
+    model: AxisModel,
+    residuals: Vec<ResidualSeries>,
+    weights: Vec<f64>,
+    damping: f64,
+    columns: Vec<Column>,
+    /// Whether some of the columns are those of another point.
+    has_old_columns: bool,
+    blocks: Vec<Block>,
+}
+
+/// By how much a step lowers the cost, as a fraction of it, and by how much it should according to the normal equations.
+struct Gain {
+    gained: f64,
+    predicted: f64,
+}
+
+impl Point {
+    fn new(data: &FitData<'_>, start: &AxisModel, scope: &Scope, known: &[Column]) -> Self {
+        let model = start.clone();
+        let residuals = data.residuals(&model, scope);
+        let weights = weights(data, &model, &residuals);
+        let count = model.free_parameters(scope).len();
+        let mut columns = known.to_vec();
+        columns.extend(derivatives(data, &model, scope, known.len()..count, &residuals));
+        let blocks = blocks(data, &columns, &residuals, &weights);
+        let has_old_columns = !known.is_empty();
+        Self { model, residuals, weights, damping: 1e-3, columns, has_old_columns, blocks }
+    }
+
+    /// Moves to a point of lower cost, if there is one at one of the dampings.
+    fn step(&mut self, data: &FitData<'_>, scope: &Scope) -> Gain {
+        let parameters = self.model.free_parameters(scope);
+        let cost = cost(&self.residuals, &self.weights, &parameters);
+        let (curvature, gradient) = normal(&self.blocks, &parameters);
+        for _ in 0..DAMPINGS {
+            let moved = stepped(&parameters, &curvature, &gradient, self.damping);
+            let candidate = self.model.at(scope, &moved);
+            let residuals = data.residuals(&candidate, scope);
+            let candidate_cost = self::cost(&residuals, &self.weights, &candidate.free_parameters(scope));
+            if candidate_cost < cost {
+                let step = DVector::from_iterator(
+                    parameters.len(),
+                    parameters
+                        .iter()
+                        .zip(&moved)
+                        .map(|(parameter, moved)| moved - parameter.coordinate.value),
+                );
+                let predicted = (-2.0 * gradient.dot(&step) - step.dot(&(&curvature * &step))) / cost;
+                (self.model, self.residuals) = (candidate, residuals);
+                self.damping = (0.1 * self.damping).max(1e-9);
+                return Gain { gained: 1.0 - candidate_cost / cost, predicted };
+            }
+            if self.has_old_columns {
+                break;
+            }
+            self.damping *= 10.0;
+        }
+        Gain { gained: 0.0, predicted: f64::INFINITY }
+    }
+
+    /// Computes the derivatives with respect to a range of the parameters, and with them the normal equations.
+    fn renew(&mut self, data: &FitData<'_>, scope: &Scope, range: Range<usize>) {
+        self.has_old_columns = range.len() < self.columns.len();
+        let new = derivatives(data, &self.model, scope, range.clone(), &self.residuals);
+        self.columns.splice(range, new);
+        self.blocks = blocks(data, &self.columns, &self.residuals, &self.weights);
+    }
+}
+
+/// Weight of each series: 1/max(rms, noise) of its stage over its log.
+#[must_use]
+pub fn weights(data: &FitData<'_>, model: &AxisModel, residuals: &[ResidualSeries]) -> Vec<f64> {
+    let weight = |series: &ResidualSeries| {
+        let error = data.rms(std::slice::from_ref(series), series.stage);
+        error.max(data.noise_of_log(model, series.stage, series.log)).max(1e-12).recip()
+    };
+    residuals.iter().map(weight).collect()
+}
+
+/// Weighted Σr² plus the priors' ((value − mean)/standard deviation)².
+fn cost(residuals: &[ResidualSeries], weights: &[f64], parameters: &[FreeParameter]) -> f64 {
+    let squares = |series: &ResidualSeries| series.values.iter().map(|r| r * r).sum::<f64>();
+    let of_data: f64 =
+        residuals.iter().zip(weights).map(|(series, weight)| weight * weight * squares(series)).sum();
+    let of_prior = |parameter: &FreeParameter| {
+        parameter
+            .prior
+            .map_or(0.0, |(centre, spread)| ((parameter.coordinate.value - centre) / spread).powi(2))
+    };
+    of_data + parameters.iter().map(of_prior).sum::<f64>()
+}
+
+/// Derivatives of all residuals with respect to a range of a model's free parameters, by one-sided differences, in
+/// parallel.
+#[must_use]
+pub fn derivatives(
+    data: &FitData<'_>,
+    model: &AxisModel,
+    scope: &Scope,
+    range: Range<usize>,
+    residuals: &[ResidualSeries],
+) -> Vec<Column> {
+    let parameters = model.free_parameters(scope);
+    let values: Vec<f64> = parameters.iter().map(|parameter| parameter.coordinate.value).collect();
+    range
+        .into_par_iter()
+        .map(|j| {
+            let coordinate = &parameters[j].coordinate;
+            let is_inside = coordinate.value + coordinate.step <= coordinate.upper;
+            let step = if is_inside { coordinate.step } else { -coordinate.step };
+            let mut moved = values.clone();
+            moved[j] += step;
+            let mut column = data.residuals(&model.at(scope, &moved), scope);
+            for (series, base) in column.iter_mut().zip(residuals) {
+                for (value, base) in series.values.iter_mut().zip(&base.values) {
+                    *value = (*value - base) / step;
+                }
+            }
+            Arc::new(column)
+        })
+        .collect()
+}

@@ -1,0 +1,87 @@
+//! The error of the tracer's own simulation of the driven stages.
+//!
+//! The driven mechanics get a filtered motor, whose reversals are less sharp than the machine's, and their integration
+//! steps add damping: after a jerk or a reversal a few hundredths of a micrometre remain that no effect causes. The fitted
+//! model, simulated in its own closed loop with the same command, gives logs of a machine that equals the model exactly;
+//! the residual of those logs is this error. It depends on the model so little that it is computed once for each effect
+//! found.
+
+use super::axis_model::AxisModel;
+use super::fit_data::{FitData, ResidualSeries};
+use super::least_squares::{self, Fitted};
+use super::scope::Scope;
+use crate::input::signals::{AxisSignals, Signals};
+use crate::input::smoothing::Smooth;
+use crate::prediction::resample::{delayed_cubic, delayed_linear};
+use model::effects::{Channel, Stage};
+
+/// The error in the driven stages of a scope, for all logs; empty for another scope or if a loop cannot be simulated.
+#[must_use]
+pub fn of(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualSeries> {
+    if !scope.stages.iter().all(|stage| matches!(stage, Stage::Table | Stage::Force)) {
+        return Vec::new();
+    }
+    let logs: Vec<Signals> = (0..data.logs.len()).map_while(|log| simulated(data, model, log)).collect();
+    if logs.len() < data.logs.len() {
+        return Vec::new();
+    }
+    FitData { logs: &logs, bias: &[], exclusions: &[], ..*data }.residuals(model, scope)
+}
+
+/// The error of a model that an earlier trace fitted with the error subtracted, if this lowers the residuals: only then do
+/// its values fit these logs. Empty for a model that was declared.
+#[must_use]
+pub fn of_fitted_file(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualSeries> {
+    if !model.was_fitted() {
+        return Vec::new();
+    }
+    let bias = of(data, model, scope);
+    let with = data.residuals(model, scope);
+    let without = FitData { bias: &bias, ..*data }.residuals(model, scope);
+    if is_less(data, [&with, &without], scope) { bias } else { Vec::new() }
+}
+
+/// Fits the free parameters of a scope before any search; also returns the error that was subtracted.
+#[must_use]
+pub fn first_fit(data: &FitData<'_>, start: &AxisModel, scope: &Scope) -> (Fitted, Vec<ResidualSeries>) {
+    let bias = of_fitted_file(data, start, scope);
+    (least_squares::fit(&FitData { bias: &bias, ..*data }, start, scope, least_squares::STEPS), bias)
+}
+
+/// A log in which the axis's channels are those of the model in its closed loop.
+fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Signals> {
+    let parameters = model.parameters();
+    let measured = &data.logs[log];
+    let signals = &measured.axes[data.axis];
+    let motor = signals.motor.as_ref()?;
+    let simulated = data.closed_loop(model, &parameters, signals)?;
+    let sample_s = measured.sample_s;
+    let smooth = |values: Vec<f64>, like: &Smooth| Smooth::new(values, sample_s, like.half_window());
+
+    let zero_m = 1e-6 * model.table_zero_um;
+    let table_m = delayed_cubic(simulated.table_m, parameters.latency_s(Channel::Table), sample_s);
+    let late = parameters.latency_s(Channel::Force) / sample_s;
+    let force_n = delayed_linear(&simulated.force_n, late);
+    let axis = AxisSignals {
+        motor: Some(smooth(simulated.motor_m, motor)),
+        table: signals.table.as_ref().map(|like| smooth(table_m.iter().map(|m| m + zero_m).collect(), like)),
+        force: signals.force.as_ref().map(|like| smooth(force_n, like)),
+        ..signals.clone()
+    };
+    let mut result = measured.clone();
+    result.axes[data.axis] = axis.with_motor_noise(motor.noise, sample_s);
+    Some(result)
+}
+
+/// Whether the second of two residuals of a scope is less than the first.
+#[must_use]
+pub fn is_less(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2], scope: &Scope) -> bool {
+    let [before, after] = residuals.map(|residuals| log_rms(data, residuals, scope));
+    after < before
+}
+
+/// Sum over a scope's stages of the logarithm of their residual's rms.
+#[must_use]
+pub fn log_rms(data: &FitData<'_>, residuals: &[ResidualSeries], scope: &Scope) -> f64 {
+    scope.stages.iter().map(|&stage| data.rms(residuals, stage).max(1e-12).ln()).sum()
+}

@@ -1,0 +1,219 @@
+//! Normal equations of a fit, block by block, and the step that solves them within bounds.
+
+use std::ops::Range;
+use std::sync::Arc;
+
+use nalgebra::{DMatrix, DVector};
+use rayon::prelude::*;
+
+use super::axis_model::FreeParameter;
+use super::fit_data::{FitData, ResidualSeries};
+use model::effects::Stage;
+
+/// Blocks that each log is divided into. Standard errors are taken over them.
+pub const BLOCKS: usize = 24;
+
+/// Folds of the cross-validation, each of consecutive blocks; a divisor of [`BLOCKS`].
+pub const FOLDS: usize = 3;
+
+/// Normal equations of one block of one stage: Σr², `Jᵀr` and `JᵀJ`, weighted.
+#[derive(Clone, Debug)]
+pub struct Block {
+    /// Stage.
+    pub stage: Stage,
+    /// Index of the log.
+    pub log: usize,
+    /// Index within the log, 0 to [`BLOCKS`] − 1.
+    pub number: usize,
+    /// Weight of its residuals.
+    pub weight: f64,
+    /// Samples that count.
+    pub samples: usize,
+    /// Σ r².
+    pub squares: f64,
+    /// `Jᵀr`.
+    pub gradient: DVector<f64>,
+    /// `JᵀJ`.
+    pub curvature: DMatrix<f64>,
+}
+
+impl Block {
+    /// Index of the fold that the block belongs to.
+    #[must_use]
+    pub const fn fold(&self) -> usize {
+        self.number * FOLDS / BLOCKS
+    }
+}
+
+/// The samples of each block of a log with so many samples.
+pub fn block_ranges(samples: usize) -> impl Iterator<Item = Range<usize>> {
+    let length = samples.div_ceil(BLOCKS).max(1);
+    (0..samples).step_by(length).map(move |start| start..(start + length).min(samples))
+}
+
+/// Derivatives of all residuals with respect to one free parameter. Shared by fits that start from the same point.
+pub type Column = Arc<Vec<ResidualSeries>>;
+
+/// Normal equations by block from residuals and their derivatives.
+#[must_use]
+pub fn blocks(
+    data: &FitData<'_>,
+    columns: &[Column],
+    residuals: &[ResidualSeries],
+    weights: &[f64],
+) -> Vec<Block> {
+    let n = columns.len();
+    let of_series = |(index, series): (usize, &ResidualSeries)| {
+        let weight = weights[index] * weights[index];
+        let counts = data.counting(series.stage, series.log);
+        let mut blocks = Vec::with_capacity(BLOCKS);
+        for (number, range) in block_ranges(series.values.len()).enumerate() {
+            let residual = &series.values[range.clone()];
+            let slices: Vec<&[f64]> =
+                columns.iter().map(|column| &column[index].values[range.clone()]).collect();
+            let mut gradient = DVector::zeros(n);
+            let mut curvature = DMatrix::zeros(n, n);
+            for i in 0..n {
+                gradient[i] = weight * dot(slices[i], residual);
+                for j in 0..=i {
+                    let product = weight * dot(slices[i], slices[j]);
+                    curvature[(i, j)] = product;
+                    curvature[(j, i)] = product;
+                }
+            }
+            blocks.push(Block {
+                stage: series.stage,
+                log: series.log,
+                number,
+                weight: weights[index],
+                samples: range.filter(|&i| counts(i)).count(),
+                squares: weight * dot(residual, residual),
+                gradient,
+                curvature,
+            });
+        }
+        blocks
+    };
+    residuals.par_iter().enumerate().flat_map_iter(of_series).collect()
+}
+
+/// Scalar product, in four independent sums, which the processor computes in parallel.
+fn dot(a: &[f64], b: &[f64]) -> f64 {
+    let (fours_a, end_a) = a.as_chunks::<4>();
+    let (fours_b, end_b) = b.as_chunks::<4>();
+    let mut sums = [0.0; 4];
+    for (a, b) in fours_a.iter().zip(fours_b) {
+        for lane in 0..4 {
+            sums[lane] += a[lane] * b[lane];
+        }
+    }
+    sums.iter().sum::<f64>() + end_a.iter().zip(end_b).map(|(a, b)| a * b).sum::<f64>()
+}
+
+/// The sum of blocks and of the priors.
+#[must_use]
+pub fn normal<'a>(
+    blocks: impl IntoIterator<Item = &'a Block>,
+    parameters: &[FreeParameter],
+) -> (DMatrix<f64>, DVector<f64>) {
+    let n = parameters.len();
+    let mut curvature = DMatrix::zeros(n, n);
+    let mut gradient = DVector::zeros(n);
+    for block in blocks {
+        curvature += &block.curvature;
+        gradient += &block.gradient;
+    }
+    for (i, parameter) in parameters.iter().enumerate() {
+        if let Some((centre, spread)) = parameter.prior {
+            curvature[(i, i)] += spread.powi(-2);
+            gradient[i] += (parameter.coordinate.value - centre) / (spread * spread);
+        }
+    }
+    (curvature, gradient)
+}
+
+/// The parameters' values after a damped Gauss–Newton step within their bounds: a parameter that reaches a bound is fixed
+/// there, and the step of the others is solved again.
+#[must_use]
+pub fn stepped(
+    parameters: &[FreeParameter],
+    curvature: &DMatrix<f64>,
+    gradient: &DVector<f64>,
+    damping: f64,
+) -> Vec<f64> {
+    let n = parameters.len();
+    let mut fixed: Vec<Option<f64>> = vec![None; n];
+    loop {
+        let free: Vec<usize> = (0..n).filter(|&i| fixed[i].is_none()).collect();
+        let mut matrix = curvature.select_rows(&free).select_columns(&free);
+        let mut right = -gradient.select_rows(&free);
+        for (row, &i) in free.iter().enumerate() {
+            // The small constant keeps a parameter without any influence at its value.
+            matrix[(row, row)] += damping * curvature[(i, i)] + 1e-12 + 1e-12 * curvature[(i, i)];
+            for (j, step) in fixed.iter().enumerate() {
+                right[row] -= step.map_or(0.0, |step| curvature[(i, j)] * step);
+            }
+        }
+        let steps = matrix.cholesky().map_or_else(|| DVector::zeros(free.len()), |c| c.solve(&right));
+        // Of the parameters that would leave their bounds, the one that reaches its bound first is fixed; this may reverse
+        // the steps of the others.
+        let mut first: Option<(f64, usize, f64)> = None;
+        for (&i, &step) in free.iter().zip(&steps) {
+            let coordinate = &parameters[i].coordinate;
+            let inside =
+                (coordinate.value + step).clamp(coordinate.lower, coordinate.upper) - coordinate.value;
+            let fraction = inside / step;
+            // A rounding error of value + step is no violation.
+            if fraction < 1.0 - 1e-9 && first.is_none_or(|(min, ..)| fraction < min) {
+                first = Some((fraction, i, inside));
+            }
+        }
+        if let Some((_, i, inside)) = first {
+            fixed[i] = Some(inside);
+        } else {
+            let mut values: Vec<f64> =
+                parameters.iter().map(|parameter| parameter.coordinate.value).collect();
+            for (i, step) in fixed.iter().enumerate() {
+                values[i] += step.unwrap_or(0.0);
+            }
+            for (&i, step) in free.iter().zip(&steps) {
+                values[i] += step;
+            }
+            return values;
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::effects::Coordinate;
+
+    fn parameter(value: f64, lower: f64, upper: f64) -> FreeParameter {
+        FreeParameter { coordinate: Coordinate::between(value, 0.1, lower, upper), prior: None }
+    }
+
+    /// ½xᵀHx + gᵀx with H = [[2, −1.9], [−1.9, 2]]: free, its minimum is at H⁻¹·(−g).
+    fn curvature() -> DMatrix<f64> {
+        DMatrix::from_row_slice(2, 2, &[2.0, -1.9, -1.9, 2.0])
+    }
+
+    #[test]
+    fn without_bounds_steps_to_the_minimum() {
+        let gradient = DVector::from_vec(vec![-1.0, 0.0]);
+        let parameters = [parameter(0.0, -100.0, 100.0), parameter(0.0, -100.0, 100.0)];
+        // Determinant 4 − 3.61 = 0.39: x = 2/0.39, y = 1.9/0.39.
+        let moved = stepped(&parameters, &curvature(), &gradient, 0.0);
+        assert!((moved[0] - 2.0 / 0.39).abs() < 1e-6 && (moved[1] - 1.9 / 0.39).abs() < 1e-6, "{moved:?}");
+    }
+
+    #[test]
+    fn fixes_the_parameter_that_reaches_its_bound_first() {
+        // Without bounds both would decrease; with the first fixed at −1 the second minimizes y² + 1.9·y + g·y.
+        let gradient = DVector::from_vec(vec![1.0, -0.8]);
+        let parameters = [parameter(0.0, -1.0, 100.0), parameter(0.0, -100.0, 100.0)];
+        let moved = stepped(&parameters, &curvature(), &gradient, 0.0);
+        // Free minimum: x = −(2 − 0.8·1.9)/0.39 < −1, y = −(1.9 − 1.6)/0.39; fixed: y = (0.8 − 1.9)/2.
+        assert!((moved[0] + 1.0).abs() < 1e-9 && (moved[1] + 0.55).abs() < 1e-6, "{moved:?}");
+    }
+}

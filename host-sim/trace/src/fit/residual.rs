@@ -1,0 +1,190 @@
+//! Measured minus predicted, stage by stage, in µm and N.
+
+use super::axis_model::AxisModel;
+use super::exclusion::subtract_sine;
+use super::fit_data::{FitData, ResidualSeries};
+use super::scope::Scope;
+use crate::input::added_force::AddedForce;
+use crate::input::signals::AxisSignals;
+use crate::input::smoothing::Smooth;
+use crate::prediction::closed_loop::{ClosedLoopRun, Controlled, closed_loop};
+use crate::prediction::driven::{self, Driven, DrivenInput};
+use crate::prediction::force_sampling::ForceSampling;
+use crate::prediction::force_windup;
+use crate::prediction::initial_state::InitialState;
+use crate::prediction::tool;
+use model::effects::Stage;
+use model::servo;
+use plant::parameters::AxisParameters;
+
+impl FitData<'_> {
+    /// The residuals of a scope's stages over all logs: log by log, the scope's stages in order.
+    #[must_use]
+    pub fn residuals(&self, model: &AxisModel, scope: &Scope) -> Vec<ResidualSeries> {
+        let parameters = model.parameters();
+        let mut residuals: Vec<ResidualSeries> = (0..self.logs.len())
+            .flat_map(|log| self.residuals_of_log(model, &parameters, scope, log))
+            .collect();
+        for series in &mut residuals {
+            self.subtract_bias(series);
+            self.subtract_excluded_sines(series);
+        }
+        residuals
+    }
+
+    fn residuals_of_log(
+        &self,
+        model: &AxisModel,
+        parameters: &AxisParameters,
+        scope: &Scope,
+        log: usize,
+    ) -> Vec<ResidualSeries> {
+        let is_driven = scope.stages.iter().any(|stage| matches!(stage, Stage::Table | Stage::Force));
+        let driven = if is_driven { self.driven(model, parameters, log) } else { None }.unwrap_or_default();
+        let series = |stage: &Stage| {
+            let mut values = match stage {
+                Stage::Table => self.table(model, parameters, &driven, log),
+                Stage::Force => {
+                    let measured = self.signals(log).force.as_ref().map_or(&[][..], |force| &force.position);
+                    difference(measured, &driven.force_n, 1.0, 0.0)
+                }
+                Stage::Motor => self.motor(model, parameters, self.signals(log)),
+                Stage::Tool => {
+                    let tool = tool::tool(parameters, self.axis, self.names, &self.logs[log]);
+                    let measured = self.signals(log).tool.as_ref().map_or(&[][..], |tool| &tool.position);
+                    difference(measured, &tool.unwrap_or_default(), 1e6, model.tool_zero_um)
+                }
+            };
+            let counts = self.counting(*stage, log);
+            for (i, value) in values.iter_mut().enumerate() {
+                if !counts(i) {
+                    *value = 0.0;
+                }
+            }
+            ResidualSeries { stage: *stage, log, values }
+        };
+        scope.stages.iter().map(series).collect()
+    }
+
+    /// Table and force as the measured motor drives them; `None` without a motor channel.
+    fn driven(&self, model: &AxisModel, parameters: &AxisParameters, log: usize) -> Option<Driven> {
+        let signals = self.signals(log);
+        let input = DrivenInput {
+            motor: signals.motor.as_ref()?,
+            path: signals.motor_path.as_ref()?,
+            sample_s: self.logs[log].sample_s,
+            sampling: ForceSampling::new(&model.axis.settings.controller, self.rates),
+            added_n: signals.added_force.as_ref().map(AddedForce::filtered_n),
+        };
+        Some(driven::driven(parameters, &input))
+    }
+
+    fn table(&self, model: &AxisModel, parameters: &AxisParameters, driven: &Driven, log: usize) -> Vec<f64> {
+        let signals = self.signals(log);
+        let measured = signals.table.as_ref().map_or(&[][..], |table| &table.position);
+        let mut residual = difference(measured, &driven.table_m, 1e6, model.table_zero_um);
+        force_windup::add_stretch(&mut residual, parameters.forced_windup.as_ref(), signals);
+        if self.logs[log].has_own_zero && !model.axis.settings.has_mass() {
+            self.subtract_mean(log, &mut residual);
+        }
+        residual
+    }
+
+    fn subtract_bias(&self, series: &mut ResidualSeries) {
+        let is_same = |bias: &&ResidualSeries| bias.stage == series.stage && bias.log == series.log;
+        let Some(bias) = self.bias.iter().find(is_same) else { return };
+        for (value, bias) in series.values.iter_mut().zip(&bias.values) {
+            // Samples that do not count are zero and remain so.
+            *value -= if *value == 0.0 { 0.0 } else { *bias };
+        }
+    }
+
+    fn subtract_excluded_sines(&self, series: &mut ResidualSeries) {
+        for frequency_hz in
+            self.exclusions.iter().filter_map(|exclusion| exclusion.frequency_hz(series.stage))
+        {
+            let step_rad = std::f64::consts::TAU * frequency_hz * self.logs[series.log].sample_s;
+            let counts: Vec<bool> =
+                (0..series.values.len()).map(self.counting(series.stage, series.log)).collect();
+            subtract_sine(&mut series.values, &counts, step_rad);
+        }
+    }
+
+    /// Subtracts the mean of a table residual: the encoders of each recording have another zero.
+    fn subtract_mean(&self, log: usize, residual: &mut [f64]) {
+        let counts = self.counting(Stage::Table, log);
+        let counted = |i: &usize| counts(*i);
+        let mean = numerics::mean((0..residual.len()).filter(counted).map(|i| residual[i]));
+        for value in residual {
+            *value -= mean;
+        }
+    }
+
+    fn motor(&self, model: &AxisModel, parameters: &AxisParameters, signals: &AxisSignals) -> Vec<f64> {
+        let (Some(motor), Some(command)) = (&signals.motor, &signals.command) else { return Vec::new() };
+        let simulated = self.closed_loop(model, parameters, signals).map(|simulated| simulated.motor_m);
+        // Without a valid closed loop the residual is the following error itself.
+        difference(&motor.raw, simulated.as_ref().unwrap_or(command), 1e6, 0.0)
+    }
+
+    /// The model simulated in its closed loop with a log's command; `None` where a channel or a setting is missing or the
+    /// loop cannot be simulated.
+    #[must_use]
+    pub fn closed_loop(
+        &self,
+        model: &AxisModel,
+        parameters: &AxisParameters,
+        signals: &AxisSignals,
+    ) -> Option<ClosedLoopRun> {
+        let command = signals.command.as_ref()?;
+        let settings = servo::settings(&model.axis.settings, &parameters.servo).ok()?;
+        let start = InitialState::of(command, signals, 1e-6 * model.table_zero_um, &self.options.samples)?;
+        let sample_s = f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz;
+        let added =
+            signals.added_force.as_ref().map(|added| added.from_sample_n(&model.axis.effect, sample_s));
+        let controlled = Controlled { settings: &settings, rates: self.rates };
+        closed_loop(parameters, controlled, command, &added.unwrap_or_default(), start)
+    }
+
+    /// Standard deviation of the white noise in a stage's residual, µm or N: the least residual that any model can reach.
+    ///
+    /// That of the log with the least noise: the sensors are the same in all logs, and vibration in a log looks like
+    /// noise.
+    #[must_use]
+    pub fn noise(&self, model: &AxisModel, stage: Stage) -> f64 {
+        let noise = (0..self.logs.len()).map(|log| self.noise_of_log(model, stage, log));
+        noise.reduce(f64::min).unwrap_or(0.0)
+    }
+
+    /// The same for one log.
+    #[must_use]
+    pub fn noise_of_log(&self, model: &AxisModel, stage: Stage, log: usize) -> f64 {
+        let signals = self.signals(log);
+        let of = |smooth: &Option<Smooth>, value: fn(&Smooth) -> f64| smooth.as_ref().map_or(0.0, value);
+        let position = |smooth: &Option<Smooth>| 1e6 * of(smooth, |smooth| smooth.position_noise);
+        match stage {
+            Stage::Motor => 1e6 * of(&signals.motor, |motor| motor.noise),
+            Stage::Table => position(&signals.table).hypot(position(&signals.motor)),
+            Stage::Tool => {
+                let table = if signals.table.is_some() { &signals.table } else { &signals.motor };
+                position(&signals.tool).hypot(position(table))
+            }
+            Stage::Force => {
+                let axis = &model.axis.settings;
+                let mass = if axis.is_rigid() { axis.mechanics.table_mass_kg.unwrap_or(0.0) } else { 0.0 }
+                    + axis.mechanics.motor_mass_kg.unwrap_or(0.0);
+                of(&signals.force, |force| force.position_noise)
+                    .hypot(mass * of(&signals.motor, |motor| motor.acceleration_noise))
+            }
+        }
+    }
+}
+
+/// (measured − predicted)·scale − zero.
+fn difference(measured: &[f64], predicted: &[f64], scale: f64, zero: f64) -> Vec<f64> {
+    measured
+        .iter()
+        .zip(predicted)
+        .map(|(measured, predicted)| scale * (measured - predicted) - zero)
+        .collect()
+}

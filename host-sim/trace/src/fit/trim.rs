@@ -1,0 +1,201 @@
+//! Timing that a machine file leaves open: when channels are read, and how a drive steps its filters.
+//!
+//! Errors of about a tenth of a sample are normal for any log. They are fitted within such bounds, so that they are not
+//! explained by an effect, and not reported. An effect that describes the same (`latency`, `velocity_lag`) replaces the
+//! trim.
+
+use shared::config::Rates;
+
+use crate::options::ModelOptions;
+use model::axis::Law;
+use model::effects::{Channel, Coordinate, Effect, Latency, Stage};
+use model::machine::Axis;
+use model::machine::nominal::LogOffsets;
+use plant::parameters::AxisParameters;
+
+/// An instant or interval that is trimmed.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Instant {
+    /// Reading of the linear scale, relative to the motor's.
+    Table,
+    /// Reading of the tool-point probe, relative to the scale's.
+    Tool,
+    /// Reading of the force, relative to the motor's.
+    Force,
+    /// Age of the velocity in the velocity loop.
+    Speed,
+    /// Action of the drive's force, relative to the reading of the sensors.
+    Drive,
+    /// Length of the steps of the filter of high-order control; zero: exact.
+    Filter,
+}
+
+/// Delay of each instant, s; negative: early.
+#[derive(Clone, Debug, Default)]
+pub struct Trims {
+    late_s: [f64; 6],
+}
+
+impl Instant {
+    const ALL: [Self; 6] = [Self::Table, Self::Tool, Self::Force, Self::Speed, Self::Drive, Self::Filter];
+
+    /// The stage that determines it.
+    fn stage(self) -> Stage {
+        match self {
+            Self::Table => Stage::Table,
+            Self::Tool => Stage::Tool,
+            Self::Force => Stage::Force,
+            Self::Speed | Self::Drive | Self::Filter => Stage::Motor,
+        }
+    }
+
+    /// Whether an axis has such a parameter.
+    fn is_of(self, axis: &Axis) -> bool {
+        self != Self::Filter || axis.settings.controller.law == Some(Law::Hpc)
+    }
+
+    /// Least and greatest delay, s.
+    fn bounds_s(self, rates: Rates, options: &ModelOptions) -> [f64; 2] {
+        let tick_s = 1.0 / rates.velocity_loop_hz;
+        let sample_s = tick_s * f64::from(rates.position_loop_divider);
+        match self {
+            Self::Table | Self::Tool => [-options.position_trim * sample_s, options.position_trim * sample_s],
+            // A force is the mean over an interval, a position that of an instant.
+            Self::Force => [-options.force_trim * sample_s, options.force_trim * sample_s],
+            Self::Speed => [0.0, options.velocity_trim * tick_s],
+            // Early alone: a drive that acts late is described by the age of the velocity.
+            Self::Drive => [-options.drive_trim * tick_s, 0.0],
+            Self::Filter => [0.0, options.position_trim * sample_s],
+        }
+    }
+
+    /// Whether an effect describes the same.
+    fn is_replaced_by(self, effect: &Effect) -> bool {
+        match effect {
+            Effect::Latency(late) => match late.channel {
+                Channel::Table => self == Self::Table,
+                Channel::Tool => self == Self::Tool,
+                Channel::Force => self == Self::Force,
+            },
+            Effect::VelocityLag(_) => self == Self::Speed,
+            _ => false,
+        }
+    }
+}
+
+impl Trims {
+    /// Those of an axis's machine file, within their bounds.
+    #[must_use]
+    pub fn of(axis: &Axis, rates: Rates, options: &ModelOptions) -> Self {
+        let mut trims = Self::default();
+        let Some(offsets) = &axis.log_offsets else { return trims };
+        for (instant, (_, ms)) in Instant::ALL.into_iter().zip(offsets.instants_ms()) {
+            let [lower, upper] = instant.bounds_s(rates, options);
+            trims.late_s[instant as usize] = (1e-3 * ms.unwrap_or(0.0)).clamp(lower, upper);
+        }
+        trims
+    }
+
+    /// Writes the trims that are not zero and not replaced by an effect.
+    pub fn write(&self, axis: &Axis, offsets: &mut LogOffsets) {
+        let keys = [
+            &mut offsets.table_late_ms,
+            &mut offsets.tool_late_ms,
+            &mut offsets.force_late_ms,
+            &mut offsets.speed_late_ms,
+            &mut offsets.drive_late_ms,
+            &mut offsets.filter_step_ms,
+        ];
+        for (instant, key) in Instant::ALL.into_iter().zip(keys) {
+            let ms = 1e3 * self.late_s[instant as usize];
+            let is_replaced = axis.effect.iter().any(|effect| instant.is_replaced_by(effect));
+            *key = (ms != 0.0 && !is_replaced).then_some(ms);
+        }
+    }
+
+    /// The trims of these stages, with their coordinate (ms) and the standard deviation of their prior. One that an effect
+    /// replaces is kept at zero, so that a model has the same free parameters with the effect and without it.
+    #[must_use]
+    pub fn coordinates(
+        &self,
+        stages: &[Stage],
+        axis: &Axis,
+        rates: Rates,
+        options: &ModelOptions,
+    ) -> Vec<(Instant, Coordinate, f64)> {
+        let coordinate = |instant: Instant| {
+            let [lower, upper] = instant.bounds_s(rates, options).map(|s| 1e3 * s);
+            let bound = upper.max(-lower);
+            let step = 0.02 * bound;
+            let coordinate = if axis.effect.iter().any(|effect| instant.is_replaced_by(effect)) {
+                Coordinate::between(0.0, step, 0.0, 0.0)
+            } else {
+                Coordinate::between(1e3 * self.late_s[instant as usize], step, lower, upper)
+            };
+            (instant, coordinate, options.trim_prior * bound)
+        };
+        let of_stages = Instant::ALL.into_iter();
+        let of_stages = of_stages.filter(|instant| stages.contains(&instant.stage()) && instant.is_of(axis));
+        of_stages.map(coordinate).collect()
+    }
+
+    /// Sets the delay of an instant, ms.
+    pub fn set_ms(&mut self, instant: Instant, ms: f64) {
+        self.late_s[instant as usize] = 1e-3 * ms;
+    }
+
+    /// The simulation parameters of an axis with these trims.
+    #[must_use]
+    pub fn applied(&self, mut parameters: AxisParameters, effects: &[Effect]) -> AxisParameters {
+        let open = |instant: Instant| !effects.iter().any(|effect| instant.is_replaced_by(effect));
+        let channels = [
+            (Instant::Table, Channel::Table),
+            (Instant::Tool, Channel::Tool),
+            (Instant::Force, Channel::Force),
+        ];
+        for (instant, channel) in channels {
+            if open(instant) {
+                parameters.latency.push(Latency { channel, ms: 1e3 * self.late_s[instant as usize] });
+            }
+        }
+        if open(Instant::Speed) {
+            parameters.servo.lag.ms += 1e3 * self.late_s[Instant::Speed as usize];
+        }
+        parameters.servo.drive_late_s += self.late_s[Instant::Drive as usize];
+        parameters.servo.filter_step_s = self.late_s[Instant::Filter as usize];
+        parameters
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::effects::VelocityLag;
+
+    const RATES: Rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 4 };
+
+    #[test]
+    fn an_effect_replaces_a_trim() {
+        let mut trims = Trims::default();
+        trims.set_ms(Instant::Speed, 0.05);
+        let stages = [Stage::Motor, Stage::Tool];
+        let of = |effects: &[Effect], law| {
+            let mut axis = Axis { effect: effects.to_vec(), ..Axis::default() };
+            axis.settings.controller.law = Some(law);
+            let trimmed = trims.coordinates(&stages, &axis, RATES, &ModelOptions::default());
+            trimmed.into_iter().map(|(instant, c, _)| (instant, c.value, c.upper)).collect::<Vec<_>>()
+        };
+        // Bounds: a tenth of 1 ms; a quarter of 0.25 ms; zero, as the drive may be early alone.
+        let [tool, drive] = [(Instant::Tool, 0.0, 0.1), (Instant::Drive, 0.0, 0.0)];
+        assert_eq!(of(&[], Law::P), [tool, (Instant::Speed, 0.05, 0.0625), drive]);
+        let lag = [Effect::VelocityLag(VelocityLag { ms: 0.1 })];
+        assert_eq!(of(&lag, Law::P), [tool, (Instant::Speed, 0.0, 0.0), drive]);
+        // Only high-order control has a filter to step.
+        assert_eq!(of(&lag, Law::Hpc)[3], (Instant::Filter, 0.0, 0.1));
+        let mut parameters = AxisParameters::default();
+        parameters.servo.lag.ms = 0.1;
+        // 0.1 ms of the effect alone, or 0.15 ms with the trim where no effect replaces it.
+        assert!((trims.applied(parameters.clone(), &lag).servo.lag.ms - 0.1).abs() < 1e-12);
+        assert!((trims.applied(parameters, &[]).servo.lag.ms - 0.15).abs() < 1e-12);
+    }
+}

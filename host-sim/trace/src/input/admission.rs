@@ -1,0 +1,214 @@
+//! Which logs can be traced on a machine, and in which form.
+
+use std::borrow::Cow;
+
+use super::{checks, copies, length, sampling_rate, saturation};
+use crate::options::AdmissionOptions;
+use files::error::InputError;
+use files::log::Log;
+use model::machine::Machine;
+
+/// Logs as they are traced, with notes for the user.
+#[derive(Clone, Debug)]
+pub struct Admitted<'a> {
+    /// To be fitted.
+    pub fit: Vec<Cow<'a, Log>>,
+    /// Held out; empty where the fit logs are to be split.
+    pub validate: Vec<Cow<'a, Log>>,
+    /// Sentences: what was thinned, shortened or is missing.
+    pub notes: Vec<String>,
+}
+
+/// Admits logs, or refuses one of them.
+///
+/// # Errors
+/// When a log does not fit the machine file or the other logs, or when nothing can be learned from it.
+pub fn admit<'a>(
+    machine: &Machine,
+    fit: &'a [Log],
+    validate: &'a [Log],
+    options: &AdmissionOptions,
+) -> Result<Admitted<'a>, InputError> {
+    let mut notes = Vec::new();
+    let mut at_rate = |logs: &'a [Log]| -> Result<Vec<Cow<'a, Log>>, InputError> {
+        logs.iter().map(|log| sampling_rate::at_machine_rate(machine, log, options, &mut notes)).collect()
+    };
+    let (fit, validate) = (at_rate(fit)?, at_rate(validate)?);
+    for log in fit.iter().chain(&validate) {
+        checks::check(machine, log, options)?;
+    }
+    checks::same_units(&fit, &validate)?;
+    copies::refuse(fit.iter().chain(&validate).map(AsRef::as_ref), options)?;
+    notes.extend(checks::lacking(machine, &fit, &validate)?);
+    saturation::check(machine, &fit, options, &mut notes)?;
+    let fit = length::limited(fit, options, &mut notes);
+    let validate = length::limited(validate, options, &mut notes);
+    Ok(Admitted { fit, validate, notes })
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::length::{STRETCHES, limited};
+    use crate::input::signals::Signals;
+    use crate::options::SampleOptions;
+    use files::log::{AxisLog, Unit};
+
+    const MACHINE: &str = "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ntable_mass_kg = 100.0\ncontroller = \"p\"\n\
+                           position_gain_per_s = 30.0\nvelocity_gain_n_s_per_m = 1e4\nforce_limit_n = 100.0\n[axis.y]\n";
+
+    fn machine() -> Machine {
+        Machine::parse(MACHINE, "m.toml").unwrap()
+    }
+
+    /// One second at a rate; x oscillates over 10 mm, y is at rest.
+    fn log(source: &str, rate_hz: f64, unit: Unit) -> Log {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few thousand")]
+        let count = rate_hz as u32;
+        let time = |i: u32| f64::from(i) / rate_hz;
+        let mut x = AxisLog::new("x", unit);
+        x.motor = Some((0..count).map(|i| 5.0 * (6.0 * time(i)).sin()).collect());
+        x.force = Some((0..count).map(|i| 50.0 * (6.0 * time(i)).cos()).collect());
+        let mut y = AxisLog::new("y", unit);
+        y.motor = Some(vec![1.0; x.motor.as_ref().unwrap().len()]);
+        let axes = vec![x, y];
+        Log { source: source.to_owned(), start_s: 0.0, sample_time_s: 1.0 / rate_hz, axes }
+    }
+
+    fn refused(fit: &[Log], validate: &[Log]) -> String {
+        admit(&machine(), fit, validate, &AdmissionOptions::default()).unwrap_err().to_string()
+    }
+
+    #[test]
+    fn a_log_of_a_multiple_of_the_rate_is_thinned_and_this_is_noted() {
+        let fast = log("fast.csv", 4000.0, Unit::Millimetre);
+        let admitted =
+            admit(&machine(), std::slice::from_ref(&fast), &[], &AdmissionOptions::default()).unwrap();
+        let thinned = &admitted.fit[0];
+        assert_eq!((thinned.len(), thinned.sample_time_s), (1000, 1e-3));
+        let [all, some] = [&fast, thinned.as_ref()].map(|log| log.axes[0].motor.as_ref().unwrap());
+        assert!(some.iter().zip(all.iter().step_by(4)).all(|(a, b)| (a - b).abs() < 1e-12));
+        assert!(
+            admitted.notes[0].starts_with("fast.csv: sampled at 4000 Hz, 4 times"),
+            "{:?}",
+            admitted.notes
+        );
+    }
+
+    #[test]
+    fn other_rates_are_refused_with_the_reason() {
+        let message = |rate| refused(&[log("l.csv", rate, Unit::Millimetre)], &[]);
+        assert!(message(1500.0).ends_with("no whole number of times as many"), "{}", message(1500.0));
+        assert!(message(500.0).ends_with("what lies between its samples is not known"), "{}", message(500.0));
+    }
+
+    #[test]
+    fn an_axis_has_one_unit_in_all_logs() {
+        let message =
+            refused(&[log("a.csv", 1000.0, Unit::Millimetre)], &[log("b.csv", 1000.0, Unit::Degree)]);
+        assert_eq!(message, "b.csv: expected axis x in mm, as in a.csv, found deg");
+    }
+
+    #[test]
+    fn a_copy_is_refused_wherever_it_is_given() {
+        use std::slice::from_ref;
+
+        let whole = log("a.csv", 1000.0, Unit::Millimetre);
+        let mut copy = Log { source: "b.csv".to_owned(), ..whole.slice(30..1000) };
+        let message =
+            "b.csv: expected a log of its own, found 100 % of the shorter one's rows shared with a.csv";
+        assert_eq!(refused(from_ref(&whole), from_ref(&copy)), message);
+        assert_eq!(refused(&[whole.clone(), copy.clone()], &[]), message);
+        // The same motion with other readings is no copy.
+        for axis in &mut copy.axes {
+            let readings = axis.motor.iter_mut().chain(&mut axis.force).flatten();
+            readings.zip(0..).for_each(|(value, i)| *value += 1e-3 * f64::from(i % 7));
+        }
+        assert!(admit(&machine(), &[whole], &[copy], &AdmissionOptions::default()).is_ok());
+    }
+
+    #[test]
+    fn channels_that_a_validation_log_lacks_are_noted_and_none_in_common_is_refused() {
+        let fit = [log("a.csv", 1000.0, Unit::Millimetre)];
+        let mut incomplete = log("b.csv", 1000.0, Unit::Millimetre);
+        incomplete.axes[0].force = None;
+        // Another motion, so that it is no copy.
+        incomplete.axes[0].motor.iter_mut().flatten().for_each(|mm| *mm *= 0.5);
+        let held_out = [incomplete.clone()];
+        let admitted = admit(&machine(), &fit, &held_out, &AdmissionOptions::default()).unwrap();
+        assert_eq!(admitted.notes, ["b.csv: has no x force, and judges nothing of it."]);
+        incomplete.axes.pop();
+        incomplete.axes[0].command = incomplete.axes[0].motor.take();
+        assert!(
+            refused(&fit, &[incomplete]).contains("b.csv: expected a channel that the fit logs have, too")
+        );
+    }
+
+    #[test]
+    fn a_sensor_that_does_not_move_while_another_does_is_refused() {
+        let mut dead = log("d.csv", 1000.0, Unit::Millimetre);
+        let motor = dead.axes[0].motor.clone().unwrap();
+        dead.axes[0].command = Some(motor.clone());
+        dead.axes[0].motor = Some(vec![0.0; motor.len()]);
+        let message = refused(&[dead.clone()], &[]);
+        assert!(
+            message.starts_with("d.csv: expected a motor of x that moves where the axis goes"),
+            "{message}"
+        );
+        (dead.axes[0].motor, dead.axes[0].table) = (Some(motor.clone()), Some(vec![5.0; motor.len()]));
+        assert!(refused(&[dead], &[]).starts_with("d.csv: expected a table of x"));
+    }
+
+    #[test]
+    fn a_saturated_force_is_excluded_or_refused() {
+        let clipped = |greatest: f64| {
+            let mut log = log("s.csv", 1000.0, Unit::Millimetre);
+            let force = log.axes[0].force.as_mut().unwrap();
+            for force in force.iter_mut() {
+                *force = (greatest / 50.0 * *force).clamp(-100.0, 100.0);
+            }
+            log
+        };
+        // 120·|cos| exceeds 99 N for a fraction of the second, which is counted here.
+        let log = clipped(120.0);
+        let fraction =
+            log.axes[0].force.as_ref().unwrap().iter().filter(|f| f.abs() >= 99.0).count() as f64 / 10.0;
+        let admitted =
+            admit(&machine(), std::slice::from_ref(&log), &[], &AdmissionOptions::default()).unwrap();
+        assert!(admitted.notes[0].contains(&format!("limit in {fraction:.2} %")), "{:?}", admitted.notes);
+        let mut prepared = [Signals::new(&log, &["x".to_owned(), "y".to_owned()], &SampleOptions::default())];
+        saturation::mark(&machine(), &mut prepared, &AdmissionOptions::default());
+        let excluded = prepared[0].axes[0].saturated.iter().filter(|at| **at).count() as f64 / 10.0;
+        // The filter reaches five samples beyond either side of each of three stretches.
+        assert!(excluded > fraction && excluded < fraction + 3.1, "{excluded} {fraction}");
+        assert!(
+            refused(&[clipped(1000.0)], &[])
+                .contains("x: expected a force below force_limit_n (100) in most")
+        );
+    }
+
+    #[test]
+    fn an_axis_at_rest_is_recognized() {
+        let fit = [Cow::Owned(log("a.csv", 1000.0, Unit::Millimetre))];
+        let is_at_rest = |axis| checks::is_at_rest(&fit, axis, &AdmissionOptions::default());
+        assert!(is_at_rest("y") && !is_at_rest("x"));
+    }
+
+    #[test]
+    fn a_log_that_is_too_long_is_reduced_to_stretches() {
+        let mut long = log("long.csv", 1000.0, Unit::Millimetre);
+        let options = AdmissionOptions::default();
+        let max = options.max_samples;
+        let count = 2 * max;
+        for axis in &mut long.axes {
+            axis.motor = Some((0..count).map(|i| i as f64).collect());
+            axis.force = None;
+        }
+        let mut notes = Vec::new();
+        let cut = limited(vec![Cow::Borrowed(&long)], &options, &mut notes);
+        assert_eq!((cut.len(), cut.iter().map(|log| log.len()).sum::<usize>()), (STRETCHES, max));
+        let first = |log: &Log| log.axes[0].motor.as_ref().unwrap()[0];
+        assert_eq!((first(&cut[0]), first(&cut[11])), (0.0, (count - max / STRETCHES) as f64));
+        assert!(notes[0].contains("12 stretches of 17 s"), "{notes:?}");
+    }
+}

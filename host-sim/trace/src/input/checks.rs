@@ -1,0 +1,125 @@
+//! Logs that do not belong to a machine, or that nothing can be learned from.
+
+use std::borrow::Cow;
+
+use crate::options::AdmissionOptions;
+use files::error::InputError;
+use files::log::{Channel, Log, Unit};
+use model::machine::Machine;
+
+/// Travel of a log's axis in the channel that travels farthest, mm or degrees.
+fn travel(log: &Log, axis: &str) -> f64 {
+    let Some(axis) = log.axis(axis) else { return 0.0 };
+    let channels = [&axis.command, &axis.motor, &axis.table].into_iter().flatten();
+    numerics::max(channels.map(|values| numerics::peak_to_peak(values.iter().copied()))).max(0.0)
+}
+
+/// Whether an axis does not move in any log.
+#[must_use]
+pub fn is_at_rest(logs: &[Cow<'_, Log>], axis: &str, options: &AdmissionOptions) -> bool {
+    logs.iter().all(|log| travel(log, axis) < options.min_travel_mm)
+}
+
+/// Checks that a log belongs to the machine, and that something can be learned from it.
+///
+/// # Errors
+/// For axes that the machine lacks, too little or too much travel, a sensor that does not move, or too few samples.
+pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result<(), InputError> {
+    let refuse = |what: String, found: String| Err(InputError::expected(&log.source, what, found));
+    for axis in &log.axes {
+        if !machine.axis.contains_key(&axis.name) {
+            let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
+            return refuse(
+                format!("axes of the machine file ({})", names.join(", ")),
+                format!("axis {}", axis.name),
+            );
+        }
+    }
+    let [min, max] = [options.min_travel_mm, options.max_travel_mm];
+    let farthest = numerics::max_abs(log.axes.iter().map(|axis| travel(log, &axis.name)));
+    if !(min..=max).contains(&farthest) {
+        return refuse(
+            format!("motion over {min} to {max} mm (or deg) on some axis"),
+            format!("{farthest:.6}"),
+        );
+    }
+    for axis in &log.axes {
+        let of = |channel: Channel| {
+            axis.channel(channel).map(|values| numerics::peak_to_peak(values.iter().copied()))
+        };
+        let [command, motor, table] = [Channel::Command, Channel::Motor, Channel::Table].map(of);
+        for (name, sensor, other) in [("motor", motor, table.or(command)), ("table", table, motor)] {
+            let (Some(sensor), Some(other)) = (sensor, other) else { continue };
+            if other > options.max_travel_beside_stuck_mm && sensor < min {
+                return refuse(
+                    format!(
+                        "a {name} of {} that moves where the axis goes {other:.3} mm (or deg)",
+                        axis.name
+                    ),
+                    "one that stands".to_owned(),
+                );
+            }
+        }
+    }
+    if log.len() < options.min_samples {
+        return refuse(format!("at least {} samples", options.min_samples), log.len().to_string());
+    }
+    Ok(())
+}
+
+/// Checks that each axis has the same unit in all logs.
+///
+/// # Errors
+/// For an axis that is linear in one log and rotary in another.
+pub fn same_units(fit: &[Cow<'_, Log>], validate: &[Cow<'_, Log>]) -> Result<(), InputError> {
+    let logs: Vec<&Log> = fit.iter().chain(validate).map(AsRef::as_ref).collect();
+    for (i, log) in logs.iter().enumerate() {
+        for axis in &log.axes {
+            let of = |other: &&&Log| other.axis(&axis.name).is_some_and(|there| there.unit != axis.unit);
+            if let Some(other) = logs[..i].iter().find(of) {
+                let unit = |unit: Unit| unit.suffix(Channel::Motor);
+                let there = other.axis(&axis.name).map_or("", |there| unit(there.unit));
+                let what = format!("axis {} in {there}, as in {}", axis.name, other.source);
+                return Err(InputError::expected(&log.source, what, unit(axis.unit)));
+            }
+        }
+    }
+    Ok(())
+}
+
+/// Notes which channels of the fit logs each validation log lacks.
+///
+/// # Errors
+/// For a validation log without any channel in common with the fit logs.
+pub fn lacking(
+    machine: &Machine,
+    fit: &[Cow<'_, Log>],
+    validate: &[Cow<'_, Log>],
+) -> Result<Vec<String>, InputError> {
+    let in_all = |logs: &[Cow<'_, Log>], name: &str, channel| {
+        !logs.is_empty()
+            && logs.iter().all(|log| log.axis(name).is_some_and(|axis| axis.channel(channel).is_some()))
+    };
+    let fitted: Vec<(&str, Channel)> = machine
+        .axis
+        .keys()
+        .flat_map(|name| Channel::ALL.map(|channel| (name.as_str(), channel)))
+        .filter(|(name, channel)| *channel != Channel::AddedForce && in_all(fit, name, *channel))
+        .collect();
+    let mut notes = Vec::new();
+    for log in validate {
+        let missing: Vec<String> = fitted
+            .iter()
+            .filter(|(name, channel)| log.axis(name).is_none_or(|axis| axis.channel(*channel).is_none()))
+            .map(|(name, channel)| format!("{name} {}", channel.word()))
+            .collect();
+        if missing.len() == fitted.len() && !fitted.is_empty() {
+            let what = "a channel that the fit logs have, too";
+            return Err(InputError::expected(&log.source, what, "none"));
+        }
+        if !missing.is_empty() {
+            notes.push(format!("{}: has no {}, and judges nothing of it.", log.source, missing.join(", ")));
+        }
+    }
+    Ok(notes)
+}

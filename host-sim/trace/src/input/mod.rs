@@ -1,0 +1,15 @@
+//! From logs to filtered signals: which logs are taken, and what is derived from their channels.
+//!
+//! [`admission`] applies [`sampling_rate`], [`checks`], [`copies`], [`saturation`] and [`length`] to the logs;
+//! [`signals`] prepares what they leave with [`smoothing`], [`motor_path`] and [`added_force`].
+
+pub mod added_force;
+pub mod admission;
+pub mod checks;
+pub mod copies;
+pub mod length;
+pub mod motor_path;
+pub mod sampling_rate;
+pub mod saturation;
+pub mod signals;
+pub mod smoothing;

@@ -1,0 +1,59 @@
+//! The measured motor's position between its samples: the input of the driven mechanics.
+//!
+//! It does not depend on the model, so it is computed once a log and not in each simulation of a fit.
+
+use super::smoothing::Smooth;
+use plant::friction::smoothed_sign;
+
+/// Longest step of the driven table, s.
+const MAX_STEP_S: f64 = 1e-3;
+
+/// A motor's motion in steps of equal length.
+#[derive(Clone, Debug)]
+pub struct MotorPath {
+    /// Length of a step, s.
+    pub step_s: f64,
+    /// Steps from one sample to the next.
+    pub steps: usize,
+    /// The first sample, then every step after it.
+    pub points: Vec<Point>,
+    /// Smoothed sign of the velocity, −1 to 1, at each sample.
+    pub sign: Vec<f64>,
+}
+
+/// Position and acceleration of the motor encoder's reading.
+#[derive(Clone, Copy, Debug)]
+pub struct Point {
+    /// m.
+    pub reading_m: f64,
+    /// m/s².
+    pub acceleration: f64,
+}
+
+impl MotorPath {
+    /// Of a motor encoder.
+    ///
+    /// The reading passes a play of 1.5 standard deviations of its noise to either side: otherwise noise would relax the
+    /// bristles of the guide's friction during a standstill.
+    #[must_use]
+    pub fn new(motor: &Smooth, sample_s: f64) -> Self {
+        let play_m = 1.5 * motor.noise;
+        let per_sample = (sample_s / MAX_STEP_S).ceil().max(1.0);
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
+        let steps = per_sample as usize;
+        let mut points = Vec::with_capacity(motor.position.len() * steps);
+        let mut reading_m = motor.position.first().copied().unwrap_or(0.0);
+        points.extend(motor.acceleration.first().map(|&acceleration| Point { reading_m, acceleration }));
+        for i in 1..motor.position.len() {
+            let [before, after] = [motor.acceleration[i - 1], motor.acceleration[i]];
+            for step in 1..=steps {
+                let fraction = step as f64 / per_sample;
+                let position_m = motor.between(i - 1, fraction, sample_s);
+                reading_m = reading_m.clamp(position_m - play_m, position_m + play_m);
+                points.push(Point { reading_m, acceleration: before + fraction * (after - before) });
+            }
+        }
+        let sign = motor.velocity.iter().map(|&velocity| smoothed_sign(velocity)).collect();
+        Self { step_s: sample_s / per_sample, steps, points, sign }
+    }
+}

@@ -1,0 +1,173 @@
+//! A log prepared for tracing: channels in SI units, filtered and differentiated, with the noise of each.
+
+use super::added_force::AddedForce;
+use super::motor_path::MotorPath;
+use super::smoothing::Smooth;
+use crate::options::SampleOptions;
+use files::log::{AxisLog, Log, Unit};
+
+/// One axis of one log, SI (rotary axes: mm and N stand for deg and N·m).
+#[derive(Clone, Debug)]
+pub struct AxisSignals {
+    /// Unit of the axis in its log; `None` where the log has no such axis.
+    pub unit: Option<Unit>,
+    /// Position command.
+    pub command: Option<Vec<f64>>,
+    /// Motor encoder.
+    pub motor: Option<Smooth>,
+    /// Motor position between the samples.
+    pub motor_path: Option<MotorPath>,
+    /// Linear scale.
+    pub table: Option<Smooth>,
+    /// Tool-point probe.
+    pub tool: Option<Smooth>,
+    /// Samples within a standstill. There friction depends on how the axis came to rest and on the creep that sensor
+    /// noise causes, which no model of the motion predicts.
+    pub standstill: Vec<bool>,
+    /// Samples whose force is at its limit; empty where there is none.
+    pub saturated: Vec<bool>,
+    /// Drive force over the velocity tick that ends at the sample, N; its filtered value is [`Smooth::position`].
+    pub force: Option<Smooth>,
+    /// Known force added to the controller's, contained in `force`; `None`: no such force.
+    pub added_force: Option<AddedForce>,
+}
+
+/// One log.
+#[derive(Clone, Debug)]
+pub struct Signals {
+    /// File or name that the log was read from.
+    pub source: String,
+    /// First time on the session's clock, s.
+    pub start_s: f64,
+    /// Sample time, s.
+    pub sample_s: f64,
+    /// Whether its encoders may have other zeros than those of the first fitted log, because it is another recording.
+    pub has_own_zero: bool,
+    /// In the order of the machine's axes.
+    pub axes: Vec<AxisSignals>,
+}
+
+impl Signals {
+    /// Prepares a log for a machine with these axes; axes that the log lacks have no channels.
+    #[must_use]
+    pub fn new(log: &Log, axes: &[String], options: &SampleOptions) -> Self {
+        let sample_s = log.sample_time_s;
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+        let half_window = ((options.smoothing_s / sample_s).round() as usize).clamp(2, 50);
+        let prepared = |name: &String| {
+            let found = log.axes.iter().find(|axis| axis.name == *name);
+            found.map_or_else(AxisSignals::absent, |axis| {
+                AxisSignals::new(axis, sample_s, half_window, options)
+            })
+        };
+        Self {
+            source: log.source.clone(),
+            start_s: log.start_s,
+            sample_s,
+            has_own_zero: false,
+            axes: axes.iter().map(prepared).collect(),
+        }
+    }
+
+    /// Number of samples.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.axes.iter().find_map(AxisSignals::len).unwrap_or(0)
+    }
+
+    /// Whether there is no sample.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+}
+
+impl AxisSignals {
+    const fn absent() -> Self {
+        Self {
+            unit: None,
+            command: None,
+            motor: None,
+            motor_path: None,
+            table: None,
+            tool: None,
+            standstill: Vec::new(),
+            saturated: Vec::new(),
+            force: None,
+            added_force: None,
+        }
+    }
+
+    fn new(axis: &AxisLog, sample_s: f64, half_window: usize, options: &SampleOptions) -> Self {
+        let metres = |channel: &Option<Vec<f64>>| -> Option<Vec<f64>> {
+            channel.as_ref().map(|mm| mm.iter().map(|mm| 1e-3 * mm).collect())
+        };
+        let smooth = |channel| metres(channel).map(|raw| Smooth::new(raw, sample_s, half_window));
+        let motor = smooth(&axis.motor);
+        let standstill = motor.as_ref().map_or_else(Vec::new, |motor| standstill(motor, sample_s, options));
+        Self {
+            unit: Some(axis.unit),
+            command: metres(&axis.command),
+            motor_path: motor.as_ref().map(|motor| MotorPath::new(motor, sample_s)),
+            motor,
+            standstill,
+            saturated: Vec::new(),
+            table: smooth(&axis.table),
+            tool: smooth(&axis.tool),
+            force: axis.force.clone().map(|raw| Smooth::new(raw, sample_s, half_window)),
+            added_force: axis.added_force.clone().map(|raw| AddedForce::new(raw, sample_s, half_window)),
+        }
+    }
+
+    /// The same axis with [`Self::motor_path`] computed for an encoder with this standard deviation of noise, m.
+    #[must_use]
+    pub fn with_motor_noise(mut self, noise_m: f64, sample_s: f64) -> Self {
+        if let Some(motor) = &mut self.motor {
+            motor.noise = noise_m;
+            self.motor_path = Some(MotorPath::new(motor, sample_s));
+        }
+        self
+    }
+
+    /// The table, or the motor where no scale was logged: the input of the tool stage.
+    #[must_use]
+    pub fn table_or_motor(&self) -> Option<&Smooth> {
+        self.table.as_ref().or(self.motor.as_ref())
+    }
+
+    /// Whether the axis travels this far, mm or degrees. True without any channel.
+    #[must_use]
+    pub fn moves(&self, min_travel_mm: f64) -> bool {
+        let channels = [&self.motor, &self.table].into_iter().flatten().map(|smooth| &smooth.raw);
+        let channels: Vec<&Vec<f64>> = channels.chain(&self.command).collect();
+        if channels.is_empty() {
+            return true;
+        }
+        let travels = channels.into_iter().map(|values| numerics::peak_to_peak(values.iter().copied()));
+        numerics::max(travels) >= 1e-3 * min_travel_mm
+    }
+
+    fn len(&self) -> Option<usize> {
+        let smooth = [&self.motor, &self.table, &self.tool, &self.force];
+        let smooth = smooth.into_iter().flatten().map(|smooth| smooth.raw.len());
+        self.command.as_ref().map(Vec::len).into_iter().chain(smooth).next()
+    }
+}
+
+/// Samples within a standstill.
+fn standstill(motor: &Smooth, sample_s: f64, options: &SampleOptions) -> Vec<bool> {
+    let noise = motor.position_noise / (motor.half_window() as f64 * sample_s);
+    let slow = options.max_standstill_m_per_s.max(options.max_standstill_noise * noise);
+    let mut standstill = vec![false; motor.velocity.len()];
+    let mut start = 0;
+    for end in 0..=motor.velocity.len() {
+        if motor.velocity.get(end).is_some_and(|velocity| velocity.abs() < slow) {
+            continue;
+        }
+        if (end - start) as f64 * sample_s >= options.min_standstill_s {
+            standstill[start..end].fill(true);
+        }
+        start = end + 1;
+    }
+    standstill
+}

@@ -1,0 +1,209 @@
+//! A channel filtered and differentiated, with the noise of its sensor.
+
+/// One channel of a log with its filtered value and derivatives. Position channels are in m, force channels in N.
+///
+/// Measured and modelled signals pass the same filter before they are compared, so that the filter's distortion is the
+/// same on both sides and cancels in the residual.
+#[derive(Clone, Debug)]
+pub struct Smooth {
+    /// As measured.
+    pub raw: Vec<f64>,
+    /// Filtered.
+    pub position: Vec<f64>,
+    /// Central difference of `position`, per s.
+    pub velocity: Vec<f64>,
+    /// Second difference of `position`, per s².
+    pub acceleration: Vec<f64>,
+    /// Standard deviation of the white noise of `raw`.
+    pub noise: f64,
+    /// Standard deviation of that noise in `position`.
+    pub position_noise: f64,
+    /// Standard deviation of that noise in `acceleration`.
+    pub acceleration_noise: f64,
+    /// Half width of the filter's window, samples.
+    half_window: usize,
+}
+
+impl Smooth {
+    /// Filters with a cubic Savitzky–Golay filter (1964) over 2·`half_window` + 1 samples; the ends take the values of
+    /// the cubic of the outermost full window.
+    #[must_use]
+    pub fn new(raw: Vec<f64>, sample_s: f64, half_window: usize) -> Self {
+        let cubic = Cubic::new(half_window);
+        let position = cubic.filtered(&raw);
+        let (velocity, acceleration) = differences(&position, sample_s);
+        let noise = noise(&raw);
+        Self {
+            noise,
+            position_noise: noise * norm(&cubic.middle),
+            acceleration_noise: noise * norm(&second_difference(&cubic.middle)) / (sample_s * sample_s),
+            raw,
+            position,
+            velocity,
+            acceleration,
+            half_window,
+        }
+    }
+
+    /// Position between samples `i` and `i + 1` (`fraction` 0 to 1): the cubic through both positions and velocities.
+    #[must_use]
+    #[inline]
+    pub fn between(&self, i: usize, fraction: f64, sample_s: f64) -> f64 {
+        let (p0, p1) = (self.position[i], self.position[i + 1]);
+        let (m0, m1) = (self.velocity[i] * sample_s, self.velocity[i + 1] * sample_s);
+        let rise = p1 - p0;
+        let t = fraction;
+        p0 + t * (m0 + t * ((3.0 * rise - 2.0 * m0 - m1) + t * (m0 + m1 - 2.0 * rise)))
+    }
+
+    /// Half width of the filter's window, samples.
+    #[must_use]
+    pub const fn half_window(&self) -> usize {
+        self.half_window
+    }
+
+    /// A modelled signal behind the same filter as this channel.
+    #[must_use]
+    pub fn filtered(&self, values: &[f64]) -> Vec<f64> {
+        Cubic::new(self.half_window).filtered(values)
+    }
+}
+
+/// Central first differences and second differences; the first and the last value repeat their neighbour.
+fn differences(position: &[f64], sample_s: f64) -> (Vec<f64>, Vec<f64>) {
+    let n = position.len();
+    if n < 3 {
+        return (vec![0.0; n], vec![0.0; n]);
+    }
+    let inner = |i: usize| i.clamp(1, n - 2);
+    let first = |i: usize| (position[inner(i) + 1] - position[inner(i) - 1]) / (2.0 * sample_s);
+    let second = |i: usize| {
+        let i = inner(i);
+        ((position[i + 1] - position[i]) - (position[i] - position[i - 1])) / (sample_s * sample_s)
+    };
+    ((0..n).map(first).collect(), (0..n).map(second).collect())
+}
+
+/// Least-squares cubic over a symmetric window. Each of its four coefficients is a weighted sum of the samples.
+struct Cubic {
+    /// Of each sample: its weights in the coefficients of 1, t, t², t³; t in samples from the middle.
+    weights: Vec<[f64; 4]>,
+    /// Weights in the value at the middle.
+    middle: Vec<f64>,
+}
+
+impl Cubic {
+    fn new(half: usize) -> Self {
+        let offsets: Vec<f64> = (0..=2 * half).map(|i| i as f64 - half as f64).collect();
+        let moment = |p: i32| offsets.iter().map(|t| t.powi(p)).sum::<f64>();
+        let (s0, s2, s4, s6) = (moment(0), moment(2), moment(4), moment(6));
+        // In a symmetric window the odd moments are zero: the normal equations are two 2×2 systems, even and odd.
+        let even = s0 * s4 - s2 * s2;
+        let odd = s2 * s6 - s4 * s4;
+        let weights: Vec<[f64; 4]> = offsets
+            .iter()
+            .map(|t| {
+                [
+                    (s4 - s2 * t * t) / even,
+                    t * (s6 - s4 * t * t) / odd,
+                    (s0 * t * t - s2) / even,
+                    t * (s2 * t * t - s4) / odd,
+                ]
+            })
+            .collect();
+        let middle = weights.iter().map(|w| w[0]).collect();
+        Self { weights, middle }
+    }
+
+    /// The value at the middle of the window around each sample; at the ends, the cubic of the outermost full window.
+    fn filtered(&self, raw: &[f64]) -> Vec<f64> {
+        let (n, half) = (raw.len(), self.middle.len() / 2);
+        if n <= 2 * half {
+            return raw.to_vec();
+        }
+        // Offset by offset over all samples: independent sums, which the compiler vectorizes.
+        let mut inner = vec![0.0; n - 2 * half];
+        for (offset, weight) in self.middle.iter().enumerate() {
+            for (sum, value) in inner.iter_mut().zip(&raw[offset..]) {
+                *sum += weight * value;
+            }
+        }
+        let (first, last) = (&raw[..=2 * half], &raw[n - 2 * half - 1..]);
+        let before = (0..half).map(|i| self.value(first, i as f64 - half as f64));
+        let after = (1..=half).map(|i| self.value(last, i as f64));
+        before.chain(inner.iter().copied()).chain(after).collect()
+    }
+
+    /// Value of the cubic through a window at an offset from its middle.
+    fn value(&self, window: &[f64], offset: f64) -> f64 {
+        let middle = window[window.len() / 2];
+        let mut sums = [0.0; 4];
+        for (value, weights) in window.iter().zip(&self.weights) {
+            for (sum, weight) in sums.iter_mut().zip(weights) {
+                *sum += (value - middle) * weight;
+            }
+        }
+        let [a, b, c, d] = sums;
+        middle + a + offset * (b + offset * (c + offset * d))
+    }
+}
+
+/// √Σw²: gain of a filter for white noise.
+fn norm(weights: &[f64]) -> f64 {
+    weights.iter().map(|w| w * w).sum::<f64>().sqrt()
+}
+
+/// Second difference of a filter's weights: the weights of the filter followed by a second difference.
+fn second_difference(kernel: &[f64]) -> Vec<f64> {
+    let padded: Vec<f64> = [0.0; 2].into_iter().chain(kernel.iter().copied()).chain([0.0; 2]).collect();
+    padded.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect()
+}
+
+/// Standard deviation of the white noise of a channel, from its third differences: those of a parabola are zero, and
+/// their variance is 1 + 9 + 9 + 1 = 20 times that of the noise. Of stretches of 64 samples the median counts, which
+/// excludes those with jerks.
+#[must_use]
+pub fn noise(values: &[f64]) -> f64 {
+    const STRETCH: usize = 64;
+    let thirds: Vec<f64> = values.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).collect();
+    let variances: Vec<f64> = thirds
+        .chunks(STRETCH)
+        .map(|stretch| stretch.iter().map(|d| d * d).sum::<f64>() / (20.0 * stretch.len() as f64))
+        .collect();
+    numerics::median(&variances).unwrap_or(0.0).sqrt()
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_cubic_passes_unchanged_with_its_derivatives() {
+        let dt = 1e-3;
+        let f = |t: f64| 2.0 + 0.3 * t - 5.0 * t * t + 40.0 * t * t * t;
+        let raw = (0..200).map(|i| f(f64::from(i) * dt)).collect();
+        let smooth = Smooth::new(raw, dt, 5);
+        for i in [1, 3, 100, 198] {
+            let t = f64::from(i) * dt;
+            let i = usize::try_from(i).unwrap();
+            assert!((smooth.position[i] - f(t)).abs() < 1e-12);
+            // A central difference of t³ is off by dt²: 40·1e-6.
+            assert!((smooth.velocity[i] - (0.3 - 10.0 * t + 120.0 * t * t)).abs() < 5e-5);
+            assert!((smooth.acceleration[i] - (-10.0 + 240.0 * t)).abs() < 1e-5);
+        }
+    }
+
+    #[test]
+    fn noise_is_found_beside_motion() {
+        // ±1 alternating at random has σ = 1; 100 samples of it repeat without a pattern of period 3.
+        let mut state = 1u32;
+        let values: Vec<f64> = (0..20_000)
+            .map(|i| {
+                state = state.wrapping_mul(1_664_525).wrapping_add(1_013_904_223);
+                let sign = if state >> 31 == 0 { 1.0 } else { -1.0 };
+                1e4 * (f64::from(i) * 1e-3).sin() + sign
+            })
+            .collect();
+        assert!((noise(&values) - 1.0).abs() < 0.1, "{}", noise(&values));
+    }
+}

@@ -1,0 +1,131 @@
+//! What a trace found.
+
+use crate::analysis::empirical::Empirical;
+use crate::analysis::free_run::FreeRun;
+use crate::analysis::repeatability::Repeatability;
+use crate::analysis::residual_analysis::Unexplained;
+use crate::fit::axis_model::AxisModel;
+use crate::fit::fit_data::{FitData, Pair, ResidualSeries};
+use crate::fit::limits::AtLimit;
+use crate::fit::scope::{NotTestable, Scope};
+use crate::input::signals::Signals;
+use crate::not_testable::EffectNotTestable;
+use crate::options::TraceOptions;
+use crate::search::ambiguity::Ambiguity;
+use crate::search::distinguishing_motion;
+use crate::search::round::Round;
+use crate::validation::found::Found;
+use files::log::Unit;
+use model::effects::Stage;
+use model::machine::Machine;
+
+/// Everything that a trace found.
+#[derive(Clone, Debug)]
+pub struct Trace {
+    /// One an axis, in the order of the machine file.
+    pub axes: Vec<AxisTrace>,
+    /// The logs that were fitted.
+    pub fit_logs: Vec<Signals>,
+    /// The logs that were held out.
+    pub validate_logs: Vec<Signals>,
+    /// Names of the axes.
+    pub names: Vec<String>,
+    /// The declared machine.
+    pub machine: Machine,
+    /// The thresholds of the trace.
+    pub options: TraceOptions,
+    /// Sentences about the logs: what was left out, thinned or is missing.
+    pub notes: Vec<String>,
+}
+
+/// What was found for one axis.
+#[derive(Clone, Debug)]
+pub struct AxisTrace {
+    /// Name.
+    pub axis: String,
+    /// Unit of its channels.
+    pub unit: Unit,
+    /// The declared model, fitted.
+    pub declared: AxisModel,
+    /// The model with the effects found.
+    pub model: AxisModel,
+    /// Stages that could be evaluated, by the scopes that they were fitted in.
+    pub scopes: Vec<Scope>,
+    /// Stages that could not, and why.
+    pub not_testable: Vec<NotTestable>,
+    /// Effects that could not be searched for, and why.
+    pub effects_not_testable: Vec<EffectNotTestable>,
+    /// Effects, in the order in which they were added.
+    pub found: Vec<Found>,
+    /// Effects that were not added because a parameter ended at a limit of its range.
+    pub refused: Vec<AtLimit>,
+    /// Effects that the fit logs support and the validation logs refute; not in the model. `before` is without them.
+    pub refuted: Vec<Found>,
+    /// Errors by stage.
+    pub errors: Vec<StageError>,
+    /// Error of the tracer's own simulation on the validation logs.
+    pub bias: Vec<ResidualSeries>,
+    /// Residuals above the noise.
+    pub unexplained: Vec<Unexplained>,
+    /// The repeatable parts of the residuals.
+    pub repeats: Vec<Repeatability>,
+    /// The models under the measured force alone, on the validation logs.
+    pub free_runs: Vec<FreeRun>,
+    /// Residuals as tables over the variables that explain most of them.
+    pub tables: Vec<Empirical>,
+    /// Pairs of effects that the logs cannot tell apart.
+    pub ambiguities: Vec<Ambiguity>,
+    /// The rounds of the search.
+    pub rounds: Vec<Round>,
+}
+
+/// The error of one stage, µm or N.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct StageError {
+    /// Stage.
+    pub stage: Stage,
+    /// Declared model, fitted within its tolerance.
+    pub before: Pair,
+    /// With the effects found.
+    pub after: Pair,
+    /// What no model can remove.
+    pub noise: f64,
+    /// Largest residual of a model that describes its logs.
+    pub max_described: f64,
+}
+
+impl Trace {
+    /// The machine with fitted values and with the effects found.
+    #[must_use]
+    pub fn better_machine(&self) -> Machine {
+        // The effects of the bodies on an axis are among its effects: with the structure they would act twice.
+        let mut machine = Machine { structure: None, ..self.machine.clone() };
+        for trace in &self.axes {
+            if let Some(axis) = machine.axis.get_mut(&trace.axis) {
+                *axis = trace.model.written();
+            }
+        }
+        machine
+    }
+
+    /// Proposes the motions that distinguish effects which the logs cannot tell apart.
+    pub(crate) fn propose_motions(&mut self) {
+        let better = self.better_machine();
+        let logs = &self.fit_logs;
+        for (number, axis) in self.axes.iter_mut().enumerate() {
+            for ambiguity in &mut axis.ambiguities {
+                let mut other = better.clone();
+                if let Some(of_axis) = other.axis.get_mut(&axis.axis) {
+                    *of_axis = ambiguity.with_rival.axis.clone();
+                }
+                ambiguity.proposal = distinguishing_motion::propose([&better, &other], number, logs);
+            }
+        }
+    }
+
+    /// The data of one axis in some of the logs.
+    #[must_use]
+    pub fn data<'a>(&'a self, logs: &'a [Signals], axis: usize) -> FitData<'a> {
+        FitData::new(logs, &self.names, axis, self.machine.rates(), &self.options)
+    }
+}

@@ -1,0 +1,139 @@
+//! The motor stage: the model simulated in its closed loop with the measured command.
+
+use shared::axis::{AxisState, Reading};
+use shared::config::{AxisConfig, AxisSettings, Rates};
+use shared::control::hpc::Hpc;
+use shared::units::Position;
+
+use super::initial_state::{InitialState, steady_motion};
+use model::servo::ServoParameters;
+use plant::axis_motion::AxisMotion;
+use plant::mechanics::Stepper;
+use plant::parameters::AxisParameters;
+
+/// How many times longer the steps may be than those of a simulation: an accuracy of nanometres is enough.
+const STEP_FACTOR: f64 = 2.0;
+
+/// Most steps a tick: a spring that needs more is taken for a wrong unit, and its loop is not simulated.
+const MAX_SUBSTEPS: u32 = 500;
+
+/// A simulated closed loop, at its samples.
+#[derive(Clone, Debug, Default)]
+pub struct ClosedLoopRun {
+    /// Motor encoder, m.
+    pub motor_m: Vec<f64>,
+    /// Linear scale, m.
+    pub table_m: Vec<f64>,
+    /// Force of the last velocity tick, N.
+    pub force_n: Vec<f64>,
+}
+
+/// The controller of a closed loop.
+#[derive(Clone, Copy, Debug)]
+pub struct Controlled<'a> {
+    /// Settings of the axis.
+    pub settings: &'a AxisSettings,
+    /// Rates of its loops.
+    pub rates: Rates,
+}
+
+/// Simulates the closed loop with the command, m, and with a force (N) that is added to the controller's from each sample
+/// to the next; after the end of `added_n` nothing is added. `None` if the settings are invalid or the simulation would
+/// take too many steps.
+#[must_use]
+pub fn closed_loop(
+    parameters: &AxisParameters,
+    controlled: Controlled<'_>,
+    command: &[f64],
+    added_n: &[f64],
+    start: InitialState,
+) -> Option<ClosedLoopRun> {
+    let Controlled { settings, rates } = controlled;
+    let mut config = AxisConfig::<f64>::new(settings, rates).ok()?;
+    let ServoParameters { drive_late_s, filter_step_s, .. } = parameters.servo;
+    if let Some(hpc) = &mut config.position.hpc {
+        let gain = settings.position_gain_per_s;
+        let sample_s = f64::from(rates.position_loop_divider) / rates.velocity_loop_hz;
+        *hpc = Hpc::stepped(gain * sample_s, gain * filter_step_s);
+    }
+    let tick_s = 1.0 / rates.velocity_loop_hz;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
+    let substeps = (tick_s / (STEP_FACTOR * parameters.max_step_s())).ceil() as u32;
+    if substeps > MAX_SUBSTEPS {
+        return None;
+    }
+    let stepper = Stepper::new(parameters, 0.0, tick_s / f64::from(substeps));
+    let position = |m: f64| Position::from_m(m).unwrap_or_default();
+
+    let (&first, &second) = (command.first()?, command.get(1)?);
+    let InitialState { motor_m: motor, velocity, table_m, is_settled } = start;
+    let mut motion = steady_motion(parameters, motor - parameters.resolver_error_m(motor), velocity);
+    motion.table_m = table_m.unwrap_or(motion.table_m);
+    // A force that acts later than the sensors are read is equivalent to sensors that are read earlier.
+    let read = |motion: &AxisMotion| {
+        let motor_m = motion.motor_m - drive_late_s * motion.motor_m_per_s;
+        let table_m = motion.table_m - drive_late_s * motion.table_m_per_s;
+        Reading {
+            motor: position(motor_m + parameters.resolver_error_m(motor_m)),
+            table: Some(position(table_m)),
+        }
+    };
+    let before = |m: f64, velocity: f64| position(m - velocity * tick_s);
+    let command_before = position(first - (second - first));
+    let known_table_m = if is_settled { motion.table_m } else { motor };
+    let reading_before =
+        Reading { motor: before(motor, velocity), table: Some(before(known_table_m, velocity)) };
+    let mut state = AxisState::<f64>::at_rest(command_before, reading_before);
+
+    let mut result = ClosedLoopRun::default();
+    let mut last_n = 0.0;
+    for (i, &command) in command.iter().enumerate() {
+        let added_n = added_n.get(i).copied().unwrap_or(0.0);
+        let reading = read(&motion);
+        result.motor_m.push(reading.motor.to_m());
+        result.table_m.push(reading.table.map_or(0.0, Position::to_m));
+        result.force_n.push(last_n);
+        state.position_tick(&config, position(command), 0, reading);
+        for tick in 0..rates.position_loop_divider {
+            let reading = if tick == 0 { reading } else { read(&motion) };
+            let (force, _) = state.velocity_tick(&config, reading, added_n);
+            last_n = force;
+            for _ in 0..substeps {
+                stepper.step(parameters, &mut motion, force);
+            }
+        }
+    }
+    Some(result)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::machine::Machine;
+    use model::servo;
+
+    /// Half a second at rest with an added force from the first sample on: the greatest force in either direction.
+    fn greatest_n(limit_n: f64, added_n: f64) -> f64 {
+        let machine = Machine::parse(model::examples::DEMO_MACHINE, "demo.toml").unwrap();
+        let parameters = AxisParameters::of(&machine.axis["x"]);
+        let settings = servo::settings(&machine.axis["x"].settings, &parameters.servo).unwrap();
+        let settings = AxisSettings { force_limit_n: limit_n, ..settings };
+        let start = InitialState { motor_m: 0.0, velocity: 0.0, table_m: None, is_settled: true };
+        let command = [0.0; 500];
+        let rates = machine.rates();
+        let controlled = Controlled { settings: &settings, rates };
+        let pushed = closed_loop(&parameters, controlled, &command, &[added_n; 500], start).unwrap();
+        numerics::max_abs(pushed.force_n)
+    }
+
+    /// The sum of the controller's and the added force is limited.
+    #[test]
+    fn the_force_limit_applies_to_the_sum_with_an_added_force() {
+        assert!((greatest_n(300.0, 1000.0) - 300.0).abs() < 1e-9);
+        // The motor's 90 kg with Kv = 6e4 N·s/m have a time constant of 1.5 ms. In the last of the four ticks of the first
+        // sample, 0.75 ms after the first, the controller has reduced 1000 N to e^(−0.5) of it at the least; as its
+        // velocity is delayed by half a tick and one tick, and friction and spring help, to e^(−0.25) at the most.
+        let free = greatest_n(20_000.0, 1000.0);
+        assert!((606.0..779.0).contains(&free), "{free}");
+    }
+}

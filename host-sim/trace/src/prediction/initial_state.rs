@@ -1,0 +1,97 @@
+//! The state in which a simulation begins.
+
+use crate::input::signals::AxisSignals;
+use crate::options::SampleOptions;
+use plant::axis_motion::AxisMotion;
+use plant::driven::{DrivenTable, ScrewMotion};
+use plant::parameters::AxisParameters;
+
+/// The state in which a closed loop begins.
+#[derive(Clone, Copy, Debug)]
+pub struct InitialState {
+    /// Motor encoder, m.
+    pub motor_m: f64,
+    /// Of the motor, m/s.
+    pub velocity: f64,
+    /// Table, m; `None`: in equilibrium with the motor.
+    pub table_m: Option<f64>,
+    /// Whether the loop has been closed before, so that dual feedback knows the difference between table and motor.
+    pub is_settled: bool,
+}
+
+impl InitialState {
+    /// At the start of a log, with the linear scale's zero, m.
+    ///
+    /// A motor that moves while its command is constant was just switched on: the spring may be strained, so the table is
+    /// taken from its scale.
+    #[must_use]
+    pub fn of(command: &[f64], signals: &AxisSignals, zero_m: f64, options: &SampleOptions) -> Option<Self> {
+        let count = options.constant_command;
+        let motor = signals.motor.as_ref()?;
+        let first = motor.raw[0];
+        let is_constant = command.len() > count
+            && command[..count].windows(2).all(|two| two[0].to_bits() == two[1].to_bits());
+        let moves = |later: &[f64]| {
+            let motion = numerics::mean(later.iter().copied()) - first;
+            motion.abs() > options.min_motion_noise * motor.noise
+        };
+        if is_constant && motor.raw[1..count].chunks(5).any(moves) {
+            let table_m = signals.table.as_ref().map(|table| table.raw[0] - zero_m);
+            return Some(Self { motor_m: first, velocity: 0.0, table_m, is_settled: false });
+        }
+        let velocity = if is_constant { 0.0 } else { motor.velocity[0] };
+        Some(Self { motor_m: motor.position[0], velocity, table_m: None, is_settled: true })
+    }
+}
+
+/// An axis in steady motion, its motor at a position (m) with a velocity (m/s).
+#[must_use]
+pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
+    let nominal_m = parameters.screw.nominal_m(motor_m);
+    let screw = ScrewMotion { nominal_m, velocity, ..ScrewMotion::default() };
+    let table = DrivenTable::settled(parameters, screw);
+    AxisMotion {
+        motor_m,
+        motor_m_per_s: velocity,
+        table_m: table.position_m(parameters, screw),
+        table_m_per_s: velocity,
+        bristle_m: table.bristle_m(),
+        filtered_speed_m_per_s: table.filtered_speed_m_per_s(),
+        friction_n: parameters.friction.bristle_stiffness_n_per_m * table.bristle_m(),
+        ..AxisMotion::default()
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::input::signals::Signals;
+    use files::log::{AxisLog, Log, Unit};
+
+    /// The state at the start of a log whose motor moves by `motion_mm` within the first 10 ms of a constant command.
+    fn start(motion_mm: f64) -> InitialState {
+        let mut axis = AxisLog::new("x", Unit::Millimetre);
+        let position = |i: u32| 5.0 + motion_mm * (f64::from(i) / 10.0).min(1.0);
+        // ±10 nm of noise, alternating.
+        let noise = |i: u32| if i.is_multiple_of(2) { 1e-5 } else { -1e-5 };
+        axis.command = Some(vec![5.0; 1000]);
+        axis.motor = Some((0..1000).map(|i| position(i) + noise(i)).collect());
+        axis.table = Some((0..1000).map(|i| position(i) + 2e-3 + noise(i)).collect());
+        let log = Log { source: String::new(), start_s: 0.0, sample_time_s: 1e-3, axes: vec![axis] };
+        let options = SampleOptions::default();
+        let signals = &Signals::new(&log, &["x".to_owned()], &options).axes[0];
+        InitialState::of(signals.command.as_ref().unwrap(), signals, 0.5e-6, &options).unwrap()
+    }
+
+    #[test]
+    fn a_motor_that_moves_under_a_constant_command_was_just_switched_on() {
+        let resting = start(0.0);
+        assert!(resting.is_settled && resting.table_m.is_none(), "{resting:?}");
+        let switched_on = start(1e-3);
+        assert!(!switched_on.is_settled, "{switched_on:?}");
+        // 2 µm from the motor, 0.5 µm of which is the zero of the scale; 10 nm of noise on either side.
+        let strain_m = switched_on.table_m.unwrap() - switched_on.motor_m;
+        assert!((strain_m - 1.5e-6).abs() < 1e-9, "{strain_m:e}");
+        assert!((switched_on.motor_m - 5e-3 - 1e-8).abs() < 1e-12);
+    }
+}

@@ -1,0 +1,12 @@
+//! What a model predicts for each stage, driven by the measured signal upstream of it.
+//!
+//! [`driven`] predicts table and force from the measured motor, [`closed_loop`] the motor from the command, [`tool`] the
+//! tool point from the measured tables. [`force_windup`] replaces the mechanics where no masses are declared.
+
+pub mod closed_loop;
+pub mod driven;
+pub mod force_sampling;
+pub mod force_windup;
+pub mod initial_state;
+pub mod resample;
+pub mod tool;

@@ -1,0 +1,40 @@
+//! The tool stage: what the measured tables predict for the tool-point probe.
+
+use super::resample::{delayed_cubic, resonant_response};
+use crate::input::signals::{AxisSignals, Signals};
+use crate::input::smoothing::Smooth;
+use model::effects::Channel;
+use plant::parameters::AxisParameters;
+use plant::tool_point::{self, Tables};
+
+/// Tool point of one axis from the measured tables, m. `None` where the axis has neither table nor motor channel.
+///
+/// A `latency` of the table's channel counts against that of the tool's, as the tool is predicted from that channel.
+#[must_use]
+pub fn tool(
+    parameters: &AxisParameters,
+    axis: usize,
+    names: &[String],
+    signals: &Signals,
+) -> Option<Vec<f64>> {
+    let tables: Vec<Option<&Smooth>> = signals.axes.iter().map(AxisSignals::table_or_motor).collect();
+    let own = tables.get(axis).copied().flatten()?;
+    let mut tool_m = match &parameters.tool.resonance {
+        Some(resonance) => resonant_response(own, resonance, signals.sample_s),
+        None => own.position.clone(),
+    };
+    let mut positions = vec![0.0; names.len()];
+    let mut accelerations = vec![0.0; names.len()];
+    for (i, position_m) in tool_m.iter_mut().enumerate() {
+        for (other, table) in tables.iter().enumerate() {
+            positions[other] = table.map_or(0.0, |table| table.position[i]);
+            accelerations[other] = table.map_or(0.0, |table| table.acceleration[i]);
+        }
+        let all = Tables { names, position_m: &positions, acceleration: &accelerations };
+        let time_s = signals.start_s + i as f64 * signals.sample_s;
+        *position_m += tool_point::offset_m(&parameters.tool, axis, &all, time_s);
+    }
+    let table_late_s =
+        signals.axes[axis].table.as_ref().map_or(0.0, |_| parameters.latency_s(Channel::Table));
+    Some(delayed_cubic(tool_m, parameters.latency_s(Channel::Tool) - table_late_s, signals.sample_s))
+}

@@ -1,0 +1,210 @@
+//! The motion that distinguishes two effects best.
+//!
+//! Two machines, each with one of the effects, are simulated in a few motions within the travel, speed and acceleration of
+//! the logs. The motion is proposed in which a channel differs most, in units of its noise.
+
+use crate::input::signals::Signals;
+use crate::input::smoothing::Smooth;
+use files::log::{AxisLog, Log};
+use link::controller::Format;
+use model::machine::Machine;
+use model::motion::Motion;
+use plant::instruments::Instruments;
+use plant::machine_path::MachinePath;
+use plant::simulate::{self, Run};
+
+/// A motion that distinguishes two effects.
+#[derive(Clone, Debug, PartialEq)]
+pub struct Proposal {
+    /// A motion file.
+    pub motion: String,
+    /// Its name, for people.
+    pub name: &'static str,
+    /// Greatest rms difference of a channel, in units of its noise.
+    pub difference: f64,
+}
+
+/// A motion that is tried.
+struct Trial {
+    name: &'static str,
+    /// Strokes to both ends and back to the middle: fractions of travel, speed and acceleration.
+    strokes: &'static [[f64; 3]],
+    /// Pause before the last stroke, s.
+    pause_s: f64,
+    /// Whether all other axes move instead of this one.
+    of_others: bool,
+}
+
+const TRIALS: [Trial; 6] = [
+    Trial {
+        name: "strokes at three speeds",
+        strokes: &[[1.0, 0.1, 1.0], [1.0, 0.4, 1.0], [1.0, 1.0, 1.0]],
+        pause_s: 0.2,
+        of_others: false,
+    },
+    Trial {
+        name: "strokes at three accelerations",
+        strokes: &[[1.0, 1.0, 0.1], [1.0, 1.0, 0.4], [1.0, 1.0, 1.0]],
+        pause_s: 0.2,
+        of_others: false,
+    },
+    Trial { name: "slow strokes", strokes: &[[0.3, 0.05, 1.0]], pause_s: 0.2, of_others: false },
+    Trial {
+        name: "short quick strokes",
+        strokes: &[[0.05, 1.0, 1.0], [0.1, 1.0, 1.0], [0.05, 1.0, 1.0]],
+        pause_s: 0.2,
+        of_others: false,
+    },
+    Trial {
+        name: "a stroke, and the same after a pause",
+        strokes: &[[1.0, 0.5, 1.0], [1.0, 0.5, 1.0]],
+        pause_s: 60.0,
+        of_others: false,
+    },
+    Trial {
+        name: "strokes of the other axes alone",
+        strokes: &[[1.0, 0.3, 1.0], [1.0, 1.0, 1.0]],
+        pause_s: 0.2,
+        of_others: true,
+    },
+];
+
+/// The motion in which two machines with different models of one axis differ most; `None` if none can be simulated.
+#[must_use]
+pub fn propose(machines: [&Machine; 2], axis: usize, logs: &[Signals]) -> Option<Proposal> {
+    let names: Vec<&String> = machines[0].axis.keys().collect();
+    let proposal = |trial: &Trial| {
+        let motion = trial.motion(&names, axis, logs)?;
+        let [a, b] = machines.map(|machine| run(machine, &motion));
+        let difference = difference(a?.axes.get(axis)?, b?.axes.get(axis)?);
+        Some(Proposal { motion, name: trial.name, difference })
+    };
+    TRIALS.iter().filter_map(proposal).max_by(|a, b| a.difference.total_cmp(&b.difference))
+}
+
+fn run(machine: &Machine, motion: &str) -> Option<Log> {
+    let motion = Motion::parse(motion, "proposal").ok()?;
+    let path = MachinePath::new(&motion, machine, "proposal").ok()?;
+    let mut controller = simulate::controller(machine, Format::F64, &path.start_m).ok()?;
+    let run = Run {
+        machine,
+        // Both machines have the same noise, which cancels in the difference.
+        instruments: Instruments::typical(1),
+        start_m: &path.start_m,
+        blocks: &path.blocks,
+        start_s: 0.0,
+    };
+    run.log(controller.as_mut(), |_, _, _| {}).ok()
+}
+
+/// Greatest rms difference of two logs of an axis, channel by channel relative to the one upstream, in units of the noise
+/// of typical instruments (mm and N).
+fn difference(a: &AxisLog, b: &AxisLog) -> f64 {
+    let none = Vec::new();
+    let rms = |of: &dyn Fn(&AxisLog) -> Vec<f64>, noise: f64| {
+        numerics::rms(of(a).iter().zip(of(b)).map(|(a, b)| a - b)) / noise
+    };
+    let minus = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>| -> Vec<f64> {
+        let (a, b) = (a.as_ref().unwrap_or(&none), b.as_ref().unwrap_or(&none));
+        a.iter().zip(b).map(|(a, b)| a - b).collect()
+    };
+    numerics::max_abs([
+        rms(&|log| minus(&log.motor, &log.command), 1e-5),
+        rms(&|log| minus(&log.table, &log.motor), 2e-5),
+        rms(&|log| minus(&log.tool, &log.table), 8e-5),
+        rms(&|log| log.force.clone().unwrap_or_default(), 1.0),
+    ])
+}
+
+impl Trial {
+    /// The motion file, within travel, speed and acceleration of the axes in the logs.
+    fn motion(&self, names: &[&String], axis: usize, logs: &[Signals]) -> Option<String> {
+        let range = |index: usize| MotionRange::of(logs, index);
+        let moving: Vec<usize> = (0..names.len()).filter(|&i| (i != axis) == self.of_others).collect();
+        let ranges: Vec<MotionRange> = moving.iter().map(|&i| range(i)).collect::<Option<_>>()?;
+        let speed = ranges.iter().map(|range| range.speed_mm_s).reduce(f64::min)?;
+        let acceleration = ranges.iter().map(|range| range.acceleration_m_per_s2).reduce(f64::min)?;
+        let at = |fraction: f64| {
+            let position = |(i, range): (&usize, &MotionRange)| {
+                format!("{} = {:.3}", names[*i], range.middle_mm + fraction * range.half_mm)
+            };
+            moving.iter().zip(&ranges).map(position).collect::<Vec<_>>().join(", ")
+        };
+        let others = (0..names.len()).filter(|i| !moving.contains(i));
+        let at_rest = others.filter_map(|i| Some(format!("{} = {:.3}", names[i], range(i)?.middle_mm)));
+        let start: Vec<String> = std::iter::once(at(0.0)).chain(at_rest).collect();
+        let mut text = format!(
+            "# {}: tells two effects apart that the logs do not.\nname = \"{}\"\nfeed_mm_per_min = {:.1}\n\
+             acceleration_m_per_s2 = {:.3}\nstart_mm = {{ {} }}\n\n[[block]]\ndwell_s = 0.5\n",
+            self.name,
+            self.name,
+            60.0 * speed,
+            acceleration,
+            start.join(", ")
+        );
+        for (i, [travel, speed_fraction, acceleration_fraction]) in self.strokes.iter().enumerate() {
+            if i + 1 == self.strokes.len() {
+                text += &format!("\n[[block]]\ndwell_s = {:.1}\n", self.pause_s);
+            }
+            for end in [1.0, -1.0, 0.0] {
+                text += &format!(
+                    "\n[[block]]\nline_to_mm = {{ {} }}\nfeed_mm_per_min = {:.1}\nacceleration_m_per_s2 = {:.3}\n",
+                    at(end * travel),
+                    60.0 * speed * speed_fraction,
+                    acceleration * acceleration_fraction
+                );
+            }
+        }
+        Some(text)
+    }
+}
+
+/// Range of an axis's motion in the logs.
+struct MotionRange {
+    middle_mm: f64,
+    half_mm: f64,
+    speed_mm_s: f64,
+    acceleration_m_per_s2: f64,
+}
+
+impl MotionRange {
+    fn of(logs: &[Signals], axis: usize) -> Option<Self> {
+        let signals = || logs.iter().filter_map(|log| log.axes.get(axis)?.table_or_motor());
+        let greatest = |of: &dyn Fn(&Smooth) -> f64| signals().map(of).reduce(f64::max);
+        let max = greatest(&|s| numerics::max(s.position.iter().copied()))?;
+        let min = -greatest(&|s| numerics::max(s.position.iter().map(|m| -m)))?;
+        let speed = greatest(&|s| numerics::max_abs(s.velocity.iter().copied()))?;
+        let acceleration = greatest(&|s| numerics::max_abs(s.acceleration.iter().copied()))?;
+        // An axis at rest in the logs has no range to move within.
+        (max > min && speed > 1e-3 && acceleration > 1e-2).then_some(Self {
+            middle_mm: 500.0 * (max + min),
+            half_mm: 500.0 * (max - min),
+            speed_mm_s: 1e3 * speed,
+            acceleration_m_per_s2: acceleration,
+        })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::options::SampleOptions;
+
+    /// Latency is proportional to speed, in-talk to acceleration; slow motion does not tell them apart.
+    #[test]
+    fn proposes_a_motion_that_both_machines_can_run_and_that_distinguishes_them() {
+        let machine = |effect: &str| {
+            let text = format!("{}\n[[axis.x.effect]]\n{effect}", model::examples::VMC_MACHINE);
+            Machine::parse(&text, "vmc.toml").unwrap()
+        };
+        let late = machine("name = \"latency\"\nchannel = \"tool\"\nms = 0.5\n");
+        let leaning = machine("name = \"intalk\"\num_s2_per_m = 3.0\n");
+        let log = run(&late, model::examples::VMC_CIRCLE).unwrap();
+        let names: Vec<String> = late.axis.keys().cloned().collect();
+        let proposal =
+            propose([&late, &leaning], 0, &[Signals::new(&log, &names, &SampleOptions::default())]).unwrap();
+        Motion::parse(&proposal.motion, "proposal.toml").unwrap();
+        // 33 mm/s and 0.5 ms are 17 µm in strokes at full speed, some hundred times the noise of 80 nm.
+        assert!((50.0..400.0).contains(&proposal.difference), "{proposal:?}");
+    }
+}

@@ -1,0 +1,250 @@
+//! The search for the effects that a model lacks, scope by scope: effects are added one after the other as held-out data
+//! support them, and dropped again where they are not needed.
+
+use super::ambiguity::rivals;
+use super::candidates::{Candidate, Reference, rank};
+use super::held_out::{compare, scores};
+use super::loop_check::LoopCheck;
+use super::round::Round;
+use crate::analysis::residual_analysis::unexplained;
+use crate::fit::axis_model::AxisModel;
+use crate::fit::exclusion::Exclusion;
+use crate::fit::fit_data::{FitData, ResidualSeries};
+use crate::fit::intervals::{covariance, half_widths};
+use crate::fit::least_squares::{self, Fitted};
+use crate::fit::model_bias::{self, first_fit};
+use crate::fit::scope::{Mechanics, Scope};
+use crate::fit::scope_fit::{Progress, ScopeFit};
+use crate::prediction::force_windup;
+use crate::stages::stage_names;
+use model::effects::{Effect, EffectContext, Stage, initial_guesses};
+
+/// The search for the effects that an axis's model lacks.
+pub struct EffectSearch<'a> {
+    /// The logs.
+    pub data: &'a FitData<'a>,
+    /// Told what is being tried.
+    pub progress: &'a Progress<'a>,
+    /// The motor stage, where it can be evaluated.
+    pub servo: Option<Scope>,
+    /// What was tried so far.
+    pub rounds: Vec<Round>,
+}
+
+impl EffectSearch<'_> {
+    /// Adds effects to one scope. Where what remains must be excluded from the residuals, the search is repeated without
+    /// it.
+    #[must_use]
+    pub fn search(&mut self, start: &AxisModel, scope: &Scope) -> ScopeFit {
+        let mut exclusions: Vec<Exclusion> = Vec::new();
+        loop {
+            let first_round = self.rounds.len();
+            let data = FitData { exclusions: &exclusions, ..*self.data };
+            let (mut fitted, bias) = self.add_effects(&data, start, scope);
+            let data = FitData { bias: &bias, ..data };
+            let mut new = new_exclusions(&data, &fitted, scope);
+            let refused = self.rounds.last().and_then(|round| round.candidates.get(round.refused()?));
+            if let (true, Some(refused)) = (new.is_empty(), refused.and_then(|c| c.fitted.as_ref())) {
+                // A candidate may have been refused for what is to be excluded from one of the logs.
+                new = new_exclusions(&data, refused, scope);
+            }
+            if new.is_empty() || exclusions.len() >= self.data.options.exclusion.max_count {
+                if !exclusions.is_empty() {
+                    fitted = self.drop_remains_of_exclusions(&data, fitted, scope);
+                }
+                return ScopeFit { scope: scope.clone(), fitted_scope: scope.clone(), fitted, exclusions };
+            }
+            self.rounds.truncate(first_round);
+            exclusions.extend(new);
+        }
+    }
+
+    /// Adds effects until none is supported; drops those that became unnecessary. Also returns the error of the tracer's
+    /// own simulation.
+    fn add_effects(
+        &mut self,
+        data: &FitData<'_>,
+        start: &AxisModel,
+        scope: &Scope,
+    ) -> (Fitted, Vec<ResidualSeries>) {
+        let (mut base, mut bias) = first_fit(data, start, scope);
+        let mut added = 0;
+        while added < data.options.search.max_effects {
+            (base, bias) = without_bias(data, base, bias, scope);
+            let data = &FitData { bias: &bias, ..*data };
+            let origin = origin(data, &base, scope, added);
+            let Some(fitted) = self.round(data, Reference { base: &base, origin: &origin }, scope) else {
+                break;
+            };
+            base = fitted;
+            added += 1;
+        }
+        let data = FitData { bias: &bias, ..*data };
+        if added > 1 {
+            base = self.drop_unnecessary(&data, base, scope);
+        }
+        base = self.drop_uncertain(&data, base, scope);
+        (base, bias)
+    }
+
+    /// One round: tries all candidates and returns the fit with the best, if one is supported.
+    fn round(&mut self, data: &FitData<'_>, reference: Reference<'_>, scope: &Scope) -> Option<Fitted> {
+        let name = data.name();
+        (self.progress)(&format!("{name}: trying the catalogue on {}", stage_names(&scope.stages)));
+        let model = &reference.base.model;
+        let initial_guesses = self.initial_guesses(model, scope);
+        let mut candidates = rank(data, reference, scope, initial_guesses);
+        let best = self.best(data, model, &mut candidates, scope);
+        let added = best.as_ref().map(|(index, _)| *index);
+        let ambiguities = added.map_or_else(Vec::new, |added| rivals(data, &candidates, added, scope));
+        if let Some(added) = added {
+            (self.progress)(&format!("{name}: added {}", candidates[added].effect.name()));
+        }
+        let stages = scope.stages.clone();
+        self.rounds.push(Round { stages, candidates, added, ambiguities, options: data.options.search });
+        best.map(|(_, fitted)| fitted)
+    }
+
+    /// The best supported candidate and its fit to the optimum; the next one if that fit ends at a limit of a parameter's
+    /// range.
+    fn best(
+        &self,
+        data: &FitData<'_>,
+        base: &AxisModel,
+        candidates: &mut [Candidate],
+        scope: &Scope,
+    ) -> Option<(usize, Fitted)> {
+        let check = LoopCheck { data: self.data, servo: self.servo.as_ref(), scope };
+        for (index, candidate) in candidates.iter_mut().enumerate() {
+            if !check.supports(base, candidate) {
+                continue;
+            }
+            let Some(start) = &candidate.fitted else { continue };
+            let fitted = least_squares::fit(data, &start.model, scope, least_squares::STEPS);
+            let last = fitted.model.found().len() - 1;
+            candidate.limit = fitted.model.at_limit(last);
+            if candidate.limit.is_none() {
+                return Some((index, fitted));
+            }
+        }
+        None
+    }
+
+    /// Every initial guess of every effect that the model does not have yet.
+    fn initial_guesses(&self, model: &AxisModel, scope: &Scope) -> Vec<Effect> {
+        let data = self.data;
+        let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
+        let context = EffectContext {
+            axis: &model.axis.settings,
+            first: data.axis == 0,
+            others: &others,
+            stages: &scope.stages,
+            travel_mm: data.travel_mm(),
+        };
+        let mut guesses = initial_guesses(&context);
+        let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
+        guesses.retain(|effect| force_windup::is_testable(effect, force_is_logged));
+        guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
+        guesses
+    }
+
+    /// Drops effects that are small beside what was excluded: they fit its remains.
+    fn drop_remains_of_exclusions(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
+        let min_effect = data.options.exclusion.min_effect;
+        let whole = self.data.residuals(&full.model, scope);
+        let is_large = |without: &Fitted, with: &Fitted, stage: Stage| {
+            let [before, after] = [without, with].map(|fit| data.rms(&fit.residuals, stage).powi(2));
+            before - after > min_effect * self.data.rms(&whole, stage).powi(2)
+        };
+        dropping(full, scope, |full, index| {
+            let without = least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS);
+            let stages = &mut scope.stages.iter();
+            (!stages.any(|&stage| is_large(&without, full, stage))).then_some(without)
+        })
+    }
+
+    /// Drops effects whose confidence interval contains zero.
+    fn drop_uncertain(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
+        dropping(full, scope, |full, index| {
+            let effect = &full.model.found()[index];
+            let half = half_widths(effect, &covariance(full), full.model.indices_of(scope, index));
+            let min = half.first().copied().unwrap_or(0.0);
+            let is_certain = effect.parameters().first().is_none_or(|(_, size)| size.abs() >= min);
+            (!is_certain).then(|| {
+                (self.progress)(&format!("{}: {} may be zero", data.name(), effect.name()));
+                least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS)
+            })
+        })
+    }
+
+    /// Drops effects that later ones made unnecessary.
+    fn drop_unnecessary(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
+        let options = &data.options.search;
+        dropping(full, scope, |full, index| {
+            let without = least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS);
+            let comparison = compare(&scores(&without), &scores(full), &scope.stages, options);
+            let effect = full.model.found()[index].clone();
+            let gain = comparison.iter().map(|c| c.gain).sum();
+            let judged =
+                Candidate { effect, comparison, gain, fitted: None, exceeds_tolerance: true, limit: None };
+            let is_alone = scope.stages == [Stage::Force];
+            let is_needed = judged.is_supported(options) || is_alone && judged.is_consistent(options);
+            (!is_needed).then(|| {
+                (self.progress)(&format!("{}: {} is no longer needed", data.name(), judged.effect.name()));
+                without
+            })
+        })
+    }
+}
+
+/// Goes through the effects found in a scope; where `better` returns a fit without one of them, takes it.
+fn dropping(mut full: Fitted, scope: &Scope, better: impl Fn(&Fitted, usize) -> Option<Fitted>) -> Fitted {
+    let mut index = 0;
+    while let Some(effect) = full.model.found().get(index) {
+        match scope.holds(effect).then(|| better(&full, index)).flatten() {
+            Some(without) => full = without,
+            None => index += 1,
+        }
+    }
+    full
+}
+
+/// The fit with the tracer's own error computed from its model, and that error, if this lowers the residuals.
+fn without_bias(
+    data: &FitData<'_>,
+    base: Fitted,
+    bias: Vec<ResidualSeries>,
+    scope: &Scope,
+) -> (Fitted, Vec<ResidualSeries>) {
+    let new = model_bias::of(data, &base.model, scope);
+    let without = FitData { bias: &new, ..*data };
+    let is_less = || {
+        let residuals = without.residuals(&base.model, scope);
+        model_bias::is_less(data, [&base.residuals, &residuals], scope)
+    };
+    if new.is_empty() || !is_less() {
+        return (base, bias);
+    }
+    let fitted = least_squares::fit_from(&without, &base.model, scope, least_squares::STEPS, &base.columns);
+    (fitted, new)
+}
+
+/// Where candidates start: at the fitted values, or at the nominal values in the first round of mechanics with a very large
+/// residual. A large effect, such as a wide gap, has driven the declared values to their bounds, from which no fit returns.
+fn origin(data: &FitData<'_>, base: &Fitted, scope: &Scope, added: usize) -> Fitted {
+    let ratio = data.options.search.min_gross_ratio;
+    let is_gross = |&stage: &Stage| data.rms(&base.residuals, stage) > ratio * data.noise(&base.model, stage);
+    if added > 0 || scope.mechanics != Mechanics::All || !scope.stages.iter().any(is_gross) {
+        return base.clone();
+    }
+    least_squares::fit(data, &base.model.at_nominal(), scope, 0)
+}
+
+/// What remains of a scope's stages and is to be excluded.
+fn new_exclusions(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> Vec<Exclusion> {
+    let of_stage = |&stage: &Stage| {
+        let noise = data.noise(&fitted.model, stage);
+        unexplained(data, &fitted.residuals, stage, noise)?.exclusion(data, &fitted.residuals, noise)
+    };
+    scope.stages.iter().filter_map(of_stage).collect()
+}

@@ -1,0 +1,142 @@
+//! Cross-validation: what a fit is worth on data that took no part in it.
+//!
+//! Each log is divided into [`FOLDS`] parts; for each fold the fit is repeated without it. Near the optimum that is one
+//! Gauss–Newton step on the normal equations of the other blocks, which costs no simulation.
+
+use nalgebra::DVector;
+
+use crate::fit::least_squares::Fitted;
+use crate::fit::normal_equations::{FOLDS, normal, stepped};
+use crate::options::SearchOptions;
+use model::effects::Stage;
+
+/// Σr² of one block of one stage, unweighted (µm² or N²), under the fit without its fold.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Score {
+    /// Stage.
+    pub stage: Stage,
+    /// Index of the log.
+    pub log: usize,
+    /// Fold.
+    pub fold: usize,
+    /// Σr².
+    pub squares: f64,
+    /// Samples that count.
+    pub samples: usize,
+}
+
+/// Scores of all blocks of a fit, in the order of [`Fitted::blocks`].
+#[must_use]
+pub fn scores(fitted: &Fitted) -> Vec<Score> {
+    let values = DVector::from_iterator(
+        fitted.parameters.len(),
+        fitted.parameters.iter().map(|parameter| parameter.coordinate.value),
+    );
+    let steps: Vec<DVector<f64>> = (0..FOLDS)
+        .map(|fold| {
+            let others = fitted.blocks.iter().filter(|block| block.fold() != fold);
+            let (curvature, gradient) = normal(others, &fitted.parameters);
+            DVector::from_vec(stepped(&fitted.parameters, &curvature, &gradient, 1e-6)) - &values
+        })
+        .collect();
+    fitted
+        .blocks
+        .iter()
+        .map(|block| {
+            let step = &steps[block.fold()];
+            let squares =
+                block.squares + 2.0 * block.gradient.dot(step) + step.dot(&(&block.curvature * step));
+            Score {
+                stage: block.stage,
+                log: block.log,
+                fold: block.fold(),
+                squares: squares.max(0.0) / (block.weight * block.weight),
+                samples: block.samples,
+            }
+        })
+        .collect()
+}
+
+/// Comparison of two models on held-out data of one stage. Each log is weighted by its length and normalized by its error
+/// under the first model.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Comparison {
+    /// Stage.
+    pub stage: Stage,
+    /// Fraction of Σr² that the second model removes; negative if it adds.
+    pub reduction: f64,
+    /// Mean gain in log-likelihood of a block, each with its own noise, divided by its standard error.
+    ///
+    /// In logarithms, because an effect may change a few blocks a hundred times as much as the others, which would make the
+    /// mean of Σr² uncertain.
+    pub t: f64,
+    /// Folds in which the second model is better.
+    pub folds_better: usize,
+    /// Least reduction of any log.
+    pub worst_log: f64,
+    /// Gain in log-likelihood a sample, each log with its own noise: ½·ln(Σr² of the first / Σr² of the second), averaged
+    /// over the logs.
+    pub gain: f64,
+}
+
+/// Compares models by their scores, stage by stage.
+#[must_use]
+pub fn compare(
+    first: &[Score],
+    second: &[Score],
+    stages: &[Stage],
+    options: &SearchOptions,
+) -> Vec<Comparison> {
+    stages.iter().map(|&stage| compare_stage(first, second, stage, options)).collect()
+}
+
+/// Σr² of one log under both models.
+#[derive(Clone, Copy, Default)]
+struct OfLog {
+    before: f64,
+    after: f64,
+    samples: usize,
+}
+
+fn compare_stage(first: &[Score], second: &[Score], stage: Stage, options: &SearchOptions) -> Comparison {
+    let pairs: Vec<(&Score, &Score)> =
+        first.iter().zip(second).filter(|(score, _)| score.stage == stage && score.samples > 0).collect();
+    let count = pairs.iter().map(|(a, _)| a.log + 1).max().unwrap_or(0);
+    let mut logs = vec![OfLog::default(); count];
+    for (a, b) in &pairs {
+        let log = &mut logs[a.log];
+        log.before += a.squares;
+        log.after += b.squares;
+        log.samples += a.samples;
+    }
+    let total = pairs.iter().map(|(a, _)| a.samples).sum::<usize>().max(1) as f64;
+    // Reduction by a block, as a fraction of all: each log's Σr² is scaled to its number of samples.
+    let reduction = |a: &Score, b: &Score| {
+        let log = &logs[a.log];
+        (a.squares - b.squares) * log.samples as f64 / (log.before.max(f64::MIN_POSITIVE) * total)
+    };
+    let reductions: Vec<f64> = pairs.iter().map(|(a, b)| reduction(a, b)).collect();
+    let of_block = |(a, b): &(&Score, &Score)| {
+        0.5 * (a.squares.max(f64::MIN_POSITIVE) / b.squares.max(f64::MIN_POSITIVE)).ln()
+    };
+    let gains: Vec<f64> =
+        pairs.iter().filter(|(a, _)| a.samples >= options.min_block_samples).map(of_block).collect();
+    let n = gains.len().max(2) as f64;
+    let mean = gains.iter().sum::<f64>() / n;
+    let variance = gains.iter().map(|gain| (gain - mean).powi(2)).sum::<f64>() / (n - 1.0);
+    let in_fold =
+        |fold: usize| pairs.iter().filter(move |(a, _)| a.fold == fold).map(|(a, b)| reduction(a, b));
+    let used = || logs.iter().filter(|log| log.samples > 0);
+    let gain_of = |log: &OfLog| {
+        let ratio = log.before.max(f64::MIN_POSITIVE) / log.after.max(f64::MIN_POSITIVE);
+        0.5 * ratio.ln() * log.samples as f64 / total
+    };
+    Comparison {
+        stage,
+        reduction: reductions.iter().sum(),
+        t: mean / (variance / n).sqrt().max(f64::MIN_POSITIVE),
+        folds_better: (0..FOLDS).filter(|&fold| in_fold(fold).sum::<f64>() > 0.0).count(),
+        worst_log: numerics::min(used().map(|l| 1.0 - l.after / l.before.max(f64::MIN_POSITIVE))).min(1.0),
+        gain: used().map(gain_of).sum(),
+    }
+}

@@ -1,0 +1,77 @@
+//! Mechanical candidates checked against the closed loop, which took no part in their fit.
+
+use super::candidates::Candidate;
+use crate::fit::axis_model::AxisModel;
+use crate::fit::fit_data::{FitData, ResidualSeries};
+use crate::fit::least_squares;
+use crate::fit::scope::Scope;
+use model::effects::{Effect, Stage, VelocityLag};
+
+/// Most steps of the fit of the velocity lag.
+const STEPS: usize = 3;
+
+/// The check of candidates of one scope.
+#[derive(Clone, Copy, Debug)]
+pub struct LoopCheck<'a> {
+    /// The logs, with nothing excluded.
+    pub data: &'a FitData<'a>,
+    /// The motor stage, where it can be evaluated.
+    pub servo: Option<&'a Scope>,
+    /// The scope that the candidates were fitted to.
+    pub scope: &'a Scope,
+}
+
+impl LoopCheck<'_> {
+    /// Whether held-out data support a candidate and the closed loop does not get much worse.
+    ///
+    /// In the force stage alone, a gain of the closed loop replaces the comparison with chance: friction that depends on
+    /// the position or on the time since a reversal differs from block to block, which looks like chance.
+    #[must_use]
+    pub fn supports(&self, base: &AxisModel, candidate: &Candidate) -> bool {
+        let options = &self.data.options.search;
+        let loss = || self.loss(base, candidate);
+        let is_alone = self.scope.stages == [Stage::Force];
+        if candidate.is_supported(options) {
+            // A correct friction may show another error of the closed loop's model: some loss is tolerated.
+            let max = options.min_gain().max(options.max_loop_loss * candidate.gain);
+            return loss().is_none_or(|loss| loss <= max);
+        }
+        let is_confirmed = || loss().is_some_and(|loss| loss <= -options.min_gain());
+        is_alone && changes_loop(candidate) && candidate.is_consistent(options) && is_confirmed()
+    }
+
+    /// Growth of the logarithm of the motor stage's rms with a candidate, averaged over the logs. `None` if the candidate
+    /// does not act on the loop or was fitted to it.
+    fn loss(&self, base: &AxisModel, candidate: &Candidate) -> Option<f64> {
+        let (Some(servo), Some(fitted), true) = (self.servo, &candidate.fitted, changes_loop(candidate))
+        else {
+            return None;
+        };
+        if servo.stages == self.scope.stages {
+            return None;
+        }
+        let [before, after] = [base, &fitted.model].map(|model| self.motor_residuals(model, servo));
+        let of_log = |residuals: &[ResidualSeries], log: usize| {
+            self.data.rms(&residuals[log..=log], Stage::Motor).max(1e-12)
+        };
+        let logs = before.len();
+        let loss = (0..logs).map(|log| (of_log(&after, log) / of_log(&before, log)).ln()).sum::<f64>();
+        Some(loss / logs.max(1) as f64)
+    }
+
+    /// The motor stage of a model. In the force stage alone the velocity lag, which is searched for later, is fitted
+    /// first: it would hide what friction does to the loop.
+    fn motor_residuals(&self, model: &AxisModel, servo: &Scope) -> Vec<ResidualSeries> {
+        let has_lag = model.axis.effect.iter().any(|effect| matches!(effect, Effect::VelocityLag(_)));
+        if self.scope.stages != [Stage::Force] || has_lag {
+            return self.data.residuals(model, servo);
+        }
+        let mut model = model.with(Effect::VelocityLag(VelocityLag::default()));
+        model.pin_mass(self.scope);
+        self.data.residuals(&least_squares::fit(self.data, &model, servo, STEPS).model, servo)
+    }
+}
+
+fn changes_loop(candidate: &Candidate) -> bool {
+    candidate.effect.stages().contains(&Stage::Motor)
+}

@@ -1,0 +1,12 @@
+//! The search for the effects that a model lacks.
+//!
+//! [`effect_search`] goes round by round ([`round`]); a round ranks the [`candidates`], compares them on [`held_out`] data
+//! and with the closed loop ([`loop_check`]), and reports an [`ambiguity`] with a [`distinguishing_motion`].
+
+pub mod ambiguity;
+pub mod candidates;
+pub mod distinguishing_motion;
+pub mod effect_search;
+pub mod held_out;
+pub mod loop_check;
+pub mod round;

@@ -1,0 +1,135 @@
+//! The effects found that remain: none with a parameter at a limit of its range, none that the validation logs refute.
+
+use super::fitted_axis::FittedAxis;
+use super::found::Found;
+use super::likelihood::refuting_loss;
+use super::refutation;
+use crate::fit::fit_data::{FitData, Pair, ResidualSeries};
+use crate::fit::least_squares;
+use crate::fit::limits::AtLimit;
+use crate::fit::scope::Scope;
+use crate::fit::scope_fit::{Progress, ScopeFit};
+use crate::search::round::{Round, refused_at_limit};
+use model::effects::{Effect, Stage};
+
+/// Most steps of a fit to the optimum of the other parameters, when an effect is added at its final parameters.
+const STEPS: usize = 3;
+
+/// A model without refuted effects and without effects at a limit, and what was dropped.
+pub struct Confirmed {
+    /// The model and its fits.
+    pub axis: FittedAxis,
+    /// Its effects, in the order in which they were added.
+    pub found: Vec<Found>,
+    /// Effects with a parameter at a limit, after the final fit or in the search.
+    pub refused: Vec<AtLimit>,
+    /// Effects that the validation logs refute.
+    pub refuted: Vec<Found>,
+}
+
+/// Drops effects that the final fit drove to a limit and those that the validation logs refute, one after the other.
+#[must_use]
+pub fn confirm(
+    [fit_data, validate]: [&FitData<'_>; 2],
+    mut axis: FittedAxis,
+    stages: &[Stage],
+    rounds: &[Round],
+    progress: &Progress<'_>,
+) -> Confirmed {
+    let name = fit_data.name();
+    let (mut refused, mut refuted) = (Vec::new(), Vec::new());
+    loop {
+        if let Some((index, limit)) = axis.model.first_at_limit() {
+            progress(&format!("{name}: {} is at a limit of its range", limit.effect.name()));
+            axis = axis.without(fit_data, index);
+            refused.push(limit);
+            continue;
+        }
+        progress(&format!("{name}: testing what was found on the validation logs"));
+        let reported = reported(fit_data, validate, &axis);
+        let losses = reported.iter().filter_map(|one| Some((one.loss?, one)));
+        // First the effects as they were added, each without the later ones, then each without itself alone.
+        if let Some((_, one)) = losses.min_by(|a, b| a.0.total_cmp(&b.0)) {
+            axis = axis.without(fit_data, one.index);
+            refuted.push(one.found.clone());
+        } else if let Some(refutation) = refutation::worst(fit_data, validate, &axis, stages) {
+            axis = refutation.without;
+            refuted.push(refutation.found);
+        } else {
+            let found = reported.into_iter().map(|one| one.found).collect();
+            add_refused(&mut refused, &axis, rounds);
+            return Confirmed { axis, found, refused, refuted };
+        }
+    }
+}
+
+/// Adds the effects that the search refused at a limit, unless they were found or are already in the list.
+fn add_refused(refused: &mut Vec<AtLimit>, axis: &FittedAxis, rounds: &[Round]) {
+    for limit in refused_at_limit(rounds) {
+        let is_same = |effect: &Effect| effect.is_same(&limit.effect);
+        if !axis.model.found().iter().any(is_same) && !refused.iter().any(|at| is_same(&at.effect)) {
+            refused.push(limit);
+        }
+    }
+}
+
+/// A found effect with its validation.
+struct Reported {
+    found: Found,
+    /// Its index in [`AxisModel::found`](crate::fit::axis_model::AxisModel::found).
+    index: usize,
+    /// The gain of the validation logs, if it refutes the effect.
+    loss: Option<f64>,
+}
+
+/// The effects found, with confidence intervals and with the residuals of the model with all effects up to each of them,
+/// against those of the model with the effects before it.
+fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -> Vec<Reported> {
+    let mut all = Vec::new();
+    let mut last = axis.declared.clone();
+    for ScopeFit { scope, exclusions, .. } in &axis.fits {
+        let data = FitData { exclusions, ..*fit_data };
+        for (index, effect) in axis.model.found().iter().enumerate() {
+            if !scope.holds(effect) {
+                continue;
+            }
+            let next = least_squares::fit(&data, &last.with(effect.clone()), scope, STEPS).model;
+            let fitted = [&last, &next].map(|model| fit_data.residuals(model, scope));
+            let held_out = [&last, &next].map(|model| validate.residuals(model, scope));
+            let loss = refuting_loss(validate, [&held_out[0], &held_out[1]]);
+            let residuals = Residuals { fit_data, validate, fitted, held_out };
+            // The stage that it improves most; of an effect that is refuted, the one that it makes worst.
+            let sign = if loss.is_some() { -1.0 } else { 1.0 };
+            let Some((stage, before, after)) = residuals.most_changed(scope, sign) else { continue };
+            let half_widths = axis.half_widths(index);
+            let found = Found { effect: effect.clone(), half_widths, stage, before, after };
+            all.push(Reported { found, index, loss });
+            last = next;
+        }
+    }
+    all
+}
+
+/// Residuals without an effect and with it.
+struct Residuals<'a> {
+    fit_data: &'a FitData<'a>,
+    validate: &'a FitData<'a>,
+    fitted: [Vec<ResidualSeries>; 2],
+    held_out: [Vec<ResidualSeries>; 2],
+}
+
+impl Residuals<'_> {
+    /// The stage with the greatest reduction of the residual of the validation logs (sign −1: the smallest), and its
+    /// residuals without the effect and with it.
+    fn most_changed(&self, scope: &Scope, sign: f64) -> Option<(Stage, Pair, Pair)> {
+        let pair = |model: usize, stage| Pair {
+            fit: self.fit_data.rms(&self.fitted[model], stage),
+            validate: self.validate.rms(&self.held_out[model], stage),
+        };
+        let stages = scope.stages.iter().map(|&stage| (stage, pair(0, stage), pair(1, stage)));
+        let reduction = |(_, before, after): &(Stage, Pair, Pair)| {
+            1.0 - after.validate / before.validate.max(f64::MIN_POSITIVE)
+        };
+        stages.max_by(|a, b| (sign * reduction(a)).total_cmp(&(sign * reduction(b))))
+    }
+}

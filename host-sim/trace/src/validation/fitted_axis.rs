@@ -1,0 +1,87 @@
+//! A model of an axis with the fits that led to it.
+
+use crate::fit::axis_model::AxisModel;
+use crate::fit::fit_data::FitData;
+use crate::fit::intervals::{covariance, half_widths};
+use crate::fit::least_squares;
+use crate::fit::normal_equations::Column;
+use crate::fit::scope::Scope;
+use crate::fit::scope_fit::ScopeFit;
+use model::effects::Effect;
+
+/// A model of an axis with the fits that led to it.
+#[derive(Clone, Debug)]
+pub struct FittedAxis {
+    /// The declared model, fitted.
+    pub declared: AxisModel,
+    /// The model.
+    pub model: AxisModel,
+    /// Its fits, scope by scope.
+    pub fits: Vec<ScopeFit>,
+}
+
+impl FittedAxis {
+    /// The same without a found effect, by its index in [`AxisModel::found`]; the scopes that it acts on, and those after
+    /// them, are fitted again.
+    #[must_use]
+    pub fn without(&self, data: &FitData<'_>, index: usize) -> Self {
+        let effect = &self.model.found()[index];
+        let mut model = self.model.without(index);
+        let mut fits = self.fits.clone();
+        // Scopes that were fitted jointly share one fit. Later scopes depend on earlier ones: the timing of the table, for
+        // example, affects the tool.
+        let mut first_refitted: Option<usize> = None;
+        for i in 0..fits.len() {
+            let ScopeFit { scope, fitted_scope, fitted, exclusions } = &self.fits[i];
+            if let Some(other) =
+                first_refitted.filter(|other| self.fits[*other].fitted_scope == *fitted_scope)
+            {
+                fits[i].fitted = fits[other].fitted.clone();
+                continue;
+            }
+            if first_refitted.is_none() && !fitted_scope.holds(effect) {
+                continue;
+            }
+            // A wrong effect may have biased the fit: without any effect it starts from the declared model's values.
+            if !model.found().iter().any(|other| fitted_scope.holds(other)) {
+                let parameters = self.declared.free_parameters(fitted_scope);
+                let values: Vec<f64> =
+                    parameters.iter().map(|parameter| parameter.coordinate.value).collect();
+                model = model.at(fitted_scope, &values);
+            }
+            let known = columns_without(&self.model, fitted_scope, index, &fitted.columns);
+            let data = FitData { exclusions, ..*data };
+            let fitted = least_squares::fit_from(&data, &model, fitted_scope, least_squares::STEPS, &known);
+            model = fitted.model.clone();
+            model.pin_mass(scope);
+            fits[i].fitted = fitted;
+            first_refitted = Some(i);
+        }
+        Self { declared: self.declared.clone(), model, fits }
+    }
+
+    /// Half widths of the confidence intervals of a found effect's parameters.
+    #[must_use]
+    pub fn half_widths(&self, index: usize) -> Vec<f64> {
+        let effect = &self.model.found()[index];
+        let fit = self.fits.iter().find(|fit| fit.scope.holds(effect));
+        fit.map_or_else(Vec::new, |ScopeFit { fitted_scope, fitted, .. }| {
+            half_widths(effect, &covariance(fitted), fitted.model.indices_of(fitted_scope, index))
+        })
+    }
+}
+
+/// The derivatives of a fit that are valid without an effect; none if the effect replaced a trim of timing, which then has
+/// no derivative.
+fn columns_without(model: &AxisModel, scope: &Scope, index: usize, columns: &[Column]) -> Vec<Column> {
+    let effect = &model.found()[index];
+    if !scope.holds(effect) {
+        return columns.to_vec();
+    }
+    if matches!(effect, Effect::Latency(_) | Effect::VelocityLag(_)) {
+        return Vec::new();
+    }
+    let indices = model.indices_of(scope, index);
+    let others = columns.iter().enumerate().filter(|(parameter, _)| !indices.contains(parameter));
+    others.map(|(_, column)| column.clone()).collect()
+}

@@ -1,0 +1,55 @@
+//! Effects that the fit logs support and the validation logs refute.
+//!
+//! The only decision that uses the validation logs. An effect that was found is removed and everything else is fitted
+//! again to the fit logs. If this lowers the residuals of the validation logs, the effect is reported as refuted and is not
+//! part of the model.
+
+use rayon::prelude::*;
+
+use super::fitted_axis::FittedAxis;
+use super::found::Found;
+use super::likelihood::refuting_loss;
+use crate::fit::fit_data::{FitData, Pair};
+use crate::fit::scope::{Mechanics, Scope};
+use model::effects::Stage;
+
+/// An effect that is refuted, and the model without it.
+pub struct Refutation {
+    /// The effect, with the residual of the stage that it increases most: `before` without it, `after` with it.
+    pub found: Found,
+    /// The model without it.
+    pub without: FittedAxis,
+}
+
+/// The found effect that the validation logs refute with the greatest loss, if they refute one.
+#[must_use]
+pub fn worst(
+    fit_data: &FitData<'_>,
+    validate: &FitData<'_>,
+    axis: &FittedAxis,
+    stages: &[Stage],
+) -> Option<Refutation> {
+    let judged = |index: usize| {
+        let effect = &axis.model.found()[index];
+        let stages = effect.stages().iter().copied().filter(|stage| stages.contains(stage)).collect();
+        let scope = Scope { stages, mechanics: Mechanics::None };
+        let without = axis.without(fit_data, index);
+        let models = [&without.model, &axis.model];
+        let held_out = models.map(|model| validate.residuals(model, &scope));
+        let gain = refuting_loss(validate, [&held_out[0], &held_out[1]])?;
+        let fitted = models.map(|model| fit_data.residuals(model, &scope));
+        let pair = |model: usize, stage| Pair {
+            fit: fit_data.rms(&fitted[model], stage),
+            validate: validate.rms(&held_out[model], stage),
+        };
+        let of_stage = |&stage: &Stage| (stage, pair(0, stage), pair(1, stage));
+        let shown = scope.stages.iter().map(of_stage).filter(|(_, before, _)| before.validate > 0.0);
+        let ratio = |(_, before, after): &(Stage, Pair, Pair)| after.validate / before.validate;
+        let (stage, before, after) = shown.max_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
+        let found =
+            Found { effect: effect.clone(), half_widths: axis.half_widths(index), stage, before, after };
+        Some((gain, Refutation { found, without }))
+    };
+    let all: Vec<_> = (0..axis.model.found().len()).into_par_iter().filter_map(judged).collect();
+    all.into_iter().min_by(|a, b| a.0.total_cmp(&b.0)).map(|(_, refutation)| refutation)
+}

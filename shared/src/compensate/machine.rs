@@ -1,0 +1,117 @@
+//! The compensations of all axes of a machine.
+
+use super::axis::{self, AxisCompensation};
+use super::kind::CompensationKind;
+use super::motion::CommandMotion;
+use crate::feedback::Reading;
+use crate::scalar::Scalar;
+use crate::units::Position;
+
+/// The compensations of all axes, with their state.
+#[derive(Clone, Debug)]
+pub struct Compensation<S: Scalar, const N: usize> {
+    axes: [Option<AxisCompensation<S>>; N],
+    states: [axis::State<S>; N],
+    motions: [CommandMotion<S>; N],
+    /// Whether any axis has a compensation.
+    any: bool,
+}
+
+impl<S: Scalar, const N: usize> Compensation<S, N> {
+    /// No compensation, axes at zero.
+    pub const NONE: Self = Self {
+        axes: [None; N],
+        states: [axis::State::NEW; N],
+        motions: [CommandMotion::at(Position(0)); N],
+        any: false,
+    };
+
+    /// No compensation, axes at `start`.
+    #[must_use]
+    pub fn none(start: [Position; N]) -> Self {
+        Self { motions: start.map(CommandMotion::at), ..Self::NONE }
+    }
+
+    /// Resets to no compensation, axes at `start`, in place: tables are large.
+    pub fn reset(&mut self, start: &[Position; N]) {
+        for axis in &mut self.axes {
+            *axis = None;
+        }
+        self.states = [axis::State::NEW; N];
+        self.motions = start.map(CommandMotion::at);
+        self.any = false;
+    }
+
+    /// Replaces the compensation of an axis. Its corrections change over at their limited rates.
+    pub fn replace(&mut self, axis: usize, compensation: AxisCompensation<S>) {
+        if let Some(slot) = self.axes.get_mut(axis) {
+            *slot = Some(compensation);
+            self.any = true;
+        }
+    }
+
+    /// Switches one compensation of an axis on or off.
+    pub fn switch(&mut self, axis: usize, item: CompensationKind, on: bool) {
+        if let Some(state) = self.states.get_mut(axis) {
+            state.switch(item, on);
+        }
+    }
+
+    /// Sets the axes to rest at other positions.
+    pub fn rest_at(&mut self, positions: &[Position; N]) {
+        self.motions = positions.map(CommandMotion::at);
+    }
+
+    /// The present corrections of the commands, position units.
+    #[must_use]
+    pub fn active_corrections(&self) -> [i64; N] {
+        self.states.each_ref().map(AxisCompensation::active_correction)
+    }
+
+    /// The readings with the errors of the resolvers corrected, once per tick.
+    pub fn readings(&mut self, readings: &[Reading; N]) -> [Reading; N] {
+        let mut corrected = *readings;
+        if self.any {
+            for ((reading, axis), state) in corrected.iter_mut().zip(&self.axes).zip(&mut self.states) {
+                if let Some(axis) = axis {
+                    reading.motor = axis.reading(state, reading.motor);
+                }
+            }
+        }
+        corrected
+    }
+
+    /// The corrections of the commands, position units, once per command.
+    pub fn commands(&mut self, commands: &[Position; N]) -> [i64; N] {
+        let mut corrections = [0; N];
+        // Also without a compensation, so that one that is set during motion starts from the motion of the axes.
+        for (motion, command) in self.motions.iter_mut().zip(commands) {
+            motion.step(*command);
+        }
+        if self.any {
+            for (i, ((correction, axis), state)) in
+                corrections.iter_mut().zip(&self.axes).zip(&mut self.states).enumerate()
+            {
+                if let Some(axis) = axis {
+                    *correction = axis.command(state, i, &self.motions);
+                }
+            }
+        }
+        corrections
+    }
+
+    /// The forces to add, once per tick.
+    pub fn forces(&mut self, readings: &[Reading; N]) -> [S; N] {
+        let mut forces = [S::default(); N];
+        if self.any {
+            for (((force, axis), state), reading) in
+                forces.iter_mut().zip(&self.axes).zip(&mut self.states).zip(readings)
+            {
+                if let Some(axis) = axis {
+                    *force = axis.force(state, reading.motor);
+                }
+            }
+        }
+        forces
+    }
+}

@@ -1,0 +1,291 @@
+//! The constants of an axis in machine units.
+
+use super::check::{finite, gain, gain_over_time, positive, ranged, resolved_gain};
+use super::error::ConfigError;
+use super::settings::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
+use crate::control::feedforward::Feedforward;
+use crate::control::filter::Filter;
+use crate::control::hpc::Hpc;
+use crate::control::position::PositionControl;
+use crate::control::velocity::VelocityControl;
+use crate::feedback::dual::Feedback;
+use crate::feedback::fade::Fade;
+use crate::monitor::{FrozenEncoder, Monitor};
+use crate::scalar::Scalar;
+use crate::units::{INCREMENT_M, LENGTH_M, PER_M, Position, TRAVEL_LIMIT_M, VELOCITY_M_PER_S};
+
+/// Lowest rate of the velocity loop, Hz. Far below any real one, it keeps Kp·tick finite.
+const MIN_RATE_HZ: f64 = 1.0;
+
+/// Highest rate of the velocity loop, Hz.
+const MAX_RATE_HZ: f64 = 1e6;
+
+/// Lowest frequency of a filter over the tick rate: below it, a₃ = (πf/rate)² has fewer than three digits in fixed
+/// point.
+const MIN_FILTER_RATIO: f64 = 1e-3;
+
+/// Highest frequency of a filter over the tick rate: above it, the bilinear transform distorts the shape of the filter.
+const MAX_FILTER_RATIO: f64 = 0.45;
+
+/// One axis in machine units: what a tick computes with.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisConfig<S: Scalar> {
+    /// Sensors of the position loop.
+    pub feedback: Feedback<S>,
+    /// Velocity feed-forward.
+    pub feedforward: Feedforward<S>,
+    /// Position loop.
+    pub position: PositionControl<S>,
+    /// Velocity loop.
+    pub velocity: VelocityControl<S>,
+    /// Notch filter of the force.
+    pub notch: Option<Filter<S>>,
+    /// Low-pass filter of the force, after the notch.
+    pub low_pass: Option<Filter<S>>,
+    /// Fraction of the bumpless-transfer offset of the velocity command that decays per position tick.
+    pub velocity_transfer_decay: S::Gain,
+    /// Fraction of the bumpless-transfer offset of the force that decays per tick.
+    pub force_transfer_decay: S::Gain,
+    /// Limits that are monitored.
+    pub monitor: Monitor<S>,
+    /// Deceleration of a stop, position units per position tick² with 16 fraction bits.
+    pub stop_deceleration: u64,
+}
+
+/// Rates of the loops, checked.
+struct LoopRates {
+    /// Velocity loop, Hz.
+    rate: f64,
+    /// Position loop, Hz.
+    position_rate: f64,
+    /// Period of the velocity loop, s.
+    tick: f64,
+    /// Period of the position loop, s.
+    position_tick: f64,
+}
+
+impl LoopRates {
+    fn new(rates: Rates) -> Result<Self, ConfigError> {
+        let rate = positive("velocity_loop_hz", rates.velocity_loop_hz)?;
+        let rate = ranged("velocity_loop_hz", rate, MIN_RATE_HZ, MAX_RATE_HZ)?;
+        let divider = positive("position_loop_divider", f64::from(rates.position_loop_divider))?;
+        Ok(Self { rate, position_rate: rate / divider, tick: 1.0 / rate, position_tick: divider / rate })
+    }
+}
+
+impl<S: Scalar> AxisConfig<S> {
+    /// Checks and converts settings.
+    ///
+    /// # Errors
+    /// [`ConfigError`] for the first setting that is not finite, has the wrong sign, or exceeds the range of the number
+    /// format `S`.
+    pub fn new(settings: &AxisSettings, rates: Rates) -> Result<Self, ConfigError> {
+        let rates = LoopRates::new(rates)?;
+        let kp = positive("position_gain_per_s", settings.position_gain_per_s)?;
+        let position_gain = resolved_gain::<S>("position_gain_per_s", kp, LENGTH_M / VELOCITY_M_PER_S)?;
+        let percent = ranged("feedforward_percent", settings.feedforward_percent, 0.0, 200.0)?;
+        let velocity = velocity_control(settings, &rates)?;
+        let feedback = feedback(settings, &rates)?;
+        let lead_per_increment = rates.position_rate / (100.0 * kp) * INCREMENT_M / LENGTH_M;
+        let deceleration = settings.stop_deceleration_m_per_s2 / (rates.position_rate * rates.position_rate);
+        Ok(Self {
+            feedback,
+            feedforward: Feedforward { gain: gain::<S>("feedforward_percent", percent, lead_per_increment)? },
+            position: PositionControl {
+                gain: position_gain,
+                hpc: matches!(settings.law, Law::Hpc).then(|| Hpc::new(kp / rates.position_rate)),
+            },
+            velocity,
+            notch: settings.notch.map(|notch| notch_filter(&notch, rates.rate)).transpose()?,
+            low_pass: settings.low_pass.map(|low_pass| low_pass_filter(&low_pass, rates.rate)).transpose()?,
+            velocity_transfer_decay: S::gain(-libm::expm1(-kp / rates.position_rate)),
+            force_transfer_decay: S::gain(-libm::expm1(-kp * rates.tick)),
+            monitor: monitor(settings, &rates)?,
+            stop_deceleration: per_tick("stop_deceleration_m_per_s2", deceleration)?,
+        })
+    }
+}
+
+fn velocity_control<S: Scalar>(
+    settings: &AxisSettings,
+    rates: &LoopRates,
+) -> Result<VelocityControl<S>, ConfigError> {
+    let &LoopRates { rate, tick, .. } = rates;
+    let kv = positive("velocity_gain_n_s_per_m", settings.velocity_gain_n_s_per_m)?;
+    let proportional = resolved_gain::<S>("velocity_gain_n_s_per_m", kv, VELOCITY_M_PER_S)?;
+    let integral = match settings.velocity_integral_time_s {
+        Some(time) => {
+            let name = "velocity_integral_time_s";
+            gain_over_time::<S>(name, kv * tick / positive(name, time)? * VELOCITY_M_PER_S, time)?
+        }
+        None => S::gain(0.0),
+    };
+    let lag = ranged("velocity_lag_s", settings.velocity_lag_s, 0.0, tick * (1.0 + 1e-9))?;
+    let limit = positive("force_limit_n", settings.force_limit_n)?;
+    let unit = INCREMENT_M / VELOCITY_M_PER_S;
+    Ok(VelocityControl {
+        rate: gain::<S>("velocity_loop_hz", rate * (1.0 - lag * rate), unit)?,
+        previous_rate: gain::<S>("velocity_lag_s", rate * lag * rate, unit)?,
+        proportional,
+        integral,
+        has_integral: settings.velocity_integral_time_s.is_some(),
+        force_limit: S::signal(ranged("force_limit_n", limit, 0.0, S::SIGNAL_LIMIT)?),
+    })
+}
+
+fn feedback<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Feedback<S>, ConfigError> {
+    let fade_time = positive("scale_fade_time_s", settings.scale_fade_time_s)?;
+    let fade = Fade::new(fade_time * rates.position_rate);
+    Ok(match settings.sensors {
+        Sensors::Motor => Feedback::Motor,
+        Sensors::Table => Feedback::Table { fade },
+        Sensors::Dual { time_constant_s } => {
+            let time = positive("dual_feedback_time_constant_s", time_constant_s)?;
+            let fraction = -libm::expm1(-1.0 / (rates.position_rate * time));
+            Feedback::Dual {
+                fraction: gain_over_time::<S>("dual_feedback_time_constant_s", fraction, time)?,
+                fade,
+            }
+        }
+    })
+}
+
+/// g = tan(πf/rate) of a filter at frequency f.
+fn prewarped(name: &'static str, frequency_hz: f64, rate_hz: f64) -> Result<f64, ConfigError> {
+    let frequency = positive(name, frequency_hz)?;
+    let frequency = ranged(name, frequency, rate_hz * MIN_FILTER_RATIO, rate_hz * MAX_FILTER_RATIO)?;
+    Ok(libm::tan(core::f64::consts::PI * frequency / rate_hz))
+}
+
+fn notch_filter<S: Scalar>(notch: &Notch, rate_hz: f64) -> Result<Filter<S>, ConfigError> {
+    let g = prewarped("notch_frequency_hz", notch.frequency_hz, rate_hz)?;
+    let width = positive("notch_width_hz", notch.width_hz)?;
+    let width = ranged("notch_width_hz", width, 0.0, 4.0 * notch.frequency_hz)?;
+    let depth = ranged("notch_depth", notch.depth, 0.0, 1.0)?;
+    Ok(Filter::notch(g, width / notch.frequency_hz, depth))
+}
+
+fn low_pass_filter<S: Scalar>(low_pass: &LowPass, rate_hz: f64) -> Result<Filter<S>, ConfigError> {
+    let g = prewarped("low_pass_frequency_hz", low_pass.frequency_hz, rate_hz)?;
+    let damping = ranged("low_pass_damping_ratio", low_pass.damping_ratio, 0.05, 10.0)?;
+    Ok(Filter::low_pass(g, 2.0 * damping))
+}
+
+fn monitor<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Monitor<S>, ConfigError> {
+    let signal = |name, value: f64, unit: f64| {
+        let value = positive(name, value)?;
+        Ok(S::signal(ranged(name, value, 0.0, S::SIGNAL_LIMIT * unit)? / unit))
+    };
+    let ticks = positive("saturation_time_s", settings.saturation_time_s)? / rates.tick;
+    let distance = |name, m: Option<f64>, max_m| match m {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 100 m")]
+        Some(m) => Ok(Some((ranged(name, m, 0.0, max_m)? * PER_M) as u64)),
+        None => Ok(None),
+    };
+    let max_frozen_m = settings.following_error_limit_m.min(TRAVEL_LIMIT_M);
+    let frozen_encoder = |limit: u64| {
+        let integral_limit = S::signal(limit as f64 / PER_M / LENGTH_M).widen();
+        let per_tick = S::gain(VELOCITY_M_PER_S / LENGTH_M * rates.position_tick);
+        FrozenEncoder { limit, integral_limits: [S::ZERO_SUM - integral_limit, integral_limit], per_tick }
+    };
+    Ok(Monitor {
+        following_error: signal("following_error_limit_m", settings.following_error_limit_m, LENGTH_M)?,
+        disagreement: distance(
+            "scale_disagreement_limit_m",
+            settings.scale_disagreement_limit_m,
+            TRAVEL_LIMIT_M,
+        )?,
+        frozen_encoder: distance("frozen_encoder_limit_m", settings.frozen_encoder_limit_m, max_frozen_m)?
+            .map(frozen_encoder),
+        encoder_step: match settings.fastest_m_per_s {
+            Some(m_per_s) => Some(signal("fastest_m_per_s", m_per_s, INCREMENT_M / rates.tick)?),
+            None => None,
+        },
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+        saturation_budget_ticks: (ticks as u32).min(u32::MAX / 4 - 1),
+        travel: travel(settings.travel_m)?,
+    })
+}
+
+/// Least and greatest command.
+fn travel(travel_m: Option<[f64; 2]>) -> Result<[Position; 2], ConfigError> {
+    let name = "travel_m";
+    let out_of_range = ConfigError::OutOfRange { name, min: -TRAVEL_LIMIT_M, max: TRAVEL_LIMIT_M };
+    let end = |m| Position::from_m(finite(name, m)?).ok_or(out_of_range);
+    let [min_m, max_m] = travel_m.unwrap_or([-TRAVEL_LIMIT_M, TRAVEL_LIMIT_M]);
+    let [min, max] = [end(min_m)?, end(max_m)?];
+    if min >= max {
+        return Err(ConfigError::NotPositive(name));
+    }
+    Ok([min, max])
+}
+
+/// Metres per tick (or tick²) as position units with 16 fraction bits.
+fn per_tick(name: &'static str, value: f64) -> Result<u64, ConfigError> {
+    let units = positive(name, value)? * PER_M * 65_536.0;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+    Ok((units as u64).max(1))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::scalar::Fixed;
+
+    const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+
+    fn refusal(change: impl Fn(&mut AxisSettings)) -> ConfigError {
+        let mut settings = AxisSettings::default();
+        change(&mut settings);
+        AxisConfig::<Fixed>::new(&settings, RATES).unwrap_err()
+    }
+
+    #[test]
+    fn names_what_it_refuses() {
+        assert_eq!(refusal(|s| s.position_gain_per_s = 0.0), ConfigError::NotPositive("position_gain_per_s"));
+        assert_eq!(
+            refusal(|s| s.position_gain_per_s = f64::NAN),
+            ConfigError::NotFinite("position_gain_per_s")
+        );
+        assert_eq!(
+            refusal(|s| s.velocity_integral_time_s = Some(-1.0)),
+            ConfigError::NotPositive("velocity_integral_time_s")
+        );
+        assert_eq!(refusal(|s| s.scale_fade_time_s = 0.0), ConfigError::NotPositive("scale_fade_time_s"));
+        assert_eq!(
+            refusal(|s| s.force_limit_n = 1e6),
+            ConfigError::OutOfRange { name: "force_limit_n", min: 0.0, max: 131_072.0 }
+        );
+        assert!(matches!(refusal(|s| s.velocity_gain_n_s_per_m = 1e7),
+            ConfigError::OutOfRange { name: "velocity_gain_n_s_per_m", max, .. } if (7.8e6..7.82e6).contains(&max)));
+    }
+
+    #[test]
+    fn refuses_what_rounds_away_in_fixed_point_with_the_range_of_the_setting() {
+        let slow = refusal(|s| s.velocity_integral_time_s = Some(1e6));
+        let ConfigError::OutOfRange { name: "velocity_integral_time_s", min, max } = slow else {
+            panic!("{slow:?}");
+        };
+        let mut settings =
+            AxisSettings { velocity_integral_time_s: Some(max * 0.999), ..AxisSettings::default() };
+        assert!(AxisConfig::<Fixed>::new(&settings, RATES).is_ok());
+        settings.velocity_integral_time_s = Some(min * 1.001);
+        assert!(AxisConfig::<Fixed>::new(&settings, RATES).is_ok());
+        settings.velocity_integral_time_s = Some(min * 0.999);
+        assert!(AxisConfig::<Fixed>::new(&settings, RATES).is_err());
+        settings.velocity_integral_time_s = Some(1e6);
+        assert!(AxisConfig::<f32>::new(&settings, RATES).is_ok());
+
+        let slow = refusal(|s| s.sensors = Sensors::Dual { time_constant_s: 1e4 });
+        // The gain 1/(rate·T) must be at least 50·2⁻²⁴: T ≤ 16.8 s at 20 kHz.
+        assert!(matches!(slow, ConfigError::OutOfRange { name: "dual_feedback_time_constant_s", max, .. }
+            if (16.7..16.8).contains(&max)));
+    }
+
+    #[test]
+    fn refuses_a_rate_of_zero() {
+        let rates = Rates { velocity_loop_hz: 0.0, ..RATES };
+        let error = AxisConfig::<f64>::new(&AxisSettings::default(), rates).unwrap_err();
+        assert_eq!(error, ConfigError::NotPositive("velocity_loop_hz"));
+    }
+}

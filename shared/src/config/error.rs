@@ -1,0 +1,74 @@
+//! Why settings were rejected.
+
+/// Why settings were rejected, with the name of the setting.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum ConfigError {
+    /// Not a finite number.
+    NotFinite(&'static str),
+    /// Must be greater than zero.
+    NotPositive(&'static str),
+    /// Cannot be changed once the machine has been configured, or while the drives are on.
+    NotWhileRunning(&'static str),
+    /// Outside its range, which may depend on the number format.
+    OutOfRange {
+        /// Setting.
+        name: &'static str,
+        /// Least value, in the unit of the setting.
+        min: f64,
+        /// Greatest value, in the unit of the setting.
+        max: f64,
+    },
+}
+
+impl core::fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        match self {
+            Self::NotFinite(name) => write!(f, "{name}: expected a finite number"),
+            Self::NotPositive(name) => write!(f, "{name}: expected a number above 0"),
+            Self::NotWhileRunning(name) => write!(f, "{name}: expected what the machine was made with"),
+            Self::OutOfRange { name, min, max } => {
+                write!(f, "{name}: expected a number from ")?;
+                write_number(f, *min)?;
+                f.write_str(" to ")?;
+                write_number(f, *max)?;
+                f.write_str(" in this number format")
+            }
+        }
+    }
+}
+
+impl core::error::Error for ConfigError {}
+
+/// Writes four significant digits, in scientific notation below 1e-3 and from 1e7.
+fn write_number(f: &mut core::fmt::Formatter<'_>, value: f64) -> core::fmt::Result {
+    if value == 0.0 || !value.is_finite() {
+        return write!(f, "{value}");
+    }
+    if !(1e-3..1e7).contains(&libm::fabs(value)) {
+        return write!(f, "{value:.3e}");
+    }
+    let scale = libm::pow(10.0, 3.0 - libm::floor(libm::log10(libm::fabs(value))));
+    write!(f, "{}", libm::round(value * scale) / scale)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::string::ToString;
+
+    use super::*;
+
+    #[test]
+    fn says_a_range_in_few_digits() {
+        let said = |min, max| ConfigError::OutOfRange { name: "a", min, max }.to_string();
+        assert_eq!(said(0.0, 2048.0), "a: expected a number from 0 to 2048 in this number format");
+        assert_eq!(
+            said(-0.123_456, 7_812_499.9),
+            "a: expected a number from -0.1235 to 7812000 in this number format"
+        );
+        assert_eq!(
+            said(4.768_37e-5, 1e18),
+            "a: expected a number from 4.768e-5 to 1.000e18 in this number format"
+        );
+    }
+}

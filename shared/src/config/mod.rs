@@ -1,0 +1,30 @@
+//! Settings in SI, checked and converted to machine units.
+//!
+//! | module | holds |
+//! |---|---|
+//! | [`settings`] | what a person or a file declares for an axis, in SI |
+//! | [`axis`] | the same in machine units: what a tick computes with |
+//! | [`error`] | why a setting was rejected, with its name and range |
+//!
+//! Every setting is checked here and nowhere else; after that, a tick cannot fail.
+//!
+//! # Example
+//!
+//! ```
+//! use shared::config::{AxisConfig, AxisSettings, ConfigError, Rates};
+//! use shared::scalar::Fixed;
+//!
+//! let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
+//! let settings = AxisSettings { position_gain_per_s: -1.0, ..AxisSettings::default() };
+//! let error = AxisConfig::<Fixed>::new(&settings, rates).unwrap_err();
+//! assert_eq!(error, ConfigError::NotPositive("position_gain_per_s"));
+//! ```
+
+pub mod axis;
+pub(crate) mod check;
+pub mod error;
+pub mod settings;
+
+pub use axis::AxisConfig;
+pub use error::ConfigError;
+pub use settings::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};

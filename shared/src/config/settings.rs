@@ -1,0 +1,136 @@
+//! The settings of an axis in SI.
+
+use serde::{Deserialize, Serialize};
+
+use crate::interpolate::Smoothing;
+
+/// Rates of the loops.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Rates {
+    /// Rate of the velocity loop, which is the tick rate of the machine.
+    pub velocity_loop_hz: f64,
+    /// Ticks per command and position loop, at least 1.
+    pub position_loop_divider: u32,
+}
+
+impl Rates {
+    /// Rate of commands and position loops.
+    #[must_use]
+    pub fn position_loop_hz(&self) -> f64 {
+        self.velocity_loop_hz / f64::from(self.position_loop_divider)
+    }
+}
+
+/// Control law of the position loop.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Law {
+    /// Proportional.
+    P,
+    /// High-order position control ([`crate::control::hpc`]).
+    Hpc,
+}
+
+/// Sensors that close the position loop.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Sensors {
+    /// Motor encoder (semi-closed loop).
+    Motor,
+    /// Linear scale (full-closed loop).
+    Table,
+    /// Both ([`crate::feedback::dual`]).
+    Dual {
+        /// Time constant of the crossover from motor to scale, s.
+        time_constant_s: f64,
+    },
+}
+
+/// A notch filter of the force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Notch {
+    /// Centre frequency.
+    pub frequency_hz: f64,
+    /// Width between the −3 dB frequencies of a notch of depth 1.
+    pub width_hz: f64,
+    /// 1 − gain at the centre frequency: 1 removes it, 0.9 leaves a tenth.
+    pub depth: f64,
+}
+
+/// A second-order low-pass filter of the force.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct LowPass {
+    /// Natural frequency, ω₀/2π.
+    pub frequency_hz: f64,
+    /// Damping ratio ζ; 0.7 gives the flattest response.
+    pub damping_ratio: f64,
+}
+
+/// The settings of one axis, as a person or a file declares them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AxisSettings {
+    /// Control law of the position loop.
+    pub law: Law,
+    /// Position gain Kp.
+    pub position_gain_per_s: f64,
+    /// Velocity feed-forward Kf, 0 to 200 %.
+    pub feedforward_percent: f64,
+    /// Velocity gain Kv.
+    pub velocity_gain_n_s_per_m: f64,
+    /// Integral time Ti of the velocity loop; `None`: no integral part.
+    pub velocity_integral_time_s: Option<f64>,
+    /// Delay of the velocity reading beyond that of a plain difference, 0 to one tick.
+    pub velocity_lag_s: f64,
+    /// Notch filter of the force.
+    pub notch: Option<Notch>,
+    /// Low-pass filter of the force, after the notch.
+    pub low_pass: Option<LowPass>,
+    /// Limit of the force in both directions.
+    pub force_limit_n: f64,
+    /// Sensors that close the position loop.
+    pub sensors: Sensors,
+    /// Filter of the axis behind the interpolated path.
+    pub smoothing: Smoothing,
+    /// Time constant with which the offset of a linear scale that has returned fades out.
+    pub scale_fade_time_s: f64,
+    /// Following error above which the drives are switched off.
+    pub following_error_limit_m: f64,
+    /// Difference between motor and scale above which the drives are switched off; `None`: not monitored.
+    pub scale_disagreement_limit_m: Option<f64>,
+    /// Greatest speed of the motor: a reading that has moved faster switches the drives off; `None`: not monitored.
+    pub fastest_m_per_s: Option<f64>,
+    /// Distance that both command and velocity command may cover while the motor reading stands still, at most
+    /// `following_error_limit_m`; beyond it the drives are switched off. `None`: not monitored.
+    pub frozen_encoder_limit_m: Option<f64>,
+    /// Time that the force may be at its limit before the path stops; unsaturated time earns back a quarter.
+    pub saturation_time_s: f64,
+    /// Least and greatest command: the soft limits; `None`: ±100 m.
+    pub travel_m: Option<[f64; 2]>,
+    /// Deceleration of a stop along the path; a path uses the least of its axes.
+    pub stop_deceleration_m_per_s2: f64,
+}
+
+impl Default for AxisSettings {
+    /// P control on the motor encoder, with the gains of a mid-sized machining centre.
+    fn default() -> Self {
+        Self {
+            law: Law::P,
+            position_gain_per_s: 33.0,
+            feedforward_percent: 0.0,
+            velocity_gain_n_s_per_m: 50_000.0,
+            velocity_integral_time_s: Some(0.02),
+            velocity_lag_s: 0.0,
+            notch: None,
+            low_pass: None,
+            force_limit_n: 10_000.0,
+            sensors: Sensors::Motor,
+            smoothing: Smoothing::None,
+            scale_fade_time_s: 0.1,
+            following_error_limit_m: 0.05,
+            scale_disagreement_limit_m: None,
+            fastest_m_per_s: None,
+            frozen_encoder_limit_m: None,
+            saturation_time_s: 1.0,
+            travel_m: None,
+            stop_deceleration_m_per_s2: 2.0,
+        }
+    }
+}

@@ -1,0 +1,30 @@
+//! What a board has to provide.
+
+use super::amplifier::Duty;
+use crate::feedback::Reading;
+
+/// Sensors, power stages and switches of N axes.
+pub trait Board<const N: usize> {
+    /// The present readings of all axes.
+    fn readings(&mut self) -> [Reading; N];
+
+    /// Whether the enable switch is closed. A broken wire must read as open.
+    fn enable_switch_closed(&mut self) -> bool;
+
+    /// Whether the hardware has disabled the power stages: emergency stop, or a fault of a stage. True as long as the cause
+    /// persists.
+    fn hardware_stop_active(&mut self) -> bool;
+
+    /// Sets duty and direction of every axis. Both take effect in the same PWM period, the next one.
+    fn set_duties(&mut self, duties: [Duty; N]);
+
+    /// Enables or disables the power stages. They are enabled in every state with force, including a stop along the path
+    /// ([`Power::is_on`](crate::safety::Power::is_on)).
+    fn set_enabled(&mut self, enabled: bool);
+
+    /// Sets the status light ([`StatusLight`](super::status_light::StatusLight)).
+    fn set_light(&mut self, lit: bool);
+
+    /// Whether the next tick is already due.
+    fn next_tick_due(&mut self) -> bool;
+}

@@ -1,0 +1,269 @@
+//! The controller with its power stages, enable switch and status light.
+
+use super::amplifier::{Amplifier, Duty};
+use super::board::Board;
+use super::enable_switch::{EnableSwitch, SwitchEvent};
+use super::status_light::StatusLight;
+use crate::machine::Machine;
+use crate::safety::Fault;
+use crate::scalar::Scalar;
+
+/// A machine with its power stages, enable switch and status light. The machine, which is large, is borrowed.
+#[derive(Debug)]
+pub struct DriveSystem<'m, S: Scalar, const N: usize> {
+    machine: &'m mut Machine<S, N>,
+    amplifiers: [Amplifier<S>; N],
+    switch: EnableSwitch,
+    light: StatusLight,
+}
+
+impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
+    /// Drives off until the switch is opened and closed.
+    #[must_use]
+    pub const fn new(
+        machine: &'m mut Machine<S, N>,
+        amplifiers: [Amplifier<S>; N],
+        switch: EnableSwitch,
+        light: StatusLight,
+    ) -> Self {
+        Self { machine, amplifiers, switch, light }
+    }
+
+    /// The machine, for operations that are not part of a tick: blocks, settings.
+    pub const fn machine_mut(&mut self) -> &mut Machine<S, N> {
+        self.machine
+    }
+
+    /// One tick, from the sensors to the power stages. It cannot fail; a fault that switches the drives off acts in the same tick.
+    pub fn tick(&mut self, board: &mut impl Board<N>) {
+        match self.switch.update(board.enable_switch_closed()) {
+            Some(SwitchEvent::Enable) => self.machine.enable(),
+            Some(SwitchEvent::Disable) => self.machine.disable(),
+            None => {}
+        }
+        let output = self.machine.tick(&board.readings());
+        // Before the stages are enabled, so that stopped ones are not.
+        if board.hardware_stop_active() {
+            self.machine.fault(Fault::HardwareStop);
+        }
+        self.drive(board, &output.forces);
+        if board.next_tick_due() {
+            self.machine.fault(Fault::Overrun);
+            self.drive(board, &output.forces);
+        }
+        board.set_light(self.light.is_lit(self.machine.power(), output.warning));
+    }
+
+    /// Passes the forces to the power stages, or disables them.
+    fn drive(&self, board: &mut impl Board<N>, forces: &[S; N]) {
+        let on = self.machine.power().is_on();
+        let mut duties = [Duty::default(); N];
+        for ((duty, amplifier), force) in duties.iter_mut().zip(&self.amplifiers).zip(forces) {
+            if on {
+                *duty = amplifier.duty(*force);
+            }
+        }
+        board.set_duties(duties);
+        board.set_enabled(on);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+    use std::boxed::Box;
+
+    use super::*;
+    use crate::config::{AxisSettings, Rates};
+    use crate::feedback::Reading;
+    use crate::interpolate::Block;
+    use crate::safety::{FaultKind, Power};
+    use crate::scalar::Fixed;
+    use crate::units::Position;
+
+    const SETTLING: u32 = 10;
+    const BLINK: u32 = 50;
+
+    #[expect(clippy::struct_excessive_bools, reason = "inputs and outputs of one bit")]
+    struct Bench {
+        at: Position,
+        closed: bool,
+        stopped: bool,
+        late: bool,
+        duty: Duty,
+        enabled: bool,
+        lit: bool,
+    }
+
+    impl Board<1> for Bench {
+        fn readings(&mut self) -> [Reading; 1] {
+            [Reading { motor: self.at, table: None }]
+        }
+
+        fn enable_switch_closed(&mut self) -> bool {
+            self.closed
+        }
+
+        fn hardware_stop_active(&mut self) -> bool {
+            self.stopped
+        }
+
+        fn set_duties(&mut self, [duty]: [Duty; 1]) {
+            self.duty = duty;
+        }
+
+        fn set_enabled(&mut self, enabled: bool) {
+            self.enabled = enabled;
+        }
+
+        fn set_light(&mut self, lit: bool) {
+            self.lit = lit;
+        }
+
+        fn next_tick_due(&mut self) -> bool {
+            self.late
+        }
+    }
+
+    /// A system that has just been enabled with a line to follow, and its test bench.
+    fn running() -> (DriveSystem<'static, Fixed, 1>, Bench) {
+        let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+        let axis = AxisSettings { following_error_limit_m: 1e-3, ..AxisSettings::default() };
+        let machine = Box::leak(Box::new(Machine::new(rates, &[axis], [Position(0)]).unwrap()));
+        machine.push(&Block::line([0.1], 0.1, 5.0)).unwrap();
+        let amplifiers = [Amplifier::new(1000.0, 8400).unwrap()];
+        let mut system =
+            DriveSystem::new(machine, amplifiers, EnableSwitch::new(SETTLING), StatusLight::new(BLINK));
+        let mut bench = Bench {
+            at: Position(0),
+            closed: false,
+            stopped: false,
+            late: false,
+            duty: Duty::default(),
+            enabled: false,
+            lit: false,
+        };
+        close(&mut system, &mut bench);
+        assert!(bench.enabled && !bench.lit);
+        (system, bench)
+    }
+
+    fn run(system: &mut DriveSystem<'_, Fixed, 1>, bench: &mut Bench, ticks: u32) {
+        for _ in 0..ticks {
+            system.tick(bench);
+        }
+    }
+
+    fn close(system: &mut DriveSystem<'_, Fixed, 1>, bench: &mut Bench) {
+        bench.closed = false;
+        run(system, bench, 2 * SETTLING);
+        assert!(!bench.enabled);
+        bench.closed = true;
+        run(system, bench, 2 * SETTLING);
+    }
+
+    #[test]
+    fn pushes_towards_the_command() {
+        let (mut system, mut bench) = running();
+        run(&mut system, &mut bench, 40);
+        assert!(!bench.duty.reverse && bench.duty.counts > 0, "{:?}", bench.duty);
+    }
+
+    /// Stages disabled, no duty, and the light on unless the drives are simply off.
+    fn assert_off(system: &DriveSystem<'_, Fixed, 1>, bench: &Bench, power: Power) {
+        assert_eq!((system.machine.power(), bench.enabled, bench.duty), (power, false, Duty::default()));
+        assert_eq!(bench.lit, power != Power::Off);
+    }
+
+    #[test]
+    fn a_late_tick_or_a_hardware_stop_cuts_the_stages_at_once_and_until_a_fresh_edge() {
+        for fault in [Fault::Overrun, Fault::HardwareStop] {
+            let (mut system, mut bench) = running();
+            run(&mut system, &mut bench, 40);
+            (bench.late, bench.stopped) = (fault == Fault::Overrun, fault == Fault::HardwareStop);
+            system.tick(&mut bench);
+            assert_off(&system, &bench, Power::Faulted(fault));
+            (bench.late, bench.stopped) = (false, false);
+            run(&mut system, &mut bench, 1000);
+            assert_off(&system, &bench, Power::Faulted(fault));
+            // The path was discarded: enabled again, the axis holds its new position.
+            bench.at = Position::from_m(0.02).unwrap();
+            close(&mut system, &mut bench);
+            assert_eq!((bench.enabled, bench.lit, bench.duty), (true, false, Duty::default()));
+        }
+    }
+
+    #[test]
+    fn a_stage_that_is_stopped_does_not_come_on() {
+        let (mut system, mut bench) = running();
+        bench.stopped = true;
+        bench.closed = false;
+        run(&mut system, &mut bench, 2 * SETTLING);
+        bench.closed = true;
+        for _ in 0..3 * SETTLING {
+            system.tick(&mut bench);
+            assert!(!bench.enabled);
+        }
+        assert_off(&system, &bench, Power::Faulted(Fault::HardwareStop));
+    }
+
+    #[test]
+    fn an_opened_switch_cuts_the_stages_in_the_same_tick() {
+        let (mut system, mut bench) = running();
+        run(&mut system, &mut bench, 40);
+        bench.closed = false;
+        system.tick(&mut bench);
+        assert_off(&system, &bench, Power::Off);
+        bench.at = Position::from_m(0.02).unwrap();
+        close(&mut system, &mut bench);
+        assert_eq!((bench.enabled, bench.duty), (true, Duty::default()));
+    }
+
+    #[test]
+    fn a_following_error_cuts_the_stages_in_the_same_tick() {
+        let (mut system, mut bench) = running();
+        bench.at = Position::from_m(2e-3).unwrap();
+        system.tick(&mut bench);
+        let fault = Fault::Axis { axis: 0, kind: FaultKind::FollowingError };
+        assert_off(&system, &bench, Power::Faulted(fault));
+    }
+
+    /// During a stop along the path the stages stay enabled: they decelerate the axis. From 0.1 m/s with the 5 m/s² of the
+    /// block, which exceeds the 2 m/s² of a stop, it takes 20 ms: 400 ticks.
+    #[test]
+    fn a_stop_along_the_path_keeps_the_stages_on_until_it_stands() {
+        let (mut system, mut bench) = running();
+        let follow = |system: &mut DriveSystem<'_, Fixed, 1>, bench: &mut Bench| {
+            system.tick(bench);
+            bench.at = system.machine.command()[0];
+        };
+        for _ in 0..2000 {
+            follow(&mut system, &mut bench);
+        }
+        let fault = Fault::Axis { axis: 0, kind: FaultKind::SoftLimit };
+        system.machine.fault(fault);
+        let mut ticks = 0;
+        while system.machine.power() == Power::Stopping(fault) {
+            follow(&mut system, &mut bench);
+            ticks += 1;
+            let stopped = system.machine.power() == Power::Faulted(fault);
+            assert_eq!((bench.enabled, bench.lit), (!stopped, true));
+            assert!(ticks < 2000);
+        }
+        assert!((398..=402).contains(&ticks), "{ticks}");
+        assert_off(&system, &bench, Power::Faulted(fault));
+    }
+
+    /// A warning blinks until the drives are disabled.
+    #[test]
+    fn a_warning_is_shown() {
+        let (mut system, mut bench) = running();
+        system.machine.fault(Fault::Axis { axis: 0, kind: FaultKind::ScaleLost });
+        let lit = (0..4 * BLINK).map(|_| {
+            system.tick(&mut bench);
+            bench.lit
+        });
+        assert_eq!(lit.filter(|lit| *lit).count(), 2 * BLINK as usize);
+        assert!(bench.enabled);
+    }
+}

@@ -1,0 +1,41 @@
+//! Products of integers as fractions: the arithmetic that interpolation and scalars share.
+//!
+//! A suffix `q32` marks a fraction with 32 fraction bits: 2³² stands for 1.
+
+/// `value·fraction/2³²`, rounded towards −∞.
+#[must_use]
+pub(crate) fn mul_q32(value: i64, fraction_q32: u32) -> i64 {
+    let (high, low) = (value >> 32, value & 0xffff_ffff);
+    let low = (low.cast_unsigned() * u64::from(fraction_q32)) >> 32;
+    (high.wrapping_mul(i64::from(fraction_q32))).wrapping_add(low.cast_signed())
+}
+
+/// `value·fraction/2³²`, rounded towards −∞, by four 32-bit products.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the four 32-bit words")]
+pub(crate) fn wide_mul_q32(value: i128, fraction_q32: u32) -> i128 {
+    let (high, low) = ((value >> 64) as i64, value as u64);
+    let fraction = u64::from(fraction_q32);
+    let low = (low >> 32) * fraction + (((low & 0xffff_ffff) * fraction) >> 32);
+    let (top, middle) = ((high >> 32) * i64::from(fraction_q32), (high as u64 & 0xffff_ffff) * fraction);
+    (i128::from(top) << 64)
+        .wrapping_add((u128::from(middle) << 32).wrapping_add(u128::from(low)).cast_signed())
+}
+
+/// `a·b/2^SHIFT`, rounded once, to nearest.
+#[must_use]
+pub(crate) fn mul_shift<const SHIFT: u32>(a: i64, b: i64) -> i64 {
+    let product = i128::from(a) * i128::from(b) + (1 << (SHIFT - 1));
+    #[expect(clippy::cast_possible_truncation, reason = "callers keep |a·b| below 2^(63 + SHIFT)")]
+    let scaled = (product >> SHIFT) as i64;
+    scaled
+}
+
+/// `a·b/2⁶⁴`, too small by up to two units: the product of the low halves is omitted.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the halves")]
+pub(crate) const fn mul_high(a: i64, b: i64) -> i64 {
+    let (a_high, a_low) = ((a >> 32) as i32 as i64, a as u32 as i64);
+    let (b_high, b_low) = ((b >> 32) as i32 as i64, b as u32 as i64);
+    a_high * b_high + ((a_high * b_low) >> 32) + ((a_low * b_high) >> 32)
+}

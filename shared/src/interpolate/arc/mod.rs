@@ -1,0 +1,303 @@
+//! A circular arc in the plane of two of N axes.
+//!
+//! The radius vector (dx, dy) of the start point is rotated by the phase φ of the path length:
+//! x = cx + dx·cos φ − dy·sin φ, y = cy + dx·sin φ + dy·cos φ. So the arc starts exactly at its start point, and a full
+//! turn closes exactly. A given end point, which lies on the circle only to the digits of the program, is met exactly by
+//! [`EndCorrection`].
+
+mod end_correction;
+#[cfg(test)]
+mod tests;
+
+use end_correction::EndCorrection;
+
+use super::error::{Field, PathError};
+use super::turn::{ONE, sin_cos};
+use crate::integer::{mul_high, mul_shift};
+use crate::units::{PER_M, PER_NM, Position, TRAVEL_LIMIT_M};
+
+/// 2π with 61 fraction bits.
+const TAU_Q61: u128 = 14_488_038_916_154_245_685;
+
+/// Greatest number of turns: it keeps the phase within 0.1 nm on a radius of 1 m.
+const MAX_TURNS: f64 = 1000.0;
+
+/// One turn with 48 fraction bits.
+const TURN_Q48: f64 = 281_474_976_710_656.0;
+
+/// Greatest distance of a given end point from the circle, nm: enough for coordinates written in µm.
+pub const END_TOLERANCE_NM: i64 = 2000;
+
+/// The travel limit, position units.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "100 m")]
+const MAX_REACH: u128 = (TRAVEL_LIMIT_M * PER_M) as u128;
+
+/// Greatest end correction as a fraction of the arc length, 32 fraction bits: 1/1024.
+const MAX_CORRECTION_PER_LENGTH: u128 = 1 << 22;
+
+/// An arc as a function of path length.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Arc<const N: usize> {
+    start: [Position; N],
+    end: [Position; N],
+    plane: [usize; 2],
+    centre: [Position; 2],
+    /// Start − centre, position units.
+    radius: [i64; 2],
+    /// Turns per position unit with `phase_shift` + 64 fraction bits. It has 63 or 64 significant bits, so that the phase at
+    /// the end of the longest arc has a relative error of 2⁻⁶¹.
+    phase_per_unit: u64,
+    phase_shift: u32,
+    clockwise: bool,
+    length: i64,
+    /// Length of the radius, position units.
+    curvature_radius: i64,
+    correction: Option<EndCorrection>,
+}
+
+impl<const N: usize> Arc<N> {
+    /// Plans the arc from `start` around `centre` (in the axes of the plane) by a signed number of turns, positive from the
+    /// first axis of the plane towards the second.
+    ///
+    /// # Errors
+    /// [`PathError::BadPlane`], [`PathError::ZeroRadius`], [`PathError::TooLarge`] for a circle beyond the travel; for a
+    /// number of turns that is zero, not finite or above 1000 in magnitude, the error that names it.
+    pub fn plan(
+        start: [Position; N],
+        plane: [usize; 2],
+        centre: [Position; 2],
+        turns: f64,
+    ) -> Result<Self, PathError> {
+        if !turns.is_finite() {
+            return Err(PathError::NotFinite(Field::Turns));
+        }
+        if turns == 0.0 {
+            return Err(PathError::ZeroLength);
+        }
+        if turns.abs() > MAX_TURNS {
+            return Err(PathError::TooLarge(Field::Turns));
+        }
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "0 < turns ≤ 1000: below 2⁵⁸"
+        )]
+        let turns_q48 = libm::rint(libm::fabs(turns) * TURN_Q48) as u64;
+        let mut arc = Self::circle(start, plane, centre)?;
+        arc.clockwise = turns < 0.0;
+        let length = (u128::from(arc.length.unsigned_abs()) * u128::from(turns_q48)) >> 48;
+        arc.length = i64::try_from(length).map_err(|_| PathError::TooLarge(Field::Turns))?;
+        if arc.length == 0 {
+            return Err(PathError::ZeroLength);
+        }
+        // Whole turns are shifted out: they end at the start point.
+        arc.end = arc.rotated(turns_q48 << 16);
+        Ok(arc)
+    }
+
+    /// Plans the arc from `start` around `centre` to `end` (both in the axes of the plane).
+    ///
+    /// # Errors
+    /// As [`Arc::plan`]; [`PathError::CoincidentEndPoints`] if start and end are the same point, [`PathError::EndOffArc`] if
+    /// the end lies off the circle by more than [`END_TOLERANCE_NM`].
+    pub fn plan_to(
+        start: [Position; N],
+        plane: [usize; 2],
+        centre: [Position; 2],
+        end: [Position; 2],
+        positive: bool,
+    ) -> Result<Self, PathError> {
+        let circle = Self::circle(start, plane, centre)?;
+        let to = [end[0] - centre[0], end[1] - centre[1]];
+        if to == circle.radius {
+            return Err(PathError::CoincidentEndPoints);
+        }
+        let off = magnitude(to).abs_diff(circle.curvature_radius.unsigned_abs().into());
+        if off > u128::from((END_TOLERANCE_NM * PER_NM).unsigned_abs()) {
+            return Err(PathError::EndOffArc);
+        }
+        let angle = |[x, y]: [i64; 2]| libm::atan2(y as f64, x as f64) / core::f64::consts::TAU;
+        let turn = angle(to) - angle(circle.radius);
+        let forward = if turn > 0.0 { turn } else { turn + 1.0 };
+        let mut arc = Self::plan(start, plane, centre, if positive { forward } else { forward - 1.0 })?;
+        let [x, y] = plane;
+        let (Some(end_x), Some(end_y)) = (arc.end.get_mut(x).copied(), arc.end.get_mut(y).copied()) else {
+            return Err(PathError::BadPlane);
+        };
+        let difference = [end[0] - end_x, end[1] - end_y];
+        let length = u128::from(arc.length.unsigned_abs().max(1));
+        let per_length = (magnitude(difference) << 32) / length;
+        if off > 0 && per_length > MAX_CORRECTION_PER_LENGTH {
+            return Err(PathError::EndOffArc);
+        }
+        arc.correction = EndCorrection::new(difference, length, per_length);
+        for (axis, position) in plane.into_iter().zip(end) {
+            if let Some(end) = arc.end.get_mut(axis) {
+                *end = position;
+            }
+        }
+        Ok(arc)
+    }
+
+    /// One full turn.
+    fn circle(start: [Position; N], plane: [usize; 2], centre: [Position; 2]) -> Result<Self, PathError> {
+        let [first, second] = plane;
+        let (Some(&x), Some(&y)) = (start.get(first), start.get(second)) else {
+            return Err(PathError::BadPlane);
+        };
+        if first == second {
+            return Err(PathError::BadPlane);
+        }
+        let radius = [x - centre[0], y - centre[1]];
+        let curvature_radius = magnitude(radius);
+        // The whole circle must lie within the travel limit.
+        let reach = |c: Position| u128::from((c - Position(0)).unsigned_abs()) + curvature_radius;
+        if centre.into_iter().any(|c| reach(c) > MAX_REACH) {
+            return Err(PathError::TooLarge(Field::Centre));
+        }
+        if curvature_radius < 1000 * u128::from(PER_NM.unsigned_abs()) {
+            return Err(PathError::ZeroRadius);
+        }
+        // 2πR, with R below 2⁵⁹, is below 2⁶².
+        let circumference = (curvature_radius * TAU_Q61) >> 61;
+        // 2^(shift + 64)/circumference has 63 or 64 bits. With the least radius the shift is at least 31.
+        let phase_shift = circumference.ilog2() - 1;
+        #[expect(clippy::cast_possible_truncation, reason = "see above")]
+        Ok(Self {
+            start,
+            end: start,
+            plane,
+            centre,
+            radius,
+            phase_per_unit: ((1u128 << (phase_shift + 64)) / circumference) as u64,
+            phase_shift,
+            clockwise: false,
+            length: circumference as i64,
+            curvature_radius: curvature_radius as i64,
+            correction: None,
+        })
+    }
+
+    /// Length of the arc, position units.
+    #[must_use]
+    pub const fn length(&self) -> i64 {
+        self.length
+    }
+
+    /// Radius, position units.
+    #[must_use]
+    pub const fn curvature_radius(&self) -> i64 {
+        self.curvature_radius
+    }
+
+    /// Magnitude of the end correction as a fraction of the arc length, 32 fraction bits.
+    #[must_use]
+    pub fn correction_per_length(&self) -> u64 {
+        self.correction.as_ref().map_or(0, EndCorrection::per_length)
+    }
+
+    /// End point.
+    #[must_use]
+    pub const fn end(&self) -> [Position; N] {
+        self.end
+    }
+
+    /// The least and the greatest position of each axis, without the end correction (at most 2 µm).
+    #[must_use]
+    pub fn bounds(&self) -> [[Position; 2]; N] {
+        let mut bounds =
+            core::array::from_fn(|i| [self.start[i].min(self.end[i]), self.start[i].max(self.end[i])]);
+        let [x, y] = self.radius.map(|r| r as f64);
+        let turns = self.length as f64 / (core::f64::consts::TAU * self.curvature_radius as f64);
+        let from = libm::atan2(y, x) / core::f64::consts::TAU;
+        let [from, to] = if self.clockwise { [from - turns, from] } else { [from, from + turns] };
+        // The arc passes an angle if the angle plus a whole number of turns lies between its ends.
+        let passes = |angle: f64| libm::ceil(from - angle) <= to - angle;
+        let radius = self.curvature_radius;
+        for ((axis, centre), angle) in self.plane.into_iter().zip(self.centre).zip([0.0, 0.25]) {
+            let Some([min, max]) = bounds.get_mut(axis) else { continue };
+            if passes(angle) {
+                *max = (*max).max(centre + radius);
+            }
+            if passes(angle + 0.5) {
+                *min = (*min).min(centre - radius);
+            }
+        }
+        bounds
+    }
+
+    /// Direction of travel at a path length, a unit vector with 62 fraction bits.
+    #[must_use]
+    pub fn direction(&self, length: i64) -> [i64; N] {
+        let mut direction = [0; N];
+        let (sine, cosine) = self.sin_cos(self.phase_at(length));
+        // The unit radius vector, rotated by the phase and a quarter turn.
+        let radius = i128::from(self.curvature_radius.max(1));
+        #[expect(clippy::cast_possible_truncation, reason = "at most one")]
+        let [x, y] = self.radius.map(|r| (i128::from(r) * i128::from(ONE) / radius) as i64);
+        let sign = if self.clockwise { -1 } else { 1 };
+        let tangent = [
+            -(mul_shift::<62>(x, sine) + mul_shift::<62>(y, cosine)) * sign,
+            (mul_shift::<62>(x, cosine) - mul_shift::<62>(y, sine)) * sign,
+        ];
+        let correction = self.correction.as_ref().map_or([0; 2], |c| c.direction(self.length));
+        for ((axis, tangent), correction) in self.plane.into_iter().zip(tangent).zip(correction) {
+            if let Some(component) = direction.get_mut(axis) {
+                *component = tangent + correction;
+            }
+        }
+        direction
+    }
+
+    /// The point at a path length.
+    #[must_use]
+    pub fn at(&self, length: i64) -> [Position; N] {
+        let mut point = self.rotated(self.phase_at(length));
+        if let Some(correction) = &self.correction {
+            for (axis, offset) in self.plane.into_iter().zip(correction.at(length)) {
+                if let Some(position) = point.get_mut(axis) {
+                    *position += offset;
+                }
+            }
+        }
+        point
+    }
+
+    /// The phase at a path length, 2⁶⁴ per turn, without whole turns.
+    fn phase_at(&self, length: i64) -> u64 {
+        let phase = (u128::from(length.unsigned_abs()) * u128::from(self.phase_per_unit)) >> self.phase_shift;
+        #[expect(clippy::cast_possible_truncation, reason = "whole turns drop out")]
+        let phase = phase as u64;
+        phase
+    }
+
+    /// Sine and cosine of a phase, signed by the direction of the arc.
+    fn sin_cos(&self, phase: u64) -> (i64, i64) {
+        sin_cos(if self.clockwise { phase.wrapping_neg() } else { phase })
+    }
+
+    /// The start point rotated about the centre by a phase (2⁶⁴ per turn).
+    fn rotated(&self, phase: u64) -> [Position; N] {
+        let (sine, cosine) = self.sin_cos(phase);
+        // Two more fraction bits, so that the sum of the products is within a unit.
+        let [dx, dy] = self.radius.map(|r| r << 4);
+        let rounded = |quarters: i64| (quarters + 2) >> 2;
+        let x = self.centre[0] + rounded(mul_high(dx, cosine) - mul_high(dy, sine));
+        let y = self.centre[1] + rounded(mul_high(dx, sine) + mul_high(dy, cosine));
+        let mut point = self.start;
+        // `plan` has checked the plane; `get_mut` compiles to no panic.
+        if let Some(position) = point.get_mut(self.plane[0]) {
+            *position = x;
+        }
+        if let Some(position) = point.get_mut(self.plane[1]) {
+            *position = y;
+        }
+        point
+    }
+}
+
+/// √(x² + y²), rounded down.
+fn magnitude(vector: [i64; 2]) -> u128 {
+    let [x, y] = vector.map(|r| u128::from(r.unsigned_abs()).pow(2));
+    (x + y).isqrt()
+}

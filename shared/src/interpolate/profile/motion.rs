@@ -1,0 +1,111 @@
+//! Progress along a curve: distance, speed and acceleration with 64 fraction bits.
+
+use crate::integer::wide_mul_q32;
+use crate::interpolate::fraction::{speed, whole};
+
+/// Progress along a curve.
+///
+/// Within a segment the distance after n ticks is a cubic in n, so its third difference is constant: three additions
+/// advance it by a tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    /// Distance from the start, position units with 64 fraction bits, and its differences over the next tick.
+    pub(super) distance: i128,
+    first_difference: i128,
+    second_difference: i128,
+    /// The jerk.
+    third_difference: i128,
+    /// Time to the end of the segment, ticks with 32 fraction bits.
+    pub(super) remaining: u64,
+    pub(super) segment: u8,
+}
+
+impl Progress {
+    /// At rest at zero, not started.
+    pub const NONE: Self = Self {
+        distance: 0,
+        first_difference: 0,
+        second_difference: 0,
+        third_difference: 0,
+        remaining: 0,
+        segment: 0,
+    };
+
+    /// Distance from the start, whole position units.
+    #[must_use]
+    pub const fn distance(&self) -> i64 {
+        whole(self.distance)
+    }
+
+    /// Distance over the next tick, position units with 16 fraction bits.
+    #[must_use]
+    pub const fn speed(&self) -> u64 {
+        speed(self.first_difference)
+    }
+
+    /// Advances by a whole tick within a segment.
+    pub(super) fn whole_tick(&mut self, cruise: bool) {
+        self.distance += self.first_difference;
+        if !cruise {
+            self.first_difference += self.second_difference;
+            self.second_difference += self.third_difference;
+        }
+    }
+
+    /// d(t + 1) − d(t) = v + a/2 + j/6; the difference of that, a + j; the difference of that, j.
+    pub(super) fn set(&mut self, motion: &Motion, jerk_sixth: i128) {
+        self.distance = motion.distance;
+        self.first_difference = motion.velocity + (motion.acceleration >> 1) + jerk_sixth;
+        self.third_difference = 6 * jerk_sixth;
+        self.second_difference = motion.acceleration + self.third_difference;
+    }
+
+    /// The inverse of [`Progress::set`].
+    pub(super) fn motion(&self) -> Motion {
+        let acceleration = self.second_difference - self.third_difference;
+        // The jerk is six times an integer: the product with 1/6 is too small by less than one.
+        let jerk_sixth = wide_mul_q32(self.third_difference, SIXTH_Q32);
+        Motion {
+            distance: self.distance,
+            velocity: self.first_difference - (acceleration >> 1) - jerk_sixth,
+            acceleration,
+        }
+    }
+}
+
+/// 1/6 with 32 fraction bits.
+const SIXTH_Q32: u32 = 715_827_883;
+
+/// Distance, speed and acceleration at one time, per tick with 64 fraction bits.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct Motion {
+    pub(super) distance: i128,
+    pub(super) velocity: i128,
+    pub(super) acceleration: i128,
+}
+
+impl Motion {
+    /// d += t·(v + t·(a/2 + t·j/6)), v += t·(a + t·j/2), a += t·j.
+    pub(super) fn advance(&mut self, jerk_sixth: i128, time: u64) {
+        let Ok(time) = u32::try_from(time) else {
+            // A whole tick.
+            self.distance += self.velocity + (self.acceleration >> 1) + jerk_sixth;
+            self.velocity += self.acceleration + 3 * jerk_sixth;
+            self.acceleration += 6 * jerk_sixth;
+            return;
+        };
+        if time == 0 {
+            return;
+        }
+        if self.acceleration == 0 && jerk_sixth == 0 {
+            self.distance += wide_mul_q32(self.velocity, time);
+            return;
+        }
+        let sixth = wide_mul_q32(jerk_sixth, time);
+        let velocity_change = wide_mul_q32(self.acceleration + 3 * sixth, time);
+        self.distance +=
+            wide_mul_q32(self.velocity + wide_mul_q32((self.acceleration >> 1) + sixth, time), time);
+        self.velocity += velocity_change;
+        self.acceleration += 6 * sixth;
+    }
+}

@@ -1,0 +1,227 @@
+//! The controller of a machine.
+
+use super::config::MachineConfig;
+use super::error::MachineError;
+use super::output::Output;
+use super::state::State;
+use crate::compensate::{AxisCompensation, CompensationKind, CompensationSettings};
+use crate::config::{AxisConfig, AxisSettings, ConfigError, Rates};
+use crate::feedback::Reading;
+use crate::interpolate::{Block, PathError};
+use crate::safety::{Event, Fault, Power};
+use crate::scalar::Scalar;
+use crate::units::Position;
+
+/// The controller of N axes on one path.
+///
+/// It is large (tables, blocks, filter windows). On a chip it is a static that is initialised at compile time
+/// ([`Machine::UNCONFIGURED`]) and configured in place ([`Machine::configure`]), so that it never has to be on a stack.
+#[derive(Clone, Debug)]
+pub struct Machine<S: Scalar, const N: usize> {
+    /// `None`: not configured; the drives stay off.
+    config: Option<MachineConfig<S, N>>,
+    state: State<S, N>,
+}
+
+impl<S: Scalar, const N: usize> Machine<S, N> {
+    /// A machine without settings: it rejects blocks and stays off.
+    pub const UNCONFIGURED: Self = Self { config: None, state: State::NEW };
+
+    /// A machine at rest at `start`, drives off.
+    ///
+    /// # Errors
+    /// [`MachineError`] for the axis and the setting that is rejected.
+    pub fn new(
+        rates: Rates,
+        settings: &[AxisSettings; N],
+        start: [Position; N],
+    ) -> Result<Self, MachineError> {
+        let config = MachineConfig::new(rates, settings)?;
+        let mut machine = Self::UNCONFIGURED;
+        machine.configure(config, &start);
+        Ok(machine)
+    }
+
+    /// Reconfigures the machine in place, at rest at `start`, drives off. Not part of a tick.
+    pub fn configure(&mut self, config: MachineConfig<S, N>, start: &[Position; N]) {
+        self.state.reset(&config, start);
+        self.config = Some(config);
+    }
+
+    /// Changes the loops of an axis, also during motion, without a jump of velocity command or force. Not part of a tick.
+    ///
+    /// # Errors
+    /// [`MachineError::Config`] if a setting is rejected, if the axis filter ([`AxisSettings::smoothing`]) differs, or if the
+    /// [sensors](AxisSettings::sensors) differ while the drives are on (the axis would jump to their reading);
+    /// [`MachineError::NoSuchAxis`]. Nothing is changed then.
+    pub fn change(&mut self, axis: usize, settings: &AxisSettings) -> Result<(), MachineError> {
+        let rejected = |error| MachineError::Config { axis, error };
+        let config = self.config.as_mut().ok_or(MachineError::NoSuchAxis)?;
+        let (Some(loops), Some(state), Some(smoothing), Some(sensors)) = (
+            config.axes.get_mut(axis),
+            self.state.axes.get_mut(axis),
+            config.smoothing.get(axis),
+            config.sensors.get_mut(axis),
+        ) else {
+            return Err(MachineError::NoSuchAxis);
+        };
+        let changed = AxisConfig::new(settings, config.rates).map_err(rejected)?;
+        if settings.smoothing != *smoothing {
+            return Err(rejected(ConfigError::NotWhileRunning("smoothing")));
+        }
+        if settings.sensors != *sensors && self.state.power.is_on() {
+            return Err(rejected(ConfigError::NotWhileRunning("sensors")));
+        }
+        state.change(loops, &changed);
+        (*loops, *sensors) = (changed, settings.sensors);
+        self.state.path.set_travel(config.travel());
+        Ok(())
+    }
+
+    /// Replaces the compensation of an axis. Not part of a tick. Corrections change over at their limited rates.
+    ///
+    /// # Errors
+    /// [`MachineError::Config`] if a setting is rejected, [`MachineError::NoSuchAxis`]. Nothing is changed then.
+    pub fn compensate(&mut self, axis: usize, settings: &CompensationSettings) -> Result<(), MachineError> {
+        let config = self.config.as_ref().filter(|_| axis < N).ok_or(MachineError::NoSuchAxis)?;
+        let compensation = AxisCompensation::new(settings, config.rates, N)
+            .map_err(|error| MachineError::Config { axis, error })?;
+        self.state.compensation.replace(axis, compensation);
+        Ok(())
+    }
+
+    /// Switches one compensation of an axis on or off.
+    ///
+    /// # Errors
+    /// [`MachineError::NoSuchAxis`].
+    pub fn switch(&mut self, axis: usize, kind: CompensationKind, on: bool) -> Result<(), MachineError> {
+        if axis >= N || self.config.is_none() {
+            return Err(MachineError::NoSuchAxis);
+        }
+        self.state.compensation.switch(axis, kind, on);
+        Ok(())
+    }
+
+    /// Plans a block and appends it to the queue. Not part of a tick.
+    ///
+    /// # Errors
+    /// [`PathError`]; nothing is changed then.
+    pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
+        if self.config.is_none() {
+            return Err(PathError::NotConfigured);
+        }
+        let stopping = matches!(self.state.power, Power::Stopping(_));
+        if stopping || self.state.was_on && !self.state.power.is_on() {
+            return Err(PathError::Interrupted);
+        }
+        self.state.path.push(block)
+    }
+
+    /// Whether the queue has room for another block.
+    #[must_use]
+    pub fn has_room(&self) -> bool {
+        self.state.path.has_room()
+    }
+
+    /// Requests that the drives are enabled in the next tick. No effect until a fault is acknowledged, and on a machine that
+    /// is not configured.
+    pub fn enable(&mut self) {
+        self.state.enable_requested = true;
+    }
+
+    /// Disables the drives, or acknowledges a fault. The path is discarded.
+    pub fn disable(&mut self) {
+        self.state.enable_requested = false;
+        self.state.warning = None;
+        self.state.power = self.state.power.after(Event::Disable);
+    }
+
+    /// Reports, after the configuration, a fault that ended the previous run. It has to be acknowledged before an enable.
+    pub fn inhibit_enable(&mut self, fault: Fault) {
+        self.state.power = self.state.power.after(Event::Inhibit(fault));
+    }
+
+    /// Reports an external fault, such as an overrun.
+    pub fn fault(&mut self, fault: Fault) {
+        if let Some(config) = &self.config {
+            self.state.fault(config, fault);
+        }
+    }
+
+    /// Power state of the drives.
+    #[must_use]
+    pub const fn power(&self) -> Power {
+        self.state.power
+    }
+
+    /// The present command, without corrections.
+    #[must_use]
+    pub const fn command(&self) -> [Position; N] {
+        self.state.path.command()
+    }
+
+    /// One tick: the velocity loops, and path and position loops when they are due.
+    ///
+    /// While the drives are off and no path is waiting, the command follows the axes, so that they do not jump when they are
+    /// enabled. A path is discarded if the drives are switched off while it runs, and if the axes are away from its start
+    /// when they are enabled ([`FaultKind::Displaced`](crate::safety::FaultKind::Displaced)).
+    pub fn tick(&mut self, readings: &[Reading; N]) -> Output<S, N> {
+        match &self.config {
+            Some(config) => config.tick(&mut self.state, readings),
+            None => self.state.output([S::ZERO; N]),
+        }
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::safety::FaultKind;
+    use crate::scalar::Fixed;
+
+    fn machine() -> Machine<Fixed, 1> {
+        let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
+        Machine::new(rates, &[AxisSettings::default()], [Position(0)]).unwrap()
+    }
+
+    fn at(m: f64) -> [Reading; 1] {
+        [Reading { motor: Position::from_m(m).unwrap(), table: None }]
+    }
+
+    #[test]
+    fn nothing_moves_before_enable() {
+        let mut machine = machine();
+        machine.push(&Block::line([0.1], 0.1, 1.0)).unwrap();
+        for _ in 0..100 {
+            let output = machine.tick(&at(0.0));
+            assert!(!output.enabled && output.forces == [Fixed::ZERO] && output.commands == [Position(0)]);
+        }
+    }
+
+    #[test]
+    fn a_following_error_switches_off_until_acknowledged_and_enabled_afresh() {
+        let mut machine = machine();
+        machine.enable();
+        assert!(machine.tick(&at(0.0)).enabled);
+        for _ in 0..5 {
+            machine.tick(&at(0.051));
+        }
+        assert_eq!(machine.power(), Power::Faulted(Fault::Axis { axis: 0, kind: FaultKind::FollowingError }));
+        machine.enable();
+        assert!(!machine.tick(&at(0.051)).enabled);
+        machine.disable();
+        assert!(!machine.tick(&at(0.051)).enabled);
+        machine.enable();
+        let output = machine.tick(&at(0.051));
+        // The command is where the axis was: no jump back.
+        assert!(output.enabled && output.forces[0].value().abs() < 1e-3);
+    }
+
+    #[test]
+    fn a_refused_block_changes_nothing() {
+        let mut machine = machine();
+        assert_eq!(machine.push(&Block::line([0.0], 0.1, 1.0)), Err(PathError::ZeroLength));
+        machine.enable();
+        assert!(machine.tick(&at(0.0)).done);
+    }
+}

@@ -1,0 +1,168 @@
+//! Monitoring of one axis, tick by tick: which faults there are. [`crate::safety`] defines the reactions.
+//!
+//! # Example
+//!
+//! The force may be at its limit for 1 s; a tick later the fault is raised.
+//!
+//! ```
+//! use shared::config::{AxisConfig, AxisSettings, Rates};
+//! use shared::monitor::State;
+//! use shared::safety::FaultKind;
+//! use shared::units::Position;
+//!
+//! let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+//! let settings = AxisSettings { saturation_time_s: 1.0, ..AxisSettings::default() };
+//! let monitor = AxisConfig::<f64>::new(&settings, rates).unwrap().monitor;
+//! let mut state = State::at(Position(0), Position(0));
+//! let mut saturated = || monitor.velocity(&mut state, 0.0, true);
+//! assert!((0..20_000).all(|_| saturated().is_empty()));
+//! assert!(saturated().iter().eq([FaultKind::ForceSaturated]));
+//! ```
+
+use crate::safety::{FaultKind, FaultSet};
+use crate::scalar::Scalar;
+use crate::units::{PER_NM, Position};
+
+/// Limits of an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct Monitor<S: Scalar> {
+    /// Greatest following error (command − feedback), error units.
+    pub following_error: S,
+    /// Greatest difference between scale and motor, position units; `None`: not monitored.
+    pub disagreement: Option<u64>,
+    /// Greatest motion of the motor reading per tick, increment units; `None`: not monitored.
+    pub encoder_step: Option<S>,
+    /// Detection of a frozen motor encoder; `None`: not monitored.
+    pub frozen_encoder: Option<FrozenEncoder<S>>,
+    /// Saturation budget in ticks; each unsaturated tick earns back a quarter.
+    pub saturation_budget_ticks: u32,
+    /// Least and greatest command.
+    pub travel: [Position; 2],
+}
+
+/// Limits of a motor reading that stands still.
+///
+/// The encoder is frozen when, since the reading last moved, the command has travelled by `limit` and the integral of
+/// the velocity command has left `integral_limits`. Neither alone is sufficient: when the command reverses while the motor is
+/// far behind, the command moves although the motor has to stand; and a velocity loop without an integral part
+/// commands a velocity that is never reached while it holds a load.
+#[derive(Clone, Copy, Debug)]
+pub struct FrozenEncoder<S: Scalar> {
+    /// Travel of the command, position units.
+    pub limit: u64,
+    /// ∓ the same travel as an integral of the velocity command, error units.
+    pub integral_limits: [S::Sum; 2],
+    /// Error units per velocity unit and position tick.
+    pub per_tick: S::Gain,
+}
+
+/// State of the monitoring of an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct State<S: Scalar> {
+    /// Saturated time in quarters of a tick.
+    saturated_quarters: u32,
+    /// The last command that broke no soft limit.
+    allowed_command: Position,
+    /// Command and motor reading when the motor reading last moved.
+    last_motion: [Position; 2],
+    /// Integral of the velocity command since then, error units; it stops one tick beyond its limit.
+    velocity_integral: S::Sum,
+}
+
+impl<S: Scalar> State<S> {
+    /// For an axis that is enabled at a command and a motor reading.
+    #[must_use]
+    pub const fn at(command: Position, motor: Position) -> Self {
+        Self {
+            saturated_quarters: 0,
+            allowed_command: command,
+            last_motion: [command, motor],
+            velocity_integral: S::ZERO_SUM,
+        }
+    }
+}
+
+/// A motor reading counts as standing while it has moved by less than 1/64 of [`FrozenEncoder::limit`]: an encoder with one
+/// of its two wires broken toggles between adjacent counts.
+const STANDSTILL_DIVISOR: u64 = 64;
+
+/// Tolerance of the soft limits, position units: 1 pm. The axis filters settle at the end of a path from a unit or two
+/// beyond it.
+const SOFT_LIMIT_TOLERANCE: i64 = PER_NM / 1000;
+
+/// Input of the monitoring in a position tick.
+#[derive(Clone, Copy, Debug)]
+pub struct MonitorInput<S> {
+    /// Command − feedback, error units.
+    pub following_error: S,
+    /// Command, without corrections.
+    pub command: Position,
+    /// Velocity command, velocity units.
+    pub velocity_command: S,
+    /// Motor reading.
+    pub motor: Position,
+    /// Reading of the linear scale.
+    pub table: Option<Position>,
+    /// Whether the position loop uses the scale.
+    pub uses_scale: bool,
+}
+
+impl<S: Scalar> Monitor<S> {
+    /// The faults of a position tick.
+    #[must_use]
+    pub fn position(&self, state: &mut State<S>, input: &MonitorInput<S>) -> FaultSet {
+        let disagree = match (input.table, self.disagreement) {
+            (Some(table), Some(limit)) => (table - input.motor).unsigned_abs() > limit,
+            _ => false,
+        };
+        FaultSet::NONE
+            .with(FaultKind::FollowingError, input.following_error.exceeds(self.following_error))
+            .with(FaultKind::Disagreement, disagree)
+            .with(FaultKind::EncoderFrozen, self.is_frozen(state, input))
+            .with(FaultKind::SoftLimit, self.leaves_travel(state, input.command))
+            .with(FaultKind::ScaleLost, input.uses_scale && input.table.is_none())
+    }
+
+    /// Whether the command moves outwards beyond the travel. An axis that was enabled outside its travel may stay and move
+    /// inwards; the limit follows it.
+    fn leaves_travel(&self, state: &mut State<S>, command: Position) -> bool {
+        let [min, max] = self.travel;
+        let [min, max] = [min.min(state.allowed_command), max.max(state.allowed_command)];
+        let leaves = command < min - SOFT_LIMIT_TOLERANCE || command > max + SOFT_LIMIT_TOLERANCE;
+        if !leaves {
+            state.allowed_command = command.clamp(min, max);
+        }
+        leaves
+    }
+
+    /// Whether the motor reading is frozen: see [`FrozenEncoder`].
+    fn is_frozen(&self, state: &mut State<S>, input: &MonitorInput<S>) -> bool {
+        let Some(frozen) = &self.frozen_encoder else { return false };
+        let [command, motor] = state.last_motion;
+        if (input.motor - motor).unsigned_abs() > frozen.limit / STANDSTILL_DIVISOR {
+            (state.last_motion, state.velocity_integral) = ([input.command, input.motor], S::ZERO_SUM);
+            return false;
+        }
+        let [min, max] = frozen.integral_limits;
+        if state.velocity_integral >= min && state.velocity_integral <= max {
+            state.velocity_integral += input.velocity_command * frozen.per_tick;
+            return false;
+        }
+        (input.command - command).unsigned_abs() > frozen.limit
+    }
+
+    /// The faults of a tick, from the motion of the motor since the previous tick and whether the force is at its limit.
+    #[must_use]
+    pub fn velocity(&self, state: &mut State<S>, increment: S, saturated: bool) -> FaultSet {
+        // An unstable loop drives the force from limit to limit: an unsaturated tick in between must not reset the count.
+        state.saturated_quarters = if saturated {
+            state.saturated_quarters.saturating_add(4)
+        } else {
+            state.saturated_quarters.saturating_sub(1)
+        };
+        let too_long = saturated && state.saturated_quarters / 4 > self.saturation_budget_ticks;
+        FaultSet::NONE
+            .with(FaultKind::EncoderStep, self.encoder_step.is_some_and(|max| increment.exceeds(max)))
+            .with(FaultKind::ForceSaturated, too_long)
+    }
+}

@@ -1,0 +1,179 @@
+//! The fixed-point signal.
+
+use core::fmt::{Debug, Formatter};
+use core::ops::{Add, Mul, Neg, Sub};
+
+use fixed::types::{I8F24, I18F14, I26F38};
+
+use super::Scalar;
+use crate::integer::mul_q32;
+
+/// A fixed-point signal: ±131,072 in steps of 2⁻¹⁴. Addition and subtraction saturate.
+#[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
+#[repr(transparent)]
+pub struct Fixed(I18F14);
+
+impl Fixed {
+    /// The greatest signal, 131,072 − 2⁻¹⁴.
+    pub const MAX: Self = Self(I18F14::MAX);
+    /// The least signal, −131,072.
+    pub const MIN: Self = Self(I18F14::MIN);
+
+    /// The signal in steps of 2⁻¹⁴.
+    #[must_use]
+    pub const fn to_bits(self) -> i32 {
+        self.0.to_bits()
+    }
+
+    /// The signal of a number of steps of 2⁻¹⁴.
+    #[must_use]
+    pub const fn from_bits(bits: i32) -> Self {
+        Self(I18F14::from_bits(bits))
+    }
+}
+
+/// The number alone.
+impl Debug for Fixed {
+    fn fmt(&self, f: &mut Formatter<'_>) -> core::fmt::Result {
+        self.0.fmt(f)
+    }
+}
+
+/// Saturates.
+impl Add for Fixed {
+    type Output = Self;
+
+    fn add(self, other: Self) -> Self {
+        Self(self.0.saturating_add(other.0))
+    }
+}
+
+/// Saturates.
+impl Sub for Fixed {
+    type Output = Self;
+
+    fn sub(self, other: Self) -> Self {
+        Self(self.0.saturating_sub(other.0))
+    }
+}
+
+impl Neg for Fixed {
+    type Output = Self;
+
+    fn neg(self) -> Self {
+        Self(-self.0)
+    }
+}
+
+/// Exact.
+impl Mul<I8F24> for Fixed {
+    type Output = I26F38;
+
+    fn mul(self, gain: I8F24) -> I26F38 {
+        self.0.wide_mul(gain)
+    }
+}
+
+/// Exact, in steps of 2⁻²⁸; the magnitude of one factor must be below [`Scalar::GAIN_LIMIT`].
+impl Mul for Fixed {
+    type Output = I26F38;
+
+    #[expect(clippy::suspicious_arithmetic_impl, reason = "from 28 to 38 fraction bits")]
+    fn mul(self, other: Self) -> I26F38 {
+        I26F38::from_bits(i64::from(self.to_bits()).wrapping_mul(i64::from(other.to_bits())) << 10)
+    }
+}
+
+/// `bits/2^SHIFT`, rounded to nearest, saturated to 32 bits.
+///
+/// One comparison tells whether the upper word is the sign extension of the lower; clamping the 64-bit number takes a
+/// Cortex-M 7 instructions more, and a tick of two axes calls this 26 times.
+fn narrow<const SHIFT: u32>(bits: i64) -> i32 {
+    let rounded = bits.wrapping_add(1 << (SHIFT - 1)) >> SHIFT;
+    #[expect(clippy::cast_possible_truncation, reason = "the two words")]
+    let (low, high) = (rounded as i32, (rounded >> 32) as i32);
+    if high == low >> 31 { low } else { i32::MAX ^ (high >> 31) }
+}
+
+impl Scalar for Fixed {
+    type Gain = I8F24;
+    type Sum = I26F38;
+
+    const ZERO: Self = Self(I18F14::ZERO);
+    const ZERO_SUM: I26F38 = I26F38::ZERO;
+    const NAME: &'static str = "fixed";
+    const GAIN_LIMIT: f64 = 128.0;
+    const GAIN_STEP: f64 = 1.0 / 16_777_216.0;
+    const SIGNAL_LIMIT: f64 = 131_072.0;
+    const SIGNAL_STEP: f64 = 1.0 / 16_384.0;
+
+    fn gain(value: f64) -> I8F24 {
+        I8F24::saturating_from_num(value)
+    }
+
+    fn signal(value: f64) -> Self {
+        Self(I18F14::saturating_from_num(value))
+    }
+
+    fn value(self) -> f64 {
+        self.0.to_num()
+    }
+
+    fn bits(self) -> u64 {
+        u64::from(self.to_bits().cast_unsigned())
+    }
+
+    fn from_distance(distance: i64) -> Self {
+        Self::from_bits(narrow::<16>(distance))
+    }
+
+    fn from_increment(distance: i64) -> Self {
+        Self::from_bits(narrow::<10>(distance))
+    }
+
+    fn to_distance(sum: I26F38) -> i64 {
+        sum.to_bits().wrapping_add(1 << 7) >> 8
+    }
+
+    fn distance(self) -> i64 {
+        i64::from(self.to_bits()) << 16
+    }
+
+    fn lerp(self, other: Self, fraction_q32: u32) -> Self {
+        // The result lies between two 32-bit numbers: no saturation is needed.
+        let difference = i64::from(other.to_bits()).wrapping_sub(i64::from(self.to_bits()));
+        #[expect(clippy::cast_possible_truncation, reason = "no more than the difference")]
+        let step = mul_q32(difference, fraction_q32) as i32;
+        Self::from_bits(self.to_bits().wrapping_add(step))
+    }
+
+    fn widen(self) -> I26F38 {
+        I26F38::from_bits(i64::from(self.to_bits()) << 24)
+    }
+
+    fn round(sum: I26F38) -> Self {
+        Self::from_bits(narrow::<24>(sum.to_bits()))
+    }
+
+    fn clamp_magnitude(self, limit: Self) -> Self {
+        Self(self.0.min(limit.0).max(-limit.0))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Over the whole range, and around both ends of the 32-bit range.
+        #[test]
+        fn narrows_as_a_clamp_does(bits in any::<i64>(), near in -(1i64 << 26)..1 << 26) {
+            let clamped = |bits: i64| (bits.wrapping_add(1 << 23) >> 24).clamp(-(1 << 31), (1 << 31) - 1);
+            for bits in [bits, near, (1 << 55) + near, -(1 << 55) + near] {
+                prop_assert_eq!(i64::from(narrow::<24>(bits)), clamped(bits));
+            }
+        }
+    }
+}

@@ -1,0 +1,101 @@
+//! Floating-point signals: gain and sum are of the same type.
+
+use super::Scalar;
+
+macro_rules! float {
+    ($float:ty, $name:literal) => {
+        impl Scalar for $float {
+            type Gain = $float;
+            type Sum = $float;
+
+            const ZERO: $float = 0.0;
+            const ZERO_SUM: $float = 0.0;
+            const NAME: &'static str = $name;
+            const GAIN_LIMIT: f64 = 1e18;
+            const GAIN_STEP: f64 = 0.0;
+            const SIGNAL_LIMIT: f64 = 1e18;
+            const SIGNAL_STEP: f64 = 0.0;
+
+            #[expect(
+                clippy::cast_possible_truncation,
+                clippy::allow_attributes,
+                reason = "rounds to the nearest value of the format"
+            )]
+            #[allow(unfulfilled_lint_expectations, reason = "f64 to f64 truncates nothing")]
+            fn gain(value: f64) -> $float {
+                value as $float
+            }
+
+            fn signal(value: f64) -> $float {
+                Self::gain(value)
+            }
+
+            #[allow(
+                clippy::unnecessary_cast,
+                clippy::cast_lossless,
+                clippy::allow_attributes,
+                reason = "one macro for two types"
+            )]
+            fn value(self) -> f64 {
+                self as f64
+            }
+
+            fn bits(self) -> u64 {
+                u64::from(self.to_bits())
+            }
+
+            fn from_distance(distance: i64) -> $float {
+                const UNIT: $float = 1.0 / (1u64 << 30) as $float;
+                distance as $float * UNIT
+            }
+
+            fn from_increment(distance: i64) -> $float {
+                const UNIT: $float = 1.0 / (1u64 << 24) as $float;
+                distance as $float * UNIT
+            }
+
+            #[expect(clippy::cast_possible_truncation, reason = "`as` saturates, as specified")]
+            fn to_distance(sum: $float) -> i64 {
+                let units = sum * (1u64 << 30) as $float;
+                let half = if units < 0.0 { -0.5 } else { 0.5 };
+                (units + half) as i64
+            }
+
+            #[allow(
+                clippy::cast_lossless,
+                clippy::cast_precision_loss,
+                clippy::allow_attributes,
+                reason = "one macro for two types"
+            )]
+            fn lerp(self, other: $float, fraction_q32: u32) -> $float {
+                const UNIT: $float = 1.0 / (1u64 << 32) as $float;
+                self + (other - self) * (fraction_q32 as $float * UNIT)
+            }
+
+            fn distance(self) -> i64 {
+                Self::to_distance(self)
+            }
+
+            fn widen(self) -> $float {
+                self
+            }
+
+            fn round(sum: $float) -> $float {
+                sum
+            }
+
+            fn clamp_magnitude(self, limit: $float) -> $float {
+                if self > limit {
+                    limit
+                } else if self < -limit {
+                    -limit
+                } else {
+                    self
+                }
+            }
+        }
+    };
+}
+
+float!(f32, "f32");
+float!(f64, "f64");

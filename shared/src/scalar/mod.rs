@@ -1,0 +1,156 @@
+//! The number formats of the control laws: one trait, implemented for fixed point, `f32` and `f64`.
+//!
+//! A control law computes with three kinds of number: a *signal* (an error, a velocity, a force), a *gain*, and a *sum*
+//! of products. The sum is wide enough that no product is rounded; it is rounded to a signal once, at the end.
+//!
+//! | | signal | gain | sum |
+//! |---|---|---|---|
+//! | [`Fixed`] | 18 integer, 14 fraction bits | 8, 24 ([`I8F24`](fixed::types::I8F24)) | 26, 38 ([`I26F38`](fixed::types::I26F38)) |
+//! | `f32`, `f64` | itself | itself | itself |
+//!
+//! In fixed point, signal × gain is exact and takes one instruction on a Cortex-M (`SMULL`). Signal + signal and
+//! signal − signal saturate.
+//!
+//! The bounds of `num-traits` do not serve: they force one format on signals and gains, and no 32-bit format
+//! holds both an error of 60 pm and a gain to 1e-7.
+//!
+//! # Example
+//!
+//! ```
+//! use shared::scalar::{Fixed, Scalar};
+//!
+//! fn proportional<S: Scalar>(gain: S::Gain, error: S) -> S {
+//!     S::round(error * gain)
+//! }
+//!
+//! assert_eq!(proportional(Fixed::gain(2.5), Fixed::signal(-4.0)), Fixed::signal(-10.0));
+//! assert_eq!(proportional(2.5, -4.0), -10.0);
+//! assert_eq!(Fixed::MAX + Fixed::signal(1.0), Fixed::MAX);
+//! ```
+
+mod fixed_point;
+mod float;
+
+use core::fmt::Debug;
+use core::ops::{Add, AddAssign, Mul, Neg, Sub};
+
+pub use fixed_point::Fixed;
+
+/// A signal that control laws compute with, in the units of [`crate::units`].
+///
+/// Operators: signal ± signal (saturated), signal × gain and signal × signal (both a sum).
+pub trait Scalar:
+    Copy
+    + Default
+    + PartialOrd
+    + Neg<Output = Self>
+    + Add<Output = Self>
+    + Sub<Output = Self>
+    + Mul<<Self as Scalar>::Gain, Output = <Self as Scalar>::Sum>
+    + Mul<Output = <Self as Scalar>::Sum>
+    + Debug
+    + Send
+    + Sync
+    + 'static
+{
+    /// A constant factor.
+    type Gain: Copy + Debug + Send + Sync + 'static;
+    /// A sum of products.
+    type Sum: Copy
+        + Default
+        + PartialOrd
+        + Add<Output = Self::Sum>
+        + Sub<Output = Self::Sum>
+        + AddAssign
+        + Debug
+        + Send
+        + Sync
+        + 'static;
+
+    /// The signal 0, usable in constants.
+    const ZERO: Self;
+    /// The sum 0, usable in constants.
+    const ZERO_SUM: Self::Sum;
+
+    /// `fixed`, `f32` or `f64`.
+    const NAME: &'static str;
+    /// Upper bound of the magnitude of a gain.
+    const GAIN_LIMIT: f64;
+    /// Resolution of a gain; 0 for floating point.
+    const GAIN_STEP: f64;
+    /// Upper bound of the magnitude of a signal.
+    const SIGNAL_LIMIT: f64;
+    /// Resolution of a signal; 0 for floating point.
+    const SIGNAL_STEP: f64;
+
+    /// The nearest gain. The caller has checked that `value` is finite and below [`Scalar::GAIN_LIMIT`].
+    fn gain(value: f64) -> Self::Gain;
+    /// The nearest signal, saturated.
+    fn signal(value: f64) -> Self;
+    /// The value of the signal.
+    fn value(self) -> f64;
+    /// The bits, for comparing two runs exactly.
+    fn bits(self) -> u64;
+
+    /// A distance in position units as an error signal (unit 1.024 µm), rounded, saturated.
+    fn from_distance(distance: i64) -> Self;
+    /// A distance in position units as an increment per tick (unit 16 nm), rounded, saturated.
+    fn from_increment(distance: i64) -> Self;
+    /// A sum of error signals as a distance in position units, rounded.
+    fn to_distance(sum: Self::Sum) -> i64;
+    /// An error signal as a distance in position units.
+    fn distance(self) -> i64;
+    /// Linear interpolation from `self` to `other`; `fraction_q32` has 32 fraction bits.
+    #[must_use]
+    fn lerp(self, other: Self, fraction_q32: u32) -> Self;
+
+    /// The signal as a sum.
+    fn widen(self) -> Self::Sum;
+    /// The sum as a signal, rounded to nearest, saturated.
+    fn round(sum: Self::Sum) -> Self;
+
+    /// Whether the magnitude of the signal exceeds `limit`; true for a NaN.
+    #[must_use]
+    fn exceeds(self, limit: Self) -> bool {
+        !(self <= limit && self >= -limit)
+    }
+
+    /// The signal, limited to ±`limit`.
+    #[must_use]
+    fn clamp_magnitude(self, limit: Self) -> Self;
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// Half a signal step is 2⁻¹⁵; the rounding of the gain, 2⁻²⁵, is multiplied by the signal.
+        #[test]
+        fn a_product_is_rounded_once(a in -1000.0..1000.0, g in -100.0..100.0) {
+            let product = Fixed::round(Fixed::signal(a) * Fixed::gain(g));
+            let exact = Fixed::signal(a).value() * g;
+            let bound = 1.0 / 32768.0 + a.abs() / f64::from(1 << 25);
+            prop_assert!((product.value() - exact).abs() <= bound * 1.000_001);
+        }
+
+        /// The signal resolves 1/16 nm, 2¹⁶ position units: the rounding error is at most half of that.
+        #[test]
+        fn a_distance_keeps_a_32nd_of_a_nanometre(d in -(1i64 << 46)..(1i64 << 46)) {
+            let back = Fixed::to_distance(Fixed::from_distance(d).widen());
+            prop_assert!((back - d).abs() <= 1 << 15);
+            let exact = f64::to_distance(f64::from_distance(d));
+            prop_assert!((exact - d).abs() <= 1);
+        }
+    }
+
+    #[test]
+    fn saturates_instead_of_wrapping() {
+        assert_eq!(Fixed::from_distance(i64::MAX / 2), Fixed::MAX);
+        assert_eq!(Fixed::from_distance(i64::MIN / 2), Fixed::MIN);
+        assert_eq!(Fixed::MAX + Fixed::MAX, Fixed::MAX);
+        assert_eq!(Fixed::round(Fixed::MAX * Fixed::gain(100.0)), Fixed::MAX);
+    }
+}

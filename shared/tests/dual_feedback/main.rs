@@ -1,0 +1,400 @@
+//! The dual feedback system in time, against the closed forms of [`shared::feedback::dual`].
+//!
+//! The motor is ideal: its velocity is K = 1/T times what phase detector 1 sees. Held over a tick of h
+//! that is motor += (1 − e^(−h/T))·(command − resolver). The table lags the motor by ΔQ.
+//!
+//! A tick holds what continuous time lets slide, which is an error of the first order in h: each test
+//! derives its bound from that, and two tests remove it, by extrapolation from h and h/2.
+
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+#![allow(clippy::float_cmp, reason = "T = T' is a case of its own, and is given as such")]
+
+use std::f64::consts::{SQRT_2, TAU};
+
+use shared::feedback::dual::{Feedback, State};
+use shared::feedback::fade::Fade;
+use shared::feedback::phase::Phase;
+use shared::feedback::transducer::Transducer;
+use shared::scalar::{Fixed, Scalar};
+use shared::units::Position;
+
+const TICK_S: f64 = 1.0 / 20_000.0;
+
+/// T and T', s: T' the same, longer, shorter.
+const TIMES: [(f64, f64); 3] = [(0.03, 0.03), (0.03, 0.08), (0.03, 0.01)];
+
+/// Position units in a nanometre.
+const NM: f64 = 1_048_576.0;
+
+fn share(tick_s: f64, time_s: f64) -> f64 {
+    -f64::exp_m1(-tick_s / time_s)
+}
+
+#[expect(clippy::cast_possible_truncation, reason = "some 100 µm")]
+fn units(nm: f64) -> i64 {
+    (nm * NM).round() as i64
+}
+
+/// Signal × gain, as a distance.
+fn scaled<S: Scalar>(distance: i64, gain: S::Gain) -> i64 {
+    S::to_distance(S::from_distance(distance) * gain)
+}
+
+/// The resolver as the command is compared with it: the motor, shifted towards the table.
+trait Resolver {
+    fn new(tick_s: f64, shift_time_s: f64) -> Self;
+    /// Command − resolver, after the shift of this tick.
+    fn detect(&mut self, command: Position, motor: Position, table: Position) -> i64;
+}
+
+/// The controller's own form.
+struct Positions<S: Scalar> {
+    feedback: Feedback<S>,
+    state: State,
+}
+
+impl<S: Scalar> Resolver for Positions<S> {
+    fn new(tick_s: f64, shift_time_s: f64) -> Self {
+        let feedback =
+            Feedback::Dual { fraction: S::gain(share(tick_s, shift_time_s)), fade: Fade::new(2000.0) };
+        Self { feedback, state: State::default() }
+    }
+
+    fn detect(&mut self, command: Position, motor: Position, table: Position) -> i64 {
+        command - self.feedback.position(&mut self.state, motor, Some(table))
+    }
+}
+
+/// The paper's form: nothing but phases, of a cycle of 2⁴² position units (4.19 mm).
+struct Phases<S: Scalar> {
+    share: S::Gain,
+    /// Excitation of the resolver, 2⁻¹⁰ steps of a phase.
+    excitation: i64,
+}
+
+/// A step of the phase is 2¹⁰ position units.
+const STEP: u32 = 10;
+
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a phase wraps")]
+fn phase(distance: i64) -> Phase {
+    Phase((distance >> STEP) as u32)
+}
+
+impl<S: Scalar> Phases<S> {
+    fn resolver(&self, motor: Position) -> Phase {
+        Phase(phase(motor.0).0.wrapping_add(phase(self.excitation).0))
+    }
+}
+
+impl<S: Scalar> Resolver for Phases<S> {
+    fn new(tick_s: f64, shift_time_s: f64) -> Self {
+        Self { share: S::gain(share(tick_s, shift_time_s)), excitation: 0 }
+    }
+
+    fn detect(&mut self, command: Position, motor: Position, table: Position) -> i64 {
+        let second = phase(table.0).difference(self.resolver(motor));
+        self.excitation += scaled::<S>(i64::from(second) << STEP, self.share);
+        let first = phase(command.0).difference(self.resolver(motor));
+        i64::from(first) << STEP
+    }
+}
+
+/// What a tick shows, nm.
+#[derive(Clone, Copy, Default)]
+struct Shown {
+    /// Qo, the table.
+    table: f64,
+    /// Qc, what phase detector 2 sees: table − resolver.
+    second: f64,
+}
+
+/// Runs the system and returns a row a tick, taken at the tick: the first is that of t = 0.
+fn run<S: Scalar, R: Resolver>(
+    (t, shift_t): (f64, f64),
+    tick_s: f64,
+    ticks: u32,
+    command: impl Fn(f64) -> f64,
+    lost_motion: impl Fn(f64) -> f64,
+) -> Vec<Shown> {
+    let gain = S::gain(share(tick_s, t));
+    let mut resolver = R::new(tick_s, shift_t);
+    let (mut motor, mut shift) = (Position(0), 0);
+    (0..ticks)
+        .map(|k| {
+            let time = f64::from(k) * tick_s;
+            let table = motor - units(lost_motion(time));
+            let command = Position(units(command(time)));
+            let shown = Shown { table: table.0 as f64 / NM, second: (table - (motor + shift)) as f64 / NM };
+            let first = resolver.detect(command, motor, table);
+            shift = command - motor - first;
+            motor += scaled::<S>(first, gain);
+            shown
+        })
+        .collect()
+}
+
+const fn still(_: f64) -> f64 {
+    0.0
+}
+
+/// Qo after a step of 1.
+fn after_step((t, shift_t): (f64, f64), time: f64) -> f64 {
+    if t == shift_t {
+        -(1.0 + time / t) * (-time / t).exp()
+    } else {
+        -(t * (-time / t).exp() - shift_t * (-time / shift_t).exp()) / (t - shift_t)
+    }
+}
+
+/// Qo after the start of a ramp of 1 a second.
+fn after_ramp((t, shift_t): (f64, f64), time: f64) -> f64 {
+    if t == shift_t {
+        -(2.0 * t - (2.0 * t + time) * (-time / t).exp())
+    } else {
+        let part = |t: f64| t * t * -f64::exp_m1(-time / t);
+        -(part(t) - part(shift_t)) / (t - shift_t)
+    }
+}
+
+/// Calls for every pair of a number format and a form of the system.
+macro_rules! for_all {
+    ($check:ident($($argument:expr),*)) => {
+        $check::<Fixed, Positions<Fixed>>($($argument),*);
+        $check::<f32, Positions<f32>>($($argument),*);
+        $check::<f64, Positions<f64>>($($argument),*);
+        $check::<Fixed, Phases<Fixed>>($($argument),*);
+        $check::<f32, Phases<f32>>($($argument),*);
+        $check::<f64, Phases<f64>>($($argument),*);
+    };
+}
+
+// After the macro, which it uses.
+mod frequency;
+
+/// What the number format adds to a movement of 10 µm, nm: in fixed point a gain of h/T ≥ 6e-4 is
+/// right to 2⁻²⁵, that is 5e-5 of T, and T·dQo/dT ≤ 1/e of the step; f32 rounds a difference to 2⁻²⁵.
+/// The resolution of an error, 1/16 nm, comes on top, of which half stands in each integrator.
+fn format_nm<S: Scalar>() -> f64 {
+    match S::NAME {
+        "fixed" => 0.3,
+        "f32" => 0.01,
+        _ => 0.005,
+    }
+}
+
+const STEP_NM: f64 = 10_000.0;
+
+/// Farthest that a run is from a closed form.
+fn worst(rows: &[Shown], tick_s: f64, exact: impl Fn(f64) -> f64, of: impl Fn(&Shown) -> f64) -> f64 {
+    (0u32..).zip(rows).map(|(k, row)| (of(row) - exact(f64::from(k) * tick_s)).abs()).fold(0.0, f64::max)
+}
+
+fn steps<S: Scalar, R: Resolver>(times: (f64, f64)) {
+    let rows = run::<S, R>(times, TICK_S, 20_000, still, |_| STEP_NM);
+    let error = worst(&rows, TICK_S, |t| STEP_NM * after_step(times, t), |row| row.table);
+    // The shift is exact at the ticks; held over a tick it is off by h·d(shift)/dt ≤ h·ΔQ/T', and the
+    // position loop, a low-pass of gain 1, makes no more of it. At its steepest it does show.
+    let bound = STEP_NM * TICK_S / times.1;
+    println!("{} {times:?}: within {error:.3} nm of the step's closed form, held: {bound:.3}", S::NAME);
+    assert!(error < bound + format_nm::<S>(), "{} {times:?}: {error} of {bound}", S::NAME);
+    assert!(error > 0.05 * bound, "{} {times:?}: {error} of {bound}", S::NAME);
+    // What phase detector 2 sees has no such error.
+    let error = worst(&rows, TICK_S, |t| -STEP_NM * (-t / times.1).exp(), |row| row.second);
+    assert!(error < format_nm::<S>() + 0.002, "{} {times:?}: {error}", S::NAME);
+}
+
+#[test]
+fn a_step_of_lost_motion() {
+    for times in TIMES {
+        for_all!(steps(times));
+    }
+}
+
+/// 1 mm/s of lost motion.
+const RAMP_NM_PER_S: f64 = 1e6;
+
+fn ramps<S: Scalar, R: Resolver>(times: (f64, f64)) {
+    let rows = run::<S, R>(times, TICK_S, 10_000, still, |t| RAMP_NM_PER_S * t);
+    // The lost motion is held over a tick, half a tick late in the mean; the shift is held at the value
+    // that it will have, half a tick early. What is left is of the second order: r·h²/T of the shorter
+    // time. The format counts for the way of the ramp's answer, r·(T + T'), instead of a step.
+    let (reach, shorter) = (RAMP_NM_PER_S * (times.0 + times.1), times.0.min(times.1));
+    let format = format_nm::<S>() * reach / STEP_NM;
+    let second_order = RAMP_NM_PER_S * TICK_S * TICK_S / shorter;
+    let error = worst(&rows, TICK_S, |t| RAMP_NM_PER_S * after_ramp(times, t), |row| row.table);
+    println!("{} {times:?}: within {error:.3} nm of the ramp's, of {reach} nm", S::NAME);
+    assert!(error < second_order + format, "{} {times:?}: {error} of {second_order}", S::NAME);
+    // Detector 2 sees the half tick that is late.
+    let late = RAMP_NM_PER_S * TICK_S / 2.0;
+    let exact = |t: f64| RAMP_NM_PER_S * times.1 * f64::exp_m1(-t / times.1);
+    let error = worst(&rows, TICK_S, exact, |row| row.second);
+    assert!(error < 1.1 * late + format && error > 0.9 * late - format, "{} {times:?}: {error}", S::NAME);
+    // r·(T + T') in the end: at least 6 times the longer of them has passed, e⁻⁶ = 0.0025.
+    let end = rows.last().unwrap().table / (-RAMP_NM_PER_S * (times.0 + times.1));
+    assert!((0.994..1.001).contains(&end), "{end}");
+}
+
+#[test]
+fn a_ramp_of_lost_motion() {
+    for times in TIMES {
+        for_all!(ramps(times));
+    }
+}
+
+#[test]
+fn halving_the_tick_leads_to_the_closed_forms() {
+    for times in TIMES {
+        let both = |ticks_per: u32, lost_motion: fn(f64) -> f64| {
+            let tick_s = TICK_S / f64::from(ticks_per);
+            run::<f64, Positions<f64>>(times, tick_s, 8000 * ticks_per, still, lost_motion)
+        };
+        let check = |lost_motion: fn(f64) -> f64, exact: &dyn Fn(f64) -> f64, bound: f64| {
+            let (coarse, fine) = (both(1, lost_motion), both(2, lost_motion));
+            let extrapolated: Vec<Shown> = coarse
+                .iter()
+                .zip(fine.iter().step_by(2))
+                .map(|(coarse, fine)| Shown { table: 2.0 * fine.table - coarse.table, second: 0.0 })
+                .collect();
+            let error = worst(&extrapolated, TICK_S, exact, |row| row.table);
+            println!("{times:?}: within {error:.5} nm, extrapolated");
+            assert!(error < bound, "{times:?}: {error} of {bound}");
+        };
+        // What is left is of the second order: (h/T)² of the shorter time, and 0.01 nm of rounding.
+        let second_order = (TICK_S / times.0.min(times.1)).powi(2);
+        check(|_| STEP_NM, &|t| STEP_NM * after_step(times, t), STEP_NM * second_order + 0.01);
+        let reach = RAMP_NM_PER_S * (times.0 + times.1);
+        check(|t| RAMP_NM_PER_S * t, &|t| RAMP_NM_PER_S * after_ramp(times, t), reach * second_order + 0.01);
+    }
+}
+
+/// Backlash and pitch error together: the sum of the two answers, and Qc between the two.
+fn both<S: Scalar, R: Resolver>(times: (f64, f64), backlash_nm: f64, pitch_nm_per_s: f64) {
+    let lost = |t: f64| backlash_nm + pitch_nm_per_s * t;
+    let rows = run::<S, R>(times, TICK_S, 10_000, still, lost);
+    let exact = |t: f64| backlash_nm * after_step(times, t) + pitch_nm_per_s * after_ramp(times, t);
+    let held = TICK_S * (backlash_nm / times.1 + pitch_nm_per_s);
+    let error = worst(&rows, TICK_S, exact, |row| row.table);
+    assert!(error < held + 10.0 * format_nm::<S>(), "{} {times:?}: {error} of {held}", S::NAME);
+
+    let ramp = pitch_nm_per_s * times.1;
+    // As above: a tick of the ramp, held.
+    let slack = TICK_S * pitch_nm_per_s + 10.0 * format_nm::<S>();
+    let (least, most) = (ramp.min(backlash_nm) - slack, ramp.max(backlash_nm) + slack);
+    for (k, row) in (0u32..).zip(&rows) {
+        let seen = -row.second;
+        assert!((least..=most).contains(&seen), "{} {k}: {seen} in {least} to {most}", S::NAME);
+        // Below what the lost motion is by then, which is what a semi-closed loop would keep.
+        assert!(k == 0 || seen < lost(f64::from(k) * TICK_S), "{} {k}: {seen}", S::NAME);
+    }
+    // It has gone from the one all the way to the other.
+    assert!((-rows[0].second - backlash_nm).abs() < slack);
+    assert!((-rows.last().unwrap().second - ramp).abs() < slack + 0.003 * (ramp - backlash_nm).abs());
+}
+
+#[test]
+fn a_step_and_a_ramp_at_once() {
+    for times in TIMES {
+        // The ramp's end, ΔQp·T', is 2 times and ½ of the step.
+        for_all!(both(times, 10_000.0, 20_000.0 / times.1));
+        for_all!(both(times, 10_000.0, 5_000.0 / times.1));
+    }
+}
+
+/// The two forms are one system: in fast motion, over 12 cycles of the phases, with backlash.
+fn forms<S: Scalar>() -> f64 {
+    let command = |t: f64| 50e6 * (t - 0.25 * (1.0 - (-t / 0.25).exp()));
+    let lost = |t: f64| 10_000.0 + 5_000.0 * (40.0 * t).sin();
+    let times = (0.03, 0.08);
+    let positions = run::<S, Positions<S>>(times, TICK_S, 40_000, command, lost);
+    let phases = run::<S, Phases<S>>(times, TICK_S, 40_000, command, lost);
+    assert!(positions.last().unwrap().table > 80e6);
+    positions.iter().zip(&phases).map(|(a, b)| (a.table - b.table).abs()).fold(0.0, f64::max)
+}
+
+#[test]
+fn phases_and_positions_are_the_same_system() {
+    // A phase is cut off at a step, 1 pm: the motor's, the table's, the excitation's.
+    let worst = forms::<f64>();
+    println!(
+        "phases against positions: f64 {worst:.5}, f32 {:.4}, fixed {:.4} nm",
+        forms::<f32>(),
+        forms::<Fixed>()
+    );
+    assert!(worst < 0.004 && worst > 0.0001, "{worst}");
+    // An error of 1.5 mm is right to 2⁻²⁵ of itself: 0.05 nm.
+    assert!(forms::<f32>() < 0.06, "{}", forms::<f32>());
+    // A step may tip the rounding of an error to 1/16 nm.
+    assert!(forms::<Fixed>() < 0.07, "{}", forms::<Fixed>());
+}
+
+/// Amplitude of the feedback at ω = K' for sines on the motor and on the table.
+fn shares<S: Scalar>(motor_nm: f64, table_nm: f64) -> f64 {
+    let n = 2000;
+    let omega = TAU / (f64::from(n) * TICK_S);
+    let mut resolver = Positions::<S>::new(TICK_S, 1.0 / omega);
+    let (mut re, mut im) = (0.0, 0.0);
+    for k in 0..12 * n {
+        let (sin, cos) = (omega * f64::from(k) * TICK_S).sin_cos();
+        let [motor, table] = [motor_nm, table_nm].map(|nm| Position(units(nm * sin)));
+        let feedback = -resolver.detect(Position(0), motor, table) as f64 / NM;
+        // After six periods the start has faded to e^(−37).
+        if k >= 6 * n {
+            re += feedback * sin / f64::from(3 * n);
+            im += feedback * cos / f64::from(3 * n);
+        }
+    }
+    re.hypot(im)
+}
+
+fn crosses<S: Scalar>() {
+    let (motor, table) = (shares::<S>(100_000.0, 0.0), shares::<S>(0.0, 100_000.0));
+    println!("{}: at K' motor {motor:.1}, table {table:.1} of 100000", S::NAME);
+    // Each 1/√2; held over a tick, a share is off by at most ωh = 2π/2000.
+    for share in [motor, table] {
+        assert!((share / 100_000.0 * SQRT_2 - 1.0).abs() < TAU / 2000.0, "{} {motor} {table}", S::NAME);
+    }
+    // And together they are the whole.
+    let whole = shares::<S>(100_000.0, 100_000.0);
+    assert!((whole - 100_000.0).abs() < 0.1, "{whole}");
+}
+
+#[test]
+fn motor_and_table_cross_over_at_k() {
+    crosses::<Fixed>();
+    crosses::<f32>();
+    crosses::<f64>();
+}
+
+/// Samples of a transducer at a place: converters of 16 bits, 30,000 counts of amplitude.
+#[expect(clippy::cast_possible_truncation, reason = "at most 30,000")]
+fn samples(place: Position, pitch_m: f64) -> Phase {
+    let (sine, cosine) = (TAU * place.to_m() / pitch_m).sin_cos();
+    let counts = |value: f64| (30_000.0 * value).round() as i32;
+    Phase::from_samples(counts(sine), counts(cosine), 15_000).unwrap()
+}
+
+#[test]
+fn from_sines_and_cosines_to_the_table() {
+    // A resolver of three pole pairs on a lead of 10 mm, a scale of 2 mm, and a step of 10 µm.
+    let (lead, pitch, times) = (0.01, 0.002, (0.03, 0.08));
+    let mut resolver = Transducer::new(lead, 3, samples(Position(0), lead / 3.0)).unwrap();
+    let mut scale = Transducer::new(pitch, 1, samples(Position(0), pitch)).unwrap();
+    let mut loops = Positions::<Fixed>::new(TICK_S, times.1);
+    let gain = <Fixed as Scalar>::gain(share(TICK_S, times.0));
+    let mut motor = Position(0);
+    let mut error = 0.0f64;
+    for k in 0..20_000 {
+        let table = motor - units(STEP_NM);
+        let exact = STEP_NM * after_step(times, f64::from(k) * TICK_S);
+        error = error.max((table.0 as f64 / NM - exact).abs());
+        let read = [resolver.read(samples(motor, lead / 3.0)), scale.read(samples(table, pitch))];
+        let first = loops.detect(Position(0), read[0], read[1]);
+        motor += scaled::<Fixed>(first, gain);
+    }
+    // √½ count of 30,000 is 3.75e-6 of a cycle: 12.5 nm of the resolver, which counts twice at most
+    // (as it is, and in the difference), and 7.5 nm of the scale.
+    let converters = 2.0 * 12.5 + 7.5;
+    println!("through converters of 16 bits: within {error:.2} nm");
+    let held = STEP_NM * TICK_S / times.1;
+    assert!(error < converters + held + 0.3 && error > 0.1 * converters, "{error}");
+}

@@ -1,0 +1,51 @@
+//! `docs/effects.md` is what the catalogue declares. `BLESS=1` writes it anew.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use std::fs;
+use std::path::Path;
+
+use model::effects::{KINDS, Kind, Occurrence, Parameter, Stage};
+
+#[test]
+fn the_table_of_effects_is_what_the_catalogue_declares() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("docs").join("effects.md");
+    if std::env::var_os("BLESS").is_some() {
+        fs::write(&path, table()).unwrap();
+    }
+    let written = fs::read_to_string(&path).unwrap();
+    assert!(written == table(), "docs/effects.md is not what the catalogue declares; BLESS=1 writes it anew");
+}
+
+fn table() -> String {
+    let rows: String = KINDS.iter().map(row).collect();
+    format!(
+        "# Effects\n\nEntries of `[[axis.NAME.effect]]` in a machine file, and what a trace can find. Written from the \
+         catalogue by `tests/tests/effect_table.rs`. On rotary axes degrees stand for mm and N·m for N in the keys of results, \
+         with the same numbers.\n\nShown in: the channels of which at least one is needed to look for the effect. An effect \
+         that may stand more than once adds up.\n\n| name | parameters | on rotary axes | shown in | more than once |\n\
+         |---|---|---|---|---|\n{rows}"
+    )
+}
+
+fn row(kind: &Kind) -> String {
+    let name = kind.told_by_key.map_or_else(
+        || format!("`{}`", kind.name),
+        |key| format!("`{}` with `{key}`, without masses", kind.name),
+    );
+    let list =
+        |of: &dyn Fn(&Parameter) -> String| kind.parameters.iter().map(of).collect::<Vec<_>>().join("<br>");
+    let linear = list(&|parameter| format!("`{}`, {}", parameter.key, parameter.range.description()));
+    let rotary = list(&|parameter| format!("`{}`", parameter.key_on(true)));
+    let channels: Vec<&str> = kind.shown_in.iter().map(|stage| channel(*stage)).collect();
+    let often = if kind.occurrence == Occurrence::Repeated { "yes" } else { "no" };
+    format!("| {name} | {linear} | {rotary} | {} | {often} |\n", channels.join(", "))
+}
+
+const fn channel(stage: Stage) -> &'static str {
+    match stage {
+        Stage::Motor => "motor (against the command)",
+        Stage::Table => "table",
+        Stage::Tool => "tool",
+        Stage::Force => "force",
+    }
+}

@@ -1,0 +1,76 @@
+//! No two modules of a crate need each other.
+//!
+//! A module uses another where a path in its source leads there, tests aside. A parent that only names and re-exports its
+//! children does not use them; a name that it re-exports leads to the child that defines it.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod crate_source;
+mod paths;
+
+use std::path::Path;
+
+use crate_source::CrateSource;
+
+/// The crates of the workspace, by folder.
+const CRATES: [&str; 12] = [
+    "shared",
+    "firmware",
+    "host-sim",
+    "host-sim/files",
+    "host-sim/numerics",
+    "host-sim/model",
+    "host-sim/link",
+    "host-sim/plant",
+    "host-sim/trace",
+    "host-sim/report",
+    "host-sim/studies",
+    "host-sim/self-test",
+];
+
+#[test]
+fn modules_of_a_crate_need_each_other_one_way() {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let mut found = Vec::new();
+    for folder in CRATES {
+        let source = CrateSource::read(&workspace.join(folder).join("src"));
+        assert!(source.modules().len() > 1, "{folder}: no modules were read");
+        found.extend(source.circles().into_iter().map(|circle| format!("{folder}: {}", circle.join(" -> "))));
+    }
+    assert!(found.is_empty(), "modules that need each other:\n{}", found.join("\n"));
+}
+
+#[test]
+fn every_crate_of_the_workspace_is_looked_at() {
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    let manifest = std::fs::read_to_string(workspace.join("Cargo.toml")).unwrap();
+    let members = manifest.split_once("\nmembers = [").unwrap().1.split_once(']').unwrap().0;
+    let members =
+        members.split(',').map(|member| member.trim().trim_matches('"')).filter(|name| !name.is_empty());
+    // The integration tests are programs of their own.
+    let missing: Vec<&str> = members.filter(|name| *name != "tests" && !CRATES.contains(name)).collect();
+    assert!(missing.is_empty(), "{missing:?}");
+}
+
+/// The check finds what it is for: each source has one circle, the last none.
+#[test]
+fn a_circle_is_found_by_whatever_path_it_is_tied() {
+    let circles = |files: &[(&str, &str)]| CrateSource::parse(files.iter().copied()).circles().len();
+    let root = ("", "mod a; mod b;");
+    assert_eq!(circles(&[root, ("a", "use crate::b::B; pub struct A;"), ("b", "use super::a::A;")]), 1);
+    assert_eq!(circles(&[root, ("a", "use crate::b; fn f() {}"), ("b", "fn g() { crate::a::f() }")]), 1);
+    // Through names that the parent re-exports.
+    let parent = ("", "mod a; mod b; pub use a::A; pub use b::B;");
+    assert_eq!(
+        circles(&[parent, ("a", "use crate::B; pub struct A;"), ("b", "use crate::A; pub struct B;")]),
+        1
+    );
+    // A parent's own item, used by a child that the parent uses.
+    assert_eq!(circles(&[("", "mod a; struct Own; fn f() { a::g() }"), ("a", "use super::Own;")]), 1);
+    // Between the insides of two folders.
+    let deep = [root, ("a", "mod c;"), ("a::c", "use crate::b::B;"), ("b", "use crate::a::c::C;")];
+    assert_eq!(circles(&deep), 1);
+    assert_eq!(
+        circles(&[root, ("a", "use crate::b::B;"), ("b", "#[cfg(test)] mod tests { use crate::a; }")]),
+        0
+    );
+}
