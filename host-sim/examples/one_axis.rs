@@ -67,7 +67,7 @@ fn largest_following_error_mm() -> Result<f64, Box<dyn std::error::Error>> {
     let log = run.log(controller.as_mut(), |_, _, _| {})?;
     let axis = &log.axes[0];
     let channels = axis.command.iter().flatten().zip(axis.motor.iter().flatten());
-    Ok(channels.map(|(command, motor)| (command - motor).abs()).fold(0.0, f64::max))
+    Ok(numerics::max_abs(channels.map(|(command, motor)| command - motor)))
 }
 
 #[test]

@@ -5,11 +5,10 @@ use std::fs;
 use std::path::{Path, PathBuf};
 
 use files::log::{Log, Unit};
+use friction_map::{FrictionMap, explain};
 use model::effects::Stage;
 use model::machine::Machine;
 use tests::data::data_folder;
-use trace::friction_map::FrictionMap;
-use trace::friction_map::search::explain;
 use trace::{Trace, trace};
 
 /// The entries of a folder, sorted.
@@ -142,7 +141,7 @@ fn the_lead_screw_has_a_load_and_stribeck_friction() {
     let Some(data) = data_folder("data/leadscrew") else { return };
     let map = FrictionMap::read(&data.join("friction_drive1.csv")).unwrap();
     let explained = explain(&map).unwrap();
-    let names: Vec<&str> = explained.searched.fitted.law.terms.iter().map(|term| term.name()).collect();
+    let names: Vec<&str> = explained.selection.fitted.law.terms.iter().map(|term| term.name()).collect();
     assert_eq!(names, ["constant_load", "stribeck"]);
     let near = |value: f64, figure: f64| (value / figure - 1.0).abs() < 0.02;
     let (before, after) = (explained.before, explained.after);
@@ -151,9 +150,9 @@ fn the_lead_screw_has_a_load_and_stribeck_friction() {
         near(before.ranges_left_out, 0.4913) && near(after.ranges_left_out, 0.0974),
         "{before:?} {after:?}"
     );
-    assert!(near(map.noise().unwrap(), 0.01529));
+    assert!(near(map.standard_error().unwrap(), 0.01529));
     // Friction in the slowest runs of the map, the sum of Coulomb and Stribeck friction, is (3.56 + 2.77)/2 mN·m.
-    let sizes = &explained.searched.fitted.law.sizes;
+    let sizes = &explained.selection.fitted.law.sizes;
     assert!((sizes[0] + sizes[3] - 3.16).abs() < 0.1, "{sizes:?}");
     // Half of the difference between the directions there: (2.77 − 3.56)/2.
     assert!((sizes[2] + 0.39).abs() < 0.06, "{sizes:?}");

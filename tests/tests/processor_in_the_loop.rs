@@ -7,7 +7,7 @@
 use std::time::Instant;
 
 use link::controller::{AxisOutput, Controller, Format, PathBlock, PathShape, Status};
-use link::emulator::{Emulator, PATIENCE};
+use link::emulator::{DEFAULT_TIMEOUT, Emulator};
 use link::remote::{Connection, Remote};
 use model::machine::Machine;
 use plant::instruments::Instruments;
@@ -110,7 +110,7 @@ fn on_host(format: Format, text: &str, turns: f64) -> Vec<Tick> {
 }
 
 fn emulator() -> Emulator {
-    Emulator::start(&tests::firmware::built("emulated"), PATIENCE).unwrap()
+    Emulator::start(&tests::firmware::built("emulated"), DEFAULT_TIMEOUT).unwrap()
 }
 
 fn emulated(format: Format) -> Remote<Emulator> {

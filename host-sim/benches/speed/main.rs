@@ -108,7 +108,7 @@ fn tool<T>(mut job: T, tick: impl Fn(&mut T), tool_m: impl Fn(&mut T) -> [f64; 2
 }
 
 fn rms_nm(a: &[f64], b: &[f64]) -> f64 {
-    (a.iter().zip(b).map(|(a, b)| (1e9 * (a - b)).powi(2)).sum::<f64>() / a.len() as f64).sqrt()
+    numerics::rms(a.iter().zip(b).map(|(a, b)| 1e9 * (a - b)))
 }
 
 fn print_cost(name: &str, divider: u32, steps: u32, ns: f64) {

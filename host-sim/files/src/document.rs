@@ -1,6 +1,6 @@
-//! A TOML text that still knows where its keys stand, so that an error can name key and line.
+//! A TOML text with the positions of its keys, so that an error can name key and line.
 //!
-//! Keys are written as in `axis.x.effect[0].width_um`, array elements counted from 0.
+//! Keys are paths as in `axis.x.effect[0].width_um`; array elements are counted from 0.
 
 use std::fs;
 use std::ops::Range;
@@ -18,17 +18,17 @@ pub struct Document<'a> {
     source: &'a str,
     text: &'a str,
     root: Spanned<DeTable<'a>>,
-    /// Everything in the tree, outer before inner.
-    places: IndexMap<String, Place<'a>>,
+    /// Every key of the tree, outer before inner.
+    entries: IndexMap<String, Entry<'a>>,
 }
 
-struct Place<'a> {
-    /// Span of the key; of an array element, its own.
+struct Entry<'a> {
+    /// Span of the key; for an array element, that of the element.
     name: Range<usize>,
     value: Spanned<DeValue<'a>>,
 }
 
-/// A file's text.
+/// The text of a file.
 ///
 /// # Errors
 /// If it cannot be read, or is not UTF-8.
@@ -52,70 +52,71 @@ impl<'a> Document<'a> {
         let root = DeTable::parse(text).map_err(|error| {
             let offset = error.span().map_or(text.len(), |span| span.start);
             let problem = format!("expected valid TOML: {}", error.message());
-            InputError::saying(source, problem).at_line(line_at(text.as_bytes(), offset))
+            InputError::new(source, problem).at_line(line_at(text.as_bytes(), offset))
         })?;
-        let mut places = IndexMap::new();
-        collect("", root.get_ref(), &mut places);
-        let document = Self { source, text, root, places };
+        let mut entries = IndexMap::new();
+        collect("", root.get_ref(), &mut entries);
+        let document = Self { source, text, root, entries };
         document.check_finite()?;
         Ok(document)
     }
 
-    /// The whole as a type.
+    /// Deserializes the whole document.
     ///
     /// # Errors
     /// The first key that does not fit the type.
     pub fn deserialize<T: DeserializeOwned>(&self) -> Result<T, InputError> {
         T::deserialize(Deserializer::from(self.root.clone())).map_err(|error| {
             let key = error.span().and_then(|span| self.key_at(&span)).unwrap_or_default();
-            self.misfit(key, &error)
+            self.type_error(key, &error)
         })
     }
 
-    /// One value as a type. A misfit is reported at `key` even where serde has lost the place, as
-    /// it does inside tagged enums.
+    /// Deserializes one value. An error is reported at `key` even where serde has lost the position, as it does inside
+    /// tagged enums.
     ///
     /// # Errors
     /// If the key is missing, or its value does not fit the type.
     pub fn deserialize_at<T: DeserializeOwned>(&self, key: &str) -> Result<T, InputError> {
-        let place = self.places.get(key).ok_or_else(|| self.refuse(key, "this key"))?;
-        T::deserialize(ValueDeserializer::from(place.value.clone())).map_err(|error| self.misfit(key, &error))
+        let entry = self.entries.get(key).ok_or_else(|| self.refuse(key, "this key"))?;
+        T::deserialize(ValueDeserializer::from(entry.value.clone()))
+            .map_err(|error| self.type_error(key, &error))
     }
 
-    /// The error that says what was expected at a key, and repeats what stands there.
+    /// An error that says what was expected at a key and what is there.
     #[must_use]
     pub fn refuse(&self, key: &str, what: &str) -> InputError {
         self.located(key, InputError::expected(self.source, what, self.found(key)))
     }
 
-    /// An error at a key that says what is wrong in its own words.
+    /// An error at a key in words of its own.
     #[must_use]
-    pub fn says(&self, key: &str, problem: &str) -> InputError {
-        self.located(key, InputError::saying(self.source, problem))
+    pub fn error_at(&self, key: &str, problem: &str) -> InputError {
+        self.located(key, InputError::new(self.source, problem))
     }
 
-    /// The keys directly in the table, or elements directly in the array, at `key`, in the order
-    /// of the file: the parser itself sorts tables by name.
-    pub fn inside(&self, key: &str) -> Vec<&str> {
+    /// Keys of the table, or elements of the array, at `key`, without those nested deeper, in the order of the file: the
+    /// parser itself sorts tables by name.
+    pub fn children(&self, key: &str) -> Vec<&str> {
         let direct = |candidate: &&String| parent(candidate) == key;
-        let mut keys: Vec<&str> = self.places.keys().filter(direct).map(String::as_str).collect();
-        keys.sort_by_key(|key| self.places[*key].name.start);
+        let mut keys: Vec<&str> = self.entries.keys().filter(direct).map(String::as_str).collect();
+        keys.sort_by_key(|key| self.entries[*key].name.start);
         keys
     }
 
-    /// Whether there is a number at a key.
+    /// Whether the value at a key is a number.
     #[must_use]
     pub fn is_number(&self, key: &str) -> bool {
-        let value = self.places.get(key).map(|place| place.value.get_ref());
+        let value = self.entries.get(key).map(|entry| entry.value.get_ref());
         matches!(value, Some(DeValue::Integer(_) | DeValue::Float(_)))
     }
 
     fn check_finite(&self) -> Result<(), InputError> {
-        let infinite = |place: &Place<'_>| match place.value.get_ref() {
+        let infinite = |entry: &Entry<'_>| match entry.value.get_ref() {
             DeValue::Float(float) => !float.as_str().parse().is_ok_and(f64::is_finite),
             _ => false,
         };
-        match self.places.iter().find(|(_, place)| infinite(place)) {
+        match self.entries.iter().find(|(_, entry)| infinite(entry)) {
             Some((key, _)) => Err(self.refuse(key, "a finite number")),
             None => Ok(()),
         }
@@ -129,35 +130,35 @@ impl<'a> Document<'a> {
         }
     }
 
-    /// Line of a key, or of the innermost table around it if the key is missing.
+    /// Line of a key, or of the innermost enclosing table if the key is missing.
     fn line(&self, key: &str) -> Option<usize> {
         let around = std::iter::successors(Some(key), |key| Some(parent(key)));
         let mut around = around.take_while(|key| !key.is_empty());
-        let place = around.find_map(|key| self.places.get(key))?;
-        Some(line_at(self.text.as_bytes(), place.name.start))
+        let entry = around.find_map(|key| self.entries.get(key))?;
+        Some(line_at(self.text.as_bytes(), entry.name.start))
     }
 
-    /// The value at a key as the user wrote it, if it fits into a message.
+    /// The value at a key for a message: as in the file, or a description of a table or array.
     fn found(&self, key: &str) -> String {
-        let Some(place) = self.places.get(key) else {
+        let Some(entry) = self.entries.get(key) else {
             return "none".to_owned();
         };
-        match place.value.get_ref() {
+        match entry.value.get_ref() {
             DeValue::Table(table) if table.is_empty() => "an empty table".to_owned(),
             DeValue::Table(_) => "a table".to_owned(),
             DeValue::Array(array) => format!("an array of {}", array.len()),
-            _ => shortened(&self.text[place.value.span()]),
+            _ => shortened(&self.text[entry.value.span()]),
         }
     }
 
     /// The innermost key whose name or value has exactly this span.
     fn key_at(&self, span: &Range<usize>) -> Option<&str> {
-        let hit = |place: &Place<'_>| place.name == *span || place.value.span() == *span;
-        self.places.iter().rev().find(|(_, place)| hit(place)).map(|(key, _)| key.as_str())
+        let hit = |entry: &Entry<'_>| entry.name == *span || entry.value.span() == *span;
+        self.entries.iter().rev().find(|(_, entry)| hit(entry)).map(|(key, _)| key.as_str())
     }
 
-    /// What serde has to say about the value at `key`, in our words.
-    fn misfit(&self, key: &str, error: &Error) -> InputError {
+    /// The error for a message of serde about the value at `key`.
+    fn type_error(&self, key: &str, error: &Error) -> InputError {
         let message = error.message();
         if let Some(name) = between(message, "missing field `", "`") {
             return self.refuse(&join(key, name), "this key");
@@ -165,22 +166,22 @@ impl<'a> Document<'a> {
         let Some((problem, expected)) = message.split_once(", expected ") else {
             return self.refuse(key, &format!("a valid value ({message})"));
         };
-        let expected = in_our_words(expected);
+        let expected = type_name(expected);
         match between(problem, "unknown field `", "`") {
             Some(name) => {
                 let inner = join(key, name);
-                let key = if self.places.contains_key(&inner) { &inner } else { key };
+                let key = if self.entries.contains_key(&inner) { &inner } else { key };
                 let problem = format!("unknown key, expected {expected}");
-                self.located(key, InputError::saying(self.source, problem))
+                self.located(key, InputError::new(self.source, problem))
             }
             None => self.refuse(key, &expected),
         }
     }
 }
 
-fn collect<'a>(at: &str, table: &DeTable<'a>, places: &mut IndexMap<String, Place<'a>>) {
+fn collect<'a>(at: &str, table: &DeTable<'a>, entries: &mut IndexMap<String, Entry<'a>>) {
     for (name, value) in table {
-        add(&join(at, name.get_ref()), name.span(), value, places);
+        add(&join(at, name.get_ref()), name.span(), value, entries);
     }
 }
 
@@ -188,21 +189,21 @@ fn add<'a>(
     key: &str,
     name: Range<usize>,
     value: &Spanned<DeValue<'a>>,
-    places: &mut IndexMap<String, Place<'a>>,
+    entries: &mut IndexMap<String, Entry<'a>>,
 ) {
-    places.insert(key.to_owned(), Place { name, value: value.clone() });
+    entries.insert(key.to_owned(), Entry { name, value: value.clone() });
     match value.get_ref() {
-        DeValue::Table(table) => collect(key, table, places),
+        DeValue::Table(table) => collect(key, table, entries),
         DeValue::Array(array) => {
             for (index, element) in array.iter().enumerate() {
-                add(&format!("{key}[{index}]"), element.span(), element, places);
+                add(&format!("{key}[{index}]"), element.span(), element, entries);
             }
         }
         _ => {}
     }
 }
 
-/// The key of the table or array around a key; empty for the whole file.
+/// The key of the enclosing table or array; empty for the whole file.
 fn parent(key: &str) -> &str {
     key.rfind(['.', '[']).map_or("", |end| &key[..end])
 }
@@ -215,8 +216,8 @@ fn between<'t>(text: &'t str, before: &str, after: &str) -> Option<&'t str> {
     Some(text.strip_prefix(before)?.split_once(after)?.0)
 }
 
-/// Rust's names of types mean nothing to someone who writes a machine file.
-fn in_our_words(expected: &str) -> String {
+/// Replaces the names of Rust types by words for the author of a machine file.
+fn type_name(expected: &str) -> String {
     match expected {
         "f64" => "a number".to_owned(),
         "u32" => "a whole number not below 0".to_owned(),
@@ -256,11 +257,11 @@ mod tests {
     }
 
     #[test]
-    fn keys_come_in_the_order_of_the_file() {
+    fn children_are_in_the_order_of_the_file() {
         let document = Document::parse(TEXT, "f.toml").unwrap();
-        assert_eq!(document.inside(""), ["z", "a", "t"]);
-        assert_eq!(document.inside("t.u"), ["t.u[0]", "t.u[1]"]);
-        assert_eq!(document.inside("absent"), [""; 0]);
+        assert_eq!(document.children(""), ["z", "a", "t"]);
+        assert_eq!(document.children("t.u"), ["t.u[0]", "t.u[1]"]);
+        assert_eq!(document.children("absent"), [""; 0]);
     }
 
     #[test]

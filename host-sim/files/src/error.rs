@@ -1,19 +1,18 @@
-//! What is wrong with an input, said in one line.
+//! Errors in input files, each in one line.
 
 use std::fmt::{self, Display};
 use std::io;
 
 use thiserror::Error;
 
-/// Longest piece of an input that a message repeats, in characters: a message stays one line.
-const LONGEST_QUOTE: usize = 40;
+/// Maximum number of characters that a message quotes from an input, so that it stays one line.
+const MAX_QUOTE: usize = 40;
 
 /// An input that cannot be used.
 ///
-/// Displayed as one line, from the outside in: file, line, key or column, what was expected there
-/// and what was found.
+/// Displayed as one line: file, line, key or column, then what was expected there and what was found.
 #[derive(Clone, Debug, PartialEq, Eq, Error)]
-#[error("{}{}{}: {problem}", Plain(file), Line(*line), Key(key.as_deref()))]
+#[error("{}{}{}: {problem}", FileName(file), Line(*line), Key(key.as_deref()))]
 pub struct InputError {
     file: String,
     line: Option<usize>,
@@ -22,71 +21,69 @@ pub struct InputError {
 }
 
 impl InputError {
-    /// Something in `file` is not what was expected.
-    ///
-    /// `found` stands as it is: text taken from the input goes through [`quoted`] first.
+    /// Something in `file` is not what was expected. Text from the input should be passed through [`quoted`] first.
     #[must_use]
     pub fn expected(file: &str, what: impl Display, found: impl Display) -> Self {
-        Self::saying(file, format!("expected {what}, found {found}"))
+        Self::new(file, format!("expected {what}, found {found}"))
     }
 
-    /// A problem that does not fit the form of [`InputError::expected`].
+    /// A problem in words of its own.
     #[must_use]
-    pub fn saying(file: &str, problem: impl Into<String>) -> Self {
+    pub fn new(file: &str, problem: impl Into<String>) -> Self {
         Self { file: file.to_owned(), line: None, key: None, problem: one_line(&problem.into()) }
     }
 
     /// A file that cannot be read at all.
     #[must_use]
     pub fn unreadable(file: &str, cause: &io::Error) -> Self {
-        Self::saying(file, format!("expected a readable file: {cause}"))
+        Self::new(file, format!("expected a readable file: {cause}"))
     }
 
-    /// The same, at a line of the file, counted from 1.
+    /// The same error at a line of the file, counted from 1.
     #[must_use]
     pub fn at_line(self, line: usize) -> Self {
         Self { line: Some(line), ..self }
     }
 
-    /// The same, at a key (`axis.x.lead_mm`) or a column (`x_motor_mm`).
+    /// The same error at a key (`axis.x.lead_mm`) or a column (`x_motor_mm`).
     #[must_use]
     pub fn at_key(self, key: &str) -> Self {
         Self { key: Some(one_line(key)), ..self }
     }
 }
 
-/// A piece of an input as a message repeats it: in quotes, escaped, cut short.
+/// A piece of an input for a message: in quotes, escaped, cut to a maximum length.
 #[must_use]
 pub fn quoted(found: &str) -> String {
     format!("\"{}\"", shortened(found).escape_debug())
 }
 
-/// A piece of an input, cut short where it is long.
+/// A piece of an input, cut to a maximum length.
 #[must_use]
 pub fn shortened(found: &str) -> String {
-    match found.char_indices().nth(LONGEST_QUOTE) {
+    match found.char_indices().nth(MAX_QUOTE) {
         Some((end, _)) => format!("{}…", &found[..end]),
         None => found.to_owned(),
     }
 }
 
-/// The line (from 1) on which a byte of the text stands.
+/// The line, counted from 1, of a byte of the text.
 #[must_use]
 pub fn line_at(text: &[u8], offset: usize) -> usize {
     let before = &text[..offset.min(text.len())];
     before.split(|&byte| byte == b'\n').count()
 }
 
-/// White space of any kind, line ends included, becomes one space.
+/// Replaces each run of white space, line ends included, by one space, and control characters by `?`.
 fn one_line(text: &str) -> String {
     let words: Vec<&str> = text.split_whitespace().collect();
     words.join(" ").replace(char::is_control, "?")
 }
 
-/// A file name: spaces are kept, so that it can be copied; control characters are not.
-struct Plain<'a>(&'a str);
+/// A file name. Spaces are kept, so that it can be copied; control characters become `?`.
+struct FileName<'a>(&'a str);
 
-impl Display for Plain<'_> {
+impl Display for FileName<'_> {
     fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
         f.write_str(&self.0.replace(char::is_control, "?"))
     }
@@ -113,7 +110,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn file_line_key_and_problem_stand_in_one_line() {
+    fn file_line_key_and_problem_are_one_line() {
         let error = InputError::expected("fit.csv", "a finite number", quoted("NaN"))
             .at_line(17)
             .at_key("x_motor_mm");
@@ -122,20 +119,20 @@ mod tests {
     }
 
     #[test]
-    fn places_that_are_not_known_are_left_out() {
-        assert_eq!(InputError::saying("a.csv", "is a picture").to_string(), "a.csv: is a picture");
+    fn unknown_locations_are_omitted() {
+        assert_eq!(InputError::new("a.csv", "is a picture").to_string(), "a.csv: is a picture");
     }
 
     #[test]
     fn line_ends_and_control_characters_never_reach_the_message() {
-        let error = InputError::saying("a\nb.csv", "one\n  | two\r\n\u{1b}[31m").at_key("k\ney");
+        let error = InputError::new("a\nb.csv", "one\n  | two\r\n\u{1b}[31m").at_key("k\ney");
         assert_eq!(error.to_string(), "a?b.csv: k ey: one | two ?[31m");
     }
 
     #[test]
     fn a_long_quote_is_cut() {
         let long = "x".repeat(1000);
-        assert_eq!(quoted(&long).chars().count(), LONGEST_QUOTE + 3);
+        assert_eq!(quoted(&long).chars().count(), MAX_QUOTE + 3);
         assert_eq!(quoted("a\nb"), "\"a\\nb\"");
     }
 }

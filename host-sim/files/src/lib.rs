@@ -1,13 +1,17 @@
 //! Files and their errors.
 //!
-//! [`document`] is a TOML text whose keys know their line; [`log`] is a recording, a CSV with one row a sample;
-//! [`number`] reads a cell of it, [`format`] writes one for people. [`error`] is the one line that a refused input gets. [`output`] writes a file whole or
-//! not at all. [`axis_name`] is what an axis may be called, in a machine file and in a log's columns.
+//! - [`document`]: TOML whose errors name key and line
+//! - [`table`]: CSV tables of numbers whose errors name line and column
+//! - [`log`]: recordings of axes, read from such a table and written as one
+//! - [`format`]: numbers as text for people
+//! - [`axis_name`]: which names an axis may have
+//! - [`error`]: an input that cannot be used, in one line
+//! - [`output`]: files that are written whole or not at all
 
 pub mod axis_name;
 pub mod document;
 pub mod error;
 pub mod format;
 pub mod log;
-pub mod number;
 pub mod output;
+pub mod table;

@@ -8,20 +8,20 @@ use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile};
 use thiserror::Error;
 
-/// A file that could not be written. What stood under its name before still stands there.
+/// A file that could not be written. A previous file of that name is unchanged.
 #[derive(Debug, Error)]
 #[error("{}: not written: {cause}", path.display())]
 pub struct OutputError {
-    /// Its name.
+    /// The file.
     pub path: PathBuf,
-    /// Why. Not marked as the source: the message holds it already, and a printed chain would repeat it.
+    /// The cause. It is not marked as the error's source, since the message contains it and a printed chain would repeat
+    /// it.
     pub cause: io::Error,
 }
 
-/// Writes what `fill` gives to a temporary file in the same folder, which then takes the name.
+/// Writes what `fill` gives to a temporary file in the same folder, then renames it.
 ///
-/// A name that already stands for something other than a file (a pipe, `/dev/null`) is written to
-/// in place: taking its name would remove it.
+/// A path that is something other than a file (a pipe, `/dev/null`) is written in place: renaming would replace it.
 ///
 /// # Errors
 /// If `fill` fails, or the folder is missing, not writable or full.
@@ -30,9 +30,9 @@ pub fn write_whole(
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     let written = match fs::metadata(path) {
-        Ok(there) if there.is_dir() => Err(io::Error::other("expected a file, found a folder")),
-        Ok(there) if !there.is_file() => write_in_place(path, fill),
-        // A link keeps pointing where it points; the file behind it is replaced.
+        Ok(metadata) if metadata.is_dir() => Err(io::Error::other("expected a file, found a folder")),
+        Ok(metadata) if !metadata.is_file() => write_in_place(path, fill),
+        // A link stays; the file that it points to is replaced.
         Ok(_) => fs::canonicalize(path).and_then(|target| replace(&target, fill)),
         Err(_) => replace(path, fill),
     };
@@ -45,10 +45,10 @@ fn write_in_place(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<(
     buffer.flush()
 }
 
-/// Temporary files that have not taken their names yet.
+/// Temporary files that have not been renamed yet.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Removes what is half written, for a program that is told to end.
+/// Removes all files that are only partly written, for a program that is interrupted.
 pub fn remove_unfinished() {
     let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
     for path in unfinished.drain(..) {
@@ -56,36 +56,36 @@ pub fn remove_unfinished() {
     }
 }
 
-/// A temporary file that is on the list of the unfinished ones as long as this stands.
-struct Listed(PathBuf);
+/// Keeps a temporary file in [`UNFINISHED`] until it is dropped.
+struct Unfinished(PathBuf);
 
-impl Listed {
+impl Unfinished {
     fn new(path: &Path) -> Self {
         UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).push(path.to_owned());
         Self(path.to_owned())
     }
 }
 
-impl Drop for Listed {
+impl Drop for Unfinished {
     fn drop(&mut self) {
         UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner).retain(|path| *path != self.0);
     }
 }
 
 fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
-    let mut temporary = beside(path)?;
-    let _listed = Listed::new(temporary.path());
+    let mut temporary = temporary_beside(path)?;
+    let _unfinished = Unfinished::new(temporary.path());
     let mut buffer = BufWriter::new(temporary.as_file_mut());
     fill(&mut buffer)?;
     buffer.flush()?;
     drop(buffer);
-    // Otherwise a power cut may leave the new name on an empty file.
+    // Without it a power failure may leave an empty file of the new name.
     temporary.as_file().sync_all()?;
     temporary.persist(path).map(drop).map_err(|refused| refused.error)
 }
 
-/// A temporary file in the folder of `path`, so that the renaming does not cross file systems.
-fn beside(path: &Path) -> io::Result<NamedTempFile> {
+/// A temporary file in the folder of `path`, so that renaming it does not cross file systems.
+fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
         _ => Path::new("."),
@@ -95,20 +95,20 @@ fn beside(path: &Path) -> io::Result<NamedTempFile> {
     }
     let mut builder = Builder::new();
     builder.prefix(".lost-motion-");
-    readable_by_others(&mut builder);
+    set_permissions(&mut builder);
     builder.tempfile_in(folder)
 }
 
-/// Temporary files are private; an output has the rights that the user's umask gives to new files.
+/// Sets the permissions of new files, from which the system subtracts the umask: those of temporary files are private.
 #[cfg(unix)]
-fn readable_by_others(builder: &mut Builder<'_, '_>) {
+fn set_permissions(builder: &mut Builder<'_, '_>) {
     use std::os::unix::fs::PermissionsExt;
 
     builder.permissions(fs::Permissions::from_mode(0o666));
 }
 
 #[cfg(not(unix))]
-fn readable_by_others(_builder: &mut Builder<'_, '_>) {}
+fn set_permissions(_builder: &mut Builder<'_, '_>) {}
 
 #[cfg(test)]
 mod tests {
@@ -120,7 +120,7 @@ mod tests {
     }
 
     #[test]
-    fn a_whole_output_takes_the_name() {
+    fn a_complete_output_replaces_the_previous_one() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out.json");
         for text in ["first, and longer", "second"] {
@@ -131,7 +131,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_leaves_what_was_there_and_nothing_else() {
+    fn a_failure_leaves_the_previous_file_and_no_other() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out.json");
         fs::write(&path, "before").unwrap();
@@ -157,7 +157,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn an_output_is_as_readable_as_any_new_file() {
+    fn an_output_has_the_permissions_of_a_new_file() {
         use std::os::unix::fs::PermissionsExt;
 
         let folder = tempfile::tempdir().unwrap();
@@ -169,7 +169,7 @@ mod tests {
 
     #[cfg(unix)]
     #[test]
-    fn a_link_and_a_socket_stay_what_they_are() {
+    fn links_and_sockets_are_kept() {
         use std::os::unix::fs::FileTypeExt;
 
         let folder = tempfile::tempdir().unwrap();

@@ -1,4 +1,4 @@
-//! The controller in the loop: `shared` in this process, or on a chip at the end of a link.
+//! What a simulator asks of a controller, and the controller in this process.
 
 use shared::axis::Reading;
 use shared::config::{AxisSettings, Rates};
@@ -8,79 +8,79 @@ use shared::safety::{Fault, Power};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
 
-/// The most axes that a machine may have.
-pub const MOST_AXES: usize = 3;
+/// Maximum number of axes of a machine.
+pub const MAX_AXES: usize = 3;
 
-/// What a tick asks of one drive.
+/// Output of a tick for one axis.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct AxisOutput {
     /// Force until the next tick, N.
     pub force_n: f64,
-    /// The same force to the last bit of the controller's number format.
+    /// The same force as the bits of the controller's number format, in the low bits where that is narrower.
     pub force_bits: u64,
-    /// Where the path is.
+    /// Position command of the path.
     pub command: Position,
 }
 
-/// How the machine stands after a tick.
+/// State of the machine after a tick.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Status {
     /// State of the drives.
     pub power: Power,
-    /// The first fault that the machine has gone on with.
+    /// The first fault that did not stop the machine.
     pub warning: Option<Fault>,
-    /// Whether every block has been travelled.
+    /// Whether all blocks are finished.
     pub done: bool,
-    /// Cost of the tick where it is counted: instructions on the emulated core.
+    /// Instructions of the tick, where they are counted (on the emulated core).
     pub cost: Option<u32>,
 }
 
-/// A block of any number of axes; see [`shared::interpolate::Block`].
+/// A block of the path for any number of axes; see [`shared::interpolate::Block`].
 #[derive(Clone, Debug, PartialEq)]
 pub struct PathBlock {
     /// Geometry.
     pub shape: PathShape,
-    /// Along the path, m/s.
+    /// Speed along the path, m/s.
     pub feed_m_per_s: f64,
-    /// m/s².
+    /// Acceleration along the path, m/s².
     pub acceleration_m_per_s2: f64,
-    /// How the speed rises and falls.
+    /// Profile of the speed at start and end.
     pub ramps: Ramps,
-    /// How the path goes on behind it.
+    /// Transition to the next block.
     pub joint: Joint,
 }
 
 /// Geometry of a [`PathBlock`].
 #[derive(Clone, Debug, PartialEq)]
 pub enum PathShape {
-    /// Stand still.
+    /// Standstill.
     Dwell {
-        /// How long.
+        /// Duration, s.
         seconds: f64,
     },
-    /// Straight to a point.
+    /// A straight line to a point.
     Line {
-        /// One coordinate an axis.
+        /// End point, one coordinate per axis, m.
         to_m: Vec<f64>,
     },
-    /// Round a centre.
+    /// An arc about a centre.
     Arc {
-        /// Numbers of the two axes.
+        /// Indices of the two axes.
         plane: [u8; 2],
-        /// Centre in those axes.
+        /// Centre in those axes, m.
         centre_m: [f64; 2],
-        /// Signed turns.
+        /// Number of turns, positive from the first axis to the second.
         turns: f64,
     },
-    /// Round a centre to a point on the circle.
+    /// An arc about a centre to a point on its circle.
     ArcTo {
-        /// Numbers of the two axes.
+        /// Indices of the two axes.
         plane: [u8; 2],
-        /// Centre in those axes.
+        /// Centre in those axes, m.
         centre_m: [f64; 2],
-        /// End point in those axes.
+        /// End point in those axes, m.
         to_m: [f64; 2],
-        /// From the first axis towards the second.
+        /// Whether it turns from the first axis to the second.
         positive: bool,
     },
 }
@@ -92,13 +92,13 @@ impl PathBlock {
         Self { shape, feed_m_per_s, acceleration_m_per_s2, ramps: Ramps::Trapezoid, joint: Joint::Stop }
     }
 
-    /// A pause.
+    /// A standstill of some seconds.
     #[must_use]
     pub const fn dwell(seconds: f64) -> Self {
         Self::new(PathShape::Dwell { seconds }, 0.0, 0.0)
     }
 
-    /// The block for a machine of `N` axes; `None` if it is for another number.
+    /// The block for a machine of `N` axes; `None` if it has another number of coordinates.
     #[must_use]
     pub fn for_axes<const N: usize>(&self) -> Option<Block<N>> {
         use shared::interpolate::block::Shape;
@@ -122,41 +122,41 @@ impl PathBlock {
     }
 }
 
-/// Why the controller could not go on.
+/// Errors of a controller.
 #[derive(Debug, thiserror::Error)]
 pub enum ControllerError {
     /// Settings or blocks were refused.
     #[error(transparent)]
     Refused(#[from] MachineError),
-    /// A machine of this many axes cannot be controlled.
-    #[error("{0} axes: expected 1 to {MOST_AXES}")]
+    /// There is no controller for this number of axes.
+    #[error("{0} axes: expected 1 to {MAX_AXES}")]
     Axes(usize),
-    /// There is no such port, or its board has not what the machine needs.
+    /// There is no such port, or its controller has too few axes.
     #[error("port: {0}")]
     Port(String),
-    /// The link to a board failed.
+    /// The connection failed.
     #[error("link: {0}")]
     Link(String),
 }
 
-/// A controller of some machine, wherever it runs. All slices hold one element an axis.
+/// A controller of a machine, wherever it runs. All slices have one element per axis.
 pub trait Controller {
     /// Appends a block to the path.
     ///
     /// # Errors
-    /// When the block is refused or the link fails.
+    /// If the block is refused or the connection fails.
     fn push(&mut self, block: &PathBlock) -> Result<(), ControllerError>;
 
-    /// Switches the drives on with the next tick.
+    /// Switches the drives on at the next tick.
     ///
     /// # Errors
-    /// When the link fails.
+    /// If the connection fails.
     fn enable(&mut self) -> Result<(), ControllerError>;
 
-    /// One tick.
+    /// Runs one tick of the velocity loop: readings in, outputs out.
     ///
     /// # Errors
-    /// When the link fails.
+    /// If the number of axes is wrong or the connection fails.
     fn tick(&mut self, readings: &[Reading], outputs: &mut [AxisOutput]) -> Result<Status, ControllerError>;
 }
 
@@ -194,10 +194,10 @@ pub enum Format {
     F64,
 }
 
-/// `shared` in this process.
+/// The controller of the crate `shared` in this process, drives off at position `start`.
 ///
 /// # Errors
-/// When settings are refused or there are too many axes.
+/// If settings are refused or there are too many axes.
 pub fn in_process(
     format: Format,
     rates: Rates,
@@ -205,13 +205,13 @@ pub fn in_process(
     start: &[Position],
 ) -> Result<Box<dyn Controller>, ControllerError> {
     match format {
-        Format::Fixed => of_axes::<Fixed>(rates, settings, start),
-        Format::F32 => of_axes::<f32>(rates, settings, start),
-        Format::F64 => of_axes::<f64>(rates, settings, start),
+        Format::Fixed => for_settings::<Fixed>(rates, settings, start),
+        Format::F32 => for_settings::<f32>(rates, settings, start),
+        Format::F64 => for_settings::<f64>(rates, settings, start),
     }
 }
 
-fn of_axes<S: Scalar>(
+fn for_settings<S: Scalar>(
     rates: Rates,
     settings: &[AxisSettings],
     start: &[Position],
@@ -221,9 +221,9 @@ fn of_axes<S: Scalar>(
         settings: &[AxisSettings],
         start: &[Position],
     ) -> Result<Box<dyn Controller>, ControllerError> {
-        let wrong = || ControllerError::Axes(settings.len());
-        let settings = settings.try_into().map_err(|_| wrong())?;
-        let start = start.try_into().map_err(|_| wrong())?;
+        let error = || ControllerError::Axes(settings.len());
+        let settings = settings.try_into().map_err(|_| error())?;
+        let start = start.try_into().map_err(|_| error())?;
         Ok(Box::new(Machine::<S, N>::new(rates, settings, start)?))
     }
     match settings.len() {

@@ -1,12 +1,10 @@
-//! A core that QEMU emulates, at the end of two pipes.
+//! The connection to a core that QEMU emulates, by the pipes of the emulator's process.
 //!
-//! The program reads frames from the emulator's standard input and writes answers to its standard
-//! output through semihosting. It runs as fast as it can; its clock is its own count of
-//! instructions, so that nothing depends on the speed of this computer.
+//! The emulated program reads frames from standard input and writes answers to standard output through semihosting. Its
+//! clock is its own count of instructions, so that results do not depend on the speed of this computer.
 //!
-//! Emulator and host take turns. A run is about 40 % faster where one core does both (`taskset -c 0
-//! lost-motion record …`); pinning the emulator alone gains nothing, and pinning this process is not a
-//! library's to decide.
+//! Emulator and host run in turn. A run is about 40 % faster if one processor does both (`taskset -c 0 lost-motion
+//! record …`); pinning the emulator alone gains nothing, and pinning the calling process is left to the user.
 
 use std::ffi::OsStr;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -20,33 +18,36 @@ use shared::protocol::FRAME;
 
 use super::remote::{Connection, Frame};
 
+/// The emulator's program.
 const QEMU: &str = "qemu-system-arm";
 
-/// 2¹⁰ ns of the emulated clock for an instruction; the program's meter divides by that.
+/// The emulated board. An instruction takes 2¹⁰ ns of its clock; the program's instruction counter divides by that.
 const MACHINE: &[&str] = &["-machine", "mps2-an386", "-icount", "shift=10"];
 
+/// No window, monitor or serial port, and an end instead of a restart.
 const PIPES_ONLY: &[&str] = &["-display", "none", "-monitor", "none", "-serial", "none", "-no-reboot"];
 
+/// Standard input and output of the emulated program are those of the emulator.
 const SEMIHOSTING: &[&str] = &["-semihosting-config", "enable=on,target=native"];
 
-/// How long an answer may take where nothing else is asked for: a tick takes a millisecond, the start of the emulator on
-/// a busy computer a second or two.
-pub const PATIENCE: Duration = Duration::from_secs(10);
+/// Default of the time that an answer may take: a tick takes a millisecond, the start of the emulator on a loaded
+/// computer a second or two.
+pub const DEFAULT_TIMEOUT: Duration = Duration::from_secs(10);
 
-/// A running emulator. It ends with this value.
+/// A running emulator; dropping it ends the process.
 #[derive(Debug)]
 pub struct Emulator {
     child: Child,
-    orders: ChildStdin,
-    /// From the thread that reads the program's output; closed where that has ended.
+    stdin: ChildStdin,
+    /// Answers, from the thread that reads standard output; disconnected when that ends.
     answers: Receiver<Frame>,
-    /// How long an answer may take.
-    patience: Duration,
-    /// Gives the last line of what the emulator complained of, once it has ended.
-    complaint: Option<JoinHandle<String>>,
+    /// Maximum time for an answer.
+    timeout: Duration,
+    /// The thread that reads standard error; its result is the line that tells why the emulator ended.
+    last_error: Option<JoinHandle<String>>,
 }
 
-/// Where `cargo emulated` puts its program.
+/// The path at which `cargo emulated` builds its program.
 #[must_use]
 pub fn default_program() -> PathBuf {
     const THIS_CRATE: &str = env!("CARGO_MANIFEST_DIR");
@@ -56,11 +57,11 @@ pub fn default_program() -> PathBuf {
 }
 
 impl Emulator {
-    /// Starts the emulator on a program whose answers may each take as long as `patience`.
+    /// Starts the emulator on a program, each of whose answers may take as long as `timeout`.
     ///
     /// # Errors
-    /// One line: the program or the emulator is missing, or the system does not start it.
-    pub fn start(program: &Path, patience: Duration) -> Result<Self, String> {
+    /// In one line, if the program or the emulator is missing, or the system does not start it.
+    pub fn start(program: &Path, timeout: Duration) -> Result<Self, String> {
         if !program.is_file() {
             return Err(format!("{}: no such program, build it with `cargo emulated`", program.display()));
         }
@@ -69,70 +70,70 @@ impl Emulator {
         };
         Self::spawn(
             Command::new(qemu).args(MACHINE).args(PIPES_ONLY).args(SEMIHOSTING).arg("-kernel").arg(program),
-            patience,
+            timeout,
         )
         .map_err(|error| format!("{QEMU} cannot be started: {error}"))
     }
 
-    fn spawn(command: &mut Command, patience: Duration) -> io::Result<Self> {
+    fn spawn(command: &mut Command, timeout: Duration) -> io::Result<Self> {
         let mut child =
             command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
-        let (Some(orders), Some(answers), Some(complaints)) = pipes else {
+        let (Some(stdin), Some(stdout), Some(stderr)) = pipes else {
             return Err(io::Error::other("no pipe to it"));
         };
-        // Read all the time, so that a talkative emulator does not block.
-        let complaint = thread::spawn(move || last_line(complaints));
-        // A read from a pipe waits for ever; only a thread of its own can be given up.
-        let (sender, frames) = sync_channel(1);
-        thread::spawn(move || pass_on(answers, &sender));
-        Ok(Self { child, orders, answers: frames, patience, complaint: Some(complaint) })
+        // Standard error is read all the time, so that an emulator that writes much does not block.
+        let last_error = thread::spawn(move || last_line(stderr));
+        // A read from a pipe has no timeout; waiting for a thread that reads has.
+        let (sender, answers) = sync_channel(1);
+        thread::spawn(move || forward_frames(stdout, &sender));
+        Ok(Self { child, stdin, answers, timeout, last_error: Some(last_error) })
     }
 
-    /// Ends the emulator, which has not answered in time; says so.
-    fn give_up(&mut self) -> String {
+    /// Ends the emulator after a timeout; gives the message.
+    fn timeout_error(&mut self) -> String {
         let _ = self.child.kill();
         let _ = self.child.wait();
         format!(
             "the emulator has not answered for {} s and was ended; check that its program is the one of `cargo emulated` \
              in this version, and that this computer is not overloaded",
-            self.patience.as_secs_f64()
+            self.timeout.as_secs_f64()
         )
     }
 
-    /// Why the emulator is gone.
-    fn epitaph(&mut self) -> String {
-        // It may still be on its way out; its pipes are closed already.
+    /// The message after the emulator has ended by itself.
+    fn exit_error(&mut self) -> String {
+        // Its pipes are closed; the process may still be ending.
         let _ = self.child.kill();
         let _ = self.child.wait();
-        let said = self.complaint.take().and_then(|reader| reader.join().ok()).unwrap_or_default();
-        if said.is_empty() {
+        let reason = self.last_error.take().and_then(|reader| reader.join().ok()).unwrap_or_default();
+        if reason.is_empty() {
             "the emulator has ended".to_owned()
         } else {
-            format!("the emulator has ended: {said}")
+            format!("the emulator has ended: {reason}")
         }
     }
 }
 
 impl Connection for Emulator {
     fn exchange(&mut self, frame: &mut Frame) -> Result<(), String> {
-        // The pipe holds many frames and one is under way at most: this does not wait.
-        self.orders.write_all(frame).map_err(|_| self.epitaph())?;
-        match self.answers.recv_timeout(self.patience) {
+        // Does not block: the pipe holds many frames, and at most one is in transit.
+        self.stdin.write_all(frame).map_err(|_| self.exit_error())?;
+        match self.answers.recv_timeout(self.timeout) {
             Ok(answer) => {
                 *frame = answer;
                 Ok(())
             }
-            Err(RecvTimeoutError::Timeout) => Err(self.give_up()),
-            Err(RecvTimeoutError::Disconnected) => Err(self.epitaph()),
+            Err(RecvTimeoutError::Timeout) => Err(self.timeout_error()),
+            Err(RecvTimeoutError::Disconnected) => Err(self.exit_error()),
         }
     }
 }
 
-/// Passes whole frames on until there are no more, or nobody takes them.
-fn pass_on(mut answers: ChildStdout, to: &SyncSender<Frame>) {
+/// Sends complete frames until the output ends or the receiver is dropped.
+fn forward_frames(mut stdout: ChildStdout, to: &SyncSender<Frame>) {
     let mut frame = [0; FRAME];
-    while answers.read_exact(&mut frame).is_ok() && to.send(frame).is_ok() {}
+    while stdout.read_exact(&mut frame).is_ok() && to.send(frame).is_ok() {}
 }
 
 impl Drop for Emulator {
@@ -142,18 +143,17 @@ impl Drop for Emulator {
     }
 }
 
-/// The path of an installed program.
+/// The path of a program that is in one of the folders of `PATH`.
 fn installed(program: &str) -> Option<PathBuf> {
     let folders = std::env::var_os("PATH")?;
     std::env::split_paths(&folders).map(|folder| folder.join(OsStr::new(program))).find(|path| path.is_file())
 }
 
-/// The last line in QEMU's own name, else the last that is not empty; read to the end.
-///
-/// Behind a line of its own, QEMU may print the registers.
-fn last_line(from: ChildStderr) -> String {
+/// Reads to the end; gives the last line that begins with `qemu`, otherwise the last that is not empty. QEMU may print
+/// registers behind its message.
+fn last_line(stderr: ChildStderr) -> String {
     let (mut own, mut last) = (None, String::new());
-    for line in BufReader::new(from).split(b'\n').map_while(Result::ok) {
+    for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
         let line = String::from_utf8_lossy(&line).trim().replace(char::is_control, "?");
         if line.starts_with("qemu") {
             own = Some(line.clone());
@@ -172,42 +172,45 @@ mod tests {
     use super::*;
 
     fn shell(script: &str) -> Emulator {
-        Emulator::spawn(Command::new("sh").args(["-c", script]), PATIENCE).unwrap()
+        Emulator::spawn(Command::new("sh").args(["-c", script]), DEFAULT_TIMEOUT).unwrap()
     }
 
-    /// A child answers `frames` frames with themselves and then only reads.
-    fn falls_silent_after(frames: usize) {
-        // Long enough for a shell to start on a busy computer.
-        let patience = Duration::from_millis(1500);
-        // Its output stays open in 3, as an end of it would say that the child has ended.
-        let answer = format!("dd bs={FRAME} count={frames} 2>/dev/null");
-        let script = format!("{answer}; exec cat 3>&1 >/dev/null");
-        let mut child = Emulator::spawn(Command::new("sh").args(["-c", &script]), patience).unwrap();
+    /// The child echoes `frames` frames and then only reads.
+    fn times_out_after(frames: usize) {
+        // Long enough for a shell to start on a loaded computer.
+        let timeout = Duration::from_millis(1500);
+        // Its output stays open as descriptor 3: closed, it would look like the end of the process.
+        let echo = format!("dd bs={FRAME} count={frames} 2>/dev/null");
+        let script = format!("{echo}; exec cat 3>&1 >/dev/null");
+        let mut child = Emulator::spawn(Command::new("sh").args(["-c", &script]), timeout).unwrap();
         for _ in 0..frames {
             child.exchange(&mut [7; FRAME]).unwrap();
         }
-        let asked = Instant::now();
-        let said = child.exchange(&mut [7; FRAME]).unwrap_err();
-        let waited = asked.elapsed();
-        assert!(said.starts_with("the emulator has not answered for 1.5 s and was ended; check"), "{said}");
-        assert!(!said.contains('\n'), "{said}");
-        // No sooner than it was told, and not much later: killing takes milliseconds, a busy computer some more.
-        assert!(waited >= patience && waited < patience + Duration::from_secs(5), "{waited:?}");
+        let started = Instant::now();
+        let message = child.exchange(&mut [7; FRAME]).unwrap_err();
+        let waited = started.elapsed();
+        assert!(
+            message.starts_with("the emulator has not answered for 1.5 s and was ended; check"),
+            "{message}"
+        );
+        assert!(!message.contains('\n'), "{message}");
+        // Killing takes milliseconds, more on a loaded computer.
+        assert!(waited >= timeout && waited < timeout + Duration::from_secs(5), "{waited:?}");
         assert!(child.child.try_wait().unwrap().is_some(), "it still runs");
-        // Asked again, it is gone, and nobody waits.
+        // The next exchange fails without waiting.
         let again = Instant::now();
         assert_eq!(child.exchange(&mut [7; FRAME]).unwrap_err(), "the emulator has ended");
-        assert!(again.elapsed() < patience);
+        assert!(again.elapsed() < timeout);
     }
 
     #[test]
-    fn a_child_that_never_answers_is_given_up() {
-        falls_silent_after(0);
+    fn a_child_that_never_answers_times_out() {
+        times_out_after(0);
     }
 
     #[test]
-    fn so_is_one_that_no_longer_does() {
-        falls_silent_after(3);
+    fn a_child_that_stops_answering_times_out() {
+        times_out_after(3);
     }
 
     #[test]
@@ -215,7 +218,7 @@ mod tests {
         let mut child = shell("echo first >&2; echo could not load kernel >&2; exit 1");
         let mut frame = [0; 256];
         assert_eq!(child.exchange(&mut frame).unwrap_err(), "the emulator has ended: could not load kernel");
-        // Asked again, it says the same without the words, which have been told.
+        // The reason is given once.
         assert_eq!(child.exchange(&mut frame).unwrap_err(), "the emulator has ended");
     }
 

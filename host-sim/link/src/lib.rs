@@ -1,7 +1,8 @@
-//! A controller on a chip, as the [`Controller`] that the simulator and the recorder know.
+//! The controller of a simulated machine, in this process or on a chip at the other end of a connection.
 //!
-//! [`remote`] speaks the [`shared::protocol`] over any connection; [`emulator`] is the connection to a
-//! core that QEMU emulates.
+//! - [`controller`]: the trait that simulator and recorder use, and the controller in this process
+//! - [`remote`]: a controller that is reached by [`shared::protocol`] over any connection
+//! - [`emulator`]: the connection to a core that QEMU emulates
 
 pub mod controller;
 pub mod emulator;
@@ -10,31 +11,19 @@ pub mod remote;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use shared::config::{AxisSettings, Rates};
-use shared::units::Position;
-
-use crate::controller::{Controller, ControllerError, Format};
+use controller::ControllerError;
 use emulator::Emulator;
 use files::error::quoted;
-use remote::Remote;
 
-/// Opens a port and sets its controller up, drives off.
+/// Opens a port; [`remote::Remote::set_up`] then sets its controller up.
 ///
-/// `port` is `emulated`, for the program that `cargo emulated` has built, or `emulated:PATH` for
-/// another build of it. Each of its answers may take as long as `patience`.
+/// `port` is `emulated`, for the program that `cargo emulated` has built, or `emulated:PATH` for another build of it.
+/// Each answer may take as long as `timeout`.
 ///
 /// # Errors
-/// [`ControllerError::Refused`] as from [`crate::controller::in_process`] where settings are refused;
-/// [`ControllerError::Port`] where there is no such port, or it has too few axes;
-/// [`ControllerError::Link`] where the program or the emulator is missing, or does not answer.
-pub fn open(
-    port: &str,
-    patience: Duration,
-    format: Format,
-    rates: Rates,
-    settings: &[AxisSettings],
-    start: &[Position],
-) -> Result<Box<dyn Controller>, ControllerError> {
+/// [`ControllerError::Port`] where there is no such port; [`ControllerError::Link`] where the program or the emulator is
+/// missing or does not start.
+pub fn open(port: &str, timeout: Duration) -> Result<Emulator, ControllerError> {
     let program = match port.split_once(':') {
         None if port == "emulated" => emulator::default_program(),
         Some(("emulated", path)) if !path.is_empty() => PathBuf::from(path),
@@ -45,34 +34,30 @@ pub fn open(
             )));
         }
     };
-    let link = Emulator::start(&program, patience).map_err(ControllerError::Link)?;
-    Ok(Box::new(Remote::set_up(link, format, rates, settings, start)?))
+    Emulator::start(&program, timeout).map_err(ControllerError::Link)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    fn refusal(port: &str) -> String {
-        let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
-        let opened =
-            open(port, emulator::PATIENCE, Format::Fixed, rates, &[AxisSettings::default()], &[Position(0)]);
-        opened.err().expect("nothing is there to open").to_string()
+    fn error(port: &str) -> String {
+        open(port, emulator::DEFAULT_TIMEOUT).expect_err("there is no such port").to_string()
     }
 
     #[test]
-    fn names_the_ports_there_are() {
+    fn an_unknown_port_is_an_error_that_names_the_known_ones() {
         for port in ["/dev/ttyUSB0", "emulated:", "emulator", ""] {
-            let message = refusal(port);
+            let message = error(port);
             assert!(message.contains("expected emulated or emulated:PROGRAM"), "{message}");
             assert!(!message.contains('\n'));
         }
     }
 
     #[test]
-    fn says_how_to_build_a_missing_program() {
+    fn a_missing_program_is_an_error_that_says_how_to_build_it() {
         assert_eq!(
-            refusal("emulated:/nowhere/emulated"),
+            error("emulated:/nowhere/emulated"),
             "link: /nowhere/emulated: no such program, build it with `cargo emulated`"
         );
     }

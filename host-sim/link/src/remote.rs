@@ -1,4 +1,4 @@
-//! A controller that answers one frame with one frame, wherever it is.
+//! A controller at the other end of a connection, which answers each frame by one frame.
 
 use shared::axis::Reading;
 use shared::config::{AxisSettings, Rates};
@@ -17,19 +17,19 @@ use crate::controller::{
 /// One frame of the protocol.
 pub type Frame = [u8; FRAME];
 
-/// Something that answers frames.
+/// A connection that answers frames.
 pub trait Connection {
-    /// Sends the frame and replaces it by the answer.
+    /// Sends a frame and replaces it by the answer.
     ///
     /// # Errors
-    /// What is wrong with the connection, in one line.
+    /// The failure of the connection, in one line.
     fn exchange(&mut self, frame: &mut Frame) -> Result<(), String>;
 }
 
-/// A machine of one or two axes at the other end of a connection.
+/// The controller of a machine of one or two axes at the other end of a connection.
 ///
-/// The protocol has two axes. A machine of one gets a second one that stands still at 0: its share of
-/// every path length is exactly nothing, so that the first axis computes what it would alone.
+/// The protocol has two axes. A machine of one axis gets a second one that stands still at 0: it adds exactly 0 to every
+/// path length, so that the results of the first axis are the same bits as without it.
 #[derive(Debug)]
 pub struct Remote<C: Connection> {
     connection: C,
@@ -38,12 +38,11 @@ pub struct Remote<C: Connection> {
 }
 
 impl<C: Connection> Remote<C> {
-    /// Makes the machine at the other end, drives off.
+    /// Sets the controller at the other end up, drives off.
     ///
     /// # Errors
-    /// [`ControllerError::Refused`] where this process, with the same code, refuses the settings;
-    /// [`ControllerError::Port`] for more axes than the protocol has; [`ControllerError::Link`] for a
-    /// broken connection.
+    /// [`ControllerError::Refused`] where the same controller in this process refuses the settings;
+    /// [`ControllerError::Port`] for more axes than the protocol has; [`ControllerError::Link`] if the connection fails.
     pub fn set_up(
         connection: C,
         format: Format,
@@ -69,23 +68,24 @@ impl<C: Connection> Remote<C> {
             start: padded(start, Position(0)),
         };
         let mut remote = Self { connection, format, axes };
-        remote.order(&Order::Setup(setup))?;
+        remote.command(&Order::Setup(setup))?;
         Ok(remote)
     }
 
-    fn ask(&mut self, order: &Order) -> Result<Answer, ControllerError> {
+    /// Sends an order, in parts if it does not fit into one frame, and gives the answer.
+    fn request(&mut self, order: &Order) -> Result<Answer, ControllerError> {
         let mut frame = [0; FRAME];
         if protocol::encode(order, &mut frame).is_ok() {
             return self.exchange(frame);
         }
         let mut bytes = [0; LONGEST_ORDER];
-        let bytes = postcard::to_slice(order, &mut bytes).map_err(|error| broken(&error))?;
+        let bytes = postcard::to_slice(order, &mut bytes).map_err(|error| unexpected(&error))?;
         let mut pieces = bytes.chunks(PART).peekable();
         loop {
             let piece = heapless::Vec::from_slice(pieces.next().unwrap_or_default());
             let last = pieces.peek().is_none();
             let part = Order::Part(Part { bytes: piece.unwrap_or_default(), last });
-            protocol::encode(&part, &mut frame).map_err(|error| broken(&error))?;
+            protocol::encode(&part, &mut frame).map_err(|error| unexpected(&error))?;
             let answer = self.exchange(frame)?;
             if last || answer != Answer::Ready {
                 return Ok(answer);
@@ -93,20 +93,21 @@ impl<C: Connection> Remote<C> {
         }
     }
 
+    /// Sends a frame; a refusal is an error.
     fn exchange(&mut self, mut frame: Frame) -> Result<Answer, ControllerError> {
         self.connection.exchange(&mut frame).map_err(ControllerError::Link)?;
-        match protocol::decode(&frame).map_err(|error| broken(&error))? {
+        match protocol::decode(&frame).map_err(|error| unexpected(&error))? {
             Answer::Refused(Refusal::Path(error)) => Err(MachineError::Path(error).into()),
-            Answer::Refused(refusal) => Err(broken(&refusal)),
+            Answer::Refused(refusal) => Err(unexpected(&refusal)),
             answer => Ok(answer),
         }
     }
 
-    /// An order that is answered by no more than "ready".
-    fn order(&mut self, order: &Order) -> Result<(), ControllerError> {
-        match self.ask(order)? {
+    /// Sends an order whose only answer is [`Answer::Ready`].
+    fn command(&mut self, order: &Order) -> Result<(), ControllerError> {
+        match self.request(order)? {
             Answer::Ready => Ok(()),
-            other => Err(broken(&other)),
+            other => Err(unexpected(&other)),
         }
     }
 }
@@ -117,7 +118,7 @@ impl<C: Connection> Controller for Remote<C> {
             (PathShape::Line { to_m }, 1) if to_m.len() == 1 => {
                 PathBlock { shape: PathShape::Line { to_m: vec![to_m[0], 0.0] }, ..block.clone() }
             }
-            // With its second axis the board would turn it; a machine of one axis refuses.
+            // The other end has a second axis and would accept it; a machine of one axis refuses.
             (PathShape::Arc { .. } | PathShape::ArcTo { .. }, 1) => {
                 return Err(ControllerError::Refused(MachineError::Path(PathError::BadPlane)));
             }
@@ -127,11 +128,11 @@ impl<C: Connection> Controller for Remote<C> {
             _ => block.clone(),
         };
         let block = block.for_axes::<AXES>().ok_or(ControllerError::Axes(self.axes))?;
-        self.order(&Order::Block(block))
+        self.command(&Order::Block(block))
     }
 
     fn enable(&mut self) -> Result<(), ControllerError> {
-        self.order(&Order::Enable)
+        self.command(&Order::Enable)
     }
 
     fn tick(&mut self, readings: &[Reading], outputs: &mut [AxisOutput]) -> Result<Status, ControllerError> {
@@ -139,9 +140,9 @@ impl<C: Connection> Controller for Remote<C> {
             return Err(ControllerError::Axes(readings.len()));
         }
         let still = Reading { motor: Position(0), table: Some(Position(0)) };
-        let ticked = match self.ask(&Order::Tick(padded(readings, still)))? {
+        let ticked = match self.request(&Order::Tick(padded(readings, still)))? {
             Answer::Tick(ticked) => ticked,
-            other => return Err(broken(&other)),
+            other => return Err(unexpected(&other)),
         };
         let TickResult { force_bits, commands, power, warning, done, cost } = ticked;
         for ((out, bits), command) in outputs.iter_mut().zip(force_bits).zip(commands) {
@@ -151,12 +152,12 @@ impl<C: Connection> Controller for Remote<C> {
     }
 }
 
-/// The first elements from a slice, the others as given.
-fn padded<T: Copy>(given: &[T], other: T) -> [T; AXES] {
-    core::array::from_fn(|axis| given.get(axis).copied().unwrap_or(other))
+/// The elements of a slice, followed by `padding`.
+fn padded<T: Copy>(elements: &[T], padding: T) -> [T; AXES] {
+    core::array::from_fn(|axis| elements.get(axis).copied().unwrap_or(padding))
 }
 
-/// The force whose bits these are in a number format.
+/// The force (N) for its bits in a number format.
 #[expect(clippy::cast_possible_truncation, reason = "the narrow formats fill the low bits")]
 fn force_n(format: Format, bits: u64) -> f64 {
     match format {
@@ -166,8 +167,8 @@ fn force_n(format: Format, bits: u64) -> f64 {
     }
 }
 
-/// What only a program of another protocol, or a damaged line, would say.
-fn broken(what: &impl core::fmt::Debug) -> ControllerError {
+/// An answer that a controller of this version does not give over an intact connection.
+fn unexpected(what: &impl core::fmt::Debug) -> ControllerError {
     ControllerError::Link(format!("unexpected answer {what:?}: is the program there of this version?"))
 }
 
@@ -177,18 +178,19 @@ mod tests {
 
     use super::*;
 
-    /// The board's own code without a board.
+    /// The session of the chip's program, called directly.
     #[derive(Default)]
-    struct Here {
+    struct Direct {
         session: Session,
-        damage: bool,
+        /// Whether answers are overwritten.
+        is_damaged: bool,
     }
 
-    impl Connection for Here {
+    impl Connection for Direct {
         fn exchange(&mut self, frame: &mut Frame) -> Result<(), String> {
             let answer = self.session.answer(frame, &mut NoMeter).ok_or("ended")?;
             protocol::encode(&answer, frame).map_err(|error| error.to_string())?;
-            if self.damage {
+            if self.is_damaged {
                 frame.fill(0xff);
             }
             Ok(())
@@ -207,14 +209,14 @@ mod tests {
         PathBlock { shape, ..line(&[]) }
     }
 
-    /// Both controllers on an axis that follows its command a tick late.
+    /// Runs both controllers with readings that are the command of the tick before plus a drift.
     fn assert_same(
-        mut ours: Box<dyn Controller>,
-        mut theirs: Remote<Here>,
+        mut local: Box<dyn Controller>,
+        mut remote: Remote<Direct>,
         blocks: &[PathBlock],
         axes: usize,
     ) {
-        for controller in [ours.as_mut(), &mut theirs as &mut dyn Controller] {
+        for controller in [local.as_mut(), &mut remote as &mut dyn Controller] {
             for block in blocks {
                 controller.push(block).unwrap();
             }
@@ -228,46 +230,46 @@ mod tests {
                 table: Some(out.command + 500 * k),
             };
             let readings: Vec<_> = outputs.iter().map(reading).collect();
-            let status = ours.tick(&readings, &mut outputs).unwrap();
-            let other = theirs.tick(&readings, &mut others).unwrap();
+            let status = local.tick(&readings, &mut outputs).unwrap();
+            let other = remote.tick(&readings, &mut others).unwrap();
             assert_eq!((&outputs, status.power, status.done), (&others, other.power, other.done), "tick {k}");
         }
     }
 
     #[test]
-    fn one_axis_computes_what_it_would_alone() {
+    fn one_axis_gives_the_same_bits_as_in_this_process() {
         let sensors = shared::config::Sensors::Dual { time_constant_s: 0.01 };
         let settings = [AxisSettings { sensors, ..AxisSettings::default() }];
-        // A start that f64 metres do not hold exactly.
+        // This position has no exact value in f64 metres.
         let start = [Position((1 << 56) + 12_345_677)];
         for format in FORMATS {
-            let ours = in_process(format, RATES, &settings, &start).unwrap();
-            let theirs = Remote::set_up(Here::default(), format, RATES, &settings, &start).unwrap();
-            assert_same(ours, theirs, &[line(&[68.73]), line(&[68.71])], 1);
+            let local = in_process(format, RATES, &settings, &start).unwrap();
+            let remote = Remote::set_up(Direct::default(), format, RATES, &settings, &start).unwrap();
+            assert_same(local, remote, &[line(&[68.73]), line(&[68.71])], 1);
         }
     }
 
     #[test]
-    fn two_axes_compute_what_they_would_here() {
+    fn two_axes_give_the_same_bits_as_in_this_process() {
         let settings = [
             AxisSettings::default(),
             AxisSettings { law: shared::config::Law::Hpc, ..AxisSettings::default() },
         ];
         let start = [Position(0), Position(0)];
         for format in FORMATS {
-            let ours = in_process(format, RATES, &settings, &start).unwrap();
-            let theirs = Remote::set_up(Here::default(), format, RATES, &settings, &start).unwrap();
-            assert_same(ours, theirs, &[arc([0, 1]), line(&[0.0, 0.0])], 2);
+            let local = in_process(format, RATES, &settings, &start).unwrap();
+            let remote = Remote::set_up(Direct::default(), format, RATES, &settings, &start).unwrap();
+            assert_same(local, remote, &[arc([0, 1]), line(&[0.0, 0.0])], 2);
         }
     }
 
     #[test]
-    fn refuses_with_the_words_of_this_process() {
+    fn settings_are_refused_with_the_same_message_as_in_this_process() {
         let here = |settings: &[AxisSettings], start: &[Position]| {
             in_process(Format::Fixed, RATES, settings, start).err().map(|error| error.to_string())
         };
         let there = |settings: &[AxisSettings], start: &[Position]| {
-            Remote::set_up(Here::default(), Format::Fixed, RATES, settings, start)
+            Remote::set_up(Direct::default(), Format::Fixed, RATES, settings, start)
                 .err()
                 .map(|error| error.to_string())
         };
@@ -285,7 +287,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_blocks_with_the_words_of_this_process() {
+    fn blocks_are_refused_with_the_same_message_as_in_this_process() {
         let far = PathBlock {
             shape: PathShape::Arc { plane: [0, 0], centre_m: [1e9, 0.0], turns: 1.0 },
             ..line(&[])
@@ -305,18 +307,18 @@ mod tests {
             let settings = vec![AxisSettings::default(); axes];
             let start = vec![Position(0); axes];
             for block in &blocks {
-                let mut ours = in_process(Format::Fixed, RATES, &settings, &start).unwrap();
-                let mut theirs =
-                    Remote::set_up(Here::default(), Format::Fixed, RATES, &settings, &start).unwrap();
+                let mut local = in_process(Format::Fixed, RATES, &settings, &start).unwrap();
+                let mut remote =
+                    Remote::set_up(Direct::default(), Format::Fixed, RATES, &settings, &start).unwrap();
                 let words = |pushed: Result<(), ControllerError>| pushed.map_err(|error| error.to_string());
-                assert_eq!(words(theirs.push(block)), words(ours.push(block)), "{axes} axes, {block:?}");
+                assert_eq!(words(remote.push(block)), words(local.push(block)), "{axes} axes, {block:?}");
             }
         }
     }
 
     #[test]
-    fn an_answer_that_is_none_is_an_error_of_the_link() {
-        let connection = Here { damage: true, ..Here::default() };
+    fn a_damaged_answer_is_an_error_of_the_link() {
+        let connection = Direct { is_damaged: true, ..Direct::default() };
         let error =
             Remote::set_up(connection, Format::Fixed, RATES, &[AxisSettings::default()], &[Position(0)])
                 .err();

@@ -80,7 +80,7 @@ impl MachineSim {
             clippy::cast_sign_loss,
             reason = "a handful of steps a tick"
         )]
-        let steps = (tick_s / steps_s.fold(tick_s, f64::min)).ceil() as u32;
+        let steps = (tick_s / numerics::min(steps_s).min(tick_s)).ceil() as u32;
         Self::with_steps(machine, instruments, start_m, steps)
     }
 

@@ -1,6 +1,6 @@
 //! Sensors: white noise and quantisation.
 
-use rand::RngExt;
+use numerics::noise::sum_of_uniforms;
 use rand_chacha::ChaCha8Rng;
 
 /// A position sensor (m) or the force reading (N).
@@ -16,17 +16,11 @@ impl Sensor {
     /// A reading of a value.
     #[inline]
     pub fn read(&self, value: f64, random: &mut ChaCha8Rng) -> f64 {
-        let noisy = if self.noise > 0.0 { value + self.noise * normal(random) } else { value };
+        let noisy = if self.noise > 0.0 { value + self.noise * sum_of_uniforms(random) } else { value };
         // A quantisation step below the resolution of f64 has no effect.
         let steps = (noisy / self.resolution).round();
         if self.resolution > 0.0 && steps.is_finite() { steps * self.resolution } else { noisy }
     }
-}
-
-/// A normal deviate as the sum of twelve uniform ones: variance 1, mean 0, the same on every host,
-/// without a logarithm or a sine of the host's library.
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0
 }
 
 #[cfg(test)]

@@ -79,7 +79,7 @@ fn of_log(log: usize, x: &[f64], y: &[f64]) -> Option<Circle> {
 fn moving(x: &[f64], y: &[f64]) -> Vec<Range<usize>> {
     let step = |i: usize| (x[i + 1] - x[i]).hypot(y[i + 1] - y[i]);
     let steps = x.len().min(y.len()).saturating_sub(1);
-    let min_step = STANDSTILL_FRACTION * (0..steps).map(step).fold(0.0, f64::max);
+    let min_step = STANDSTILL_FRACTION * numerics::max_abs((0..steps).map(step));
     let mut ranges: Vec<Range<usize>> = Vec::new();
     for i in (0..steps).filter(|&i| step(i) > min_step) {
         match ranges.last_mut() {
@@ -126,8 +126,7 @@ fn fit(log: usize, x: &[f64], y: &[f64], range: Range<usize>) -> Option<Circle> 
 
 /// Least-squares circle through points, linear in 2·centre and radius² − centre² (Kåsa, 1976).
 fn least_squares(x: &[f64], y: &[f64], points: &[usize]) -> Option<([f64; 2], f64)> {
-    let count = points.len() as f64;
-    let mean = |values: &[f64]| points.iter().map(|&i| values[i]).sum::<f64>() / count;
+    let mean = |values: &[f64]| numerics::mean(points.iter().map(|&i| values[i]));
     let (x0, y0) = (mean(x), mean(y));
     let mut normal = Matrix3::zeros();
     let mut right = Vector3::zeros();

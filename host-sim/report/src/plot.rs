@@ -186,8 +186,7 @@ fn draw_surface(plane: &Plane<'_>, ink: Ink, corners: Vec<(f64, f64)>) -> Result
 
 /// Minimum and maximum, moved apart where they are equal; 0 and 1 without values.
 fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
-    let start = (f64::INFINITY, f64::NEG_INFINITY);
-    let (low, high) = values.fold(start, |(low, high), v| (low.min(v), high.max(v)));
+    let [low, high] = numerics::min_max(values);
     if low < high {
         (low, high)
     } else if low.is_finite() {

@@ -62,7 +62,7 @@ fn introduction(run: &Run<'_>, channel: &str, has_residuals: bool) -> String {
 /// The smallest of 1, 2 and 5 times a power of ten µm at which all deviations are within the divisions.
 fn division(all: &[&[Lap]]) -> f64 {
     let points = all.iter().copied().flatten().flat_map(|lap| &lap.points);
-    division_for(points.fold(0.0_f64, |max, point| max.max(point.1.abs())))
+    division_for(numerics::max_abs(points.map(|point| point.1)))
 }
 
 /// The smallest of 1, 2 and 5 times a power of ten µm of which the divisions hold `max_um`.
@@ -76,7 +76,7 @@ pub fn division_for(max_um: f64) -> f64 {
 /// One polar picture with its caption.
 fn picture(run: &Run<'_>, title: &str, laps: &[Lap], division_um: f64) -> Markup {
     let points = || laps.iter().flat_map(|lap| &lap.points).map(|point| point.1);
-    let (min, max) = (points().fold(f64::INFINITY, f64::min), points().fold(f64::NEG_INFINITY, f64::max));
+    let [min, max] = numerics::min_max(points());
     let magnification = DIVISION / division_um * 1e6 * run.circle.radius / BASE;
     let caption = format!(
         "{title}: {} to {} µm. One division is {} µm, magnified {} times.",

@@ -76,7 +76,7 @@ impl Run<'_> {
     /// Largest mean speed of the arcs, m/s.
     pub fn speed(&self) -> f64 {
         let of_arc = |arc: &Arc| arc.swept_rad / (self.signals.sample_s * arc.samples.len() as f64);
-        self.circle.radius * self.circle.arcs.iter().map(of_arc).fold(0.0, f64::max)
+        self.circle.radius * numerics::max_abs(self.circle.arcs.iter().map(of_arc))
     }
 
     /// A deviation (µm), given by sample and angle of the command, averaged over pieces of each arc.
@@ -88,8 +88,8 @@ impl Run<'_> {
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
             let length = (samples_per_turn / POINTS_PER_TURN).round().max(1.0) as usize;
             let point = |piece: &[usize]| {
-                let sum: f64 = piece.iter().map(|&i| deviation(i, self.angle(i))).sum();
-                (self.angle(piece[piece.len() / 2]), sum / piece.len() as f64)
+                let mean = numerics::mean(piece.iter().map(|&i| deviation(i, self.angle(i))));
+                (self.angle(piece[piece.len() / 2]), mean)
             };
             Lap { is_clockwise: arc.is_clockwise, points: settled.chunks(length).map(point).collect() }
         };

@@ -108,7 +108,7 @@ fn best(candidate: &Candidate) -> Option<&Comparison> {
 
 /// Reduction of the rms residual in percent; a comparison has that of its square.
 fn gain_percent(comparison: &Comparison) -> f64 {
-    100.0 * (1.0 - (1.0 - comparison.reduction).max(0.0).sqrt())
+    numerics::rms_reduction_percent(comparison.reduction)
 }
 
 /// Candidates with a large gain in the last round of each search that were not added, and why.
@@ -172,9 +172,9 @@ fn verdict_of_unsupported(candidate: &Candidate, best: &Comparison, options: &Se
     if best.reduction <= 0.0 {
         "makes it worse".to_owned()
     } else if best.reduction < options.min_reduction {
-        format!("too small: below {} %", fixed(100.0 * (1.0 - (1.0 - options.min_reduction).sqrt()), 0))
+        format!("too small: below {} %", fixed(numerics::rms_reduction_percent(options.min_reduction), 0))
     } else if candidate.comparison.iter().any(is_supported) {
-        let worst = candidate.comparison.iter().map(|c| c.worst_log).fold(0.0, f64::min);
+        let worst = numerics::min(candidate.comparison.iter().map(|c| c.worst_log)).min(0.0);
         format!("worse on another log or stage, by {}", percent(100.0 * ((1.0 - worst).sqrt() - 1.0)))
     } else if best.folds_better < FOLDS {
         format!("better in {} of {FOLDS} parts of the logs only", best.folds_better)

@@ -2,6 +2,7 @@
 
 use super::axis_view::AxisView;
 use model::effects::{Abscissa, Effect, Stage};
+use numerics::bins::{Bin, binned};
 use trace::analysis::variable::Variable;
 use trace::fit::fit_data::ResidualSeries;
 use trace::input::signals::AxisSignals;
@@ -105,24 +106,11 @@ pub fn means(
         let (skipped, residual) = view.settled(parts, stage, part.log);
         pairs.extend(values.into_iter().skip(skipped).zip(residual.iter().copied()));
     }
-    let least = pairs.iter().map(|pair| pair.0).fold(f64::INFINITY, f64::min);
-    let most = pairs.iter().map(|pair| pair.0).fold(f64::NEG_INFINITY, f64::max);
-    let width = (most - least) / BINS as f64;
-    if !width.is_finite() || width <= 0.0 {
-        return Vec::new();
-    }
-    let mut bins = vec![(0usize, 0.0); BINS];
-    for (value, residual) in pairs {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to BINS")]
-        let bin = &mut bins[(((value - least) / width) as usize).min(BINS - 1)];
-        bin.0 += 1;
-        bin.1 += residual;
-    }
-    let middle = |i: usize| least + (i as f64 + 0.5) * width;
-    let bins: Vec<(usize, (usize, f64))> = bins.into_iter().enumerate().collect();
-    let is_used = |bin: &(usize, (usize, f64))| bin.1.0 >= LEAST_SAMPLES;
-    bins.chunk_by(|a, b| is_used(a) && is_used(b))
+    let is_used = |bin: &Bin| bin.count >= LEAST_SAMPLES;
+    binned(&pairs, BINS)
+        .unwrap_or_default()
+        .chunk_by(|a, b| is_used(a) && is_used(b))
         .filter(|run| is_used(&run[0]))
-        .map(|run| run.iter().map(|(i, (count, sum))| (middle(*i), sum / *count as f64)).collect())
+        .map(|run| run.iter().map(|bin| (bin.centre, bin.mean())).collect())
         .collect()
 }

@@ -10,7 +10,7 @@
 //! | simulate it | [`simulation`], [`plant`], [`servo`] |
 //! | one machine with its logs | [`case`] |
 //! | compare a trace with the true effects | [`score`] |
-//! | figures of all cases | [`summary`], [`confusion`], [`statistics`] |
+//! | figures of all cases | [`summary`], [`confusion`] |
 //! | text and page | [`text_summary`], [`page`], `confusion_plot`, `parameter_plot` |
 
 pub mod case;
@@ -24,7 +24,6 @@ pub mod plant;
 pub mod score;
 pub mod servo;
 pub mod simulation;
-pub mod statistics;
 pub mod summary;
 pub mod text_summary;
 pub mod truth;

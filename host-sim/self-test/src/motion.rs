@@ -115,9 +115,9 @@ mod tests {
         assert_eq!(positions[positions.len() - 1].map(f64::to_bits), [30.0_f64, 40.0].map(f64::to_bits));
         let speeds: Vec<f64> =
             positions.windows(2).map(|w| (w[1][0] - w[0][0]).hypot(w[1][1] - w[0][1]) / SAMPLE_S).collect();
-        let top = speeds.iter().copied().fold(0.0, f64::max);
+        let top = numerics::max_abs(speeds.iter().copied());
         assert!((top - 50.0).abs() < 1e-6, "{top}");
-        let jumps = speeds.windows(2).map(|w| (w[1] - w[0]).abs() / SAMPLE_S).fold(0.0, f64::max);
+        let jumps = numerics::max_abs(speeds.windows(2).map(|w| (w[1] - w[0]) / SAMPLE_S));
         assert!(jumps < 1000.0 + 1e-3, "{jumps}");
     }
 

@@ -1,8 +1,6 @@
 //! Two axes with their drives, and the log of their sensors; see [`super::plant`].
 
-use std::f64::consts::TAU;
-
-use rand::RngExt;
+use numerics::noise::box_muller;
 use rand_chacha::ChaCha8Rng;
 
 use super::plant::{Bump, Mechanics, STEP_S, State, Wave};
@@ -203,7 +201,8 @@ struct Columns {
 
 impl Columns {
     fn add(&mut self, axis: &RunningAxis<'_>, command_mm: f64, random: &mut ChaCha8Rng) {
-        let mut read = |value: f64, noise: f64, steps: f64| rounded(value + noise * normal(random), steps);
+        let mut read =
+            |value: f64, noise: f64, steps: f64| rounded(value + noise * box_muller(random), steps);
         self.command.push(rounded(command_mm, COMMAND_STEPS_PER_MM));
         self.motor.push(read(1e3 * axis.reading_m(), NOISE.motor_mm, POSITION_STEPS_PER_MM));
         self.table.push(read(1e3 * axis.table.value(), NOISE.table_mm, POSITION_STEPS_PER_MM));
@@ -228,13 +227,6 @@ impl Columns {
 fn rounded(value: f64, steps_per_unit: f64) -> f64 {
     // The sum turns −0 into 0, which the file would write as "-0.0".
     (value * steps_per_unit).round() / steps_per_unit + 0.0
-}
-
-/// Standard normal value (Box and Muller).
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    // 1 − u is never 0.
-    let [u, turn] = [1.0 - random.random::<f64>(), random.random::<f64>()];
-    (-2.0 * u.ln()).sqrt() * (TAU * turn).cos()
 }
 
 #[cfg(test)]

@@ -1,10 +1,11 @@
 //! The figures of all cases of a self-test.
 
+use numerics::distributions::wilson_interval;
+use numerics::quantile;
 use serde_json::{Map, Value, json};
 
 use super::confusion::Confusion;
 use super::score::{Estimate, Outcome};
-use super::statistics::{quantile, wilson};
 
 /// A count of successes in trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -32,7 +33,7 @@ impl Proportion {
     /// 95 % confidence interval of the probability.
     #[must_use]
     pub fn interval(&self) -> [f64; 2] {
-        wilson(self.hits, self.trials)
+        wilson_interval(self.hits, self.trials)
     }
 
     fn json(self) -> Value {

@@ -52,14 +52,10 @@ fn line(x: &Axis) -> (Log, [std::ops::Range<usize>; 2]) {
     (log, [1500..1900, 3520..3920])
 }
 
-fn mean(values: &[f64]) -> f64 {
-    values.iter().sum::<f64>() / values.len() as f64
-}
-
 /// Mean of the difference of two channels of x, mm.
 fn difference(log: &Log, of: [Channel; 2], at: &std::ops::Range<usize>) -> f64 {
     let [a, b] = of.map(|channel| log.axes[0].channel(channel).unwrap()[at.clone()].to_vec());
-    mean(&a) - mean(&b)
+    numerics::mean(a) - numerics::mean(b)
 }
 
 #[test]

@@ -4,19 +4,19 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
+use super::print;
 use super::progress::Progress;
-use super::say;
 use files::error::InputError;
 use files::output::write_whole;
 use link::controller::Format;
-use link::emulator::{self, Emulator, PATIENCE};
+use link::emulator::{self, DEFAULT_TIMEOUT, Emulator};
 use studies::compare::motion::Motion;
 use studies::compare::page::nanometres;
 use studies::compare::pipeline::Pipeline;
 use studies::compare::{self, Comparison, Options, Row};
 
-/// Longest long run, h: a year.
-const MOST_HOURS: f64 = 8760.0;
+/// Maximum of `--hours`: a year.
+const MAX_HOURS: f64 = 8760.0;
 
 /// Arguments of `compare`.
 #[derive(clap::Args)]
@@ -41,45 +41,46 @@ pub struct Arguments {
 /// # Errors
 /// Arguments that cannot be used, a loop that does not hold, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if !(arguments.hours > 0.0 && arguments.hours <= MOST_HOURS) {
-        let expected = format!("a number of hours above 0, at most {MOST_HOURS}");
+    if !(arguments.hours > 0.0 && arguments.hours <= MAX_HOURS) {
+        let expected = format!("a number of hours above 0, at most {MAX_HOURS}");
         return Err(InputError::expected("--hours", expected, arguments.hours).into());
     }
     let (emulator, not_counted) = emulator(arguments)?;
     let progress = Progress::start();
     let options = Options { hours: arguments.hours, emulator };
-    let mut comparison = compare::run(&options, &|what| progress.say(what))?;
+    let mut comparison = compare::run(&options, &|what| progress.show(what))?;
     drop(progress);
     comparison.not_counted = not_counted;
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&comparison)?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
-    let mut said = summary(&comparison);
+    let mut output = summary(&comparison);
     if let Some(folder) = &arguments.report {
         let path = compare::page::write(folder, &comparison, &sentences(&comparison))?;
-        said += &format!("\n\nReport: {}", path.display());
+        output += &format!("\n\nReport: {}", path.display());
     }
-    say(&said)
+    print(&output)
 }
 
-/// The program of the emulated core, or why there is none. One that was asked for has to work.
+/// The program of the emulated core, or the reason why there is none. It is an error if a program that is given by
+/// argument does not start.
 fn emulator(arguments: &Arguments) -> Result<(Option<PathBuf>, Option<String>)> {
     let program = arguments.emulator.clone().unwrap_or_else(emulator::default_program);
-    match (Emulator::start(&program, PATIENCE), &arguments.emulator) {
+    match (Emulator::start(&program, DEFAULT_TIMEOUT), &arguments.emulator) {
         (Ok(_), _) => Ok((Some(program), None)),
-        (Err(problem), Some(_)) => Err(InputError::saying("--emulator", problem).into()),
+        (Err(problem), Some(_)) => Err(InputError::new("--emulator", problem).into()),
         (Err(problem), None) => Ok((None, Some(problem))),
     }
 }
 
-/// What came out, in sentences.
+/// The results in sentences.
 fn sentences(comparison: &Comparison) -> Vec<String> {
     let fixed = Pipeline::Of(Format::Fixed);
-    let worst = |figure: fn(&Row) -> f64| comparison.of(fixed).map(figure).fold(0.0, f64::max);
+    let worst = |figure: fn(&Row) -> f64| numerics::max_abs(comparison.of(fixed).map(figure));
     let of = |pipeline, motion: Motion| comparison.of(pipeline).find(|row| row.motion == motion.name());
     let hours = comparison.hours;
-    let mut said = vec![format!(
+    let mut lines = vec![format!(
         "Fixed point stays within {} nm of double precision ({} nm rms) on every motion with friction in the loop, and \
          after {hours} h of circles, {} turns, its command ends {} nm from the programmed point, where landing hides no \
          more than {} nm.",
@@ -92,21 +93,21 @@ fn sentences(comparison: &Comparison) -> Vec<String> {
     if let (Some(step), Some(day)) =
         (of(Pipeline::F32Position, Motion::Steps), of(Pipeline::F32Position, Motion::LongRun))
     {
-        said.push(format!(
+        lines.push(format!(
             "With positions in f32 metres the command is off by {} nm (rms) at 1 m, and after {hours} h it is {} mm \
              from where it should be.",
             nanometres(step.command_error_nm.rms),
             nanometres(1e-6 * day.drift_nm.unwrap_or(f64::NAN)),
         ));
     }
-    said.push(match &comparison.not_counted {
+    lines.push(match &comparison.not_counted {
         Some(problem) => format!("Instructions were not counted: {problem}."),
         None => cost(comparison),
     });
-    said
+    lines
 }
 
-/// Least and greatest median over the motions, and the worst tick.
+/// Minimum and maximum of the medians over the motions, and the maximum of all ticks.
 fn cost(comparison: &Comparison) -> String {
     let of = |format: Format, name: &str| {
         let medians = || comparison.of(Pipeline::Of(format)).filter_map(|row| row.instructions_per_tick);
@@ -126,7 +127,7 @@ fn cost(comparison: &Comparison) -> String {
     )
 }
 
-/// Sentences, then the table.
+/// The sentences, then a table with a row per motion and number format.
 fn summary(comparison: &Comparison) -> String {
     let mut lines = sentences(comparison);
     lines.push(String::new());

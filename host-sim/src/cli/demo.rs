@@ -5,7 +5,7 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use super::progress::Progress;
-use super::{say, summary};
+use super::{print, summary};
 use files::output::write_whole;
 use report::trace_page::{self, Extra};
 use studies::demo::{self, Demo};
@@ -28,10 +28,10 @@ pub struct Arguments {
 /// Runs the command.
 ///
 /// # Errors
-/// When the simulated machine does not run or an output cannot be written.
+/// If the simulated machine does not run, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let progress = Progress::start();
-    let demo = demo::run(arguments.seed, &|what| progress.say(what))?;
+    let demo = demo::run(arguments.seed, &|what| progress.show(what))?;
     drop(progress);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&demo.json())?;
@@ -43,7 +43,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         truth: Some(vec![(demo.drawn.axis.clone(), demo.drawn.effect.clone())]),
     };
     let path = trace_page::write(&arguments.report, &demo.trace, &extra)?;
-    say(&format!(
+    print(&format!(
         "{INTRODUCTION}\n\n{}\n\n{}\n{}\nReport: {}",
         summary::of_trace(&demo.trace),
         headline(&demo),
@@ -55,7 +55,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 const INTRODUCTION: &str = "A two-axis machine ran circles, its travel and a corner; its logs were traced against \
                             its declared model.";
 
-/// Before and after on what was not fitted.
+/// The residual before and after, on motions that were not fitted.
 fn headline(demo: &Demo) -> String {
     let Some(h) = demo.headline() else { return "Nothing could be measured.".to_owned() };
     format!(
@@ -68,7 +68,7 @@ fn headline(demo: &Demo) -> String {
     )
 }
 
-/// The truth, which the tracer was not told.
+/// The drawn effect, which the tracer did not know, and whether it was named.
 fn reveal(demo: &Demo) -> String {
     let verdict = if demo.is_named() { "named" } else { "not named" };
     let truth = demo.drawn.effect.sentence(&[], false);

@@ -4,40 +4,39 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::{keeps, say};
+use super::{check_outputs, print};
 use files::error::InputError;
 use files::output::write_whole;
-use report::friction_map::sentences::{remainder, sentences, table};
-use trace::friction_map::FrictionMap;
-use trace::friction_map::json::json;
-use trace::friction_map::search::explain;
-use trace::friction_map::unexplained::unexplained;
+use friction_map::json::json;
+use friction_map::residual_analysis::analyse;
+use friction_map::{FrictionMap, explain};
+use report::friction_map::sentences::{error_table, sentences, unexplained};
 
-/// Explains a friction map.
+/// Explains a friction map: the summary on stdout, the JSON and the page where they are asked for.
 ///
 /// # Errors
 /// Input that cannot be used, output that cannot be written.
 pub fn run(path: &Path, json_path: Option<&PathBuf>, folder: Option<&PathBuf>) -> Result<()> {
     let page = report::page::file_in(folder);
-    keeps(&[path], &[("--json", json_path), ("--report", page.as_ref())])?;
+    check_outputs(&[path], &[("--json", json_path), ("--report", page.as_ref())])?;
     let map = FrictionMap::read(path)?;
-    let explained = explain(&map).ok_or_else(|| {
-        let what = "runs that tell Coulomb from viscous friction";
-        InputError::expected(&map.source, what, "none")
+    let explanation = explain(&map).ok_or_else(|| {
+        let expected = "runs that tell Coulomb from viscous friction";
+        InputError::expected(&map.source, expected, "none")
     })?;
-    let rest = unexplained(&map, &explained.searched.fitted.law);
+    let residual = analyse(&map, &explanation.selection.fitted.law);
     if let Some(path) = json_path {
-        let text = serde_json::to_string_pretty(&json(&map, &explained, rest.as_ref()))?;
+        let text = serde_json::to_string_pretty(&json(&map, &explanation, residual.as_ref()))?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
-    let mut lines = sentences(&map, &explained);
+    let mut lines = sentences(&map, &explanation);
     lines.push(String::new());
-    lines.extend(table(&map, &explained));
+    lines.extend(error_table(&map, &explanation));
     lines.push(String::new());
-    lines.extend(remainder(&map, &explained, rest.as_ref()));
+    lines.extend(unexplained(&map, &explanation, residual.as_ref()));
     if let Some(folder) = folder {
-        let path = report::friction_map::write(folder, &map, &explained, rest.as_ref())?;
+        let path = report::friction_map::write(folder, &map, &explanation, residual.as_ref())?;
         lines.push(format!("\nReport: {}", path.display()));
     }
-    say(&lines.join("\n"))
+    print(&lines.join("\n"))
 }

@@ -1,12 +1,12 @@
-//! The command line: arguments in, results to stdout, progress to stderr, exit codes.
+//! The command line: arguments, results on stdout, progress on stderr, exit codes.
 
 mod compare;
 mod demo;
 mod friction_map;
-mod logged;
+mod input_error;
+mod logged_run;
 mod progress;
 mod record;
-mod refusal;
 mod reproduce;
 mod self_test;
 mod simulate;
@@ -23,7 +23,7 @@ use clap::{Parser, Subcommand};
 use files::error::{InputError, quoted};
 use stop::Stopped;
 
-/// Finds out what a machine does that its model does not say, and gets rid of it.
+/// Finds out what a machine does that its model does not print, and gets rid of it.
 #[derive(Parser)]
 #[command(name = "lost-motion", version, about)]
 struct Arguments {
@@ -49,11 +49,11 @@ enum Command {
     Trace(trace::Arguments),
 }
 
-/// Runs the program. 0: done, 1: the job failed, 2: unusable arguments or input, 130: told to end.
+/// Runs the program. Exit codes: 0 done, 1 the job failed, 2 unusable arguments or input, 130 interrupted.
 #[must_use]
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();
-    stop::listen();
+    stop::install_handler();
     let outcome = match arguments.command {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
@@ -69,34 +69,34 @@ pub fn run() -> ExitCode {
             eprintln!("lost-motion: {error:#}");
             ExitCode::from(match error {
                 error if error.is::<InputError>() => 2,
-                error if error.is::<Stopped>() => stop::BROKEN_OFF,
+                error if error.is::<Stopped>() => stop::EXIT_CODE,
                 _ => 1,
             })
         }
     }
 }
 
-/// No output may take the place of an input or of another output.
-fn keeps(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> Result<(), InputError> {
-    let real = |path: &Path| {
+/// Checks that no output overwrites an input or another output. `outputs` are the flags and their paths.
+fn check_outputs(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> Result<(), InputError> {
+    let canonical = |path: &Path| {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let in_folder = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
         path.canonicalize().ok().or_else(in_folder).filter(|path| !path.exists() || path.is_file())
     };
-    let mut taken: Vec<PathBuf> = inputs.iter().filter_map(|path| real(path)).collect();
+    let mut taken: Vec<PathBuf> = inputs.iter().filter_map(|path| canonical(path)).collect();
     for (flag, path) in outputs {
-        let Some(path) = path.and_then(|path| real(path)) else { continue };
+        let Some(path) = path.and_then(|path| canonical(path)) else { continue };
         if taken.contains(&path) {
-            let what = "a file that is neither an input nor another output";
-            return Err(InputError::expected(flag, what, quoted(&path.display().to_string())));
+            let expected = "a file that is neither an input nor another output";
+            return Err(InputError::expected(flag, expected, quoted(&path.display().to_string())));
         }
         taken.push(path);
     }
     Ok(())
 }
 
-/// Says the result on stdout. Files are written before; a reader that has gone away is no failure.
-fn say(text: &str) -> anyhow::Result<()> {
+/// Prints the result on stdout. A closed pipe is no error: all files are written before.
+fn print(text: &str) -> anyhow::Result<()> {
     match writeln!(stdout().lock(), "{text}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
         _ => Ok(()),

@@ -1,14 +1,14 @@
-//! Progress on stderr: a line that says what is being done, nothing where stderr is not a terminal.
+//! Progress on stderr: a status line with a spinner or a bar, nothing where stderr is not a terminal.
 
 use std::time::Duration;
 
 use indicatif::{ProgressBar, ProgressStyle};
 
-/// A line that is gone when the work is done.
+/// The status line; dropping it clears it.
 pub struct Progress(ProgressBar);
 
 impl Progress {
-    /// Starts the line.
+    /// Starts a line with a spinner.
     #[must_use]
     pub fn start() -> Self {
         let bar = ProgressBar::new_spinner();
@@ -19,9 +19,9 @@ impl Progress {
         Self(bar)
     }
 
-    /// Starts the line of a job of so many parts.
+    /// Starts a line with a bar for a number of parts.
     #[must_use]
-    pub fn of(parts: u64) -> Self {
+    pub fn with_bar(parts: u64) -> Self {
         let bar = ProgressBar::new(parts);
         if let Ok(style) = ProgressStyle::with_template("{wide_bar} {pos}/{len} {elapsed}\n{msg}") {
             bar.set_style(style);
@@ -30,20 +30,20 @@ impl Progress {
         Self(bar)
     }
 
-    /// Says that so many parts are done.
-    pub fn done(&self, parts: usize) {
+    /// Sets the number of finished parts.
+    pub fn set_done(&self, parts: usize) {
         self.0.set_position(parts as u64);
     }
 
-    /// Says how far the simulated machine has come, twice a second of its time.
+    /// Shows the time of the simulated machine, in steps of half a second of it.
     pub fn machine_time(&self, time_s: f64) {
         if (2.0 * time_s).fract() == 0.0 {
-            self.say(&format!("{time_s:.1} s of machine time"));
+            self.show(&format!("{time_s:.1} s of machine time"));
         }
     }
 
-    /// Says what is being done.
-    pub fn say(&self, what: &str) {
+    /// Shows a message.
+    pub fn show(&self, what: &str) {
         self.0.set_message(what.to_owned());
     }
 }

@@ -4,24 +4,26 @@ use std::collections::BTreeMap;
 use std::path::PathBuf;
 use std::time::Duration;
 
-use super::refusal::Given;
-use super::{keeps, logged, say};
 use anyhow::Result;
+
+use super::input_error::Inputs;
+use super::{check_outputs, logged_run, print};
 use files::error::InputError;
 use link::controller::Format;
-use link::emulator::PATIENCE;
+use link::emulator::{DEFAULT_TIMEOUT, Emulator};
+use link::remote::Remote;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
-use plant::simulate::{self, Run};
+use plant::simulate::{self, Run, SimulationError};
 use studies::demo;
 
 /// What messages call the machine of the demo.
 const DEMO_MACHINE: &str = "machines/demo.toml";
 
-/// A board that has not answered by then never will, s.
-const LONGEST_PATIENCE_S: f64 = 3600.0;
+/// Maximum of `--timeout-s`.
+const MAX_TIMEOUT_S: f64 = 3600.0;
 
 /// Arguments of `record`.
 #[derive(clap::Args)]
@@ -39,7 +41,7 @@ pub struct Arguments {
     #[arg(long)]
     out: PathBuf,
     /// How long an answer of the emulated core may take before it is given up, s.
-    #[arg(long, value_name = "SECONDS", default_value_t = PATIENCE.as_secs_f64())]
+    #[arg(long, value_name = "SECONDS", default_value_t = DEFAULT_TIMEOUT.as_secs_f64())]
     timeout_s: f64,
     /// Seed of the sensors' noise.
     #[arg(long, default_value_t = 1)]
@@ -49,11 +51,11 @@ pub struct Arguments {
 /// Runs the command.
 ///
 /// # Errors
-/// Input that cannot be used, a link that fails, a loop that does not hold, output that cannot be written.
+/// Input that cannot be used, a connection that fails, a loop that does not hold, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let patience = patience(arguments.timeout_s)?;
+    let timeout = timeout(arguments.timeout_s)?;
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
-    keeps(&[machine_path, &arguments.motion], &[("--out", Some(&arguments.out))])?;
+    check_outputs(&[machine_path, &arguments.motion], &[("--out", Some(&arguments.out))])?;
     let machine = match &arguments.machine {
         Some(path) => Machine::read(path)?,
         None => Machine::parse(demo::MACHINE, DEMO_MACHINE)?,
@@ -62,12 +64,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let machine_file =
         arguments.machine.as_ref().map_or_else(|| DEMO_MACHINE.to_owned(), |path| path.display().to_string());
     let motion_file = &arguments.motion.display().to_string();
-    let given = Given { machine: &machine, machine_file: &machine_file, motion_file };
+    let inputs = Inputs { machine: &machine, machine_file: &machine_file, motion_file };
     let path = MachinePath::new(&motion, &machine, motion_file)?;
-    let set_up = simulate::controller_setup(&machine, &path.start_m);
-    let (settings, start) = set_up.map_err(|error| given.blamed(error))?;
-    let board = link::open(&arguments.port, patience, Format::Fixed, machine.rates(), &settings, &start);
-    let mut board = board.map_err(|error| given.blamed(error))?;
+    let mut controller =
+        set_up(&arguments.port, timeout, &machine, &path.start_m).map_err(|error| inputs.error(error))?;
     let run = Run {
         machine: &machine,
         instruments: Instruments::of(&machine, arguments.seed),
@@ -75,45 +75,85 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         blocks: &path.blocks,
         start_s: 0.0,
     };
-    // How many ticks cost so many instructions.
-    let mut costs: BTreeMap<u32, u64> = BTreeMap::new();
-    let logged = logged::run(&run, board.as_mut(), &arguments.out, &given, |status| {
-        if let Some(cost) = status.cost {
-            *costs.entry(cost).or_default() += 1;
-        }
-    })?;
-    let mut said = format!(
-        "{} ran {} on {}: {} samples in {}.\n\n{}",
+    let mut costs = Costs::default();
+    let statistics =
+        logged_run::run(&run, &mut controller, &arguments.out, &inputs, |status| costs.add(status.cost))?;
+    print(&format!(
+        "{} ran {} on {}: {} samples in {}.\n\n{}{}",
         machine.name,
         motion.name,
         arguments.port,
-        logged.samples,
+        statistics.samples,
         arguments.out.display(),
-        logged.summary()
-    );
-    let ticks: u64 = costs.values().sum();
-    if let (Some(median), Some((worst, _))) = (median(&costs, ticks), costs.last_key_value()) {
-        said += &format!("\n\n{ticks} ticks: {median} instructions in the median, {worst} at the worst.");
-    }
-    say(&said)
+        statistics.summary(),
+        costs.summary()
+    ))
 }
 
-/// How long to wait for an answer.
-fn patience(seconds: f64) -> Result<Duration, InputError> {
-    let is_possible = seconds > 0.0 && seconds <= LONGEST_PATIENCE_S;
-    let wanted = || format!("seconds above 0 and up to {LONGEST_PATIENCE_S}");
-    if is_possible {
+/// Connects to the controller at a port and sets it up for a machine.
+fn set_up(
+    port: &str,
+    timeout: Duration,
+    machine: &Machine,
+    start_m: &[f64],
+) -> Result<Remote<Emulator>, SimulationError> {
+    let (settings, start) = simulate::controller_setup(machine, start_m)?;
+    let connection = link::open(port, timeout)?;
+    Ok(Remote::set_up(connection, Format::Fixed, machine.rates(), &settings, &start)?)
+}
+
+/// The time for which to wait for an answer.
+fn timeout(seconds: f64) -> Result<Duration, InputError> {
+    if seconds > 0.0 && seconds <= MAX_TIMEOUT_S {
         return Ok(Duration::from_secs_f64(seconds));
     }
-    Err(InputError::expected("--timeout-s", wanted(), seconds))
+    let expected = format!("seconds above 0 and up to {MAX_TIMEOUT_S}");
+    Err(InputError::expected("--timeout-s", expected, seconds))
 }
 
-/// The cost that half of the ticks do not exceed.
-fn median(costs: &BTreeMap<u32, u64>, ticks: u64) -> Option<u32> {
-    let mut seen = 0;
-    let reaches_half = |(cost, count): (&u32, &u64)| {
-        seen += count;
-        (2 * seen > ticks).then_some(*cost)
-    };
-    costs.iter().find_map(reaches_half)
+/// Number of ticks by their cost in instructions.
+#[derive(Default)]
+struct Costs(BTreeMap<u32, u64>);
+
+impl Costs {
+    fn add(&mut self, cost: Option<u32>) {
+        if let Some(cost) = cost {
+            *self.0.entry(cost).or_default() += 1;
+        }
+    }
+
+    /// The cost that more than half of the ticks do not exceed.
+    fn median(&self) -> Option<u32> {
+        let ticks: u64 = self.0.values().sum();
+        let mut ticks_so_far = 0;
+        let reaches_half = |(cost, count): (&u32, &u64)| {
+            ticks_so_far += count;
+            (2 * ticks_so_far > ticks).then_some(*cost)
+        };
+        self.0.iter().find_map(reaches_half)
+    }
+
+    /// A paragraph; empty where no cost was counted.
+    fn summary(&self) -> String {
+        let (Some(median), Some((max, _))) = (self.median(), self.0.last_key_value()) else {
+            return String::new();
+        };
+        let ticks: u64 = self.0.values().sum();
+        format!("\n\n{ticks} ticks: {median} instructions in the median, {max} at the worst.")
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn the_median_is_reached_by_more_than_half_of_the_ticks() {
+        let mut costs = Costs::default();
+        assert_eq!(costs.summary(), "");
+        for cost in [300, 100, 200, 200] {
+            costs.add(Some(cost));
+        }
+        assert_eq!(costs.summary(), "\n\n4 ticks: 200 instructions in the median, 300 at the worst.");
+    }
 }

@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
+use super::print;
 use super::progress::Progress;
-use super::say;
 use files::output::write_whole;
 use report::number::significant;
 use studies::reproduce::{self, Reproduction};
@@ -27,21 +27,21 @@ pub struct Arguments {
 /// A loop that does not hold, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let progress = Progress::start();
-    let reproduction = reproduce::run(&|what| progress.say(what))?;
+    let reproduction = reproduce::run(&|what| progress.show(what))?;
     drop(progress);
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&reproduction)?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
-    let mut said = summary(&reproduction);
+    let mut output = summary(&reproduction);
     if let Some(folder) = &arguments.report {
         let path = reproduce::page::write(folder, &reproduction, &sentence(&reproduction))?;
-        said += &format!("\n\nReport: {}", path.display());
+        output += &format!("\n\nReport: {}", path.display());
     }
-    say(&said)
+    print(&output)
 }
 
-/// How much agrees.
+/// How many of the published values agree.
 fn sentence(reproduction: &Reproduction) -> String {
     let outcomes = || reproduction.studies.iter().flat_map(|study| &study.outcomes);
     let agree = outcomes().filter(|outcome| outcome.agrees()).count();
@@ -52,12 +52,12 @@ fn sentence(reproduction: &Reproduction) -> String {
     )
 }
 
-/// The sentence, then a table a paper.
+/// The sentence, then a table per paper.
 fn summary(reproduction: &Reproduction) -> String {
     let mut lines = vec![sentence(reproduction)];
     for study in &reproduction.studies {
         lines.push(format!("\n{}: {}", study.paper, study.title));
-        lines.extend(study.findings.iter().map(|said| format!("  {said}")));
+        lines.extend(study.findings.iter().map(|sentence| format!("  {sentence}")));
         lines.push(format!("  {:<68}{:>18}{:>12}  {:<12}verdict", "quantity", "printed", "ours", "unit"));
         for outcome in &study.outcomes {
             lines.push(format!(

@@ -8,17 +8,17 @@ use anyhow::{Context, Result, anyhow};
 
 use super::progress::Progress;
 use super::stop::{self, Stopped};
-use super::{keeps, say};
+use super::{check_outputs, print};
 use files::error::InputError;
 use files::output::{remove_unfinished, write_whole};
+use numerics::quantile;
 use self_test::case::Case;
 use self_test::score::Outcome;
-use self_test::statistics::quantile;
 use self_test::summary::Summary;
 use self_test::text_summary;
 
-/// Most cases of one run: some weeks.
-const MOST_CASES: u64 = 100_000;
+/// Maximum number of cases of one run, which take some weeks.
+const MAX_CASES: u64 = 100_000;
 
 /// Arguments of `self-test`.
 #[derive(Clone, clap::Args)]
@@ -48,23 +48,23 @@ pub struct Arguments {
 /// # Errors
 /// Arguments that cannot be used, output that cannot be written, [`Stopped`].
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if !(1..=MOST_CASES).contains(&arguments.cases) {
-        let expected = format!("a number of cases from 1 to {MOST_CASES}");
+    if !(1..=MAX_CASES).contains(&arguments.cases) {
+        let expected = format!("a number of cases from 1 to {MAX_CASES}");
         return Err(InputError::expected("--cases", expected, arguments.cases).into());
     }
     let page = report::page::file_in(arguments.report.as_ref());
-    keeps(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
-    stop::write_first();
+    check_outputs(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
+    stop::write_partial_result();
     let (sender, receiver) = channel();
     let work = arguments.clone();
-    // Beside this thread, so that a case that takes long does not keep the user waiting who wants to end.
-    std::thread::spawn(move || drop(all(&work, &sender)));
+    // On another thread, so that a long case does not delay the reaction to an interrupt.
+    std::thread::spawn(move || drop(run_cases(&work, &sender)));
     let run = collect(arguments, &receiver)?;
     let mut written = Ok(());
     if !arguments.no_trace {
         written = write(arguments, &run);
     } else if run.done > 0 {
-        written = say(&format!("{} cases drawn.", run.done));
+        written = print(&format!("{} cases drawn.", run.done));
     }
     written?;
     if (run.done as u64) < arguments.cases {
@@ -74,39 +74,42 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     Ok(())
 }
 
-/// What the working thread has to tell.
-enum News {
-    /// What it is doing.
-    Doing(String),
-    /// A case is done: its score, if it was traced, and the time that took.
+/// A message of the working thread.
+enum Message {
+    /// A line of progress.
+    Progress(String),
+    /// A case is done: its score, if it was traced, and the time for that.
     Done(Option<Outcome>, Duration),
-    /// It cannot go on.
+    /// The thread has failed and ends.
     Failed(anyhow::Error),
 }
 
-/// Draws, keeps and traces all cases, one after the other; ends early if nobody listens any more.
-fn all(arguments: &Arguments, news: &Sender<News>) -> Result<()> {
+/// Draws, keeps and traces all cases, one after the other; ends early if the receiver has been dropped.
+fn run_cases(arguments: &Arguments, messages: &Sender<Message>) -> Result<()> {
     for number in 1..=arguments.cases {
-        let told = one(arguments, number, news).with_context(|| format!("case {number}"));
-        news.send(told.unwrap_or_else(News::Failed))?;
+        let message = run_case(arguments, number, messages).with_context(|| format!("case {number}"));
+        messages.send(message.unwrap_or_else(Message::Failed))?;
     }
     Ok(())
 }
 
-fn one(arguments: &Arguments, number: u64, news: &Sender<News>) -> Result<News> {
-    let doing = |what: &str| drop(news.send(News::Doing(format!("case {number}: {what}"))));
-    doing("running the machine");
+fn run_case(arguments: &Arguments, number: u64, messages: &Sender<Message>) -> Result<Message> {
+    let progress = |what: &str| drop(messages.send(Message::Progress(format!("case {number}: {what}"))));
+    progress("running the machine");
     let case = Case::draw(arguments.seed, number)?;
     if let Some(folder) = &arguments.keep {
         case.keep(folder)?;
     }
-    let began = Instant::now();
-    let outcome =
-        if arguments.no_trace { None } else { Some(self_test::trace_and_score(&case, &|what| doing(what))?) };
-    Ok(News::Done(outcome, began.elapsed()))
+    let start = Instant::now();
+    let outcome = if arguments.no_trace {
+        None
+    } else {
+        Some(self_test::trace_and_score(&case, &|what| progress(what))?)
+    };
+    Ok(Message::Done(outcome, start.elapsed()))
 }
 
-/// What has been done when the run ends.
+/// The results of the cases so far.
 #[derive(Default)]
 struct Run {
     done: usize,
@@ -114,26 +117,27 @@ struct Run {
     seconds: Vec<f64>,
 }
 
-/// Listens until all cases are done or the user wants to end.
-fn collect(arguments: &Arguments, news: &Receiver<News>) -> Result<Run> {
-    const PATIENCE: Duration = Duration::from_millis(50);
-    let progress = Progress::of(arguments.cases);
+/// Receives messages until all cases are done or the program is interrupted.
+fn collect(arguments: &Arguments, messages: &Receiver<Message>) -> Result<Run> {
+    /// Maximum delay of the reaction to an interrupt.
+    const POLL_INTERVAL: Duration = Duration::from_millis(50);
+    let progress = Progress::with_bar(arguments.cases);
     let mut run = Run::default();
     let mut score = String::new();
-    while (run.done as u64) < arguments.cases && !stop::is_asked() {
-        match news.recv_timeout(PATIENCE) {
-            Ok(News::Doing(what)) => progress.say(&format!("{score}{what}")),
-            Ok(News::Done(outcome, time)) => {
+    while (run.done as u64) < arguments.cases && !stop::is_interrupted() {
+        match messages.recv_timeout(POLL_INTERVAL) {
+            Ok(Message::Progress(what)) => progress.show(&format!("{score}{what}")),
+            Ok(Message::Done(outcome, time)) => {
                 run.done += 1;
                 run.seconds.push(time.as_secs_f64());
                 run.outcomes.extend(outcome);
-                progress.done(run.done);
+                progress.set_done(run.done);
                 let exact = run.outcomes.iter().filter(|outcome| outcome.is_exact()).count();
                 if !run.outcomes.is_empty() {
                     score = format!("{exact} of {} exact; ", run.done);
                 }
             }
-            Ok(News::Failed(error)) => return Err(error),
+            Ok(Message::Failed(error)) => return Err(error),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {
                 return Err(anyhow!("case {}: the tracer gave up", run.done + 1));
@@ -143,7 +147,7 @@ fn collect(arguments: &Arguments, news: &Receiver<News>) -> Result<Run> {
     Ok(run)
 }
 
-/// Files, then words.
+/// Writes the files, then prints the summary.
 fn write(arguments: &Arguments, run: &Run) -> Result<()> {
     let summary = Summary::new(&run.outcomes);
     if let Some(path) = &arguments.json {
@@ -152,15 +156,15 @@ fn write(arguments: &Arguments, run: &Run) -> Result<()> {
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
     let sentences = text_summary::sentences(arguments.seed, &summary);
-    let mut said = sentences.join("\n");
-    said += &format!("\n\n{}", text_summary::tables(&run.outcomes, &summary));
-    said += &format!("\n{:.1} s a case in the median.", quantile(&run.seconds, 0.5));
+    let mut output = sentences.join("\n");
+    output += &format!("\n\n{}", text_summary::tables(&run.outcomes, &summary));
+    output += &format!("\n{:.1} s a case in the median.", quantile(&run.seconds, 0.5));
     if let Some(folder) = &arguments.report {
         let path = self_test::page::write(folder, &sentences, &run.outcomes, &summary)?;
-        said += &format!("\nReport: {}", path.display());
+        output += &format!("\nReport: {}", path.display());
     }
     if let Some(folder) = &arguments.keep {
-        said += &format!("\nCases: {}", folder.display());
+        output += &format!("\nCases: {}", folder.display());
     }
-    say(&said)
+    print(&output)
 }

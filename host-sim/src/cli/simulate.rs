@@ -4,8 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::refusal::Given;
-use super::{keeps, logged, say};
+use super::input_error::Inputs;
+use super::{check_outputs, logged_run, print};
 use link::controller::Format;
 use model::machine::Machine;
 use model::motion::Motion;
@@ -60,15 +60,15 @@ pub struct Arguments {
 /// # Errors
 /// Input that cannot be used, a loop that does not hold, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    keeps(&[&arguments.machine, &arguments.motion], &[("--out", Some(&arguments.out))])?;
+    check_outputs(&[&arguments.machine, &arguments.motion], &[("--out", Some(&arguments.out))])?;
     let machine = Machine::read(&arguments.machine)?;
     let motion = Motion::read(&arguments.motion)?;
     let machine_file = &arguments.machine.display().to_string();
     let motion_file = &arguments.motion.display().to_string();
-    let given = Given { machine: &machine, machine_file, motion_file };
+    let inputs = Inputs { machine: &machine, machine_file, motion_file };
     let path = MachinePath::new(&motion, &machine, motion_file)?;
     let controller = simulate::controller(&machine, arguments.scalar.into(), &path.start_m);
-    let mut controller = controller.map_err(|error| given.blamed(error))?;
+    let mut controller = controller.map_err(|error| inputs.error(error))?;
     let run = Run {
         machine: &machine,
         instruments: Instruments::of(&machine, arguments.seed),
@@ -76,13 +76,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         blocks: &path.blocks,
         start_s: 0.0,
     };
-    let logged = logged::run(&run, controller.as_mut(), &arguments.out, &given, |_| {})?;
-    say(&format!(
+    let statistics = logged_run::run(&run, controller.as_mut(), &arguments.out, &inputs, |_| {})?;
+    print(&format!(
         "{} ran {}: {} samples in {}.\n\n{}",
         machine.name,
         motion.name,
-        logged.samples,
+        statistics.samples,
         arguments.out.display(),
-        logged.summary()
+        statistics.summary()
     ))
 }

@@ -1,48 +1,49 @@
-//! Being told to end, by Ctrl-C or a signal.
+//! Interruption by Ctrl-C or a signal.
 
 use std::sync::atomic::{AtomicBool, Ordering};
 
 use files::output::remove_unfinished;
 
-/// What a shell says of a program that a signal has ended, for SIGINT.
-pub const BROKEN_OFF: u8 = 130;
+/// Exit code of an interrupted program: that of a shell for SIGINT.
+pub const EXIT_CODE: u8 = 130;
 
-/// Whether the command writes what it has before it ends.
-static WRITES_FIRST: AtomicBool = AtomicBool::new(false);
-/// Whether it has been told to end.
-static ASKED: AtomicBool = AtomicBool::new(false);
+/// Whether the command writes its partial result before it ends.
+static WRITES_PARTIAL_RESULT: AtomicBool = AtomicBool::new(false);
+/// Whether the program has been interrupted.
+static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
-/// A command was told to end, and has written what it had.
+/// A command was interrupted and has written its partial result.
 #[derive(Debug, thiserror::Error)]
 #[error("broken off after {done} of {asked} {what}")]
 pub struct Stopped {
-    /// Parts that are done.
+    /// Number of finished parts.
     pub done: usize,
-    /// Parts that were asked for.
+    /// Number of requested parts.
     pub asked: u64,
-    /// What the parts are.
+    /// Plural noun for the parts.
     pub what: &'static str,
 }
 
-/// Ends the program when it is told to, with nothing half-written; a command that writes first is asked once.
-pub fn listen() {
-    // Without it a run that is broken off leaves half a file behind; that it cannot be had is no reason not to run.
+/// Installs the handler of interrupts. It removes partly written files and ends the program; a command that writes its
+/// partial result is only notified at the first interrupt.
+pub fn install_handler() {
+    // Without a handler an interrupted run leaves temporary files behind, which is no reason not to run.
     drop(ctrlc::set_handler(|| {
-        if WRITES_FIRST.load(Ordering::SeqCst) && !ASKED.swap(true, Ordering::SeqCst) {
+        if WRITES_PARTIAL_RESULT.load(Ordering::SeqCst) && !INTERRUPTED.swap(true, Ordering::SeqCst) {
             return;
         }
         remove_unfinished();
-        std::process::exit(i32::from(BROKEN_OFF));
+        std::process::exit(i32::from(EXIT_CODE));
     }));
 }
 
-/// From now on the command looks at [`is_asked`] and writes what it has.
-pub fn write_first() {
-    WRITES_FIRST.store(true, Ordering::SeqCst);
+/// From now on the command polls [`is_interrupted`] and writes its partial result itself.
+pub fn write_partial_result() {
+    WRITES_PARTIAL_RESULT.store(true, Ordering::SeqCst);
 }
 
-/// Whether the command has been told to end.
+/// Whether the program has been interrupted.
 #[must_use]
-pub fn is_asked() -> bool {
-    ASKED.load(Ordering::SeqCst)
+pub fn is_interrupted() -> bool {
+    INTERRUPTED.load(Ordering::SeqCst)
 }

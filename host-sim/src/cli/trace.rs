@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 
 use super::progress::Progress;
-use super::{friction_map, keeps, say, summary};
+use super::{check_outputs, friction_map, print, summary};
 use files::log::Log;
 use files::output::write_whole;
 use model::machine::Machine;
@@ -53,13 +53,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (json, folder) = (arguments.json.as_ref(), arguments.report.as_ref());
     match (&arguments.friction_map, &arguments.machine) {
         (Some(map), _) => friction_map::run(map, json, folder),
-        (None, Some(machine)) => of_logs(arguments, machine),
+        (None, Some(machine)) => trace_logs(arguments, machine),
         // clap asks for one of them.
         (None, None) => Ok(()),
     }
 }
 
-fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
+fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let logs = arguments.fit.iter().chain(&arguments.validate);
     let inputs: Vec<&Path> = logs.map(PathBuf::as_path).chain([machine]).collect();
     let page = page::file_in(arguments.report.as_ref());
@@ -69,24 +69,24 @@ fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
         ("--propose", arguments.propose.as_ref()),
         ("--report", page.as_ref()),
     ];
-    keeps(&inputs, &outputs)?;
+    check_outputs(&inputs, &outputs)?;
     let machine = Machine::read(machine)?;
     let read = |paths: &[PathBuf]| paths.iter().map(|path| Log::read(path)).collect::<Result<Vec<_>, _>>();
     let progress = Progress::start();
-    progress.say("reading the logs");
+    progress.show("reading the logs");
     let (fit, validate) = (read(&arguments.fit)?, read(&arguments.validate)?);
-    let trace = trace::trace(&machine, &fit, &validate, &|what| progress.say(what))?;
+    let trace = trace::trace(&machine, &fit, &validate, &|what| progress.show(what))?;
     drop(progress);
-    let mut said = summary::of_trace(&trace);
+    let mut output = summary::of_trace(&trace);
     if arguments.empirical {
-        said += &summary::of_tables(&trace);
+        output += &summary::of_tables(&trace);
     }
     if let Some(path) = &arguments.propose {
         let alike = trace.axes.iter().flat_map(|axis| &axis.ambiguities);
         let proposals = alike.filter_map(|alike| alike.proposal.as_ref());
         match proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)) {
             Some(proposal) => write_whole(path, |out| out.write_all(proposal.motion.as_bytes()))?,
-            None => said += "\n\nNo motion is proposed: no two effects look alike here.",
+            None => output += "\n\nNo motion is proposed: no two effects look alike here.",
         }
     }
     if let Some(path) = &arguments.json {
@@ -99,7 +99,7 @@ fn of_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     if let Some(folder) = &arguments.report {
         let title = format!("Lost motion of {}", machine.name);
         let path = trace_page::write(folder, &trace, &Extra { title, ..Extra::default() })?;
-        said += &format!("\n\nReport: {}", path.display());
+        output += &format!("\n\nReport: {}", path.display());
     }
-    say(&said)
+    print(&output)
 }

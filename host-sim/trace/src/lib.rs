@@ -11,13 +11,11 @@
 //! 7. [`verdict`]: whether the logs are explained; [`json`]: the result for programs.
 //!
 //! [`axis_trace`] has these steps for one axis, [`outcome`] what they give, [`options`] the thresholds by which they
-//! decide; [`not_testable`] says what was not searched for. [`friction_map`] explains a steady-state friction map in the same
-//! way.
+//! decide; [`not_testable`] says what was not searched for.
 
 pub mod analysis;
 pub mod axis_trace;
 pub mod fit;
-pub mod friction_map;
 pub mod input;
 pub mod json;
 pub mod not_testable;

@@ -1,74 +1,68 @@
-//! Whether the times of a log are those of one uniform clock.
+//! Checks that the times of a log are those of one uniform clock, and finds its period.
 
-/// How far a step between two samples may be from the usual one, as a part of it.
+/// Maximum deviation of a step between two samples from the median step, as a fraction of it.
 const STEP_TOLERANCE: f64 = 0.01;
-/// How far any sample may be from the even grid through first and last sample, in samples.
+/// Maximum deviation of a sample from the uniform grid through first and last sample, in samples.
 const GRID_TOLERANCE: f64 = 0.1;
-/// No rounding explains an odd step larger than this part of the usual one: a lost sample would
-/// look the same.
-const LARGEST_ROUNDING: f64 = 0.4;
-/// A step that is odd because the printed time was rounded comes again and again; a jump does not.
-const FEWEST_ROUNDED: usize = 3;
+/// Maximum deviation of a step that rounding of printed times may explain, as a fraction of the median step: beyond it
+/// a lost sample would look the same.
+const MAX_ROUNDING: f64 = 0.4;
+/// Minimum number of deviating steps for which rounding is the explanation: it recurs, a jump does not.
+const MIN_ROUNDED_STEPS: usize = 3;
 
 /// A sample whose time is not that of a uniform clock.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub(super) struct Irregular {
-    /// Which sample, from 0.
+    /// Index of the sample.
     pub sample: usize,
     /// The time at which a uniform clock would have taken it.
     pub expected_s: f64,
-    /// Whether the time did not increase at all.
-    pub backwards: bool,
+    /// Whether the time is not greater than that of the sample before.
+    pub is_backward: bool,
 }
 
-/// The period of the clock that gave the times, which were printed with `decimals` decimals.
+/// The period (s) of the clock that gave the times, which were printed with `decimals` decimals.
 ///
-/// There have to be two times at least.
+/// There have to be at least two times.
 pub(super) fn sample_time_s(times_s: &[f64], decimals: usize) -> Result<f64, Irregular> {
     let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
-    let usual_s = median(&steps);
-    let irregular = |step: usize, backwards| Irregular {
+    let median_s = numerics::median(&steps).unwrap_or_default();
+    let irregular = |step: usize, is_backward| Irregular {
         sample: step + 1,
-        expected_s: times_s[step] + usual_s.max(0.0),
-        backwards,
+        expected_s: times_s[step] + median_s.max(0.0),
+        is_backward,
     };
     if let Some(step) = steps.iter().position(|&step_s| step_s <= 0.0) {
         return Err(irregular(step, true));
     }
-    let slack_s = STEP_TOLERANCE * usual_s;
-    let odd = |allowed_s: f64| move |step_s: &&f64| (**step_s - usual_s).abs() > allowed_s;
-    let often = steps.iter().filter(odd(slack_s)).count() >= FEWEST_ROUNDED;
-    let printed_s = 0.1_f64.powf(decimals as f64);
-    let rounding_s = if often { printed_s.min(LARGEST_ROUNDING * usual_s) } else { 0.0 };
-    if let Some(step) = steps.iter().position(|step| odd(slack_s + rounding_s)(&step)) {
+    let tolerance_s = STEP_TOLERANCE * median_s;
+    let deviates = |step_s: &f64, tolerance_s: f64| (step_s - median_s).abs() > tolerance_s;
+    let is_rounded = steps.iter().filter(|step| deviates(step, tolerance_s)).count() >= MIN_ROUNDED_STEPS;
+    let resolution_s = 0.1_f64.powf(decimals as f64);
+    let rounding_s = if is_rounded { resolution_s.min(MAX_ROUNDING * median_s) } else { 0.0 };
+    if let Some(step) = steps.iter().position(|step| deviates(step, tolerance_s + rounding_s)) {
         return Err(irregular(step, false));
     }
-    on_grid(times_s, rounding_s)
+    grid_period_s(times_s, rounding_s)
 }
 
-/// Many small deviations may still add up: the period through both ends has to hold in between.
-fn on_grid(times_s: &[f64], rounding_s: f64) -> Result<f64, Irregular> {
+/// The period through first and last sample, if all samples lie on its grid: small deviations of steps may add up.
+fn grid_period_s(times_s: &[f64], rounding_s: f64) -> Result<f64, Irregular> {
     let last = times_s.len() - 1;
     let period_s = (times_s[last] - times_s[0]) / last as f64;
     let grid = |sample: usize| times_s[0] + sample as f64 * period_s;
-    let allowed_s = GRID_TOLERANCE * period_s + rounding_s;
-    match (0..=last).find(|&i| (times_s[i] - grid(i)).abs() > allowed_s) {
-        Some(sample) => Err(Irregular { sample, expected_s: grid(sample), backwards: false }),
+    let tolerance_s = GRID_TOLERANCE * period_s + rounding_s;
+    match (0..=last).find(|&i| (times_s[i] - grid(i)).abs() > tolerance_s) {
+        Some(sample) => Err(Irregular { sample, expected_s: grid(sample), is_backward: false }),
         None => Ok(period_s),
     }
-}
-
-fn median(steps: &[f64]) -> f64 {
-    let mut sorted = steps.to_vec();
-    let middle = sorted.len() / 2;
-    *sorted.select_nth_unstable_by(middle, f64::total_cmp).1
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
 
-    /// Times of a clock as a file shows them.
+    /// Times of a clock, rounded as in a file.
     fn printed(start_s: f64, period_s: f64, count: u32, decimals: usize) -> Vec<f64> {
         let unit = 10_f64.powf(decimals as f64);
         let time = |i: u32| ((start_s + f64::from(i) * period_s) * unit).round() / unit;
@@ -101,7 +95,7 @@ mod tests {
                 let mut times = printed(3.0, period_s, 1000, decimals);
                 let lost = times.remove(at);
                 let error = sample_time_s(&times, decimals).expect_err("a gap");
-                assert_eq!((error.sample, error.backwards), (at, false), "{period_s}");
+                assert_eq!((error.sample, error.is_backward), (at, false), "{period_s}");
                 assert!((error.expected_s - lost).abs() < 0.5 * period_s);
             }
         }
@@ -120,7 +114,7 @@ mod tests {
             let mut times = printed(0.0, 1e-3, 100, 3);
             times[40] += change_s;
             let error = sample_time_s(&times, 3).expect_err("not increasing");
-            assert_eq!((error.sample, error.backwards), (40, true));
+            assert_eq!((error.sample, error.is_backward), (40, true));
         }
     }
 

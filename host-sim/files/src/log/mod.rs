@@ -1,18 +1,18 @@
-//! Logs: what was asked of each axis and what was measured, uniformly sampled.
+//! Logs: commands and measurements of each axis, uniformly sampled.
 //!
 //! The file format is a CSV table with one header line: `time_s`, then for each axis any of
 //! `NAME_command_U`, `NAME_motor_U`, `NAME_table_U`, `NAME_tool_U`, `NAME_force_F` and
 //! `NAME_added_force_F`, with U `mm` and F `n`, or U `deg` and F `nm`.
 
 mod clock;
-pub mod read;
+mod read;
 mod write;
 
 use std::ops::Range;
 
 pub use write::{Rows, write_rows};
 
-/// What an axis's positions and forces are measured in.
+/// Units of an axis's positions and forces.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// Positions in mm, forces in N.
@@ -24,7 +24,7 @@ pub enum Unit {
 impl Unit {
     const ALL: [Self; 2] = [Self::Millimetre, Self::Degree];
 
-    /// How columns with this unit end.
+    /// Suffix of a channel's column.
     #[must_use]
     pub fn suffix(self, channel: Channel) -> &'static str {
         match (self, channel.is_force()) {
@@ -39,17 +39,17 @@ impl Unit {
 /// One signal of an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Channel {
-    /// What the controller was asked for, before feed-forward.
+    /// Position command, before feed-forward.
     Command,
-    /// Motor encoder or resolver, in table units.
+    /// Motor encoder or resolver, converted to table position.
     Motor,
-    /// Linear scale.
+    /// Linear scale or table encoder.
     Table,
     /// Tool-point probe.
     Tool,
-    /// Force of the drive as commanded, over the interval that ends at the sample.
+    /// Commanded force of the drive, mean over the interval that ends at the sample.
     Force,
-    /// Known test force added to the controller's output; part of the force too.
+    /// Known test force that is added to the controller's output; [`Channel::Force`] includes it.
     AddedForce,
 }
 
@@ -58,7 +58,7 @@ impl Channel {
     pub const ALL: [Self; 6] =
         [Self::Command, Self::Motor, Self::Table, Self::Tool, Self::Force, Self::AddedForce];
 
-    /// The middle part of a column's name.
+    /// Middle part of a column's name.
     #[must_use]
     pub fn word(self) -> &'static str {
         match self {
@@ -76,7 +76,7 @@ impl Channel {
     }
 }
 
-/// The channels of one axis. One that was not measured is absent.
+/// The channels of one axis; `None` where a channel was not measured.
 ///
 /// Positions are in mm or degrees and forces in N or N m, exactly as in the file.
 #[derive(Clone, Debug, PartialEq)]
@@ -129,7 +129,7 @@ impl AxisLog {
         samples.as_deref()
     }
 
-    /// The place of a channel's samples.
+    /// The samples of a channel, to be set or replaced.
     pub fn channel_mut(&mut self, channel: Channel) -> &mut Option<Vec<f64>> {
         match channel {
             Channel::Command => &mut self.command,
@@ -158,11 +158,11 @@ impl AxisLog {
 /// A log: every channel of every axis at the same uniform times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Log {
-    /// Where it was read from, as the user named it; for messages.
+    /// The file as the user named it, for messages.
     pub source: String,
-    /// Time of the first sample. Several logs of one session share one clock.
+    /// Time of the first sample, s. Logs of one session share one clock.
     pub start_s: f64,
-    /// Time from one sample to the next.
+    /// Time from one sample to the next, s.
     pub sample_time_s: f64,
     /// The axes, in the order of the columns.
     pub axes: Vec<AxisLog>,
@@ -188,13 +188,13 @@ impl Log {
         self.axes.iter().find(|axis| axis.name == name)
     }
 
-    /// Time of a sample on the clock of the session.
+    /// Time of a sample on the clock of the session, s.
     #[must_use]
     pub fn time_s(&self, sample: usize) -> f64 {
         self.start_s + sample as f64 * self.sample_time_s
     }
 
-    /// Some of the samples, at the times that they had.
+    /// A part of the samples, with their times.
     ///
     /// # Panics
     /// If the range reaches beyond the log.

@@ -8,11 +8,11 @@ use flate2::{Compression, write::GzEncoder};
 use super::{Channel, Log};
 use crate::output::{OutputError, write_whole};
 
-/// 0.1 nm: below what any scale resolves.
+/// Of positions: 0.1 nm, below the resolution of any scale.
 const POSITION_DECIMALS: usize = 7;
-/// 0.1 mN.
+/// Of forces: 0.1 mN.
 const FORCE_DECIMALS: usize = 4;
-/// The fewest decimals of times that show the sampling; beyond these it is not a round number.
+/// Of times: as few as show them exactly; a sample time that needs more than the maximum is rounded.
 const TIME_DECIMALS: std::ops::RangeInclusive<usize> = 3..=9;
 
 impl Log {
@@ -38,22 +38,22 @@ impl Log {
         (0..self.len()).try_for_each(|sample| rows.row(columns.iter().map(|column| column[sample])))
     }
 
-    /// As many decimals as start and step need; a step that never comes out even gets the most.
+    /// Decimals that start and sample time need.
     fn time_decimals(&self) -> usize {
-        let off = |ticks: f64| (ticks - ticks.round()).abs();
-        let enough = |decimals: &usize| {
-            let ticks_per_s = 10_f64.powf(*decimals as f64);
-            let step = self.sample_time_s * ticks_per_s;
-            // The step's error adds up over the log, that of the start does not.
-            step > 0.5 && off(step) < 1e-8 && off(self.start_s * ticks_per_s) < 1e-3
+        let fraction = |units: f64| (units - units.round()).abs();
+        let is_enough = |decimals: &usize| {
+            let units_per_s = 10_f64.powf(*decimals as f64);
+            let step = self.sample_time_s * units_per_s;
+            // An error of the sample time adds up over the log, that of the start does not.
+            step > 0.5 && fraction(step) < 1e-8 && fraction(self.start_s * units_per_s) < 1e-3
         };
-        TIME_DECIMALS.clone().find(enough).unwrap_or(*TIME_DECIMALS.end())
+        TIME_DECIMALS.clone().find(is_enough).unwrap_or(*TIME_DECIMALS.end())
     }
 }
 
-/// Writes a log row by row, none of which stays in memory, whole or not at all; packed if the name ends in `.gz`.
+/// Writes a log row by row without keeping it in memory, whole or not at all; packed if the name ends in `.gz`.
 ///
-/// `head` has the names, the channels and the clock.
+/// `head` gives the names, the channels and the clock; its samples are not used.
 ///
 /// # Errors
 /// If `fill` fails, or the file cannot be written.
@@ -67,7 +67,7 @@ pub fn write_rows(
         if !packed {
             return fill(&mut Rows::new(out, head)?);
         }
-        // The encoder is slow with many small pieces.
+        // Many small writes to the encoder are slow.
         let mut buffer = BufWriter::new(GzEncoder::new(out, Compression::default()));
         fill(&mut Rows::new(&mut buffer as &mut dyn Write, head)?)?;
         buffer.into_inner()?.finish().map(drop)
@@ -79,8 +79,9 @@ pub struct Rows<W> {
     out: W,
     clock: Log,
     time_decimals: usize,
-    /// Of each column.
+    /// Decimals of each column.
     decimals: Vec<usize>,
+    /// Number of rows so far.
     written: usize,
 }
 
@@ -102,7 +103,7 @@ impl<W: Write> Rows<W> {
         Ok(Self { out, clock: head.slice(0..0), time_decimals: head.time_decimals(), decimals, written: 0 })
     }
 
-    /// Writes the next row: one value a column.
+    /// Writes the next row, one value for each column behind the time.
     ///
     /// # Errors
     /// If `out` fails.

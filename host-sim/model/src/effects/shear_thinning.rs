@@ -7,6 +7,7 @@ use super::declaration::{
     Stage, Unit, Wording,
 };
 use crate::axis::Settings;
+use crate::friction_law::exponential_decay;
 
 /// Of the declared sliding level `force_n` is what it takes to shear the lubricant, whose viscosity falls
 /// with the rate of shear: at standstill it is not there, and with speed it comes as 1 − exp(−|v|/vs).
@@ -35,7 +36,7 @@ impl ShearThinning {
         if self.force_n == 0.0 {
             return 0.0;
         }
-        self.force_n * (-1e3 * velocity_m_per_s.abs() / self.velocity_mm_s).exp()
+        self.force_n * exponential_decay(1e3 * velocity_m_per_s / self.velocity_mm_s)
     }
 }
 

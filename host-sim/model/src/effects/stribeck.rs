@@ -9,6 +9,7 @@ use super::declaration::{
     Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
+use crate::friction_law::gaussian_decay;
 
 /// Adds excess·exp(−(v/vs)²) to the sliding level of Coulomb friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -36,7 +37,7 @@ impl Stribeck {
             return 0.0;
         }
         let ratio = 1e3 * velocity_m_per_s / self.velocity_mm_s;
-        self.static_excess_n * (-ratio * ratio).exp()
+        self.static_excess_n * gaussian_decay(ratio)
     }
 }
 

@@ -87,8 +87,8 @@ fn structure(machine: &Machine, document: &Document<'_>) -> Result<(), InputErro
         Err(error) => {
             let text = error.to_string();
             Err(match text.split_once(": ") {
-                Some((key, problem)) => document.says(&format!("structure.{key}"), problem),
-                None => document.says("structure", &text),
+                Some((key, problem)) => document.error_at(&format!("structure.{key}"), problem),
+                None => document.error_at("structure", &text),
             })
         }
     }
@@ -216,7 +216,7 @@ impl Context<'_> {
 
 /// Reads each effect alone: within the whole file serde loses the place of what is wrong in one.
 pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
-    for axis in document.inside("axis") {
+    for axis in document.children("axis") {
         let nominal = format!("{axis}.nominal");
         for effect in entries(axis, document).into_iter().chain(entries(&nominal, document)) {
             let name_key = format!("{effect}.name");
@@ -234,7 +234,7 @@ pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
 
 /// Keys of the `[[axis.NAME.effect]]` entries of an axis.
 fn entries<'d>(axis: &str, document: &'d Document<'_>) -> Vec<&'d str> {
-    let inside = document.inside(&format!("{axis}.effect")).into_iter();
+    let inside = document.children(&format!("{axis}.effect")).into_iter();
     // Were it a table by mistake, these would be its keys.
     inside.filter(|key| key.ends_with(']')).collect()
 }
@@ -242,7 +242,7 @@ fn entries<'d>(axis: &str, document: &'d Document<'_>) -> Vec<&'d str> {
 /// The parameters of an effect are numbers, but for the two that name something.
 fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
     let names = ["name", "source", "channel"].map(|name| format!("{effect}.{name}"));
-    for key in document.inside(effect) {
+    for key in document.children(effect) {
         if names.iter().any(|name| name == key) {
             document.deserialize_at::<String>(key)?;
         } else if !document.is_number(key) {
@@ -263,7 +263,7 @@ fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(),
 fn sources(others: &[String], key: &str, document: &Document<'_>) -> Result<(), InputError> {
     for effect in entries(key, document) {
         let source = format!("{effect}.source");
-        if !document.inside(effect).contains(&source.as_str()) {
+        if !document.children(effect).contains(&source.as_str()) {
             continue;
         }
         if !others.contains(&document.deserialize_at(&source)?) {

@@ -25,7 +25,7 @@ impl Machine {
         let document = Document::parse(text, source)?;
         check::effects(&document)?;
         let mut machine: Self = document.deserialize()?;
-        let order = document.inside("axis");
+        let order = document.children("axis");
         let place = |name: &String| order.iter().position(|key| key[5..] == name[..]);
         machine.axis.sort_by_cached_key(|name, _| place(name));
         check::machine(&machine, &document)?;

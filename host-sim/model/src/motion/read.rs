@@ -58,7 +58,7 @@ impl<'a> Reader<'a> {
             return Err(document.refuse(&format!("start_mm.{name}"), AXIS_NAME));
         }
         let mut start_mm = IndexMap::new();
-        for key in document.inside("start_mm") {
+        for key in document.children("start_mm") {
             let name = &key["start_mm.".len()..];
             within_travel(raw.start_mm[name], key, document)?;
             start_mm.insert(name.to_owned(), raw.start_mm[name]);

@@ -46,7 +46,7 @@ fn samples(keys: &str, effect: &str) -> [[Vec<[f64; 3]>; 2]; 2] {
 }
 
 fn mean(rows: &[[f64; 3]], column: usize) -> f64 {
-    rows.iter().map(|row| row[column]).sum::<f64>() / rows.len() as f64
+    numerics::mean(rows.iter().map(|row| row[column]))
 }
 
 /// One body on a guide that is driven through its centre of gravity moves as the axis of [`crate::mechanics`]. Both use
@@ -86,7 +86,7 @@ fn a_body_on_a_guide_moves_as_an_axis_without_bodies() {
         };
         let (alone, with_body) = (format!("{axis}{extra}"), format!("{axis}{extra}{body}"));
         let [alone, with_body] = [alone, with_body].map(|machine| run(&machine).table.unwrap());
-        let distance_nm = alone.iter().zip(&with_body).map(|(a, b)| 1e6 * (a - b).abs()).fold(0.0, f64::max);
+        let distance_nm = numerics::max_abs(alone.iter().zip(&with_body).map(|(a, b)| 1e6 * (a - b)));
         assert!(distance_nm < bound_nm, "{distance_nm} nm apart with {extra}");
         assert!(alone.iter().any(|mm| *mm > 19.0));
     }

@@ -1,177 +1,179 @@
-//! What a friction map told, in sentences and as a table.
+//! The result of a friction map in sentences, and its errors as a table.
 
-use trace::friction_map::json::{Parameter, declared, parameters, reduction_percent, rivals};
-use trace::friction_map::law::Term;
-use trace::friction_map::search::{Errors, Explained};
-use trace::friction_map::unexplained::Unexplained;
-use trace::friction_map::{FrictionMap, Unit};
+use friction_map::explain::{Errors, Explanation};
+use friction_map::map::{FrictionMap, Unit};
+use friction_map::parameters::{Parameter, declared, of_term};
+use friction_map::residual_analysis::Residual;
+use friction_map::term::Term;
 
 use crate::number::{percent, significant, with_spread};
 
-/// One sentence for each term found, or one that says that there is none; then what became of the declared law.
+/// One sentence for each selected term, or one that says that there is none, then one on Coulomb and viscous friction.
 #[must_use]
-pub fn sentences(map: &FrictionMap, explained: &Explained) -> Vec<String> {
-    let fitted = &explained.searched.fitted;
-    let mut said: Vec<String> = Vec::new();
-    for (i, &term) in fitted.law.terms.iter().enumerate() {
-        let numbers = words(map, term, &parameters(map, fitted, i));
-        let gain = percent(reduction_percent(explained, term));
-        let mut sentence = format!("{numbers}; takes away {gain} of the error of runs left out.");
-        let rivals = rivals(explained, term);
-        if !rivals.is_empty() {
-            let names: Vec<&str> = rivals.iter().map(|term| term.meaning()).collect();
-            sentence += &format!(" The runs do not tell it from: {}.", names.join("; "));
-        }
-        said.push(sentence);
-    }
-    if said.is_empty() {
-        said.push("Nothing found beside Coulomb and viscous friction, the same both ways.".to_owned());
+pub fn sentences(map: &FrictionMap, explanation: &Explanation) -> Vec<String> {
+    let fitted = &explanation.selection.fitted;
+    let terms = fitted.law.terms.iter().enumerate();
+    let mut sentences: Vec<String> =
+        terms.map(|(i, &term)| of_selected(map, explanation, term, &of_term(map, fitted, i))).collect();
+    if sentences.is_empty() {
+        sentences.push("Nothing found beside Coulomb and viscous friction, the same both ways.".to_owned());
     }
     let [coulomb, viscous] = declared(map, fitted);
-    let spread = |p: &Parameter| with_spread(p.value, p.half_width.unwrap_or(0.0));
-    said.push(format!(
+    sentences.push(format!(
         "With that, Coulomb friction is {} {} and viscous friction {} {}.",
-        spread(&coulomb),
+        value(&coulomb),
         map.unit.force(),
-        spread(&viscous),
-        match map.unit {
-            Unit::Rotary => "mN·m per rpm",
-            Unit::Linear => "N·s/m",
-        }
+        value(&viscous),
+        map.unit.viscous()
     ));
-    said
+    sentences
 }
 
-/// What a term is, with its numbers.
-fn words(map: &FrictionMap, term: Term, numbers: &[Parameter]) -> String {
-    let (force, speed) = (map.unit.force(), map.unit.speed());
-    let spread = |i: usize| {
-        let number = numbers.get(i);
-        number.map_or_else(String::new, |p| with_spread(p.value, p.half_width.unwrap_or(0.0)))
+fn of_selected(map: &FrictionMap, explanation: &Explanation, term: Term, parameters: &[Parameter]) -> String {
+    let of_term = if term.is_directional() {
+        directional(map.unit, term, parameters)
+    } else {
+        symmetric(map.unit, term, parameters)
     };
-    let size = || {
-        let number = numbers.first();
-        number.map_or_else(String::new, |p| with_spread(p.value.abs(), p.half_width.unwrap_or(0.0)))
-    };
-    let [more, less] =
-        if numbers.first().is_some_and(|p| p.value < 0.0) { ["−", "+"] } else { ["+", "−"] };
-    let viscous = match map.unit {
-        Unit::Rotary => "mN·m per rpm",
-        Unit::Linear => "N·s/m",
-    };
+    let gain = percent(explanation.reduction_percent(term));
+    let sentence = format!("{of_term}; takes away {gain} of the error of runs left out.");
+    let others: Vec<&str> = explanation.equally_good(term).into_iter().map(Term::description).collect();
+    if others.is_empty() {
+        return sentence;
+    }
+    format!("{sentence} The runs do not tell it from: {}.", others.join("; "))
+}
+
+/// A value with its interval, without its unit.
+fn value(parameter: &Parameter) -> String {
+    with_spread(parameter.value, parameter.half_width.unwrap_or(0.0))
+}
+
+/// The same for the parameter at an index; empty where there is none.
+fn value_at(parameters: &[Parameter], index: usize) -> String {
+    parameters.get(index).map_or_else(String::new, value)
+}
+
+/// A term of either sign, with its magnitude and the direction in which friction is higher.
+fn directional(unit: Unit, term: Term, parameters: &[Parameter]) -> String {
+    let force = unit.force();
+    let size = parameters
+        .first()
+        .map_or_else(String::new, |p| value(&Parameter { value: p.value.abs(), ..p.clone() }));
+    let is_negative = parameters.first().is_some_and(|p| p.value < 0.0);
+    let [more, less] = if is_negative { ["−", "+"] } else { ["+", "−"] };
     match term {
-        Term::ConstantLoad => format!(
-            "A constant load of {} {force} against motion in {more} direction (Coulomb friction that is so much higher \
-             in {more} than in {less} direction would be the same)",
-            size()
-        ),
         Term::FrictionAsymmetry => format!(
-            "Viscous friction is {} {viscous} higher in {more} direction and as much lower in {less} direction",
-            size()
+            "Viscous friction is {size} {} higher in {more} direction and as much lower in {less} direction",
+            unit.viscous()
         ),
-        Term::Stribeck | Term::StribeckExponential => {
-            let form = if term == Term::Stribeck { "exp(−(v/vs)²)" } else { "exp(−|v|/vs)" };
-            format!(
-                "Stribeck friction: it rises by {} {force} towards standstill, as {form} with vs = {} {speed}",
-                spread(0),
-                spread(1)
-            )
-        }
         Term::StribeckAsymmetry => format!(
-            "The rise towards standstill is {} {force} higher in {more} direction and as much lower in {less} \
-             direction, below {} {speed}",
-            size(),
-            spread(1)
+            "The rise towards standstill is {size} {force} higher in {more} direction and as much lower in {less} \
+             direction, below {} {}",
+            value_at(parameters, 1),
+            unit.speed()
         ),
+        _ => format!(
+            "A constant load of {size} {force} against motion in {more} direction (Coulomb friction that is so much higher \
+             in {more} than in {less} direction would be the same)"
+        ),
+    }
+}
+
+/// A term that is the same in both directions.
+fn symmetric(unit: Unit, term: Term, parameters: &[Parameter]) -> String {
+    let (force, speed) = (unit.force(), unit.speed());
+    let [size, shape] = [0, 1].map(|index| value_at(parameters, index));
+    match term {
         Term::Quadratic => {
-            let unit = if map.unit == Unit::Rotary { "mN·m per rpm²" } else { "N·s²/m²" };
-            format!("Friction grows with the square of speed, by {} {unit}", spread(0))
+            let unit = if unit == Unit::Rotary { "mN·m per rpm²" } else { "N·s²/m²" };
+            format!("Friction grows with the square of speed, by {size} {unit}")
         }
         Term::Power => format!(
-            "Friction grows with speed to the power {}, to {} {force} at {} {speed}",
-            spread(1),
-            spread(0),
-            numbers.get(2).map_or_else(String::new, |p| significant(p.value, 4))
+            "Friction grows with speed to the power {shape}, to {size} {force} at {} {speed}",
+            parameters.get(2).map_or_else(String::new, |p| significant(p.value, 4))
         ),
         Term::Saturating => format!(
-            "Friction rises by {} {force} and saturates, as tanh(|v|/vs) with vs = {} {speed}",
-            spread(0),
-            spread(1)
+            "Friction rises by {size} {force} and saturates, as tanh(|v|/vs) with vs = {shape} {speed}"
         ),
-        Term::Logarithmic => format!(
-            "Friction rises as {} {force} · ln(1 + |v|/vs) with vs = {} {speed}",
-            spread(0),
-            spread(1)
-        ),
+        Term::Logarithmic => {
+            format!("Friction rises as {size} {force} · ln(1 + |v|/vs) with vs = {shape} {speed}")
+        }
+        _ => {
+            let form = if term == Term::Stribeck { "exp(−(v/vs)²)" } else { "exp(−|v|/vs)" };
+            format!(
+                "Stribeck friction: it rises by {size} {force} towards standstill, as {form} with vs = {shape} {speed}"
+            )
+        }
     }
 }
 
-/// What stays, and what could not be looked for.
+/// What remains unexplained, what could not be tested, and what was dropped.
 #[must_use]
-pub fn remainder(map: &FrictionMap, explained: &Explained, rest: Option<&Unexplained>) -> Vec<String> {
+pub fn unexplained(map: &FrictionMap, explanation: &Explanation, residual: Option<&Residual>) -> Vec<String> {
     let force = map.unit.force();
-    let mut said = Vec::new();
-    let noise = map.noise().map(|noise| significant(noise, 3));
-    if let Some(rest) = rest {
-        let share = percent(rest.share_percent);
-        let follows = match rest.variable {
-            "velocity" => format!("{share} of its power goes slowly with the velocity"),
-            "time" => format!("{share} of its power goes slowly with the order of the runs"),
-            _ => "runs at neighbouring speeds share none of it beyond chance".to_owned(),
-        };
-        let beside = noise.map_or_else(
-            || "the file does not say how certain its means are".to_owned(),
-            |noise| format!("the standard error of a run's mean is {noise} {force}"),
-        );
-        said.push(format!("{} {force} rms stay, where {beside}; {follows}.", significant(rest.rms, 3)));
-    } else if let Some(noise) = noise {
-        said.push(format!("What stays is the standard error of the runs' means ({noise} {force})."));
+    let standard_error = map.standard_error().map(|error| significant(error, 3));
+    let mut sentences = Vec::new();
+    match (residual, standard_error) {
+        (Some(residual), error) => sentences.push(of_residual(force, residual, error)),
+        (None, Some(error)) => {
+            sentences.push(format!("What stays is the standard error of the runs' means ({error} {force})."));
+        }
+        (None, None) => {}
     }
-    if let Some(ripple) = map.ripple() {
-        said.push(format!(
+    if let Some(deviation) = map.deviation_within_runs() {
+        sentences.push(format!(
             "Within a run the {} swings by {} {force} rms, ripple and noise together; a mean does not show what it \
              follows.",
             map.unit.drive(),
-            significant(ripple, 3)
+            significant(deviation, 3)
         ));
     }
-    if map.standing > 0 {
-        let what = if map.standing == 1 {
-            "1 run at speed 0 was"
-        } else {
-            &format!("{} runs at speed 0 were", map.standing)
+    if map.standstill_runs > 0 {
+        let runs = match map.standstill_runs {
+            1 => "1 run at speed 0 was".to_owned(),
+            count => format!("{count} runs at speed 0 were"),
         };
-        said.push(format!("{what} left out: at standstill friction is whatever the drive asks of it."));
+        sentences.push(format!("{runs} left out: at standstill friction is whatever the drive asks of it."));
     }
-    for (term, needs) in &explained.not_testable {
-        said.push(format!("{}: could not be tested; it needs {needs}.", term.meaning()));
+    for (term, needs) in &explanation.not_testable {
+        sentences.push(format!("{}: could not be tested; it needs {needs}.", term.description()));
     }
-    for term in &explained.searched.dropped {
-        said.push(format!("{}: added at first, no longer needed with what came later.", term.meaning()));
+    for term in &explanation.selection.dropped {
+        let term = term.description();
+        sentences.push(format!("{term}: added at first, no longer needed with what came later."));
     }
-    said
+    sentences
 }
 
-/// The errors as a table.
+fn of_residual(force: &str, residual: &Residual, standard_error: Option<String>) -> String {
+    let slow = percent(residual.slow_percent);
+    let variable = match residual.variable {
+        "velocity" => format!("{slow} of its power goes slowly with the velocity"),
+        "time" => format!("{slow} of its power goes slowly with the order of the runs"),
+        _ => "runs at neighbouring speeds share none of it beyond chance".to_owned(),
+    };
+    let noise = standard_error.map_or_else(
+        || "the file does not say how certain its means are".to_owned(),
+        |error| format!("the standard error of a run's mean is {error} {force}"),
+    );
+    format!("{} {force} rms stay, where {noise}; {variable}.", significant(residual.rms, 3))
+}
+
+/// The rms errors of both laws as a table of fixed width, one line an element.
 #[must_use]
-pub fn table(map: &FrictionMap, explained: &Explained) -> Vec<String> {
+pub fn error_table(map: &FrictionMap, explanation: &Explanation) -> Vec<String> {
     let row = |name: &str, e: &Errors| {
         let cell =
             |value: f64| if value.is_nan() { format!("{:>16}", "–") } else { format!("{value:>16.4}") };
         format!("{name:<32}{}{}{}", cell(e.fit), cell(e.left_out), cell(e.ranges_left_out))
     };
-    let unit = map.unit.force();
-    let noise = map.noise().map_or_else(|| "–".to_owned(), |noise| format!("{noise:.4}"));
+    let heading = format!("error, {} rms", map.unit.force());
+    let standard_error = map.standard_error().map_or_else(|| "–".to_owned(), |error| format!("{error:.4}"));
     vec![
-        format!(
-            "{:<32}{:>16}{:>16}{:>16}",
-            format!("error, {unit} rms"),
-            "runs fitted",
-            "runs left out",
-            "ranges left out"
-        ),
-        row("Coulomb and viscous friction", &explained.before),
-        row("with what was found", &explained.after),
-        format!("{:<32}{noise:>16}", "standard error of a mean"),
+        format!("{heading:<32}{:>16}{:>16}{:>16}", "runs fitted", "runs left out", "ranges left out"),
+        row("Coulomb and viscous friction", &explanation.before),
+        row("with what was found", &explanation.after),
+        format!("{:<32}{standard_error:>16}", "standard error of a mean"),
     ]
 }

@@ -6,7 +6,7 @@ use super::error::CompareError;
 use super::motion::Motion;
 use super::pipeline::run;
 use link::controller::{ControllerError, Format};
-use link::emulator::{Emulator, PATIENCE};
+use link::emulator::{DEFAULT_TIMEOUT, Emulator};
 use link::remote::Remote;
 use model::machine::Machine;
 use plant::simulate;
@@ -37,7 +37,7 @@ pub fn measure(
 ) -> Result<Option<Cost>, CompareError> {
     let (settings, start) = simulate::controller_setup(machine, &motion.start_m())?;
     let rates = machine.rates();
-    let link = Emulator::start(program, PATIENCE).map_err(ControllerError::Link)?;
+    let link = Emulator::start(program, DEFAULT_TIMEOUT).map_err(ControllerError::Link)?;
     let mut board = Remote::set_up(link, format, rates, &settings, &start)?;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "thousands of ticks")]
     let max_ticks = (MEASURED_S * rates.velocity_loop_hz) as usize;

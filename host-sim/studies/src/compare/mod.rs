@@ -157,7 +157,7 @@ impl MotionRuns<'_> {
         let section = run.len().div_ceil(CURVE_POINTS).max(1);
         let max = |(run, double): (&[Tick], &[Tick])| {
             let distances_nm = run.iter().zip(double).map(|(r, d)| length(difference_nm(r.table, d.table)));
-            distances_nm.fold(0.0, f64::max)
+            numerics::max_abs(distances_nm)
         };
         let maxima = run.chunks(section).zip(double.chunks(section)).map(max);
         maxima.enumerate().map(|(i, nm)| ((i * section) as f64 / self.rate_hz, nm)).collect()

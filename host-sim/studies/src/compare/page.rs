@@ -150,7 +150,7 @@ fn chart(motion: Motion, size: (u32, u32), mut layers: Vec<Layer>) -> String {
 /// Converts nm into the unit in which the maximum has few digits, and returns the unit.
 fn convert_from_nm(layers: &mut [Layer]) -> &'static str {
     let points = || layers.iter().flat_map(|layer| &layer.points);
-    let max = points().map(|point| point.1).fold(0.0, f64::max);
+    let max = numerics::max_abs(points().map(|point| point.1));
     let (unit, factor) = match max {
         max if max >= 1e6 => ("mm", 1e-6),
         max if max >= 1e3 => ("µm", 1e-3),

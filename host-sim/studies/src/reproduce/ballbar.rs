@@ -54,7 +54,7 @@ impl Lap {
     fn from_deviations(mut deviation_um: Vec<f64>) -> Self {
         let mean = |weight: fn(f64) -> f64| {
             let weighted = deviation_um.iter().enumerate().map(|(i, um)| um * weight(angle_rad(i)));
-            weighted.sum::<f64>() / POINTS as f64
+            numerics::mean(weighted)
         };
         let (c, a, b) = (mean(|_| 1.0), 2.0 * mean(f64::cos), 2.0 * mean(f64::sin));
         for (i, um) in deviation_um.iter_mut().enumerate() {
@@ -67,8 +67,7 @@ impl Lap {
     /// Circular deviation G, µm.
     #[must_use]
     pub fn circular_deviation_um(&self) -> f64 {
-        let max = self.deviation_um.iter().copied().fold(f64::NEG_INFINITY, f64::max);
-        max - self.deviation_um.iter().copied().fold(f64::INFINITY, f64::min)
+        numerics::peak_to_peak(self.deviation_um.iter().copied())
     }
 
     /// Fraction, 0 to 1, of the deviation's mean square that lies in the second harmonic (an oval).
@@ -126,7 +125,7 @@ impl Ballbar {
     /// Circular hysteresis H, µm.
     #[must_use]
     pub fn hysteresis_um(&self) -> f64 {
-        (0..POINTS).map(|i| self.difference_um(i).abs()).fold(0.0, f64::max)
+        numerics::max_abs((0..POINTS).map(|i| self.difference_um(i)))
     }
 
     /// Reversal value B of both axes, µm; positive if the axis falls short in both directions (lost motion).

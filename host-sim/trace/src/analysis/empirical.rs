@@ -98,8 +98,7 @@ fn samples(
 /// Mean residual at evenly spaced points, each sample weighted linearly between the two points around it. A point with
 /// less weight than `min_samples` is left out.
 fn table<'a>(samples: impl Iterator<Item = &'a Sample> + Clone, min_samples: usize) -> Vec<[f64; 2]> {
-    let min = samples.clone().map(|s| s.variable).fold(f64::INFINITY, f64::min);
-    let max = samples.clone().map(|s| s.variable).fold(f64::NEG_INFINITY, f64::max);
+    let [min, max] = numerics::min_max(samples.clone().map(|s| s.variable));
     let width = (max - min) / (POINTS - 1) as f64;
     if !width.is_finite() || width <= 0.0 {
         return Vec::new();

@@ -30,8 +30,7 @@ pub struct Repeatability {
 /// is constant.
 #[must_use]
 pub fn period(command: &[f64], sample_s: f64, options: &AnalysisOptions) -> Option<usize> {
-    let min = command.iter().copied().fold(f64::INFINITY, f64::min);
-    let max = command.iter().copied().fold(f64::NEG_INFINITY, f64::max);
+    let [min, max] = numerics::min_max(command.iter().copied());
     let tolerance = options.command_tolerance * (max - min);
     #[expect(
         clippy::cast_possible_truncation,
@@ -73,7 +72,7 @@ pub fn repeatability(
                 continue;
             }
             let laps = values.len() as f64;
-            let mean = values.iter().sum::<f64>() / laps;
+            let mean = numerics::mean(values.iter().copied());
             let scatter = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
             // The square of the mean less its own variance, which is that of the laps divided by their number.
             of_means += mean * mean - scatter / (laps * (laps - 1.0));

@@ -167,7 +167,7 @@ fn vibration(data: &FitData<'_>, residuals: &[&ResidualSeries]) -> Option<(f64, 
 
 /// Squared magnitudes of the positive frequencies of values less their mean, padded with zeros.
 fn spectrum(fft: &dyn Fft<f64>, values: &[f64], length: usize) -> Vec<f64> {
-    let mean = values.iter().sum::<f64>() / values.len().max(1) as f64;
+    let mean = numerics::mean(values.iter().copied());
     let mut buffer: Vec<Complex<f64>> = values.iter().map(|r| Complex::new(r - mean, 0.0)).collect();
     buffer.resize(length, Complex::default());
     fft.process(&mut buffer);

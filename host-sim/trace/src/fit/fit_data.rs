@@ -77,7 +77,7 @@ impl<'a> FitData<'a> {
     pub fn travel_mm(&self) -> [f64; 2] {
         let positions = (0..self.logs.len()).filter_map(|log| self.signals(log).table_or_motor());
         let positions = positions.flat_map(|smooth| smooth.position.iter().map(|m| 1e3 * m));
-        positions.fold([f64::INFINITY, f64::NEG_INFINITY], |[min, max], mm| [min.min(mm), max.max(mm)])
+        numerics::min_max(positions)
     }
 
     /// Number of samples at the start of a log that no residual counts.

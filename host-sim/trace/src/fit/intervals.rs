@@ -3,10 +3,10 @@
 use std::ops::Range;
 
 use nalgebra::{DMatrix, DVector};
+use numerics::distributions::student_t_975;
 
 use super::least_squares::Fitted;
 use super::normal_equations::normal;
-use crate::friction_map::statistics::t_975;
 use model::effects::{Coordinate, Effect};
 
 /// Covariance of the free parameters of a fit, estimated from the blocks of the logs.
@@ -72,7 +72,7 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
         }
     }
     let of_parameters = &jacobian * of_effect * jacobian.transpose();
-    let t = t_975(covariance.degrees_of_freedom);
+    let t = student_t_975(covariance.degrees_of_freedom);
     of_parameters.diagonal().iter().map(|variance| t * variance.max(0.0).sqrt()).collect()
 }
 

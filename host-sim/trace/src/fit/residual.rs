@@ -114,9 +114,7 @@ impl FitData<'_> {
     fn subtract_mean(&self, log: usize, residual: &mut [f64]) {
         let counts = self.counting(Stage::Table, log);
         let counted = |i: &usize| counts(*i);
-        let count = (0..residual.len()).filter(counted).count();
-        let mean =
-            (0..residual.len()).filter(counted).map(|i| residual[i]).sum::<f64>() / count.max(1) as f64;
+        let mean = numerics::mean((0..residual.len()).filter(counted).map(|i| residual[i]));
         for value in residual {
             *value -= mean;
         }

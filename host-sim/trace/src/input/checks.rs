@@ -2,7 +2,6 @@
 
 use std::borrow::Cow;
 
-use super::smoothing::range;
 use crate::options::AdmissionOptions;
 use files::error::InputError;
 use files::log::{Channel, Log, Unit};
@@ -12,7 +11,7 @@ use model::machine::Machine;
 fn travel(log: &Log, axis: &str) -> f64 {
     let Some(axis) = log.axis(axis) else { return 0.0 };
     let channels = [&axis.command, &axis.motor, &axis.table].into_iter().flatten();
-    channels.map(|values| range(values)).fold(0.0, f64::max)
+    numerics::max(channels.map(|values| numerics::peak_to_peak(values.iter().copied()))).max(0.0)
 }
 
 /// Whether an axis does not move in any log.
@@ -37,7 +36,7 @@ pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result
         }
     }
     let [min, max] = [options.min_travel_mm, options.max_travel_mm];
-    let farthest = log.axes.iter().map(|axis| travel(log, &axis.name)).fold(0.0, f64::max);
+    let farthest = numerics::max_abs(log.axes.iter().map(|axis| travel(log, &axis.name)));
     if !(min..=max).contains(&farthest) {
         return refuse(
             format!("motion over {min} to {max} mm (or deg) on some axis"),
@@ -45,7 +44,9 @@ pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result
         );
     }
     for axis in &log.axes {
-        let of = |channel: Channel| axis.channel(channel).map(range);
+        let of = |channel: Channel| {
+            axis.channel(channel).map(|values| numerics::peak_to_peak(values.iter().copied()))
+        };
         let [command, motor, table] = [Channel::Command, Channel::Motor, Channel::Table].map(of);
         for (name, sensor, other) in [("motor", motor, table.or(command)), ("table", table, motor)] {
             let (Some(sensor), Some(other)) = (sensor, other) else { continue };

@@ -2,7 +2,7 @@
 
 use super::added_force::AddedForce;
 use super::motor_path::MotorPath;
-use super::smoothing::{Smooth, range};
+use super::smoothing::Smooth;
 use crate::options::SampleOptions;
 use files::log::{AxisLog, Log, Unit};
 
@@ -143,7 +143,8 @@ impl AxisSignals {
         if channels.is_empty() {
             return true;
         }
-        channels.into_iter().map(|values| range(values)).fold(0.0, f64::max) >= 1e-3 * min_travel_mm
+        let travels = channels.into_iter().map(|values| numerics::peak_to_peak(values.iter().copied()));
+        numerics::max(travels) >= 1e-3 * min_travel_mm
     }
 
     fn len(&self) -> Option<usize> {

@@ -69,13 +69,6 @@ impl Smooth {
     }
 }
 
-/// Greatest minus least value; −∞ without values.
-#[must_use]
-pub fn range(values: &[f64]) -> f64 {
-    let min = values.iter().copied().fold(f64::INFINITY, f64::min);
-    values.iter().copied().fold(f64::NEG_INFINITY, f64::max) - min
-}
-
 /// Central first differences and second differences; the first and the last value repeat their neighbour.
 fn differences(position: &[f64], sample_s: f64) -> (Vec<f64>, Vec<f64>) {
     let n = position.len();
@@ -173,12 +166,11 @@ fn second_difference(kernel: &[f64]) -> Vec<f64> {
 pub fn noise(values: &[f64]) -> f64 {
     const STRETCH: usize = 64;
     let thirds: Vec<f64> = values.windows(4).map(|w| w[3] - 3.0 * w[2] + 3.0 * w[1] - w[0]).collect();
-    let mut variances: Vec<f64> = thirds
+    let variances: Vec<f64> = thirds
         .chunks(STRETCH)
         .map(|stretch| stretch.iter().map(|d| d * d).sum::<f64>() / (20.0 * stretch.len() as f64))
         .collect();
-    variances.sort_by(f64::total_cmp);
-    variances.get(variances.len() / 2).copied().unwrap_or(0.0).sqrt()
+    numerics::median(&variances).unwrap_or(0.0).sqrt()
 }
 
 #[cfg(test)]

@@ -123,7 +123,7 @@ mod tests {
         let rates = machine.rates();
         let controlled = Controlled { settings: &settings, rates };
         let pushed = closed_loop(&parameters, controlled, &command, &[added_n; 500], start).unwrap();
-        pushed.force_n.iter().fold(0.0, |greatest, force_n| force_n.abs().max(greatest))
+        numerics::max_abs(pushed.force_n)
     }
 
     /// The sum of the controller's and the added force is limited.

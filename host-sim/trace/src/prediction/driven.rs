@@ -207,10 +207,10 @@ mod tests {
         let table = Smooth::new(simulated.table_m.clone(), 1e-3, 5);
         let error_nm: Vec<f64> =
             table.position.iter().zip(&driven.table_m).skip(300).map(|(a, b)| 1e9 * (a - b)).collect();
-        let rms = (error_nm.iter().map(|d| d * d).sum::<f64>() / error_nm.len() as f64).sqrt();
+        let rms = numerics::rms(error_nm.iter().copied());
         // 1 % of the stretch of 1 µm under 200 N, and half of the scale's noise.
         assert!(rms < 10.0, "{rms} nm");
-        let max_nm = error_nm.iter().fold(0.0f64, |a, b| a.max(b.abs()));
+        let max_nm = numerics::max_abs(error_nm);
         assert!(max_nm < 150.0, "{max_nm} nm");
         // At the fastest point: friction of 180 + 30 N, 1000 N·s/m · 62.8 mm/s, no acceleration.
         let fastest = 2500;

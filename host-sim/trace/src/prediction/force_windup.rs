@@ -35,7 +35,7 @@ pub fn add_stretch(residual_um: &mut [f64], windup: Option<&ForceWindup>, signal
 
 #[cfg(test)]
 mod tests {
-    use rand::{RngExt, SeedableRng};
+    use rand::SeedableRng;
     use rand_chacha::ChaCha8Rng;
 
     use crate::{Trace, trace};
@@ -47,7 +47,7 @@ mod tests {
     fn traced(seed: u64, windup_mdeg: impl Fn(f64, f64) -> f64) -> Trace {
         let machine = Machine::parse("name = \"r\"\nsample_rate_hz = 250.0\n[axis.a]\n", "r.toml").unwrap();
         let mut random = ChaCha8Rng::seed_from_u64(seed);
-        let mut noise = || (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0;
+        let mut noise = || numerics::noise::sum_of_uniforms(&mut random);
         let phase = noise();
         let position = |t: f64| 15.0 * (1.1 * t + phase).sin() + 5.0 * (0.47 * t).sin();
         let speed = |t: f64| 16.5 * (1.1 * t + phase).cos() + 2.35 * (0.47 * t).cos();

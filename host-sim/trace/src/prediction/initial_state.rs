@@ -32,7 +32,7 @@ impl InitialState {
         let is_constant = command.len() > count
             && command[..count].windows(2).all(|two| two[0].to_bits() == two[1].to_bits());
         let moves = |later: &[f64]| {
-            let motion = later.iter().sum::<f64>() / later.len() as f64 - first;
+            let motion = numerics::mean(later.iter().copied()) - first;
             motion.abs() > options.min_motion_noise * motor.noise
         };
         if is_constant && motor.raw[1..count].chunks(5).any(moves) {

@@ -108,7 +108,7 @@ mod tests {
         let (real, imaginary) = (1.0 - r * r, 2.0 * zeta * r);
         let (gain, phase) = (real.hypot(imaginary).recip(), -imaginary.atan2(real));
         // The filter attenuates the signal a little: the reference is the filtered signal.
-        let size = signal.position[1000..2000].iter().fold(0.0f64, |a, b| a.max(b.abs()));
+        let size = numerics::max_abs(signal.position[1000..2000].iter().copied());
         for (i, value) in tool.iter().enumerate().skip(2000).take(900) {
             let expected = size * gain * (omega * 1e-3 * i as f64 + phase).sin();
             assert!((value - expected).abs() < 3e-3, "{i}: {value} {expected}");

@@ -102,21 +102,18 @@ fn run(machine: &Machine, motion: &str) -> Option<Log> {
 fn difference(a: &AxisLog, b: &AxisLog) -> f64 {
     let none = Vec::new();
     let rms = |of: &dyn Fn(&AxisLog) -> Vec<f64>, noise: f64| {
-        let squares: f64 = of(a).iter().zip(of(b)).map(|(a, b)| (a - b).powi(2)).sum();
-        (squares / of(a).len().max(1) as f64).sqrt() / noise
+        numerics::rms(of(a).iter().zip(of(b)).map(|(a, b)| a - b)) / noise
     };
     let minus = |a: &Option<Vec<f64>>, b: &Option<Vec<f64>>| -> Vec<f64> {
         let (a, b) = (a.as_ref().unwrap_or(&none), b.as_ref().unwrap_or(&none));
         a.iter().zip(b).map(|(a, b)| a - b).collect()
     };
-    [
+    numerics::max_abs([
         rms(&|log| minus(&log.motor, &log.command), 1e-5),
         rms(&|log| minus(&log.table, &log.motor), 2e-5),
         rms(&|log| minus(&log.tool, &log.table), 8e-5),
         rms(&|log| log.force.clone().unwrap_or_default(), 1.0),
-    ]
-    .into_iter()
-    .fold(0.0, f64::max)
+    ])
 }
 
 impl Trial {
@@ -174,10 +171,10 @@ impl MotionRange {
     fn of(logs: &[Signals], axis: usize) -> Option<Self> {
         let signals = || logs.iter().filter_map(|log| log.axes.get(axis)?.table_or_motor());
         let greatest = |of: &dyn Fn(&Smooth) -> f64| signals().map(of).reduce(f64::max);
-        let max = greatest(&|s| s.position.iter().copied().fold(f64::NEG_INFINITY, f64::max))?;
-        let min = -greatest(&|s| s.position.iter().map(|m| -m).fold(f64::NEG_INFINITY, f64::max))?;
-        let speed = greatest(&|s| s.velocity.iter().map(|v| v.abs()).fold(0.0, f64::max))?;
-        let acceleration = greatest(&|s| s.acceleration.iter().map(|a| a.abs()).fold(0.0, f64::max))?;
+        let max = greatest(&|s| numerics::max(s.position.iter().copied()))?;
+        let min = -greatest(&|s| numerics::max(s.position.iter().map(|m| -m)))?;
+        let speed = greatest(&|s| numerics::max_abs(s.velocity.iter().copied()))?;
+        let acceleration = greatest(&|s| numerics::max_abs(s.acceleration.iter().copied()))?;
         // An axis at rest in the logs has no range to move within.
         (max > min && speed > 1e-3 && acceleration > 1e-2).then_some(Self {
             middle_mm: 500.0 * (max + min),

@@ -136,7 +136,7 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage, options: &Sear
         reduction: reductions.iter().sum(),
         t: mean / (variance / n).sqrt().max(f64::MIN_POSITIVE),
         folds_better: (0..FOLDS).filter(|&fold| in_fold(fold).sum::<f64>() > 0.0).count(),
-        worst_log: used().map(|l| 1.0 - l.after / l.before.max(f64::MIN_POSITIVE)).fold(1.0, f64::min),
+        worst_log: numerics::min(used().map(|l| 1.0 - l.after / l.before.max(f64::MIN_POSITIVE))).min(1.0),
         gain: used().map(gain_of).sum(),
     }
 }

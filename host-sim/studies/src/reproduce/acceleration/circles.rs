@@ -111,7 +111,7 @@ impl CircleRecord {
         };
         record.subtract_means();
         let radius = |row: &Row| row.scale_m[p].hypot(row.scale_m[q]);
-        record.radius_m = record.rows.iter().map(radius).sum::<f64>() / record.rows.len() as f64;
+        record.radius_m = numerics::mean(record.rows.iter().map(radius));
         let centripetal = record.centripetal_m_per_s2();
         let set = |row: &Row| [p, q].map(|axis| -centripetal * row.scale_m[axis] / radius(row));
         record.acceleration = record.rows.iter().map(set).collect();
@@ -120,10 +120,9 @@ impl CircleRecord {
 
     /// Subtracts the mean over whole turns, which is the centre of the circle.
     fn subtract_means(&mut self) {
-        let count = self.rows.len() as f64;
         for axis in 0..AXES {
-            let scale = self.rows.iter().map(|row| row.scale_m[axis]).sum::<f64>() / count;
-            let tool = self.rows.iter().map(|row| row.tool_m[axis]).sum::<f64>() / count;
+            let scale = numerics::mean(self.rows.iter().map(|row| row.scale_m[axis]));
+            let tool = numerics::mean(self.rows.iter().map(|row| row.tool_m[axis]));
             for row in &mut self.rows {
                 row.scale_m[axis] -= scale;
                 row.tool_m[axis] -= tool;
@@ -197,7 +196,7 @@ fn plane_fits(circles: &[CircleRecord]) -> Result<Measured, ReproduceError> {
             effective_kg[axis] += 0.5 * linear_fit(&[&first, &second], &force)?.coefficients[i];
         }
     }
-    let mean = |of: fn(&CircleRecord) -> f64| circles.iter().map(of).sum::<f64>() / circles.len() as f64;
+    let mean = |of: fn(&CircleRecord) -> f64| numerics::mean(circles.iter().map(of));
     Ok(Measured {
         talk_um_s2_per_m: talk,
         deviation_um_s2_per_m: deviation,

@@ -199,7 +199,7 @@ mod tests {
         assert!((lag / (0.1 / machines::GAINS.position_per_s) - 1.0).abs() < 0.01, "{lag}");
         // Four carriages of 0.1 N·s/mm each; mean, because the machine feet still vibrate.
         let middle = &rows[2 * rows.len() / 5..3 * rows.len() / 5];
-        let force_n = middle.iter().map(|row| row.force_n[2]).sum::<f64>() / middle.len() as f64;
+        let force_n = numerics::mean(middle.iter().map(|row| row.force_n[2]));
         assert!((force_n / (400.0 * 0.1) - 1.0).abs() < 0.02, "{force_n}");
         // Without acceleration only the 40 N of friction deflect the ram, like 0.07 m/s² on its 550 kg:
         // −0.55 µm per m/s² give −0.04 µm in x.

@@ -58,9 +58,8 @@ fn plane(experiment: &Experiment) -> Picture {
         let middle = -max + (bin as f64 + 0.5) * width;
         let inside: Vec<f64> =
             points.iter().filter(|(a, _)| (a - middle).abs() <= 0.5 * width).map(|point| point.1).collect();
-        let mean = inside.iter().sum::<f64>() / inside.len() as f64;
-        let scatter = inside.iter().map(|um| (um - mean).powi(2)).sum::<f64>() / inside.len() as f64;
-        (middle, mean, scatter.sqrt())
+        let (mean, scatter) = numerics::mean_and_deviation(&inside);
+        (middle, mean, scatter)
     };
     let bins: Vec<(f64, f64, f64)> = (0..BINS).map(bin_of).collect();
     let above = bins.iter().map(|(a, mean, scatter)| (*a, mean + scatter));
@@ -122,8 +121,8 @@ fn ellipse(experiment: &Experiment) -> Picture {
         (0..=SECTORS).map(|i| (angle(i), radial(angle(i)))).collect()
     };
     let (before, after) = (modelled(&experiment.before), modelled(&experiment.after));
-    let max =
-        [&measured, &before, &after].into_iter().flatten().fold(0.0_f64, |max, point| max.max(point.1.abs()));
+    let all = [&measured, &before, &after].into_iter().flatten();
+    let max = numerics::max_abs(all.map(|point| point.1));
     let title = "Radial deviation on the circle in zx";
     let caption = "Circles of 2 mm in zx, both ways: external less internal reading away from the centre. In-talk makes an \
                    ellipse of the circle, cross-talk tilts it.";
@@ -141,7 +140,7 @@ fn over_time(values: impl IntoIterator<Item = f64>) -> Vec<(f64, f64)> {
     let values: Vec<f64> = values.into_iter().collect();
     let mean = |(i, rows): (usize, &[f64])| {
         let middle = (i * ROWS_PER_POINT) as f64 + 0.5 * rows.len() as f64;
-        (middle * SAMPLE_S, rows.iter().sum::<f64>() / rows.len() as f64)
+        (middle * SAMPLE_S, numerics::mean(rows.iter().copied()))
     };
     values.chunks(ROWS_PER_POINT).enumerate().map(mean).collect()
 }

@@ -68,7 +68,7 @@ pub fn commanded(limits: Limits) -> Result<Peaks, ReproduceError> {
     let rates = |values: &[f64]| -> Vec<f64> {
         values.windows(2).map(|pair| (pair[1] - pair[0]) / SAMPLE_S).collect()
     };
-    let peak = |values: &[f64]| values.iter().fold(0.0_f64, |peak, value| peak.max(value.abs()));
+    let peak = |values: &[f64]| numerics::max_abs(values.iter().copied());
     let speeds = rates(&positions);
     let accelerations = rates(&speeds);
     Ok(Peaks {
@@ -128,9 +128,8 @@ impl ZMove {
     /// Rms error of an axis after subtraction of a coefficient (µm per m/s² of z), µm.
     #[must_use]
     pub fn rms_residual_um(&self, axis: usize, um_s2_per_m: f64) -> f64 {
-        let square = |(error, a): (f64, &f64)| (error - um_s2_per_m * a).powi(2);
-        let squares: f64 = self.error_um(axis).into_iter().zip(&self.acceleration).map(square).sum();
-        (squares / self.rows.len() as f64).sqrt()
+        let residual = |(error, a): (f64, &f64)| error - um_s2_per_m * a;
+        numerics::rms(self.error_um(axis).into_iter().zip(&self.acceleration).map(residual))
     }
 }
 
@@ -138,7 +137,7 @@ impl ZMove {
 /// a window of either end.
 pub fn accelerations(positions_m: &[f64]) -> Vec<f64> {
     let squares: Vec<f64> = (0..=2 * HALF_WINDOW).map(|k| (k as f64 - HALF_WINDOW as f64).powi(2)).collect();
-    let mean = squares.iter().sum::<f64>() / squares.len() as f64;
+    let mean = numerics::mean(squares.iter().copied());
     let weights: Vec<f64> = squares.iter().map(|square| square - mean).collect();
     let sum: f64 = weights.iter().map(|weight| weight * weight).sum::<f64>() * 0.5 * SAMPLE_S.powi(2);
     let mut found = vec![0.0; positions_m.len()];

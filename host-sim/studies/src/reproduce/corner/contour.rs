@@ -29,14 +29,14 @@ pub fn window(command: &Track, sample_s: f64) -> Range<usize> {
 pub fn overshoot_m(track: &Track, window: &Range<usize>) -> f64 {
     let beyond: Vec<f64> = along(track, window).map(|[u, _]| u).collect();
     let last = &beyond[beyond.len() - beyond.len() / 10..];
-    let steady = last.iter().sum::<f64>() / last.len() as f64;
-    beyond.iter().fold(f64::NEG_INFINITY, |max, &u| max.max(u)) - steady
+    let steady = numerics::mean(last.iter().copied());
+    numerics::max(beyond.iter().copied()) - steady
 }
 
 /// Rounding, m: minimum distance from the corner.
 #[must_use]
 pub fn rounding_m(track: &Track, window: &Range<usize>) -> f64 {
-    along(track, window).map(|[u, w]| u.hypot(w)).fold(f64::INFINITY, f64::min)
+    numerics::min(along(track, window).map(|[u, w]| u.hypot(w)))
 }
 
 /// Maximum distance of the points of one contour from another contour, m.
@@ -44,16 +44,10 @@ pub fn rounding_m(track: &Track, window: &Range<usize>) -> f64 {
 pub fn difference_m(one: &Track, other: &Track, window: &Range<usize>, sample_s: f64) -> f64 {
     let (one, other): (Vec<_>, Vec<_>) = (one.points().collect(), other.points().collect());
     let reach = samples(MAX_TIME_DIFFERENCE_S, sample_s);
-    window
-        .clone()
-        .map(|k| {
-            let near = k.saturating_sub(reach)..(k + reach).min(other.len());
-            other[near]
-                .windows(2)
-                .map(|ends| to_segment_m(one[k], ends[0], ends[1]))
-                .fold(f64::INFINITY, f64::min)
-        })
-        .fold(0.0, f64::max)
+    numerics::max_abs(window.clone().map(|k| {
+        let near = k.saturating_sub(reach)..(k + reach).min(other.len());
+        numerics::min(other[near].windows(2).map(|ends| to_segment_m(one[k], ends[0], ends[1])))
+    }))
 }
 
 /// Radius of the fundamental of a circular track, m: magnitude of its mean complex ratio to the unit vector from the

@@ -152,7 +152,7 @@ impl Mechanics {
 pub fn printed_hpc_pole_per_s(gain_per_s: f64, leading_power: i32) -> f64 {
     let c = HPC[0] * gain_per_s.powi(2);
     let closed = Matrix3::new(0.0, 1.0, 0.0, 0.0, 0.0, 1.0, -c * gain_per_s.powi(leading_power), -c, -HPC[1]);
-    closed.complex_eigenvalues().iter().map(|pole| pole.re).fold(f64::NEG_INFINITY, f64::max)
+    numerics::max(closed.complex_eigenvalues().iter().map(|pole| pole.re))
 }
 
 #[cfg(test)]
@@ -204,7 +204,7 @@ mod tests {
 
         let mut step = vec![1.0; 400];
         step[0] = 0.0;
-        let max = mechanics.table_m(&step, SAMPLE_S).into_iter().fold(0.0, f64::max);
+        let max = numerics::max(mechanics.table_m(&step, SAMPLE_S));
         let exact = 1.0 + (-std::f64::consts::PI * 0.2 / (1.0 - 0.04_f64).sqrt()).exp();
         // A maximum between two samples is missed by at most (ω·sample/2)²/2 of its height.
         assert!(max > exact - 1e-3 && max < exact + 1e-3, "{max} {exact}");
@@ -214,7 +214,7 @@ mod tests {
     /// of e^(−π).
     #[test]
     fn hpc_with_half_feedforward_is_a_second_order_butterworth() {
-        let max = step(&servo(Law::Hpc, 50.0)).map(|(_, y)| y).fold(0.0, f64::max);
+        let max = numerics::max(step(&servo(Law::Hpc, 50.0)).map(|(_, y)| y));
         // The impulse of the lead is held for one sample and is thus half a sample late. This adds ½·(x/2)·|y″| with
         // x = Kp·sample, and y″ = −16·e^(−π) at the maximum, from the step response without feed-forward.
         let late = 0.25 * 50.0 * SAMPLE_S * 16.0;

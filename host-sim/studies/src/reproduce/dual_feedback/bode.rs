@@ -61,7 +61,7 @@ fn add_breaks(study: &mut Study, times: TimeConstants, responses: &[Response]) -
 
 /// The paper's conclusion about small α, against the maxima of |G|.
 fn add_magnitudes(study: &mut Study, responses: &[Vec<Response>; 3]) {
-    let max = |responses: &[Response]| responses.iter().map(Response::magnitude).fold(0.0, f64::max);
+    let max = |responses: &[Response]| numerics::max_abs(responses.iter().map(Response::magnitude));
     let highest = responses.each_ref().map(|responses| max(responses));
     // The maximum is near ωT = 1/√α, about 3 for α = 0.1.
     let small = TimeConstants::with_alpha(0.1);

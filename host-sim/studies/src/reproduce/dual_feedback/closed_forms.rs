@@ -113,9 +113,9 @@ impl Form {
     fn max_deviation_nm(&self, times: TimeConstants) -> f64 {
         let rows = run(times, TICKS, |time_s| (self.lost_nm)(times, time_s));
         let deviation = |(tick, row): (u32, &Output)| {
-            ((self.output_nm)(row) - (self.exact_nm)(times, f64::from(tick) * TICK_S)).abs()
+            (self.output_nm)(row) - (self.exact_nm)(times, f64::from(tick) * TICK_S)
         };
-        (0u32..).zip(&rows).map(deviation).fold(0.0, f64::max)
+        numerics::max_abs((0u32..).zip(&rows).map(deviation))
     }
 }
 
@@ -128,15 +128,15 @@ fn bound_nm(times: TimeConstants) -> f64 {
 /// final Qc.
 fn max_of_both_nm(times: TimeConstants, ratio: f64) -> f64 {
     let rows = run(times, 2 * TICKS, |time_s| STEP_NM + ratio * ramp_nm_per_s(times) * time_s);
-    rows.iter().fold(0.0, |max, row| max.max(row.detector2_nm.abs()))
+    numerics::max_abs(rows.iter().map(|row| row.detector2_nm))
 }
 
 /// Adds the closed forms.
 pub fn add(study: &mut Study) {
     let systems = ALPHAS.map(TimeConstants::with_alpha);
-    let bound_nm_of_all = systems.map(bound_nm).into_iter().fold(0.0, f64::max);
+    let bound_nm_of_all = numerics::max_abs(systems.map(bound_nm));
     for form in &FORMS {
-        let deviation_nm = systems.map(|times| form.max_deviation_nm(times)).into_iter().fold(0.0, f64::max);
+        let deviation_nm = numerics::max_abs(systems.map(|times| form.max_deviation_nm(times)));
         study.outcomes.push(Outcome::new(
             format!("{}: farthest from the closed form", form.name),
             Printed::Below(rounded(100.0 * bound_nm_of_all / STEP_NM, 2)),

@@ -167,8 +167,7 @@ mod tests {
             |of: Uncertain| of.value + of.half_width * 3f64.sqrt() * (2.0 * random.random::<f64>() - 1.0);
         let (a, b) = (uncertain(30.0, 3.0), uncertain(16.2, 1.5));
         let sums: Vec<f64> = (0..n).map(|_| draw(a) + draw(b)).collect();
-        let mean = sums.iter().sum::<f64>() / f64::from(n);
-        let deviation = (sums.iter().map(|sum| (sum - mean).powi(2)).sum::<f64>() / f64::from(n)).sqrt();
+        let (mean, deviation) = numerics::mean_and_deviation(&sums);
         let rule = a + b;
         assert!((mean - rule.value).abs() < 5.0 * rule.half_width / f64::from(n).sqrt());
         assert!((deviation / rule.half_width - 1.0).abs() < 5.0 * 0.0022);

@@ -7,6 +7,7 @@
 use std::f64::consts::FRAC_1_SQRT_2;
 
 use crate::reproduce::study::{Outcome, Picture, Printed, Study};
+use numerics::mean_and_deviation;
 use report::number::fixed;
 use report::plot::{Chart, Ink, Layer};
 
@@ -84,14 +85,6 @@ const LOTS: [Lot; 2] = [
     },
 ];
 
-/// Mean and standard deviation (divisor n).
-fn moments(values: &[f64]) -> (f64, f64) {
-    let n = values.len() as f64;
-    let mean = values.iter().sum::<f64>() / n;
-    let variance = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>() / n;
-    (mean, variance.sqrt())
-}
-
 impl Lot {
     /// Sizes, mm.
     fn sizes_mm(&self) -> Vec<f64> {
@@ -100,7 +93,7 @@ impl Lot {
 
     /// S = 2σ, mm.
     fn scatter_mm(&self) -> f64 {
-        2.0 * moments(&self.sizes_mm()).1
+        2.0 * mean_and_deviation(&self.sizes_mm()).1
     }
 
     /// Bounds of a class, µm above the reference; the upper one is included.
@@ -149,7 +142,7 @@ impl Lot {
     /// Histogram, printed frequencies, and the normal distribution.
     fn picture(&self) -> Picture {
         let found = self.frequencies();
-        let (mean, sigma) = moments(&self.sizes_mm());
+        let (mean, sigma) = mean_and_deviation(&self.sizes_mm());
         let mm = |um: u32| self.base_mm + 1e-3 * f64::from(um);
         let bars = found.iter().enumerate().map(|(index, &parts)| {
             let ((low, high), parts) = (self.class(index), parts as f64);
@@ -199,7 +192,7 @@ impl Lot {
 /// Adds both lots.
 pub fn add(study: &mut Study) {
     for lot in &LOTS {
-        let (mean, sigma) = moments(&lot.sizes_mm());
+        let (mean, sigma) = mean_and_deviation(&lot.sizes_mm());
         study.findings.push(format!(
             "Of the {} of {} parts the mean is {} mm and S = 2σ = ±{} mm.",
             lot.name,
@@ -257,7 +250,7 @@ mod tests {
     /// Of the usual definitions only 2σ rounds to the printed ±0.008 mm.
     #[test]
     fn only_two_sigma_gives_the_printed_scatter() {
-        let (_, sigma) = moments(&LOTS[1].sizes_mm());
+        let (_, sigma) = mean_and_deviation(&LOTS[1].sizes_mm());
         let half_range = 0.5e-3 * f64::from(898 - 879);
         let sample = sigma * (31f64 / 30.0).sqrt();
         let rounds = |mm: f64| (0.0075..0.0085).contains(&mm);

@@ -147,12 +147,8 @@ mod tests {
     /// Half a count on both samples is at most √½/2²³ rad, which is 0.054 nm of a 4 mm turn; D is 10 µm.
     #[test]
     fn the_resolver_input_agrees_with_the_formula() {
-        let deviation = simulated_errors()
-            .unwrap()
-            .iter()
-            .zip(formula_errors())
-            .map(|(a, b)| (a - b).abs())
-            .fold(0.0, f64::max);
+        let simulated = simulated_errors().unwrap();
+        let deviation = numerics::max_abs(simulated.iter().zip(formula_errors()).map(|(a, b)| a - b));
         assert!(deviation < 8e-6 && deviation > 1e-6, "{deviation}");
     }
 

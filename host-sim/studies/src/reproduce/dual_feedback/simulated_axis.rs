@@ -65,10 +65,9 @@ pub struct Errors {
 
 impl Errors {
     fn from_um(errors_um: &[f64]) -> Self {
-        let squares = errors_um.iter().map(|error| error * error).sum::<f64>();
         Self {
-            max_um: errors_um.iter().fold(0.0, |max, error| max.max(error.abs())),
-            rms_um: (squares / errors_um.len().max(1) as f64).sqrt(),
+            max_um: numerics::max_abs(errors_um.iter().copied()),
+            rms_um: numerics::rms(errors_um.iter().copied()),
         }
     }
 }
@@ -145,7 +144,7 @@ fn stop_errors_um(system: System, gain_per_s: f64) -> Result<Vec<f64>, Reproduce
         let evaluated = count(EVALUATED_S) as usize;
         if stop.len() as f64 > count(0.5 * DWELL_S) {
             let end = &stop[stop.len() - evaluated..];
-            found.push(end.iter().map(|row| row.table_um).sum::<f64>() / evaluated as f64);
+            found.push(numerics::mean(end.iter().map(|row| row.table_um)));
         }
     }
     Ok(found)
@@ -199,10 +198,7 @@ fn oscillation_um(system: System, gain_per_s: f64) -> Result<f64, ReproduceError
     let evaluated = (EVALUATED_S / log.sample_time_s) as usize;
     let rows = rows(&log);
     let end = &rows[rows.len().saturating_sub(evaluated)..];
-    let peak_to_peak = |of: fn(&Row) -> f64| {
-        let errors = end.iter().map(of);
-        errors.clone().fold(f64::MIN, f64::max) - errors.fold(f64::MAX, f64::min)
-    };
+    let peak_to_peak = |of: fn(&Row) -> f64| numerics::peak_to_peak(end.iter().map(of));
     Ok(peak_to_peak(|row| row.motor_um).max(peak_to_peak(|row| row.table_um)))
 }
 
@@ -295,7 +291,7 @@ mod tests {
             a[(row, row)] = -1.0 / lag_s;
         }
         let matrix = nalgebra::DMatrix::from_fn(11, 11, |row, column| a[(row, column)]);
-        matrix.complex_eigenvalues().iter().map(|value| value.re).fold(f64::MIN, f64::max)
+        numerics::max(matrix.complex_eigenvalues().iter().map(|value| value.re))
     }
 
     /// The maximum gain is the stability limit of the linear loop, to 10 %: first-order lags replace the sampling, and an

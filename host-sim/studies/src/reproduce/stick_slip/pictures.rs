@@ -86,7 +86,7 @@ fn deflections(runs: &[StickSlip; 2]) -> Picture {
 /// A circular test as a polar plot.
 fn circle(name: &str, description: &str, ballbar: &Ballbar) -> Picture {
     let (positive, negative) = (ballbar.positive.polar_points(), ballbar.negative.polar_points());
-    let max = positive.iter().chain(&negative).fold(0.0_f64, |max, point| max.max(point.1.abs()));
+    let max = numerics::max_abs(positive.iter().chain(&negative).map(|point| point.1));
     let division_um = division_for(max);
     let [x, y] = ballbar.reversal_um();
     let caption = format!(

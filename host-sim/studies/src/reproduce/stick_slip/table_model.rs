@@ -150,10 +150,7 @@ impl Deflections {
     /// Peak-to-peak deflection of X and Y, µm.
     #[must_use]
     pub fn peak_to_peak_um(&self) -> [f64; 2] {
-        [0, 1].map(|axis| {
-            let values = || self.points.iter().map(|point| point.1[axis]);
-            1e6 * (values().fold(f64::NEG_INFINITY, f64::max) - values().fold(f64::INFINITY, f64::min))
-        })
+        [0, 1].map(|axis| 1e6 * numerics::peak_to_peak(self.points.iter().map(|point| point.1[axis])))
     }
 
     /// The radial deviation. Friction holds a table back: its position is X0 − x, with X0 that of the drive.
@@ -186,7 +183,7 @@ pub fn steepest_fall_n_s_per_m(friction: &FallingRising, max_m_per_s: f64) -> f6
     const STEPS: usize = 10_000;
     let at = |i: usize| friction.force_n(max_m_per_s * i as f64 / STEPS as f64);
     let falls = (0..STEPS).map(|i| (at(i) - at(i + 1)) * STEPS as f64 / max_m_per_s);
-    falls.fold(0.0, f64::max)
+    numerics::max(falls).max(0.0)
 }
 
 #[cfg(test)]
@@ -208,7 +205,7 @@ mod tests {
                     let inertia_n = table.mass_kg * path.acceleration_m_per_s2(*time_s)[axis];
                     (deflection[axis] - (friction_n - inertia_n) / table.stiffness_n_per_m).abs()
                 };
-                let max_m = lap.points.iter().map(error_m).fold(0.0, f64::max);
+                let max_m = numerics::max_abs(lap.points.iter().map(error_m));
                 let slope = table.mass_kg * GRAVITY_M_PER_S2 * 0.145 * 50.0;
                 let rate = slope * RADIUS_M * speed_rad_per_s.powi(2) / table.stiffness_n_per_m;
                 let expected_m = (table.damping_n_s_per_m + slope) * rate / table.stiffness_n_per_m;

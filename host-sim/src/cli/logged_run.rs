@@ -1,44 +1,44 @@
-//! A run that is logged to a file row by row, so that memory does not grow with its time.
+//! A simulated run whose log is written row by row, so that memory does not grow with its duration.
 
 use std::path::Path;
 
 use anyhow::{Error, Result};
 
+use super::input_error::Inputs;
 use super::progress::Progress;
-use super::refusal::Given;
 use files::log::write_rows;
 use files::output::OutputError;
 use link::controller::{Controller, Status};
 use model::machine::Machine;
 use plant::simulate::{Run, Sample, SimulationError};
 
-/// What a finished run was like.
-pub struct Logged {
+/// Statistics of a finished run.
+pub struct RunStatistics {
     /// Rows of the log.
     pub samples: u64,
-    axes: Vec<Seen>,
+    axes: Vec<AxisStatistics>,
 }
 
-/// What has been seen of one axis.
-struct Seen {
+struct AxisStatistics {
     name: String,
-    limit_n: Option<f64>,
-    following_um: Figures,
-    force_n: Figures,
-    /// Rows with the force at its limit.
-    at_limit: u64,
+    force_limit_n: Option<f64>,
+    following_error_um: Magnitude,
+    force_n: Magnitude,
+    /// Number of rows with the force at its limit.
+    rows_at_limit: u64,
 }
 
+/// Running rms and maximum magnitude of a signal.
 #[derive(Default)]
-struct Figures {
+struct Magnitude {
     squares: f64,
-    greatest: f64,
+    max: f64,
 }
 
-impl Figures {
+impl Magnitude {
     fn add(&mut self, value: f64) {
         self.squares += value * value;
-        self.greatest = self.greatest.max(value.abs());
+        self.max = self.max.max(value.abs());
     }
 
     fn rms(&self, samples: u64) -> f64 {
@@ -46,7 +46,10 @@ impl Figures {
     }
 }
 
-/// Runs and logs to `out`, whole or not at all.
+/// A force reading of at least this fraction of the limit counts as being at the limit, since readings have noise.
+const AT_LIMIT: f64 = 0.99;
+
+/// Runs a motion and writes its log to `out`, whole or not at all. `watch` is given the status of every tick.
 ///
 /// # Errors
 /// Input that the controller refuses, a loop that does not hold, output that cannot be written.
@@ -54,12 +57,12 @@ pub fn run(
     run: &Run<'_>,
     controller: &mut dyn Controller,
     out: &Path,
-    given: &Given<'_>,
+    inputs: &Inputs<'_>,
     mut watch: impl FnMut(&Status),
-) -> Result<Logged> {
+) -> Result<RunStatistics> {
     let progress = Progress::start();
-    let mut logged = Logged::new(run.machine);
-    let mut stopped = None;
+    let mut statistics = RunStatistics::new(run.machine);
+    let mut failed = None;
     let written = write_rows(out, &run.empty_log(), |rows| {
         let ran = run.rows(
             controller,
@@ -68,33 +71,33 @@ pub fn run(
                 watch(status);
             },
             |samples| {
-                logged.add(samples);
+                statistics.add(samples);
                 rows.row(samples.iter().flat_map(Sample::values))
             },
         );
         ran.map_err(|error| match error {
             SimulationError::Log(error) => error,
             error => {
-                stopped = Some(error);
+                failed = Some(error);
                 std::io::Error::other("the run stopped")
             }
         })
     });
     drop(progress);
-    match stopped {
-        Some(error) => Err(given.blamed(error)),
-        None => written.map(|()| logged).map_err(|error: OutputError| Error::from(error)),
+    match failed {
+        Some(error) => Err(inputs.error(error)),
+        None => written.map(|()| statistics).map_err(|error: OutputError| Error::from(error)),
     }
 }
 
-impl Logged {
+impl RunStatistics {
     fn new(machine: &Machine) -> Self {
-        let axes = machine.axis.iter().map(|(name, axis)| Seen {
+        let axes = machine.axis.iter().map(|(name, axis)| AxisStatistics {
             name: name.clone(),
-            limit_n: axis.settings.controller.force_limit_n,
-            following_um: Figures::default(),
-            force_n: Figures::default(),
-            at_limit: 0,
+            force_limit_n: axis.settings.controller.force_limit_n,
+            following_error_um: Magnitude::default(),
+            force_n: Magnitude::default(),
+            rows_at_limit: 0,
         });
         Self { samples: 0, axes: axes.collect() }
     }
@@ -102,30 +105,30 @@ impl Logged {
     fn add(&mut self, samples: &[Sample]) {
         self.samples += 1;
         for (axis, sample) in self.axes.iter_mut().zip(samples) {
-            axis.following_um.add(1e3 * (sample.command_mm - sample.motor_mm));
+            axis.following_error_um.add(1e3 * (sample.command_mm - sample.motor_mm));
             axis.force_n.add(sample.force_n);
-            // The reading has noise; 1 % below the limit is at it.
-            axis.at_limit += u64::from(axis.limit_n.is_some_and(|limit| sample.force_n.abs() > 0.99 * limit));
+            let is_at_limit = |limit_n| sample.force_n.abs() > AT_LIMIT * limit_n;
+            axis.rows_at_limit += u64::from(axis.force_limit_n.is_some_and(is_at_limit));
         }
     }
 
-    /// Following error and force of each axis.
+    /// A table of following error and force, and a sentence for each axis whose force was at its limit.
     #[must_use]
     pub fn summary(&self) -> String {
         let mut lines = vec![
             format!("{:<6}{:>28}{:>24}", "axis", "following error µm", "force N"),
             format!("{:<6}{:>14}{:>14}{:>12}{:>12}", "", "rms", "greatest", "rms", "greatest"),
         ];
-        for Seen { name, following_um, force_n, .. } in &self.axes {
+        for AxisStatistics { name, following_error_um, force_n, .. } in &self.axes {
             let [error, force] =
-                [following_um, force_n].map(|figures| (figures.rms(self.samples), figures.greatest));
+                [following_error_um, force_n].map(|signal| (signal.rms(self.samples), signal.max));
             lines.push(format!(
                 "{name:<6}{:>14.3}{:>14.3}{:>12.1}{:>12.1}",
                 error.0, error.1, force.0, force.1
             ));
         }
-        for axis in self.axes.iter().filter(|axis| axis.at_limit > 0) {
-            let percent = 100.0 * axis.at_limit as f64 / self.samples.max(1) as f64;
+        for axis in self.axes.iter().filter(|axis| axis.rows_at_limit > 0) {
+            let percent = 100.0 * axis.rows_at_limit as f64 / self.samples.max(1) as f64;
             lines.push(format!(
                 "\n{}: the force stands at its limit in {percent:.2} % of the samples.",
                 axis.name

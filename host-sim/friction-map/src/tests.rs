@@ -1,16 +1,15 @@
-use rand::{RngExt, SeedableRng};
+use numerics::noise::sum_of_uniforms;
+use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
-use super::search::{explain, search};
+use super::json::json;
+use super::map::{Run, Unit};
+use super::selection::select;
+use super::term::Term;
 use super::*;
 
-/// A deviate near enough to normal: the sum of twelve uniform ones has variance 1.
-fn normal(random: &mut ChaCha8Rng) -> f64 {
-    (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0
-}
-
 /// Runs as a test bench makes them, 2 to 200 rpm, whose means are off by 0.015.
-fn bench(seed: u64, both_ways: bool, law: impl Fn(f64) -> f64) -> FrictionMap {
+fn test_bench(seed: u64, both_ways: bool, law: impl Fn(f64) -> f64) -> FrictionMap {
     let speeds =
         [2.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 120.0, 140.0, 160.0, 180.0, 200.0];
     let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -18,7 +17,7 @@ fn bench(seed: u64, both_ways: bool, law: impl Fn(f64) -> f64) -> FrictionMap {
     let velocities = sides.iter().flat_map(|side| speeds.map(|speed| side * speed));
     let run = |velocity: f64| Run {
         velocity,
-        force: law(velocity) + 0.015 * normal(&mut random),
+        force: law(velocity) + 0.015 * sum_of_uniforms(&mut random),
         deviation: Some(0.3),
         error: Some(0.015),
     };
@@ -28,8 +27,8 @@ fn bench(seed: u64, both_ways: bool, law: impl Fn(f64) -> f64) -> FrictionMap {
 type Law = Box<dyn Fn(f64) -> f64>;
 
 fn names(map: &FrictionMap) -> Vec<&'static str> {
-    let searched = search(map, &map.runs).unwrap();
-    searched.fitted.law.terms.iter().map(|term| term.name()).collect()
+    let selection = select(map, &map.runs).unwrap();
+    selection.fitted.law.terms.iter().map(|term| term.name()).collect()
 }
 
 /// The levels of chance are kept: with 1 % a round, 1000 maps that lack nothing yield 10 ± 3.2 false terms where the
@@ -38,7 +37,7 @@ fn names(map: &FrictionMap) -> Vec<&'static str> {
 fn a_map_that_lacks_nothing_yields_nothing() {
     let found = |both_ways: bool| {
         (0..1000)
-            .filter(|&seed| !names(&bench(seed, both_ways, |v| 3.0 * v.signum() + 0.004 * v)).is_empty())
+            .filter(|&seed| !names(&test_bench(seed, both_ways, |v| 3.0 * v.signum() + 0.004 * v)).is_empty())
             .count()
     };
     let (two, one) = (found(true), found(false));
@@ -57,16 +56,16 @@ fn a_known_law_is_found_within_its_intervals() {
     let seeds = 40;
     let (mut right, mut inside, mut all) = (0, 0, 0);
     for seed in 0..seeds {
-        let map = bench(seed, true, truth);
-        let searched = search(&map, &map.runs).unwrap();
-        if searched.fitted.law.terms != [law::Term::ConstantLoad, law::Term::StribeckExponential] {
+        let map = test_bench(seed, true, truth);
+        let selection = select(&map, &map.runs).unwrap();
+        if selection.fitted.law.terms != [Term::ConstantLoad, Term::StribeckExponential] {
             continue;
         }
         right += 1;
         let told = [
-            json::declared(&map, &searched.fitted).to_vec(),
-            json::parameters(&map, &searched.fitted, 0),
-            json::parameters(&map, &searched.fitted, 1),
+            parameters::declared(&map, &selection.fitted).to_vec(),
+            parameters::of_term(&map, &selection.fitted, 0),
+            parameters::of_term(&map, &selection.fitted, 1),
         ];
         for parameter in told.iter().flatten() {
             let truth = match parameter.key.as_str() {
@@ -105,11 +104,11 @@ fn every_term_is_found_where_it_is_large() {
     for (name, law) in laws {
         // Where two forms are as good on these speeds (a root and a logarithm), the other one is told beside it.
         let told = |seed: u64| {
-            let map = bench(seed, true, &law);
+            let map = test_bench(seed, true, &law);
             let explained = explain(&map).unwrap();
-            let terms = &explained.searched.fitted.law.terms;
-            let as_good = terms.iter().flat_map(|&term| json::rivals(&explained, term));
-            let all: Vec<&str> = terms.iter().copied().chain(as_good).map(law::Term::name).collect();
+            let terms = &explained.selection.fitted.law.terms;
+            let as_good = terms.iter().flat_map(|&term| explained.equally_good(term));
+            let all: Vec<&str> = terms.iter().copied().chain(as_good).map(Term::name).collect();
             (terms.len(), all)
         };
         let told: Vec<_> = (0..6).map(told).collect();
@@ -121,7 +120,7 @@ fn every_term_is_found_where_it_is_large() {
 
 #[test]
 fn one_direction_shows_stribeck_and_says_what_it_cannot() {
-    let map = bench(1, false, |v| 2.4 + 0.8 * (-v / 40.0).exp() + 0.006 * v);
+    let map = test_bench(1, false, |v| 2.4 + 0.8 * (-v / 40.0).exp() + 0.006 * v);
     let explained = explain(&map).unwrap();
     assert_eq!(names(&map), ["stribeck"]);
     let untold: Vec<&str> = explained.not_testable.iter().map(|(term, _)| term.name()).collect();
@@ -135,12 +134,15 @@ fn one_direction_shows_stribeck_and_says_what_it_cannot() {
 fn rows_may_stand_in_any_order_and_units() {
     let csv = "velocity_mm_s,force_n\n40,28.2\n0,3\n-10,-21\n10,21\n-20,-22.1\n20,22\n-40,-28\n5,20.4\n-5,-20.6\n30,23\n";
     let map = FrictionMap::parse(csv.as_bytes(), "m.csv").unwrap();
-    assert_eq!((map.runs.len(), map.standing, map.unit, map.noise()), (9, 1, Unit::Linear, None));
+    assert_eq!(
+        (map.runs.len(), map.standstill_runs, map.unit, map.standard_error()),
+        (9, 1, Unit::Linear, None)
+    );
     assert!(map.runs.is_sorted_by(|a, b| a.velocity <= b.velocity));
     // By velocity −40 −20 −10 −5 5 10 20 30 40; in the file, without the standing one, 40 −10 10 −20 20 −40 5 −5 30.
-    assert_eq!(map.order, [5, 3, 1, 7, 6, 2, 4, 8, 0]);
+    assert_eq!(map.file_order, [5, 3, 1, 7, 6, 2, 4, 8, 0]);
     let explained = explain(&map).unwrap();
-    let told = json::json(&map, &explained, None);
+    let told = json(&map, &explained, None);
     assert_eq!(told["residual"][0]["unit"], "n");
     assert!(told["residual"][0]["noise_n"].is_null());
 }

@@ -1,4 +1,4 @@
-//! Which input is to blame where the controller refuses a machine or a motion.
+//! Errors of the controller and the simulator, assigned to the input file and key that caused them.
 
 use anyhow::Error;
 use shared::config::ConfigError;
@@ -6,23 +6,23 @@ use shared::interpolate::PathError;
 use shared::machine::MachineError;
 
 use files::error::InputError;
-use link::controller::{ControllerError, MOST_AXES};
+use link::controller::{ControllerError, MAX_AXES};
 use model::machine::Machine;
 use plant::simulate::SimulationError;
 
-/// What was given to the controller, and from which files.
-pub struct Given<'a> {
+/// The inputs of a run, and the names of their files.
+pub struct Inputs<'a> {
     /// The machine.
     pub machine: &'a Machine,
-    /// Its file.
+    /// The machine's file.
     pub machine_file: &'a str,
     /// The motion's file.
     pub motion_file: &'a str,
 }
 
-impl Given<'_> {
-    /// An [`InputError`] where an input was refused; what went wrong with good input stays as it is.
-    pub fn blamed(&self, error: impl Into<SimulationError>) -> Error {
+impl Inputs<'_> {
+    /// An [`InputError`] where an input was refused; any other error is passed on.
+    pub fn error(&self, error: impl Into<SimulationError>) -> Error {
         use SimulationError::{Block, Controller, Lacks, TooFast};
 
         let error = error.into();
@@ -36,45 +36,45 @@ impl Given<'_> {
                     "expected an axis that steps of a millionth of a second can follow; \
                     this with the masses of the axis asks for {step_s:.1e} s"
                 );
-                InputError::saying(self.machine_file, problem).at_key(&format!("axis.{axis}.{key}"))
+                InputError::new(self.machine_file, problem).at_key(&format!("axis.{axis}.{key}"))
             }
             Controller(ControllerError::Refused(MachineError::Config { axis, error })) => {
-                self.setting(*axis, error)
+                self.setting_error(*axis, error)
             }
             Controller(ControllerError::Axes(found)) => {
-                let what = format!("1 to {MOST_AXES} axes");
-                InputError::expected(self.machine_file, what, found).at_key("axis")
+                let expected = format!("1 to {MAX_AXES} axes");
+                InputError::expected(self.machine_file, expected, found).at_key("axis")
             }
-            Controller(ControllerError::Port(problem)) => InputError::saying("--port", problem),
-            Block { index, error: PathError::BeyondTravel { axis } } => self.beyond_travel(*index, *axis),
+            Controller(ControllerError::Port(problem)) => InputError::new("--port", problem),
+            Block { index, error: PathError::BeyondTravel { axis } } => self.travel_error(*index, *axis),
             Block { index, error } => {
                 let problem = format!("expected a block that the controller can run: {error}");
-                InputError::saying(self.motion_file, problem).at_key(&format!("block[{index}]"))
+                InputError::new(self.motion_file, problem).at_key(&format!("block[{index}]"))
             }
             _ => return error.into(),
         };
         input.into()
     }
 
-    fn beyond_travel(&self, index: usize, axis: u8) -> InputError {
+    fn travel_error(&self, index: usize, axis: u8) -> InputError {
         let axis = self.machine.axis.get_index(axis.into());
-        let (name, [least, greatest]) = axis.map_or(("", [f64::NAN; 2]), |(name, axis)| {
+        let (name, [min, max]) = axis.map_or(("", [f64::NAN; 2]), |(name, axis)| {
             (name, axis.settings.limits.travel_mm.unwrap_or([f64::NAN; 2]))
         });
         let problem = format!(
-            "expected a block within axis.{name}.travel_mm, {least} to {greatest} mm, of {}",
+            "expected a block within axis.{name}.travel_mm, {min} to {max} mm, of {}",
             self.machine_file
         );
-        InputError::saying(self.motion_file, problem).at_key(&format!("block[{index}]"))
+        InputError::new(self.motion_file, problem).at_key(&format!("block[{index}]"))
     }
 
-    fn setting(&self, axis: usize, error: &ConfigError) -> InputError {
+    fn setting_error(&self, axis: usize, error: &ConfigError) -> InputError {
         let (ConfigError::NotFinite(name)
         | ConfigError::NotPositive(name)
         | ConfigError::NotWhileRunning(name)
         | ConfigError::OutOfRange { name, .. }) = error;
-        // What stands in the file in another unit, or under another name.
-        let (key, per_si) = match *name {
+        // Keys of the machine file with another unit or name, and the factor to the unit of the file.
+        let (key, factor) = match *name {
             "velocity_loop_hz" => ("velocity_loop_rate_hz", 1.0),
             "fastest_m_per_s" => ("fastest_mm_per_s", 1e3),
             "following_error_limit_m" => ("following_error_limit_mm", 1e3),
@@ -89,12 +89,12 @@ impl Given<'_> {
         };
         let error = match *error {
             ConfigError::OutOfRange { name, min, max } => {
-                ConfigError::OutOfRange { name, min: per_si * min, max: per_si * max }
+                ConfigError::OutOfRange { name, min: factor * min, max: factor * max }
             }
             error => error,
         };
         let text = error.to_string();
         let problem = text.strip_prefix(&format!("{name}: ")).unwrap_or(&text);
-        InputError::saying(self.machine_file, problem).at_key(&key)
+        InputError::new(self.machine_file, problem).at_key(&key)
     }
 }
