@@ -10,7 +10,7 @@
 //! | [`fit`] | weighted least squares of a law |
 //! | [`ranges`] | errors on ranges of speed that were left out of the fit |
 //! | [`selection`] | forward selection of terms, backward elimination at the end |
-//! | [`explain`] | the result: both laws, their errors, what could not be tested |
+//! | [`mod@explain`] | the result: both laws, their errors, what could not be tested |
 //! | [`residual_analysis`] | what the residual depends on |
 //! | [`parameters`], [`json`] | the result's numbers with their units and intervals, and as JSON |
 //!

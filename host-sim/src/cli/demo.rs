@@ -4,8 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
+use super::outputs::print;
 use super::progress::Progress;
-use super::{print, summary};
+use super::summary;
 use files::output::write_whole;
 use report::trace_page::{self, Extra};
 use studies::demo::{self, Demo};

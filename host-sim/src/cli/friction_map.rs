@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::{check_outputs, print};
+use super::outputs::{check_outputs, print};
 use files::error::InputError;
 use files::output::write_whole;
 use friction_map::json::json;

@@ -5,6 +5,7 @@ mod demo;
 mod friction_map;
 mod input_error;
 mod logged_run;
+mod outputs;
 mod progress;
 mod record;
 mod reproduce;
@@ -14,16 +15,14 @@ mod stop;
 mod summary;
 mod trace;
 
-use std::io::{ErrorKind, Write, stdout};
-use std::path::{Path, PathBuf};
 use std::process::ExitCode;
 
 use clap::{Parser, Subcommand};
 
-use files::error::{InputError, quoted};
+use files::error::InputError;
 use stop::Stopped;
 
-/// Finds out what a machine does that its model does not print, and gets rid of it.
+/// Finds out what a machine does that its model does not say, and gets rid of it.
 #[derive(Parser)]
 #[command(name = "lost-motion", version, about)]
 struct Arguments {
@@ -73,32 +72,5 @@ pub fn run() -> ExitCode {
                 _ => 1,
             })
         }
-    }
-}
-
-/// Checks that no output overwrites an input or another output. `outputs` are the flags and their paths.
-fn check_outputs(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> Result<(), InputError> {
-    let canonical = |path: &Path| {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let in_folder = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
-        path.canonicalize().ok().or_else(in_folder).filter(|path| !path.exists() || path.is_file())
-    };
-    let mut taken: Vec<PathBuf> = inputs.iter().filter_map(|path| canonical(path)).collect();
-    for (flag, path) in outputs {
-        let Some(path) = path.and_then(|path| canonical(path)) else { continue };
-        if taken.contains(&path) {
-            let expected = "a file that is neither an input nor another output";
-            return Err(InputError::expected(flag, expected, quoted(&path.display().to_string())));
-        }
-        taken.push(path);
-    }
-    Ok(())
-}
-
-/// Prints the result on stdout. A closed pipe is no error: all files are written before.
-fn print(text: &str) -> anyhow::Result<()> {
-    match writeln!(stdout().lock(), "{text}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
     }
 }

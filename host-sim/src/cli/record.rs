@@ -7,7 +7,8 @@ use std::time::Duration;
 use anyhow::Result;
 
 use super::input_error::Inputs;
-use super::{check_outputs, logged_run, print};
+use super::logged_run;
+use super::outputs::{check_outputs, print};
 use files::error::InputError;
 use link::controller::Format;
 use link::emulator::{DEFAULT_TIMEOUT, Emulator};

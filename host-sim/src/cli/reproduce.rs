@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::print;
+use super::outputs::print;
 use super::progress::Progress;
 use files::output::write_whole;
 use report::number::significant;

@@ -6,9 +6,9 @@ use std::time::{Duration, Instant};
 
 use anyhow::{Context, Result, anyhow};
 
+use super::outputs::{check_outputs, print};
 use super::progress::Progress;
 use super::stop::{self, Stopped};
-use super::{check_outputs, print};
 use files::error::InputError;
 use files::output::{remove_unfinished, write_whole};
 use numerics::quantile;

@@ -5,7 +5,8 @@ use std::path::PathBuf;
 use anyhow::Result;
 
 use super::input_error::Inputs;
-use super::{check_outputs, logged_run, print};
+use super::logged_run;
+use super::outputs::{check_outputs, print};
 use link::controller::Format;
 use model::machine::Machine;
 use model::motion::Motion;

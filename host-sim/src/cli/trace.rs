@@ -4,8 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
+use super::outputs::{check_outputs, print};
 use super::progress::Progress;
-use super::{check_outputs, friction_map, print, summary};
+use super::{friction_map, summary};
 use files::log::Log;
 use files::output::write_whole;
 use model::machine::Machine;

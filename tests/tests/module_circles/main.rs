@@ -12,19 +12,20 @@ use std::path::Path;
 use crate_source::CrateSource;
 
 /// The crates of the workspace, by folder.
-const CRATES: [&str; 12] = [
+const CRATES: [&str; 13] = [
     "shared",
-    "firmware",
     "host-sim",
-    "host-sim/files",
     "host-sim/numerics",
+    "host-sim/files",
     "host-sim/model",
     "host-sim/link",
     "host-sim/plant",
+    "host-sim/friction-map",
     "host-sim/trace",
     "host-sim/report",
     "host-sim/studies",
     "host-sim/self-test",
+    "firmware",
 ];
 
 #[test]
