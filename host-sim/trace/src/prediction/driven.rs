@@ -73,10 +73,7 @@ fn nonlinear_part(
 ) -> Driven {
     let n = motor.position.len();
     let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
-    // The dividing error is a function of the true position: one step of a fixed-point iteration.
-    let true_m =
-        |reading: f64| reading - parameters.resolver_error_m(reading - parameters.resolver_error_m(reading));
-    let mut motor_m = true_m(first.reading_m);
+    let mut motor_m = parameters.motor_of_reading_m(first.reading_m);
     let nominal_m = parameters.screw.nominal_m(motor_m);
     let mut screw = ScrewMotion {
         nominal_m,
@@ -94,7 +91,7 @@ fn nonlinear_part(
     for i in 0..n {
         for next in if i == 0 { &[][..] } else { steps.next().unwrap_or(&[]) } {
             point = next;
-            motor_m = true_m(point.reading_m);
+            motor_m = parameters.motor_of_reading_m(point.reading_m);
             let nominal_m = parameters.screw.nominal_m(motor_m);
             let velocity = (nominal_m - screw.nominal_m) * per_step;
             dividing_error.advance(motor_m - point.reading_m, per_step);
