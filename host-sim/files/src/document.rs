@@ -241,19 +241,19 @@ mod tests {
         [[t.u]]
     ";
 
-    fn message(text: &str) -> String {
+    fn parse_error(text: &str) -> String {
         Document::parse(text, "f.toml").err().unwrap().to_string()
     }
 
     #[test]
     fn refusal_names_line_key_and_value() {
         let document = Document::parse(TEXT, "f.toml").unwrap();
-        let said = |key| document.refuse(key, "Z").to_string();
-        assert_eq!(said("a.b[1]"), "f.toml: line 3: a.b[1]: expected Z, found 2.5e0");
-        assert_eq!(said("t.u[0].k"), "f.toml: line 5: t.u[0].k: expected Z, found 'v'");
-        assert_eq!(said("t.u[1].k"), "f.toml: line 6: t.u[1].k: expected Z, found none");
-        assert_eq!(said("a"), "f.toml: line 3: a: expected Z, found a table");
-        assert_eq!(said("nothing"), "f.toml: nothing: expected Z, found none");
+        let message = |key| document.refuse(key, "Z").to_string();
+        assert_eq!(message("a.b[1]"), "f.toml: line 3: a.b[1]: expected Z, found 2.5e0");
+        assert_eq!(message("t.u[0].k"), "f.toml: line 5: t.u[0].k: expected Z, found 'v'");
+        assert_eq!(message("t.u[1].k"), "f.toml: line 6: t.u[1].k: expected Z, found none");
+        assert_eq!(message("a"), "f.toml: line 3: a: expected Z, found a table");
+        assert_eq!(message("nothing"), "f.toml: nothing: expected Z, found none");
     }
 
     #[test]
@@ -266,17 +266,17 @@ mod tests {
 
     #[test]
     fn text_that_is_no_toml_is_refused_in_one_line() {
-        let said = message("a = 1\nb c\n");
-        assert!(said.starts_with("f.toml: line 2: expected valid TOML: "), "{said}");
-        assert!(!said.contains('\n'), "{said}");
-        assert!(message("a = 1\na = 2\n").contains("line 2"));
+        let message = parse_error("a = 1\nb c\n");
+        assert!(message.starts_with("f.toml: line 2: expected valid TOML: "), "{message}");
+        assert!(!message.contains('\n'), "{message}");
+        assert!(parse_error("a = 1\na = 2\n").contains("line 2"));
     }
 
     #[test]
     fn numbers_are_finite() {
-        let said = message("[t]\na = [1, -inf]");
-        assert_eq!(said, "f.toml: line 2: t.a[1]: expected a finite number, found -inf");
-        assert!(message("a = nan").ends_with("a: expected a finite number, found nan"));
-        assert!(message("a = 1e400").ends_with("a: expected a finite number, found 1e400"));
+        let message = parse_error("[t]\na = [1, -inf]");
+        assert_eq!(message, "f.toml: line 2: t.a[1]: expected a finite number, found -inf");
+        assert!(parse_error("a = nan").ends_with("a: expected a finite number, found nan"));
+        assert!(parse_error("a = 1e400").ends_with("a: expected a finite number, found 1e400"));
     }
 }

@@ -241,14 +241,14 @@ mod tests {
 
     #[test]
     fn errors_name_line_column_and_cell() {
-        let said = |text: &str| rows(text).unwrap_err().to_string();
-        assert_eq!(said("a,b\n\n1,x\n"), "t.csv: line 3: b: expected a finite number, found \"x\"");
-        assert_eq!(said("a,b\r\n1, \r\n"), "t.csv: line 2: b: expected a finite number, found nothing");
+        let message = |text: &str| rows(text).unwrap_err().to_string();
+        assert_eq!(message("a,b\n\n1,x\n"), "t.csv: line 3: b: expected a finite number, found \"x\"");
+        assert_eq!(message("a,b\r\n1, \r\n"), "t.csv: line 2: b: expected a finite number, found nothing");
         assert_eq!(
-            said("a,b\n1,2e9\n"),
+            message("a,b\n1,2e9\n"),
             "t.csv: line 2: b: expected a number from −1e9 to 1e9, found \"2e9\""
         );
-        assert_eq!(said("a,b\n1\n"), "t.csv: line 2: expected 2 values as in the header, found 1");
+        assert_eq!(message("a,b\n1\n"), "t.csv: line 2: expected 2 values as in the header, found 1");
         assert!(rows("a,b\n2e9,1\n").is_ok());
     }
 

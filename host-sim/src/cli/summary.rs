@@ -1,4 +1,4 @@
-//! What a trace found, for people: sentences, then a table, then what stays.
+//! The summary of a trace on stdout: sentences, a table of errors, remarks.
 
 use report::{ranking, sentences};
 use trace::Trace;
@@ -21,30 +21,42 @@ pub fn of_trace(trace: &Trace) -> String {
     for axis in &trace.axes {
         lines.extend(axis.errors.iter().map(|error| row(axis, error)));
     }
-    let rest = trace.axes.iter().flat_map(|axis| {
-        let stays = axis.unexplained.iter().map(|rest| sentences::remainder(axis, rest));
-        stays.chain(axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage)))
-    });
-    // Of several logs the page and the JSON tell it: here it would drown what was found.
-    let told = if trace.fit_logs.len() == 1 { &trace.axes[..] } else { &[] };
-    let repeats = told.iter().flat_map(|axis| axis.repeats.iter().map(|part| sentences::repeats(axis, part)));
-    let runs = trace.axes.iter().flat_map(|axis| axis.free_runs.iter().map(sentences::free_run));
-    let alike = trace
-        .axes
-        .iter()
-        .flat_map(|axis| axis.ambiguities.iter().map(|alike| sentences::look_alike(axis, alike)));
-    let refused = trace.axes.iter().flat_map(ranking::refused);
-    let open = trace.axes.iter().flat_map(sentences::open_ends);
-    let rest = alike.chain(refused).chain(open).chain(rest);
-    let rest: Vec<String> = trace.notes.iter().cloned().chain(rest).chain(repeats).chain(runs).collect();
-    if !rest.is_empty() {
+    let remarks = remarks(trace);
+    if !remarks.is_empty() {
         lines.push(String::new());
-        lines.extend(rest);
+        lines.extend(remarks);
     }
     lines.join("\n")
 }
 
-/// What the tables of `--empirical` take away.
+/// Sentences on ambiguities, refused effects, open ends and residuals, on repeatability and on runs without feedback.
+fn remarks(trace: &Trace) -> Vec<String> {
+    let axes = || trace.axes.iter();
+    let ambiguous = axes()
+        .flat_map(|axis| axis.ambiguities.iter().map(|ambiguity| sentences::look_alike(axis, ambiguity)));
+    let refused = axes().flat_map(ranking::refused);
+    let open = axes().flat_map(sentences::open_ends);
+    let residuals = axes().flat_map(|axis| {
+        let unexplained = axis.unexplained.iter().map(|residual| sentences::remainder(axis, residual));
+        unexplained.chain(axis.not_testable.iter().map(|stage| sentences::not_testable(&axis.axis, stage)))
+    });
+    // For several logs only the page and the JSON have it: it is long.
+    let shown = if trace.fit_logs.len() == 1 { &trace.axes[..] } else { &[] };
+    let repeats =
+        shown.iter().flat_map(|axis| axis.repeats.iter().map(|part| sentences::repeats(axis, part)));
+    let free_runs = axes().flat_map(|axis| axis.free_runs.iter().map(sentences::free_run));
+    let notes = trace.notes.iter().cloned();
+    notes
+        .chain(ambiguous)
+        .chain(refused)
+        .chain(open)
+        .chain(residuals)
+        .chain(repeats)
+        .chain(free_runs)
+        .collect()
+}
+
+/// One sentence for each table of `--empirical`.
 pub fn of_tables(trace: &Trace) -> String {
     let lines =
         trace.axes.iter().flat_map(|axis| axis.tables.iter().map(|table| sentences::table(axis, table)));
@@ -59,7 +71,7 @@ fn row(axis: &AxisTrace, error: &StageError) -> String {
     let (unit, _) = residual_unit(axis.unit, error.stage);
     let (before, after) = (error.before, error.after);
     let figures = [before.fit, before.validate, after.fit, after.validate, error.noise];
-    // Validation logs may lack the channel: then there is no figure.
+    // Validation logs may lack the channel.
     let cell =
         |figure: f64| if figure.is_nan() { format!("{:>11}", "–") } else { format!("{figure:>11.3}") };
     format!("{:<6}{:<8}{unit:>5}{}", axis.axis, stage_names(&[error.stage]), figures.map(cell).concat())

@@ -15,7 +15,7 @@ time_s,x_command_mm,x_motor_mm,x_force_n,c_motor_deg,c_force_nm
 5.003,4.0,4.5,-6,1.00,4e-1
 ";
 
-fn said(bytes: &[u8]) -> String {
+fn message(bytes: &[u8]) -> String {
     let result = Log::parse(bytes, "fit.csv");
     result.err().unwrap_or_else(|| panic!("accepted")).to_string()
 }
@@ -27,7 +27,7 @@ fn packed(bytes: &[u8]) -> Vec<u8> {
 }
 
 #[test]
-fn a_log_reads_as_it_stands_in_the_file() {
+fn a_log_has_the_values_of_the_file() {
     let log = Log::parse(LOG.as_bytes(), "fit.csv").unwrap();
     assert_eq!((log.source.as_str(), log.len(), log.axes.len()), ("fit.csv", 4, 2));
     assert!((log.start_s - 5.0).abs() < 1e-12 && (log.sample_time_s - 1e-3).abs() < 1e-12);
@@ -39,8 +39,8 @@ fn a_log_reads_as_it_stands_in_the_file() {
 }
 
 #[test]
-fn what_programs_put_around_the_numbers_does_not_matter() {
-    let wanted = Log::parse(LOG.as_bytes(), "fit.csv").unwrap();
+fn spaces_quotes_line_ends_and_byte_order_marks_do_not_matter() {
+    let expected = Log::parse(LOG.as_bytes(), "fit.csv").unwrap();
     let variants = [
         format!("\u{feff}{LOG}"),
         LOG.replace('\n', "\r\n"),
@@ -50,7 +50,7 @@ fn what_programs_put_around_the_numbers_does_not_matter() {
         LOG.replace("x_motor_mm", "\"x_motor_mm\""),
     ];
     for text in variants {
-        assert_eq!(Log::parse(text.as_bytes(), "fit.csv").unwrap(), wanted, "{text:?}");
+        assert_eq!(Log::parse(text.as_bytes(), "fit.csv").unwrap(), expected, "{text:?}");
     }
 }
 
@@ -63,7 +63,7 @@ fn names_of_axes_may_hold_digits_and_underscores() {
 }
 
 #[test]
-fn bad_headers_are_refused_with_column_and_expectation() {
+fn a_wrong_header_is_an_error_that_names_the_column() {
     let cases = [
         ("time_s", "x_tool_mm", "line 1: time_s: expected this column, found none"),
         (
@@ -99,7 +99,7 @@ fn bad_headers_are_refused_with_column_and_expectation() {
 }
 
 #[test]
-fn bad_rows_are_refused_with_line_and_column() {
+fn a_wrong_row_is_an_error_that_names_line_and_column() {
     let cases = [
         ("3.5", "NaN", "line 4: x_motor_mm: expected a finite number, found \"NaN\""),
         ("3.5", "-inf", "line 4: x_motor_mm: expected a finite number, found \"-inf\""),
@@ -121,47 +121,47 @@ fn bad_rows_are_refused_with_line_and_column() {
 }
 
 #[test]
-fn texts_without_a_series_are_refused() {
+fn a_text_without_two_samples_is_an_error() {
     let header = "time_s,x_motor_mm\n";
-    assert_eq!(said(b""), "fit.csv: expected a header line, found an empty file");
-    assert_eq!(said(b"\n \n"), "fit.csv: expected a header line, found an empty file");
-    let none = said(header.as_bytes());
+    assert_eq!(message(b""), "fit.csv: expected a header line, found an empty file");
+    assert_eq!(message(b"\n \n"), "fit.csv: expected a header line, found an empty file");
+    let none = message(header.as_bytes());
     assert_eq!(none, "fit.csv: expected two samples or more, found none");
-    let one = said(format!("{header}0,1\n").as_bytes());
+    let one = message(format!("{header}0,1\n").as_bytes());
     assert_eq!(one, "fit.csv: expected two samples or more, found one");
-    let binary = said(b"time_s,x_motor_mm\n\x00\x01");
+    let binary = message(b"time_s,x_motor_mm\n\x00\x01");
     assert_eq!(binary, "fit.csv: line 2: expected a CSV text in UTF-8, found byte 0x00");
-    let png = said(b"\x89PNG\r\n");
+    let png = message(b"\x89PNG\r\n");
     assert_eq!(png, "fit.csv: line 1: expected a CSV text in UTF-8, found byte 0x89");
 }
 
-/// Each change to the log above gives the message, with either kind of line end.
+/// Replaces the first text by the second in the log above and checks the message, with LF and with CRLF.
 fn check(cases: &[(&str, &str, &str)]) {
-    for (from, to, wanted) in cases {
+    for (from, to, expected) in cases {
         let text = LOG.replacen(from, to, 1);
         assert_ne!(text, LOG);
         for text in [text.replace('\n', "\r\n"), text] {
-            let said = said(text.as_bytes());
-            assert!(said.starts_with("fit.csv: "), "{said}");
-            assert!(said.contains(wanted), "{said}\nwanted {wanted}");
-            assert!(!said.contains('\n'), "{said}");
+            let message = message(text.as_bytes());
+            assert!(message.starts_with("fit.csv: "), "{message}");
+            assert!(message.contains(expected), "{message}\nexpected {expected}");
+            assert!(!message.contains('\n'), "{message}");
         }
     }
 }
 
 #[test]
-fn a_row_in_an_unclosed_quote_is_refused_in_one_short_line() {
+fn an_unclosed_quote_is_an_error_in_one_line() {
     let text = LOG.replacen("3.5", "\"3.5", 1);
-    let said = said(text.as_bytes());
-    assert!(said.contains("line 4: expected 6 values as in the header, found 3"), "{said}");
+    let message = message(text.as_bytes());
+    assert!(message.contains("line 4: expected 6 values as in the header, found 3"), "{message}");
 }
 
-/// Whatever one slip of the finger makes of a log, it is read or refused in one line.
+/// A log with any one character replaced is read, or refused in one line.
 #[test]
-fn no_slip_breaks_the_reader() {
+fn any_single_edit_is_read_or_refused() {
     for at in 0..LOG.len() {
-        for slip in ["", "\"", ",", "\n", "\r", "-", "9", "e", ".", "ä", "\0"] {
-            let text = format!("{}{slip}{}", &LOG[..at], &LOG[at + 1..]);
+        for edit in ["", "\"", ",", "\n", "\r", "-", "9", "e", ".", "ä", "\0"] {
+            let text = format!("{}{edit}{}", &LOG[..at], &LOG[at + 1..]);
             match Log::parse(text.as_bytes(), "fit.csv") {
                 Ok(log) => assert!(log.len() >= 2),
                 Err(error) => assert!(!error.to_string().contains('\n')),
@@ -171,16 +171,16 @@ fn no_slip_breaks_the_reader() {
 }
 
 #[test]
-fn files_that_cannot_be_read_are_named() {
+fn an_unreadable_file_is_an_error_that_names_it() {
     let folder = tempfile::tempdir().unwrap();
-    let said = |path: &Path| Log::read(path).unwrap_err().to_string();
-    assert!(said(folder.path()).contains(": expected a readable file: "));
-    let missing = said(&folder.path().join("no.csv"));
+    let message = |path: &Path| Log::read(path).unwrap_err().to_string();
+    assert!(message(folder.path()).contains(": expected a readable file: "));
+    let missing = message(&folder.path().join("no.csv"));
     assert!(missing.contains("no.csv: expected a readable file: "), "{missing}");
 }
 
 #[test]
-fn gzip_is_known_by_name_or_content_and_has_to_be_whole() {
+fn gzip_is_recognised_by_suffix_or_content_and_has_to_be_complete() {
     let folder = tempfile::tempdir().unwrap();
     let save = |name: &str, bytes: &[u8]| {
         let path = folder.path().join(name);
@@ -192,16 +192,16 @@ fn gzip_is_known_by_name_or_content_and_has_to_be_whole() {
         assert_eq!(Log::read(&save(name, &whole)).unwrap().len(), 4, "{name}");
     }
     for (name, bytes) in [("cut.csv.gz", &whole[..whole.len() - 12]), ("plain.csv.gz", LOG.as_bytes())] {
-        let said = Log::read(&save(name, bytes)).unwrap_err().to_string();
-        assert!(said.contains(&format!("{name}: expected a whole gzip file: ")), "{said}");
-        assert!(!said.contains('\n'), "{said}");
+        let message = Log::read(&save(name, bytes)).unwrap_err().to_string();
+        assert!(message.contains(&format!("{name}: expected a whole gzip file: ")), "{message}");
+        assert!(!message.contains('\n'), "{message}");
     }
     let empty = Log::read(&save("empty.csv.gz", b"")).unwrap_err().to_string();
     assert!(empty.contains("expected a header line, found an empty file"), "{empty}");
 }
 
 #[test]
-fn a_log_written_reads_as_itself() {
+fn a_written_log_is_read_unchanged() {
     let folder = tempfile::tempdir().unwrap();
     let base = Log::parse(LOG.as_bytes(), "fit.csv").unwrap();
     let clocks = [(5.0, 1e-3), (122.315, 1e-3), (0.1234, 1.0 / 3000.0), (0.0, 0.25), (7.0, 5e-8)];
@@ -221,17 +221,17 @@ fn a_log_written_reads_as_itself() {
 }
 
 #[test]
-fn written_values_keep_a_tenth_of_a_nanometre_and_of_a_millinewton() {
+fn written_values_have_a_resolution_of_a_tenth_of_nanometre_and_millinewton() {
     let mut axis = AxisLog::new("x", Unit::Millimetre);
     axis.tool = Some(vec![-1_234.567_890_12, 0.000_000_1]);
     axis.force = Some(vec![0.1234, -20_000.0]);
     let log = Log { source: String::new(), start_s: 0.0, sample_time_s: 2.5e-4, axes: vec![axis] };
     let mut bytes = Vec::new();
     log.write_csv(&mut bytes).unwrap();
-    let wanted = "time_s,x_tool_mm,x_force_n\n\
+    let expected = "time_s,x_tool_mm,x_force_n\n\
                   0.00000,-1234.5678901,0.1234\n\
                   0.00025,0.0000001,-20000.0000\n";
-    assert_eq!(String::from_utf8(bytes).unwrap(), wanted);
+    assert_eq!(String::from_utf8(bytes).unwrap(), expected);
 }
 
 #[test]
