@@ -225,7 +225,7 @@ mod tests {
                 lead_mm: Some(10.0),
                 ..Mechanics::default()
             },
-            sensors: Sensors { resolver_pole_pairs: Some(2), ..Sensors::default() },
+            sensors: Sensors { resolver_pole_pairs: Some(5), ..Sensors::default() },
             ..Settings::default()
         };
         let context = EffectContext {

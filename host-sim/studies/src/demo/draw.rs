@@ -80,6 +80,21 @@ mod tests {
     use crate::demo::MACHINE;
 
     #[test]
+    fn numbers_of_kinds_have_no_gap_and_each_kind_with_a_number_can_be_drawn() {
+        let declared = Machine::parse(MACHINE, "demo.toml").unwrap();
+        let mut numbers: Vec<u32> = KINDS.iter().filter_map(|kind| kind.draw_number).collect();
+        numbers.sort_unstable();
+        assert!(numbers.iter().copied().eq(0..u32::try_from(numbers.len()).unwrap()), "{numbers:?}");
+        for kind in KINDS {
+            let axis = &declared.axis["x"].settings;
+            let mut uniform = |low: f64, high: f64| 0.5 * (low + high);
+            let mut draw = Draw { axis, other: "y", sign: 1.0, phase_rad: 0.0, uniform: &mut uniform };
+            let drawn = (kind.draw)(&mut draw);
+            assert_eq!(drawn.map(|effect| effect.name()), kind.draw_number.map(|_| kind.name));
+        }
+    }
+
+    #[test]
     fn the_same_seed_draws_the_same_machine_and_seeds_differ() {
         let declared = Machine::parse(MACHINE, "demo.toml").expect("the shipped file reads");
         let effects: Vec<&str> = (0..100).map(|seed| draw(&declared, seed).effect.name()).collect();
