@@ -1,7 +1,7 @@
 //! Sentences about what speaks against a model or an effect.
 
-use super::number::{percent, significant};
 use super::parameters::brief;
+use files::format::{percent, significant};
 use files::log::Unit;
 use trace::fit::fit_data::Pair;
 use trace::fit::limits::AtLimit;

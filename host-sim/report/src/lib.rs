@@ -7,7 +7,6 @@
 //! |---|---|
 //! | [`page`] | the page as a file: head, stylesheet, writing |
 //! | [`markup`] | HTML elements that several sections use |
-//! | [`number`] | numbers with as many digits as mean something |
 //! | [`plot`] | line charts |
 //! | [`polar`] | a circle as ballbar users draw it, from `circle_fit` and `radial_deviation` |
 //!
@@ -29,7 +28,6 @@ mod caveats;
 mod circle_fit;
 pub mod friction_map;
 pub mod markup;
-pub use files::format as number;
 pub mod page;
 mod parameters;
 pub mod plot;

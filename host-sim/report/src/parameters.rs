@@ -1,6 +1,6 @@
 //! Effects and their parameters as briefly as a table needs them.
 
-use super::number::{fixed, significant};
+use files::format::{fixed, significant};
 use model::effects::{Effect, Parameter};
 
 /// Name and parameters of an effect, for a table.

@@ -16,7 +16,7 @@ use plotters::style::{Color, IntoFont, RGBColor, TextStyle};
 use maud::PreEscaped;
 
 use super::markup;
-use super::number::fixed;
+use files::format::fixed;
 
 /// Units of a drawing per pixel of the page.
 const UNITS_PER_PIXEL: u32 = 4;

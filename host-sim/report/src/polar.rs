@@ -7,9 +7,9 @@ use maud::{Markup, html};
 use super::axis_view::AxisView;
 use super::circle_fit::find;
 use super::markup::{figure, legend, line_entry, note, svg, text};
-use super::number::{signed, significant};
 use super::page::file_name;
 use super::radial_deviation::{Lap, Run};
+use files::format::{signed, significant};
 use trace::Trace;
 
 /// Side of the picture, radius of the circle, and one division, in pixels of the page.

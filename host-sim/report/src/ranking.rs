@@ -3,8 +3,8 @@
 use maud::{Markup, html};
 
 use super::markup::{note, number_cell, text};
-use super::number::{fixed, percent, significant};
 use super::parameters;
+use files::format::{fixed, percent, significant};
 use files::log::Unit;
 use trace::fit::normal_equations::FOLDS;
 use trace::options::SearchOptions;

@@ -4,10 +4,10 @@ use maud::{Markup, html};
 
 use super::axis_view::{AxisView, series};
 use super::markup::{figure, legend, line_entry, note, surface_entry, text};
-use super::number::significant;
 use super::page::file_name;
 use super::plot::{Chart, Ink, Layer};
 use super::variable::{label, means, of_effect, of_residual};
+use files::format::significant;
 use model::effects::{Abscissa, Stage};
 use trace::Trace;
 use trace::fit::fit_data::ResidualSeries;

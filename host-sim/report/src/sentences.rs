@@ -1,7 +1,7 @@
 //! What was found and what was not, in the words of somebody who builds machines.
 
 use super::caveats;
-use super::number::{percent, significant};
+use files::format::{percent, significant};
 use files::log::Unit;
 use trace::Trace;
 use trace::analysis::empirical::Empirical;
@@ -209,8 +209,8 @@ pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
 
 #[cfg(test)]
 mod tests {
-    use super::super::number::with_spread;
     use super::*;
+    use files::format::with_spread;
     use model::axis::{Mechanics, Sensors, Settings};
     use model::effects::{Effect, EffectContext, Stage, initial_guesses, names};
     use trace::fit::fit_data::Pair;

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use super::markup::{Column, note, number_cell, paragraph, table, text};
-use super::number::{fixed, signed};
+use files::format::{fixed, signed};
 use model::effects::Effect;
 use trace::outcome::{AxisTrace, StageError};
 use trace::stages::{residual_unit, stage_names};

@@ -45,7 +45,7 @@ pub fn label(abscissa: &Abscissa, view: &AxisView<'_>) -> String {
         Abscissa::Time => "time, s".to_owned(),
         Abscissa::Position => "position, mm".to_owned(),
         Abscissa::WithinPeriod(period_mm) => {
-            let period = super::number::significant(*period_mm, 4);
+            let period = files::format::significant(*period_mm, 4);
             format!("motor position within each {period} mm, mm")
         }
         Abscissa::Velocity => "velocity, mm/s".to_owned(),

@@ -4,10 +4,10 @@ use std::path::{Path, PathBuf};
 
 use maud::{Markup, html};
 
+use files::format::fixed;
 use report::markup::{
     Column, figure, legend, note, number_cell, paragraph, section, surface_entry, table, text,
 };
-use report::number::fixed;
 use report::page;
 
 use crate::score::Outcome;

@@ -6,8 +6,8 @@ use anyhow::Result;
 
 use super::outputs::print;
 use super::progress::Progress;
+use files::format::significant;
 use files::output::write_whole;
-use report::number::significant;
 use studies::reproduce::{self, Reproduction};
 
 /// Arguments of `reproduce`.

@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Distinction, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
-    Prerequisite, Range, Stage, Unit, Wording, harmonic,
+    EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, Wording, harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -29,24 +28,20 @@ impl EncoderEllipticity {
     }
 }
 
-/// The dividing error of a resolver with one or two pole pairs has this period, too, and is called that.
-fn is_a_resolvers(axis: &Settings) -> bool {
+/// Whether the dividing error of the axis's resolver has the same period: it is reported as that.
+fn is_resolver_order(axis: &Settings) -> bool {
     matches!(axis.sensors.resolver_pole_pairs, Some(1 | 2))
 }
 
 impl EffectModel for EncoderEllipticity {
     const NAME: &'static str = "encoder_ellipticity";
     const SUMMARY: &'static str = "motor reading error, twice a turn";
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
-        Parameter::new("period_mm", Unit::Millimetre, Range::Positive),
-        Parameter::phase("phase_rad"),
-    ];
-    const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
 
+    harmonic_effect!(amplitude_um, Unit::Micrometre, step 0.1, limit 1e3);
+
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
-        if is_a_resolvers(axis) { Prerequisite::NotApplicable } else { Prerequisite::lead(axis) }
+        if is_resolver_order(axis) { Prerequisite::NotApplicable } else { Prerequisite::lead(axis) }
     }
 
     fn stages(&self) -> &'static [Stage] {
@@ -54,27 +49,10 @@ impl EffectModel for EncoderEllipticity {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let is_tried = context.has(Stage::Table) && !is_a_resolvers(context.axis);
+        let is_tried = context.has(Stage::Table) && !is_resolver_order(context.axis);
         let lead = context.axis.mechanics.lead_mm.filter(|_| is_tried);
         let guess = |lead_mm| Self { amplitude_um: 0.0, period_mm: 0.5 * lead_mm, phase_rad: 0.0 };
         lead.map(guess).into_iter().collect()
-    }
-
-    fn coordinates(&self) -> Vec<Coordinate> {
-        harmonic::parts(self.amplitude_um, self.phase_rad, 0.1, 1e3)
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        let (amplitude_um, phase_rad) = harmonic::polar(x);
-        Self { amplitude_um, phase_rad, ..self.clone() }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.amplitude_um, self.period_mm, self.phase_rad]
-    }
-
-    fn distinction(&self) -> Distinction<'_> {
-        Distinction::Period(self.period_mm)
     }
 
     fn sentence(&self, wording: &Wording) -> String {
@@ -83,9 +61,5 @@ impl EffectModel for EncoderEllipticity {
             wording.value(0),
             wording.value(1)
         )
-    }
-
-    fn abscissa(&self) -> Abscissa {
-        Abscissa::WithinPeriod(self.period_mm)
     }
 }

@@ -3,8 +3,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Distinction, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
-    Prerequisite, Range, Stage, Unit, Wording, harmonic,
+    EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, Wording, harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -36,13 +35,9 @@ impl FrictionRipple {
 impl EffectModel for FrictionRipple {
     const NAME: &'static str = "friction_ripple";
     const SUMMARY: &'static str = "friction that goes up and down a whole number of times a lead";
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::new("amplitude_n", Unit::Newton, Range::Signed),
-        Parameter::new("period_mm", Unit::Millimetre, Range::Positive),
-        Parameter::phase("phase_rad"),
-    ];
-    const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
+
+    harmonic_effect!(amplitude_n, Unit::Newton, step 1.0, limit 1e5);
 
     fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::WITHOUT_TABLE
@@ -58,28 +53,7 @@ impl EffectModel for FrictionRipple {
         lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
     }
 
-    fn coordinates(&self) -> Vec<Coordinate> {
-        harmonic::parts(self.amplitude_n, self.phase_rad, 1.0, 1e5)
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        let (amplitude_n, phase_rad) = harmonic::polar(x);
-        Self { amplitude_n, phase_rad, ..self.clone() }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.amplitude_n, self.period_mm, self.phase_rad]
-    }
-
-    fn distinction(&self) -> Distinction<'_> {
-        Distinction::Period(self.period_mm)
-    }
-
     fn sentence(&self, wording: &Wording) -> String {
         format!("friction goes up and down by {} (amplitude) every {}", wording.value(0), wording.value(1))
-    }
-
-    fn abscissa(&self) -> Abscissa {
-        Abscissa::WithinPeriod(self.period_mm)
     }
 }

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
-    Prerequisite, Range, Stage, Unit, Wording, harmonic,
+    Draw, EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, Wording, harmonic,
+    harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -35,14 +35,10 @@ impl PitchCyclic {
 impl EffectModel for PitchCyclic {
     const NAME: &'static str = "pitch_cyclic";
     const SUMMARY: &'static str = "screw error, once or twice a lead";
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
-        Parameter::new("period_mm", Unit::Millimetre, Range::Positive),
-        Parameter::phase("phase_rad"),
-    ];
-    const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(2);
+
+    harmonic_effect!(amplitude_um, Unit::Micrometre, step 0.1, limit 1e3);
 
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::lead(axis)
@@ -58,23 +54,6 @@ impl EffectModel for PitchCyclic {
         lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
     }
 
-    fn coordinates(&self) -> Vec<Coordinate> {
-        harmonic::parts(self.amplitude_um, self.phase_rad, 0.1, 1e3)
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        let (amplitude_um, phase_rad) = harmonic::polar(x);
-        Self { amplitude_um, phase_rad, ..self.clone() }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.amplitude_um, self.period_mm, self.phase_rad]
-    }
-
-    fn distinction(&self) -> Distinction<'_> {
-        Distinction::Period(self.period_mm)
-    }
-
     fn sentence(&self, wording: &Wording) -> String {
         format!(
             "the {} wobbles by {} (amplitude) every {}",
@@ -82,10 +61,6 @@ impl EffectModel for PitchCyclic {
             wording.value(0),
             wording.value(1)
         )
-    }
-
-    fn abscissa(&self) -> Abscissa {
-        Abscissa::WithinPeriod(self.period_mm)
     }
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {

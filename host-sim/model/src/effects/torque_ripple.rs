@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter,
-    Prerequisite, Range, Stage, Unit, Wording, harmonic,
+    Draw, EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, Wording, harmonic,
+    harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -35,14 +35,10 @@ impl TorqueRipple {
 impl EffectModel for TorqueRipple {
     const NAME: &'static str = "torque_ripple";
     const SUMMARY: &'static str = "force on the motor, a whole number of times a lead";
-    const PARAMETERS: &'static [Parameter] = &[
-        Parameter::new("amplitude_n", Unit::Newton, Range::Signed),
-        Parameter::new("period_mm", Unit::Millimetre, Range::Positive),
-        Parameter::phase("phase_rad"),
-    ];
-    const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
     const DRAW_NUMBER: Option<u32> = Some(6);
+
+    harmonic_effect!(amplitude_n, Unit::Newton, step 1.0, limit 1e5);
 
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::lead(axis).and(Prerequisite::masses(axis))
@@ -58,30 +54,9 @@ impl EffectModel for TorqueRipple {
         lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
     }
 
-    fn coordinates(&self) -> Vec<Coordinate> {
-        harmonic::parts(self.amplitude_n, self.phase_rad, 1.0, 1e5)
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        let (amplitude_n, phase_rad) = harmonic::polar(x);
-        Self { amplitude_n, phase_rad, ..self.clone() }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.amplitude_n, self.period_mm, self.phase_rad]
-    }
-
-    fn distinction(&self) -> Distinction<'_> {
-        Distinction::Period(self.period_mm)
-    }
-
     fn sentence(&self, wording: &Wording) -> String {
         let force = wording.by_axis("force", "torque");
         format!("the drive {force} ripples by {} (amplitude) every {}", wording.value(0), wording.value(1))
-    }
-
-    fn abscissa(&self) -> Abscissa {
-        Abscissa::WithinPeriod(self.period_mm)
     }
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {

@@ -14,8 +14,8 @@ use friction_map::residual_analysis::Residual;
 use friction_map::selection::{Candidate, Round};
 
 use crate::markup::{Column, list, note, number_cell, paragraph, section, table, text};
-use crate::number::{fixed, percent};
 use crate::page::{self, file_name};
+use files::format::{fixed, percent};
 use sentences::{error_table, sentences, unexplained};
 
 /// Writes the page into a folder, which is made where it is missing, and gives its path.

@@ -6,7 +6,7 @@ use friction_map::parameters::{Parameter, declared, of_term};
 use friction_map::residual_analysis::Residual;
 use friction_map::term::Term;
 
-use crate::number::{percent, significant, with_spread};
+use files::format::{percent, significant, with_spread};
 
 /// One sentence for each selected term, or one that says that there is none, then one on Coulomb and viscous friction.
 #[must_use]

@@ -8,10 +8,10 @@ use crate::compare::errors::Spread;
 use crate::compare::motion::Motion;
 use crate::compare::pipeline::Pipeline;
 use crate::compare::{Comparison, Row};
+use files::format::significant;
 use files::output::OutputError;
 use link::controller::Format;
 use report::markup::{figure, legend, line_entry, note, number_cell, paragraph, section, text};
-use report::number::significant;
 use report::page;
 use report::plot::{Chart, Ink, Layer};
 

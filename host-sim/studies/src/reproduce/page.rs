@@ -6,12 +6,12 @@ use maud::{Markup, html};
 
 use super::Reproduction;
 use super::study::{Outcome, Picture, Study};
+use files::format::significant;
 use files::output::OutputError;
 use report::markup::{
     Column, figure, legend, line_entry, list, note, number_cell, paragraph, point_entry, section,
     surface_entry, table, text,
 };
-use report::number::significant;
 use report::page;
 
 /// Writes the page into a folder, which is made where it is missing, and returns its path.

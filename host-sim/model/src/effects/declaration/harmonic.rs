@@ -29,3 +29,47 @@ pub fn parts(amplitude: f64, phase_rad: f64, step: f64, limit: f64) -> Vec<Coord
 pub fn polar(parts: &[f64]) -> (f64, f64) {
     (parts[0].hypot(parts[1]), parts[1].atan2(parts[0]))
 }
+
+/// What every harmonic effect declares in the same way: its parameters (amplitude in the unit given, `period_mm`,
+/// `phase_rad`), the coordinates with the step and limit of the amplitude, and that its period tells it from others.
+macro_rules! harmonic_effect {
+    ($amplitude:ident, $unit:expr, step $step:literal, limit $limit:literal) => {
+        const PARAMETERS: &'static [super::declaration::Parameter] = &[
+            super::declaration::Parameter::new(
+                stringify!($amplitude),
+                $unit,
+                super::declaration::Range::Signed,
+            ),
+            super::declaration::Parameter::new(
+                "period_mm",
+                super::declaration::Unit::Millimetre,
+                super::declaration::Range::Positive,
+            ),
+            super::declaration::Parameter::phase("phase_rad"),
+        ];
+        const OCCURRENCE: super::declaration::Occurrence = super::declaration::Occurrence::Repeated;
+
+        fn coordinates(&self) -> Vec<super::declaration::Coordinate> {
+            super::declaration::harmonic::parts(self.$amplitude, self.phase_rad, $step, $limit)
+        }
+
+        fn at(&self, x: &[f64]) -> Self {
+            let (amplitude, phase_rad) = super::declaration::harmonic::polar(x);
+            Self { $amplitude: amplitude, phase_rad, ..self.clone() }
+        }
+
+        fn values(&self) -> Vec<f64> {
+            vec![self.$amplitude, self.period_mm, self.phase_rad]
+        }
+
+        fn distinction(&self) -> super::declaration::Distinction<'_> {
+            super::declaration::Distinction::Period(self.period_mm)
+        }
+
+        fn abscissa(&self) -> super::declaration::Abscissa {
+            super::declaration::Abscissa::WithinPeriod(self.period_mm)
+        }
+    };
+}
+
+pub(in crate::effects) use harmonic_effect;

@@ -4,7 +4,7 @@ use super::closed_loop::{X, Z};
 use super::experiment::{Experiment, without_noise_um};
 use super::identify::{self, Candidate};
 use super::{machines, z_move};
-use report::number::significant;
+use files::format::significant;
 
 /// The findings, one paragraph each.
 pub fn findings(experiment: &Experiment) -> Vec<String> {

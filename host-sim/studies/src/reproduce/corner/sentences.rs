@@ -6,7 +6,7 @@ use super::contour::overshoot_m;
 use super::drive_model::printed_hpc_pole_per_s;
 use super::experiment::{Corner, Experiment, FEEDFORWARD_PERCENT, LawAtGain};
 use super::machine::{FEED_M_PER_S, RADIUS_M};
-use report::number::fixed;
+use files::format::fixed;
 
 /// The findings, one paragraph each.
 pub fn findings(experiment: &Experiment) -> Vec<String> {

@@ -9,7 +9,7 @@ use super::frequency_response::{Response, fit_breaks, measure};
 use super::ideal_loop::{ALPHAS, TimeConstants};
 use super::plotting::{INKS, legend, line, marker, rounded};
 use crate::reproduce::study::{Outcome, Picture, Printed, ReproduceError, Study};
-use report::number::significant;
+use files::format::significant;
 use report::plot::{Chart, Ink};
 
 /// |G| of (13); `omega` in rad/s.

@@ -9,8 +9,8 @@ use super::simulated_axis::{
     Errors, System, TRAVERSE_MM, max_gain_per_s, positioning_errors, slow_traverse, steady_errors,
 };
 use crate::reproduce::study::{Outcome, Picture, Printed, ReproduceError, Study};
+use files::format::significant;
 use model::axis::Feedback;
-use report::number::significant;
 use report::plot::{Chart, Ink, Layer};
 
 /// T' of dual feedback in the comparison, s: K' = 5 1/s, far below the 29 Hz resonance of the table on its drive.

@@ -6,7 +6,7 @@
 use std::ops::{Add, Mul};
 
 use crate::reproduce::study::{Outcome, Printed, Study};
-use report::number::fixed;
+use files::format::fixed;
 
 /// A value ± its scatter.
 #[derive(Clone, Copy, Debug, PartialEq)]

@@ -1,7 +1,7 @@
 //! Lines and legends common to the pictures of the appendix.
 
 use super::ideal_loop::TimeConstants;
-use report::number::fixed;
+use files::format::fixed;
 use report::plot::{Ink, Layer};
 
 /// Inks of the three systems [`super::ideal_loop::ALPHAS`].

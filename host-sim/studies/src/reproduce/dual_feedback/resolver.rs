@@ -12,8 +12,8 @@ use shared::feedback::transducer::Transducer;
 use shared::units::Position;
 
 use crate::reproduce::study::{Outcome, Picture, Printed, ReproduceError, Study};
+use files::format::fixed;
 use model::effects::ResolverDividing;
-use report::number::fixed;
 use report::plot::{Chart, Ink, Layer};
 
 /// Pulses per quarter turn.

@@ -6,7 +6,7 @@ use super::sentences::micrometres;
 use super::table_model::{RADIUS_M, SPEEDS_RAD_PER_S, TABLES};
 use crate::reproduce::ballbar::Ballbar;
 use crate::reproduce::study::Picture;
-use report::number::significant;
+use files::format::significant;
 use report::plot::{Chart, Ink, Layer};
 use report::polar::{division_for, drawing};
 

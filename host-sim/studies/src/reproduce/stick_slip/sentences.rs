@@ -4,7 +4,7 @@ use super::contributors::Contributor;
 use super::experiment::{Experiment, StickSlip};
 use super::table_model::{self, RADIUS_M, SPEEDS_RAD_PER_S, TABLES};
 use crate::reproduce::ballbar::Ballbar;
-use report::number::{fixed, significant};
+use files::format::{fixed, significant};
 
 /// The findings, one paragraph each.
 pub fn findings(experiment: &Experiment) -> Vec<String> {
