@@ -34,13 +34,26 @@ use case::Case;
 use files::error::InputError;
 use score::Outcome;
 use summary::Summary;
+use trace::TraceOptions;
 
 /// Traces a case without its true effects, then scores the trace. `progress` gets what is being done.
 ///
 /// # Errors
 /// When the tracer refuses a log.
 pub fn trace_and_score(case: &Case, progress: &(dyn Fn(&str) + Sync)) -> Result<Outcome, InputError> {
-    let trace = trace::trace(&case.machine, &case.fit, &case.validate, progress)?;
+    trace_and_score_with(&TraceOptions::default(), case, progress)
+}
+
+/// The same with other thresholds of the tracer.
+///
+/// # Errors
+/// As [`trace_and_score`].
+pub fn trace_and_score_with(
+    options: &TraceOptions,
+    case: &Case,
+    progress: &(dyn Fn(&str) + Sync),
+) -> Result<Outcome, InputError> {
+    let trace = trace::trace_with(options, &case.machine, [&case.fit, &case.validate], progress)?;
     Ok(Outcome::new(case.number, &case.truths, &trace::json::of(&trace, false)))
 }
 
