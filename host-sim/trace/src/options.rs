@@ -137,6 +137,9 @@ options! {
         constant_command: usize = 20,
         /// A motor moves under such a command if it does so by this many standard deviations of its noise.
         min_motion_noise: f64 = 6.0,
+        /// Play on either side through which the motor's reading drives the guide's friction, standard deviations of its
+        /// noise.
+        play_noise: f64 = 1.5,
     }
     /// How far values may differ from those that the machine file declares.
     model: ModelOptions {

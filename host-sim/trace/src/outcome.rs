@@ -112,13 +112,14 @@ impl Trace {
     pub(crate) fn propose_motions(&mut self) {
         let better = self.better_machine();
         let logs = &self.fit_logs;
+        let options = &self.options.admission;
         for (number, axis) in self.axes.iter_mut().enumerate() {
             for ambiguity in &mut axis.ambiguities {
                 let mut other = better.clone();
                 if let Some(of_axis) = other.axis.get_mut(&axis.axis) {
                     *of_axis = ambiguity.with_rival.axis.clone();
                 }
-                ambiguity.proposal = distinguishing_motion::propose([&better, &other], number, logs);
+                ambiguity.proposal = distinguishing_motion::propose([&better, &other], number, logs, options);
             }
         }
     }

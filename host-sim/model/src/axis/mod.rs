@@ -19,7 +19,7 @@ use crate::range::Range::{self, NotNegative, Positive, UpTo};
 pub enum Law {
     /// Proportional.
     P,
-    /// High-precision contour: a second-order filter before the gain.
+    /// High-order position control: a second-order filter before the gain.
     Hpc,
 }
 

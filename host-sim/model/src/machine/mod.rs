@@ -8,6 +8,7 @@ mod check;
 mod declared;
 pub mod instruments;
 pub mod nominal;
+mod number_table;
 mod read;
 
 pub use axis::Axis;

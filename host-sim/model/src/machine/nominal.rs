@@ -3,6 +3,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::number_table::number_table;
 use crate::axis::Settings;
 use crate::effects::Effect;
 
@@ -61,54 +62,25 @@ tolerated!(
     presliding_damping_n_s_per_m,
 );
 
-/// `[axis.NAME.log_offsets]`: zeros and instants of the logs that the values of an axis were fitted to. A trace begins
-/// with them and fits them anew; nothing else uses them. What is absent is 0.
-#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
-#[serde(deny_unknown_fields)]
-pub struct LogOffsets {
-    /// Zero of the linear scale against the motor's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub table_zero_um: Option<f64>,
-    /// Zero of the tool-point probe against the table's.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tool_zero_um: Option<f64>,
-    /// How late the linear scale is read after the motor; negative: early.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub table_late_ms: Option<f64>,
-    /// How late the tool-point probe is read after the scale; negative: early.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub tool_late_ms: Option<f64>,
-    /// How late the force is logged against the motor; negative: early.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub force_late_ms: Option<f64>,
-    /// Age of the speed that the velocity loop sees, beyond that of a plain difference.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub speed_late_ms: Option<f64>,
-    /// How much later than the sensors are read the drive's force acts; negative: earlier.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub drive_late_ms: Option<f64>,
-    /// Length of the steps that the controller takes its filter in; 0: it steps exactly.
-    #[serde(skip_serializing_if = "Option::is_none")]
-    pub filter_step_ms: Option<f64>,
-}
-
-impl LogOffsets {
-    /// The zeros, µm, with their keys.
-    #[must_use]
-    pub const fn zeros_um(&self) -> [(&'static str, Option<f64>); 2] {
-        [("table_zero_um", self.table_zero_um), ("tool_zero_um", self.tool_zero_um)]
-    }
-
-    /// The instants, ms, with their keys.
-    #[must_use]
-    pub const fn instants_ms(&self) -> [(&'static str, Option<f64>); 6] {
-        [
-            ("table_late_ms", self.table_late_ms),
-            ("tool_late_ms", self.tool_late_ms),
-            ("force_late_ms", self.force_late_ms),
-            ("speed_late_ms", self.speed_late_ms),
-            ("drive_late_ms", self.drive_late_ms),
-            ("filter_step_ms", self.filter_step_ms),
-        ]
+number_table! {
+    /// `[axis.NAME.log_offsets]`: zeros and instants of the logs that the values of an axis were fitted to. A trace begins
+    /// with them and fits them anew; nothing else uses them. What is absent is 0.
+    LogOffsets {
+        /// Zero of the linear scale against the motor's.
+        table_zero_um,
+        /// Zero of the tool-point probe against the table's.
+        tool_zero_um,
+        /// How late the linear scale is read after the motor; negative: early.
+        table_late_ms,
+        /// How late the tool-point probe is read after the scale; negative: early.
+        tool_late_ms,
+        /// How late the force is logged against the motor; negative: early.
+        force_late_ms,
+        /// Age of the velocity in the velocity loop, beyond that of a plain difference.
+        speed_late_ms,
+        /// How much later than the sensors are read the drive's force acts; negative: earlier.
+        drive_late_ms,
+        /// Length of the controller's steps of its filter; 0: it steps exactly.
+        filter_step_ms,
     }
 }

@@ -45,16 +45,13 @@ impl AxisModel {
     /// The declared model.
     #[must_use]
     pub fn new(declared: &Axis, rates: Rates, options: ModelOptions) -> Self {
-        let [table_zero_um, tool_zero_um] = declared
-            .log_offsets
-            .as_ref()
-            .map_or([0.0; 2], |offsets| offsets.zeros_um().map(|(_, um)| um.unwrap_or(0.0)));
+        let offsets = declared.log_offsets.unwrap_or_default();
         Self {
             declared: declared.clone(),
             nominal: declared.at_nominal(),
             axis: declared.clone(),
-            table_zero_um,
-            tool_zero_um,
+            table_zero_um: offsets.table_zero_um.unwrap_or(0.0),
+            tool_zero_um: offsets.tool_zero_um.unwrap_or(0.0),
             trims: Trims::of(declared, rates, &options),
             rates,
             options,

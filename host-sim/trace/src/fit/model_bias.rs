@@ -69,7 +69,7 @@ fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Signal
         ..signals.clone()
     };
     let mut result = measured.clone();
-    result.axes[data.axis] = axis.with_motor_noise(motor.noise, sample_s);
+    result.axes[data.axis] = axis.with_motor_noise(motor.noise, sample_s, &data.options.samples);
     Some(result)
 }
 

@@ -39,6 +39,18 @@ pub struct Trims {
 impl Instant {
     const ALL: [Self; 6] = [Self::Table, Self::Tool, Self::Force, Self::Speed, Self::Drive, Self::Filter];
 
+    /// Its key in a machine file, ms.
+    fn key(self, offsets: &mut LogOffsets) -> &mut Option<f64> {
+        match self {
+            Self::Table => &mut offsets.table_late_ms,
+            Self::Tool => &mut offsets.tool_late_ms,
+            Self::Force => &mut offsets.force_late_ms,
+            Self::Speed => &mut offsets.speed_late_ms,
+            Self::Drive => &mut offsets.drive_late_ms,
+            Self::Filter => &mut offsets.filter_step_ms,
+        }
+    }
+
     /// The stage that determines it.
     fn stage(self) -> Stage {
         match self {
@@ -87,29 +99,22 @@ impl Trims {
     /// Those of an axis's machine file, within their bounds.
     #[must_use]
     pub fn of(axis: &Axis, rates: Rates, options: &ModelOptions) -> Self {
+        let mut offsets = axis.log_offsets.unwrap_or_default();
         let mut trims = Self::default();
-        let Some(offsets) = &axis.log_offsets else { return trims };
-        for (instant, (_, ms)) in Instant::ALL.into_iter().zip(offsets.instants_ms()) {
+        for instant in Instant::ALL {
             let [lower, upper] = instant.bounds_s(rates, options);
-            trims.late_s[instant as usize] = (1e-3 * ms.unwrap_or(0.0)).clamp(lower, upper);
+            let ms = instant.key(&mut offsets).unwrap_or(0.0);
+            trims.late_s[instant as usize] = (1e-3 * ms).clamp(lower, upper);
         }
         trims
     }
 
     /// Writes the trims that are not zero and not replaced by an effect.
     pub fn write(&self, axis: &Axis, offsets: &mut LogOffsets) {
-        let keys = [
-            &mut offsets.table_late_ms,
-            &mut offsets.tool_late_ms,
-            &mut offsets.force_late_ms,
-            &mut offsets.speed_late_ms,
-            &mut offsets.drive_late_ms,
-            &mut offsets.filter_step_ms,
-        ];
-        for (instant, key) in Instant::ALL.into_iter().zip(keys) {
+        for instant in Instant::ALL {
             let ms = 1e3 * self.late_s[instant as usize];
             let is_replaced = axis.effect.iter().any(|effect| instant.is_replaced_by(effect));
-            *key = (ms != 0.0 && !is_replaced).then_some(ms);
+            *instant.key(offsets) = (ms != 0.0 && !is_replaced).then_some(ms);
         }
     }
 

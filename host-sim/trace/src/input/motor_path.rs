@@ -33,11 +33,11 @@ pub struct Point {
 impl MotorPath {
     /// Of a motor encoder.
     ///
-    /// The reading passes a play of 1.5 standard deviations of its noise to either side: otherwise noise would relax the
-    /// bristles of the guide's friction during a standstill.
+    /// The reading passes a play of `play_noise` standard deviations of its noise to either side: otherwise noise would
+    /// relax the bristles of the guide's friction during a standstill.
     #[must_use]
-    pub fn new(motor: &Smooth, sample_s: f64) -> Self {
-        let play_m = 1.5 * motor.noise;
+    pub fn new(motor: &Smooth, play_noise: f64, sample_s: f64) -> Self {
+        let play_m = play_noise * motor.noise;
         let per_sample = (sample_s / MAX_STEP_S).ceil().max(1.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a handful")]
         let steps = per_sample as usize;

@@ -108,7 +108,7 @@ impl AxisSignals {
         Self {
             unit: Some(axis.unit),
             command: metres(&axis.command),
-            motor_path: motor.as_ref().map(|motor| MotorPath::new(motor, sample_s)),
+            motor_path: motor.as_ref().map(|motor| MotorPath::new(motor, options.play_noise, sample_s)),
             motor,
             standstill,
             saturated: Vec::new(),
@@ -121,10 +121,10 @@ impl AxisSignals {
 
     /// The same axis with [`Self::motor_path`] computed for an encoder with this standard deviation of noise, m.
     #[must_use]
-    pub fn with_motor_noise(mut self, noise_m: f64, sample_s: f64) -> Self {
+    pub fn with_motor_noise(mut self, noise_m: f64, sample_s: f64, options: &SampleOptions) -> Self {
         if let Some(motor) = &mut self.motor {
             motor.noise = noise_m;
-            self.motor_path = Some(MotorPath::new(motor, sample_s));
+            self.motor_path = Some(MotorPath::new(motor, options.play_noise, sample_s));
         }
         self
     }

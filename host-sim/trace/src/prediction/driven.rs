@@ -149,6 +149,7 @@ impl Differentiated {
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::options::SampleOptions;
     use crate::prediction::closed_loop::{Controlled, closed_loop};
     use crate::prediction::initial_state::InitialState;
     use model::effects::{Effect, PitchCyclic, ResolverDividing};
@@ -195,7 +196,7 @@ mod tests {
         let motor = Smooth::new(simulated.motor_m.clone(), 1e-3, 5);
         let input = DrivenInput {
             motor: &motor,
-            path: &MotorPath::new(&motor, 1e-3),
+            path: &MotorPath::new(&motor, SampleOptions::default().play_noise, 1e-3),
             sample_s: 1e-3,
             sampling: ForceSampling::new(&axis.settings.controller, rates),
             added_n: None,

@@ -5,6 +5,7 @@
 
 use crate::input::signals::Signals;
 use crate::input::smoothing::Smooth;
+use crate::options::AdmissionOptions;
 use files::log::{AxisLog, Log};
 use link::controller::Format;
 use model::machine::Machine;
@@ -71,10 +72,15 @@ const TRIALS: [Trial; 6] = [
 
 /// The motion in which two machines with different models of one axis differ most; `None` if none can be simulated.
 #[must_use]
-pub fn propose(machines: [&Machine; 2], axis: usize, logs: &[Signals]) -> Option<Proposal> {
+pub fn propose(
+    machines: [&Machine; 2],
+    axis: usize,
+    logs: &[Signals],
+    options: &AdmissionOptions,
+) -> Option<Proposal> {
     let names: Vec<&String> = machines[0].axis.keys().collect();
     let proposal = |trial: &Trial| {
-        let motion = trial.motion(&names, axis, logs)?;
+        let motion = trial.motion(&names, axis, logs, options)?;
         let [a, b] = machines.map(|machine| run(machine, &motion));
         let difference = difference(a?.axes.get(axis)?, b?.axes.get(axis)?);
         Some(Proposal { motion, name: trial.name, difference })
@@ -118,8 +124,14 @@ fn difference(a: &AxisLog, b: &AxisLog) -> f64 {
 
 impl Trial {
     /// The motion file, within travel, speed and acceleration of the axes in the logs.
-    fn motion(&self, names: &[&String], axis: usize, logs: &[Signals]) -> Option<String> {
-        let range = |index: usize| MotionRange::of(logs, index);
+    fn motion(
+        &self,
+        names: &[&String],
+        axis: usize,
+        logs: &[Signals],
+        options: &AdmissionOptions,
+    ) -> Option<String> {
+        let range = |index: usize| MotionRange::of(logs, index, options.min_travel_mm);
         let moving: Vec<usize> = (0..names.len()).filter(|&i| (i != axis) == self.of_others).collect();
         let ranges: Vec<MotionRange> = moving.iter().map(|&i| range(i)).collect::<Option<_>>()?;
         let speed = ranges.iter().map(|range| range.speed_mm_s).reduce(f64::min)?;
@@ -168,7 +180,7 @@ struct MotionRange {
 }
 
 impl MotionRange {
-    fn of(logs: &[Signals], axis: usize) -> Option<Self> {
+    fn of(logs: &[Signals], axis: usize, min_travel_mm: f64) -> Option<Self> {
         let signals = || logs.iter().filter_map(|log| log.axes.get(axis)?.table_or_motor());
         let greatest = |of: &dyn Fn(&Smooth) -> f64| signals().map(of).reduce(f64::max);
         let max = greatest(&|s| numerics::max(s.position.iter().copied()))?;
@@ -176,9 +188,10 @@ impl MotionRange {
         let speed = greatest(&|s| numerics::max_abs(s.velocity.iter().copied()))?;
         let acceleration = greatest(&|s| numerics::max_abs(s.acceleration.iter().copied()))?;
         // An axis at rest in the logs has no range to move within.
-        (max > min && speed > 1e-3 && acceleration > 1e-2).then_some(Self {
+        let half_mm = 500.0 * (max - min);
+        (2.0 * half_mm >= min_travel_mm).then_some(Self {
             middle_mm: 500.0 * (max + min),
-            half_mm: 500.0 * (max - min),
+            half_mm,
             speed_mm_s: 1e3 * speed,
             acceleration_m_per_s2: acceleration,
         })
@@ -201,8 +214,8 @@ mod tests {
         let leaning = machine("name = \"intalk\"\num_s2_per_m = 3.0\n");
         let log = run(&late, model::examples::VMC_CIRCLE).unwrap();
         let names: Vec<String> = late.axis.keys().cloned().collect();
-        let proposal =
-            propose([&late, &leaning], 0, &[Signals::new(&log, &names, &SampleOptions::default())]).unwrap();
+        let logs = [Signals::new(&log, &names, &SampleOptions::default())];
+        let proposal = propose([&late, &leaning], 0, &logs, &AdmissionOptions::default()).unwrap();
         Motion::parse(&proposal.motion, "proposal.toml").unwrap();
         // 33 mm/s and 0.5 ms are 17 µm in strokes at full speed, some hundred times the noise of 80 nm.
         assert!((50.0..400.0).contains(&proposal.difference), "{proposal:?}");

@@ -45,11 +45,10 @@ impl Context<'_> {
     /// The `log_offsets` table: zeros on the machine, instants within a sample.
     pub(super) fn log_offsets(&self, sample_rate_hz: f64) -> Result<(), InputError> {
         let Some(offsets) = &self.axis.log_offsets else { return Ok(()) };
-        let zeros = offsets.zeros_um().map(|key| (key, Range::Within(FARTHEST_ZERO_UM)));
-        let instants = offsets.instants_ms().map(|key| (key, Range::Within(1e3 / sample_rate_hz)));
-        for ((key, value), range) in zeros.into_iter().chain(instants) {
+        for (key, value) in offsets.all() {
             if let Some(value) = value {
-                range.check(&format!("{}.log_offsets.{key}", self.key), value, self.document)?;
+                let max = if key.ends_with("_um") { FARTHEST_ZERO_UM } else { 1e3 / sample_rate_hz };
+                Range::Within(max).check(&format!("{}.log_offsets.{key}", self.key), value, self.document)?;
             }
         }
         Ok(())

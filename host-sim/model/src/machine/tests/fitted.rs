@@ -39,9 +39,9 @@ fn fitted_values_keep_their_nominal_ones_and_the_offsets_of_their_logs() {
     assert_eq!(nominal.effect[0].parameters(), [("width_um", 9.0)]);
     assert_eq!(nominal.effect[1..], axis.effect[1..]);
     assert_eq!(nominal.at_nominal(), nominal);
-    let offsets = axis.log_offsets.as_ref().unwrap();
-    assert_eq!(offsets.zeros_um().map(|(_, um)| um), [Some(-3.5), None]);
-    assert_eq!(offsets.instants_ms()[1], ("tool_late_ms", Some(0.05)));
+    let offsets = axis.log_offsets.unwrap();
+    assert_eq!([offsets.table_zero_um, offsets.tool_zero_um], [Some(-3.5), None]);
+    assert_eq!(offsets.all().nth(3), Some(("tool_late_ms", Some(0.05))));
 }
 
 #[test]
