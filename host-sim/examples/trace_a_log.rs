@@ -7,7 +7,6 @@ use files::log::Log;
 use model::examples::{DEMO_BALLBAR, DEMO_CIRCLE, DEMO_MACHINE};
 use model::machine::Machine;
 use report::sentences;
-use studies::demo;
 
 const BACKLASH: &str = "\n[[axis.x.effect]]\nname = \"backlash\"\nwidth_um = 9.0\n";
 

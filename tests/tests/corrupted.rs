@@ -4,7 +4,6 @@
 use files::log::{AxisLog, Log};
 use model::machine::Machine;
 use report::sentences;
-use studies::demo;
 use trace::verdict::{self, Verdict};
 use trace::{Trace, trace};
 

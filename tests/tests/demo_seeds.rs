@@ -1,7 +1,5 @@
 //! The demo finds its undeclared effect for every seed.
 
-use studies::demo;
-
 /// Ten seeds with ten different effects.
 const SEEDS: [u64; 10] = [2, 3, 4, 6, 8, 9, 10, 16, 19, 22];
 

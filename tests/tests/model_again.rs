@@ -6,7 +6,6 @@ use std::path::Path;
 
 use files::log::Log;
 use model::machine::Machine;
-use studies::demo;
 use tests::cases;
 use tests::data::data_folder;
 use trace::fit::fit_data::Pair;

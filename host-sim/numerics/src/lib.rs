@@ -4,6 +4,7 @@
 //! - [`averages`]: mean, root mean square, standard deviation, median, quantile
 //! - [`bins`]: mean of one variable over equal bins of another
 //! - [`noise`]: standard normal deviates
+//! - [`spectrum`]: power spectrum
 //! - [`distributions`]: F test, Student's t, Wilson's interval of a probability
 //!
 //! Sums run from the first value to the last, in plain f64, so that results are the same bits on every host. `statrs`
@@ -15,6 +16,7 @@ pub mod bins;
 pub mod distributions;
 pub mod extremes;
 pub mod noise;
+pub mod spectrum;
 
 pub use averages::{mean, mean_and_deviation, median, quantile, rms, rms_reduction_percent};
 pub use extremes::{max, max_abs, min, min_max, peak_to_peak};

@@ -1,37 +1,24 @@
-//! The parts that report pages are made of, and the pages of a trace and of a friction map.
+//! What a trace found, for people: its page and its sentences. [`friction_map`] is the page of a steady-state friction
+//! map.
 //!
-//! A page is one HTML file without scripts and without references to other files; the same result gives the same
-//! bytes. Other studies build their own pages from the same parts.
-//!
-//! | parts of pages | |
+//! | file | |
 //! |---|---|
-//! | [`page`] | the page as a file: head, stylesheet, writing |
-//! | [`markup`] | HTML elements that several sections use |
-//! | [`plot`] | line charts |
-//! | [`polar`] | a circle as ballbar users draw it, from `circle_fit` and `radial_deviation` |
-//!
-//! | the page of a trace | |
-//! |---|---|
-//! | [`trace_page`] | the sections in their order |
+//! | [`trace_page`] | the page: its sections in their order |
 //! | [`sentences`] | sentences about what was found and what was not |
 //! | `caveats` | sentences about what speaks against a model or an effect |
 //! | `parameters` | an effect with its parameters, in a few words |
 //! | `tables` | tables of residuals, and of what was found beside the truth |
 //! | `axis_view` | the residuals that the pictures show |
 //! | `residual_plots` | residuals over time and over a `variable` |
+//! | `circle_plots` | a circle, from `circle_fit` and `radial_deviation` |
 //! | [`ranking`] | the candidates of each round |
-//!
-//! [`friction_map`] is the page of a steady-state friction map.
 
 mod axis_view;
 mod caveats;
 mod circle_fit;
+mod circle_plots;
 pub mod friction_map;
-pub mod markup;
-pub mod page;
 mod parameters;
-pub mod plot;
-pub mod polar;
 mod radial_deviation;
 pub mod ranking;
 mod residual_plots;

@@ -2,10 +2,10 @@
 
 use maud::{Markup, html};
 
-use super::markup::{note, number_cell, text};
 use super::parameters;
 use files::format::{fixed, percent, significant};
 use files::log::Unit;
+use pages::markup::{note, number_cell, text};
 use trace::fit::normal_equations::FOLDS;
 use trace::options::SearchOptions;
 use trace::outcome::AxisTrace;

@@ -3,12 +3,12 @@
 use maud::{Markup, html};
 
 use super::axis_view::{AxisView, series};
-use super::markup::{figure, legend, line_entry, note, surface_entry, text};
-use super::page::file_name;
-use super::plot::{Chart, Ink, Layer};
 use super::variable::{label, means, of_effect, of_residual};
 use files::format::significant;
 use model::effects::{Abscissa, Stage};
+use pages::file_name;
+use pages::markup::{figure, legend, line_entry, note, surface_entry, text};
+use pages::plot::{Chart, Ink, Layer};
 use trace::Trace;
 use trace::fit::fit_data::ResidualSeries;
 use trace::stages::{residual_unit, stage_names};

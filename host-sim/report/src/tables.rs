@@ -2,9 +2,9 @@
 
 use maud::{Markup, html};
 
-use super::markup::{Column, note, number_cell, paragraph, table, text};
 use files::format::{fixed, signed};
 use model::effects::Effect;
+use pages::markup::{Column, note, number_cell, paragraph, table, text};
 use trace::outcome::{AxisTrace, StageError};
 use trace::stages::{residual_unit, stage_names};
 use trace::validation::found::Found;

@@ -1,10 +1,10 @@
 use std::fs;
 
-use super::markup::text;
 use super::sentences;
 use super::trace_page::{Extra, html, write};
 use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
+use pages::markup::text;
 use trace::Trace;
 
 /// A circle run both ways by two axes of which only motor and table were logged; the table of x

@@ -5,11 +5,11 @@ use std::path::{Path, PathBuf};
 use maud::{Markup, html};
 
 use super::axis_view::AxisView;
-use super::markup::{list, note, paragraph, section, text};
-use super::page::file_name;
-use super::{page, polar, ranking, residual_plots, sentences, tables};
+use super::{circle_plots, ranking, residual_plots, sentences, tables};
 use files::output::OutputError;
 use model::effects::Effect;
+use pages::file_name;
+use pages::markup::{list, note, paragraph, section, text};
 use trace::Trace;
 use trace::input::signals::Signals;
 use trace::outcome::{AxisTrace, StageError};
@@ -31,7 +31,7 @@ pub struct Extra {
 /// # Errors
 /// If the folder cannot be made or the page not be written.
 pub fn write(folder: &Path, trace: &Trace, extra: &Extra) -> Result<PathBuf, OutputError> {
-    page::write(folder, &html(trace, extra))
+    pages::write(folder, &html(trace, extra))
 }
 
 /// The page. The same trace gives the same bytes.
@@ -45,12 +45,12 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
     let sections = html! {
         (section("What was found", &found(trace, extra)))
         (section("Residuals before and after", &tables::errors(&trace.axes)))
-        (section("The circle", &polar::body(trace, &views)))
+        (section("The circle", &circle_plots::body(trace, &views)))
         (section("The residual of each stage", &residual_plots::body(trace, &views)))
         (section("What was tried", &ranking::body(&trace.axes)))
         (section("What stays unexplained", &unexplained(&trace.axes, &trace.notes)))
     };
-    page::render(&extra.title, &lead, &sections)
+    pages::render(&extra.title, &lead, &sections)
 }
 
 /// One sentence for each effect, and the truth where it is known.

@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::confusion::Confusion;
-use report::markup::{svg, text};
+use pages::markup::{svg, text};
 
 /// Width and height of a cell, width of the names beside the rows, height of the names above the columns, in pixels
 /// of the page.

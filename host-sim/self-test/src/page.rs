@@ -5,10 +5,9 @@ use std::path::{Path, PathBuf};
 use maud::{Markup, html};
 
 use files::format::fixed;
-use report::markup::{
+use pages::markup::{
     Column, figure, legend, note, number_cell, paragraph, section, surface_entry, table, text,
 };
-use report::page;
 
 use crate::score::Outcome;
 use crate::summary::Summary;
@@ -34,7 +33,7 @@ pub fn write(
     outcomes: &[Outcome],
     summary: &Summary,
 ) -> Result<PathBuf, OutputError> {
-    page::write(folder, &html(lead, outcomes, summary))
+    pages::write(folder, &html(lead, outcomes, summary))
 }
 
 /// The page, with sentences above the sections.
@@ -49,7 +48,7 @@ pub fn html(lead: &[String], outcomes: &[Outcome], summary: &Summary) -> String 
         (section("Residuals on logs that were not fitted", &residuals(summary)))
         (section("Cases that went wrong", &wrong_cases(outcomes)))
     };
-    page::render("Machines drawn at random, traced blind", &lead, &sections)
+    pages::render("Machines drawn at random, traced blind", &lead, &sections)
 }
 
 fn matrix(summary: &Summary) -> Markup {

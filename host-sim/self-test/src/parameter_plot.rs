@@ -3,7 +3,7 @@
 use maud::{Markup, html};
 
 use crate::summary::{Parameter, Proportion};
-use report::markup::{svg, text};
+use pages::markup::{svg, text};
 
 /// Height of a row, width of the names beside the rows, height of the labels above them, in pixels of the page.
 const ROW: u32 = 22;

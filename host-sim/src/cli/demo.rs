@@ -7,9 +7,9 @@ use anyhow::Result;
 use super::outputs::print;
 use super::progress::Progress;
 use super::summary;
+use demo::{self, Demo};
 use files::output::write_whole;
 use report::trace_page::{self, Extra};
-use studies::demo::{self, Demo};
 use trace::stages::stage_names;
 
 /// Arguments of `demo`.

@@ -17,7 +17,7 @@ use report::friction_map::sentences::{error_table, sentences, unexplained};
 /// # Errors
 /// Input that cannot be used, output that cannot be written.
 pub fn run(path: &Path, json_path: Option<&PathBuf>, folder: Option<&PathBuf>) -> Result<()> {
-    let page = report::page::file_in(folder);
+    let page = pages::file_in(folder);
     check_outputs(&[path], &[("--json", json_path), ("--report", page.as_ref())])?;
     let map = FrictionMap::read(path)?;
     let explanation = explain(&map).ok_or_else(|| {

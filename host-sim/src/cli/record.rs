@@ -18,7 +18,6 @@ use model::motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run, SimulationError};
-use studies::demo;
 
 /// What messages call the machine of the demo.
 const DEMO_MACHINE: &str = "machines/demo.toml";

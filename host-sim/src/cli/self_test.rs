@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let expected = format!("a number of cases from 1 to {MAX_CASES}");
         return Err(InputError::expected("--cases", expected, arguments.cases).into());
     }
-    let page = report::page::file_in(arguments.report.as_ref());
+    let page = pages::file_in(arguments.report.as_ref());
     check_outputs(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
     stop::write_partial_result();
     let (sender, receiver) = channel();

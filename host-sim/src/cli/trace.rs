@@ -10,7 +10,6 @@ use super::{friction_map, summary};
 use files::log::Log;
 use files::output::write_whole;
 use model::machine::Machine;
-use report::page;
 use report::trace_page::{self, Extra};
 
 /// Arguments of `trace`.
@@ -63,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let logs = arguments.fit.iter().chain(&arguments.validate);
     let inputs: Vec<&Path> = logs.map(PathBuf::as_path).chain([machine]).collect();
-    let page = page::file_in(arguments.report.as_ref());
+    let page = pages::file_in(arguments.report.as_ref());
     let outputs = [
         ("--json", arguments.json.as_ref()),
         ("--model", arguments.model.as_ref()),

@@ -18,8 +18,7 @@ fn rigid() -> String {
 
 /// The run of a machine with instruments that are ideal except for one key.
 fn run_key(machine: &str, motion: &str, key: &str, value: f64) -> RunLog {
-    let mut keys: Vec<(&str, f64)> =
-        InstrumentKeys::default().all().iter().map(|(name, _)| (*name, 0.0)).collect();
+    let mut keys: Vec<(&str, f64)> = InstrumentKeys::default().all().map(|(name, _)| (name, 0.0)).collect();
     keys.iter_mut().find(|(name, _)| *name == key).unwrap().1 = value;
     let lines: String = keys.iter().map(|(name, value)| format!("{name} = {value:?}\n")).collect();
     run_with(&format!("{machine}\n[instruments]\n{lines}"), motion, 0.0, |machine| {

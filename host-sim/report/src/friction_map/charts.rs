@@ -5,8 +5,8 @@ use friction_map::map::FrictionMap;
 use friction_map::selection::Selection;
 use maud::{Markup, html};
 
-use crate::markup::{figure, legend, line_entry, point_entry, surface_entry};
-use crate::plot::{Chart, Ink, Layer};
+use pages::markup::{figure, legend, line_entry, point_entry, surface_entry};
+use pages::plot::{Chart, Ink, Layer};
 
 /// The direction factors of the two sides of a map.
 const SIDES: [f64; 2] = [-1.0, 1.0];

@@ -13,9 +13,9 @@ use friction_map::map::FrictionMap;
 use friction_map::residual_analysis::Residual;
 use friction_map::selection::{Candidate, Round};
 
-use crate::markup::{Column, list, note, number_cell, paragraph, section, table, text};
-use crate::page::{self, file_name};
 use files::format::{fixed, percent};
+use pages::file_name;
+use pages::markup::{Column, list, note, number_cell, paragraph, section, table, text};
 use sentences::{error_table, sentences, unexplained};
 
 /// Writes the page into a folder, which is made where it is missing, and gives its path.
@@ -28,7 +28,7 @@ pub fn write(
     explanation: &Explanation,
     residual: Option<&Residual>,
 ) -> Result<PathBuf, OutputError> {
-    page::write(folder, &html(map, explanation, residual))
+    pages::write(folder, &html(map, explanation, residual))
 }
 
 /// The page.
@@ -47,7 +47,7 @@ pub fn html(map: &FrictionMap, explanation: &Explanation, residual: Option<&Resi
         (section("What was tried", &tried(&explanation.selection.rounds)))
         (section("What stays unexplained", &list(&unexplained(map, explanation, residual))))
     };
-    page::render(&format!("Friction of {}", file_name(&map.source)), &lead, &sections)
+    pages::render(&format!("Friction of {}", file_name(&map.source)), &lead, &sections)
 }
 
 /// Every round with its terms.

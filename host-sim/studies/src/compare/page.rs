@@ -11,9 +11,8 @@ use crate::compare::{Comparison, Row};
 use files::format::significant;
 use files::output::OutputError;
 use link::controller::Format;
-use report::markup::{figure, legend, line_entry, note, number_cell, paragraph, section, text};
-use report::page;
-use report::plot::{Chart, Ink, Layer};
+use pages::markup::{figure, legend, line_entry, note, number_cell, paragraph, section, text};
+use pages::plot::{Chart, Ink, Layer};
 
 const TABLE_NOTE: &str = "Command: distance from the point of the exact path at which the command in double precision \
                           stands in that tick. Position: distance of the table from the table in the run in double \
@@ -29,7 +28,7 @@ const CHARTS_NOTE: &str = "Greatest distance of each of up to 400 pieces of a mo
 /// # Errors
 /// If the folder cannot be made or the page not be written.
 pub fn write(folder: &Path, comparison: &Comparison, lead: &[String]) -> Result<PathBuf, OutputError> {
-    page::write(folder, &html(comparison, lead))
+    pages::write(folder, &html(comparison, lead))
 }
 
 /// The page, with sentences above the sections.
@@ -42,7 +41,7 @@ pub fn html(comparison: &Comparison, lead: &[String]) -> String {
         (section("Errors and cost", &table(comparison)))
         (section("Over time", &charts(comparison)))
     };
-    page::render("Fixed point against floating point", &lead, &sections)
+    pages::render("Fixed point against floating point", &lead, &sections)
 }
 
 /// Nanometres with three significant digits; below a picometre only that it is less.

@@ -8,18 +8,17 @@ use super::Reproduction;
 use super::study::{Outcome, Picture, Study};
 use files::format::significant;
 use files::output::OutputError;
-use report::markup::{
+use pages::markup::{
     Column, figure, legend, line_entry, list, note, number_cell, paragraph, point_entry, section,
     surface_entry, table, text,
 };
-use report::page;
 
 /// Writes the page into a folder, which is made where it is missing, and returns its path.
 ///
 /// # Errors
 /// If the folder cannot be made or the page not be written.
 pub fn write(folder: &Path, reproduction: &Reproduction, lead: &str) -> Result<PathBuf, OutputError> {
-    page::write(folder, &html(reproduction, lead))
+    pages::write(folder, &html(reproduction, lead))
 }
 
 /// The page, with a sentence above the studies.
@@ -28,7 +27,7 @@ pub fn html(reproduction: &Reproduction, lead: &str) -> String {
     let sections = html! {
         @for study in &reproduction.studies { (section_of(study)) }
     };
-    page::render("Published experiments, run again", &paragraph(lead), &sections)
+    pages::render("Published experiments, run again", &paragraph(lead), &sections)
 }
 
 fn section_of(study: &Study) -> Markup {

@@ -1,7 +1,6 @@
 //! What remains of a residual, and the physical variable that it depends on most.
 
-use rustfft::num_complex::Complex;
-use rustfft::{Fft, FftPlanner};
+use numerics::spectrum::PowerSpectrum;
 use serde::Serialize;
 
 use super::binned_mean::BinnedMean;
@@ -139,12 +138,12 @@ fn vibration(data: &FitData<'_>, residuals: &[&ResidualSeries]) -> Option<(f64, 
     let sample_s = data.logs.first()?.sample_s;
     // All logs are padded to the same length, so that their spectra have the same bins.
     let length = longest.next_power_of_two();
-    let fft = FftPlanner::new().plan_fft_forward(length);
+    let spectrum = PowerSpectrum::new(length);
     let mut power = vec![0.0; length / 2];
     let mut total = 0.0;
     for series in residuals {
         total += series.values.iter().map(|r| r * r).sum::<f64>();
-        for (sum, value) in power.iter_mut().zip(spectrum(fft.as_ref(), &series.values, length)) {
+        for (sum, value) in power.iter_mut().zip(spectrum.of(&series.values)) {
             *sum += value;
         }
     }
@@ -163,15 +162,6 @@ fn vibration(data: &FitData<'_>, residuals: &[&ResidualSeries]) -> Option<(f64, 
         hertz * weighted / line.max(f64::MIN_POSITIVE),
         2.0 * line / length as f64 / total.max(f64::MIN_POSITIVE),
     ))
-}
-
-/// Squared magnitudes of the positive frequencies of values less their mean, padded with zeros.
-fn spectrum(fft: &dyn Fft<f64>, values: &[f64], length: usize) -> Vec<f64> {
-    let mean = numerics::mean(values.iter().copied());
-    let mut buffer: Vec<Complex<f64>> = values.iter().map(|r| Complex::new(r - mean, 0.0)).collect();
-    buffer.resize(length, Complex::default());
-    fft.process(&mut buffer);
-    buffer[..length / 2].iter().map(Complex::norm_sqr).collect()
 }
 
 #[cfg(test)]

@@ -8,8 +8,8 @@ use super::experiment::Experiment;
 use super::z_move::accelerations;
 use crate::reproduce::study::Picture;
 use model::bodies::talk::Talk;
-use report::plot::{Chart, Ink, Layer};
-use report::polar;
+use pages::plot::{Chart, Ink, Layer};
+use pages::polar;
 
 /// Bins over the acceleration.
 const BINS: usize = 15;

@@ -4,7 +4,7 @@ use super::experiment::{Experiment, FEEDFORWARD_PERCENT, LawAtGain};
 use super::machine::{Track, Tuning, corner_m};
 use crate::reproduce::study::{Picture, ReproduceError};
 use model::axis::Law;
-use report::plot::{Chart, Ink, Layer};
+use pages::plot::{Chart, Ink, Layer};
 
 /// Width of a contour picture, pixels.
 const WIDTH: f64 = 620.0;

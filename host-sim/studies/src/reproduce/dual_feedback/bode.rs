@@ -10,7 +10,7 @@ use super::ideal_loop::{ALPHAS, TimeConstants};
 use super::plotting::{INKS, legend, line, marker, rounded};
 use crate::reproduce::study::{Outcome, Picture, Printed, ReproduceError, Study};
 use files::format::significant;
-use report::plot::{Chart, Ink};
+use pages::plot::{Chart, Ink};
 
 /// |G| of (13); `omega` in rad/s.
 fn magnitude(TimeConstants { position_s, dual_s }: TimeConstants, omega: f64) -> f64 {

@@ -16,7 +16,7 @@
 use super::ideal_loop::{ALPHAS, Output, TICK_S, TimeConstants, run};
 use super::plotting::{INKS, legend, line, marker, rounded};
 use crate::reproduce::study::{Outcome, Picture, Printed, Study};
-use report::plot::{Chart, Ink};
+use pages::plot::{Chart, Ink};
 
 /// Step of the lost motion ΔQ, nm.
 const STEP_NM: f64 = 10_000.0;

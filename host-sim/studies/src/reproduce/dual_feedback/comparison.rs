@@ -11,7 +11,7 @@ use super::simulated_axis::{
 use crate::reproduce::study::{Outcome, Picture, Printed, ReproduceError, Study};
 use files::format::significant;
 use model::axis::Feedback;
-use report::plot::{Chart, Ink, Layer};
+use pages::plot::{Chart, Ink, Layer};
 
 /// T' of dual feedback in the comparison, s: K' = 5 1/s, far below the 29 Hz resonance of the table on its drive.
 const DUAL_S: f64 = 0.2;

@@ -9,7 +9,7 @@ use std::f64::consts::FRAC_1_SQRT_2;
 use crate::reproduce::study::{Outcome, Picture, Printed, Study};
 use files::format::fixed;
 use numerics::mean_and_deviation;
-use report::plot::{Chart, Ink, Layer};
+use pages::plot::{Chart, Ink, Layer};
 
 /// Table 1, µm above 39 mm, by part number. Corrected misprints: 18 to 40.019, 23 to 40.025, 42 to 39.989.
 const CONVENTIONAL_UM: [u32; 42] = [

@@ -2,7 +2,7 @@
 
 use super::ideal_loop::TimeConstants;
 use files::format::fixed;
-use report::plot::{Ink, Layer};
+use pages::plot::{Ink, Layer};
 
 /// Inks of the three systems [`super::ideal_loop::ALPHAS`].
 pub const INKS: [Ink; 3] = [Ink::Before, Ink::Third, Ink::Fourth];

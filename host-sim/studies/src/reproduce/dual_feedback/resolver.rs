@@ -14,7 +14,7 @@ use shared::units::Position;
 use crate::reproduce::study::{Outcome, Picture, Printed, ReproduceError, Study};
 use files::format::fixed;
 use model::effects::ResolverDividing;
-use report::plot::{Chart, Ink, Layer};
+use pages::plot::{Chart, Ink, Layer};
 
 /// Pulses per quarter turn.
 const QUARTER: u32 = 100;

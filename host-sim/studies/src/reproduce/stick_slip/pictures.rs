@@ -7,8 +7,8 @@ use super::table_model::{RADIUS_M, SPEEDS_RAD_PER_S, TABLES};
 use crate::reproduce::ballbar::Ballbar;
 use crate::reproduce::study::Picture;
 use files::format::significant;
-use report::plot::{Chart, Ink, Layer};
-use report::polar::{division_for, drawing};
+use pages::plot::{Chart, Ink, Layer};
+use pages::polar::{division_for, drawing};
 
 /// All pictures.
 pub fn all(experiment: &Experiment) -> Vec<Picture> {

@@ -1,12 +1,22 @@
-//! An HTML page as a file of its own: without scripts and without references to other files.
+//! The parts of report pages: one HTML file each, without scripts and without references to other files. The same
+//! parts give the same bytes.
+//!
+//! - here: the page as a file: head, stylesheet, writing
+//! - [`markup`]: HTML elements that several sections use
+//! - [`plot`]: line charts
+//! - [`polar`]: deviations over the angle of a circle, as ballbar users draw them
+
+pub mod markup;
+pub mod plot;
+pub mod polar;
 
 use std::fs;
 use std::path::{Path, PathBuf};
 
 use maud::{DOCTYPE, Markup, PreEscaped, html};
 
-use super::markup::text;
 use files::output::{OutputError, write_whole};
+use markup::text;
 
 /// Name of the page in its folder.
 pub const FILE_NAME: &str = "report.html";

@@ -77,7 +77,7 @@ fn effect(axis: &Settings, other: &str, random: &mut ChaCha8Rng) -> Effect {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::demo::MACHINE;
+    use crate::MACHINE;
 
     #[test]
     fn numbers_of_kinds_have_no_gap_and_each_kind_with_a_number_can_be_drawn() {

@@ -24,15 +24,15 @@ pub use model::examples::DEMO_MACHINE as MACHINE;
 
 /// Motions of the fit, and the session time at which each starts, s.
 const FIT: [(&str, f64); 3] = [
-    (include_str!("../../../motions/demo_circle.toml"), 0.0),
-    (include_str!("../../../motions/demo_fast.toml"), 40.0),
-    (include_str!("../../../motions/demo_travel.toml"), 60.0),
+    (include_str!("../../motions/demo_circle.toml"), 0.0),
+    (include_str!("../../motions/demo_fast.toml"), 40.0),
+    (include_str!("../../motions/demo_travel.toml"), 60.0),
 ];
 
 /// Motions of the validation, likewise. They are not used in the fit.
 const VALIDATE: [(&str, f64); 2] = [
-    (include_str!("../../../motions/demo_ballbar.toml"), 90.0),
-    (include_str!("../../../motions/demo_corner.toml"), 120.0),
+    (include_str!("../../motions/demo_ballbar.toml"), 90.0),
+    (include_str!("../../motions/demo_corner.toml"), 120.0),
 ];
 
 /// Why the demo failed.

@@ -1,0 +1,98 @@
+//! A circle as ballbar users draw it: the radial deviation over the angle, magnified.
+
+use std::f64::consts::FRAC_1_SQRT_2;
+
+use maud::{Markup, html};
+
+use super::markup::{svg, text};
+use files::format::signed;
+
+/// Side of the picture, radius of the circle, and one division, in pixels of the page.
+const SIDE: u32 = 310;
+const BASE: f64 = 80.0;
+const DIVISION: f64 = 15.0;
+
+/// Divisions on either side of the circle.
+const DIVISIONS: i32 = 4;
+
+/// The smallest of 1, 2 and 5 times a power of ten µm of which the divisions hold `max_um`.
+#[must_use]
+pub fn division_for(max_um: f64) -> f64 {
+    let min = (max_um / f64::from(DIVISIONS)).max(1e-3);
+    let power = 10_f64.powf(min.log10().floor());
+    [1.0, 2.0, 5.0].into_iter().map(|m| m * power).find(|d| *d >= min).unwrap_or(10.0 * power)
+}
+
+/// How many times a picture of a circle of this radius, m, magnifies deviations more than the circle.
+#[must_use]
+pub fn magnification(division_um: f64, radius_m: f64) -> f64 {
+    DIVISION / division_um * 1e6 * radius_m / BASE
+}
+
+/// The SVG element alone: lines, each of a class of the stylesheet, through points of angle (rad) and deviation (µm).
+#[must_use]
+pub fn drawing(
+    title: &str,
+    description: &str,
+    lines: &[(&str, &[(f64, f64)])],
+    division_um: f64,
+    axes: [&str; 2],
+) -> String {
+    let position = |(angle, um): &(f64, f64)| position(*angle, BASE + DIVISION * um / division_um);
+    let path = |points: &[(f64, f64)]| {
+        let corners = points.iter().map(position).map(|(x, y)| format!("{x:.1},{y:.1}"));
+        corners.collect::<Vec<_>>().join(" ")
+    };
+    let body = html! {
+        (grid())
+        (labels(axes, division_um))
+        @for (class, points) in lines { polyline class=(class) points=(path(points)) {} }
+    };
+    svg((SIDE, SIDE), title, description, &body)
+}
+
+/// Position of a polar point in the picture.
+fn position(angle: f64, radius: f64) -> (f64, f64) {
+    let middle = 0.5 * f64::from(SIDE);
+    (middle + radius * angle.cos(), middle - radius * angle.sin())
+}
+
+/// Radius of the outermost division.
+const OUTER: f64 = BASE + DIVISION * DIVISIONS as f64;
+
+/// The circle, its divisions, and pieces of both axes.
+fn grid() -> Markup {
+    let middle = 0.5 * f64::from(SIDE);
+    let inner = BASE - DIVISION * f64::from(DIVISIONS);
+    let end =
+        |direction: (f64, f64), radius: f64| (middle + radius * direction.0, middle + radius * direction.1);
+    html! {
+        @for ring in -DIVISIONS..=DIVISIONS {
+            circle.ring.base[ring == 0] cx=(middle) cy=(middle) r=(BASE + DIVISION * f64::from(ring)) {}
+        }
+        @for direction in [(1.0, 0.0), (0.0, 1.0), (-1.0, 0.0), (0.0, -1.0)] {
+            @let ((x1, y1), (x2, y2)) = (end(direction, inner), end(direction, OUTER));
+            line.ring x1=(x1) y1=(y1) x2=(x2) y2=(y2) {}
+        }
+    }
+}
+
+/// The deviation of the outermost and innermost division, and the names of both axes.
+fn labels([x, y]: [&str; 2], division_um: f64) -> Markup {
+    let middle = 0.5 * f64::from(SIDE);
+    let edge = f64::from(DIVISIONS) * division_um;
+    let corner = middle - FRAC_1_SQRT_2 * OUTER;
+    let label = |x: f64, y: f64, anchor: &str, words: &str| {
+        html! {
+            text.label x=(format_args!("{x:.1}")) y=(format_args!("{y:.1}")) text-anchor=(anchor) font-size="11" {
+                (text(words))
+            }
+        }
+    };
+    html! {
+        (label(corner - 2.0, corner - 2.0, "end", &format!("{} µm", signed(edge, 1))))
+        (label(middle, middle + 4.0, "middle", &signed(-edge, 1)))
+        (label(middle + OUTER + 3.0, middle + 4.0, "start", &format!("+{x}")))
+        (label(middle, middle - OUTER - 3.0, "middle", &format!("+{y}")))
+    }
+}

@@ -1,0 +1,76 @@
+//! The circle of a trace: its radial deviation as measured, and what is unexplained before and after.
+
+use maud::{Markup, html};
+
+use super::axis_view::AxisView;
+use super::circle_fit::find;
+use super::radial_deviation::{Lap, Run};
+use files::format::{signed, significant};
+use pages::file_name;
+use pages::markup::{figure, legend, line_entry, note};
+use pages::polar::{division_for, drawing, magnification};
+use trace::Trace;
+
+/// The section's body; empty where no log holds a circle with the channels for it.
+#[must_use]
+pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
+    let (Some(circle), [x, y, ..]) = (find(&trace.validate_logs), views) else { return Markup::default() };
+    let run = Run { circle: &circle, signals: &trace.validate_logs[circle.log], axes: [x, y] };
+    let Some((channel, measured)) = run.measured() else { return Markup::default() };
+    let residuals = (!run.stages().is_empty())
+        .then(|| [run.residual([&x.before, &y.before]), run.residual([&x.after, &y.after])]);
+    html! {
+        (note(&introduction(&run, channel, residuals.is_some())))
+        div.circles {
+            (picture(&run, "As measured", &measured, division(&[&measured])))
+            @if let Some([before, after]) = &residuals {
+                @let same = division(&[before, after]);
+                (picture(&run, "Unexplained before", before, same))
+                (picture(&run, "Unexplained after", after, same))
+            }
+        }
+        (legend(&[line_entry("cw", "clockwise"), line_entry("ccw", "counter-clockwise")]))
+    }
+}
+
+/// What the pictures show.
+fn introduction(run: &Run<'_>, channel: &str, has_residuals: bool) -> String {
+    let [x, y] = run.axes.map(|axis| &axis.trace.axis);
+    let mut introduction = format!(
+        "{}: a circle of {} mm radius at {} mm/s, seen with +{x} to the right and +{y} up. Outside the circle is \
+         outwards. As measured: how far the {channel} ran off the commanded circle.",
+        file_name(&run.signals.source),
+        significant(1e3 * run.circle.radius, 3),
+        significant(1e3 * run.speed(), 3),
+    );
+    if has_residuals {
+        introduction += " Unexplained before: what is left of it when all that the declared model predicts is taken away. \
+                         Unexplained after: the same with the effects found, at the same magnification.";
+    }
+    introduction
+}
+
+/// The smallest of 1, 2 and 5 times a power of ten µm at which all deviations are within the divisions.
+fn division(all: &[&[Lap]]) -> f64 {
+    let points = all.iter().copied().flatten().flat_map(|lap| &lap.points);
+    division_for(numerics::max_abs(points.map(|point| point.1)))
+}
+
+/// One polar picture with its caption.
+fn picture(run: &Run<'_>, title: &str, laps: &[Lap], division_um: f64) -> Markup {
+    let points = || laps.iter().flat_map(|lap| &lap.points).map(|point| point.1);
+    let [min, max] = numerics::min_max(points());
+    let magnification = magnification(division_um, run.circle.radius);
+    let caption = format!(
+        "{title}: {} to {} µm. One division is {} µm, magnified {} times.",
+        signed(min, 2),
+        signed(max, 2),
+        significant(division_um, 1),
+        significant(magnification, 2),
+    );
+    let class = |lap: &Lap| if lap.is_clockwise { "cw" } else { "ccw" };
+    let lines: Vec<(&str, &[(f64, f64)])> = laps.iter().map(|lap| (class(lap), &lap.points[..])).collect();
+    let title = format!("{title}: radial deviation over the angle");
+    let axes = run.axes.map(|axis| axis.trace.axis.as_str());
+    figure("", &drawing(&title, &caption, &lines, division_um, axes), &caption)
+}
