@@ -267,7 +267,7 @@ fn extrapolation_to_a_tick_of_zero_gives_the_closed_forms() {
     }
 }
 
-/// A step ΔQb and a ramp ΔQp together: Qo is the sum of both responses, and −Qc lies between ΔQb and ΔQp/K'.
+/// A step `ΔQb` and a ramp `ΔQp` together: Qo is the sum of both responses, −Qc lies between `ΔQb` and `ΔQp`/K'.
 fn step_and_ramp<S: Scalar, R: Resolver>(times: (f64, f64), backlash_nm: f64, pitch_nm_per_s: f64) {
     let lost = |t: f64| backlash_nm + pitch_nm_per_s * t;
     let rows = run::<S, R>(times, TICK_S, 10_000, zero, lost);
