@@ -226,7 +226,7 @@ mod tests {
     }
 
     #[test]
-    fn a_severe_fault_hides_no_light_one() {
+    fn a_fault_set_keeps_every_fault() {
         let faults = FaultSet::NONE.with(FaultKind::ScaleLost, true).with(FaultKind::Displaced, false);
         let faults = faults.with(FaultKind::SoftLimit, true);
         assert!(!faults.is_empty() && FaultSet::NONE.is_empty());
@@ -239,7 +239,7 @@ mod tests {
     }
 
     #[test]
-    fn what_ended_the_run_before_has_to_be_acknowledged() {
+    fn a_fault_of_the_previous_run_needs_an_acknowledgement() {
         let inhibit = Event::Inhibit(Fault::Watchdog);
         assert_eq!(Power::Off.after(inhibit), Power::Faulted(Fault::Watchdog));
         // An inhibit acts while the drives are off only.
@@ -260,7 +260,7 @@ mod tests {
     }
 
     #[test]
-    fn a_drive_that_is_off_comes_on_by_enable_alone() {
+    fn only_an_enable_switches_the_drives_on() {
         for event in faults().map(Event::Fault).chain([Event::Disable, Event::Stopped]) {
             assert_eq!(Power::Off.after(event), Power::Off);
         }
@@ -268,7 +268,7 @@ mod tests {
     }
 
     #[test]
-    fn each_fault_does_what_it_deserves() {
+    fn each_fault_has_its_reaction() {
         for fault in faults() {
             let after = Power::On.after(Event::Fault(fault));
             match fault.reaction() {

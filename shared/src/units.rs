@@ -94,8 +94,8 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_metre_and_a_picometre_survive_together() {
-        // 1 m + 1 pm = 1.048576e15 + 1048.6 units: the sum is exact, f32 would lose 60 nm of it.
+    fn a_metre_and_a_picometre_add_exactly() {
+        // 1 m + 1 pm is 1.048576e15 + 1048.6 units. f32 would round the sum by up to 60 nm.
         let metre = Position::from_m(1.0).unwrap();
         let further = metre + 1049;
         assert_eq!(further - metre, 1049);
@@ -103,7 +103,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_it_cannot_hold() {
+    fn positions_out_of_range_are_rejected() {
         for m in [f64::NAN, f64::INFINITY, 100.1, -100.1] {
             assert_eq!(Position::from_m(m), None);
         }

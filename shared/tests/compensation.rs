@@ -1,7 +1,7 @@
-//! What compensation promises: each undoes the effect of its name, alone or with all others; nothing jumps, and
-//! nothing goes beyond its bound, whatever is set, switched or replaced.
+//! Each compensation cancels its effect and can be switched alone. No correction exceeds its declared rate or bound,
+//! whatever is set, switched or replaced.
 //!
-//! The effects are written here from their definitions, in f64.
+//! The expected corrections are computed here in f64 from the definitions of the effects.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::f64::consts::TAU;
@@ -17,7 +17,7 @@ use shared::units::{PER_M, Position};
 const RATES: Rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 1 };
 const RATE_HZ: f64 = 4000.0;
 
-fn place(m: f64) -> Position {
+fn position(m: f64) -> Position {
     Position::from_m(m).unwrap()
 }
 
@@ -28,13 +28,13 @@ fn points(start_m: f64, spacing_m: f64, value: impl Fn(f64) -> f64) -> Points {
 
 struct Bench<S: Scalar> {
     all: Compensation<S, 2>,
-    /// What was added last: to the commands (m), the readings (m), the forces (N).
+    /// Corrections of the last tick by channel: commands (m), motor readings (m), forces (N).
     added: [[f64; 2]; 3],
 }
 
 impl<S: Scalar> Bench<S> {
     fn new(settings: [&CompensationSettings; 2]) -> Self {
-        let mut all = Compensation::none([place(0.0); 2]);
+        let mut all = Compensation::none([position(0.0); 2]);
         for (axis, settings) in settings.into_iter().enumerate() {
             all.replace(axis, AxisCompensation::new(settings, RATES, 2).unwrap());
         }
@@ -42,9 +42,9 @@ impl<S: Scalar> Bench<S> {
     }
 
     fn tick(&mut self, command_m: [f64; 2], motor_m: [f64; 2]) {
-        let raw = motor_m.map(|m| Reading { motor: place(m), table: None });
+        let raw = motor_m.map(|m| Reading { motor: position(m), table: None });
         let readings = self.all.readings(&raw);
-        let commands = self.all.commands(&command_m.map(place));
+        let commands = self.all.commands(&command_m.map(position));
         let forces = self.all.forces(&readings);
         for axis in 0..2 {
             self.added[0][axis] = commands[axis] as f64 / PER_M;
@@ -53,26 +53,26 @@ impl<S: Scalar> Bench<S> {
         }
     }
 
-    /// Comes to a place in a straight line, and stands there until every rate has been gone through.
+    /// 2000 ticks in a straight line, then 2000 ticks at rest, in which the rate limiters reach their targets.
     fn settle(&mut self, from: [f64; 2], to: [f64; 2]) {
         for k in 0..=4000 {
-            let part = (f64::from(k) / 2000.0).min(1.0);
-            let at = [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * part);
-            self.tick(at, at);
+            let fraction = (f64::from(k) / 2000.0).min(1.0);
+            let positions = [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * fraction);
+            self.tick(positions, positions);
         }
     }
 }
 
-/// What is to be added for x and y.
+/// The expected correction at x and y, m or N.
 type Expected = fn(f64, f64) -> f64;
 
-/// One item on the first axis alone, and what it has to add there: to the command, the reading or the force, at
-/// x, y, having come from −.
+/// Each compensation alone on the first axis, with its channel in [`Bench::added`] and the correction expected there at
+/// (x, y) after a motion in + direction.
 fn items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)> {
     let none = CompensationSettings::default;
     let slope = || points(-0.3, 0.01, |x| 30e-6 * x);
     vec![
-        // table = motor + 30 µm/m·motor: the command goes back by that.
+        // table = motor + 30 µm/m·motor.
         (
             CompensationKind::Pitch,
             CompensationSettings {
@@ -82,14 +82,14 @@ fn items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)> {
             0,
             |x, _| -30e-6 * x,
         ),
-        // The table lags half the width behind: the command goes ahead.
+        // table = motor − half the width after a motion in + direction.
         (
             CompensationKind::Backlash,
             CompensationSettings { backlash_width_m: Some(8e-6), ..none() },
             0,
             |_, _| 4e-6,
         ),
-        // The resolver reads 2 µm·sin(…) too much.
+        // reading = motor + 2 µm·sin(…).
         (
             CompensationKind::Dividing,
             CompensationSettings { dividing: Some(Cycle::harmonic(2e-6, 2.5e-3, 0.4)), ..none() },
@@ -110,7 +110,7 @@ fn items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)> {
             0,
             |_, y| -50e-6 * y * y,
         ),
-        // The motor is pushed by 6 N·sin(…): the force takes that back.
+        // Force on the motor = force + 6 N·sin(…).
         (
             CompensationKind::Ripple,
             CompensationSettings { ripple: Some(Cycle::harmonic(6.0, 5e-3, 0.2)), ..none() },
@@ -120,27 +120,29 @@ fn items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)> {
     ]
 }
 
-/// nm or 1e-3 N that the number format and the chords of a cycle, (2π/64)²/8 = 1.2e-3 of its amplitude, may leave.
-fn undoes<S: Scalar>(to: [f64; 2]) {
+/// Tolerance 4 nm and 10 mN. Linear interpolation between the 64 points of a cycle has an error of (2π/64)²/8 = 1.2e-3 of
+/// the amplitude, 2.4 nm and 7.2 mN; the rest is for the number format.
+fn cancels<S: Scalar>(to: [f64; 2]) {
     for (item, settings, channel, expected) in items() {
         let mut bench = Bench::<S>::new([&settings, &CompensationSettings::default()]);
         bench.settle([to[0] - 0.02, to[1] - 0.02], to);
         let (added, exact) = (bench.added[channel][0], expected(to[0], to[1]));
         let tolerance = if channel == 2 { 10e-3 } else { 4e-9 };
         assert!((added - exact).abs() < tolerance, "{} {item:?}: {added:e}, expected {exact:e}", S::NAME);
-        // Switched off it adds nothing; on again, the same.
+        // Switched off the correction is zero; switched on again it has the same value.
         bench.all.switch(0, item, false);
         bench.settle(to, to);
         assert!(bench.added[channel][0].abs() < 1e-12, "{item:?} off: {:e}", bench.added[channel][0]);
         bench.all.switch(0, item, true);
         bench.settle(to, to);
-        assert!((bench.added[channel][0] - added).abs() < 1e-12, "{item:?} on again");
+        assert!((bench.added[channel][0] - added).abs() < 1e-12, "{item:?} switched on again");
     }
 }
 
-/// In-talk and cross-talk on a circle of 2 mm at 8 Hz: −c·a, of the own or of the other axis's acceleration. One
-/// tick of the acceleration's delay is ω/rate of it: 1.3 %; the coefficient in steps of 2⁻¹⁴ of 0.4.
-fn undoes_talk<S: Scalar>(cross: bool) {
+/// In-talk and cross-talk on a circle of radius 2 mm at 8 Hz: the correction is −c·a, with the acceleration a of the same
+/// or of the other axis. The second difference lags by one tick: an error of ω/rate = 1.3 % of the amplitude. The
+/// coefficient, 0.3 in machine units, is rounded to 2⁻¹⁴: at most 1e-4 of it.
+fn cancels_talk<S: Scalar>(cross: bool) {
     let (c, omega, radius) = (1.2e-6, TAU * 8.0, 2e-3);
     let settings = if cross {
         CompensationSettings { crosstalk: Some((1, Talk::Constant(c))), ..CompensationSettings::default() }
@@ -151,30 +153,31 @@ fn undoes_talk<S: Scalar>(cross: bool) {
     let mut worst = 0.0f64;
     for k in 0..8000 {
         let angle = omega * f64::from(k) / RATE_HZ;
-        let at = [radius * angle.cos(), radius * angle.sin()];
-        bench.tick(at, at);
-        let acceleration = -omega * omega * if cross { at[1] } else { at[0] };
+        let positions = [radius * angle.cos(), radius * angle.sin()];
+        bench.tick(positions, positions);
+        let acceleration = -omega * omega * if cross { positions[1] } else { positions[0] };
         if k > 4000 {
             worst = worst.max((bench.added[0][0] + c * acceleration).abs());
         }
     }
     let amplitude = c * omega * omega * radius;
     assert!(worst < 0.016 * amplitude, "{}: {worst:e} of {amplitude:e}", S::NAME);
-    assert!(worst > 0.001 * amplitude, "no delay at all?");
+    assert!(worst > 0.001 * amplitude, "{}: {worst:e}, expected the delay of a tick", S::NAME);
 }
 
 #[test]
-fn talk_is_undone() {
+fn in_talk_and_cross_talk_are_cancelled() {
     for cross in [false, true] {
-        undoes_talk::<Fixed>(cross);
-        undoes_talk::<f32>(cross);
-        undoes_talk::<f64>(cross);
+        cancels_talk::<Fixed>(cross);
+        cancels_talk::<f32>(cross);
+        cancels_talk::<f64>(cross);
     }
 }
 
-/// A screw that errs otherwise on the way back gets the other table; a scale that reads too much gets it added.
+/// Each direction of travel has its own table. The error of a screw is subtracted from the command, that of a scale
+/// is added.
 #[test]
-fn pitch_knows_direction_and_scale() {
+fn pitch_correction_depends_on_direction_and_source() {
     let table = |value: f64| points(-0.3, 0.01, move |_| value);
     let both = |of| CompensationSettings {
         pitch: Some(Pitch { of, forward: table(2e-6), backward: Some(table(5e-6)) }),
@@ -189,8 +192,8 @@ fn pitch_knows_direction_and_scale() {
     }
 }
 
-/// Settings of everything, of any size that is accepted.
-fn everything() -> impl Strategy<Value = CompensationSettings> {
+/// Settings of all nine compensations, each present or absent, of random magnitude.
+fn any_settings() -> impl Strategy<Value = CompensationSettings> {
     let sizes = (0.0..1.0f64, 0.0..1.0f64, 0.0..1.0f64, any::<[bool; 9]>(), 1e-3..0.1f64, 1e3..1e6f64);
     sizes.prop_map(|(a, b, c, has, position_rate_m_per_s, force_rate_n_per_s)| CompensationSettings {
         pitch: has[0].then(|| Pitch {
@@ -217,25 +220,30 @@ fn everything() -> impl Strategy<Value = CompensationSettings> {
     })
 }
 
-/// Random lines, and now and then a switch or other settings.
-fn never_jumps<S: Scalar>(one: &CompensationSettings, other: &CompensationSettings, way: &[([f64; 2], u8)]) {
+/// Random lines of 200 ticks, each preceded by switching a compensation or by replacing the settings. In every tick each
+/// correction is within its bound and changes by no more than its rate.
+fn stays_within_rate_and_bound<S: Scalar>(
+    one: &CompensationSettings,
+    other: &CompensationSettings,
+    moves: &[([f64; 2], u8)],
+) {
     let mut bench = Bench::<S>::new([one, other]);
-    let mut at = [0.0; 2];
-    // A signal's step: 62 pm, 61 µN; f32 and f64 round otherwise, and less.
+    let mut positions = [0.0; 2];
+    // More than two steps of a fixed-point signal, 62 pm and 61 µN; f32 and f64 round to less.
     let (step_m, step_n) = (0.2e-9, 2e-4);
-    for &(to, what) in way {
-        let from = at;
-        match what {
-            0..=8 => bench.all.switch(0, CompensationKind::ALL[usize::from(what)], what % 2 == 0),
+    for &(to, action) in moves {
+        let from = positions;
+        match action {
+            0..=8 => bench.all.switch(0, CompensationKind::ALL[usize::from(action)], action % 2 == 0),
             9 => bench.all.replace(0, AxisCompensation::new(other, RATES, 2).unwrap()),
             10 => bench.all.replace(0, AxisCompensation::new(one, RATES, 2).unwrap()),
             _ => CompensationKind::ALL.into_iter().for_each(|item| bench.all.switch(0, item, true)),
         }
         for k in 1..=200 {
-            let part = f64::from(k) / 200.0;
-            at = [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * part);
+            let fraction = f64::from(k) / 200.0;
+            positions = [0, 1].map(|axis| from[axis] + (to[axis] - from[axis]) * fraction);
             let before = bench.added;
-            bench.tick(at, at);
+            bench.tick(positions, positions);
             let rate = one.position_rate_m_per_s.max(other.position_rate_m_per_s) / RATE_HZ + step_m;
             let rise = one.force_rate_n_per_s.max(other.force_rate_n_per_s) / RATE_HZ + step_n;
             #[expect(clippy::needless_range_loop, reason = "of two arrays, one inside the other")]
@@ -259,30 +267,30 @@ proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 1 } else { 12 }))]
 
     #[test]
-    fn each_undoes_its_effect_and_can_be_switched_alone(x in -0.2..0.2f64, y in -0.2..0.2f64) {
-        undoes::<Fixed>([x, y]);
-        undoes::<f32>([x, y]);
-        undoes::<f64>([x, y]);
+    fn each_compensation_cancels_its_effect_and_can_be_switched_alone(x in -0.2..0.2f64, y in -0.2..0.2f64) {
+        cancels::<Fixed>([x, y]);
+        cancels::<f32>([x, y]);
+        cancels::<f64>([x, y]);
     }
 
-    /// Speeds of up to 4 m/s, reversals in a tick, switching and replacing meanwhile.
+    /// Up to 0.2 m in 50 ms on each axis, 4 m/s, with reversals within a tick.
     #[test]
-    fn nothing_jumps_and_nothing_is_beyond_its_bound(
-        one in everything(), other in everything(),
-        way in prop::collection::vec(([-0.1..0.1f64, -0.1..0.1], 0u8..12), 1..12),
+    fn corrections_stay_within_rate_and_bound(
+        one in any_settings(), other in any_settings(),
+        moves in prop::collection::vec(([-0.1..0.1f64, -0.1..0.1], 0u8..12), 1..12),
     ) {
-        never_jumps::<Fixed>(&one, &other, &way);
-        never_jumps::<f32>(&one, &other, &way);
-        never_jumps::<f64>(&one, &other, &way);
+        stays_within_rate_and_bound::<Fixed>(&one, &other, &moves);
+        stays_within_rate_and_bound::<f32>(&one, &other, &moves);
+        stays_within_rate_and_bound::<f64>(&one, &other, &moves);
     }
 }
 
 #[test]
-fn refuses_by_name() {
-    let refusal =
+fn rejected_settings_are_named() {
+    let error_of =
         |settings: CompensationSettings| AxisCompensation::<Fixed>::new(&settings, RATES, 2).unwrap_err();
     let none = CompensationSettings::default;
-    let named = |error| {
+    let name_of = |error| {
         let (ConfigError::NotFinite(name)
         | ConfigError::NotPositive(name)
         | ConfigError::NotWhileRunning(name)
@@ -319,13 +327,13 @@ fn refuses_by_name() {
         (CompensationSettings { force_rate_n_per_s: -1.0, ..none() }, "force_rate_n_per_s"),
     ];
     for (settings, name) in cases {
-        assert_eq!(named(refusal(settings)), name);
+        assert_eq!(name_of(error_of(settings)), name);
     }
 }
 
-/// What is taken away goes at its declared rate, too, and all of it goes.
+/// After the settings are replaced by empty ones, each correction returns to zero at its declared rate.
 #[test]
-fn what_is_replaced_by_nothing_fades() {
+fn a_removed_compensation_fades_out() {
     let dividing = CompensationSettings {
         dividing: Some(Cycle::harmonic(20e-6, 2.5e-3, 1.5)),
         reversal: Some(Reversal { force_n: 100.0, decay_s: 0.01, fade_m_per_s: 1.0 }),
@@ -334,7 +342,7 @@ fn what_is_replaced_by_nothing_fades() {
     let none = CompensationSettings::default();
     let mut bench = Bench::<f64>::new([&dividing, &none]);
     bench.settle([0.0; 2], [0.001, 0.0]);
-    // Back again: a pulse of the force.
+    // A reversal of the command starts the force pulse.
     for k in 0..4 {
         bench.tick([0.001 - 1e-5 * f64::from(k), 0.0], [0.001, 0.0]);
     }
@@ -353,11 +361,11 @@ fn what_is_replaced_by_nothing_fades() {
     assert!(last.iter().all(|added| added[0].abs() < 1e-12), "{last:?}");
 }
 
-/// A rate that the format would round to nothing, or to something else, is refused with its range.
+/// A rate that fixed point does not hold to 1 % is rejected with its range.
 #[test]
-fn rates_that_round_away_are_refused() {
+fn rates_below_the_resolution_are_rejected() {
     let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
-    let made = |position_rate_m_per_s: f64, force_rate_n_per_s: f64| {
+    let error_of = |position_rate_m_per_s: f64, force_rate_n_per_s: f64| {
         let settings = CompensationSettings {
             position_rate_m_per_s,
             force_rate_n_per_s,
@@ -365,9 +373,14 @@ fn rates_that_round_away_are_refused() {
         };
         AxisCompensation::<Fixed>::new(&settings, rates, 2).err()
     };
-    assert!(matches!(made(1e-7, 1e4), Some(ConfigError::OutOfRange { name: "position_rate_m_per_s", .. })));
-    // 50 of 2⁻¹⁴ N at 20 kHz.
-    assert!(matches!(made(1e-3, 1.0), Some(ConfigError::OutOfRange { name: "force_rate_n_per_s", min, .. })
-        if (61.0..61.1).contains(&min)));
-    assert_eq!(made(1e-3, 100.0), None);
+    assert!(matches!(
+        error_of(1e-7, 1e4),
+        Some(ConfigError::OutOfRange { name: "position_rate_m_per_s", .. })
+    ));
+    // The least rate is 50 steps of 2⁻¹⁴ N per tick at 20 kHz: 61 N/s.
+    assert!(
+        matches!(error_of(1e-3, 1.0), Some(ConfigError::OutOfRange { name: "force_rate_n_per_s", min, .. })
+        if (61.0..61.1).contains(&min))
+    );
+    assert_eq!(error_of(1e-3, 100.0), None);
 }

@@ -1,4 +1,4 @@
-//! The loops as wholes: step responses from their transfer functions, and changes while an axis moves.
+//! Step responses of the loops against their transfer functions, and changes of gains and law during motion.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use proptest::prelude::*;
@@ -7,7 +7,7 @@ use shared::config::{AxisConfig, AxisSettings, Law, LowPass, Notch, Rates};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
 
-fn place(m: f64) -> Position {
+fn position(m: f64) -> Position {
     Position::from_m(m).unwrap()
 }
 
@@ -15,16 +15,16 @@ const fn reading(motor: Position) -> Reading {
     Reading { motor, table: None }
 }
 
-/// Step response of the position loop over an ideal velocity loop, an integrator that holds the velocity
-/// command for a tick: at times x = Kp·t.
+/// Step response of HPC over an ideal velocity loop (an integrator) in continuous time, x = Kp·t.
 ///
-/// P: 1 − (1 − Kp·T)ⁿ. HPC in continuous time: x³ + 6x² + 16x + 16 = (x + 2)(x² + 4x + 8), so that
-/// y = 1 − A·e^(−2x) − e^(−2x)(B·cos 2x + C·sin 2x); y(0) = y'(0) = y''(0) = 0 give A = 2, B = −1, C = 1.
+/// The characteristic polynomial s³ + 6s² + 16s + 16 = (s + 2)(s² + 4s + 8) has the roots −2 and −2 ± 2j:
+/// y = 1 − A·e^(−2x) − e^(−2x)(B·cos 2x + C·sin 2x). y(0) = y'(0) = y''(0) = 0 give A = 2, B = −1, C = 1.
 fn hpc(x: f64) -> f64 {
     1.0 - (-2.0 * x).exp() * (2.0 - (2.0 * x).cos() + (2.0 * x).sin())
 }
 
-/// Greatest difference from what is expected, of a step of 1 mm, µm.
+/// Greatest difference of the step response from its closed form, µm of a step of 1 mm. The velocity loop is ideal: an
+/// integrator that holds the velocity command over a tick T, so that P is 1 − (1 − Kp·T)ⁿ after n ticks.
 fn step_response<S: Scalar>(law: Law, rate_hz: f64) -> f64 {
     let kp = 40.0;
     let rates = Rates { velocity_loop_hz: rate_hz, position_loop_divider: 1 };
@@ -40,17 +40,16 @@ fn step_response<S: Scalar>(law: Law, rate_hz: f64) -> f64 {
             Law::Hpc => hpc(kp * f64::from(n) / rate_hz),
         };
         worst = worst.max((at_m / target - expected).abs() * target * 1e6);
-        let _ = state.position_tick(&config, place(target), 0, reading(place(at_m)));
+        let _ = state.position_tick(&config, position(target), 0, reading(position(at_m)));
         at_m += state.velocity_command_m_per_s() / rate_hz;
     }
     worst
 }
 
-/// P to the rounding of the format: velocity resolves 1 nm/s, Kp 2⁻²⁵ of 0.0025. HPC meets the continuous response
-/// but for the hold of its output, a delay of half a tick: |y'| ≤ 0.42·Kp per unit (its greatest, by the
-/// derivative above), so 0.21·Kp·T of the step, within a third.
+/// P matches to the rounding of the format. HPC differs from the continuous response by the hold of its output, a delay of
+/// T/2: at y' = 4·Kp·e^(−2x)·(1 − cos 2x) ≤ 0.83·Kp the error is 0.42·Kp·T of the step. The test allows ±40 % of that.
 #[test]
-fn the_position_loop_steps_as_its_poles_say() {
+fn the_step_response_of_the_position_loop_matches_its_closed_form() {
     for rate_hz in [1000.0, 4000.0, 20_000.0] {
         for (name, p, hpc) in [
             ("fixed", step_response::<Fixed>(Law::P, rate_hz), step_response::<Fixed>(Law::Hpc, rate_hz)),
@@ -65,16 +64,16 @@ fn the_position_loop_steps_as_its_poles_say() {
     }
 }
 
-/// Greatest slope of the step response of HPC, per Kp.
+/// Greatest slope dy/dx of the step response of HPC.
 fn slope() -> f64 {
     let slopes = (0..5000).map(|k| f64::from(k) * 1e-3).map(|x| (hpc(x + 1e-3) - hpc(x)) * 1e3);
     slopes.fold(0.0, f64::max)
 }
 
-/// The velocity loop on a mass m, stepped exactly for the held force: with e = command − v, v the difference of
-/// the reading, the discrete loop is simulated here in f64 from its equations alone.
+/// The velocity loop on a mass m, integrated exactly for a force that is held over a tick, against the same discrete loop
+/// in f64: F = Kv·(e + Σe·T/Ti), e = command − v, with v differenced from the reading.
 #[test]
-fn the_velocity_loop_steps_as_its_equations_say() {
+fn the_step_response_of_the_velocity_loop_matches_its_equations() {
     fn run<S: Scalar>() -> f64 {
         let (rate, mass, kv, ti) = (4000.0, 100.0, 30_000.0, 0.02);
         let rates = Rates { velocity_loop_hz: rate, position_loop_divider: 1 };
@@ -87,11 +86,11 @@ fn the_velocity_loop_steps_as_its_equations_say() {
         let config = AxisConfig::<S>::new(&settings, rates).unwrap();
         let mut state = AxisState::at_rest(Position(0), reading(Position(0)));
         let (mut x, mut v) = (0.0f64, 0.0f64);
-        // A step of 0.2 mm of position asks for 10 mm/s at first: the command is held there.
-        let _ = state.position_tick(&config, place(0.2e-3), 0, reading(Position(0)));
+        // Kp·0.2 mm = 10 mm/s. No further position tick follows, so this velocity command is held.
+        let _ = state.position_tick(&config, position(0.2e-3), 0, reading(Position(0)));
         let (mut ex, mut ev, mut last, mut integral, mut worst) = (0.0, 0.0, 0.0, 0.0, 0.0f64);
         for _ in 0..400 {
-            let (force, _) = state.velocity_tick(&config, reading(place(x)), S::default());
+            let (force, _) = state.velocity_tick(&config, reading(position(x)), S::default());
             let a = force.value() / mass;
             x += v / rate + a / (2.0 * rate * rate);
             v += a / rate;
@@ -103,17 +102,17 @@ fn the_velocity_loop_steps_as_its_equations_say() {
             ev += a / rate;
             worst = worst.max((v - ev).abs());
         }
-        // It has come to the command, and over it on the way: both by the integral part.
+        // The roots are −63/s and −237/s: after 0.1 s the transient has decayed to less than 1 %.
         assert!((ev - 0.01).abs() < 1e-4);
         worst
     }
-    // 1 nm/s of velocity, 61 µN of force: an integral gain of 2⁻²⁵ in 0.006 is 5e-6 of 10 mm/s.
+    // Fixed point resolves 1 nm/s and 61 µN; the integral gain, 0.006, is rounded by 2⁻²⁵: 5e-6 of 10 mm/s.
     assert!(run::<Fixed>() < 1e-6, "{}", run::<Fixed>());
     assert!(run::<f32>() < 1e-6, "{}", run::<f32>());
     assert!(run::<f64>() < 1e-10, "{}", run::<f64>());
 }
 
-/// An axis of one mass under its loops.
+/// A mass with viscous friction, and its control loops.
 struct Bench<S: Scalar> {
     config: AxisConfig<S>,
     state: AxisState<S>,
@@ -134,12 +133,12 @@ impl<S: Scalar> Bench<S> {
         Self { config, state, command_m: 0.0, at_m: 0.0, velocity: 0.0, force: 0.0 }
     }
 
-    /// One tick at a commanded speed. What velocity command (m/s) and force (N) have changed by.
+    /// One tick at a commanded speed. Returns the changes of velocity command (m/s) and force (N).
     fn tick(&mut self, speed: f64) -> [f64; 2] {
         let before = [self.state.velocity_command_m_per_s(), self.force];
         self.command_m += speed / RATES.velocity_loop_hz;
-        let reading = reading(place(self.at_m));
-        let _ = self.state.position_tick(&self.config, place(self.command_m), 0, reading);
+        let reading = reading(position(self.at_m));
+        let _ = self.state.position_tick(&self.config, position(self.command_m), 0, reading);
         let (force, _) = self.state.velocity_tick(&self.config, reading, S::default());
         self.force = force.value();
         let a = (self.force - FRICTION_N_S_PER_M * self.velocity) / MASS_KG;
@@ -174,14 +173,13 @@ fn settings() -> impl Strategy<Value = AxisSettings> {
         })
 }
 
-/// In the tick of a change neither output moves at all (it holds); in the next ones it moves as the loop does:
-/// by the share of the offset that fades and by what the motion itself changes in a tick. Afterwards the
-/// following error is the new gains': (1 − Kf)·v/Kp, with one tick of the discrete loop beside it, and half
-/// of one more for the force that friction takes where there is no integral part.
-fn changes<S: Scalar>(from: &AxisSettings, to: &AxisSettings) {
+/// In the tick of the change velocity command and force are held. Then the offset decays by Kp·T per tick. In the end the
+/// following error is that of the new gains: v/Kp·(1 − Kf), plus v/Kp·b/Kv without an integral part, within the travel of
+/// one and a half ticks.
+fn changes_without_a_jump<S: Scalar>(from: &AxisSettings, to: &AxisSettings) {
     let speed = 0.05;
     let mut bench = Bench::<S>::new(from);
-    // Gently up to speed, and on.
+    // 0.5 s of acceleration, 2 s at constant speed.
     for k in 0..2000 {
         bench.tick(speed * f64::from(k) / 2000.0);
     }
@@ -191,42 +189,43 @@ fn changes<S: Scalar>(from: &AxisSettings, to: &AxisSettings) {
     bench.change(to);
     let [command, force] = bench.tick(speed);
     assert!(command.abs() < 1e-12 && force.abs() < 1e-9, "{}: {command} m/s, {force} N", S::NAME);
-    // The offset is at most what all of the speed can differ by, and fades by Kp·T of it.
+    // The offset is of the order of the speed and decays by Kp·T per tick; a factor of 3 is for the loop itself.
     let most = 3.0 * speed * to.position_gain_per_s / RATES.velocity_loop_hz + 2e-5;
     for _ in 0..400 {
         let [command, force] = bench.tick(speed);
-        assert!(command.abs() < most, "{}: {command} m/s in a tick of {most}", S::NAME);
+        assert!(command.abs() < most, "{}: {command} m/s in a tick, at most {most}", S::NAME);
         assert!(force.abs() < 3.0 * to.velocity_gain_n_s_per_m * most, "{}: {force} N", S::NAME);
     }
     for _ in 0..20_000 {
         bench.tick(speed);
     }
-    // What friction takes: v·b/Kv of velocity error without an integral part, over Kp.
+    // Without an integral part, the friction force b·v needs a velocity error of v·b/Kv.
     let by_friction = if to.velocity_integral_time_s.is_some() {
         0.0
     } else {
         FRICTION_N_S_PER_M / to.velocity_gain_n_s_per_m
     };
     let expected = speed / to.position_gain_per_s * (1.0 - to.feedforward_percent / 100.0 + by_friction);
-    let off = bench.following_error_m() - expected;
-    assert!(off.abs() < 1.5 * speed / RATES.velocity_loop_hz, "{}: {off} m off {expected}", S::NAME);
+    let error = bench.following_error_m() - expected;
+    let tolerance = 1.5 * speed / RATES.velocity_loop_hz;
+    assert!(error.abs() < tolerance, "{}: {error} m from {expected}", S::NAME);
 }
 
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 1 } else { 24 }))]
 
     #[test]
-    fn a_change_of_gains_or_law_does_not_jump(from in settings(), to in settings()) {
-        changes::<Fixed>(&from, &to);
-        changes::<f32>(&from, &to);
-        changes::<f64>(&from, &to);
+    fn a_change_of_gains_or_law_is_bumpless(from in settings(), to in settings()) {
+        changes_without_a_jump::<Fixed>(&from, &to);
+        changes_without_a_jump::<f32>(&from, &to);
+        changes_without_a_jump::<f64>(&from, &to);
     }
 }
 
-/// Changed to the same settings, an axis goes on to the last bit as if it had not been: at rest, where the hold of
-/// the tick of the change is no change.
+/// At rest, where holding the outputs for a tick makes no difference, a change to the same settings has no effect on any
+/// later force, bit for bit.
 #[test]
-fn a_change_to_the_same_at_rest_is_none() {
+fn a_change_to_the_same_settings_at_rest_has_no_effect() {
     let settings = AxisSettings { law: Law::Hpc, ..AxisSettings::default() };
     let mut one = Bench::<Fixed>::new(&settings);
     let mut other = Bench::<Fixed>::new(&settings);

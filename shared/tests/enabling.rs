@@ -1,5 +1,5 @@
-//! The drives coming on and going off: nothing jumps, nothing is left over from the time before, and an enable that was
-//! withdrawn is none.
+//! Enabling and disabling the drives: no jump, no state from before the enable, and no effect of an enable that was
+//! withdrawn.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::config::{AxisSettings, Law, Rates, Sensors};
@@ -11,18 +11,18 @@ use shared::units::Position;
 
 const DIVIDER: u32 = 5;
 
-fn place(m: f64) -> Position {
+fn position(m: f64) -> Position {
     Position::from_m(m).unwrap()
 }
 
-/// One axis at zero, off.
+/// One axis at zero, drives off.
 fn machine<S: Scalar>(settings: &AxisSettings) -> Machine<S, 1> {
     let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: DIVIDER };
     Machine::new(rates, &[*settings], [Position(0)]).unwrap()
 }
 
 fn tick<S: Scalar>(machine: &mut Machine<S, 1>, motor_m: f64, table_m: Option<f64>) -> Output<S, 1> {
-    machine.tick(&[Reading { motor: place(motor_m), table: table_m.map(place) }])
+    machine.tick(&[Reading { motor: position(motor_m), table: table_m.map(position) }])
 }
 
 #[test]
@@ -38,9 +38,10 @@ fn disable_withdraws_an_enable_that_no_tick_has_seen() {
     assert!(tick(&mut machine, 0.0, None).enabled);
 }
 
-/// Off, the axis is pushed; the motor and the scale show it at different places, by what the coupling gives. On again,
-/// the command is what the position loop reads, so that the error is zero and with it every force, to the bit.
-fn starts_on_the_scale<S: Scalar>(sensors: Sensors, law: Law) {
+/// While the drives are off, the axis is pushed by hand; the readings of motor and scale differ by the compliance of the
+/// coupling. At the next enable the command is the feedback of the position loop, so the following error and the force
+/// are exactly zero.
+fn starts_at_the_scale_reading<S: Scalar>(sensors: Sensors, law: Law) {
     for [motor_m, table_m] in [[2e-3, 1.2e-3], [-2e-3, -2.7e-3]] {
         let settings = AxisSettings { sensors, law, feedforward_percent: 100.0, ..AxisSettings::default() };
         let mut machine = machine::<S>(&settings);
@@ -48,13 +49,18 @@ fn starts_on_the_scale<S: Scalar>(sensors: Sensors, law: Law) {
         assert!(tick(&mut machine, 0.0, Some(0.0)).enabled);
         machine.disable();
         for _ in 0..3 {
-            assert_eq!(tick(&mut machine, motor_m, Some(table_m)).commands, [place(table_m)], "{}", S::NAME);
+            assert_eq!(
+                tick(&mut machine, motor_m, Some(table_m)).commands,
+                [position(table_m)],
+                "{}",
+                S::NAME
+            );
         }
         machine.enable();
         for _ in 0..100 {
             let output = tick(&mut machine, motor_m, Some(table_m));
             assert!(output.enabled);
-            assert_eq!(output.commands, [place(table_m)], "{} {sensors:?}", S::NAME);
+            assert_eq!(output.commands, [position(table_m)], "{} {sensors:?}", S::NAME);
             assert!(output.forces[0] == S::default(), "{} {sensors:?}: {:?}", S::NAME, output.forces);
         }
     }
@@ -64,31 +70,30 @@ fn starts_on_the_scale<S: Scalar>(sensors: Sensors, law: Law) {
 fn with_a_scale_the_drives_come_on_where_the_scale_is() {
     for sensors in [Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }] {
         for law in [Law::P, Law::Hpc] {
-            starts_on_the_scale::<Fixed>(sensors, law);
-            starts_on_the_scale::<f32>(sensors, law);
-            starts_on_the_scale::<f64>(sensors, law);
+            starts_at_the_scale_reading::<Fixed>(sensors, law);
+            starts_at_the_scale_reading::<f32>(sensors, law);
+            starts_at_the_scale_reading::<f64>(sensors, law);
         }
     }
 }
 
-/// Without a reading of the scale the motor is all there is.
 #[test]
-fn with_a_scale_that_is_lost_the_drives_come_on_where_the_motor_is() {
+fn without_a_scale_reading_the_drives_come_on_at_the_motor_reading() {
     let settings =
         AxisSettings { sensors: Sensors::Dual { time_constant_s: 0.05 }, ..AxisSettings::default() };
     let mut machine = machine::<Fixed>(&settings);
     machine.enable();
     tick(&mut machine, 0.0, Some(0.0));
     machine.disable();
-    assert_eq!(tick(&mut machine, 2e-3, None).commands, [place(2e-3)]);
+    assert_eq!(tick(&mut machine, 2e-3, None).commands, [position(2e-3)]);
     machine.enable();
     assert!(tick(&mut machine, 2e-3, None).forces == [Fixed::ZERO]);
 }
 
-/// At the first enable the motor stands a millimetre from where the scale, and the command with it, has the axis. The
-/// command does not move, so feed-forward has nothing to add: no force, from the first tick on. A difference taken from
-/// the motor would ask for 1 mm in a tick of the position loop, 4 m/s.
-fn does_not_kick<S: Scalar>() {
+/// At the first enable the motor reading differs by 1 mm from the scale reading, which is the command. The command does not
+/// move, so feed-forward and force are zero from the first tick on. A feed-forward that started from the motor reading
+/// would see 1 mm per position tick, 4 m/s.
+fn force_stays_zero<S: Scalar>() {
     for motor_m in [1e-3, -1e-3] {
         let settings =
             AxisSettings { sensors: Sensors::Table, feedforward_percent: 100.0, ..AxisSettings::default() };
@@ -103,13 +108,13 @@ fn does_not_kick<S: Scalar>() {
 
 #[test]
 fn feed_forward_does_not_kick_where_motor_and_scale_differ() {
-    does_not_kick::<Fixed>();
-    does_not_kick::<f32>();
-    does_not_kick::<f64>();
+    force_stays_zero::<Fixed>();
+    force_stays_zero::<f32>();
+    force_stays_zero::<f64>();
 }
 
-/// What comes of an enable with a line to travel, when the drives were on for some ticks before.
-fn after_ticks(ticks: u32) -> Vec<Output<Fixed, 1>> {
+/// Outputs after an enable with a line to travel. Before, the drives were on for `ticks` ticks.
+fn outputs_after(ticks: u32) -> Vec<Output<Fixed, 1>> {
     let mut machine = machine::<Fixed>(&AxisSettings::default());
     if ticks > 0 {
         machine.enable();
@@ -124,11 +129,11 @@ fn after_ticks(ticks: u32) -> Vec<Output<Fixed, 1>> {
     (0..4 * DIVIDER).map(|_| tick(&mut machine, 0.0, None)).collect()
 }
 
-/// The position loop is due in the first tick after an enable and then with every `DIVIDER`th, wherever in that
-/// cycle the drives went off the last time: the command moves in the ticks 1, 6, 11 … and the force with it.
+/// The position loop runs in the first tick after an enable and then in every `DIVIDER`th, in whichever tick of this cycle
+/// the drives were switched off before. So the command moves in the ticks 0, 5, 10 …, and there is a force in each tick.
 #[test]
 fn the_position_loop_runs_in_the_first_tick_after_an_enable() {
-    let first = after_ticks(0);
+    let first = outputs_after(0);
     let mut last = Position(0);
     for (tick, output) in (0..).zip(&first) {
         let [command] = output.commands;
@@ -137,20 +142,20 @@ fn the_position_loop_runs_in_the_first_tick_after_an_enable() {
         last = command;
     }
     for ticks in 1..=2 * DIVIDER {
-        assert_eq!(after_ticks(ticks), first, "on for {ticks} ticks before");
+        assert_eq!(outputs_after(ticks), first, "on for {ticks} ticks before");
     }
 }
 
-/// What the loops had integrated is gone: with the axis held 0.1 mm off the force grows by an integral; off and on again
-/// there, it is zero.
+/// With the axis locked 0.1 mm away from its command the integral part builds up. After a disable and an enable at that
+/// position the force is zero.
 #[test]
-fn nothing_integrated_is_left_over() {
+fn the_integral_is_reset_between_disable_and_enable() {
     let mut machine = machine::<f64>(&AxisSettings::default());
     machine.enable();
     tick(&mut machine, 0.0, None);
     let [pushed] = (0..1000).map(|_| tick(&mut machine, 1e-4, None)).last().unwrap().forces;
-    // Kv·Kp·x·(1 + n·T/Ti) = 165 N·(1 + n/400). The position loop sees x after four ticks more, and the jump itself
-    // asks for 100 kN, which is beyond the limit and not integrated: n = 996.
+    // Kv·Kp·x·(1 + n·T/Ti) = 165 N·(1 + n/400). n = 996: the next position tick is the fifth, and the jump of the reading,
+    // Kv·0.1 mm/50 µs = 100 kN, exceeds the force limit and is not integrated.
     assert!((pushed + 165.0 * (1.0 + 996.0 / 400.0)).abs() < 1e-6, "{pushed} N");
     machine.disable();
     assert!(tick(&mut machine, 1e-4, None).forces == [0.0]);
@@ -160,8 +165,9 @@ fn nothing_integrated_is_left_over() {
     }
 }
 
-/// With a correction standing on the command, off and on again: neither moves, so that feed-forward has nothing to add.
-fn does_not_kick_with_a_correction<S: Scalar>() {
+/// A constant correction is added to the command when the drives are disabled and enabled again. Neither the command nor
+/// the correction changes, so the feed-forward is zero.
+fn force_stays_zero_with_a_correction<S: Scalar>() {
     use shared::compensate::CompensationSettings;
     use shared::compensate::settings::{Pitch, PitchSource, Points};
     let pitch = Points { start_m: -0.1, spacing_m: 0.1, values: [1e-4; 3].into_iter().collect() };
@@ -172,7 +178,7 @@ fn does_not_kick_with_a_correction<S: Scalar>() {
     let mut machine = machine::<S>(&AxisSettings { feedforward_percent: 100.0, ..AxisSettings::default() });
     machine.compensate(0, &settings).unwrap();
     machine.enable();
-    // A screw that goes 0.1 mm too far is commanded 0.1 mm less, which the motor does.
+    // The screw moves the table 0.1 mm too far, so the correction is −0.1 mm, and the motor has followed it.
     for _ in 0..20_000 {
         tick(&mut machine, -1e-4, None);
     }
@@ -186,8 +192,8 @@ fn does_not_kick_with_a_correction<S: Scalar>() {
 }
 
 #[test]
-fn feed_forward_does_not_kick_where_a_correction_stands() {
-    does_not_kick_with_a_correction::<Fixed>();
-    does_not_kick_with_a_correction::<f32>();
-    does_not_kick_with_a_correction::<f64>();
+fn feed_forward_does_not_kick_with_a_constant_correction() {
+    force_stays_zero_with_a_correction::<Fixed>();
+    force_stays_zero_with_a_correction::<f32>();
+    force_stays_zero_with_a_correction::<f64>();
 }

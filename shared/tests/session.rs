@@ -1,4 +1,4 @@
-//! The board's side of the protocol: each order does to the machine what it says, and the answer is the machine's.
+//! The board side of the protocol: each order calls the machine, and the answer contains the output of the machine.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::compensate::settings::{Pitch, PitchSource, Points};
@@ -17,7 +17,7 @@ use shared::units::Position;
 const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
 const FORMATS: [Format; 3] = [Format::Fixed, Format::F32, Format::F64];
 
-/// A session, and what it is asked.
+/// A session and the host that sends orders to it.
 struct Host {
     session: Session,
 }
@@ -27,11 +27,11 @@ impl Host {
         let mut host = Self { session: Session::default() };
         let axes = [AxisSettings::default(); AXES];
         let start = [Position(0); AXES];
-        assert_eq!(host.ask(&Order::Setup(Setup { format, rates: RATES, axes, start })), Answer::Ready);
+        assert_eq!(host.answer_to(&Order::Setup(Setup { format, rates: RATES, axes, start })), Answer::Ready);
         host
     }
 
-    fn ask(&mut self, order: &Order) -> Answer {
+    fn answer_to(&mut self, order: &Order) -> Answer {
         let mut frame = [0; FRAME];
         if encode(order, &mut frame).is_ok() {
             return self.session.answer(&frame, &mut NoMeter).unwrap();
@@ -48,11 +48,11 @@ impl Host {
         answers.next().unwrap()
     }
 
-    /// A tick with both axes somewhere.
+    /// A tick with both motor readings at `at_m`.
     fn tick(&mut self, at_m: f64) -> TickResult {
         let motor = Position::from_m(at_m).unwrap();
-        match self.ask(&Order::Tick([Reading { motor, table: None }; AXES])) {
-            Answer::Tick(ticked) => ticked,
+        match self.answer_to(&Order::Tick([Reading { motor, table: None }; AXES])) {
+            Answer::Tick(result) => result,
             other => panic!("{other:?}"),
         }
     }
@@ -64,17 +64,17 @@ const NO_FORCE: [u64; AXES] = [0; AXES];
 fn disable_puts_the_drives_off() {
     for format in FORMATS {
         let mut host = Host::new(format);
-        assert_eq!(host.ask(&Order::Enable), Answer::Ready);
+        assert_eq!(host.answer_to(&Order::Enable), Answer::Ready);
         host.tick(0.0);
-        let ticked = host.tick(1e-4);
-        assert_eq!(ticked.power, Power::On);
-        assert!(ticked.force_bits.iter().all(|bits| *bits != 0), "{format:?}: {ticked:?}");
-        assert_eq!(host.ask(&Order::Disable), Answer::Ready);
+        let result = host.tick(1e-4);
+        assert_eq!(result.power, Power::On);
+        assert!(result.force_bits.iter().all(|bits| *bits != 0), "{format:?}: {result:?}");
+        assert_eq!(host.answer_to(&Order::Disable), Answer::Ready);
         for _ in 0..10 {
-            let ticked = host.tick(1e-4);
-            assert_eq!((ticked.power, ticked.force_bits), (Power::Off, NO_FORCE), "{format:?}");
+            let result = host.tick(1e-4);
+            assert_eq!((result.power, result.force_bits), (Power::Off, NO_FORCE), "{format:?}");
         }
-        assert_eq!(host.ask(&Order::Enable), Answer::Ready);
+        assert_eq!(host.answer_to(&Order::Enable), Answer::Ready);
         assert_eq!(host.tick(1e-4).power, Power::On);
     }
 }
@@ -83,23 +83,23 @@ fn disable_puts_the_drives_off() {
 fn disable_acknowledges_a_fault() {
     for format in FORMATS {
         let mut host = Host::new(format);
-        host.ask(&Order::Enable);
+        host.answer_to(&Order::Enable);
         host.tick(0.0);
-        // 60 mm off is more than the 50 mm that are declared; seen when the position loop is due.
+        // 60 mm exceed the limit of 50 mm; it is checked in position ticks only.
         let fault = Power::Faulted(Fault::Axis { axis: 0, kind: FaultKind::FollowingError });
         assert!((0..RATES.position_loop_divider).any(|_| host.tick(0.06).power == fault));
-        host.ask(&Order::Enable);
+        host.answer_to(&Order::Enable);
         assert_eq!(host.tick(0.06).power, fault);
-        host.ask(&Order::Disable);
+        host.answer_to(&Order::Disable);
         assert_eq!(host.tick(0.06).power, Power::Off);
-        host.ask(&Order::Enable);
+        host.answer_to(&Order::Enable);
         assert_eq!(host.tick(0.06).power, Power::On);
     }
 }
 
-/// Some of each order, through a session and to a machine: every tick's forces, commands and state are the same, to
-/// the bit.
-fn is_the_machine<S: Scalar>(format: Format) {
+/// The same orders through a session and directly to a machine: forces, commands and state of each tick are identical, bit
+/// for bit.
+fn matches_the_machine<S: Scalar>(format: Format) {
     let mut host = Host::new(format);
     let axes = [AxisSettings::default(); AXES];
     let mut machine = Machine::<S, AXES>::new(RATES, &axes, [Position(0); AXES]).unwrap();
@@ -122,7 +122,7 @@ fn is_the_machine<S: Scalar>(format: Format) {
             _ => None,
         };
         if let Some(order) = order {
-            assert_eq!(host.ask(&order), Answer::Ready);
+            assert_eq!(host.answer_to(&order), Answer::Ready);
             match order {
                 Order::Block(block) => machine.push(&block).unwrap(),
                 Order::Enable => machine.enable(),
@@ -133,27 +133,27 @@ fn is_the_machine<S: Scalar>(format: Format) {
             }
         }
         let readings = at.map(|motor| Reading { motor, table: None });
-        let Answer::Tick(ticked) = host.ask(&Order::Tick(readings)) else { panic!() };
+        let Answer::Tick(result) = host.answer_to(&Order::Tick(readings)) else { panic!() };
         let output = machine.tick(&readings);
-        assert_eq!(ticked.force_bits, output.forces.map(Scalar::bits), "{format:?}, tick {tick}");
-        assert_eq!((ticked.commands, ticked.done), (output.commands, output.done));
-        assert_eq!((ticked.power, ticked.warning), (machine.power(), output.warning));
-        // The axes follow by themselves, a tick behind.
+        assert_eq!(result.force_bits, output.forces.map(Scalar::bits), "{format:?}, tick {tick}");
+        assert_eq!((result.commands, result.done), (output.commands, output.done));
+        assert_eq!((result.power, result.warning), (machine.power(), output.warning));
+        // The motors follow their commands, a tick later.
         at = output.commands;
         differ += u32::from(output.forces[0] != output.forces[1]);
     }
-    // It was under way, with another force on each axis: what is compared is not zeros.
+    // The axes were in motion with different forces, so the comparison was not one of zeros.
     assert!(at[0] > at[1] && at[1] > Position(0) && differ > 3000, "{at:?}, {differ}");
 }
 
 #[test]
-fn every_order_does_to_the_machine_what_it_says() {
-    is_the_machine::<Fixed>(Format::Fixed);
-    is_the_machine::<f32>(Format::F32);
-    is_the_machine::<f64>(Format::F64);
+fn every_order_has_the_same_effect_as_a_call_of_the_machine() {
+    matches_the_machine::<Fixed>(Format::Fixed);
+    matches_the_machine::<f32>(Format::F32);
+    matches_the_machine::<f64>(Format::F64);
 }
 
-/// Counts how often it was started and stopped, a tick's cost a thousand.
+/// A meter that counts its starts and stops, and returns 1000 times the number of stops.
 #[derive(Default)]
 struct Counter {
     started: u32,
@@ -173,9 +173,9 @@ impl Meter for Counter {
     }
 }
 
-/// A tick is measured, no other order is, and its answer has what the meter said.
+/// The meter runs during ticks only, and the answer of a tick contains its result.
 #[test]
-fn the_cost_of_a_tick_is_what_the_meter_says() {
+fn the_cost_of_a_tick_is_that_of_the_meter() {
     for format in FORMATS {
         let mut host = Host::new(format);
         assert_eq!(host.tick(0.0).cost, 0);
@@ -188,8 +188,8 @@ fn the_cost_of_a_tick_is_what_the_meter_says() {
             }
             let reading = Reading { motor: Position(0), table: None };
             encode(&Order::Tick([reading; AXES]), &mut frame).unwrap();
-            let Some(Answer::Tick(ticked)) = host.session.answer(&frame, &mut meter) else { panic!() };
-            assert_eq!((ticked.cost, meter.started, meter.stopped), (1000 * ticks, ticks, ticks));
+            let Some(Answer::Tick(result)) = host.session.answer(&frame, &mut meter) else { panic!() };
+            assert_eq!((result.cost, meter.started, meter.stopped), (1000 * ticks, ticks, ticks));
         }
     }
 }

@@ -1,5 +1,4 @@
-//! The velocity loop against its equations: F = Kv·(e + Σe·T/Ti), rounded once, and an integral that does not wind up
-//! while the force is at its limit.
+//! The velocity loop against its equation F = Kv·(e + Σe·T/Ti), rounded once, and its anti-windup at the force limit.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use proptest::prelude::*;
@@ -19,15 +18,15 @@ fn signal<S: Scalar>(m_per_s: f64) -> S {
     S::signal(m_per_s / VELOCITY_M_PER_S)
 }
 
-/// The nearest integer to a number of 2⁻²⁴ steps: floor(x + ½).
+/// A number with 24 fraction bits, rounded to the nearest integer: floor(x + ½).
 fn nearest(bits: i128) -> i128 {
     (bits + (1 << 23)) >> 24
 }
 
 proptest! {
-    /// A signal has 14 fraction bits and a gain 24, so that every product is a whole number of 2⁻³⁸ and the sum of
-    /// them is known exactly in integers. The force is the signal nearest to that sum: half a step off at most, in every
-    /// tick, whatever was integrated before. The increments are whole steps of theirs, 2¹⁰ position units.
+    /// A signal has 14 fraction bits and a gain 24, so that every product is a multiple of 2⁻³⁸ and their sum is exact in
+    /// integers. In every tick the force differs from this sum by at most half a signal step, whatever was integrated
+    /// before. The motor moves by whole steps of an increment signal, 2¹⁰ position units.
     #[test]
     fn fixed_point_is_within_half_a_step_of_exact_arithmetic(
         kv in 1e4..1e6f64,
@@ -55,10 +54,10 @@ proptest! {
             let error = i128::from(command.to_bits()) - velocity;
             sum += error * integral;
             let exact = error * proportional + sum;
-            // Below the limit, or this tick says nothing of rounding.
+            // At the limit the force does not show the rounding.
             prop_assume!(exact.abs() < 131_000 << 38);
             let force = i128::from(law.force(&mut state, command, Position(motor)).to_bits());
-            prop_assert!(2 * ((force << 24) - exact).abs() <= 1 << 24, "{} for {}·2⁻²⁴", force, exact);
+            prop_assert!(2 * ((force << 24) - exact).abs() <= 1 << 24, "{}, expected {}·2⁻²⁴", force, exact);
         }
     }
 }
@@ -76,8 +75,8 @@ fn limited<S: Scalar>() -> VelocityControl<S> {
     })
 }
 
-/// On a locked motor: the force in the ticks after a command of `m_per_s` that stood for `ticks` has turned over.
-fn turned_over<S: Scalar>(m_per_s: f64, ticks: u32) -> Vec<f64> {
+/// The force on a locked motor in each tick after a command of `m_per_s`, held for `ticks`, has changed its sign.
+fn force_after_sign_change<S: Scalar>(m_per_s: f64, ticks: u32) -> Vec<f64> {
     let law = limited::<S>();
     let mut state = State::at(Position(0));
     for _ in 0..ticks {
@@ -86,72 +85,76 @@ fn turned_over<S: Scalar>(m_per_s: f64, ticks: u32) -> Vec<f64> {
     (0..1000).map(|_| law.force(&mut state, signal(-m_per_s), Position(0)).value()).collect()
 }
 
-/// With e = c held the force is Kv·c·(1 + n·T/Ti) until it is at its limit F. The last integral that was kept is the
-/// greatest one within F − Kv·c, less than a step Kv·c·T/Ti below it. So the first force for −c lies between
-/// F − 2·Kv·c less one step and less two, however long the force stood at its limit; from there it falls by a step a
-/// tick. An integral that winds up would hold the force at +F for as long as it had stood there.
-fn recovers_at_once<S: Scalar>() {
+/// With a constant error e = c the force is Kv·c·(1 + n·T/Ti) until it reaches its limit F. The last integral that is kept is
+/// at most F − Kv·c and less than a step Kv·c·T/Ti below that. So the first force for −c is between one and two steps below
+/// F − 2·Kv·c, however long the force was saturated; from there it falls by a step per tick. An integral that winds up would
+/// keep the force at +F for as long as it was saturated.
+fn leaves_saturation_at_once<S: Scalar>() {
     let c = 0.05;
     let step = KV * c / RATE_HZ / INTEGRAL_TIME_S;
     for sign in [1.0, -1.0] {
-        // 12 ms until it is at the limit: 8 ms there, and 10 s.
-        let short = turned_over::<S>(sign * c, 400);
+        // The limit is reached after 12 ms. 400 ticks are 8 ms of saturation, 200,000 ticks 10 s.
+        let short = force_after_sign_change::<S>(sign * c, 400);
         let first = sign * short[0];
         let most = LIMIT_N - 2.0 * KV * c - step;
-        // 240 sums of up to 300 N in f32, each rounded to 2⁻²⁵ of it, make 2 mN.
-        assert!(first <= most + 0.01 && first > most - step - 0.01, "{}: {first} of {most} N", S::NAME);
+        // 240 additions to an integral of up to 300 N in f32, each rounded by 2⁻²⁵ of it, have an error of 2 mN.
+        assert!(first <= most + 0.01 && first > most - step - 0.01, "{}: {first} N, at most {most}", S::NAME);
         for (n, force) in (0u32..).zip(&short) {
-            let falls = (first - f64::from(n) * step).max(-LIMIT_N);
-            assert!((sign * force - falls).abs() < 0.02, "{}, tick {n}: {force} for {falls} N", S::NAME);
+            let expected = (first - f64::from(n) * step).max(-LIMIT_N);
+            assert!(
+                (sign * force - expected).abs() < 0.02,
+                "{}, tick {n}: {force}, not {expected} N",
+                S::NAME
+            );
         }
-        let long = turned_over::<S>(sign * c, 200_000);
+        let long = force_after_sign_change::<S>(sign * c, 200_000);
         assert!(short.iter().zip(&long).all(|(a, b)| a.to_bits() == b.to_bits()), "{}", S::NAME);
     }
 }
 
 #[test]
 fn the_time_at_the_limit_does_not_wind_the_integral_up() {
-    recovers_at_once::<Fixed>();
-    recovers_at_once::<f32>();
-    recovers_at_once::<f64>();
+    leaves_saturation_at_once::<Fixed>();
+    leaves_saturation_at_once::<f32>();
+    leaves_saturation_at_once::<f64>();
 }
 
-/// A force that what is added to it keeps at its limit: an error that would drive it further is not integrated, one
-/// that would take it back is. What is in the integral shows in the next tick's force, Kv·e + Kv·(T/Ti)·Σe.
-fn integrates_towards_the_range<S: Scalar>() {
+/// An added force keeps the total force at its limit. An error that would drive it further beyond is not integrated, an error
+/// of the opposite sign is. The next force without the added one shows the integral: Kv·e + Kv·(T/Ti)·Σe.
+fn integrates_away_from_the_limit<S: Scalar>() {
     let law = limited::<S>();
     let (c, ticks) = (0.01, 100);
     let step = KV * c / RATE_HZ / INTEGRAL_TIME_S;
     for [error, added] in [[1.0, 1.0], [1.0, -1.0], [-1.0, 1.0], [-1.0, -1.0]] {
         let mut state = State::at(Position(0));
         for _ in 0..ticks {
-            let wanted = law.pi_output(&mut state, signal(error * c), Position(0));
-            let shaped = wanted.force + S::signal(added * 3.0 * LIMIT_N);
-            let (force, limited) = law.limit(&mut state, &wanted, shaped);
+            let pi = law.pi_output(&mut state, signal(error * c), Position(0));
+            let unlimited = pi.force + S::signal(added * 3.0 * LIMIT_N);
+            let (force, limited) = law.limit(&mut state, &pi, unlimited);
             assert!(limited && force == S::signal(added * LIMIT_N), "{}", S::NAME);
         }
         let kept = if (error > 0.0) == (added > 0.0) { 0 } else { ticks };
         let expected = error * (KV * c + step * f64::from(kept + 1));
         let force = law.force(&mut state, signal(error * c), Position(0)).value();
-        assert!((force - expected).abs() < 0.002, "{}: {force} for {expected} N", S::NAME);
+        assert!((force - expected).abs() < 0.002, "{}: {force} N, expected {expected}", S::NAME);
     }
 }
 
 #[test]
-fn at_the_limit_only_what_leads_back_is_integrated() {
-    integrates_towards_the_range::<Fixed>();
-    integrates_towards_the_range::<f32>();
-    integrates_towards_the_range::<f64>();
+fn at_the_limit_only_an_error_of_the_opposite_sign_is_integrated() {
+    integrates_away_from_the_limit::<Fixed>();
+    integrates_away_from_the_limit::<f32>();
+    integrates_away_from_the_limit::<f64>();
 }
 
 const MASS_KG: f64 = 50.0;
 
-/// A mass from rest to c with the force limit F: it speeds up by F/m until the error is F/Kv. From there on
+/// A mass m from rest to the speed c with the force limit F: it accelerates by F/m until the error is F/Kv. From then on
 ///
 /// e″ + a·e′ + (a/Ti)·e = 0, a = Kv/m, e(0) = F/Kv, e′(0) = −a·e(0)
 ///
-/// since nothing has been integrated before. With the roots −p, −q: e = A·e^(−pt) + B·e^(−qt),
-/// B = e(0)·(a − p)/(q − p), A = e(0) − B, least where p·A·e^(−pt) + q·B·e^(−qt) = 0.
+/// since nothing has been integrated before. With the roots −p and −q: e = A·e^(−pt) + B·e^(−qt), B = e(0)·(a − p)/(q − p),
+/// A = e(0) − B. The overshoot is −e at its minimum, where p·A·e^(−pt) + q·B·e^(−qt) = 0.
 fn overshoots<S: Scalar>() {
     let (c, force_n, integral_time_s) = (1.0, 500.0, 0.1);
     let law = law::<S>(&AxisSettings {
@@ -182,17 +185,17 @@ fn overshoots<S: Scalar>() {
             (greatest, when_s) = (v - c, f64::from(n + 1) / RATE_HZ);
         }
     }
-    // The reading is half a tick late and the force is held for one: a·T = 1 % of the fast root.
+    // The reading is half a tick late and the force is held over a tick: relative errors of the order of a·T = 1 %.
     let at_limit_s = f64::from(at_limit) / RATE_HZ;
-    assert!((at_limit_s - leaves_s).abs() < 3.0 / RATE_HZ, "{}: {at_limit_s} s of {leaves_s}", S::NAME);
-    assert!((greatest / overshoot - 1.0).abs() < 0.03, "{}: {greatest} m/s of {overshoot}", S::NAME);
+    assert!((at_limit_s - leaves_s).abs() < 3.0 / RATE_HZ, "{}: {at_limit_s} s, not {leaves_s}", S::NAME);
+    assert!((greatest / overshoot - 1.0).abs() < 0.03, "{}: {greatest} m/s, not {overshoot}", S::NAME);
     let peak_s = leaves_s + peak_s;
-    assert!((when_s - peak_s).abs() < 0.03 * peak_s, "{}: {when_s} s of {peak_s}", S::NAME);
+    assert!((when_s - peak_s).abs() < 0.03 * peak_s, "{}: {when_s} s, not {peak_s}", S::NAME);
     assert!((v - c).abs() < 1e-4 * c, "{}: {v} m/s", S::NAME);
 }
 
 #[test]
-fn a_step_through_the_limit_overshoots_as_the_linear_loop_from_there_does() {
+fn the_overshoot_after_saturation_is_that_of_the_linear_loop() {
     overshoots::<Fixed>();
     overshoots::<f32>();
     overshoots::<f64>();

@@ -8,7 +8,7 @@ use crate::data::data_folder;
 /// The folders of the cases, sorted. `None` where there are no data: see [`data_folder`].
 ///
 /// # Panics
-/// Where there are fewer than nine: a case must not be lost.
+/// If there are fewer than nine: an incomplete set of cases must not pass.
 #[must_use]
 pub fn folders() -> Option<Vec<PathBuf>> {
     let folders = sorted(&data_folder("cases")?);

@@ -1,7 +1,7 @@
 //! Parts that several integration tests share.
 //!
-//! [`program`] builds and runs `lost-motion`, [`cases`] finds the blind cases below [`data`]; [`firmware`] builds the programs of the
-//! chip, [`chip`] analyses them, and [`board`] runs them on an emulated chip by [`gdb`].
+//! [`program`] builds `lost-motion`, [`cases`] finds the blind cases in the folder of [`data`]; [`firmware`] builds the
+//! programs of the chip, [`chip`] analyses them, and [`board`] runs them on an emulated chip through [`gdb`].
 
 pub mod board;
 pub mod cases;

@@ -1,4 +1,4 @@
-//! A known force that is added to that of the controller: the motor stage responds to it as the machine does.
+//! A known force is added to that of the controller: the model of the motor stage has the same response as the machine.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use files::log::{Log, Unit};
@@ -154,12 +154,12 @@ fn the_motor_stage_models_the_added_force() {
     let log = log(&machine);
     let motor = |log: &Log| stage_of(&machine, log, Stage::Motor);
     let (with, noise, added) = motor(&with_channel(&log, 1.0, 0));
-    // The model is the machine: what remains is the noise of the encoder, which is estimated to 2 %, and some
-    // nanometres of the coarser steps of the model.
+    // The model has the parameters of the machine, so the residual is the noise of the encoder, which is estimated to 2 %,
+    // and some nanometres because of the larger steps of the model.
     assert!((0.95..1.15).contains(&(with / noise)), "{with} {noise}");
 
-    // Without the channel the model lacks the response, with the wrong sign its error is twice that. 4 %: the position
-    // loop is delayed by 1 ms, 2° of 10 Hz, and the compliance of the screw changes it by 1 %.
+    // Without the channel the error of the model is the response, with the wrong sign twice the response. 4 %: the position
+    // loop runs every 1 ms, a mean delay of 0.5 ms or 2° at 10 Hz, and the compliance of the screw changes the response by 1 %.
     let expected = response_um() * added.sqrt();
     let (without, ..) = motor(&log);
     assert!(is_near(without, expected, 0.04), "{without} {expected}");
@@ -176,8 +176,8 @@ fn the_motor_stage_models_the_added_force() {
     assert!(zero.to_bits() == without.to_bits(), "{zero} {without}");
 }
 
-/// The logged force includes the added one. The force of the last tick of a sample differs from its mean by the part of
-/// the controller alone.
+/// The logged force includes the added force. The force in the last tick of a sample differs from the mean of the sample
+/// only by the contribution of the controller.
 #[test]
 fn the_force_stage_separates_the_controllers_part_for_the_last_tick() {
     let machine = Machine::parse(MACHINE, "pushed.toml").unwrap();
@@ -193,7 +193,7 @@ fn the_force_stage_separates_the_controllers_part_for_the_last_tick() {
 }
 
 #[test]
-fn a_trace_under_an_added_force_finds_nothing() {
+fn a_trace_with_an_added_force_finds_no_effect() {
     let machine = Machine::parse(MACHINE, "pushed.toml").unwrap();
     let log = log(&machine);
     let motor = |log: Log| {
@@ -204,7 +204,7 @@ fn a_trace_under_an_added_force_finds_nothing() {
     };
     let (found, error) = motor(with_channel(&log, 1.0, 0));
     assert!(found.is_empty(), "{found:?}");
-    // One stroke in one direction determines the declared values only so far that the response of 24 µm changes by a
+    // One stroke in one direction determines the declared values only approximately: the response of 24 µm is known to a
     // few nanometres.
     assert!((0.9..1.6).contains(&(error.after.validate / error.noise)), "{error:?}");
     // No declared value and no effect oscillates with time: at least half of the response remains.

@@ -27,7 +27,7 @@ fn logs(folder: &std::path::Path, kind: &str) -> Vec<Log> {
 }
 
 #[test]
-fn exactly_the_true_effects_of_every_case_are_found() {
+fn the_effects_found_in_every_case_are_exactly_the_true_ones() {
     let Some(folders) = cases::folders() else { return };
     for folder in folders {
         let machine = Machine::read(&folder.join("machine.toml")).unwrap();

@@ -1,4 +1,4 @@
-//! The settings of the board's machine are accepted, and hold, move and stop a simulated machine of two masses.
+//! The settings of the board are accepted. With them a simulated machine of two masses holds, moves and stops.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use firmware::setup::{AXES, METRES_PER_COUNT, SETTINGS, TICK_HZ, drive_system};
@@ -82,7 +82,7 @@ impl Board<AXES> for TestMachine {
 }
 
 impl TestMachine {
-    /// At zero, with the enable switch closed, as it may have been left.
+    /// At zero, with the enable switch closed since before the start.
     fn new() -> Self {
         Self {
             position_m: [0.0; AXES],
@@ -120,7 +120,7 @@ fn the_board_holds_when_it_is_enabled_and_follows_its_path() {
     assert_eq!((test_machine.enabled, test_machine.position_m), (false, [0.0; AXES]));
     test_machine.closed = false;
     run(&mut system, &mut test_machine, 100);
-    // Moved by hand before the first enable: it holds there.
+    // Moved by hand before the first enable, the machine holds its new position.
     test_machine.position_m = [0.0031, -0.002];
     test_machine.encoder_m = test_machine.position_m;
     run(&mut system, &mut test_machine, 1);
@@ -137,12 +137,12 @@ fn the_board_holds_when_it_is_enabled_and_follows_its_path() {
     run(&mut system, &mut test_machine, 100);
     system.machine_mut().push(&CIRCLE).unwrap();
     test_machine.closed = true;
-    // A turn and a half of 62.8 mm at 33.3 mm/s, and the ramp.
+    // A turn and a half of 62.8 mm each at 33.3 mm/s takes 2827 ms; the ramp takes less than 100 ms more.
     let mut max_error = run(&mut system, &mut test_machine, 20 + 2827 + 100);
     assert!(test_machine.enabled && test_machine.position_m[0] < -0.019, "{:?}", test_machine.position_m);
     max_error = max_error.max(run(&mut system, &mut test_machine, 2000));
     assert!(test_machine.enabled && !test_machine.lit);
-    // Back at the start but for friction: an error of 10 µm raises the integral part by Kv/Ti·Kp·10 µm = 38 N/s only.
+    // Back at the start within the friction: at an error of 10 µm the integral part rises by only Kv/Ti·Kp·10 µm = 38 N/s.
     assert!(test_machine.position_m.iter().all(|m| m.abs() < 30e-6), "{:?}", test_machine.position_m);
     // The contour error was always below half of the limit of the following error.
     assert!(max_error < 0.5 * SETTINGS[0].following_error_limit_m, "{max_error}");
@@ -151,8 +151,8 @@ fn the_board_holds_when_it_is_enabled_and_follows_its_path() {
     assert_eq!((test_machine.enabled, test_machine.duties), (false, [Duty::default(); AXES]));
 }
 
-/// An encoder that freezes in the middle of the motion: the power stages are off before the axis has moved by another
-/// 1.5 mm. The limit of the following error alone would allow 5 mm.
+/// An encoder freezes during the motion: the power stages are off before the axis has moved by another 1.5 mm. The limit of
+/// the following error alone would allow 5 mm.
 #[test]
 fn a_frozen_encoder_switches_the_power_stages_off() {
     let mut machine = Machine::UNCONFIGURED;
@@ -165,7 +165,7 @@ fn a_frozen_encoder_switches_the_power_stages_off() {
     let mut ticks = 0;
     while !test_machine.lit {
         system.tick(&mut test_machine);
-        // X alone: its counter freezes at 2 mm.
+        // Only X: its counter freezes at −2 mm.
         let frozen_m = test_machine.position_m[0].max(-0.002);
         test_machine.step();
         test_machine.encoder_m[0] = frozen_m;
@@ -183,7 +183,7 @@ fn a_frozen_encoder_switches_the_power_stages_off() {
 }
 
 #[test]
-fn a_watchdog_reset_has_to_be_acknowledged_before_the_board_is_enabled() {
+fn after_a_watchdog_reset_an_enable_of_the_board_needs_an_acknowledgement() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
     test_machine.closed = false;
@@ -194,7 +194,7 @@ fn a_watchdog_reset_has_to_be_acknowledged_before_the_board_is_enabled() {
         (test_machine.enabled, test_machine.lit)
     };
     assert_eq!(run(&mut test_machine, false, 1000), (false, true));
-    // Closing the switch does not enable it; opening it again acknowledges the fault.
+    // Closing the switch does not enable the drives; opening it again acknowledges the fault.
     assert_eq!(run(&mut test_machine, true, 1000), (false, true));
     assert_eq!(run(&mut test_machine, false, 1000), (false, false));
     assert_eq!(run(&mut test_machine, true, 1000), (true, false));

@@ -1,4 +1,4 @@
-//! Logs that do not belong to the declared machine: refused and refuted effects, and the verdict.
+//! Logs that do not match the declared machine: rejected and refuted effects, and the verdict.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use files::log::{AxisLog, Log};
@@ -38,13 +38,13 @@ fn corrupted(change: impl Fn(&mut AxisLog)) -> [Log; 2] {
 }
 
 #[test]
-fn an_effect_at_the_limit_of_its_search_is_refused_by_name() {
+fn an_effect_at_the_limit_of_its_search_is_rejected_by_name() {
     // 120 % above the declared gain; the search ends at 80 %.
     let truth = machine("position_gain_per_s = 50.0", "position_gain_per_s = 110.0");
     let trace = traced(&declared(), logs([&truth; 2]));
     let axis = &trace.axes[0];
     assert!(axis.found.iter().all(|found| found.effect.name() != "servo_mismatch"), "{:?}", axis.found);
-    assert!(trace.better_machine().axis["x"].effect.is_empty(), "it is not in the model");
+    assert!(trace.better_machine().axis["x"].effect.is_empty(), "expected no effect in the model");
     let json = trace::json::of(&trace, false);
     let refused = json["refused"].as_array().unwrap();
     assert_eq!(refused.len(), 1, "{refused:?}");
@@ -73,10 +73,10 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
     assert!((refuted.effect.parameters()[0].1 - 80.0).abs() < 1.0, "{refuted:?}");
     // ±30 mm at 80 µm/m: 2.4 µm, a sine of 1.7 µm rms, less at standstill.
     assert!((1.3..1.75).contains(&refuted.after.validate), "{refuted:?}");
-    // Without it the model fits, except for the stiffness, which the fitted log changes by its tolerance of 10 %: 0.13
-    // µm at most of 250 N over 200 N/µm.
+    // Without the effect the model matches the validation log, except for the stiffness, which the fit changes by up to its
+    // tolerance of 10 %: at most 0.13 µm of 250 N/(200 N/µm) = 1.25 µm.
     assert!(refuted.before.validate < 0.13, "{refuted:?}");
-    // The reported model is that without the effect.
+    // The reported model is the one without the effect.
     let table = axis.errors.iter().find(|error| error.stage == refuted.stage).unwrap();
     assert!((table.after.validate / refuted.before.validate - 1.0).abs() < 0.01, "{table:?} {refuted:?}");
     let json = trace::json::of(&trace, false);
@@ -96,9 +96,9 @@ fn verdict_of(declared: &Machine, logs: [Log; 2]) -> (Verdict, bool) {
     let verdict = verdict::of(&trace);
     assert_eq!(trace::json::of(&trace, false)["verdict"], serde_json::json!(verdict));
     let sentences = sentences::of_axis(&trace.axes[0]);
-    let says_it =
+    let says_not_described =
         sentences.iter().any(|sentence| sentence.starts_with("x: the model does not describe these logs"));
-    assert_eq!(says_it, verdict == Verdict::ModelDoesNotFit, "{sentences:?}");
+    assert_eq!(says_not_described, verdict == Verdict::ModelDoesNotFit, "{sentences:?}");
     (verdict, sentences.iter().any(|sentence| sentence.contains("nothing found")))
 }
 
@@ -133,7 +133,7 @@ fn a_model_that_describes_the_log_is_not_reported() {
     assert!(verdict < Verdict::ModelDoesNotFit);
 }
 
-/// Only in the validation log the scale has the wrong sign: the first sentence says that it cannot validate.
+/// The scale has the wrong sign in the validation log only: the first sentence reports that the model does not describe it.
 #[test]
 fn validation_logs_that_the_model_does_not_describe_are_reported() {
     let [fit, mut validate] = logs([&declared(); 2]);

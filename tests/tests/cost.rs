@@ -34,7 +34,7 @@ fn cost(table: &[Row], part: &str, format: &str) -> (u32, u32) {
 }
 
 #[test]
-fn a_tick_costs_as_much_as_its_parts() {
+fn the_cost_of_a_tick_is_that_of_its_parts() {
     let table = table();
     for (format, limit) in [("fixed", 2900), ("f32", 3400), ("f64", 28_000)] {
         let (median, max) = cost(&table, "tick of two axes, all on", format);
@@ -43,16 +43,16 @@ fn a_tick_costs_as_much_as_its_parts() {
         let axis = of("position loop of an axis") + of("PI") + of("notch") + of("low-pass");
         let parts = 2 * axis + of("compensation of two axes") + cost(&table, "path, a line", "all").0;
         // The compiler may optimise across parts: 10 %.
-        assert!(10 * median > 9 * parts, "{format}: {median} in all, {parts} in parts");
+        assert!(10 * median > 9 * parts, "{format}: {median} instructions, the parts {parts}");
         assert!(median <= limit, "{format}: {median} instructions, expected {limit} at most");
         // The maximum is a tick in which a block ends.
         assert!(10 * max <= 14 * median, "{format}: maximum {max}, median {median}");
     }
 }
 
-/// Code without branches costs the same in every tick, or the count would not be one of instructions.
+/// Code without branches executes the same number of instructions in every tick; a difference would be an error of the count.
 #[test]
-fn fixed_point_laws_cost_the_same_every_tick() {
+fn fixed_point_laws_cost_the_same_in_every_tick() {
     let table = table();
     for part in ["P", "HPC", "feed-forward", "dual feedback"] {
         let (median, max) = cost(&table, part, "fixed");

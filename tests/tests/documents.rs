@@ -1,4 +1,4 @@
-//! What documents name exists: files in code marks, and the targets of links.
+//! Files that documents name in backticks exist, and so do the targets of their links.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
@@ -8,7 +8,7 @@ fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
 }
 
-/// The documents of the repository. What the change log names may be gone.
+/// The documents of the repository except the change log, which may name files that have been removed.
 fn documents() -> Vec<PathBuf> {
     let folder = fs::read_dir(workspace().join("docs")).unwrap().map(|entry| entry.unwrap().path());
     let pages = folder.filter(|path| path.extension().is_some_and(|end| end == "md"));
@@ -27,7 +27,7 @@ fn files_that_are_named_exist() {
     let mut named = 0;
     for document in documents() {
         let text = fs::read_to_string(&document).unwrap();
-        // Every other piece between code marks is code.
+        // Every second part of the text, split at backticks, is code.
         for code in text.split('`').skip(1).step_by(2) {
             let is_path =
                 FOLDERS.iter().any(|folder| code.starts_with(folder)) && !code.contains([' ', '{', '*', '<']);
@@ -39,7 +39,7 @@ fn files_that_are_named_exist() {
             }
         }
     }
-    assert!(named > 50, "only {named} were found");
+    assert!(named > 50, "only {named} files are named");
     assert!(missing.is_empty(), "files that do not exist:\n{}", missing.join("\n"));
 }
 

@@ -1,4 +1,4 @@
-//! `docs/effects.md` is what the catalogue declares. `BLESS=1` writes it anew.
+//! `docs/effects.md` is the table of the catalogue. `BLESS=1` writes the file again.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
@@ -8,13 +8,13 @@ use model::effects::{KINDS, Kind, Occurrence, Parameter, Stage};
 use model::range::Range;
 
 #[test]
-fn the_table_of_effects_is_what_the_catalogue_declares() {
+fn the_table_of_effects_matches_the_catalogue() {
     let path = Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("docs").join("effects.md");
     if std::env::var_os("BLESS").is_some() {
         fs::write(&path, table()).unwrap();
     }
     let written = fs::read_to_string(&path).unwrap();
-    assert!(written == table(), "docs/effects.md is not what the catalogue declares; BLESS=1 writes it anew");
+    assert!(written == table(), "docs/effects.md does not match the catalogue; BLESS=1 writes it again");
 }
 
 fn table() -> String {

@@ -65,7 +65,7 @@ fn assert_good(axis: &Settings, log: &AxisLog, feed_mm_s: f64, context: &str) {
 
     let max = max_abs(force.iter().copied());
     let limit = axis.controller.force_limit_n.unwrap();
-    assert!(max < 0.5 * limit, "{context}: {max} N of {limit} N");
+    assert!(max < 0.5 * limit, "{context}: {max} N, limit {limit} N");
 
     // At standstill the bristles of the guideway may hold the table by their deflection, Coulomb friction over σ0, some
     // µm. Without bristles friction holds it until the integral part has grown: 1 µm of error is a force of Kv·Kp·1 µm.

@@ -29,7 +29,7 @@ fn traced(folder: &Path, log: &str) -> Trace {
 /// The bounds are ±1 % of the figures: the fit is deterministic, and a larger change is one of the model, which must be
 /// examined.
 #[test]
-fn emps_is_explained_as_the_readme_says() {
+fn the_trace_of_emps_matches_the_readme() {
     let Some(data) = data_folder("data/emps") else { return };
     let trace = traced(&data, "train.csv");
     let axis = &trace.axes[0];
@@ -60,7 +60,7 @@ fn emps_is_explained_as_the_readme_says() {
     assert!(near(force.before.validate, 2.592) && near(force.after.validate, 0.938), "{force:?}");
     let motor = error(Stage::Motor);
     assert!(near(motor.before.validate, 1.594) && near(motor.after.validate, 0.602), "{motor:?}");
-    // The part that no model explains, since it differs from lap to lap.
+    // The part that differs from lap to lap, which no model explains.
     let repeats = |stage| axis.repeats.iter().find(|part| part.channel == stage).unwrap();
     assert!((repeats(Stage::Force).period_s - 6.24).abs() < 1e-9);
     assert!(near(repeats(Stage::Force).non_repeatable, 0.515), "{:?}", axis.repeats);
@@ -76,14 +76,14 @@ fn emps_is_explained_as_the_readme_says() {
     }
 }
 
-/// With the right latency of the force there is no Stribeck effect: friction drops towards standstill.
+/// With the correct latency of the force no Stribeck effect is found: friction falls towards standstill.
 #[test]
 fn emps_has_no_stribeck_effect() {
     let Some(data) = data_folder("data/emps") else { return };
     let trace = traced(&data, "train.csv");
     let tried = trace.axes[0].rounds.iter().flat_map(|round| &round.candidates);
     let stribeck: Vec<_> = tried.filter(|c| c.effect.name() == "stribeck" && c.fitted.is_some()).collect();
-    assert!(!stribeck.is_empty(), "it is tried");
+    assert!(!stribeck.is_empty(), "expected the Stribeck effect among the candidates");
     let options = &trace.options.search;
     assert!(stribeck.iter().all(|c| !c.is_consistent(options)), "{stribeck:?}");
 }

@@ -20,7 +20,7 @@ fn program(name: &str) -> Image {
 fn assert_panic_free(image: &Image, walk: &Walk, functions: usize, instructions: usize) {
     assert_eq!(walk.panics(image), Vec::<String>::new());
     assert!(walk.traps.is_empty(), "traps at {:x?}", walk.traps);
-    assert!(walk.indirect.is_empty(), "calls through a register at {:x?}: to what?", walk.indirect);
+    assert!(walk.indirect.is_empty(), "calls with unknown targets at {:x?}", walk.indirect);
     assert!(
         walk.without_function.is_empty(),
         "calls of addresses without a function at {:x?}",
@@ -43,7 +43,7 @@ fn the_tick_of_the_board_cannot_panic() {
 fn the_walk_finds_the_panics_of_the_start_up() {
     let image = program("board");
     let walk = walk(&image, &image.named(|name| name == "Reset"));
-    // `init` may panic on wrong settings, and the walk must find that.
+    // `init` can panic on wrong settings, so the walk must find panics there.
     let panics = walk.panics(&image);
     assert!(
         panics.iter().any(|chain| chain.starts_with("Reset → ") && chain.contains("panicking")),

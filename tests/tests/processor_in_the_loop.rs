@@ -1,6 +1,6 @@
 //! The controller on an emulated Cortex-M4F equals the controller on the host to the last bit.
 //!
-//! Each closes the loop with its own copy of the plant, through which a single different bit would grow.
+//! Each controller is in a closed loop with its own copy of the plant, so that a single different bit would grow.
 //! `cargo test --test processor_in_the_loop -- --nocapture` prints the instructions of a tick.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
@@ -64,7 +64,7 @@ const DIVIDER: usize = 5;
 /// Start of the motion.
 const START_M: [f64; 2] = [0.01, 0.0];
 
-/// A circle of 10 mm radius at 3 m/min by `turns`, a line forth and back, and the circle in the other direction.
+/// A circle of 10 mm radius at 3 m/min by `turns`, a line there and back, and the circle in the other direction.
 fn motion(turns: f64) -> Vec<PathBlock> {
     let moving = |shape| PathBlock::new(shape, 0.05, 2.0);
     let line = |x, y| moving(PathShape::Line { to_m: vec![x, y] });
@@ -125,8 +125,8 @@ fn median_and_max(mut costs: Vec<u32>) -> (u32, u32) {
     (costs[costs.len() / 2], costs[costs.len() - 1])
 }
 
-/// Runs both, compares every tick, and gives median and maximum of the instructions of ticks with and without position
-/// loops.
+/// Runs both controllers and compares every tick. Returns median and maximum of the instructions of ticks with and without
+/// position loops.
 fn compare(format: Format, turns: f64) -> [(u32, u32); 2] {
     let host = on_host(format, MACHINE, turns);
     let mut emulated = emulated(format);
@@ -161,8 +161,8 @@ fn compare(format: Format, turns: f64) -> [(u32, u32); 2] {
     costs
 }
 
-/// The bounds are a third below and a half above the measured values: less would mean that instructions are not
-/// counted, more that a change made the tick slower. At 20 kHz the board has 8400 cycles per tick.
+/// The bounds are a third below and a half above the measured values. A lower count means that instructions are not counted,
+/// a higher one that a change has made the tick slower. At 20 kHz the board has 8400 cycles per tick.
 fn assert_within([position, velocity]: [(u32, u32); 2], bounds: [(u32, u32); 2]) {
     for ((median, max), (lower, upper)) in [position, velocity].into_iter().zip(bounds) {
         assert!(
@@ -195,7 +195,7 @@ fn a_gain_that_differs_by_1e_minus_15_is_detected() {
 }
 
 #[test]
-fn an_unreadable_frame_is_refused_and_an_end_order_ends_the_program() {
+fn an_unreadable_frame_is_rejected_and_an_end_order_ends_the_program() {
     let mut emulator = emulator();
     let mut frame = [0xff; FRAME];
     emulator.exchange(&mut frame).unwrap();
@@ -353,7 +353,7 @@ mod all_features {
             let on_chip = run(&mut |frame| chip.exchange(frame).unwrap(), format);
             let first = on_host.iter().zip(&on_chip).position(|(a, b)| a != b);
             assert_eq!(first, None, "{format:?}: first different tick");
-            // It has moved and is at its programmed end.
+            // The axes have moved and are at their programmed end.
             assert!(on_host.iter().any(|(_, [x, _])| x.to_m() > 0.0079));
             assert_eq!(on_host.last().unwrap().1, [Position(0); 2]);
         }

@@ -9,7 +9,7 @@ use std::process::{Command, Output, Stdio};
 use std::thread::sleep;
 use std::time::{Duration, Instant};
 
-/// A line forth and back, and a quarter of a circle: half a second, 2,000 ticks.
+/// A line there and back, and a quarter circle: half a second, 2,000 ticks.
 const MOTION: &str = r#"name = "short"
 feed_mm_per_min = 3000.0
 acceleration_m_per_s2 = 2.0
@@ -142,7 +142,7 @@ fn an_emulator_that_never_replies_times_out() {
     let start = Instant::now();
     let output = stand_in.record(&program).output().unwrap();
     stand_in.assert_timed_out(&output);
-    // The timeout, and the start of two programs on a busy computer.
+    // The timeout, plus the start of two programs on a busy computer.
     let waited_s = start.elapsed().as_secs_f64();
     assert!((TIMEOUT_S..TIMEOUT_S + 20.0).contains(&waited_s), "{waited_s}");
 }
@@ -163,7 +163,7 @@ fn an_emulator_that_stops_during_a_run_times_out() {
 }
 
 #[test]
-fn an_invalid_timeout_is_refused() {
+fn an_invalid_timeout_is_rejected() {
     let folder = tempfile::tempdir().unwrap();
     fs::write(folder.path().join("motion.toml"), MOTION).unwrap();
     for seconds in ["0", "-1", "nan", "1e9"] {

@@ -1,5 +1,5 @@
-//! The registers after the start-up of the board, against a table: from a run of the flashed ELF file on an emulated
-//! STM32F405 ([`tests::board`]).
+//! The registers after the start-up of the board against a table, in a run of the flashed ELF file on an emulated STM32F405
+//! ([`tests::board`]).
 //!
 //! Bits and addresses are those of the reference manual RM0090. A device that QEMU does not model reads as 0, so that a
 //! read-modify-write writes the changed bits alone.

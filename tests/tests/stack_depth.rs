@@ -1,7 +1,7 @@
 //! Stack and static data fit the RAM of the chip: a static analysis of the linked program.
 //!
-//! A stack that grows into the static data or below the RAM is not noticed before the chip fails, and the emulated core
-//! has too much RAM to show it. Therefore the frames of the functions are summed over all chains of calls.
+//! A stack that grows into the static data or below the RAM is not detected before the chip fails, and the emulated core has
+//! more RAM than the chip. Therefore the frames of the functions are summed over all chains of calls.
 
 use std::collections::BTreeMap;
 use std::fs;
@@ -14,11 +14,11 @@ use tests::firmware::{FLASH, RAM, SELF_CALLS, TICK};
 /// Bytes of the main RAM of the chip.
 const RAM_BYTES: u32 = RAM.end - RAM.start;
 
-/// Free RAM that must remain, bytes: an eighth of it, for other inlining by later compilers.
+/// Free RAM that must remain, bytes: an eighth of the RAM, because later compilers may inline differently.
 const RESERVE_BYTES: u32 = RAM_BYTES / 8;
 
-/// Lower bound of the tick: saved registers (r4 to r11, lr, d8 to d15) and forces and duties of two axes. Less would
-/// mean that the analysis is incomplete.
+/// Lower bound of the tick: saved registers (r4 to r11, lr, d8 to d15) and forces and duties of two axes. A lower result
+/// means that the analysis is incomplete.
 const MIN_TICK_BYTES: u32 = 100;
 
 /// The linked program, its vector table, and the bytes of its static data and of its deepest stack.
@@ -58,7 +58,7 @@ fn stack_and_static_data_of_the_board_fit_its_ram() {
     assert!(stack + RESERVE_BYTES <= vectors.initial_sp - floor, "{stack} B above {floor:#x}");
 }
 
-/// The emulated core stands for the board: its program must fit the same RAM.
+/// The tests on the emulated core replace tests on the board, so its program must fit the same RAM.
 #[test]
 fn stack_and_static_data_of_the_emulated_core_fit_the_same_ram() {
     let (_, _, [data, stack]) = ram_use("emulated", 0);

@@ -40,7 +40,7 @@ impl Hardware {
         machine: &'static mut Machine<Fixed, AXES>,
     ) -> Result<(Self, DriveSystem<'static, Fixed, AXES>), SetupError> {
         let mut rcc = device.RCC.constrain();
-        // First of all, before waiting for the crystal: disable the stages.
+        // The stages are disabled first, before the wait for the crystal.
         let b = device.GPIOB.split(&mut rcc);
         let enable = b.pb14.into_push_pull_output_in_state(PinState::Low);
         let previous_fault = clock::previous_fault(&rcc);

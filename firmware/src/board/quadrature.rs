@@ -19,8 +19,8 @@ impl<Timer: Deref<Target = RegisterBlock> + Enable + Reset> Quadrature<Timer> {
     /// Starts the counter, with position zero at the present position of the encoder. The pins must already be assigned to
     /// the timer.
     ///
-    /// The input filter accepts an edge after eight equal samples at 42 MHz, 190 ns: it suppresses spikes of the PWM and
-    /// allows 2.6 million counts per second.
+    /// The input filter accepts an edge after eight equal samples at 42 MHz, 190 ns: it suppresses interference of the PWM
+    /// and allows 2.6 million counts per second.
     ///
     /// # Errors
     /// [`SetupError::Encoder`] unless the magnitude of a count is 1 pm to 1 mm.

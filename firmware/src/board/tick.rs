@@ -5,8 +5,8 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
 use crate::setup;
 
-/// Counts by which the period of the timer exceeds the PWM period. While the PWM runs, its update resets the timer before
-/// that; if the PWM stops, the ticks continue 1.5 % slower.
+/// Counts by which the period of the timer exceeds the PWM period. While the PWM runs, its update resets the timer before the
+/// period ends; if the PWM stops, the ticks continue 1.5 % slower.
 const EXTRA_COUNTS: u32 = 64;
 
 /// The timer of the ticks.

@@ -106,7 +106,7 @@ pub struct Axis {
 const MASS_KG: f64 = 200.0;
 const VISCOUS_N_S_PER_M: f64 = 1000.0;
 const COULOMB_N: f64 = 300.0;
-/// Speed at which half of the Coulomb friction acts: it reverses without a jump.
+/// Speed v₀ at which half of the Coulomb friction F acts: F·v/(v₀ + |v|) is continuous at a reversal.
 const COULOMB_SPEED_M_PER_S: f64 = 1e-3;
 const STIFFNESS_N_PER_M: f64 = 150e6;
 const ENCODER_M: f64 = 50e-9;

@@ -16,7 +16,7 @@ use shared::scalar::Scalar;
 use super::count::Counter;
 use super::motion::{self, AXES, PROGRAM, RATES, START, TICKS, Tick, arc, full_axis, line};
 
-/// The parts that do not depend on the number format: the path and the phase, in integers. `None` if a block is rejected.
+/// The parts in integer arithmetic, independent of the number format: path and phase. `None` if a block is rejected.
 #[inline(never)]
 pub fn of_the_path(counter: &mut Counter) -> Option<()> {
     // An odd stride covers the whole turn and every offset from the tabulated angles.

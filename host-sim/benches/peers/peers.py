@@ -3,9 +3,9 @@
 numba   A compiled loop with the equations of ../speed/plain.rs: the command (a circle of 50 mm at 100 mm/s by sine and
         cosine), P position loop, velocity feed-forward and PI velocity loop with limit in every tick, and LuGre
         friction; semi-implicit Euler steps.
-MuJoCo  Two slide joints an axis, a spring tendon between them, its Euler integrator. No controller: a constant force
-        keeps the tables at 100 mm/s. No LuGre friction: frictionloss (Coulomb) and joint damping instead. All steps of
-        a lap are one call, so that no time is spent in Python.
+MuJoCo  Two slide joints per axis with a spring tendon between them; MuJoCo's Euler integrator. No controller: a constant
+        force keeps the tables at 100 mm/s. No LuGre friction: frictionloss (Coulomb) and joint damping instead. All steps
+        of a lap are one call, so that no time is spent in Python.
 
 Laps are those of ../speed; a figure is the 10 % quantile of the laps.
 """
@@ -20,7 +20,7 @@ LAPS = 300
 
 RADIUS = 0.05
 FEED = 0.1
-# Acceleration along the circle: 15/16 of 2 m/s2, less the centripetal part.
+# Acceleration along the circle: 15/16 of 2 m/s2, minus (as vectors) the centripetal part.
 RAMP_S = FEED / math.sqrt((2.0 * 15.0 / 16.0) ** 2 - (FEED * FEED / RADIUS) ** 2)
 
 KP = 50.0

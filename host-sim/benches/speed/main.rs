@@ -1,8 +1,8 @@
 //! Speed of the closed loop: two axes of two masses with `LuGre` friction on a circle, velocity loops at 20 kHz.
 //!
 //! `cargo bench -p host-sim --bench speed`. Each figure is the 10 % quantile of the laps, since other programs slow
-//! down the rest. Steps are steps of the plant per tick; accuracy is the distance of the tool point from a run with so
-//! many steps that it has converged. [`plain`] is the same job without the crates of the program, for comparison.
+//! down the rest. Steps are steps of the plant per tick; accuracy is the distance of the tool point from that of a converged
+//! run with many more steps. [`plain`] is the same job without the crates of the program, for comparison.
 #![expect(clippy::unwrap_used, reason = "a benchmark that cannot run stops")]
 
 mod plain;

@@ -14,7 +14,7 @@ use super::{ACCELERATION_M_PER_S2, FEED_M_PER_S, RADIUS_M, START_M};
 
 const AXES: usize = 2;
 
-/// The loop; arrays hold one number an axis, and both axes have the constants of the first.
+/// The loop. Arrays hold one number per axis; both axes have the constants of the first.
 pub struct Plain {
     /// Constants of controller and plant.
     constants: Constants,
@@ -41,7 +41,7 @@ struct Constants {
     tick_hz: f64,
     step_s: f64,
     kp: f64,
-    /// Velocity feed-forward: lead of the command per change of it in a position tick.
+    /// Velocity feed-forward: lead of the command per change of the command in a position tick.
     lead: f64,
     kv: f64,
     /// Kv·T/Ti.
@@ -171,7 +171,7 @@ impl Plain {
     }
 }
 
-/// Acceleration along the circle as `shared` plans it: 15/16 of the block's acceleration, less the centripetal part.
+/// Acceleration along the circle as planned by `shared`: 15/16 of the block's acceleration, minus (as vectors) v²/R.
 fn ramp_m_per_s2() -> f64 {
     let centripetal = FEED_M_PER_S * FEED_M_PER_S / RADIUS_M;
     ((ACCELERATION_M_PER_S2 * 15.0 / 16.0).powi(2) - centripetal.powi(2)).sqrt()

@@ -19,7 +19,7 @@ use trace::fit::least_squares::fit;
 use trace::fit::scope::scopes;
 use trace::input::signals::Signals;
 
-/// Limit of the steps of a fit, which is not reached.
+/// Limit of the steps of a fit; it is not reached.
 const STEPS: usize = 10;
 
 fn machine_and_log() -> (Machine, Log) {
@@ -30,7 +30,7 @@ fn machine_and_log() -> (Machine, Log) {
     recorded.unwrap_or_else(synthetic)
 }
 
-/// A rigid axis that oscillates over 200 mm under the force of its model, 5 % off its declared values.
+/// A rigid axis that oscillates over 200 mm under the force of its model, whose parameters differ by 5 % from the declared ones.
 fn synthetic() -> (Machine, Log) {
     let text = "name = \"rigid\"\nsample_rate_hz = 1000.0\n[axis.x]\ntable_mass_kg = 100.0\ncoulomb_n = 20.0\n\
                 viscous_n_s_per_m = 200.0\nplant_tolerance_percent = 10.0\n[[axis.x.effect]]\n\

@@ -1,15 +1,14 @@
-//! Measurements that are kept, so that the end of a run can set them beside each other.
+//! Collects the measurements of a run, for a table that compares them at the end.
 
 use std::hint::black_box;
 use std::time::{Duration, Instant};
 
 use criterion::Criterion;
 
-/// Calls between two looks at the clock: long beside the 25 ns or so that the clock takes, short beside the time
-/// that the system lets another program have.
+/// Calls per clock reading: long compared with the 25 ns of a reading, short compared with a time slice of the scheduler.
 const LAP: u64 = 16;
 
-/// What was measured, in the order of measuring.
+/// The measurements, in their order.
 pub struct Compared {
     criterion: Criterion,
     rows: Vec<Row>,
@@ -23,7 +22,7 @@ struct Row {
 
 impl Default for Compared {
     fn default() -> Self {
-        // Long enough for a median to the percent, and the whole run takes two minutes.
+        // The median is then reproducible to 1 %, and the whole run takes two minutes.
         let criterion = Criterion::default()
             .warm_up_time(Duration::from_millis(500))
             .measurement_time(Duration::from_secs(2))
@@ -34,16 +33,16 @@ impl Default for Compared {
 }
 
 impl Compared {
-    /// Measures a routine that does its work `repeats` times a call; `peer` is the name of the row to set it
-    /// against, its own or empty where there is none.
+    /// Measures a routine that does its work `repeats` times per call. `peer` is the name of the row to compare it with; its
+    /// own name or an empty one: none.
     pub fn row<R>(&mut self, name: &str, peer: &str, repeats: u32, mut routine: impl FnMut() -> R) {
         let mut laps = Vec::new();
         self.criterion.bench_function(name, |bencher| {
             bencher.iter_custom(|calls| {
                 let mut elapsed = Duration::ZERO;
-                let mut left = calls;
-                while left > 0 {
-                    let lap = left.min(LAP);
+                let mut remaining = calls;
+                while remaining > 0 {
+                    let lap = remaining.min(LAP);
                     let began = Instant::now();
                     for _ in 0..lap {
                         black_box(routine());
@@ -53,20 +52,19 @@ impl Compared {
                         laps.push(took.as_secs_f64() * 1e9 / (LAP as f64 * f64::from(repeats)));
                     }
                     elapsed += took;
-                    left -= lap;
+                    remaining -= lap;
                 }
                 elapsed / repeats
             });
         });
         laps.sort_by(f64::total_cmp);
-        // None where the command line has chosen others, or asks for a test run.
+        // There are no laps if the command line selects other benchmarks or a test run.
         if let Some(&ns) = laps.get(laps.len() / 10) {
             self.rows.push(Row { name: name.into(), peer: peer.into(), ns });
         }
     }
 
-    /// Prints the table: of each row the time that a tenth of the laps keeps below, for the rest have shared the
-    /// processor with other programs.
+    /// Prints the table. The time of a row is the 10 % quantile of its laps, because other programs slow down the rest.
     pub fn finish(self) {
         self.criterion.final_summary();
         if self.rows.is_empty() {

@@ -1,7 +1,7 @@
-//! Steps of single control laws, beside the biquad of `idsp` in the same number format.
+//! Steps of single control laws, compared with the biquad of `idsp` in the same number format.
 //!
-//! A biquad of `idsp` configured as PI is the peer of our PI: a gain, an integral part and a limit with
-//! anti-windup. Ours takes the velocity from two positions by itself.
+//! The PI law is compared with a biquad of `idsp` configured as PI: a gain, an integral part and a limit with anti-windup.
+//! The law of `shared` also computes the velocity from two positions.
 
 use std::hint::black_box;
 
@@ -18,12 +18,12 @@ use shared::units::{PER_NM, Position};
 
 use crate::compared::Compared;
 
-/// Steps a call: enough that the clock does not count, few enough for the first cache.
+/// Steps per call: enough that the time of a clock reading is negligible, few enough that the data fit the L1 cache.
 const STEPS: u32 = 1024;
 
 const RATE_HZ: f64 = 20_000.0;
 
-/// A slow sine of 20 µm with a fast one on it: no branch can be learnt by heart.
+/// A slow sine of 20 µm plus a fast one of 2 µm, so that the processor cannot learn the sequence of branches.
 fn signal(k: u32) -> f64 {
     let t = f64::from(k) / f64::from(STEPS) * core::f64::consts::TAU;
     20.0 * (3.0 * t).sin() + 2.0 * (101.0 * t).sin()
@@ -34,7 +34,7 @@ fn inputs<T>(of: impl Fn(f64) -> T) -> Vec<T> {
 }
 
 #[expect(clippy::cast_possible_truncation, reason = "22 µm")]
-fn place(um: f64) -> Position {
+fn position_um(um: f64) -> Position {
     Position((um * 1e3 * PER_NM as f64) as i64)
 }
 
@@ -64,11 +64,11 @@ fn steps<T: Copy, S, R>(
     });
 }
 
-/// The laws in the format `S`, each beside what `idsp` has in it: a new law is three lines here.
+/// The laws in the format `S`, each with its peer of `idsp` in the same format.
 fn ours<S: Scalar>(compared: &mut Compared) {
     let errors = inputs(S::signal);
-    let places = inputs(place);
-    let readings = inputs(|um| Reading { motor: place(um), table: Some(place(um * 1.01)) });
+    let positions = inputs(position_um);
+    let readings = inputs(|um| Reading { motor: position_um(um), table: Some(position_um(um * 1.01)) });
     let (p, hpc) = black_box((config::<S>(Law::P), config::<S>(Law::Hpc)));
     let name = |law: &str| format!("{law}, {}", S::NAME);
     let (biquad, pi) = (name("idsp biquad"), name("idsp biquad as PI"));
@@ -82,13 +82,13 @@ fn ours<S: Scalar>(compared: &mut Compared) {
     steps(compared, (&name("low-pass"), &biquad), &errors, filter::State::default(), |state, error| {
         low_pass.step(state, error)
     });
-    steps(compared, (&name("PI"), &pi), &places, velocity::State::at(Position(0)), |state, motor| {
+    steps(compared, (&name("PI"), &pi), &positions, velocity::State::at(Position(0)), |state, motor| {
         p.velocity.force(state, S::default(), motor)
     });
     steps(
         compared,
         (&name("feed-forward"), &biquad),
-        &places,
+        &positions,
         feedforward::State::at(Position(0)),
         |state, to| p.feedforward.lead(state, to),
     );

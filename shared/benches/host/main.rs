@@ -1,4 +1,4 @@
-//! What the controller costs on this computer, beside crates that do the same: `cargo bench -p shared`.
+//! Run time of the controller on the host, compared with crates that do the same: `cargo bench -p shared`.
 //!
 //! | module | measures | peer |
 //! |---|---|---|
@@ -6,8 +6,8 @@
 //! | [`tick`] | one tick of a machine of two axes | the same in f64 |
 //! | [`planning`] | one block from rest to rest | `rsruckig` |
 //!
-//! Criterion measures and compares with the run before; the table at the end sets each time beside that
-//! of its peer in the same run. A word on the command line chooses, as in `cargo bench -p shared -- planning`.
+//! Criterion measures and compares with the previous run; the table at the end compares each time with that of its peer in
+//! the same run. An argument selects benchmarks by name, for example `cargo bench -p shared -- planning`.
 #![allow(clippy::unwrap_used, reason = "a benchmark fails by panicking")]
 
 mod compared;

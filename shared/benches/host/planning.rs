@@ -1,7 +1,7 @@
-//! Planning one block from rest to rest, beside `rsruckig` with the same limits.
+//! Planning of a block from rest to rest, compared with `rsruckig` with the same limits.
 //!
-//! `rsruckig` plans the speed over time alone, from any state to any state; a block of ours is checked,
-//! gets its geometry in integers, and starts and ends at rest.
+//! `rsruckig` plans only the speed over time, from any state to any state. `shared` also checks the block and plans its
+//! geometry in integers; the block starts and ends at rest.
 
 use std::hint::black_box;
 
@@ -17,10 +17,10 @@ const FEED_M_PER_S: f64 = 0.1;
 const ACCELERATION_M_PER_S2: f64 = 2.0;
 const JERK_M_PER_S3: f64 = 50.0;
 
-/// The rows of ours are named for their speed profile; this one is the path alone, as ours plan it.
+/// The peer of all rows: the path length alone, as `shared` plans it.
 const PEER: &str = "rsruckig, one axis";
 
-/// Lengths from those that do not reach the acceleration to those that reach the feed.
+/// From lengths that do not reach the acceleration limit to lengths that reach the feed.
 const LENGTHS_M: [f64; 8] = [1e-5, 1e-4, 1e-3, 3e-3, 0.01, 0.03, 0.1, 0.3];
 
 #[expect(clippy::cast_possible_truncation, reason = "eight")]

@@ -1,4 +1,4 @@
-//! Whole ticks of a machine of two axes, every one of them with path and position loops.
+//! Ticks of a machine of two axes, each with path and position loops.
 
 use std::hint::black_box;
 
@@ -11,11 +11,11 @@ use shared::units::Position;
 
 use crate::compared::Compared;
 
-/// Ticks a call.
+/// Ticks per call.
 const TICKS: u32 = 1000;
 
-/// Everything that an axis has, switched on.
-fn everything() -> AxisSettings {
+/// An axis with all its features.
+fn full_settings() -> AxisSettings {
     AxisSettings {
         law: Law::Hpc,
         feedforward_percent: 80.0,
@@ -23,7 +23,7 @@ fn everything() -> AxisSettings {
         notch: Some(Notch { frequency_hz: 400.0, width_hz: 100.0, depth: 0.9 }),
         low_pass: Some(LowPass { frequency_hz: 900.0, damping_ratio: 0.7 }),
         sensors: Sensors::Dual { time_constant_s: 0.05 },
-        // The axes here stand on their command whatever the force.
+        // The simulated axes follow their commands exactly, so that the force may stay saturated.
         saturation_time_s: 1e5,
         ..AxisSettings::default()
     }
@@ -32,7 +32,7 @@ fn everything() -> AxisSettings {
 /// A machine in the middle of a block, drives on.
 fn moving<S: Scalar>(block: &Block<2>) -> Machine<S, 2> {
     let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
-    let mut machine = Machine::new(rates, &[everything(); 2], [Position(0); 2]).unwrap();
+    let mut machine = Machine::new(rates, &[full_settings(); 2], [Position(0); 2]).unwrap();
     machine.push(block).unwrap();
     machine.enable();
     let mut readings = [Reading { motor: Position(0), table: Some(Position(0)) }; 2];
@@ -42,7 +42,7 @@ fn moving<S: Scalar>(block: &Block<2>) -> Machine<S, 2> {
     machine
 }
 
-/// Axes that stand on the command, the table 1 µm behind the motor.
+/// Readings of axes that follow their commands exactly, with the table 1 µm behind the motor.
 fn follow(commands: &[Position; 2]) -> [Reading; 2] {
     commands.map(|motor| Reading { motor, table: Some(motor - (1000 << 20)) })
 }

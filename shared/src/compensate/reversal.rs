@@ -75,7 +75,7 @@ mod tests {
     }
 
     #[test]
-    fn is_the_pulse_of_its_equation() {
+    fn the_pulse_matches_its_equation() {
         // Rounding per tick is 2⁻¹⁵, that of the decay 2⁻²⁵.
         assert!(worst::<Fixed>() < 1e-3, "{}", worst::<Fixed>());
         assert!(worst::<f32>() < 1e-4, "{}", worst::<f32>());

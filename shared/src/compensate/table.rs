@@ -235,7 +235,8 @@ mod tests {
             prop_assert!(off < 0.125, "{off}");
         }
 
-        /// After up to 100 periods the value differs by 2⁻²³ of a period at most, 2π·100·2⁻²³, and a step.
+        /// After up to 100 periods the phase differs by at most 2⁻²³ of a period, which changes the value by 2π·100·2⁻²³, and
+        /// the value is rounded to a step.
         #[test]
         fn a_cycle_repeats(at in -0.1..0.1f64, period_nm in 100_000u32..20_000_000, turns in -100i32..100) {
             let period = f64::from(period_nm) * 1e-9;
@@ -248,7 +249,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_by_name() {
+    fn rejected_tables_are_named() {
         let new = |points: &[f64], spacing| table::<Fixed>(0.0, spacing, points, 10.0).unwrap_err();
         assert_eq!(new(&[1.0], 0.1), ConfigError::NotPositive("pitch"));
         assert_eq!(new(&[1.0, f64::NAN], 0.1), ConfigError::NotFinite("pitch"));

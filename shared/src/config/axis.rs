@@ -234,35 +234,38 @@ mod tests {
 
     const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
 
-    fn refusal(change: impl Fn(&mut AxisSettings)) -> ConfigError {
+    fn error_of(change: impl Fn(&mut AxisSettings)) -> ConfigError {
         let mut settings = AxisSettings::default();
         change(&mut settings);
         AxisConfig::<Fixed>::new(&settings, RATES).unwrap_err()
     }
 
     #[test]
-    fn names_what_it_refuses() {
-        assert_eq!(refusal(|s| s.position_gain_per_s = 0.0), ConfigError::NotPositive("position_gain_per_s"));
+    fn rejected_settings_are_named() {
         assert_eq!(
-            refusal(|s| s.position_gain_per_s = f64::NAN),
+            error_of(|s| s.position_gain_per_s = 0.0),
+            ConfigError::NotPositive("position_gain_per_s")
+        );
+        assert_eq!(
+            error_of(|s| s.position_gain_per_s = f64::NAN),
             ConfigError::NotFinite("position_gain_per_s")
         );
         assert_eq!(
-            refusal(|s| s.velocity_integral_time_s = Some(-1.0)),
+            error_of(|s| s.velocity_integral_time_s = Some(-1.0)),
             ConfigError::NotPositive("velocity_integral_time_s")
         );
-        assert_eq!(refusal(|s| s.scale_fade_time_s = 0.0), ConfigError::NotPositive("scale_fade_time_s"));
+        assert_eq!(error_of(|s| s.scale_fade_time_s = 0.0), ConfigError::NotPositive("scale_fade_time_s"));
         assert_eq!(
-            refusal(|s| s.force_limit_n = 1e6),
+            error_of(|s| s.force_limit_n = 1e6),
             ConfigError::OutOfRange { name: "force_limit_n", min: 0.0, max: 131_072.0 }
         );
-        assert!(matches!(refusal(|s| s.velocity_gain_n_s_per_m = 1e7),
+        assert!(matches!(error_of(|s| s.velocity_gain_n_s_per_m = 1e7),
             ConfigError::OutOfRange { name: "velocity_gain_n_s_per_m", max, .. } if (7.8e6..7.82e6).contains(&max)));
     }
 
     #[test]
-    fn refuses_what_rounds_away_in_fixed_point_with_the_range_of_the_setting() {
-        let slow = refusal(|s| s.velocity_integral_time_s = Some(1e6));
+    fn settings_below_the_resolution_of_fixed_point_are_rejected_with_their_range() {
+        let slow = error_of(|s| s.velocity_integral_time_s = Some(1e6));
         let ConfigError::OutOfRange { name: "velocity_integral_time_s", min, max } = slow else {
             panic!("{slow:?}");
         };
@@ -276,14 +279,14 @@ mod tests {
         settings.velocity_integral_time_s = Some(1e6);
         assert!(AxisConfig::<f32>::new(&settings, RATES).is_ok());
 
-        let slow = refusal(|s| s.sensors = Sensors::Dual { time_constant_s: 1e4 });
+        let slow = error_of(|s| s.sensors = Sensors::Dual { time_constant_s: 1e4 });
         // The gain 1/(rate·T) must be at least 50·2⁻²⁴: T ≤ 16.8 s at 20 kHz.
         assert!(matches!(slow, ConfigError::OutOfRange { name: "dual_feedback_time_constant_s", max, .. }
             if (16.7..16.8).contains(&max)));
     }
 
     #[test]
-    fn refuses_a_rate_of_zero() {
+    fn a_rate_of_zero_is_rejected() {
         let rates = Rates { velocity_loop_hz: 0.0, ..RATES };
         let error = AxisConfig::<f64>::new(&AxisSettings::default(), rates).unwrap_err();
         assert_eq!(error, ConfigError::NotPositive("velocity_loop_hz"));

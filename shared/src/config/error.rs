@@ -59,15 +59,15 @@ mod tests {
     use super::*;
 
     #[test]
-    fn says_a_range_in_few_digits() {
-        let said = |min, max| ConfigError::OutOfRange { name: "a", min, max }.to_string();
-        assert_eq!(said(0.0, 2048.0), "a: expected a number from 0 to 2048 in this number format");
+    fn a_range_is_printed_with_four_digits() {
+        let message = |min, max| ConfigError::OutOfRange { name: "a", min, max }.to_string();
+        assert_eq!(message(0.0, 2048.0), "a: expected a number from 0 to 2048 in this number format");
         assert_eq!(
-            said(-0.123_456, 7_812_499.9),
+            message(-0.123_456, 7_812_499.9),
             "a: expected a number from -0.1235 to 7812000 in this number format"
         );
         assert_eq!(
-            said(4.768_37e-5, 1e18),
+            message(4.768_37e-5, 1e18),
             "a: expected a number from 4.768e-5 to 1.000e18 in this number format"
         );
     }

@@ -150,7 +150,7 @@ mod tests {
         }
     }
 
-    fn responds<S: Scalar>(tolerance: f64) {
+    fn assert_response<S: Scalar>(tolerance: f64) {
         let frequencies_hz = [1600.0, 400.0, 270.0, 200.0, 100.0, 20.0];
         for frequency_hz in frequencies_hz.into_iter().take(if cfg!(miri) { 1 } else { 6 }) {
             let low_pass = Filter::<S>::low_pass(g(300.0), 1.4);
@@ -162,32 +162,32 @@ mod tests {
         }
     }
 
-    /// Tolerance: the window holds whole periods only to one sample, 1/(20 periods · 12 samples), and in fixed point
-    /// a₃ = 1e-3 is rounded by 2⁻²⁵.
+    /// Tolerance: the window is a whole number of periods to within a sample, 1/(20 periods · 12 samples), and in fixed
+    /// point a₃ = 1e-3 is rounded by 2⁻²⁵.
     #[test]
-    fn responds_as_its_transfer_function_says() {
-        responds::<f64>(3e-3);
-        responds::<f32>(3e-3);
-        responds::<Fixed>(3e-3);
+    fn the_response_matches_the_transfer_function() {
+        assert_response::<f64>(3e-3);
+        assert_response::<f32>(3e-3);
+        assert_response::<Fixed>(3e-3);
     }
 
     /// At the centre frequency the gain is 1 − d = 0.1 for any width.
     #[test]
-    fn a_notch_leaves_what_it_is_told_to() {
+    fn the_centre_gain_of_a_notch_is_one_minus_its_depth() {
         for width in [0.3, 0.05, 1.0].into_iter().take(if cfg!(miri) { 1 } else { 3 }) {
             let left = measured(&Filter::<f64>::notch(g(200.0), width, 0.9), 200.0);
             assert!((left - 0.1).abs() < 2e-3, "{left}");
         }
     }
 
-    fn rests<S: Scalar>(value: f64, frequency_hz: f64, k: f64) {
+    fn settles<S: Scalar>(value: f64, frequency_hz: f64, k: f64) {
         let value = S::signal(value);
         for filter in [Filter::<S>::low_pass(g(frequency_hz), k), Filter::notch(g(frequency_hz), k, 1.0)] {
             let mut state = State::settled(value);
             for _ in 0..100 {
                 assert!(filter.step(&mut state, value) == value, "{}", S::NAME);
             }
-            // From another state it converges to the input, and stays within a step of the format.
+            // From another state the output converges to the input.
             let mut state = State::settled(S::default());
             for _ in 0..if cfg!(miri) { 100 } else { 400_000 } {
                 filter.step(&mut state, value);
@@ -201,22 +201,22 @@ mod tests {
             let lost = if S::NAME == "f32" { 8.0 / 16_777_216.0 / g(frequency_hz) } else { 0.0 };
             let swing = S::SIGNAL_STEP * (1.0 + k) / (2.0 * g(frequency_hz) * k);
             let bound = 2.0 / 16_384.0 + swing + value.value().abs() * (1e-6 + lost);
-            assert!(off.abs() <= bound, "{}: {off} of {bound}", S::NAME);
+            assert!(off.abs() <= bound, "{}: {off}, bound {bound}", S::NAME);
         }
     }
 
     proptest! {
         #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 1 } else { 16 }))]
 
-        /// A settled filter does not change by a bit; an unsettled one settles without a limit cycle.
+        /// A settled filter does not change by a bit; an unsettled one settles to within the bound of the limit cycle.
         #[test]
-        fn passes_what_stands(value in -1e4..1e4f64, frequency_hz in 30.0..5000.0f64, k in 0.1..2.0f64) {
-            rests::<Fixed>(value, frequency_hz, k);
-            rests::<f32>(value, frequency_hz, k);
-            rests::<f64>(value, frequency_hz, k);
+        fn a_constant_input_passes_unchanged(value in -1e4..1e4f64, frequency_hz in 30.0..5000.0f64, k in 0.1..2.0f64) {
+            settles::<Fixed>(value, frequency_hz, k);
+            settles::<f32>(value, frequency_hz, k);
+            settles::<f64>(value, frequency_hz, k);
         }
 
-        /// Full-scale steps from rail to rail: no wrap-around, and no more overshoot than k ≥ 0.5 allows.
+        /// Steps from rail to rail, the ends of the range, saturate and do not wrap around.
         #[test]
         fn saturates_at_full_scale(period in 1usize..200, frequency_hz in 30.0..5000.0f64, k in 0.5..2.0f64) {
             let low_pass = Filter::<Fixed>::low_pass(g(frequency_hz), k);
@@ -225,7 +225,7 @@ mod tests {
             for n in 0..2000 {
                 let rail = if n / period % 2 == 0 { Fixed::MAX } else { Fixed::MIN };
                 let out = low_pass.step(&mut state, rail);
-                // The change per tick is below 2·distance to the rail: it never wraps to the other rail.
+                // At most twice the distance to the rail, with a margin of half the range: no wrap to the other rail.
                 let distance = Scalar::value(rail) - Scalar::value(last);
                 let step = Scalar::value(out) - Scalar::value(last);
                 prop_assert!(step.abs() <= 2.0 * distance.abs() + 140_000.0);

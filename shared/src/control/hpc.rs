@@ -139,9 +139,9 @@ mod tests {
             .fold(0.0, f64::max)
     }
 
-    /// Against 20 Euler steps per tick, taken one by one.
+    /// Against 20 semi-implicit Euler steps per tick.
     #[test]
-    fn short_steps_are_what_they_stand_for() {
+    fn stepped_coefficients_equal_single_euler_steps() {
         let (x, error) = (0.05, 1000.0);
         let h = x / 20.0;
         let (hpc, exact) = (Hpc::<f64>::stepped(x, h), Hpc::<f64>::new(x));
@@ -161,7 +161,7 @@ mod tests {
     }
 
     #[test]
-    fn steps_as_its_transfer_function_says() {
+    fn the_step_response_matches_the_transfer_function() {
         assert!(worst::<f64>() < 1e-9);
         // Coefficients are rounded by 2⁻²⁵, accumulated over 1/x ticks: about 1000·2⁻²⁵/x, at most 0.05.
         assert!(worst::<Fixed>() < 0.05, "{}", worst::<Fixed>());
@@ -169,7 +169,7 @@ mod tests {
 
     /// As the step length goes to 0 the coefficients approach those of the exact filter.
     #[test]
-    fn steps_of_no_length_are_the_exact_filter() {
+    fn stepped_coefficients_converge_to_the_exact_filter() {
         let x = 0.05;
         let exact = Hpc::<f64>::new(x);
         let entries = |hpc: &Hpc<f64>| [hpc.yy, hpc.yw, hpc.wy, hpc.ww];
@@ -179,10 +179,10 @@ mod tests {
             for (stepped, exact) in stepped.into_iter().zip(entries(&exact)) {
                 // The difference is of first order in h; the factor of each coefficient is at most 16.
                 let off = (stepped - exact).abs();
-                assert!(off < 16.0 * step && off > 1e-3 * step, "{stepped} for {exact} at {step}");
+                assert!(off < 16.0 * step && off > 1e-3 * step, "{stepped}, exact {exact}, step {step}");
             }
         }
-        // Steps above the limit are the limit.
+        // Longer steps are limited to 0.1.
         let longest = entries(&Hpc::stepped(x, 0.1)).map(f64::to_bits);
         assert_eq!(entries(&Hpc::stepped(x, 0.5)).map(f64::to_bits), longest);
         assert_ne!(entries(&Hpc::stepped(x, 0.09)).map(f64::to_bits), longest);

@@ -119,9 +119,9 @@ mod tests {
     }
 
     proptest! {
-        /// Rounding is half a count; the error of the gain is 2⁻³⁰ of 65,535 counts in fixed point, 2⁻²² in f32.
+        /// Half a count of rounding, and the error of the gain: 2⁻³⁰ of 65,535 counts in fixed point, 2⁻²² of them in f32.
         #[test]
-        fn is_the_nearest_count(scale in 1e-3..80_000.0f64, counts in 1u16..) {
+        fn the_duty_is_the_nearest_count(scale in 1e-3..80_000.0f64, counts in 1u16..) {
             prop_assert!(worst::<Fixed>(scale, counts) < 0.501);
             prop_assert!(worst::<f32>(scale, counts) < 0.53);
             prop_assert!(worst::<f64>(scale, counts) < 0.500_001);
@@ -130,7 +130,7 @@ mod tests {
 
     /// Reversed wiring gives the same duty in the other direction, and no direction without a duty.
     #[test]
-    fn a_negative_full_scale_turns_the_direction() {
+    fn a_negative_full_scale_reverses_the_direction() {
         let [straight, inverted] = [1000.0, -1000.0].map(|n| Amplifier::<Fixed>::new(n, 8400).unwrap());
         for force in [-1500.0, -3.0, 0.0, 1e-4, 250.0] {
             let [duty, other] = [&straight, &inverted].map(|stage| stage.duty(Fixed::signal(force)));
@@ -140,13 +140,13 @@ mod tests {
     }
 
     #[test]
-    fn a_force_that_is_no_number_gives_no_duty() {
+    fn a_nan_force_gives_no_duty() {
         assert_eq!(Amplifier::<f32>::new(100.0, 8400).unwrap().duty(f32::NAN), Duty::default());
         assert_eq!(Amplifier::<f64>::new(100.0, 8400).unwrap().duty(f64::NAN), Duty::default());
     }
 
     #[test]
-    fn stays_within_full_scale_whatever_the_force() {
+    fn the_duty_saturates_at_full_scale() {
         let full = |reverse| Duty { reverse, counts: 8400 };
         let fixed = Amplifier::<Fixed>::new(1e-3, 8400).unwrap();
         assert_eq!((fixed.duty(Fixed::MAX), fixed.duty(Fixed::MIN)), (full(false), full(true)));
@@ -155,22 +155,22 @@ mod tests {
     }
 
     #[test]
-    fn refuses_what_it_cannot_scale() {
+    fn invalid_power_stages_are_rejected() {
         for force in [0.0, 0.9e-3, -0.9e-3, f64::NAN, f64::INFINITY, 2e5, -2e5] {
             assert_eq!(Amplifier::<Fixed>::new(force, 8400).unwrap_err(), DriveError::FullScale);
         }
         assert_eq!(Amplifier::<Fixed>::new(1.0, 0).unwrap_err(), DriveError::NoPwm);
     }
 
-    /// Less than half a count rounds to 0, which has no direction; half a count rounds to 1. Symmetric in sign.
+    /// Less than half a count rounds to 0, half a count to 1, for both signs.
     #[test]
-    fn what_rounds_to_nothing_has_no_direction() {
+    fn a_duty_of_zero_has_no_direction() {
         fn rounds<S: Scalar>() {
             // A count is 2⁻⁴ N: exact in every format.
             let amplifier = Amplifier::<S>::new(512.0, 8192).unwrap();
             let duty = |counts: f64| amplifier.duty(S::signal(counts / 16.0));
-            for nothing in [0.0, 0.499, -0.499, -0.01] {
-                assert_eq!(duty(nothing), Duty::default(), "{} {nothing}", S::NAME);
+            for below_half in [0.0, 0.499, -0.499, -0.01] {
+                assert_eq!(duty(below_half), Duty::default(), "{} {below_half}", S::NAME);
             }
             for (counts, expected) in [(0.5, 1), (0.501, 1), (1.499, 1), (1.501, 2), (8191.0, 8191)] {
                 assert_eq!(duty(counts), Duty { reverse: false, counts: expected }, "{}", S::NAME);

@@ -163,20 +163,20 @@ mod tests {
     }
 
     #[test]
-    fn pushes_towards_the_command() {
+    fn the_force_acts_towards_the_command() {
         let (mut system, mut bench) = running();
         run(&mut system, &mut bench, 40);
         assert!(!bench.duty.reverse && bench.duty.counts > 0, "{:?}", bench.duty);
     }
 
-    /// Stages disabled, no duty, and the light on unless the drives are simply off.
+    /// Asserts that the stages are disabled, the duty is zero, and the light is on unless the drives are off without a fault.
     fn assert_off(system: &DriveSystem<'_, Fixed, 1>, bench: &Bench, power: Power) {
         assert_eq!((system.machine.power(), bench.enabled, bench.duty), (power, false, Duty::default()));
         assert_eq!(bench.lit, power != Power::Off);
     }
 
     #[test]
-    fn a_late_tick_or_a_hardware_stop_cuts_the_stages_at_once_and_until_a_fresh_edge() {
+    fn an_overrun_or_a_hardware_stop_disables_the_stages_until_a_new_edge() {
         for fault in [Fault::Overrun, Fault::HardwareStop] {
             let (mut system, mut bench) = running();
             run(&mut system, &mut bench, 40);
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_stage_that_is_stopped_does_not_come_on() {
+    fn a_hardware_stop_prevents_an_enable() {
         let (mut system, mut bench) = running();
         bench.stopped = true;
         bench.closed = false;
@@ -208,7 +208,7 @@ mod tests {
     }
 
     #[test]
-    fn an_opened_switch_cuts_the_stages_in_the_same_tick() {
+    fn opening_the_switch_disables_the_stages_in_the_same_tick() {
         let (mut system, mut bench) = running();
         run(&mut system, &mut bench, 40);
         bench.closed = false;
@@ -220,7 +220,7 @@ mod tests {
     }
 
     #[test]
-    fn a_following_error_cuts_the_stages_in_the_same_tick() {
+    fn a_following_error_disables_the_stages_in_the_same_tick() {
         let (mut system, mut bench) = running();
         bench.at = Position::from_m(2e-3).unwrap();
         system.tick(&mut bench);
@@ -231,7 +231,7 @@ mod tests {
     /// During a stop along the path the stages stay enabled: they decelerate the axis. From 0.1 m/s with the 5 m/s² of the
     /// block, which exceeds the 2 m/s² of a stop, it takes 20 ms: 400 ticks.
     #[test]
-    fn a_stop_along_the_path_keeps_the_stages_on_until_it_stands() {
+    fn the_stages_stay_enabled_until_a_stop_has_ended() {
         let (mut system, mut bench) = running();
         let follow = |system: &mut DriveSystem<'_, Fixed, 1>, bench: &mut Bench| {
             system.tick(bench);
@@ -256,7 +256,7 @@ mod tests {
 
     /// A warning blinks until the drives are disabled.
     #[test]
-    fn a_warning_is_shown() {
+    fn a_warning_blinks() {
         let (mut system, mut bench) = running();
         system.machine.fault(Fault::Axis { axis: 0, kind: FaultKind::ScaleLost });
         let lit = (0..4 * BLINK).map(|_| {

@@ -113,15 +113,15 @@ mod tests {
         assert_eq!(events(&mut switch, &[(false, 50), (true, 9), (false, 50)]).0, 0);
     }
 
-    /// A change has settled after the sample that shows it and the settling time. Open for one sample less does not arm the
-    /// switch, however long it is closed afterwards; nor do several such openings.
+    /// A change has settled when `settling` more samples agree with its first one. An opening that is one sample shorter does
+    /// not arm the switch, however long it is closed afterwards; nor do several such openings.
     #[test]
     fn open_for_less_than_the_settling_time_does_not_arm() {
         for settling in [1, 2, 10, 400] {
             let mut switch = EnableSwitch::new(settling);
             let short = [(true, 3), (false, settling), (true, 3 * settling)];
             for times in 1..4 {
-                assert_eq!(events(&mut switch, &short).0, 0, "{settling}, the {times}th time");
+                assert_eq!(events(&mut switch, &short).0, 0, "{settling}, opening {times}");
             }
             assert_eq!(events(&mut switch, &[(false, settling + 1), (true, settling)]), (0, 1));
             assert_eq!(switch.update(true), Some(SwitchEvent::Enable));

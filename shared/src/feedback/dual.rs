@@ -252,7 +252,7 @@ mod tests {
     }
 
     #[test]
-    fn the_table_alone_is_the_table_to_the_bit() {
+    fn full_closed_feedback_is_the_table_reading_to_the_bit() {
         let feedback = Feedback::<Fixed>::Table { fade: fade() };
         let (motor, table) = readings(0);
         let mut state = State::settled(motor, Some(table));
@@ -265,7 +265,7 @@ mod tests {
     }
 
     /// While the scale is lost the feedback follows the motor, to the position unit.
-    fn holds<S: Scalar>(feedback: Feedback<S>) {
+    fn follows_motor_without_scale<S: Scalar>(feedback: Feedback<S>) {
         let (motor, table) = readings(0);
         let mut state = State::settled(motor, Some(table));
         for tick in 0..5000 {
@@ -282,11 +282,11 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_scale_leaves_no_jump() {
-        holds(Feedback::<Fixed>::Table { fade: fade() });
-        holds(dual::<Fixed>(0.01));
-        holds(dual::<f32>(0.01));
-        holds(dual::<f64>(0.01));
+    fn the_loss_of_the_scale_causes_no_jump() {
+        follows_motor_without_scale(Feedback::<Fixed>::Table { fade: fade() });
+        follows_motor_without_scale(dual::<Fixed>(0.01));
+        follows_motor_without_scale(dual::<f32>(0.01));
+        follows_motor_without_scale(dual::<f64>(0.01));
     }
 
     /// Feedback − motor in every tick, nm, after a lost scale returns with an offset of 100 µm.
@@ -306,13 +306,13 @@ mod tests {
     }
 
     #[test]
-    fn a_scale_that_is_back_fades_in_with_the_time_constant() {
+    fn a_scale_that_returns_fades_in_with_the_time_constant() {
         let table = after_return(Feedback::<Fixed>::Table { fade: fade() }, 45_000);
         // Zero in the first tick, then 1 − e^(−t/T). Rounding away from zero is at most a unit per tick over T, 2000 units:
         // 0.002 nm. Half a step of the fraction, 2⁻³³ of 5e-4, is 100 µm·2.3e-7/e = 0.009 nm at t = T.
         for (tick, nm) in (0u32..).zip(&table) {
             let exact = 100_000.0 * (1.0 - (-f64::from(tick) * TICK / 0.1).exp());
-            assert!((nm - exact).abs() < 0.012, "{tick}: {nm} for {exact}");
+            assert!((nm - exact).abs() < 0.012, "{tick}: {nm}, expected {exact}");
         }
         // 10¹¹ units decay to 2000 in 18 T; the remainder, at a unit per tick, in 0.7 T.
         assert!(table[38_000..].iter().all(|nm| nm.to_bits() == 100_000f64.to_bits()));
@@ -333,31 +333,32 @@ mod tests {
                 })
                 .fold(0.0, f64::max)
         }
-        // The fading offset is used a tick early for a held input: one tick at its steepest slope, 10⁻⁴ m/0.1 s.
+        // The fading offset is that of the end of the tick, where a held input has that of its start: an error of a tick at
+        // the greatest slope, 10⁻⁴ m/0.1 s.
         let held = 100_000.0 * TICK / 0.1;
         for worst in [worst::<Fixed>(), worst::<f32>(), worst::<f64>()] {
-            assert!(worst < held && worst > 0.2 * held, "{worst} of {held}");
+            assert!(worst < held && worst > 0.2 * held, "{worst}, bound {held}");
         }
     }
 
     proptest! {
-        /// Through any loss and return of the scale, the feedback follows the motor but for the fade of one tick.
+        /// Through any loss and return of the scale, the feedback follows the motor to within the fade of one tick.
         #[test]
-        fn nothing_jumps(readings in prop::collection::vec((any::<bool>(), -1_000_000_000_000i64..1_000_000_000_000), 1..300)) {
+        fn the_feedback_never_jumps(readings in prop::collection::vec((any::<bool>(), -1_000_000_000_000i64..1_000_000_000_000), 1..300)) {
             let feedback = Feedback::<Fixed>::Table { fade: fade() };
             let mut state = State::settled(Position(0), Some(Position(0)));
-            let (mut last, mut was_read, mut offset, mut farthest) = (Position(0), true, 0i64, 0);
+            let (mut last, mut was_read, mut offset, mut max_offset) = (Position(0), true, 0i64, 0);
             for (read, motor) in readings {
                 // The table slips relative to the motor while the scale is lost.
                 if !was_read && !read {
                     offset = motor / 3;
-                    farthest = farthest.max(offset.unsigned_abs());
+                    max_offset = max_offset.max(offset.unsigned_abs());
                 }
                 let motor = Position(motor);
                 let position = feedback.position(&mut state, motor, read.then(|| motor + offset));
                 let shift = Position(position - motor);
-                // The difference is at most two slips; a tick corrects 1/2000 of it, and a unit.
-                prop_assert!((shift - last).unsigned_abs() <= 2 * farthest / 1999 + 1);
+                // The difference is at most two slips; a tick corrects 1/2000 of it, and one unit for the rounding.
+                prop_assert!((shift - last).unsigned_abs() <= 2 * max_offset / 1999 + 1);
                 last = shift;
                 was_read = read;
             }

@@ -48,7 +48,7 @@ mod tests {
 
     #[test]
     fn counts_through_the_wrap_both_ways() {
-        // 50 nm a count = 52,428,800 units.
+        // A count of 50 nm is 52,428,800 units.
         let mut encoder = Encoder::new(50e-9, 65_530).unwrap();
         assert_eq!(encoder.read(65_535).0, 5 * 52_428_800);
         assert_eq!(encoder.read(4).0, 10 * 52_428_800);
@@ -56,7 +56,7 @@ mod tests {
     }
 
     #[test]
-    fn a_negative_count_turns_the_direction() {
+    fn a_negative_count_reverses_the_direction() {
         let mut encoder = Encoder::new(-50e-9, 10).unwrap();
         assert_eq!(encoder.read(15).0, -5 * 52_428_800);
         assert_eq!(encoder.read(65_535).0, 11 * 52_428_800);
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn refuses_counts_that_no_encoder_has() {
+    fn implausible_counts_are_rejected() {
         for metres in [f64::NAN, f64::INFINITY, 0.0, 0.9e-12, 1.1e-3, -0.9e-12, -1.1e-3] {
             assert!(Encoder::new(metres, 0).is_none());
         }
@@ -85,8 +85,8 @@ mod tests {
 
     #[test]
     #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
-    fn a_lead_that_a_count_does_not_divide_comes_back_exactly() {
-        // 7 counts per 1 µm lead; a million leads are 1 m, 1.05·10¹⁵ units.
+    fn a_count_that_is_no_whole_number_of_units_does_not_drift() {
+        // A count of 1/7 µm: seven million counts are 1 m, 1.05·10¹⁵ units.
         let mut counter = Transducer::new(65_536e-6, 7, Phase::from_counter(0)).unwrap();
         let mut position = Position(0);
         for leads in 1..=1_000_000u64 {

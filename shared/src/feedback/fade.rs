@@ -49,13 +49,13 @@ mod tests {
         let fade = Fade::new(2000.0);
         let remaining = (0..2000).fold(1i64 << 40, |distance, _| fade.step(distance));
         let exact = f64::from(1 << 30) * 1024.0 / core::f64::consts::E;
-        // Half a step of the fraction, which has 2³²/2000 steps, and a unit per tick.
+        // The fraction, 2³²/2000 steps, is rounded by half a step, and each tick rounds by up to a unit.
         let bound = exact * 0.5 * 2000.0 / 4_294_967_296.0 + 2000.0;
-        assert!((remaining as f64 - exact).abs() < bound, "{remaining} of {exact}");
+        assert!((remaining as f64 - exact).abs() < bound, "{remaining}, expected {exact}");
     }
 
     #[test]
-    fn the_slowest_and_the_fastest_end_too() {
+    fn the_slowest_and_the_fastest_fade_end() {
         assert_eq!(Fade::new(1e12).step(-5), -4);
         assert_eq!(Fade::new(1e-12).step(1000), 0);
         assert_eq!(Fade::new(1e-12).step(-1000), 0);
@@ -63,7 +63,7 @@ mod tests {
 
     proptest! {
         #[test]
-        fn what_fades_goes_to_zero_and_not_beyond(distance: i64, fraction: u32) {
+        fn a_fade_approaches_zero_and_does_not_pass_it(distance: i64, fraction: u32) {
             let remaining = Fade(fraction.max(1)).step(distance);
             let nearer = remaining.unsigned_abs() < distance.unsigned_abs();
             prop_assert!(nearer || distance == 0 && remaining == 0);

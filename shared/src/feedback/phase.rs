@@ -155,9 +155,9 @@ mod tests {
 
     #[test]
     #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
-    fn loses_less_than_the_converter() {
-        // Half a count on both samples, perpendicular to the vector: √½/amplitude rad. Among 10⁵ angles the worst case
-        // comes close, so half the bound must be exceeded.
+    fn the_phase_error_is_below_that_of_the_converter() {
+        // Half a count on both samples, perpendicular to the vector, is √½/amplitude rad. Among 10⁵ angles one is close to the
+        // worst case, so half the bound must be exceeded.
         for bits in [16, 20, 24] {
             let amplitude = f64::from((1 << (bits - 1)) - 1);
             let mut worst = 0.0f64;
@@ -168,12 +168,12 @@ mod tests {
                 worst = worst.max(((found - angle + 3.0).rem_euclid(TAU) - 3.0).abs());
             }
             let bound = 0.5f64.sqrt() / amplitude + 4.0 / CYCLE * TAU;
-            assert!(worst < bound && worst > bound / 2.0, "{worst} of {bound} with {bits} bits");
+            assert!(worst < bound && worst > bound / 2.0, "{worst}, bound {bound}, {bits} bits");
         }
     }
 
     #[test]
-    fn a_quarter_lies_between_the_axes_at_the_ends_of_the_range() {
+    fn multiples_of_an_eighth_are_exact_at_both_ends_of_the_range() {
         let steps = [(0, 1), (1, 1), (1, 0), (1, -1), (0, -1), (-1, -1), (-1, 0), (-1, 1)];
         for (eighth, (sine, cosine)) in (0u32..).zip(steps) {
             for amplitude in [1, i32::MAX] {

@@ -125,11 +125,11 @@ mod tests {
     }
 
     #[test]
-    fn a_resolver_of_three_pole_pairs_comes_back_to_the_lead() {
-        // A third of 10 mm is not a whole number of position units, 10 mm is.
+    fn a_resolver_of_three_pole_pairs_is_exact_after_whole_turns() {
+        // 10 mm is a whole number of position units, a third of it is not.
         let lead = Position::from_m(0.01).unwrap().0;
         let mut resolver = Transducer::new(0.01, 3, Phase(77)).unwrap();
-        // 25,000 turns are 250 m, beyond the travel limit: still exact to a unit.
+        // 25,000 turns are 250 m, beyond the travel limit: exact to a unit.
         let position = after(&mut resolver, 4 * 3 * 25_000).0;
         assert!((position - 25_000 * lead).abs() <= 1, "{}", position - 25_000 * lead);
         assert_eq!(after(&mut resolver, -4 * 3 * 25_000), Position(0));
@@ -138,7 +138,7 @@ mod tests {
     #[test]
     #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
     fn a_scale_of_whole_units_is_exact() {
-        // A quarter of 2 mm is a whole number of units, too.
+        // A quarter of 2 mm is a whole number of units.
         let pitch = Position::from_m(0.002).unwrap().0;
         let mut scale = Transducer::new(0.002, 1, Phase(0)).unwrap();
         for quarters in 1..=200_000 {
@@ -147,18 +147,18 @@ mod tests {
     }
 
     #[test]
-    fn a_scale_may_be_mounted_the_other_way() {
-        let mut there = Transducer::new(0.002, 7, Phase(5)).unwrap();
-        let mut back = Transducer::new(-0.002, 7, Phase(5)).unwrap();
+    fn a_negative_distance_reverses_the_direction() {
+        let mut forward = Transducer::new(0.002, 7, Phase(5)).unwrap();
+        let mut reverse = Transducer::new(-0.002, 7, Phase(5)).unwrap();
         for k in 1..1000u32 {
             let phase = Phase(k.wrapping_mul(987_654_321));
-            assert!((there.read(phase).0 + back.read(phase).0).abs() <= 1);
+            assert!((forward.read(phase).0 + reverse.read(phase).0).abs() <= 1);
         }
     }
 
     #[test]
-    fn refuses_what_it_cannot_count() {
-        let refused = [
+    fn invalid_transducers_are_rejected() {
+        let invalid = [
             (f64::NAN, 1),
             (f64::INFINITY, 1),
             (0.0, 1),
@@ -167,7 +167,7 @@ mod tests {
             (0.01, 1_000_000),
             (101.0, 1),
         ];
-        for (distance_m, cycles) in refused {
+        for (distance_m, cycles) in invalid {
             assert!(Transducer::new(distance_m, cycles, Phase(0)).is_none(), "{distance_m} {cycles}");
         }
         assert!(
@@ -178,7 +178,7 @@ mod tests {
     proptest! {
         /// However far the axis has moved without a signal, the position is as if the signal had never been lost.
         #[test]
-        fn a_signal_that_comes_back_finds_its_cycle(
+        fn a_signal_that_returns_is_assigned_to_its_cycle(
             nm in 50i64..100_000_000, backwards: bool, cycles in 1u32..1000, start: u32,
             fraction in -1.0f64..1.0, within: u32, off in -0.49f64..0.49,
         ) {
@@ -198,9 +198,9 @@ mod tests {
             prop_assert_eq!(lost.travelled, never_lost.travelled);
         }
 
-        /// Against the same ratio in 128 bits. Both are rounded down and differ by ¼ unit before that: at most by one.
+        /// Against the same ratio in 128 bits. Before they are rounded down, both differ by ¼ unit, afterwards by at most one.
         #[test]
-        fn any_walk_is_exact(
+        fn any_sequence_of_steps_is_exact(
             nm in 50i64..100_000_000, cycles in 1u32..1000,
             steps in prop::collection::vec(any::<i32>(), 1..200), start: u32,
         ) {

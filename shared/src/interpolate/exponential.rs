@@ -89,8 +89,8 @@ mod tests {
     use super::*;
 
     proptest! {
-        /// Differences of rounded distances are off by 1, second differences by 2. The lag F/α has to decay to F·α, which
-        /// takes ln(1/α²)/α ticks after the target has reached the end.
+        /// Rounding changes a difference of distances by up to 1 and a second difference by up to 2. After the target has
+        /// reached the end, the lag F/α decays to F·α in ln(1/α²)/α ticks.
         #[test]
         #[cfg_attr(miri, ignore = "a sweep too long for it; other tests run the same code")]
         fn keeps_feed_and_acceleration_and_ends_exactly(
@@ -119,13 +119,13 @@ mod tests {
     }
 
     #[test]
-    fn rises_as_an_exponential_does() {
+    fn the_speed_rises_exponentially() {
         // α = 1/1000: the speed after n ticks is F(1 − (1 − 1/1000)ⁿ).
         let feed = 1u64 << 30;
         let limits = Limits::new(feed << 16, (feed << 16) / 1000, None);
         let curve = Exponential::plan(1 << 50, &limits).unwrap();
         let mut progress = Progress::NONE;
-        // At rest for one tick.
+        // The first tick is at rest.
         assert_eq!(curve.advance(&mut progress), (0, false));
         for n in 1..5000 {
             let _ = curve.advance(&mut progress);

@@ -199,7 +199,7 @@ mod tests {
     }
 
     #[test]
-    fn a_following_error_switches_off_until_acknowledged_and_enabled_afresh() {
+    fn a_following_error_needs_an_acknowledgement_and_a_new_enable() {
         let mut machine = machine();
         machine.enable();
         assert!(machine.tick(&at(0.0)).enabled);
@@ -213,12 +213,12 @@ mod tests {
         assert!(!machine.tick(&at(0.051)).enabled);
         machine.enable();
         let output = machine.tick(&at(0.051));
-        // The command is where the axis was: no jump back.
+        // The command is the position of the axis, so the axis does not jump back.
         assert!(output.enabled && output.forces[0].value().abs() < 1e-3);
     }
 
     #[test]
-    fn a_refused_block_changes_nothing() {
+    fn a_rejected_block_changes_nothing() {
         let mut machine = machine();
         assert_eq!(machine.push(&Block::line([0.0], 0.1, 1.0)), Err(PathError::ZeroLength));
         machine.enable();

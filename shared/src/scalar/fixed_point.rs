@@ -169,7 +169,7 @@ mod tests {
     proptest! {
         /// Over the whole range, and around both ends of the 32-bit range.
         #[test]
-        fn narrows_as_a_clamp_does(bits in any::<i64>(), near in -(1i64 << 26)..1 << 26) {
+        fn narrow_equals_a_clamp(bits in any::<i64>(), near in -(1i64 << 26)..1 << 26) {
             let clamped = |bits: i64| (bits.wrapping_add(1 << 23) >> 24).clamp(-(1 << 31), (1 << 31) - 1);
             for bits in [bits, near, (1 << 55) + near, -(1 << 55) + near] {
                 prop_assert_eq!(i64::from(narrow::<24>(bits)), clamped(bits));

@@ -138,7 +138,7 @@ mod tests {
 
         /// The signal resolves 1/16 nm, 2¹⁶ position units: the rounding error is at most half of that.
         #[test]
-        fn a_distance_keeps_a_32nd_of_a_nanometre(d in -(1i64 << 46)..(1i64 << 46)) {
+        fn a_distance_is_rounded_by_at_most_a_32nd_of_a_nanometre(d in -(1i64 << 46)..(1i64 << 46)) {
             let back = Fixed::to_distance(Fixed::from_distance(d).widen());
             prop_assert!((back - d).abs() <= 1 << 15);
             let exact = f64::to_distance(f64::from_distance(d));

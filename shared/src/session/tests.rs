@@ -10,7 +10,7 @@ use crate::protocol::{PART, encode};
 use crate::safety::Power;
 use crate::units::Position;
 
-fn ask(session: &mut Session, order: &Order) -> Option<Answer> {
+fn answer_to(session: &mut Session, order: &Order) -> Option<Answer> {
     let mut frame = [0; FRAME];
     if encode(order, &mut frame).is_ok() {
         return session.answer(&frame, &mut NoMeter);
@@ -39,35 +39,43 @@ fn setup(format: Format, second: &AxisSettings) -> Order {
 }
 
 #[test]
-fn answers_as_the_machine_itself_would() {
+fn every_number_format_answers_orders() {
     for format in [Format::Fixed, Format::F32, Format::F64] {
         let mut session = Session::default();
-        assert_eq!(ask(&mut session, &setup(format, &AxisSettings::default())), Some(Answer::Ready));
-        assert_eq!(ask(&mut session, &Order::Block(Block::line([0.1, 0.0], 0.1, 1.0))), Some(Answer::Ready));
-        assert_eq!(ask(&mut session, &Order::Enable), Some(Answer::Ready));
-        // 1 µm: within the distance that an axis may have from the start of the path.
+        assert_eq!(answer_to(&mut session, &setup(format, &AxisSettings::default())), Some(Answer::Ready));
+        assert_eq!(
+            answer_to(&mut session, &Order::Block(Block::line([0.1, 0.0], 0.1, 1.0))),
+            Some(Answer::Ready)
+        );
+        assert_eq!(answer_to(&mut session, &Order::Enable), Some(Answer::Ready));
+        // 1 µm is within the tolerance of 0.1 mm for the distance from the start of the path.
         let away = Reading { motor: Position(-(1 << 30)), table: None };
-        let Some(Answer::Tick(ticked)) = ask(&mut session, &Order::Tick([away; AXES])) else { panic!() };
+        let Some(Answer::Tick(ticked)) = answer_to(&mut session, &Order::Tick([away; AXES])) else {
+            panic!()
+        };
         assert_eq!((ticked.power, ticked.done), (Power::On, false));
         assert_ne!(ticked.force_bits, [0; AXES]);
-        assert_eq!(ask(&mut session, &Order::End), None);
+        assert_eq!(answer_to(&mut session, &Order::End), None);
     }
 }
 
 #[test]
-fn says_why_it_refuses() {
+fn a_refusal_states_its_reason() {
     let mut session = Session::default();
-    let refused = |refusal| Some(Answer::Refused(refusal));
-    assert_eq!(ask(&mut session, &Order::Enable), refused(Refusal::NotSetUp));
+    let refusal_for = |refusal| Some(Answer::Refused(refusal));
+    assert_eq!(answer_to(&mut session, &Order::Enable), refusal_for(Refusal::NotSetUp));
     let bad = AxisSettings { force_limit_n: 0.0, ..AxisSettings::default() };
-    assert_eq!(ask(&mut session, &setup(Format::F32, &bad)), refused(Refusal::Settings { axis: 1 }));
-    assert_eq!(ask(&mut session, &setup(Format::F32, &AxisSettings::default())), Some(Answer::Ready));
-    let nowhere = Order::Block(Block::line([0.0; AXES], 0.1, 1.0));
-    assert_eq!(ask(&mut session, &nowhere), refused(Refusal::Path(PathError::ZeroLength)));
-    assert_eq!(session.answer(&[0xff; FRAME], &mut NoMeter), refused(Refusal::Unreadable));
+    assert_eq!(
+        answer_to(&mut session, &setup(Format::F32, &bad)),
+        refusal_for(Refusal::Settings { axis: 1 })
+    );
+    assert_eq!(answer_to(&mut session, &setup(Format::F32, &AxisSettings::default())), Some(Answer::Ready));
+    let zero_length = Order::Block(Block::line([0.0; AXES], 0.1, 1.0));
+    assert_eq!(answer_to(&mut session, &zero_length), refusal_for(Refusal::Path(PathError::ZeroLength)));
+    assert_eq!(session.answer(&[0xff; FRAME], &mut NoMeter), refusal_for(Refusal::Unreadable));
 }
 
-/// Numbers that are extreme for arithmetic, and ordinary ones.
+/// Any floating-point number: special values, extreme magnitudes and ordinary ones.
 fn number() -> impl Strategy<Value = f64> {
     prop_oneof![
         any::<f64>(),
@@ -147,20 +155,20 @@ fn block() -> impl Strategy<Value = Block<AXES>> {
 
 /// The parts of an order are discarded with the next order, and no bytes may follow an order.
 #[test]
-fn parts_are_of_one_order() {
+fn parts_belong_to_one_order() {
     let mut session = Session::default();
-    ask(&mut session, &setup(Format::Fixed, &AxisSettings::default()));
+    answer_to(&mut session, &setup(Format::Fixed, &AxisSettings::default()));
     let mut enable = [0; FRAME];
     encode(&Order::Enable, &mut enable).unwrap();
     let part = Part { bytes: heapless::Vec::from_slice(&enable[..1]).unwrap(), last: false };
-    assert_eq!(ask(&mut session, &Order::Part(part)), Some(Answer::Ready));
-    assert_eq!(ask(&mut session, &setup(Format::Fixed, &AxisSettings::default())), Some(Answer::Ready));
+    assert_eq!(answer_to(&mut session, &Order::Part(part)), Some(Answer::Ready));
+    assert_eq!(answer_to(&mut session, &setup(Format::Fixed, &AxisSettings::default())), Some(Answer::Ready));
     let empty = Part { bytes: heapless::Vec::new(), last: true };
-    assert_eq!(ask(&mut session, &Order::Part(empty)), Some(Answer::Refused(Refusal::Unreadable)));
+    assert_eq!(answer_to(&mut session, &Order::Part(empty)), Some(Answer::Refused(Refusal::Unreadable)));
     enable[1] = 0xaa;
     assert_eq!(session.answer(&enable, &mut NoMeter), Some(Answer::Refused(Refusal::Unreadable)));
     let readings = [Reading { motor: Position(0), table: None }; AXES];
-    let Some(Answer::Tick(ticked)) = ask(&mut session, &Order::Tick(readings)) else { panic!() };
+    let Some(Answer::Tick(ticked)) = answer_to(&mut session, &Order::Tick(readings)) else { panic!() };
     assert_eq!(ticked.power, Power::Off);
 }
 
@@ -169,7 +177,7 @@ proptest! {
 
     /// Every order is answered, whatever its numbers.
     #[test]
-    fn takes_any_numbers(
+    fn orders_with_any_numbers_are_answered(
         format in prop::sample::select(std::vec![Format::Fixed, Format::F32, Format::F64]),
         rate in number(), divider in prop_oneof![any::<u32>(), 0..10u32],
         axes in [axis(), axis()],
@@ -180,27 +188,27 @@ proptest! {
         let mut session = Session::default();
         let rates = Rates { velocity_loop_hz: rate, position_loop_divider: divider };
         let start = start.map(|m| Position::from_m(m).unwrap());
-        if ask(&mut session, &Order::Setup(Setup { format, rates, axes, start })) != Some(Answer::Ready) {
-            // With valid rates and gains, so that path and readings are tested, too.
+        if answer_to(&mut session, &Order::Setup(Setup { format, rates, axes, start })) != Some(Answer::Ready) {
+            // Otherwise with valid rates and gains, so that blocks and readings are tested in any case.
             let axes = axes.map(|axis| AxisSettings { law: axis.law, ..AxisSettings::default() });
             let rates = Rates { velocity_loop_hz: 1e4, position_loop_divider: 1 };
-            prop_assert_eq!(ask(&mut session, &Order::Setup(Setup { format, rates, axes, start })), Some(Answer::Ready));
+            prop_assert_eq!(answer_to(&mut session, &Order::Setup(Setup { format, rates, axes, start })), Some(Answer::Ready));
         }
         for block in blocks {
-            ask(&mut session, &Order::Block(block));
+            answer_to(&mut session, &Order::Block(block));
         }
-        ask(&mut session, &Order::Enable);
+        answer_to(&mut session, &Order::Enable);
         for motor in readings {
             let readings = motor.map(|motor| Reading { motor: Position(motor), table: Some(Position(motor / 2)) });
-            ask(&mut session, &Order::Tick(readings));
-            ask(&mut session, &Order::Disable);
-            ask(&mut session, &Order::Enable);
+            answer_to(&mut session, &Order::Tick(readings));
+            answer_to(&mut session, &Order::Disable);
+            answer_to(&mut session, &Order::Enable);
         }
     }
 
     /// Any bytes are answered, before and after the setup, and so are damaged orders.
     #[test]
-    fn takes_any_bytes(
+    fn any_bytes_are_answered(
         frames in prop::collection::vec(prop::collection::vec(any::<u8>(), FRAME), 1..if cfg!(miri) { 3 } else { 40 }),
         damaged in 0..FRAME, by in any::<u8>(),
     ) {

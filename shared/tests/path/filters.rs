@@ -1,16 +1,16 @@
-//! Filters of the axes behind the path.
+//! Axis filters.
 
 use super::*;
 
-/// After the interpolation, a circle of radius R at ω shrinks to R·|H(ω)|: the means by sin(nω/2)/(n·sin(ω/2)) each, the
-/// lag by α/√(1 + (1 − α)² − 2(1 − α)cos ω), ω per tick. Rounding of means and places is below 3 units.
+/// With acceleration after interpolation, a circle of radius R at ω (per tick) shrinks to R·|H(ω)|, with |H| =
+/// sin(nω/2)/(n·sin(ω/2)) for each mean and α/√(1 + (1 − α)² − 2(1 − α)·cos ω) for the lag. Rounding is below 3 position units.
 #[test]
-fn a_circle_shrinks_as_its_filter_says() {
+fn a_circle_shrinks_by_the_gain_of_its_filter() {
     let (rate, radius, feed) = (4000.0, 0.02, 0.1);
     let omega = feed / radius / rate;
     let mean = |seconds: f64| (seconds * rate * omega / 2.0).sin() / (seconds * rate * (omega / 2.0).sin());
-    let share = 1.0 - (-1.0 / (0.02 * rate)).exp();
-    let lag = share / (1.0 + (1.0 - share).powi(2) - 2.0 * (1.0 - share) * omega.cos()).sqrt();
+    let alpha = 1.0 - (-1.0 / (0.02 * rate)).exp();
+    let lag = alpha / (1.0 + (1.0 - alpha).powi(2) - 2.0 * (1.0 - alpha) * omega.cos()).sqrt();
     let cases = [
         (Smoothing::Trapezoid { time_s: 0.05 }, mean(0.05), omega * 0.05 * rate),
         (Smoothing::SCurve { time_s: 0.05, jerk_time_s: 0.03 }, mean(0.05) * mean(0.03), omega * 0.05 * rate),
@@ -22,10 +22,10 @@ fn a_circle_shrinks_as_its_filter_says() {
         assert_eq!(commands.last(), commands.first());
         let middle = &commands[commands.len() / 3..commands.len() / 2];
         for [x, y] in metres(middle) {
-            let off = x.hypot(y) - radius * gain;
-            assert!(off.abs() < 0.01e-9, "{smoothing:?}: {off:e} m from {:e}", radius * gain);
+            let error = x.hypot(y) - radius * gain;
+            assert!(error.abs() < 0.01e-9, "{smoothing:?}: {error:e} m from {:e}", radius * gain);
         }
-        // The textbook's ΔR = R(ωT)²/24, of the lag R(ωτ)²/2, to a tenth.
+        // The textbook approximations, ΔR = R(ωT)²/24 and R(ωτ)²/2 for the lag, agree to 10 %.
         let textbook = match smoothing {
             Smoothing::Exponential { .. } => angle * angle / 2.0,
             Smoothing::SCurve { .. } => angle * angle / 24.0 * (1.0 + 0.36),
@@ -35,9 +35,10 @@ fn a_circle_shrinks_as_its_filter_says() {
     }
 }
 
-/// The filters turn the step of speed into the block's acceleration: lowered feed where they are too short.
+/// A filter of length T turns the step of speed v into an acceleration v/T. To keep A = 2 m/s² with T = 0.1 s the feed is
+/// reduced to A·T = 0.2 m/s.
 #[test]
-fn filters_that_are_short_lower_the_feed() {
+fn a_short_filter_reduces_the_feed() {
     let line = Block::line([0.1, 0.0], 0.5, 2.0).with_ramps(Ramps::AfterInterpolation);
     let commands = travel([0.0, 0.0], 1000.0, Smoothing::Trapezoid { time_s: 0.1 }, &[line]);
     assert!((greatest(&commands, 1000.0, 1) - 0.2).abs() < 1e-6, "{}", greatest(&commands, 1000.0, 1));

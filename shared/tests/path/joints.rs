@@ -1,11 +1,11 @@
-//! Joints: speed over many of them, and limits where several come together.
+//! Joints: speed over a chain of short blocks, and limits where several joints are close together.
 
 use super::*;
 
-/// 2π·50 mm in chords of 0.1 mm. What limits is the queue: its end has to be within reach at every time. When a
-/// block is begun, 14 lie behind it, for this host pushes between ticks. A joint, which turns by 2 mrad, could be
-/// passed at the feed but for its neighbours: with r = W·v/L = 1 it has 2/(1 + √5) = 0.618 of a tick, passes at 62 mm/s,
-/// and takes v·u/T = 0.12 m/s² twice over: v = √(2·0.8·1.4 mm) = 47 mm/s, all the way round.
+/// A circle of 2π·50 mm in chords of L = 0.1 mm. The speed is limited by the queue, at whose end the path must be able to
+/// stop: 14 blocks, 1.4 mm, when a block starts, because this host pushes between ticks. A joint turns by u = 2 mrad. Alone
+/// it could be passed at the feed; with neighbours within a tick, r = W·v/L = 1, it may use the fraction x = 2/(1 + √5) =
+/// 0.618, is passed at 62 mm/s, and takes v·u/(T·x) = 0.2 m/s² of 1 m/s². So v = √(2·0.8 m/s²·1.4 mm) = 47 mm/s.
 #[test]
 fn look_ahead_carries_speed_over_short_blocks() {
     let (radius, count, feed, acceleration) = (0.05, 3142, 0.1, 1.0);
@@ -20,27 +20,27 @@ fn look_ahead_carries_speed_over_short_blocks() {
     for ramps in [Ramps::Trapezoid, Ramps::SCurve { jerk_m_per_s3: 200.0 }] {
         let commands = travel(point(0), 1000.0, Smoothing::None, &chords(ramps));
         let seconds = commands.len() as f64 / 1000.0;
-        let of_queue = length / (2.0 * 0.8 * acceleration * 14.0 * 1e-4).sqrt();
-        // From rest to rest in each chord it would take 2·√(L/A), 63 s in all. With a jerk limit the acceleration
-        // is zero at every joint, which costs a chain of short blocks half its speed.
-        let slower = if ramps == Ramps::Trapezoid { 1.1 } else { 2.4 };
+        let expected = length / (2.0 * 0.8 * acceleration * 14.0 * 1e-4).sqrt();
+        // With a stop after each chord, 2·√(L/A) each, the circle would take 63 s. With a jerk limit the acceleration is
+        // zero at every joint, which halves the speed over short blocks.
+        let max_ratio = if ramps == Ramps::Trapezoid { 1.1 } else { 2.4 };
         assert!(
-            seconds > 0.9 * of_queue && seconds < slower * of_queue,
-            "{seconds} s, expected {of_queue} s"
+            seconds > 0.9 * expected && seconds < max_ratio * expected,
+            "{seconds} s, expected {expected} s"
         );
         assert!(greatest(&commands, 1000.0, 2) <= acceleration * (1.0 + 1e-6) + quantum(1000.0, 2));
     }
 }
 
-/// A line, a quarter of a circle that leaves it smoothly, and a line again, without a stop.
+/// A line, a tangential quarter circle and a line are travelled without a stop.
 #[test]
 fn a_smooth_path_does_not_stop() {
     let blocks = |ramps| {
-        let on = |block: Block<2>| block.with_ramps(ramps).within(0.0);
+        let exact = |block: Block<2>| block.with_ramps(ramps).within(0.0);
         [
-            on(Block::line([0.05, 0.0], 0.05, 2.0)),
-            on(Block::arc([0, 1], [0.05, 0.02], 0.25, 0.05, 2.0)),
-            on(Block::line([0.07, 0.07], 0.05, 2.0)),
+            exact(Block::line([0.05, 0.0], 0.05, 2.0)),
+            exact(Block::arc([0, 1], [0.05, 0.02], 0.25, 0.05, 2.0)),
+            exact(Block::line([0.07, 0.07], 0.05, 2.0)),
         ]
     };
     let commands = travel([0.0, 0.0], 4000.0, Smoothing::None, &blocks(Ramps::Trapezoid));
@@ -48,8 +48,9 @@ fn a_smooth_path_does_not_stop() {
     let expected = path / 0.05 + 0.05 / 2.0;
     let seconds = (commands.len() - 8) as f64 / 4000.0;
     assert!((seconds - expected).abs() < 2.0 / 4000.0, "{seconds} s, expected {expected}");
-    // v²/R = 0.125 m/s² begins at once: 500 m/s³ at 4 kHz. A jerk limit of J = 100 slows the joints, not to rest:
-    // an arc spares J/16, half of it for the curvature, half of that for each side: v² = J/64·T·R.
+    // The centripetal acceleration v²/R = 0.125 m/s² starts within a tick: 500 m/s³ at 4 kHz. With a jerk limit of
+    // J = 100 m/s³ the joints are passed at a lower speed: an arc reserves J/16 for joints, of which the change of curvature
+    // may use half, and half of that on each side: v² = J/64·T·R.
     let smooth = travel([0.0, 0.0], 4000.0, Smoothing::None, &blocks(Ramps::SCurve { jerk_m_per_s3: 100.0 }));
     assert!(greatest(&smooth, 4000.0, 3) <= 100.0 * (1.0 + 1e-6) + quantum(4000.0, 3));
     let slowest = smooth[200..smooth.len() - 200].windows(2).map(|w| {
@@ -60,9 +61,9 @@ fn a_smooth_path_does_not_stop() {
     assert!((slowest / expected - 1.0).abs() < 0.1, "{slowest} m/s, expected {expected}");
 }
 
-/// Joints that follow each other within the window of a filter, or within a tick, share what one may take.
+/// Joints within the window of a filter, or within a tick, together keep the acceleration limit and the tolerance.
 #[test]
-fn corners_that_come_together_keep_limits_and_tolerance_together() {
+fn joints_within_a_window_together_keep_limits_and_tolerance() {
     let polygon = |count: u32, radius: f64, feed, acceleration, tolerance: f64, ramps| -> Vec<Block<2>> {
         let angle = move |k: u32| TAU * f64::from(k) / f64::from(count);
         let to = move |k: u32| [radius * (angle(k).cos() - 1.0), radius * angle(k).sin()];
@@ -87,18 +88,18 @@ fn corners_that_come_together_keep_limits_and_tolerance_together() {
         let commands = travel([0.0, 0.0], rate_hz, smoothing, &blocks);
         let worst = greatest(&commands, rate_hz, 2);
         assert!(worst <= 1.0 + 1e-6 + quantum(rate_hz, 2) + 0.002, "{smoothing:?} {count}: {worst} m/s²");
-        // The polygon lies between the circle and the circle of its sides' middles.
+        // The polygon lies outside its inscribed circle.
         let inner = radius * (TAU / f64::from(count) / 2.0).cos();
         let off = |[x, y]: &Point| (inner - (x + radius).hypot(*y)).max(0.0);
         let worst = metres(&commands).iter().map(off).fold(0.0, f64::max);
-        assert!(worst <= tolerance + 1e-9, "{smoothing:?} {count}: {worst} m of {tolerance}");
+        assert!(worst <= tolerance + 1e-9, "{smoothing:?} {count}: {worst} m, tolerance {tolerance}");
     }
 }
 
-/// The first step of an exponential ramp is its greatest acceleration, and so is the last step's: between blocks there
-/// has to be room for both.
+/// An exponential ramp has its greatest acceleration in its first and in its last tick. It must not coincide with that of
+/// the adjacent block.
 #[test]
-fn exponential_ramps_do_not_add_to_their_neighbours() {
+fn exponential_ramps_do_not_add_to_the_acceleration_of_adjacent_blocks() {
     let back_and_forth = |first, second| {
         let there = Block::line([0.01, 0.0], 0.1, 1.0).with_ramps(first);
         travel(
@@ -119,9 +120,10 @@ fn exponential_ramps_do_not_add_to_their_neighbours() {
     }
 }
 
-/// A jerk that is as good as none leaves the acceleration what it is, at joints, too.
+/// A jerk limit of 1e6 and 2e5 m/s³, far above the 1 and 5 m/s³ of the acceleration limit in one tick, has no effect: the
+/// acceleration limit is kept, also at joints.
 #[test]
-fn a_huge_jerk_keeps_the_acceleration() {
+fn a_huge_jerk_limit_keeps_the_acceleration_limit() {
     let huge = |to, feed, acceleration, jerk_m_per_s3| {
         Block::line(to, feed, acceleration).with_ramps(Ramps::SCurve { jerk_m_per_s3 }).within(0.0)
     };
@@ -129,6 +131,6 @@ fn a_huge_jerk_keeps_the_acceleration() {
     let single = [huge([0.01, 0.0], 0.03, 0.001_26, 2e5)];
     for (blocks, rate_hz, limit) in [(&chain[..], 1000.0, 0.001), (&single, 4000.0, 0.001_26)] {
         let worst = greatest(&travel([0.0, 0.0], rate_hz, Smoothing::None, blocks), rate_hz, 2);
-        assert!(worst <= limit * (1.0 + 1e-6) + quantum(rate_hz, 2), "{worst} of {limit}");
+        assert!(worst <= limit * (1.0 + 1e-6) + quantum(rate_hz, 2), "{worst} m/s², limit {limit}");
     }
 }

@@ -1,5 +1,4 @@
-//! What a path promises, seen from outside: every command against geometry computed in f64, whose 53 bits
-//! hold 2 m to 0.4 fm.
+//! Accuracy and limits of a path: every command against geometry in f64, whose 53 bits resolve 0.4 fm at 2 m.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod filters;
@@ -18,7 +17,7 @@ fn at(point: Point) -> [Position; 2] {
     point.map(|m| Position::from_m(m).unwrap())
 }
 
-/// All commands, with the start before them and some standstill behind.
+/// All commands, with four ticks of standstill before and after them.
 fn travel(start: Point, rate_hz: f64, smoothing: Smoothing, blocks: &[Block<2>]) -> Vec<[Position; 2]> {
     let mut path = Path::new(at(start), rate_hz);
     path.smooth(&[smoothing; 2]).unwrap();
@@ -45,9 +44,9 @@ fn metres(commands: &[[Position; 2]]) -> Vec<Point> {
     commands.iter().map(|point| point.map(Position::to_m)).collect()
 }
 
-/// Greatest length of the n-th difference of the commands, SI.
+/// Greatest magnitude of the n-th difference of the commands over the n-th power of a tick, SI.
 fn greatest(commands: &[[Position; 2]], rate_hz: f64, order: u32) -> f64 {
-    let mut rows: Vec<[i64; 2]> = commands.iter().map(|point| point.map(|place| place.0)).collect();
+    let mut rows: Vec<[i64; 2]> = commands.iter().map(|point| point.map(|position| position.0)).collect();
     for _ in 0..order {
         rows = rows.windows(2).map(|w| [w[1][0] - w[0][0], w[1][1] - w[0][1]]).collect();
     }
@@ -55,12 +54,12 @@ fn greatest(commands: &[[Position; 2]], rate_hz: f64, order: u32) -> f64 {
     most / PER_M * rate_hz.powi(order.cast_signed())
 }
 
-/// What rounding of both axes to position units can add to the n-th difference: 2ⁿ half units each.
+/// Greatest effect of rounding both axes to position units on the n-th difference: 2ⁿ half units each.
 fn quantum(rate_hz: f64, order: u32) -> f64 {
     f64::from(1 << order) * 0.5 * 2f64.sqrt() / PER_M * rate_hz.powi(order.cast_signed())
 }
 
-fn from_line([x, y]: Point, [ax, ay]: Point, [bx, by]: Point) -> f64 {
+fn distance_to_line([x, y]: Point, [ax, ay]: Point, [bx, by]: Point) -> f64 {
     let (dx, dy) = (bx - ax, by - ay);
     let along = (((x - ax) * dx + (y - ay) * dy) / (dx * dx + dy * dy)).clamp(0.0, 1.0);
     (x - ax - along * dx).hypot(y - ay - along * dy)
@@ -77,9 +76,9 @@ fn ramps() -> impl Strategy<Value = Ramps> {
 proptest! {
     #![proptest_config(ProptestConfig::with_cases(if cfg!(miri) { 1 } else { 48 }))]
 
-    /// Radii up to 1 m anywhere on ±2 m: within 0.5 nm of the circle at every tick, closed exactly, and
-    /// within feed, acceleration (of both axes together) and jerk at every tick, to 1e-6 and the rounding to
-    /// position units.
+    /// A circle of up to 1 m radius within ±2 m: every command is within 0.5 nm of the circle, the circle closes exactly,
+    /// and feed, acceleration and jerk (magnitude of the vector) are within their limits at every tick, to 1e-6 and the
+    /// rounding to position units.
     #[test]
     fn a_circle_is_exact_and_keeps_its_limits(
         centre in [-1.0..1.0f64, -1.0..1.0], radius in 1e-3..1.0f64, angle in 0.0..TAU, ramps in ramps(),
@@ -91,22 +90,22 @@ proptest! {
         let block = Block::arc([0, 1], centre, turns, feed, acceleration).with_ramps(ramps);
         let commands = travel(start, rate, Smoothing::None, &[block]);
         prop_assert_eq!(commands.last(), commands.first(), "not closed");
-        // The start is rounded to position units: the circle goes through that.
-        let of = |[x, y]: Point| (x - Position::from_m(centre[0]).unwrap().to_m()).hypot(y - Position::from_m(centre[1]).unwrap().to_m());
+        // The circle passes through the start, which is rounded to position units.
+        let radius_of = |[x, y]: Point| (x - Position::from_m(centre[0]).unwrap().to_m()).hypot(y - Position::from_m(centre[1]).unwrap().to_m());
         let points = metres(&commands);
-        let exact = of(points[0]);
-        let worst = points.iter().map(|&point| (of(point) - exact).abs()).fold(0.0, f64::max);
-        prop_assert!(worst < 0.5e-9, "{worst:e} m off");
+        let exact = radius_of(points[0]);
+        let worst = points.iter().map(|&point| (radius_of(point) - exact).abs()).fold(0.0, f64::max);
+        prop_assert!(worst < 0.5e-9, "{worst:e} m from the circle");
         let kept = |limit: f64, order| greatest(&commands, rate, order) <= limit * (1.0 + 1e-6) + quantum(rate, order);
         prop_assert!(kept(feed, 1));
-        prop_assert!(kept(acceleration, 2), "{} m/s² of {acceleration}", greatest(&commands, rate, 2));
+        prop_assert!(kept(acceleration, 2), "{} m/s², limit {acceleration}", greatest(&commands, rate, 2));
         if let Ramps::SCurve { jerk_m_per_s3 } = ramps {
-            prop_assert!(kept(jerk_m_per_s3, 3), "{} m/s³ of {jerk_m_per_s3}", greatest(&commands, rate, 3));
+            prop_assert!(kept(jerk_m_per_s3, 3), "{} m/s³, limit {jerk_m_per_s3}", greatest(&commands, rate, 3));
         }
     }
 
-    /// Any chain of lines, joined within any tolerance: on the path to 0.5 nm (there are no filters to round
-    /// it), each end met, within all limits, and the last point exactly the programmed one.
+    /// Any chain of lines with any corner tolerance: without axis filters every command is within 0.5 nm of the lines, all
+    /// limits are kept, and the last command is exactly the programmed end point.
     #[test]
     fn a_chain_of_lines_is_exact_and_keeps_its_limits(
         points in prop::collection::vec([-2.0..2.0f64, -2.0..2.0], 2..6), step in 1e-4..1e-1f64,
@@ -114,7 +113,7 @@ proptest! {
         feed in 0.05..1.0f64, acceleration in 1.0..20.0f64,
     ) {
         let rate = 2000.0;
-        // Short hops around a place anywhere on the travel.
+        // Short lines around a random point of the travel.
         let corners: Vec<Point> = points.iter().enumerate().map(|(k, [x, y])| {
             let near = if k == 0 { 0.0 } else { step };
             [points[0][0] + (x - points[0][0]) * near, points[0][1] + (y - points[0][1]) * near]
@@ -126,21 +125,21 @@ proptest! {
         let commands = travel(corners[0], rate, Smoothing::None, &blocks);
         prop_assert_eq!(*commands.last().unwrap(), at(*corners.last().unwrap()));
         let worst = metres(&commands).iter().map(|&point| {
-            corners.windows(2).map(|w| from_line(point, w[0], w[1])).fold(f64::MAX, f64::min)
+            corners.windows(2).map(|w| distance_to_line(point, w[0], w[1])).fold(f64::MAX, f64::min)
         }).fold(0.0, f64::max);
-        prop_assert!(worst < 0.5e-9, "{worst:e} m off");
+        prop_assert!(worst < 0.5e-9, "{worst:e} m from the lines");
         let kept = |limit: f64, order| greatest(&commands, rate, order) <= limit * (1.0 + 1e-6) + quantum(rate, order);
-        prop_assert!(kept(feed, 1), "{} m/s of {feed}", greatest(&commands, rate, 1));
-        prop_assert!(kept(acceleration, 2), "{} m/s² of {acceleration}", greatest(&commands, rate, 2));
+        prop_assert!(kept(feed, 1), "{} m/s, limit {feed}", greatest(&commands, rate, 1));
+        prop_assert!(kept(acceleration, 2), "{} m/s², limit {acceleration}", greatest(&commands, rate, 2));
         if let Some(jerk) = jerk {
-            prop_assert!(kept(jerk, 3), "{} m/s³ of {jerk}", greatest(&commands, rate, 3));
+            prop_assert!(kept(jerk, 3), "{} m/s³, limit {jerk}", greatest(&commands, rate, 3));
         }
     }
 
-    /// With filters behind the path a corner is passed at speed and rounded by no more than the tolerance, and by
-    /// no less than a third of it where the tolerance is what limits: it is more than twice what the ramps
-    /// beside the corner make with v = 0 (u·A·T²/48, of the lag u·A·τ²/e), and less than what half the
-    /// acceleration, spared for the joint, allows (½A·T·T/8, of the lag ½A·τ·τ/e).
+    /// With axis filters a corner is passed at speed and rounded by at most the tolerance. Where the tolerance limits the
+    /// speed, the corner is rounded by at least a third of it. This holds for a tolerance above twice the deviation of the
+    /// adjacent ramps at v = 0 (u·A·T²/48; lag: u·A·τ²/e), and below the deviation at the speed that half the acceleration,
+    /// which is reserved for the joint, allows (½A·T·T/8; lag: ½A·τ·τ/e).
     #[test]
     fn a_corner_is_rounded_within_its_tolerance(
         angle in 0.1..3.0f64, tolerance in 1e-6..100e-6f64, which in 0..3usize, s_curve in any::<bool>(),
@@ -157,19 +156,19 @@ proptest! {
         let commands = travel(corners[0], rate, smoothing, &blocks.collect::<Vec<_>>());
         prop_assert_eq!(*commands.last().unwrap(), at(corners[2]));
         let worst = metres(&commands).iter()
-            .map(|&point| from_line(point, corners[0], corners[1]).min(from_line(point, corners[1], corners[2])))
+            .map(|&point| distance_to_line(point, corners[0], corners[1]).min(distance_to_line(point, corners[1], corners[2])))
             .fold(0.0, f64::max);
-        prop_assert!(worst <= tolerance + 1e-9, "{worst:e} m of {tolerance:e}");
-        // Off the nearest of two lines is at most the cosine of half the turn of what it is off the corner.
+        prop_assert!(worst <= tolerance + 1e-9, "{worst:e} m, tolerance {tolerance:e}");
+        // On the bisector, the distance to the lines is cos(angle/2) times the distance to the corner.
         let u = 2.0 * (angle / 2.0).sin();
-        let (by_ramps, spared) = [
+        let (by_ramps, reserved) = [
             (0.04f64.powi(2) / 48.0, 0.04f64.powi(2) / 16.0),
             ((0.03f64.powi(2) + 0.01f64.powi(2)) / 48.0, 0.03f64.powi(2) / 16.0),
             (0.02f64.powi(2) / E, 0.02f64.powi(2) / E / 2.0),
         ][which];
-        if tolerance > 2.0 * by_ramps * u * acceleration && tolerance < spared * acceleration {
+        if tolerance > 2.0 * by_ramps * u * acceleration && tolerance < reserved * acceleration {
             let least = tolerance / 3.0 * (angle / 2.0).cos();
-            prop_assert!(worst >= least, "{worst:e} m, expected more than {least:e}");
+            prop_assert!(worst >= least, "{worst:e} m, expected at least {least:e}");
         }
     }
 }
@@ -177,8 +176,8 @@ proptest! {
 /// The figures of `docs/controller.md`: `cargo test -p shared --test path figures -- --nocapture`.
 #[test]
 fn figures() {
-    println!("circle of 1 m about (1 m, -1 m): off the circle, nm; greatest over limit less 1");
-    println!("{:>12} {:>6} {:>9} {:>9} {:>9} {:>9}", "ramps", "Hz", "off, nm", "feed", "acc.", "jerk");
+    println!("circle of 1 m about (1 m, -1 m): distance from the circle, nm; greatest value over limit - 1");
+    println!("{:>12} {:>6} {:>9} {:>9} {:>9} {:>9}", "ramps", "Hz", "nm", "feed", "acc.", "jerk");
     for (name, ramps) in [
         ("trapezoid", Ramps::Trapezoid),
         ("exponential", Ramps::Exponential),
@@ -193,7 +192,7 @@ fn figures() {
             let jerk = if name == "S-curve" { excess(100.0, 3) } else { f64::NAN };
             let [feed, acceleration] = [excess(1.0, 1), excess(5.0, 2)];
             println!("{name:>12} {rate:>6} {off_nm:>9.1e} {feed:>9.1e} {acceleration:>9.1e} {jerk:>9.1e}");
-            // The double's own rounding of 2 m is 4e-7 nm; that of positions, 1e-6 nm.
+            // 2 m is rounded to 4e-7 nm in f64, a position to 1e-6 nm.
             assert!(off_nm < 1e-5, "{off_nm}");
             assert!(feed < 1e-6 && acceleration < 1e-6 + quantum(rate, 2) / 5.0);
         }
@@ -202,8 +201,8 @@ fn figures() {
     let (rate, radius, feed) = (4000.0, 0.02, 0.1);
     let omega = feed / radius / rate;
     let mean = |ticks: f64| (ticks * omega / 2.0).sin() / (ticks * (omega / 2.0).sin());
-    let share = 1.0 - (-1.0f64 / 80.0).exp();
-    let lag = share / (1.0 + (1.0 - share).powi(2) - 2.0 * (1.0 - share) * omega.cos()).sqrt();
+    let alpha = 1.0 - (-1.0f64 / 80.0).exp();
+    let lag = alpha / (1.0 + (1.0 - alpha).powi(2) - 2.0 * (1.0 - alpha) * omega.cos()).sqrt();
     for (smoothing, gain) in [
         (Smoothing::Trapezoid { time_s: 0.05 }, mean(200.0)),
         (Smoothing::SCurve { time_s: 0.05, jerk_time_s: 0.03 }, mean(200.0) * mean(120.0)),
@@ -218,7 +217,7 @@ fn figures() {
     }
 }
 
-/// A given end off the circle draws the arc aside evenly, within all limits, or is refused.
+/// An arc whose end point lies off the circle is corrected evenly over its length and keeps all limits, or it is rejected.
 #[test]
 fn a_short_arc_to_an_end_off_the_circle_keeps_its_limits() {
     use shared::interpolate::PathError;
@@ -244,7 +243,7 @@ fn a_short_arc_to_an_end_off_the_circle_keeps_its_limits() {
 }
 
 #[test]
-fn what_leads_out_of_the_travel_or_filters_backwards_is_refused() {
+fn a_centre_out_of_range_and_negative_filter_times_are_rejected() {
     use shared::interpolate::{Field, PathError};
     let mut path = Path::new(at([100.0, 0.0]), 20_000.0);
     let arc = Block::arc([0, 1], [-100.0, 0.0], 0.5, 40.0, 1000.0);

@@ -2,9 +2,9 @@
 
 use super::*;
 
-/// A stop within an arc takes v²/2a along it, leaves nothing of it, and stands.
+/// A stop on an arc takes v²/2a, stays on the arc and ends at standstill.
 #[test]
-fn a_brake_stops_along_the_path() {
+fn a_stop_on_an_arc_stays_on_the_arc() {
     let (rate, radius) = (4000.0, 0.05);
     let mut path = Path::new(at([radius, 0.0]), rate);
     path.push(&Block::arc([0, 1], [0.0, 0.0], 1.0, 0.1, 1.0).within(0.0)).unwrap();
@@ -24,14 +24,15 @@ fn a_brake_stops_along_the_path() {
         assert!((x.to_m().hypot(y.to_m()) - radius).abs() < 0.5e-9);
         ticks += 1;
     }
-    // 0.1 m/s at 2 m/s²: 50 ms, 2.5 mm; sums over ticks differ by half of one.
+    // 0.1 m/s at 2 m/s²: 50 ms and 2.5 mm; a sum over ticks differs from the integral by half a tick.
     assert!((198..=202).contains(&ticks), "{ticks} ticks");
-    let way = (angle(path.command()) - from) * radius;
-    assert!((way - 2.5e-3).abs() < 0.1 / rate, "{way} m");
-    let stands = path.command();
-    assert_eq!(path.advance(), stands);
+    let distance = (angle(path.command()) - from) * radius;
+    assert!((distance - 2.5e-3).abs() < 0.1 / rate, "{distance} m");
+    let stopped = path.command();
+    assert_eq!(path.advance(), stopped);
 }
 
+/// The commands up to standstill, with a stop after `after` ticks.
 fn braked(start: Point, rate_hz: f64, blocks: &[Block<2>], after: usize) -> Vec<[Position; 2]> {
     let mut path = Path::new(at(start), rate_hz);
     for block in blocks {
@@ -46,8 +47,8 @@ fn braked(start: Point, rate_hz: f64, blocks: &[Block<2>], after: usize) -> Vec<
     commands
 }
 
-/// Before a corner that is all but a stop, where the step extrapolated for the next tick would lead backwards, and
-/// onto a block that is shorter than a tick: a stop never goes faster than the feed, and stays on the path.
+/// A stop never exceeds the feed and stays on the path: shortly before a corner with almost zero speed, where a step
+/// extrapolated from the previous tick would lead backwards, and on blocks that are shorter than the travel of a tick.
 #[test]
 fn a_stop_beside_a_joint_stays_on_the_path() {
     let corner = [Block::line([0.1, 0.0], 0.1, 2.0).within(0.0), Block::line([0.1, 0.1], 0.1, 1.0)];
@@ -58,14 +59,16 @@ fn a_stop_beside_a_joint_stays_on_the_path() {
     let short = [Block::line([0.1, 0.0], 0.1, 0.1).within(0.0), Block::line([0.100_005, 0.0], 0.1, 1000.0)];
     let commands = metres(&braked([0.0, 0.0], 1000.0, &short, 1500));
     assert!(commands.windows(2).all(|w| w[0][0] <= w[1][0] && w[1][0] <= 0.100_005 + 1e-12));
-    // A polygon whose sides are shorter than a tick: on its lines to 0.5 nm.
+    // A polygon whose sides are shorter than the travel of a tick: within 0.5 nm of its sides.
     let point =
         |k: u32| [5e-5 * (TAU * f64::from(k) / 400.0).cos(), 5e-5 * (TAU * f64::from(k) / 400.0).sin()];
     let sides: Vec<_> = (1..=16).map(|k| Block::line(point(k), 0.1, 1.0).within(1e-6)).collect();
     for after in 1..20 {
-        for place in metres(&braked(point(0), 1000.0, &sides, after)) {
-            let off = (0..16).map(|k| from_line(place, point(k), point(k + 1))).fold(f64::INFINITY, f64::min);
-            assert!(off < 0.5e-9, "{off:e} m off after {after}");
+        for command in metres(&braked(point(0), 1000.0, &sides, after)) {
+            let distance = (0..16)
+                .map(|k| distance_to_line(command, point(k), point(k + 1)))
+                .fold(f64::INFINITY, f64::min);
+            assert!(distance < 0.5e-9, "{distance:e} m from the path, stop after {after} ticks");
         }
     }
 }

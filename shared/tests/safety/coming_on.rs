@@ -1,11 +1,12 @@
-//! Drives that come on: where the axes stand, with nothing left over, and not without what the loops need.
+//! Enabling the drives: at the position of the axes, without state from before, and only with the sensors that the loops
+//! use.
 
 use super::*;
 
-/// A reversal's pulse is one of a reversal: given to an axis that stands far from where the machine was made, or moves
-/// in − direction all the while, it adds nothing.
+/// A reversal compensation adds no force when it is set after the axis has moved away from the start, be it at rest or in
+/// steady motion in − direction: the axis has not reversed since.
 #[test]
-fn a_compensation_that_is_given_late_sees_no_reversal() {
+fn a_reversal_compensation_that_is_set_later_starts_without_a_pulse() {
     use shared::compensate::CompensationSettings;
     use shared::compensate::settings::Reversal;
     let reversal = Reversal { force_n: 300.0, decay_s: 0.02, fade_m_per_s: 0.02 };
@@ -26,32 +27,31 @@ fn a_compensation_that_is_given_late_sees_no_reversal() {
     }
 }
 
-/// Under power the loop keeps its sensors: the axis would go by all that the two differ.
+/// With the drives on, the axis would jump by the difference of the two readings.
 #[test]
-fn sensors_are_changed_with_the_drives_off_alone() {
+fn sensors_can_be_changed_only_while_the_drives_are_off() {
     let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors: Sensors::Motor, ..axis() });
     bench.run(16_000);
     bench.scale_off_m = 0.4e-3;
     bench.run(1);
     let other = AxisSettings { sensors: Sensors::Table, ..axis() };
-    let refused = bench.machine.change(0, &other).unwrap_err();
-    assert_eq!(refused, MachineError::Config { axis: 0, error: ConfigError::NotWhileRunning("sensors") });
-    let place = bench.motor_m[0];
+    let error = bench.machine.change(0, &other).unwrap_err();
+    assert_eq!(error, MachineError::Config { axis: 0, error: ConfigError::NotWhileRunning("sensors") });
+    let position = bench.motor_m[0];
     bench.run(4000);
-    assert!((bench.motor_m[0] - place).abs() < 1e-6);
+    assert!((bench.motor_m[0] - position).abs() < 1e-6);
     bench.machine.disable();
     bench.machine.change(0, &other).unwrap();
     bench.run(1);
     bench.machine.enable();
     bench.run(4000);
     assert_eq!(bench.machine.power(), Power::On);
-    assert!((bench.motor_m[0] - place).abs() < 1e-6, "{} m", bench.motor_m[0] - place);
+    assert!((bench.motor_m[0] - position).abs() < 1e-6, "{} m", bench.motor_m[0] - position);
 }
 
-/// A loop that needs a scale does not come on without it: when the scale came back, the axis would go to where that sees
-/// it.
+/// Without this fault the axis would jump to the scale reading when the scale returns.
 #[test]
-fn without_its_scale_a_loop_does_not_come_on() {
+fn a_loop_without_a_reading_of_its_scale_is_not_enabled() {
     for sensors in [Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }] {
         let mut bench =
             Bench::<Fixed>::new(&AxisSettings { sensors, scale_disagreement_limit_m: None, ..axis() });
@@ -67,20 +67,21 @@ fn without_its_scale_a_loop_does_not_come_on() {
         bench.run(1);
         bench.machine.enable();
         bench.run(4000);
-        // Where it stands, 5 mm of scale included.
+        // The axis holds its position although the scale has an offset of 5 mm.
         assert_eq!(bench.machine.power(), Power::On);
         assert!(bench.motor_m[0].abs() < 1e-6, "{} m", bench.motor_m[0]);
     }
 }
 
-/// Not moved by hand, an axis starts its path; moved, it holds where it is, says so, and does not jump back.
+/// An axis that was moved by less than 0.1 mm after its path was pushed starts the path. One that was moved further holds
+/// its position, warns, and discards the path.
 #[test]
-fn a_path_that_was_pushed_before_the_axis_was_moved_is_forgotten() {
+fn a_path_is_discarded_if_the_axis_has_been_moved_away_from_its_start() {
     for (moved_m, holds) in [(0.05e-3, false), (0.2e-3, true), (-5e-3, true)] {
         let mut machine = Machine::<Fixed, 1>::new(RATES, &[axis()], [Position(0)]).unwrap();
         let at = |m: f64| {
-            let place = Position::from_m(m).unwrap();
-            [Reading { motor: place, table: Some(place) }]
+            let position = Position::from_m(m).unwrap();
+            [Reading { motor: position, table: Some(position) }]
         };
         machine.push(&Block::line([0.1], 0.1, 2.0)).unwrap();
         machine.tick(&at(moved_m));
@@ -91,7 +92,7 @@ fn a_path_that_was_pushed_before_the_axis_was_moved_is_forgotten() {
         if holds {
             assert_eq!(output.warning, Some(on(0, FaultKind::Displaced)));
             assert_eq!(output.commands, [at(moved_m)[0].motor]);
-            // No error, no force; 4000 ticks on it still stands.
+            // Without a position error the force is zero, so the axis is still at standstill 4000 ticks later.
             assert!((0..4000).all(|_| machine.tick(&at(moved_m)).forces == [Fixed::ZERO]));
         } else {
             assert_eq!(output.warning, None);
@@ -99,25 +100,24 @@ fn a_path_that_was_pushed_before_the_axis_was_moved_is_forgotten() {
     }
 }
 
-/// What is pushed while the drives are off starts where the axis was moved to before.
+/// A path that is pushed while the drives are off starts at the position to which the axis was moved before.
 #[test]
 fn before_the_first_enable_the_command_follows_the_axis() {
     let mut machine = Machine::<f64, 1>::new(RATES, &[axis()], [Position(0)]).unwrap();
-    let place = Position::from_m(0.02).unwrap();
-    let reading = [Reading { motor: place, table: Some(place) }];
+    let position = Position::from_m(0.02).unwrap();
+    let reading = [Reading { motor: position, table: Some(position) }];
     machine.tick(&reading);
     machine.push(&Block::line([0.03], 0.1, 2.0)).unwrap();
     machine.enable();
     let output = machine.tick(&reading);
     assert_eq!((output.warning, output.done), (None, false));
-    // The first tick of a ramp of 2 m/s² is 2/4000² m = 0.125 µm long at most: 250 N·s at Kp = 50, Kv = 20,000 are 0.2 N.
-    assert!((output.commands[0] - place).unsigned_abs() <= 131_072 * 1000);
+    // The first tick of a ramp at 2 m/s² is at most 2/4000² m = 0.125 µm long: Kp·Kv·0.125 µm = 0.125 N.
+    assert!((output.commands[0] - position).unsigned_abs() <= 131_072 * 1000);
     assert!(output.forces[0].abs() < 1.0, "{}", output.forces[0]);
 }
 
-/// What ended the run before is a fault of this one: no enable before it is acknowledged.
 #[test]
-fn a_watchdog_reset_has_to_be_acknowledged() {
+fn after_a_watchdog_reset_an_enable_needs_an_acknowledgement() {
     let mut bench = Bench::<Fixed>::new(&axis());
     bench.machine.inhibit_enable(Fault::Watchdog);
     bench.run(10);
@@ -129,10 +129,9 @@ fn a_watchdog_reset_has_to_be_acknowledged() {
     assert!(bench.tick().enabled);
 }
 
-/// Off and on again, as often as one likes, a compensated axis stays where it is: what is added to its command stands
-/// all the while.
+/// The correction stays added to the command while the drives are off.
 #[test]
-fn coming_on_again_does_not_move_a_compensated_axis() {
+fn disabling_and_enabling_repeatedly_does_not_move_a_compensated_axis() {
     use shared::compensate::CompensationSettings;
     use shared::compensate::settings::{Pitch, PitchSource, Points};
     let pitch = Points { start_m: -0.1, spacing_m: 0.1, values: [1e-4; 3].into_iter().collect() };
@@ -143,8 +142,8 @@ fn coming_on_again_does_not_move_a_compensated_axis() {
     let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::Motor, ..axis() });
     bench.machine.compensate(0, &settings).unwrap();
     bench.run(24_000);
-    let place = bench.motor_m[0];
-    assert!(((place - 0.2).abs() - 1e-4).abs() < 2e-6, "{place} m");
+    let position = bench.motor_m[0];
+    assert!(((position - 0.2).abs() - 1e-4).abs() < 2e-6, "{position} m");
     for _ in 0..5 {
         bench.machine.disable();
         assert_eq!(bench.machine.push(&Block::line([0.01, 0.0], 0.1, 1.0)), Err(PathError::Interrupted));
@@ -154,6 +153,6 @@ fn coming_on_again_does_not_move_a_compensated_axis() {
             let output = bench.tick();
             assert!(output.forces[0].abs() < 5.0, "{} N", output.forces[0]);
         }
-        assert!((bench.motor_m[0] - place).abs() < 1e-6, "{} m", bench.motor_m[0]);
+        assert!((bench.motor_m[0] - position).abs() < 1e-6, "{} m", bench.motor_m[0]);
     }
 }

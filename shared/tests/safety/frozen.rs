@@ -1,11 +1,11 @@
-//! A motor reading that stands: a dead encoder, or an axis that has not moved.
+//! A motor reading that stands still: a frozen encoder, or an axis that has not moved.
 
 use super::*;
 
-/// Far behind its command, without feed-forward, a motor dwells at its turning point while the command is on its way back:
-/// that is no dead encoder, at any limit from 0.1 mm on.
+/// Without feed-forward a motor is far behind its command and dwells at its reversal point while the command already moves
+/// back. This must not be reported as a frozen encoder, at limits from 0.1 to 1 mm.
 #[test]
-fn a_motor_that_turns_round_behind_its_command_is_not_frozen() {
+fn a_reversal_far_behind_the_command_is_not_a_frozen_encoder() {
     for (limit, feed) in [(1e-4, 0.15), (3e-4, 0.15), (3e-4, 0.3), (1e-3, 0.3)] {
         for acceleration in [1.0, 5.0] {
             let settings = AxisSettings {
@@ -28,12 +28,11 @@ fn a_motor_that_turns_round_behind_its_command_is_not_frozen() {
     }
 }
 
-/// A motor reading that stands while the axis is to move: the drives go off before the axis has run away. The command
-/// is at 0.1 mm after √(2·0.1 mm/2 m/s²) = 10 ms; the mass, which nobody sees, has gone no further than a force that
-/// grows to the limit in no time takes it: F/2m·t² = 400/100·(10 ms)² = 0.4 mm, where the following error of 10 mm
-/// alone would have let it run for 0.1 s and 40 mm.
+/// The command travels 0.1 mm, the limit, in √(2·0.1 mm/2 m/s²) = 10 ms. Even if the force is at its limit F from the start,
+/// the mass m moves by no more than F/2m·t² = 400/100·(10 ms)² = 0.4 mm in this time. The following error of 10 mm alone
+/// would be reached after 0.1 s and 40 mm.
 #[test]
-fn a_frozen_encoder_puts_the_drives_off() {
+fn a_frozen_encoder_switches_the_drives_off() {
     for toggles in [0.0, 0.5e-6] {
         let settings = AxisSettings {
             sensors: Sensors::Motor,
@@ -46,29 +45,29 @@ fn a_frozen_encoder_puts_the_drives_off() {
         let mut machine = Machine::<Fixed, 1>::new(RATES, &[settings], [Position(0)]).unwrap();
         machine.push(&Block::line([0.1], 0.1, 2.0)).unwrap();
         machine.enable();
-        let (mut velocity, mut place, mut ticks) = (0.0, 0.0, 0u32);
+        let (mut velocity, mut position, mut ticks) = (0.0, 0.0, 0u32);
         loop {
-            // With one wire broken the counter goes to and fro between two counts.
-            let shown = Position::from_m(if ticks % 2 == 0 { 0.0 } else { toggles }).unwrap();
-            let force = machine.tick(&[Reading { motor: shown, table: None }]).forces[0].value();
+            // With one broken wire the counter toggles between two adjacent counts.
+            let reading = Position::from_m(if ticks % 2 == 0 { 0.0 } else { toggles }).unwrap();
+            let force = machine.tick(&[Reading { motor: reading, table: None }]).forces[0].value();
             if !machine.power().is_on() {
                 break;
             }
             velocity += force / 50.0 / RATE_HZ;
-            place += velocity / RATE_HZ;
+            position += velocity / RATE_HZ;
             ticks += 1;
-            assert!(ticks < 400, "{place} m");
+            assert!(ticks < 400, "{position} m");
         }
         assert_eq!(machine.power(), Power::Faulted(on(0, FaultKind::EncoderFrozen)));
         // 10 ms are 40 ticks.
         assert!((39..=42).contains(&ticks), "{ticks}");
-        assert!(place < 0.4e-3, "{place} m");
+        assert!(position < 0.4e-3, "{position} m");
     }
 }
 
-/// A motor that follows late, against friction that holds it for a while at each start, is not frozen.
+/// Three lines with a dwell before each.
 #[test]
-fn an_encoder_that_moves_is_not_frozen() {
+fn a_motor_that_follows_its_command_has_no_frozen_encoder() {
     let settings = AxisSettings { frozen_encoder_limit_m: Some(1e-4), ..axis() };
     let mut bench = Bench::<Fixed>::new(&settings);
     for x in [0.1, 0.2, 0.0] {

@@ -1,5 +1,5 @@
-//! Each fault on a machine that moves: what puts the drives off does so in the same tick, what stops does it
-//! along the path, what warns goes on.
+//! Each fault on a machine in motion: it switches the drives off in the same tick, or stops along the path, or warns and the
+//! motion continues.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod coming_on;
@@ -16,18 +16,20 @@ use shared::units::Position;
 const RATE_HZ: f64 = 4000.0;
 const RATES: Rates = Rates { velocity_loop_hz: RATE_HZ, position_loop_divider: 1 };
 
-fn place(m: f64) -> Position {
+fn position(m: f64) -> Position {
     Position::from_m(m).unwrap()
 }
 
-/// Two axes, of which each follows its command with the velocity loop's own error: motor = mass of 50 kg.
+/// Two axes, each a mass of 50 kg without friction.
 struct Bench<S: Scalar> {
     machine: Machine<S, 2>,
     motor_m: [f64; 2],
     velocity: [f64; 2],
-    /// What the sensors are made to say besides.
+    /// Error of the motor reading of the second axis.
     motor_jump_m: f64,
+    /// Whether the scales have a reading.
     scale: bool,
+    /// Error of the scale readings.
     scale_off_m: f64,
 }
 
@@ -47,10 +49,10 @@ impl<S: Scalar> Bench<S> {
     }
 
     fn tick(&mut self) -> Output<S, 2> {
-        let place = |m: f64| Position::from_m(m).unwrap();
+        let position = |m: f64| Position::from_m(m).unwrap();
         let readings = [0, 1].map(|axis| Reading {
-            motor: place(self.motor_m[axis] + if axis == 1 { self.motor_jump_m } else { 0.0 }),
-            table: self.scale.then(|| place(self.motor_m[axis] + self.scale_off_m)),
+            motor: position(self.motor_m[axis] + if axis == 1 { self.motor_jump_m } else { 0.0 }),
+            table: self.scale.then(|| position(self.motor_m[axis] + self.scale_off_m)),
         });
         let output = self.machine.tick(&readings);
         for axis in 0..2 {
@@ -60,11 +62,11 @@ impl<S: Scalar> Bench<S> {
         output
     }
 
-    /// Until the drives are off, which they have to be within 5 s.
-    fn until_off(&mut self, mut seen: impl FnMut(&Self, Output<S, 2>)) {
+    /// Runs until the drives are off, at most 5 s.
+    fn until_off(&mut self, mut each_tick: impl FnMut(&Self, Output<S, 2>)) {
         for _ in 0..20_000 {
             let output = self.tick();
-            seen(self, output);
+            each_tick(self, output);
             if !self.machine.power().is_on() {
                 return;
             }
@@ -95,83 +97,81 @@ const fn on(axis: u8, kind: FaultKind) -> Fault {
     Fault::Axis { axis, kind }
 }
 
-/// The drives go off in the tick that sees it.
-fn goes_off_at_once<S: Scalar>(change: impl Fn(&mut Bench<S>), fault: Fault) {
+/// The drives are switched off in the tick in which the fault occurs.
+fn switches_off_at_once<S: Scalar>(change: impl Fn(&mut Bench<S>), fault: Fault) {
     let mut bench = Bench::<S>::new(&axis());
     assert!(bench.run(2000).enabled);
     change(&mut bench);
     let output = bench.tick();
     assert_eq!(bench.machine.power(), Power::Faulted(fault), "{}", S::NAME);
     assert!(!output.enabled && output.forces.iter().all(|force| force.value() == 0.0));
-    // Nothing moves without an acknowledgement and a fresh enable.
+    // An enable has no effect before an acknowledgement.
     bench.machine.enable();
     assert!(!bench.tick().enabled);
     bench.machine.disable();
     bench.machine.enable();
 }
 
-fn sudden<S: Scalar>() {
-    // 0.3 mm in a tick of 0.25 ms is 1.2 m/s, and less than scale and motor may disagree.
-    goes_off_at_once::<S>(|bench| bench.motor_jump_m = 0.3e-3, on(1, FaultKind::EncoderStep));
-    goes_off_at_once::<S>(|bench| bench.scale_off_m = 0.6e-3, on(0, FaultKind::Disagreement));
-    goes_off_at_once::<S>(|bench| bench.machine.fault(Fault::Overrun), Fault::Overrun);
-    goes_off_at_once::<S>(|bench| bench.machine.fault(Fault::HardwareStop), Fault::HardwareStop);
+fn severe_faults<S: Scalar>() {
+    // 0.3 mm in a tick of 0.25 ms is 1.2 m/s, above the limit of 0.5 m/s; the disagreement is below its limit of 0.5 mm.
+    switches_off_at_once::<S>(|bench| bench.motor_jump_m = 0.3e-3, on(1, FaultKind::EncoderStep));
+    switches_off_at_once::<S>(|bench| bench.scale_off_m = 0.6e-3, on(0, FaultKind::Disagreement));
+    switches_off_at_once::<S>(|bench| bench.machine.fault(Fault::Overrun), Fault::Overrun);
+    switches_off_at_once::<S>(|bench| bench.machine.fault(Fault::HardwareStop), Fault::HardwareStop);
 }
 
 #[test]
-fn sudden_faults_put_the_drives_off_in_every_format() {
-    sudden::<Fixed>();
-    sudden::<f32>();
-    sudden::<f64>();
+fn severe_faults_switch_the_drives_off_in_every_format() {
+    severe_faults::<Fixed>();
+    severe_faults::<f32>();
+    severe_faults::<f64>();
 }
 
 #[test]
-fn a_following_error_puts_the_drives_off() {
+fn a_following_error_switches_the_drives_off() {
     let mut bench = Bench::<Fixed>::new(&AxisSettings { following_error_limit_m: 1.5e-3, ..axis() });
-    // 0.1 m/s·2/√5 over Kp = 50/s is 1.8 mm on the first axis: reached while it speeds up.
+    // At constant speed the error of the first axis is 0.1 m/s·2/√5/Kp = 1.8 mm: it passes 1.5 mm during acceleration.
     bench.run(2000);
     assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::FollowingError)));
 }
 
 #[test]
-fn a_force_at_its_limit_stops_after_its_time() {
+fn a_saturated_force_stops_the_path_after_its_budget() {
     let mut bench = Bench::<Fixed>::new(&AxisSettings { force_limit_n: 20.0, ..axis() });
-    // 50 kg at 2 m/s² need 89 N.
+    // The acceleration needs 50 kg·2 m/s²·2/√5 = 89 N.
     let mut ticks = 0;
     while !matches!(bench.machine.power(), Power::Stopping(_)) {
         bench.tick();
         ticks += 1;
         assert!(ticks < 400, "{:?}", bench.machine.power());
     }
-    // 10 ms are 40 ticks, which begin once the error asks for 20 N: 1 mm/s, after some ticks.
+    // The budget of 10 ms is 40 ticks. The force is saturated some ticks after the start, at a velocity error of
+    // 20 N/Kv = 1 mm/s.
     assert!((41..=80).contains(&ticks), "{ticks}");
     assert_eq!(bench.machine.power(), Power::Stopping(on(0, FaultKind::ForceSaturated)));
 }
 
-/// Differences of the motor reading close the velocity loop one tick late: with Kv·Δt/m > 2 each tick turns the speed
-/// over and makes it larger, until the force is thrown from limit to limit with a tick in between now and then.
+/// The velocity loop is closed on the difference of motor readings. With Kv·Δt/m > 2 the velocity changes its sign and grows
+/// in each tick, until the force alternates between its limits with an unsaturated tick now and then.
 #[test]
-fn an_unstable_loop_stops_although_its_force_turns_over() {
+fn an_unstable_loop_is_stopped_although_its_force_changes_sign() {
     let velocity_gain_n_s_per_m = 2.5 * 50.0 * RATE_HZ;
     let mut bench =
         Bench::<f64>::new(&AxisSettings { velocity_gain_n_s_per_m, force_limit_n: 200.0, ..axis() });
-    let (mut ticks, mut below, mut turned, mut last) = (0, 0, 0, 0.0);
+    let (mut ticks, mut below, mut sign_changes, mut last) = (0, 0, 0, 0.0);
     while bench.machine.power() == Power::Off || bench.machine.power().is_on() {
         let force = bench.tick().forces[0].value();
         below += u32::from(force.abs() < 199.0);
-        turned += u32::from(force * last < 0.0);
+        sign_changes += u32::from(force * last < 0.0);
         last = force;
         ticks += 1;
         assert!(ticks < 2000, "still running");
     }
-    assert!(
-        turned > 10 && below > 0,
-        "it turned over {turned} times, and was below its limit in {below} ticks"
-    );
+    assert!(sign_changes > 10 && below > 0, "{sign_changes} changes of sign, {below} ticks below the limit");
 }
 
 #[test]
-fn a_lost_scale_warns_and_goes_on() {
+fn a_lost_scale_warns_and_the_motion_continues() {
     let mut bench = Bench::<Fixed>::new(&axis());
     bench.run(1000);
     bench.scale = false;

@@ -132,8 +132,8 @@ fn a_correct_sequence_gives_ready_clocks_with_their_rates() {
 }
 
 #[test]
-fn a_sequence_that_the_manual_forbids_is_refused() {
-    let refused = |writes: &[(u32, u32)]| {
+fn a_sequence_that_the_manual_forbids_is_rejected() {
+    let rejected = |writes: &[(u32, u32)]| {
         let run = || {
             writes.iter().fold(Clocks::new(), |mut clocks, &(to, value)| {
                 clocks.write(to, value);
@@ -144,10 +144,10 @@ fn a_sequence_that_the_manual_forbids_is_refused() {
     };
     let ready = [(PLLCFGR, FROM_CRYSTAL), (CR, HSE_ON | PLL_ON)];
     let [factors, on] = ready;
-    assert!(!refused(&[factors, on, (ACR, WAIT_STATES), (CFGR, 2)]));
-    assert!(refused(&[factors, on, (ACR, WAIT_STATES - 1), (CFGR, 2)]), "too few wait states");
-    assert!(refused(&[factors, (CR, HSI_ON | PLL_ON)]), "the PLL without its crystal");
-    assert!(refused(&[factors, on, factors]), "factors of a running PLL");
-    assert!(refused(&[(ACR, WAIT_STATES), (CFGR, 2)]), "a PLL that is off");
-    assert!(refused(&[(CFGR, 1)]), "a crystal that is off");
+    assert!(!rejected(&[factors, on, (ACR, WAIT_STATES), (CFGR, 2)]));
+    assert!(rejected(&[factors, on, (ACR, WAIT_STATES - 1), (CFGR, 2)]), "too few wait states");
+    assert!(rejected(&[factors, (CR, HSI_ON | PLL_ON)]), "the PLL without its crystal");
+    assert!(rejected(&[factors, on, factors]), "factors of a running PLL");
+    assert!(rejected(&[(ACR, WAIT_STATES), (CFGR, 2)]), "a PLL that is off");
+    assert!(rejected(&[(CFGR, 1)]), "a crystal that is off");
 }

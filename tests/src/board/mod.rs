@@ -1,9 +1,9 @@
 //! The program of the board on an emulated STM32F405.
 //!
 //! QEMU's machine `netduinoplus2` has the core, its interrupt controller, flash and RAM at their addresses, and TIM2 to
-//! TIM5. The program is unchanged, but it would wait for its clocks for ever, which QEMU does not model: the test halts
-//! at the accesses of `FLASH_ACR`, `RCC_CR`, `RCC_PLLCFGR` and `RCC_CFGR` and answers them as the chip does
-//! ([`clocks`]). It also fills the free RAM with a pattern before the start.
+//! TIM5. The program is unchanged. QEMU does not model the clocks, so that the program would wait for them for ever: the
+//! test halts at the accesses to `FLASH_ACR`, `RCC_CR`, `RCC_PLLCFGR` and `RCC_CFGR` and emulates them ([`clocks`]). Before
+//! the start it fills the free RAM with a pattern.
 //!
 //! QEMU models no TIM1, GPIO, watchdog or encoder mode either. They read as 0, and writes to them are in the emulator's
 //! log ([`log`]). [`inputs`] provides switch and encoders where a test closes the loops.

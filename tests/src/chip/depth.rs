@@ -51,7 +51,7 @@ struct Known {
     deepest: Option<u32>,
 }
 
-/// The depths of functions and of all that they call.
+/// The stack of each reachable function, with that of its callees.
 pub struct Depths(BTreeMap<u32, Known>);
 
 impl Depths {

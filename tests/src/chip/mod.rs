@@ -1,6 +1,6 @@
 //! Static analysis of a program of the chip: its functions, the effects of its instructions, its call graph.
 //!
-//! [`image`] reads the ELF file, [`thumb`], [`pointer`] and [`memory`] decode instructions; [`walk`] follows all calls,
+//! [`image`] reads the ELF file, [`thumb`], [`mod@pointer`] and [`memory`] decode instructions; [`walk`] follows all calls,
 //! [`depth`] sums stack frames over them, and [`vectors`] adds the exceptions.
 
 pub mod depth;

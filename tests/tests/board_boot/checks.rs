@@ -1,4 +1,4 @@
-//! What must hold after a run.
+//! Checks after a run.
 
 use firmware::setup::{CRYSTAL_HZ, FULL_DUTY_N, METRES_PER_COUNT, SETTINGS, SWITCH_SETTLING_TICKS, TICK_HZ};
 use shared::config::AxisSettings;
@@ -24,11 +24,15 @@ pub fn stack_depth_is_as_computed(chip: &mut Chip) {
     let [used, room] = chip.stack().unwrap();
     let worst = chip.vectors.worst_case(&chip.image, &SELF_CALLS).unwrap();
     println!("{used} B of the stack were used, {} B computed, {room} B available", worst.bytes());
-    assert!(used <= worst.bytes() && worst.bytes() <= room, "{used} B of {} B of {room} B", worst.bytes());
-    // The frame of the tick and that of the core, of which two words, alignment and reserve, are not written.
+    assert!(
+        used <= worst.bytes() && worst.bytes() <= room,
+        "{used} B used, {} B computed, {room} B available",
+        worst.bytes()
+    );
+    // The frame of the tick and that of the core. Two words of the latter, alignment and reserve, are not written.
     let tick = chip.vectors.handler(TICK);
     let (_, frame) = worst.exceptions.iter().find(|depth| depth.chain[0].0 == tick).unwrap().chain[0];
-    assert!(used >= frame + EXCEPTION_FRAME - 8, "{used} B of {frame} B");
+    assert!(used >= frame + EXCEPTION_FRAME - 8, "{used} B used, the frame is {frame} B");
     let (sp, running) = (chip.target.register(SP).unwrap(), chip.target.register(XPSR).unwrap() & 511);
     assert!(sp <= chip.vectors.initial_sp && sp >= chip.vectors.initial_sp - worst.bytes(), "{sp:#x}");
     assert!(running == 0 || running as usize == TICK, "exception {running}");
@@ -86,8 +90,8 @@ pub fn power_stages(accesses: &[Access]) -> [bool; 2] {
     [enable.unwrap() & 1 << 14 != 0, outputs.unwrap() & MOE != 0]
 }
 
-/// The enable switch reads as open: PB14 is low before it is an output, and stays so. No overrun: the fault light
-/// at PC13, on when low, stays off. Each of the `ticks` that have ended sets the duties and feeds the watchdog.
+/// The enable switch reads as open: PB14 is low before it is an output, and stays low. There is no overrun: the fault light
+/// at PC13, active low, stays off. Each of the `ticks` that have ended sets the duties and feeds the watchdog.
 pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize) {
     let low_before = |device, bit: u32, mode: u32| {
         let position = |offset: u32, bits: u32| {
@@ -120,10 +124,10 @@ pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize
     assert!(key(0xaaaa) >= ticks, "fed {} times in {ticks} ticks", key(0xaaaa));
 }
 
-/// PB14 and the main output of the PWM are switched on once, when the switch has been closed for its settling time. X,
-/// displaced in the positive direction by one count a tick, is pushed back:
-/// - while it moves at v, by Kv·v and at most the force at standstill in addition;
-/// - at standstill at a distance d, by Kv·Kp·d of the position loop and Kv/Ti·d of the integral part, which grows by
+/// PB14 and the main output of the PWM are switched on once, when the switch has been closed for its settling time. X is
+/// displaced in the positive direction by one count per tick. The force on it is:
+/// - while it moves at v: Kv·v, and at most the force at standstill in addition;
+/// - at standstill at a distance d: Kv·Kp·d by the position loop and Kv/Ti·d by the integral part, which grows by
 ///   Kv/Ti·Kp·d·t: 4 % of the sum in the 3 ms of the motion and after it. The duty is rounded to a count.
 pub fn drives_come_on_and_push_back(accesses: &[Access]) {
     // Low at the start, then high once; the PWM with it.
@@ -144,17 +148,23 @@ pub fn drives_come_on_and_push_back(accesses: &[Access]) {
     let distance = METRES_PER_COUNT[0] * f64::from(COUNTS);
     let moving = velocity_gain_n_s_per_m * speed * counts_per_n;
     let rate = position_gain_per_s + 1.0 / velocity_integral_time_s.unwrap();
-    let standing = velocity_gain_n_s_per_m * rate * distance * counts_per_n;
+    let at_standstill = velocity_gain_n_s_per_m * rate * distance * counts_per_n;
 
     // The pulse is at the end of the period, after the compare value.
     let counts = |offset| written(accesses, "timer[1]", offset).map(|compare| FULL_COUNTS - compare);
     let duties: Vec<f64> = counts(0x34).map(f64::from).collect();
     let (max, last) = (duties.iter().copied().fold(0.0, f64::max), duties[duties.len() - 1]);
-    assert!(moving - 1.0 <= max && max <= moving + 1.04 * standing + 1.0, "{max} of {moving} counts");
-    assert!(standing - 1.0 <= last && last <= 1.04 * standing + 1.0, "{last} of {standing} counts");
+    assert!(
+        moving - 1.0 <= max && max <= moving + 1.04 * at_standstill + 1.0,
+        "{max} counts, expected {moving}"
+    );
+    assert!(
+        at_standstill - 1.0 <= last && last <= 1.04 * at_standstill + 1.0,
+        "{last} counts, expected {at_standstill}"
+    );
     // PC6 is high for a negative force.
     let directions = written(accesses, "GPIOC", 0x18).filter(|bits| bits & 0x0040_0040 != 0);
     assert_eq!(directions.last(), Some(1 << 6));
-    // Y stands at zero: no duty by rounding.
+    // Y is at standstill at zero: its duty is exactly zero.
     assert!(counts(0x38).all(|counts| counts == 0));
 }

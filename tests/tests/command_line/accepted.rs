@@ -27,7 +27,7 @@ fn every_command_has_help() {
 }
 
 #[test]
-fn unusable_arguments_are_exit_2() {
+fn invalid_arguments_end_with_exit_code_2() {
     for arguments in [
         "",
         "frobnicate",
@@ -53,7 +53,7 @@ fn a_log_is_determined_by_its_seed() {
     };
     let (first, again, other) = (run(5), run(5), run(6));
     assert!(first == again, "two runs of seed 5 differ");
-    assert!(first != other, "seeds 5 and 6 give the same");
+    assert!(first != other, "seeds 5 and 6 give the same log");
     assert_eq!(first.lines().count(), other.lines().count());
 }
 
@@ -87,7 +87,7 @@ fn a_compressed_log_gives_the_same_trace() {
 }
 
 #[test]
-fn nothing_is_found_where_nothing_is_undeclared() {
+fn no_effect_is_found_without_undeclared_effects() {
     let folder = folder();
     let circle = include_str!("../../../host-sim/motions/demo_circle.toml");
     fs::write(folder.path().join("motion.toml"), circle).unwrap();
@@ -136,14 +136,14 @@ fn an_output_that_cannot_be_written_is_named() {
         assert!(message.contains(&format!("nowhere/{output}: not written: there is no folder")), "{message}");
         assert!(folder.contents() == before, "{command}");
     }
-    // The path of the page's folder is that of a file.
+    // The folder for the page is the path of an existing file.
     let message = folder.fails("trace --machine machine.toml --fit fit.csv --report motion.toml", 1);
     assert!(message.contains("motion.toml"), "{message}");
     assert!(folder.contents() == before);
 }
 
 #[test]
-fn a_loop_that_faults_is_a_failed_job() {
+fn a_fault_of_the_loop_is_a_failed_job() {
     let folder = folder();
     // Its force limit is below its friction, and the motion is longer than the limit of the following error.
     fs::write(folder.path().join("motion.toml"), MOTION.replace("x = 20.0", "x = 600.0")).unwrap();
@@ -160,7 +160,7 @@ fn a_loop_that_faults_is_a_failed_job() {
 }
 
 #[test]
-fn a_link_that_breaks_is_a_failed_job() {
+fn a_broken_link_is_a_failed_job() {
     let folder = folder();
     // Not a program: the emulator, if it is installed, ends at once.
     let message = folder.fails("record --port emulated:motion.toml --motion motion.toml --out out.csv", 1);

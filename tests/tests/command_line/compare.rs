@@ -1,4 +1,4 @@
-//! `lost-motion compare`: table, JSON, page, and refused arguments.
+//! `lost-motion compare`: table, JSON, page, and rejected arguments.
 
 use serde_json::Value;
 
@@ -50,7 +50,7 @@ fn table_json_and_page_have_every_motion_and_format() {
 }
 
 #[test]
-fn bad_arguments_are_refused_in_one_line() {
+fn invalid_arguments_are_rejected_in_one_line() {
     let folder = WorkFolder::with(&[("other.txt", "")]);
     let before = folder.contents();
     for (arguments, expected) in [

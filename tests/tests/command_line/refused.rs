@@ -283,7 +283,7 @@ fn motions() {
                 "motion.toml: line 13: block[2].arc.centre_mm: expected a centre away from where the axes stand",
             ],
         ),
-        // A radius that the file format allows and the controller refuses.
+        // A radius that the file format allows and the controller rejects.
         of(
             "centre_mm = { x = 0.0, y = 0.0 }",
             "centre_mm = { x = 10.0001, y = 0.0 }",

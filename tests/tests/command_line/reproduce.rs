@@ -41,7 +41,8 @@ fn tables_json_and_page_have_every_paper() {
     assert!(!page.contains("http") && !page.contains("<script") && !page.contains("NaN"));
 }
 
-/// Where the paper prints a bound, the verdict is whether it holds; a number that agrees is within 12 %.
+/// If the paper prints a bound, the verdict states whether the bound holds; if it prints a number, whether ours agrees, which
+/// is within 12 % at most.
 fn assert_verdict(result: &Value) {
     let (ours, agrees) = (result["ours"].as_f64().unwrap(), result["agrees"] == true);
     let Some(bound) = result["printed"].as_str() else {

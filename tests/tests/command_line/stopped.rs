@@ -1,4 +1,4 @@
-//! Runs that do not reach their end: refused, faulted with reason and time, or interrupted; without a log.
+//! Runs that do not reach their end: rejected, ended by a fault with reason and time, or interrupted. They leave no log.
 
 use super::work_folder::{MACHINE, MOTION, SIMULATE, WorkFolder};
 
@@ -56,7 +56,7 @@ fn unstable_gains_fault_with_the_time() {
 }
 
 #[test]
-fn an_axis_that_needs_too_short_steps_is_refused_by_its_key() {
+fn an_axis_that_needs_too_short_steps_is_rejected_with_its_key() {
     let stiff =
         ["machine.toml: axis.x.presliding_stiffness_n_per_um: expected an axis that steps of a millionth"];
     assert_fails(&machine(&[("presliding_stiffness_n_per_um", "1e12")]), MOTION, 2, &stiff);
@@ -73,7 +73,7 @@ fn an_axis_that_needs_too_short_steps_is_refused_by_its_key() {
 }
 
 #[test]
-fn numbers_out_of_range_are_refused() {
+fn numbers_out_of_range_are_rejected() {
     for (key, value, expected) in [
         (
             "stiffness_n_per_um",
@@ -111,7 +111,7 @@ fn numbers_out_of_range_are_refused() {
     }
 }
 
-/// A resonance far above the sample rate is as stable as a slow one.
+/// A resonance far above the sample rate does not make the simulation unstable.
 #[test]
 fn a_fast_resonance_stays_in_bounds() {
     for (frequency_hz, damping_ratio) in [(1250.0, 0.02), (400.0, 0.001), (60.0, 30.0)] {
@@ -133,7 +133,7 @@ fn a_fast_resonance_stays_in_bounds() {
 }
 
 #[test]
-fn motions_beyond_the_travel_are_refused() {
+fn motions_beyond_the_travel_are_rejected() {
     // The motion reaches x = 20 mm.
     let beyond_travel = ["motion.toml: ", "block[", "axis.x.travel_mm, -5 to 15 mm, of ", "machine.toml"];
     assert_fails(&machine(&[("travel_mm", "[-5.0, 15.0]")]), MOTION, 2, &beyond_travel);
@@ -142,7 +142,7 @@ fn motions_beyond_the_travel_are_refused() {
 }
 
 #[test]
-fn impossible_structures_are_refused() {
+fn impossible_structures_are_rejected() {
     let bodies = include_str!("../../../host-sim/machines/bodies.toml");
     let with = |old: &str, new: &str| {
         assert!(bodies.contains(old), "{old}");
@@ -172,7 +172,7 @@ fn impossible_structures_are_refused() {
     }
 }
 
-/// A signal while it writes: no incomplete file remains, and the exit code is 130.
+/// A signal while the program writes its log: no incomplete file remains, and the exit code is 130.
 #[cfg(unix)]
 #[test]
 fn an_interrupted_run_leaves_no_file() {
@@ -194,7 +194,7 @@ fn an_interrupted_run_leaves_no_file() {
         while folder.contents().len() == before.len() && start.elapsed() < Duration::from_secs(30) {
             std::thread::sleep(Duration::from_millis(20));
         }
-        assert!(folder.contents().len() > before.len(), "it has started to write");
+        assert!(folder.contents().len() > before.len(), "expected the program to have started to write");
         let id = child.id().to_string();
         assert!(Command::new("kill").args(["-s", signal, &id]).status().unwrap().success());
         assert_eq!(child.wait().unwrap().code(), Some(130), "{signal}");

@@ -11,7 +11,7 @@ use tempfile::TempDir;
 /// A machine of two axes without undeclared effects.
 pub const MACHINE: &str = include_str!("../../../host-sim/machines/demo.toml");
 
-/// A line forth and back, and a quarter of a circle in each direction; 1.5 s.
+/// A line there and back, and a quarter circle in each direction; 1.5 s.
 pub const MOTION: &str = r#"name = "short"
 feed_mm_per_min = 3000.0
 acceleration_m_per_s2 = 2.0

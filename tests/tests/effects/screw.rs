@@ -39,7 +39,7 @@ fn since_reversal_um(effect_run: &RunLog, travel_um: f64) -> [f64; 2] {
 /// While the motor crosses the gap the table does not move, on a guideway without bristles; after it the table lags by
 /// the gap.
 #[test]
-fn the_table_stands_while_the_motor_crosses_the_gap() {
+fn the_table_is_at_standstill_while_the_motor_crosses_the_gap() {
     let width_um = 12.0;
     let stiff = "presliding_stiffness_n_per_um = 40.0 ";
     let damping = "presliding_damping_n_s_per_m = 2000.0 ";

@@ -1,4 +1,4 @@
-//! Effects between table and tool, and latencies of the log: the loop does not see them.
+//! Effects between table and tool, and latencies of the log: the loop does not depend on them.
 
 use std::f64::consts::TAU;
 

@@ -1,4 +1,4 @@
-//! The modules of a crate and which of them use which.
+//! The modules of a crate, and which module uses which.
 
 use std::collections::{BTreeMap, BTreeSet};
 use std::fs;
@@ -25,25 +25,25 @@ impl CrateSource {
         Self::parse(files.iter().map(|(module, text)| (module.as_str(), text.as_str())))
     }
 
-    /// Of modules, as `a::b`, with their texts.
+    /// From modules, named as `a::b`, with their source texts.
     pub fn parse<'a>(files: impl Iterator<Item = (&'a str, &'a str)>) -> Self {
         let module =
             |name: &str| name.split("::").filter(|part| !part.is_empty()).map(str::to_owned).collect();
         Self { files: files.map(|(name, text)| (module(name), Paths::of(text))).collect() }
     }
 
-    /// Their paths.
+    /// The paths of the modules.
     pub fn modules(&self) -> Vec<&Vec<String>> {
         self.files.keys().collect()
     }
 
-    /// Circles among the children of each module, each child with all that is inside it, and its parent's own items.
+    /// Circles among the children of each module and its own items. A child includes all modules inside it.
     pub fn circles(&self) -> Vec<Vec<String>> {
         let arrows = self.arrows();
         self.files.keys().flat_map(|parent| circles_below(parent, &arrows)).collect()
     }
 
-    /// From each module to each that it uses.
+    /// Pairs of modules of which the first uses the second.
     fn arrows(&self) -> BTreeSet<(Vec<String>, Vec<String>)> {
         let mut arrows = BTreeSet::new();
         for (module, paths) in &self.files {
@@ -53,7 +53,7 @@ impl CrateSource {
         arrows
     }
 
-    /// The module in which what a path names is defined, if it is one of this crate.
+    /// The module of this crate that defines the item at a path; `None` for other crates.
     fn target(&self, module: &[String], path: &[String], depth: usize) -> Option<Vec<String>> {
         let mut at: Vec<String> = match path.first()?.as_str() {
             "crate" => Vec::new(),
@@ -74,9 +74,9 @@ impl CrateSource {
                 at = inside;
                 continue;
             }
-            let handed_on = self.files.get(&at)?.handed_on.iter().find(|(name, _)| name == segment);
-            // A name that is handed on in a ring would lead nowhere.
-            return match handed_on {
+            let re_export = self.files.get(&at)?.re_exports.iter().find(|(name, _)| name == segment);
+            // The depth is limited because re-exports may form a ring.
+            return match re_export {
                 Some((_, origin)) if depth < 8 => self.target(&at, origin, depth + 1),
                 _ => Some(at),
             };

@@ -1,7 +1,7 @@
-//! No two modules of a crate need each other.
+//! No two modules of a crate depend on each other.
 //!
-//! A module uses another where a path in its source leads there, tests aside. A parent that only names and re-exports its
-//! children does not use them; a name that it re-exports leads to the child that defines it.
+//! A module uses another one if a path in its source, outside of tests, leads there. A parent that only declares and
+//! re-exports its children does not use them; a name that it re-exports leads to the child that defines it.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod crate_source;
@@ -29,7 +29,7 @@ const CRATES: [&str; 13] = [
 ];
 
 #[test]
-fn modules_of_a_crate_need_each_other_one_way() {
+fn modules_of_a_crate_do_not_depend_on_each_other() {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let mut found = Vec::new();
     for folder in CRATES {
@@ -37,11 +37,11 @@ fn modules_of_a_crate_need_each_other_one_way() {
         assert!(source.modules().len() > 1, "{folder}: no modules were read");
         found.extend(source.circles().into_iter().map(|circle| format!("{folder}: {}", circle.join(" -> "))));
     }
-    assert!(found.is_empty(), "modules that need each other:\n{}", found.join("\n"));
+    assert!(found.is_empty(), "modules that depend on each other:\n{}", found.join("\n"));
 }
 
 #[test]
-fn every_crate_of_the_workspace_is_looked_at() {
+fn every_crate_of_the_workspace_is_checked() {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
     let manifest = std::fs::read_to_string(workspace.join("Cargo.toml")).unwrap();
     let members = manifest.split_once("\nmembers = [").unwrap().1.split_once(']').unwrap().0;
@@ -52,9 +52,9 @@ fn every_crate_of_the_workspace_is_looked_at() {
     assert!(missing.is_empty(), "{missing:?}");
 }
 
-/// The check finds what it is for: each source has one circle, the last none.
+/// Each of these sources has one circle, except the last, whose second path is in a test.
 #[test]
-fn a_circle_is_found_by_whatever_path_it_is_tied() {
+fn a_circle_is_found_through_every_kind_of_path() {
     let circles = |files: &[(&str, &str)]| CrateSource::parse(files.iter().copied()).circles().len();
     let root = ("", "mod a; mod b;");
     assert_eq!(circles(&[root, ("a", "use crate::b::B; pub struct A;"), ("b", "use super::a::A;")]), 1);
@@ -67,7 +67,7 @@ fn a_circle_is_found_by_whatever_path_it_is_tied() {
     );
     // A parent's own item, used by a child that the parent uses.
     assert_eq!(circles(&[("", "mod a; struct Own; fn f() { a::g() }"), ("a", "use super::Own;")]), 1);
-    // Between the insides of two folders.
+    // Between modules inside two folders.
     let deep = [root, ("a", "mod c;"), ("a::c", "use crate::b::B;"), ("b", "use crate::a::c::C;")];
     assert_eq!(circles(&deep), 1);
     assert_eq!(

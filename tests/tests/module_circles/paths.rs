@@ -3,46 +3,46 @@
 use syn::visit::{self, Visit};
 use syn::{Attribute, Item, UseTree};
 
-/// What a file names.
+/// The paths of a file.
 #[derive(Debug, Default)]
 pub struct Paths {
     /// Paths of imports and of expressions, types and patterns, in segments.
     pub used: Vec<Vec<String>>,
-    /// Names that are handed on, with the path that they come from.
-    pub handed_on: Vec<(String, Vec<String>)>,
+    /// Re-exported names, with their paths.
+    pub re_exports: Vec<(String, Vec<String>)>,
 }
 
 impl Paths {
-    /// Of a file's text, without its tests.
+    /// The paths in the text of a file, without its tests.
     ///
     /// # Panics
-    /// If the text is no Rust.
+    /// If the text is not Rust.
     pub fn of(text: &str) -> Self {
         let mut paths = Self::default();
         paths.visit_file(&syn::parse_file(text).unwrap());
         paths
     }
 
-    fn import(&mut self, tree: &UseTree, prefix: &[String], is_handed_on: bool) {
+    fn import(&mut self, tree: &UseTree, prefix: &[String], is_re_export: bool) {
         let with = |segment: String| [prefix, &[segment]].concat();
         match tree {
-            UseTree::Path(path) => self.import(&path.tree, &with(path.ident.to_string()), is_handed_on),
+            UseTree::Path(path) => self.import(&path.tree, &with(path.ident.to_string()), is_re_export),
             UseTree::Group(group) => {
-                group.items.iter().for_each(|item| self.import(item, prefix, is_handed_on));
+                group.items.iter().for_each(|item| self.import(item, prefix, is_re_export));
             }
             UseTree::Glob(_) => self.used.push(prefix.to_vec()),
-            UseTree::Name(name) => self.named(with(name.ident.to_string()), &name.ident, is_handed_on),
-            UseTree::Rename(name) => self.named(with(name.ident.to_string()), &name.rename, is_handed_on),
+            UseTree::Name(name) => self.named(with(name.ident.to_string()), &name.ident, is_re_export),
+            UseTree::Rename(name) => self.named(with(name.ident.to_string()), &name.rename, is_re_export),
         }
     }
 
-    fn named(&mut self, mut path: Vec<String>, name: &syn::Ident, is_handed_on: bool) {
-        // `self` at the end of a group stands for the module before it.
+    fn named(&mut self, mut path: Vec<String>, name: &syn::Ident, is_re_export: bool) {
+        // `self` at the end of a group is the module before it.
         if path.len() > 1 && path.last().is_some_and(|last| last == "self") {
             path.pop();
         }
-        if is_handed_on {
-            self.handed_on.push((name.to_string(), path));
+        if is_re_export {
+            self.re_exports.push((name.to_string(), path));
         } else {
             self.used.push(path);
         }
@@ -75,8 +75,8 @@ impl<'ast> Visit<'ast> for Paths {
     }
 
     fn visit_item_use(&mut self, import: &'ast syn::ItemUse) {
-        let is_handed_on = !matches!(import.vis, syn::Visibility::Inherited);
-        self.import(&import.tree, &[], is_handed_on);
+        let is_re_export = !matches!(import.vis, syn::Visibility::Inherited);
+        self.import(&import.tree, &[], is_re_export);
     }
 
     fn visit_path(&mut self, path: &'ast syn::Path) {

@@ -61,7 +61,7 @@ proptest! {
 }
 
 #[test]
-fn a_quarter_turn_ends_where_geometry_says() {
+fn a_quarter_turn_ends_at_the_exact_point() {
     let arc = Arc::plan([metres(0.05), metres(0.0)], [0, 1], [metres(0.0); 2], 0.25).unwrap();
     assert_eq!(arc.end(), [metres(0.0), metres(0.05)]);
     // 2π·50 mm/4 = 78.539816339744831 mm.
@@ -70,7 +70,7 @@ fn a_quarter_turn_ends_where_geometry_says() {
 }
 
 #[test]
-fn refuses_what_is_no_arc() {
+fn invalid_arcs_are_rejected() {
     let at = [metres(0.0); 2];
     let plan = |plane, centre, turns| Arc::plan(at, plane, centre, turns).unwrap_err();
     assert_eq!(plan([0, 0], [metres(1.0); 2], 1.0), PathError::BadPlane);

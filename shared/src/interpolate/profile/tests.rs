@@ -47,7 +47,7 @@ fn plans() -> impl Strategy<Value = (i64, u64, u64, Limits)> {
             )]
             let [entry, exit] =
                 [entry, exit].map(|fraction| (limits.feed as f64 * (2.0 * fraction - 1.0).max(0.0)) as u64);
-            // As look-ahead would lower them.
+            // Reduced to speeds that are within reach of each other, as by look-ahead.
             let exit = reachable(length, 0, exit, &limits);
             let entry = reachable(length, exit, entry.max(exit), &limits).min(entry);
             let exit = reachable(length, entry, exit.max(entry), &limits).min(exit);
@@ -86,13 +86,13 @@ proptest! {
         let mut progress = started(&profile);
         while let Step::Within(_) = profile.advance(&mut progress, TICK) {}
         let off = (progress.distance - (i128::from(length) << 64)) as f64 / ONE;
-        prop_assert!(off.abs() < 16.0, "{off} units off the end");
+        prop_assert!(off.abs() < 16.0, "{off} units from the end");
     }
 
-    /// From rest to rest a length that reaches the feed takes L/v + v/A + A/J, without the terms of limits that are not
-    /// reached.
+    /// From rest to rest, a move that reaches the feed takes L/v + v/A + A/J if it reaches the acceleration, L/v + 2√(v/J) if it
+    /// does not, and L/v + v/A without a jerk limit.
     #[test]
-    fn takes_no_longer_than_it_must((_, _, _, limits) in plans(), cruise in 0.0..3.0f64) {
+    fn the_duration_is_the_shortest_within_the_limits((_, _, _, limits) in plans(), cruise in 0.0..3.0f64) {
         let [feed, acceleration] = [limits.feed, limits.acceleration].map(|limit| limit as f64 / 65_536.0);
         let jerk = limits.jerk.map(|jerk| jerk as f64 / 65_536.0);
         let ramp = match jerk {
@@ -113,7 +113,7 @@ proptest! {
 /// If neither feed nor acceleration is reached, four segments of duration T cover 2JT³: 2·1000·100³ = 2·10⁹ units take 400
 /// ticks.
 #[test]
-fn a_short_move_is_all_jerk() {
+fn a_short_move_reaches_neither_feed_nor_acceleration() {
     let limits = Limits::new(1 << 60, 1 << 50, Some(1000 << 16));
     let profile = Profile::plan(2_000_000_000, 0, 0, &limits).unwrap();
     let ticks = profile.durations.iter().map(|&d| d as f64).sum::<f64>() / TICK as f64;
@@ -122,7 +122,7 @@ fn a_short_move_is_all_jerk() {
 }
 
 #[test]
-fn refuses_what_cannot_be_counted() {
+fn moves_of_too_many_ticks_are_rejected() {
     let slow = Limits::new(1 << 16, 1 << 30, None);
     assert_eq!(Profile::plan(1 << 40, 0, 0, &slow), Err(PathError::TooLong));
     let soft = Limits::new(1 << 55, 1, None);
