@@ -58,7 +58,8 @@ impl Difference {
 /// What a trace is judged by: the effects that it misses, those that it adds, and what it describes.
 fn judgement(outcome: &Outcome) -> String {
     let missed: Vec<String> = outcome.missed().iter().map(|t| format!("{} {}", t.name, t.axis)).collect();
-    let added: Vec<String> = outcome.false_finds().iter().map(|(name, axis)| format!("{name} {axis}")).collect();
+    let added: Vec<String> =
+        outcome.false_finds().iter().map(|(name, axis)| format!("{name} {axis}")).collect();
     format!("missed {missed:?}, false {added:?}, described {:?}", outcome.described)
 }
 
@@ -68,17 +69,16 @@ fn main() -> Result<(), Box<dyn Error>> {
     let first = numbers.get(1).copied().unwrap_or(1);
     let seed = numbers.get(2).copied().unwrap_or(1);
     let defaults = TraceOptions::default();
-    let settings: Vec<Setting> = TraceOptions::NAMES
-        .iter()
-        .flat_map(|&name| FACTORS.map(|factor| Setting { name, factor }))
-        .collect();
+    let settings: Vec<Setting> =
+        TraceOptions::NAMES.iter().flat_map(|&name| FACTORS.map(|factor| Setting { name, factor })).collect();
     let mut differences = vec![Difference::default(); settings.len()];
     for number in first..first + cases {
         let case = Case::draw(seed, number)?;
         let score = |options: &TraceOptions| trace_and_score_with(options, &case, &|_| {});
         let base = score(&defaults)?;
         println!("case {number}: {}", judgement(&base));
-        let scaled = |setting: &Setting| defaults.scaled(setting.name, setting.factor).map(|o| score(&o).ok());
+        let scaled =
+            |setting: &Setting| defaults.scaled(setting.name, setting.factor).map(|o| score(&o).ok());
         let outcomes: Vec<_> = settings.par_iter().filter_map(scaled).collect();
         for ((setting, difference), outcome) in settings.iter().zip(&mut differences).zip(&outcomes) {
             difference.add(&base, outcome.as_ref());

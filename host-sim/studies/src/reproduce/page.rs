@@ -14,10 +14,10 @@ use report::markup::{
 };
 use report::page;
 
-/// Writes the page into a folder, which is made where it is missing, and returns its path.
+/// Writes the page into a folder, which is created if it does not exist, and returns its path.
 ///
 /// # Errors
-/// If the folder cannot be made or the page not be written.
+/// If the folder cannot be created or the page cannot be written.
 pub fn write(folder: &Path, reproduction: &Reproduction, lead: &str) -> Result<PathBuf, OutputError> {
     page::write(folder, &html(reproduction, lead))
 }
@@ -28,7 +28,7 @@ pub fn html(reproduction: &Reproduction, lead: &str) -> String {
     let sections = html! {
         @for study in &reproduction.studies { (section_of(study)) }
     };
-    page::render("Published experiments, run again", &paragraph(lead), &sections)
+    page::render("Published experiments repeated", &paragraph(lead), &sections)
 }
 
 fn section_of(study: &Study) -> Markup {
@@ -37,7 +37,7 @@ fn section_of(study: &Study) -> Markup {
         (outcomes(&study.outcomes))
         @for picture in &study.pictures { (picture_with_legend(picture)) }
         @if !study.notes.is_empty() {
-            (note("About the print:"))
+            (note("Notes on the printed text:"))
             (list(&study.notes))
         }
     };
