@@ -1,23 +1,23 @@
-//! The parts that report pages are made of, and the pages of a trace and of a friction map.
+//! Components of report pages, and the pages of a trace and of a friction map.
 //!
 //! A page is one HTML file without scripts and without references to other files; the same result gives the same
-//! bytes. Other studies build their own pages from the same parts.
+//! bytes. Other studies build their own pages from the same components.
 //!
-//! | parts of pages | |
+//! | components of pages | |
 //! |---|---|
 //! | [`page`] | the page as a file: head, stylesheet, writing |
 //! | [`markup`] | HTML elements that several sections use |
 //! | [`plot`] | line charts |
-//! | [`polar`] | a circle as ballbar users draw it, from `circle_fit` and `radial_deviation` |
+//! | [`polar`] | a circle as in ballbar reports, from `circle_fit` and `radial_deviation` |
 //!
 //! | the page of a trace | |
 //! |---|---|
 //! | [`trace_page`] | the sections in their order |
-//! | [`sentences`] | sentences about what was found and what was not |
-//! | `caveats` | sentences about what speaks against a model or an effect |
+//! | [`sentences`] | the results in sentences |
+//! | `caveats` | sentences on evidence against a model or an effect |
 //! | `parameters` | an effect with its parameters, in a few words |
-//! | `tables` | tables of residuals, and of what was found beside the truth |
-//! | `axis_view` | the residuals that the pictures show |
+//! | `tables` | tables of residuals, and of effects found compared with the truth |
+//! | `axis_view` | the plotted residuals |
 //! | `residual_plots` | residuals over time and over a `variable` |
 //! | [`ranking`] | the candidates of each round |
 //!

@@ -1,4 +1,4 @@
-//! An HTML page as a file of its own: without scripts and without references to other files.
+//! A self-contained HTML page: one file without scripts and without references to other files.
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -43,10 +43,10 @@ pub fn render(title: &str, lead: &Markup, sections: &Markup) -> String {
     page.into_string()
 }
 
-/// Writes a page into a folder, which is made where it is missing, and returns its path.
+/// Writes a page into a folder, which is created if it does not exist, and returns its path.
 ///
 /// # Errors
-/// If the folder cannot be made or the page not be written.
+/// If the folder cannot be created or the page cannot be written.
 pub fn write(folder: &Path, html: &str) -> Result<PathBuf, OutputError> {
     let path = folder.join(FILE_NAME);
     fs::create_dir_all(folder).map_err(|cause| OutputError { path: folder.to_owned(), cause })?;
