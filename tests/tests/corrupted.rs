@@ -56,7 +56,7 @@ fn an_effect_at_the_limit_of_its_search_is_rejected_by_name() {
     assert_eq!(of("limit").as_f64(), Some(80.0));
     assert!((of("value").as_f64().unwrap() - 80.0).abs() < 0.08, "{json}");
     let summary = sentences::summary(&trace).join("\n");
-    assert!(summary.contains("servo mismatch: 80.0 %; 80.0 is the limit of its search"), "{summary}");
+    assert!(summary.contains("servo mismatch: 80.0 %; 80.0 is the limit of its search range"), "{summary}");
 }
 
 #[test]
@@ -90,7 +90,7 @@ fn an_effect_that_the_validation_log_refutes_is_listed_with_both_residuals() {
     );
 }
 
-/// The verdict of a trace, and whether its sentences say that nothing was found on x.
+/// The verdict of a trace, and whether its sentences say that no undeclared effect was found on x.
 fn verdict_of(declared: &Machine, logs: [Log; 2]) -> (Verdict, bool) {
     let trace = traced(declared, logs);
     let verdict = verdict::of(&trace);
@@ -99,7 +99,7 @@ fn verdict_of(declared: &Machine, logs: [Log; 2]) -> (Verdict, bool) {
     let says_not_described =
         sentences.iter().any(|sentence| sentence.starts_with("x: the model does not describe these logs"));
     assert_eq!(says_not_described, verdict == Verdict::ModelDoesNotFit, "{sentences:?}");
-    (verdict, sentences.iter().any(|sentence| sentence.contains("nothing found")))
+    (verdict, sentences.iter().any(|sentence| sentence.contains("no undeclared effect found")))
 }
 
 #[test]

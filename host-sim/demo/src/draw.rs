@@ -1,4 +1,4 @@
-//! What the demo's machine has and its model lacks: drawn from the seed.
+//! Draws the demo's machine and its undeclared effect from the seed.
 
 use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
@@ -7,14 +7,14 @@ use model::axis::{Mechanics, Settings};
 use model::effects::{Draw, Effect, KINDS};
 use model::machine::Machine;
 
-/// How far the true mechanical values lie from the declared ones, at the most. The machine file
-/// tolerates 10 %.
+/// Largest relative deviation of the true mechanical values from the declared ones. The tolerance in the machine file is
+/// 10 %.
 const DEVIATION: f64 = 0.05;
 
 /// A machine with one effect that its declared model lacks.
 #[derive(Clone, Debug)]
 pub struct Drawn {
-    /// The machine as it is.
+    /// The true machine.
     pub truth: Machine,
     /// The axis with the effect.
     pub axis: String,
@@ -36,7 +36,7 @@ pub fn draw(declared: &Machine, seed: u64) -> Drawn {
     let other = names.iter().find(|name| **name != axis).cloned().unwrap_or_default();
     let effect = effect(&declared.axis[index].settings, &other, &mut random);
     if matches!(effect, Effect::Squareness(_)) {
-        // Squareness is said of the first axis.
+        // Squareness is declared on the first axis.
         axis.clone_from(&names[0]);
     }
     if let Some(axis) = truth.axis.get_mut(&axis) {
@@ -62,7 +62,7 @@ fn deviate(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) {
     }
 }
 
-/// One effect, of a size that is worth a repair.
+/// Draws one effect of a practically relevant size.
 fn effect(axis: &Settings, other: &str, random: &mut ChaCha8Rng) -> Effect {
     let mut kinds: Vec<_> = KINDS.iter().filter(|kind| kind.draw_number.is_some()).collect();
     kinds.sort_by_key(|kind| kind.draw_number);
@@ -71,7 +71,7 @@ fn effect(axis: &Settings, other: &str, random: &mut ChaCha8Rng) -> Effect {
     let phase_rad = random.random_range(-std::f64::consts::PI..std::f64::consts::PI);
     let mut uniform = |low: f64, high: f64| random.random_range(low..high);
     let mut draw = Draw { axis, other, sign, phase_rad, uniform: &mut uniform };
-    (kind.draw)(&mut draw).expect("a kind with a number can be drawn: see the test")
+    (kind.draw)(&mut draw).expect("every kind with a draw number can be drawn, which a test checks")
 }
 
 #[cfg(test)]
@@ -96,7 +96,7 @@ mod tests {
 
     #[test]
     fn the_same_seed_draws_the_same_machine_and_seeds_differ() {
-        let declared = Machine::parse(MACHINE, "demo.toml").expect("the shipped file reads");
+        let declared = Machine::parse(MACHINE, "demo.toml").expect("the shipped file is valid");
         let effects: Vec<&str> = (0..100).map(|seed| draw(&declared, seed).effect.name()).collect();
         assert_eq!(effects, (0..100).map(|seed| draw(&declared, seed).effect.name()).collect::<Vec<_>>());
         // 100 draws of 16 kinds miss one of them once in 40 runs of this test; the seed is fixed.

@@ -1,5 +1,5 @@
-//! The parts of report pages: one HTML file each, without scripts and without references to other files. The same
-//! parts give the same bytes.
+//! Components of report pages. A page is one HTML file without scripts and without references to other files; the same
+//! result gives the same bytes.
 //!
 //! - here: the page as a file: head, stylesheet, writing
 //! - [`markup`]: HTML elements that several sections use
@@ -53,10 +53,10 @@ pub fn render(title: &str, lead: &Markup, sections: &Markup) -> String {
     page.into_string()
 }
 
-/// Writes a page into a folder, which is made where it is missing, and returns its path.
+/// Writes a page into a folder, which is created if it does not exist, and returns its path.
 ///
 /// # Errors
-/// If the folder cannot be made or the page not be written.
+/// If the folder cannot be created or the page cannot be written.
 pub fn write(folder: &Path, html: &str) -> Result<PathBuf, OutputError> {
     let path = folder.join(FILE_NAME);
     fs::create_dir_all(folder).map_err(|cause| OutputError { path: folder.to_owned(), cause })?;

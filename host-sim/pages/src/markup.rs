@@ -19,7 +19,7 @@ pub fn text(plain: &str) -> Markup {
     html! { (spaced) }
 }
 
-/// A section with its heading; empty where the body is empty.
+/// A section with its heading; empty if the body is empty.
 #[must_use]
 pub fn section(heading: &str, body: &Markup) -> Markup {
     html! {
@@ -35,7 +35,7 @@ pub fn paragraph(plain: &str) -> Markup {
     html! { p { (text(plain)) } }
 }
 
-/// A paragraph that explains what follows.
+/// A paragraph that explains the following content.
 #[must_use]
 pub fn note(plain: &str) -> Markup {
     html! { p.small { (text(plain)) } }
@@ -86,7 +86,7 @@ pub fn number_cell(shown: &str) -> Markup {
     html! { td.n { (text(shown)) } }
 }
 
-/// A picture (an SVG element) with its caption in plain text; without a class or caption where that is empty.
+/// A picture (an SVG element) with its caption in plain text; without a class or caption if it is empty.
 #[must_use]
 pub fn figure(class: &str, picture: &str, caption: &str) -> Markup {
     html! {
@@ -119,7 +119,7 @@ pub fn legend(entries: &[Markup]) -> Markup {
     html! {
         @if !entries.is_empty() {
             p.legend {
-                // The space lets a line end between two entries.
+                // The space allows a line break between two entries.
                 @for entry in entries { (entry) " " }
             }
         }

@@ -1,9 +1,9 @@
 //! Line charts drawn by plotters, with colours and dashes from the stylesheet.
 //!
 //! plotters has no classes, only colours, and the colours of a page depend on its medium (light, dark,
-//! paper). So each [`Ink`] is drawn in a colour of its own, which is replaced by a class afterwards.
-//! Coordinates are whole numbers in plotters, so it draws [`UNITS_PER_PIXEL`] times as large as the page
-//! shows it.
+//! paper). Each [`Ink`] is therefore drawn in a colour of its own, which is replaced by a class afterwards.
+//! Coordinates are integers in plotters, so that a chart is drawn [`UNITS_PER_PIXEL`] times as large as on the
+//! page.
 
 use plotters::chart::ChartBuilder;
 use plotters::coord::Shift;
@@ -21,7 +21,7 @@ use files::format::fixed;
 /// Units of a drawing per pixel of the page.
 const UNITS_PER_PIXEL: u32 = 4;
 
-/// What a line or surface stands for; the stylesheet has a class of each name.
+/// The meaning of a line or surface; the stylesheet has a class for each.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Ink {
     /// Labels.
@@ -38,9 +38,9 @@ pub enum Ink {
     Before,
     /// The declared model, as the surface between minimum and maximum.
     BeforeRange,
-    /// The model with what was found.
+    /// The model with the effects found.
     After,
-    /// A third line beside [`Ink::Before`] and [`Ink::After`].
+    /// A third line in addition to [`Ink::Before`] and [`Ink::After`].
     Third,
     /// A fourth line.
     Fourth,
@@ -102,11 +102,11 @@ impl Chart<'_> {
         let size = (UNITS_PER_PIXEL * self.size.0, UNITS_PER_PIXEL * self.size.1);
         let mut drawn = String::new();
         let outcome = self.draw(&SVGBackend::with_string(&mut drawn, size).into_drawing_area());
-        // Drawing into memory does not fail; if it did, the page would say so.
+        // Drawing into memory does not fail; an error would be shown on the page.
         if let Err(cause) = outcome {
             return markup::paragraph(&format!("not drawn: {cause}")).into_string();
         }
-        // The element of plotters has no title, and the address of a namespace, which a page does not need.
+        // The element of plotters has no title, and it has the address of a namespace, which a page does not need.
         let body = drawn.split_once('>').map_or("", |(_, body)| body.trim_start());
         let body = body.trim_end().strip_suffix("</svg>").unwrap_or(body);
         markup::svg(size, self.title, self.description, &PreEscaped(with_classes(body)))
@@ -114,7 +114,7 @@ impl Chart<'_> {
 
     fn draw(&self, area: &Area<'_>) -> Result<(), Failure> {
         let ((left, right), (low, high)) = self.range();
-        // plotters takes a font's height for its size.
+        // plotters interprets the size of a font as its height.
         let size = f64::from(UNITS_PER_PIXEL) * 11.0 * 1.24;
         let colour = Ink::Label.colour();
         let words = TextStyle::from(("sans-serif", size).into_font()).color(&colour);
@@ -184,7 +184,7 @@ fn draw_surface(plane: &Plane<'_>, ink: Ink, corners: Vec<(f64, f64)>) -> Result
     plane.draw(&Polygon::new(corners, ink.colour().filled()))
 }
 
-/// Minimum and maximum, moved apart where they are equal; 0 and 1 without values.
+/// Minimum and maximum, moved apart if they are equal; 0 and 1 without values.
 fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
     let [low, high] = numerics::min_max(values);
     if low < high {

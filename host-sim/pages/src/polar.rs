@@ -1,4 +1,4 @@
-//! A circle as ballbar users draw it: the radial deviation over the angle, magnified.
+//! A circle as in ballbar reports: the magnified radial deviation over the angle.
 
 use std::f64::consts::FRAC_1_SQRT_2;
 
@@ -29,7 +29,7 @@ pub fn magnification(division_um: f64, radius_m: f64) -> f64 {
     DIVISION / division_um * 1e6 * radius_m / BASE
 }
 
-/// The SVG element alone: lines, each of a class of the stylesheet, through points of angle (rad) and deviation (µm).
+/// The SVG element: lines, each with a class of the stylesheet, through points of angle (rad) and deviation (µm).
 #[must_use]
 pub fn drawing(
     title: &str,

@@ -1,4 +1,4 @@
-//! The table behind a motor whose motion is given: the tracer drives it with a measured motor.
+//! The table driven by a motor with given motion; the tracer uses the measured motor.
 //!
 //! The only unknown is the deflection d = screw − table:
 //!
@@ -25,8 +25,8 @@ pub struct ScrewMotion {
     pub velocity: f64,
     /// Its acceleration, m/s².
     pub acceleration: f64,
-    /// The part of the velocity that is the rate of the pitch error, m/s: the damper lies between motor and table and
-    /// does not see it.
+    /// The part of the velocity that is the rate of the pitch error, m/s: the damper is between motor and table, and
+    /// this part does not act on it.
     pub error_velocity: f64,
 }
 

@@ -42,7 +42,7 @@ pub struct Friction {
     pub stribeck: Stribeck,
     /// Drop of the level towards standstill.
     pub shear: ShearThinning,
-    /// Dependence on the speed of the last moments.
+    /// Dependence on the low-pass filtered speed.
     pub memory: FrictionMemory,
     /// Dependence on the position, over the travel.
     pub preload: PreloadVariation,

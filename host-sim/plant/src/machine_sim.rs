@@ -119,7 +119,7 @@ impl MachineSim {
     /// Reads motor encoder and linear scale of each axis, with noise, quantisation and latency. To be called once a
     /// tick.
     pub fn read(&mut self, readings: &mut [Reading]) {
-        // A position outside the format means that the machine ran away: its following error will end the run.
+        // A position outside the number format occurs only in an unstable loop; the following error then ends the run.
         let position = |m: f64| Position::from_m(m).unwrap_or(Position(i64::MAX / 4));
         for (axis, reading) in self.axes.iter_mut().zip(readings) {
             let AxisMotion { motor_m, motor_m_per_s, table_m, table_m_per_s, .. } = axis.motion;

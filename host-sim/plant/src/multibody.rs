@@ -1,7 +1,7 @@
 //! A structure of rigid bodies in motion, exact for forces that are constant over a step.
 //!
 //! The equation of motion M·q'' + D·q' + K·q = B·f is written with the travel of a step, p = h·q', in the place of the
-//! velocity: h·q' = p, h·p' = −h²M⁻¹K·q − hM⁻¹D·p + h²M⁻¹B·f. All of it then has the units of q, so that the matrix is
+//! velocity: h·q' = p, h·p' = −h²M⁻¹K·q − hM⁻¹D·p + h²M⁻¹B·f. All terms then have the units of q, so that the matrix is
 //! well scaled; its exponential is the step. This is stable however stiff a joint is. The forces f are those of the
 //! motors and what is not linear: of each screw between motor and nut, and of each guide.
 

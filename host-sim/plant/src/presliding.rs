@@ -18,7 +18,7 @@
 
 use super::lane::Lane;
 
-/// Smallest sliding level that is divided by, N: a guide without friction has bristles that relax at once.
+/// Smallest sliding level used as a divisor, N: the bristles of a guide without friction relax at once.
 const MIN_LEVEL_N: f64 = 1e-9;
 
 /// Bristles of the guides of a register.

@@ -93,7 +93,7 @@ impl Run<'_> {
         Ok(())
     }
 
-    /// Whether the run may go on.
+    /// Whether the run may continue.
     fn check(&self, status: &Status, time_s: f64) -> Result<(), SimulationError> {
         if let Power::Faulted(fault) = status.power {
             return Err(error::fault(self.machine, fault, time_s));

@@ -1,4 +1,4 @@
-//! The residuals that the pictures show: those of an axis on the validation logs, before and after the search.
+//! The plotted residuals: those of an axis on the validation logs, before and after the search.
 
 use model::effects::Stage;
 use trace::Trace;
@@ -40,7 +40,7 @@ impl<'a> AxisView<'a> {
         of_stage.rev().max_by(|a, b| error(a).total_cmp(&error(b))).map(|series| series.log)
     }
 
-    /// Samples of the residual of a stage over one log after settling, and how many samples were skipped for that.
+    /// Samples of the residual of a stage over one log after settling, and the number of samples skipped before.
     pub fn settled<'p>(&self, all: &'p [ResidualSeries], stage: Stage, log: usize) -> (usize, &'p [f64]) {
         let values = series(all, stage, log).map_or(&[][..], |series| &series.values);
         let settling = self.evidence.settling(log).min(values.len());

@@ -1,4 +1,4 @@
-//! Sentences about what speaks against a model or an effect.
+//! Sentences on evidence against a model or an effect.
 
 use super::parameters::brief;
 use files::format::{percent, significant};
@@ -10,7 +10,7 @@ use trace::stages::{residual_unit, stage_names};
 use trace::validation::found::Found;
 use trace::verdict;
 
-/// The rms residuals of the stages that a condition selects, as a list; none where it selects none.
+/// The rms residuals of the stages that a condition selects, as a list; `None` if it selects none.
 fn list_residuals(
     axis: &AxisTrace,
     is_listed: impl Fn(&StageError) -> bool,
@@ -30,54 +30,57 @@ fn list_residuals(
     (!listed.is_empty()).then(|| listed.join(", "))
 }
 
-/// That the model does not describe the fitted logs, with the stages that show it; none where it does.
+/// States that the model does not describe the fitted logs, with the stages that show it; `None` if it does.
 #[must_use]
 pub fn misfit(axis: &AxisTrace) -> Option<String> {
     let residuals = list_residuals(axis, verdict::is_gross, |pair| pair.fit)?;
     Some(format!(
-        "{}: the model does not describe these logs, whatever else is told of them; what stays: {residuals}. A channel may be \
-         wrong (its sign, unit, axis or time), or a declared value.",
+        "{}: the model does not describe these logs, so that all other results for this axis are unreliable; \
+         residuals: {residuals}. A channel may be wrong (its sign, unit, axis or time), or a declared value.",
         axis.axis
     ))
 }
 
-/// That the model describes the fitted logs but not those held out, with the stages that show it; none where it does.
+/// States that the model describes the fitted logs but not those held out, with the stages that show it; `None` if it
+/// describes both.
 #[must_use]
 pub fn misfit_held_out(axis: &AxisTrace) -> Option<String> {
     let only_held_out = |error: &StageError| verdict::is_gross_held_out(error) && !verdict::is_gross(error);
     let residuals = list_residuals(axis, only_held_out, |pair| pair.validate)?;
     Some(format!(
-        "{}: the model does not describe the logs held out, so that they are no judge of what else is told; what stays \
-         there: {residuals}. A channel of theirs may be wrong, or they ask more of the machine than the fitted logs.",
+        "{}: the model does not describe the logs held out, so that they cannot validate the other results; \
+         residuals: {residuals}. A channel of these logs may be wrong, or their motion excites behaviour that the \
+         fitted logs do not show.",
         axis.axis
     ))
 }
 
-/// That the fit logs show an effect and the validation logs refute it.
+/// States that the fit logs show an effect and the validation logs refute it.
 #[must_use]
 pub fn refuted(axis: &str, unit: Unit, found: &Found) -> String {
     let what = found.effect.sentence(&found.half_widths, unit == Unit::Degree);
     let [before, after] = [found.before, found.after].map(|pair| significant(pair.validate, 3));
     format!(
-        "{axis}: refuted by the logs held out, and not in the model (all that these logs decide): {what}; the {} residual \
-         there goes from {before} to {after} {} rms with it.",
+        "{axis}: refuted by the logs held out and not included in the model: {what}; with it, the {} residual of \
+         these logs changes from {before} to {after} {} rms.",
         stage_names(&[found.stage]),
         residual_unit(unit, found.stage).0,
     )
 }
 
-/// That an effect was not added because a parameter ended at a limit of its search.
+/// States that an effect was not added because a parameter ended at a limit of its search range.
 #[must_use]
 pub fn at_limit(axis: &str, unit: Unit, limit: &AtLimit) -> String {
     let what = brief(&limit.effect, unit == Unit::Degree);
     format!(
-        "{axis}: not taken, though it would explain much: {what}; {} is the limit of its search, so that the value lies \
-         beyond or the effect is another one.",
+        "{axis}: not added, although it explains a large part of the residual: {what}; {} is the limit of its \
+         search range, so that the true value is outside or the residual has another cause.",
         significant(limit.limit, 3)
     )
 }
 
-/// That the final model leaves a larger residual on the validation logs than the declared one; none where it does not.
+/// States that the final model leaves a larger residual on the validation logs than the declared one; `None` if it does
+/// not.
 #[must_use]
 pub fn worse(axis: &AxisTrace, error: &StageError) -> Option<String> {
     /// Smallest ratio that is reported. Smaller ones may be chance.
@@ -88,8 +91,8 @@ pub fn worse(axis: &AxisTrace, error: &StageError) -> Option<String> {
     }
     let (unit, _) = residual_unit(axis.unit, error.stage);
     Some(format!(
-        "{}, {}: on motions not used {} {unit} rms stay with all that was fitted, {} more than the {} {unit} with the declared \
-         values fitted alone.",
+        "{}, {}: residual on held-out motions {} {unit} rms with everything fitted, {} more than the {} {unit} with \
+         only the declared values fitted.",
         axis.axis,
         stage_names(&[error.stage]),
         significant(after, 3),

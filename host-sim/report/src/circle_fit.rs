@@ -13,7 +13,7 @@ const STANDSTILL_FRACTION: f64 = 0.01;
 /// Largest distance of the command from the circle, as a fraction of the radius.
 const MAX_DISTANCE_FRACTION: f64 = 1e-3;
 
-/// Arcs are of one circle if their centres and radii differ by less than this fraction of the radius.
+/// Arcs belong to one circle if their centres and radii differ by less than this fraction of the radius.
 const SAME_CIRCLE_FRACTION: f64 = 0.01;
 
 /// Smallest angle of an arc; a rounded corner is shorter.
@@ -30,7 +30,7 @@ pub struct Circle {
     pub centre: [f64; 2],
     /// Radius, m.
     pub radius: f64,
-    /// The parts of the log that lie on it, in the order of time.
+    /// The parts of the log on this circle, in order of time.
     pub arcs: Vec<Arc>,
 }
 
@@ -51,7 +51,7 @@ pub fn find(logs: &[Signals]) -> Option<Circle> {
         let [x, y] = signals.axes.get(..2)? else { return None };
         of_log(log, x.command.as_ref()?, y.command.as_ref()?)
     });
-    // The first of several that are equal.
+    // The first of several equal ones.
     circles.fold(None, |best: Option<Circle>, circle| match best {
         Some(best) if best.radius >= circle.radius => Some(best),
         _ => Some(circle),

@@ -11,7 +11,7 @@ use pages::markup::{figure, legend, line_entry, note};
 use pages::polar::{division_for, drawing, magnification};
 use trace::Trace;
 
-/// The section's body; empty where no log holds a circle with the channels for it.
+/// The section's body; empty if no log contains a circle with the required channels.
 #[must_use]
 pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
     let (Some(circle), [x, y, ..]) = (find(&trace.validate_logs), views) else { return Markup::default() };
@@ -33,19 +33,19 @@ pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
     }
 }
 
-/// What the pictures show.
+/// Explanation of the pictures.
 fn introduction(run: &Run<'_>, channel: &str, has_residuals: bool) -> String {
     let [x, y] = run.axes.map(|axis| &axis.trace.axis);
     let mut introduction = format!(
-        "{}: a circle of {} mm radius at {} mm/s, seen with +{x} to the right and +{y} up. Outside the circle is \
-         outwards. As measured: how far the {channel} ran off the commanded circle.",
+        "{}: a circle of {} mm radius at {} mm/s, with +{x} to the right and +{y} up. Deviations outside the circle \
+         are outwards. As measured: deviation of the {channel} from the commanded circle.",
         file_name(&run.signals.source),
         significant(1e3 * run.circle.radius, 3),
         significant(1e3 * run.speed(), 3),
     );
     if has_residuals {
-        introduction += " Unexplained before: what is left of it when all that the declared model predicts is taken away. \
-                         Unexplained after: the same with the effects found, at the same magnification.";
+        introduction += " Unexplained before: the deviation minus the prediction of the declared model. Unexplained \
+                         after: the same with the effects found, at the same magnification.";
     }
     introduction
 }

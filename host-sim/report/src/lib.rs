@@ -7,8 +7,8 @@
 //! | [`sentences`] | sentences about what was found and what was not |
 //! | `caveats` | sentences about what speaks against a model or an effect |
 //! | `parameters` | an effect with its parameters, in a few words |
-//! | `tables` | tables of residuals, and of what was found beside the truth |
-//! | `axis_view` | the residuals that the pictures show |
+//! | `tables` | tables of residuals, and of effects found compared with the truth |
+//! | `axis_view` | the plotted residuals |
 //! | `residual_plots` | residuals over time and over a `variable` |
 //! | `circle_plots` | a circle, from `circle_fit` and `radial_deviation` |
 //! | [`ranking`] | the candidates of each round |

@@ -1,4 +1,4 @@
-//! Effects and their parameters as briefly as a table needs them.
+//! Effects and their parameters in short form, for tables.
 
 use files::format::{fixed, significant};
 use model::effects::{Effect, Parameter};

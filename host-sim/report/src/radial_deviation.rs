@@ -15,17 +15,17 @@ const POINTS_PER_TURN: f64 = 1440.0;
 /// The radial deviation over one arc.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Lap {
-    /// As [`Arc::is_clockwise`].
+    /// See [`Arc::is_clockwise`].
     pub is_clockwise: bool,
     /// Angle of the command (rad) and deviation (µm), positive outwards.
     pub points: Vec<(f64, f64)>,
 }
 
-/// A circle in a log, with the axes that ran it.
+/// A circle in a log, with its axes.
 pub struct Run<'a> {
     /// The circle.
     pub circle: &'a Circle,
-    /// The log that holds it.
+    /// The log that contains it.
     pub signals: &'a Signals,
     /// The two axes.
     pub axes: [&'a AxisView<'a>; 2],
@@ -59,8 +59,8 @@ impl Run<'_> {
 
     /// The part of the deviation that the models do not explain, given the residuals of both axes.
     ///
-    /// Each stage is driven by what was measured upstream of it, so the residuals of the stages add up
-    /// along the chain command, motor, table, tool.
+    /// Each stage is simulated from the measured signal upstream, so that the residuals of the stages add up along the
+    /// chain command, motor, table, tool.
     pub fn residual(&self, residuals: [&[ResidualSeries]; 2]) -> Vec<Lap> {
         let stages = self.stages();
         let sums = residuals.map(|all| {

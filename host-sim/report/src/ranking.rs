@@ -1,4 +1,4 @@
-//! The candidates of each round: their gain on held-out data, and why each was added or not.
+//! The candidates of each round: their gain on held-out data, and the reason why each was added or not.
 
 use maud::{Markup, html};
 
@@ -18,10 +18,10 @@ use trace::validation::found::Found;
 /// Most candidates of a round that are shown.
 const MAX_SHOWN: usize = 6;
 
-const NOTE: &str = "In each round every effect of the catalogue is tried on what is left, the most promising are fitted \
-                    with everything else free, and held against parts of the fit logs that the fit did not see. Gain: by \
-                    how much the residual of the stage that it helps most gets smaller there. The best that is supported \
-                    is added, and the next round begins.";
+const NOTE: &str = "In each round every effect of the catalogue is tested on the remaining residual. The most \
+                    promising candidates are fitted with all other parameters free, and evaluated on held-out parts \
+                    of the fit logs. Gain: reduction of the residual there, in the stage that the candidate \
+                    improves most. The best supported candidate is added, and the next round begins.";
 
 /// The section's body; empty without rounds.
 #[must_use]
@@ -111,7 +111,7 @@ fn gain_percent(comparison: &Comparison) -> f64 {
     numerics::rms_reduction_percent(comparison.reduction)
 }
 
-/// Candidates with a large gain in the last round of each search that were not added, and why.
+/// Candidates with a large gain in the last round of each search that were not added, with the reason.
 #[must_use]
 pub fn refused(axis: &AxisTrace) -> Vec<String> {
     let last_rounds = axis.rounds.iter().filter(|round| round.added.is_none());
@@ -119,7 +119,7 @@ pub fn refused(axis: &AxisTrace) -> Vec<String> {
         let index = round.refused()?;
         let brief = parameters::brief(&round.candidates[index].effect, axis.unit == Unit::Degree);
         Some(format!(
-            "{}, {}: not taken, though it explains much: {brief}; {}.",
+            "{}, {}: not added, although it explains a large part of the residual: {brief}; {}.",
             axis.axis,
             stage_names(&round.stages),
             verdict(axis, round, index)
@@ -128,7 +128,7 @@ pub fn refused(axis: &AxisTrace) -> Vec<String> {
     last_rounds.filter_map(sentence).collect()
 }
 
-/// Why a candidate of a round was added or not: the first reason that holds; empty if it was not fitted.
+/// The first applicable reason why a candidate of a round was added or not; empty if it was not fitted.
 fn verdict(axis: &AxisTrace, round: &Round, index: usize) -> String {
     let candidate = &round.candidates[index];
     let Some(best) = best(candidate) else { return String::new() };
@@ -136,21 +136,21 @@ fn verdict(axis: &AxisTrace, round: &Round, index: usize) -> String {
         return verdict_of_added(axis, candidate).to_owned();
     }
     if let Some(limit) = &candidate.limit {
-        return format!("{} is the limit of its search", significant(limit.limit, 3));
+        return format!("{} is the limit of its search range", significant(limit.limit, 3));
     }
     if candidate.is_supported(&round.options) {
-        // The best that is supported is added, unless the closed loop speaks against it.
+        // The best supported candidate is added, unless it makes the closed loop worse.
         let is_vetoed = round.added.is_none_or(|added| index < added);
-        let why = if is_vetoed { "makes the closed loop worse" } else { "another one is better" };
-        return format!("supported here, but {why}");
+        let why = if is_vetoed { "makes the closed loop worse" } else { "another candidate is better" };
+        return format!("supported, but {why}");
     }
     if !candidate.exceeds_tolerance {
-        return "too small to tell from what any model leaves open".to_owned();
+        return "too small: within the tolerance of the declared model".to_owned();
     }
     verdict_of_unsupported(candidate, best, &round.options)
 }
 
-/// What became of a candidate that its round added.
+/// The final result for a candidate that its round added.
 fn verdict_of_added(axis: &AxisTrace, candidate: &Candidate) -> &'static str {
     let is_among = |all: &[Found]| all.iter().any(|found| found.effect.is_same(&candidate.effect));
     if is_among(&axis.found) {
@@ -158,9 +158,9 @@ fn verdict_of_added(axis: &AxisTrace, candidate: &Candidate) -> &'static str {
     } else if is_among(&axis.refuted) {
         "added; refuted by the logs held out"
     } else if axis.refused.iter().any(|limit| limit.effect.is_same(&candidate.effect)) {
-        "added; dropped when the last fits drove it to a limit of its search"
+        "added; dropped because the final fit reached a limit of its search range"
     } else {
-        "added; dropped when a later one made it needless"
+        "added; dropped because a later effect made it unnecessary"
     }
 }
 
@@ -170,15 +170,15 @@ fn verdict_of_unsupported(candidate: &Candidate, best: &Comparison, options: &Se
         c.reduction >= options.min_reduction && c.t >= options.min_t && c.folds_better == FOLDS
     };
     if best.reduction <= 0.0 {
-        "makes it worse".to_owned()
+        "increases the residual".to_owned()
     } else if best.reduction < options.min_reduction {
         format!("too small: below {} %", fixed(numerics::rms_reduction_percent(options.min_reduction), 0))
     } else if candidate.comparison.iter().any(is_supported) {
         let worst = numerics::min(candidate.comparison.iter().map(|c| c.worst_log)).min(0.0);
-        format!("worse on another log or stage, by {}", percent(100.0 * ((1.0 - worst).sqrt() - 1.0)))
+        format!("worse by {} on another log or stage", percent(100.0 * ((1.0 - worst).sqrt() - 1.0)))
     } else if best.folds_better < FOLDS {
-        format!("better in {} of {FOLDS} parts of the logs only", best.folds_better)
+        format!("better in only {} of {FOLDS} parts of the logs", best.folds_better)
     } else {
-        format!("may be chance: {} standard errors, below {}", fixed(best.t, 1), fixed(options.min_t, 1))
+        format!("not significant: {} standard errors, below {}", fixed(best.t, 1), fixed(options.min_t, 1))
     }
 }

@@ -1,4 +1,4 @@
-//! Pictures of the residual of each stage: over time, and over what it follows.
+//! Plots of the residual of each stage: over time, and over the variables on which it depends.
 
 use maud::{Markup, html};
 
@@ -13,17 +13,17 @@ use trace::Trace;
 use trace::fit::fit_data::ResidualSeries;
 use trace::stages::{residual_unit, stage_names};
 
-/// Most pieces that a log is cut into for a picture; of each piece the minimum and maximum are drawn.
+/// Maximum number of sections of a log in a plot; for each section the minimum and maximum are drawn.
 const MAX_PIECES: usize = 700;
 
-/// Most pictures of a stage beside the one over time.
+/// Maximum number of plots of a stage in addition to the one over time.
 const MAX_VARIABLES: usize = 3;
 
-const NOTE: &str = "Measured minus modelled, each stage driven by the measured signal upstream of it, on motions that \
-                    took part in no fit. Before: the declared model at its best within its tolerance. After: with the \
-                    effects found.";
+const NOTE: &str = "Measured minus modelled, each stage simulated from the measured signal upstream, on held-out \
+                    motions. Before: the declared model, with its values fitted within their tolerance. After: with \
+                    the effects found.";
 
-/// The section's body; empty where no stage could be formed.
+/// The section's body; empty if no stage could be evaluated.
 pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
     let panels = html! {
         @for view in views {
@@ -42,7 +42,7 @@ pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
     html! { (note(NOTE)) (legend(&entries)) (panels) }
 }
 
-/// The pictures of a stage under their heading; empty where no log has a residual of it.
+/// The plots of a stage under their heading; empty if no log has a residual of it.
 fn panel(trace: &Trace, view: &AxisView<'_>, stage: Stage) -> Markup {
     let Some(log) = view.log_with_largest_residual(stage) else { return Markup::default() };
     let variables = variables(view, stage);
@@ -71,14 +71,14 @@ fn stages_of(view: &AxisView<'_>) -> Vec<Stage> {
 
 fn meaning(stage: Stage) -> &'static str {
     match stage {
-        Stage::Motor => "motor reading minus what the model's loop makes of the command",
-        Stage::Table => "table scale minus what the model makes of the measured motor",
-        Stage::Tool => "tool probe minus what the model makes of the measured table",
-        Stage::Force => "drive force minus what the measured motion needs",
+        Stage::Motor => "motor reading minus prediction of the closed loop from the command",
+        Stage::Table => "linear scale minus prediction from the measured motor",
+        Stage::Tool => "tool probe minus prediction from the measured table",
+        Stage::Force => "drive force minus prediction from the measured motion",
     }
 }
 
-/// What the effects found at a stage follow, or what is left there does.
+/// The variables on which the effects found at a stage, or its remaining residual, depend.
 fn variables(view: &AxisView<'_>, stage: Stage) -> Vec<Abscissa> {
     let mut variables = Vec::new();
     for found in view.trace.found.iter().filter(|found| found.stage == stage) {
@@ -134,11 +134,11 @@ fn rms_before_and_after(view: &AxisView<'_>, stage: Stage, log: usize) -> String
     if view.is_changed(stage) {
         format!("{} rms before, {} after", rms(&view.before), rms(&view.after))
     } else {
-        format!("{} rms; what was found does not change it", rms(&view.after))
+        format!("{} rms, unchanged by the effects found", rms(&view.after))
     }
 }
 
-/// The SVG element of the mean residual over a variable; none where that was not measured.
+/// The SVG element of the mean residual over a variable; `None` if the variable was not measured.
 fn mean_chart(view: &AxisView<'_>, stage: Stage, abscissa: &Abscissa) -> Option<String> {
     let runs = |ink, parts| {
         let layer = move |points| Layer { ink, points, is_marked: true };
@@ -162,12 +162,12 @@ fn mean_chart(view: &AxisView<'_>, stage: Stage, abscissa: &Abscissa) -> Option<
     Some(chart.svg())
 }
 
-/// Samples of each piece; the last piece may be shorter.
+/// Samples of each section; the last section may be shorter.
 fn piece_length(samples: usize) -> usize {
     samples.div_ceil(MAX_PIECES).max(1)
 }
 
-/// Minimum and maximum of each piece, in the order in which they occur.
+/// Minimum and maximum of each section, in the order in which they occur.
 fn envelope(values: &[f64], x: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
     let length = piece_length(values.len());
     let mut points = Vec::new();
@@ -183,7 +183,7 @@ fn envelope(values: &[f64], x: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
     points
 }
 
-/// Corners of the surface between minimum and maximum of each piece. Neighbouring pieces share a sample, so that the
+/// Corners of the surface between minimum and maximum of each section. Neighbouring sections share a sample, so that the
 /// surface has no gap where the signal is steep.
 fn outline(values: &[f64], x: impl Fn(usize) -> f64) -> Vec<(f64, f64)> {
     let length = piece_length(values.len());

@@ -1,4 +1,4 @@
-//! What was found and what was not, in the words of somebody who builds machines.
+//! The results of a trace in sentences, for engineers who build or commission machines.
 
 use super::caveats;
 use files::format::{percent, significant};
@@ -16,7 +16,7 @@ use trace::stages::{residual_unit, stage_names};
 use trace::validation::found::Found;
 use trace::verdict::{self, Verdict};
 
-/// What a table over a variable takes away.
+/// The reduction of the residual by a table over a variable.
 #[must_use]
 pub fn table(axis: &AxisTrace, table: &Empirical) -> String {
     let (unit, _) = residual_unit(axis.unit, table.channel);
@@ -30,34 +30,35 @@ pub fn table(axis: &AxisTrace, table: &Empirical) -> String {
         Variable::OtherPosition => "the other axis's position",
         Variable::OtherAcceleration => "the other axis's acceleration",
     };
-    // As much as it had to be worth where it was found, in rms.
+    // The same reduction that is required on the fit logs, in rms.
     let helps = table.after.validate < 0.98 * table.before.validate;
     let [before, after] = [table.before.validate, table.after.validate].map(|rms| significant(rms, 3));
     format!(
-        "{}, {}: a table over {over} ({} points) takes what stays from {before} to {after} {unit} rms on motions not \
-         used to find it{}.",
+        "{}, {}: a table over {over} ({} points) changes the remaining residual on held-out motions from {before} \
+         to {after} {unit} rms{}.",
         table.axis,
         stage_names(&[table.channel]),
         table.table.len(),
-        if helps { "" } else { ": it is of no use there" }
+        if helps { "" } else { ", which is no significant improvement" }
     )
 }
 
-/// That two effects cannot be told apart, and what would tell.
+/// Two effects that the logs cannot distinguish, and the motion that would distinguish them.
 #[must_use]
 pub fn look_alike(axis: &AxisTrace, alike: &Ambiguity) -> String {
     let how = alike.proposal.as_ref().map_or_else(
-        || "a log of another kind of motion would tell".to_owned(),
+        || "a log of a different motion is needed to distinguish them".to_owned(),
         |proposal| {
             format!(
-                "{} would tell, where they differ by {} times the noise (--propose writes the motion file)",
+                "{} would distinguish them: there they differ by {} times the noise (--propose writes the motion \
+                 file)",
                 proposal.name,
                 significant(proposal.difference, 2)
             )
         },
     );
     let [added, rival] = [&alike.added, &alike.rival].map(|effect| effect.name().replace('_', " "));
-    format!("{}: these logs do not tell {added} from {rival}; {how}.", axis.axis)
+    format!("{}: these logs do not distinguish {added} from {rival}; {how}.", axis.axis)
 }
 
 /// The sentence for an effect that was found.
@@ -65,29 +66,32 @@ pub fn look_alike(axis: &AxisTrace, alike: &Ambiguity) -> String {
 pub fn sentence(axis: &str, unit: Unit, found: &Found) -> String {
     let what = found.effect.sentence(&found.half_widths, unit == Unit::Degree);
     let stage = stage_names(&[found.stage]);
-    let unseen = "on motions not used to find it";
+    let held_out = "on held-out motions";
     let gain = found.validate_reduction_percent();
     if gain >= 0.0 {
-        format!("{axis}: {what}; takes away {} of the {stage} residual {unseen}.", percent(gain))
+        format!("{axis}: {what}; reduces the {stage} residual {held_out} by {}.", percent(gain))
     } else {
-        format!("{axis}: {what}; the {stage} residual is {} larger with it {unseen}.", percent(-gain))
+        format!("{axis}: {what}; increases the {stage} residual {held_out} by {}.", percent(-gain))
     }
 }
 
-/// What was found on an axis: that the model does not describe the logs, where it does not; one sentence for each effect,
-/// or one that says that there is none; what was refuted, and what ended at a limit.
+/// The results for an axis: whether the model fails to describe the logs; one sentence for each effect, or one sentence
+/// that no effect was found; refuted effects, and effects with a parameter at a limit.
 #[must_use]
 pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     if axis.errors.is_empty() {
         return vec![format!(
-            "{}: nothing could be tested with these logs and this machine file.",
+            "{}: no stage could be evaluated with these logs and this machine file.",
             axis.axis
         )];
     }
     let none = axis.found.is_empty().then(|| {
         let what = match verdict::of_axis(axis) {
-            Verdict::Explained => "nothing found that the declared model lacks",
-            Verdict::Unexplained => "nothing found in the catalogue, though more than noise stays: see below",
+            Verdict::Explained => "no undeclared effect found",
+            Verdict::Unexplained => {
+                "no undeclared effect found, but the residual exceeds the sensor noise: see \
+                                     below"
+            }
             Verdict::ModelDoesNotFit => "no effect found",
         };
         format!("{}: {what}.", axis.axis)
@@ -105,34 +109,36 @@ pub fn summary(trace: &Trace) -> Vec<String> {
     trace.axes.iter().flat_map(of_axis).collect()
 }
 
-/// What stays of one stage.
+/// The remaining residual of a stage.
 #[must_use]
 pub fn remainder(axis: &AxisTrace, rest: &Unexplained) -> String {
     let (unit, _) = residual_unit(axis.unit, rest.channel);
     let noise = axis.errors.iter().find(|error| error.stage == rest.channel).map_or(0.0, |error| error.noise);
     let share = percent(rest.share_percent);
-    let follows = match rest.variable {
-        Variable::None => "it follows none of the variables tried".to_owned(),
+    let dependence = match rest.variable {
+        Variable::None => "it does not depend on any of the variables tested".to_owned(),
         Variable::Time => {
             let hertz = significant(rest.frequency_hz.unwrap_or(0.0), 3);
-            format!("{share} of its power swings at {hertz} Hz")
+            format!("{share} of its power is at {hertz} Hz")
         }
         Variable::Position => {
             let at = significant(rest.centre_mm.unwrap_or(0.0), 3);
             format!(
-                "{share} of its power follows the position, most of all near {at}{}",
+                "{share} of its power depends on the position, with the maximum near {at}{}",
                 if axis.unit == Unit::Degree { "°" } else { " mm" }
             )
         }
-        Variable::Velocity => format!("{share} of its power follows the velocity"),
-        Variable::Acceleration => format!("{share} of its power follows the acceleration"),
-        Variable::Direction => format!("{share} of its power follows the direction of travel"),
-        Variable::Force => format!("{share} of its power follows the drive force"),
-        Variable::OtherPosition => format!("{share} of its power follows the other axis's position"),
-        Variable::OtherAcceleration => format!("{share} of its power follows the other axis's acceleration"),
+        Variable::Velocity => format!("{share} of its power depends on the velocity"),
+        Variable::Acceleration => format!("{share} of its power depends on the acceleration"),
+        Variable::Direction => format!("{share} of its power depends on the direction of travel"),
+        Variable::Force => format!("{share} of its power depends on the drive force"),
+        Variable::OtherPosition => format!("{share} of its power depends on the other axis's position"),
+        Variable::OtherAcceleration => {
+            format!("{share} of its power depends on the other axis's acceleration")
+        }
     };
     format!(
-        "{}, {}: {} {unit} rms stay on the logs that were fitted, where the sensors' noise is {} {unit}; {follows}.",
+        "{}, {}: residual on the fitted logs {} {unit} rms, sensor noise {} {unit}; {dependence}.",
         axis.axis,
         stage_names(&[rest.channel]),
         significant(rest.rms, 3),
@@ -140,13 +146,13 @@ pub fn remainder(axis: &AxisTrace, rest: &Unexplained) -> String {
     )
 }
 
-/// What of a stage's rest comes again with the motion.
+/// The repeatable and the non-repeatable part of the residual of a stage.
 #[must_use]
 pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
     let (unit, _) = residual_unit(axis.unit, part.channel);
     format!(
-        "{}, {}: the motion comes again every {} s; of what stays {} {unit} rms come again with it, and {} {unit} do not, \
-         which no model takes away.",
+        "{}, {}: the motion repeats every {} s; {} {unit} rms of the remaining residual are repeatable, {} {unit} \
+         are not and cannot be removed by any model.",
         axis.axis,
         stage_names(&[part.channel]),
         significant(part.period_s, 4),
@@ -155,24 +161,25 @@ pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
     )
 }
 
-/// What the fitted logs did not tell: values that they leave open, and stages in which more stays on other logs.
+/// Limitations of the fit: values that the fitted logs do not determine, and stages with a larger residual on other logs.
 #[must_use]
 pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
-    /// So many times as much is more than another motion's share of noise.
-    const MORE: f64 = 2.0;
+    /// Ratio of the held-out to the fitted residual from which it is reported: a smaller one may be due to the motion.
+    const MIN_RATIO: f64 = 2.0;
     let keys = axis.model.at_bounds();
     let bounds = (!keys.is_empty()).then(|| {
         format!(
-            "{}: {} ended at a bound of the declared tolerance: the logs that were fitted do not tell it, or it lies beyond.",
+            "{}: {} ended at a bound of the declared tolerance: the fitted logs do not determine the value, or the \
+             true value is outside.",
             axis.axis,
             keys.join(", ")
         )
     });
-    let more = axis.errors.iter().filter(|e| e.after.validate > MORE * e.after.fit.max(e.noise)).map(|error| {
+    let more = axis.errors.iter().filter(|e| e.after.validate > MIN_RATIO * e.after.fit.max(e.noise)).map(|error| {
         let (unit, _) = residual_unit(axis.unit, error.stage);
         format!(
-            "{}, {}: {} {unit} rms stay on motions not used, {} times what stays on those that were: these ask more of the \
-             model.",
+            "{}, {}: residual on held-out motions {} {unit} rms, {} times that on the fitted ones: the held-out \
+             motions excite behaviour that the model does not describe.",
             axis.axis,
             stage_names(&[error.stage]),
             significant(error.after.validate, 3),
@@ -186,12 +193,12 @@ pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
         .collect()
 }
 
-/// What the models are worth without feedback.
+/// The error of the models without feedback.
 #[must_use]
 pub fn free_run(run: &FreeRun) -> String {
     format!(
-        "{}: under the measured force alone the declared model is {} µm rms astray within {} s, with the effects found \
-         {} µm ({} {}, held out).",
+        "{}: simulated with the measured force alone, the declared model has an error of {} µm rms within {} s, the \
+         model with the effects found {} µm ({} {}, held out).",
         run.axis,
         significant(run.declared_um, 3),
         significant(run.seconds, 2),
@@ -201,10 +208,10 @@ pub fn free_run(run: &FreeRun) -> String {
     )
 }
 
-/// Why a stage was not looked at.
+/// The reason why a stage was not evaluated.
 #[must_use]
 pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
-    format!("{axis}, {}: could not be tested; it needs {}.", stage_names(&[stage.stage]), stage.needs)
+    format!("{axis}, {}: could not be evaluated; required: {}.", stage_names(&[stage.stage]), stage.needs)
 }
 
 #[cfg(test)]
@@ -254,29 +261,29 @@ mod tests {
             let stage = effect.stages()[0];
             let [before, after] = [100.0, 9.4].map(|validate| Pair { fit: 1.0, validate });
             let found = Found { effect, half_widths, stage, before, after };
-            let said = sentence("ax", Unit::Millimetre, &found);
-            assert!(said.starts_with("ax: "), "{said}");
-            assert!(said.ends_with("residual on motions not used to find it."), "{said}");
-            assert!(said.contains("91 %"), "{said}");
+            let text = sentence("ax", Unit::Millimetre, &found);
+            assert!(text.starts_with("ax: "), "{text}");
+            assert!(text.ends_with("residual on held-out motions by 91 %."), "{text}");
+            assert!(text.contains("91 %"), "{text}");
             for (name, value) in parameters.iter().filter(|(name, _)| !name.starts_with("phase")) {
                 let value = with_spread(*value, 0.01);
-                assert!(said.contains(&value), "{name} {value} in: {said}");
+                assert!(text.contains(&value), "{name} {value} in: {text}");
             }
             if let Some(source) = found.effect.distinction().source() {
-                assert!(said.contains(&format!("axis {source}")), "{said}");
+                assert!(text.contains(&format!("axis {source}")), "{text}");
             }
         }
     }
 
     #[test]
-    fn an_effect_that_does_not_help_is_not_praised() {
+    fn an_effect_that_increases_the_residual_is_reported_as_such() {
         let effect: Effect = toml::from_str("name = 'backlash'\nwidth_um = 9.8").unwrap();
         let [before, after] = [100.0, 103.2].map(|validate| Pair { fit: 1.0, validate });
         let found = Found { effect, half_widths: vec![0.1], stage: Stage::Table, before, after };
         assert_eq!(
             sentence("x", Unit::Millimetre, &found),
-            "x: 9.8 ± 0.1 µm backlash between screw and table; the table residual is 3 % larger with it on motions \
-             not used to find it."
+            "x: 9.8 ± 0.1 µm backlash between screw and table; increases the table residual on held-out motions by \
+             3 %."
         );
     }
 }

@@ -1,4 +1,4 @@
-//! Tables of the page of a trace: the residuals of all stages, and what was found beside the truth.
+//! Tables of the page of a trace: the residuals of all stages, and the comparison of effects found with the truth.
 
 use maud::{Markup, html};
 
@@ -9,11 +9,11 @@ use trace::outcome::{AxisTrace, StageError};
 use trace::stages::{residual_unit, stage_names};
 use trace::validation::found::Found;
 
-const RESIDUALS_NOTE: &str = "Root mean square. Fit: on the logs that the models were fitted to. Validate: on motions that took \
-                              part in no fit. Before: the declared model at its best within its tolerance. Noise: \
-                              what the sensors make of a perfect model.";
+const RESIDUALS_NOTE: &str = "Rms values. Fit: on the logs used in the fit. Validate: on held-out motions. Before: \
+                              the declared model, with its values fitted within their tolerance. Noise: residual of \
+                              a perfect model due to the sensors.";
 
-/// Residuals before and after, by axis and stage; empty where no stage could be formed.
+/// Residuals before and after, by axis and stage; empty if no stage could be evaluated.
 pub fn errors(axes: &[AxisTrace]) -> Markup {
     if axes.iter().all(|axis| axis.errors.is_empty()) {
         return Markup::default();
@@ -69,32 +69,32 @@ fn error_row(axis: &AxisTrace, error: &StageError) -> Markup {
     }
 }
 
-/// A residual after the search, highlighted where it is at least 5 % smaller than before.
+/// A residual after the search, highlighted if it is at least 5 % smaller than before.
 fn after_cell(before: f64, after: f64) -> Markup {
     html! { td.n.gained[after < 0.95 * before] { (text(&fixed(after, 3))) } }
 }
 
-/// What the machine has in truth beside what was found, with the error of each parameter.
+/// Comparison of the true effects with those found, with the error of each parameter.
 pub fn truth(axes: &[AxisTrace], truth: &[(String, Effect)]) -> Markup {
     let rows = html! {
         @for (axis, effect) in truth { (truth_row(axes, axis, effect)) }
         @for axis in axes {
-            @for found in false_finds(axis, truth) {
-                (row([&axis.axis, "not there", &found.effect.sentence(&found.half_widths, false), ""]))
+            @for found in false_effects(axis, truth) {
+                (row([&axis.axis, "none", &found.effect.sentence(&found.half_widths, false), ""]))
             }
         }
     };
     if rows.0.is_empty() {
-        return paragraph("In truth the machine had no effect that its declared model lacks.");
+        return paragraph("The machine had no undeclared effect.");
     }
     html! {
-        h3 { "The truth, which nobody had told the tracer" }
+        h3 { "Comparison with the true effects, which the tracer did not know" }
         (table(&["axis", "truth", "found", "error"].map(Column::Words), &rows))
     }
 }
 
-/// Effects that were found and that the machine does not have.
-fn false_finds<'a>(axis: &'a AxisTrace, truth: &[(String, Effect)]) -> Vec<&'a Found> {
+/// False effects: found, but not present in the machine.
+fn false_effects<'a>(axis: &'a AxisTrace, truth: &[(String, Effect)]) -> Vec<&'a Found> {
     let is_true = |found: &Found| {
         truth.iter().any(|(name, effect)| *name == axis.axis && effect.is_same(&found.effect))
     };
@@ -121,7 +121,8 @@ fn row([axis, truth, found, errors]: [&str; 4]) -> Markup {
     }
 }
 
-/// Error of each parameter that is not known beforehand: a phase in degrees within ±180, else in percent of the truth.
+/// Error of each parameter that is not declared: of a phase in degrees within ±180, otherwise in percent of the true
+/// value.
 fn parameter_errors(truth: &Effect, found: &Found) -> String {
     const TURN: f64 = std::f64::consts::TAU;
     let values = truth.values().into_iter().zip(found.effect.values());

@@ -7,8 +7,8 @@ use model::machine::Machine;
 use pages::markup::text;
 use trace::Trace;
 
-/// A circle run both ways by two axes of which only motor and table were logged; the table of x
-/// stays 4 µm of backlash behind.
+/// A circle in both directions of two axes of which only motor and table were logged; the table of x has 4 µm of
+/// backlash.
 fn log(source: &str, radius_mm: f64, shift: f64) -> Log {
     const TURN: u32 = 2400;
     let noise = |i: u32, seed: f64| 1e-5 * ((f64::from(i) * 12.9898 + seed).sin() * 43_758.545).fract();
@@ -64,7 +64,7 @@ fn assert_balanced(html: &str) {
 }
 
 #[test]
-fn the_page_is_whole_escaped_and_needs_nothing_else() {
+fn the_page_is_well_formed_escaped_and_self_contained() {
     let trace = traced();
     let html = html(&trace, &extra("name = 'backlash'\nwidth_um = 4"));
     assert_balanced(&html);
@@ -73,45 +73,45 @@ fn the_page_is_whole_escaped_and_needs_nothing_else() {
     }
     assert!(html.contains("<h1>A &lt;i&gt; title</h1>"));
     assert!(html.contains("Seed 7 &amp; &quot;more&quot;."));
-    assert!(html.contains("Machine &lt;b&gt;&amp;. Fitted to fit.csv; judged on validate.csv"));
+    assert!(html.contains("Machine &lt;b&gt;&amp;. Fitted to fit.csv; validated on validate.csv"));
 }
 
 #[test]
-fn the_page_tells_what_was_found_shows_it_and_says_what_was_not() {
+fn the_page_has_all_sections_with_their_results() {
     let trace = traced();
     let page = html(&trace, &extra("name = 'backlash'\nwidth_um = 4"));
     let sections = [
-        "What was found",
+        "Effects found",
         "Residuals before",
         "The circle",
         "The residual of",
-        "What was tried",
-        "What stays",
+        "Candidates tested",
+        "Unexplained residuals",
     ];
     let positions: Vec<usize> =
         sections.iter().map(|name| page.find(&format!("<h2>{name}")).unwrap()).collect();
     assert!(positions.is_sorted(), "{positions:?}");
     assert!(page.contains(&text(&sentences::sentence("x", Unit::Millimetre, &trace.axes[0].found[0])).0));
-    assert!(page.contains("backlash between screw and table; takes away"));
-    assert!(page.contains("y: nothing found"));
+    assert!(page.contains("backlash between screw and table; reduces the table residual"));
+    assert!(page.contains("y: no undeclared effect found"));
     let truth = text("4.000 µm backlash between screw and table").0;
     assert!(page.contains(&format!("<td>{truth}</td>")), "the truth");
     assert!(page.contains("a circle of 25.0 mm radius"));
     assert!(page.contains("class=\"cw\" points") && page.contains("class=\"ccw\" points"));
-    assert!(page.contains("x, tool: could not be tested; it needs a tool channel."));
+    assert!(page.contains("x, tool: could not be evaluated; required: a tool channel."));
     assert!(page.contains("mean residual") && page.contains("velocity, mm/s"));
     assert!(page == html(&trace, &extra("name = 'backlash'\nwidth_um = 4")), "the same bytes again");
 }
 
 #[test]
-fn the_truth_tells_misses_and_false_finds() {
+fn the_comparison_with_the_truth_lists_missed_and_false_effects() {
     let page = html(&traced(), &extra("name = 'windup'\nstiffness_n_per_um = 120"));
     assert!(page.contains("<td>not found</td>"));
-    assert!(page.contains("<td>not there</td>"));
+    assert!(page.contains("<td>none</td>"));
 }
 
 #[test]
-fn the_page_is_written_into_a_folder_that_is_made() {
+fn the_page_is_written_into_a_folder_that_is_created() {
     let folder = tempfile::tempdir().unwrap();
     let inner = folder.path().join("a").join("b");
     let trace = traced();

@@ -1,4 +1,4 @@
-//! The page of a trace: what was found, pictures of it, and what was not found.
+//! The page of a trace: effects found, plots, and unexplained residuals.
 
 use std::path::{Path, PathBuf};
 
@@ -15,21 +15,21 @@ use trace::input::signals::Signals;
 use trace::outcome::{AxisTrace, StageError};
 use trace::stages::stage_names;
 
-/// What a page shows beside the trace.
+/// Additional content of a page.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Extra {
     /// Heading of the page.
     pub title: String,
     /// Sentences above the sections.
     pub lead: Vec<String>,
-    /// The effects of the machine, each with its axis, where they are known.
+    /// The true effects of the machine, each with its axis, if they are known.
     pub truth: Option<Vec<(String, Effect)>>,
 }
 
-/// Writes the page into a folder, which is made where it is missing, and returns its path.
+/// Writes the page into a folder, which is created if it does not exist, and returns its path.
 ///
 /// # Errors
-/// If the folder cannot be made or the page not be written.
+/// If the folder cannot be created or the page cannot be written.
 pub fn write(folder: &Path, trace: &Trace, extra: &Extra) -> Result<PathBuf, OutputError> {
     pages::write(folder, &html(trace, extra))
 }
@@ -43,17 +43,17 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
         (note(&sources(trace)))
     };
     let sections = html! {
-        (section("What was found", &found(trace, extra)))
+        (section("Effects found", &found(trace, extra)))
         (section("Residuals before and after", &tables::errors(&trace.axes)))
         (section("The circle", &circle_plots::body(trace, &views)))
         (section("The residual of each stage", &residual_plots::body(trace, &views)))
-        (section("What was tried", &ranking::body(&trace.axes)))
-        (section("What stays unexplained", &unexplained(&trace.axes, &trace.notes)))
+        (section("Candidates tested", &ranking::body(&trace.axes)))
+        (section("Unexplained residuals", &unexplained(&trace.axes, &trace.notes)))
     };
     pages::render(&extra.title, &lead, &sections)
 }
 
-/// One sentence for each effect, and the truth where it is known.
+/// One sentence for each effect, and the truth if it is known.
 fn found(trace: &Trace, extra: &Extra) -> Markup {
     html! {
         ul.found {
@@ -67,27 +67,28 @@ fn found(trace: &Trace, extra: &Extra) -> Markup {
     }
 }
 
-/// The one decision that the validation logs take part in.
-const VALIDATION_DECIDES: &str = "One decision is made with what was held out: an effect that makes its residual larger is refuted, and left out of the model.";
+/// The only decision that uses the validation logs.
+const VALIDATION_DECIDES: &str = "The held-out data are used for one decision only: an effect that increases their \
+                                  residual is refuted and left out of the model.";
 
 /// Which logs were fitted and which were not.
 fn sources(trace: &Trace) -> String {
     let names =
         |logs: &[Signals]| logs.iter().map(|log| file_name(&log.source)).collect::<Vec<_>>().join(", ");
     let (fit, validate) = (names(&trace.fit_logs), names(&trace.validate_logs));
-    let judged = if fit == validate {
-        "judged on the last part of it".to_owned()
+    let validation = if fit == validate {
+        "validated on the last part of it".to_owned()
     } else {
-        format!("judged on {validate}")
+        format!("validated on {validate}")
     };
     let separator = if fit == validate { "," } else { ";" };
     format!(
-        "Machine {}. Fitted to {fit}{separator} {judged}, which no fit saw. {VALIDATION_DECIDES}",
+        "Machine {}. Fitted to {fit}{separator} {validation}, which is not used in any fit. {VALIDATION_DECIDES}",
         trace.machine.name
     )
 }
 
-/// What remains, what could not be tested, and which residuals are down to noise.
+/// Remaining residuals, stages that could not be evaluated, and residuals at noise level.
 fn unexplained(axes: &[AxisTrace], notes: &[String]) -> Markup {
     let of_axis = |axis: &AxisTrace| {
         let remainders = axis.unexplained.iter().map(|entry| sentences::remainder(axis, entry));
@@ -99,12 +100,12 @@ fn unexplained(axes: &[AxisTrace], notes: &[String]) -> Markup {
     html! {
         @if !remaining.is_empty() { (list(&remaining)) }
         @if !explained.is_empty() {
-            (paragraph(&format!("Down to the sensors' noise: {}.", explained.join(", "))))
+            (paragraph(&format!("Residuals at sensor-noise level: {}.", explained.join(", "))))
         }
     }
 }
 
-/// Axis and name of each stage of which only noise is left.
+/// Axis and name of each stage whose residual is at noise level.
 fn explained_stages(axis: &AxisTrace) -> Vec<String> {
     /// Largest residual that counts as noise, in multiples of the noise's rms.
     const MAX_NOISE_MULTIPLE: f64 = 1.5;

@@ -1,4 +1,4 @@
-//! What a residual is drawn against, and its mean over that.
+//! The variables over which residuals are plotted, and the mean residual over a variable.
 
 use super::axis_view::AxisView;
 use model::effects::{Abscissa, Effect, Stage};
@@ -11,10 +11,10 @@ use trace::input::smoothing::Smooth;
 /// Bins over the range of a variable.
 const BINS: usize = 64;
 
-/// A mean over fewer samples than this is left out.
+/// Minimum number of samples of a mean.
 const LEAST_SAMPLES: usize = 8;
 
-/// The variable over which an effect's residual is drawn.
+/// The variable over which an effect's residual is plotted.
 pub fn of_effect(effect: &Effect, view: &AxisView<'_>) -> Abscissa {
     let is_force_known = view.evidence.logs.iter().all(|log| log.axes[view.evidence.axis].force.is_some());
     match effect.abscissa() {
@@ -25,7 +25,7 @@ pub fn of_effect(effect: &Effect, view: &AxisView<'_>) -> Abscissa {
     }
 }
 
-/// The variable that an unexplained residual follows; a vibration is seen in the picture over time.
+/// The variable on which an unexplained residual depends; a vibration is visible in the plot over time.
 pub fn of_residual(variable: Variable, view: &AxisView<'_>) -> Option<Abscissa> {
     match variable {
         Variable::Time | Variable::None => None,
@@ -38,7 +38,7 @@ pub fn of_residual(variable: Variable, view: &AxisView<'_>) -> Option<Abscissa> 
     }
 }
 
-/// The name of a variable with its unit, for an axis of a picture.
+/// The name of a variable with its unit, for an axis of a plot.
 pub fn label(abscissa: &Abscissa, view: &AxisView<'_>) -> String {
     let name = |name: &Option<String>| &view.evidence.names[other(name.as_deref(), view)];
     match abscissa {
@@ -85,15 +85,15 @@ fn first_other(view: &AxisView<'_>) -> Option<String> {
     names.iter().enumerate().find(|(axis, _)| *axis != own).map(|(_, name)| name.clone())
 }
 
-/// The axis of a name; the view's own where there is none of that name.
+/// The axis with a name, or the view's own if there is none.
 fn other(name: Option<&str>, view: &AxisView<'_>) -> usize {
     let (names, own) = (view.evidence.names, view.evidence.axis);
     names.iter().position(|other| Some(other.as_str()) == name).unwrap_or(own)
 }
 
 /// Mean residual of a stage over all logs in equal bins of a variable: the middle of each bin, and
-/// the mean there, in runs of bins that hold samples. Empty where the variable was not measured or
-/// never changes.
+/// the mean there, in sequences of bins that contain samples. Empty if the variable was not measured or
+/// is constant.
 pub fn means(
     view: &AxisView<'_>,
     parts: &[ResidualSeries],

@@ -8,7 +8,7 @@ use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
 use serde_json::json;
 
-use super::truth::{Truth, bend};
+use super::truth::{Truth, draw_effects};
 use super::{draw, motion, simulation};
 use files::error::InputError;
 use files::log::Log;
@@ -38,12 +38,12 @@ impl Case {
     /// Draws a case and simulates it. The result depends on seed and number only.
     ///
     /// # Errors
-    /// None in practice: the text of a drawn machine file is valid, but read like any other.
+    /// None in practice: the text of a drawn machine file is valid, but it is checked like any other.
     pub fn draw(seed: u64, number: u64) -> Result<Self, InputError> {
         let mut random = stream(seed, number, 0);
         let mut drawn = draw::machine(&mut random);
         let session = draw::session(&mut random);
-        let truths = bend(&mut drawn, &mut random);
+        let truths = draw_effects(&mut drawn, &mut random);
         let name = format!("case-{number}");
         let machine_text = format!(
             "name = \"{name}\"\nsample_rate_hz = 1000.0\nvelocity_loop_rate_hz = 4000.0\n\n{}\n{}",
@@ -73,7 +73,7 @@ impl Case {
         Ok(Self { number, machine_text, machine, truths, fit, validate })
     }
 
-    /// Writes `machine.toml`, the logs and `truth.json` into a folder of the case's name, which is made.
+    /// Writes `machine.toml`, the logs and `truth.json` into a folder named after the case, which is created.
     ///
     /// # Errors
     /// If a file cannot be written.
@@ -92,7 +92,7 @@ impl Case {
     }
 }
 
-/// Random numbers for one purpose of one case, independent of those of other purposes and cases.
+/// Random numbers for one purpose in one case, independent of other purposes and cases.
 fn stream(seed: u64, number: u64, purpose: u64) -> ChaCha8Rng {
     const MAX_PURPOSES: u64 = 8;
     let mut random = ChaCha8Rng::seed_from_u64(seed);

@@ -5,9 +5,9 @@ use serde_json::{Map, Value, json};
 use super::score::{Outcome, is_same};
 use super::truth::{NAMES, OUTSIDE, Truth};
 
-/// Row of false finds that no missed effect accounts for.
+/// Row of false effects that no missed effect accounts for.
 pub const NOTHING: &str = "nothing";
-/// Column of effects that were not found, not under another name either.
+/// Column of effects that were not found under any name.
 pub const MISSED: &str = "missed";
 /// Column of effects from outside the catalogue that the trace describes as unexplained.
 pub const DESCRIBED: &str = "unexplained";
@@ -24,8 +24,8 @@ pub struct Confusion {
 }
 
 impl Confusion {
-    /// Counts all outcomes. A false find is attributed to an effect that was missed on its axis, each missed effect once;
-    /// where none was missed, to [`NOTHING`].
+    /// Counts all outcomes. A false effect is attributed to an effect that was missed on its axis, each missed effect once,
+    /// or to [`NOTHING`] if none was missed.
     #[must_use]
     pub fn new(outcomes: &[Outcome]) -> Self {
         let rows: Vec<&str> = NAMES.into_iter().chain(OUTSIDE).chain([NOTHING]).collect();
@@ -69,7 +69,7 @@ impl Confusion {
         }
     }
 
-    /// Count of a row and a column; 0 where there is none of that name.
+    /// Count of a row and a column; 0 if there is none of that name.
     #[must_use]
     pub fn of(&self, row: &str, column: &str) -> usize {
         let mut cells = self.cells();
@@ -125,13 +125,13 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_outside_the_catalogue_is_described_mistaken_or_missed() {
+    fn an_effect_outside_the_catalogue_is_described_confused_or_missed() {
         let truths = [truth("vibration", "x", &[("frequency_hz", 60.0)])];
         let of = |trace: Value| Confusion::new(&[Outcome::new(1, &truths, &trace)]);
         let described = of(json!({"unexplained": [{"axis": "x", "variable": "time", "frequency_hz": 60.2}]}));
         assert_eq!(described.of("vibration", DESCRIBED), 1);
-        let mistaken = of(json!({"effects": [found("resonance", "x", &json!({}))]}));
-        assert_eq!(mistaken.of("vibration", "resonance"), 1);
+        let confused = of(json!({"effects": [found("resonance", "x", &json!({}))]}));
+        assert_eq!(confused.of("vibration", "resonance"), 1);
         assert_eq!(of(json!({})).of("vibration", MISSED), 1);
     }
 }

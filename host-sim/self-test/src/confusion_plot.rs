@@ -1,4 +1,4 @@
-//! A confusion matrix as a picture: a row for each effect that was there, a column for each effect that was found.
+//! A confusion matrix as a picture: a row for each true effect, a column for each effect found.
 
 use maud::{Markup, html};
 
@@ -11,9 +11,8 @@ const CELL: (u32, u32) = (34, 22);
 const LEFT: u32 = 150;
 const TOP: u32 = 118;
 
-const TITLE: &str = "What was taken for what";
-const DESCRIPTION: &str =
-    "Each row is an effect that was there, each column an effect that was found; the numbers count cases.";
+const TITLE: &str = "Confusion matrix";
+const DESCRIPTION: &str = "Each row is a true effect, each column an effect found; the numbers count cases.";
 
 /// The SVG element, without rows and columns that are empty; an empty text for an empty matrix.
 pub fn picture(confusion: &Confusion) -> String {

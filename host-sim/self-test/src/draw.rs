@@ -71,7 +71,7 @@ pub fn machine(random: &mut ChaCha8Rng) -> Drawn {
     Drawn { axes: [x, y], declared: [declared_x, declared_y] }
 }
 
-/// Draws the true and the declared values of an axis. The order of the draws decides what a seed gives.
+/// Draws the true and the declared values of an axis. The order of the draws determines the result of a seed.
 fn axis(name: &str, design: &Design, random: &mut ChaCha8Rng) -> (Axis, Declared) {
     let mut declared = |low, high| six_digits(random.random_range(low..high));
     let drive = DriveValues {
@@ -216,7 +216,7 @@ fn steps(reach: f64) -> Motion {
     Motion { name: "", start: [0.0; 2], segments, pace: NO_PACE }
 }
 
-/// A square on its corner with an exact stop at each corner. Half its diagonal is given.
+/// A square standing on its corner, given by half its diagonal, with an exact stop at each corner.
 fn corner(centre: [f64; 2], half_diagonal: f64) -> Motion {
     let [left, middle] = [centre[0] - 40.0, centre[1]];
     let ends = [

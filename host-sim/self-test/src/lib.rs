@@ -1,8 +1,8 @@
-//! Tests the tracer on machines that are drawn at random and simulated by a second, separate program.
+//! Tests the tracer on machines that are drawn at random and simulated by a second, independent simulator.
 //!
-//! [`plant`], [`servo`] and [`simulation`] are that program, in plain f64. They share no code with the crate `plant`,
-//! the effects of `model` and the controller in `shared`, none of which this crate depends on: the code that makes the
-//! data must not be the only judge of the code that explains them.
+//! [`plant`], [`servo`] and [`simulation`] are this simulator, in plain f64. They share no code with the crate `plant`,
+//! the effects of `model` and the controller in `shared`, none of which this crate depends on. The tracer is thus tested
+//! on data that its own model did not generate.
 //!
 //! | step | module |
 //! |---|---|
@@ -10,7 +10,7 @@
 //! | simulate it | [`simulation`], [`plant`], [`servo`] |
 //! | one machine with its logs | [`case`] |
 //! | compare a trace with the true effects | [`score`] |
-//! | figures of all cases | [`summary`], [`confusion`] |
+//! | statistics of all cases | [`summary`], [`confusion`] |
 //! | text and page | [`text_summary`], [`page`], `confusion_plot`, `parameter_plot` |
 
 pub mod case;
@@ -36,7 +36,7 @@ use score::Outcome;
 use summary::Summary;
 use trace::TraceOptions;
 
-/// Traces a case without its true effects, then scores the trace. `progress` gets what is being done.
+/// Traces a case without its true effects, then scores the trace. `progress` receives the name of each step.
 ///
 /// # Errors
 /// When the tracer refuses a log.

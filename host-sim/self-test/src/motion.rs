@@ -1,4 +1,5 @@
-//! The motions of a session: circles both ways, travel in steps, a small circle, a square on its corner.
+//! Sampled paths for the motions of a session: circles in both directions, travel in steps, a small circle, a square
+//! standing on its corner.
 
 use std::f64::consts::TAU;
 
@@ -31,7 +32,7 @@ impl Pace {
         length / speed + speed / self.acceleration
     }
 
-    /// Largest speed over a length, which a short one limits, mm/s.
+    /// Largest speed over a length, mm/s; a short length limits it.
     fn reached_speed(&self, length: f64) -> f64 {
         self.speed.min((length * self.acceleration).sqrt())
     }
@@ -122,7 +123,7 @@ mod tests {
     }
 
     #[test]
-    fn an_arc_stays_on_its_circle_and_turns_as_told() {
+    fn an_arc_stays_on_its_circle_and_has_its_number_of_turns() {
         let pace = Pace { speed: 40.0, acceleration: 2000.0 };
         let positions = sampled([10.0, 0.0], &[Segment::Arc([0.0, 0.0], 1.25)], pace);
         assert!(positions.iter().all(|p| (p[0].hypot(p[1]) - 10.0).abs() < 1e-9));

@@ -1,4 +1,4 @@
-//! The page of a self-test: sentences, the confusion matrix, the parameters, the cases that went wrong.
+//! The page of a self-test: sentences, confusion matrix, parameters, incorrect cases.
 
 use std::path::{Path, PathBuf};
 
@@ -15,18 +15,18 @@ use crate::text_summary;
 use crate::{confusion_plot, parameter_plot};
 use files::output::OutputError;
 
-const MATRIX_NOTE: &str = "Rows: the effects that were there; columns: what was found. A false effect is put down to what was \
-                           missed on its axis, or else to nothing. Unexplained: an effect from outside the catalogue that the \
-                           trace describes by what it follows.";
+const MATRIX_NOTE: &str = "Rows: true effects; columns: effects found. A false effect is assigned to an effect that \
+                           was missed on its axis, otherwise to nothing. Unexplained: an effect from outside the \
+                           catalogue that the trace describes as unexplained.";
 
-const PARAMETERS_NOTE: &str = "Left: error of each found parameter, percent of the truth; the stroke is the median. Right: share of the \
-                               truths inside the 95 % confidence intervals, with its own 95 % interval. Periods follow from the lead and \
-                               are left out.";
+const PARAMETERS_NOTE: &str = "Left: error of each parameter found, in percent of the true value, with the median \
+                               as a line. Right: coverage of the 95 % confidence intervals, with its own 95 % \
+                               interval. Periods follow from the lead and are left out.";
 
-/// Writes the page into a folder, which is made where it is missing, and returns its path.
+/// Writes the page into a folder, which is created if it does not exist, and returns its path.
 ///
 /// # Errors
-/// If the folder cannot be made or the page not be written.
+/// If the folder cannot be created or the page cannot be written.
 pub fn write(
     folder: &Path,
     lead: &[String],
@@ -43,17 +43,17 @@ pub fn html(lead: &[String], outcomes: &[Outcome], summary: &Summary) -> String 
         @for sentence in lead { (paragraph(sentence)) }
     };
     let sections = html! {
-        (section("What was taken for what", &matrix(summary)))
+        (section("Confusion matrix", &matrix(summary)))
         (section("Parameters", &parameters(summary)))
-        (section("Residuals on logs that were not fitted", &residuals(summary)))
-        (section("Cases that went wrong", &wrong_cases(outcomes)))
+        (section("Residuals on held-out logs", &residuals(summary)))
+        (section("Incorrect cases", &wrong_cases(outcomes)))
     };
-    pages::render("Machines drawn at random, traced blind", &lead, &sections)
+    pages::render("Tracer on randomly drawn machines", &lead, &sections)
 }
 
 fn matrix(summary: &Summary) -> Markup {
     let picture = confusion_plot::picture(&summary.confusion);
-    let entries = [surface_entry("hit", "as it is"), surface_entry("slip", "mistaken or missed")];
+    let entries = [surface_entry("hit", "correct"), surface_entry("slip", "confused or missed")];
     html! {
         @if !picture.is_empty() {
             (note(MATRIX_NOTE))
@@ -76,9 +76,9 @@ fn parameters(summary: &Summary) -> Markup {
 fn residuals(summary: &Summary) -> Markup {
     let columns = [
         Column::Words("channel"),
-        Column::Numbers("logs of axes"),
+        Column::Numbers("values"),
         Column::Numbers("median"),
-        Column::Numbers("95 % below"),
+        Column::Numbers("95 % quantile"),
     ];
     let rows = html! {
         @for (channel, spread) in summary.ratios.iter().filter(|(_, spread)| spread.count > 0) {
@@ -94,7 +94,7 @@ fn residuals(summary: &Summary) -> Markup {
         return rows;
     }
     html! {
-        (note("Root mean square after the last effect over that of the sensors' noise."))
+        (note("Rms residual with all effects found, divided by the rms noise of the sensors."))
         (table(&columns, &rows))
     }
 }
@@ -106,7 +106,7 @@ fn wrong_cases(outcomes: &[Outcome]) -> Markup {
     if rows.0.is_empty() {
         return paragraph("None.");
     }
-    table(&["case", "there was", "found"].map(Column::Words), &rows)
+    table(&["case", "true effects", "found"].map(Column::Words), &rows)
 }
 
 fn row(outcome: &Outcome) -> Markup {

@@ -1,4 +1,4 @@
-//! A row for each parameter: the errors of all cases, and how often the confidence interval holds the truth.
+//! A row for each parameter: the errors of all cases, and the coverage of the confidence intervals.
 
 use maud::{Markup, html};
 
@@ -17,10 +17,10 @@ const COVERAGE: f64 = 200.0;
 const DECADES: (i32, i32) = (-3, 2);
 
 const TITLE: &str = "Errors of the parameters and coverage of their confidence intervals";
-const DESCRIPTION: &str = "On the left the relative error of each case on a logarithmic scale, with the median; on the right the share of \
-                           the truths inside the 95 % confidence intervals, with its own 95 % interval.";
+const DESCRIPTION: &str = "On the left the relative error of each case on a logarithmic scale, with the median; on \
+                           the right the coverage of the 95 % confidence intervals, with its own 95 % interval.";
 
-/// The SVG element, of parameters that the machine file does not give; empty where there is no such parameter.
+/// The SVG element, for parameters that the machine file does not determine; empty if there are none.
 pub fn picture(parameters: &[Parameter]) -> String {
     let rows: Vec<_> = parameters.iter().filter_map(|p| p.coverage.map(|coverage| (p, coverage))).collect();
     if rows.is_empty() {

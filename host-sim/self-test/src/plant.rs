@@ -1,7 +1,7 @@
 //! One axis of the second simulator: two masses, a spring with a dead zone, `LuGre` friction, in plain f64.
 //!
-//! It shares no code with the crate `plant`, the effects of `model` or the controller in `shared`: what made the data must
-//! not be the only judge of what explains them. The equations are those of docs/self-test.md, integrated by
+//! It shares no code with the crate `plant`, the effects of `model` or the controller in `shared`, so that the tracer is tested
+//! on data that its own model did not generate. The equations are those of docs/self-test.md, integrated by
 //! semi-implicit Euler steps of [`STEP_S`].
 
 use std::f64::consts::TAU;
@@ -9,21 +9,21 @@ use std::f64::consts::TAU;
 /// Step of the integration, s: short against the fastest mode of the drawn machines, about 400 Hz between the masses.
 pub const STEP_S: f64 = 50e-6;
 
-/// Speed scale of the motor's Coulomb friction, tanh(v / this), m/s.
+/// Speed scale v0 of the motor's Coulomb friction, tanh(v/v0), m/s.
 const MOTOR_FRICTION_M_PER_S: f64 = 0.2e-3;
 
-/// amplitude·sin(2π·x/period + phase), SI units; 0 for amplitude 0.
+/// A sinusoidal error or force: amplitude·sin(2π·x/period + phase), SI units; 0 for amplitude 0.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Wave {
-    /// In the unit of the value.
+pub struct Sinusoid {
+    /// Amplitude, in the unit of the value.
     pub amplitude: f64,
-    /// In the unit of x; above 0 unless the amplitude is 0.
+    /// Period, in the unit of x; above 0 unless the amplitude is 0.
     pub period: f64,
-    /// rad.
+    /// Phase, rad.
     pub phase: f64,
 }
 
-impl Wave {
+impl Sinusoid {
     /// Value at x.
     #[must_use]
     pub fn at(&self, x: f64) -> f64 {
@@ -34,9 +34,9 @@ impl Wave {
     }
 }
 
-/// A local error over the travel: height·exp(−((x − centre)/width)²/2), m.
+/// A local position error of Gaussian shape: height·exp(−((x − centre)/width)²/2), m.
 #[derive(Clone, Copy, Debug, Default, PartialEq)]
-pub struct Bump {
+pub struct LocalDefect {
     /// Largest value.
     pub height_m: f64,
     /// Position of the largest value.
@@ -45,7 +45,7 @@ pub struct Bump {
     pub width_m: f64,
 }
 
-impl Bump {
+impl LocalDefect {
     /// Value at x.
     #[must_use]
     pub fn at(&self, x_m: f64) -> f64 {
@@ -80,21 +80,21 @@ pub struct Mechanics {
     pub presliding_n_s_per_m: f64,
     /// Total width of the gap between screw and table.
     pub backlash_m: f64,
-    /// Relative error of the lead: the screw moves the table by (1 + this) times the motor.
+    /// Relative error of the lead: the screw moves the table by (1 + slope) times the motor.
     pub pitch_slope: f64,
     /// Cyclic error of the screw over the motor's position, m over m.
-    pub pitch: Wave,
+    pub pitch: Sinusoid,
     /// Local defect of the screw.
-    pub screw_bump: Bump,
+    pub screw_defect: LocalDefect,
     /// Ripple force on the motor over its position, N over m.
-    pub ripple: Wave,
+    pub ripple: Sinusoid,
     /// Additional friction of the table at standstill.
     pub stribeck_n: f64,
-    /// Speed at which that has fallen to 1/e.
+    /// Speed at which the additional friction has decreased to 1/e.
     pub stribeck_m_per_s: f64,
-    /// Viscous friction is larger by this forwards and smaller by this backwards.
+    /// Half of the difference of viscous friction between forward and backward motion.
     pub asymmetry_n_s_per_m: f64,
-    /// Constant load, positive against motion forwards.
+    /// Constant load, positive if it opposes forward motion.
     pub load_n: f64,
 }
 
@@ -116,7 +116,7 @@ pub struct State {
 }
 
 impl State {
-    /// At rest; without strain if the screw has no error.
+    /// At rest; the spring is unstrained if the screw has no error.
     #[must_use]
     pub fn resting(at_m: f64) -> Self {
         Self { motor_m: at_m, table_m: at_m, ..Self::default() }
@@ -142,7 +142,7 @@ impl Mechanics {
 
     /// Position of the table that the screw sets, without strain.
     fn screw_m(&self, motor_m: f64) -> f64 {
-        (1.0 + self.pitch_slope) * motor_m + self.pitch.at(motor_m) + self.screw_bump.at(motor_m)
+        (1.0 + self.pitch_slope) * motor_m + self.pitch.at(motor_m) + self.screw_defect.at(motor_m)
     }
 
     /// Force of the screw on the table; 0 inside the gap.

@@ -37,7 +37,7 @@ impl Estimate {
         (self.ci95[0]..=self.ci95[1]).contains(&self.truth)
     }
 
-    /// Whether the machine file gives it: the period follows from the lead and is not fitted.
+    /// Whether the machine file determines it: the period follows from the lead and is not fitted.
     #[must_use]
     pub fn is_declared(&self) -> bool {
         self.parameter == "period_mm"
@@ -51,15 +51,15 @@ pub struct Outcome {
     pub number: u64,
     /// The true effects.
     pub truths: Vec<Truth>,
-    /// Name and axis of what was found, in the order of the trace.
+    /// Name and axis of the effects found, in the order of the trace.
     pub found: Vec<(String, String)>,
     /// The effects in the JSON of the trace.
     pub effects: Vec<Value>,
     /// For each effect from outside the catalogue, whether the trace describes it as unexplained.
     pub described: Vec<bool>,
-    /// Parameters of the effects that were found and are true.
+    /// Parameters of the true effects that were found.
     pub estimates: Vec<Estimate>,
-    /// Residual after the search over noise, rms, on the logs that were not fitted, by axis and channel.
+    /// Ratio of the rms residual after the search to the noise, on the held-out logs, by axis and channel.
     pub ratios: Vec<(String, f64)>,
 }
 
@@ -96,7 +96,7 @@ impl Outcome {
         catalogued.filter(|truth| !self.found.iter().any(|found| is_same(truth, found))).collect()
     }
 
-    /// Effects that were found and are not true.
+    /// False effects: found but not true.
     #[must_use]
     pub fn false_finds(&self) -> Vec<&(String, String)> {
         self.found.iter().filter(|found| !self.truths.iter().any(|truth| is_same(truth, found))).collect()
@@ -115,7 +115,7 @@ impl Outcome {
         self.missed().is_empty() && self.false_finds().is_empty()
     }
 
-    /// Whether the machine was as declared.
+    /// Whether the machine has no undeclared effect.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         self.truths.is_empty()
@@ -142,7 +142,7 @@ impl Outcome {
     }
 }
 
-/// Whether a found effect is a true one: name and axis count.
+/// Whether a found effect is a true one, by name and axis.
 pub(super) fn is_same(truth: &Truth, (name, axis): &(String, String)) -> bool {
     truth.name == name && truth.axis == axis
 }
@@ -182,7 +182,7 @@ fn estimates(truth: &Truth, parameters: &Value) -> Vec<Estimate> {
     truth.parameters.iter().filter_map(estimate).collect()
 }
 
-/// Axis and channel (`x table`), and the residual over noise.
+/// Axis and channel (`x table`), and the ratio of residual to noise.
 fn ratio(entry: &Value) -> Option<(String, f64)> {
     let unit = if entry.get("noise_n").is_some() { "n" } else { "um" };
     let noise = entry[format!("noise_{unit}")].as_f64().filter(|&noise| noise > 0.0)?;
@@ -195,7 +195,7 @@ pub(super) mod tests {
     use super::*;
 
     pub fn truth(name: &'static str, axis: &'static str, parameters: &[(&'static str, f64)]) -> Truth {
-        Truth { name, axis, parameters: parameters.to_vec(), word: None }
+        Truth { name, axis, parameters: parameters.to_vec(), reference: None }
     }
 
     pub fn found(name: &str, axis: &str, parameters: &Value) -> Value {
@@ -203,7 +203,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn the_set_has_to_be_exact() {
+    fn a_case_is_exact_if_all_names_and_axes_are_right() {
         let truths = [truth("backlash", "x", &[("width_um", 10.0)]), truth("squareness", "x", &[])];
         let named = |effects: &[Value]| Outcome::new(1, &truths, &json!({"effects": effects}));
         let both = [found("squareness", "x", &json!({})), found("backlash", "x", &json!({}))];
@@ -217,7 +217,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn an_effect_from_outside_is_no_part_of_the_set_but_has_to_be_described() {
+    fn an_effect_from_outside_the_catalogue_must_be_described() {
         let truths = [
             truth("vibration", "x", &[("frequency_hz", 119.0)]),
             truth("local_defect", "y", &[("centre_mm", 10.0), ("width_mm", 8.0)]),
@@ -235,7 +235,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn errors_are_relative_and_intervals_hold_the_truth_or_not() {
+    fn errors_are_relative_and_coverage_is_that_of_the_interval() {
         let truths = [truth("backlash", "x", &[("width_um", 10.0)])];
         let width = |value: f64, ci95: [f64; 2]| {
             let effects = [found("backlash", "x", &json!({"width_um": {"value": value, "ci95": ci95}}))];
@@ -248,7 +248,7 @@ pub(super) mod tests {
     }
 
     #[test]
-    fn ratios_are_of_the_logs_that_were_not_fitted() {
+    fn ratios_are_those_of_the_held_out_logs() {
         let residual = json!([
             {"axis": "x", "channel": "table", "after_um": {"fit": 9.0, "validate": 0.3}, "noise_um": 0.2},
             {"axis": "y", "channel": "force", "after_n": {"fit": 9.0, "validate": 4.0}, "noise_n": 2.0},

@@ -3,9 +3,9 @@
 use super::plant::STEP_S;
 
 /// Steps of the plant in a tick of the velocity loop: 4 kHz.
-pub const STEPS_A_VELOCITY_TICK: u32 = 5;
+pub const STEPS_PER_VELOCITY_TICK: u32 = 5;
 /// Steps of the plant in a sample: 1 kHz.
-pub const STEPS_A_SAMPLE: u32 = 20;
+pub const STEPS_PER_SAMPLE: u32 = 20;
 /// Period of the position loop and of the log, s.
 pub const SAMPLE_S: f64 = 1e-3;
 /// Period of the velocity loop, s.
@@ -19,7 +19,7 @@ const HPC: [f64; 2] = [8.0 / 3.0, 6.0];
 pub struct Settings {
     /// Whether the HPC filter is in front of the position gain.
     pub hpc: bool,
-    /// Kp, as the drive really has it.
+    /// True Kp of the drive.
     pub position_gain_per_s: f64,
     /// Kf, 1 for 100 %.
     pub feedforward: f64,
@@ -92,7 +92,7 @@ impl Servo {
     fn filtered(&mut self, error_m: f64) -> f64 {
         let kp = self.settings.position_gain_per_s;
         let [k1, k2] = HPC;
-        for _ in 0..STEPS_A_SAMPLE {
+        for _ in 0..STEPS_PER_SAMPLE {
             let acceleration =
                 k1 * k2 * kp * kp * (error_m - self.filtered_m) - k2 * kp * self.filtered_m_per_s;
             self.filtered_m_per_s += STEP_S * acceleration;
@@ -121,7 +121,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn the_filter_lags_as_its_transfer_function_says() {
+    fn the_lag_of_the_filter_is_that_of_its_transfer_function() {
         let kp = 50.0;
         let settings = Settings { hpc: true, position_gain_per_s: kp, ..Settings::default() };
         let mut servo = Servo::new(settings, 0.0, 0.0);
@@ -131,14 +131,14 @@ mod tests {
             let error_m = slope * SAMPLE_S * f64::from(tick);
             lag_m = error_m - servo.filtered(error_m);
         }
-        // The filter delays a ramp by k2·Kp/(k1k2·Kp²). Holding the input over a sample adds half a sample; the output is that
-        // of the end of the sample, one sample early. The tolerance is one step of the integration.
+        // The filter delays a ramp by k2·Kp/(k1k2·Kp²). Holding the input over a sample adds half a sample; the output is
+        // that of the end of the sample, one sample early. The tolerance is one step of the integration.
         let lag_s = HPC[1] / (HPC[0] * HPC[1] * kp) + 0.5 * SAMPLE_S - SAMPLE_S;
         assert!((lag_m / slope - lag_s).abs() < STEP_S, "{} {lag_s}", lag_m / slope);
     }
 
     #[test]
-    fn the_integral_waits_while_the_force_is_at_its_limit() {
+    fn the_integral_is_held_while_the_force_is_at_its_limit() {
         let settings = Settings {
             position_gain_per_s: 1.0,
             velocity_gain_n_s_per_m: 1e4,

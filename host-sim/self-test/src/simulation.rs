@@ -3,8 +3,8 @@
 use numerics::noise::box_muller;
 use rand_chacha::ChaCha8Rng;
 
-use super::plant::{Bump, Mechanics, STEP_S, State, Wave};
-use super::servo::{SAMPLE_S, STEPS_A_SAMPLE, STEPS_A_VELOCITY_TICK, Servo, Settings};
+use super::plant::{LocalDefect, Mechanics, STEP_S, Sinusoid, State};
+use super::servo::{SAMPLE_S, STEPS_PER_SAMPLE, STEPS_PER_VELOCITY_TICK, Servo, Settings};
 use files::log::{AxisLog, Log, Unit};
 
 /// Names of the axes.
@@ -36,7 +36,7 @@ pub struct Axis {
     /// Masses, spring, friction, errors of the screw.
     pub mechanics: Mechanics,
     /// Error of the motor's sensor over the motor's position, m over m.
-    pub resolver: Wave,
+    pub resolver: Sinusoid,
     /// Tool − table per own acceleration, s².
     pub intalk_s2: f64,
     /// Tool − table per the other axis's acceleration, s².
@@ -56,9 +56,9 @@ pub struct Axis {
     /// ω (1/s) and ζ of the mode between table and tool; none: rigid.
     pub resonance: Option<[f64; 2]>,
     /// Vibration of the tool over time, m over s.
-    pub vibration: Wave,
+    pub vibration: Sinusoid,
     /// Local error of the tool over the table's position.
-    pub tool_bump: Bump,
+    pub tool_defect: LocalDefect,
 }
 
 /// An axis with its state.
@@ -118,7 +118,7 @@ impl<'a> RunningAxis<'a> {
             + axis.straightness_per_m * other.table_m * other.table_m
             + drift_m
             + axis.vibration.at(time_s)
-            + axis.tool_bump.at(self.state.table_m)
+            + axis.tool_defect.at(self.state.table_m)
     }
 }
 
@@ -168,9 +168,9 @@ pub fn run(axes: &[Axis; 2], positions: &[[f64; 2]], start_s: f64, random: &mut 
             columns[i].add(axis, position[i], random);
             axis.servo.position_tick(1e-3 * position[i], axis.reading_m(), axis.state.table_m);
         }
-        for step in 0..STEPS_A_SAMPLE {
+        for step in 0..STEPS_PER_SAMPLE {
             for axis in &mut running {
-                if step % STEPS_A_VELOCITY_TICK == 0 {
+                if step % STEPS_PER_VELOCITY_TICK == 0 {
                     axis.servo.velocity_tick(axis.reading_m());
                 }
                 let force_n = axis.servo.force_n();

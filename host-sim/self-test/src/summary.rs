@@ -1,4 +1,4 @@
-//! The figures of all cases of a self-test.
+//! Statistics of all cases of a self-test.
 
 use numerics::distributions::wilson_interval;
 use numerics::quantile;
@@ -42,7 +42,7 @@ impl Proportion {
     }
 }
 
-/// Distribution of a figure.
+/// Distribution of a quantity.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Spread {
     /// Number of values.
@@ -74,18 +74,18 @@ pub struct Parameter {
     pub errors: Vec<f64>,
     /// Distribution of the errors.
     pub error: Spread,
-    /// How many 95 % confidence intervals contain the true value; none for what the machine file gives.
+    /// How many 95 % confidence intervals contain the true value; `None` for a parameter that the machine file determines.
     pub coverage: Option<Proportion>,
 }
 
-/// All figures of a self-test.
+/// All statistics of a self-test.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Summary {
     /// Cases with exactly the right effects.
     pub exact: Proportion,
     /// Effects of the catalogue that were found.
     pub found: Proportion,
-    /// Effects that were found and are not true.
+    /// Number of false effects: found but not true.
     pub false_finds: usize,
     /// Effects that were found again on the same axis, which the score counts once.
     pub duplicates: usize,
@@ -95,18 +95,18 @@ pub struct Summary {
     pub outside: Proportion,
     /// By effect and parameter, in the order of the catalogue.
     pub parameters: Vec<Parameter>,
-    /// Errors of all parameters that the machine file does not give.
+    /// Errors of all parameters that the machine file does not determine.
     pub error: Spread,
     /// How many of their 95 % confidence intervals contain the true value.
     pub coverage: Proportion,
-    /// Residual after the search over noise, rms, on the logs that were not fitted, by channel.
+    /// Ratio of the rms residual after the search to the noise, on the held-out logs, by channel.
     pub ratios: Vec<(&'static str, Spread)>,
     /// The confusion matrix.
     pub confusion: Confusion,
 }
 
 impl Summary {
-    /// Figures of these outcomes.
+    /// Statistics of these outcomes.
     #[must_use]
     pub fn new(outcomes: &[Outcome]) -> Self {
         let missed: usize = outcomes.iter().map(|outcome| outcome.missed().len()).sum();
@@ -188,7 +188,7 @@ fn of_channel(outcomes: &[Outcome], channel: &str) -> Spread {
     Spread::of(&same.map(|(_, ratio)| *ratio).collect::<Vec<_>>())
 }
 
-/// A figure without values is NaN, which JSON has no number for.
+/// A statistic without values is NaN, which JSON cannot represent.
 fn finite(figure: f64) -> Option<f64> {
     figure.is_finite().then_some(figure)
 }
@@ -202,13 +202,17 @@ mod tests {
         let backlash = [truth("backlash", "x", &[("width_um", 10.0)])];
         let cyclic = [truth("pitch_cyclic", "y", &[("amplitude_um", 5.0), ("period_mm", 10.0)])];
         let width = |value: f64, half: f64| json!({"width_um": {"value": value, "ci95": [value - half, value + half]}});
-        let wave = json!({"amplitude_um": {"value": 5.5, "ci95": [5.4, 5.6]}, "period_mm": {"value": 10.0, "ci95": [10.0, 10.0]}});
+        let cyclic_error = json!({"amplitude_um": {"value": 5.5, "ci95": [5.4, 5.6]}, "period_mm": {"value": 10.0, "ci95": [10.0, 10.0]}});
         let of =
             |number, truths: &[_], effects: Value| Outcome::new(number, truths, &json!({"effects": effects}));
         vec![
             of(1, &backlash, json!([found("backlash", "x", &width(10.1, 0.2))])),
             of(2, &backlash, json!([found("backlash", "x", &width(9.7, 0.2))])),
-            of(3, &cyclic, json!([found("pitch_cyclic", "y", &wave), found("intalk", "x", &json!({}))])),
+            of(
+                3,
+                &cyclic,
+                json!([found("pitch_cyclic", "y", &cyclic_error), found("intalk", "x", &json!({}))]),
+            ),
             of(4, &backlash, json!([])),
             of(5, &[], json!([])),
         ]

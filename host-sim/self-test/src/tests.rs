@@ -186,9 +186,9 @@ fn two_machines_come_out_as_they_were_drawn() {
     let summary = Summary::new(&outcomes);
     assert_eq!((summary.exact.hits, summary.clean.trials), (2, 1));
     assert_eq!(summary.confusion.of("squareness", "squareness"), 1);
-    // 50 µm/m over 60 mm are 3 µm beside 80 nm of noise in each of 40 000 samples: 1 % is far more than noise makes.
+    // 50 µm/m over 60 mm are 3 µm, with 80 nm of noise in each of 40 000 samples: the error due to noise is far below 1 %.
     assert!(summary.error.percentile95 < 0.01, "{}", summary.error.percentile95);
-    // Only noise is left of the tool's residual: both axes, both machines.
+    // Only noise remains in the tool's residual: both axes, both machines.
     let (channel, spread) = &summary.ratios[3];
     assert!(
         *channel == "tool" && spread.count == 4 && (0.9..1.1).contains(&spread.percentile95),

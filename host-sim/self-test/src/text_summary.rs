@@ -4,14 +4,14 @@ use super::confusion::Confusion;
 use super::score::Outcome;
 use super::summary::{Proportion, Spread, Summary};
 
-/// The figures in sentences.
+/// The statistics in sentences.
 #[must_use]
 pub fn sentences(seed: u64, summary: &Summary) -> Vec<String> {
     let Summary { clean, outside, duplicates, coverage, .. } = summary;
     let mut sentences = vec![exact_sentence(seed, summary.exact), found_sentence(summary)];
     if *duplicates > 0 {
         sentences.push(format!(
-            "{} {} found a second time on {} axis, which the score takes for one.",
+            "{} {} found a second time on {} axis; the score counts each once.",
             counted(*duplicates, "effect"),
             was_or_were(*duplicates),
             if *duplicates == 1 { "its" } else { "their" }
@@ -19,7 +19,8 @@ pub fn sentences(seed: u64, summary: &Summary) -> Vec<String> {
     }
     if clean.trials > 0 {
         let machines = counted(clean.trials, "machine");
-        sentences.push(format!("Of {machines} as declared {} came out clean.", clean.hits));
+        sentences
+            .push(format!("Of {machines} without an undeclared effect, {} had no effect found.", clean.hits));
     }
     if outside.trials > 0 {
         sentences.push(format!(
@@ -38,7 +39,8 @@ pub fn sentences(seed: u64, summary: &Summary) -> Vec<String> {
 fn exact_sentence(seed: u64, exact: Proportion) -> String {
     let [low, high] = exact.interval();
     format!(
-        "{} drawn from seed {seed}: in {} of them exactly the undeclared effects were found ({}, 95 % interval {} to {}).",
+        "{} drawn from seed {seed}: in {} of them exactly the undeclared effects were found ({}, 95 % interval {} \
+         to {}).",
         counted(exact.trials, "machine"),
         exact.hits,
         percent(exact.fraction()),
@@ -49,11 +51,12 @@ fn exact_sentence(seed: u64, exact: Proportion) -> String {
 
 fn found_sentence(Summary { found, false_finds, .. }: &Summary) -> String {
     format!(
-        "Of {} {} {} found and {} missed; {false_finds} {were} found that {were} not there.",
+        "Of {} {} {} found and {} missed; {false_finds} false {effects} {were} found.",
         counted(found.trials, "effect"),
         found.hits,
         was_or_were(found.hits),
         found.trials - found.hits,
+        effects = if *false_finds == 1 { "effect" } else { "effects" },
         were = was_or_were(*false_finds)
     )
 }
@@ -61,7 +64,7 @@ fn found_sentence(Summary { found, false_finds, .. }: &Summary) -> String {
 fn parameter_sentence(Summary { coverage, error, .. }: &Summary) -> String {
     let [low, high] = coverage.interval();
     format!(
-        "Parameters are off by {} in the median, {} in 95 of 100; {} of {} 95 % confidence intervals hold the truth \
+        "Parameter errors: median {}, 95 % quantile {}. {} of {} 95 % confidence intervals contain the true value \
          ({}, interval {} to {}).",
         fine_percent(error.median),
         fine_percent(error.percentile95),
@@ -82,21 +85,21 @@ fn was_or_were(count: usize) -> &'static str {
     if count == 1 { "was" } else { "were" }
 }
 
-/// Cases that went wrong, mistakes, parameters, residuals.
+/// Incorrect cases, confusions, parameters, residuals.
 #[must_use]
 pub fn tables(outcomes: &[Outcome], summary: &Summary) -> String {
     let mut lines = Vec::new();
     for outcome in outcomes.iter().filter(|outcome| !is_right(outcome)) {
         let (there, found) = true_and_found(outcome);
-        lines.push(format!("case {}: there was {there}; found {found}", outcome.number));
+        lines.push(format!("case {}: true {there}; found {found}", outcome.number));
     }
     let wrong = |(row, column, count): (&str, &str, usize)| {
         (count > 0 && !Confusion::is_right(row, column)).then(|| format!("{count:>5} × {row} → {column}"))
     };
-    let mistakes: Vec<String> = summary.confusion.cells().filter_map(wrong).collect();
-    if !mistakes.is_empty() {
+    let confusions: Vec<String> = summary.confusion.cells().filter_map(wrong).collect();
+    if !confusions.is_empty() {
         lines.push(String::new());
-        lines.extend(mistakes);
+        lines.extend(confusions);
     }
     lines.push(format!("\n{:<48}{:>6}{:>12}{:>12}{:>14}", "parameter", "n", "error", "95 %", "in interval"));
     for p in &summary.parameters {
@@ -119,13 +122,13 @@ pub fn tables(outcomes: &[Outcome], summary: &Summary) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Whether a case has no mistake: every effect found once, every effect from outside the catalogue described.
+/// Whether a case is correct: every effect found once, every effect from outside the catalogue described.
 #[must_use]
 pub fn is_right(outcome: &Outcome) -> bool {
     outcome.is_exact() && outcome.duplicates() == 0 && outcome.described.iter().all(|&described| described)
 }
 
-/// The true effects and what was found, as lists in words.
+/// The true effects and the effects found, as lists in words.
 #[must_use]
 pub fn true_and_found(outcome: &Outcome) -> (String, String) {
     let or_nothing = |names: Vec<String>| {
@@ -135,7 +138,7 @@ pub fn true_and_found(outcome: &Outcome) -> (String, String) {
     let mut found: Vec<String> =
         outcome.found.iter().map(|(name, axis)| format!("{name} on {axis}")).collect();
     let described = outcome.outside().filter(|(_, described)| *described);
-    found.extend(described.map(|(truth, _)| format!("something like {} on {}", truth.name, truth.axis)));
+    found.extend(described.map(|(truth, _)| format!("{} on {} (as unexplained)", truth.name, truth.axis)));
     (or_nothing(there), or_nothing(found))
 }
 
@@ -168,13 +171,13 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_mistake_is_listed_with_its_case() {
+    fn an_incorrect_case_is_listed() {
         let truths = [truth("windup", "x", &[("stiffness_n_per_um", 100.0)])];
         let trace = json!({"effects": [found("stribeck", "x", &json!({}))]});
         let outcomes = [Outcome::new(7, &truths, &trace)];
-        let said = tables(&outcomes, &Summary::new(&outcomes));
-        assert!(said.contains("case 7: there was windup on x; found stribeck on x"), "{said}");
-        assert!(said.contains("1 × windup → stribeck"), "{said}");
+        let text = tables(&outcomes, &Summary::new(&outcomes));
+        assert!(text.contains("case 7: true windup on x; found stribeck on x"), "{text}");
+        assert!(text.contains("1 × windup → stribeck"), "{text}");
     }
 
     #[test]
@@ -184,7 +187,7 @@ mod tests {
             json!({"effects": [found("windup", "x", &json!({})), found("stribeck", "x", &json!({}))]});
         let sentences = sentences(1, &Summary::new(&[Outcome::new(7, &truths, &trace)]));
         assert!(sentences[0].starts_with("1 machine drawn from seed 1: in 0 of them "), "{sentences:?}");
-        assert_eq!(sentences[1], "Of 1 effect 1 was found and 0 missed; 1 was found that was not there.");
+        assert_eq!(sentences[1], "Of 1 effect 1 was found and 0 missed; 1 false effect was found.");
     }
 
     #[test]

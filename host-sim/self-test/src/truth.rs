@@ -1,4 +1,4 @@
-//! The effects that a drawn machine has and its declaration lacks.
+//! The undeclared effects of a drawn machine.
 
 use std::f64::consts::TAU;
 
@@ -7,10 +7,10 @@ use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
 
 use super::draw::{Drawn, one_of};
-use super::plant::{Bump, Wave};
+use super::plant::{LocalDefect, Sinusoid};
 use super::simulation::{AXES, Axis};
 
-/// The effects that are drawn, each as likely as the others.
+/// The effects that are drawn, with equal probability.
 pub const NAMES: [&str; 17] = [
     "backlash",
     "pitch_progressive",
@@ -31,8 +31,8 @@ pub const NAMES: [&str; 17] = [
     "resonance",
 ];
 
-/// Effects of the catalogue that are not drawn: the logs of a drawn machine do not show them, or its second simulator does
-/// not have them.
+/// Effects of the catalogue that are not drawn: the logs of a drawn machine do not show them, or the second simulator
+/// does not implement them.
 #[cfg(test)]
 const NOT_DRAWN: [&str; 7] = [
     "encoder_ellipticity",
@@ -43,30 +43,30 @@ const NOT_DRAWN: [&str; 7] = [
     "friction_ripple",
     "velocity_lag",
 ];
-/// Effects that no catalogue has; the tracer is to say what they follow.
+/// Effects from outside the catalogue; the tracer should report them as unexplained.
 pub const OUTSIDE: [&str; 2] = ["vibration", "local_defect"];
 
-/// Shares of cases with none, one, two and three effects.
-const SHARES: [f64; 4] = [0.1, 0.45, 0.35, 0.1];
-/// Share of cases with an effect from outside the catalogue, and of those the share with nothing else.
-const OUTSIDE_SHARE: f64 = 0.15;
-const ALONE_SHARE: f64 = 0.3;
+/// Probabilities of no, one, two and three effects.
+const PROBABILITIES: [f64; 4] = [0.1, 0.45, 0.35, 0.1];
+/// Probability of an effect from outside the catalogue, and probability that such a case has no other effect.
+const OUTSIDE_PROBABILITY: f64 = 0.15;
+const ALONE_PROBABILITY: f64 = 0.3;
 
-/// An effect as the machine has it.
+/// A true effect of a machine.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Truth {
-    /// Name, as a trace tells it.
+    /// Name, as in the results of a trace.
     pub name: &'static str,
     /// Name of its axis.
     pub axis: &'static str,
     /// In the units of a machine file, without phases.
     pub parameters: Vec<(&'static str, f64)>,
     /// `source` or `channel`, where the effect has one.
-    pub word: Option<(&'static str, &'static str)>,
+    pub reference: Option<(&'static str, &'static str)>,
 }
 
 impl Truth {
-    /// Whether no catalogue has it.
+    /// Whether it is from outside the catalogue.
     #[must_use]
     pub fn is_outside(&self) -> bool {
         OUTSIDE.contains(&self.name)
@@ -78,59 +78,61 @@ impl Truth {
         self.parameters.iter().find(|(key, _)| *key == name).map(|&(_, value)| value)
     }
 
-    /// As it stands in a `truth.json`.
+    /// Its entry in `truth.json`.
     #[must_use]
     pub fn json(&self) -> Value {
         let mut entry = Map::new();
         entry.insert("name".to_owned(), json!(self.name));
         entry.insert("axis".to_owned(), json!(self.axis));
-        if let Some((key, word)) = self.word {
-            entry.insert(key.to_owned(), json!(word));
+        if let Some((key, reference)) = self.reference {
+            entry.insert(key.to_owned(), json!(reference));
         }
         entry.extend(self.parameters.iter().map(|&(key, value)| (key.to_owned(), json!(value))));
         Value::Object(entry)
     }
 }
 
-/// Bends a machine and says how. No axis gets an effect twice, or one that hides another.
-pub fn bend(machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Truth> {
+/// Draws the effects of a machine and sets them in its true values. No axis gets an effect twice, or one that hides
+/// another.
+pub fn draw_effects(machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Truth> {
     let mut share: f64 = random.random();
-    let count = SHARES.iter().position(|part| {
+    let count = PROBABILITIES.iter().position(|part| {
         share -= part;
         share < 0.0
     });
     let mut count = count.unwrap_or(1);
-    let outside = random.random_bool(OUTSIDE_SHARE);
-    if outside && random.random_bool(ALONE_SHARE) {
+    let outside = random.random_bool(OUTSIDE_PROBABILITY);
+    if outside && random.random_bool(ALONE_PROBABILITY) {
         count = 0;
     }
     let mut truths: Vec<Truth> = Vec::new();
     while truths.len() < count {
         let name = one_of(&NAMES, random);
-        // Squareness is said of the first axis.
+        // Squareness is declared on the first axis.
         let axis = if name == "squareness" { 0 } else { random.random_range(0..AXES.len()) };
-        let is_in_the_way = |truth: &Truth| truth.axis == AXES[axis] && excludes(truth.name, name);
-        if !truths.iter().any(is_in_the_way) {
+        let conflicts = |truth: &Truth| truth.axis == AXES[axis] && excludes(truth.name, name);
+        if !truths.iter().any(conflicts) {
             truths.push(effect(name, axis, machine, random));
         }
     }
     if outside {
         let name = one_of(&OUTSIDE, random);
         let axis = random.random_range(0..AXES.len());
-        truths.push(strange(name, axis, machine, random));
+        truths.push(outside_effect(name, axis, machine, random));
     }
     truths
 }
 
-/// Whether an axis that has one effect cannot show the other: a load of more than the friction holds the screw on one
-/// side of its gap.
+/// Whether one effect on an axis hides the other: a load greater than the friction keeps the screw on one side of its
+/// gap.
 fn excludes(one: &str, other: &str) -> bool {
     let pair = [one, other];
     one == other || pair.contains(&"backlash") && pair.contains(&"constant_load")
 }
 
-/// Gives an axis one of [`NAMES`], of a size within about a factor of two of the blind cases' where those have it.
-#[expect(clippy::too_many_lines, reason = "one arm an effect")]
+/// Gives an axis one of [`NAMES`]. Its size is within about a factor of two of that in the blind cases, if they contain
+/// the effect.
+#[expect(clippy::too_many_lines, reason = "one arm per effect")]
 fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Truth {
     let declared = &machine.declared[index];
     let (lead_mm, pole_pairs) = (declared.lead_mm, f64::from(declared.pole_pairs));
@@ -142,7 +144,7 @@ fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut Ch
     let channel = one_of(&["table", "tool"], random);
     let order = f64::from(random.random_range(1..=6_u32));
     let mut between = |low: f64, high: f64| random.random_range(low..high);
-    let mut word = None;
+    let mut reference = None;
     let parameters = match name {
         "backlash" => {
             let width = between(5.0, 20.0);
@@ -156,12 +158,12 @@ fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut Ch
         }
         "pitch_cyclic" => {
             let amplitude = between(2.6, 10.0);
-            axis.mechanics.pitch = wave_um(amplitude, lead_mm, phase);
+            axis.mechanics.pitch = sinusoid_um(amplitude, lead_mm, phase);
             vec![("amplitude_um", amplitude), ("period_mm", lead_mm)]
         }
         "resolver_dividing" => {
             let (amplitude, period) = (between(1.7, 6.8), lead_mm / pole_pairs);
-            axis.resolver = wave_um(amplitude, period, phase);
+            axis.resolver = sinusoid_um(amplitude, period, phase);
             vec![("amplitude_um", amplitude), ("period_mm", period)]
         }
         "windup" => {
@@ -176,7 +178,7 @@ fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut Ch
             vec![("static_excess_n", excess), ("velocity_mm_s", speed)]
         }
         "friction_asymmetry" => {
-            // Friction opposes motion both ways.
+            // Friction must oppose motion in both directions.
             let most = 0.8 * axis.mechanics.viscous_n_s_per_m;
             let half = sign * between(115.0, 460.0).min(most);
             axis.mechanics.asymmetry_n_s_per_m = half;
@@ -184,7 +186,7 @@ fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut Ch
         }
         "torque_ripple" => {
             let (amplitude, period) = (between(26.0, 105.0), lead_mm / order);
-            axis.mechanics.ripple = Wave { amplitude, period: 1e-3 * period, phase };
+            axis.mechanics.ripple = Sinusoid { amplitude, period: 1e-3 * period, phase };
             vec![("amplitude_n", amplitude), ("period_mm", period)]
         }
         "constant_load" => {
@@ -205,7 +207,7 @@ fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut Ch
         "crosstalk" => {
             let per_acceleration = sign * between(0.7, 2.8);
             axis.crosstalk_s2 = 1e-6 * per_acceleration;
-            word = Some(("source", other));
+            reference = Some(("source", other));
             vec![("um_s2_per_m", per_acceleration)]
         }
         "squareness" => {
@@ -216,7 +218,7 @@ fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut Ch
         "straightness" => {
             let bow = sign * between(124.0, 494.0);
             axis.straightness_per_m = 1e-6 * bow;
-            word = Some(("source", other));
+            reference = Some(("source", other));
             vec![("um_per_m2", bow)]
         }
         "thermal_drift" => {
@@ -231,48 +233,48 @@ fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut Ch
                 "table" => axis.table_delay_s = 1e-3 * late_ms,
                 _ => axis.tool_delay_s = 1e-3 * late_ms,
             }
-            word = Some(("channel", channel));
+            reference = Some(("channel", channel));
             vec![("ms", late_ms)]
         }
-        _ => resonance(axis, [between(20.0, 80.0), between(0.03, 0.1)], &mut word),
+        _ => resonance(axis, [between(20.0, 80.0), between(0.03, 0.1)], &mut reference),
     };
-    Truth { name, axis: AXES[index], parameters, word }
+    Truth { name, axis: AXES[index], parameters, reference }
 }
 
 fn resonance(
     axis: &mut Axis,
     [frequency_hz, zeta]: [f64; 2],
-    word: &mut Option<(&'static str, &'static str)>,
+    reference: &mut Option<(&'static str, &'static str)>,
 ) -> Vec<(&'static str, f64)> {
     axis.resonance = Some([TAU * frequency_hz, zeta]);
-    *word = Some(("channel", "tool"));
+    *reference = Some(("channel", "tool"));
     vec![("frequency_hz", frequency_hz), ("damping_ratio", zeta)]
 }
 
 /// Gives an axis one of [`OUTSIDE`].
-fn strange(name: &'static str, index: usize, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Truth {
+fn outside_effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Truth {
     let axis = &mut machine.axes[index];
     let channel = one_of(&["table", "tool"], random);
     let phase = random.random_range(0.0..TAU);
     let mut between = |low: f64, high: f64| random.random_range(low..high);
     let (channel, parameters) = if name == "vibration" {
         let (amplitude, frequency_hz) = (between(1.0, 3.0), between(40.0, 150.0));
-        axis.vibration = Wave { amplitude: 1e-6 * amplitude, period: 1.0 / frequency_hz, phase };
+        axis.vibration = Sinusoid { amplitude: 1e-6 * amplitude, period: 1.0 / frequency_hz, phase };
         ("tool", vec![("amplitude_um", amplitude), ("frequency_hz", frequency_hz)])
     } else {
         let (height, width, centre) = (between(2.0, 6.0), between(3.0, 15.0), between(-30.0, 30.0));
-        let bump = Bump { height_m: 1e-6 * height, centre_m: 1e-3 * centre, width_m: 1e-3 * width };
+        let defect = LocalDefect { height_m: 1e-6 * height, centre_m: 1e-3 * centre, width_m: 1e-3 * width };
         match channel {
-            "table" => axis.mechanics.screw_bump = bump,
-            _ => axis.tool_bump = bump,
+            "table" => axis.mechanics.screw_defect = defect,
+            _ => axis.tool_defect = defect,
         }
         (channel, vec![("centre_mm", centre), ("width_mm", width), ("height_um", height)])
     };
-    Truth { name, axis: AXES[index], parameters, word: Some(("channel", channel)) }
+    Truth { name, axis: AXES[index], parameters, reference: Some(("channel", channel)) }
 }
 
-fn wave_um(amplitude_um: f64, period_mm: f64, phase: f64) -> Wave {
-    Wave { amplitude: 1e-6 * amplitude_um, period: 1e-3 * period_mm, phase }
+fn sinusoid_um(amplitude_um: f64, period_mm: f64, phase: f64) -> Sinusoid {
+    Sinusoid { amplitude: 1e-6 * amplitude_um, period: 1e-3 * period_mm, phase }
 }
 
 #[cfg(test)]
@@ -282,24 +284,24 @@ mod tests {
     use super::super::draw;
     use super::*;
 
-    /// What 1000 machines have.
+    /// The effects of 1000 machines.
     fn many() -> Vec<Vec<Truth>> {
         let mut random = ChaCha8Rng::seed_from_u64(5);
-        let mut one = |_| bend(&mut draw::machine(&mut random), &mut random);
+        let mut one = |_| draw_effects(&mut draw::machine(&mut random), &mut random);
         (0..1000).map(&mut one).collect()
     }
 
     #[test]
-    fn shares_are_as_written_and_nothing_is_left_out() {
+    fn probabilities_are_as_declared_and_every_effect_is_drawn() {
         let drawn = many();
         let share = |count: usize| {
             let with =
                 drawn.iter().filter(|truths| truths.iter().filter(|t| !t.is_outside()).count() == count);
             with.count() as f64 / 1000.0
         };
-        // 15 % · 30 % lose all of the catalogue. Of 1000 draws, four standard deviations are 0.063 at the most.
-        let alone = OUTSIDE_SHARE * ALONE_SHARE;
-        for (count, expected) in SHARES.iter().enumerate() {
+        // 15 % · 30 % of the cases have no effect of the catalogue. For 1000 draws, four standard deviations are at most 0.063.
+        let alone = OUTSIDE_PROBABILITY * ALONE_PROBABILITY;
+        for (count, expected) in PROBABILITIES.iter().enumerate() {
             let expected =
                 if count == 0 { expected * (1.0 - alone) + alone } else { expected * (1.0 - alone) };
             assert!((share(count) - expected).abs() < 0.063, "{count}: {}", share(count));
@@ -309,7 +311,7 @@ mod tests {
     }
 
     #[test]
-    fn no_axis_has_what_it_cannot_show() {
+    fn no_axis_has_effects_that_hide_each_other() {
         for truths in many() {
             for (i, truth) in truths.iter().enumerate() {
                 let others = truths[..i].iter().filter(|other| other.axis == truth.axis);
@@ -331,7 +333,7 @@ mod tests {
         let known = |truth: &Truth| {
             let mut entry = truth.json();
             entry.as_object_mut().unwrap().remove("axis");
-            // Phases are no part of a truth, but of an effect.
+            // A truth has no phase, but an effect requires one.
             if truth.parameter("period_mm").is_some() {
                 entry["phase_rad"] = json!(0.0);
             }

@@ -27,8 +27,8 @@ pub struct Arguments {
     /// Write report.html into this folder.
     #[arg(long)]
     report: Option<PathBuf>,
-    /// Program of the emulated core, for the instructions of a tick; without it the one that `cargo emulated`
-    /// has built, where there is one.
+    /// Program of the emulated core, to count the instructions of a tick. Default: the one built by `cargo emulated`,
+    /// if it exists.
     #[arg(long)]
     emulator: Option<PathBuf>,
     /// Length of the long run, in hours.
@@ -39,7 +39,7 @@ pub struct Arguments {
 /// Runs the command.
 ///
 /// # Errors
-/// Arguments that cannot be used, a loop that does not hold, output that cannot be written.
+/// Invalid arguments, a fault of the loop, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     if !(arguments.hours > 0.0 && arguments.hours <= MAX_HOURS) {
         let expected = format!("a number of hours above 0, at most {MAX_HOURS}");
@@ -81,9 +81,9 @@ fn sentences(comparison: &Comparison) -> Vec<String> {
     let of = |pipeline, motion: Motion| comparison.of(pipeline).find(|row| row.motion == motion.name());
     let hours = comparison.hours;
     let mut lines = vec![format!(
-        "Fixed point stays within {} nm of double precision ({} nm rms) on every motion with friction in the loop, and \
-         after {hours} h of circles, {} turns, its command ends {} nm from the programmed point, where landing hides no \
-         more than {} nm.",
+        "Fixed point stays within {} nm of double precision ({} nm rms) on every motion with friction in the loop. \
+         After {hours} h of circles, {} turns, its command ends {} nm from the programmed point; the correction at \
+         the end of a block is at most {} nm.",
         nanometres(worst(|row| row.position_error_nm.max)),
         nanometres(worst(|row| row.position_error_nm.rms)),
         comparison.turns,
@@ -94,8 +94,8 @@ fn sentences(comparison: &Comparison) -> Vec<String> {
         (of(Pipeline::F32Position, Motion::Steps), of(Pipeline::F32Position, Motion::LongRun))
     {
         lines.push(format!(
-            "With positions in f32 metres the command is off by {} nm (rms) at 1 m, and after {hours} h it is {} mm \
-             from where it should be.",
+            "With positions in f32 metres the command has an error of {} nm rms at 1 m; after {hours} h it is {} mm \
+             from the programmed point.",
             nanometres(step.command_error_nm.rms),
             nanometres(1e-6 * day.drift_nm.unwrap_or(f64::NAN)),
         ));
@@ -113,7 +113,7 @@ fn cost(comparison: &Comparison) -> String {
         let medians = || comparison.of(Pipeline::Of(format)).filter_map(|row| row.instructions_per_tick);
         let most = comparison.of(Pipeline::Of(format)).filter_map(|row| row.max_instructions).max();
         format!(
-            "{} to {} in {name} ({} at the worst)",
+            "{} to {} in {name} (at most {})",
             medians().min().unwrap_or(0),
             medians().max().unwrap_or(0),
             most.unwrap_or(0)

@@ -15,7 +15,7 @@ use trace::stages::stage_names;
 /// Arguments of `demo`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Draws the machine's true values, its undeclared effect, and all noise.
+    /// Seed for the machine's true values, its undeclared effect and all noise.
     #[arg(long, default_value_t = 2)]
     seed: u64,
     /// Write the result as JSON.
@@ -53,14 +53,14 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     ))
 }
 
-const INTRODUCTION: &str = "A two-axis machine ran circles, its travel and a corner; its logs were traced against \
-                            its declared model.";
+const INTRODUCTION: &str = "A simulated two-axis machine executed circles, a motion over its travel and a corner. \
+                            Its logs were traced with its declared model.";
 
-/// The residual before and after, on motions that were not fitted.
+/// The residual before and after, on held-out motions.
 fn headline(demo: &Demo) -> String {
-    let Some(h) = demo.headline() else { return "Nothing could be measured.".to_owned() };
+    let Some(h) = demo.headline() else { return "No residual could be evaluated.".to_owned() };
     format!(
-        "On motions not used in any fit the {} residual of {} went from {:.3} to {:.3} µm; its noise is {:.3} µm.",
+        "On held-out motions, the {} residual of {} changed from {:.3} to {:.3} µm; the sensor noise is {:.3} µm.",
         stage_names(&[h.stage]),
         demo.drawn.axis,
         h.before,
@@ -69,9 +69,9 @@ fn headline(demo: &Demo) -> String {
     )
 }
 
-/// The drawn effect, which the tracer did not know, and whether it was named.
+/// The true effect, which the tracer did not know, and whether it was identified.
 fn reveal(demo: &Demo) -> String {
-    let verdict = if demo.is_named() { "named" } else { "not named" };
+    let verdict = if demo.is_named() { "identified" } else { "not identified" };
     let truth = demo.drawn.effect.sentence(&[], false);
-    format!("The truth, drawn from seed {}: {}: {truth} ({verdict}).", demo.seed, demo.drawn.axis)
+    format!("True effect (seed {}): {}: {truth} ({verdict}).", demo.seed, demo.drawn.axis)
 }

@@ -12,7 +12,7 @@ use friction_map::residual_analysis::analyse;
 use friction_map::{FrictionMap, explain};
 use report::friction_map::sentences::{error_table, sentences, unexplained};
 
-/// Explains a friction map: the summary on stdout, the JSON and the page where they are asked for.
+/// Analyses a friction map: summary on stdout, JSON and page if requested.
 ///
 /// # Errors
 /// Input that cannot be used, output that cannot be written.
@@ -21,7 +21,7 @@ pub fn run(path: &Path, json_path: Option<&PathBuf>, folder: Option<&PathBuf>) -
     check_outputs(&[path], &[("--json", json_path), ("--report", page.as_ref())])?;
     let map = FrictionMap::read(path)?;
     let explanation = explain(&map).ok_or_else(|| {
-        let expected = "runs that tell Coulomb from viscous friction";
+        let expected = "runs that distinguish Coulomb from viscous friction";
         InputError::expected(&map.source, expected, "none")
     })?;
     let residual = analyse(&map, &explanation.selection.fitted.law);

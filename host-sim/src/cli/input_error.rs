@@ -21,20 +21,20 @@ pub struct Inputs<'a> {
 }
 
 impl Inputs<'_> {
-    /// An [`InputError`] where an input was refused; any other error is passed on.
+    /// An [`InputError`] if an input was refused; any other error is passed on.
     pub fn error(&self, error: impl Into<SimulationError>) -> Error {
         use SimulationError::{Block, Controller, Lacks, TooFast};
 
         let error = error.into();
         let input = match &error {
             Lacks { axis, key } => {
-                InputError::expected(self.machine_file, "this key, as the loop is to be closed", "none")
+                InputError::expected(self.machine_file, "this key, which a closed loop requires", "none")
                     .at_key(&format!("axis.{axis}.{key}"))
             }
             TooFast { axis, key, step_s } => {
                 let problem = format!(
-                    "expected an axis that steps of a millionth of a second can follow; \
-                    this with the masses of the axis asks for {step_s:.1e} s"
+                    "expected an axis that steps of 1 µs can resolve; with the masses of the axis, this value \
+                     requires steps of {step_s:.1e} s"
                 );
                 InputError::new(self.machine_file, problem).at_key(&format!("axis.{axis}.{key}"))
             }

@@ -49,16 +49,16 @@ impl Magnitude {
 /// A force reading of at least this fraction of the limit counts as being at the limit, since readings have noise.
 const AT_LIMIT: f64 = 0.99;
 
-/// Runs a motion and writes its log to `out`, whole or not at all. `watch` is given the status of every tick.
+/// Runs a motion and writes its log to `out`, completely or not at all. `on_status` receives the status of every tick.
 ///
 /// # Errors
-/// Input that the controller refuses, a loop that does not hold, output that cannot be written.
+/// Input that the controller refuses, a fault of the loop, output that cannot be written.
 pub fn run(
     run: &Run<'_>,
     controller: &mut dyn Controller,
     out: &Path,
     inputs: &Inputs<'_>,
-    mut watch: impl FnMut(&Status),
+    mut on_status: impl FnMut(&Status),
 ) -> Result<RunStatistics> {
     let progress = Progress::start();
     let mut statistics = RunStatistics::new(run.machine);
@@ -68,7 +68,7 @@ pub fn run(
             controller,
             |time_s, status, _| {
                 progress.machine_time(time_s);
-                watch(status);
+                on_status(status);
             },
             |samples| {
                 statistics.add(samples);
@@ -130,7 +130,7 @@ impl RunStatistics {
         for axis in self.axes.iter().filter(|axis| axis.rows_at_limit > 0) {
             let percent = 100.0 * axis.rows_at_limit as f64 / self.samples.max(1) as f64;
             lines.push(format!(
-                "\n{}: the force stands at its limit in {percent:.2} % of the samples.",
+                "\n{}: the force is at its limit in {percent:.2} % of the samples.",
                 axis.name
             ));
         }

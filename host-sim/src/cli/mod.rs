@@ -22,7 +22,7 @@ use clap::{Parser, Subcommand};
 use files::error::InputError;
 use stop::Stopped;
 
-/// Finds out what a machine does that its model does not say, and gets rid of it.
+/// Identifies effects of a machine that are missing from its declared model.
 #[derive(Parser)]
 #[command(name = "lost-motion", version, about)]
 struct Arguments {
@@ -32,23 +32,23 @@ struct Arguments {
 
 #[derive(Subcommand)]
 enum Command {
-    /// The main job with nothing to prepare: run, log, trace, and reveal the truth.
+    /// Simulate a machine with an undeclared effect, trace its logs, and compare the result with the truth.
     Demo(demo::Arguments),
-    /// Close the loop on a simulated machine and log it.
+    /// Run a motion on a simulated machine in closed loop and log it.
     Simulate(simulate::Arguments),
-    /// The same motion with the controller on the emulated core; boards on a serial port cannot be reached yet.
+    /// Run a motion with the controller on the emulated core and log it; boards on a serial port are not supported yet.
     Record(record::Arguments),
-    /// The same motions in fixed point, f32, f64, and with f32 positions: what each loses.
+    /// Run the same motions in fixed point, f32, f64 and with f32 positions, and compare errors and cost.
     Compare(compare::Arguments),
-    /// The published experiments again: the paper's figure beside ours.
+    /// Repeat published experiments and compare the printed values with ours.
     Reproduce(reproduce::Arguments),
-    /// Machines drawn at random, simulated by a second program, traced blind, and scored.
+    /// Test the tracer on randomly drawn machines that a second, independent simulator simulates.
     SelfTest(self_test::Arguments),
-    /// Find the residual of a log, name its causes, report before and after.
+    /// Compute the residuals of logs, identify the missing effects, report the errors before and after.
     Trace(trace::Arguments),
 }
 
-/// Runs the program. Exit codes: 0 done, 1 the job failed, 2 unusable arguments or input, 130 interrupted.
+/// Runs the program. Exit codes: 0 success, 1 failure, 2 invalid arguments or input, 130 interrupted.
 #[must_use]
 pub fn run() -> ExitCode {
     let arguments = Arguments::parse();

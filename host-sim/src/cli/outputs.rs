@@ -1,4 +1,4 @@
-//! Where results go: files that overwrite nothing, and stdout.
+//! Outputs: files, which must not overwrite inputs, and stdout.
 
 use std::io::{ErrorKind, Write, stdout};
 use std::path::{Path, PathBuf};
@@ -24,7 +24,7 @@ pub fn check_outputs(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> 
     Ok(())
 }
 
-/// Prints the result on stdout. A closed pipe is no error: all files are written before.
+/// Prints the result on stdout. A closed pipe is not an error: all files have been written before.
 pub fn print(text: &str) -> anyhow::Result<()> {
     match writeln!(stdout().lock(), "{text}") {
         Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),

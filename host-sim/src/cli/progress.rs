@@ -1,4 +1,4 @@
-//! Progress on stderr: a status line with a spinner or a bar, nothing where stderr is not a terminal.
+//! Progress on stderr: a status line with a spinner or a bar, or nothing if stderr is not a terminal.
 
 use std::time::Duration;
 
@@ -35,7 +35,7 @@ impl Progress {
         self.0.set_position(parts as u64);
     }
 
-    /// Shows the time of the simulated machine, in steps of half a second of it.
+    /// Shows the time of the simulated machine, in steps of half a second of machine time.
     pub fn machine_time(&self, time_s: f64) {
         if (2.0 * time_s).fract() == 0.0 {
             self.show(&format!("{time_s:.1} s of machine time"));

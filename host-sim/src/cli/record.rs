@@ -1,4 +1,4 @@
-//! `lost-motion record`: the same motion with the controller on the emulated core.
+//! `lost-motion record`: a motion with the controller on the emulated core.
 
 use std::collections::BTreeMap;
 use std::path::PathBuf;
@@ -19,7 +19,7 @@ use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run, SimulationError};
 
-/// What messages call the machine of the demo.
+/// Name of the demo machine in messages.
 const DEMO_MACHINE: &str = "machines/demo.toml";
 
 /// Maximum of `--timeout-s`.
@@ -31,7 +31,7 @@ pub struct Arguments {
     /// `emulated`, or `emulated:PATH` of its program.
     #[arg(long)]
     port: String,
-    /// Machine file; without one the machine of the demo.
+    /// Machine file; default: the demo machine.
     #[arg(long)]
     machine: Option<PathBuf>,
     /// Motion file.
@@ -40,7 +40,7 @@ pub struct Arguments {
     /// Log to write (CSV, or .csv.gz).
     #[arg(long)]
     out: PathBuf,
-    /// How long an answer of the emulated core may take before it is given up, s.
+    /// Timeout for an answer of the emulated core, s.
     #[arg(long, value_name = "SECONDS", default_value_t = DEFAULT_TIMEOUT.as_secs_f64())]
     timeout_s: f64,
     /// Seed of the sensors' noise.
@@ -51,7 +51,7 @@ pub struct Arguments {
 /// Runs the command.
 ///
 /// # Errors
-/// Input that cannot be used, a connection that fails, a loop that does not hold, output that cannot be written.
+/// Invalid input, a failed connection, a fault of the loop, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let timeout = timeout(arguments.timeout_s)?;
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
@@ -102,7 +102,7 @@ fn set_up(
     Ok(Remote::set_up(connection, Format::Fixed, machine.rates(), &settings, &start)?)
 }
 
-/// The time for which to wait for an answer.
+/// The timeout for an answer.
 fn timeout(seconds: f64) -> Result<Duration, InputError> {
     if seconds > 0.0 && seconds <= MAX_TIMEOUT_S {
         return Ok(Duration::from_secs_f64(seconds));
@@ -122,7 +122,7 @@ impl Costs {
         }
     }
 
-    /// The cost that more than half of the ticks do not exceed.
+    /// The smallest cost that more than half of the ticks do not exceed.
     fn median(&self) -> Option<u32> {
         let ticks: u64 = self.0.values().sum();
         let mut ticks_so_far = 0;
@@ -133,13 +133,13 @@ impl Costs {
         self.0.iter().find_map(reaches_half)
     }
 
-    /// A paragraph; empty where no cost was counted.
+    /// A paragraph; empty if no cost was counted.
     fn summary(&self) -> String {
         let (Some(median), Some((max, _))) = (self.median(), self.0.last_key_value()) else {
             return String::new();
         };
         let ticks: u64 = self.0.values().sum();
-        format!("\n\n{ticks} ticks: {median} instructions in the median, {max} at the worst.")
+        format!("\n\n{ticks} ticks: {median} instructions in the median, {max} at most.")
     }
 }
 
@@ -154,6 +154,6 @@ mod tests {
         for cost in [300, 100, 200, 200] {
             costs.add(Some(cost));
         }
-        assert_eq!(costs.summary(), "\n\n4 ticks: 200 instructions in the median, 300 at the worst.");
+        assert_eq!(costs.summary(), "\n\n4 ticks: 200 instructions in the median, 300 at most.");
     }
 }

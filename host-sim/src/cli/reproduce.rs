@@ -24,7 +24,7 @@ pub struct Arguments {
 /// Runs the command.
 ///
 /// # Errors
-/// A loop that does not hold, output that cannot be written.
+/// An experiment that cannot be run, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let progress = Progress::start();
     let reproduction = reproduce::run(&|what| progress.show(what))?;
@@ -41,7 +41,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     print(&output)
 }
 
-/// How many of the published values agree.
+/// The number of published values that agree.
 fn sentence(reproduction: &Reproduction) -> String {
     let outcomes = || reproduction.studies.iter().flat_map(|study| &study.outcomes);
     let agree = outcomes().filter(|outcome| outcome.agrees()).count();

@@ -17,16 +17,16 @@ use self_test::score::Outcome;
 use self_test::summary::Summary;
 use self_test::text_summary;
 
-/// Maximum number of cases of one run, which take some weeks.
+/// Maximum number of cases of one run, which takes several weeks.
 const MAX_CASES: u64 = 100_000;
 
 /// Arguments of `self-test`.
 #[derive(Clone, clap::Args)]
 pub struct Arguments {
-    /// How many machines are drawn; a case is the same whatever their number.
+    /// Number of machines; a case does not depend on it.
     #[arg(long, default_value_t = 20)]
     cases: u64,
-    /// Draws all machines and all noise.
+    /// Seed for all machines and all noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Write the result as JSON.
@@ -38,7 +38,7 @@ pub struct Arguments {
     /// Write each case into this folder, as a folder of machine.toml, logs and truth.json.
     #[arg(long)]
     keep: Option<PathBuf>,
-    /// Only draw and keep.
+    /// Draw and write the cases without tracing them.
     #[arg(long, requires = "keep", conflicts_with_all = ["json", "report"])]
     no_trace: bool,
 }
@@ -46,7 +46,7 @@ pub struct Arguments {
 /// Runs the command.
 ///
 /// # Errors
-/// Arguments that cannot be used, output that cannot be written, [`Stopped`].
+/// Invalid arguments, output that cannot be written, [`Stopped`].
 pub fn run(arguments: &Arguments) -> Result<()> {
     if !(1..=MAX_CASES).contains(&arguments.cases) {
         let expected = format!("a number of cases from 1 to {MAX_CASES}");
@@ -78,13 +78,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 enum Message {
     /// A line of progress.
     Progress(String),
-    /// A case is done: its score, if it was traced, and the time for that.
+    /// A case is done: its score, if it was traced, and the time taken.
     Done(Option<Outcome>, Duration),
     /// The thread has failed and ends.
     Failed(anyhow::Error),
 }
 
-/// Draws, keeps and traces all cases, one after the other; ends early if the receiver has been dropped.
+/// Draws, writes and traces all cases, one after the other; ends early if the receiver has been dropped.
 fn run_cases(arguments: &Arguments, messages: &Sender<Message>) -> Result<()> {
     for number in 1..=arguments.cases {
         let message = run_case(arguments, number, messages).with_context(|| format!("case {number}"));
@@ -140,7 +140,7 @@ fn collect(arguments: &Arguments, messages: &Receiver<Message>) -> Result<Run> {
             Ok(Message::Failed(error)) => return Err(error),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {
-                return Err(anyhow!("case {}: the tracer gave up", run.done + 1));
+                return Err(anyhow!("case {}: the working thread ended unexpectedly", run.done + 1));
             }
         }
     }
@@ -158,7 +158,7 @@ fn write(arguments: &Arguments, run: &Run) -> Result<()> {
     let sentences = text_summary::sentences(arguments.seed, &summary);
     let mut output = sentences.join("\n");
     output += &format!("\n\n{}", text_summary::tables(&run.outcomes, &summary));
-    output += &format!("\n{:.1} s a case in the median.", quantile(&run.seconds, 0.5));
+    output += &format!("\n{:.1} s per case in the median.", quantile(&run.seconds, 0.5));
     if let Some(folder) = &arguments.report {
         let path = self_test::page::write(folder, &sentences, &run.outcomes, &summary)?;
         output += &format!("\nReport: {}", path.display());

@@ -39,7 +39,7 @@ impl From<FormatArgument> for Format {
 /// Arguments of `simulate`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Machine file, effects included.
+    /// Machine file with the effects.
     #[arg(long)]
     machine: PathBuf,
     /// Motion file.
@@ -59,7 +59,7 @@ pub struct Arguments {
 /// Runs the command.
 ///
 /// # Errors
-/// Input that cannot be used, a loop that does not hold, output that cannot be written.
+/// Invalid input, a fault of the loop, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     check_outputs(&[&arguments.machine, &arguments.motion], &[("--out", Some(&arguments.out))])?;
     let machine = Machine::read(&arguments.machine)?;

@@ -14,7 +14,7 @@ static INTERRUPTED: AtomicBool = AtomicBool::new(false);
 
 /// A command was interrupted and has written its partial result.
 #[derive(Debug, thiserror::Error)]
-#[error("broken off after {done} of {asked} {what}")]
+#[error("interrupted after {done} of {asked} {what}")]
 pub struct Stopped {
     /// Number of finished parts.
     pub done: usize,
@@ -27,7 +27,7 @@ pub struct Stopped {
 /// Installs the handler of interrupts. It removes partly written files and ends the program; a command that writes its
 /// partial result is only notified at the first interrupt.
 pub fn install_handler() {
-    // Without a handler an interrupted run leaves temporary files behind, which is no reason not to run.
+    // Without a handler an interrupted run leaves temporary files behind, which is acceptable.
     drop(ctrlc::set_handler(|| {
         if WRITES_PARTIAL_RESULT.load(Ordering::SeqCst) && !INTERRUPTED.swap(true, Ordering::SeqCst) {
             return;

@@ -29,7 +29,7 @@ pub fn of_trace(trace: &Trace) -> String {
     lines.join("\n")
 }
 
-/// Sentences on ambiguities, refused effects, open ends and residuals, on repeatability and on runs without feedback.
+/// Sentences on ambiguities, refused effects, limitations of the fit, residuals, repeatability and free runs.
 fn remarks(trace: &Trace) -> Vec<String> {
     let axes = || trace.axes.iter();
     let ambiguous = axes()
@@ -62,7 +62,7 @@ pub fn of_tables(trace: &Trace) -> String {
         trace.axes.iter().flat_map(|axis| axis.tables.iter().map(|table| sentences::table(axis, table)));
     let lines: Vec<String> = lines.collect();
     if lines.is_empty() {
-        return "\n\nNothing that stays is worth a table.".to_owned();
+        return "No empirical table reduces the remaining residuals.".to_owned();
     }
     format!("\n\n{}", lines.join("\n"))
 }

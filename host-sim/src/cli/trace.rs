@@ -15,23 +15,23 @@ use report::trace_page::{self, Extra};
 /// Arguments of `trace`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// Machine file: what is declared.
+    /// Machine file with the declared model.
     #[arg(long, required_unless_present = "friction_map")]
     machine: Option<PathBuf>,
-    /// A log to explain (CSV, .csv.gz, or - for stdin); may be given several times.
+    /// Log to fit (CSV, .csv.gz, or - for stdin); may be given several times.
     #[arg(long, required_unless_present = "friction_map")]
     fit: Vec<PathBuf>,
-    /// A log that takes part in no fit, and in one choice: an effect that makes it worse is refuted; without one the last
-    /// quarter of each fit log.
+    /// Log that is not used in any fit; an effect that increases its residual is refuted. May be given several times.
+    /// Default: the last quarter of each fit log.
     #[arg(long)]
     validate: Vec<PathBuf>,
-    /// Instead of machine and logs: a steady-state friction map (CSV, one row a run at constant speed).
+    /// Steady-state friction map, instead of machine and logs (CSV, one row per run at constant speed).
     #[arg(long, conflicts_with_all = ["machine", "fit", "validate", "model", "propose", "empirical"])]
     friction_map: Option<PathBuf>,
-    /// Add what no effect explains as tables over what it follows, where held-out data support that.
+    /// Add the unexplained residuals as tables over the variables on which they depend, if held-out data support them.
     #[arg(long)]
     empirical: bool,
-    /// Write the motion file that would tell two effects apart, where the logs do not.
+    /// Write the motion file that distinguishes two effects best, if the logs do not distinguish them.
     #[arg(long, value_name = "MOTION.toml")]
     propose: Option<PathBuf>,
     /// Write the result as JSON.
@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     match (&arguments.friction_map, &arguments.machine) {
         (Some(map), _) => friction_map::run(map, json, folder),
         (None, Some(machine)) => trace_logs(arguments, machine),
-        // clap asks for one of them.
+        // clap requires one of them.
         (None, None) => Ok(()),
     }
 }
@@ -86,7 +86,7 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
         let proposals = alike.filter_map(|alike| alike.proposal.as_ref());
         match proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)) {
             Some(proposal) => write_whole(path, |out| out.write_all(proposal.motion.as_bytes()))?,
-            None => output += "\n\nNo motion is proposed: no two effects look alike here.",
+            None => output += "No motion is proposed: no effects are ambiguous in these logs.",
         }
     }
     if let Some(path) = &arguments.json {

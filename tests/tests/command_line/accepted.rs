@@ -148,7 +148,7 @@ fn a_fault_of_the_loop_is_a_failed_job() {
     // Its force limit is below its friction, and the motion is longer than the limit of the following error.
     fs::write(folder.path().join("motion.toml"), MOTION.replace("x = 20.0", "x = 600.0")).unwrap();
     for (saturation_time_s, reason) in
-        [(0.2, "the force stands at its limit"), (60.0, "following error beyond its limit")]
+        [(0.2, "force at its limit of 10 N for 0.2 s in total"), (60.0, "following error beyond its limit")]
     {
         let weak = format!("force_limit_n = 10.0\nsaturation_time_s = {saturation_time_s}");
         fs::write(folder.path().join("machine.toml"), MACHINE.replace("force_limit_n = 20000.0", &weak))

@@ -40,7 +40,7 @@ fn unstable_gains_fault_with_the_time() {
     // Above the resonance of the screw the velocity loop drives the mass of the motor alone and is unstable beyond
     // Kv·Δt/m = 2: 1e6 · 0.25 ms / 90 kg is 2.8.
     let saturated = [
-        "axis.x: the force stands at its limit of 20000 N, for 1 s in all: stopped after ",
+        "axis.x: force at its limit of 20000 N for 1 s in total: stopped after ",
         " s: is the loop unstable",
     ];
     assert_fails(&machine(&[("velocity_gain_n_s_per_m", "1e6")]), &long(), 1, &saturated);
@@ -57,10 +57,11 @@ fn unstable_gains_fault_with_the_time() {
 
 #[test]
 fn an_axis_that_needs_too_short_steps_is_rejected_with_its_key() {
-    let stiff =
-        ["machine.toml: axis.x.presliding_stiffness_n_per_um: expected an axis that steps of a millionth"];
+    let stiff = [
+        "machine.toml: axis.x.presliding_stiffness_n_per_um: expected an axis that steps of 1 µs can resolve",
+    ];
     assert_fails(&machine(&[("presliding_stiffness_n_per_um", "1e12")]), MOTION, 2, &stiff);
-    let light = ["machine.toml: axis.x.motor_coulomb_n: expected an axis that steps of a millionth"];
+    let light = ["machine.toml: axis.x.motor_coulomb_n: expected an axis that steps of 1 µs can resolve"];
     assert_fails(&machine(&[("motor_mass_kg", "1e-9")]), MOTION, 2, &light);
     for key in ["motor_mass_kg", "table_mass_kg"] {
         let none = ["machine.toml: line ", key, "expected a mass above 0"];
@@ -229,7 +230,7 @@ fn an_interrupted_self_test_keeps_its_finished_cases() {
     let stdout = String::from_utf8(output.stdout).unwrap();
     assert!(stdout.contains("cases drawn."), "{stdout}");
     let message = String::from_utf8(output.stderr).unwrap();
-    assert!(message.contains("broken off after") && message.contains("of 1000 cases"), "{message}");
+    assert!(message.contains("interrupted after") && message.contains("of 1000 cases"), "{message}");
     let truth = std::fs::read_to_string(folder.path().join("case-1/truth.json")).unwrap();
     assert!(truth.contains("\"effects\""), "{truth}");
 }

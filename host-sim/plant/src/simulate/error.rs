@@ -1,4 +1,4 @@
-//! Why a simulation did not reach the end of its motion.
+//! Errors that end a simulation before the end of its motion.
 
 use shared::config::AxisSettings;
 use shared::interpolate::PathError;
@@ -10,10 +10,10 @@ use model::bodies::StructureError;
 use model::machine::Machine;
 use model::servo;
 
-/// The longest run, s of machine time; a path that takes longer ends with [`SimulationError::Endless`].
+/// Maximum duration of a run, s of machine time; a longer path ends with [`SimulationError::Endless`].
 pub const MAX_RUN_S: f64 = 3600.0;
 
-/// Why a simulation stopped.
+/// Errors of a simulation.
 #[derive(Debug, thiserror::Error)]
 pub enum SimulationError {
     /// The controller refused the machine or the motion, or the link broke.
@@ -24,7 +24,7 @@ pub enum SimulationError {
     Block {
         /// Its number, from 0.
         index: usize,
-        /// Why it was refused.
+        /// The reason.
         error: PathError,
     },
     /// The machine file lacks a key that a simulation needs.
@@ -36,7 +36,7 @@ pub enum SimulationError {
         key: &'static str,
     },
     /// An axis needs shorter steps than the simulation takes.
-    #[error("axis.{axis}: {key} asks for steps of {step_s:.1e} s")]
+    #[error("axis.{axis}: {key} requires steps of {step_s:.1e} s")]
     TooFast {
         /// Axis.
         axis: String,
@@ -72,7 +72,7 @@ const UNSTABLE: &str = ": is the loop unstable, or the motion too fast for it?";
 pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationError {
     let (what, hint) = match fault {
         Fault::Overrun => ("a tick took longer than its period".to_owned(), ""),
-        Fault::HardwareStop => ("the power stages were cut in hardware".to_owned(), ""),
+        Fault::HardwareStop => ("the power stages were switched off by hardware".to_owned(), ""),
         Fault::Watchdog => ("the board was reset by its watchdog".to_owned(), ""),
         Fault::Axis { axis, kind } => match machine.axis.get_index(usize::from(axis)) {
             None => (format!("axis {axis}: {kind:?}"), ""),
@@ -89,7 +89,7 @@ pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationE
 
 /// The error of a row with a value that is not finite.
 pub(super) fn not_finite(time_s: f64) -> SimulationError {
-    SimulationError::Fault { what: "a reading is no finite number".to_owned(), time_s, hint: UNSTABLE }
+    SimulationError::Fault { what: "a reading is not a finite number".to_owned(), time_s, hint: UNSTABLE }
 }
 
 /// A fault of an axis in words, and a possible cause.
@@ -102,18 +102,18 @@ fn described(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str)
         }
         FaultKind::Disagreement => {
             let limit_mm = mm(settings.scale_disagreement_limit_m);
-            (format!("motor and linear scale further apart than their limit of {limit_mm} mm"), "")
+            (format!("difference between motor and linear scale beyond its limit of {limit_mm} mm"), "")
         }
         FaultKind::EncoderStep => {
             let limit = mm(settings.fastest_m_per_s);
-            (format!("the motor reading moves faster than {limit} mm/s, which the motor cannot"), UNSTABLE)
+            (format!("motor reading faster than {limit} mm/s, which the motor cannot reach"), UNSTABLE)
         }
         FaultKind::ForceSaturated => (
             format!(
-                "the force stands at its limit of {} N, for {} s in all",
+                "force at its limit of {} N for {} s in total",
                 settings.force_limit_n, settings.saturation_time_s
             ),
-            ": is the loop unstable, or does the motion ask for more than the drive can give?",
+            ": is the loop unstable, or does the motion require more force than the drive can provide?",
         ),
         FaultKind::SoftLimit => {
             let [min, max] = settings.travel_m.unwrap_or([f64::NAN; 2]).map(|m| 1e3 * m);
@@ -122,8 +122,13 @@ fn described(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str)
         FaultKind::ScaleLost => ("no reading of the linear scale".to_owned(), ""),
         FaultKind::EncoderFrozen => {
             let limit_mm = mm(settings.frozen_encoder_limit_m);
-            (format!("the motor reading stands while the command moves by more than {limit_mm} mm"), "")
+            (
+                format!(
+                    "the motor reading does not change while the command moves by more than {limit_mm} mm"
+                ),
+                "",
+            )
         }
-        FaultKind::Displaced => ("the axis does not stand where its motion begins".to_owned(), ""),
+        FaultKind::Displaced => ("the axis is not at the start of its motion".to_owned(), ""),
     }
 }

@@ -15,9 +15,9 @@ const SIDES: [f64; 2] = [-1.0, 1.0];
 pub fn charts(map: &FrictionMap, selection: &Selection) -> Markup {
     let (before, after) = (&selection.declared.law, &selection.fitted.law);
     let entries = [
-        point_entry("cw", "measured: the mean of a run"),
+        point_entry("cw", "measured, mean of a run"),
         line_entry("before", "Coulomb and viscous friction"),
-        line_entry("after", "with what was found"),
+        line_entry("after", "with the terms found"),
         surface_entry("noise", "within ± 2 standard errors of a mean"),
     ];
     html! {
@@ -56,7 +56,7 @@ fn residuals(map: &FrictionMap, before: &Law, after: &Law) -> String {
     };
     let chart = Chart {
         size: (960, 220),
-        title: "What is left over speed",
+        title: "Residual over speed",
         description: "Measured minus law, before and after.",
         x: &format!("speed, {}", map.unit.speed()),
         y: &format!("residual, {}", map.unit.force()),

@@ -1,4 +1,4 @@
-//! The page of a friction map: what was found, the law before and after, their residuals, and what was tried.
+//! The page of a friction map: terms found, the law before and after, their residuals, and the candidates tested.
 
 mod charts;
 pub mod sentences;
@@ -18,10 +18,10 @@ use pages::file_name;
 use pages::markup::{Column, list, note, number_cell, paragraph, section, table, text};
 use sentences::{error_table, sentences, unexplained};
 
-/// Writes the page into a folder, which is made where it is missing, and gives its path.
+/// Writes the page into a folder, which is created if it does not exist, and returns its path.
 ///
 /// # Errors
-/// If the folder cannot be made or the page not be written.
+/// If the folder cannot be created or the page cannot be written.
 pub fn write(
     folder: &Path,
     map: &FrictionMap,
@@ -35,17 +35,18 @@ pub fn write(
 #[must_use]
 pub fn html(map: &FrictionMap, explanation: &Explanation, residual: Option<&Residual>) -> String {
     let lead = note(&format!(
-        "Friction map {}: {} runs at constant speed. Declared: Coulomb and viscous friction, the same both ways.",
+        "Friction map {}: {} runs at constant speed. Declared: Coulomb and viscous friction, equal in both \
+         directions.",
         file_name(&map.source),
         map.runs.len()
     ));
     let errors = html! { pre { (text(&error_table(map, explanation).join("\n"))) } };
     let sections = html! {
-        (section("What was found", &list(&sentences(map, explanation))))
+        (section("Terms found", &list(&sentences(map, explanation))))
         (section("Error before and after", &errors))
         (section("The map", &charts::charts(map, &explanation.selection)))
-        (section("What was tried", &tried(&explanation.selection.rounds)))
-        (section("What stays unexplained", &list(&unexplained(map, explanation, residual))))
+        (section("Candidates tested", &tried(&explanation.selection.rounds)))
+        (section("Unexplained residuals", &list(&unexplained(map, explanation, residual))))
     };
     pages::render(&format!("Friction of {}", file_name(&map.source)), &lead, &sections)
 }
@@ -53,19 +54,19 @@ pub fn html(map: &FrictionMap, explanation: &Explanation, residual: Option<&Resi
 /// Every round with its terms.
 fn tried(rounds: &[Round]) -> Markup {
     if rounds.is_empty() {
-        return paragraph("Nothing could be tried.");
+        return paragraph("No candidate could be tested.");
     }
     let columns = [
         Column::Words("term"),
         Column::Numbers("error of left-out runs"),
-        Column::Numbers("of left-out ranges"),
-        Column::Numbers("chance"),
+        Column::Numbers("error of left-out ranges"),
+        Column::Numbers("p value"),
         Column::Words("verdict"),
     ];
     html! {
         (note(
-            "How the error (rms) of runs and of ranges of speed that were left out changes with each term, and the chance \
-             that a law without it gives so much (F test, one trial).",
+            "Change of the rms error of left-out runs and of left-out ranges of speed with each term, and p value \
+             of the term (F test of a single trial).",
         ))
         @for (number, round) in (1..).zip(rounds) {
             h3 { "Round " (number) }
@@ -88,8 +89,8 @@ fn rows(round: &Round) -> Markup {
     }
 }
 
-/// Change of an rms in percent for the fraction by which its square falls; a dash where that was not evaluated, or where
-/// the change exceeds 1000 %.
+/// Change of an rms in percent for the fraction by which its square falls; a dash if it was not evaluated or the
+/// change exceeds 1000 %.
 fn rms_change(reduction: f64) -> String {
     // `clamp` keeps NaN, which `max` would replace.
     let change = 100.0 * ((1.0 - reduction).clamp(0.0, f64::MAX).sqrt() - 1.0);
@@ -100,9 +101,9 @@ fn verdict(round: &Round, index: usize, candidate: &Candidate) -> &'static str {
     if round.added == Some(index) {
         "added"
     } else if candidate.is_supported(round.candidates.len()) {
-        "supported, but less"
+        "supported, but another term is better"
     } else if !candidate.is_physical {
-        "would need friction below none"
+        "requires negative friction"
     } else {
         "not supported"
     }

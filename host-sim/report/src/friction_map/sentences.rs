@@ -8,7 +8,7 @@ use friction_map::term::Term;
 
 use files::format::{percent, significant, with_spread};
 
-/// One sentence for each selected term, or one that says that there is none, then one on Coulomb and viscous friction.
+/// One sentence for each selected term, or one sentence that there is none, then one on Coulomb and viscous friction.
 #[must_use]
 pub fn sentences(map: &FrictionMap, explanation: &Explanation) -> Vec<String> {
     let fitted = &explanation.selection.fitted;
@@ -16,11 +16,13 @@ pub fn sentences(map: &FrictionMap, explanation: &Explanation) -> Vec<String> {
     let mut sentences: Vec<String> =
         terms.map(|(i, &term)| of_selected(map, explanation, term, &of_term(map, fitted, i))).collect();
     if sentences.is_empty() {
-        sentences.push("Nothing found beside Coulomb and viscous friction, the same both ways.".to_owned());
+        sentences.push(
+            "No term found in addition to Coulomb and viscous friction, equal in both directions.".to_owned(),
+        );
     }
     let [coulomb, viscous] = declared(map, fitted);
     sentences.push(format!(
-        "With that, Coulomb friction is {} {} and viscous friction {} {}.",
+        "Coulomb friction is then {} {} and viscous friction {} {}.",
         value(&coulomb),
         map.unit.force(),
         value(&viscous),
@@ -36,12 +38,12 @@ fn of_selected(map: &FrictionMap, explanation: &Explanation, term: Term, paramet
         symmetric(map.unit, term, parameters)
     };
     let gain = percent(explanation.reduction_percent(term));
-    let sentence = format!("{of_term}; takes away {gain} of the error of runs left out.");
+    let sentence = format!("{of_term}; reduces the error of left-out runs by {gain}.");
     let others: Vec<&str> = explanation.equally_good(term).into_iter().map(Term::description).collect();
     if others.is_empty() {
         return sentence;
     }
-    format!("{sentence} The runs do not tell it from: {}.", others.join("; "))
+    format!("{sentence} The runs do not distinguish it from: {}.", others.join("; "))
 }
 
 /// A value with its interval, without its unit.
@@ -49,7 +51,7 @@ fn value(parameter: &Parameter) -> String {
     with_spread(parameter.value, parameter.half_width.unwrap_or(0.0))
 }
 
-/// The same for the parameter at an index; empty where there is none.
+/// The same for the parameter at an index; empty if there is none.
 fn value_at(parameters: &[Parameter], index: usize) -> String {
     parameters.get(index).map_or_else(String::new, value)
 }
@@ -64,12 +66,13 @@ fn directional(unit: Unit, term: Term, parameters: &[Parameter]) -> String {
     let [more, less] = if is_negative { ["−", "+"] } else { ["+", "−"] };
     match term {
         Term::FrictionAsymmetry => format!(
-            "Viscous friction is {size} {} higher in {more} direction and as much lower in {less} direction",
+            "Viscous friction is {size} {} higher in the {more} direction, and lower by the same amount in the \
+             {less} direction",
             unit.viscous()
         ),
         Term::StribeckAsymmetry => format!(
-            "The rise towards standstill is {size} {force} higher in {more} direction and as much lower in {less} \
-             direction, below {} {}",
+            "The rise towards standstill is {size} {force} higher in the {more} direction, and lower by the same \
+             amount in the {less} direction, below {} {}",
             value_at(parameters, 1),
             unit.speed()
         ),
@@ -117,14 +120,17 @@ pub fn unexplained(map: &FrictionMap, explanation: &Explanation, residual: Optio
     match (residual, standard_error) {
         (Some(residual), error) => sentences.push(of_residual(force, residual, error)),
         (None, Some(error)) => {
-            sentences.push(format!("What stays is the standard error of the runs' means ({error} {force})."));
+            sentences.push(format!(
+                "The remaining residual is at the level of the standard error of the runs' means \
+                                    ({error} {force})."
+            ));
         }
         (None, None) => {}
     }
     if let Some(deviation) = map.deviation_within_runs() {
         sentences.push(format!(
-            "Within a run the {} swings by {} {force} rms, ripple and noise together; a mean does not show what it \
-             follows.",
+            "Within a run the {} varies by {} {force} rms, ripple and noise together; a mean does not show on what \
+             this variation depends.",
             map.unit.drive(),
             significant(deviation, 3)
         ));
@@ -134,14 +140,15 @@ pub fn unexplained(map: &FrictionMap, explanation: &Explanation, residual: Optio
             1 => "1 run at speed 0 was".to_owned(),
             count => format!("{count} runs at speed 0 were"),
         };
-        sentences.push(format!("{runs} left out: at standstill friction is whatever the drive asks of it."));
+        sentences.push(format!("{runs} left out: at standstill the friction equals the drive force."));
     }
     for (term, needs) in &explanation.not_testable {
-        sentences.push(format!("{}: could not be tested; it needs {needs}.", term.description()));
+        sentences.push(format!("{}: could not be tested; required: {needs}.", term.description()));
     }
     for term in &explanation.selection.dropped {
         let term = term.description();
-        sentences.push(format!("{term}: added at first, no longer needed with what came later."));
+        sentences
+            .push(format!("{term}: added at first, then dropped because later terms made it unnecessary."));
     }
     sentences
 }
@@ -149,15 +156,15 @@ pub fn unexplained(map: &FrictionMap, explanation: &Explanation, residual: Optio
 fn of_residual(force: &str, residual: &Residual, standard_error: Option<String>) -> String {
     let slow = percent(residual.slow_percent);
     let variable = match residual.variable {
-        "velocity" => format!("{slow} of its power goes slowly with the velocity"),
-        "time" => format!("{slow} of its power goes slowly with the order of the runs"),
-        _ => "runs at neighbouring speeds share none of it beyond chance".to_owned(),
+        "velocity" => format!("{slow} of its power varies slowly with the velocity"),
+        "time" => format!("{slow} of its power varies slowly with the order of the runs"),
+        _ => "no significant correlation between runs at neighbouring speeds".to_owned(),
     };
     let noise = standard_error.map_or_else(
-        || "the file does not say how certain its means are".to_owned(),
+        || "the file does not contain the standard errors of the means".to_owned(),
         |error| format!("the standard error of a run's mean is {error} {force}"),
     );
-    format!("{} {force} rms stay, where {noise}; {variable}.", significant(residual.rms, 3))
+    format!("Remaining residual {} {force} rms; {noise}; {variable}.", significant(residual.rms, 3))
 }
 
 /// The rms errors of both laws as a table of fixed width, one line an element.

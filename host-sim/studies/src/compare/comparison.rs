@@ -13,12 +13,12 @@ pub struct Row {
     pub motion: &'static str,
     /// Name of the pipeline.
     pub scalar: &'static str,
-    /// Distances of the commands from where the exact path is at that tick.
+    /// Distances of the commands from the exact path at the same tick.
     pub command_error_nm: Spread,
     /// Distances of the tables from those of the run in double precision.
     pub position_error_nm: Spread,
-    /// Of the long run: distance of the last command from the programmed end, along the path, or of the mean table
-    /// position at the end from that at the beginning; the greater of the two.
+    /// For the long run: distance of the last command from the programmed end along the path, or distance between the
+    /// mean table positions at the beginning and at the end, whichever is greater.
     pub drift_nm: Option<f64>,
     /// Instructions of a tick with path and position loops on the emulated core, median.
     pub instructions_per_tick: Option<u32>,
@@ -44,7 +44,7 @@ pub struct Comparison {
     /// The path of the long run.
     #[serde(skip)]
     pub long_run: LongRunPath,
-    /// Why no instructions were counted.
+    /// Reason why no instructions were counted.
     #[serde(skip)]
     pub not_counted: Option<String>,
 }

@@ -1,4 +1,4 @@
-//! Why a comparison could not be made.
+//! Errors of a comparison.
 
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
@@ -8,7 +8,7 @@ use files::error::InputError;
 use link::controller::ControllerError;
 use plant::simulate::SimulationError;
 
-/// Why a comparison could not be made.
+/// Errors of a comparison.
 #[derive(Debug, thiserror::Error)]
 pub enum CompareError {
     /// The built-in machine file is refused.
@@ -21,7 +21,7 @@ pub enum CompareError {
     #[error(transparent)]
     Controller(#[from] ControllerError),
     /// A controller switched the drives off.
-    #[error("{motion}: the drives went off: {fault:?}")]
+    #[error("{motion}: the drives were switched off: {fault:?}")]
     Fault {
         /// Name of the motion.
         motion: &'static str,

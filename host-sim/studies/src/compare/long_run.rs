@@ -1,7 +1,7 @@
-//! The path of the long run: every tick of it, without control loops.
+//! The path of the long run in every tick, without control loops.
 //!
-//! `shared` interpolates in integers for every number format of its laws, so the errors of its path are those of fixed,
-//! f32 and f64. The path in f32 metres ([`SinglePath`]) takes the same steps.
+//! `shared` interpolates in integers for every number format of the control laws, so that fixed, f32 and f64 have the same
+//! path errors. The path in f32 metres ([`SinglePath`]) takes the same steps.
 
 use std::f64::consts::TAU;
 
@@ -22,8 +22,8 @@ pub struct LongRunPath {
     pub integer: Spread,
     /// Distance of the last integer command from the programmed end, nm.
     pub end_nm: f64,
-    /// Largest correction by which the last command of a block is set to its programmed end, nm: the distance of that
-    /// end from where the parabola through the three commands before comes to rest.
+    /// Largest correction by which the last command of a block is set to its programmed end, nm: the distance
+    /// of that end from the vertex of the parabola through the three previous commands.
     pub landing_nm: f64,
     /// Distances of the commands in f32 metres from the exact path at that tick.
     pub single: Spread,
@@ -58,7 +58,7 @@ pub fn run(turns: u32, rate_hz: f64) -> Result<LongRunPath, PathError> {
             integer.add((length([u, v]) - 1e9 * RADIUS_M).abs());
             let [x, y] =
                 single_path.advance(single_path.step_m(from, to)).map(|metres| 1e9 * f64::from(metres));
-            // The integer path is taken for the exact one: it is five orders of magnitude closer to it.
+            // The integer path serves as the exact one: its error is five orders of magnitude smaller.
             single.add(length([x - u, y - v]));
         }
         let end = path.command();
@@ -106,8 +106,8 @@ mod tests {
         assert!(short.landing_nm < 1e-4, "{}", short.landing_nm);
     }
 
-    /// A tick is 41.67 µm long, the same in every tick at constant feed. Each sum is rounded to half a unit in the last
-    /// place, 30 nm from 0.5 m on, which bounds the loss. Between two powers of two the rounding is the same in every
+    /// A tick is 41.67 µm long, the same in every tick at constant feed. The rounding error of each sum is at most half a unit in
+    /// the last place, 30 nm above 0.5 m, which bounds the error. Between two powers of two the rounding is the same in every
     /// tick and does not average out, so that the drift is more than a few units.
     #[test]
     fn sums_in_single_precision_drift() {
@@ -116,7 +116,7 @@ mod tests {
         assert!(short.single_end_nm < bound && short.single_end_nm > 500.0, "{}", short.single_end_nm);
         assert!(short.single.max > 500.0 && short.single.max < bound, "{:?}", short.single);
         assert!(short.single.rms < short.single.max);
-        // Twice as long, twice as far, but for the ramps: a drift.
+        // Twice the duration gives twice the distance, except for the ramps: a drift.
         let ratio = run(6, 4000.0).unwrap().single_end_nm / short.single_end_nm;
         assert!((1.8..2.2).contains(&ratio), "{ratio}");
     }

@@ -1,8 +1,8 @@
 //! Fixed point against floating point: the same motions through four pipelines, and the errors of each.
 //!
-//! [`motion`] defines the motions, [`pipeline`] closes the loop, [`single_precision`] is the pipeline with f32
-//! positions and [`single_path`] its path; [`exact_path`] is the reference of the commands, [`errors`] measures,
-//! [`long_run`] runs a day of path, [`cost`] counts instructions on the emulated core.
+//! [`motion`] defines the motions; [`pipeline`] closes the loop; [`single_precision`] is the pipeline with f32 positions and
+//! [`single_path`] its path; [`exact_path`] is the reference of the commands; [`errors`] computes the errors; [`long_run`]
+//! runs the path for a day; [`cost`] counts instructions on the emulated core.
 
 mod comparison;
 pub mod cost;
@@ -42,7 +42,7 @@ const CLOSED_TURNS: u32 = 32;
 /// Points of a curve of errors over time.
 const CURVE_POINTS: usize = 400;
 
-/// What to compare.
+/// Options of a comparison.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Options {
     /// Length of the long run, h.
@@ -65,7 +65,7 @@ pub fn run(options: &Options, progress: &(dyn Fn(&str) + Sync)) -> Result<Compar
         (AtomicUsize::new(0), Motion::ALL.len() * (Pipeline::ALL.len() + formats.len()) + 1);
     let done = |what: &str| {
         let count = finished.fetch_add(1, Ordering::Relaxed) + 1;
-        progress(&format!("{count} of {all} runs done, the last: {what}"));
+        progress(&format!("{count} of {all} runs done, last: {what}"));
     };
 
     let loops = || {
@@ -179,7 +179,7 @@ mod tests {
         comparison.rows.iter().find(|row| row.motion == motion && row.scalar == scalar).unwrap()
     }
 
-    /// Without Coulomb friction, presliding and a Stribeck effect on both axes the comparison would be too easy.
+    /// Both axes need Coulomb friction, presliding and a Stribeck effect; the comparison would be too easy without them.
     #[test]
     fn the_machine_has_friction() {
         let machine = Machine::parse(MACHINE, "machine.toml").unwrap();
@@ -199,7 +199,7 @@ mod tests {
         for motion in Motion::ALL.map(Motion::name) {
             let [fixed, f32, f64, single] =
                 Pipeline::ALL.map(|pipeline| row(&comparison, motion, pipeline.name()));
-            // The aim; and more than nothing, since fixed point rounds.
+            // The aim; the error is not zero, since fixed point rounds.
             assert!(fixed.position_error_nm.max < 5.0 && fixed.position_error_nm.rms < 1.0, "{fixed:?}");
             assert!(fixed.position_error_nm.max > 1e-4 && f32.position_error_nm.max > 1e-4);
             assert!(f64.position_error_nm.max == 0.0);
@@ -209,7 +209,7 @@ mod tests {
                     && f32.command_error_nm == f64.command_error_nm
             );
             assert!(f64.command_error_nm.max < 0.5);
-            // An encoder with a resolution of 4 to 119 nm moves the table by more than the rounding of the laws.
+            // An encoder resolution of 4 to 119 nm affects the table more than the rounding of the control laws.
             assert!(single.position_error_nm.rms > 20.0 * fixed.position_error_nm.rms, "{single:?}");
             for row in [fixed, f32, f64, single] {
                 assert_eq!(row.drift_nm.is_some(), motion == "long_run");
@@ -223,8 +223,8 @@ mod tests {
         assert!(comparison.long_run.end_nm == 0.0);
     }
 
-    /// Above 1 m the spacing of f32 is 2⁻²³ m = 119.2 nm. Rounding alone loses up to half of that, 119.2/√12 = 34.4 nm
-    /// rms; the sum with a start that is rounded as well loses up to twice as much.
+    /// Above 1 m the spacing of f32 is 2⁻²³ m = 119.2 nm. Rounding alone has an error of up to half of that,
+    /// 119.2/√12 = 34.4 nm rms; the sum with a rounded start has up to twice that error.
     #[test]
     fn f32_positions_at_1_m_lose_as_much_as_their_spacing() {
         let comparison = short();

@@ -23,7 +23,7 @@ const MAX_TURNS: u32 = 1000;
 pub enum Motion {
     /// Two turns of a circle, radius 100 mm, 10 m/min.
     Circle,
-    /// Around a corner of 90 degrees and back, with a stop in it, 10 m/min.
+    /// Two lines with a stop at the corner of 90 degrees, and back, 10 m/min.
     Corner,
     /// Ten steps of 1 µm up and ten down, 1 m from the origin.
     Steps,
@@ -65,7 +65,7 @@ impl Motion {
         self.start_m().map(|m| Position::from_m(m).unwrap_or_default())
     }
 
-    /// The blocks on which the loop is closed. Of the long run they are the first and the last `turns` turns.
+    /// The blocks on which the loop is closed; for the long run, the first and the last `turns` turns.
     #[must_use]
     pub fn blocks(self, turns: u32) -> Vec<PathBlock> {
         match self {
@@ -95,7 +95,7 @@ impl Motion {
                     PathBlock::dwell(0.3),
                 ]
             }
-            // Everything comes to rest within the second between them.
+            // The machine comes to rest within the second between them.
             Self::LongRun => vec![
                 PathBlock::dwell(0.1),
                 circles(turns),
@@ -120,7 +120,7 @@ pub fn turns_in(hours: f64) -> u32 {
     whole.max(2)
 }
 
-/// A number of turns as blocks that the path accepts: of 1000 turns each, and the rest.
+/// A number of turns as blocks that the path accepts: 1000 turns each, and the remainder.
 pub fn circle_blocks(turns: u32) -> impl Iterator<Item = PathBlock> {
     let whole = std::iter::repeat_n(MAX_TURNS, (turns / MAX_TURNS) as usize);
     whole.chain([turns % MAX_TURNS]).filter(|&turns| turns > 0).map(circles)

@@ -14,19 +14,20 @@ use link::controller::Format;
 use pages::markup::{figure, legend, line_entry, note, number_cell, paragraph, section, text};
 use pages::plot::{Chart, Ink, Layer};
 
-const TABLE_NOTE: &str = "Command: distance from the point of the exact path at which the command in double precision \
-                          stands in that tick. Position: distance of the table from the table in the run in double \
-                          precision. Drift, of the long run: last command to programmed end along the path, or \
-                          movement of the mean table position, whichever is more. Instructions: median of the ticks \
-                          with path and position loops, emulated Cortex-M4F.";
+const TABLE_NOTE: &str = "Command: distance from the point of the exact path nearest to the command in double \
+                          precision in the same tick. Position: distance of the table from the table in the run in \
+                          double precision. Drift (long run only): distance of the last command from the programmed \
+                          end along the path, or change of the mean table position, whichever is greater. \
+                          Instructions: median over the ticks with path and position loops, on an emulated \
+                          Cortex-M4F.";
 
-const CHARTS_NOTE: &str = "Greatest distance of each of up to 400 pieces of a motion. Of the long run the two minutes at \
-                           its beginning and the two at its end, between which only the path runs.";
+const CHARTS_NOTE: &str = "Maximum distance in each of up to 400 sections of a motion. For the long run, the two \
+                           minutes at the beginning and at the end are shown; in between only the path is computed.";
 
-/// Writes the page into a folder, which is made where it is missing, and returns its path.
+/// Writes the page into a folder, which is created if it does not exist, and returns its path.
 ///
 /// # Errors
-/// If the folder cannot be made or the page not be written.
+/// If the folder cannot be created or the page cannot be written.
 pub fn write(folder: &Path, comparison: &Comparison, lead: &[String]) -> Result<PathBuf, OutputError> {
     pages::write(folder, &html(comparison, lead))
 }
@@ -44,7 +45,7 @@ pub fn html(comparison: &Comparison, lead: &[String]) -> String {
     pages::render("Fixed point against floating point", &lead, &sections)
 }
 
-/// Nanometres with three significant digits; below a picometre only that it is less.
+/// Nanometres with three significant digits; `< 0.001` below a picometre.
 #[must_use]
 pub fn nanometres(nm: f64) -> String {
     match nm {
@@ -102,10 +103,8 @@ fn table_row(row: &Row) -> Markup {
 }
 
 fn charts(comparison: &Comparison) -> Markup {
-    let entries = [
-        line_entry("after", "fixed point"),
-        line_entry("before", "f32, and on the right f32 with f32 positions"),
-    ];
+    let entries =
+        [line_entry("after", "fixed point"), line_entry("before", "f32; on the right with f32 positions")];
     html! {
         (note(CHARTS_NOTE))
         (legend(&entries))
@@ -131,7 +130,7 @@ fn charts_of(comparison: &Comparison, motion: Motion) -> Markup {
     }
 }
 
-/// The SVG element of errors (nm) over time, drawn in the unit that suits them.
+/// The SVG element of errors (nm) over time, in a suitable unit.
 fn chart(motion: Motion, size: (u32, u32), mut layers: Vec<Layer>) -> String {
     let unit = convert_from_nm(&mut layers);
     let chart = Chart {
@@ -139,7 +138,7 @@ fn chart(motion: Motion, size: (u32, u32), mut layers: Vec<Layer>) -> String {
         title: &format!("Table error over time, {}", motion.name()),
         description: "Distance from the table in the run in double precision.",
         x: "time, s",
-        y: &format!("from f64, {unit}"),
+        y: &format!("deviation from f64, {unit}"),
         noise: 0.0,
         layers,
     };
@@ -166,7 +165,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn nothing_is_told_from_next_to_nothing() {
+    fn nanometres_have_three_digits_down_to_a_picometre() {
         assert_eq!(nanometres(0.0), "0");
         assert_eq!(nanometres(4e-9), "< 0.001");
         assert_eq!(nanometres(0.528_09), "0.528");

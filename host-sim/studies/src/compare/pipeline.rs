@@ -15,7 +15,7 @@ use plant::machine_sim::MachineSim;
 use plant::simulate::{self, SimulationError};
 
 /// Time constant of the drives' current loops, s. The sensors are exact to the unit of a position, so that two runs
-/// differ by the arithmetic of the controller alone.
+/// differ only by the arithmetic of the controller.
 const DRIVE_TIME_CONSTANT_S: f64 = 1e-4;
 
 /// The arithmetic of a controller.
@@ -23,7 +23,7 @@ const DRIVE_TIME_CONSTANT_S: f64 = 1e-4;
 pub enum Pipeline {
     /// `shared` in a number format.
     Of(Format),
-    /// Laws in f32 and positions in f32 metres, see [`SinglePrecision`].
+    /// Control laws in f32 and positions in f32 metres, see [`SinglePrecision`].
     F32Position,
 }
 
@@ -73,7 +73,7 @@ pub struct Tick {
 /// Closes the loop of a controller over a motion and gives every tick of the path and position loops, of the first
 /// `max_ticks` velocity ticks.
 ///
-/// A block is passed on when the one before has ended, so that every controller gets it at the same tick.
+/// A block is passed on when the previous one has ended, so that every controller receives it at the same tick.
 ///
 /// # Errors
 /// When a block is refused, the link breaks or the drives are switched off.

@@ -1,4 +1,4 @@
-//! A path in f32 metres, to show what such positions lose.
+//! A path in f32 metres, to show the rounding error of such positions.
 //!
 //! The length of each step is that of the exact path. The position along the path is a sum of these steps in f32, and
 //! the point on the path is computed from it in f32.
@@ -10,7 +10,7 @@ use link::controller::{PathBlock, PathShape};
 
 /// The nearest f32 in metres.
 #[must_use]
-#[expect(clippy::cast_possible_truncation, reason = "the loss is what is to be shown")]
+#[expect(clippy::cast_possible_truncation, reason = "this rounding is the subject of the comparison")]
 pub fn metres(position: Position) -> f32 {
     position.to_m() as f32
 }
@@ -25,7 +25,7 @@ pub fn position(metres: f32) -> Position {
 #[derive(Clone, Copy, Debug)]
 pub struct SinglePath {
     shape: Shape,
-    /// Travel since the start, on a circle since it was last passed, m.
+    /// Travel since the start; on a circle, since the start was last passed, m.
     distance: f32,
     /// How often the start was passed.
     turns: u32,
@@ -137,8 +137,8 @@ mod tests {
         1e9 * (f64::from(metres(point)) - 1.0)
     }
 
-    /// The spacing of f32 is 2⁻²³ m = 119.2 nm above 1 m and half of that below; rounding to nearest loses at most half
-    /// of it.
+    /// The spacing of f32 is 2⁻²³ m = 119.2 nm above 1 m and half of that below; the error of rounding to
+    /// nearest is at most half of it.
     #[test]
     fn at_1_m_a_position_is_rounded_to_119_nm_above_and_60_below() {
         let (above, below) = (1e9 * 2f64.powi(-23), 1e9 * 2f64.powi(-24));

@@ -1,8 +1,8 @@
-//! The pipeline whose positions are f32 metres, to show what they lose. It exists for the comparison only.
+//! The pipeline whose positions are f32 metres, to show their rounding error. It exists for the comparison only.
 //!
 //! The control laws are those of `shared` in f32, the path is a [`SinglePath`], and the readings are rounded to f32
-//! before they are subtracted. The difference of two f32 of one sign and similar size is exact, so the laws may
-//! subtract them as integers.
+//! before they are subtracted. The difference of two f32 of one sign and similar size is exact, so the control
+//! laws may subtract them as integers.
 
 use shared::axis::{AxisState, Reading};
 use shared::config::{AxisConfig, AxisSettings, Rates};

@@ -1,8 +1,8 @@
-//! Published experiments, repeated on the simulated machine, with the printed values beside ours.
+//! Published experiments repeated on the simulated machine, and comparison of the printed values with ours.
 //!
 //! One module per paper; each returns a [`Study`]: findings as sentences, every value with its verdict, and
-//! pictures. Where the printed text is illegible or wrong, the notes of the study say what was read instead and
-//! why. `docs/reproduce.md` collects all of this on one page.
+//! pictures. Where the printed text is illegible or wrong, the notes of the study give the reading that was used and
+//! the reason. `docs/reproduce.md` contains all papers on one page.
 
 pub mod acceleration;
 pub mod ballbar;

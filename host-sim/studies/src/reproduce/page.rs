@@ -13,10 +13,10 @@ use pages::markup::{
     surface_entry, table, text,
 };
 
-/// Writes the page into a folder, which is made where it is missing, and returns its path.
+/// Writes the page into a folder, which is created if it does not exist, and returns its path.
 ///
 /// # Errors
-/// If the folder cannot be made or the page not be written.
+/// If the folder cannot be created or the page cannot be written.
 pub fn write(folder: &Path, reproduction: &Reproduction, lead: &str) -> Result<PathBuf, OutputError> {
     pages::write(folder, &html(reproduction, lead))
 }
@@ -27,7 +27,7 @@ pub fn html(reproduction: &Reproduction, lead: &str) -> String {
     let sections = html! {
         @for study in &reproduction.studies { (section_of(study)) }
     };
-    pages::render("Published experiments, run again", &paragraph(lead), &sections)
+    pages::render("Published experiments repeated", &paragraph(lead), &sections)
 }
 
 fn section_of(study: &Study) -> Markup {
@@ -36,7 +36,7 @@ fn section_of(study: &Study) -> Markup {
         (outcomes(&study.outcomes))
         @for picture in &study.pictures { (picture_with_legend(picture)) }
         @if !study.notes.is_empty() {
-            (note("About the print:"))
+            (note("Notes on the printed text:"))
             (list(&study.notes))
         }
     };

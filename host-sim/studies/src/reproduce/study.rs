@@ -117,7 +117,7 @@ pub struct Study {
     pub outcomes: Vec<Outcome>,
     /// Pictures.
     pub pictures: Vec<Picture>,
-    /// Where the printed text is unclear or wrong: what was read instead, and why.
+    /// Readings that were used where the printed text is unclear or wrong, with the reason.
     pub notes: Vec<String>,
 }
 
@@ -156,7 +156,7 @@ impl Serialize for Reproduction {
     }
 }
 
-/// Why an experiment could not be run.
+/// Errors of an experiment.
 #[derive(Debug, thiserror::Error)]
 pub enum ReproduceError {
     /// The simulated machine did not complete the motion.
@@ -178,7 +178,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn agreement_has_two_sides() {
+    fn a_value_agrees_within_its_tolerance_or_bound() {
         let printed = Printed::Figure { value: 2.0, tolerance: 0.25 };
         assert!(
             printed.agrees(1.75) && printed.agrees(2.25) && !printed.agrees(1.74) && !printed.agrees(2.26)

@@ -124,7 +124,7 @@ impl ClosedLoop {
             };
             let output = machine.tick(&std::array::from_fn(reading));
             if let Power::Faulted(fault) = machine.power() {
-                let what = format!("the drives went off ({fault:?})");
+                let what = format!("the drives were switched off ({fault:?})");
                 return Err(SimulationError::Fault { what, time_s, hint: "" }.into());
             }
             let force_n = output.forces.map(Scalar::value);

@@ -6,7 +6,7 @@
 //! - [`least_squares`]: linear fits, and the ellipse fit.
 //! - [`identify`]: finds which value of the catalogue is wrong.
 //! - [`z_move`]: the 20 mm movement in z.
-//! - [`experiment`]: runs all of it; [`outcomes`], [`sentences`] and [`pictures`] present the result.
+//! - [`experiment`]: runs all simulations; [`outcomes`], [`sentences`] and [`pictures`] present the result.
 
 mod circles;
 mod closed_loop;

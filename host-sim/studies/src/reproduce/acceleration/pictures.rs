@@ -76,7 +76,7 @@ fn plane(experiment: &Experiment) -> Picture {
     let chart = Chart {
         size: (960, 260),
         title: "Deviation in x over the acceleration of z",
-        description: "Circles in yz, both ways; the slope is the cross-talk.",
+        description: "Circles in yz in both directions; the slope is the cross-talk.",
         x: "acceleration of z, m/s²",
         y: "deviation in x, µm",
         noise: 0.0,
@@ -85,10 +85,11 @@ fn plane(experiment: &Experiment) -> Picture {
     Picture {
         title: "Cross-talk by the plane fit".to_owned(),
         svg: chart.svg(),
-        caption: "Circles of 2 mm in yz, both ways: external less internal reading in x over the acceleration of z, means \
-                  of the measured points in a band of one standard deviation of their scatter, and what the two models say."
+        caption: "Circles of 2 mm in yz in both directions: external minus internal reading in x over the \
+                  acceleration of z. Means of the measured points with a band of ± one standard deviation of their \
+                  scatter, and the prediction of both models."
             .to_owned(),
-        legend: [legend(), vec![("before-range", "scatter of the measured".to_owned())]].concat(),
+        legend: [legend(), vec![("before-range", "scatter of the measurement".to_owned())]].concat(),
     }
 }
 
@@ -124,8 +125,8 @@ fn ellipse(experiment: &Experiment) -> Picture {
     let all = [&measured, &before, &after].into_iter().flatten();
     let max = numerics::max_abs(all.map(|point| point.1));
     let title = "Radial deviation on the circle in zx";
-    let caption = "Circles of 2 mm in zx, both ways: external less internal reading away from the centre. In-talk makes an \
-                   ellipse of the circle, cross-talk tilts it.";
+    let caption = "Circles of 2 mm in zx in both directions: external minus internal reading, radially outwards. \
+                   In-talk turns the circle into an ellipse, cross-talk tilts the ellipse.";
     let lines: [(&str, &[(f64, f64)]); 3] = [("before", &before), ("after", &after), ("cw", &measured)];
     Picture {
         title: "In-talk and cross-talk as an ellipse".to_owned(),
@@ -157,8 +158,8 @@ fn movement(experiment: &Experiment) -> Picture {
         line(Ink::Before, predicted(&experiment.before)),
         line(Ink::After, predicted(&experiment.after)),
     ];
-    let caption = "The true machine moves 20 mm in z: deviation in x, and what the coefficients of the circles make of its \
-                   acceleration. Means over 2 ms.";
+    let caption = "Deviation in x while the true machine moves 20 mm in z, and the deviation calculated from its \
+                   acceleration with the coefficients of the circles. Means over 2 ms.";
     over_the_move("20 mm movement: deviation in x", "deviation in x, µm", caption, layers, legend())
 }
 
@@ -173,11 +174,11 @@ fn residual(experiment: &Experiment) -> Picture {
     let layers =
         vec![line(Ink::Before, residual(&experiment.before)), line(Ink::After, residual(&experiment.after))];
     let legend = vec![
-        ("before", "left by the catalogue's coefficient".to_owned()),
-        ("after", "left by the identified one".to_owned()),
+        ("before", "corrected with the catalogue's coefficient".to_owned()),
+        ("after", "corrected with the identified coefficient".to_owned()),
     ];
-    let caption = "The same deviation less what each model says of it.";
-    over_the_move("20 mm movement: before and after", "left in x, µm", caption, layers, legend)
+    let caption = "The same deviation after correction with each model.";
+    over_the_move("20 mm movement: before and after", "deviation in x, µm", caption, layers, legend)
 }
 
 /// Set and actual acceleration of z on the movement.
@@ -190,8 +191,8 @@ fn profile(experiment: &Experiment) -> Picture {
         line(Ink::After, over_time(movement.acceleration.iter().copied())),
     ];
     let legend = vec![("before", "set".to_owned()), ("after", "actual".to_owned())];
-    let caption = "The jerk makes triangles of the acceleration: 20 mm end before it comes to 10 m/s². Behind the position \
-                   loop it is less still, and later.";
+    let caption = "With limited jerk the acceleration is triangular: the move of 20 mm ends before it reaches 10 \
+                   m/s². The acceleration after the position loop is lower and later.";
     over_the_move("20 mm movement: acceleration", "acceleration of z, m/s²", caption, layers, legend)
 }
 

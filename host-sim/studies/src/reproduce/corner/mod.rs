@@ -8,7 +8,7 @@
 //! - [`contour`]: overshoot, rounding and distance of contours.
 //! - [`circle_shrinkage`]: the feed-forward that keeps a circle's radius.
 //! - [`rapid_move`]: speed and acceleration of table 1.
-//! - [`experiment`]: runs all of it; [`outcomes`], [`sentences`] and [`pictures`] present the result.
+//! - [`experiment`]: runs all simulations; [`outcomes`], [`sentences`] and [`pictures`] present the result.
 
 mod circle_shrinkage;
 mod contour;

@@ -1,4 +1,4 @@
-//! The paper's values beside ours.
+//! Comparison of the paper's values with ours.
 
 use super::experiment::{Experiment, FEEDFORWARD_PERCENT, LawAtGain};
 use super::machine::{ACCELERATION_M_PER_S2, RAPID_M_PER_S};

@@ -41,9 +41,9 @@ fn prediction(experiment: &Experiment, gain: usize) -> Picture {
         title: format!("The corner at Kp = {} 1/s, plant and prediction", run.gain_per_s),
         svg: contours("Tool and motors at the corner", HALF_UM, &tracks),
         caption: format!(
-            "HPC, Kf = {FEEDFORWARD_PERCENT} %, {HALF_UM} µm either side of the corner, run through from left to right. \
-             The tool of the plant and that predicted from the command differ by {:.1} µm at the most; it stands out \
-             by {:.0} µm.",
+            "HPC, Kf = {FEEDFORWARD_PERCENT} %, {HALF_UM} µm on either side of the corner, passed from left to \
+             right. The simulated tool and the tool predicted from the command differ by at most {:.1} µm; the \
+             overshoot is {:.0} µm.",
             corner.difference_um(tool, &prediction.tool),
             corner.overshoot_um(),
         ),
@@ -69,8 +69,8 @@ fn both_laws(hpc: &LawAtGain, p: &LawAtGain) -> Picture {
         title: format!("P and HPC at Kp = {} 1/s", hpc.gain_per_s),
         svg: contours("The tool at the corner under both laws", HALF_UM, &tracks),
         caption: format!(
-            "Kf = {FEEDFORWARD_PERCENT} % keeps a circle's radius under HPC, and P then rounds the corner by {:.0} µm. \
-             With the {:.0} % that keep a radius under P, P overshoots by {:.0} µm.",
+            "Kf = {FEEDFORWARD_PERCENT} % keeps a circle's radius under HPC; with this value, P rounds the corner \
+             by {:.0} µm. With the {:.0} % that keep the radius under P, P overshoots by {:.0} µm.",
             p.printed.rounding_um(),
             p.feedforward.tool_percent,
             p.radius_kept.overshoot_um(),
@@ -119,8 +119,8 @@ fn over_gain(experiment: &Experiment) -> Result<Picture, ReproduceError> {
     Ok(Picture {
         title: "Overshoot over the position gain".to_owned(),
         svg: chart.svg(),
-        caption: "How far the tool stands out over the second line. Lines: predicted, with the mechanics identified \
-                  at Kp = 33; circles: the plant."
+        caption: "Overshoot of the tool beyond the second line. Lines: predicted, with the mechanics identified at \
+                  Kp = 33; circles: the plant."
             .to_owned(),
         legend: vec![
             ("after", format!("HPC, Kf = {FEEDFORWARD_PERCENT} %")),

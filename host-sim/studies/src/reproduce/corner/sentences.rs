@@ -22,9 +22,9 @@ pub fn findings(experiment: &Experiment) -> Vec<String> {
     let [soft_x, soft_y] = softer.mechanics.map(|m| m.omega_per_s / TAU);
     vec![
         format!(
-            "The printed feed-forward of 51 % points to the law that the paper's machine ran: HPC keeps a circle's radius with Kf = {} % \
-             at Kp = 33, 51, 75, P takes {} %. In closed form HPC takes 50 % at any Kp: its zero then cancels the pole \
-             at −2·Kp, and a second order with ζ = 1/√2 is left.",
+            "The printed feed-forward of 51 % indicates the control law of the paper's machine: HPC keeps a \
+             circle's radius with Kf = {} % at Kp = 33, 51, 75, P with {} %. In closed form HPC requires 50 % at \
+             any Kp: its zero then cancels the pole at −2·Kp, and a second-order system with ζ = 1/√2 remains.",
             list(hpc, &|t| t.feedforward.motor_percent),
             list(p, &|t| t.feedforward.motor_percent),
         ),
@@ -33,9 +33,10 @@ pub fn findings(experiment: &Experiment) -> Vec<String> {
             x.0, x.1, y.0, y.1
         ),
         format!(
-            "Under HPC with Kf = {FEEDFORWARD_PERCENT} % the tool stands out of the corner by {} µm at Kp = 33, 51, 75, the \
-             motors by {} µm; without feed-forward the tool by {} µm. With the feed-forward that keeps the tool's circle \
-             ({} %) it is {} µm: what is right on the circle is too much in the corner, and the more so the lower Kp is.",
+            "Under HPC with Kf = {FEEDFORWARD_PERCENT} % the overshoot at the corner is {} µm at the tool and {} µm \
+             at the motors, for Kp = 33, 51, 75; without feed-forward it is {} µm at the tool. With the \
+             feed-forward that keeps the radius of the tool's circle ({} %) it is {} µm. The feed-forward that is \
+             correct for the circle is too large at the corner, increasingly so for lower Kp.",
             list(hpc, &|t| t.printed.overshoot_um()),
             list(hpc, &|t| t.printed.motor_overshoot_um()),
             list(hpc, &|t| t.without.overshoot_um()),
@@ -43,17 +44,19 @@ pub fn findings(experiment: &Experiment) -> Vec<String> {
             list(hpc, &|t| t.radius_kept.overshoot_um()),
         ),
         format!(
-            "Side by side with Kf = {FEEDFORWARD_PERCENT} %: P stands out by {} µm and rounds the corner by {} µm, HPC rounds it \
-             by {} µm. With the feed-forward of its own circle P stands out by {} µm.",
+            "Comparison with Kf = {FEEDFORWARD_PERCENT} %: P overshoots by {} µm and rounds the corner by {} µm, \
+             HPC rounds it by {} µm. With the feed-forward for its own circle, P overshoots by {} µm.",
             list(p, &|t| t.printed.overshoot_um()),
             list(p, &|t| t.printed.rounding_um()),
             list(hpc, &|t| t.printed.rounding_um()),
             list(p, &|t| t.radius_kept.overshoot_um()),
         ),
         format!(
-            "That the tool's overshoot still eases from Kp = 51 to 75 (to {:.2} of it; predicted: {:.2}) is within what the prediction leaves open, and the stiff machine's: with the \
-             structure's frequencies at two thirds, which identifies as {soft_x:.0} and {soft_y:.0} Hz, it grows to {:.2} of it, for the \
-             structure swings more than the motors overshoot less, and the prediction at Kp = 75 is out by {:.1} µm.",
+            "The tool's overshoot decreases from Kp = 51 to 75 (ratio {:.2}; predicted: {:.2}). This decrease is \
+             within the error of the prediction, and specific to the stiff machine. With two thirds of the \
+             structural frequencies, identified as {soft_x:.0} and {soft_y:.0} Hz, the ratio is {:.2}, because the \
+             oscillation of the structure increases by more than the overshoot of the motors decreases, and the \
+             prediction at Kp = 75 has an error of {:.1} µm.",
             hpc[2].printed.overshoot_um() / hpc[1].printed.overshoot_um(),
             predicted_m(2) / predicted_m(1),
             softer.overshoot_ratio,
@@ -62,7 +65,7 @@ pub fn findings(experiment: &Experiment) -> Vec<String> {
     ]
 }
 
-/// Where the printed text is unclear or wrong: what was read instead, and why.
+/// Readings that were used where the printed text is unclear or wrong, with the reason.
 pub fn notes(experiment: &Experiment) -> Vec<String> {
     let low = &experiment.hpc[0];
     let w = FEED_M_PER_S / RADIUS_M / low.gain_per_s;
@@ -73,41 +76,45 @@ pub fn notes(experiment: &Experiment) -> Vec<String> {
     let added_by_mechanics_um = |corner: &Corner| corner.overshoot_um() - corner.motor_overshoot_um();
     vec![
         format!(
-            "Equation (1), HPC, is printed as k1k2Kp²/(s² + k2·s + k1k2Kp²) and has lost a Kp twice: as printed the loop \
-             creeps with its slowest pole at {} 1/s whatever Kp is, and with only the Kp before it put back it is \
-             unstable above Kp = 6 1/s (at Kp = 33 a pole at {pole_per_s:+.0} 1/s). Used here: \
-             Kp·k1k2Kp²/(s² + k2·Kp·s + k1k2Kp²), with poles at −2·Kp and (−2 ± 2j)·Kp. That this takes 50 % of \
-             feed-forward for a true circle at every Kp, and 51 % are printed for all three, speaks for it.",
+            "Equation (1), HPC, is printed as k1k2Kp²/(s² + k2·s + k1k2Kp²) and lacks a Kp in two positions. As \
+             printed, the slowest pole of the loop is at {} 1/s for any Kp. With only the leading Kp restored, the \
+             loop is unstable above Kp = 6 1/s (at Kp = 33 with a pole at {pole_per_s:+.0} 1/s). Used here: \
+             Kp·k1k2Kp²/(s² + k2·Kp·s + k1k2Kp²), with poles at −2·Kp and (−2 ± 2j)·Kp. It requires 50 % of \
+             feed-forward for a true circle at every Kp, close to the 51 % printed for all three gains, which \
+             supports the correction.",
             fixed(printed_hpc_pole_per_s(low.gain_per_s, 0), 2),
         ),
         format!(
-            "Kf: 51 % is a setting made on a machine, to 1 %; the closed form is 50 %, which \
-             ours finds. On our circle of {:.0} mm at Kp = 33 the difference is {radius_difference_um:.1} µm of radius. Radius and feed of \
-             the paper's circle are not printed.",
+            "Kf: 51 % is a setting made on a machine in steps of 1 %; the closed form is 50 %, as in our \
+             simulation. On our circle of {:.0} mm at Kp = 33 the difference is {radius_difference_um:.1} µm of \
+             radius. Radius and feed of the paper's circle are not printed.",
             1e3 * RADIUS_M,
         ),
         format!(
-            "The paper reads the easing at the table as a lag of the mechanics that falls as Kp rises. A linear system \
-             behind the motors has one lag whatever Kp is, and here what it adds to the overshoot grows from {:.1} to \
-             {:.1} µm, because the motors turn more sharply. What eases is the motors' part.",
+            "The paper explains the decrease at the table by a lag of the mechanics that falls as Kp rises. A \
+             linear system behind the motors has the same lag at any Kp. Its contribution to the overshoot grows \
+             from {:.1} to {:.1} µm, because the motors turn more sharply. What decreases is the overshoot of the \
+             motors.",
             added_by_mechanics_um(&low.printed),
             added_by_mechanics_um(&experiment.hpc[2].printed),
         ),
-        "All figures are missing from the scan. The lengths of figure 3 are not in the text: two lines of 20 mm are run, X going on, Y \
-         turning back, as the text says. Acceleration before interpolation with trapezoids lets each line begin and \
-         end at rest; it is √2 · 7.3 m/s² along the path, Y's printed limit. Figure 2 is taken as position law, PI \
-         velocity loop on a rigid mass, and integrator."
+        "All figures are missing from the scan. The text does not give the lengths in figure 3: two lines of 20 mm \
+         are run, with X continuing and Y reversing as in the text. With acceleration before interpolation and \
+         trapezoidal ramps, each line begins and ends at rest; the acceleration is √2 · 7.3 m/s² along the path, \
+         which is Y's printed limit. Figure 2 is taken as position law, PI velocity loop on a rigid mass, and \
+         integrator."
             .to_owned(),
-        "ωi, ζi and sizes of overshoot are not printed: the plant's masses, stiffness, friction and structure are ours \
-         (machine.toml). Its structure was chosen, after a softer one had failed, among those whose overshoot at the tool \
-         eases up to Kp = 75 as the paper found; one like that stands \
-         beside it above. Ti was 20 ms first and became the critically damped 5 ms; the longer one overshoots more and \
-         takes 1 to 2 % less Kf on the circle. The force limit was raised until the printed accelerations are held: \
-         those four figures show that the plant is the declared one, not that the paper is confirmed."
+        "ωi, ζi and sizes of overshoot are not printed. Masses, stiffness, friction and structure of the plant are \
+         chosen here (machine.toml). The structure was chosen after a softer one had failed; it is one of those \
+         whose overshoot at the tool decreases up to Kp = 75, as in the paper. The softer machine above shows the \
+         opposite. Ti was 20 ms at first and was then set to 5 ms, which is critically damped; the longer Ti \
+         overshoots more and requires 1 to 2 % less Kf on the circle. The force limit was raised until the printed \
+         accelerations were reached: those four values show that the plant has the declared properties, and do not \
+         confirm the paper."
             .to_owned(),
-        "The paper takes the tool for the table (yTool = yt) and measures it with a grid encoder; here contours are those \
-         of the tool point. Where the paper predicts the table from measured motors, the tool here follows from the \
-         command alone. The paper says \"about 5 µm\"; agreement is asked for below 5."
+        "The paper equates tool and table (yTool = yt) and measures the tool with a grid encoder; here contours are \
+         those of the tool point. The paper predicts the table from measured motors; here the tool is predicted \
+         from the command alone. The paper says \"about 5 µm\"; the bound here is 5."
             .to_owned(),
         "Two items of the paper's section 2 are numbered (3); the second is the feed drive, equation (3).".to_owned(),
     ]

@@ -73,15 +73,15 @@ fn add_magnitudes(study: &mut Study, responses: &[Vec<Response>; 3]) {
         "",
     ));
     study.findings.push(format!(
-        "The table moves by up to {} times a lost motion that comes and goes where T' = T, by {} times where T' is \
-         three times shorter: 2/√3 at the most.",
+        "The table deviates by at most {} times the amplitude of a periodic lost motion for T' = T, and by {} times \
+         for T' three times shorter. The theoretical maximum is 2/√3.",
         significant(highest[1], 4),
         significant(highest[0], 4)
     ));
     study.notes.push(
-        "The paper rules α = T'/T far below one out because |Qo/ΔQ| is then above one. By its own formula (13) the \
-         magnitude does not change when T and T' are exchanged, is above one for every α at ω > 1/√(2TT'), and \
-         highest, 2/√3, at α = 1: a small α is the milder case, and this verdict differs."
+        "The paper excludes α = T'/T far below one because |Qo/ΔQ| is then above one. By its own formula (13), \
+         however, the magnitude does not change when T and T' are exchanged, is above one for every α at ω > \
+         1/√(2TT'), and has its maximum, 2/√3, at α = 1. A small α is the milder case, and this verdict differs."
             .to_owned(),
     );
 }
@@ -99,9 +99,9 @@ fn picture(systems: [TimeConstants; 3], responses: &[Vec<Response>; 3]) -> Pictu
         layers.extend(responses.iter().map(|response| marker(Ink::After, point(response))));
     }
     let title = "Bode diagram of the dual feedback system".to_owned();
-    let caption = "How much of a lost motion that comes and goes the table shows, |Qo/ΔQ|: formula (13), and measured \
-                   on the controller's dual feedback in fixed point. Slow lost motion is taken out; above (T + \
-                   T')/(TT') the loop does not answer any more, as in a semi-closed one."
+    let caption = "Response |Qo/ΔQ| of the table to a sinusoidal lost motion: formula (13), and measured with the \
+                   controller's dual feedback in fixed point. Slow lost motion is compensated; above (T + T')/(TT') \
+                   the loop no longer responds, as in a semi-closed one."
         .to_owned();
     let chart = Chart {
         size: (960, 260),

@@ -164,12 +164,13 @@ pub fn add(study: &mut Study) {
     ]);
     study.pictures.push(step_picture(systems));
     study.notes.extend([
-        "That Qc never exceeds ΔQp or ΔQb, as the paper ends, holds for the greater of the two: by (16) Qc is a mean \
-         of ΔQb and ΔQp/K' that goes from the one to the other. It exceeds the lesser, and that verdict differs. ΔQp \
-         stands there for ΔQp/K', the same number only at the paper's K' = 1 1/s."
+        "The paper concludes that Qc never exceeds ΔQp or ΔQb. This holds for the greater of the two: by (16), Qc \
+         is a mean of ΔQb and ΔQp/K' that changes from one to the other over time. It exceeds the lesser of the \
+         two, so that this verdict differs. ΔQp in the conclusion stands for ΔQp/K', which is the same number only \
+         at the paper's K' = 1 1/s."
             .to_owned(),
-        "The condition printed as T = T' over the partial fractions of (11) is read T ≠ T'; the values of α in the \
-         paper's figure of (12) are not in the scan, so 1/3, 1 and 8/3 are taken with T = 0.03 s."
+        "The condition T = T' printed above the partial fractions of (11) is read as T ≠ T'. The values of α in the \
+         paper's figure of (12) are not in the scan; 1/3, 1 and 8/3 are used with T = 0.03 s."
             .to_owned(),
     ]);
 }
@@ -188,8 +189,8 @@ fn step_picture(systems: [TimeConstants; 3]) -> Picture {
     }
     let title = "A step of the lost motion".to_owned();
     let caption =
-        "How the table comes back after the lost motion has jumped by ΔQ, T = 0.03 s: closed forms (11), \
-                   (12), and the controller's dual feedback in fixed point behind an ideal motor."
+        "Table position after a step ΔQ of the lost motion, T = 0.03 s: closed forms (11) and (12), and the \
+         controller's dual feedback in fixed point with an ideal motor."
             .to_owned();
     let chart = Chart {
         size: (960, 260),

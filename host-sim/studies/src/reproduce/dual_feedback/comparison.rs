@@ -51,8 +51,8 @@ impl Performance {
         let um = |um: f64| significant(um, 2);
         let (stops, steady) = (self.stops, self.steady());
         format!(
-            "{name}: stable up to Kp = {} 1/s; at half of that the table is off by at most {} µm (rms {}) at stops \
-             from both sides and {} µm (rms {}) on a slow way.",
+            "{name}: stable up to Kp = {} 1/s. At half of this gain the table error is at most {} µm (rms {}) at \
+             stops approached from both sides, and {} µm (rms {}) in slow motion.",
             significant(self.max_gain_per_s, 3),
             um(stops.max_um),
             um(stops.rms_um),
@@ -100,7 +100,8 @@ impl Comparison {
             self.full.finding("Full-closed"),
             self.dual().finding(&format!("Dual feedback, T' = {} s", significant(DUAL_S, 1))),
             format!(
-                "Of these gains a drive half as stiff leaves {} % (semi-closed), {} % (full-closed) and {} % (dual).",
+                "With half the drive stiffness, the highest stable gain is {} % (semi-closed), {} % (full-closed) \
+                 and {} % (dual) of these values.",
                 significant(100.0 * semi_ratio, 2),
                 significant(100.0 * full_ratio, 2),
                 significant(100.0 * dual_ratio, 2)
@@ -117,7 +118,7 @@ impl Comparison {
         [
             ratio("rms error at stops, semi-closed over dual", more(), semi.stops.rms_um / dual.stops.rms_um),
             ratio(
-                "rms error on a slow way, semi-closed over dual",
+                "rms error in slow motion, semi-closed over dual",
                 more(),
                 semi.steady().rms_um / dual.steady().rms_um,
             ),
@@ -144,11 +145,12 @@ impl Comparison {
     fn note(&self) -> String {
         let Self { semi, full, duals, .. } = self;
         format!(
-            "The paper compares the three systems in words, without a machine or figures. Ours has a table of 1500 kg \
-             behind 50 N/µm, 20 µm of backlash, pitch errors of 80 µm/m and ±3 µm a turn, and a drive that follows to 150 \
-             Hz. Control nearly as good as semi-closed is read as a highest Kp nearer to it than to that of full-closed. The \
-             comparison takes T' = {} s, as the paper names none, and has {} of the semi-closed gain; at 0.05 s dual \
-             feedback has {} of it, and at 0.01 s {} of the full-closed one.",
+            "The paper compares the three systems in words, without a machine or values. Our machine has a table of \
+             1500 kg on 50 N/µm, 20 µm of backlash, pitch errors of 80 µm/m and ±3 µm per turn, and a drive with a \
+             bandwidth of 150 Hz. \"Nearly as good as semi-closed\" is read as a highest Kp closer to that of \
+             semi-closed than to that of full-closed. The paper gives no T'; with T' = {} s, dual feedback reaches \
+             {} of the semi-closed gain. At T' = 0.05 s it reaches {} of that gain, and at 0.01 s {} of the \
+             full-closed one.",
             significant(DUAL_S, 1),
             significant(self.dual().max_gain_per_s / semi.max_gain_per_s, 2),
             significant(duals[2].max_gain_per_s / semi.max_gain_per_s, 2),
@@ -178,8 +180,9 @@ fn accuracy_over_gain(Comparison { semi, full, duals, .. }: &Comparison) -> Pict
     let title = "Accuracy against stable gain".to_owned();
     let time_constants = DUALS_S.map(|dual_s| significant(dual_s, 1));
     let caption = format!(
-        "The rms error of the table on a slow way, at half of the highest stable Kp, over that Kp. Dual feedback goes \
-         from the full-closed to the semi-closed system's gain as T' grows ({} s).",
+        "Rms error of the table in slow motion at half of the highest stable Kp, plotted over that Kp. As T' \
+         increases ({} s), the gain of dual feedback changes from that of the full-closed to that of the \
+         semi-closed system.",
         time_constants.join(", ")
     );
     let chart = Chart {
@@ -213,11 +216,11 @@ fn slow_traverses(comparison: &Comparison) -> Picture {
         points: results.traverse.iter().copied().step_by(ROWS).collect(),
         is_marked: false,
     };
-    let title = "Up and down a slow way".to_owned();
+    let title = "Slow motion in both directions".to_owned();
     let caption = format!(
-        "Table − command over {} mm at 5 mm/s and back, each system at half of its highest stable Kp. Semi-closed, the \
-         table keeps the backlash, the wind-up under friction and the pitch errors; dual feedback takes them out but \
-         for what changes faster than T'.",
+        "Table − command over {} mm at 5 mm/s and back, each system at half of its highest stable Kp. Semi-closed, \
+         the table error includes backlash, wind-up due to friction, and pitch errors; dual feedback removes the \
+         parts that change more slowly than T'.",
         significant(TRAVERSE_MM, 2)
     );
     let chart = Chart {

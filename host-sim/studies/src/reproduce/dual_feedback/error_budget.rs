@@ -101,9 +101,9 @@ pub fn add(study: &mut Study) {
     let torque = Printed::Figure { value: ALL_FRICTION_KG_CM, tolerance: 0.005 * MOTOR_KG_CM_PER_PULSE };
     let (static_kg_cm, motor) = (STATIC_KG_CM.value + STATIC_KG_CM.half_width, MOTOR_KG_CM_PER_PULSE);
     study.findings.push(format!(
-        "A pulse brings up {motor} kg·cm, which moves the axis against its greatest static friction of {static_kg_cm} \
-         kg·cm, but not against the sum of all friction, {} kg·cm: that takes two pulses, which is what the paper's \
-         repeat error is stated for.",
+        "One pulse produces {motor} kg·cm, which moves the axis against its greatest static friction of \
+         {static_kg_cm} kg·cm, but not against the sum of all friction, {} kg·cm. That requires two pulses, for \
+         which the paper states its repeat error.",
         fixed(torque_kg_cm(), 1),
     ));
     study.outcomes.extend([
@@ -135,16 +135,17 @@ pub fn add(study: &mut Study) {
         ),
     ]);
     study.notes.extend([
-        "The design example's motor friction and least kinetic friction are illegible, but their sum stands in two \
-         places, in the torque of (5), 50.7 kg·cm with all fluctuations, and in the friction part of (6), 0.92 pulses \
-         of 50 kg·cm without them. Each is computed from the other here; they agree to 0.2 kg·cm, which would be the \
-         fluctuation of the motor's own friction. The terms of the scatter in (6) are read as 3 and 1.5 of 50 kg·cm \
-         and 0.05 pulse of the transducer, its backlash as 0.25 pulse."
+        "The motor friction and the minimum kinetic friction of the design example are illegible, but their sum \
+         appears twice: in the torque of (5), 50.7 kg·cm with the scatter of all terms, and in the friction in (6), \
+         0.92 pulses of 50 kg·cm without it. Each is computed from the other here. They agree to 0.2 kg·cm, which \
+         would be the scatter of the motor's own friction. The terms of the scatter in (6) are read as 3 and 1.5 of \
+         50 kg·cm and 0.05 pulse of the transducer, the backlash as 0.25 pulse."
             .to_owned(),
-        "(6) is scanned as 0.92 − 0.08 − 0.25; as 1.17 is 0.92 + 0.25, the signs are read ± and +.".to_owned(),
-        "The scatter of the positioning error, ±3.15 µm in (7), does not follow from its own legible terms (0.05, 0.08 \
-         and 0.05 pulse, halved, are ±0.5 µm), and the scan lost what stands beside them. (0.05 + 0.08 + 0.5)/2 is \
-         0.315, which would be ±0.5 pulse added as it is and not as a square; that is a guess, and the verdict differs."
+        "(6) is scanned as 0.92 − 0.08 − 0.25; as 1.17 is 0.92 + 0.25, the signs are read as ± and +.".to_owned(),
+        "The scatter of the positioning error, ±3.15 µm in (7), does not follow from its own legible terms: 0.05, \
+         0.08 and 0.05 pulse, combined and halved, give ±0.5 µm. The adjacent terms are missing from the scan. \
+         (0.05 + 0.08 + 0.5)/2 is 0.315, with ±0.5 pulse added linearly and not as a square; this is a guess, and \
+         the verdict differs."
             .to_owned(),
     ]);
 }

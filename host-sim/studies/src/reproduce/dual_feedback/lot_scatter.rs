@@ -162,9 +162,9 @@ impl Lot {
             (x, height * (-0.5 * ((x - mean) / sigma).powi(2)).exp())
         };
         let normal = Layer { ink: Ink::Third, points: (0..=200).map(normal).collect(), is_marked: false };
-        let title = format!("Parts a class, {}", self.name);
+        let title = format!("Parts per class, {}", self.name);
         let caption = format!(
-            "{} parts, mean {} mm, S = 2σ = ±{} mm. Classes of {} µm, each with its upper bound.",
+            "{} parts, mean {} mm, S = 2σ = ±{} mm. Classes of {} µm, each including its upper bound.",
             self.sizes_um.len(),
             fixed(mean, 4),
             fixed(2.0 * sigma, 4),
@@ -182,8 +182,8 @@ impl Lot {
         let svg = chart.svg();
         let legend = vec![
             ("before-range", "counted".to_owned()),
-            ("after mark", "printed, where it can be read".to_owned()),
-            ("cw", "normal distribution of the same mean and σ".to_owned()),
+            ("after mark", "printed, if legible".to_owned()),
+            ("cw", "normal distribution with the same mean and σ".to_owned()),
         ];
         Picture { title, svg, caption, legend }
     }
@@ -194,7 +194,7 @@ pub fn add(study: &mut Study) {
     for lot in &LOTS {
         let (mean, sigma) = mean_and_deviation(&lot.sizes_mm());
         study.findings.push(format!(
-            "Of the {} of {} parts the mean is {} mm and S = 2σ = ±{} mm.",
+            "The {} of {} parts has a mean of {} mm and S = 2σ = ±{} mm.",
             lot.name,
             lot.sizes_um.len(),
             fixed(mean, 4),
@@ -211,21 +211,23 @@ pub fn add(study: &mut Study) {
         "",
     ));
     study.notes.extend([
-        "Table 1, the conventional lot: of part 18 the first digits are illegible (39.019 or 40.019); the class of \
-         40.016 to 40.022 mm needs 40.019. Part 23, printed 40.625, is read 40.025, and part 42, printed 35.989, is \
-         read 39.989: no class holds them otherwise. Part 27 is read 39.986, which its class in table 3 needs."
+        "Table 1, the conventional lot: the first digits of part 18 are illegible (39.019 or 40.019); the class of \
+         40.016 to 40.022 mm requires 40.019. Part 23, printed as 40.625, is read as 40.025, and part 42, printed \
+         as 35.989, is read as 39.989; as printed they are in no class. Part 27 is read as 39.986, which its class \
+         in table 3 requires."
             .to_owned(),
-        "Table 1 and table 3 of the paper disagree on one part: the sizes put 3 and 3 into the classes of 40.010 to \
-         40.016 and 40.016 to 40.022 mm, the tally 2 and 4. Which of them is misread or miscounted cannot be told."
+        "Tables 1 and 3 of the paper disagree on one part: by the sizes, the classes of 40.010 to 40.016 and 40.016 \
+         to 40.022 mm have 3 and 3 parts, by the tally 2 and 4. Which part is misread or miscounted cannot be \
+         determined."
             .to_owned(),
-        "Table 2, the controlled lot, is read as 18 parts of 199.881 and 5 of 199.885 mm, part by part; its tally in \
-         table 4 (19 up to 199.881 mm with the one of 199.880) says the same. S does not depend on it: 19 and 4 \
+        "Table 2, the controlled lot, is read part by part as 18 parts of 199.881 and 5 of 199.885 mm. Its tally in \
+         table 4 (19 up to 199.881 mm, including the one of 199.880) agrees. S does not depend on this: 19 and 4 \
          give the same ±0.0079 mm. The frequencies from 199.883 to 199.889 mm are illegible."
             .to_owned(),
-        "S = ±0.008 mm of the controlled lot is 2σ (0.0079 with n, 0.0081 with n − 1); σ is 0.0040, 3σ 0.0119 and half \
-         of the range 0.0095 mm. S of the conventional lot is scanned as 1061, which would be ±0.061 mm. The same \
-         definition gives ±0.044 mm, 3σ gives 0.066 mm. The scan takes a 4 for a 1 elsewhere (10.010 for 40.010), so \
-         that ±0.044 may be what stands there; it is left as scanned, and differs."
+        "S = ±0.008 mm of the controlled lot is 2σ (0.0079 with n, 0.0081 with n − 1); σ is 0.0040, 3σ 0.0119 and \
+         half of the range 0.0095 mm. S of the conventional lot is scanned as 1061, which would be ±0.061 mm. The \
+         same definition gives ±0.044 mm, 3σ gives 0.066 mm. As the scan confuses 4 and 1 elsewhere (10.010 for \
+         40.010), the printed value may be ±0.044; it is left as scanned, and differs."
             .to_owned(),
     ]);
 }

@@ -93,10 +93,10 @@ pub fn add(study: &mut Study) -> Result<(), ReproduceError> {
     }
     let turn = PRINTED.map(|(_, fraction, _)| fixed(percent_within(&simulated, fraction), 1));
     study.notes.push(format!(
-        "The resolver's 48, 81 and 96 % are pulses of one quarter turn with the one at zero: the paper's \
-         asin(0.997)/0.9° is 95.1, and pulses 0 to 95, 96 of them, lie below it. Over a whole turn, where zero is not \
-         counted four times, the shares are {}, {} and {} %. They are no σ of the error itself: a sine's σ is D/√2, \
-         and 2σ of that hold all of it.",
+        "The resolver's 48, 81 and 96 % are the pulses of one quarter turn including the pulse at zero: the paper's \
+         asin(0.997)/0.9° is 95.1, so that pulses 0 to 95, which are 96 pulses, are below it. Over a whole turn, \
+         where zero is not counted four times, the percentages are {}, {} and {} %. They do not correspond to σ of \
+         the error itself: σ of a sine is D/√2, and the whole sine is within 2σ.",
         turn[0], turn[1], turn[2]
     ));
     study.pictures.push(picture(&simulated));
@@ -119,8 +119,8 @@ fn picture(simulated: &[f64]) -> Picture {
     let limits = [0, 1, 2].map(|k| limit((PRINTED[k].1, counts[k] as f64)));
     let title = "Dividing error of the resolver over a quarter turn".to_owned();
     let caption = format!(
-        "Reading − motor at each pulse, read through the controller's resolver input: D sin θ. The lines end at the \
-         last pulse within 1σ, 2σ and 3σ of D: counted from the one at zero, number {}, {} and {}.",
+        "Reading − motor position at each pulse, through the controller's resolver input: D sin θ. The lines end at \
+         the last pulse within 1σ, 2σ and 3σ of D; counted from the pulse at zero, these are numbers {}, {} and {}.",
         counts[0], counts[1], counts[2]
     );
     let chart = Chart {

@@ -87,15 +87,17 @@ impl Contributor {
     pub fn description(&self) -> String {
         match self {
             Self::Squareness { um_per_m } => format!("{um_per_m} µm/m between the axes"),
-            Self::Backlash { width_um } => format!("{width_um} µm in either screw"),
+            Self::Backlash { width_um } => format!("{width_um} µm in each screw"),
             Self::Hysteresis { width_um, distance_um } => {
-                format!("{width_um} µm in either axis, closed within {distance_um} µm but for 1/e")
+                format!("{width_um} µm in each axis, with a transition to 1/e within {distance_um} µm")
             }
-            Self::ServoMismatch { percent } => format!("the position gain of X {percent} % above that of Y"),
+            Self::ServoMismatch { percent } => format!("position gain of X {percent} % above that of Y"),
             Self::MasterSlaveChangeover { delay_s } => {
-                format!("the slower axis follows the faster one {} ms late", 1e3 * delay_s)
+                format!("the slower axis is delayed by {} ms", 1e3 * delay_s)
             }
-            Self::StickSlip => "friction that falls and rises, on elastic drives".to_owned(),
+            Self::StickSlip => {
+                "friction that first falls and then rises with speed, on elastic drives".to_owned()
+            }
         }
     }
 

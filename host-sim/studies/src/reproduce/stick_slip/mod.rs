@@ -3,7 +3,7 @@
 //! - [`table_model`]: the paper's equation of motion.
 //! - [`contributors`]: the other contributors to circle error that the paper lists, from
 //!   [`simulated_circle`] or [`closed_form_circle`].
-//! - [`experiment`]: runs all of it; [`outcomes`], [`sentences`] and [`pictures`] present the result.
+//! - [`experiment`]: runs all simulations; [`outcomes`], [`sentences`] and [`pictures`] present the result.
 
 mod closed_form_circle;
 mod contributors;

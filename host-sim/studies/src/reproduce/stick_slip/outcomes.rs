@@ -1,4 +1,4 @@
-//! The paper's values beside ours.
+//! Comparison of the paper's values with ours.
 
 use super::contributors::Contributor;
 use super::experiment::{Experiment, StickSlip};
@@ -36,7 +36,7 @@ fn stick_slip([lower, higher]: &[StickSlip; 2]) -> Vec<Outcome> {
     ]
 }
 
-/// What the paper says of a contributor's shape; `None` where it says nothing.
+/// The paper's statement on the shape of a contributor; `None` if there is none.
 fn shape(contributor: &Contributor, ballbar: &Ballbar) -> Option<Outcome> {
     match contributor {
         Contributor::Squareness { .. } => {
@@ -52,7 +52,7 @@ fn shape(contributor: &Contributor, ballbar: &Ballbar) -> Option<Outcome> {
         Contributor::MasterSlaveChangeover { .. } => {
             let degrees = to_axis_rad(ballbar.positive.max_change_rad()).to_degrees();
             let printed = Printed::to_digit(45.0, 1.0);
-            Some(Outcome::new("changeover: the glitch, from an axis", printed, degrees, "°"))
+            Some(Outcome::new("changeover: angle of the glitch from an axis", printed, degrees, "°"))
         }
         _ => None,
     }

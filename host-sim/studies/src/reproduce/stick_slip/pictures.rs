@@ -32,7 +32,7 @@ fn friction() -> Picture {
         let v = max * f64::from(i) / 300.0;
         (1e3 * v, friction.coefficient(v))
     };
-    let caption = "The coefficient of friction as it is printed, over the speeds of the circle at 1.5 rad/s.";
+    let caption = "The printed coefficient of friction, over the speeds of the circle at 1.5 rad/s.";
     let chart = Chart {
         size: (960, 220),
         title: "Coefficient of friction over velocity",
@@ -43,7 +43,7 @@ fn friction() -> Picture {
         layers: vec![Layer { ink: Ink::After, points: (-300..=300).map(point).collect(), is_marked: false }],
     };
     Picture {
-        title: "Friction that falls and rises".to_owned(),
+        title: "Friction that falls and rises with speed".to_owned(),
         svg: chart.svg(),
         caption: caption.to_owned(),
         legend: Vec::new(),
@@ -59,7 +59,7 @@ fn deflections(runs: &[StickSlip; 2]) -> Picture {
         Layer { ink, points, is_marked: false }
     };
     let lines = runs.iter().zip(inks).flat_map(|(run, ink)| [(run, ink[0], 0), (run, ink[1], 1)]);
-    let caption = "How far each table stands off its drive, over a lap that begins at +X.";
+    let caption = "Deflection between each table and its drive over a lap that begins at +X.";
     let chart = Chart {
         size: (960, 260),
         title: "Deviation of both tables over a lap",
@@ -90,8 +90,8 @@ fn circle(name: &str, description: &str, ballbar: &Ballbar) -> Picture {
     let division_um = division_for(max);
     let [x, y] = ballbar.reversal_um();
     let caption = format!(
-        "{name}, {description}: G {} µm, B {} µm on X and {} µm on Y, greatest distance of the directions H {} µm. One division is \
-         {} µm.",
+        "{name}, {description}: G {} µm, B {} µm on X and {} µm on Y, greatest difference between the directions H \
+         {} µm. One division is {} µm.",
         significant(ballbar.circular_deviation_um(), 3),
         micrometres(x),
         micrometres(y),
