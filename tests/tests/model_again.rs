@@ -8,7 +8,7 @@ use files::log::Log;
 use model::machine::Machine;
 use tests::cases;
 use tests::data::data_folder;
-use trace::fit::fit_data::Pair;
+use trace::fit::fit_data::FitAndValidationRms;
 use trace::outcome::StageError;
 use trace::{Trace, trace};
 
@@ -17,10 +17,10 @@ use trace::{Trace, trace};
 const TOLERANCE: f64 = 0.02;
 
 /// All residuals of a trace, by name.
-fn residuals(trace: &Trace, of: fn(&StageError) -> Pair) -> Vec<(String, f64)> {
+fn residuals(trace: &Trace, of: fn(&StageError) -> FitAndValidationRms) -> Vec<(String, f64)> {
     let of_axis = |axis: &trace::outcome::AxisTrace| {
         let of_stage = |error: &StageError| {
-            let Pair { fit, validate } = of(error);
+            let FitAndValidationRms { fit, validate } = of(error);
             [("fit", fit), ("validate", validate)]
                 .map(|(logs, value)| (format!("{} {:?} {logs}", axis.axis, error.stage), value))
         };

@@ -3,18 +3,18 @@
 use super::parameters::brief;
 use files::format::{percent, significant};
 use files::log::Unit;
-use trace::fit::fit_data::Pair;
-use trace::fit::limits::AtLimit;
+use trace::fit::fit_data::FitAndValidationRms;
+use trace::fit::limits::ParameterAtLimit;
 use trace::outcome::{AxisTrace, StageError};
 use trace::stages::{residual_unit, stage_names};
-use trace::validation::found::Found;
+use trace::validation::found_effect::FoundEffect;
 use trace::verdict;
 
 /// The rms residuals of the stages that a condition selects, as a list; `None` if it selects none.
 fn list_residuals(
     axis: &AxisTrace,
     is_listed: impl Fn(&StageError) -> bool,
-    rms: fn(&Pair) -> f64,
+    rms: fn(&FitAndValidationRms) -> f64,
 ) -> Option<String> {
     let of_stage = |error: &StageError| {
         let (unit, _) = residual_unit(axis.unit, error.stage);
@@ -57,7 +57,7 @@ pub fn misfit_held_out(axis: &AxisTrace) -> Option<String> {
 
 /// States that the fit logs show an effect and the validation logs refute it.
 #[must_use]
-pub fn refuted(axis: &str, unit: Unit, found: &Found) -> String {
+pub fn refuted(axis: &str, unit: Unit, found: &FoundEffect) -> String {
     let what = found.effect.sentence(&found.half_widths, unit == Unit::Degree);
     let [before, after] = [found.before, found.after].map(|pair| significant(pair.validate, 3));
     format!(
@@ -70,7 +70,7 @@ pub fn refuted(axis: &str, unit: Unit, found: &Found) -> String {
 
 /// States that an effect was not added because a parameter ended at a limit of its search range.
 #[must_use]
-pub fn at_limit(axis: &str, unit: Unit, limit: &AtLimit) -> String {
+pub fn at_limit(axis: &str, unit: Unit, limit: &ParameterAtLimit) -> String {
     let what = brief(&limit.effect, unit == Unit::Degree);
     format!(
         "{axis}: not added, although it explains a large part of the residual: {what}; {} is the limit of its \

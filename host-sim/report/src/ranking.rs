@@ -13,7 +13,7 @@ use trace::search::candidates::Candidate;
 use trace::search::held_out::Comparison;
 use trace::search::round::Round;
 use trace::stages::stage_names;
-use trace::validation::found::Found;
+use trace::validation::found_effect::FoundEffect;
 
 /// Most candidates of a round that are shown.
 const MAX_SHOWN: usize = 6;
@@ -152,7 +152,7 @@ fn verdict(axis: &AxisTrace, round: &Round, index: usize) -> String {
 
 /// The final result for a candidate that its round added.
 fn verdict_of_added(axis: &AxisTrace, candidate: &Candidate) -> &'static str {
-    let is_among = |all: &[Found]| all.iter().any(|found| found.effect.is_same(&candidate.effect));
+    let is_among = |all: &[FoundEffect]| all.iter().any(|found| found.effect.is_same(&candidate.effect));
     if is_among(&axis.found) {
         "added"
     } else if is_among(&axis.refuted) {

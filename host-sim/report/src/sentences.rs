@@ -7,13 +7,13 @@ use trace::Trace;
 use trace::analysis::empirical::Empirical;
 use trace::analysis::free_run::FreeRun;
 use trace::analysis::repeatability::Repeatability;
-use trace::analysis::residual_analysis::Unexplained;
+use trace::analysis::residual_analysis::UnexplainedResidual;
 use trace::analysis::variable::Variable;
 use trace::fit::scope::NotTestable;
 use trace::outcome::AxisTrace;
 use trace::search::ambiguity::Ambiguity;
 use trace::stages::{residual_unit, stage_names};
-use trace::validation::found::Found;
+use trace::validation::found_effect::FoundEffect;
 use trace::verdict::{self, Verdict};
 
 /// The reduction of the residual by a table over a variable.
@@ -63,7 +63,7 @@ pub fn look_alike(axis: &AxisTrace, alike: &Ambiguity) -> String {
 
 /// The sentence for an effect that was found.
 #[must_use]
-pub fn sentence(axis: &str, unit: Unit, found: &Found) -> String {
+pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect) -> String {
     let what = found.effect.sentence(&found.half_widths, unit == Unit::Degree);
     let stage = stage_names(&[found.stage]);
     let held_out = "on held-out motions";
@@ -111,7 +111,7 @@ pub fn summary(trace: &Trace) -> Vec<String> {
 
 /// The remaining residual of a stage.
 #[must_use]
-pub fn remainder(axis: &AxisTrace, rest: &Unexplained) -> String {
+pub fn remainder(axis: &AxisTrace, rest: &UnexplainedResidual) -> String {
     let (unit, _) = residual_unit(axis.unit, rest.channel);
     let noise = axis.errors.iter().find(|error| error.stage == rest.channel).map_or(0.0, |error| error.noise);
     let share = percent(rest.share_percent);
@@ -220,7 +220,7 @@ mod tests {
     use files::format::with_spread;
     use model::axis::{Mechanics, Sensors, Settings};
     use model::effects::{Effect, EffectContext, Stage, initial_guesses, names};
-    use trace::fit::fit_data::Pair;
+    use trace::fit::fit_data::FitAndValidationRms;
 
     /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.
     fn one_of_each() -> Vec<Effect> {
@@ -259,8 +259,8 @@ mod tests {
             let parameters = effect.parameters();
             let half_widths = vec![0.01; parameters.len()];
             let stage = effect.stages()[0];
-            let [before, after] = [100.0, 9.4].map(|validate| Pair { fit: 1.0, validate });
-            let found = Found { effect, half_widths, stage, before, after };
+            let [before, after] = [100.0, 9.4].map(|validate| FitAndValidationRms { fit: 1.0, validate });
+            let found = FoundEffect { effect, half_widths, stage, before, after };
             let text = sentence("ax", Unit::Millimetre, &found);
             assert!(text.starts_with("ax: "), "{text}");
             assert!(text.ends_with("residual on held-out motions by 91 %."), "{text}");
@@ -278,8 +278,8 @@ mod tests {
     #[test]
     fn an_effect_that_increases_the_residual_is_reported_as_such() {
         let effect: Effect = toml::from_str("name = 'backlash'\nwidth_um = 9.8").unwrap();
-        let [before, after] = [100.0, 103.2].map(|validate| Pair { fit: 1.0, validate });
-        let found = Found { effect, half_widths: vec![0.1], stage: Stage::Table, before, after };
+        let [before, after] = [100.0, 103.2].map(|validate| FitAndValidationRms { fit: 1.0, validate });
+        let found = FoundEffect { effect, half_widths: vec![0.1], stage: Stage::Table, before, after };
         assert_eq!(
             sentence("x", Unit::Millimetre, &found),
             "x: 9.8 ± 0.1 µm backlash between screw and table; increases the table residual on held-out motions by \

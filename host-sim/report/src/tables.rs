@@ -7,7 +7,7 @@ use model::effects::Effect;
 use pages::markup::{Column, note, number_cell, paragraph, table, text};
 use trace::outcome::{AxisTrace, StageError};
 use trace::stages::{residual_unit, stage_names};
-use trace::validation::found::Found;
+use trace::validation::found_effect::FoundEffect;
 
 const RESIDUALS_NOTE: &str = "Rms values. Fit: on the logs used in the fit. Validate: on held-out motions. Before: \
                               the declared model, with its values fitted within their tolerance. Noise: residual of \
@@ -94,8 +94,8 @@ pub fn truth(axes: &[AxisTrace], truth: &[(String, Effect)]) -> Markup {
 }
 
 /// False effects: found, but not present in the machine.
-fn false_effects<'a>(axis: &'a AxisTrace, truth: &[(String, Effect)]) -> Vec<&'a Found> {
-    let is_true = |found: &Found| {
+fn false_effects<'a>(axis: &'a AxisTrace, truth: &[(String, Effect)]) -> Vec<&'a FoundEffect> {
+    let is_true = |found: &FoundEffect| {
         truth.iter().any(|(name, effect)| *name == axis.axis && effect.is_same(&found.effect))
     };
     axis.found.iter().filter(|found| !is_true(found)).collect()
@@ -123,7 +123,7 @@ fn row([axis, truth, found, errors]: [&str; 4]) -> Markup {
 
 /// Error of each parameter that is not declared: of a phase in degrees within ±180, otherwise in percent of the true
 /// value.
-fn parameter_errors(truth: &Effect, found: &Found) -> String {
+fn parameter_errors(truth: &Effect, found: &FoundEffect) -> String {
     const TURN: f64 = std::f64::consts::TAU;
     let values = truth.values().into_iter().zip(found.effect.values());
     let errors = truth.declared_parameters().iter().zip(values).filter_map(|(parameter, (truth, found))| {

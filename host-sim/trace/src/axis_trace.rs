@@ -3,10 +3,10 @@
 use crate::analysis::empirical::{Empirical, empirical};
 use crate::analysis::free_run::free_runs;
 use crate::analysis::repeatability::{Repeatability, repeatability};
-use crate::analysis::residual_analysis::{Unexplained, unexplained};
+use crate::analysis::residual_analysis::{UnexplainedResidual, unexplained};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::final_fit::{FinalFit, final_fit, kept};
-use crate::fit::fit_data::{FitData, Pair};
+use crate::fit::fit_data::{FitAndValidationRms, FitData};
 use crate::fit::least_squares::Fitted;
 use crate::fit::model_bias::first_fit;
 use crate::fit::scope::{Scope, scopes};
@@ -19,7 +19,7 @@ use crate::search::round::Round;
 use crate::stages::stage_names;
 use crate::validation::confirmation::{Confirmed, confirm};
 use crate::validation::fitted_axis::FittedAxis;
-use crate::validation::found::Found;
+use crate::validation::found_effect::FoundEffect;
 use files::log::Unit;
 use model::effects::{Effect, Neighbours, Stage};
 use model::machine::Axis;
@@ -151,7 +151,7 @@ impl Tracing<'_> {
 #[derive(Default)]
 struct Remainder {
     errors: Vec<StageError>,
-    unexplained: Vec<Unexplained>,
+    unexplained: Vec<UnexplainedResidual>,
     repeats: Vec<Repeatability>,
     tables: Vec<Empirical>,
 }
@@ -168,7 +168,7 @@ fn remainder(
         let [held_out_before, held_out_after] = [before, model].map(|model| validate.residuals(model, scope));
         for &stage in &scope.stages {
             let noise = fit_data.noise(model, stage);
-            let pair = |fitted, held_out| Pair {
+            let pair = |fitted, held_out| FitAndValidationRms {
                 fit: fit_data.rms(fitted, stage),
                 validate: validate.rms(held_out, stage),
             };
@@ -198,7 +198,7 @@ fn tried<'a>(declared: &'a Axis, rounds: &'a [Round]) -> Vec<&'a str> {
 }
 
 /// The ambiguities of the search between an effect that was found in the end and one that was not.
-fn ambiguities(rounds: &[Round], found: &[Found]) -> Vec<Ambiguity> {
+fn ambiguities(rounds: &[Round], found: &[FoundEffect]) -> Vec<Ambiguity> {
     let is_found = |effect: &Effect| found.iter().any(|found| found.effect.is_same(effect));
     let all = rounds.iter().flat_map(|round| &round.ambiguities);
     all.filter(|one| is_found(&one.added) && !is_found(&one.rival)).cloned().collect()

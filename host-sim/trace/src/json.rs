@@ -3,14 +3,14 @@
 use serde_json::{Map, Value, json};
 
 use crate::analysis::repeatability::Repeatability;
-use crate::analysis::residual_analysis::Unexplained;
-use crate::fit::limits::AtLimit;
+use crate::analysis::residual_analysis::UnexplainedResidual;
+use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::NotTestable;
 use crate::not_testable::EffectNotTestable;
 use crate::outcome::{AxisTrace, StageError, Trace};
 use crate::search::ambiguity::Ambiguity;
 use crate::stages::residual_unit;
-use crate::validation::found::Found;
+use crate::validation::found_effect::FoundEffect;
 use crate::verdict;
 use files::log::Unit;
 
@@ -86,7 +86,7 @@ fn of_axes(trace: &Trace, of: impl Fn(&AxisTrace) -> Vec<Value>) -> Vec<Value> {
 }
 
 /// An effect that was not added because a parameter ended at a limit of its range.
-fn refused(axis: &AxisTrace, limit: &AtLimit) -> Value {
+fn refused(axis: &AxisTrace, limit: &ParameterAtLimit) -> Value {
     let mut entry = json!({
         "name": limit.effect.name(),
         "axis": axis.axis,
@@ -123,7 +123,7 @@ fn repeatability(axis: &AxisTrace, split: &Repeatability) -> Value {
     entry
 }
 
-fn unexplained(axis: &AxisTrace, residual: &Unexplained) -> Value {
+fn unexplained(axis: &AxisTrace, residual: &UnexplainedResidual) -> Value {
     let mut entry = json!(residual);
     if let Value::Object(entry) = &mut entry {
         let (_, unit) = residual_unit(axis.unit, residual.channel);
@@ -137,7 +137,7 @@ fn unexplained(axis: &AxisTrace, residual: &Unexplained) -> Value {
     entry
 }
 
-fn effect(axis: &AxisTrace, found: &Found) -> Value {
+fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
     let is_rotary = axis.unit == Unit::Degree;
     let declared = found.effect.declared_parameters().iter();
     let parameters: Map<String, Value> = declared

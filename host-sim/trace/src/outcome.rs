@@ -3,10 +3,10 @@
 use crate::analysis::empirical::Empirical;
 use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
-use crate::analysis::residual_analysis::Unexplained;
+use crate::analysis::residual_analysis::UnexplainedResidual;
 use crate::fit::axis_model::AxisModel;
-use crate::fit::fit_data::{FitData, Pair, ResidualSeries};
-use crate::fit::limits::AtLimit;
+use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
+use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::{NotTestable, Scope};
 use crate::input::signals::Signals;
 use crate::not_testable::EffectNotTestable;
@@ -14,7 +14,7 @@ use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
 use crate::search::distinguishing_motion;
 use crate::search::round::Round;
-use crate::validation::found::Found;
+use crate::validation::found_effect::FoundEffect;
 use files::log::Unit;
 use model::effects::Stage;
 use model::machine::Machine;
@@ -56,17 +56,17 @@ pub struct AxisTrace {
     /// Effects that could not be searched for, and why.
     pub effects_not_testable: Vec<EffectNotTestable>,
     /// Effects, in the order in which they were added.
-    pub found: Vec<Found>,
+    pub found: Vec<FoundEffect>,
     /// Effects that were not added because a parameter ended at a limit of its range.
-    pub refused: Vec<AtLimit>,
+    pub refused: Vec<ParameterAtLimit>,
     /// Effects that the fit logs support and the validation logs refute; not in the model. `before` is without them.
-    pub refuted: Vec<Found>,
+    pub refuted: Vec<FoundEffect>,
     /// Errors by stage.
     pub errors: Vec<StageError>,
     /// Error of the tracer's own simulation on the validation logs.
     pub bias: Vec<ResidualSeries>,
     /// Residuals above the noise.
-    pub unexplained: Vec<Unexplained>,
+    pub unexplained: Vec<UnexplainedResidual>,
     /// The repeatable parts of the residuals.
     pub repeats: Vec<Repeatability>,
     /// The models under the measured force alone, on the validation logs.
@@ -85,9 +85,9 @@ pub struct StageError {
     /// Stage.
     pub stage: Stage,
     /// Declared model, fitted within its tolerance.
-    pub before: Pair,
+    pub before: FitAndValidationRms,
     /// With the effects found.
-    pub after: Pair,
+    pub after: FitAndValidationRms,
     /// What no model can remove.
     pub noise: f64,
     /// Largest residual of a model that describes its logs.

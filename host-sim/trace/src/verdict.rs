@@ -53,12 +53,12 @@ pub fn is_gross_held_out(error: &StageError) -> bool {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::fit_data::Pair;
+    use crate::fit::fit_data::FitAndValidationRms;
     use crate::options::VerdictOptions;
     use model::effects::Stage;
 
     fn error(fit: f64, validate: f64, noise: f64) -> StageError {
-        let [before, after] = [Pair { fit, validate }; 2];
+        let [before, after] = [FitAndValidationRms { fit, validate }; 2];
         let max_described = VerdictOptions::default().max_described(noise);
         StageError { stage: Stage::Table, before, after, noise, max_described }
     }

@@ -6,7 +6,7 @@
 use serde::Serialize;
 
 use super::variable::{Variable, values};
-use crate::fit::fit_data::{FitData, Pair, ResidualSeries};
+use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::normal_equations::FOLDS;
 use model::effects::Stage;
 
@@ -25,9 +25,9 @@ pub struct Empirical {
     /// Variable and residual (µm or N), sorted by the variable; linear in between.
     pub table: Vec<[f64; 2]>,
     /// Rms without it, µm or N.
-    pub before: Pair,
+    pub before: FitAndValidationRms,
     /// Rms with it; of the fit logs, each third with the table of the other two.
-    pub after: Pair,
+    pub after: FitAndValidationRms,
 }
 
 /// One sample of a residual.
@@ -67,8 +67,8 @@ pub fn empirical(
         channel: stage,
         axis: fit.name().to_owned(),
         variable,
-        before: Pair { fit: rms(before, &fitted), validate: rms(held_out_before, &held_out) },
-        after: Pair { fit: rms(after, &fitted), validate: rms(held_out_after, &held_out) },
+        before: FitAndValidationRms { fit: rms(before, &fitted), validate: rms(held_out_before, &held_out) },
+        after: FitAndValidationRms { fit: rms(after, &fitted), validate: rms(held_out_after, &held_out) },
         table,
     })
 }

@@ -14,7 +14,7 @@ const PEAK_HALF_BINS: usize = 2;
 
 /// The unexplained residual of one stage.
 #[derive(Clone, Debug, PartialEq, Serialize)]
-pub struct Unexplained {
+pub struct UnexplainedResidual {
     /// Stage.
     pub channel: Stage,
     /// Axis.
@@ -49,7 +49,7 @@ pub fn unexplained(
     residuals: &[ResidualSeries],
     stage: Stage,
     noise: f64,
-) -> Option<Unexplained> {
+) -> Option<UnexplainedResidual> {
     let options = &data.options.analysis;
     let rms = data.rms(residuals, stage);
     if rms < options.max_noise_ratio * noise {
@@ -60,7 +60,7 @@ pub fn unexplained(
     if best.fraction < options.min_fraction {
         best = Explanation { variable: Variable::None, frequency_hz: None, centre_mm: None, ..best };
     }
-    Some(Unexplained {
+    Some(UnexplainedResidual {
         channel: stage,
         axis: data.name().to_owned(),
         rms,
@@ -99,7 +99,7 @@ fn best_explanation(data: &FitData<'_>, residuals: &[&ResidualSeries]) -> Explan
     best
 }
 
-impl Unexplained {
+impl UnexplainedResidual {
     /// What may be excluded from the residuals that this was found in: a vibration or a local defect of table or tool,
     /// if it is large enough.
     #[must_use]
@@ -181,7 +181,7 @@ mod tests {
         Signals::new(&log, &["x".to_owned()], &TraceOptions::default().samples)
     }
 
-    fn analysed(residual: impl Fn(u32, f64) -> f64) -> Unexplained {
+    fn analysed(residual: impl Fn(u32, f64) -> f64) -> UnexplainedResidual {
         let logs = [signals()];
         let names = ["x".to_owned()];
         let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };

@@ -2,7 +2,7 @@
 
 use shared::config::Rates;
 
-use super::limits::{self, AtLimit};
+use super::limits::{self, ParameterAtLimit};
 use super::scope::{Mechanics, Scope};
 use super::trim::{Instant, Trims};
 use crate::options::ModelOptions;
@@ -145,13 +145,13 @@ impl AxisModel {
 
     /// The parameter of a found effect, by its index in [`AxisModel::found`], that is at a limit of its search range.
     #[must_use]
-    pub fn at_limit(&self, found: usize) -> Option<AtLimit> {
+    pub fn at_limit(&self, found: usize) -> Option<ParameterAtLimit> {
         self.found().get(found).and_then(|effect| limits::of(effect, self.rates))
     }
 
     /// The first found effect with a parameter at a limit of its search range: its index and the limit.
     #[must_use]
-    pub fn first_at_limit(&self) -> Option<(usize, AtLimit)> {
+    pub fn first_at_limit(&self) -> Option<(usize, ParameterAtLimit)> {
         (0..self.found().len()).find_map(|index| Some((index, self.at_limit(index)?)))
     }
 

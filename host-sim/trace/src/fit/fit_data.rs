@@ -38,9 +38,9 @@ pub struct ResidualSeries {
     pub values: Vec<f64>,
 }
 
-/// A figure on the logs that were fitted and on those that were held out.
+/// Rms of a residual on the logs that were fitted and on those that were held out.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize)]
-pub struct Pair {
+pub struct FitAndValidationRms {
     /// Fit logs.
     pub fit: f64,
     /// Validation logs.

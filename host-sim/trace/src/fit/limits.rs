@@ -9,7 +9,7 @@ use model::effects::{Effect, Parameter};
 
 /// An effect with a parameter at a limit of its search range.
 #[derive(Clone, Debug, PartialEq)]
-pub struct AtLimit {
+pub struct ParameterAtLimit {
     /// The effect as it was fitted.
     pub effect: Effect,
     /// The parameter.
@@ -22,7 +22,7 @@ pub struct AtLimit {
 
 /// The first parameter of an effect that is at a limit of its range, on an axis with these loop rates.
 #[must_use]
-pub fn of(effect: &Effect, rates: Rates) -> Option<AtLimit> {
+pub fn of(effect: &Effect, rates: Rates) -> Option<ParameterAtLimit> {
     let coordinates = effect.coordinates_at(rates);
     let at = coordinates.iter().enumerate().find_map(|(j, coordinate)| Some((j, coordinate.limit()?)));
     let (j, limit) = at?;
@@ -37,7 +37,7 @@ pub fn of(effect: &Effect, rates: Rates) -> Option<AtLimit> {
     let changes = |i: &usize| at_limit[*i].to_bits() != at_inside[*i].to_bits();
     let changed = (0..at_limit.len()).find(changes)?;
     let (parameter, value) = (&effect.declared_parameters()[changed], effect.values()[changed]);
-    Some(AtLimit { effect: effect.clone(), parameter, value, limit: at_limit[changed] })
+    Some(ParameterAtLimit { effect: effect.clone(), parameter, value, limit: at_limit[changed] })
 }
 
 #[cfg(test)]

@@ -6,7 +6,7 @@ use rayon::prelude::*;
 use super::held_out::{Comparison, Score, compare, scores};
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::{self, Fitted, derivatives};
-use crate::fit::limits::{self, AtLimit};
+use crate::fit::limits::{self, ParameterAtLimit};
 use crate::fit::normal_equations::{FOLDS, blocks, normal, stepped};
 use crate::fit::scope::Scope;
 use crate::options::SearchOptions;
@@ -29,7 +29,7 @@ pub struct Candidate {
     /// Whether it is larger than what a declared model leaves open in any case.
     pub exceeds_tolerance: bool,
     /// The parameter at a limit of its search range, if there is one.
-    pub limit: Option<AtLimit>,
+    pub limit: Option<ParameterAtLimit>,
 }
 
 impl Candidate {

@@ -2,7 +2,7 @@
 
 use super::ambiguity::Ambiguity;
 use super::candidates::Candidate;
-use crate::fit::limits::AtLimit;
+use crate::fit::limits::ParameterAtLimit;
 use crate::options::SearchOptions;
 use model::effects::Stage;
 
@@ -39,7 +39,7 @@ impl Round {
 
 /// The effects that the last rounds of searches would have added but for a parameter at a limit.
 #[must_use]
-pub fn refused_at_limit(rounds: &[Round]) -> Vec<AtLimit> {
+pub fn refused_at_limit(rounds: &[Round]) -> Vec<ParameterAtLimit> {
     let last = rounds.iter().filter(|round| round.added.is_none());
     let limit = |round: &Round| {
         let supported = round.candidates.iter().filter(|candidate| candidate.stands_out(&round.options));

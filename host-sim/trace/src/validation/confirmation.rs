@@ -1,12 +1,12 @@
 //! The effects found that remain: none with a parameter at a limit of its range, none that the validation logs refute.
 
 use super::fitted_axis::FittedAxis;
-use super::found::Found;
+use super::found_effect::FoundEffect;
 use super::likelihood::refuting_loss;
 use super::refutation;
-use crate::fit::fit_data::{FitData, Pair, ResidualSeries};
+use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::least_squares;
-use crate::fit::limits::AtLimit;
+use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::Scope;
 use crate::fit::scope_fit::{Progress, ScopeFit};
 use crate::search::round::{Round, refused_at_limit};
@@ -20,11 +20,11 @@ pub struct Confirmed {
     /// The model and its fits.
     pub axis: FittedAxis,
     /// Its effects, in the order in which they were added.
-    pub found: Vec<Found>,
+    pub found: Vec<FoundEffect>,
     /// Effects with a parameter at a limit, after the final fit or in the search.
-    pub refused: Vec<AtLimit>,
+    pub refused: Vec<ParameterAtLimit>,
     /// Effects that the validation logs refute.
-    pub refuted: Vec<Found>,
+    pub refuted: Vec<FoundEffect>,
 }
 
 /// Drops effects that the final fit drove to a limit and those that the validation logs refute, one after the other.
@@ -64,7 +64,7 @@ pub fn confirm(
 }
 
 /// Adds the effects that the search refused at a limit, unless they were found or are already in the list.
-fn add_refused(refused: &mut Vec<AtLimit>, axis: &FittedAxis, rounds: &[Round]) {
+fn add_refused(refused: &mut Vec<ParameterAtLimit>, axis: &FittedAxis, rounds: &[Round]) {
     for limit in refused_at_limit(rounds) {
         let is_same = |effect: &Effect| effect.is_same(&limit.effect);
         if !axis.model.found().iter().any(is_same) && !refused.iter().any(|at| is_same(&at.effect)) {
@@ -75,7 +75,7 @@ fn add_refused(refused: &mut Vec<AtLimit>, axis: &FittedAxis, rounds: &[Round]) 
 
 /// A found effect with its validation.
 struct Reported {
-    found: Found,
+    found: FoundEffect,
     /// Its index in [`AxisModel::found`](crate::fit::axis_model::AxisModel::found).
     index: usize,
     /// The gain of the validation logs, if it refutes the effect.
@@ -102,7 +102,7 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             let sign = if loss.is_some() { -1.0 } else { 1.0 };
             let Some((stage, before, after)) = residuals.most_changed(scope, sign) else { continue };
             let half_widths = axis.half_widths(index);
-            let found = Found { effect: effect.clone(), half_widths, stage, before, after };
+            let found = FoundEffect { effect: effect.clone(), half_widths, stage, before, after };
             all.push(Reported { found, index, loss });
             last = next;
         }
@@ -121,13 +121,17 @@ struct Residuals<'a> {
 impl Residuals<'_> {
     /// The stage with the greatest reduction of the residual of the validation logs (sign −1: the smallest), and its
     /// residuals without the effect and with it.
-    fn most_changed(&self, scope: &Scope, sign: f64) -> Option<(Stage, Pair, Pair)> {
-        let pair = |model: usize, stage| Pair {
+    fn most_changed(
+        &self,
+        scope: &Scope,
+        sign: f64,
+    ) -> Option<(Stage, FitAndValidationRms, FitAndValidationRms)> {
+        let pair = |model: usize, stage| FitAndValidationRms {
             fit: self.fit_data.rms(&self.fitted[model], stage),
             validate: self.validate.rms(&self.held_out[model], stage),
         };
         let stages = scope.stages.iter().map(|&stage| (stage, pair(0, stage), pair(1, stage)));
-        let reduction = |(_, before, after): &(Stage, Pair, Pair)| {
+        let reduction = |(_, before, after): &(Stage, FitAndValidationRms, FitAndValidationRms)| {
             1.0 - after.validate / before.validate.max(f64::MIN_POSITIVE)
         };
         stages.max_by(|a, b| (sign * reduction(a)).total_cmp(&(sign * reduction(b))))

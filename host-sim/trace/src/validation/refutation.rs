@@ -7,16 +7,16 @@
 use rayon::prelude::*;
 
 use super::fitted_axis::FittedAxis;
-use super::found::Found;
+use super::found_effect::FoundEffect;
 use super::likelihood::refuting_loss;
-use crate::fit::fit_data::{FitData, Pair};
+use crate::fit::fit_data::{FitAndValidationRms, FitData};
 use crate::fit::scope::{Mechanics, Scope};
 use model::effects::Stage;
 
 /// An effect that is refuted, and the model without it.
 pub struct Refutation {
     /// The effect, with the residual of the stage that it increases most: `before` without it, `after` with it.
-    pub found: Found,
+    pub found: FoundEffect,
     /// The model without it.
     pub without: FittedAxis,
 }
@@ -38,16 +38,23 @@ pub fn worst(
         let held_out = models.map(|model| validate.residuals(model, &scope));
         let gain = refuting_loss(validate, [&held_out[0], &held_out[1]])?;
         let fitted = models.map(|model| fit_data.residuals(model, &scope));
-        let pair = |model: usize, stage| Pair {
+        let pair = |model: usize, stage| FitAndValidationRms {
             fit: fit_data.rms(&fitted[model], stage),
             validate: validate.rms(&held_out[model], stage),
         };
         let of_stage = |&stage: &Stage| (stage, pair(0, stage), pair(1, stage));
         let shown = scope.stages.iter().map(of_stage).filter(|(_, before, _)| before.validate > 0.0);
-        let ratio = |(_, before, after): &(Stage, Pair, Pair)| after.validate / before.validate;
+        let ratio = |(_, before, after): &(Stage, FitAndValidationRms, FitAndValidationRms)| {
+            after.validate / before.validate
+        };
         let (stage, before, after) = shown.max_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
-        let found =
-            Found { effect: effect.clone(), half_widths: axis.half_widths(index), stage, before, after };
+        let found = FoundEffect {
+            effect: effect.clone(),
+            half_widths: axis.half_widths(index),
+            stage,
+            before,
+            after,
+        };
         Some((gain, Refutation { found, without }))
     };
     let all: Vec<_> = (0..axis.model.found().len()).into_par_iter().filter_map(judged).collect();

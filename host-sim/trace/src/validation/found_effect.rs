@@ -1,11 +1,11 @@
 //! An effect that was found, as it is reported.
 
-use crate::fit::fit_data::Pair;
+use crate::fit::fit_data::FitAndValidationRms;
 use model::effects::{Effect, Stage};
 
 /// An effect that was found, as it is reported.
 #[derive(Clone, Debug, PartialEq)]
-pub struct Found {
+pub struct FoundEffect {
     /// The effect with its final parameters.
     pub effect: Effect,
     /// Half widths of the 95 % confidence intervals, in the order of [`Effect::parameters`].
@@ -13,12 +13,12 @@ pub struct Found {
     /// Stage whose residual on the validation logs it reduces most.
     pub stage: Stage,
     /// That stage's residual with the effects found before it.
-    pub before: Pair,
+    pub before: FitAndValidationRms,
     /// That stage's residual with it.
-    pub after: Pair,
+    pub after: FitAndValidationRms,
 }
 
-impl Found {
+impl FoundEffect {
     /// By how much it lowers the residual on the validation logs, percent of the residual before it.
     #[must_use]
     pub fn validate_reduction_percent(&self) -> f64 {
