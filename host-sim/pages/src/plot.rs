@@ -198,7 +198,7 @@ fn bounds(values: impl Iterator<Item = f64>) -> (f64, f64) {
 
 /// A label of an axis with as many decimals as neighbouring labels need to differ.
 fn tick_label(value: f64, range: f64, count: usize) -> String {
-    // Between `count` labels are `count` − 1 steps, and up to two more beside them.
+    // Between `count` labels are `count` − 1 steps, and up to two more outside them.
     let min_step = range / (count + 1) as f64;
     let power = 10_f64.powf(min_step.log10().floor());
     // Steps are 1, 2 or 5 times a power of ten.

@@ -40,7 +40,7 @@ impl CoupledAxes {
     /// constant 0: a drive without lag.
     ///
     /// # Errors
-    /// Where the structure is impossible, see [`Assembly::of`].
+    /// If the structure is impossible, see [`Assembly::of`].
     pub fn new(
         structure: &Structure,
         parameters: &[AxisParameters],

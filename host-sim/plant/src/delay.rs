@@ -2,7 +2,7 @@
 
 use std::collections::VecDeque;
 
-/// A constant latency of a position that is read once a tick.
+/// A constant latency of a position that is read once per tick.
 #[derive(Clone, Debug)]
 pub struct Delay {
     /// Positions (m) and velocities (m/s) of the last ticks, the newest first, up to the tick that the reading lies in.
@@ -14,7 +14,7 @@ pub struct Delay {
 }
 
 impl Delay {
-    /// A latency (s) of a position that has been constant at `start_m`; `None` where there is no latency.
+    /// A latency (s) of a position that has been constant at `start_m`; `None` if there is no latency.
     #[must_use]
     pub fn new(delay_s: f64, tick_s: f64, start_m: f64) -> Option<Self> {
         if delay_s <= 0.0 {
@@ -35,7 +35,7 @@ impl Delay {
         })
     }
 
-    /// The delayed position, m, at the tick with this position (m) and velocity (m/s). To be called once a tick.
+    /// The delayed position, m, at the tick with this position (m) and velocity (m/s). To be called once per tick.
     ///
     /// Between two ticks it is the cubic Hermite polynomial of their positions and velocities, exact for a constant
     /// acceleration.
@@ -58,14 +58,14 @@ pub struct LogDelay {
 }
 
 impl LogDelay {
-    /// A latency (s) of a position that has been constant at `start_m` and is logged once a sample.
+    /// A latency (s) of a position that has been constant at `start_m` and is logged once per sample.
     #[must_use]
     pub fn new(latency_s: f64, sample_s: f64, start_m: f64) -> Self {
         Self { delay: Delay::new(latency_s, sample_s, start_m), early_s: (-latency_s).max(0.0) }
     }
 
     /// Error of the logged position, m: true position − logged one, at a sample with this position (m), velocity (m/s)
-    /// and acceleration (m/s²). To be called once a sample.
+    /// and acceleration (m/s²). To be called once per sample.
     pub fn lag_m(&mut self, position_m: f64, velocity: f64, acceleration: f64) -> f64 {
         match &mut self.delay {
             Some(delay) => position_m - delay.read(position_m, velocity),
@@ -84,7 +84,7 @@ pub struct ForceDelay {
 }
 
 impl ForceDelay {
-    /// A latency (s) of a force that has been 0; `None` where there is no latency.
+    /// A latency (s) of a force that has been 0; `None` if there is no latency.
     #[must_use]
     pub fn new(latency_s: f64, tick_s: f64) -> Option<Self> {
         let ticks = (latency_s / tick_s).max(-1.0);
@@ -97,7 +97,7 @@ impl ForceDelay {
         (latency_s != 0.0).then(|| Self { past_n: VecDeque::from(vec![0.0; kept]), ticks })
     }
 
-    /// Appends the force of a tick, N. To be called once a tick.
+    /// Appends the force of a tick, N. To be called once per tick.
     pub fn push(&mut self, force_n: f64) {
         self.past_n.rotate_right(1);
         self.past_n[0] = force_n;

@@ -51,7 +51,7 @@ impl Guide<f64> {
 }
 
 impl Guide<f64x2> {
-    /// The guides of two axes in one register; `None` where only one of them has bristles.
+    /// The guides of two axes in one register; `None` if only one of them has bristles.
     #[must_use]
     pub fn pair(guides: [Guide<f64>; 2]) -> Option<Self> {
         let bristles = match guides.map(|guide| guide.bristles) {

@@ -11,7 +11,7 @@ use model::motion::{Block, Direction, Motion, Pace, Sweep};
 /// The start of a motion and its blocks, as the controller of a machine takes them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct MachinePath {
-    /// Start, one position an axis, m.
+    /// Start, one position per axis, m.
     pub start_m: Vec<f64>,
     /// Blocks, in their order.
     pub blocks: Vec<PathBlock>,
@@ -39,7 +39,7 @@ impl MachinePath {
     }
 }
 
-/// One position an axis, m.
+/// One position per axis, m.
 fn axes_m(machine: &Machine, named_mm: &IndexMap<String, f64>) -> Vec<f64> {
     machine.axis.keys().map(|name| 1e-3 * named_mm.get(name).copied().unwrap_or(0.0)).collect()
 }

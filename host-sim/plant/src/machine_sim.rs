@@ -58,7 +58,7 @@ pub struct MachineSim {
     names: Vec<String>,
     axes: Vec<SimulatedAxis>,
     groups: Vec<Group>,
-    /// `Some` where the machine file describes rigid bodies.
+    /// `Some` if the machine file describes rigid bodies.
     coupled_axes: Option<CoupledAxes>,
     instruments: Instruments,
     random: ChaCha8Rng,
@@ -71,7 +71,7 @@ impl MachineSim {
     /// from [`AxisParameters::max_step_s`].
     ///
     /// # Errors
-    /// Where its structure is impossible.
+    /// If its structure is impossible.
     pub fn new(machine: &Machine, instruments: Instruments, start_m: &[f64]) -> Result<Self, StructureError> {
         let tick_s = 1.0 / machine.velocity_rate_hz();
         let steps_s = AxisParameters::of_machine(machine).into_iter().map(|axis| axis.max_step_s());
@@ -84,10 +84,10 @@ impl MachineSim {
         Self::with_steps(machine, instruments, start_m, steps)
     }
 
-    /// [`MachineSim::new`] with a given number of steps a tick; 0 is taken as 1.
+    /// [`MachineSim::new`] with a given number of steps per tick; 0 is taken as 1.
     ///
     /// # Errors
-    /// Where its structure is impossible.
+    /// If its structure is impossible.
     pub fn with_steps(
         machine: &Machine,
         instruments: Instruments,
@@ -135,8 +135,8 @@ impl MachineSim {
         }
     }
 
-    /// The logged channels that the controller does not know, one value an axis: from its readings of this tick, the
-    /// forces of the next tick (N) and the time of the session (s). To be called once a sample.
+    /// The logged channels that the controller does not know, one value per axis: from its readings of this tick, the
+    /// forces of the next tick (N) and the time of the session (s). To be called once per sample.
     pub fn measure(
         &mut self,
         readings: &[Reading],

@@ -123,7 +123,7 @@ impl Stepper<f64> {
 }
 
 impl Stepper<f64x2> {
-    /// Two axes in one register, both of which [can be paired](Stepper::can_be_paired); `None` where only one of them
+    /// Two axes in one register, both of which [can be paired](Stepper::can_be_paired); `None` if only one of them
     /// has bristles.
     #[must_use]
     pub fn pair(axes: [&Stepper<f64>; 2]) -> Option<Self> {
@@ -334,7 +334,7 @@ mod tests {
         assert!(Stepper::pair([&alone[0], &alone[1]]).is_none(), "one has bristles and the other has none");
     }
 
-    /// Constant force on one free mass: x = F·t²/2m, to the last digits at any step.
+    /// Constant force on one free mass: x = F·t²/2m, to the last digits with any step.
     #[test]
     fn linear_motion_is_exact() {
         let parameters = AxisParameters { table_mass_kg: 100.0, ..AxisParameters::default() };

@@ -210,8 +210,8 @@ impl AxisParameters {
     /// The machine file's key that limits the step, and the longest step (s) that it allows.
     ///
     /// The linear part is exact at any step. The fastest of these nonlinear parts limits it: the bristles of the guide
-    /// under the table, 0.06 rad of √(σ0/m) a step; the friction of the motor about standstill, 0.2 of Fc/(w·m); the
-    /// contact at the edges of the backlash, 0.1 rad of √(k·(1/m + 1/M)). It is 1 ms at the most.
+    /// under the table, 0.06 rad of √(σ0/m) per step; the friction of the motor about standstill, 0.2 of Fc/(w·m); the
+    /// contact at the edges of the backlash, 0.1 rad of √(k·(1/m + 1/M)). It is at most 1 ms.
     #[must_use]
     pub fn step_limit(&self) -> (&'static str, f64) {
         let (motor_kg, table_kg) = match self.spring {

@@ -44,7 +44,7 @@ impl Run<'_> {
     /// Closes the loop with a controller until the path is done, without keeping anything in memory.
     ///
     /// `on_tick` is called after every tick with the time since the start (s) and the controller's outputs, `on_sample`
-    /// with each row of the log, at the sample rate: one [`Sample`] an axis.
+    /// with each row of the log, at the sample rate: one [`Sample`] per axis.
     ///
     /// # Errors
     /// When the controller refuses a block, the link breaks, the drives are switched off, `on_sample` fails,

@@ -24,8 +24,8 @@ pub struct Confusion {
 }
 
 impl Confusion {
-    /// Counts all outcomes. A false effect is attributed to an effect that was missed on its axis, each missed effect once,
-    /// or to [`NOTHING`] if none was missed.
+    /// Counts all outcomes. A false effect is attributed to an effect that was missed on its axis, each missed effect
+    /// once, or to [`NOTHING`] if none was missed.
     #[must_use]
     pub fn new(outcomes: &[Outcome]) -> Self {
         let rows: Vec<&str> = NAMES.into_iter().chain(OUTSIDE).chain([NOTHING]).collect();

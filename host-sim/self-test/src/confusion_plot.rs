@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::confusion::Confusion;
 use pages::markup::{svg, text};
 
-/// Width and height of a cell, width of the names beside the rows, height of the names above the columns, in pixels
+/// Width and height of a cell, width of the names next to the rows, height of the names above the columns, in pixels
 /// of the page.
 const CELL: (u32, u32) = (34, 22);
 const LEFT: u32 = 150;

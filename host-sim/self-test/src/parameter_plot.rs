@@ -5,7 +5,7 @@ use maud::{Markup, html};
 use crate::summary::{Parameter, Proportion};
 use pages::markup::{svg, text};
 
-/// Height of a row, width of the names beside the rows, height of the labels above them, in pixels of the page.
+/// Height of a row, width of the names next to the rows, height of the labels above them, in pixels of the page.
 const ROW: u32 = 22;
 const LEFT: u32 = 300;
 const TOP: u32 = 30;

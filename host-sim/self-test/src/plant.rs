@@ -1,7 +1,7 @@
 //! One axis of the second simulator: two masses, a spring with a dead zone, `LuGre` friction, in plain f64.
 //!
-//! It shares no code with the crate `plant`, the effects of `model` or the controller in `shared`, so that the tracer is tested
-//! on data that its own model did not generate. The equations are those of docs/self-test.md, integrated by
+//! It shares no code with the crate `plant`, the effects of `model` or the controller in `shared`, so that the tracer
+//! is tested on data that its own model did not generate. The equations are those of docs/self-test.md, integrated by
 //! semi-implicit Euler steps of [`STEP_S`].
 
 use std::f64::consts::TAU;

@@ -74,7 +74,8 @@ pub struct Parameter {
     pub errors: Vec<f64>,
     /// Distribution of the errors.
     pub error: Spread,
-    /// How many 95 % confidence intervals contain the true value; `None` for a parameter that the machine file determines.
+    /// How many 95 % confidence intervals contain the true value; `None` for a parameter that the machine file
+    /// determines.
     pub coverage: Option<Proportion>,
 }
 

@@ -65,7 +65,8 @@ fn at_constant_speed_the_motor_follows_at_v_over_kp_less_the_feed_forward() {
     for hpc in [false, true] {
         let (log, [forth, back]) = line(&axis(hpc));
         let following = |at| difference(&log, [Channel::Command, Channel::Motor], at);
-        // The mean of 400 samples of 10 nm noise lies within 2 nm; the remaining response of the integral is of that size.
+        // The mean of 400 samples of 10 nm noise lies within 2 nm; the remaining response of the integral is of that
+        // size.
         assert!((following(&forth) - expected_mm).abs() < 5e-6, "{}", following(&forth));
         assert!((following(&back) + expected_mm).abs() < 5e-6, "{}", following(&back));
     }
@@ -186,7 +187,8 @@ fn two_machines_come_out_as_they_were_drawn() {
     let summary = Summary::new(&outcomes);
     assert_eq!((summary.exact.hits, summary.clean.trials), (2, 1));
     assert_eq!(summary.confusion.of("squareness", "squareness"), 1);
-    // 50 µm/m over 60 mm are 3 µm, with 80 nm of noise in each of 40 000 samples: the error due to noise is far below 1 %.
+    // 50 µm/m over 60 mm are 3 µm, with 80 nm of noise in each of 40 000 samples: the error due to noise is far below 1
+    // %.
     assert!(summary.error.percentile95 < 0.01, "{}", summary.error.percentile95);
     // Only noise remains in the tool's residual: both axes, both machines.
     let (channel, spread) = &summary.ratios[3];

@@ -299,7 +299,8 @@ mod tests {
                 drawn.iter().filter(|truths| truths.iter().filter(|t| !t.is_outside()).count() == count);
             with.count() as f64 / 1000.0
         };
-        // 15 % · 30 % of the cases have no effect of the catalogue. For 1000 draws, four standard deviations are at most 0.063.
+        // 15 % · 30 % of the cases have no effect of the catalogue. For 1000 draws, four standard deviations are at most
+        // 0.063.
         let alone = OUTSIDE_PROBABILITY * ALONE_PROBABILITY;
         for (count, expected) in PROBABILITIES.iter().enumerate() {
             let expected =

@@ -12,7 +12,7 @@ use model::servo;
 /// Most steps of the plant per tick: a stiffer machine is refused.
 const MAX_SUBSTEPS: f64 = 500.0;
 
-/// A controller in this process for a machine that stands at `start_m`, one position an axis.
+/// A controller in this process for a machine at rest at `start_m`, one position per axis.
 ///
 /// # Errors
 /// When the file lacks a key or a setting is refused.

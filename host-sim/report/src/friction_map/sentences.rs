@@ -77,8 +77,9 @@ fn directional(unit: Unit, term: Term, parameters: &[Parameter]) -> String {
             unit.speed()
         ),
         _ => format!(
-            "A constant load of {size} {force} against motion in {more} direction (Coulomb friction that is so much higher \
-             in {more} than in {less} direction would be the same)"
+            "A constant load of {size} {force} against motion in the {more} direction (equivalent to Coulomb \
+             friction that is higher by this amount in the {more} direction and lower by it in the {less} \
+             direction)"
         ),
     }
 }

@@ -24,7 +24,7 @@ pub struct Cost {
     pub max: u32,
 }
 
-/// The cost of a motion in a number format; `None` where the core does not count instructions.
+/// The cost of a motion in a number format; `None` if the core does not count instructions.
 ///
 /// # Errors
 /// When the emulator does not start, the link breaks, or the drives are switched off.

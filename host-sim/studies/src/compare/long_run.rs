@@ -1,7 +1,7 @@
 //! The path of the long run in every tick, without control loops.
 //!
-//! `shared` interpolates in integers for every number format of the control laws, so that fixed, f32 and f64 have the same
-//! path errors. The path in f32 metres ([`SinglePath`]) takes the same steps.
+//! `shared` interpolates in integers for every number format of the control laws, so that fixed, f32 and f64 have the
+//! same path errors. The path in f32 metres ([`SinglePath`]) takes the same steps.
 
 use std::f64::consts::TAU;
 
@@ -106,9 +106,9 @@ mod tests {
         assert!(short.landing_nm < 1e-4, "{}", short.landing_nm);
     }
 
-    /// A tick is 41.67 µm long, the same in every tick at constant feed. The rounding error of each sum is at most half a unit in
-    /// the last place, 30 nm above 0.5 m, which bounds the error. Between two powers of two the rounding is the same in every
-    /// tick and does not average out, so that the drift is more than a few units.
+    /// A tick is 41.67 µm long, the same in every tick at constant feed. The rounding error of each sum is at most half
+    /// a unit in the last place, 30 nm above 0.5 m, which bounds the error. Between two powers of two the rounding is
+    /// the same in every tick and does not average out, so that the drift is more than a few units.
     #[test]
     fn sums_in_single_precision_drift() {
         let short = short();

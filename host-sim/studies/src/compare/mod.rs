@@ -1,8 +1,8 @@
 //! Fixed point against floating point: the same motions through four pipelines, and the errors of each.
 //!
-//! [`motion`] defines the motions; [`pipeline`] closes the loop; [`single_precision`] is the pipeline with f32 positions and
-//! [`single_path`] its path; [`exact_path`] is the reference of the commands; [`errors`] computes the errors; [`long_run`]
-//! runs the path for a day; [`cost`] counts instructions on the emulated core.
+//! [`motion`] defines the motions; [`pipeline`] closes the loop; [`single_precision`] is the pipeline with f32
+//! positions and [`single_path`] its path; [`exact_path`] is the reference of the commands; [`errors`] computes the
+//! errors; [`long_run`] runs the path for a day; [`cost`] counts instructions on the emulated core.
 
 mod comparison;
 pub mod cost;

@@ -43,7 +43,7 @@ impl Pipeline {
         }
     }
 
-    /// The controller of a machine that stands at the start of a motion.
+    /// The controller of a machine at rest at the start of a motion.
     ///
     /// # Errors
     /// When the machine's settings are refused.

@@ -30,7 +30,7 @@ pub struct SinglePrecision {
 }
 
 impl SinglePrecision {
-    /// A controller of a machine that stands at `start`, drives off.
+    /// A controller of a machine at rest at `start`, drives off.
     ///
     /// # Errors
     /// [`ControllerError::Refused`] as from `shared`.

@@ -237,7 +237,7 @@ mod tests {
             .iter()
             .zip(closed.tool_um_s2_per_m.iter().zip(at_rest.tool_um_s2_per_m.iter()))
         {
-            // Small coefficients are differences of large ones: an absolute tolerance beside the relative one.
+            // Small coefficients are differences of large ones: an absolute tolerance in addition to the relative one.
             assert!((found - closed).abs() < 0.01 * closed.abs() + 2e-3, "{found} {closed}");
             assert!((found - at_rest).abs() < bound * at_rest.abs() + 5e-3, "{found} {at_rest}");
         }

@@ -9,7 +9,7 @@ use pages::plot::{Chart, Ink, Layer};
 /// Width of a contour picture, pixels.
 const WIDTH: f64 = 620.0;
 
-/// Space that a chart uses for labels beside and below its plane, pixels.
+/// Space that a chart uses for labels next to and below its plane, pixels.
 const LABELS: (f64, f64) = (66.0, 36.0);
 
 /// Margin that a chart leaves above and below the data, fraction of the data's height each.

@@ -64,7 +64,7 @@ fn ramp_response(TimeConstants { position_s, dual_s }: TimeConstants, time_s: f6
     -(term(position_s) - term(dual_s)) / (position_s - dual_s)
 }
 
-/// Whether two time constants, s, are equal but for rounding.
+/// Whether two time constants, s, are equal except for rounding.
 fn is_equal(one: f64, other: f64) -> bool {
     (one - other).abs() < 1e-9
 }

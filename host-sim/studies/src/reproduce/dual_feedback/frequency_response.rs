@@ -46,9 +46,8 @@ impl Response {
     }
 }
 
-/// Break frequencies of measured responses, rad/s, without using T and T': least-squares fit of
-/// −s(b1 + b2 s)/(1 + a1 s + a2 s²), which has breaks at 1/b1, at the roots of the denominator and at b1/b2. `None` if the
-/// fit fails.
+/// Break frequencies of measured responses, rad/s, without using T and T': least-squares fit of −s(b1 + b2 s)/(1 + a1 s
+/// + a2 s²), which has breaks at 1/b1, at the roots of the denominator and at b1/b2. `None` if the fit fails.
 pub fn fit_breaks(responses: &[Response]) -> Option<[f64; 4]> {
     // In units of the middle frequency, so that powers of s stay near 1.
     let unit = responses.get(responses.len() / 2)?.omega;
