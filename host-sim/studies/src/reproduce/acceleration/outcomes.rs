@@ -91,14 +91,14 @@ fn on_the_move(experiment: &Experiment) -> Vec<Outcome> {
 fn identification(experiment: &Experiment) -> Vec<Outcome> {
     vec![
         Outcome::new(
-            "guideways over the next best part: rms error on validation circles",
+            "guideways against the next best part: error left on judging circles",
             Printed::Below(1.0),
             experiment.guideways_over_next(),
             "",
         ),
         // "Quite good accordance": within the standard uncertainty of the probe, half of the printed U(k = 2).
         Outcome::new(
-            "rms error of the identified machine on validation circles",
+            "error left on judging circles by the identified machine",
             Printed::Below(machines::WEIGHTS.tool_um),
             experiment.residuals_um()[2],
             "µm",

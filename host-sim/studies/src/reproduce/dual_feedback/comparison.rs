@@ -118,7 +118,7 @@ impl Comparison {
         [
             ratio("rms error at stops, semi-closed over dual", more(), semi.stops.rms_um / dual.stops.rms_um),
             ratio(
-                "rms error in slow motion, semi-closed over dual",
+                "rms error on a slow way, semi-closed over dual",
                 more(),
                 semi.steady().rms_um / dual.steady().rms_um,
             ),

@@ -52,7 +52,7 @@ fn shape(contributor: &Contributor, ballbar: &Ballbar) -> Option<Outcome> {
         Contributor::MasterSlaveChangeover { .. } => {
             let degrees = to_axis_rad(ballbar.positive.max_change_rad()).to_degrees();
             let printed = Printed::to_digit(45.0, 1.0);
-            Some(Outcome::new("changeover: angle of the glitch from an axis", printed, degrees, "°"))
+            Some(Outcome::new("changeover: the glitch, from an axis", printed, degrees, "°"))
         }
         _ => None,
     }
