@@ -108,7 +108,7 @@ fn the_comparison_with_the_truth_lists_missed_and_false_effects() {
     let page = html(&traced(), &extra("name = 'windup'\nstiffness_n_per_um = 120"));
     assert!(page.contains("<td>not found</td>"));
     assert!(
-        page.contains("<td>x</td><td>none</td><td>"),
+        page.contains("<th scope=\"row\">x</th><td>none</td><td>"),
         "the backlash, which is not among the true effects"
     );
 }
