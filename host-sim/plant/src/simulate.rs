@@ -86,7 +86,7 @@ impl Run<'_> {
                 }
             }
             if time_s > MAX_RUN_S {
-                return Err(SimulationError::Endless);
+                return Err(SimulationError::Endless { limit_s: MAX_RUN_S });
             }
             machine_sim.step(outputs.iter().map(|output| output.force_n));
         }

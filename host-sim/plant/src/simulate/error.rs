@@ -58,9 +58,12 @@ pub enum SimulationError {
     /// The machine's structure is impossible.
     #[error("structure: {0}")]
     Structure(#[from] StructureError),
-    /// The path did not end within [`MAX_RUN_S`].
-    #[error("the motion did not end within {MAX_RUN_S} s of machine time")]
-    Endless,
+    /// The path did not end in time.
+    #[error("the motion did not end within {limit_s} s of machine time")]
+    Endless {
+        /// Maximum duration, s of machine time.
+        limit_s: f64,
+    },
     /// A row of the log could not be written.
     #[error("log: {0}")]
     Log(#[from] std::io::Error),

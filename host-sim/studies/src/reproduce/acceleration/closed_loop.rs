@@ -153,7 +153,7 @@ impl ClosedLoop {
             }
             moving.step();
         }
-        Err(SimulationError::Endless.into())
+        Err(SimulationError::Endless { limit_s: TIME_LIMIT_S }.into())
     }
 }
 
