@@ -264,7 +264,7 @@ fn motions() {
         of(
             "line_to_mm = { x = 20.0, y",
             "line_to_mm = { x = 20.0, w",
-            &["motion.toml: line 7: block[0].line_to_mm.w: expected an axis that start_mm names (x, y)"],
+            &["motion.toml: line 7: block[0].line_to_mm.w: expected an axis of start_mm (x, y)"],
         ),
         of(
             "start_mm = { x = 10.0, y = 0.0 }",
@@ -280,7 +280,7 @@ fn motions() {
             "centre_mm = { x = 0.0, y = 0.0 }",
             "centre_mm = { x = 10.0, y = 0.0 }",
             &[
-                "motion.toml: line 13: block[2].arc.centre_mm: expected a centre away from where the axes stand",
+                "motion.toml: line 13: block[2].arc.centre_mm: expected a centre other than the current position",
             ],
         ),
         // A radius that the file format allows and the controller rejects.
@@ -292,7 +292,7 @@ fn motions() {
         of(
             "turns = 0.25",
             "to_mm = { x = 10.0, y = 0.0 }, direction = \"positive\"",
-            &["motion.toml: line 13: block[2].arc.to_mm: expected a point away from where the axes stand"],
+            &["motion.toml: line 13: block[2].arc.to_mm: expected a point other than the current position"],
         ),
         of(
             "turns = 0.25",
