@@ -148,11 +148,11 @@ fn a_bad_log_for_validation() {
 #[test]
 fn a_copy_of_a_fitted_log() {
     let command = format!("{TRACE} --validate held_out.csv");
-    let message: &[&str] = &["held_out.csv: expected a log of its own, found", "shared with", "fit.csv"];
+    let message: &[&str] = &["held_out.csv: expected a different recording, found", "shared with", "fit.csv"];
     let shorter = lines(|at, line| (at == 1 || at > 40).then(|| line.to_owned()));
     refuse([bad(&command, "held_out.csv", log(), message), bad(&command, "held_out.csv", shorter, message)]);
     let itself = format!("{TRACE} --validate fit.csv");
-    refuse([bad(&itself, "other.csv", "", &["fit.csv: expected a log of its own, found 100 %"])]);
+    refuse([bad(&itself, "other.csv", "", &["fit.csv: expected a different recording, found 100 %"])]);
 }
 
 #[test]
@@ -304,7 +304,11 @@ fn motions() {
             "name = \"short\"\nramps = \"s-curve\"",
             &["motion.toml: jerk_m_per_s3: expected this key, as ramps is \"s-curve\", found none"],
         ),
-        of("turns = 0.25", "turns = 1e9", &["motion.toml: line 12: block[2]: expected an end within 3600 s"]),
+        of(
+            "turns = 0.25",
+            "turns = 1e9",
+            &["motion.toml: line 12: block[2]: expected a total duration of at most 3600 s"],
+        ),
     ]);
 }
 
