@@ -88,11 +88,11 @@ fn logs_without_a_table_of_the_known_columns() {
         ),
         bad_log(
             with(log(), "x_table_mm", "x_table_deg"),
-            &["fit.csv: line 1: x_table_deg: expected unit mm as x_command_mm has it"],
+            &["fit.csv: line 1: x_table_deg: expected unit mm as in x_command_mm"],
         ),
         bad_log("Dear all,\nthe log is attached.\n", &["fit.csv: line 1: Dear all: expected a column"]),
         bad_log((0..=255).collect::<Vec<u8>>(), &["fit.csv: line 1: expected a CSV text in UTF-8"]),
-        bad_log(b"\x1f\x8b\x08\x00 no gzip", &["fit.csv: expected a whole gzip file"]),
+        bad_log(b"\x1f\x8b\x08\x00 no gzip", &["fit.csv: expected a complete gzip file"]),
         bad_log("", &["fit.csv: expected a header line, found an empty file"]),
         bad_log(log().lines().next().unwrap(), &["fit.csv: expected two samples or more, found none"]),
     ]);
