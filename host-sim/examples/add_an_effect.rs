@@ -1,5 +1,5 @@
-//! What an effect declares, on the one that `docs/adding-an-effect.md` adds: the second-order error of an encoder. The
-//! entry of a machine file becomes the effect, the effect becomes its sentence, and the simulated machine has it.
+//! The declaration of an effect, for the example of `docs/adding-an-effect.md`: the second-order error of an encoder. The
+//! effect is read from an entry of a machine file, described by its sentence, and applied to the simulated machine.
 //!
 //! `cargo run --release -p host-sim --example add_an_effect`
 
@@ -23,7 +23,7 @@ fn main() -> Result<(), Box<dyn std::error::Error>> {
     let (effect, errors_um) = errors_um()?;
     println!("x: {}.", effect.sentence(&[], false));
     for (motor_mm, error_um) in errors_um {
-        println!("motor at {motor_mm} mm: the reading is {error_um:+.3} µm off");
+        println!("motor at {motor_mm} mm: error of the reading {error_um:+.3} µm");
     }
     Ok(())
 }
@@ -41,7 +41,7 @@ fn errors_um() -> Result<(Effect, Vec<ReadingError>), Box<dyn std::error::Error>
 }
 
 #[test]
-fn the_reading_is_off_by_the_amplitude_a_quarter_of_a_period_from_zero()
+fn the_error_of_the_reading_is_the_amplitude_after_a_quarter_of_a_period()
 -> Result<(), Box<dyn std::error::Error>> {
     let (effect, errors_um) = errors_um()?;
     assert_eq!(effect.name(), "encoder_ellipticity");

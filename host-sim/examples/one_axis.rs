@@ -1,5 +1,5 @@
-//! One axis in closed loop: a machine file and a motion file as text, the controller in this process in fixed point, the
-//! simulated machine, and the following error of what was logged.
+//! One axis in closed loop: machine and motion file as text, the controller in this process in fixed point, the simulated
+//! machine, and the following error computed from the log.
 //!
 //! `cargo run --release -p host-sim --example one_axis`
 
@@ -10,7 +10,7 @@ use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{Run, controller};
 
-/// Kp = 40 1/s, no feed-forward: at 50 mm/s the axis follows 50/40 = 1.25 mm behind its command.
+/// Kp = 40 1/s without feed-forward: at 50 mm/s the following error is 50/40 = 1.25 mm.
 const MACHINE: &str = r#"
 name = "one axis"
 sample_rate_hz = 1000.0
@@ -47,7 +47,7 @@ dwell_s = 0.3
 
 fn main() -> Result<(), Box<dyn std::error::Error>> {
     println!(
-        "largest following error: {:.3} mm (50 mm/s over 40 1/s are 1.25 mm)",
+        "largest following error: {:.3} mm (expected: 50 mm/s / (40 1/s) = 1.25 mm)",
         largest_following_error_mm()?
     );
     Ok(())
@@ -71,8 +71,8 @@ fn largest_following_error_mm() -> Result<f64, Box<dyn std::error::Error>> {
 }
 
 #[test]
-fn the_axis_follows_as_far_behind_as_its_gain_says() -> Result<(), Box<dyn std::error::Error>> {
-    // 2 %: the velocity loop overshoots where a ramp ends.
+fn the_following_error_is_velocity_over_gain() -> Result<(), Box<dyn std::error::Error>> {
+    // Tolerance of 2 %, as the velocity loop overshoots at the end of a ramp.
     let error_mm = largest_following_error_mm()?;
     assert!((1.25..1.02 * 1.25).contains(&error_mm), "{error_mm}");
     Ok(())

@@ -1,5 +1,5 @@
-//! A log traced: a machine with an undeclared backlash is run and logged, and the tracer, which gets the file without it,
-//! says what the file lacks. With a log of your own the first half falls away: [`Log::read`] takes a CSV file.
+//! The trace of a log. A machine with a backlash is simulated and logged. The tracer receives the machine file without the
+//! backlash and identifies it. For a measured log, [`Log::read`] replaces the simulation.
 //!
 //! `cargo run --release -p host-sim --example trace_a_log`
 
@@ -28,8 +28,11 @@ fn sentences() -> Result<Vec<String>, Box<dyn std::error::Error>> {
 }
 
 #[test]
-fn the_backlash_is_named() -> Result<(), Box<dyn std::error::Error>> {
-    let said = sentences()?.join("\n");
-    assert!(said.contains("x: 9.0") && said.contains("µm backlash between screw and table"), "{said}");
+fn the_backlash_is_reported() -> Result<(), Box<dyn std::error::Error>> {
+    let summary = sentences()?.join("\n");
+    assert!(
+        summary.contains("x: 9.0") && summary.contains("µm backlash between screw and table"),
+        "{summary}"
+    );
     Ok(())
 }

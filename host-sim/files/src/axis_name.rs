@@ -1,7 +1,7 @@
 //! Names of axes in machine files and in the columns of logs.
 
-/// What [`is_axis_name`] accepts, in messages.
-pub const AXIS_NAME: &str = "a name that starts with a letter and goes on with letters, digits or _";
+/// Description of [`is_axis_name`] for error messages.
+pub const AXIS_NAME: &str = "a name that starts with a letter, followed by letters, digits or _";
 
 /// Whether a text is an ASCII letter followed by ASCII letters, digits or underscores.
 #[must_use]

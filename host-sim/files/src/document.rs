@@ -1,6 +1,6 @@
-//! A TOML text with the positions of its keys, so that an error can name key and line.
+//! A TOML text with the positions of its keys, so that errors can contain key and line.
 //!
-//! Keys are paths as in `axis.x.effect[0].width_um`; array elements are counted from 0.
+//! Keys are paths such as `axis.x.effect[0].width_um`; array elements are counted from 0.
 
 use std::fs;
 use std::ops::Range;
@@ -18,20 +18,20 @@ pub struct Document<'a> {
     source: &'a str,
     text: &'a str,
     root: Spanned<DeTable<'a>>,
-    /// Every key of the tree, outer before inner.
+    /// All keys of the tree, each before its children.
     entries: IndexMap<String, Entry<'a>>,
 }
 
 struct Entry<'a> {
-    /// Span of the key; for an array element, that of the element.
+    /// Span of the key; for an array element, span of the element.
     name: Range<usize>,
     value: Spanned<DeValue<'a>>,
 }
 
-/// The text of a file.
+/// Reads the text of a file.
 ///
 /// # Errors
-/// If it cannot be read, or is not UTF-8.
+/// If the file cannot be read, or is not UTF-8.
 pub fn read_text(path: &Path) -> Result<String, InputError> {
     let source = path.display().to_string();
     let bytes = fs::read(path).map_err(|cause| InputError::unreadable(&source, &cause))?;
@@ -43,10 +43,10 @@ pub fn read_text(path: &Path) -> Result<String, InputError> {
 }
 
 impl<'a> Document<'a> {
-    /// Parses a text; `source` is the file as the user named it.
+    /// Parses a text; `source` is the file name given by the user.
     ///
     /// # Errors
-    /// If it is not TOML, or holds a number that is not finite.
+    /// If the text is not valid TOML, or contains a number that is not finite.
     pub fn parse(text: &'a str, source: &'a str) -> Result<Self, InputError> {
         let text = text.strip_prefix('\u{feff}').unwrap_or(text);
         let root = DeTable::parse(text).map_err(|error| {
@@ -64,7 +64,7 @@ impl<'a> Document<'a> {
     /// Deserializes the whole document.
     ///
     /// # Errors
-    /// The first key that does not fit the type.
+    /// The first key that does not match the type.
     pub fn deserialize<T: DeserializeOwned>(&self) -> Result<T, InputError> {
         T::deserialize(Deserializer::from(self.root.clone())).map_err(|error| {
             let key = error.span().and_then(|span| self.key_at(&span)).unwrap_or_default();
@@ -72,31 +72,30 @@ impl<'a> Document<'a> {
         })
     }
 
-    /// Deserializes one value. An error is reported at `key` even where serde has lost the position, as it does inside
-    /// tagged enums.
+    /// Deserializes one value. An error is reported at `key`, even if serde does not report the position, as within tagged
+    /// enums.
     ///
     /// # Errors
-    /// If the key is missing, or its value does not fit the type.
+    /// If the key is missing, or its value does not match the type.
     pub fn deserialize_at<T: DeserializeOwned>(&self, key: &str) -> Result<T, InputError> {
         let entry = self.entries.get(key).ok_or_else(|| self.refuse(key, "this key"))?;
         T::deserialize(ValueDeserializer::from(entry.value.clone()))
             .map_err(|error| self.type_error(key, &error))
     }
 
-    /// An error that says what was expected at a key and what is there.
+    /// The error "expected …, found …" at a key; the found value is that of the document.
     #[must_use]
     pub fn refuse(&self, key: &str, what: &str) -> InputError {
         self.located(key, InputError::expected(self.source, what, self.found(key)))
     }
 
-    /// An error at a key in words of its own.
+    /// An error at a key with its own message.
     #[must_use]
     pub fn error_at(&self, key: &str, problem: &str) -> InputError {
         self.located(key, InputError::new(self.source, problem))
     }
 
-    /// Keys of the table, or elements of the array, at `key`, without those nested deeper, in the order of the file: the
-    /// parser itself sorts tables by name.
+    /// Direct children of the table or array at `key`, sorted by position in the file, as the parser sorts tables by name.
     pub fn children(&self, key: &str) -> Vec<&str> {
         let direct = |candidate: &&String| parent(candidate) == key;
         let mut keys: Vec<&str> = self.entries.keys().filter(direct).map(String::as_str).collect();
@@ -138,7 +137,7 @@ impl<'a> Document<'a> {
         Some(line_at(self.text.as_bytes(), entry.name.start))
     }
 
-    /// The value at a key for a message: as in the file, or a description of a table or array.
+    /// The value at a key for a message: the text of the file, or a description of a table or array.
     fn found(&self, key: &str) -> String {
         let Some(entry) = self.entries.get(key) else {
             return "none".to_owned();
@@ -157,7 +156,7 @@ impl<'a> Document<'a> {
         self.entries.iter().rev().find(|(_, entry)| hit(entry)).map(|(key, _)| key.as_str())
     }
 
-    /// The error for a message of serde about the value at `key`.
+    /// Converts an error of serde at the value of `key`.
     fn type_error(&self, key: &str, error: &Error) -> InputError {
         let message = error.message();
         if let Some(name) = between(message, "missing field `", "`") {
@@ -203,7 +202,7 @@ fn add<'a>(
     }
 }
 
-/// The key of the enclosing table or array; empty for the whole file.
+/// Key of the enclosing table or array; empty for the root.
 fn parent(key: &str) -> &str {
     key.rfind(['.', '[']).map_or("", |end| &key[..end])
 }
@@ -216,7 +215,7 @@ fn between<'t>(text: &'t str, before: &str, after: &str) -> Option<&'t str> {
     Some(text.strip_prefix(before)?.split_once(after)?.0)
 }
 
-/// Replaces the names of Rust types by words for the author of a machine file.
+/// Replaces the names of Rust types by terms of TOML.
 fn type_name(expected: &str) -> String {
     match expected {
         "f64" => "a number".to_owned(),
@@ -265,7 +264,7 @@ mod tests {
     }
 
     #[test]
-    fn text_that_is_no_toml_is_refused_in_one_line() {
+    fn invalid_toml_is_refused_in_one_line() {
         let message = parse_error("a = 1\nb c\n");
         assert!(message.starts_with("f.toml: line 2: expected valid TOML: "), "{message}");
         assert!(!message.contains('\n'), "{message}");
@@ -273,7 +272,7 @@ mod tests {
     }
 
     #[test]
-    fn numbers_are_finite() {
+    fn numbers_that_are_not_finite_are_refused() {
         let message = parse_error("[t]\na = [1, -inf]");
         assert_eq!(message, "f.toml: line 2: t.a[1]: expected a finite number, found -inf");
         assert!(parse_error("a = nan").ends_with("a: expected a finite number, found nan"));

@@ -5,7 +5,7 @@ use std::io;
 
 use thiserror::Error;
 
-/// Maximum number of characters that a message quotes from an input, so that it stays one line.
+/// Maximum number of characters of an input that a message quotes.
 const MAX_QUOTE: usize = 40;
 
 /// An input that cannot be used.
@@ -21,19 +21,19 @@ pub struct InputError {
 }
 
 impl InputError {
-    /// Something in `file` is not what was expected. Text from the input should be passed through [`quoted`] first.
+    /// The error "expected …, found …" in `file`. Text from the input should be passed through [`quoted`] first.
     #[must_use]
     pub fn expected(file: &str, what: impl Display, found: impl Display) -> Self {
         Self::new(file, format!("expected {what}, found {found}"))
     }
 
-    /// A problem in words of its own.
+    /// An error with its own message.
     #[must_use]
     pub fn new(file: &str, problem: impl Into<String>) -> Self {
         Self { file: file.to_owned(), line: None, key: None, problem: one_line(&problem.into()) }
     }
 
-    /// A file that cannot be read at all.
+    /// The error of a file that cannot be opened or read.
     #[must_use]
     pub fn unreadable(file: &str, cause: &io::Error) -> Self {
         Self::new(file, format!("expected a readable file: {cause}"))
@@ -52,13 +52,13 @@ impl InputError {
     }
 }
 
-/// A piece of an input for a message: in quotes, escaped, cut to a maximum length.
+/// A part of an input for a message: quoted, escaped, truncated to [`MAX_QUOTE`] characters.
 #[must_use]
 pub fn quoted(found: &str) -> String {
     format!("\"{}\"", shortened(found).escape_debug())
 }
 
-/// A piece of an input, cut to a maximum length.
+/// A part of an input, truncated to [`MAX_QUOTE`] characters.
 #[must_use]
 pub fn shortened(found: &str) -> String {
     match found.char_indices().nth(MAX_QUOTE) {
@@ -67,7 +67,7 @@ pub fn shortened(found: &str) -> String {
     }
 }
 
-/// The line, counted from 1, of a byte of the text.
+/// Line of a byte of the text, counted from 1.
 #[must_use]
 pub fn line_at(text: &[u8], offset: usize) -> usize {
     let before = &text[..offset.min(text.len())];
@@ -80,7 +80,7 @@ fn one_line(text: &str) -> String {
     words.join(" ").replace(char::is_control, "?")
 }
 
-/// A file name. Spaces are kept, so that it can be copied; control characters become `?`.
+/// A file name. Spaces are kept, so that the name can be copied; control characters are replaced by `?`.
 struct FileName<'a>(&'a str);
 
 impl Display for FileName<'_> {
@@ -124,13 +124,13 @@ mod tests {
     }
 
     #[test]
-    fn line_ends_and_control_characters_never_reach_the_message() {
+    fn messages_contain_no_line_ends_and_no_control_characters() {
         let error = InputError::new("a\nb.csv", "one\n  | two\r\n\u{1b}[31m").at_key("k\ney");
         assert_eq!(error.to_string(), "a?b.csv: k ey: one | two ?[31m");
     }
 
     #[test]
-    fn a_long_quote_is_cut() {
+    fn a_long_quote_is_truncated() {
         let long = "x".repeat(1000);
         assert_eq!(quoted(&long).chars().count(), MAX_QUOTE + 3);
         assert_eq!(quoted("a\nb"), "\"a\\nb\"");

@@ -1,9 +1,9 @@
-//! Numbers as text, with as many digits as mean something.
+//! Printed numbers, rounded to significant digits.
 
-/// The minus sign U+2212, which is as wide as a plus.
+/// The minus sign U+2212, which has the width of a plus sign.
 const MINUS: char = '−';
 
-/// Decimals with which a value has this many significant digits.
+/// Number of decimals for this number of significant digits.
 fn decimals(value: f64, digits: i32) -> usize {
     let magnitude = value.abs().log10().floor().clamp(-12.0, 12.0);
     #[expect(clippy::cast_possible_truncation, reason = "between -12 and 12")]
@@ -22,7 +22,7 @@ pub fn fixed(value: f64, decimals: usize) -> String {
     if value < 0.0 && !is_zero { format!("{MINUS}{text}") } else { text }
 }
 
-/// A value with this many significant digits.
+/// A value with this number of significant digits.
 #[must_use]
 pub fn significant(value: f64, digits: i32) -> String {
     let unit = 10_f64.powf(value.abs().log10().floor() - f64::from(digits - 1));
@@ -30,15 +30,15 @@ pub fn significant(value: f64, digits: i32) -> String {
     fixed(rounded, decimals(value, digits))
 }
 
-/// A value with this many significant digits and its sign, also a plus.
+/// A value with this number of significant digits and its sign, including a plus sign.
 #[must_use]
 pub fn signed(value: f64, digits: i32) -> String {
     let text = significant(value, digits);
     if value > 0.0 { format!("+{text}") } else { text }
 }
 
-/// A value and the half width of its interval, both to the first digit of the half width, with at most
-/// five significant digits of the value. Without a half width, the value with four significant digits.
+/// A value and the half width of its interval, both rounded to the first digit of the half width, with at most five
+/// significant digits of the value. Without a half width, the value with four significant digits.
 #[must_use]
 pub fn with_spread(value: f64, half_width: f64) -> String {
     if !half_width.is_finite() || half_width <= 0.0 {
@@ -51,7 +51,7 @@ pub fn with_spread(value: f64, half_width: f64) -> String {
     format!("{} ± {}", fixed(value, decimals), fixed(half_width, decimals))
 }
 
-/// A whole number of percent; `less than 1 %` and `more than 99 %` instead of a rounded 0 and 100.
+/// A percentage rounded to a whole number; `less than 1 %` and `more than 99 %` instead of 0 and 100 by rounding.
 #[must_use]
 pub fn percent(value: f64) -> String {
     match value {
@@ -76,7 +76,7 @@ mod tests {
     }
 
     #[test]
-    fn nothing_is_never_negative() {
+    fn zero_has_no_minus_sign() {
         assert_eq!(fixed(-0.0001, 2), "0.00");
         assert_eq!(significant(0.0, 3), "0.00");
         assert_eq!(signed(-1.25, 2), "−1.2");
@@ -85,7 +85,7 @@ mod tests {
     }
 
     #[test]
-    fn a_percentage_does_not_round_to_all_or_nothing() {
+    fn a_percentage_is_not_rounded_to_0_or_100() {
         assert_eq!(percent(99.97), "more than 99 %");
         assert_eq!(percent(0.2), "less than 1 %");
         assert_eq!(percent(90.6), "91 %");

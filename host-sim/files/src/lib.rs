@@ -1,12 +1,12 @@
-//! Files and their errors.
+//! Input and output files, and their errors.
 //!
-//! - [`document`]: TOML whose errors name key and line
-//! - [`table`]: CSV tables of numbers whose errors name line and column
-//! - [`log`]: recordings of axes, read from such a table and written as one
-//! - [`mod@format`]: numbers as text for people
-//! - [`axis_name`]: which names an axis may have
-//! - [`error`]: an input that cannot be used, in one line
-//! - [`output`]: files that are written whole or not at all
+//! - [`document`]: TOML; errors contain key and line
+//! - [`table`]: CSV tables of numbers; errors contain line and column
+//! - [`log`]: recordings of axes, stored as CSV tables
+//! - [`mod@format`]: printed numbers
+//! - [`axis_name`]: permitted names of axes
+//! - [`error`]: errors of input files, in one line
+//! - [`output`]: files that are written completely or not at all
 
 pub mod axis_name;
 pub mod document;

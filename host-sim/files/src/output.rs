@@ -1,4 +1,4 @@
-//! Outputs are written whole or not at all.
+//! Output files that are written completely or not at all.
 
 use std::fs::{self, File};
 use std::io::{self, BufWriter, Write};
@@ -14,14 +14,13 @@ use thiserror::Error;
 pub struct OutputError {
     /// The file.
     pub path: PathBuf,
-    /// The cause. It is not marked as the error's source, since the message contains it and a printed chain would repeat
-    /// it.
+    /// The cause. It is not declared as the error's source, as the message contains it and a printed chain would repeat it.
     pub cause: io::Error,
 }
 
-/// Writes what `fill` gives to a temporary file in the same folder, then renames it.
+/// Writes the output of `fill` to a temporary file in the same folder, then renames the file.
 ///
-/// A path that is something other than a file (a pipe, `/dev/null`) is written in place: renaming would replace it.
+/// A path that is not a regular file (a pipe, `/dev/null`) is written in place, as renaming would replace it.
 ///
 /// # Errors
 /// If `fill` fails, or the folder is missing, not writable or full.
@@ -32,7 +31,7 @@ pub fn write_whole(
     let written = match fs::metadata(path) {
         Ok(metadata) if metadata.is_dir() => Err(io::Error::other("expected a file, found a folder")),
         Ok(metadata) if !metadata.is_file() => write_in_place(path, fill),
-        // A link stays; the file that it points to is replaced.
+        // A link is kept; its target is replaced.
         Ok(_) => fs::canonicalize(path).and_then(|target| replace(&target, fill)),
         Err(_) => replace(path, fill),
     };
@@ -48,7 +47,7 @@ fn write_in_place(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<(
 /// Temporary files that have not been renamed yet.
 static UNFINISHED: Mutex<Vec<PathBuf>> = Mutex::new(Vec::new());
 
-/// Removes all files that are only partly written, for a program that is interrupted.
+/// Removes all partly written files; called when the program is interrupted.
 pub fn remove_unfinished() {
     let mut unfinished = UNFINISHED.lock().unwrap_or_else(PoisonError::into_inner);
     for path in unfinished.drain(..) {
@@ -56,7 +55,7 @@ pub fn remove_unfinished() {
     }
 }
 
-/// Keeps a temporary file in [`UNFINISHED`] until it is dropped.
+/// Registers a temporary file in [`UNFINISHED`] until this guard is dropped.
 struct Unfinished(PathBuf);
 
 impl Unfinished {
@@ -79,12 +78,12 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
     fill(&mut buffer)?;
     buffer.flush()?;
     drop(buffer);
-    // Without it a power failure may leave an empty file of the new name.
+    // Without this, a power failure after the rename may leave an empty file.
     temporary.as_file().sync_all()?;
     temporary.persist(path).map(drop).map_err(|refused| refused.error)
 }
 
-/// A temporary file in the folder of `path`, so that renaming it does not cross file systems.
+/// A temporary file in the folder of `path`, so that renaming does not cross file systems.
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     let folder = match path.parent() {
         Some(folder) if !folder.as_os_str().is_empty() => folder,
@@ -99,7 +98,7 @@ fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
     builder.tempfile_in(folder)
 }
 
-/// Sets the permissions of new files, from which the system subtracts the umask: those of temporary files are private.
+/// Sets the permissions of new files, which the umask reduces. The default of temporary files is private.
 #[cfg(unix)]
 fn set_permissions(builder: &mut Builder<'_, '_>) {
     use std::os::unix::fs::PermissionsExt;
@@ -131,7 +130,7 @@ mod tests {
     }
 
     #[test]
-    fn a_failure_leaves_the_previous_file_and_no_other() {
+    fn a_failure_keeps_the_previous_file_and_leaves_no_temporary_file() {
         let folder = tempfile::tempdir().unwrap();
         let path = folder.path().join("out.json");
         fs::write(&path, "before").unwrap();

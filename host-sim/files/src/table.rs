@@ -1,6 +1,6 @@
-//! CSV tables of numbers with one header line, read strictly: what does not fit is an error that names line and column.
+//! CSV tables of numbers with one header line. Invalid cells are errors that contain line and column.
 //!
-//! Logs and friction maps are such tables; which columns they may have is theirs to say.
+//! Logs and friction maps are such tables; the permitted columns are defined in their modules.
 
 use std::fmt::Display;
 use std::fs;
@@ -16,11 +16,11 @@ use crate::error::{InputError, line_at, quoted};
 const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
 const BYTE_ORDER_MARK: &str = "\u{feff}";
 
-/// Largest magnitude of a measured value, in mm, degrees, N or N·m: more is a slip of the unit or of the point.
+/// Largest absolute value of a measured value, in mm, degrees, N or N·m. A larger one has a wrong unit or decimal point.
 const MAX_MEASURED: f64 = 1e9;
 
-/// The bytes of a file; `-` is standard input. Gzip is recognised by the suffix `.gz` or by the first bytes, and is
-/// unpacked.
+/// Reads the bytes of a file; `-` is standard input. A gzip file, recognised by the suffix `.gz` or by its first bytes, is
+/// decompressed.
 ///
 /// # Errors
 /// If the file cannot be read, or is an incomplete gzip file.
@@ -43,21 +43,21 @@ fn read_stdin() -> io::Result<Vec<u8>> {
 }
 
 fn unpack(packed: &[u8], source: &str) -> Result<Vec<u8>, InputError> {
-    // Logs shrink to about an eighth.
+    // The compression ratio of logs is about 8.
     let mut bytes = Vec::with_capacity(8 * packed.len());
     match MultiGzDecoder::new(packed).read_to_end(&mut bytes) {
         Ok(_) => Ok(bytes),
-        Err(cause) => Err(InputError::new(source, format!("expected a whole gzip file: {cause}"))),
+        Err(cause) => Err(InputError::new(source, format!("expected a complete gzip file: {cause}"))),
     }
 }
 
-/// The bytes as text without its byte order mark.
+/// The bytes as text, without the byte order mark.
 fn decode<'a>(bytes: &'a [u8], source: &str) -> Result<&'a str, InputError> {
     let not_text = |at: usize| {
         let found = format!("byte 0x{:02X}", bytes[at]);
         InputError::expected(source, "a CSV text in UTF-8", found).at_line(line_at(bytes, at))
     };
-    // A zero byte is valid UTF-8, and a sign of a binary file.
+    // A zero byte is valid UTF-8, but indicates a binary file.
     if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
         return Err(not_text(at));
     }
@@ -74,17 +74,17 @@ pub struct Table<'a> {
     source: &'a str,
     text: &'a str,
     reader: Reader<&'a [u8]>,
-    /// The row that was read last.
+    /// The last row that was read.
     record: ByteRecord,
     header_line: usize,
     names: Vec<String>,
 }
 
 impl<'a> Table<'a> {
-    /// Reads the header; `source` is the file's name in messages.
+    /// Reads the header; `source` is the file name for error messages.
     ///
     /// # Errors
-    /// If the bytes are no UTF-8 text, or an empty one.
+    /// If the bytes are not UTF-8, or the text is empty.
     pub fn parse(bytes: &'a [u8], source: &'a str) -> Result<Self, InputError> {
         let text = decode(bytes, source)?;
         let mut table = Self {
@@ -101,16 +101,16 @@ impl<'a> Table<'a> {
         Ok(table)
     }
 
-    /// Names of the columns, without the spaces around them.
+    /// Names of the columns, trimmed.
     #[must_use]
     pub fn names(&self) -> &[String] {
         &self.names
     }
 
-    /// The next row; `None` behind the last.
+    /// The next row; `None` after the last one.
     ///
     /// # Errors
-    /// If it has not as many cells as the header.
+    /// If the number of cells differs from that of the header.
     pub fn next_row(&mut self) -> Result<Option<Row<'_>>, InputError> {
         if !self.advance()? {
             return Ok(None);
@@ -129,7 +129,7 @@ impl<'a> Table<'a> {
         InputError::expected(self.source, expected, found).at_line(self.header_line)
     }
 
-    /// An error at the line of a row, counted from 0 behind the header. It reads the table again up to there.
+    /// An error at the line of a row, counted from 0 after the header. Reads the table again up to this row.
     pub fn row_error(&self, row: usize, expected: impl Display, found: impl Display) -> InputError {
         let error = InputError::expected(self.source, expected, found);
         match reader(self.text).into_byte_records().nth(row + 1) {
@@ -143,8 +143,8 @@ impl<'a> Table<'a> {
         read.map_err(|error| InputError::new(self.source, error.to_string()))
     }
 
-    /// The line of a row, from the position of its first byte: the reader's own line count stops at blank lines and is
-    /// one too small with CRLF.
+    /// The line of a row, computed from the position of its first byte. The line count of the reader stops at blank lines
+    /// and is too small by one with CRLF.
     fn line_of(&self, record: &ByteRecord) -> usize {
         let bytes = self.text.as_bytes();
         let start = record.position().map_or(0, csv::Position::byte);
@@ -154,18 +154,18 @@ impl<'a> Table<'a> {
     }
 }
 
-/// Rows may have any length here, so that [`Table::next_row`] words the error.
+/// A reader that accepts rows of any length, so that [`Table::next_row`] reports the error.
 fn reader(text: &str) -> Reader<&[u8]> {
     ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes())
 }
 
-/// A row with as many cells as the table has columns.
+/// A row; the number of its cells is that of the columns.
 pub struct Row<'t> {
     table: &'t Table<'t>,
 }
 
 impl Row<'_> {
-    /// A cell's text without the spaces around it.
+    /// Text of a cell, trimmed.
     ///
     /// # Panics
     /// If there is no such column.
@@ -174,10 +174,10 @@ impl Row<'_> {
         trimmed(&self.table.record[column])
     }
 
-    /// A finite number.
+    /// The cell as a finite number.
     ///
     /// # Errors
-    /// If the cell holds anything else.
+    /// If the cell does not contain a finite number.
     ///
     /// # Panics
     /// If there is no such column.
@@ -186,10 +186,10 @@ impl Row<'_> {
         parsed.ok_or_else(|| self.cell_error(column, "a finite number"))
     }
 
-    /// A number that a sensor may have shown, in mm, degrees, N or N·m: −10⁹ to 10⁹.
+    /// The cell as a measured value in mm, degrees, N or N·m: a number from −10⁹ to 10⁹.
     ///
     /// # Errors
-    /// If the cell holds anything else.
+    /// If the cell does not contain such a number.
     ///
     /// # Panics
     /// If there is no such column.
@@ -201,7 +201,7 @@ impl Row<'_> {
         Ok(value)
     }
 
-    /// An error at a cell, which repeats what it holds.
+    /// An error at a cell, which quotes the text of the cell.
     ///
     /// # Panics
     /// If there is no such column.
@@ -214,7 +214,7 @@ impl Row<'_> {
     }
 }
 
-/// A cell of a text that is UTF-8 as a whole; commas and quotes cannot cut a character.
+/// A cell, trimmed. It is valid UTF-8, as the whole text is and commas and quotes are single bytes.
 fn trimmed(cell: &[u8]) -> &str {
     str::from_utf8(cell).unwrap_or_default().trim()
 }
@@ -233,7 +233,7 @@ mod tests {
     }
 
     #[test]
-    fn spaces_blank_lines_and_quotes_do_not_matter() {
+    fn spaces_blank_lines_and_quotes_are_ignored() {
         let text = "\u{feff} a ,\"b\"\r\n\r\n1, 2\r\n 3 ,\"4\"\r\n\r\n";
         assert_eq!(Table::parse(text.as_bytes(), "t.csv").unwrap().names(), ["a", "b"]);
         assert_eq!(rows(text).unwrap(), [3.0, 7.0]);
@@ -253,7 +253,7 @@ mod tests {
     }
 
     #[test]
-    fn errors_of_the_whole_name_header_or_row() {
+    fn errors_of_header_and_row_contain_the_line() {
         let table = Table::parse(b"\na,b\n1,2\n\n3,4\n", "t.csv").unwrap();
         assert_eq!(table.header_error("X", "Y").to_string(), "t.csv: line 2: expected X, found Y");
         assert_eq!(table.row_error(1, "X", "Y").to_string(), "t.csv: line 5: expected X, found Y");

@@ -15,29 +15,29 @@ const MAX_FOLDS: usize = 64;
 /// Root mean square errors of runs, in the unit of the map.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Errors {
-    /// Of all runs by the law that was fitted to them.
+    /// Error of all runs under the law that was fitted to them.
     pub fit: f64,
-    /// Of runs that were left out one by one, the selection repeated without each.
+    /// Error of runs that were left out; the selection was repeated without them.
     pub left_out: f64,
-    /// Of ranges of speed that were left out, the selection repeated without each.
+    /// Error of ranges of speed that were left out; the selection was repeated without each range.
     pub ranges_left_out: f64,
 }
 
 /// The result of a map.
 #[derive(Clone, Debug)]
 pub struct Explanation {
-    /// From all runs.
+    /// The selection from all runs.
     pub selection: Selection,
     /// Errors of the declared law.
     pub before: Errors,
     /// Errors of the selected law.
     pub after: Errors,
-    /// Terms that the map cannot show, and what would be needed.
+    /// Terms that the map cannot show, with the missing runs.
     pub not_testable: Vec<(Term, String)>,
 }
 
 impl Explanation {
-    /// How much a selected term lowered the rms error of left-out runs when it was added, percent.
+    /// Reduction of the rms error of left-out runs when a selected term was added, percent.
     #[must_use]
     pub fn reduction_percent(&self, term: Term) -> f64 {
         let mut added = self.selection.rounds.iter().filter_map(|round| round.added());
@@ -45,8 +45,8 @@ impl Explanation {
         numerics::rms_reduction_percent(reduction)
     }
 
-    /// Terms that left-out runs supported equally well as the one that was added, and that the law does not have: the
-    /// map does not distinguish them.
+    /// Terms that left-out runs supported as well as the added one, and that are not part of the law. The map does not
+    /// distinguish them.
     #[must_use]
     pub fn equally_good(&self, term: Term) -> Vec<Term> {
         let is_added = |candidate: &Candidate| candidate.term == term;
@@ -62,7 +62,7 @@ impl Explanation {
     }
 }
 
-/// Explains a map; `None` where its runs do not determine Coulomb and viscous friction.
+/// Explains a map; `None` if its runs do not determine Coulomb and viscous friction.
 #[must_use]
 pub fn explain(map: &FrictionMap) -> Option<Explanation> {
     let selection = select(map, &map.runs)?;
@@ -82,8 +82,8 @@ pub fn explain(map: &FrictionMap) -> Option<Explanation> {
     })
 }
 
-/// Rms errors of the declared and of the selected law, each fold predicted by laws selected on the other folds; NaN
-/// where these do not determine a law. `fold_of` is the fold of each run.
+/// Rms errors of the declared and of the selected law. Each fold is predicted by laws selected on the other folds. NaN if
+/// these do not determine a law. `fold_of` is the fold of each run.
 fn cross_validation(map: &FrictionMap, fold_of: &[usize]) -> [f64; 2] {
     let folds = fold_of.iter().max().map_or(0, |last| last + 1);
     let of_fold = |fold: usize| {
@@ -102,7 +102,7 @@ fn cross_validation(map: &FrictionMap, fold_of: &[usize]) -> [f64; 2] {
     [rms(0), rms(1)]
 }
 
-/// The terms that a map cannot show, and what would be needed.
+/// The terms that a map cannot show, with the missing runs.
 fn not_testable(map: &FrictionMap) -> Vec<(Term, String)> {
     let mut all = Vec::new();
     for term in TERMS {

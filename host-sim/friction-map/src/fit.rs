@@ -12,7 +12,7 @@ use super::term::Term;
 pub struct Fit {
     /// The law.
     pub law: Law,
-    /// Σ of the squared weighted residuals.
+    /// Sum of the squared weighted residuals.
     pub squares: f64,
     /// Number of free parameters.
     pub parameter_count: usize,
@@ -20,24 +20,24 @@ pub struct Fit {
     pub covariance: DMatrix<f64>,
     /// Leverage of each run (diagonal of the hat matrix), 0 to 1.
     pub leverage: Vec<f64>,
-    /// Weighted residuals: measured minus law, over the standard error of the mean.
+    /// Weighted residuals: (measured − law) divided by the standard error of the mean.
     pub residuals: Vec<f64>,
 }
 
 impl Fit {
-    /// Degrees of freedom that the fit leaves.
+    /// Degrees of freedom of the fit.
     #[must_use]
     pub fn degrees_of_freedom(&self) -> usize {
         self.residuals.len().saturating_sub(self.parameter_count)
     }
 
-    /// Standard deviation of a weighted residual: near 1 where the weights are right and the law is true.
+    /// Standard deviation of the weighted residuals: near 1 if the weights and the law are correct.
     #[must_use]
     pub fn residual_deviation(&self) -> f64 {
         (self.squares / self.degrees_of_freedom().max(1) as f64).sqrt()
     }
 
-    /// PRESS statistic: Σ of the squared weighted errors of each run as predicted from all others, to first order
+    /// PRESS statistic: sum of the squared weighted errors of each run predicted from all other runs, to first order
     /// residual/(1 − leverage).
     #[must_use]
     pub fn press(&self) -> f64 {
@@ -53,7 +53,7 @@ impl Fit {
     }
 }
 
-/// Weight of each run: 1 over the standard error of its mean; 1 where one of them has no standard error.
+/// Weight of each run: 1 / standard error of its mean; 1 for all runs if any of them has no standard error.
 #[must_use]
 pub fn weights(runs: &[Run]) -> Vec<f64> {
     let error = |run: &Run| run.error.filter(|error| *error > 0.0);
@@ -61,7 +61,7 @@ pub fn weights(runs: &[Run]) -> Vec<f64> {
     runs.iter().map(|run| if are_known { error(run).map_or(1.0, f64::recip) } else { 1.0 }).collect()
 }
 
-/// Initial values of a shape that are tried, evenly spaced on a logarithmic scale over its range.
+/// Number of initial values of a shape, evenly spaced on a logarithmic scale over its range.
 const STARTS: u32 = 12;
 
 /// Maximum number of steps of a fit.
@@ -70,7 +70,7 @@ const MAX_STEPS: u32 = 40;
 /// A fit has converged when a step lowers the squares by less than this fraction.
 const CONVERGED: f64 = 1e-7;
 
-/// Fits a law with one term more than `base`, from the best of several initial values of its shape.
+/// Fits `base` with an additional term, from the best of several initial values of its shape.
 #[must_use]
 pub fn fit_with(map: &FrictionMap, runs: &[Run], base: &Law, term: Term) -> Option<Fit> {
     let law = base.with(term);
@@ -82,12 +82,12 @@ pub fn fit_with(map: &FrictionMap, runs: &[Run], base: &Law, term: Term) -> Opti
         law.shapes[last] = range.min * (span * (f64::from(i) + 0.5) / f64::from(STARTS)).exp();
         fit_sizes(runs, &law)
     };
-    // At given shapes the sizes are a linear problem.
+    // At given shapes, the sizes are the solution of a linear problem.
     let (best, _) = (0..STARTS).filter_map(start).min_by(|a, b| a.1.total_cmp(&b.1))?;
     fit(map, runs, &best)
 }
 
-/// Fits sizes and shapes, starting at the shapes of `start`. `None` where the runs do not determine them.
+/// Fits sizes and shapes, starting at the shapes of `start`. `None` if the runs do not determine them.
 #[must_use]
 pub fn fit(map: &FrictionMap, runs: &[Run], start: &Law) -> Option<Fit> {
     let (mut best, mut squares) = fit_sizes(runs, start)?;
@@ -145,7 +145,7 @@ fn step(runs: &[Run], at: &Law, damping: f64) -> Option<DVector<f64>> {
     Some(step.component_div(&norms))
 }
 
-/// The matrix with columns scaled to length 1, and their lengths before.
+/// The matrix with columns scaled to length 1, and their original lengths.
 fn unit_columns(mut matrix: DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
     let norms = DVector::from_iterator(matrix.ncols(), matrix.column_iter().map(|c| c.norm().max(1e-300)));
     for (mut column, norm) in matrix.column_iter_mut().zip(&norms) {
@@ -154,11 +154,11 @@ fn unit_columns(mut matrix: DMatrix<f64>) -> (DMatrix<f64>, DVector<f64>) {
     (matrix, norms)
 }
 
-/// Minimum pivot of the Cholesky factor of columns of length 1: the sine of the angle between a column and the span of
-/// those before it. Below it two terms are the same function on these runs.
+/// Minimum pivot of the Cholesky factor for columns of length 1: the sine of the angle between a column and the span of the
+/// previous ones. Below it, two terms are indistinguishable on these runs.
 const MIN_SINE: f64 = 1e-5;
 
-/// Fits the sizes at given shapes; gives the law and Σ of the squared weighted residuals.
+/// Fits the sizes at given shapes; returns the law and the sum of the squared weighted residuals.
 fn fit_sizes(runs: &[Run], law: &Law) -> Option<(Law, f64)> {
     let weights = weights(runs);
     let rows: Vec<Vec<f64>> = runs.iter().map(|run| law.basis(run.velocity)).collect();
@@ -181,7 +181,7 @@ fn evaluated(runs: &[Run], law: Law) -> Option<Fit> {
     let (jacobian, residuals) = linearised(runs, &law);
     let (scaled, norms) = unit_columns(jacobian);
     let count = norms.len();
-    // A shape whose term has size 0 has no influence; the small constant keeps the matrix invertible.
+    // The shape of a term of size 0 has no influence; the small constant keeps the matrix invertible.
     let curvature = scaled.transpose() * &scaled + 1e-12 * DMatrix::<f64>::identity(count, count);
     let inverse = curvature.cholesky()?.inverse();
     let leverage = scaled.row_iter().map(|row| (row * &inverse * row.transpose())[(0, 0)]).collect();

@@ -1,4 +1,4 @@
-//! The result of a map as JSON, in the form of `trace --json`; `validate` is the error of runs left out.
+//! The result of a map as JSON, in the form of `trace --json`. `validate` is the error of runs left out.
 
 use serde_json::{Map, Value, json};
 

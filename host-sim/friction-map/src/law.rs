@@ -2,14 +2,14 @@
 
 use super::term::Term;
 
-/// Coulomb and viscous friction, and terms on top of it.
+/// The sum of Coulomb friction, viscous friction and further terms.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Law {
-    /// The terms besides Coulomb and viscous friction.
+    /// The terms in addition to Coulomb and viscous friction.
     pub terms: Vec<Term>,
     /// Coulomb friction, the viscous coefficient, then the size of each term, in the units of the map.
     pub sizes: Vec<f64>,
-    /// Shape of each term; 1 where it has none.
+    /// Shape of each term; 1 if it has none.
     pub shapes: Vec<f64>,
     /// Highest speed of the map.
     pub top_speed: f64,
@@ -22,7 +22,7 @@ impl Law {
         Self { terms: Vec::new(), sizes: vec![0.0; 2], shapes: Vec::new(), top_speed }
     }
 
-    /// The same law with one term more, of size 0.
+    /// The same law with an additional term of size 0.
     #[must_use]
     pub fn with(&self, term: Term) -> Self {
         let mut law = self.clone();
@@ -45,13 +45,13 @@ impl Law {
         (law, term)
     }
 
-    /// Force at a velocity, of the sign of the motion.
+    /// Drive force at a velocity; friction has the sign of the velocity.
     #[must_use]
     pub fn force(&self, velocity: f64) -> f64 {
         self.basis(velocity).iter().zip(&self.sizes).map(|(basis, size)| basis * size).sum()
     }
 
-    /// Derivatives of the force by the sizes.
+    /// Derivatives of the force with respect to the sizes.
     #[must_use]
     pub fn basis(&self, velocity: f64) -> Vec<f64> {
         let terms = self.terms.iter().zip(&self.shapes);
@@ -59,7 +59,7 @@ impl Law {
         [velocity.signum(), velocity].into_iter().chain(of_terms).collect()
     }
 
-    /// Derivatives of the force by the sizes, then by the logarithms of the free shapes (central differences).
+    /// Derivatives of the force with respect to the sizes, then to the logarithms of the free shapes (central differences).
     #[must_use]
     pub fn gradient(&self, velocity: f64) -> Vec<f64> {
         const STEP: f64 = 1e-5;

@@ -1,25 +1,24 @@
-//! Steady-state friction maps: one row a run at constant speed, mean torque or force against mean speed.
+//! Steady-state friction maps: mean torque or force over mean speed, one row per run at constant speed.
 //!
-//! Declared is Coulomb and viscous friction, the same in both directions. The search adds one [`term::Term`] after the
+//! The declared law is Coulomb and viscous friction, equal in both directions. The search adds one [`term::Term`] after the
 //! other as long as runs that were left out of the fit support it.
 //!
-//! | module | what it does |
+//! | module | contents |
 //! |---|---|
 //! | [`map`], `read` | the runs, and their CSV file |
 //! | [`term`], [`law`] | friction as a function of velocity |
 //! | [`fit`] | weighted least squares of a law |
 //! | [`ranges`] | errors on ranges of speed that were left out of the fit |
 //! | [`selection`] | forward selection of terms, backward elimination at the end |
-//! | [`mod@explain`] | the result: both laws, their errors, what could not be tested |
-//! | [`residual_analysis`] | what the residual depends on |
-//! | [`parameters`], [`json`] | the result's numbers with their units and intervals, and as JSON |
+//! | [`mod@explain`] | the result: both laws, their errors, terms that could not be tested |
+//! | [`residual_analysis`] | dependence of the residual on velocity and time |
+//! | [`parameters`], [`json`] | parameters with units and intervals; the result as JSON |
 //!
-//! This is a crate beside the tracer and not a part of it, since it answers the same question by another method. A
-//! map has no time: there is no machine to integrate, no stage, no correlation between samples. Its rows are
-//! independent means with known standard errors, few enough that F tests and leave-one-out errors apply; the tracer
-//! has long correlated series and judges by blocks of them. Shared with the tracer are the laws of speed
-//! ([`model::friction_law`]), the reader of tables ([`files::table`]), the statistics ([`numerics`]), and in `report`
-//! the parts of pages.
+//! The crate is separate from the tracer, as it uses another method. A map has no time: no machine is integrated, there are
+//! no stages and no correlated samples. Its rows are independent means with known standard errors, few enough for F tests
+//! and leave-one-out errors, while the tracer compares blocks of long correlated series. Both share the friction laws
+//! ([`model::friction_law`]), the reader of tables ([`files::table`]), the statistics ([`numerics`]), and parts of the pages
+//! in `report`.
 
 pub mod explain;
 pub mod fit;

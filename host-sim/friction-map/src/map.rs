@@ -12,7 +12,7 @@ pub enum Unit {
 }
 
 impl Unit {
-    /// Unit of a force or torque, in texts.
+    /// Printed unit of a force or torque.
     #[must_use]
     pub const fn force(self) -> &'static str {
         match self {
@@ -21,7 +21,7 @@ impl Unit {
         }
     }
 
-    /// Unit of a speed, in texts.
+    /// Printed unit of a speed.
     #[must_use]
     pub const fn speed(self) -> &'static str {
         match self {
@@ -30,7 +30,7 @@ impl Unit {
         }
     }
 
-    /// Unit of a viscous coefficient, in texts.
+    /// Printed unit of a viscous coefficient.
     #[must_use]
     pub const fn viscous(self) -> &'static str {
         match self {
@@ -39,7 +39,7 @@ impl Unit {
         }
     }
 
-    /// The quantity that the drive gives, in texts.
+    /// Printed name of the drive's quantity.
     #[must_use]
     pub const fn drive(self) -> &'static str {
         match self {
@@ -72,39 +72,39 @@ impl Unit {
 pub struct Run {
     /// Mean speed, signed, in [`Unit::speed`].
     pub velocity: f64,
-    /// Mean torque or force of the drive, in [`Unit::force`]; it has the sign of the motion that it drives.
+    /// Mean torque or force of the drive, in [`Unit::force`]; positive if it acts in + direction.
     pub force: f64,
-    /// Standard deviation of the force within the run: ripple and noise together.
+    /// Standard deviation of the force within the run, including ripple and noise.
     pub deviation: Option<f64>,
-    /// Standard error of the mean force: the deviation over √(number of samples).
+    /// Standard error of the mean force: the deviation divided by √(number of samples).
     pub error: Option<f64>,
 }
 
-/// The runs of a map that move, sorted by velocity.
+/// A friction map without its runs at standstill.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FrictionMap {
-    /// The file that it was read from.
+    /// Name of the file.
     pub source: String,
-    /// Unit of all its values.
+    /// Units of all values.
     pub unit: Unit,
-    /// By rising velocity.
+    /// Moving runs by ascending velocity.
     pub runs: Vec<Run>,
-    /// For each of `runs`, its row in the file, counted from 0 over the runs that move: the order in time.
+    /// For each of `runs`, its index among the moving runs of the file, which is the order in time.
     pub file_order: Vec<usize>,
-    /// Number of runs at speed 0, which are left out: at standstill friction balances whatever the drive gives.
+    /// Number of runs at speed 0. They are left out, as friction at standstill balances any force of the drive.
     pub standstill_runs: usize,
 }
 
-/// Minimum number of runs that move: two parameters are declared, and as many runs and one more have to test them.
+/// Minimum number of moving runs: the two declared parameters and three degrees of freedom to test them.
 const MIN_RUNS: usize = 5;
 
-/// Minimum number of different speeds, of either direction: through two there is always a straight line.
+/// Minimum number of different speeds, regardless of direction. Two speeds always determine a straight line.
 const MIN_SPEEDS: usize = 3;
 
-/// Speeds of runs at one set point differ a little: those within this ratio count as one.
+/// Ratio within which speeds count as equal, as the speeds of runs at one set point differ slightly.
 const SAME_SPEED: f64 = 1.01;
 
-/// The different speeds (magnitudes) of some runs, rising.
+/// The different speeds (absolute values) of runs, in ascending order.
 pub(crate) fn distinct_speeds<'a>(runs: impl IntoIterator<Item = &'a Run>) -> Vec<f64> {
     let mut speeds: Vec<f64> = runs.into_iter().map(|run| run.velocity.abs()).collect();
     speeds.sort_by(f64::total_cmp);
@@ -128,7 +128,7 @@ impl FrictionMap {
             } else {
                 moving.len().to_string()
             };
-            return Err(InputError::expected(source, format!("{MIN_RUNS} runs that move or more"), found));
+            return Err(InputError::expected(source, format!("{MIN_RUNS} moving runs or more"), found));
         }
         moving.sort_by(|a, b| a.1.velocity.total_cmp(&b.1.velocity));
         let speeds = distinct_speeds(moving.iter().map(|(_, run)| run));
@@ -151,15 +151,15 @@ impl FrictionMap {
         first && last
     }
 
-    /// Standard error of a run's mean, rms over the runs, in [`Unit::force`]; `None` where the file has none.
+    /// Standard error of a run's mean, rms over the runs, in [`Unit::force`]; `None` if the file does not contain it.
     #[must_use]
     pub fn standard_error(&self) -> Option<f64> {
         let errors: Option<Vec<f64>> = self.runs.iter().map(|run| run.error).collect();
         errors.map(numerics::rms)
     }
 
-    /// Standard deviation of the force within a run, rms over the runs, in [`Unit::force`]; `None` where the file has
-    /// none.
+    /// Standard deviation of the force within a run, rms over the runs, in [`Unit::force`]; `None` if the file does not
+    /// contain it.
     #[must_use]
     pub fn deviation_within_runs(&self) -> Option<f64> {
         let deviations: Option<Vec<f64>> = self.runs.iter().map(|run| run.deviation).collect();

@@ -11,7 +11,7 @@ pub struct Parameter {
     pub key: String,
     /// Value in the unit of the key.
     pub value: f64,
-    /// Half width of the 95 % interval; `None` where the parameter was not fitted.
+    /// Half width of the 95 % interval; `None` if the parameter was not fitted.
     pub half_width: Option<f64>,
 }
 
@@ -28,7 +28,7 @@ pub fn declared(map: &FrictionMap, fit: &Fit) -> [Parameter; 2] {
     [parameter(format!("coulomb_{}", map.unit.force_key()), 0, 1.0), parameter(viscous, 1, factor)]
 }
 
-/// The parameters of one term of a law: its size, its shape if it has one, and constants that are part of its form.
+/// The parameters of one term of a law: its size, its shape if it has one, and the constants of its form.
 ///
 /// # Panics
 /// If there is no such term.
@@ -42,7 +42,7 @@ pub fn of_term(map: &FrictionMap, fit: &Fit, index: usize) -> Vec<Parameter> {
     if let Some(key) = term.shape_key(map.unit) {
         let shapes_before = law.terms[..index].iter().filter(|term| term.parameter_count() == 2).count();
         let value = law.shapes[index];
-        // d(ln x) = dx/x: the half width of a logarithm times the value.
+        // As d(ln x) = dx/x, the half width of x is that of ln x times x.
         let half_width = half_widths.get(law.sizes.len() + shapes_before).map(|half| half * value);
         all.push(Parameter { key, value, half_width });
     }

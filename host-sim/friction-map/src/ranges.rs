@@ -1,4 +1,5 @@
-//! Errors on contiguous ranges of speed that were left out of the fit: what a law is worth between and beyond its runs.
+//! Errors on contiguous ranges of speed that were left out of the fit. They show how well a law interpolates and
+//! extrapolates.
 
 use super::fit::{fit, weights};
 use super::law::Law;
@@ -7,10 +8,10 @@ use super::map::{FrictionMap, Run};
 /// Maximum number of ranges in each direction.
 const MAX_RANGES: usize = 5;
 
-/// Minimum number of runs of a range.
+/// Minimum number of runs in a range.
 const MIN_RUNS: usize = 2;
 
-/// The number of the range of each run, for runs sorted by velocity; each direction has ranges of its own.
+/// Index of the range of each run, for runs sorted by velocity. A range contains runs of one direction only.
 #[must_use]
 pub fn ranges(runs: &[Run]) -> Vec<usize> {
     let backward = runs.iter().filter(|run| run.velocity < 0.0).count();
@@ -27,8 +28,8 @@ pub fn ranges(runs: &[Run]) -> Vec<usize> {
     numbers
 }
 
-/// Σ of the squared weighted errors of a law on each range, refitted without it; infinite where the remaining runs do
-/// not determine the law.
+/// Sum over all ranges of the squared weighted errors of a law that was refitted without the range; infinite if the
+/// remaining runs do not determine the law.
 #[must_use]
 pub fn left_out_squares(map: &FrictionMap, runs: &[Run], law: &Law) -> f64 {
     let numbers = ranges(runs);

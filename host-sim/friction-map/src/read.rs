@@ -6,32 +6,32 @@ use super::map::{FrictionMap, Run, Unit};
 use files::error::{InputError, quoted};
 use files::table::{Row, Table, read_bytes};
 
-/// The columns of both units, in messages.
+/// The columns of both units, for error messages.
 const ALLOWED: &str = "speed_rpm and torque_mnm, with speed_sd_rpm, torque_sd_mnm and samples where known; \
                        or velocity_mm_s and force_n, with velocity_sd_mm_s, force_sd_n and samples";
 
-/// The columns of each unit: speed, force, their standard deviations within a run.
+/// The columns of each unit: speed, force, and their standard deviations within a run.
 const COLUMNS: [(Unit, [&str; 4]); 2] = [
     (Unit::Rotary, ["speed_rpm", "torque_mnm", "speed_sd_rpm", "torque_sd_mnm"]),
     (Unit::Linear, ["velocity_mm_s", "force_n", "velocity_sd_mm_s", "force_sd_n"]),
 ];
 
-/// Number of samples of a run.
+/// Column with the number of samples of a run.
 const SAMPLES: &str = "samples";
 
 impl FrictionMap {
-    /// Reads a map from a CSV file, packed or not; `-` is standard input.
+    /// Reads a map from a CSV file, which may be compressed by gzip; `-` is standard input.
     ///
     /// # Errors
-    /// If it cannot be read, is no table of the known columns, or holds too few runs.
+    /// If the file cannot be read, is not a table with the known columns, or contains too few runs.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::parse(&read_bytes(path)?, &path.display().to_string())
     }
 
-    /// Reads a map from the bytes of a CSV file; `source` is the file's name in messages.
+    /// Reads a map from the bytes of a CSV file; `source` names it in error messages.
     ///
     /// # Errors
-    /// If it is no table of the known columns, or holds too few runs.
+    /// If it is not a table with the known columns, or contains too few runs.
     pub fn parse(bytes: &[u8], source: &str) -> Result<Self, InputError> {
         let mut table = Table::parse(bytes, source)?;
         let header = Header::parse(&table)?;
@@ -71,7 +71,7 @@ impl Header {
         if let [(_, rotary), (_, linear)] = &COLUMNS
             && let (Some(a), Some(b)) = (first_of(rotary), first_of(linear))
         {
-            return Err(table.header_error("columns of one unit", format!("{a} beside {b}")));
+            return Err(table.header_error("columns of one unit", format!("{a} and {b}")));
         }
         let (unit, columns) =
             COLUMNS.into_iter().find(|(_, all)| first_of(all).is_some()).unwrap_or(COLUMNS[0]);

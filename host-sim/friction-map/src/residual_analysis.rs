@@ -1,25 +1,25 @@
-//! What the residual of a law depends on.
+//! Dependence of the residual of a law on velocity and time.
 
 use super::law::Law;
 use super::map::FrictionMap;
 
-/// The residual of a law, where it exceeds the error of the means.
+/// A residual that exceeds the standard error of the means.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Residual {
     /// Root mean square over the runs, in the unit of the map.
     pub rms: f64,
-    /// Part of its square that changes slowly along the variable, percent.
+    /// Fraction of the mean square that varies slowly along the variable, percent.
     pub slow_percent: f64,
-    /// `velocity`: runs at neighbouring speeds have similar residuals; `time`: runs that follow each other in the file
-    /// have; `none`.
+    /// `velocity`: runs at neighbouring velocities have similar residuals; `time`: consecutive runs of the file have
+    /// similar residuals; `none`: neither.
     pub variable: &'static str,
 }
 
-/// A residual within this factor of the standard error of the means counts as noise.
+/// A residual below this multiple of the standard error of the means counts as noise.
 const NOISE_FACTOR: f64 = 1.15;
 
-/// Analyses the residual of a law; `None` where it is within the standard error of the means. A map without standard
-/// errors has a residual in any case.
+/// Analyses the residual of a law; `None` if it is within the standard error of the means. Without standard errors, the
+/// result is never `None`.
 #[must_use]
 pub fn analyse(map: &FrictionMap, law: &Law) -> Option<Residual> {
     let residuals: Vec<f64> = map.runs.iter().map(|run| run.force - law.force(run.velocity)).collect();
@@ -44,7 +44,7 @@ pub fn analyse(map: &FrictionMap, law: &Law) -> Option<Residual> {
     Some(Residual { rms, slow_percent: 100.0 * correlation.max(0.0), variable })
 }
 
-/// Correlation of neighbouring values: the part of the squares that changes slowly along the row.
+/// Correlation of neighbouring values: the fraction of Σr² that varies slowly along the sequence.
 fn neighbour_correlation(values: &[f64]) -> f64 {
     let squares: f64 = values.iter().map(|value| value * value).sum();
     values.windows(2).map(|pair| pair[0] * pair[1]).sum::<f64>() / squares.max(f64::MIN_POSITIVE)
@@ -55,7 +55,7 @@ mod tests {
     use super::*;
     use crate::map::{Run, Unit};
 
-    /// Forces of 16 runs, rows of the file in the order given; the law is zero, so the forces are the residuals.
+    /// The analysis of 16 runs, given by row of the file. The law is zero, so that the forces are the residuals.
     fn analysed(force: impl Fn(usize) -> f64, velocity: impl Fn(usize) -> f64) -> Residual {
         let run =
             |row: usize| Run { velocity: velocity(row), force: force(row), deviation: None, error: None };
@@ -69,7 +69,7 @@ mod tests {
         let by_velocity = analysed(slow, |row| 1.0 + row as f64);
         assert_eq!(by_velocity.variable, "velocity");
         assert!(by_velocity.slow_percent > 80.0, "{by_velocity:?}");
-        // Multiples of 7 modulo 17 visit the speeds in another order.
+        // Multiples of 7 modulo 17 are a permutation of the velocities.
         let by_time = analysed(slow, |row| ((row + 1) * 7 % 17) as f64);
         assert_eq!(by_time.variable, "time");
         let alternating = analysed(|i| if i % 2 == 0 { 1.0 } else { -1.0 }, |row| 1.0 + row as f64);

@@ -1,4 +1,4 @@
-//! Forward selection of terms, each judged on runs that were left out of the fit, and backward elimination at the end.
+//! Forward selection of terms by their errors on runs that were left out of the fit, and backward elimination at the end.
 
 use numerics::distributions::f_test_p_value;
 
@@ -8,13 +8,13 @@ use super::map::{FrictionMap, Run};
 use super::ranges::left_out_squares;
 use super::term::{TERMS, Term};
 
-/// Significance level of one round over all its terms: the probability of adding a term to a law that is complete.
+/// Significance level of one round over all its terms: the probability of adding a term to a complete law.
 pub const MAX_P_VALUE: f64 = 0.01;
 
-/// Minimum fraction of the squares on left-out runs by which a term has to reduce them.
+/// Minimum relative reduction of the sum of squares on left-out runs by a term.
 pub const MIN_REDUCTION: f64 = 0.04;
 
-/// Laws whose squares on left-out runs are within this factor of the best one's count as equally good.
+/// Laws whose sum of squares on left-out runs is within this factor of the smallest one count as equally good.
 pub const EQUALLY_GOOD: f64 = 1.2;
 
 /// Maximum number of terms.
@@ -23,16 +23,16 @@ const MAX_TERMS: usize = 5;
 /// Degrees of freedom that a fit must leave.
 pub(crate) const MIN_DEGREES_OF_FREEDOM: usize = 3;
 
-/// A term as tried in one round.
+/// A term that was tried in a round.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// The term.
     pub term: Term,
-    /// The law with it.
+    /// The fit of the law with the term.
     pub fit: Fit,
-    /// Fraction by which the squares on left-out runs fall; negative where they rise.
+    /// Relative reduction of the sum of squares on left-out runs; negative if the sum increases.
     pub reduction: f64,
-    /// The same for left-out ranges of speed; NaN where another criterion has already failed.
+    /// Relative reduction of the sum of squares on left-out ranges of speed; NaN if another criterion is not met.
     pub range_reduction: f64,
     /// p value of the F test of this term against the law without it, for one trial.
     pub p_value: f64,
@@ -41,7 +41,7 @@ pub struct Candidate {
 }
 
 impl Candidate {
-    /// Whether left-out runs and ranges support it; `trials` is the number of terms in the round (Bonferroni).
+    /// Whether left-out runs and ranges support the term; `trials` is the number of terms in the round (Bonferroni).
     #[must_use]
     pub fn is_supported(&self, trials: usize) -> bool {
         self.is_physical
@@ -50,19 +50,19 @@ impl Candidate {
             && self.range_reduction > 0.0
     }
 
-    /// Whether it is supported in its round and equally good as another candidate.
+    /// Whether the term is supported in its round and as good as another candidate.
     #[must_use]
     pub fn is_as_good_as(&self, other: &Self, trials: usize) -> bool {
         self.is_supported(trials) && 1.0 - self.reduction < EQUALLY_GOOD * (1.0 - other.reduction)
     }
 }
 
-/// One round: all terms that were tried, and the one that was added.
+/// One round: all terms that were tried, and the added one.
 #[derive(Clone, Debug)]
 pub struct Round {
-    /// By falling reduction.
+    /// Candidates by descending reduction.
     pub candidates: Vec<Candidate>,
-    /// Index of the one that was added.
+    /// Index of the added candidate.
     pub added: Option<usize>,
 }
 
@@ -73,33 +73,33 @@ impl Round {
         let best = candidates.iter().find(|candidate| candidate.is_supported(trials));
         let added = best.and_then(|best| {
             let equal = candidates.iter().enumerate().filter(|(_, c)| c.is_as_good_as(best, trials));
-            // Of equally good ones the first with the fewest parameters.
+            // Among equally good candidates, the first with the fewest parameters is added.
             equal.min_by_key(|(_, candidate)| candidate.term.parameter_count()).map(|(index, _)| index)
         });
         Self { candidates, added }
     }
 
-    /// The candidate that was added.
+    /// The added candidate.
     #[must_use]
     pub fn added(&self) -> Option<&Candidate> {
         self.added.map(|index| &self.candidates[index])
     }
 }
 
-/// The selected law and how it was found.
+/// The selected law and the rounds of its selection.
 #[derive(Clone, Debug)]
 pub struct Selection {
-    /// Coulomb and viscous friction alone.
+    /// Fit of Coulomb and viscous friction only.
     pub declared: Fit,
-    /// With the selected terms, in the order in which they were added.
+    /// Fit with the selected terms, in the order in which they were added.
     pub fitted: Fit,
     /// The rounds.
     pub rounds: Vec<Round>,
-    /// Terms that were added and became unnecessary with later ones.
+    /// Terms that were added and dropped again, as later ones made them unnecessary.
     pub dropped: Vec<Term>,
 }
 
-/// Selects the law that the runs support; `None` where they do not determine the declared one.
+/// Selects the law that the runs support; `None` if they do not determine the declared law.
 #[must_use]
 pub fn select(map: &FrictionMap, runs: &[Run]) -> Option<Selection> {
     let top_speed = numerics::max_abs(map.runs.iter().map(|run| run.velocity));
@@ -122,7 +122,7 @@ pub fn select(map: &FrictionMap, runs: &[Run]) -> Option<Selection> {
     Some(Selection { declared, fitted, rounds, dropped })
 }
 
-/// Terms that a law lacks and that the runs can determine. Of Stribeck friction a law has one form.
+/// Terms that a law lacks and that the runs can determine. A law contains at most one form of Stribeck friction.
 fn testable<'a>(map: &'a FrictionMap, runs: &'a [Run], law: &'a Law) -> impl Iterator<Item = Term> + 'a {
     let has_both_directions = map.has_both_directions();
     let count: usize = 2 + law.terms.iter().map(|term| term.parameter_count()).sum::<usize>();
@@ -144,7 +144,7 @@ fn candidate(map: &FrictionMap, runs: &[Run], base: &Fit, term: Term) -> Option<
         is_physical: is_physical(&fit),
         fit,
     };
-    // Each range costs a fit: they are evaluated last, and only if the weakest level (one trial) is met.
+    // Each range requires a fit. Ranges are therefore evaluated last, and only if the other criteria are met for one trial.
     if candidate.is_supported(1) {
         let [before, after] = [&base.law, &candidate.fit.law].map(|law| left_out_squares(map, runs, law));
         candidate.range_reduction = 1.0 - after / before.max(f64::MIN_POSITIVE);
@@ -154,7 +154,7 @@ fn candidate(map: &FrictionMap, runs: &[Run], base: &Fit, term: Term) -> Option<
     Some(candidate)
 }
 
-/// F test of the parameters by which two nested fits differ.
+/// p value of the F test of two nested fits.
 fn p_value(without: &Fit, with: &Fit) -> f64 {
     let count = with.parameter_count - without.parameter_count;
     let free = with.degrees_of_freedom();
@@ -165,7 +165,7 @@ fn p_value(without: &Fit, with: &Fit) -> f64 {
     f_test_p_value(gained / (with.squares / free as f64).max(f64::MIN_POSITIVE), count, free)
 }
 
-/// Whether no friction coefficient is negative; Coulomb and viscous friction may be so within their intervals.
+/// Whether no friction coefficient is negative. Coulomb and viscous friction may be negative within their intervals.
 fn is_physical(fit: &Fit) -> bool {
     let half_widths = fit.half_widths();
     let may_be_negative = |i: usize| i >= 2 && fit.law.terms[i - 2].is_directional();
@@ -175,7 +175,7 @@ fn is_physical(fit: &Fit) -> bool {
     })
 }
 
-/// The least significant term that the others do not need, and the law without it.
+/// The least significant of the unnecessary terms, and the fit without it.
 fn unnecessary(map: &FrictionMap, runs: &[Run], full: &Fit) -> Option<(Term, Fit)> {
     if full.law.terms.len() < 2 {
         return None;

@@ -1,4 +1,4 @@
-//! The terms that friction may have besides Coulomb and viscous friction.
+//! The terms of friction in addition to Coulomb and viscous friction.
 
 use model::friction_law::{exponential_decay, gaussian_decay};
 
@@ -7,20 +7,20 @@ use super::map::{FrictionMap, Unit, distinct_speeds};
 /// A term of a friction law: a size times a function of velocity v and, for nonlinear terms, of one shape parameter.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Term {
-    /// Opposes motion in + direction, whatever the direction of motion. At constant speed Coulomb friction that differs
-    /// by direction cannot be told from it.
+    /// Constant load F against motion in + direction: friction is Coulomb + F in + direction and Coulomb − F in − direction.
+    /// At constant speed, it cannot be distinguished from Coulomb friction that differs by 2F between the directions.
     ConstantLoad,
     /// h·|v|: viscous friction b + h in + direction, b − h in − direction.
     FrictionAsymmetry,
-    /// sgn(v)·exp(−(v/vs)²), on top of Coulomb friction.
+    /// sgn(v)·exp(−(v/vs)²), added to Coulomb friction.
     Stribeck,
-    /// sgn(v)·exp(−|v|/vs) (Tustin), on top of Coulomb friction.
+    /// sgn(v)·exp(−|v|/vs) (Tustin), added to Coulomb friction.
     StribeckExponential,
-    /// exp(−|v|/vs): raises friction towards standstill in + direction, lowers it in − direction.
+    /// exp(−|v|/vs): increases friction towards standstill in + direction, decreases it in − direction.
     StribeckAsymmetry,
     /// v·|v|.
     Quadratic,
-    /// sgn(v)·(|v|/top speed)^p with a fitted exponent p: below 1 as in lubricant films, above 1 as in churning.
+    /// sgn(v)·(|v|/top speed)^p with a fitted exponent p: below 1 for lubricant films, above 1 for churning losses.
     Power,
     /// tanh(v/vs).
     Saturating,
@@ -41,7 +41,7 @@ pub const TERMS: [Term; 9] = [
     Term::Power,
 ];
 
-/// Range in which a shape parameter is searched: a speed vs in [`Unit::speed`], or an exponent.
+/// Search range of a shape parameter: a speed vs in [`Unit::speed`], or an exponent.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct ShapeRange {
     /// Minimum.
@@ -51,7 +51,7 @@ pub struct ShapeRange {
 }
 
 impl Term {
-    /// The name in results. Both forms of Stribeck friction have one name.
+    /// Name in results. Both forms of Stribeck friction have the same name.
     #[must_use]
     pub const fn name(self) -> &'static str {
         match self {
@@ -66,7 +66,7 @@ impl Term {
         }
     }
 
-    /// The term in a few words.
+    /// Printed description.
     #[must_use]
     pub const fn description(self) -> &'static str {
         match self {
@@ -82,26 +82,26 @@ impl Term {
         }
     }
 
-    /// Whether it differs by direction: it then may have either sign, and needs runs in both directions. The others
-    /// have a size that is not negative.
+    /// Whether the term differs by direction. Its size then may have either sign, and runs in both directions are needed. The
+    /// size of the other terms is not negative.
     #[must_use]
     pub const fn is_directional(self) -> bool {
         matches!(self, Self::ConstantLoad | Self::FrictionAsymmetry | Self::StribeckAsymmetry)
     }
 
-    /// Number of parameters that it adds to a fit: 1 or 2.
+    /// Number of parameters that the term adds to a fit: 1 or 2.
     #[must_use]
     pub const fn parameter_count(self) -> usize {
         if self.is_linear() { 1 } else { 2 }
     }
 
-    /// Whether it has no shape parameter.
+    /// Whether the term has no shape parameter.
     const fn is_linear(self) -> bool {
         matches!(self, Self::ConstantLoad | Self::FrictionAsymmetry | Self::Quadratic)
     }
 
-    /// The range of its shape on a map, `None` where it has none. A characteristic speed lies above the two lowest
-    /// speeds (but not above a quarter of the top speed), and below half the top speed.
+    /// Search range of the shape on a map; `None` if the term has no shape. A characteristic speed is searched from the
+    /// second-lowest speed (at most a quarter of the top speed) to half the top speed.
     #[must_use]
     pub fn shape_range(self, map: &FrictionMap) -> Option<ShapeRange> {
         if self.is_linear() {
@@ -116,7 +116,7 @@ impl Term {
         Some(ShapeRange { min, max: 0.5 * top })
     }
 
-    /// Force at a velocity for a size of 1; `top_speed` is the highest speed of the map.
+    /// Force at a velocity for a size of 1.
     #[must_use]
     pub fn basis(self, velocity: f64, shape: f64, top_speed: f64) -> f64 {
         let speed = velocity.abs();
@@ -134,7 +134,7 @@ impl Term {
         }
     }
 
-    /// JSON key of the size, and the factor from the map's units to the unit of the key.
+    /// JSON key of the size, and the conversion factor from the map's units to the unit of the key.
     #[must_use]
     pub fn size_key(self, unit: Unit) -> (String, f64) {
         let force = unit.force_key();
@@ -151,7 +151,7 @@ impl Term {
         }
     }
 
-    /// JSON key of the shape, `None` where it has none.
+    /// JSON key of the shape; `None` if the term has none.
     #[must_use]
     pub fn shape_key(self, unit: Unit) -> Option<String> {
         match self {
@@ -162,7 +162,7 @@ impl Term {
     }
 }
 
-/// JSON key of a viscous coefficient, and its factor from force per speed of the map: linear ones are per m/s.
+/// JSON key of a viscous coefficient, and the conversion factor from the map's force per speed; linear ones are per m/s.
 #[must_use]
 pub fn viscous_key(name: &str, unit: Unit) -> (String, f64) {
     match unit {

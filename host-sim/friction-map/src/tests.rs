@@ -8,7 +8,7 @@ use super::selection::select;
 use super::term::Term;
 use super::*;
 
-/// Runs at 2 to 200 rpm whose means have a standard error of 0.015 mN·m.
+/// A map of runs at 2 to 200 rpm, whose means have a standard error of 0.015 mN·m.
 fn test_bench(seed: u64, both_directions: bool, law: impl Fn(f64) -> f64) -> FrictionMap {
     let speeds =
         [2.0, 10.0, 20.0, 30.0, 40.0, 50.0, 60.0, 70.0, 80.0, 90.0, 100.0, 120.0, 140.0, 160.0, 180.0, 200.0];
@@ -31,8 +31,8 @@ fn names(map: &FrictionMap) -> Vec<&'static str> {
     selection.fitted.law.terms.iter().map(|term| term.name()).collect()
 }
 
-/// The significance level holds: at 1 % per round, 1000 maps with a complete law give 10 ± 3.2 false terms by an exact
-/// test, and fewer since left-out ranges have to support a term, too.
+/// At a significance level of 1 % per round, an exact test finds 10 ± 3.2 false terms in 1000 maps with a complete law. The
+/// number is smaller here, as left-out ranges must also support a term.
 #[test]
 fn a_complete_law_gains_no_term() {
     let found = |both_directions: bool| {
@@ -48,7 +48,7 @@ fn a_complete_law_gains_no_term() {
     assert!(two <= 20 && one <= 20, "{two} {one}");
 }
 
-/// Coulomb 2.4, viscous 0.006, a load of −0.35 and Stribeck friction of 0.8 below 40 rpm, written out here.
+/// Coulomb friction 2.4, viscous coefficient 0.006, load −0.35, Stribeck friction 0.8·exp(−|v|/40 rpm).
 #[test]
 fn a_known_law_is_found_within_its_intervals() {
     let truth = |v: f64| {
@@ -84,7 +84,7 @@ fn a_known_law_is_found_within_its_intervals() {
     }
     println!("{right} of {seeds} right, {inside} of {all} inside");
     assert!(right >= 36, "{right} of {seeds}");
-    // 95 % intervals: of 200 parameters, correlated by five, 190 ± 7 lie inside.
+    // 95 % intervals: of 200 parameters in correlated groups of five, 190 ± 7 are within their intervals.
     let fraction = f64::from(inside) / f64::from(all);
     assert!((0.89..=0.995).contains(&fraction), "{fraction}");
 }
@@ -104,7 +104,7 @@ fn each_term_is_found_if_it_is_large() {
         ("saturating_friction", Box::new(move |v| 2.0 * sign(v) + 0.002 * v + 0.9 * (v / 30.0).tanh())),
     ];
     for (name, law) in laws {
-        // Where two forms are equally good on these speeds (a root and a logarithm), the result names both.
+        // If two forms are equally good at these speeds (a root and a logarithm), the result names both.
         let result = |seed: u64| {
             let map = test_bench(seed, true, &law);
             let explained = explain(&map).unwrap();
@@ -130,7 +130,7 @@ fn one_direction_shows_stribeck_friction_and_lists_what_is_not_testable() {
     assert_eq!(names(&map), ["stribeck"]);
     let not_testable: Vec<&str> = explained.not_testable.iter().map(|(term, _)| term.name()).collect();
     assert_eq!(not_testable, ["constant_load", "friction_asymmetry", "stribeck_asymmetry"]);
-    // Left-out runs cannot be predicted better than the standard error of 0.015, and should not be much worse.
+    // The error of left-out runs is at least the standard error of 0.015 and should not be much larger.
     assert!((0.012..0.03).contains(&explained.after.left_out), "{:?}", explained.after);
     assert!(explained.before.left_out > 3.0 * explained.after.left_out, "{:?}", explained.before);
 }
@@ -144,7 +144,7 @@ fn rows_may_have_any_order_and_either_unit() {
         (9, 1, Unit::Linear, None)
     );
     assert!(map.runs.is_sorted_by(|a, b| a.velocity <= b.velocity));
-    // By velocity −40 −20 −10 −5 5 10 20 30 40; in the file, without the standing one, 40 −10 10 −20 20 −40 5 −5 30.
+    // By velocity −40 −20 −10 −5 5 10 20 30 40; in the file, without the run at standstill, 40 −10 10 −20 20 −40 5 −5 30.
     assert_eq!(map.file_order, [5, 3, 1, 7, 6, 2, 4, 8, 0]);
     let explained = explain(&map).unwrap();
     let result = json(&map, &explained, None);
@@ -178,7 +178,7 @@ fn a_wrong_table_is_an_error_in_one_line() {
     );
     assert!(
         message(&format!("{head}1,2\n0,1\n"))
-            .contains("expected 5 runs that move or more, found 1, and 1 at speed 0")
+            .contains("expected 5 moving runs or more, found 1, and 1 at speed 0")
     );
     assert!(message(&format!("{head}1,2\n1,2\n2,3\n2,3\n1,2\n")).contains("3 different speeds"));
     assert!(

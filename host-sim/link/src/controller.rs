@@ -1,4 +1,4 @@
-//! What a simulator asks of a controller, and the controller in this process.
+//! The interface between simulator and controller, and the controller in this process.
 
 use shared::axis::Reading;
 use shared::config::{AxisSettings, Rates};
@@ -16,7 +16,7 @@ pub const MAX_AXES: usize = 3;
 pub struct AxisOutput {
     /// Force until the next tick, N.
     pub force_n: f64,
-    /// The same force as the bits of the controller's number format, in the low bits where that is narrower.
+    /// The same force as bits of the controller's number format; narrower formats use the low bits.
     pub force_bits: u64,
     /// Position command of the path.
     pub command: Position,
@@ -31,7 +31,7 @@ pub struct Status {
     pub warning: Option<Fault>,
     /// Whether all blocks are finished.
     pub done: bool,
-    /// Instructions of the tick, where they are counted (on the emulated core).
+    /// Number of instructions of the tick, if counted (on the emulated core).
     pub cost: Option<u32>,
 }
 
@@ -98,7 +98,7 @@ impl PathBlock {
         Self::new(PathShape::Dwell { seconds }, 0.0, 0.0)
     }
 
-    /// The block for a machine of `N` axes; `None` if it has another number of coordinates.
+    /// The block for a machine of `N` axes; `None` if the number of coordinates differs.
     #[must_use]
     pub fn for_axes<const N: usize>(&self) -> Option<Block<N>> {
         use shared::interpolate::block::Shape;
@@ -139,7 +139,7 @@ pub enum ControllerError {
     Link(String),
 }
 
-/// A controller of a machine, wherever it runs. All slices have one element per axis.
+/// A controller of a machine, in this process or elsewhere. All slices have one element per axis.
 pub trait Controller {
     /// Appends a block to the path.
     ///
@@ -194,7 +194,7 @@ pub enum Format {
     F64,
 }
 
-/// The controller of the crate `shared` in this process, drives off at position `start`.
+/// The controller of the crate `shared` in this process, with the drives off, at position `start`.
 ///
 /// # Errors
 /// If settings are refused or there are too many axes.

@@ -1,10 +1,10 @@
-//! The connection to a core that QEMU emulates, by the pipes of the emulator's process.
+//! The connection to a core emulated by QEMU, by the pipes of the emulator's process.
 //!
-//! The emulated program reads frames from standard input and writes answers to standard output through semihosting. Its
-//! clock is its own count of instructions, so that results do not depend on the speed of this computer.
+//! The emulated program reads frames from standard input and writes answers to standard output through semihosting. Its clock
+//! is its count of instructions, so that results do not depend on the speed of this computer.
 //!
-//! Emulator and host run in turn. A run is about 40 % faster if one processor does both (`taskset -c 0 lost-motion
-//! record …`); pinning the emulator alone gains nothing, and pinning the calling process is left to the user.
+//! Emulator and host run alternately. A run is about 40 % faster if both run on one processor (`taskset -c 0 lost-motion
+//! record …`). Pinning only the emulator has no effect, and pinning the calling process is left to the user.
 
 use std::ffi::OsStr;
 use std::io::{self, BufRead, BufReader, Read, Write};
@@ -21,17 +21,17 @@ use super::remote::{Connection, Frame};
 /// The emulator's program.
 const QEMU: &str = "qemu-system-arm";
 
-/// The emulated board. An instruction takes 2¹⁰ ns of its clock; the program's instruction counter divides by that.
+/// The emulated board. An instruction takes 2¹⁰ ns of the emulated clock; the program's instruction counter divides by this.
 const MACHINE: &[&str] = &["-machine", "mps2-an386", "-icount", "shift=10"];
 
-/// No window, monitor or serial port, and an end instead of a restart.
+/// No window, monitor or serial port; the process ends instead of rebooting.
 const PIPES_ONLY: &[&str] = &["-display", "none", "-monitor", "none", "-serial", "none", "-no-reboot"];
 
 /// Standard input and output of the emulated program are those of the emulator.
 const SEMIHOSTING: &[&str] = &["-semihosting-config", "enable=on,target=native"];
 
-/// Default of the time that an answer may take: a tick takes a millisecond, the start of the emulator on a loaded
-/// computer a second or two.
+/// Default of the maximum time for an answer. A tick takes about 1 ms, the start of the emulator on a loaded computer 1 to
+/// 2 s.
 pub const DEFAULT_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// A running emulator; dropping it ends the process.
@@ -39,11 +39,11 @@ pub const DEFAULT_TIMEOUT: Duration = Duration::from_secs(10);
 pub struct Emulator {
     child: Child,
     stdin: ChildStdin,
-    /// Answers, from the thread that reads standard output; disconnected when that ends.
+    /// Answers from the thread that reads standard output; disconnected when this thread ends.
     answers: Receiver<Frame>,
     /// Maximum time for an answer.
     timeout: Duration,
-    /// The thread that reads standard error; its result is the line that tells why the emulator ended.
+    /// The thread that reads standard error; its result is the line with the reason why the emulator ended.
     last_error: Option<JoinHandle<String>>,
 }
 
@@ -57,10 +57,10 @@ pub fn default_program() -> PathBuf {
 }
 
 impl Emulator {
-    /// Starts the emulator on a program, each of whose answers may take as long as `timeout`.
+    /// Starts the emulator with a program; `timeout` is the maximum time for each answer.
     ///
     /// # Errors
-    /// In one line, if the program or the emulator is missing, or the system does not start it.
+    /// A message of one line, if the program or the emulator is missing, or the emulator does not start.
     pub fn start(program: &Path, timeout: Duration) -> Result<Self, String> {
         if !program.is_file() {
             return Err(format!("{}: no such program, build it with `cargo emulated`", program.display()));
@@ -80,17 +80,17 @@ impl Emulator {
             command.stdin(Stdio::piped()).stdout(Stdio::piped()).stderr(Stdio::piped()).spawn()?;
         let pipes = (child.stdin.take(), child.stdout.take(), child.stderr.take());
         let (Some(stdin), Some(stdout), Some(stderr)) = pipes else {
-            return Err(io::Error::other("no pipe to it"));
+            return Err(io::Error::other("its standard streams are not available"));
         };
-        // Standard error is read all the time, so that an emulator that writes much does not block.
+        // Standard error is read continuously, so that a full pipe does not block the emulator.
         let last_error = thread::spawn(move || last_line(stderr));
-        // A read from a pipe has no timeout; waiting for a thread that reads has.
+        // A read from a pipe has no timeout, but receiving from a thread that reads has.
         let (sender, answers) = sync_channel(1);
         thread::spawn(move || forward_frames(stdout, &sender));
         Ok(Self { child, stdin, answers, timeout, last_error: Some(last_error) })
     }
 
-    /// Ends the emulator after a timeout; gives the message.
+    /// Ends the emulator after a timeout; returns the error message.
     fn timeout_error(&mut self) -> String {
         let _ = self.child.kill();
         let _ = self.child.wait();
@@ -101,9 +101,9 @@ impl Emulator {
         )
     }
 
-    /// The message after the emulator has ended by itself.
+    /// The error message after the emulator has ended by itself.
     fn exit_error(&mut self) -> String {
-        // Its pipes are closed; the process may still be ending.
+        // The pipes are closed, but the process may still be running.
         let _ = self.child.kill();
         let _ = self.child.wait();
         let reason = self.last_error.take().and_then(|reader| reader.join().ok()).unwrap_or_default();
@@ -117,7 +117,7 @@ impl Emulator {
 
 impl Connection for Emulator {
     fn exchange(&mut self, frame: &mut Frame) -> Result<(), String> {
-        // Does not block: the pipe holds many frames, and at most one is in transit.
+        // Does not block: the capacity of the pipe is many frames, and at most one is in transit.
         self.stdin.write_all(frame).map_err(|_| self.exit_error())?;
         match self.answers.recv_timeout(self.timeout) {
             Ok(answer) => {
@@ -149,8 +149,8 @@ fn installed(program: &str) -> Option<PathBuf> {
     std::env::split_paths(&folders).map(|folder| folder.join(OsStr::new(program))).find(|path| path.is_file())
 }
 
-/// Reads to the end; gives the last line that begins with `qemu`, otherwise the last that is not empty. QEMU may print
-/// registers behind its message.
+/// Reads to the end; returns the last line that begins with `qemu`, otherwise the last line that is not empty. QEMU may print
+/// registers after its message.
 fn last_line(stderr: ChildStderr) -> String {
     let (mut own, mut last) = (None, String::new());
     for line in BufReader::new(stderr).split(b'\n').map_while(Result::ok) {
@@ -179,7 +179,7 @@ mod tests {
     fn times_out_after(frames: usize) {
         // Long enough for a shell to start on a loaded computer.
         let timeout = Duration::from_millis(1500);
-        // Its output stays open as descriptor 3: closed, it would look like the end of the process.
+        // The output stays open as descriptor 3; a closed output would be taken for the end of the process.
         let echo = format!("dd bs={FRAME} count={frames} 2>/dev/null");
         let script = format!("{echo}; exec cat 3>&1 >/dev/null");
         let mut child = Emulator::spawn(Command::new("sh").args(["-c", &script]), timeout).unwrap();
@@ -194,9 +194,9 @@ mod tests {
             "{message}"
         );
         assert!(!message.contains('\n'), "{message}");
-        // Killing takes milliseconds, more on a loaded computer.
+        // Ending the process takes milliseconds, more on a loaded computer.
         assert!(waited >= timeout && waited < timeout + Duration::from_secs(5), "{waited:?}");
-        assert!(child.child.try_wait().unwrap().is_some(), "it still runs");
+        assert!(child.child.try_wait().unwrap().is_some(), "the process is still running");
         // The next exchange fails without waiting.
         let again = Instant::now();
         assert_eq!(child.exchange(&mut [7; FRAME]).unwrap_err(), "the emulator has ended");
@@ -218,7 +218,7 @@ mod tests {
         let mut child = shell("echo first >&2; echo could not load kernel >&2; exit 1");
         let mut frame = [0; 256];
         assert_eq!(child.exchange(&mut frame).unwrap_err(), "the emulator has ended: could not load kernel");
-        // The reason is given once.
+        // The reason is reported only once.
         assert_eq!(child.exchange(&mut frame).unwrap_err(), "the emulator has ended");
     }
 
@@ -229,7 +229,7 @@ mod tests {
     }
 
     #[test]
-    fn programs_are_found_as_a_shell_finds_them() {
+    fn programs_are_found_in_the_folders_of_path() {
         assert!(installed("sh").is_some());
         assert_eq!(installed("no-program-of-this-name"), None);
     }
@@ -241,7 +241,7 @@ mod tests {
     }
 
     #[test]
-    fn a_frame_goes_there_and_back() {
+    fn an_echoed_frame_is_unchanged() {
         let mut child = shell("cat");
         let mut frame = core::array::from_fn(|i| u8::try_from(i).unwrap());
         let sent = frame;
@@ -250,7 +250,7 @@ mod tests {
     }
 
     #[test]
-    fn the_default_program_lies_where_cargo_builds_it() {
+    fn the_default_program_is_at_the_path_of_cargo_emulated() {
         assert!(default_program().ends_with("thumbv7em-none-eabihf/firmware/emulated"));
     }
 }

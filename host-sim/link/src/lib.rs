@@ -1,8 +1,8 @@
 //! The controller of a simulated machine, in this process or on a chip at the other end of a connection.
 //!
 //! - [`controller`]: the trait that simulator and recorder use, and the controller in this process
-//! - [`remote`]: a controller that is reached by [`shared::protocol`] over any connection
-//! - [`emulator`]: the connection to a core that QEMU emulates
+//! - [`remote`]: a controller at the other end of a connection, by [`shared::protocol`]
+//! - [`emulator`]: the connection to a core emulated by QEMU
 
 pub mod controller;
 pub mod emulator;
@@ -15,14 +15,14 @@ use controller::ControllerError;
 use emulator::Emulator;
 use files::error::quoted;
 
-/// Opens a port; [`remote::Remote::set_up`] then sets its controller up.
+/// Opens a port. [`remote::Remote::set_up`] then configures its controller.
 ///
-/// `port` is `emulated`, for the program that `cargo emulated` has built, or `emulated:PATH` for another build of it.
-/// Each answer may take as long as `timeout`.
+/// `port` is `emulated` for the program built by `cargo emulated`, or `emulated:PATH` for another build of it. `timeout` is
+/// the maximum time for an answer.
 ///
 /// # Errors
-/// [`ControllerError::Port`] where there is no such port; [`ControllerError::Link`] where the program or the emulator is
-/// missing or does not start.
+/// [`ControllerError::Port`] if there is no such port; [`ControllerError::Link`] if the program or the emulator is missing
+/// or does not start.
 pub fn open(port: &str, timeout: Duration) -> Result<Emulator, ControllerError> {
     let program = match port.split_once(':') {
         None if port == "emulated" => emulator::default_program(),
@@ -46,7 +46,7 @@ mod tests {
     }
 
     #[test]
-    fn an_unknown_port_is_an_error_that_names_the_known_ones() {
+    fn the_error_for_an_unknown_port_lists_the_known_ports() {
         for port in ["/dev/ttyUSB0", "emulated:", "emulator", ""] {
             let message = error(port);
             assert!(message.contains("expected emulated or emulated:PROGRAM"), "{message}");
@@ -55,7 +55,7 @@ mod tests {
     }
 
     #[test]
-    fn a_missing_program_is_an_error_that_says_how_to_build_it() {
+    fn the_error_for_a_missing_program_contains_the_command_to_build_it() {
         assert_eq!(
             error("emulated:/nowhere/emulated"),
             "link: /nowhere/emulated: no such program, build it with `cargo emulated`"

@@ -1,4 +1,4 @@
-//! A controller at the other end of a connection, which answers each frame by one frame.
+//! A controller at the other end of a connection that answers each frame with one frame.
 
 use shared::axis::Reading;
 use shared::config::{AxisSettings, Rates};
@@ -28,8 +28,8 @@ pub trait Connection {
 
 /// The controller of a machine of one or two axes at the other end of a connection.
 ///
-/// The protocol has two axes. A machine of one axis gets a second one that stands still at 0: it adds exactly 0 to every
-/// path length, so that the results of the first axis are the same bits as without it.
+/// The protocol has two axes. For a machine of one axis, the second axis is at rest at 0. It adds exactly 0 to every path
+/// length, so that the results of the first axis are bit-identical to those without it.
 #[derive(Debug)]
 pub struct Remote<C: Connection> {
     connection: C,
@@ -38,11 +38,11 @@ pub struct Remote<C: Connection> {
 }
 
 impl<C: Connection> Remote<C> {
-    /// Sets the controller at the other end up, drives off.
+    /// Configures the controller at the other end, with the drives off.
     ///
     /// # Errors
-    /// [`ControllerError::Refused`] where the same controller in this process refuses the settings;
-    /// [`ControllerError::Port`] for more axes than the protocol has; [`ControllerError::Link`] if the connection fails.
+    /// [`ControllerError::Refused`] if the same controller in this process refuses the settings; [`ControllerError::Port`]
+    /// for more axes than the protocol has; [`ControllerError::Link`] if the connection fails.
     pub fn set_up(
         connection: C,
         format: Format,
@@ -72,7 +72,7 @@ impl<C: Connection> Remote<C> {
         Ok(remote)
     }
 
-    /// Sends an order, in parts if it does not fit into one frame, and gives the answer.
+    /// Sends an order, in parts if it does not fit into one frame; returns the answer.
     fn request(&mut self, order: &Order) -> Result<Answer, ControllerError> {
         let mut frame = [0; FRAME];
         if protocol::encode(order, &mut frame).is_ok() {
@@ -93,7 +93,7 @@ impl<C: Connection> Remote<C> {
         }
     }
 
-    /// Sends a frame; a refusal is an error.
+    /// Sends a frame; returns a refusal as error.
     fn exchange(&mut self, mut frame: Frame) -> Result<Answer, ControllerError> {
         self.connection.exchange(&mut frame).map_err(ControllerError::Link)?;
         match protocol::decode(&frame).map_err(|error| unexpected(&error))? {
@@ -118,7 +118,7 @@ impl<C: Connection> Controller for Remote<C> {
             (PathShape::Line { to_m }, 1) if to_m.len() == 1 => {
                 PathBlock { shape: PathShape::Line { to_m: vec![to_m[0], 0.0] }, ..block.clone() }
             }
-            // The other end has a second axis and would accept it; a machine of one axis refuses.
+            // The other end has a second axis and would accept the arc, but a machine of one axis must refuse it.
             (PathShape::Arc { .. } | PathShape::ArcTo { .. }, 1) => {
                 return Err(ControllerError::Refused(MachineError::Path(PathError::BadPlane)));
             }
@@ -139,8 +139,8 @@ impl<C: Connection> Controller for Remote<C> {
         if readings.len() != self.axes {
             return Err(ControllerError::Axes(readings.len()));
         }
-        let still = Reading { motor: Position(0), table: Some(Position(0)) };
-        let ticked = match self.request(&Order::Tick(padded(readings, still)))? {
+        let at_rest = Reading { motor: Position(0), table: Some(Position(0)) };
+        let ticked = match self.request(&Order::Tick(padded(readings, at_rest)))? {
             Answer::Tick(ticked) => ticked,
             other => return Err(unexpected(&other)),
         };
@@ -157,7 +157,7 @@ fn padded<T: Copy>(elements: &[T], padding: T) -> [T; AXES] {
     core::array::from_fn(|axis| elements.get(axis).copied().unwrap_or(padding))
 }
 
-/// The force (N) for its bits in a number format.
+/// The force (N) from its bits in a number format.
 #[expect(clippy::cast_possible_truncation, reason = "the narrow formats fill the low bits")]
 fn force_n(format: Format, bits: u64) -> f64 {
     match format {
@@ -167,9 +167,11 @@ fn force_n(format: Format, bits: u64) -> f64 {
     }
 }
 
-/// An answer that a controller of this version does not give over an intact connection.
+/// The error for an answer that a controller of this version does not send over an intact connection.
 fn unexpected(what: &impl core::fmt::Debug) -> ControllerError {
-    ControllerError::Link(format!("unexpected answer {what:?}: is the program there of this version?"))
+    ControllerError::Link(format!(
+        "unexpected answer {what:?}; check that the program has the version of this host"
+    ))
 }
 
 #[cfg(test)]
@@ -178,7 +180,7 @@ mod tests {
 
     use super::*;
 
-    /// The session of the chip's program, called directly.
+    /// A direct connection to the session of the chip's program.
     #[derive(Default)]
     struct Direct {
         session: Session,
@@ -209,7 +211,7 @@ mod tests {
         PathBlock { shape, ..line(&[]) }
     }
 
-    /// Runs both controllers with readings that are the command of the tick before plus a drift.
+    /// Runs both controllers with the command of the previous tick plus a drift as readings, and compares their outputs.
     fn assert_same(
         mut local: Box<dyn Controller>,
         mut remote: Remote<Direct>,

@@ -1,4 +1,4 @@
-//! The machine and motion files of `host-sim/machines` and `host-sim/motions` that programs and tests use by name.
+//! Machine and motion files of `host-sim/machines` and `host-sim/motions` that are compiled into programs and tests.
 
 /// Two axes with a linear scale and a tool sensor: the machine of `demo`.
 pub const DEMO_MACHINE: &str = include_str!("../../machines/demo.toml");

@@ -1,13 +1,14 @@
-//! Friction as a curve over velocity alone, for guideways and motors whose published data is such a curve.
+//! Friction as a function of velocity only, for guideways and motors with published curves.
 //!
-//! Two shapes are in use. A coefficient that falls from its static value and rises again (Chattopadhyay 2008, eq. 1,
-//! after Feeny and Moon): μ(v) = [μ2·v² + (μ1·γ − μ2)·sech βv]·tanh αv, times the load on the guideway. And straight
-//! lines between points (Soeda 1977, Fig. 1): static friction at standstill, down to a least kinetic friction, and up
-//! again with speed.
+//! There are two forms:
+//! - a coefficient that falls from its static value and rises again (Chattopadhyay 2008, eq. 1, after Feeny and Moon):
+//!   μ(v) = [μ2·v² + (μ1·γ − μ2)·sech βv]·tanh αv, times the load on the guideway;
+//! - linear interpolation between points (Soeda 1977, Fig. 1): from static friction at standstill down to a minimum of
+//!   kinetic friction, and up again with speed.
 
 use serde::{Deserialize, Serialize};
 
-/// A friction curve, as it may stand in a file: the table's one key says which.
+/// A friction curve. In a file, it is a table with one key, the name of the form.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Curve {
@@ -18,7 +19,7 @@ pub enum Curve {
 }
 
 impl Curve {
-    /// Friction against the motion, N: of the sign of the velocity, and none at standstill.
+    /// Friction against the motion, N, with the sign of the velocity; zero at standstill.
     #[must_use]
     pub fn force_n(&self, velocity_m_per_s: f64) -> f64 {
         match self {
@@ -27,7 +28,7 @@ impl Curve {
         }
     }
 
-    /// What has to be overcome at a velocity, N, also at standstill.
+    /// Absolute value of friction, N; at standstill the limit for v → 0.
     #[must_use]
     pub fn level_n(&self, velocity_m_per_s: f64) -> f64 {
         match self {
@@ -36,10 +37,10 @@ impl Curve {
         }
     }
 
-    /// What is wrong with the parameters, if anything.
+    /// Checks the parameters.
     ///
     /// # Errors
-    /// What was expected instead, in words.
+    /// What was expected, in words.
     pub fn check(&self) -> Result<(), &'static str> {
         match self {
             Self::FallingRising(curve) => curve.check(),
@@ -48,29 +49,29 @@ impl Curve {
     }
 }
 
-/// A coefficient that falls and rises, on a loaded guideway.
+/// A friction coefficient that falls and rises with speed, times the load on a guideway.
 ///
-/// The paper takes the velocity as a number without unit but gives α and β one: here it counts in m/s. Its α is
-/// printed in s²/m²; with that, the argument of an odd function would be even in v, so it is read in s/m, like β.
+/// The paper gives units for α and β but none for the velocity, which is taken in m/s. The printed unit of α is s²/m². As
+/// this would make the argument of tanh even in v, the unit s/m is used, as for β.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FallingRising {
     /// μ1, static coefficient.
     pub mu1: f64,
-    /// μ2, dynamic coefficient; also what the square of the velocity (m/s) is multiplied by.
+    /// μ2, dynamic coefficient; also the factor of the square of the velocity (m/s).
     pub mu2: f64,
-    /// α, how sharply friction changes its sign, s/m.
+    /// α, steepness of the change of sign at zero velocity, s/m.
     pub alpha: f64,
-    /// β, how fast friction falls off, s/m.
+    /// β, rate of the decrease with speed, s/m.
     pub beta: f64,
-    /// γ, how far the peak is raised over what tanh and sech leave of it.
+    /// γ, factor that compensates the reduction of the peak by tanh and sech.
     pub gamma: f64,
-    /// On the guideway.
+    /// Load on the guideway.
     pub load_n: f64,
 }
 
 impl FallingRising {
-    /// μ at a velocity, of its sign.
+    /// μ at a velocity, with the sign of the velocity.
     #[must_use]
     pub fn coefficient(&self, velocity_m_per_s: f64) -> f64 {
         let v = velocity_m_per_s;
@@ -89,18 +90,18 @@ impl FallingRising {
         if all.iter().any(|value| !value.is_finite() || *value < 0.0) {
             return Err("finite numbers not below 0");
         }
-        // Otherwise friction would push at low speed.
+        // Otherwise friction would act in the direction of motion at low speed.
         if self.mu1 * self.gamma < self.mu2 { Err("mu1 times gamma not below mu2") } else { Ok(()) }
     }
 }
 
-/// Friction as straight lines between points; beyond the last point the last line goes on.
+/// Linear interpolation of friction between points. The last segment is extrapolated to higher speeds.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Piecewise {
-    /// From standstill upwards, for motion in + direction. Below the first point its force holds.
+    /// Points for motion in + direction, by ascending speed. Below the first speed, the force is that of the first point.
     pub forward: Vec<Point>,
-    /// The same for motion in − direction, with speeds and forces counted positive; absent: as forward.
+    /// The same for motion in − direction, with positive speeds and forces; absent: as forward.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub backward: Option<Vec<Point>>,
 }
@@ -109,9 +110,9 @@ pub struct Piecewise {
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Point {
-    /// Not negative.
+    /// Speed, not negative.
     pub speed_mm_s: f64,
-    /// Against the motion.
+    /// Friction against the motion, not negative.
     pub force_n: f64,
 }
 
@@ -125,7 +126,7 @@ impl Piecewise {
         level_n(self.side(velocity_m_per_s), 1e3 * velocity_m_per_s.abs()).copysign(velocity_m_per_s)
     }
 
-    /// The points of a direction.
+    /// Points of the direction of motion.
     fn side(&self, velocity_m_per_s: f64) -> &[Point] {
         match &self.backward {
             Some(backward) if velocity_m_per_s < 0.0 => backward,
@@ -151,7 +152,7 @@ impl Piecewise {
     }
 }
 
-/// The level at a speed. Friction never pushes: a line that falls below zero ends there.
+/// Friction at a speed. It is limited to zero from below, as friction never acts in the direction of motion.
 fn level_n(points: &[Point], speed_mm_s: f64) -> f64 {
     let Some(first) = points.first() else { return 0.0 };
     if speed_mm_s <= first.speed_mm_s || points.len() == 1 {
@@ -159,8 +160,8 @@ fn level_n(points: &[Point], speed_mm_s: f64) -> f64 {
     }
     let above = points.partition_point(|point| point.speed_mm_s < speed_mm_s).min(points.len() - 1);
     let (from, to) = (points[above - 1], points[above]);
-    let share = (speed_mm_s - from.speed_mm_s) / (to.speed_mm_s - from.speed_mm_s);
-    (from.force_n + share * (to.force_n - from.force_n)).max(0.0)
+    let fraction = (speed_mm_s - from.speed_mm_s) / (to.speed_mm_s - from.speed_mm_s);
+    (from.force_n + fraction * (to.force_n - from.force_n)).max(0.0)
 }
 
 #[cfg(test)]
@@ -175,26 +176,26 @@ mod tests {
     /// at 0.2 m/s tanh 10 = 1, sech 1 = 0.648054, so 0.0032 + 0.093968 = 0.097168; at 2 m/s sech 10 = 0.0000908, so
     /// 0.32 + 0.0000132.
     #[test]
-    fn falls_and_rises() {
+    fn friction_falls_and_rises_with_speed() {
         for (v, expected_n) in [(0.02, 109.906), (0.2, 97.168), (2.0, 320.013)] {
             assert!((paper().force_n(v) - expected_n).abs() < 1e-3, "{v}: {}", paper().force_n(v));
             assert!((paper().force_n(-v) + expected_n).abs() < 1e-3, "odd");
         }
         assert!(paper().force_n(0.0).abs() < f64::EPSILON);
-        // Close to standstill a line of slope (μ1·γ − μ2)·α = 7.25 s/m.
+        // Near standstill the slope is (μ1·γ − μ2)·α = 7.25 s/m.
         assert!((paper().coefficient(1e-6) / 7.25e-6 - 1.0).abs() < 1e-6);
     }
 
-    /// The design example of the dual-feedback paper, 1 kg·cm as 1 N: 30 at standstill, 13 at the least, and 32.5 at
-    /// 4800 mm/min = 80 mm/s. Where the least is is not printed; here at 2 mm/s.
+    /// The design example of the dual-feedback paper, 1 kg·cm as 1 N: 30 at standstill, a minimum of 13, and 32.5 at
+    /// 4800 mm/min = 80 mm/s. The speed of the minimum is not printed; 2 mm/s are assumed.
     fn soeda() -> Piecewise {
         let point = |(speed_mm_s, force_n)| Point { speed_mm_s, force_n };
         Piecewise { forward: [(0.0, 30.0), (2.0, 13.0), (80.0, 32.5)].map(point).to_vec(), backward: None }
     }
 
     #[test]
-    fn is_straight_between_points() {
-        // 30 − 17/2·1; 13 + 19.5/78·39; beyond the last point 32.5 + 0.25 a mm/s.
+    fn friction_is_linear_between_points() {
+        // 30 − 17/2·1; 13 + 19.5/78·39; beyond the last point 32.5 + 0.25 per mm/s.
         for (mm_s, expected_n) in
             [(1e-9, 30.0), (1.0, 21.5), (2.0, 13.0), (41.0, 22.75), (80.0, 32.5), (100.0, 37.5)]
         {
@@ -206,7 +207,7 @@ mod tests {
     }
 
     #[test]
-    fn directions_may_differ_and_a_falling_line_ends_at_zero() {
+    fn directions_may_differ_and_extrapolation_ends_at_zero() {
         let backward =
             vec![Point { speed_mm_s: 1.0, force_n: 20.0 }, Point { speed_mm_s: 3.0, force_n: 10.0 }];
         let curve = Piecewise { backward: Some(backward), ..soeda() };
@@ -217,7 +218,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_entry_reads_back_as_it_was_written() {
+    fn a_written_file_entry_is_read_as_the_same_curve() {
         for curve in [Curve::FallingRising(paper()), Curve::Piecewise(soeda())] {
             let text = toml::to_string(&curve).unwrap();
             assert_eq!(toml::from_str::<Curve>(&text).unwrap(), curve, "{text}");
@@ -229,13 +230,13 @@ mod tests {
     }
 
     #[test]
-    fn what_no_friction_is_is_refused() {
+    fn invalid_curves_are_refused() {
         let pushing = FallingRising { gamma: 0.5, ..paper() };
         assert!(Curve::FallingRising(pushing).check().is_err());
         assert!(Curve::FallingRising(FallingRising { load_n: f64::NAN, ..paper() }).check().is_err());
-        let mut back_and_forth = soeda();
-        back_and_forth.forward.swap(1, 2);
-        for piecewise in [Piecewise { forward: Vec::new(), backward: None }, back_and_forth] {
+        let mut not_ascending = soeda();
+        not_ascending.forward.swap(1, 2);
+        for piecewise in [Piecewise { forward: Vec::new(), backward: None }, not_ascending] {
             assert!(Curve::Piecewise(piecewise).check().is_err());
         }
     }

@@ -1,6 +1,6 @@
-//! How friction above the sliding level falls with speed: functions that effects and friction maps share.
+//! Decay of friction with speed: functions that effects and friction maps share.
 //!
-//! The argument is the velocity over the characteristic velocity vs, without unit, of either sign.
+//! The argument is the dimensionless ratio v/vs of velocity and characteristic velocity, of either sign.
 
 /// exp(−(v/vs)²), the usual form of the Stribeck effect (Bo and Pavelescu, *Wear* 82, 1982, with exponent 2).
 #[must_use]

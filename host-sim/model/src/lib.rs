@@ -1,11 +1,14 @@
-//! What is declared of a machine.
+//! The declared model of a machine, and the motion file.
 //!
-//! [`axis`] has the settings of one axis. [`effects`], over it, is the catalogue of what a machine may do beyond its declared
-//! model. [`machine`], over both, is the machine file: the settings of its axes and the effects that were found. [`bodies`]
-//! is a machine as rigid bodies on elastic joints, [`friction_curve`] a published friction law, [`friction_law`] the functions of speed that effects
-//! and friction maps share. [`motion`] is the motion
-//! file. [`servo`] turns the settings of an axis, and the effects in its controller, into the settings of the controller in
-//! [`shared`]. [`range`] is the range of a declared number.
+//! - [`axis`]: the settings of one axis.
+//! - [`effects`]: the catalogue of effects that a declared model may lack.
+//! - [`machine`]: the machine file, with the settings of its axes and the effects found.
+//! - [`bodies`]: a machine as rigid bodies on elastic joints.
+//! - [`friction_curve`]: published friction curves.
+//! - [`friction_law`]: functions of velocity that effects and friction maps share.
+//! - [`motion`]: the motion file.
+//! - [`servo`]: converts the settings of an axis, and the effects in its controller, into settings of [`shared`].
+//! - [`range`]: the range of a declared number.
 
 pub mod axis;
 pub mod bodies;

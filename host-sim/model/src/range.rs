@@ -1,9 +1,9 @@
-//! The range that a declared number has to lie in, and how an error says it.
+//! The permitted range of a declared number, and its description in an error message.
 
 use files::document::Document;
 use files::error::InputError;
 
-/// Upper bound of every number of a machine file, in its own unit: more is a slip.
+/// Upper bound of every number of a machine file, in its own unit. A larger number is a typing error.
 const LARGEST: f64 = 1e12;
 
 /// The range of a declared number.
@@ -37,10 +37,10 @@ impl Range {
         }
     }
 
-    /// Checks the value that stands at a key of a document.
+    /// Checks the value of a key of a document.
     ///
     /// # Errors
-    /// If it lies outside: the range, and what stands there.
+    /// If the value is out of range. The error contains the range and the value.
     pub fn check(self, key: &str, value: f64, document: &Document<'_>) -> Result<(), InputError> {
         if self.contains(value) {
             return Ok(());
@@ -68,7 +68,7 @@ mod tests {
     use super::Range;
 
     #[test]
-    fn a_range_ends_where_it_says() {
+    fn ranges_include_closed_ends_and_exclude_open_ends() {
         assert!(Range::Above(-100.0).contains(-99.9) && !Range::Above(-100.0).contains(-100.0));
         assert!(Range::NotNegative.contains(0.0) && !Range::Positive.contains(0.0));
         assert!(Range::Within(3.0).contains(-3.0) && !Range::Within(3.0).contains(-3.1));

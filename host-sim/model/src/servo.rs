@@ -1,4 +1,4 @@
-//! The machine file's controller keys as settings of `shared`.
+//! Conversion of the controller's keys in the machine file to settings of `shared`.
 
 use shared::config::{self, AxisSettings, LowPass, Notch};
 use shared::interpolate::Smoothing;
@@ -6,27 +6,27 @@ use shared::interpolate::Smoothing;
 use crate::axis::{Feedback, Filters, Law, Settings};
 use crate::effects::{Effect, ServoMismatch, VelocityLag};
 
-/// Following error at which the controller gives up where the machine file says nothing, m.
+/// Following error at which the drives are switched off if the machine file declares no limit, m.
 pub const FOLLOWING_ERROR_LIMIT_M: f64 = 0.13;
 
 /// Force limit of an axis that declares none, N.
 const UNLIMITED_N: f64 = 1e5;
 
-/// Effects that sit in the controller.
+/// Effects in the controller.
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct ServoParameters {
-    /// Of Kp.
+    /// Deviation of Kp.
     pub mismatch: ServoMismatch,
-    /// Of the velocity reading.
+    /// Delay of the velocity reading.
     pub lag: VelocityLag,
-    /// How much later than the sensors are read the force acts, s; negative: the reading is that of a later instant.
+    /// Delay of the force relative to the reading of the sensors, s; negative: the sensors are read later.
     pub drive_late_s: f64,
-    /// Length of the semi-implicit steps that the controller takes its filter in, s; 0: it steps exactly.
+    /// Semi-implicit step of the controller's filter, s; 0: exact discretization.
     pub filter_step_s: f64,
 }
 
 impl ServoParameters {
-    /// Those of an axis's effects that sit in its controller.
+    /// Selects the effects in the controller from the effects of an axis.
     #[must_use]
     pub fn of(effects: &[Effect]) -> Self {
         let mut parameters = Self::default();
@@ -41,10 +41,10 @@ impl ServoParameters {
     }
 }
 
-/// Settings of the controller for an axis of a machine file, with the effects that sit in it.
+/// Settings of the controller for an axis of a machine file, with the effects in the controller.
 ///
 /// # Errors
-/// The key that the file lacks.
+/// The missing key.
 pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettings, &'static str> {
     let Settings { controller, filters, limits, sensors, .. } = axis;
     let law = match controller.law.ok_or("controller")? {
@@ -63,7 +63,7 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
     Ok(AxisSettings {
         law,
         position_gain_per_s: factor * controller.position_gain_per_s.ok_or("position_gain_per_s")?,
-        // Velocity feed-forward passes the same gain: the lead is Kf over the true Kp.
+        // The lead (Kf/Kp)·d(command)/dt contains the same Kp, so that the mismatch does not change the feed-forward.
         feedforward_percent: controller.feedforward_percent.unwrap_or(0.0),
         velocity_gain_n_s_per_m: controller.velocity_gain_n_s_per_m.ok_or("velocity_gain_n_s_per_m")?,
         velocity_integral_time_s: controller.velocity_integral_time_s,
@@ -88,7 +88,7 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
     })
 }
 
-/// The filter behind the path.
+/// The filter of the path.
 #[must_use]
 pub fn smoothing(filters: &Filters) -> Smoothing {
     match (filters.smoothing_s, filters.smoothing_jerk_s, filters.smoothing_time_constant_s) {
@@ -99,7 +99,7 @@ pub fn smoothing(filters: &Filters) -> Smoothing {
     }
 }
 
-/// The notch on the force, if all of it is declared.
+/// The notch on the force, if all its keys are declared.
 #[must_use]
 pub fn notch(filters: &Filters) -> Option<Notch> {
     Some(Notch {
@@ -109,7 +109,7 @@ pub fn notch(filters: &Filters) -> Option<Notch> {
     })
 }
 
-/// The low-pass on the force, if all of it is declared.
+/// The low-pass on the force, if both keys are declared.
 #[must_use]
 pub fn low_pass(filters: &Filters) -> Option<LowPass> {
     Some(LowPass {

@@ -14,7 +14,7 @@ pub fn rms(values: impl IntoIterator<Item = f64>) -> f64 {
     mean(values.into_iter().map(|value| value * value)).abs().sqrt()
 }
 
-/// By how much a root mean square falls, percent, when its square falls by a fraction (0 to 1); negative where it rises.
+/// Reduction of a root mean square, percent, if its square decreases by a fraction (at most 1); negative if it increases.
 #[must_use]
 pub fn rms_reduction_percent(fraction: f64) -> f64 {
     100.0 * (1.0 - (1.0 - fraction).max(0.0).sqrt())
@@ -27,7 +27,7 @@ pub fn mean_and_deviation(values: &[f64]) -> (f64, f64) {
     (mean, rms(values.iter().map(|value| value - mean)))
 }
 
-/// The median, of an even count the upper of the two middle values; `None` if there is no value.
+/// The median; for an even count, the larger of the two middle values. `None` if there is no value.
 #[must_use]
 pub fn median(values: &[f64]) -> Option<f64> {
     let mut sorted = values.to_vec();
@@ -35,8 +35,8 @@ pub fn median(values: &[f64]) -> Option<f64> {
     (middle < sorted.len()).then(|| *sorted.select_nth_unstable_by(middle, f64::total_cmp).1)
 }
 
-/// The smallest of the values that at least a fraction (0 to 1) of them does not exceed (nearest rank); NaN if there is
-/// no value.
+/// The quantile by nearest rank: the smallest value that is not exceeded by at least a fraction (0 to 1) of the values; NaN
+/// if there is no value.
 #[must_use]
 pub fn quantile(values: &[f64], fraction: f64) -> f64 {
     let mut sorted = values.to_vec();
@@ -51,7 +51,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn averages_by_hand() {
+    fn averages_are_those_computed_by_hand() {
         // Mean of 1, 2, 6 is 3; squares 1 + 4 + 36 = 41; deviations −2, −1, 3: 14.
         let values = [1.0, 2.0, 6.0];
         assert!((mean(values) - 3.0).abs() < 1e-15);
@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn three_quarters_of_the_square_are_half_of_the_root() {
+    fn a_square_reduced_by_75_percent_reduces_the_root_by_50_percent() {
         assert!((rms_reduction_percent(0.75) - 50.0).abs() < 1e-12);
         assert!((rms_reduction_percent(-3.0) + 100.0).abs() < 1e-12);
     }

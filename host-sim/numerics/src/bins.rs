@@ -7,21 +7,21 @@ use super::extremes::min_max;
 pub struct Bin {
     /// Centre of the bin, in the unit of x.
     pub centre: f64,
-    /// Number of samples in it.
+    /// Number of samples in the bin.
     pub count: usize,
-    /// Sum of their y.
+    /// Sum of y over these samples.
     pub sum: f64,
 }
 
 impl Bin {
-    /// Mean of y; not a number in an empty bin.
+    /// Mean of y; NaN in an empty bin.
     #[must_use]
     pub fn mean(&self) -> f64 {
         self.sum / self.count as f64
     }
 }
 
-/// Sorts samples (x, y) into bins of equal width from the smallest to the largest x, empty ones included. `None` if x
+/// Sorts samples (x, y) into bins of equal width from the smallest to the largest x. Empty bins are included. `None` if x
 /// does not vary or is not finite.
 #[must_use]
 pub fn binned(samples: &[(f64, f64)], bins: usize) -> Option<Vec<Bin>> {

@@ -1,4 +1,4 @@
-//! Tail of Fisher's F, quantile of Student's t, interval of a probability.
+//! Tail probability of Fisher's F, quantile of Student's t, confidence interval of a probability.
 
 /// 97.5 % quantile of the standard normal distribution.
 const Z_975: f64 = 1.96;
@@ -30,7 +30,7 @@ fn beta(a: f64, b: f64, x: f64) -> f64 {
     if x >= 1.0 {
         return 1.0;
     }
-    // The fraction converges fast only below this x; above it, Iₓ(a, b) = 1 − I₁₋ₓ(b, a).
+    // The fraction converges fast only below this x. Above it, Iₓ(a, b) = 1 − I₁₋ₓ(b, a) is used.
     if x > (a + 1.0) / (a + b + 2.0) {
         return 1.0 - beta(b, a, 1.0 - x);
     }
@@ -70,14 +70,14 @@ pub fn student_t_975(n: usize) -> f64 {
     let (mut low, mut high) = (1.9, 13.0);
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        // t² is F distributed with 1 and n degrees of freedom; both tails of t together hold 5 %.
+        // t² is F distributed with 1 and n degrees of freedom; the probability of both tails of t together is 5 %.
         if f_test_p_value(middle * middle, 1, n) > 0.05 { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
 
-/// 95 % interval of a probability of which `hits` of `trials` were observed (E. B. Wilson, *J. Am. Stat. Assoc.* 22,
-/// 1927); `[0, 1]` without a trial.
+/// 95 % confidence interval of a probability after `hits` in `trials` (E. B. Wilson, *J. Am. Stat. Assoc.* 22, 1927);
+/// `[0, 1]` without a trial.
 #[must_use]
 pub fn wilson_interval(hits: usize, trials: usize) -> [f64; 2] {
     if trials == 0 {
@@ -97,7 +97,7 @@ mod tests {
 
     /// Published tables: Student's t, and Fisher's F at 1 %.
     #[test]
-    fn agrees_with_printed_tables() {
+    fn distributions_agree_with_printed_tables() {
         for (n, t) in [(1, 12.706), (5, 2.571), (10, 2.228), (27, 2.052), (120, 1.980)] {
             assert!((student_t_975(n) - t).abs() < 6e-4, "{n}: {}", student_t_975(n));
         }
@@ -108,13 +108,13 @@ mod tests {
     }
 
     #[test]
-    fn the_interval_is_wilsons() {
-        // His formula by hand at 9 of 10: (0.9 + 0.19208 ± 1.96·√(0.009 + 0.009604)) / 1.38416.
+    fn the_interval_is_that_of_wilson() {
+        // By hand for 9 of 10: (0.9 + 0.19208 ± 1.96·√(0.009 + 0.009604)) / 1.38416.
         let [low, high] = wilson_interval(9, 10);
         assert!((low - (1.09208 - 0.267_337) / 1.38416).abs() < 1e-5, "{low}");
         assert!((high - (1.09208 + 0.267_337) / 1.38416).abs() < 1e-5, "{high}");
         assert_eq!(wilson_interval(0, 0).map(f64::to_bits), [0.0_f64, 1.0].map(f64::to_bits));
-        // All of n: z²/(n + z²) are left below.
+        // For n of n, the lower end is n/(n + z²).
         let [low, high] = wilson_interval(20, 20);
         assert!((low - 20.0 / (20.0 + 1.96 * 1.96)).abs() < 1e-12, "{low}");
         assert!((high - 1.0).abs() < 1e-12, "{high}");

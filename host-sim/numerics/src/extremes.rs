@@ -1,4 +1,4 @@
-//! Minimum and maximum. Values that are not a number are skipped.
+//! Minimum and maximum. NaN is skipped.
 
 /// The smallest value; +∞ if there is none.
 #[must_use]
@@ -26,7 +26,7 @@ pub fn peak_to_peak(values: impl IntoIterator<Item = f64>) -> f64 {
     max - min
 }
 
-/// The largest magnitude; 0 if there is no value.
+/// The largest absolute value; 0 if there is no value.
 #[must_use]
 pub fn max_abs(values: impl IntoIterator<Item = f64>) -> f64 {
     values.into_iter().fold(0.0, |max, value| value.abs().max(max))
@@ -37,7 +37,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn extremes_skip_what_is_not_a_number() {
+    fn extremes_skip_nan() {
         let values = [2.0, f64::NAN, -5.0, 3.0];
         assert_eq!(min_max(values).map(f64::to_bits), [-5.0_f64, 3.0].map(f64::to_bits));
         assert_eq!([min(values), max(values)].map(f64::to_bits), [-5.0_f64, 3.0].map(f64::to_bits));

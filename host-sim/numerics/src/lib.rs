@@ -1,15 +1,15 @@
-//! Small numerical functions that several crates share. It depends on no other crate of this workspace.
+//! Numerical functions that several crates share. The crate depends on no other crate of this workspace.
 //!
-//! - [`extremes`]: minimum, maximum, peak to peak, maximum magnitude
+//! - [`extremes`]: minimum, maximum, peak to peak, largest absolute value
 //! - [`averages`]: mean, root mean square, standard deviation, median, quantile
 //! - [`bins`]: mean of one variable over equal bins of another
 //! - [`noise`]: standard normal deviates
 //! - [`spectrum`]: power spectrum
 //! - [`distributions`]: F test, Student's t, Wilson's interval of a probability
 //!
-//! Sums run from the first value to the last, in plain f64, so that results are the same bits on every host. `statrs`
-//! and `rand_distr` have most of this, but other approximations and another order of draws: recorded results and
-//! seeds would change.
+//! Sums are computed in f64 from the first value to the last, so that results are bit-identical on every host. `statrs` and
+//! `rand_distr` contain most of these functions, but with other approximations and another order of random draws: recorded
+//! results and the meaning of seeds would change.
 
 pub mod averages;
 pub mod bins;

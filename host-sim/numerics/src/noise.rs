@@ -1,24 +1,24 @@
 //! Standard normal deviates: mean 0, variance 1.
 //!
-//! There are two generators because two programs draw: the plant and, independently of it, the self-test's second
-//! simulator. Their sequences are part of what a seed means, so neither may be replaced by the other.
+//! There are two generators: one for the plant, and one for the independent second simulator of the self-test. Neither may be
+//! replaced, as the sequence of a seed would change.
 
 use std::f64::consts::TAU;
 
 use rand::RngExt;
 
-/// A nearly normal deviate as the sum of twelve uniform ones less 6 (Irwin and Hall), within ±6. It takes twelve draws
-/// and is the same bits on every host, since it uses no logarithm or cosine of the host's library.
+/// An approximately normal deviate: the sum of twelve uniform deviates less 6 (Irwin and Hall), within ±6. It takes twelve
+/// draws and is bit-identical on every host, as it uses no logarithm or cosine of the host's library.
 #[must_use]
 pub fn sum_of_uniforms(random: &mut impl RngExt) -> f64 {
     (0..12).map(|_| random.random::<f64>()).sum::<f64>() - 6.0
 }
 
-/// A normal deviate √(−2·ln u)·cos(2π·v) of two uniform ones (G. E. P. Box, M. E. Muller, *Ann. Math. Stat.* 29,
+/// A normal deviate √(−2·ln u)·cos(2π·v) from two uniform deviates (G. E. P. Box, M. E. Muller, *Ann. Math. Stat.* 29,
 /// 1958). It takes two draws.
 #[must_use]
 pub fn box_muller(random: &mut impl RngExt) -> f64 {
-    // 1 − u lies in (0, 1]: the logarithm of 0 does not occur.
+    // 1 − u is in (0, 1], so that the logarithm of 0 does not occur.
     let [u, v] = [1.0 - random.random::<f64>(), random.random::<f64>()];
     (-2.0 * u.ln()).sqrt() * (TAU * v).cos()
 }
@@ -31,7 +31,8 @@ mod tests {
     use super::*;
     use crate::mean_and_deviation;
 
-    /// Standard errors over n draws: 1/√n of the mean, 1/√(2n) of the deviation; five of them are allowed.
+    /// The standard errors over n draws are 1/√n for the mean and 1/√(2n) for the deviation; the tolerance is five standard
+    /// errors.
     #[test]
     fn mean_is_zero_and_variance_one() {
         let n = 100_000;

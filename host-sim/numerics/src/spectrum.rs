@@ -5,21 +5,21 @@ use std::sync::Arc;
 use rustfft::num_complex::Complex;
 use rustfft::{Fft, FftPlanner};
 
-/// The transform for power spectra of one length.
+/// The transform for power spectra of a fixed length.
 pub struct PowerSpectrum {
     fft: Arc<dyn Fft<f64>>,
 }
 
 impl PowerSpectrum {
-    /// For series of up to `length` values.
+    /// Plans the transform for series of up to `length` values.
     #[must_use]
     pub fn new(length: usize) -> Self {
         Self { fft: FftPlanner::new().plan_fft_forward(length) }
     }
 
-    /// |X|² of the frequencies below half the sample rate, of values less their mean, padded with zeros: bin k is
-    /// k/length of the sample rate. By Parseval, Σ(x − mean)² is twice the sum of the bins over the length, but for the
-    /// bins at zero and at half the sample rate, which count once.
+    /// |X|² at the frequencies below half the sample rate, of the values less their mean, padded with zeros. The frequency of
+    /// bin k is k/length of the sample rate. By Parseval, Σ(x − mean)² is the sum of the bins times 2/length, where the bins
+    /// at zero and at half the sample rate count half.
     ///
     /// # Panics
     /// If there are more values than the length.
@@ -39,22 +39,22 @@ impl PowerSpectrum {
 mod tests {
     use super::*;
 
-    /// A cosine of amplitude a at bin k of n values has |X| = a·n/2 there and zero elsewhere; the mean is removed.
+    /// A cosine of amplitude a at bin k of n values has |X| = a·n/2 in this bin and zero elsewhere; the mean is removed.
     #[test]
-    fn a_cosine_is_one_bin() {
+    fn a_cosine_has_power_in_one_bin() {
         let [n, k, amplitude] = [64.0, 5.0, 3.0];
         let phase = |i: u32| std::f64::consts::TAU * k * f64::from(i) / n;
         let values: Vec<f64> = (0..64).map(|i| 7.0 + amplitude * phase(i).cos()).collect();
         for (bin, power) in PowerSpectrum::new(64).of(&values).into_iter().enumerate() {
             let expected = if bin == 5 { (0.5 * amplitude * n).powi(2) } else { 0.0 };
-            // Rounding: 64 terms of up to 10, each to 2⁻⁵³, squared beside the peak of 96.
+            // Rounding: 64 terms of up to 10 with a relative error of 2⁻⁵³ each, relative to the peak |X| = 96, squared.
             assert!((power - expected).abs() < 1e-9, "{bin}: {power}, {expected}");
         }
     }
 
-    /// The same sum directly, from the definition, on a series shorter than the transform.
+    /// Compared with the definition of the transform, for a series shorter than the transform.
     #[test]
-    fn a_padded_series_is_the_sum_of_its_definition() {
+    fn the_spectrum_of_a_padded_series_agrees_with_the_definition() {
         let values = [1.0, -2.0, 0.5, 4.0, 1.5];
         let spectrum = PowerSpectrum::new(8).of(&values);
         assert_eq!(spectrum.len(), 4);

@@ -1,4 +1,4 @@
-//! One axis traced, in the order of docs/tracing.md.
+//! The trace of one axis, in the order of docs/tracing.md.
 
 use crate::analysis::empirical::{Empirical, empirical};
 use crate::analysis::free_run::free_runs;
@@ -24,7 +24,7 @@ use files::log::Unit;
 use model::effects::{Effect, Neighbours, Stage};
 use model::machine::Axis;
 
-/// Traces one axis. `progress` is told what is being tried.
+/// Traces one axis. `progress` is called with a message for each step.
 #[must_use]
 pub fn trace(
     declared: &Axis,
@@ -36,16 +36,16 @@ pub fn trace(
     let written = AxisModel::new(declared, fit_data.rates, fit_data.options.model);
     let stage = Tracing { fit_data, scopes: &scopes, progress };
 
-    // "Order", 1 to 4: the declared values, then the effects, scope by scope; where friction is seen alone, all to both.
+    // "Order", 1 to 4: the declared values, then the effects, scope by scope, then the joint fit to force and motor.
     let (before, declared_fits) = stage.fit_declared(&written);
     let (model, fits, rounds) = stage.search(&before);
-    // 5: again without the tracer's own error.
+    // 5: fit with the error of the tracer's own simulation subtracted.
     let FinalFit { model, fits, bias } =
         final_fit([fit_data, validate], &written, (model, fits), &scopes, progress);
     let [fit_data, validate] =
         &[(fit_data, &bias[0]), (validate, &bias[1])].map(|(data, bias)| FitData { bias, ..*data });
     let stage = Tracing { fit_data, ..stage };
-    // 6: the declared model in the same way.
+    // 6: the declared model, fitted in the same way.
     let before =
         if model.found().is_empty() { model.clone() } else { stage.fit_alike(&before, declared_fits, &fits) };
     // "What the validation logs decide".
@@ -53,7 +53,7 @@ pub fn trace(
     let axis = FittedAxis { declared: before.clone(), model, fits };
     let Confirmed { axis: FittedAxis { model, .. }, found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
-    // If all effects were dropped, the declared model is the model with everything fitted.
+    // If all effects were dropped, both models are the same.
     let before = if model.found().is_empty() { model.clone() } else { before };
     // "The verdict" and "Beside the residuals".
     let Remainder { errors, unexplained, repeats, tables } =
@@ -99,8 +99,8 @@ struct Tracing<'a> {
 }
 
 impl Tracing<'_> {
-    /// Fits the declared values, scope by scope; keeps those of a file that an earlier trace wrote unless the fit is much
-    /// better.
+    /// Fits the declared values, scope by scope. If an earlier trace wrote the file, its values are kept unless the fit is
+    /// much better.
     fn fit_declared(&self, written: &AxisModel) -> (AxisModel, Vec<Fitted>) {
         let data = self.fit_data;
         let mut model = written.clone();
@@ -119,7 +119,8 @@ impl Tracing<'_> {
         (model, fits)
     }
 
-    /// Searches for effects, scope by scope, and fits all to the scopes that belong together.
+    /// Searches for effects, scope by scope, then fits all parameters to force and motor stage jointly, see
+    /// [`fit_jointly`].
     fn search(&self, before: &AxisModel) -> (AxisModel, Vec<ScopeFit>, Vec<Round>) {
         let servo = self.scopes.iter().find(|scope| scope.stages == [Stage::Motor]).cloned();
         let mut search =
@@ -136,7 +137,7 @@ impl Tracing<'_> {
         (model, fits, search.rounds)
     }
 
-    /// Fits the declared model like the one with effects: with the same exclusions and the same error subtracted.
+    /// Fits the declared model with the same exclusions and the same error subtracted as the model with effects.
     fn fit_alike(&self, declared: &AxisModel, fits: Vec<Fitted>, with_effects: &[ScopeFit]) -> AxisModel {
         let alike = |(fitted, other): (Fitted, &ScopeFit)| {
             let (scope, exclusions) = (other.scope.clone(), other.exclusions.clone());
@@ -147,7 +148,7 @@ impl Tracing<'_> {
     }
 }
 
-/// What remains after the fit.
+/// Residuals after the fit, and their analysis.
 #[derive(Default)]
 struct Remainder {
     errors: Vec<StageError>,
@@ -156,7 +157,7 @@ struct Remainder {
     tables: Vec<Empirical>,
 }
 
-/// What remains of each stage under the declared model and under the one with effects.
+/// The residuals of each stage under the declared model and under the model with effects.
 fn remainder(
     [fit_data, validate]: [&FitData<'_>; 2],
     [before, model]: [&AxisModel; 2],
@@ -197,7 +198,7 @@ fn tried<'a>(declared: &'a Axis, rounds: &'a [Round]) -> Vec<&'a str> {
     declared.effect.iter().map(Effect::name).chain(candidates).collect()
 }
 
-/// The ambiguities of the search between an effect that was found in the end and one that was not.
+/// The ambiguities of the search between an effect of the final result and an effect that is not in it.
 fn ambiguities(rounds: &[Round], found: &[FoundEffect]) -> Vec<Ambiguity> {
     let is_found = |effect: &Effect| found.iter().any(|found| found.effect.is_same(effect));
     let all = rounds.iter().flat_map(|round| &round.ambiguities);

@@ -1,4 +1,4 @@
-//! The trace as programs read it, `trace --json`; described in `docs/files.md`.
+//! The result of a trace as JSON, for `trace --json`; described in `docs/files.md`.
 
 use serde_json::{Map, Value, json};
 
@@ -14,7 +14,7 @@ use crate::validation::found_effect::FoundEffect;
 use crate::verdict;
 use files::log::Unit;
 
-/// The JSON of `trace --json`, with the tables of `--empirical` or without.
+/// The JSON of `trace --json`, with the tables of `--empirical` if requested.
 #[must_use]
 pub fn of(trace: &Trace, with_tables: bool) -> Value {
     let residual: Vec<Value> =
@@ -60,7 +60,7 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
     all
 }
 
-/// Pairs of effects that the logs cannot tell apart, and the motion file that distinguishes them.
+/// Pairs of effects that the logs do not distinguish, with the motion file that does.
 fn ambiguities(trace: &Trace) -> Vec<Value> {
     let of_axis = |axis: &AxisTrace| {
         let one = |ambiguity: &Ambiguity| {

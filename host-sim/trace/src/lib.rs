@@ -1,17 +1,17 @@
-//! From a log to the effect that its machine has and its model lacks.
+//! Identification of effects that a machine shows in its logs and that its declared model lacks.
 //!
-//! In the order of a trace:
+//! The steps of a trace:
 //!
-//! 1. [`input`]: which logs are taken, and their filtered signals.
-//! 2. [`prediction`]: what a model predicts for each stage, from the measured signal upstream of it.
-//! 3. [`fit`]: residuals, and the declared values fitted to them within their tolerance.
-//! 4. [`search`]: effects of the catalogue added as held-out data support them.
-//! 5. [`validation`]: effects dropped that are at a limit or that the validation logs refute.
-//! 6. [`analysis`]: what remains of the residuals.
-//! 7. [`verdict`]: whether the logs are explained; [`json`]: the result for programs.
+//! 1. [`input`]: admission of logs, filtering of their signals.
+//! 2. [`prediction`]: prediction of each stage by a model, from the measured signal upstream of the stage.
+//! 3. [`fit`]: residuals, and fit of the declared values within their tolerance.
+//! 4. [`search`]: addition of effects of the catalogue that held-out data support.
+//! 5. [`validation`]: removal of effects at a limit, and of effects that the validation logs refute.
+//! 6. [`analysis`]: analysis of the remaining residuals.
+//! 7. [`verdict`]: agreement of model and logs; [`json`]: the result as JSON.
 //!
-//! [`axis_trace`] has these steps for one axis, [`outcome`] what they give, [`options`] the thresholds by which they
-//! decide; [`not_testable`] says what was not searched for.
+//! [`axis_trace`] executes these steps for one axis. [`outcome`] contains their results, [`options`] the thresholds, and
+//! [`not_testable`] the effects that were not searched for.
 
 pub mod analysis;
 pub mod axis_trace;
@@ -27,9 +27,9 @@ pub mod stages;
 pub mod validation;
 pub mod verdict;
 
-/// The names that a trace may answer with.
+/// Names of the effects that a trace may find.
 pub use model::effects::names as effect_names;
-/// What a trace is given as declared.
+/// The declared machine.
 pub use model::machine::Machine;
 pub use options::TraceOptions;
 pub use outcome::Trace;
@@ -47,10 +47,10 @@ use input::{checks, saturation};
 
 /// Traces a machine with the default thresholds. Without validation logs the last quarter of each log is held out.
 ///
-/// `progress` is told what is being tried, from several threads.
+/// `progress` is called with a message for each step, from several threads.
 ///
 /// # Errors
-/// When a log does not fit the machine file: its rate, its axes.
+/// If a log does not match the machine file (rate, axes), or cannot be traced.
 pub fn trace(
     machine: &Machine,
     fit: &[Log],
@@ -60,7 +60,7 @@ pub fn trace(
     trace_with(&TraceOptions::default(), machine, [fit, validate], progress)
 }
 
-/// The same with other thresholds; logs to fit, and to validate on.
+/// Traces a machine with the given thresholds, fit logs and validation logs.
 ///
 /// # Errors
 /// As [`trace`].
@@ -111,7 +111,7 @@ fn prepared(
     signals
 }
 
-/// The logs without their held-out ends, and these ends.
+/// Splits each log into the part to be fitted and the held-out part at its end.
 fn split<'a>(logs: &[Cow<'_, Log>], options: &TraceOptions) -> (Vec<Cow<'a, Log>>, Vec<Cow<'a, Log>>) {
     let parts = logs.iter().map(|log| {
         #[expect(
@@ -162,7 +162,7 @@ mod tests {
     #[test]
     fn the_same_log_twice_is_refused() {
         let error = trace(&machine(""), &[log(100.0), log(100.0)], &[], &|_| {}).unwrap_err();
-        assert!(error.to_string().contains("a log of its own"), "{error}");
+        assert!(error.to_string().contains("a different recording"), "{error}");
     }
 
     #[test]

@@ -1,4 +1,4 @@
-//! Which effects could not be searched for, and what that would need.
+//! Effects that could not be searched for, with the missing channels or keys.
 
 use crate::fit::scope::NotTestable;
 use model::axis::Settings;
@@ -7,14 +7,14 @@ use model::effects::{KINDS, Kind, Neighbours, Prerequisite, Stage};
 /// An effect that could not be searched for.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct EffectNotTestable {
-    /// Its name.
+    /// Name of the effect.
     pub effect: &'static str,
     /// What is missing.
     pub needs: String,
 }
 
-/// The effects that no round tried: those whose stages could not be evaluated, for which `missing` says why, or for which
-/// the machine file lacks a key.
+/// The effects that no round tried because no stage in which they are shown could be evaluated (`missing` contains the
+/// reasons), or because the machine file lacks a key.
 #[must_use]
 pub fn effects_not_testable(
     axis: &Settings,

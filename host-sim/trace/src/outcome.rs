@@ -1,4 +1,4 @@
-//! What a trace found.
+//! The result of a trace.
 
 use crate::analysis::empirical::Empirical;
 use crate::analysis::free_run::FreeRun;
@@ -19,10 +19,10 @@ use files::log::Unit;
 use model::effects::Stage;
 use model::machine::Machine;
 
-/// Everything that a trace found.
+/// The result of a trace.
 #[derive(Clone, Debug)]
 pub struct Trace {
-    /// One an axis, in the order of the machine file.
+    /// Results of the axes, in the order of the machine file.
     pub axes: Vec<AxisTrace>,
     /// The logs that were fitted.
     pub fit_logs: Vec<Signals>,
@@ -34,14 +34,14 @@ pub struct Trace {
     pub machine: Machine,
     /// The thresholds of the trace.
     pub options: TraceOptions,
-    /// Sentences about the logs: what was left out, thinned or is missing.
+    /// Sentences on logs that were shortened or thinned, and on missing or excluded data.
     pub notes: Vec<String>,
 }
 
-/// What was found for one axis.
+/// The result for one axis.
 #[derive(Clone, Debug)]
 pub struct AxisTrace {
-    /// Name.
+    /// Name of the axis.
     pub axis: String,
     /// Unit of its channels.
     pub unit: Unit,
@@ -49,17 +49,18 @@ pub struct AxisTrace {
     pub declared: AxisModel,
     /// The model with the effects found.
     pub model: AxisModel,
-    /// Stages that could be evaluated, by the scopes that they were fitted in.
+    /// Stages that could be evaluated, by scope.
     pub scopes: Vec<Scope>,
-    /// Stages that could not, and why.
+    /// Stages that could not be evaluated, with the reasons.
     pub not_testable: Vec<NotTestable>,
-    /// Effects that could not be searched for, and why.
+    /// Effects that could not be searched for, with the reasons.
     pub effects_not_testable: Vec<EffectNotTestable>,
-    /// Effects, in the order in which they were added.
+    /// Effects found, in the order in which they were added.
     pub found: Vec<FoundEffect>,
     /// Effects that were not added because a parameter ended at a limit of its range.
     pub refused: Vec<ParameterAtLimit>,
-    /// Effects that the fit logs support and the validation logs refute; not in the model. `before` is without them.
+    /// Effects that the fit logs support and the validation logs refute. They are not in the model; `before` is the
+    /// residual without the effect.
     pub refuted: Vec<FoundEffect>,
     /// Errors by stage.
     pub errors: Vec<StageError>,
@@ -69,11 +70,11 @@ pub struct AxisTrace {
     pub unexplained: Vec<UnexplainedResidual>,
     /// The repeatable parts of the residuals.
     pub repeats: Vec<Repeatability>,
-    /// The models under the measured force alone, on the validation logs.
+    /// Errors of the models driven by the measured force alone, on the validation logs.
     pub free_runs: Vec<FreeRun>,
     /// Residuals as tables over the variables that explain most of them.
     pub tables: Vec<Empirical>,
-    /// Pairs of effects that the logs cannot tell apart.
+    /// Pairs of effects that the logs do not distinguish.
     pub ambiguities: Vec<Ambiguity>,
     /// The rounds of the search.
     pub rounds: Vec<Round>,
@@ -84,11 +85,11 @@ pub struct AxisTrace {
 pub struct StageError {
     /// Stage.
     pub stage: Stage,
-    /// Declared model, fitted within its tolerance.
+    /// Residual of the declared model, fitted within its tolerance.
     pub before: FitAndValidationRms,
-    /// With the effects found.
+    /// Residual of the model with the effects found.
     pub after: FitAndValidationRms,
-    /// What no model can remove.
+    /// Noise of the sensors, which no model can remove.
     pub noise: f64,
     /// Largest residual of a model that describes its logs.
     pub max_described: f64,
@@ -98,7 +99,7 @@ impl Trace {
     /// The machine with fitted values and with the effects found.
     #[must_use]
     pub fn better_machine(&self) -> Machine {
-        // The effects of the bodies on an axis are among its effects: with the structure they would act twice.
+        // The effects found include the influence of the bodies on an axis. With the structure, it would act twice.
         let mut machine = Machine { structure: None, ..self.machine.clone() };
         for trace in &self.axes {
             if let Some(axis) = machine.axis.get_mut(&trace.axis) {
@@ -108,7 +109,7 @@ impl Trace {
         machine
     }
 
-    /// Proposes the motions that distinguish effects which the logs cannot tell apart.
+    /// Proposes motions that distinguish the pairs of effects in [`AxisTrace::ambiguities`].
     pub(crate) fn propose_motions(&mut self) {
         let better = self.better_machine();
         let logs = &self.fit_logs;
@@ -124,7 +125,7 @@ impl Trace {
         }
     }
 
-    /// The data of one axis in some of the logs.
+    /// The data of one axis in these logs.
     #[must_use]
     pub fn data<'a>(&'a self, logs: &'a [Signals], axis: usize) -> FitData<'a> {
         FitData::new(logs, &self.names, axis, self.machine.rates(), &self.options)

@@ -1,9 +1,9 @@
-//! Names and units of stages, for people.
+//! Printed names and units of stages.
 
 use files::log::Unit;
 use model::effects::Stage;
 
-/// Unit of a stage's residual as it is printed, and as a key of the JSON ends.
+/// Unit of a stage's residual: printed symbol, and suffix of a JSON key.
 #[must_use]
 pub const fn residual_unit(unit: Unit, stage: Stage) -> (&'static str, &'static str) {
     match (unit, stage) {

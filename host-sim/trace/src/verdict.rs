@@ -1,22 +1,22 @@
-//! Whether the model explains the logs.
+//! The verdict: whether the model explains the logs.
 
 use serde::Serialize;
 
 use crate::outcome::{AxisTrace, StageError, Trace};
 
-/// How far model and logs agree.
+/// Agreement of model and logs.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, PartialOrd, Ord, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Verdict {
-    /// The fitted logs are explained down to their noise.
+    /// The residual of the fitted logs is at the level of the noise.
     Explained,
-    /// More than noise remains.
+    /// The residual exceeds the noise.
     Unexplained,
-    /// So much remains that the logs are of another machine than the model, or that a channel is wrong.
+    /// The residual is so large that the model describes another machine, or a channel is wrong.
     ModelDoesNotFit,
 }
 
-/// The verdict on all axes, which is the worst. If no stage of any axis could be evaluated, nothing is explained.
+/// The verdict on a machine: the worst of its axes. `Unexplained` if no stage of any axis could be evaluated.
 #[must_use]
 pub fn of(trace: &Trace) -> Verdict {
     if trace.axes.iter().all(|axis| axis.errors.is_empty()) {
@@ -43,8 +43,8 @@ pub fn is_gross(error: &StageError) -> bool {
     error.after.fit > error.max_described
 }
 
-/// The same for the validation logs. As their motion may be another one, this does not show that the model is one of
-/// another machine.
+/// Whether the model does not describe a stage of the validation logs. As their motion may differ from that of the fitted
+/// logs, this does not show that the model describes another machine.
 #[must_use]
 pub fn is_gross_held_out(error: &StageError) -> bool {
     error.after.validate > error.max_described

@@ -88,11 +88,11 @@ fn logs_without_a_table_of_the_known_columns() {
         ),
         bad_log(
             with(log(), "x_table_mm", "x_table_deg"),
-            &["fit.csv: line 1: x_table_deg: expected unit mm as x_command_mm has it"],
+            &["fit.csv: line 1: x_table_deg: expected unit mm as in x_command_mm"],
         ),
         bad_log("Dear all,\nthe log is attached.\n", &["fit.csv: line 1: Dear all: expected a column"]),
         bad_log((0..=255).collect::<Vec<u8>>(), &["fit.csv: line 1: expected a CSV text in UTF-8"]),
-        bad_log(b"\x1f\x8b\x08\x00 no gzip", &["fit.csv: expected a whole gzip file"]),
+        bad_log(b"\x1f\x8b\x08\x00 no gzip", &["fit.csv: expected a complete gzip file"]),
         bad_log("", &["fit.csv: expected a header line, found an empty file"]),
         bad_log(log().lines().next().unwrap(), &["fit.csv: expected two samples or more, found none"]),
     ]);
@@ -148,11 +148,11 @@ fn a_bad_log_for_validation() {
 #[test]
 fn a_copy_of_a_fitted_log() {
     let command = format!("{TRACE} --validate held_out.csv");
-    let message: &[&str] = &["held_out.csv: expected a log of its own, found", "shared with", "fit.csv"];
+    let message: &[&str] = &["held_out.csv: expected a different recording, found", "shared with", "fit.csv"];
     let shorter = lines(|at, line| (at == 1 || at > 40).then(|| line.to_owned()));
     refuse([bad(&command, "held_out.csv", log(), message), bad(&command, "held_out.csv", shorter, message)]);
     let itself = format!("{TRACE} --validate fit.csv");
-    refuse([bad(&itself, "other.csv", "", &["fit.csv: expected a log of its own, found 100 %"])]);
+    refuse([bad(&itself, "other.csv", "", &["fit.csv: expected a different recording, found 100 %"])]);
 }
 
 #[test]
@@ -264,7 +264,7 @@ fn motions() {
         of(
             "line_to_mm = { x = 20.0, y",
             "line_to_mm = { x = 20.0, w",
-            &["motion.toml: line 7: block[0].line_to_mm.w: expected an axis that start_mm names (x, y)"],
+            &["motion.toml: line 7: block[0].line_to_mm.w: expected an axis of start_mm (x, y)"],
         ),
         of(
             "start_mm = { x = 10.0, y = 0.0 }",
@@ -280,7 +280,7 @@ fn motions() {
             "centre_mm = { x = 0.0, y = 0.0 }",
             "centre_mm = { x = 10.0, y = 0.0 }",
             &[
-                "motion.toml: line 13: block[2].arc.centre_mm: expected a centre away from where the axes stand",
+                "motion.toml: line 13: block[2].arc.centre_mm: expected a centre other than the current position",
             ],
         ),
         // A radius that the file format allows and the controller rejects.
@@ -292,7 +292,7 @@ fn motions() {
         of(
             "turns = 0.25",
             "to_mm = { x = 10.0, y = 0.0 }, direction = \"positive\"",
-            &["motion.toml: line 13: block[2].arc.to_mm: expected a point away from where the axes stand"],
+            &["motion.toml: line 13: block[2].arc.to_mm: expected a point other than the current position"],
         ),
         of(
             "turns = 0.25",
@@ -304,7 +304,11 @@ fn motions() {
             "name = \"short\"\nramps = \"s-curve\"",
             &["motion.toml: jerk_m_per_s3: expected this key, as ramps is \"s-curve\", found none"],
         ),
-        of("turns = 0.25", "turns = 1e9", &["motion.toml: line 12: block[2]: expected an end within 3600 s"]),
+        of(
+            "turns = 0.25",
+            "turns = 1e9",
+            &["motion.toml: line 12: block[2]: expected a total duration of at most 3600 s"],
+        ),
     ]);
 }
 

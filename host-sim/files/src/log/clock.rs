@@ -1,13 +1,13 @@
-//! Checks that the times of a log are those of one uniform clock, and finds its period.
+//! Check that the times of a log are those of a uniform clock, and computation of its period.
 
 /// Maximum deviation of a step between two samples from the median step, as a fraction of it.
 const STEP_TOLERANCE: f64 = 0.01;
 /// Maximum deviation of a sample from the uniform grid through first and last sample, in samples.
 const GRID_TOLERANCE: f64 = 0.1;
-/// Maximum deviation of a step that rounding of printed times may explain, as a fraction of the median step: beyond it
-/// a lost sample would look the same.
+/// Maximum deviation of a step that is attributed to rounding of printed times, as a fraction of the median step. Larger
+/// deviations cannot be distinguished from a lost sample.
 const MAX_ROUNDING: f64 = 0.4;
-/// Minimum number of deviating steps for which rounding is the explanation: it recurs, a jump does not.
+/// Minimum number of deviating steps that are attributed to rounding, which recurs, in contrast to a jump.
 const MIN_ROUNDED_STEPS: usize = 3;
 
 /// A sample whose time is not that of a uniform clock.
@@ -15,15 +15,13 @@ const MIN_ROUNDED_STEPS: usize = 3;
 pub(super) struct Irregular {
     /// Index of the sample.
     pub sample: usize,
-    /// The time at which a uniform clock would have taken it.
+    /// Time of this sample on a uniform clock.
     pub expected_s: f64,
-    /// Whether the time is not greater than that of the sample before.
+    /// Whether the time is not greater than that of the previous sample.
     pub is_backward: bool,
 }
 
-/// The period (s) of the clock that gave the times, which were printed with `decimals` decimals.
-///
-/// There have to be at least two times.
+/// The period (s) of the clock from its times, which were printed with `decimals` decimals. At least two times are required.
 pub(super) fn sample_time_s(times_s: &[f64], decimals: usize) -> Result<f64, Irregular> {
     let steps: Vec<f64> = times_s.windows(2).map(|pair| pair[1] - pair[0]).collect();
     let median_s = numerics::median(&steps).unwrap_or_default();
@@ -46,7 +44,7 @@ pub(super) fn sample_time_s(times_s: &[f64], decimals: usize) -> Result<f64, Irr
     grid_period_s(times_s, rounding_s)
 }
 
-/// The period through first and last sample, if all samples lie on its grid: small deviations of steps may add up.
+/// The period from first and last sample, if all samples are on its grid, as small deviations of steps may accumulate.
 fn grid_period_s(times_s: &[f64], rounding_s: f64) -> Result<f64, Irregular> {
     let last = times_s.len() - 1;
     let period_s = (times_s[last] - times_s[0]) / last as f64;
@@ -62,7 +60,7 @@ fn grid_period_s(times_s: &[f64], rounding_s: f64) -> Result<f64, Irregular> {
 mod tests {
     use super::*;
 
-    /// Times of a clock, rounded as in a file.
+    /// Times of a clock, rounded like those of a file.
     fn printed(start_s: f64, period_s: f64, count: u32, decimals: usize) -> Vec<f64> {
         let unit = 10_f64.powf(decimals as f64);
         let time = |i: u32| ((start_s + f64::from(i) * period_s) * unit).round() / unit;
@@ -70,7 +68,7 @@ mod tests {
     }
 
     #[test]
-    fn a_uniform_clock_is_known_through_the_rounding_of_its_times() {
+    fn the_period_is_found_from_rounded_times() {
         let clocks = [
             (0.0, 1e-3, 3),
             (122.315, 1e-3, 3),
@@ -89,7 +87,7 @@ mod tests {
     }
 
     #[test]
-    fn a_lost_sample_is_found_where_it_was_lost() {
+    fn a_lost_sample_is_reported_with_its_index() {
         for (period_s, decimals) in [(1e-3, 3), (1e-3, 6), (2e-3, 3), (1.0 / 3e3, 4), (0.25, 2)] {
             for at in [1, 2, 500, 998] {
                 let mut times = printed(3.0, period_s, 1000, decimals);
@@ -109,7 +107,7 @@ mod tests {
     }
 
     #[test]
-    fn times_that_stand_still_or_go_back_are_found() {
+    fn times_that_do_not_increase_are_found() {
         for change_s in [-1e-3, -5e-3] {
             let mut times = printed(0.0, 1e-3, 100, 3);
             times[40] += change_s;

@@ -17,7 +17,7 @@ pub use write::{Rows, write_rows};
 pub enum Unit {
     /// Positions in mm, forces in N.
     Millimetre,
-    /// Positions in degrees, torques in N m.
+    /// Positions in degrees, torques in N·m.
     Degree,
 }
 
@@ -76,9 +76,9 @@ impl Channel {
     }
 }
 
-/// The channels of one axis; `None` where a channel was not measured.
+/// The channels of one axis; `None` if a channel was not measured.
 ///
-/// Positions are in mm or degrees and forces in N or N m, exactly as in the file.
+/// Positions are in mm or degrees, forces in N or N·m, as in the file.
 #[derive(Clone, Debug, PartialEq)]
 pub struct AxisLog {
     /// Name of the axis.
@@ -100,7 +100,7 @@ pub struct AxisLog {
 }
 
 impl AxisLog {
-    /// An axis without channels yet.
+    /// An axis without channels.
     #[must_use]
     pub fn new(name: impl Into<String>, unit: Unit) -> Self {
         Self {
@@ -155,10 +155,10 @@ impl AxisLog {
     }
 }
 
-/// A log: every channel of every axis at the same uniform times.
+/// A log: all channels of all axes at the same uniformly spaced times.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Log {
-    /// The file as the user named it, for messages.
+    /// File name given by the user, for messages.
     pub source: String,
     /// Time of the first sample, s. Logs of one session share one clock.
     pub start_s: f64,

@@ -12,18 +12,18 @@ const TIME: &str = "time_s";
 const ALLOWED: &str = "time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm";
 
 impl Log {
-    /// Reads a log; `-` is standard input, and gzip is recognised by its suffix or its first bytes.
+    /// Reads a log; `-` is standard input, and gzip is recognised by the suffix or the first bytes.
     ///
     /// # Errors
-    /// If it cannot be read, is no table of the known columns, or is not uniformly sampled.
+    /// If the file cannot be read, is not a table with the known columns, or is not uniformly sampled.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::parse(&read_bytes(path)?, &path.display().to_string())
     }
 
-    /// Reads a log from the bytes of a CSV file; `source` is the file's name in messages.
+    /// Reads a log from the bytes of a CSV file; `source` is the file name for error messages.
     ///
     /// # Errors
-    /// If the bytes are no table of the known columns, or not uniformly sampled.
+    /// If the bytes are not a table with the known columns, or not uniformly sampled.
     pub fn parse(bytes: &[u8], source: &str) -> Result<Self, InputError> {
         let mut table = Table::parse(bytes, source)?;
         let header = Header::parse(&table)?;
@@ -62,17 +62,17 @@ fn irregular_time(table: &Table<'_>, times_s: &[f64], irregular: &Irregular) -> 
     table.row_error(irregular.sample, expected, rounded(times_s[irregular.sample])).at_key(TIME)
 }
 
-/// To whole nanoseconds: without the rounding error of binary fractions.
+/// A time rounded to nanoseconds, which removes the rounding error of binary fractions.
 fn rounded(time_s: f64) -> f64 {
     (time_s * 1e9).round() / 1e9
 }
 
-/// Digits behind the decimal point. A time without a point counts as exact.
+/// Number of digits after the decimal point; 0 without a point.
 fn printed_decimals(time: &str) -> usize {
     time.split_once('.').map_or(0, |(_, decimals)| decimals.len())
 }
 
-/// What each column holds.
+/// Contents of the columns.
 struct Header {
     /// Column of the times.
     time: usize,
@@ -103,7 +103,7 @@ impl Header {
         Ok(Self { time, ..header })
     }
 
-    /// Adds a column behind those before it; an error is what was expected and what was found.
+    /// Adds a column after the columns `before`. An error contains what was expected and what was found.
     fn add(&mut self, before: &[String], name: &String) -> Result<(), (String, String)> {
         if before.contains(name) {
             return Err(("one column of this name".to_owned(), "a second one".to_owned()));
@@ -125,7 +125,7 @@ impl Header {
             let first = self.channels.iter().position(|c| c.is_some_and(|(a, _)| a == axis));
             let first = first.map_or("", |column| &before[column]);
             let expected = expected.suffix(channel);
-            return Err((format!("unit {expected} as {first} has it"), unit.suffix(channel).into()));
+            return Err((format!("unit {expected} as in {first}"), unit.suffix(channel).into()));
         }
         self.channels.push(Some((axis, channel)));
         Ok(())
@@ -143,13 +143,13 @@ impl Header {
     }
 }
 
-/// A column's name in a message, where it may be anything that a file has in its first line.
+/// The name of a column in a message. The first line of a file may contain any text.
 fn visible(name: &str) -> String {
     if name.is_empty() { "unnamed column".to_owned() } else { shortened(name) }
 }
 
-/// Axis, channel and unit of a column's name. The longest suffix wins: `x_added_force_n` is not the force of an axis
-/// `x_added`.
+/// Axis, channel and unit from the name of a column. The longest suffix is used: `x_added_force_n` is not the force of an
+/// axis `x_added`.
 fn split(name: &str) -> Option<(&str, Channel, Unit)> {
     let suffixes = Channel::ALL.iter().rev().flat_map(|&channel| {
         Unit::ALL.map(|unit| (format!("_{}_{}", channel.word(), unit.suffix(channel)), channel, unit))

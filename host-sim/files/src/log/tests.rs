@@ -39,7 +39,7 @@ fn a_log_has_the_values_of_the_file() {
 }
 
 #[test]
-fn spaces_quotes_line_ends_and_byte_order_marks_do_not_matter() {
+fn spaces_quotes_line_ends_and_byte_order_marks_are_ignored() {
     let expected = Log::parse(LOG.as_bytes(), "fit.csv").unwrap();
     let variants = [
         format!("\u{feff}{LOG}"),
@@ -55,7 +55,7 @@ fn spaces_quotes_line_ends_and_byte_order_marks_do_not_matter() {
 }
 
 #[test]
-fn names_of_axes_may_hold_digits_and_underscores() {
+fn names_of_axes_may_contain_digits_and_underscores() {
     let text = LOG.replace("c_", "a1_b_").replace("x_command_mm", "x_added_force_n");
     let log = Log::parse(text.as_bytes(), "fit.csv").unwrap();
     assert!(log.axis("a1_b").is_some());
@@ -81,12 +81,8 @@ fn a_wrong_header_is_an_error_that_names_the_column() {
         ("x_motor_mm", "_motor_mm", "line 1: _motor_mm: expected a column time_s, NAME_"),
         ("x_motor_mm", "1x_motor_mm", "line 1: 1x_motor_mm: expected a column time_s, NAME_"),
         ("x_motor_mm", "", "line 1: unnamed column: expected a column time_s, NAME_"),
-        (
-            "x_motor_mm",
-            "x_motor_deg",
-            "line 1: x_motor_deg: expected unit mm as x_command_mm has it, found deg",
-        ),
-        ("x_force_n", "x_force_nm", "line 1: x_force_nm: expected unit n as x_command_mm has it, found nm"),
+        ("x_motor_mm", "x_motor_deg", "line 1: x_motor_deg: expected unit mm as in x_command_mm, found deg"),
+        ("x_force_n", "x_force_nm", "line 1: x_force_nm: expected unit n as in x_command_mm, found nm"),
         (LOG, "time_s\n0\n1\n", "line 1: expected a column of an axis (time_s, NAME_"),
         (LOG, "speed_rpm,torque_mnm\n1,2\n", "line 1: speed_rpm: expected a column time_s"),
         (LOG, "0.0,1.0\n0.1,2.0\n", "line 1: 0.0: expected a column time_s, NAME_"),
@@ -135,7 +131,7 @@ fn a_text_without_two_samples_is_an_error() {
     assert_eq!(png, "fit.csv: line 1: expected a CSV text in UTF-8, found byte 0x89");
 }
 
-/// Replaces the first text by the second in the log above and checks the message, with LF and with CRLF.
+/// Replaces the first text by the second in [`LOG`] and checks the error message, with LF and with CRLF.
 fn check(cases: &[(&str, &str, &str)]) {
     for (from, to, expected) in cases {
         let text = LOG.replacen(from, to, 1);
@@ -156,9 +152,9 @@ fn an_unclosed_quote_is_an_error_in_one_line() {
     assert!(message.contains("line 4: expected 6 values as in the header, found 3"), "{message}");
 }
 
-/// A log with any one character replaced is read, or refused in one line.
+/// Each replacement of one character gives a valid log or an error message of one line.
 #[test]
-fn any_single_edit_is_read_or_refused() {
+fn no_edit_of_one_character_causes_a_panic() {
     for at in 0..LOG.len() {
         for edit in ["", "\"", ",", "\n", "\r", "-", "9", "e", ".", "ä", "\0"] {
             let text = format!("{}{edit}{}", &LOG[..at], &LOG[at + 1..]);
@@ -180,7 +176,7 @@ fn an_unreadable_file_is_an_error_that_names_it() {
 }
 
 #[test]
-fn gzip_is_recognised_by_suffix_or_content_and_has_to_be_complete() {
+fn gzip_is_recognised_by_suffix_or_content_and_must_be_complete() {
     let folder = tempfile::tempdir().unwrap();
     let save = |name: &str, bytes: &[u8]| {
         let path = folder.path().join(name);
@@ -193,7 +189,7 @@ fn gzip_is_recognised_by_suffix_or_content_and_has_to_be_complete() {
     }
     for (name, bytes) in [("cut.csv.gz", &whole[..whole.len() - 12]), ("plain.csv.gz", LOG.as_bytes())] {
         let message = Log::read(&save(name, bytes)).unwrap_err().to_string();
-        assert!(message.contains(&format!("{name}: expected a whole gzip file: ")), "{message}");
+        assert!(message.contains(&format!("{name}: expected a complete gzip file: ")), "{message}");
         assert!(!message.contains('\n'), "{message}");
     }
     let empty = Log::read(&save("empty.csv.gz", b"")).unwrap_err().to_string();
@@ -221,7 +217,7 @@ fn a_written_log_is_read_unchanged() {
 }
 
 #[test]
-fn written_values_have_a_resolution_of_a_tenth_of_nanometre_and_millinewton() {
+fn written_values_have_a_resolution_of_a_tenth_of_a_nanometre_and_of_a_millinewton() {
     let mut axis = AxisLog::new("x", Unit::Millimetre);
     axis.tool = Some(vec![-1_234.567_890_12, 0.000_000_1]);
     axis.force = Some(vec![0.1234, -20_000.0]);

@@ -8,15 +8,16 @@ use flate2::{Compression, write::GzEncoder};
 use super::{Channel, Log};
 use crate::output::{OutputError, write_whole};
 
-/// Of positions: 0.1 nm, below the resolution of any scale.
+/// Decimals of positions: 0.1 nm, below the resolution of any scale.
 const POSITION_DECIMALS: usize = 7;
-/// Of forces: 0.1 mN.
+/// Decimals of forces: 0.1 mN.
 const FORCE_DECIMALS: usize = 4;
-/// Of times: as few as show them exactly; a sample time that needs more than the maximum is rounded.
+/// Decimals of times: the smallest number that represents them exactly. A sample time that needs more than the maximum is
+/// rounded.
 const TIME_DECIMALS: std::ops::RangeInclusive<usize> = 3..=9;
 
 impl Log {
-    /// Writes the log whole or not at all, packed if the name ends in `.gz`.
+    /// Writes the log completely or not at all, compressed by gzip if the name ends with `.gz`.
     ///
     /// # Errors
     /// If the file cannot be written.
@@ -24,7 +25,7 @@ impl Log {
         write_rows(path, self, |rows| self.fill(rows))
     }
 
-    /// Writes the log as CSV. Many small writes: `out` should be buffered.
+    /// Writes the log as CSV in many small writes; `out` should be buffered.
     ///
     /// # Errors
     /// If `out` fails.
@@ -38,22 +39,23 @@ impl Log {
         (0..self.len()).try_for_each(|sample| rows.row(columns.iter().map(|column| column[sample])))
     }
 
-    /// Decimals that start and sample time need.
+    /// Number of decimals that start and sample time need.
     fn time_decimals(&self) -> usize {
         let fraction = |units: f64| (units - units.round()).abs();
         let is_enough = |decimals: &usize| {
             let units_per_s = 10_f64.powf(*decimals as f64);
             let step = self.sample_time_s * units_per_s;
-            // An error of the sample time adds up over the log, that of the start does not.
+            // The tolerance of the sample time is smaller, as its error accumulates over the log.
             step > 0.5 && fraction(step) < 1e-8 && fraction(self.start_s * units_per_s) < 1e-3
         };
         TIME_DECIMALS.clone().find(is_enough).unwrap_or(*TIME_DECIMALS.end())
     }
 }
 
-/// Writes a log row by row without keeping it in memory, whole or not at all; packed if the name ends in `.gz`.
+/// Writes a log row by row without keeping it in memory, completely or not at all, compressed by gzip if the name ends with
+/// `.gz`.
 ///
-/// `head` gives the names, the channels and the clock; its samples are not used.
+/// `head` contains names, channels and clock; its samples are not used.
 ///
 /// # Errors
 /// If `fill` fails, or the file cannot be written.
@@ -67,7 +69,7 @@ pub fn write_rows(
         if !packed {
             return fill(&mut Rows::new(out, head)?);
         }
-        // Many small writes to the encoder are slow.
+        // Buffered, as many small writes to the encoder are slow.
         let mut buffer = BufWriter::new(GzEncoder::new(out, Compression::default()));
         fill(&mut Rows::new(&mut buffer as &mut dyn Write, head)?)?;
         buffer.into_inner()?.finish().map(drop)
@@ -103,7 +105,7 @@ impl<W: Write> Rows<W> {
         Ok(Self { out, clock: head.slice(0..0), time_decimals: head.time_decimals(), decimals, written: 0 })
     }
 
-    /// Writes the next row, one value for each column behind the time.
+    /// Writes the next row: one value for each column after the time.
     ///
     /// # Errors
     /// If `out` fails.

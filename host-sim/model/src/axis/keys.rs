@@ -2,14 +2,14 @@
 
 /// Calls the macro `$then` with the declaration of all keys, in the order in which a machine file is written.
 ///
-/// A group is `name: Type { keys }`. A key is `name: type`; behind the name stands `("key")` where the file calls it
-/// otherwise, behind the type `[range]` of a number.
+/// A group is `name: Type { keys }`. A key is `name ("key"): type [range]`. `("key")` is the name in the file, if it differs
+/// from that of the field; `[range]` is the range of a number.
 macro_rules! axis_keys {
     ($then:ident) => {
         $then! {
             /// Position loop, velocity loop and drive.
             controller: Controller {
-                /// Law of the position controller.
+                /// Control law of the position loop.
                 law ("controller"): Option<Law>,
                 /// Kp, gain of the position loop.
                 position_gain_per_s: Option<f64> [Positive],
@@ -26,15 +26,15 @@ macro_rules! axis_keys {
             filters: Filters {
                 /// Window of the moving average over the path; absent: the path is not filtered.
                 smoothing_s: Option<f64> [Positive],
-                /// Second, shorter window: it limits the jerk.
+                /// Second, shorter window, which limits the jerk.
                 smoothing_jerk_s: Option<f64> [Positive],
-                /// Time constant of a first-order lag of the path, instead of the two windows.
+                /// Time constant of a first-order lag of the path, in place of the two windows.
                 smoothing_time_constant_s: Option<f64> [Positive],
                 /// Centre of a notch on the force; absent: no notch.
                 notch_frequency_hz: Option<f64> [Positive],
                 /// Width of the notch between its −3 dB points at full depth.
                 notch_width_hz: Option<f64> [Positive],
-                /// Fraction that the notch removes at its centre; 1: all.
+                /// Fraction of the amplitude that the notch removes at its centre; 1: all.
                 notch_depth: Option<f64> [UpTo(1.0)],
                 /// Corner of a second-order low-pass on the force; absent: no low-pass.
                 low_pass_frequency_hz: Option<f64> [Positive],
@@ -43,22 +43,21 @@ macro_rules! axis_keys {
             }
             /// Limits at which the path stops or the drives are switched off.
             limits: Limits {
-                /// Smallest and largest command; outside of it the path stops; absent: not watched.
+                /// Smallest and largest command. At a command outside, the path stops. Absent: not monitored.
                 travel_mm: Option<[f64; 2]>,
-                /// Largest difference of command and reading; beyond it the drives are switched off; absent: 130 mm.
+                /// Largest difference of command and reading. If exceeded, the drives are switched off. Absent: 130 mm.
                 following_error_limit_mm: Option<f64> [Positive],
                 /// Deceleration of a stop along the path; absent: 2 m/s².
                 stop_deceleration_m_per_s2: Option<f64> [Positive],
-                /// How long the force may stay at its limit before the path stops; absent: 1 s.
+                /// Time at the force limit after which the path stops; absent: 1 s.
                 saturation_time_s: Option<f64> [Positive],
-                /// Largest difference of motor and table reading; beyond it the drives are switched off; absent: not
-                /// watched.
+                /// Largest difference of motor and table reading. If exceeded, the drives are switched off. Absent: not
+                /// monitored.
                 scale_disagreement_limit_mm: Option<f64> [UpTo(1e3 * TRAVEL_LIMIT_M)],
-                /// Largest speed of the motor; a reading that moves faster switches the drives off; absent: not
-                /// watched.
+                /// Largest speed of the motor reading. If exceeded, the drives are switched off. Absent: not monitored.
                 fastest_mm_per_s: Option<f64> [Positive],
-                /// How far the command may move while the motor reading does not change, before the drives are
-                /// switched off; absent: not watched.
+                /// Travel of the command with an unchanged motor reading, after which the drives are switched off.
+                /// Absent: not monitored.
                 frozen_encoder_limit_mm: Option<f64> [Positive],
             }
             /// Masses, drive train and friction.
@@ -81,18 +80,18 @@ macro_rules! axis_keys {
                 presliding_stiffness_n_per_um: Option<f64> [Positive],
                 /// σ1 of the table's friction (`LuGre`).
                 presliding_damping_n_s_per_m: Option<f64> [NotNegative],
-                /// Friction of the table as a published curve instead of `coulomb_n`.
+                /// Friction of the table as a published curve, in place of `coulomb_n`.
                 friction_curve: Option<Curve>,
-                /// How far the true mechanical values may lie from the declared ones; absent: 0.
+                /// Tolerance of the declared mechanical values; absent: 0.
                 plant_tolerance_percent: Option<f64> [UpTo(100.0)],
-                /// Travel in one turn of the screw.
+                /// Travel per turn of the screw.
                 lead_mm: Option<f64> [Positive],
             }
-            /// Position sensors, and which of them closes the position loop.
+            /// Position sensors and position feedback.
             sensors: Sensors {
-                /// Electrical periods in one turn of the resolver.
+                /// Electrical periods per turn of the resolver.
                 resolver_pole_pairs: Option<u32> [Positive],
-                /// The position that is fed back.
+                /// Position feedback of the position loop.
                 feedback: Feedback,
                 /// Time constant of the low-pass of dual feedback.
                 dual_feedback_time_constant_s: Option<f64> [Positive],

@@ -1,7 +1,7 @@
 //! The settings of one axis as declared: controller, filters, limits, mechanics, sensors.
 //!
-//! A machine file has them as flat keys of its `[axis.NAME]` table; `keys` declares each of them once. From that
-//! declaration come the structs here, the list [`KEYS`], and the form of the file in [`crate::machine`].
+//! In a machine file they are flat keys of the table `[axis.NAME]`. The module `keys` declares each key once. The structs
+//! in this module, the list [`KEYS`], and the table of the file in [`crate::machine`] are generated from it.
 
 mod keys;
 
@@ -13,7 +13,7 @@ use shared::units::TRAVEL_LIMIT_M;
 use crate::friction_curve::Curve;
 use crate::range::Range::{self, NotNegative, Positive, UpTo};
 
-/// Law of the position controller.
+/// Control law of the position loop.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Law {
@@ -23,7 +23,7 @@ pub enum Law {
     Hpc,
 }
 
-/// Which position the controller is fed back.
+/// Position feedback of the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Feedback {
@@ -38,19 +38,19 @@ pub enum Feedback {
 
 /// A key of an `[axis.NAME]` table.
 pub struct Key {
-    /// Name in the file.
+    /// Name of the key in the file.
     pub name: &'static str,
     /// Name of its group in [`Settings`].
     pub group: &'static str,
-    /// Range of its number; `None`: it holds no number.
+    /// Range of the number; `None`: the value is not a number.
     pub range: Option<Range>,
-    /// Whether an axis declares it.
+    /// Whether an axis declares the key.
     pub is_given: fn(&Settings) -> bool,
-    /// The number that an axis declares.
+    /// Number declared by an axis.
     pub number: fn(&Settings) -> Option<f64>,
 }
 
-/// A key's field: an `Option`, or a value with a default.
+/// Type of the field of a key: an `Option`, or a value with a default.
 pub(crate) trait Field {
     /// Whether the key is given.
     fn is_given(&self) -> bool;
@@ -60,13 +60,13 @@ pub(crate) trait Field {
         !self.is_given()
     }
 
-    /// The number that is given.
+    /// The declared number, if the value is a number.
     fn number(&self) -> Option<f64>;
 }
 
-/// What stands behind a key.
+/// Type of a key's value.
 pub(crate) trait Value {
-    /// Its number, if it is one.
+    /// The value as a number, if it is one.
     fn number(&self) -> Option<f64> {
         None
     }
@@ -99,7 +99,7 @@ impl<T: Value> Field for Option<T> {
 }
 
 impl Field for Feedback {
-    /// A written file always says which.
+    /// A written file always contains this key.
     fn is_given(&self) -> bool {
         true
     }
@@ -109,7 +109,7 @@ impl Field for Feedback {
     }
 }
 
-/// The name that the file has for a key.
+/// The name of a key in the file.
 macro_rules! file_name {
     ($field:ident) => {
         stringify!($field)
@@ -129,7 +129,7 @@ macro_rules! range {
     };
 }
 
-/// The structs of the settings and the list of their keys.
+/// Declares the structs of the settings and the list of their keys.
 macro_rules! settings {
     ($(
         $(#[$group_doc:meta])*
@@ -137,9 +137,9 @@ macro_rules! settings {
             $($(#[$doc:meta])* $field:ident $(($key:literal))?: $type:ty $([$range:expr])?,)+
         }
     )+) => {
-        /// The settings of an axis as declared. What is absent is not known, or not there.
+        /// The declared settings of an axis. An absent value is unknown, or the component does not exist.
         ///
-        /// Without the controller's keys the motor stage is not modelled, without masses the force stage is not.
+        /// Without the keys of the controller the motor stage is not modelled; without masses the force stage is not.
         #[derive(Clone, Debug, Default, PartialEq)]
         pub struct Settings { $(
             $(#[$group_doc])*
@@ -177,7 +177,7 @@ impl Settings {
             && self.controller.velocity_gain_n_s_per_m.is_some()
     }
 
-    /// Whether there is a mass for a force to move.
+    /// Whether a mass above zero is declared.
     #[must_use]
     pub fn has_mass(&self) -> bool {
         self.mechanics.motor_mass_kg.unwrap_or(0.0) + self.mechanics.table_mass_kg.unwrap_or(0.0) > 0.0

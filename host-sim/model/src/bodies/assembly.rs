@@ -1,9 +1,9 @@
 //! The matrices of a structure: equation (12) of Nguyen, Weikert, Wegener.
 //!
-//! A point p of a body with its centre of gravity at c moves by u = t + θ × (p − c). A joint with the stiffness k
-//! between two points adds Jᵀ·k·J to K, with J the Jacobian of their relative displacement; a screw does the same
-//! along its line, with the motor's way as one more coordinate. Coordinates: t (m) and θ (rad) of each body, then
-//! the way of each motor (m, reflected to the table).
+//! The displacement of a point p of a body with the centre of gravity c is u = t + θ × (p − c). A joint of stiffness k
+//! between two points adds Jᵀ·k·J to K, where J is the Jacobian of their relative displacement. A screw adds the same term
+//! along its line, with the displacement of the motor as an additional coordinate. Coordinates: t (m) and θ (rad) of each
+//! body, then the displacement of each motor (m, reflected to the table).
 
 use nalgebra::{DMatrix, DVector, Matrix3, RowDVector, Vector3};
 
@@ -12,7 +12,7 @@ use super::{Axis, Point, Structure, StructureError};
 /// Metres in a millimetre.
 const MM: f64 = 1e-3;
 
-/// M·q″ + D·q′ + K·q = B·f, and what is seen of q.
+/// The matrices of M·q″ + D·q′ + K·q = B·f, and the linear maps from q to measured quantities.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Assembly {
     /// M, kg and kg·m².
@@ -21,17 +21,17 @@ pub struct Assembly {
     pub damping: DMatrix<f64>,
     /// K.
     pub stiffness: DMatrix<f64>,
-    /// B: a column an axis, for the force of its motor, N.
+    /// B: one column per axis, for the force of its motor, N.
     pub drives: DMatrix<f64>,
-    /// A row an axis: how far the nut is ahead of the motor, m.
+    /// One row per axis: nut − motor, m.
     pub stretches: DMatrix<f64>,
-    /// A row an axis: its guided body against what guides it, along the axis at the screw, m.
+    /// One row per axis: displacement of the guided body relative to the guiding body, along the axis at the screw, m.
     pub guides: DMatrix<f64>,
-    /// A row an axis: its motor, m.
+    /// One row per axis: displacement of the motor, m.
     pub motors: DMatrix<f64>,
-    /// A row an axis: its scale, m.
+    /// One row per axis: reading of the scale, m.
     pub scales: DMatrix<f64>,
-    /// Rows x, y, z: tool against workpiece, m.
+    /// Rows x, y, z: displacement of the tool relative to the workpiece, m.
     pub tool: DMatrix<f64>,
 }
 
@@ -39,7 +39,8 @@ impl Assembly {
     /// The matrices of a structure.
     ///
     /// # Errors
-    /// Where the structure cannot be built, see [`Structure::check`], or cannot move, see [`Assembly::check_held`].
+    /// If the structure is invalid, see [`Structure::check`], or its axes cannot move as required, see
+    /// [`Assembly::check_held`] and [`Assembly::check_driven`].
     pub fn of(structure: &Structure) -> Result<Self, StructureError> {
         structure.check()?;
         let (bodies, axes) = (6 * structure.body.len(), structure.axis.len());
@@ -57,18 +58,18 @@ impl Assembly {
             tool: DMatrix::zeros(3, all),
         };
         for (index, body) in structure.body.values().enumerate() {
-            let weight = Matrix3::from_diagonal_element(body.mass_kg);
-            whole.mass.fixed_view_mut::<3, 3>(6 * index, 6 * index).copy_from(&weight);
+            let mass = Matrix3::from_diagonal_element(body.mass_kg);
+            whole.mass.fixed_view_mut::<3, 3>(6 * index, 6 * index).copy_from(&mass);
             whole.mass.fixed_view_mut::<3, 3>(6 * index + 3, 6 * index + 3).copy_from(&body.inertia());
         }
         for joint in &structure.joint {
             for at in &joint.at_mm {
-                let way = relative(structure, &joint.from, &joint.to, *at);
-                let turn = turn(structure, &joint.to) - turn(structure, &joint.from);
-                whole.stiffen(&way, joint.stiffness_n_per_um.map(|k| 1e6 * k));
-                whole.stiffen(&turn, joint.angular_stiffness_nm_per_mrad.map(|k| 1e3 * k));
-                whole.damp(&way, joint.damping_n_s_per_mm.map(|d| 1e3 * d));
-                whole.damp(&turn, joint.angular_damping_nm_s_per_rad);
+                let translation = relative(structure, &joint.from, &joint.to, *at);
+                let rotation = rotation(structure, &joint.to) - rotation(structure, &joint.from);
+                whole.stiffen(&translation, joint.stiffness_n_per_um.map(|k| 1e6 * k));
+                whole.stiffen(&rotation, joint.angular_stiffness_nm_per_mrad.map(|k| 1e3 * k));
+                whole.damp(&translation, joint.damping_n_s_per_mm.map(|d| 1e3 * d));
+                whole.damp(&rotation, joint.angular_damping_nm_s_per_rad);
             }
         }
         for (number, axis) in structure.axis.values().enumerate() {
@@ -81,7 +82,7 @@ impl Assembly {
         Ok(whole)
     }
 
-    /// How many axes.
+    /// Number of axes.
     #[must_use]
     pub fn axes(&self) -> usize {
         self.drives.ncols()
@@ -116,14 +117,14 @@ fn diagonal(values: [f64; 3]) -> DMatrix<f64> {
     DMatrix::from_diagonal(&DVector::from_row_slice(&values))
 }
 
-/// Rows x, y, z: `to` against `from` at a point, m.
+/// Rows x, y, z: displacement of `to` relative to `from` at a point, m.
 fn relative(structure: &Structure, from: &str, to: &str, at_mm: [f64; 3]) -> DMatrix<f64> {
     displacement(structure, to, at_mm) - displacement(structure, from, at_mm)
 }
 
-/// Rows x, y, z: a point of a body, m. The ground, which no body is called, stays where it is.
+/// Rows x, y, z: displacement of a point of a body, m. Zero for the ground, which is not in the list of bodies.
 fn displacement(structure: &Structure, name: &str, at_mm: [f64; 3]) -> DMatrix<f64> {
-    let mut rows = nothing(structure);
+    let mut rows = zero_rows(structure);
     if let Some((index, _, body)) = structure.body.get_full(name) {
         let arm = MM * (Vector3::from(at_mm) - Vector3::from(body.centre_mm));
         rows.fixed_view_mut::<3, 3>(0, 6 * index).fill_with_identity();
@@ -132,15 +133,15 @@ fn displacement(structure: &Structure, name: &str, at_mm: [f64; 3]) -> DMatrix<f
     rows
 }
 
-/// Rows x, y, z: how far a body has turned, rad.
-fn turn(structure: &Structure, name: &str) -> DMatrix<f64> {
-    let mut rows = nothing(structure);
+/// Rows x, y, z: rotation of a body, rad.
+fn rotation(structure: &Structure, name: &str) -> DMatrix<f64> {
+    let mut rows = zero_rows(structure);
     if let Some(index) = structure.body.get_index_of(name) {
         rows.fixed_view_mut::<3, 3>(0, 6 * index + 3).fill_with_identity();
     }
     rows
 }
 
-fn nothing(structure: &Structure) -> DMatrix<f64> {
+fn zero_rows(structure: &Structure) -> DMatrix<f64> {
     DMatrix::zeros(3, 6 * structure.body.len() + structure.axis.len())
 }

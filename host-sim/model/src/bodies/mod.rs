@@ -1,9 +1,9 @@
 //! The structure as rigid bodies: Nguyen, Weikert, Wegener, equations (10) to (12).
 //!
-//! Each body has the six coordinates of equation (10), joints hold it with stiffness and damping in six directions
-//! at a point, and each axis pushes at its screw, which need not lead through a centre of gravity. [`assembly`]
-//! makes M·q″ + D·q′ + K·q = B·f of it, for small displacements about the present axis positions; [`modes`] are its
-//! natural frequencies, [`talk`] is what an acceleration displaces at the tool; the crate `plant` steps it.
+//! Each body has the six coordinates of equation (10). Joints have stiffness and damping in six directions at a point. The
+//! force of each axis acts at its screw, whose line need not pass through a centre of gravity. [`assembly`] computes the
+//! matrices of M·q″ + D·q′ + K·q = B·f for small displacements about the current axis positions, [`modes`] the natural
+//! frequencies, and [`talk`] the displacement of the tool by accelerations. The crate `plant` integrates the equation.
 
 pub mod assembly;
 pub mod modes;
@@ -14,28 +14,28 @@ use serde::{Deserialize, Serialize};
 
 pub use assembly::Assembly;
 
-/// No machine has a greater mass (kg), stiffness (N/µm), damping (N·s/mm), or inertia (kg·m²).
+/// Upper bound of masses (kg), stiffnesses (N/µm) and dampings (N·s/mm).
 const GREATEST: f64 = 1e9;
 
-/// No machine is longer, mm.
+/// Upper bound of the absolute value of positions (mm), directions, and inertias (kg·m²).
 const LONGEST_MM: f64 = 1e6;
 
-/// What joints and axes call the floor.
+/// Name of the floor in joints and axes.
 pub const GROUND: &str = "ground";
 
-/// Bodies, what holds them, what drives them, and where they are looked at.
+/// Bodies, joints, axes, tool point and workpiece.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Structure {
-    /// By name.
+    /// Bodies by name.
     pub body: IndexMap<String, Body>,
-    /// Between bodies, or a body and the ground.
+    /// Joints between two bodies, or a body and the ground.
     pub joint: Vec<Joint>,
-    /// By name.
+    /// Axes by name.
     pub axis: IndexMap<String, Axis>,
     /// The tool point.
     pub tool: Point,
-    /// What it is measured against.
+    /// The point relative to which the tool point is measured.
     pub workpiece: Point,
 }
 
@@ -45,14 +45,14 @@ pub struct Structure {
 pub struct Body {
     /// Mass.
     pub mass_kg: f64,
-    /// About the centre of gravity: the tensor's xx, yy, zz, xy, xz, yz elements (products of inertia with the
-    /// tensor's sign).
+    /// Elements xx, yy, zz, xy, xz, yz of the inertia tensor about the centre of gravity. The sign of xy, xz, yz is that of
+    /// the tensor.
     pub inertia_kg_m2: [f64; 6],
     /// Centre of gravity.
     pub centre_mm: [f64; 3],
 }
 
-/// What a joint is, by which a part of the structure can be named.
+/// Kind of a joint. [`Part::Joints`] selects joints by kind.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum JointKind {
@@ -64,32 +64,32 @@ pub enum JointKind {
     Flange,
 }
 
-/// Elastic contact of two bodies at some points, the same at each.
+/// Elastic contact of two bodies at several points, with the same stiffness and damping at each point.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Joint {
-    /// What it is.
+    /// Kind of the joint.
     pub kind: JointKind,
-    /// A body, or "ground".
+    /// Name of a body, or "ground".
     pub from: String,
-    /// A body, or "ground".
+    /// Name of a body, or "ground".
     pub to: String,
-    /// Where it holds.
+    /// Points of contact.
     pub at_mm: Vec<[f64; 3]>,
-    /// Along x, y, z at each point.
+    /// Stiffness along x, y, z at each point.
     pub stiffness_n_per_um: [f64; 3],
-    /// Along x, y, z at each point.
+    /// Damping along x, y, z at each point.
     #[serde(default)]
     pub damping_n_s_per_mm: [f64; 3],
-    /// About x, y, z at each point.
+    /// Stiffness about x, y, z at each point.
     #[serde(default)]
     pub angular_stiffness_nm_per_mrad: [f64; 3],
-    /// About x, y, z at each point.
+    /// Damping about x, y, z at each point.
     #[serde(default)]
     pub angular_damping_nm_s_per_rad: [f64; 3],
 }
 
-/// A driven direction: motor and screw between two bodies, and a scale.
+/// An axis: motor and screw between two bodies, and a scale.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Axis {
@@ -97,17 +97,17 @@ pub struct Axis {
     pub from: String,
     /// The body with the nut.
     pub to: String,
-    /// Which way `to` goes against `from` for a positive command; of any length.
+    /// Direction in which `to` moves relative to `from` at a positive command; a vector of any length.
     pub direction: [f64; 3],
-    /// A point of the screw's line: there the drive pushes `to`, and back on `from`.
+    /// A point of the screw's line, at which the drive force acts on `to` and the opposite force on `from`.
     pub at_mm: [f64; 3],
     /// A point of the scale's line.
     pub scale_at_mm: [f64; 3],
-    /// Motor and screw, reflected to the table.
+    /// Mass of motor and screw, reflected to the table.
     pub motor_mass_kg: f64,
-    /// Of screw, nut and bearings.
+    /// Stiffness of screw, nut and bearings.
     pub stiffness_n_per_um: f64,
-    /// Along the screw.
+    /// Damping along the screw.
     #[serde(default)]
     pub damping_n_s_per_mm: f64,
 }
@@ -116,63 +116,63 @@ pub struct Axis {
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Point {
-    /// A body, or "ground".
+    /// Name of a body, or "ground".
     pub body: String,
-    /// Where.
+    /// Position of the point.
     pub at_mm: [f64; 3],
 }
 
-/// A group of parts whose data may be wrong together.
+/// A group of parameters that [`Structure::scaled`] multiplies by a common factor.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Part {
-    /// Stiffness of all joints of a kind.
+    /// Stiffnesses of all joints of a kind.
     Joints(JointKind),
-    /// Stiffness of the screws.
+    /// Stiffnesses of the screws.
     Screws,
     /// Masses and moments of inertia of the bodies.
     Masses,
 }
 
-/// What a structure cannot be.
+/// Error of a structure.
 #[derive(Clone, Debug, PartialEq, thiserror::Error)]
 pub enum StructureError {
-    /// A number is no number, or has the wrong sign.
+    /// A number is not finite or out of range.
     #[error("{key}: expected {expected}, found {found}")]
     Number {
-        /// Which.
+        /// Key of the number.
         key: String,
-        /// What was expected.
+        /// The permitted range, in words.
         expected: &'static str,
-        /// What it is.
+        /// The number.
         found: f64,
     },
-    /// A name that no body has.
+    /// A name is not that of a body.
     #[error("{key}: no body is called \"{name}\"")]
     NoBody {
-        /// Where it is named.
+        /// Key with the name.
         key: String,
         /// The name.
         name: String,
     },
-    /// A moment of inertia is greater than the other two together, or a product too large.
+    /// The inertia tensor is not positive definite, or a principal moment exceeds the sum of the other two.
     #[error("body.{0}.inertia_kg_m2: no body has these moments of inertia")]
     Inertia(String),
-    /// With its axes held it can still move.
-    #[error("the joints leave a body loose in a direction that no axis drives")]
+    /// The structure can move freely in a direction other than those of the axes.
+    #[error("a body can move freely in a direction that no axis drives")]
     Loose,
-    /// An axis drives against a joint, or against another axis.
-    #[error("an axis drives in a direction that a joint, or another axis, holds")]
+    /// A joint or another axis blocks the motion of an axis.
+    #[error("an axis drives in a direction that a joint or another axis blocks")]
     Stuck,
-    /// Something that leads from a body to itself.
-    #[error("{0}: expected another body than in from")]
+    /// A joint or an axis connects a body with itself.
+    #[error("{0}: expected a body other than that of from")]
     Itself(String),
-    /// An axis that the tool does not feel.
-    #[error("axis.{0}: does not move the tool against the workpiece")]
+    /// An axis does not move the tool relative to the workpiece.
+    #[error("axis.{0}: does not move the tool relative to the workpiece")]
     Idle(String),
 }
 
 impl Structure {
-    /// The same with stiffness, or mass, of a part multiplied.
+    /// The same structure with the stiffnesses or masses of a part multiplied by a factor.
     #[must_use]
     pub fn scaled(&self, part: Part, factor: f64) -> Self {
         let mut scaled = self.clone();
@@ -195,7 +195,7 @@ impl Structure {
         scaled
     }
 
-    /// Whether it can be built.
+    /// Checks names and numbers.
     ///
     /// # Errors
     /// The first key that is refused.
@@ -253,14 +253,14 @@ impl Structure {
 }
 
 impl Body {
-    /// The tensor of inertia about the centre of gravity, kg·m².
+    /// The inertia tensor about the centre of gravity, kg·m².
     #[must_use]
     pub fn inertia(&self) -> nalgebra::Matrix3<f64> {
         let [xx, yy, zz, xy, xz, yz] = self.inertia_kg_m2;
         nalgebra::Matrix3::new(xx, xy, xz, xy, yy, yz, xz, yz, zz)
     }
 
-    /// Positive, and no principal moment greater than the other two together.
+    /// All principal moments are positive, and none exceeds the sum of the other two.
     fn has_a_possible_inertia(&self) -> bool {
         let principal = self.inertia().symmetric_eigenvalues();
         let (least, most) = (principal.min(), principal.max());

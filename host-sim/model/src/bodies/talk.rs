@@ -1,39 +1,40 @@
-//! In-talk and cross-talk in closed form: what an axis that accelerates displaces at the tool.
+//! In-talk and cross-talk in closed form: displacement of the tool per acceleration of an axis.
 //!
-//! At rest: an axis j accelerates evenly while the position loops keep every scale on its command. The structure
-//! then moves as q = r·x + w, with r the way of all that rides on the axis, K·r = 0 and S·r = eⱼ at the scales S, and w
-//! what it bends by, S·w = 0. With the drive forces f unknown, too,
+//! Quasi-static: axis j has a constant acceleration a, and the position loops keep every scale at its command. The
+//! structure moves as q = r·x + w. Here r is the rigid motion with the axis, K·r = 0 and S·r = eⱼ at the scales S, and w is
+//! the elastic deflection, S·w = 0. With the drive forces f as further unknowns,
 //!
 //! ```text
 //! | K  −B | |w|   |−M·r·a|            | K  −B | |r|   |0 |
 //! | S   0 |·|f| = |   0  |    and     | S   0 |·|0| = |eⱼ|
 //! ```
 //!
-//! so one factorisation gives both, and T·w/a at the tool is the coefficient (equations (7) to (9) of Nguyen, Weikert,
-//! Wegener). On a circle of the angular frequency ω the same with K + iωD − ω²M, exactly: in phase with the
-//! acceleration is what the fits see, and running the circle both ways takes out the rest.
+//! so that one factorisation solves both. The coefficient is T·w/a at the tool (equations (7) to (9) of Nguyen, Weikert,
+//! Wegener). On a circle of angular frequency ω, K is replaced by K + iωD − ω²M. The coefficient is then the part in
+//! phase with the acceleration; the other part cancels if the circle is travelled in both directions.
 
 use nalgebra::{Complex, ComplexField, DMatrix, Matrix3xX};
 
 use super::{Assembly, Structure, StructureError};
 
-/// Of the screw's stiffness: less does not hold an axis.
-const FREE_SHARE: f64 = 1e-4;
+/// Stiffness against the motion of an axis, as a fraction of the screw's stiffness, below which the axis can move freely.
+const FREE_FRACTION: f64 = 1e-4;
 
-/// Way of the tool for a metre of an axis, m, that is none.
-const LEAST_WAY: f64 = 1e-3;
+/// Displacement of the tool per metre of an axis, m, below which the axis does not move the tool.
+const MIN_TOOL_TRAVEL: f64 = 1e-3;
 
-/// What acceleration does, a column an axis.
+/// Response to accelerations, one column per axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Talk {
-    /// Rows x, y, z: tool against workpiece beyond what the scales show, µm per m/s². In-talk and cross-talk.
+    /// Rows x, y, z: displacement of the tool relative to the workpiece that the scales do not measure, µm per m/s²: in-talk
+    /// and cross-talk.
     pub tool_um_s2_per_m: Matrix3xX<f64>,
-    /// Rows are axes: drive force, N per m/s², which is the mass that a drive feels.
+    /// One row per axis: drive force, N per m/s², which is the effective mass.
     pub force_kg: DMatrix<f64>,
 }
 
 impl Assembly {
-    /// Under an even acceleration.
+    /// Response to a constant acceleration.
     ///
     /// # Errors
     /// [`StructureError::Loose`].
@@ -43,11 +44,11 @@ impl Assembly {
         let rigid = rigid.rows(0, self.mass.nrows());
         let mut loads = DMatrix::zeros(self.mass.nrows() + self.axes(), self.axes());
         loads.rows_mut(0, self.mass.nrows()).copy_from(&-(&self.mass * rigid));
-        let bent = bordered.solve(&loads).ok_or(StructureError::Loose)?;
-        Ok(self.seen(&bent, 1.0))
+        let deflection = bordered.solve(&loads).ok_or(StructureError::Loose)?;
+        Ok(self.outputs(&deflection, 1.0))
     }
 
-    /// On a circle of an angular frequency, rad/s: the part in phase with the acceleration.
+    /// Response on a circle of this angular frequency, rad/s: the part in phase with the acceleration.
     ///
     /// # Errors
     /// [`StructureError::Loose`].
@@ -58,16 +59,17 @@ impl Assembly {
         let bordered = self.bordered(dynamic).lu();
         let swing = bordered.solve(&self.commanded().map(complex)).ok_or(StructureError::Loose)?;
         let mut whole = swing.map(|part| part.re);
-        // Beyond what the scales show: the structure as one rigid body moves the tool with its scale.
+        // The rigid motion, which the scales measure, is subtracted.
         let rigid = self.bordered(self.stiffness.clone()).lu().solve(&self.commanded());
         let rigid = rigid.ok_or(StructureError::Loose)?;
         let coordinates = self.mass.nrows();
-        let bent = whole.rows(0, coordinates) - rigid.rows(0, coordinates);
-        whole.rows_mut(0, coordinates).copy_from(&bent);
-        Ok(self.seen(&whole, -rad_per_s.powi(-2)))
+        let deflection = whole.rows(0, coordinates) - rigid.rows(0, coordinates);
+        whole.rows_mut(0, coordinates).copy_from(&deflection);
+        Ok(self.outputs(&whole, -rad_per_s.powi(-2)))
     }
 
-    /// Where each axis takes the tool against the workpiece: columns of x, y, z, m per metre of its scale.
+    /// Displacement of the tool relative to the workpiece per displacement of each axis: columns x, y, z, m per metre of the
+    /// scale.
     ///
     /// # Errors
     /// [`StructureError::Loose`].
@@ -77,7 +79,7 @@ impl Assembly {
         Ok((&self.tool * rigid.rows(0, self.mass.nrows())).fixed_rows::<3>(0).into_owned())
     }
 
-    /// Whether each axis moves where nothing holds it, and the tool against the workpiece.
+    /// Checks that each axis can move freely, and that it moves the tool relative to the workpiece.
     ///
     /// # Errors
     /// [`StructureError::Stuck`], [`StructureError::Idle`].
@@ -86,21 +88,22 @@ impl Assembly {
         let rigid = bordered.solve(&self.commanded()).ok_or(StructureError::Stuck)?;
         let forces = rigid.rows(self.mass.nrows(), self.axes());
         for (number, (name, axis)) in structure.axis.iter().enumerate() {
-            // A metre against what holds it would take the screw's stiffness or more; rounding leaves some 1e-9 of it.
-            let held = forces.column(number).amax() > FREE_SHARE * 1e6 * axis.stiffness_n_per_um;
+            // Displacing a blocked axis by one metre requires a force of about the screw's stiffness or more. The rounding
+            // error of a free axis is about 1e-9 of it.
+            let held = forces.column(number).amax() > FREE_FRACTION * 1e6 * axis.stiffness_n_per_um;
             if held || !rigid.column(number).iter().copied().all(f64::is_finite) {
                 return Err(StructureError::Stuck);
             }
-            let way = &self.tool * rigid.rows(0, self.mass.nrows()).column(number);
-            if way.norm() < LEAST_WAY {
+            let travel = &self.tool * rigid.rows(0, self.mass.nrows()).column(number);
+            if travel.norm() < MIN_TOOL_TRAVEL {
                 return Err(StructureError::Idle(name.clone()));
             }
         }
         Ok(())
     }
 
-    /// What of a solution is seen, per acceleration: the solution times `scale`.
-    fn seen(&self, solution: &DMatrix<f64>, scale: f64) -> Talk {
+    /// Tool displacements and drive forces of a solution, times `scale`.
+    fn outputs(&self, solution: &DMatrix<f64>, scale: f64) -> Talk {
         let (coordinates, axes) = (self.mass.nrows(), self.axes());
         let tool = &self.tool * solution.rows(0, coordinates) * (1e6 * scale);
         Talk {
@@ -109,7 +112,7 @@ impl Assembly {
         }
     }
 
-    /// The stiffness with the drive forces as unknowns and the scales as conditions.
+    /// The stiffness matrix, bordered with the drive forces as unknowns and the scales as constraints.
     fn bordered<T: ComplexField<RealField = f64>>(&self, stiffness: DMatrix<T>) -> DMatrix<T> {
         let (coordinates, axes) = (self.mass.nrows(), self.axes());
         let mut whole = stiffness.resize(coordinates + axes, coordinates + axes, T::zero());
@@ -120,7 +123,7 @@ impl Assembly {
         whole
     }
 
-    /// One metre on the scale of one axis after the other.
+    /// Right-hand sides, one column per axis: one metre on the scale of this axis, zero on the others.
     fn commanded(&self) -> DMatrix<f64> {
         let (coordinates, axes) = (self.mass.nrows(), self.axes());
         let mut commanded = DMatrix::zeros(coordinates + axes, axes);

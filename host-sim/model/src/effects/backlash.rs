@@ -7,7 +7,7 @@ use super::declaration::{
     Wording,
 };
 
-/// A gap between screw nut and table; the screw spring acts only where the gap is closed.
+/// A gap between screw nut and table. The spring of the screw acts only while the gap is closed.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Backlash {
@@ -23,7 +23,7 @@ impl Backlash {
         0.5e-6 * self.width_um
     }
 
-    /// The part of a deflection (screw − table, m) that the gap swallows.
+    /// Part of a deflection (screw − table, m) within the gap. It does not strain the spring of the screw.
     #[must_use]
     #[inline]
     pub fn swallowed_m(&self, deflection_m: f64) -> f64 {
@@ -33,7 +33,7 @@ impl Backlash {
 
 impl EffectModel for Backlash {
     const NAME: &'static str = "backlash";
-    const SUMMARY: &'static str = "dead zone between screw and table, total width";
+    const SUMMARY: &'static str = "dead zone between screw and table, given by its total width";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("width_um", Unit::Micrometre, Range::NotNegative)];
     const OCCURRENCE: Occurrence = Occurrence::Once;
@@ -45,8 +45,8 @@ impl EffectModel for Backlash {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let sees_table = context.has(Stage::Table);
-        let widths: &[f64] = if sees_table { &[2.0, 8.0, 25.0, 80.0] } else { &[] };
+        let has_table = context.has(Stage::Table);
+        let widths: &[f64] = if has_table { &[2.0, 8.0, 25.0, 80.0] } else { &[] };
         widths.iter().map(|&width_um| Self { width_um }).collect()
     }
 

@@ -1,4 +1,4 @@
-//! Constant load: gravity, a counterbalance, or a difference of Coulomb friction while moving.
+//! Constant load: gravity, a counterbalance, or Coulomb friction that differs between the directions of motion.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,17 +8,20 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// A constant force on the table that opposes motion in the + direction.
+/// A constant force F on the table against motion in the + direction.
+///
+/// The force needed to move is Coulomb friction + F in + direction and Coulomb friction − F in − direction. While the
+/// axis moves, the load is therefore equivalent to a difference of 2F between the Coulomb friction of both directions.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ConstantLoad {
-    /// Positive: the drive pushes harder in the + direction.
+    /// F. Positive: the drive force is higher in + direction.
     pub force_n: f64,
 }
 
 impl EffectModel for ConstantLoad {
     const NAME: &'static str = "constant_load";
-    const SUMMARY: &'static str = "opposes motion in + direction";
+    const SUMMARY: &'static str = "constant force F against motion in + direction: Coulomb friction + F there, Coulomb friction − F in − direction";
     const PARAMETERS: &'static [Parameter] = &[Parameter::new("force_n", Unit::Newton, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force, Stage::Table];
@@ -50,7 +53,7 @@ impl EffectModel for ConstantLoad {
 
     fn sentence(&self, wording: &Wording) -> String {
         let direction = wording.by_sign("+", "−");
-        format!("a constant load of {} against motion in {direction} direction", wording.size(0))
+        format!("a constant load of {} opposes motion in {direction} direction", wording.size(0))
     }
 
     fn abscissa(&self) -> Abscissa {

@@ -1,4 +1,4 @@
-//! Cross-talk: the tool leans when the other axis accelerates.
+//! Cross-talk: displacement of the tool proportional to the acceleration of another axis.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,18 +8,18 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Tool − table per acceleration of another axis, after Nguyen, Weikert, Wegener, equations (7) to (9).
+/// Tool − table = coefficient · acceleration of another axis; Nguyen, Weikert, Wegener, equations (7) to (9).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Crosstalk {
-    /// µm per m/s².
+    /// Coefficient, µm per m/s².
     pub um_s2_per_m: f64,
     /// The axis whose table accelerates.
     pub source: String,
 }
 
 impl Crosstalk {
-    /// Tool − table, m, for the source's table acceleration.
+    /// Tool − table, m, at an acceleration of the source axis's table.
     #[must_use]
     pub fn offset_m(&self, source_acceleration_m_per_s2: f64) -> f64 {
         1e-6 * self.um_s2_per_m * source_acceleration_m_per_s2
@@ -28,7 +28,7 @@ impl Crosstalk {
 
 impl EffectModel for Crosstalk {
     const NAME: &'static str = "crosstalk";
-    const SUMMARY: &'static str = "tool − table, per the source axis's acceleration";
+    const SUMMARY: &'static str = "tool − table, proportional to the acceleration of the source axis";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("um_s2_per_m", Unit::MicrometrePerAcceleration, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
@@ -65,7 +65,7 @@ impl EffectModel for Crosstalk {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!("the tool leans by {} of acceleration of axis {}", wording.value(0), self.source)
+        format!("the tool is displaced by {} of the acceleration of axis {}", wording.value(0), self.source)
     }
 
     fn abscissa(&self) -> Abscissa {

@@ -1,4 +1,4 @@
-//! Second-order error of a rotary encoder: the motor reading wobbles twice a turn.
+//! Second-order error of a rotary encoder: an error of the motor reading with two periods per turn.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,11 +7,12 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Motor reading = motor + amplitude·sin(2π·motor/period + phase): an oval disc, or a bearing that runs out twice a turn.
+/// Motor reading = motor + amplitude·sin(2π·motor/period + phase). Causes: an oval disc, or a bearing with a second-order
+/// runout.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct EncoderEllipticity {
-    /// Half of peak to peak.
+    /// Half of the peak-to-peak value.
     pub amplitude_um: f64,
     /// Half of the lead.
     pub period_mm: f64,
@@ -28,14 +29,14 @@ impl EncoderEllipticity {
     }
 }
 
-/// Whether the dividing error of the axis's resolver has the same period: it is reported as that.
+/// Whether the dividing error of the axis's resolver has the same period. The error is then reported as that effect.
 fn is_resolver_order(axis: &Settings) -> bool {
     matches!(axis.sensors.resolver_pole_pairs, Some(1 | 2))
 }
 
 impl EffectModel for EncoderEllipticity {
     const NAME: &'static str = "encoder_ellipticity";
-    const SUMMARY: &'static str = "motor reading error, twice a turn";
+    const SUMMARY: &'static str = "periodic error of the motor reading, two periods per turn";
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
 
     harmonic_effect!(amplitude_um, Unit::Micrometre, step 0.1, limit 1e3);
@@ -57,7 +58,7 @@ impl EffectModel for EncoderEllipticity {
 
     fn sentence(&self, wording: &Wording) -> String {
         format!(
-            "the encoder reads {} (amplitude) too much and too little every {}",
+            "the encoder has a periodic error: amplitude {}, period {}",
             wording.value(0),
             wording.value(1)
         )

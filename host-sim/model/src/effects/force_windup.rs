@@ -1,4 +1,4 @@
-//! Wind-up by the measured force, on an axis whose masses are not declared.
+//! Wind-up computed from the measured force, for an axis without declared masses.
 
 use serde::{Deserialize, Serialize};
 use shared::config::Rates;
@@ -9,28 +9,28 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Compliance of a drive train as good as rigid, µm/N.
+/// Lowest compliance, of a practically rigid drive train, µm/N.
 const MIN_COMPLIANCE: f64 = 1e-6;
 
-/// A millimetre per newton is no drive train, µm/N.
+/// Highest compliance, µm/N: no drive train deflects by 1 mm/N.
 const MAX_COMPLIANCE: f64 = 1e3;
 
-/// The drive force, less friction before the drive train, deflects it. In machine files this is `windup`, too, told by
-/// its friction.
+/// Deflection of the drive train = (drive force − friction·direction) / stiffness. In machine files the name is `windup`
+/// as well; the key `friction_n` distinguishes this effect.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ForceWindup {
     /// Stiffness between motor and table.
     pub stiffness_n_per_um: f64,
-    /// Friction of the motor and of what lies before the gear, which does not deflect the drive train.
+    /// Friction of the motor and of all parts before the gear. It does not deflect the drive train.
     pub friction_n: f64,
-    /// Travel over which that friction reverses (Dahl, 1968). Absent: at once.
+    /// Travel constant with which that friction reverses (Dahl, 1968). Absent: it reverses with the direction.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub presliding_mm: Option<f64>,
 }
 
 impl ForceWindup {
-    /// Lag of the table behind the motor, µm, under a measured force; `direction` of travel is −1 to 1.
+    /// Lag of the table behind the motor, µm, at a measured force. The direction of travel is from −1 to 1.
     #[must_use]
     pub fn deflection_um(&self, force_n: f64, direction: f64) -> f64 {
         (force_n - self.friction_n * direction) / self.stiffness_n_per_um
@@ -41,7 +41,7 @@ impl EffectModel for ForceWindup {
     const NAME: &'static str = "windup";
     const TOLD_BY_KEY: Option<&'static str> = Some("friction_n");
     const SUMMARY: &'static str =
-        "without masses: drive train that the measured force, less friction before it, deflects";
+        "deflection of the drive train by the measured force less the friction before the drive train";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("stiffness_n_per_um", Unit::NewtonPerMicrometre, Range::Positive),
         Parameter::new("friction_n", Unit::Newton, Range::NotNegative),
@@ -75,12 +75,12 @@ impl EffectModel for ForceWindup {
         [None, Some(0.03), Some(0.3)].map(guess).to_vec()
     }
 
-    /// The compliance, µm/N, and the deflection that friction takes away, µm: the model is linear in both. Then the
-    /// travel of a reversal, mm.
+    /// The compliance, µm/N, and friction times compliance, µm: the model is linear in both. Then the travel constant of a
+    /// reversal, mm.
     fn coordinates(&self) -> Vec<Coordinate> {
         let per_um = 1.0 / self.stiffness_n_per_um;
         let reversal = self.presliding_mm.map(|mm| Coordinate::scale(mm, 1e-3, 10.0));
-        // At the rigid end the effect ends, not its search.
+        // The lower bound is not a limit of the search: at zero compliance there is no effect.
         let per_um = Coordinate::between(per_um, 0.01, MIN_COMPLIANCE, MAX_COMPLIANCE);
         [
             Coordinate { limits: [f64::NEG_INFINITY, MAX_COMPLIANCE], ..per_um },
@@ -99,7 +99,7 @@ impl EffectModel for ForceWindup {
         }
     }
 
-    /// A drive train as good as rigid does not wind up: what remains of this effect is friction without a force.
+    /// At a compliance near the lower bound, the fitted effect is friction rather than wind-up.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         1.0 / self.stiffness_n_per_um > 10.0 * MIN_COMPLIANCE
     }
@@ -111,9 +111,10 @@ impl EffectModel for ForceWindup {
     fn sentence(&self, wording: &Wording) -> String {
         let reversal = self
             .presliding_mm
-            .map_or_else(String::new, |_| format!(", which turns round over {}", wording.value(2)));
+            .map_or_else(String::new, |_| format!(" and reverses over {}", wording.value(2)));
         format!(
-            "the drive {} winds up the drive train, with {} between motor and table; friction before it takes {}{reversal}",
+            "the drive {} deflects the drive train, whose stiffness is {} between motor and table; friction before the \
+             drive train is {}{reversal}",
             wording.by_axis("force", "torque"),
             wording.value(0),
             wording.value(1)

@@ -1,4 +1,4 @@
-//! Friction that depends on the direction of travel.
+//! Viscous friction that depends on the direction of motion.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,7 +10,8 @@ use crate::axis::Settings;
 
 /// Viscous friction b + h for v > 0 and b − h for v < 0.
 ///
-/// A difference of Coulomb friction is, while the axis moves, a constant load, and is called that.
+/// A difference of Coulomb friction between the directions is equivalent to a constant load while the axis moves, and is
+/// reported as [`ConstantLoad`](super::ConstantLoad).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionAsymmetry {
@@ -19,7 +20,7 @@ pub struct FrictionAsymmetry {
 }
 
 impl FrictionAsymmetry {
-    /// Force (N) on top of symmetric viscous friction: h·|v|, the same way for both directions.
+    /// Force added to symmetric viscous friction, N: h·|v|, with the same sign for both directions.
     #[must_use]
     #[inline]
     pub fn force_n(&self, velocity_m_per_s: f64) -> f64 {
@@ -64,7 +65,7 @@ impl EffectModel for FrictionAsymmetry {
         let [higher, lower] = if self.half_difference_n_s_per_m >= 0.0 { ["+", "−"] } else { ["−", "+"] };
         let size = wording.size(0);
         format!(
-            "viscous friction is {size} higher in {higher} direction and as much lower in {lower} direction"
+            "viscous friction is {size} higher in {higher} direction and lower by the same amount in {lower} direction"
         )
     }
 

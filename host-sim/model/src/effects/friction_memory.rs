@@ -1,4 +1,4 @@
-//! Frictional memory: friction follows a change of speed late.
+//! Frictional memory: friction follows a change of speed with a delay.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,15 +8,14 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// A part c of viscous friction goes with the speed of before (the lubricant's film takes time):
-/// c·(m − |v|) on top of the sliding level, where m follows |v| with a time constant. At a speed that
-/// stays it is nothing.
+/// Adds c·(m − |v|) to the sliding level, where m is |v| after a first-order low-pass: a part c of viscous friction
+/// depends on the previous speed, as the film of the lubricant builds up with a delay. The term is zero at constant speed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionMemory {
     /// c.
     pub viscous_n_s_per_m: f64,
-    /// Of m.
+    /// Time constant of m.
     pub time_constant_s: f64,
 }
 
@@ -27,21 +26,21 @@ impl Default for FrictionMemory {
 }
 
 impl FrictionMemory {
-    /// Whether there is any.
+    /// Whether c is not zero.
     #[must_use]
     #[inline]
     pub fn remembers(&self) -> bool {
         self.viscous_n_s_per_m != 0.0
     }
 
-    /// Change of the sliding level (N) at a velocity, when it has lately been a speed (m/s).
+    /// Change of the sliding level, N, at a velocity and a filtered speed m, m/s.
     #[must_use]
     #[inline]
-    pub fn rise_n(&self, velocity: f64, lately: f64) -> f64 {
-        self.viscous_n_s_per_m * (lately - velocity.abs())
+    pub fn rise_n(&self, velocity: f64, filtered_speed: f64) -> f64 {
+        self.viscous_n_s_per_m * (filtered_speed - velocity.abs())
     }
 
-    /// Share by which the memory comes up to the present speed in a step.
+    /// Fraction 1 − exp(−step/τ) of the difference |v| − m by which m changes in a step.
     #[must_use]
     pub fn share(&self, step_s: f64) -> f64 {
         if self.remembers() { -(-step_s / self.time_constant_s).exp_m1() } else { 0.0 }
@@ -50,7 +49,8 @@ impl FrictionMemory {
 
 impl EffectModel for FrictionMemory {
     const NAME: &'static str = "friction_memory";
-    const SUMMARY: &'static str = "c·(m − |v|) more friction, m following |v| with that time constant";
+    const SUMMARY: &'static str =
+        "friction changes by c·(m − |v|), where m follows |v| with the time constant";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("viscous_n_s_per_m", Unit::NewtonSecondPerMetre, Range::Signed),
         Parameter::new("time_constant_s", Unit::Second, Range::Positive),
@@ -74,7 +74,7 @@ impl EffectModel for FrictionMemory {
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![
             Coordinate::signed(self.viscous_n_s_per_m, 5.0, 1e5),
-            // Far from here the derivative is another one: no step goes beyond a factor of two.
+            // The derivative depends strongly on the time constant: one step changes it by a factor of at most two.
             Coordinate::between(
                 self.time_constant_s,
                 0.05 * self.time_constant_s,
@@ -94,8 +94,12 @@ impl EffectModel for FrictionMemory {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        let how = wording.by_sign("behind", "ahead of");
-        format!("{} of viscous friction are {how} the speed, by {}", wording.size(0), wording.value(1))
+        let relation = wording.by_sign("lag behind", "lead");
+        format!(
+            "{} of viscous friction {relation} the speed with a time constant of {}",
+            wording.size(0),
+            wording.value(1)
+        )
     }
 
     fn abscissa(&self) -> Abscissa {

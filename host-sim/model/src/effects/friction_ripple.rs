@@ -1,4 +1,4 @@
-//! Friction ripple: friction that changes over a turn of the screw.
+//! Friction ripple: friction that varies periodically over a turn of the screw.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,17 +7,17 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Highest order of a screw turn that is looked for.
+/// Highest order of a screw turn that is searched for.
 const HIGHEST_ORDER: u32 = 4;
 
-/// Adds amplitude·sin(2π·x/period + phase) to the sliding level: a screw that runs out, or is bent, is
-/// tighter once a turn. Unlike torque ripple it turns with the direction of travel.
+/// Adds amplitude·sin(2π·x/period + phase) to the sliding level. Cause: a bent screw, or one with runout, has higher
+/// friction once per turn. Unlike torque ripple, the force changes its sign with the direction of motion.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct FrictionRipple {
-    /// Half of peak to peak.
+    /// Half of the peak-to-peak value.
     pub amplitude_n: f64,
-    /// A whole fraction of the lead.
+    /// The lead divided by a whole number.
     pub period_mm: f64,
     /// Phase at position zero.
     #[serde(default)]
@@ -25,16 +25,16 @@ pub struct FrictionRipple {
 }
 
 impl FrictionRipple {
-    /// Change of the sliding level (N) at a place.
+    /// Change of the sliding level, N, at a position.
     #[must_use]
-    pub fn rise_n(&self, place_m: f64) -> f64 {
-        self.amplitude_n * harmonic::wave(1e3 * place_m, self.period_mm, self.phase_rad)
+    pub fn rise_n(&self, position_m: f64) -> f64 {
+        self.amplitude_n * harmonic::wave(1e3 * position_m, self.period_mm, self.phase_rad)
     }
 }
 
 impl EffectModel for FrictionRipple {
     const NAME: &'static str = "friction_ripple";
-    const SUMMARY: &'static str = "friction that goes up and down a whole number of times a lead";
+    const SUMMARY: &'static str = "periodic variation of friction, a whole number of periods per lead";
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
 
     harmonic_effect!(amplitude_n, Unit::Newton, step 1.0, limit 1e5);
@@ -54,6 +54,6 @@ impl EffectModel for FrictionRipple {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!("friction goes up and down by {} (amplitude) every {}", wording.value(0), wording.value(1))
+        format!("friction varies periodically: amplitude {}, period {}", wording.value(0), wording.value(1))
     }
 }

@@ -1,4 +1,4 @@
-//! In-talk: the structure leans when its own axis accelerates.
+//! In-talk: displacement of the tool proportional to the acceleration of the same axis.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,16 +7,16 @@ use super::declaration::{
     Wording,
 };
 
-/// Tool − table per acceleration of the same axis, after Nguyen, Weikert, Wegener, equations (7) to (9).
+/// Tool − table = coefficient · acceleration of the same axis; Nguyen, Weikert, Wegener, equations (7) to (9).
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Intalk {
-    /// µm per m/s².
+    /// Coefficient, µm per m/s².
     pub um_s2_per_m: f64,
 }
 
 impl Intalk {
-    /// Tool − table, m, for the table's acceleration.
+    /// Tool − table, m, at an acceleration of the table.
     #[must_use]
     pub fn offset_m(&self, acceleration_m_per_s2: f64) -> f64 {
         1e-6 * self.um_s2_per_m * acceleration_m_per_s2
@@ -25,7 +25,7 @@ impl Intalk {
 
 impl EffectModel for Intalk {
     const NAME: &'static str = "intalk";
-    const SUMMARY: &'static str = "tool − table, per own table acceleration";
+    const SUMMARY: &'static str = "tool − table, proportional to the acceleration of the same axis";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("um_s2_per_m", Unit::MicrometrePerAcceleration, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Once;
@@ -53,7 +53,7 @@ impl EffectModel for Intalk {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!("the tool leans by {} of the axis's own acceleration", wording.value(0))
+        format!("the tool is displaced by {} of the axis's own acceleration", wording.value(0))
     }
 
     fn abscissa(&self) -> Abscissa {

@@ -1,4 +1,4 @@
-//! Latency: a channel that is logged late.
+//! Latency: a channel is logged late.
 
 use serde::{Deserialize, Serialize};
 
@@ -10,22 +10,22 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// The named channel shows what was true `ms` earlier. The loop itself is not affected.
+/// Each sample of the channel holds the value of the instant `ms` earlier. The control loop is not affected.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Latency {
-    /// Which channel.
+    /// The late channel.
     pub channel: Channel,
-    /// How late.
+    /// Delay; negative: early.
     pub ms: f64,
 }
 
-/// No reading is older than this, ms.
+/// Largest permitted delay, ms.
 pub const LONGEST_LATENCY_MS: f64 = 1000.0;
 
 impl EffectModel for Latency {
     const NAME: &'static str = "latency";
-    const SUMMARY: &'static str = "that channel is logged late (`ms` below 0: early) against the others, so that a late motor reading looks like an early table";
+    const SUMMARY: &'static str = "the channel is logged late (`ms` below 0: early) relative to the other channels; a late motor reading is equivalent to an early table reading";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("ms", Unit::Millisecond, Range::Within(LONGEST_LATENCY_MS))];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
@@ -42,7 +42,7 @@ impl EffectModel for Latency {
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let has = |stage| context.has(stage);
-        // Beside a linear scale a force that is late looks like a screw that is soft and damped.
+        // With a linear scale, a late force cannot be distinguished from a compliant, damped screw.
         let force = has(Stage::Force) && !has(Stage::Table);
         [(has(Stage::Table), Channel::Table), (has(Stage::Tool), Channel::Tool), (force, Channel::Force)]
             .into_iter()
@@ -54,7 +54,7 @@ impl EffectModel for Latency {
         vec![Coordinate::signed(self.ms, 0.02, 100.0)]
     }
 
-    /// A tenth of a sample: the instants of a log's channels are not known better.
+    /// The instants at which channels are read are known to a tenth of a sample.
     fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms.abs() * rates.velocity_loop_hz > 0.1 * f64::from(rates.position_loop_divider)
     }

@@ -1,13 +1,14 @@
-//! The catalogue: what a machine may do that its declared model does not say.
+//! The catalogue of effects: behaviour of a machine that its declared model does not contain.
 //!
-//! One effect is one file: a struct that implements [`EffectModel`], and its line in [the list](Effect) below. The same struct
-//! acts in the simulated machine (the crate `plant` has one place for each) and explains the measured one (the crate
-//! `trace` fits its coordinates); its serde form is the `[[axis.NAME.effect]]` entry of the machine file. From what it
-//! declares come the checks of a machine file, the reasons why an effect could not be looked for, units, sentences,
-//! pictures and tables. `docs/adding-an-effect.md` goes through it step by step.
+//! Each effect has one file with a struct that implements [`EffectModel`], and one entry in [the list](Effect) below.
+//! The simulated machine (crate `plant`) and the fit to measured data (crate `trace`) use the same struct. Its serde
+//! form is the `[[axis.NAME.effect]]` entry of the machine file. The checks of a machine file, the reasons why an effect
+//! could not be searched for, units, sentences, plots and tables are generated from its declaration.
+//! `docs/adding-an-effect.md` describes the steps.
 //!
-//! [`EffectModel`] and what an effect is described with ([`Stage`], [`Parameter`] with its [`Unit`], [`Coordinate`],
-//! [`EffectContext`], [`Prerequisite`], [`Distinction`], [`Abscissa`], [`Wording`], [`Draw`]) are in `declaration`.
+//! The module `declaration` contains [`EffectModel`] and the types that describe an effect ([`Stage`], [`Parameter`]
+//! with its [`Unit`], [`Coordinate`], [`EffectContext`], [`Prerequisite`], [`Distinction`], [`Abscissa`], [`Wording`],
+//! [`Draw`]).
 
 mod declaration;
 
@@ -77,7 +78,7 @@ pub use torque_ripple::TorqueRipple;
 pub use velocity_lag::VelocityLag;
 pub use windup::Windup;
 
-// In this order they are tried and listed.
+// Effects are searched for and listed in this order.
 catalogue! {
     Backlash,
     PitchProgressive,
@@ -111,38 +112,42 @@ mod tests {
     use super::*;
     use crate::machine::Machine;
 
+    /// Initial guesses of all effects.
     fn all() -> Vec<Effect> {
         let machine = Machine::parse(crate::examples::DEMO_MACHINE, "demo.toml").unwrap();
         let others = machine.others("x");
         let stages = [Stage::Motor, Stage::Table, Stage::Tool, Stage::Force];
         let axis = &machine.axis["x"].settings;
         let travel_mm = [0.0, 100.0];
-        let around = EffectContext { axis, first: true, others: &others, stages: &stages, travel_mm };
-        // Without a linear scale and presliding, what only then is looked for.
+        let with_all_stages =
+            EffectContext { axis, first: true, others: &others, stages: &stages, travel_mm };
+        // Some effects are searched for only without a linear scale, or only if no presliding is declared.
         let mut bare = axis.clone();
         bare.mechanics.presliding_stiffness_n_per_um = None;
         bare.mechanics.presliding_damping_n_s_per_m = None;
         let stages = [Stage::Force, Stage::Motor];
-        let few = EffectContext { axis: &bare, first: true, others: &[], stages: &stages, travel_mm };
-        let mut all = initial_guesses(&around);
-        let finer =
-            initial_guesses(&few).into_iter().filter(|effect| !all.contains(effect)).collect::<Vec<_>>();
-        all.extend(finer);
+        let without_table =
+            EffectContext { axis: &bare, first: true, others: &[], stages: &stages, travel_mm };
+        let mut all = initial_guesses(&with_all_stages);
+        let added = initial_guesses(&without_table)
+            .into_iter()
+            .filter(|effect| !all.contains(effect))
+            .collect::<Vec<_>>();
+        all.extend(added);
         all
     }
 
     #[test]
-    fn every_effect_is_tried_on_a_machine_that_shows_everything() {
+    fn every_effect_has_an_initial_guess() {
         let tried: std::collections::BTreeSet<&str> = all().iter().map(Effect::name).collect();
         assert_eq!(tried, names().into_iter().collect());
     }
 
     #[test]
-    fn coordinates_lead_back_to_the_same_effect() {
+    fn an_effect_at_given_coordinates_returns_these_coordinates() {
         for effect in all() {
             let moved: Vec<f64> = effect.coordinates().iter().map(|c| c.value + c.step).collect();
-            let there = effect.at(&moved);
-            let back: Vec<f64> = there.coordinates().iter().map(|c| c.value).collect();
+            let back: Vec<f64> = effect.at(&moved).coordinates().iter().map(|c| c.value).collect();
             for (moved, back) in moved.iter().zip(&back) {
                 assert!((moved - back).abs() < 1e-9 * moved.abs().max(1.0), "{effect:?}: {moved} {back}");
             }
@@ -150,7 +155,7 @@ mod tests {
     }
 
     #[test]
-    fn a_file_entry_reads_back_as_it_was_written() {
+    fn a_written_file_entry_is_read_as_the_same_effect() {
         for effect in all() {
             let text = toml::to_string(&effect).unwrap();
             assert!(text.contains(&format!("name = \"{}\"", effect.name())), "{text}");
@@ -159,25 +164,23 @@ mod tests {
     }
 
     #[test]
-    fn a_sentence_tells_the_sign_in_words_and_the_units_of_the_axis() {
-        let said = |text: &str, is_rotary| toml::from_str::<Effect>(text).unwrap().sentence(&[], is_rotary);
+    fn a_sentence_expresses_the_sign_in_words_and_uses_the_units_of_the_axis() {
+        let sentence =
+            |text: &str, is_rotary| toml::from_str::<Effect>(text).unwrap().sentence(&[], is_rotary);
         let load = "name = 'constant_load'\nforce_n = -3.5";
-        assert_eq!(said(load, false), "a constant load of 3.500 N against motion in − direction");
-        assert_eq!(said(load, true), "a constant load of 3.500 N·m against motion in − direction");
-        assert!(said("name = 'servo_mismatch'\npercent = -4", false).contains("4.000 % below"));
+        assert_eq!(sentence(load, false), "a constant load of 3.500 N opposes motion in − direction");
+        assert_eq!(sentence(load, true), "a constant load of 3.500 N·m opposes motion in − direction");
+        assert!(sentence("name = 'servo_mismatch'\npercent = -4", false).contains("4.000 % below"));
         let late = "name = 'latency'\nchannel = 'tool'\nms = 2";
-        assert!(said(late, false).contains("tool reading is logged 2.000 ms late"));
+        assert!(sentence(late, false).contains("tool reading is logged 2.000 ms late"));
         let pitch = "name = 'pitch_progressive'\nslope_um_per_m = -40";
-        assert_eq!(
-            said(pitch, false),
-            "the screw carries the table 40.00 µm/m less far than its nominal lead"
-        );
+        assert_eq!(sentence(pitch, false), "the screw moves the table 40.00 µm/m less than its nominal lead");
         assert!(
-            said(pitch, true)
-                .contains("gear carries the table 40.00 mdeg per 1000° less far than its nominal ratio")
+            sentence(pitch, true)
+                .contains("gear moves the table 40.00 mdeg per 1000° less than its nominal ratio")
         );
         let preload =
             "name = 'preload_variation'\ncentre_mm = 5\nslope_n_per_m = 2\ncurvature_n_per_m2 = 0.5";
-        assert!(said(preload, true).contains("the middle at 5.000° by 2.000 N·m per 1000°"));
+        assert!(sentence(preload, true).contains("about 5.000°: slope 2.000 N·m per 1000°"));
     }
 }

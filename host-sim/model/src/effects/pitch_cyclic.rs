@@ -1,4 +1,4 @@
-//! Cyclic pitch error: the screw wobbles once a turn.
+//! Cyclic pitch error: an error of the screw's pitch with one or two periods per turn.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,14 +8,14 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Highest order of a screw turn that is looked for: a runout of nut or bearing, and an ovality.
+/// Highest order of a screw turn that is searched for: runout of nut or bearing (1), ovality (2).
 const HIGHEST_ORDER: u32 = 2;
 
-/// The screw carries the table amplitude·sin(2π·motor/period + phase) further than its lead says.
+/// Table = motor + amplitude·sin(2π·motor/period + phase).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PitchCyclic {
-    /// Half of peak to peak.
+    /// Half of the peak-to-peak value.
     pub amplitude_um: f64,
     /// The lead of the screw, or half of it.
     pub period_mm: f64,
@@ -25,7 +25,7 @@ pub struct PitchCyclic {
 }
 
 impl PitchCyclic {
-    /// How much further than nominal the screw carries the table, m.
+    /// Deviation of the table position from the nominal one, m.
     #[must_use]
     pub fn error_m(&self, motor_m: f64) -> f64 {
         1e-6 * self.amplitude_um * harmonic::wave(1e3 * motor_m, self.period_mm, self.phase_rad)
@@ -34,7 +34,7 @@ impl PitchCyclic {
 
 impl EffectModel for PitchCyclic {
     const NAME: &'static str = "pitch_cyclic";
-    const SUMMARY: &'static str = "screw error, once or twice a lead";
+    const SUMMARY: &'static str = "periodic error of the screw's pitch, one or two periods per lead";
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(2);
 
@@ -56,8 +56,8 @@ impl EffectModel for PitchCyclic {
 
     fn sentence(&self, wording: &Wording) -> String {
         format!(
-            "the {} wobbles by {} (amplitude) every {}",
-            wording.by_axis("screw's pitch", "gear's ratio"),
+            "the {} has a periodic error: amplitude {}, period {}",
+            wording.by_axis("screw's pitch", "gear's transmission"),
             wording.value(0),
             wording.value(1)
         )

@@ -1,4 +1,4 @@
-//! Progressive pitch error: the screw's mean lead is not the nominal one.
+//! Progressive pitch error: the mean lead of the screw deviates from the nominal lead.
 
 use serde::{Deserialize, Serialize};
 use shared::config::Rates;
@@ -9,16 +9,16 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// The screw moves the table (1 + slope) times the motor.
+/// Table = (1 + slope) · motor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PitchProgressive {
-    /// Slope.
+    /// Relative deviation of the lead.
     pub slope_um_per_m: f64,
 }
 
 impl PitchProgressive {
-    /// How much further than nominal the screw carries the table, m.
+    /// Deviation of the table position from the nominal one, m.
     #[must_use]
     #[inline]
     pub fn error_m(&self, motor_m: f64) -> f64 {
@@ -28,7 +28,7 @@ impl PitchProgressive {
 
 impl EffectModel for PitchProgressive {
     const NAME: &'static str = "pitch_progressive";
-    const SUMMARY: &'static str = "screw moves the table (1 + slope) times the motor";
+    const SUMMARY: &'static str = "displacement of the table = (1 + slope) × displacement of the motor";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("slope_um_per_m", Unit::MicrometrePerMetre, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
@@ -40,15 +40,14 @@ impl EffectModel for PitchProgressive {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let sees_table = context.has(Stage::Table);
-        if sees_table { vec![Self::default()] } else { Vec::new() }
+        if context.has(Stage::Table) { vec![Self::default()] } else { Vec::new() }
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![Coordinate::signed(self.slope_um_per_m, 5.0, 1e5)]
     }
 
-    /// A twentieth of a degree makes half a micrometre of a metre of steel.
+    /// A temperature difference of 0.05 K changes the length of steel by 0.5 µm/m.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         const LEAST_UM_PER_M: f64 = 0.5;
         self.slope_um_per_m.abs() > LEAST_UM_PER_M
@@ -64,10 +63,10 @@ impl EffectModel for PitchProgressive {
 
     fn sentence(&self, wording: &Wording) -> String {
         format!(
-            "the {} carries the table {} {} than its nominal {}",
+            "the {} moves the table {} {} than its nominal {}",
             wording.by_axis("screw", "gear"),
             wording.size(0),
-            wording.by_sign("further", "less far"),
+            wording.by_sign("more", "less"),
             wording.by_axis("lead", "ratio")
         )
     }

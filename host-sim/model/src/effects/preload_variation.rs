@@ -1,4 +1,4 @@
-//! Preload variation: friction that changes along the travel.
+//! Preload variation: friction that varies along the travel.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,32 +8,31 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Adds slope·(x − centre) + curvature·(x − centre)² to the sliding level: screw and nut or guide and
-/// carriage are tighter at one place than at another.
+/// Adds slope·(x − centre) + curvature·(x − centre)² to the sliding level: the preload between screw and nut, or between
+/// guide and carriage, depends on the position.
 ///
-/// Place is what the motor's encoder reads: where its zero moves between recordings, `centre_mm` moves
-/// with it.
+/// x is the reading of the motor encoder. If the encoder's zero shifts between recordings, `centre_mm` shifts with it.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct PreloadVariation {
-    /// Where the declared level holds; not fitted: the middle of the travel that was logged.
+    /// Position at which friction is the declared one. Not fitted: the middle of the logged travel.
     pub centre_mm: f64,
-    /// Towards + direction.
+    /// Slope; positive: friction increases in + direction.
     pub slope_n_per_m: f64,
-    /// Towards both ends.
+    /// Curvature; positive: friction increases towards both ends.
     pub curvature_n_per_m2: f64,
 }
 
 impl PreloadVariation {
-    /// Change of the sliding level (N) at a place.
+    /// Change of the sliding level, N, at a position.
     #[must_use]
     #[inline]
-    pub fn rise_n(&self, place_m: f64) -> f64 {
-        let from_centre_m = place_m - 1e-3 * self.centre_mm;
+    pub fn rise_n(&self, position_m: f64) -> f64 {
+        let from_centre_m = position_m - 1e-3 * self.centre_mm;
         from_centre_m * (self.slope_n_per_m + from_centre_m * self.curvature_n_per_m2)
     }
 
-    /// Whether there is any.
+    /// Whether slope or curvature is not zero.
     #[must_use]
     #[inline]
     pub fn varies(&self) -> bool {
@@ -43,8 +42,7 @@ impl PreloadVariation {
 
 impl EffectModel for PreloadVariation {
     const NAME: &'static str = "preload_variation";
-    const SUMMARY: &'static str =
-        "slope·(x − c) + curvature·(x − c)² more friction; c is not fitted and moves with the encoder's zero";
+    const SUMMARY: &'static str = "friction changes by slope·(x − c) + curvature·(x − c)²; c is not fitted and shifts with the encoder's zero";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("centre_mm", Unit::Millimetre, Range::Signed),
         Parameter::new("slope_n_per_m", Unit::NewtonPerMetre, Range::Signed),
@@ -84,7 +82,7 @@ impl EffectModel for PreloadVariation {
 
     fn sentence(&self, wording: &Wording) -> String {
         format!(
-            "friction changes along the travel, from the middle at {} by {} and {}",
+            "friction varies along the travel about {}: slope {}, curvature {}",
             wording.value(0),
             wording.value(1),
             wording.value(2)

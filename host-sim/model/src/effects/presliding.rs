@@ -1,4 +1,4 @@
-//! Presliding: friction builds up over micrometres.
+//! Presliding: friction reverses over micrometres of travel.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,9 +8,9 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Where the machine file declares none: bristles of stiffness σ0 and damping σ1 (`LuGre`), which the
-/// table bends before it slides. At a reversal friction then turns over a way of Coulomb friction/σ0
-/// instead of at once.
+/// Bristles of stiffness σ0 and damping σ1 (`LuGre`) that the table deflects before it slides, on an axis whose machine
+/// file declares none. At a reversal, friction reverses over a travel in the order of Coulomb friction/σ0 instead of
+/// instantaneously.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Presliding {
@@ -24,7 +24,7 @@ pub struct Presliding {
 impl EffectModel for Presliding {
     const NAME: &'static str = "presliding";
     const SUMMARY: &'static str =
-        "bristles (LuGre σ0, σ1) under an axis that declares none: friction turns over micrometres";
+        "bristles (LuGre σ0, σ1) on an axis that declares none: friction reverses over micrometres";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("stiffness_n_per_um", Unit::NewtonPerMicrometre, Range::Positive),
         Parameter::new("damping_n_s_per_m", Unit::NewtonSecondPerMetre, Range::NotNegative),
@@ -40,10 +40,12 @@ impl EffectModel for Presliding {
 
     fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
         if place.axis.mechanics.presliding_stiffness_n_per_um.is_some() {
-            return Some(Misplaced::name("this effect where presliding_stiffness_n_per_um is not given"));
+            return Some(Misplaced::name(
+                "this effect only where presliding_stiffness_n_per_um is not given",
+            ));
         }
         let slides = place.axis.mechanics.coulomb_n.unwrap_or(0.0) > 0.0;
-        (!slides).then(|| Misplaced::name("this effect where coulomb_n is above 0"))
+        (!slides).then(|| Misplaced::name("this effect only where coulomb_n is above 0"))
     }
 
     fn stages(&self) -> &'static [Stage] {
@@ -53,16 +55,17 @@ impl EffectModel for Presliding {
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let is_declared = context.axis.mechanics.presliding_stiffness_n_per_um.is_some();
         let slides = context.axis.mechanics.coulomb_n.is_some_and(|coulomb_n| coulomb_n > 0.0);
-        let ways_um: &[f64] =
+        let travels_um: &[f64] =
             if context.shows_friction_alone() && slides && !is_declared { &[5.0, 20.0] } else { &[] };
         let coulomb_n = context.axis.mechanics.coulomb_n.unwrap_or(0.0);
-        let over = |way_um: &f64| Self { stiffness_n_per_um: coulomb_n / way_um, damping_n_s_per_m: 0.0 };
-        ways_um.iter().map(over).collect()
+        let guess =
+            |travel_um: &f64| Self { stiffness_n_per_um: coulomb_n / travel_um, damping_n_s_per_m: 0.0 };
+        travels_um.iter().map(guess).collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![
-            // Far from here the derivative is another one: no step goes beyond a factor of two.
+            // The derivative depends strongly on the stiffness: one step changes it by a factor of at most two.
             Coordinate::between(
                 self.stiffness_n_per_um,
                 0.05 * self.stiffness_n_per_um,
@@ -85,7 +88,7 @@ impl EffectModel for Presliding {
 
     fn sentence(&self, wording: &Wording) -> String {
         format!(
-            "friction builds up against a stiffness of {}, damped by {}, before the axis slides",
+            "before the axis slides, friction acts as a spring of stiffness {} and damping {}",
             wording.value(0),
             wording.value(1)
         )

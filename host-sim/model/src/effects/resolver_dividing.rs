@@ -1,4 +1,4 @@
-//! Dividing error of the resolver: the motor reading wobbles once an electrical turn.
+//! Dividing error of the resolver: an error of the motor reading with one or two periods per electrical period.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,15 +8,15 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Highest order of an electrical period that is looked for: offsets of sine and cosine make the first, a difference of
-/// their amplitudes the second.
+/// Highest order of an electrical period that is searched for. Offsets of sine and cosine cause order 1, a difference of
+/// their amplitudes order 2.
 const HIGHEST_ORDER: u32 = 2;
 
-/// Motor reading = motor + amplitude·sin(2π·motor/period + phase), after Soeda, section (D).
+/// Motor reading = motor + amplitude·sin(2π·motor/period + phase); Soeda, section (D).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ResolverDividing {
-    /// Half of peak to peak.
+    /// Half of the peak-to-peak value.
     pub amplitude_um: f64,
     /// Lead / pole pairs, or half of it.
     pub period_mm: f64,
@@ -35,7 +35,8 @@ impl ResolverDividing {
 
 impl EffectModel for ResolverDividing {
     const NAME: &'static str = "resolver_dividing";
-    const SUMMARY: &'static str = "motor reading error, once or twice a lead / pole pairs";
+    const SUMMARY: &'static str =
+        "periodic error of the motor reading, one or two periods per electrical period (lead / pole pairs)";
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(3);
 
@@ -59,7 +60,11 @@ impl EffectModel for ResolverDividing {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!("the motor reading wobbles by {} (amplitude) every {}", wording.value(0), wording.value(1))
+        format!(
+            "the resolver has a periodic error: amplitude {}, period {}",
+            wording.value(0),
+            wording.value(1)
+        )
     }
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {

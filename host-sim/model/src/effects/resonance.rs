@@ -1,4 +1,4 @@
-//! Resonance: the tool swings behind the table.
+//! Resonance: the tool oscillates relative to the table.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,11 +7,11 @@ use super::declaration::{
     Range, Stage, Unit, Wording,
 };
 
-/// The channel follows the table as ω²/(s² + 2ζωs + ω²).
+/// Transfer function from table to tool: ω²/(s² + 2ζωs + ω²).
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Resonance {
-    /// Which signal swings; only the tool is modelled.
+    /// Channel that oscillates; only the tool is modelled.
     #[serde(default = "tool")]
     pub channel: Channel,
     /// ω/2π.
@@ -52,7 +52,7 @@ impl EffectModel for Resonance {
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![
             Coordinate { step: 0.1, ..Coordinate::scale(self.frequency_hz, 1.0, 400.0) },
-            // A structure rings; what is damped by more is late.
+            // A more strongly damped mode cannot be distinguished from a latency.
             Coordinate::scale(self.damping_ratio, 0.001, 0.3),
         ]
     }
@@ -67,7 +67,7 @@ impl EffectModel for Resonance {
 
     fn sentence(&self, wording: &Wording) -> String {
         format!(
-            "the tool swings behind the table at {}, with a damping ratio of {}",
+            "the tool oscillates relative to the table at {}, with a damping ratio of {}",
             wording.value(0),
             wording.value(1)
         )

@@ -1,4 +1,4 @@
-//! Servo mismatch: the position gain in the drive is not the declared one.
+//! Servo mismatch: the position gain in the drive deviates from the declared one.
 
 use serde::{Deserialize, Serialize};
 
@@ -14,12 +14,12 @@ use crate::axis::Settings;
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ServoMismatch {
-    /// How far the true gain lies above the declared one.
+    /// Relative deviation of the true gain from the declared one.
     pub percent: f64,
 }
 
 impl ServoMismatch {
-    /// True over declared gain.
+    /// True gain divided by declared gain.
     #[must_use]
     pub fn factor(&self) -> f64 {
         1.0 + 0.01 * self.percent
@@ -28,7 +28,7 @@ impl ServoMismatch {
 
 impl EffectModel for ServoMismatch {
     const NAME: &'static str = "servo_mismatch";
-    const SUMMARY: &'static str = "true Kp above the declared one";
+    const SUMMARY: &'static str = "deviation of the true Kp from the declared one";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("percent", Unit::Percent, Range::Above(-100.0))];
     const OCCURRENCE: Occurrence = Occurrence::Once;
@@ -40,15 +40,14 @@ impl EffectModel for ServoMismatch {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let sees_motor = context.has(Stage::Motor);
-        if sees_motor { vec![Self::default()] } else { Vec::new() }
+        if context.has(Stage::Motor) { vec![Self::default()] } else { Vec::new() }
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![Coordinate::signed(self.percent, 0.2, 80.0)]
     }
 
-    /// A quarter of a percent: how a drive steps its filters makes as much.
+    /// The unknown discretization of a drive's filters has an effect of 0.25 %.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 0.25
     }
@@ -63,7 +62,7 @@ impl EffectModel for ServoMismatch {
 
     fn sentence(&self, wording: &Wording) -> String {
         let how = wording.by_sign("above", "below");
-        format!("the position gain lies {} {how} the declared one", wording.size(0))
+        format!("the position gain is {} {how} the declared one", wording.size(0))
     }
 
     fn abscissa(&self) -> Abscissa {

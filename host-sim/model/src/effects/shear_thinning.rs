@@ -1,4 +1,4 @@
-//! Shear thinning: a lubricant's friction rises with speed, and saturates.
+//! Shear thinning: the friction of a lubricant increases with speed and saturates.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,14 +9,14 @@ use super::declaration::{
 use crate::axis::Settings;
 use crate::friction_law::exponential_decay;
 
-/// Of the declared sliding level `force_n` is what it takes to shear the lubricant, whose viscosity falls
-/// with the rate of shear: at standstill it is not there, and with speed it comes as 1 − exp(−|v|/vs).
+/// The sliding level is Coulomb friction − force·exp(−|v|/vs), the opposite of the Stribeck effect.
 ///
-/// The opposite of the Stribeck effect: the level is Coulomb friction − force·exp(−|v|/vs).
+/// A part of the declared level is the force that shears the lubricant, whose viscosity decreases with the shear rate.
+/// This part is force·(1 − exp(−|v|/vs)): zero at standstill, constant at high speed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ShearThinning {
-    /// What the level lacks at standstill.
+    /// Reduction of the level at standstill.
     pub force_n: f64,
     /// vs.
     pub velocity_mm_s: f64,
@@ -29,7 +29,7 @@ impl Default for ShearThinning {
 }
 
 impl ShearThinning {
-    /// By how much (N) the sliding level lies below that at speed.
+    /// Reduction of the sliding level at a velocity, relative to high speed, N.
     #[must_use]
     #[inline]
     pub fn lack_n(&self, velocity_m_per_s: f64) -> f64 {
@@ -43,7 +43,7 @@ impl ShearThinning {
 impl EffectModel for ShearThinning {
     const NAME: &'static str = "shear_thinning";
     const SUMMARY: &'static str =
-        "sliding friction lacks force·exp(−|v|/vs): the lubricant's part, which saturates with speed";
+        "sliding friction is reduced by force·exp(−|v|/vs): friction of the lubricant saturates with speed";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("force_n", Unit::Newton, Range::Signed),
         Parameter::new("velocity_mm_s", Unit::MillimetrePerSecond, Range::Positive),
@@ -81,7 +81,7 @@ impl EffectModel for ShearThinning {
 
     fn sentence(&self, wording: &Wording) -> String {
         format!(
-            "sliding friction lacks {} at standstill and comes up to its level within {}",
+            "sliding friction is {} lower at standstill and saturates with a characteristic velocity of {}",
             wording.value(0),
             wording.value(1)
         )

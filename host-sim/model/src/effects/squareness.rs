@@ -1,4 +1,4 @@
-//! Squareness: x and y do not stand at a right angle.
+//! Squareness: the angle between two axes is not a right angle.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,16 +8,16 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Tool x += that × table y. Reported on x, the machine's first axis.
+/// Tool x += coefficient × table y. Reported for x, the machine's first axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Squareness {
-    /// µm of x per m of y.
+    /// Coefficient, µm of x per m of y.
     pub um_per_m: f64,
 }
 
 impl Squareness {
-    /// Tool − table, m, for the other axis's table position.
+    /// Tool − table, m, at a table position of the other axis.
     #[must_use]
     pub fn offset_m(&self, other_table_m: f64) -> f64 {
         1e-6 * self.um_per_m * other_table_m
@@ -26,7 +26,7 @@ impl Squareness {
 
 impl EffectModel for Squareness {
     const NAME: &'static str = "squareness";
-    const SUMMARY: &'static str = "tool x += that × table y (first axis of two)";
+    const SUMMARY: &'static str = "tool x += coefficient × table y (x: the first of two axes)";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("um_per_m", Unit::MicrometrePerMetre, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
@@ -39,7 +39,7 @@ impl EffectModel for Squareness {
     }
 
     fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
-        (place.axes < 2).then(|| Misplaced::name("this effect where there is another axis"))
+        (place.axes < 2).then(|| Misplaced::name("this effect only on a machine with another axis"))
     }
 
     fn stages(&self) -> &'static [Stage] {
@@ -65,7 +65,7 @@ impl EffectModel for Squareness {
     fn sentence(&self, wording: &Wording) -> String {
         let unit = wording.by_axis("µm per m", "mdeg per 1000°");
         format!(
-            "out of square, the tool goes astray by {} {unit} of the other axis's travel",
+            "the axes are out of square: the tool is displaced by {} {unit} of the other axis's travel",
             wording.number(0)
         )
     }

@@ -1,4 +1,4 @@
-//! Straightness: the guide of the other axis is bent.
+//! Straightness: the guide of another axis is bent.
 
 use files::format::significant;
 use serde::{Deserialize, Serialize};
@@ -9,18 +9,18 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Tool += that × (table position of the source axis)².
+/// Tool += coefficient × (table position of the source axis)².
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Straightness {
-    /// µm per m².
+    /// Coefficient, µm per m².
     pub um_per_m2: f64,
     /// The axis whose guide is bent.
     pub source: String,
 }
 
 impl Straightness {
-    /// Tool − table, m, for the source's table position.
+    /// Tool − table, m, at a table position of the source axis.
     #[must_use]
     pub fn offset_m(&self, source_table_m: f64) -> f64 {
         1e-6 * self.um_per_m2 * source_table_m * source_table_m
@@ -29,7 +29,7 @@ impl Straightness {
 
 impl EffectModel for Straightness {
     const NAME: &'static str = "straightness";
-    const SUMMARY: &'static str = "tool += that × (source axis's position)²";
+    const SUMMARY: &'static str = "tool += coefficient × (position of the source axis)²";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("um_per_m2", Unit::MicrometrePerSquareMetre, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
@@ -68,7 +68,7 @@ impl EffectModel for Straightness {
     fn sentence(&self, wording: &Wording) -> String {
         let near = significant(0.01 * self.um_per_m2.abs(), 2);
         format!(
-            "the guide of axis {} is bent, which moves the tool by {} ({near} {})",
+            "the guide of axis {} is bent: the tool is displaced by {} ({near} {})",
             self.source,
             wording.value(0),
             wording.by_axis("µm at 100 mm", "mdeg at 100°")

@@ -1,4 +1,4 @@
-//! Stribeck effect: friction rises towards standstill.
+//! Stribeck effect: friction increases towards standstill.
 
 use serde::{Deserialize, Serialize};
 
@@ -22,14 +22,14 @@ pub struct Stribeck {
 }
 
 impl Default for Stribeck {
-    /// No excess; the velocity is where lubricated guides usually have theirs.
+    /// No excess; the velocity is typical of lubricated guides.
     fn default() -> Self {
         Self { static_excess_n: 0.0, velocity_mm_s: 5.0 }
     }
 }
 
 impl Stribeck {
-    /// Rise of the sliding level (N, not negative for a positive excess) at a velocity.
+    /// Change of the sliding level at a velocity, N.
     #[must_use]
     #[inline]
     pub fn rise_n(&self, velocity_m_per_s: f64) -> f64 {
@@ -43,7 +43,7 @@ impl Stribeck {
 
 impl EffectModel for Stribeck {
     const NAME: &'static str = "stribeck";
-    const SUMMARY: &'static str = "friction rises below that speed";
+    const SUMMARY: &'static str = "friction increases by static_excess·exp(−(v/vs)²) towards standstill";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("static_excess_n", Unit::Newton, Range::NotNegative),
         Parameter::new("velocity_mm_s", Unit::MillimetrePerSecond, Range::Positive),
@@ -73,7 +73,7 @@ impl EffectModel for Stribeck {
         ]
     }
 
-    /// Slower than this bristles bend and a sign is smooth: it is presliding that differs, not the sliding level.
+    /// At lower speeds the axis is in presliding; a change of friction there is not one of the sliding level.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.velocity_mm_s > 0.5
     }
@@ -87,7 +87,11 @@ impl EffectModel for Stribeck {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!("friction rises by {} towards standstill, below {}", wording.value(0), wording.value(1))
+        format!(
+            "friction increases by {} towards standstill, with a Stribeck velocity of {}",
+            wording.value(0),
+            wording.value(1)
+        )
     }
 
     fn abscissa(&self) -> Abscissa {

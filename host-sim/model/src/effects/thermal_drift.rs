@@ -1,4 +1,4 @@
-//! Thermal drift: the tool wanders from the table while the machine warms up.
+//! Thermal drift: the tool is displaced relative to the table while the machine warms up.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,18 +7,18 @@ use super::declaration::{
     Wording,
 };
 
-/// Tool − table grows as amplitude·(1 − exp(−t/τ)), t on the clock of the session.
+/// Tool − table = amplitude·(1 − exp(−t/τ)), where t is the time on the session clock.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct ThermalDrift {
-    /// Where the drift ends.
+    /// Final value of the drift.
     pub amplitude_um: f64,
     /// τ.
     pub time_constant_s: f64,
 }
 
 impl ThermalDrift {
-    /// Tool − table, m, at a time of the session.
+    /// Tool − table, m, at a time on the session clock.
     #[must_use]
     pub fn offset_m(&self, time_s: f64) -> f64 {
         -1e-6 * self.amplitude_um * (-time_s / self.time_constant_s).exp_m1()
@@ -27,7 +27,7 @@ impl ThermalDrift {
 
 impl EffectModel for ThermalDrift {
     const NAME: &'static str = "thermal_drift";
-    const SUMMARY: &'static str = "tool − table grows as 1 − exp(−t/τ), session clock";
+    const SUMMARY: &'static str = "tool − table = amplitude·(1 − exp(−t/τ)), t on the session clock";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
         Parameter::new("time_constant_s", Unit::Second, Range::Positive),

@@ -1,4 +1,4 @@
-//! Torque ripple: a force on the motor that repeats with its angle.
+//! Torque ripple: a force on the motor that is periodic in the motor angle.
 
 use serde::{Deserialize, Serialize};
 
@@ -8,16 +8,16 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Highest order of a screw turn that is looked for.
+/// Highest order of a screw turn that is searched for.
 const HIGHEST_ORDER: u32 = 12;
 
 /// Adds amplitude·sin(2π·motor/period + phase) to the drive's force.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct TorqueRipple {
-    /// Half of peak to peak.
+    /// Half of the peak-to-peak value.
     pub amplitude_n: f64,
-    /// A whole fraction of the lead.
+    /// The lead divided by a whole number.
     pub period_mm: f64,
     /// Phase at motor position zero.
     #[serde(default)]
@@ -25,7 +25,7 @@ pub struct TorqueRipple {
 }
 
 impl TorqueRipple {
-    /// Force on the motor, N, on top of what the drive was asked for.
+    /// Force on the motor in addition to the commanded drive force, N.
     #[must_use]
     pub fn force_n(&self, motor_m: f64) -> f64 {
         self.amplitude_n * harmonic::wave(1e3 * motor_m, self.period_mm, self.phase_rad)
@@ -34,7 +34,7 @@ impl TorqueRipple {
 
 impl EffectModel for TorqueRipple {
     const NAME: &'static str = "torque_ripple";
-    const SUMMARY: &'static str = "force on the motor, a whole number of times a lead";
+    const SUMMARY: &'static str = "periodic force on the motor, a whole number of periods per lead";
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
     const DRAW_NUMBER: Option<u32> = Some(6);
 
@@ -56,7 +56,7 @@ impl EffectModel for TorqueRipple {
 
     fn sentence(&self, wording: &Wording) -> String {
         let force = wording.by_axis("force", "torque");
-        format!("the drive {force} ripples by {} (amplitude) every {}", wording.value(0), wording.value(1))
+        format!("the drive {force} has a ripple: amplitude {}, period {}", wording.value(0), wording.value(1))
     }
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {

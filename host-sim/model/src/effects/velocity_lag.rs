@@ -1,4 +1,4 @@
-//! Velocity lag: the speed that the velocity loop sees is late.
+//! Velocity lag: the velocity used by the velocity loop is delayed.
 
 use serde::{Deserialize, Serialize};
 use shared::config::Rates;
@@ -10,37 +10,38 @@ use super::declaration::{
 use super::latency::LONGEST_LATENCY_MS;
 use crate::axis::Settings;
 
-/// The drive averages or filters its velocity reading; the loop acts on a speed that is `ms` old.
+/// The drive averages or filters its velocity reading. The loop uses a velocity that is `ms` old.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VelocityLag {
-    /// Mean age of the reading beyond that of a plain difference; at most one period of the loop.
+    /// Mean age of the velocity in addition to that of a backward difference; at most one period of the loop.
     pub ms: f64,
 }
 
 impl VelocityLag {
-    /// Oldest speed that a loop of these rates can act on, ms: that of one of its periods before. It differences two
-    /// readings and knows of none before them. Machine files are held to it, and so is the tracer.
+    /// Largest lag with these loop rates, ms: one period of the velocity loop, as the simulated loop computes the
+    /// velocity from two readings. It limits the value in machine files and the search of the tracer.
     #[must_use]
     pub fn longest_ms(rates: Rates) -> f64 {
         1e3 / rates.velocity_loop_hz
     }
 
-    /// The number to fit on an axis with these loops.
+    /// The coordinate to fit on an axis with these loop rates.
     #[must_use]
     pub fn within(&self, rates: Rates) -> Coordinate {
         let longest_ms = Self::longest_ms(rates);
-        // Within the range on one side of any value.
+        // The step fits into the range on at least one side of any value.
         Coordinate::between(self.ms, STEP_MS.min(0.25 * longest_ms), 0.0, longest_ms)
     }
 }
 
-/// A change that shows, ms.
+/// Step of the finite difference, ms.
 const STEP_MS: f64 = 0.02;
 
 impl EffectModel for VelocityLag {
     const NAME: &'static str = "velocity_lag";
-    const SUMMARY: &'static str = "age of the speed that the velocity loop sees, at most one of its periods";
+    const SUMMARY: &'static str =
+        "age of the velocity that the velocity loop uses, at most one period of the loop";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("ms", Unit::Millisecond, Range::Within(LONGEST_LATENCY_MS))];
     const OCCURRENCE: Occurrence = Occurrence::Once;
@@ -56,17 +57,15 @@ impl EffectModel for VelocityLag {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let sees_motor = context.has(Stage::Motor);
-        if sees_motor { vec![Self::default()] } else { Vec::new() }
+        if context.has(Stage::Motor) { vec![Self::default()] } else { Vec::new() }
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
-        // How far it may go is a matter of the loops: see [`Self::within`].
+        // The upper bound depends on the loop rates: see [`Self::within`].
         vec![Coordinate::between(self.ms, STEP_MS, 0.0, f64::INFINITY)]
     }
 
-    /// A quarter of a tick: a machine file does not say how the drive steps its filters, and the choices
-    /// differ by that much.
+    /// The discretization of a drive's filters is not declared; the choices differ by a quarter of a tick.
     fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms * rates.velocity_loop_hz > 0.25
     }
@@ -84,7 +83,7 @@ impl EffectModel for VelocityLag {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!("the velocity loop acts on a speed that is {} old", wording.value(0))
+        format!("the velocity loop uses a velocity that is {} old", wording.value(0))
     }
 
     fn abscissa(&self) -> Abscissa {

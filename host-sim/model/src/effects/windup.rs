@@ -1,4 +1,4 @@
-//! Wind-up: the drive train is softer than its declared tolerance allows.
+//! Wind-up: the stiffness of the drive train is lower than its declared tolerance allows.
 
 use serde::{Deserialize, Serialize};
 use shared::config::Rates;
@@ -9,7 +9,7 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Takes the place of the declared stiffness between motor and table.
+/// Replaces the declared stiffness between motor and table.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Windup {
@@ -19,7 +19,8 @@ pub struct Windup {
 
 impl EffectModel for Windup {
     const NAME: &'static str = "windup";
-    const SUMMARY: &'static str = "drive train softer than the declared tolerance";
+    const SUMMARY: &'static str =
+        "stiffness between motor and table lower than the declared tolerance allows";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("stiffness_n_per_um", Unit::NewtonPerMicrometre, Range::Positive)];
     const OCCURRENCE: Occurrence = Occurrence::Once;
@@ -34,7 +35,7 @@ impl EffectModel for Windup {
     }
 
     fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
-        let what = "this effect where stiffness_n_per_um is given: a rigid axis does not wind up";
+        let what = "this effect only where stiffness_n_per_um is given: a rigid axis has no wind-up";
         (place.axis.is_rigid() && !place.has_structure).then(|| Misplaced::name(what))
     }
 
@@ -48,7 +49,7 @@ impl EffectModel for Windup {
         declared.into_iter().map(|stiffness| Self { stiffness_n_per_um: 0.8 * stiffness }).collect()
     }
 
-    /// The compliance, nm/N: the deflection is proportional to it.
+    /// The compliance, nm/N, as the deflection is proportional to it.
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![Coordinate::scale(1e3 / self.stiffness_n_per_um, 1e-2, 1e6)]
     }
@@ -57,7 +58,7 @@ impl EffectModel for Windup {
         Self { stiffness_n_per_um: 1e3 / x[0] }
     }
 
-    /// A stiffness within the tolerance is a declared value, fitted.
+    /// A stiffness within the tolerance is fitted as a declared value.
     fn exceeds_tolerance(&self, declared: &Settings, _rates: Rates) -> bool {
         let tolerance = 0.01 * declared.mechanics.plant_tolerance_percent.unwrap_or(0.0);
         declared
@@ -71,7 +72,10 @@ impl EffectModel for Windup {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!("the drive train has {} between motor and table, outside what is declared", wording.value(0))
+        format!(
+            "the stiffness between motor and table is {}, outside the declared tolerance",
+            wording.value(0)
+        )
     }
 
     fn abscissa(&self) -> Abscissa {

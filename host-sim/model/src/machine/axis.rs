@@ -1,4 +1,4 @@
-//! An axis of a machine file: its settings, the effects found on it, and what a trace keeps beside them.
+//! An axis of a machine file: its settings, the effects found, and the tables that a trace adds.
 
 use serde::{Deserialize, Serialize};
 
@@ -9,22 +9,22 @@ use crate::axis::{
 use crate::effects::Effect;
 use crate::friction_curve::Curve;
 
-/// One axis as declared.
+/// One declared axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(from = "AxisTable", into = "AxisTable")]
 pub struct Axis {
     /// Controller, filters, limits, mechanics, sensors.
     pub settings: Settings,
-    /// Values and effects as they were before a trace fitted them; absent: as they are.
+    /// Values and effects before a trace fitted them; absent: not fitted.
     pub nominal: Option<Nominal>,
-    /// Zeros and instants of the logs that a trace fitted.
+    /// Zeros and sampling instants of the logs, as fitted by a trace.
     pub log_offsets: Option<LogOffsets>,
     /// Effects found, in the order in which they were added.
     pub effect: Vec<Effect>,
 }
 
 impl Axis {
-    /// The same axis with its values and effects as they were before they were fitted.
+    /// The same axis with the values and effects before they were fitted.
     #[must_use]
     pub fn at_nominal(&self) -> Self {
         let mut axis = Self { nominal: None, log_offsets: None, ..self.clone() };
@@ -41,8 +41,8 @@ impl Axis {
     }
 }
 
-/// The table `[axis.NAME]` as it stands in the file, where all settings are flat keys, and both conversions. A nested
-/// struct under serde's `flatten` would accept unknown keys and lose the place of an error.
+/// The table `[axis.NAME]` of the file, in which all settings are flat keys, and the conversions from and to [`Axis`].
+/// Nested structs with serde's `flatten` would accept unknown keys and lose the line of an error.
 macro_rules! axis_table {
     ($(
         $(#[$group_doc:meta])*

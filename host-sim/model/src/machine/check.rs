@@ -1,4 +1,4 @@
-//! What a machine file has to fulfil beyond having the right keys of the right types.
+//! Checks of a machine file beyond the names and types of its keys.
 
 mod loops;
 mod nominal;
@@ -17,9 +17,9 @@ use crate::friction_curve::Curve;
 use crate::range::Range;
 use crate::servo;
 
-/// Faster loops than this are a slip of the unit.
+/// Highest loop rate. A higher rate has a wrong unit.
 const HIGHEST_RATE_HZ: f64 = 1e6;
-/// Velocity steps within one position step; more is a slip, and would take for ever to simulate.
+/// Largest number of velocity-loop ticks per position-loop tick. More are a typing error, and too slow to simulate.
 const MOST_VELOCITY_STEPS: f64 = 1000.0;
 
 /// Checks a machine that was read from a document.
@@ -28,7 +28,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
     if machine.axis.is_empty() {
         return Err(document.refuse("axis", "at least one table [axis.NAME]"));
     }
-    // Before anything else: in a key, a name with a point in it would look like two.
+    // Checked first, as a name that contains a dot would be read as two parts of a key.
     if let Some(name) = machine.axis.keys().find(|name| !is_axis_name(name)) {
         return Err(document.refuse(&format!("axis.{name}"), AXIS_NAME));
     }
@@ -50,7 +50,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
             let is_second =
                 |other: &Effect| other.name() == effect.name() && effect.occurrence() == Occurrence::Once;
             if axis.effect[..index].iter().any(is_second) {
-                return Err(document.refuse(&effect_key, "this effect once"));
+                return Err(document.refuse(&effect_key, "at most one effect of this name"));
             }
         }
         sources(&machine.others(name), &key, document)?;
@@ -73,7 +73,7 @@ fn instruments(machine: &Machine, document: &Document<'_>) -> Result<(), InputEr
     Ok(())
 }
 
-/// The structure can be built, and has the axes of the machine.
+/// Checks that the structure is valid and has the axes of the machine.
 fn structure(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
     let Some(structure) = &machine.structure else { return Ok(()) };
     if !structure.axis.keys().eq(machine.axis.keys()) {
@@ -135,7 +135,7 @@ impl Context<'_> {
         Ok(())
     }
 
-    /// Some of the controller's keys without the others would silently leave out the motor stage.
+    /// Requires all keys of the controller if one is given. Otherwise the motor stage would be omitted without notice.
     fn controller(&self) -> Result<(), InputError> {
         let Settings { controller, limits, sensors, .. } = self.settings;
         let needed = [
@@ -184,12 +184,12 @@ impl Context<'_> {
             }
             curve.check().map_err(|expected| self.refuse("friction_curve", expected))?;
             if presliding.is_some() && matches!(curve, Curve::FallingRising(_)) {
-                let what = "no such key, as a falling_rising curve leads through zero by itself";
+                let what = "no such key, as a falling_rising curve is continuous at zero velocity";
                 return Err(self.refuse("presliding_stiffness_n_per_um", what));
             }
         }
-        // The bristles bend by coulomb / stiffness: without Coulomb friction there are none. A curve that leads
-        // through zero has its own way from one direction to the other.
+        // The deflection of the bristles is coulomb / stiffness: without Coulomb friction there are no bristles. A
+        // falling_rising curve is continuous at zero velocity and needs none.
         let is_piecewise = matches!(mechanics.friction_curve, Some(Curve::Piecewise(_)));
         if presliding.is_some() && mechanics.coulomb_n.unwrap_or(0.0) <= 0.0 && !is_piecewise {
             let what = "a friction above 0, as presliding_stiffness_n_per_um is given";
@@ -200,7 +200,7 @@ impl Context<'_> {
 }
 
 impl Context<'_> {
-    /// Whether an effect may stand here.
+    /// Checks that the axis may have the effect.
     fn place(&self, effect: &Effect, key: &str, machine: &Machine) -> Result<(), InputError> {
         let place = Placement {
             axis: self.settings,
@@ -214,7 +214,7 @@ impl Context<'_> {
     }
 }
 
-/// Reads each effect alone: within the whole file serde loses the place of what is wrong in one.
+/// Reads each effect separately. If the whole file is read, serde does not report the key of an error in an effect.
 pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
     for axis in document.children("axis") {
         let nominal = format!("{axis}.nominal");
@@ -235,11 +235,11 @@ pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
 /// Keys of the `[[axis.NAME.effect]]` entries of an axis.
 fn entries<'d>(axis: &str, document: &'d Document<'_>) -> Vec<&'d str> {
     let inside = document.children(&format!("{axis}.effect")).into_iter();
-    // Were it a table by mistake, these would be its keys.
+    // If `effect` is a table by mistake, its children are keys without an index.
     inside.filter(|key| key.ends_with(']')).collect()
 }
 
-/// The parameters of an effect are numbers, but for the two that name something.
+/// Checks the types of an effect's keys: `name`, `source` and `channel` are texts, all others numbers.
 fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
     let names = ["name", "source", "channel"].map(|name| format!("{effect}.{name}"));
     for key in document.children(effect) {
@@ -252,7 +252,7 @@ fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
     Ok(())
 }
 
-/// Values that an effect may have.
+/// Checks the ranges of an effect's parameters.
 fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(), InputError> {
     let declared = effect.declared_parameters().iter().zip(effect.values());
     declared.into_iter().try_for_each(|(parameter, value)| {

@@ -1,4 +1,4 @@
-//! A machine as declared.
+//! The declared machine.
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
@@ -8,30 +8,31 @@ use super::axis::Axis;
 use super::instruments::InstrumentKeys;
 use crate::bodies::Structure;
 
-/// A machine as declared.
+/// A declared machine.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Machine {
-    /// For people.
+    /// Name of the machine, for reports.
     pub name: String,
     /// Rate of the position loop and of the log.
     pub sample_rate_hz: f64,
-    /// A whole multiple of the sample rate; absent: the same. See [`Machine::velocity_rate_hz`].
+    /// Rate of the velocity loop, a whole multiple of the sample rate; absent: the same. See
+    /// [`Machine::velocity_rate_hz`].
     #[serde(skip_serializing_if = "Option::is_none")]
     pub velocity_loop_rate_hz: Option<f64>,
-    /// What reads the machine; absent: as on a well-kept one.
+    /// Sensors and drive; absent: typical values of a machine in good condition.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub instruments: Option<InstrumentKeys>,
     /// The axes by name, in the order of the file.
     pub axis: IndexMap<String, Axis>,
-    /// The machine as rigid bodies, for a simulation instead of masses, springs and friction of its axes; the tracer
-    /// goes by the axes.
+    /// The machine as rigid bodies. The simulation then uses it instead of the masses and springs of the axes. The tracer
+    /// uses the axes.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub structure: Option<Structure>,
 }
 
 impl Machine {
-    /// The text of a machine file that reads as this machine.
+    /// The text of a machine file that is read as this machine.
     #[must_use]
     #[expect(clippy::missing_panics_doc, reason = "it cannot happen: see the message")]
     pub fn to_toml(&self) -> String {
@@ -57,7 +58,7 @@ impl Machine {
         Rates { velocity_loop_hz, position_loop_divider }
     }
 
-    /// Names of all axes but one.
+    /// Names of all axes except one.
     #[must_use]
     pub fn others(&self, name: &str) -> Vec<String> {
         self.axis.keys().filter(|other| *other != name).cloned().collect()

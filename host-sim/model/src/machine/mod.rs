@@ -1,7 +1,7 @@
-//! The machine file: what is declared of a machine, effects found included.
+//! The machine file: the declared machine, including effects found.
 //!
-//! [`declared`](Machine) is the machine, `axis` one of its axes; `read` takes a file in, `check` refuses what cannot exist.
-//! [`instruments`] are its sensors, [`nominal`] is what a trace keeps beside what it fitted.
+//! `declared` contains the [`Machine`], `axis` one of its axes. `read` reads a file, `check` refuses machines that cannot
+//! exist. [`instruments`] contains the sensors, [`nominal`] the values that a trace writes in addition to fitted values.
 
 mod axis;
 mod check;

@@ -1,5 +1,5 @@
-//! What a machine file with fitted values keeps beside them, so that the file says the same again on the same logs:
-//! the values that the tolerance is about, and the zeros and instants of the logs.
+//! Tables that a trace adds to fitted values, so that tracing the same logs with the written file gives the same result:
+//! the centres of the tolerances, and the zeros and sampling instants of the logs.
 
 use serde::{Deserialize, Serialize};
 
@@ -7,9 +7,9 @@ use super::number_table::number_table;
 use crate::axis::Settings;
 use crate::effects::Effect;
 
-/// A mechanical value that `plant_tolerance_percent` is about.
+/// A mechanical value to which `plant_tolerance_percent` applies.
 pub struct Tolerated {
-    /// Key of the axis and of its `nominal` table.
+    /// Key in the table of the axis and in its `nominal` table.
     pub key: &'static str,
     /// The value of an axis.
     pub get: fn(&Settings) -> Option<f64>,
@@ -23,18 +23,17 @@ pub struct Tolerated {
 
 macro_rules! tolerated {
     ($($key:ident),+ $(,)?) => {
-        /// `[axis.NAME.nominal]`: the values as they were before a trace fitted them. `plant_tolerance_percent` is about
-        /// these: a file that is fitted again and again does not move away from them. What is absent is its own nominal
-        /// value.
+        /// `[axis.NAME.nominal]`: the values before a trace fitted them. `plant_tolerance_percent` is centred on them, so
+        /// that repeated fits do not drift away. An absent value is equal to that of the axis.
         #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
         #[serde(deny_unknown_fields)]
         pub struct Nominal {
             $(
-                #[doc = concat!("Of `", stringify!($key), "`.")]
+                #[doc = concat!("Nominal value of `", stringify!($key), "`.")]
                 #[serde(skip_serializing_if = "Option::is_none")]
                 pub $key: Option<f64>,
             )+
-            /// Of the first effects of the axis, in their order; those behind them are their own.
+            /// Nominal values of the first effects of the axis, in the same order. Further effects have none.
             #[serde(default, skip_serializing_if = "Vec::is_empty")]
             pub effect: Vec<Effect>,
         }
@@ -63,24 +62,24 @@ tolerated!(
 );
 
 number_table! {
-    /// `[axis.NAME.log_offsets]`: zeros and instants of the logs that the values of an axis were fitted to. A trace begins
-    /// with them and fits them anew; nothing else uses them. What is absent is 0.
+    /// `[axis.NAME.log_offsets]`: zeros and sampling instants of the logs to which the values of an axis were fitted. They
+    /// are the initial values when a trace fits them again, and have no other use. An absent value is 0.
     LogOffsets {
-        /// Zero of the linear scale against the motor's.
+        /// Zero of the linear scale relative to that of the motor.
         table_zero_um,
-        /// Zero of the tool-point probe against the table's.
+        /// Zero of the tool-point probe relative to that of the table.
         tool_zero_um,
-        /// How late the linear scale is read after the motor; negative: early.
+        /// Delay of the linear scale relative to the motor; negative: early.
         table_late_ms,
-        /// How late the tool-point probe is read after the scale; negative: early.
+        /// Delay of the tool-point probe relative to the scale; negative: early.
         tool_late_ms,
-        /// How late the force is logged against the motor; negative: early.
+        /// Delay of the logged force relative to the motor; negative: early.
         force_late_ms,
-        /// Age of the velocity in the velocity loop, beyond that of a plain difference.
+        /// Age of the velocity in the velocity loop, in addition to that of a backward difference.
         speed_late_ms,
-        /// How much later than the sensors are read the drive's force acts; negative: earlier.
+        /// Delay of the drive's force relative to the reading of the sensors; negative: early.
         drive_late_ms,
-        /// Length of the controller's steps of its filter; 0: it steps exactly.
+        /// Step of the controller's filter; 0: exact discretization.
         filter_step_ms,
     }
 }

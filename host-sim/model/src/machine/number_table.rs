@@ -1,6 +1,6 @@
-//! A table of a machine file whose keys are numbers, all of them optional.
+//! A table of a machine file whose values are optional numbers.
 
-/// Declares the struct of such a table, and `all`: its keys with their values.
+/// Declares the struct of such a table, with the method `all`, which returns its keys and values.
 macro_rules! number_table {
     ($(#[$table_doc:meta])* $Table:ident { $( $(#[$key_doc:meta])* $key:ident, )+ }) => {
         $(#[$table_doc])*
@@ -15,7 +15,7 @@ macro_rules! number_table {
         }
 
         impl $Table {
-            /// Every key with its value, in the order of a written file.
+            /// All keys with their values, in the order of a written file.
             pub fn all(&self) -> impl Iterator<Item = (&'static str, Option<f64>)> {
                 [$( (stringify!($key), self.$key), )+].into_iter()
             }

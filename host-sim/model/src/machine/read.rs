@@ -12,12 +12,12 @@ impl Machine {
     /// Reads a machine file.
     ///
     /// # Errors
-    /// If it cannot be read, or does not describe a machine that can exist.
+    /// If the file cannot be read, or does not describe a machine that can exist.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::parse(&read_text(path)?, &path.display().to_string())
     }
 
-    /// Reads the text of a machine file; `source` is for messages.
+    /// Reads the text of a machine file; `source` names it in error messages.
     ///
     /// # Errors
     /// If the text does not describe a machine that can exist.
@@ -26,8 +26,8 @@ impl Machine {
         check::effects(&document)?;
         let mut machine: Self = document.deserialize()?;
         let order = document.children("axis");
-        let place = |name: &String| order.iter().position(|key| key[5..] == name[..]);
-        machine.axis.sort_by_cached_key(|name, _| place(name));
+        let position = |name: &String| order.iter().position(|key| key[5..] == name[..]);
+        machine.axis.sort_by_cached_key(|name, _| position(name));
         check::machine(&machine, &document)?;
         Ok(machine)
     }

@@ -1,4 +1,4 @@
-//! Where an arc leads, by its turns or by its end point.
+//! The end of an arc, given by turns or by an end point.
 
 use std::f64::consts::TAU;
 
@@ -11,7 +11,7 @@ use super::tables::ArcTable;
 use files::document::Document;
 use files::error::InputError;
 
-/// An arc that has been checked; pairs are in the order of the plane.
+/// A checked arc; pairs are in the order of the plane.
 #[derive(Debug)]
 pub(super) struct PlannedArc {
     pub centre_mm: [f64; 2],
@@ -21,7 +21,7 @@ pub(super) struct PlannedArc {
 }
 
 impl PlannedArc {
-    /// Checks an arc of a motion with axes `names`, of which `from_mm` says where they stand.
+    /// Checks an arc of a motion with the axes `names`, whose current positions are `from_mm`.
     pub fn of(
         arc: &ArcTable,
         from_mm: impl Fn(&String) -> Option<f64>,
@@ -31,10 +31,10 @@ impl PlannedArc {
     ) -> Result<Self, InputError> {
         let reader = Reader { arc, key, document };
         let [first, second] = &arc.plane;
-        let standing = |index: usize, name| {
+        let position = |index: usize, name| {
             from_mm(name).ok_or_else(|| unknown_axis(names, &format!("{key}.plane[{index}]"), document))
         };
-        let from_mm = [standing(0, first)?, standing(1, second)?];
+        let from_mm = [position(0, first)?, position(1, second)?];
         if first == second {
             return Err(reader.refuse("plane[1]", "another axis than the first"));
         }
@@ -42,9 +42,9 @@ impl PlannedArc {
         let radius = [from_mm[0] - centre_mm[0], from_mm[1] - centre_mm[1]];
         let radius_mm = radius[0].hypot(radius[1]);
         if radius_mm < SHORTEST_MM {
-            return Err(reader.refuse("centre_mm", "a centre away from where the axes stand"));
+            return Err(reader.refuse("centre_mm", "a centre other than the current position"));
         }
-        // The whole circle, whichever part of it the arc passes.
+        // Conservative: the full circle is checked, not only the arc.
         for centre_mm in centre_mm {
             within_travel(centre_mm.abs() + radius_mm, &format!("{key}.centre_mm"), document)?;
         }
@@ -57,7 +57,7 @@ impl PlannedArc {
     }
 }
 
-/// An arc and where it stands.
+/// An arc with its key in the document.
 struct Reader<'a> {
     arc: &'a ArcTable,
     key: &'a str,
@@ -97,8 +97,8 @@ impl Reader<'_> {
         }
     }
 
-    /// Signed turns to an end point, which has to lie on the circle and away from the start. `radius` leads
-    /// from the centre to the start.
+    /// Signed turns to an end point, which must be on the circle and differ from the start. `radius` is the vector from the
+    /// centre to the start.
     fn turns_to(
         &self,
         to_mm: [f64; 2],
@@ -108,15 +108,16 @@ impl Reader<'_> {
     ) -> Result<f64, InputError> {
         let to = [to_mm[0] - centre_mm[0], to_mm[1] - centre_mm[1]];
         if (to[0] - radius[0]).hypot(to[1] - radius[1]) < SHORTEST_MM {
-            let what = "a point away from where the axes stand: a full circle is given by turns";
+            let what = "a point other than the current position: a full circle is given by turns";
             return Err(self.refuse("to_mm", what));
         }
         let radius_mm = radius[0].hypot(radius[1]);
-        let off_mm = (to[0].hypot(to[1]) - radius_mm).abs();
+        let distance_mm = (to[0].hypot(to[1]) - radius_mm).abs();
         let tolerance_mm = 1e-6 * END_TOLERANCE_NM as f64;
-        if off_mm > tolerance_mm {
+        if distance_mm > tolerance_mm {
             let what = format!(
-                "a point within {tolerance_mm} mm of the circle of radius {radius_mm:.6} mm: it is {off_mm:.6} mm off"
+                "a point within {tolerance_mm} mm of the circle of radius {radius_mm:.6} mm: its distance is \
+                 {distance_mm:.6} mm"
             );
             return Err(self.refuse("to_mm", &what));
         }
@@ -129,7 +130,7 @@ impl Reader<'_> {
     }
 }
 
-/// The end of an arc by turns; after whole turns that is where it began.
+/// The end point of an arc given by turns. `fract` makes it exactly the start after whole turns.
 fn turned([x, y]: [f64; 2], centre_mm: [f64; 2], turns: f64) -> [f64; 2] {
     let (sin, cos) = (TAU * turns.fract()).sin_cos();
     [centre_mm[0] + x * cos - y * sin, centre_mm[1] + x * sin + y * cos]

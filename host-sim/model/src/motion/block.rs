@@ -1,17 +1,17 @@
-//! What a motion consists of.
+//! A motion and its blocks.
 
 use indexmap::IndexMap;
 use serde::Deserialize;
 use shared::interpolate::Ramps;
 
-/// A motion that has been checked: every block can be run from where the one before it ends.
+/// A checked motion: each block can be run from the end of the previous block.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Motion {
-    /// For people and file names.
+    /// Name for reports and file names.
     pub name: String,
-    /// Where the axes stand at the beginning; names all axes, in the order of the file.
+    /// Initial positions of all axes, in the order of the file.
     pub start_mm: IndexMap<String, f64>,
-    /// What they do, one after the other.
+    /// Blocks in the order of execution.
     pub blocks: Vec<Block>,
 }
 
@@ -20,62 +20,62 @@ pub struct Motion {
 pub enum Block {
     /// Standstill.
     Dwell {
-        /// How long.
+        /// Duration.
         seconds: f64,
     },
     /// A straight line of all axes.
     Line {
-        /// Target of every axis, also of those that stay.
+        /// End position of each axis, including axes that do not move.
         to_mm: IndexMap<String, f64>,
-        /// How fast.
+        /// Feed, acceleration and ramps.
         pace: Pace,
     },
-    /// An arc of two axes about a centre, starting where they stand.
+    /// An arc of two axes about a centre, from the current position.
     Arc {
-        /// First and second axis: counter-clockwise leads from the first's + to the second's +.
+        /// First and second axis. Counter-clockwise is the rotation from + of the first to + of the second.
         plane: [String; 2],
         /// Centre, in the order of the plane.
         centre_mm: [f64; 2],
-        /// How far round.
+        /// End of the arc.
         sweep: Sweep,
-        /// How fast.
+        /// Feed, acceleration and ramps.
         pace: Pace,
     },
 }
 
-/// Where an arc ends. Positive is counter-clockwise.
+/// End of an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum Sweep {
-    /// By signed turns.
+    /// Number of turns; positive: counter-clockwise.
     Turns(f64),
-    /// To a point on the circle.
+    /// A point on the circle.
     To {
-        /// In the order of the plane.
+        /// End point, in the order of the plane.
         to_mm: [f64; 2],
         /// Sense of rotation.
         direction: Direction,
     },
 }
 
-/// Sense of an arc.
+/// Sense of rotation of an arc.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Direction {
-    /// From the plane's first axis to its second.
+    /// Counter-clockwise: from + of the first axis of the plane to + of the second.
     Positive,
-    /// The other way.
+    /// Clockwise.
     Negative,
 }
 
-/// How a line or an arc is travelled.
+/// Feed, acceleration, ramps and joint of a line or an arc.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Pace {
     /// Path speed.
     pub feed_mm_per_min: f64,
     /// Path acceleration.
     pub acceleration_m_per_s2: f64,
-    /// How the speed rises and falls.
+    /// Shape of acceleration and deceleration.
     pub ramps: Ramps,
-    /// Largest distance from the corner at the end of the block; 0: exact stop.
+    /// Largest deviation from the corner at the end of the block; 0: exact stop.
     pub joint_tolerance_um: f64,
 }

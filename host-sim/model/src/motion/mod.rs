@@ -1,7 +1,7 @@
-//! The motion file: where the axes stand at the beginning, and what they do then, block by block.
+//! The motion file: initial positions of the axes, and the blocks of the motion.
 //!
-//! [`read`] goes through the file (`tables`), with `pace` for speeds and `arc` for where an arc ends, and gives the [`block`]s that
-//! can be run; `bounds` is what a file may hold.
+//! [`read`] converts the tables of the file (`tables`) to [`block`]s, with `pace` for feeds and ramps and `arc` for the ends
+//! of arcs. `bounds` contains the permitted ranges.
 
 mod arc;
 mod block;

@@ -1,4 +1,4 @@
-//! How blocks are travelled: what the file says for all of them, and what each says for itself.
+//! Feed, acceleration, ramps and joint of blocks: defaults of the file, and values of a block.
 
 use shared::interpolate::Ramps;
 
@@ -8,7 +8,7 @@ use super::tables::{BlockTable, MotionTable, RampKind};
 use files::document::Document;
 use files::error::InputError;
 
-/// What a file says.
+/// The defaults of a file.
 #[derive(Debug)]
 pub(super) struct DefaultPace {
     feed_mm_per_min: f64,
@@ -18,7 +18,7 @@ pub(super) struct DefaultPace {
     joint_tolerance_um: f64,
 }
 
-/// What a block says.
+/// The values of a block.
 #[derive(Debug, Default, PartialEq)]
 pub(super) struct BlockPace {
     feed_mm_per_min: Option<f64>,
@@ -61,7 +61,7 @@ impl DefaultPace {
         })
     }
 
-    /// Refuses a jerk of the file that is there for nothing.
+    /// Refuses a default jerk that no block uses.
     pub fn jerk_is_used(&self, blocks: &[BlockTable], document: &Document<'_>) -> Result<(), InputError> {
         let by_a_block = || blocks.iter().any(|block| block.ramps == Some(RampKind::SCurve));
         if self.jerk_m_per_s3.is_none() || self.ramps == RampKind::SCurve || by_a_block() {
@@ -70,7 +70,7 @@ impl DefaultPace {
         Err(document.refuse("jerk_m_per_s3", NO_JERK))
     }
 
-    /// What holds for a block: its own, or the file's.
+    /// The values of a block; absent values are the defaults of the file.
     pub fn with(&self, own: &BlockPace, key: &str, document: &Document<'_>) -> Result<Pace, InputError> {
         let inner = |name: &str| format!("{key}.{name}");
         let positive = |name: &str, value| positive(value, &inner(name), document);
@@ -106,7 +106,7 @@ impl DefaultPace {
 const NEEDS_JERK: &str = "this key, as ramps is \"s-curve\"";
 const NO_JERK: &str = "no jerk, as ramps is not \"s-curve\"";
 
-/// 1 m: more is a slip of the unit.
+/// Largest tolerance: 1 m. A larger one has a wrong unit.
 const WIDEST_UM: f64 = 1e6;
 
 fn tolerance(value_um: f64, key: &str, document: &Document<'_>) -> Result<f64, InputError> {

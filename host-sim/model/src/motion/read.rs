@@ -17,15 +17,15 @@ impl Motion {
     /// Reads a motion file.
     ///
     /// # Errors
-    /// If it cannot be read, or a block cannot be reader.
+    /// If the file cannot be read, or a block cannot be run.
     pub fn read(path: &Path) -> Result<Self, InputError> {
         Self::parse(&read_text(path)?, &path.display().to_string())
     }
 
-    /// Reads the text of a motion file; `source` is for messages.
+    /// Reads the text of a motion file; `source` names it in error messages.
     ///
     /// # Errors
-    /// If a block cannot be reader.
+    /// If a block cannot be run.
     pub fn parse(text: &str, source: &str) -> Result<Self, InputError> {
         let document = Document::parse(text, source)?;
         let raw: MotionTable = document.deserialize()?;
@@ -42,13 +42,13 @@ impl Motion {
     }
 }
 
-/// The motion up to the block that is read.
+/// The motion up to the current block.
 struct Reader<'a> {
     document: &'a Document<'a>,
     pace: DefaultPace,
     start_mm: IndexMap<String, f64>,
     position_mm: IndexMap<String, f64>,
-    /// Without the time that acceleration takes.
+    /// Duration at the programmed feeds, without the additional time of acceleration.
     duration_s: f64,
 }
 
@@ -91,7 +91,7 @@ impl<'a> Reader<'a> {
             return Err(self.document.refuse(key, what));
         }
         let seconds = positive(seconds, &format!("{key}.dwell_s"), self.document)?;
-        self.lasts(seconds, key)?;
+        self.add_duration(seconds, key)?;
         Ok(Block::Dwell { seconds })
     }
 
@@ -110,7 +110,7 @@ impl<'a> Reader<'a> {
         let steps_mm = to_mm.values().zip(self.position_mm.values()).map(|(to, from)| to - from);
         let length_mm = steps_mm.map(|step_mm| step_mm * step_mm).sum::<f64>().sqrt();
         if length_mm < SHORTEST_MM {
-            let what = "a target away from where the axes stand";
+            let what = "a target other than the current position";
             return Err(self.document.refuse(&format!("{key}.line_to_mm"), what));
         }
         let pace = self.pace(pace, length_mm, key)?;
@@ -129,19 +129,19 @@ impl<'a> Reader<'a> {
         Ok(Block::Arc { plane: arc.plane, centre_mm: planned.centre_mm, sweep: planned.sweep, pace })
     }
 
-    /// The pace of a block of this length, whose duration is added up.
+    /// The pace of a block of this length. Adds its duration to that of the motion.
     fn pace(&mut self, own: &BlockPace, length_mm: f64, key: &str) -> Result<Pace, InputError> {
         let pace = self.pace.with(own, key, self.document)?;
-        self.lasts(60.0 * length_mm / pace.feed_mm_per_min, key)?;
+        self.add_duration(60.0 * length_mm / pace.feed_mm_per_min, key)?;
         Ok(pace)
     }
 
-    fn lasts(&mut self, seconds: f64, key: &str) -> Result<(), InputError> {
+    fn add_duration(&mut self, seconds: f64, key: &str) -> Result<(), InputError> {
         self.duration_s += seconds;
         if self.duration_s <= LONGEST_S {
             return Ok(());
         }
-        let what = format!("an end within {LONGEST_S} s");
+        let what = format!("a total duration of at most {LONGEST_S} s");
         Err(self.document.refuse(key, &what))
     }
 

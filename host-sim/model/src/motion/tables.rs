@@ -1,4 +1,4 @@
-//! A motion file as it is written; `docs/files.md` explains the keys.
+//! The tables of a motion file; `docs/files.md` explains the keys.
 
 use indexmap::IndexMap;
 use serde::Deserialize;
@@ -45,7 +45,7 @@ pub struct ArcTable {
     pub direction: Option<Direction>,
 }
 
-/// Ramps as a file names them.
+/// The names of the ramps in a file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Deserialize)]
 #[serde(rename_all = "kebab-case")]
 pub enum RampKind {

@@ -21,7 +21,7 @@ fn parse(blocks: &str) -> Result<Motion, InputError> {
 }
 
 #[test]
-fn blocks_take_what_the_file_gives_and_defaults_for_the_rest() {
+fn absent_values_of_a_block_are_the_defaults_of_the_file() {
     let motion = parse(
         r#"
         [[block]]
@@ -56,10 +56,10 @@ fn blocks_take_what_the_file_gives_and_defaults_for_the_rest() {
     };
     assert_eq!(motion.blocks[2], arc);
     let Block::Line { to_mm, .. } = &motion.blocks[3] else { panic!("a line") };
-    assert!((to_mm["x"] - 30.0).abs() < 1e-9, "half a turn about 40 leads from 50 to 30");
+    assert!((to_mm["x"] - 30.0).abs() < 1e-9, "half a turn about 40 ends at 30 if it starts at 50");
 }
 
-/// What the blocks of a motion are travelled with: ramps and tolerance in µm.
+/// Ramps and joint tolerance (µm) of each block of a motion.
 fn paces(head: &str, blocks: &str) -> Result<Vec<(Ramps, f64)>, InputError> {
     let motion = Motion::parse(&format!("{head}{HEAD}{blocks}"), "m.toml")?;
     let pace = |block: &Block| match block {
@@ -70,7 +70,7 @@ fn paces(head: &str, blocks: &str) -> Result<Vec<(Ramps, f64)>, InputError> {
 }
 
 #[test]
-fn ramps_jerk_and_tolerance_are_the_block_s_or_the_file_s() {
+fn ramps_jerk_and_tolerance_of_a_block_replace_those_of_the_file() {
     let blocks = r#"
         [[block]]
         line_to_mm = { y = 1 }
@@ -99,17 +99,17 @@ fn ramps_jerk_and_tolerance_are_the_block_s_or_the_file_s() {
     let found = paces("joint_tolerance_um = 10\nramps = \"s-curve\"\njerk_m_per_s3 = 50", blocks).unwrap();
     assert_eq!(found[0], (Ramps::SCurve { jerk_m_per_s3: 50.0 }, 10.0));
     assert_eq!(found[1..], own);
-    // Without a word of the file: trapezoids, stops.
+    // Without values in the file: trapezoids and exact stops.
     let found = paces("", blocks).unwrap();
     assert_eq!(found[0], (Ramps::Trapezoid, 0.0));
     assert_eq!(found[3], (Ramps::AfterInterpolation, 0.0));
-    // A jerk of the file serves blocks that have none of their own.
+    // The default jerk of the file is used by a block without a jerk.
     let found = paces("jerk_m_per_s3 = 50", &blocks.replacen("jerk_m_per_s3 = 7.0", "", 1)).unwrap();
     assert_eq!(found[1].0, Ramps::SCurve { jerk_m_per_s3: 50.0 });
 }
 
 #[test]
-fn a_jerk_belongs_to_s_curves() {
+fn a_jerk_is_required_by_s_curves_and_refused_otherwise() {
     const LINE: &str = "[[block]]\nline_to_mm = { x = 1.0 }\n";
     let cases = [
         ("ramps = 's-curve'", "", "jerk_m_per_s3: expected this key, as ramps is \"s-curve\", found none"),
@@ -123,16 +123,16 @@ fn a_jerk_belongs_to_s_curves() {
         ("", "joint_tolerance_um = 1e7", "block[0].joint_tolerance_um: expected a number from 0 to"),
     ];
     for (head, block, wanted) in cases {
-        let said = paces(head, &format!("{LINE}{block}")).expect_err(wanted).to_string();
-        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
-        assert!(!said.contains('\n'), "{said}");
+        let message = paces(head, &format!("{LINE}{block}")).expect_err(wanted).to_string();
+        assert!(message.starts_with("m.toml: ") && message.contains(wanted), "{message}\nwanted {wanted}");
+        assert!(!message.contains('\n'), "{message}");
     }
 }
 
-/// From (50, 0) about the origin to (0, 50) it is a quarter of a turn one way and three the other: 78.54 mm
-/// or 235.62 mm, of which a feed of 3.926 mm/min takes 1200.3 s or 3600.9 s, and a motion may last 3600 s.
+/// From (50, 0) about the origin to (0, 50), the arc is a quarter of a turn (78.54 mm) counter-clockwise or three quarters
+/// (235.62 mm) clockwise. At 3.926 mm/min these take 1200.3 s and 3600.9 s, of which the second exceeds 3600 s.
 #[test]
-fn the_direction_says_which_way_an_arc_leads_to_its_end() {
+fn the_direction_of_an_arc_selects_one_of_two_arcs_to_its_end() {
     let arc = |direction: &str| {
         parse(&format!(
             r#"
@@ -149,11 +149,11 @@ fn the_direction_says_which_way_an_arc_leads_to_its_end() {
     assert_eq!(*sweep, Sweep::To { to_mm: [0.0, 50.0], direction: Direction::Positive });
     let Block::Line { to_mm, .. } = &motion.blocks[1] else { panic!("a line") };
     assert_eq!(*to_mm, IndexMap::from([("y".to_owned(), 50.0), ("x".to_owned(), 1.0)]));
-    let said = arc("negative").unwrap_err().to_string();
-    assert!(said.contains("block[0]: expected an end within 3600 s"), "{said}");
+    let message = arc("negative").unwrap_err().to_string();
+    assert!(message.contains("block[0]: expected a total duration of at most 3600 s"), "{message}");
 }
 
-/// A quarter turn, counter-clockwise, leads from the first axis's + to the second's +.
+/// A quarter turn counter-clockwise rotates + of the first axis to + of the second.
 #[test]
 fn positive_turns_are_counter_clockwise() {
     let motion = parse(
@@ -168,7 +168,7 @@ fn positive_turns_are_counter_clockwise() {
     assert!((to_mm["y"] - 50.0).abs() < 1e-9);
 }
 
-/// Blocks, and what has to be said of them.
+/// Blocks and the expected error.
 const BAD_BLOCKS: &[(&str, &str)] = &[
     ("", "block: expected at least one [[block]], found none"),
     ("block = []", "line 6: block: expected at least one [[block]]"),
@@ -179,7 +179,7 @@ const BAD_BLOCKS: &[(&str, &str)] = &[
     ),
     ("[[block]]\nwait_s = 1.0", "line 7: block[0].wait_s: unknown key, expected one of"),
     ("[[block]]\ndwell_s = 0", "block[0].dwell_s: expected a number above 0, found 0"),
-    ("[[block]]\ndwell_s = 1e9", "block[0]: expected an end within 3600 s"),
+    ("[[block]]\ndwell_s = 1e9", "block[0]: expected a total duration of at most 3600 s"),
     ("[[block]]\ndwell_s = nan", "dwell_s: expected a finite number, found nan"),
     (
         "[[block]]\ndwell_s = 1.0\nfeed_mm_per_min = 1.0",
@@ -187,13 +187,13 @@ const BAD_BLOCKS: &[(&str, &str)] = &[
     ),
     (
         "[[block]]\nline_to_mm = { z = 1.0 }",
-        "line 7: block[0].line_to_mm.z: expected an axis that start_mm names (y, x), found 1.0",
+        "line 7: block[0].line_to_mm.z: expected an axis of start_mm (y, x), found 1.0",
     ),
     (
         "[[block]]\nline_to_mm = { x = 50.0 }",
-        "block[0].line_to_mm: expected a target away from where the axes stand",
+        "block[0].line_to_mm: expected a target other than the current position",
     ),
-    ("[[block]]\nline_to_mm = { x = 1e6 }", "expected a travel within 100000 mm of zero"),
+    ("[[block]]\nline_to_mm = { x = 1e6 }", "expected a position within 100000 mm of zero"),
     ("[[block]]\nline_to_mm = { x = '5' }", "line_to_mm.x: expected a number, found '5'"),
     (
         "[[block]]\nline_to_mm = { x = 1.0 }\nfeed_mm_per_min = -5",
@@ -205,7 +205,7 @@ const BAD_BLOCKS: &[(&str, &str)] = &[
     ),
 ];
 
-/// What an arc about the origin, from (50, 0), has beside plane and centre, and what has to be said of it.
+/// Keys of an arc about the origin from (50, 0), in addition to plane and centre, and the expected error.
 const BAD_ENDS: &[(&str, &str)] = &[
     ("", "line 7: block[0].arc: expected either turns, or to_mm with direction"),
     (
@@ -226,33 +226,33 @@ const BAD_ENDS: &[(&str, &str)] = &[
     ),
     (
         "to_mm = { x = 50.0, y = 0 }, direction = 'positive'",
-        "line 7: block[0].arc.to_mm: expected a point away from where the axes stand: a full circle is given by",
+        "line 7: block[0].arc.to_mm: expected a point other than the current position: a full circle is given by",
     ),
     (
         "to_mm = { x = 0, y = 50.0021 }, direction = 'positive'",
-        "line 7: block[0].arc.to_mm: expected a point within 0.002 mm of the circle of radius 50.000000 mm: it is \
-         0.002100 mm off",
+        "line 7: block[0].arc.to_mm: expected a point within 0.002 mm of the circle of radius 50.000000 mm: its \
+         distance is 0.002100 mm",
     ),
 ];
 
-/// Plane, centre and turns of an arc, and what has to be said of them.
+/// Plane, centre and turns of an arc, and the expected error.
 const BAD_ARCS: &[(&str, &str, &str, &str)] = &[
-    ("'x', 'y'", "x = 50.0, y = 0.0", "1.0", "centre_mm: expected a centre away from where the"),
+    ("'x', 'y'", "x = 50.0, y = 0.0", "1.0", "centre_mm: expected a centre other than the current"),
     ("'x', 'y'", "x = 0.0, y = 0.0", "0.0", "turns: expected a number other than 0, found 0.0"),
     ("'x', 'y'", "x = 0.0", "1.0", "centre_mm.y: expected this key, found none"),
     ("'x', 'y'", "x = 0.0, y = 0.0, z = 0.0", "1.0", "centre_mm.z: expected only the axes of the"),
-    ("'x', 'y'", "x = -9e4, y = 0.0", "1.0", "centre_mm: expected a travel within 100000 mm of"),
-    ("'x', 'y'", "x = 0.0, y = 0.0", "1e6", "expected an end within 3600 s"),
+    ("'x', 'y'", "x = -9e4, y = 0.0", "1.0", "centre_mm: expected a position within 100000 mm of"),
+    ("'x', 'y'", "x = 0.0, y = 0.0", "1e6", "expected a total duration of at most 3600 s"),
     ("'x', 'y'", "x = 0.0, y = 0.0", "1.0, r = 1.0", "r: unknown key, expected one of plane,"),
     ("'x', 'x'", "x = 0.0", "1.0", "plane[1]: expected another axis than the first, found 'x'"),
-    ("'x', 'z'", "x = 0.0, z = 0.0", "1.0", "plane[1]: expected an axis that start_mm names (y, x)"),
+    ("'x', 'z'", "x = 0.0, z = 0.0", "1.0", "plane[1]: expected an axis of start_mm (y, x)"),
     ("'x'", "x = 0.0", "1.0", "plane: expected an array of length 2, found an array of 1"),
 ];
 
 fn assert_refused(blocks: &str, wanted: &str) {
-    let said = parse(blocks).expect_err(blocks).to_string();
-    assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nfor\n{blocks}");
-    assert!(!said.contains('\n'), "{said}");
+    let message = parse(blocks).expect_err(blocks).to_string();
+    assert!(message.starts_with("m.toml: ") && message.contains(wanted), "{message}\nfor\n{blocks}");
+    assert!(!message.contains('\n'), "{message}");
 }
 
 #[test]
@@ -279,19 +279,19 @@ fn bad_heads_are_refused_with_key_and_expectation() {
         ("600.0", "0", "line 3: feed_mm_per_min: expected a number above 0, found 0"),
         ("1.0", "-1.0", "line 4: acceleration_m_per_s2: expected a number above 0, found -1.0"),
         ("x = 50.0", "\"x 1\" = 1", "start_mm.x 1: expected a name that starts with a letter"),
-        ("x = 50.0", "x = 1e9", "line 5: start_mm.x: expected a travel within 100000 mm of zero"),
+        ("x = 50.0", "x = 1e9", "line 5: start_mm.x: expected a position within 100000 mm of zero"),
         ("{ y = 0.0, x = 50.0 }", "{}", "line 5: start_mm: expected at least one axis"),
         ("feed_mm_per_min = 600.0", "", "m.toml: feed_mm_per_min: expected this key, found none"),
     ];
     for (from, to, wanted) in cases {
         let text = format!("{}{block}", HEAD.replacen(from, to, 1));
-        let said = Motion::parse(&text, "m.toml").unwrap_err().to_string();
-        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nfor\n{text}");
+        let message = Motion::parse(&text, "m.toml").unwrap_err().to_string();
+        assert!(message.starts_with("m.toml: ") && message.contains(wanted), "{message}\nfor\n{text}");
     }
 }
 
-/// Time of a motion by its feeds, with a trapezoid from stop to stop for each block that has to stop. Joints
-/// and softer ramps leave it within some tenths of a second of that.
+/// Duration of a motion, with a trapezoidal velocity profile for each block that ends with an exact stop. Joints and
+/// other ramps change it by some tenths of a second.
 fn duration_s(motion: &Motion) -> f64 {
     let mut at_mm = motion.start_mm.clone();
     let mut total_s = 0.0;
@@ -312,7 +312,10 @@ fn duration_s(motion: &Motion) -> f64 {
                 let radius_mm = (start_mm[0] - centre_mm[0]).hypot(start_mm[1] - centre_mm[1]);
                 let turns = match sweep {
                     Sweep::Turns(turns) => {
-                        assert!(turns.fract() == 0.0, "the examples turn whole circles, or to a point");
+                        assert!(
+                            turns.fract() == 0.0,
+                            "arcs of the examples are whole circles or end at a point"
+                        );
                         turns.abs()
                     }
                     Sweep::To { to_mm, .. } => {
@@ -320,7 +323,7 @@ fn duration_s(motion: &Motion) -> f64 {
                             at_mm[name] = *to_mm;
                         }
                         let chord_mm = (to_mm[0] - start_mm[0]).hypot(to_mm[1] - start_mm[1]);
-                        // The examples round by half a turn at the most.
+                        // Arcs to a point are at most half a turn in the examples.
                         (0.5 * chord_mm / radius_mm).min(1.0).asin() / PI
                     }
                 };
@@ -335,14 +338,14 @@ fn duration_s(motion: &Motion) -> f64 {
 }
 
 #[test]
-fn the_motions_that_ship_read_and_last_as_long_as_a_test_should() {
+fn motion_files_of_the_repository_are_valid_and_last_5_to_20_s() {
     let folder = PathBuf::from(env!("CARGO_MANIFEST_DIR")).with_file_name("motions");
     let mut names = Vec::new();
     for entry in fs::read_dir(folder).unwrap() {
         let path = entry.unwrap().path();
         let motion = Motion::read(&path).unwrap();
         let seconds = duration_s(&motion);
-        // Long enough for reversals and corners; the demo's are shorter, as all of it ends within 10 s.
+        // Long enough for reversals and corners. Motions of the demo are shorter, as the whole demo takes at most 10 s.
         let is_demo = path.file_stem().unwrap().to_str().unwrap().starts_with("demo");
         let least = if is_demo { 3.0 } else { 5.0 };
         assert!((least..=20.0).contains(&seconds), "{} lasts {seconds} s", path.display());
@@ -354,12 +357,12 @@ fn the_motions_that_ship_read_and_last_as_long_as_a_test_should() {
     }
 }
 
-/// Whatever one slip of the finger makes of a motion file, it is read or refused in one line.
+/// Each typing error of one character gives a valid motion or an error message of one line.
 #[test]
-fn no_slip_breaks_the_reader() {
+fn no_typing_error_causes_a_panic() {
     for at in 0..EXAMPLE.len() {
-        for slip in ["", "\"", "[", "]", ".", "\n", "-", "9", "e", " ", "=", "ä"] {
-            let text = format!("{}{slip}{}", &EXAMPLE[..at], &EXAMPLE[at + 1..]);
+        for typed in ["", "\"", "[", "]", ".", "\n", "-", "9", "e", " ", "=", "ä"] {
+            let text = format!("{}{typed}{}", &EXAMPLE[..at], &EXAMPLE[at + 1..]);
             if let Err(error) = Motion::parse(&text, "m.toml") {
                 assert!(!error.to_string().contains('\n'));
             }

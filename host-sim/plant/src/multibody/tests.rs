@@ -194,7 +194,7 @@ fn impossible_structures_are_refused_by_their_key() {
     }
     assert_eq!(
         refused(|s| s.joint[0].stiffness_n_per_um[2] = 1.0),
-        "an axis drives in a direction that a joint, or another axis, holds"
+        "an axis drives in a direction that a joint or another axis blocks"
     );
     // An axis perpendicular to the free direction does not drive the slide.
     let mut across = tilting([0.0; 3]);
@@ -202,9 +202,9 @@ fn impossible_structures_are_refused_by_their_key() {
     assert_eq!(Assembly::of(&across).unwrap_err(), StructureError::Stuck);
     // The axis does not move the tool against a workpiece on the same body.
     let along = |s: &mut Structure| s.workpiece.body.clone_from(&s.tool.body);
-    assert_eq!(refused(along), "axis.z: does not move the tool against the workpiece");
+    assert_eq!(refused(along), "axis.z: does not move the tool relative to the workpiece");
     assert_eq!(
         refused(|s| s.axis[0].from = s.axis[0].to.clone()),
-        "axis.z.to: expected another body than in from"
+        "axis.z.to: expected a body other than that of from"
     );
 }

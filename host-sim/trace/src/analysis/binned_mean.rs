@@ -5,22 +5,22 @@ use numerics::bins::{Bin, binned};
 use super::variable::{Variable, values};
 use crate::fit::fit_data::{FitData, ResidualSeries};
 
-/// Bins over the range of a variable.
+/// Number of bins over the range of a variable.
 const BINS: usize = 64;
 
 /// Mean residual in bins over the range of a variable.
 #[derive(Clone, Debug, PartialEq)]
 pub struct BinnedMean {
-    /// Middle of each bin that has samples, and the mean residual there.
+    /// Centre and mean residual of each bin with samples.
     pub points: Vec<(f64, f64)>,
     /// Fraction of Σr² that the means explain, corrected for their number.
     pub fraction: f64,
-    /// Where the mean differs most from the median of all bins.
+    /// Centre of the bin whose mean differs most from the median of all bins.
     pub centre: f64,
 }
 
 impl BinnedMean {
-    /// The mean of a stage's residual over a variable; `None` if that was not measured or is constant.
+    /// The mean of a stage's residual over a variable; `None` if the variable was not measured or is constant.
     #[must_use]
     pub fn of(data: &FitData<'_>, residuals: &[&ResidualSeries], variable: Variable) -> Option<Self> {
         let mut pairs = Vec::new();
@@ -47,8 +47,9 @@ impl BinnedMean {
         })
     }
 
-    /// Ends of the one region about [`Self::centre`] in which the mean differs from the median by more than `edge` of the
-    /// greatest difference, in the same direction; `None` if it takes more than `max_width` of the range.
+    /// Ends of the contiguous region about [`Self::centre`] in which the difference of mean and median exceeds the fraction
+    /// `edge` of its largest value, with the same sign; `None` if the region is wider than the fraction `max_width` of the
+    /// range.
     #[must_use]
     pub fn local_defect(&self, edge: f64, max_width: f64) -> Option<[f64; 2]> {
         let means: Vec<f64> = self.points.iter().map(|point| point.1).collect();

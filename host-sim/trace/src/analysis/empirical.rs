@@ -1,7 +1,7 @@
-//! An unexplained residual as a table over the variable that explains most of it, accepted like an effect.
+//! An unexplained residual as a table over the variable that explains most of it.
 //!
-//! A table has no physical model: it is valid for motions like those it was taken from. It is accepted if the table of two
-//! thirds of the logs lowers the residual of the remaining third, for each third.
+//! A table is not a physical model: it is valid only for similar motions. It is accepted if the table computed from two thirds
+//! of the logs lowers the residual of the remaining third, for each third.
 
 use serde::Serialize;
 
@@ -10,7 +10,7 @@ use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::normal_equations::FOLDS;
 use model::effects::Stage;
 
-/// Points of a table, evenly spaced.
+/// Number of evenly spaced points of a table.
 const POINTS: usize = 32;
 
 /// An unexplained residual as a function of a variable.
@@ -24,9 +24,9 @@ pub struct Empirical {
     pub variable: Variable,
     /// Variable and residual (µm or N), sorted by the variable; linear in between.
     pub table: Vec<[f64; 2]>,
-    /// Rms without it, µm or N.
+    /// Rms without the table, µm or N.
     pub before: FitAndValidationRms,
-    /// Rms with it; of the fit logs, each third with the table of the other two.
+    /// Rms with the table; for the fit logs, each third with the table of the other two.
     pub after: FitAndValidationRms,
 }
 
@@ -95,8 +95,8 @@ fn samples(
     (!all.is_empty()).then_some(all)
 }
 
-/// Mean residual at evenly spaced points, each sample weighted linearly between the two points around it. A point with
-/// less weight than `min_samples` is left out.
+/// Mean residual at evenly spaced points. Each sample is distributed linearly to the two nearest points. Points with a total
+/// weight below `min_samples` are left out.
 fn table<'a>(samples: impl Iterator<Item = &'a Sample> + Clone, min_samples: usize) -> Vec<[f64; 2]> {
     let [min, max] = numerics::min_max(samples.clone().map(|s| s.variable));
     let width = (max - min) / (POINTS - 1) as f64;
@@ -148,7 +148,8 @@ mod tests {
         let curve = |mm: f64| 2.0 * (-(mm / 15.0).powi(2)).exp();
         let samples: Vec<Sample> = (0..1000).map(|i| sample(i, curve)).collect();
         let table = table(samples.iter(), 8);
-        // Points 3.2 mm apart: curvature 2·2/15² times 3.2²/8 is 0.023 at the top, and the mean over a point's samples adds as much.
+        // The points are 3.2 mm apart. The error of linear interpolation at the top is the curvature 2·2/15² times 3.2²/8,
+        // 0.023; averaging over the samples of a point adds the same amount.
         for mm in [-40.0, -10.0, 0.0, 3.0, 25.0] {
             assert!((at(&table, mm) - curve(mm)).abs() < 0.06, "{mm}: {} {}", at(&table, mm), curve(mm));
         }

@@ -1,7 +1,7 @@
-//! The mechanical model simulated with the measured force alone, without feedback that corrects its error.
+//! The mechanical model simulated with the measured force alone, without feedback.
 //!
-//! The model of a rigid axis is integrated from the measured state with the logged force; its distance from the measured
-//! motor is the double integral of the error of its forces over the mass. As that grows without bound, the simulation is
+//! The model of a rigid axis is integrated from the measured state with the logged force. Its deviation from the measured
+//! motor is the double integral of the force error divided by the mass. As it grows without bound, the simulation is
 //! restarted at regular intervals.
 
 use serde::Serialize;
@@ -26,16 +26,16 @@ pub struct FreeRun {
     pub seconds: f64,
     /// Number of runs.
     pub runs: usize,
-    /// Error of the declared model over all of them, µm rms.
+    /// Error of the declared model over all runs, µm rms.
     pub declared_um: f64,
-    /// Error of the model with the effects found, µm rms.
+    /// Error of the model with the effects found over all runs, µm rms.
     pub after_um: f64,
 }
 
 /// Free runs of the declared and of the better model, both fitted, over held-out logs. Empty if the axis is not rigid (the
 /// initial stretch of its spring is not measured), or if motor, force or masses are missing.
 ///
-/// The declared model gets the `latency` of the force that was found, as that is not a property of the mechanics.
+/// The `latency` of the force that was found is also applied to the declared model, as it is not a property of the mechanics.
 #[must_use]
 pub fn free_runs(name: &str, declared: &Axis, better: &Axis, logs: &[(&AxisSignals, f64)]) -> Vec<FreeRun> {
     if !better.settings.is_rigid() || !better.settings.has_mass() || logs.is_empty() {
@@ -81,14 +81,14 @@ fn run(
     let stepper = Stepper::new(parameters, 0.0, sample_s / f64::from(substeps));
     let late = parameters.latency_s(Channel::Force) / sample_s;
     let force_n = delayed_linear(&force.raw, -1.0 - late);
-    // The first sample has no central difference.
+    // Runs start at the second sample, as the first has no central difference.
     let (mut squares, mut samples, mut runs) = (0.0, 0, 0);
     for start in (1..n).step_by(length).take_while(|start| start + length <= n) {
         let mut motion = steady_motion(parameters, motor.position[start], motor.velocity[start]);
         for (i, measured_m) in motor.raw.iter().enumerate().skip(start).take(length) {
             squares += (motion.motor_m - measured_m).powi(2);
             samples += 1;
-            // The force from this sample to the next is logged with the next one.
+            // The force from this sample to the next is logged with the next sample.
             let force_n = force_n[i];
             (0..substeps).for_each(|_| stepper.step(parameters, &mut motion, force_n));
         }
@@ -104,8 +104,8 @@ mod tests {
     use crate::options::SampleOptions;
     use files::log::{AxisLog, Log, Unit};
 
-    /// A mass of 100 kg, declared 2 % too high, under 50 N without friction: x = F·t²/(2·m), so that the model is 2 % of x
-    /// behind.
+    /// A mass of 100 kg, declared 2 % too high, under 50 N without friction: x = F·t²/(2·m), so that the model lags by 2 % of
+    /// x.
     #[test]
     fn the_error_of_a_mass_grows_with_the_square_of_time() {
         let axis = |table_mass_kg| {

@@ -1,8 +1,9 @@
-//! What a residual consists of.
+//! Analysis of the remaining residuals.
 //!
-//! [`residual_analysis`] finds the [`variable`] that explains most of it, with the means in [`binned_mean`]; [`empirical`]
-//! makes a table of it; [`repeatability`] splits it by what repeats with the command; [`free_run`] is the error of the model
-//! without feedback.
+//! - [`residual_analysis`]: the [`variable`] that explains most of a residual, by the means in [`binned_mean`]
+//! - [`empirical`]: the residual as a table over this variable
+//! - [`repeatability`]: the repeatable and the non-repeatable part of a residual
+//! - [`free_run`]: the error of the model without feedback
 
 pub mod binned_mean;
 pub mod empirical;

@@ -1,7 +1,7 @@
-//! The part of a residual that repeats with the motion, which is all that a model of the machine can explain.
+//! The part of a residual that repeats with the motion. A model of the machine can explain only this part.
 //!
-//! Where the command is periodic, the mean over its periods is what the machine does in each of them. The differences
-//! between the periods are noise, or changes of the machine.
+//! If the command is periodic, the mean of the residual over the periods is its repeatable part. The differences between the
+//! periods are noise or changes of the machine.
 
 use serde::Serialize;
 
@@ -18,7 +18,7 @@ pub struct Repeatability {
     pub axis: String,
     /// Period of the command, s.
     pub period_s: f64,
-    /// Rms of the mean over the periods, in the unit of the residual; written with that unit in its key.
+    /// Rms of the mean over the periods, in the unit of the residual; its JSON key contains the unit.
     #[serde(skip)]
     pub repeatable: f64,
     /// Rms of the difference of one period from that mean.
@@ -38,7 +38,7 @@ pub fn period(command: &[f64], sample_s: f64, options: &AnalysisOptions) -> Opti
         reason = "samples of a fifth of a second"
     )]
     let shortest = ((options.min_period_s / sample_s).ceil() as usize).max(1);
-    // A dwell repeats after any time: a period must contain both ends of the travel.
+    // A dwell is periodic with any period. Therefore a period must contain both ends of the travel.
     let contains_both_ends = |period: usize| {
         let lap = &command[..period];
         lap.iter().any(|m| m - min <= tolerance) && lap.iter().any(|m| max - m <= tolerance)
@@ -74,7 +74,7 @@ pub fn repeatability(
             let laps = values.len() as f64;
             let mean = numerics::mean(values.iter().copied());
             let scatter = values.iter().map(|value| (value - mean).powi(2)).sum::<f64>();
-            // The square of the mean less its own variance, which is that of the laps divided by their number.
+            // The square of the mean less the variance of the mean, which is the variance of the laps divided by their number.
             of_means += mean * mean - scatter / (laps * (laps - 1.0));
             within += scatter;
             degrees_of_freedom += values.len() - 1;
@@ -99,14 +99,14 @@ mod tests {
     use files::log::{AxisLog, Log, Unit};
     use shared::config::Rates;
 
-    /// Back and forth over 10 mm in 0.8 s, after a dwell of 0.3 s.
+    /// Command, m: a dwell of 0.3 s, then back and forth over 10 mm in 0.8 s, repeatedly.
     fn command(i: usize) -> f64 {
         let t = 1e-3 * (i % 1100) as f64;
         if t < 0.3 { 0.0 } else { 0.005 * (1.0 - (std::f64::consts::TAU * (t - 0.3) / 0.8).cos()) }
     }
 
     #[test]
-    fn finds_the_period_and_not_the_dwell() {
+    fn the_period_is_not_confused_with_the_dwell() {
         let options = AnalysisOptions::default();
         let long: Vec<f64> = (0..4000).map(command).collect();
         assert_eq!(period(&long, 1e-3, &options), Some(1100));
@@ -117,7 +117,7 @@ mod tests {
     }
 
     #[test]
-    fn splits_the_repeatable_from_the_non_repeatable_part() {
+    fn a_residual_is_split_into_a_repeatable_and_a_non_repeatable_part() {
         let mut axis = AxisLog::new("x", Unit::Millimetre);
         axis.command = Some((0..11_000).map(|i| 1e3 * command(i)).collect());
         axis.motor = axis.command.clone();
@@ -127,7 +127,7 @@ mod tests {
         let logs = [Signals::new(&log, &names, &options.samples)];
         let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
         let data = FitData::new(&logs, &names, 0, rates, &options);
-        // A sine over the period of 3 rms, and ±1 in alternate periods, five of each: their variance is 10/9.
+        // A sine over the period with an rms of 3, and ±1 in alternate periods, five of each, whose variance is 10/9.
         let value = |i: usize| {
             let wave = 3.0 * 2.0f64.sqrt() * (std::f64::consts::TAU * (i % 1100) as f64 / 1100.0).sin();
             wave + if (i / 1100).is_multiple_of(2) { 1.0 } else { -1.0 }
@@ -135,8 +135,9 @@ mod tests {
         let residuals =
             [ResidualSeries { stage: Stage::Motor, log: 0, values: (0..11_000).map(value).collect() }];
         let split = repeatability(&data, &residuals, Stage::Motor).unwrap();
-        // The mean of alternating periods varies less than that of random ones, by 0.11 of 9; where the settling excludes
-        // the first of ten periods, the mean of the others is 1/9, another 0.17: 1.6 % of 3.
+        // The signs alternate and cancel in the mean, while the correction assumes random signs: this lowers the square of 9
+        // by 0.11. Where the settling excludes the first of ten periods, the mean of the signs is −1/9, which lowers it by
+        // another 0.17. Together this is 1.6 % of 3.
         assert!((split.repeatable - 2.953).abs() < 0.003, "{split:?}");
         assert!((split.non_repeatable - (10.0f64 / 9.0).sqrt()).abs() < 0.02, "{split:?}");
         assert!((split.period_s - 1.1).abs() < 1e-12);

@@ -1,4 +1,4 @@
-//! What remains of a residual, and the physical variable that it depends on most.
+//! The remaining residual, and the physical variable that explains most of it.
 
 use numerics::spectrum::PowerSpectrum;
 use serde::Serialize;
@@ -9,7 +9,7 @@ use crate::fit::exclusion::{ExcludedPart, Exclusion};
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use model::effects::Stage;
 
-/// Bins to either side of a spectral peak that belong to it, in a log as long as the transform.
+/// Number of bins on each side of a spectral peak that belong to it, in a log as long as the transform.
 const PEAK_HALF_BINS: usize = 2;
 
 /// The unexplained residual of one stage.
@@ -19,22 +19,22 @@ pub struct UnexplainedResidual {
     pub channel: Stage,
     /// Axis.
     pub axis: String,
-    /// Rms on the fit logs, in the unit of the stage's residual; written with that unit in its key.
+    /// Rms on the fit logs, in the unit of the stage's residual; its JSON key contains the unit.
     #[serde(skip)]
     pub rms: f64,
-    /// Fraction of its square that the variable explains, percent.
+    /// Fraction of the mean square that the variable explains, percent.
     pub share_percent: f64,
     /// The variable that explains most.
     pub variable: Variable,
-    /// For `time`.
+    /// Frequency of the vibration, if the variable is `time`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub frequency_hz: Option<f64>,
-    /// For `position`: where the residual is largest.
+    /// Position of the largest residual, if the variable is `position`.
     #[serde(skip_serializing_if = "Option::is_none")]
     pub centre_mm: Option<f64>,
 }
 
-/// What a variable explains of a residual.
+/// The part of a residual that a variable explains.
 struct Explanation {
     variable: Variable,
     fraction: f64,
@@ -42,7 +42,7 @@ struct Explanation {
     centre_mm: Option<f64>,
 }
 
-/// The unexplained residual of a stage with this noise, or `None` where only noise remains.
+/// The unexplained residual of a stage with this noise, or `None` if the residual is within the noise.
 #[must_use]
 pub fn unexplained(
     data: &FitData<'_>,
@@ -100,8 +100,8 @@ fn best_explanation(data: &FitData<'_>, residuals: &[&ResidualSeries]) -> Explan
 }
 
 impl UnexplainedResidual {
-    /// What may be excluded from the residuals that this was found in: a vibration or a local defect of table or tool,
-    /// if it is large enough.
+    /// The exclusion of this part from the residuals in which it was found, if it is a vibration or a local defect of table or
+    /// tool and large enough.
     #[must_use]
     pub fn exclusion(
         &self,
@@ -151,7 +151,7 @@ fn vibration(data: &FitData<'_>, residuals: &[&ResidualSeries]) -> Option<(f64, 
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a bin number")]
     let first = (data.options.analysis.min_frequency_hz / hertz).ceil() as usize;
     let (peak, _) = power.iter().enumerate().skip(first).max_by(|a, b| a.1.total_cmp(b.1))?;
-    // The width of a line is that of the shortest log.
+    // The width of a line is determined by the shortest log.
     let shortest = residuals.iter().map(|series| series.values.len()).min()?.max(1);
     let half = PEAK_HALF_BINS * length.div_ceil(shortest);
     let around = peak.saturating_sub(half)..(peak + half + 1).min(power.len());
@@ -194,7 +194,7 @@ mod tests {
     }
 
     #[test]
-    fn a_vibration_is_named_by_its_frequency() {
+    fn a_vibration_is_reported_with_its_frequency() {
         let found = analysed(|i, _| (std::f64::consts::TAU * 61.2e-3 * f64::from(i)).sin());
         assert_eq!(found.variable, Variable::Time);
         assert!((found.frequency_hz.unwrap() - 61.2).abs() < 0.1, "{found:?}");
@@ -204,7 +204,7 @@ mod tests {
     }
 
     #[test]
-    fn a_local_defect_is_named_by_its_position() {
+    fn a_local_defect_is_reported_with_its_position() {
         let found = analysed(|_, mm| (-((mm - 20.0) / 3.0).powi(2)).exp());
         assert_eq!(found.variable, Variable::Position);
         // A bin of a 64th of 100 mm is 1.6 mm wide.

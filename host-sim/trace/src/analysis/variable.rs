@@ -9,7 +9,7 @@ use crate::input::smoothing::Smooth;
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Variable {
-    /// A vibration at a constant frequency.
+    /// Time: a vibration at a constant frequency.
     Time,
     /// Position of the axis.
     Position,

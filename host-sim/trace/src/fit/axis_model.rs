@@ -11,24 +11,24 @@ use model::machine::Axis;
 use model::machine::nominal::{LogOffsets, Nominal, TOLERATED, Tolerated};
 use plant::parameters::AxisParameters;
 
-/// One axis: as declared, with values and effects as fitted so far.
+/// The model of one axis during a trace.
 #[derive(Clone, Debug)]
 pub struct AxisModel {
-    /// As in the machine file.
+    /// The axis of the machine file.
     declared: Axis,
-    /// The same at its nominal values, which are the centres of the tolerances.
+    /// The declared axis at its nominal values, which are the centres of the tolerances.
     nominal: Axis,
-    /// With fitted values, the declared effects, and after them those found.
+    /// The axis with fitted values. Its effects are the declared ones, followed by those found.
     pub axis: Axis,
     /// Zero of the linear scale relative to the motor's, µm.
     pub table_zero_um: f64,
     /// Zero of the tool-point probe relative to the table's, µm.
     pub tool_zero_um: f64,
-    /// Timing that the machine file leaves open.
+    /// Timing that the machine file does not declare.
     trims: Trims,
     rates: Rates,
     options: ModelOptions,
-    /// The mass that [`Mechanics::MotorMass`] fits, as it was fitted to table and force.
+    /// Value of the mass that [`Mechanics::MotorMass`] fits, from the fit to table and force.
     pinned_mass_kg: Option<f64>,
 }
 
@@ -81,8 +81,8 @@ impl AxisModel {
         self.declared.nominal.is_some() || self.declared.log_offsets.is_some()
     }
 
-    /// The axis of the better machine file: fitted, with the nominal values of the tolerances and with the offsets of the
-    /// fitted logs.
+    /// The axis for the machine file that `--model` writes: fitted values, nominal values (the centres of the tolerances),
+    /// and offsets of the fitted logs.
     #[must_use]
     pub fn written(&self) -> Axis {
         let mut nominal = Nominal::default();
@@ -92,7 +92,7 @@ impl AxisModel {
         }
         if self.tolerance() > 0.0 {
             let declared = self.nominal.effect.iter().zip(&self.axis.effect);
-            // An effect that was fitted without its tolerance has its fitted value as nominal value.
+            // The nominal value of an effect that was fitted without a tolerance is its fitted value.
             let centre = |(nominal, fitted)| if self.is_untolerated(fitted) { fitted } else { nominal };
             nominal.effect = declared.map(centre).cloned().collect();
         }
@@ -119,8 +119,8 @@ impl AxisModel {
         model
     }
 
-    /// Keys of declared values that ended at a bound of their tolerance. Damping and presliding are left out: few motions
-    /// determine them.
+    /// Keys of declared values that ended at a bound of their tolerance, except damping and presliding, which few motions
+    /// determine.
     #[must_use]
     pub fn at_bounds(&self) -> Vec<&'static str> {
         const POORLY_DETERMINED: [&str; 3] =
@@ -137,7 +137,7 @@ impl AxisModel {
         at_bounds.map(|key| key.key).collect()
     }
 
-    /// The effects that were found.
+    /// The effects found.
     #[must_use]
     pub fn found(&self) -> &[Effect] {
         &self.axis.effect[self.declared.effect.len()..]
@@ -277,8 +277,8 @@ impl AxisModel {
         0.01 * self.declared.settings.mechanics.plant_tolerance_percent.unwrap_or(0.0)
     }
 
-    /// Declared keys that a scope fits, and their nominal values. The first of them is a mass: that of the motor, or of a
-    /// rigid axis the one that the machine file declares.
+    /// Declared keys that a scope fits, with their nominal values. The first is the mass of the motor or, if a rigid axis
+    /// declares only one mass, that mass.
     fn adjustable(&self, scope: &Scope) -> impl Iterator<Item = (&'static Tolerated, f64)> {
         self.tolerated_keys().take(match scope.mechanics {
             Mechanics::All => TOLERATED.len(),
@@ -287,7 +287,7 @@ impl AxisModel {
         })
     }
 
-    /// Keys with a tolerance, and their nominal values.
+    /// Keys with a tolerance, with their nominal values.
     fn tolerated_keys(&self) -> impl Iterator<Item = (&'static Tolerated, f64)> {
         let tolerance = self.tolerance();
         TOLERATED
@@ -307,8 +307,8 @@ impl AxisModel {
         FreeParameter { coordinate: bounded, prior: (spread > 0.0).then_some((declared, spread)) }
     }
 
-    /// Whether a declared effect is fitted without its tolerance: a constant load, once a friction asymmetry was found. A
-    /// load that was identified with a symmetric friction contains the mean of the asymmetry.
+    /// Whether a declared effect is fitted without its tolerance: a constant load, after a friction asymmetry was found. A
+    /// load identified with symmetric friction contains the mean of the asymmetry over the motion.
     fn is_untolerated(&self, declared: &Effect) -> bool {
         let is_asymmetry = |found: &Effect| matches!(found, Effect::FrictionAsymmetry(_));
         matches!(declared, Effect::ConstantLoad(_)) && self.found().iter().any(is_asymmetry)

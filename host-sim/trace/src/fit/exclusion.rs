@@ -1,17 +1,18 @@
-//! What no effect of the catalogue describes, excluded from a residual so that it neither hides nor imitates an effect.
+//! Exclusion of parts of a residual that no effect of the catalogue describes, so that they neither hide nor imitate an
+//! effect.
 //!
-//! A vibration or a local defect of the travel can be larger than an effect. Once the search has ended and one of them
-//! is most of what remains, the search is repeated without the samples at that position, or without the part of the
-//! residual at that frequency. It is reported as unexplained.
+//! A vibration or a local defect of the travel can be larger than an effect. If one of them dominates the residual at the
+//! end of the search, the search is repeated without the samples at that position, or with the oscillation at that frequency
+//! subtracted. The excluded part is reported as unexplained.
 
 use model::effects::Stage;
 
-/// Something in the residual of one stage that is left out of it.
+/// An exclusion from the residual of one stage.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Exclusion {
     /// Stage.
     pub stage: Stage,
-    /// What is left out.
+    /// The excluded part.
     pub part: ExcludedPart,
 }
 
@@ -20,12 +21,12 @@ pub struct Exclusion {
 pub enum ExcludedPart {
     /// Samples at which the axis is between two positions, mm.
     Position {
-        /// From here on.
+        /// Lower end, inclusive.
         from_mm: f64,
-        /// Up to here, exclusive.
+        /// Upper end, exclusive.
         to_mm: f64,
     },
-    /// A sine, with amplitude and phase of its own in each log.
+    /// A sine, whose amplitude and phase are fitted in each log.
     Sine {
         /// Frequency, Hz.
         frequency_hz: f64,
@@ -33,13 +34,13 @@ pub enum ExcludedPart {
 }
 
 impl Exclusion {
-    /// Whether a sample of a stage is left out; `position_mm` gives the position of the axis, if it was measured.
+    /// Whether a sample of a stage is excluded. `position_mm` returns the position of the axis, if it was measured.
     pub fn covers(&self, stage: Stage, position_mm: impl Fn() -> Option<f64>) -> bool {
         let ExcludedPart::Position { from_mm, to_mm } = self.part else { return false };
         self.stage == stage && position_mm().is_some_and(|mm| (from_mm..to_mm).contains(&mm))
     }
 
-    /// The frequency that is taken out of a stage, Hz.
+    /// The frequency that is subtracted from a stage, Hz.
     #[must_use]
     pub fn frequency_hz(&self, stage: Stage) -> Option<f64> {
         match self.part {
@@ -49,7 +50,8 @@ impl Exclusion {
     }
 }
 
-/// Subtracts the least-squares sine (amplitude and phase) of `step_rad` a sample from the values that count.
+/// Subtracts the least-squares sine (amplitude and phase) with a phase step of `step_rad` per sample from the values that
+/// count.
 pub fn subtract_sine(values: &mut [f64], counts: &[bool], step_rad: f64) {
     let waves = || counts.iter().enumerate().map(|(i, counts)| (*counts, (step_rad * i as f64).sin_cos()));
     let mut sums = [0.0; 5];

@@ -1,5 +1,5 @@
-//! The final fit: all that was found, with the error of the tracer's own simulation subtracted, until that error is the
-//! fitted model's own.
+//! The final fit of all effects found, with the error of the tracer's own simulation subtracted. The fit is repeated until
+//! the subtracted error is that of the fitted model.
 
 use super::axis_model::AxisModel;
 use super::fit_data::{FitData, ResidualSeries};
@@ -7,23 +7,23 @@ use super::model_bias::{self, log_rms};
 use super::scope::{Mechanics, Scope};
 use super::scope_fit::{Progress, ScopeFit, fit_again};
 
-/// Most fits, each with the error of the model of the fit before. One is enough where the error hardly depends on the
-/// model; behind a backlash, where it depends on the instants at which the gap closes, four or five are.
+/// Largest number of fits. Each fit subtracts the error of the previous model. One fit suffices if the error hardly depends
+/// on the model. With backlash, where the error depends on the instants at which the gap closes, four or five are needed.
 const MAX_FITS: usize = 10;
 
-/// The fits end when taking the error of the last model instead of that of the model before changes the residuals by less
-/// than this fraction in all.
+/// The fits end if replacing the error of the previous model by that of the last model changes the residuals by less than
+/// this fraction in total.
 const MIN_CHANGE: f64 = 2e-3;
 
 /// A model with its fits and its own error.
 struct Unbiased {
     model: AxisModel,
     fits: Vec<ScopeFit>,
-    /// The error on the fit logs, of this model.
+    /// Error of this model on the fit logs.
     bias: Vec<ResidualSeries>,
 }
 
-/// The model that the search found, after its final fit.
+/// The result of the final fit.
 pub struct FinalFit {
     /// The model.
     pub model: AxisModel,
@@ -33,9 +33,9 @@ pub struct FinalFit {
     pub bias: [Vec<ResidualSeries>; 2],
 }
 
-/// Fits what the search found with the error of the tracer's own simulation subtracted, if that lowers the residuals of
-/// the fit logs. `written` is the model as in the machine file: where nothing was found it is kept, if an earlier trace
-/// wrote it and another fit is no better.
+/// Fits the model with the error of the tracer's own simulation subtracted, if this lowers the residuals of the fit logs.
+/// `written` is the model of the machine file. If no effect was found, it is kept if an earlier trace wrote it and the new
+/// fit is not better.
 #[must_use]
 pub fn final_fit(
     [fit_data, validate]: [&FitData<'_>; 2],
@@ -64,8 +64,8 @@ fn driven(scopes: &[Scope]) -> Option<&Scope> {
     scopes.iter().find(|scope| scope.mechanics == Mechanics::All)
 }
 
-/// Fits all that was found without the model's own error, and again with that of the new model while this lowers the
-/// residuals. `None` if the error is not known or the residuals of the fit logs are lower with it.
+/// Fits the model with its own error subtracted, and repeats this with the error of the new model as long as the residuals
+/// decrease. `None` if the error cannot be computed, or if the residuals of the fit logs are lower without the subtraction.
 fn unbiased(
     data: &FitData<'_>,
     model: &AxisModel,
@@ -104,8 +104,8 @@ fn total_log_rms(data: &FitData<'_>, model: &AxisModel, bias: &[ResidualSeries],
     scopes.iter().map(|scope| log_rms(&data, &data.residuals(model, scope), scope)).sum()
 }
 
-/// The model of a file that an earlier trace wrote, with its own error, if another fit of it is no better on these logs:
-/// otherwise each trace would change poorly determined parameters a little. `None` for a model that was declared.
+/// The model of a file that an earlier trace wrote, with its own error, if a new fit is not better on these logs. Otherwise
+/// each trace would change poorly determined parameters slightly. `None` if no trace wrote the file.
 #[must_use]
 pub fn kept(
     data: &FitData<'_>,
@@ -123,7 +123,7 @@ pub fn kept(
     (size_of_fitted > size - data.options.model.min_gain_of_refit).then_some((model, bias))
 }
 
-/// A model with its own error, if that is known.
+/// A model with its own error, if the error can be computed.
 fn with_bias(data: &FitData<'_>, model: AxisModel, fits: Vec<ScopeFit>, driven: &Scope) -> Option<Unbiased> {
     let bias = model_bias::of(data, &model, driven);
     (!bias.is_empty()).then_some(Unbiased { model, fits, bias })

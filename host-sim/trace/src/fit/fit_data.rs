@@ -1,4 +1,4 @@
-//! What a model is fitted to or validated on: logs, and what is left out of their residuals.
+//! The data of a fit or a validation: logs, exclusions, and the error to be subtracted.
 
 use serde::Serialize;
 use shared::config::Rates;
@@ -17,9 +17,9 @@ pub struct FitData<'a> {
     pub names: &'a [String],
     /// Index of the axis.
     pub axis: usize,
-    /// Rates of its loops.
+    /// Rates of the loops.
     pub rates: Rates,
-    /// What is left out of the residuals because no effect describes it.
+    /// Parts of the residuals that are excluded because no effect describes them.
     pub exclusions: &'a [Exclusion],
     /// Error of the tracer's own simulation, subtracted from the residuals: see [`super::model_bias`].
     pub bias: &'a [ResidualSeries],
@@ -48,7 +48,7 @@ pub struct FitAndValidationRms {
 }
 
 impl<'a> FitData<'a> {
-    /// The logs for one axis, with nothing left out.
+    /// The logs for one axis, without exclusions.
     #[must_use]
     pub const fn new(
         logs: &'a [Signals],
@@ -66,7 +66,7 @@ impl<'a> FitData<'a> {
         &self.names[self.axis]
     }
 
-    /// The axis's signals of a log.
+    /// Signals of the axis in a log.
     #[must_use]
     pub fn signals(&self, log: usize) -> &'a AxisSignals {
         &self.logs[log].axes[self.axis]
@@ -80,7 +80,7 @@ impl<'a> FitData<'a> {
         numerics::min_max(positions)
     }
 
-    /// Number of samples at the start of a log that no residual counts.
+    /// Number of samples at the start of a log that are excluded from all residuals.
     #[must_use]
     pub fn settling(&self, log: usize) -> usize {
         let log = &self.logs[log];
@@ -89,8 +89,8 @@ impl<'a> FitData<'a> {
         samples.min(log.len() / 4)
     }
 
-    /// Which samples of a stage of a log count: those after the settling that are not excluded; in the table and force
-    /// stages, which depend on friction, those in motion; in the force stage those below the force limit.
+    /// Whether a sample of a stage of a log counts. Samples count after the settling, outside exclusions; in the table and
+    /// force stages, which depend on friction, only in motion; in the force stage only below the force limit.
     pub fn counting(&self, stage: Stage, log: usize) -> impl Fn(usize) -> bool {
         let settling = self.settling(log);
         let signals = self.signals(log);
@@ -109,7 +109,7 @@ impl<'a> FitData<'a> {
         }
     }
 
-    /// Root mean square of a stage's residuals over all samples that count; not a number without any.
+    /// Root mean square of a stage's residuals over all samples that count; NaN if there are none.
     #[must_use]
     pub fn rms(&self, residuals: &[ResidualSeries], stage: Stage) -> f64 {
         let (mut squares, mut count) = (0.0, 0usize);

@@ -25,7 +25,7 @@ pub fn covariance(fitted: &Fitted) -> Covariance {
     let (curvature, _) = normal(&fitted.blocks, &fitted.parameters);
     let mut regular =
         curvature.clone() + DMatrix::from_diagonal(&(curvature.diagonal() * 1e-9).add_scalar(1e-12));
-    // A parameter at its bound counts as known.
+    // A parameter at a bound is treated as known.
     for (i, parameter) in fitted.parameters.iter().enumerate() {
         let Coordinate { value, lower, upper, .. } = parameter.coordinate;
         let near = 1e-6 * (upper - lower);
@@ -34,7 +34,7 @@ pub fn covariance(fitted: &Fitted) -> Covariance {
         }
     }
     let inverse = regular.cholesky().map_or_else(|| DMatrix::zeros(n, n), |c| c.inverse());
-    // The gradients of all stages over one block of one log are summed. Blocks without a counting sample are none.
+    // The gradients of all stages over one block of one log are summed. Blocks without a sample that counts are skipped.
     let mut sums: Vec<((usize, usize), DVector<f64>)> = Vec::new();
     for block in fitted.blocks.iter().filter(|block| block.samples > 0) {
         let key = (block.log, block.number);
@@ -50,8 +50,8 @@ pub fn covariance(fitted: &Fitted) -> Covariance {
     }
 }
 
-/// Half widths of the 95 % intervals of an effect's parameters, whose coordinates have these indices in the covariance, by
-/// Student's t.
+/// Half widths of the 95 % confidence intervals of an effect's parameters, by Student's t. `indices` are those of the
+/// effect's coordinates in the covariance.
 #[must_use]
 pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usize>) -> Vec<f64> {
     let of_effect = covariance.matrix.view((indices.start, indices.start), (indices.len(), indices.len()));
@@ -114,7 +114,7 @@ mod tests {
 
     /// Variance Σg²/H² = 1/n of n blocks; t(22) = 2.074 for one log, t(68) = 1.995 for three.
     #[test]
-    fn the_quantile_is_that_of_the_blocks_that_there_are() {
+    fn the_degrees_of_freedom_follow_from_the_blocks_with_samples() {
         let effect = Effect::ServoMismatch(ServoMismatch { percent: 10.0 });
         for (logs, blocks, t) in [(1, 23.0, 2.074), (3, 69.0, 1.995)] {
             let half = half_widths(&effect, &covariance(&fitted(logs)), 0..1)[0];

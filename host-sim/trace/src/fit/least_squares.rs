@@ -19,29 +19,29 @@ use model::effects::Stage;
 /// A fit ends when a step lowers the cost by less than this fraction.
 const MIN_GAIN: f64 = 1e-4;
 
-/// Most steps of a fit that is to end at its optimum.
+/// Largest number of steps of a fit to the optimum.
 pub const STEPS: usize = 10;
 
-/// Derivatives are kept while a step gains more than this fraction of what the normal equations predict.
+/// Derivatives are reused as long as a step gains more than this fraction of the gain predicted by the normal equations.
 const MIN_GAIN_OF_PREDICTED: f64 = 0.7;
 
-/// Dampings that are tried in a step, each ten times the one before, until the cost falls.
+/// Number of dampings that are tried in a step, each ten times the previous one, until the cost decreases.
 const DAMPINGS: usize = 5;
 
 /// A fitted model with the normal equations at its optimum.
 #[derive(Clone, Debug)]
 pub struct Fitted {
-    /// At its optimum.
+    /// The model at the optimum.
     pub model: AxisModel,
-    /// Its free parameters there.
+    /// Free parameters at the optimum.
     pub parameters: Vec<FreeParameter>,
-    /// The normal equations there.
+    /// Normal equations at the optimum.
     pub blocks: Vec<Block>,
     /// Weight of each series of the residuals.
     pub weights: Vec<f64>,
-    /// The residuals there.
+    /// Residuals at the optimum.
     pub residuals: Vec<ResidualSeries>,
-    /// Their derivatives, one column a parameter.
+    /// Derivatives of the residuals, one column per parameter.
     pub columns: Vec<Column>,
 }
 
@@ -59,11 +59,11 @@ pub fn fit(data: &FitData<'_>, start: &AxisModel, scope: &Scope, steps: usize) -
     fit_from(data, start, scope, steps, &[])
 }
 
-/// The same where the derivatives with respect to the first parameters are known from a point nearby.
+/// Fits like [`fit`], with known derivatives with respect to the first parameters, from a point nearby.
 ///
-/// A derivative costs a simulation. Those of the declared values hardly change during a fit, so they are computed again
-/// only after a step that gains less than predicted; those of the last effect, whose parameters are less well known, in
-/// each step.
+/// Each derivative requires a simulation. The derivatives with respect to the declared values hardly change during a fit and
+/// are computed again only after a step that gains less than predicted. The derivatives with respect to the last effect,
+/// whose parameters are less well known, are computed in each step.
 #[must_use]
 pub fn fit_from(
     data: &FitData<'_>,
@@ -99,12 +99,12 @@ struct Point {
     weights: Vec<f64>,
     damping: f64,
     columns: Vec<Column>,
-    /// Whether some of the columns are those of another point.
+    /// Whether some of the columns were computed at another point.
     has_old_columns: bool,
     blocks: Vec<Block>,
 }
 
-/// By how much a step lowers the cost, as a fraction of it, and by how much it should according to the normal equations.
+/// Relative decrease of the cost in a step, and the decrease predicted by the normal equations.
 struct Gain {
     gained: f64,
     predicted: f64,
@@ -123,7 +123,7 @@ impl Point {
         Self { model, residuals, weights, damping: 1e-3, columns, has_old_columns, blocks }
     }
 
-    /// Moves to a point of lower cost, if there is one at one of the dampings.
+    /// Moves to a point of lower cost, if one of the dampings leads to one.
     fn step(&mut self, data: &FitData<'_>, scope: &Scope) -> Gain {
         let parameters = self.model.free_parameters(scope);
         let cost = cost(&self.residuals, &self.weights, &parameters);
@@ -154,7 +154,7 @@ impl Point {
         Gain { gained: 0.0, predicted: f64::INFINITY }
     }
 
-    /// Computes the derivatives with respect to a range of the parameters, and with them the normal equations.
+    /// Computes the derivatives with respect to a range of the parameters, and the normal equations.
     fn renew(&mut self, data: &FitData<'_>, scope: &Scope, range: Range<usize>) {
         self.has_old_columns = range.len() < self.columns.len();
         let new = derivatives(data, &self.model, scope, range.clone(), &self.residuals);

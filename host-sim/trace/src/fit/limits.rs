@@ -1,6 +1,6 @@
 //! Parameters that ended at a limit of their search range.
 //!
-//! The best value is then outside the range, or the log shows another effect. The limit is no measured value, so the
+//! The best value is then outside the range, or the log shows another effect. As the limit is not a measured value, the
 //! effect is not added.
 
 use shared::config::Rates;
@@ -10,13 +10,13 @@ use model::effects::{Effect, Parameter};
 /// An effect with a parameter at a limit of its search range.
 #[derive(Clone, Debug, PartialEq)]
 pub struct ParameterAtLimit {
-    /// The effect as it was fitted.
+    /// The fitted effect.
     pub effect: Effect,
     /// The parameter.
     pub parameter: &'static Parameter,
-    /// Its value, in its unit.
+    /// Value in the unit of the parameter.
     pub value: f64,
-    /// The limit, in the same unit.
+    /// Limit in the unit of the parameter.
     pub limit: f64,
 }
 
@@ -26,7 +26,7 @@ pub fn of(effect: &Effect, rates: Rates) -> Option<ParameterAtLimit> {
     let coordinates = effect.coordinates_at(rates);
     let at = coordinates.iter().enumerate().find_map(|(j, coordinate)| Some((j, coordinate.limit()?)));
     let (j, limit) = at?;
-    // A coordinate may be a function of parameters: the first that changes with it is reported.
+    // A coordinate may be a function of several parameters. The first parameter that changes with it is reported.
     let moved = |to: f64| {
         let mut values: Vec<f64> = coordinates.iter().map(|coordinate| coordinate.value).collect();
         values[j] = to;
@@ -47,7 +47,7 @@ mod tests {
         Backlash, Presliding, ResolverDividing, ServoMismatch, Stribeck, VelocityLag, Windup,
     };
 
-    /// A velocity loop every quarter of a millisecond.
+    /// The period of the velocity loop is 0.25 ms.
     const RATES: Rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 4 };
 
     fn reported(effect: &Effect) -> Option<(&'static str, f64)> {
@@ -62,7 +62,7 @@ mod tests {
         let gain = |percent| reported(&Effect::ServoMismatch(ServoMismatch { percent }));
         assert_eq!(gain(80.0), Some(("percent", 80.0)));
         assert_eq!(gain(-79.95), Some(("percent", -80.0)));
-        // Within a per mille of the limit of 80 it is at the limit.
+        // Values within 0.1 % of the limit of 80 are at the limit; 79.9 is 0.125 % away.
         assert_eq!(gain(79.9), None);
         let stribeck = |static_excess_n, velocity_mm_s| {
             reported(&Effect::Stribeck(Stribeck { static_excess_n, velocity_mm_s }))
@@ -92,7 +92,7 @@ mod tests {
     }
 
     #[test]
-    fn a_size_of_zero_and_a_bound_of_one_step_are_no_limits() {
+    fn a_size_of_zero_and_a_bound_of_one_step_are_not_limits() {
         assert_eq!(reported(&Effect::Backlash(Backlash { width_um: 0.0 })), None);
         let harmonic = ResolverDividing { amplitude_um: 0.0, period_mm: 5.0, phase_rad: 0.0 };
         assert_eq!(reported(&Effect::ResolverDividing(harmonic)), None);

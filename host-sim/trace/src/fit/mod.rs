@@ -1,9 +1,10 @@
-//! The parameters of a model fitted to the residuals of its stages.
+//! The fit of a model's parameters to the residuals of its stages.
 //!
-//! [`scope`] says which stages are fitted together; [`axis_model`] has the free parameters, [`trim`] those of timing and
-//! [`limits`] the ends of their ranges; [`fit_data`] and [`residual`] form the residuals, without what is in
-//! [`exclusion`]; [`least_squares`] solves the [`normal_equations`], [`intervals`] gives the confidence intervals;
-//! [`scope_fit`] fits scope after scope, and [`final_fit`] the whole without [`model_bias`].
+//! - [`scope`]: stages that are fitted together
+//! - [`axis_model`], [`trim`], [`limits`]: free parameters, those of timing, and limits of their ranges
+//! - [`fit_data`], [`residual`], [`exclusion`]: residuals, and the parts excluded from them
+//! - [`least_squares`], [`normal_equations`], [`intervals`]: solution and confidence intervals
+//! - [`scope_fit`], [`final_fit`], [`model_bias`]: fits scope by scope, and with the error of the simulation subtracted
 
 pub mod axis_model;
 pub mod exclusion;

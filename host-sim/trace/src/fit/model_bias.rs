@@ -1,10 +1,10 @@
 //! The error of the tracer's own simulation of the driven stages.
 //!
-//! The driven mechanics get a filtered motor, whose reversals are less sharp than the machine's, and their integration
-//! steps add damping: after a jerk or a reversal a few hundredths of a micrometre remain that no effect causes. The fitted
-//! model, simulated in its own closed loop with the same command, gives logs of a machine that equals the model exactly;
-//! the residual of those logs is this error. It depends on the model so little that it is computed once for each effect
-//! found.
+//! The input of the driven mechanics is the filtered motor, whose reversals are smoother than those of the machine, and the
+//! integration steps add damping. After a jerk or a reversal, this causes an error of some hundredths of a micrometre. To
+//! compute it, the fitted model is simulated in closed loop with the same command. The resulting logs are those of a machine
+//! that equals the model, so that their residual is this error. As it depends only weakly on the model, it is computed once
+//! for each effect found.
 
 use super::axis_model::AxisModel;
 use super::fit_data::{FitData, ResidualSeries};
@@ -28,8 +28,8 @@ pub fn of(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualS
     FitData { logs: &logs, bias: &[], exclusions: &[], ..*data }.residuals(model, scope)
 }
 
-/// The error of a model that an earlier trace fitted with the error subtracted, if this lowers the residuals: only then do
-/// its values fit these logs. Empty for a model that was declared.
+/// The error of a model of a file that an earlier trace wrote, if subtracting it lowers the residuals: the values of such a
+/// file were fitted with the error subtracted, but possibly to other logs. Empty for other files.
 #[must_use]
 pub fn of_fitted_file(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualSeries> {
     if !model.was_fitted() {
@@ -73,7 +73,7 @@ fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Signal
     Some(result)
 }
 
-/// Whether the second of two residuals of a scope is less than the first.
+/// Whether the second of two residuals of a scope is smaller than the first.
 #[must_use]
 pub fn is_less(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2], scope: &Scope) -> bool {
     let [before, after] = residuals.map(|residuals| log_rms(data, residuals, scope));

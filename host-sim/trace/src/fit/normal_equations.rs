@@ -10,10 +10,10 @@ use super::axis_model::FreeParameter;
 use super::fit_data::{FitData, ResidualSeries};
 use model::effects::Stage;
 
-/// Blocks that each log is divided into. Standard errors are taken over them.
+/// Number of blocks of each log. Standard errors are computed from the scatter of the blocks.
 pub const BLOCKS: usize = 24;
 
-/// Folds of the cross-validation, each of consecutive blocks; a divisor of [`BLOCKS`].
+/// Number of folds of the cross-validation, each of consecutive blocks; a divisor of [`BLOCKS`].
 pub const FOLDS: usize = 3;
 
 /// Normal equations of one block of one stage: Σr², `Jᵀr` and `JᵀJ`, weighted.
@@ -25,9 +25,9 @@ pub struct Block {
     pub log: usize,
     /// Index within the log, 0 to [`BLOCKS`] − 1.
     pub number: usize,
-    /// Weight of its residuals.
+    /// Weight of the residuals.
     pub weight: f64,
-    /// Samples that count.
+    /// Number of samples that count.
     pub samples: usize,
     /// Σ r².
     pub squares: f64,
@@ -45,7 +45,7 @@ impl Block {
     }
 }
 
-/// The samples of each block of a log with so many samples.
+/// Ranges of samples of the blocks of a log with this number of samples.
 pub fn block_ranges(samples: usize) -> impl Iterator<Item = Range<usize>> {
     let length = samples.div_ceil(BLOCKS).max(1);
     (0..samples).step_by(length).map(move |start| start..(start + length).min(samples))
@@ -97,7 +97,7 @@ pub fn blocks(
     residuals.par_iter().enumerate().flat_map_iter(of_series).collect()
 }
 
-/// Scalar product, in four independent sums, which the processor computes in parallel.
+/// Scalar product in four independent sums, which the processor computes in parallel.
 fn dot(a: &[f64], b: &[f64]) -> f64 {
     let (fours_a, end_a) = a.as_chunks::<4>();
     let (fours_b, end_b) = b.as_chunks::<4>();
@@ -110,7 +110,7 @@ fn dot(a: &[f64], b: &[f64]) -> f64 {
     sums.iter().sum::<f64>() + end_a.iter().zip(end_b).map(|(a, b)| a * b).sum::<f64>()
 }
 
-/// The sum of blocks and of the priors.
+/// Curvature and gradient summed over the blocks and the priors.
 #[must_use]
 pub fn normal<'a>(
     blocks: impl IntoIterator<Item = &'a Block>,
@@ -148,22 +148,22 @@ pub fn stepped(
         let mut matrix = curvature.select_rows(&free).select_columns(&free);
         let mut right = -gradient.select_rows(&free);
         for (row, &i) in free.iter().enumerate() {
-            // The small constant keeps a parameter without any influence at its value.
+            // The small constants keep the matrix regular; a parameter without influence keeps its value.
             matrix[(row, row)] += damping * curvature[(i, i)] + 1e-12 + 1e-12 * curvature[(i, i)];
             for (j, step) in fixed.iter().enumerate() {
                 right[row] -= step.map_or(0.0, |step| curvature[(i, j)] * step);
             }
         }
         let steps = matrix.cholesky().map_or_else(|| DVector::zeros(free.len()), |c| c.solve(&right));
-        // Of the parameters that would leave their bounds, the one that reaches its bound first is fixed; this may reverse
-        // the steps of the others.
+        // The parameter that reaches its bound first is fixed at it. Only one is fixed at a time, as this may reverse the
+        // steps of the others.
         let mut first: Option<(f64, usize, f64)> = None;
         for (&i, &step) in free.iter().zip(&steps) {
             let coordinate = &parameters[i].coordinate;
             let inside =
                 (coordinate.value + step).clamp(coordinate.lower, coordinate.upper) - coordinate.value;
             let fraction = inside / step;
-            // A rounding error of value + step is no violation.
+            // Tolerance for the rounding error of value + step.
             if fraction < 1.0 - 1e-9 && first.is_none_or(|(min, ..)| fraction < min) {
                 first = Some((fraction, i, inside));
             }

@@ -1,4 +1,4 @@
-//! Measured minus predicted, stage by stage, in µm and N.
+//! Residuals of the stages: measured minus predicted, in µm and N.
 
 use super::axis_model::AxisModel;
 use super::exclusion::subtract_sine;
@@ -18,7 +18,7 @@ use model::servo;
 use plant::parameters::AxisParameters;
 
 impl FitData<'_> {
-    /// The residuals of a scope's stages over all logs: log by log, the scope's stages in order.
+    /// The residuals of a scope's stages over all logs, ordered by log, then by stage of the scope.
     #[must_use]
     pub fn residuals(&self, model: &AxisModel, scope: &Scope) -> Vec<ResidualSeries> {
         let parameters = model.parameters();
@@ -66,7 +66,7 @@ impl FitData<'_> {
         scope.stages.iter().map(series).collect()
     }
 
-    /// Table and force as the measured motor drives them; `None` without a motor channel.
+    /// Table and force driven by the measured motor; `None` without a motor channel.
     fn driven(&self, model: &AxisModel, parameters: &AxisParameters, log: usize) -> Option<Driven> {
         let signals = self.signals(log);
         let input = DrivenInput {
@@ -110,7 +110,7 @@ impl FitData<'_> {
         }
     }
 
-    /// Subtracts the mean of a table residual: the encoders of each recording have another zero.
+    /// Subtracts the mean of a table residual, as the zeros of the encoders may differ between recordings.
     fn subtract_mean(&self, log: usize, residual: &mut [f64]) {
         let counts = self.counting(Stage::Table, log);
         let counted = |i: &usize| counts(*i);
@@ -127,8 +127,8 @@ impl FitData<'_> {
         difference(&motor.raw, simulated.as_ref().unwrap_or(command), 1e6, 0.0)
     }
 
-    /// The model simulated in its closed loop with a log's command; `None` where a channel or a setting is missing or the
-    /// loop cannot be simulated.
+    /// The model simulated in closed loop with a log's command; `None` if a channel or a setting is missing or the loop
+    /// cannot be simulated.
     #[must_use]
     pub fn closed_loop(
         &self,
@@ -146,17 +146,17 @@ impl FitData<'_> {
         closed_loop(parameters, controlled, command, &added.unwrap_or_default(), start)
     }
 
-    /// Standard deviation of the white noise in a stage's residual, µm or N: the least residual that any model can reach.
+    /// Standard deviation of the white noise in a stage's residual, µm or N: the smallest residual that a model can reach.
     ///
-    /// That of the log with the least noise: the sensors are the same in all logs, and vibration in a log looks like
-    /// noise.
+    /// The value is that of the log with the least noise: the sensors are the same in all logs, and vibration in a log
+    /// increases the estimate.
     #[must_use]
     pub fn noise(&self, model: &AxisModel, stage: Stage) -> f64 {
         let noise = (0..self.logs.len()).map(|log| self.noise_of_log(model, stage, log));
         noise.reduce(f64::min).unwrap_or(0.0)
     }
 
-    /// The same for one log.
+    /// Standard deviation of the white noise in a stage's residual over one log.
     #[must_use]
     pub fn noise_of_log(&self, model: &AxisModel, stage: Stage, log: usize) -> f64 {
         let signals = self.signals(log);

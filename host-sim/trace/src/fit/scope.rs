@@ -1,16 +1,16 @@
-//! Which stages are fitted together, because they share parameters.
+//! Scopes: sets of stages that are fitted together because they share parameters.
 
 use super::fit_data::FitData;
 use crate::input::signals::AxisSignals;
 use model::effects::{Effect, Stage};
 use model::machine::Axis;
 
-/// Which of the declared mechanical values are fitted on a set of stages.
+/// The declared mechanical values that are fitted on a set of stages.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Mechanics {
-    /// All of them, and the mechanical effects.
+    /// All values, and the mechanical effects.
     All,
-    /// The motor's mass alone: the closed loop determines the sum of the masses to a few per mille, better than the force
+    /// The mass of the motor only. The closed loop determines the sum of the masses to a few per mille, better than the force
     /// stage with its differentiated motion. An error of the mass must not be explained by an effect of the loop.
     MotorMass,
     /// None.
@@ -22,11 +22,11 @@ pub enum Mechanics {
 pub struct Scope {
     /// Stages whose residuals are minimized together.
     pub stages: Vec<Stage>,
-    /// Masses, stiffness, friction and mechanical effects that are fitted here.
+    /// Mechanical values that are fitted on these stages.
     pub mechanics: Mechanics,
 }
 
-/// A stage that cannot be evaluated, and what it would need.
+/// A stage that cannot be evaluated, with the missing channels or keys.
 #[derive(Clone, Debug, PartialEq, Eq, serde::Serialize)]
 pub struct NotTestable {
     /// Stage.
@@ -36,7 +36,7 @@ pub struct NotTestable {
 }
 
 impl Scope {
-    /// Whether an effect is searched for and fitted in this scope. A mechanical effect changes the motor stage, too, but is
+    /// Whether an effect is searched for and fitted in this scope. A mechanical effect also changes the motor stage, but is
     /// fitted there only if neither the table nor the force stage can be evaluated.
     #[must_use]
     pub fn holds(&self, effect: &Effect) -> bool {
@@ -50,8 +50,8 @@ impl Scope {
     }
 }
 
-/// The scopes of an axis that its logs and its declared model allow, in the order in which they are fitted (mechanics,
-/// servo loop, structure), and the stages that cannot be evaluated.
+/// The scopes that can be evaluated with the logs and the declared model of an axis, in the order in which they are fitted
+/// (mechanics, servo loop, structure), and the stages that cannot be evaluated.
 #[must_use]
 pub fn scopes(axis: &Axis, data: &FitData<'_>) -> (Vec<Scope>, Vec<NotTestable>) {
     let mut testable = Vec::new();
@@ -77,7 +77,7 @@ pub fn scopes(axis: &Axis, data: &FitData<'_>) -> (Vec<Scope>, Vec<NotTestable>)
     (scopes, not_testable)
 }
 
-/// What each stage needs, in the order in which a missing one is reported, and whether it is present.
+/// The requirements of each stage, with a flag whether each is met, in the order in which missing ones are reported.
 fn requirements(axis: &Axis, data: &FitData<'_>) -> [(Stage, Vec<(bool, &'static str)>); 4] {
     let logs = || (0..data.logs.len()).map(|log| data.signals(log));
     let all_have = |has: fn(&AxisSignals) -> bool| !data.logs.is_empty() && logs().all(has);

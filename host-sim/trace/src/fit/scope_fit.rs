@@ -1,4 +1,4 @@
-//! Fits of all scopes of an axis, one after the other, and of scopes that belong together.
+//! Fits of all scopes of an axis, one after the other, and the joint fit of force and motor stage.
 
 use super::axis_model::AxisModel;
 use super::exclusion::Exclusion;
@@ -8,19 +8,19 @@ use super::scope::{Mechanics, Scope};
 use crate::stages::stage_names;
 use model::effects::Stage;
 
-/// Told what the trace is doing, from several threads.
+/// Called with a message for each step of the trace, from several threads.
 pub type Progress<'a> = dyn Fn(&str) + Sync + 'a;
 
 /// The fit of one scope.
 #[derive(Clone, Debug)]
 pub struct ScopeFit {
-    /// Where its effects were searched for.
+    /// The scope in which its effects were searched for.
     pub scope: Scope,
-    /// The stages that its effects were fitted to in the end.
+    /// The scope of the last fit: the joint scope after [`fit_jointly`], otherwise `scope`.
     pub fitted_scope: Scope,
     /// The fit.
     pub fitted: Fitted,
-    /// What was left out of the residuals.
+    /// Exclusions from the residuals.
     pub exclusions: Vec<Exclusion>,
 }
 
@@ -36,7 +36,7 @@ pub fn fit_again(
     let (mut model, mut fits) = (model.clone(), fits.to_vec());
     for fit in &mut fits {
         let data = FitData { exclusions: &fit.exclusions, ..*data };
-        // The derivatives of the last fit hold nearby, but not those of the joint fit, which has other stages.
+        // The derivatives of the last fit are reused, except those of the joint fit, which has other stages.
         let is_own = fit.fitted_scope.stages == fit.scope.stages;
         let known = if is_own { &fit.fitted.columns[..] } else { &[] };
         fit.fitted = least_squares::fit_from(&data, &model, &fit.scope, least_squares::STEPS, known);
@@ -47,7 +47,7 @@ pub fn fit_again(
     (model, fits)
 }
 
-/// Fits the model to the scopes that belong together, if there are such.
+/// Fits the model to force and motor stage jointly, if there is no table stage.
 pub fn fit_jointly(
     data: &FitData<'_>,
     model: &mut AxisModel,
@@ -59,14 +59,14 @@ pub fn fit_jointly(
     progress(&format!("{}: fitting all to {}", data.name(), stage_names(&joint.stages)));
     let fitted = least_squares::fit(data, model, &joint, least_squares::STEPS);
     *model = fitted.model.clone();
-    // Whichever scope an effect was found in, its confidence interval is that of the joint fit.
+    // The confidence intervals of all effects are those of the joint fit.
     for fit in fits {
         (fit.fitted_scope, fit.fitted) = (joint.clone(), fitted.clone());
     }
 }
 
-/// Force and closed loop where there is no table stage. Both determine the same friction, the force at fast changes and
-/// the closed loop at slow ones.
+/// The joint scope of force and motor stage, if there is no table stage. Both stages determine the same friction: the force
+/// at fast changes, the closed loop at slow ones.
 fn joint(scopes: &[Scope]) -> Option<Scope> {
     let has = |stage| scopes.iter().any(|scope| scope.stages == [stage]);
     let stages = vec![Stage::Force, Stage::Motor];

@@ -1,8 +1,9 @@
-//! Timing that a machine file leaves open: when channels are read, and how a drive steps its filters.
+//! Timing that a machine file does not declare: instants at which channels are read, and discretization of a drive's
+//! filters.
 //!
-//! Errors of about a tenth of a sample are normal for any log. They are fitted within such bounds, so that they are not
-//! explained by an effect, and not reported. An effect that describes the same (`latency`, `velocity_lag`) replaces the
-//! trim.
+//! Timing errors of about a tenth of a sample are normal for any log. They are fitted within bounds, so that they are not
+//! explained by an effect, and are not reported. An effect that describes the same timing (`latency`, `velocity_lag`)
+//! replaces the trim.
 
 use shared::config::Rates;
 
@@ -26,7 +27,7 @@ pub enum Instant {
     Speed,
     /// Action of the drive's force, relative to the reading of the sensors.
     Drive,
-    /// Length of the steps of the filter of high-order control; zero: exact.
+    /// Step of the filter of high-order control; zero: exact discretization.
     Filter,
 }
 
@@ -39,7 +40,7 @@ pub struct Trims {
 impl Instant {
     const ALL: [Self; 6] = [Self::Table, Self::Tool, Self::Force, Self::Speed, Self::Drive, Self::Filter];
 
-    /// Its key in a machine file, ms.
+    /// The key in a machine file, ms.
     fn key(self, offsets: &mut LogOffsets) -> &mut Option<f64> {
         match self {
             Self::Table => &mut offsets.table_late_ms,
@@ -51,7 +52,7 @@ impl Instant {
         }
     }
 
-    /// The stage that determines it.
+    /// The stage from which the trim is determined.
     fn stage(self) -> Stage {
         match self {
             Self::Table => Stage::Table,
@@ -66,22 +67,22 @@ impl Instant {
         self != Self::Filter || axis.settings.controller.law == Some(Law::Hpc)
     }
 
-    /// Least and greatest delay, s.
+    /// Smallest and largest delay, s.
     fn bounds_s(self, rates: Rates, options: &ModelOptions) -> [f64; 2] {
         let tick_s = 1.0 / rates.velocity_loop_hz;
         let sample_s = tick_s * f64::from(rates.position_loop_divider);
         match self {
             Self::Table | Self::Tool => [-options.position_trim * sample_s, options.position_trim * sample_s],
-            // A force is the mean over an interval, a position that of an instant.
+            // Force and position have different bounds: a force is a mean over an interval, a position belongs to an instant.
             Self::Force => [-options.force_trim * sample_s, options.force_trim * sample_s],
             Self::Speed => [0.0, options.velocity_trim * tick_s],
-            // Early alone: a drive that acts late is described by the age of the velocity.
+            // Early only: a drive that acts late is described by the age of the velocity.
             Self::Drive => [-options.drive_trim * tick_s, 0.0],
             Self::Filter => [0.0, options.position_trim * sample_s],
         }
     }
 
-    /// Whether an effect describes the same.
+    /// Whether an effect describes the same timing.
     fn is_replaced_by(self, effect: &Effect) -> bool {
         match effect {
             Effect::Latency(late) => match late.channel {
@@ -96,7 +97,7 @@ impl Instant {
 }
 
 impl Trims {
-    /// Those of an axis's machine file, within their bounds.
+    /// The trims of an axis's machine file, limited to their bounds.
     #[must_use]
     pub fn of(axis: &Axis, rates: Rates, options: &ModelOptions) -> Self {
         let mut offsets = axis.log_offsets.unwrap_or_default();
@@ -118,8 +119,8 @@ impl Trims {
         }
     }
 
-    /// The trims of these stages, with their coordinate (ms) and the standard deviation of their prior. One that an effect
-    /// replaces is kept at zero, so that a model has the same free parameters with the effect and without it.
+    /// The trims of these stages, with their coordinate (ms) and the standard deviation of their prior. A trim that an effect
+    /// replaces is fixed at zero, so that the model has the same free parameters with and without the effect.
     #[must_use]
     pub fn coordinates(
         &self,
@@ -190,16 +191,16 @@ mod tests {
             let trimmed = trims.coordinates(&stages, &axis, RATES, &ModelOptions::default());
             trimmed.into_iter().map(|(instant, c, _)| (instant, c.value, c.upper)).collect::<Vec<_>>()
         };
-        // Bounds: a tenth of 1 ms; a quarter of 0.25 ms; zero, as the drive may be early alone.
+        // Upper bounds: a tenth of 1 ms; a quarter of 0.25 ms; zero, as the drive may only be early.
         let [tool, drive] = [(Instant::Tool, 0.0, 0.1), (Instant::Drive, 0.0, 0.0)];
         assert_eq!(of(&[], Law::P), [tool, (Instant::Speed, 0.05, 0.0625), drive]);
         let lag = [Effect::VelocityLag(VelocityLag { ms: 0.1 })];
         assert_eq!(of(&lag, Law::P), [tool, (Instant::Speed, 0.0, 0.0), drive]);
-        // Only high-order control has a filter to step.
+        // Only high-order control has a filter.
         assert_eq!(of(&lag, Law::Hpc)[3], (Instant::Filter, 0.0, 0.1));
         let mut parameters = AxisParameters::default();
         parameters.servo.lag.ms = 0.1;
-        // 0.1 ms of the effect alone, or 0.15 ms with the trim where no effect replaces it.
+        // 0.1 ms of the effect, or 0.15 ms with the trim if no effect replaces the trim.
         assert!((trims.applied(parameters.clone(), &lag).servo.lag.ms - 0.1).abs() < 1e-12);
         assert!((trims.applied(parameters, &[]).servo.lag.ms - 0.15).abs() < 1e-12);
     }

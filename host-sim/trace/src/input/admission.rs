@@ -1,4 +1,4 @@
-//! Which logs can be traced on a machine, and in which form.
+//! Admission of logs: refusal, thinning, shortening.
 
 use std::borrow::Cow;
 
@@ -8,21 +8,21 @@ use files::error::InputError;
 use files::log::Log;
 use model::machine::Machine;
 
-/// Logs as they are traced, with notes for the user.
+/// The admitted logs, with notes for the user.
 #[derive(Clone, Debug)]
 pub struct Admitted<'a> {
-    /// To be fitted.
+    /// Fit logs.
     pub fit: Vec<Cow<'a, Log>>,
-    /// Held out; empty where the fit logs are to be split.
+    /// Validation logs; empty if the fit logs are to be split.
     pub validate: Vec<Cow<'a, Log>>,
-    /// Sentences: what was thinned, shortened or is missing.
+    /// Sentences on logs that were thinned or shortened, and on missing channels.
     pub notes: Vec<String>,
 }
 
-/// Admits logs, or refuses one of them.
+/// Checks and prepares the logs.
 ///
 /// # Errors
-/// When a log does not fit the machine file or the other logs, or when nothing can be learned from it.
+/// If a log does not match the machine file or the other logs, or contains no usable motion.
 pub fn admit<'a>(
     machine: &Machine,
     fit: &'a [Log],
@@ -98,8 +98,12 @@ mod tests {
     #[test]
     fn other_rates_are_refused_with_the_reason() {
         let message = |rate| refused(&[log("l.csv", rate, Unit::Millimetre)], &[]);
-        assert!(message(1500.0).ends_with("no whole number of times as many"), "{}", message(1500.0));
-        assert!(message(500.0).ends_with("what lies between its samples is not known"), "{}", message(500.0));
+        assert!(message(1500.0).ends_with("not a whole multiple"), "{}", message(1500.0));
+        assert!(
+            message(500.0).ends_with("the values between its samples are not known"),
+            "{}",
+            message(500.0)
+        );
     }
 
     #[test]
@@ -110,16 +114,15 @@ mod tests {
     }
 
     #[test]
-    fn a_copy_is_refused_wherever_it_is_given() {
+    fn a_copy_is_refused_among_fit_and_validation_logs() {
         use std::slice::from_ref;
 
         let whole = log("a.csv", 1000.0, Unit::Millimetre);
         let mut copy = Log { source: "b.csv".to_owned(), ..whole.slice(30..1000) };
-        let message =
-            "b.csv: expected a log of its own, found 100 % of the shorter one's rows shared with a.csv";
+        let message = "b.csv: expected a different recording, found 100 % of the rows of the shorter log shared with a.csv";
         assert_eq!(refused(from_ref(&whole), from_ref(&copy)), message);
         assert_eq!(refused(&[whole.clone(), copy.clone()], &[]), message);
-        // The same motion with other readings is no copy.
+        // The same motion with other readings is not a copy.
         for axis in &mut copy.axes {
             let readings = axis.motor.iter_mut().chain(&mut axis.force).flatten();
             readings.zip(0..).for_each(|(value, i)| *value += 1e-3 * f64::from(i % 7));
@@ -132,7 +135,7 @@ mod tests {
         let fit = [log("a.csv", 1000.0, Unit::Millimetre)];
         let mut incomplete = log("b.csv", 1000.0, Unit::Millimetre);
         incomplete.axes[0].force = None;
-        // Another motion, so that it is no copy.
+        // Another motion, so that the log is not a copy.
         incomplete.axes[0].motor.iter_mut().flatten().for_each(|mm| *mm *= 0.5);
         let held_out = [incomplete.clone()];
         let admitted = admit(&machine(), &fit, &held_out, &AdmissionOptions::default()).unwrap();
@@ -140,7 +143,7 @@ mod tests {
         incomplete.axes.pop();
         incomplete.axes[0].command = incomplete.axes[0].motor.take();
         assert!(
-            refused(&fit, &[incomplete]).contains("b.csv: expected a channel that the fit logs have, too")
+            refused(&fit, &[incomplete]).contains("b.csv: expected at least one channel of the fit logs")
         );
     }
 
@@ -152,11 +155,12 @@ mod tests {
         dead.axes[0].motor = Some(vec![0.0; motor.len()]);
         let message = refused(&[dead.clone()], &[]);
         assert!(
-            message.starts_with("d.csv: expected a motor of x that moves where the axis goes"),
+            message
+                .starts_with("d.csv: expected a motor reading of x that changes while the axis moves over"),
             "{message}"
         );
         (dead.axes[0].motor, dead.axes[0].table) = (Some(motor.clone()), Some(vec![5.0; motor.len()]));
-        assert!(refused(&[dead], &[]).starts_with("d.csv: expected a table of x"));
+        assert!(refused(&[dead], &[]).starts_with("d.csv: expected a table reading of x"));
     }
 
     #[test]
@@ -169,7 +173,7 @@ mod tests {
             }
             log
         };
-        // 120·|cos| exceeds 99 N for a fraction of the second, which is counted here.
+        // The expected fraction is counted from the samples above 99 N, in percent of one second.
         let log = clipped(120.0);
         let fraction =
             log.axes[0].force.as_ref().unwrap().iter().filter(|f| f.abs() >= 99.0).count() as f64 / 10.0;
@@ -179,7 +183,7 @@ mod tests {
         let mut prepared = [Signals::new(&log, &["x".to_owned(), "y".to_owned()], &SampleOptions::default())];
         saturation::mark(&machine(), &mut prepared, &AdmissionOptions::default());
         let excluded = prepared[0].axes[0].saturated.iter().filter(|at| **at).count() as f64 / 10.0;
-        // The filter reaches five samples beyond either side of each of three stretches.
+        // The filter extends each of three stretches by five samples on both sides.
         assert!(excluded > fraction && excluded < fraction + 3.1, "{excluded} {fraction}");
         assert!(
             refused(&[clipped(1000.0)], &[])

@@ -1,4 +1,4 @@
-//! Logs that do not belong to a machine, or that nothing can be learned from.
+//! Checks that a log belongs to the machine and contains usable motion.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use files::error::InputError;
 use files::log::{Channel, Log, Unit};
 use model::machine::Machine;
 
-/// Travel of a log's axis in the channel that travels farthest, mm or degrees.
+/// Largest travel of an axis in any position channel of a log, mm or degrees.
 fn travel(log: &Log, axis: &str) -> f64 {
     let Some(axis) = log.axis(axis) else { return 0.0 };
     let channels = [&axis.command, &axis.motor, &axis.table].into_iter().flatten();
@@ -20,10 +20,11 @@ pub fn is_at_rest(logs: &[Cow<'_, Log>], axis: &str, options: &AdmissionOptions)
     logs.iter().all(|log| travel(log, axis) < options.min_travel_mm)
 }
 
-/// Checks that a log belongs to the machine, and that something can be learned from it.
+/// Checks that a log belongs to the machine and contains usable motion.
 ///
 /// # Errors
-/// For axes that the machine lacks, too little or too much travel, a sensor that does not move, or too few samples.
+/// For an axis that the machine lacks, too little or too much travel, a sensor reading that does not change, or too few
+/// samples.
 pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result<(), InputError> {
     let refuse = |what: String, found: String| Err(InputError::expected(&log.source, what, found));
     for axis in &log.axes {
@@ -53,10 +54,10 @@ pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result
             if other > options.max_travel_beside_stuck_mm && sensor < min {
                 return refuse(
                     format!(
-                        "a {name} of {} that moves where the axis goes {other:.3} mm (or deg)",
+                        "a {name} reading of {} that changes while the axis moves over {other:.3} mm (or deg)",
                         axis.name
                     ),
-                    "one that stands".to_owned(),
+                    "a constant reading".to_owned(),
                 );
             }
         }
@@ -75,11 +76,11 @@ pub fn same_units(fit: &[Cow<'_, Log>], validate: &[Cow<'_, Log>]) -> Result<(),
     let logs: Vec<&Log> = fit.iter().chain(validate).map(AsRef::as_ref).collect();
     for (i, log) in logs.iter().enumerate() {
         for axis in &log.axes {
-            let of = |other: &&&Log| other.axis(&axis.name).is_some_and(|there| there.unit != axis.unit);
-            if let Some(other) = logs[..i].iter().find(of) {
+            let differs = |other: &&&Log| other.axis(&axis.name).is_some_and(|first| first.unit != axis.unit);
+            if let Some(other) = logs[..i].iter().find(differs) {
                 let unit = |unit: Unit| unit.suffix(Channel::Motor);
-                let there = other.axis(&axis.name).map_or("", |there| unit(there.unit));
-                let what = format!("axis {} in {there}, as in {}", axis.name, other.source);
+                let first_unit = other.axis(&axis.name).map_or("", |first| unit(first.unit));
+                let what = format!("axis {} in {first_unit}, as in {}", axis.name, other.source);
                 return Err(InputError::expected(&log.source, what, unit(axis.unit)));
             }
         }
@@ -87,7 +88,7 @@ pub fn same_units(fit: &[Cow<'_, Log>], validate: &[Cow<'_, Log>]) -> Result<(),
     Ok(())
 }
 
-/// Notes which channels of the fit logs each validation log lacks.
+/// Notes on channels of the fit logs that a validation log lacks.
 ///
 /// # Errors
 /// For a validation log without any channel in common with the fit logs.
@@ -114,7 +115,7 @@ pub fn lacking(
             .map(|(name, channel)| format!("{name} {}", channel.word()))
             .collect();
         if missing.len() == fitted.len() && !fitted.is_empty() {
-            let what = "a channel that the fit logs have, too";
+            let what = "at least one channel of the fit logs";
             return Err(InputError::expected(&log.source, what, "none"));
         }
         if !missing.is_empty() {

@@ -1,7 +1,7 @@
-//! Logs that hold the same recording.
+//! Detection of logs that contain the same recording.
 //!
-//! A log must not validate its own fit, nor count twice. A copy may lack rows at its start or in between, lack a channel or
-//! begin at another time; its measured values are the same.
+//! A log must not validate a fit to itself, nor be counted twice. A copy may lack rows or a channel, or start at another time;
+//! its measured values are the same.
 
 use std::collections::HashSet;
 
@@ -9,22 +9,23 @@ use crate::options::AdmissionOptions;
 use files::error::InputError;
 use files::log::{AxisLog, Channel, Log};
 
-/// Channels of sensors. The command is the same in any two runs of one motion.
+/// Measured channels. The command is excluded, as it is the same in any two runs of one motion.
 const MEASURED: [Channel; 4] = [Channel::Motor, Channel::Table, Channel::Tool, Channel::Force];
 
-/// Refuses a log that is a copy of one before it.
+/// Refuses a log that is a copy of an earlier one.
 ///
 /// # Errors
-/// For the first such log, with the one that it is a copy of.
+/// For the first such log; the error names the original.
 pub fn refuse<'a>(logs: impl Iterator<Item = &'a Log>, options: &AdmissionOptions) -> Result<(), InputError> {
     let mut known: Vec<&Log> = Vec::new();
     for log in logs {
         for other in &known {
             if let Some(fraction) = shared(other, log, options) {
-                // Rounded down: 100 % are all rows.
+                // Rounded down, so that 100 % means all rows.
                 let percent = (100.0 * fraction).floor();
-                let found = format!("{percent:.0} % of the shorter one's rows shared with {}", other.source);
-                return Err(InputError::expected(&log.source, "a log of its own", found));
+                let found =
+                    format!("{percent:.0} % of the rows of the shorter log shared with {}", other.source);
+                return Err(InputError::expected(&log.source, "a different recording", found));
             }
         }
         known.push(log);
@@ -32,7 +33,7 @@ pub fn refuse<'a>(logs: impl Iterator<Item = &'a Log>, options: &AdmissionOption
     Ok(())
 }
 
-/// Fraction of the shorter log's passages in motion that the other log has, too; `None` if it is too small for a copy.
+/// Fraction of the shorter log's passages in motion that the other log also contains; `None` if it is too small for a copy.
 #[must_use]
 pub fn shared(a: &Log, b: &Log, options: &AdmissionOptions) -> Option<f64> {
     let (a, b) = if a.len() <= b.len() { (a, b) } else { (b, a) };
@@ -57,10 +58,10 @@ fn common<'a>(a: &'a Log, b: &'a Log) -> [Vec<&'a [f64]>; 2] {
     both
 }
 
-/// Hashes of all passages of `count` consecutive rows in which some channel moves.
+/// Hashes of all passages of `count` consecutive rows in which any channel changes.
 fn passages(channels: &[&[f64]], count: usize) -> HashSet<u64> {
     let rows = channels.first().map_or(0, |channel| channel.len());
-    // Adding zero makes −0 and +0 the same bits.
+    // Adding zero converts −0 to +0.
     let row = |i: usize| channels.iter().fold(0, |hash, channel| hashed(hash, (channel[i] + 0.0).to_bits()));
     let rows: Vec<u64> = (0..rows).map(row).collect();
     let moves = |rows: &&[u64]| rows.iter().any(|row| *row != rows[0]);
@@ -68,7 +69,8 @@ fn passages(channels: &[&[f64]], count: usize) -> HashSet<u64> {
     rows.windows(count).filter(moves).map(of_rows).collect()
 }
 
-/// Hash of a hash and a value: the finalizer of `SplitMix64`, in which a change of any bit changes half of the bits.
+/// Combines a hash with a value by the finalizer of `SplitMix64`, in which a change of any bit changes about half of the
+/// bits.
 const fn hashed(hash: u64, value: u64) -> u64 {
     let mut z = hash.wrapping_add(0x9e37_79b9_7f4a_7c15) ^ value;
     z = (z ^ (z >> 30)).wrapping_mul(0xbf58_476d_1ce4_e5b9);
@@ -85,8 +87,8 @@ mod tests {
         super::shared(a, b, &AdmissionOptions::default())
     }
 
-    /// Two seconds of an oscillation as an encoder of some resolution reads it, with a micrometre of noise that depends on
-    /// `seed`; 0.3 s at rest first.
+    /// A log of 0.3 s at rest and 1.7 s of an oscillation, read by an encoder of this resolution, with a micrometre of noise
+    /// that depends on `seed`.
     fn log(seed: f64, resolution_mm: f64) -> Log {
         let noise = |i: u32| 1e-3 * ((f64::from(i) * 12.9898 + seed).sin() * 43_758.545).fract();
         let time = |i: u32| 1e-3 * f64::from(i.saturating_sub(300));
@@ -118,7 +120,7 @@ mod tests {
         let later = without(&whole, |i| i < 500);
         assert_eq!(shared(&whole, &later), Some(1.0));
         assert_eq!(shared(&later, &whole), Some(1.0));
-        // One row in forty is removed: of 39 passages that begin between two gaps, 15 span one.
+        // One row in forty is removed: of 39 passages that begin between two gaps, 15 contain a gap.
         let holes = without(&whole, |i| i % 40 == 20);
         let fraction = shared(&whole, &holes).unwrap();
         assert!((fraction - 24.0 / 39.0).abs() < 0.01, "{fraction}");
@@ -130,7 +132,7 @@ mod tests {
     #[test]
     fn the_same_motion_twice_is_not_a_copy() {
         assert_eq!(shared(&log(1.0, 1e-6), &log(2.0, 1e-6)), None);
-        // A micrometre of noise and a resolution of five: more than four rows of five agree, but not sixteen in sequence.
+        // With 1 µm of noise and a resolution of 5 µm, more than four of five rows agree, but not sixteen in sequence.
         let [mut a, mut b] = [1.0, 2.0].map(|seed| log(seed, 5e-3));
         (a.axes[0].force, b.axes[0].force) = (None, None);
         let [motor, again] = [&a, &b].map(|log| log.axes[0].motor.clone().unwrap());
@@ -140,9 +142,9 @@ mod tests {
     }
 
     #[test]
-    fn a_log_that_shares_less_than_half_is_no_copy() {
+    fn a_log_that_shares_less_than_half_is_not_a_copy() {
         let whole = log(1.0, 1e-6);
-        // 1200 rows each, 400 of them, all in motion, in common.
+        // 1200 rows each, of which 400, all in motion, are common.
         let [first, last] = [without(&whole, |i| i >= 1200), without(&whole, |i| i < 800)];
         assert_eq!(shared(&first, &last), None);
         let [first, last] = [without(&whole, |i| i >= 1700), without(&whole, |i| i < 500)];

@@ -5,10 +5,10 @@ use std::borrow::Cow;
 use crate::options::AdmissionOptions;
 use files::log::Log;
 
-/// Number of stretches that are kept of a log that is too long.
+/// Number of stretches to which a log that is too long is reduced.
 pub const STRETCHES: usize = 12;
 
-/// Reduces logs that are together too long to stretches, spread evenly over each, which is noted.
+/// If the total length of the logs is too large, reduces each to evenly spaced stretches, and notes this.
 pub fn limited<'a>(
     logs: Vec<Cow<'a, Log>>,
     options: &AdmissionOptions,

@@ -1,7 +1,7 @@
-//! From logs to filtered signals: which logs are taken, and what is derived from their channels.
+//! Admission of logs, and preparation of their signals.
 //!
-//! [`admission`] applies [`sampling_rate`], [`checks`], [`copies`], [`saturation`] and [`length`] to the logs;
-//! [`signals`] prepares what they leave with [`smoothing`], [`motor_path`] and [`added_force`].
+//! [`admission`] applies [`sampling_rate`], [`checks`], [`copies`], [`saturation`] and [`length`] to the logs. [`signals`]
+//! prepares the admitted logs with [`smoothing`], [`motor_path`] and [`added_force`].
 
 pub mod added_force;
 pub mod admission;

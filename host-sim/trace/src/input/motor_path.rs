@@ -1,6 +1,6 @@
-//! The measured motor's position between its samples: the input of the driven mechanics.
+//! The measured motor position between the samples: the input of the driven mechanics.
 //!
-//! It does not depend on the model, so it is computed once a log and not in each simulation of a fit.
+//! It does not depend on the model and is therefore computed once per log, not in each simulation of a fit.
 
 use super::smoothing::Smooth;
 use plant::friction::smoothed_sign;
@@ -8,33 +8,33 @@ use plant::friction::smoothed_sign;
 /// Longest step of the driven table, s.
 const MAX_STEP_S: f64 = 1e-3;
 
-/// A motor's motion in steps of equal length.
+/// Motion of a motor in steps of equal duration.
 #[derive(Clone, Debug)]
 pub struct MotorPath {
-    /// Length of a step, s.
+    /// Duration of a step, s.
     pub step_s: f64,
-    /// Steps from one sample to the next.
+    /// Number of steps from one sample to the next.
     pub steps: usize,
-    /// The first sample, then every step after it.
+    /// The first sample, then the ends of all steps.
     pub points: Vec<Point>,
     /// Smoothed sign of the velocity, −1 to 1, at each sample.
     pub sign: Vec<f64>,
 }
 
-/// Position and acceleration of the motor encoder's reading.
+/// Reading of the motor encoder and its acceleration.
 #[derive(Clone, Copy, Debug)]
 pub struct Point {
-    /// m.
+    /// Reading, m.
     pub reading_m: f64,
-    /// m/s².
+    /// Acceleration, m/s².
     pub acceleration: f64,
 }
 
 impl MotorPath {
-    /// Of a motor encoder.
+    /// The path of a motor encoder.
     ///
-    /// The reading passes a play of `play_noise` standard deviations of its noise to either side: otherwise noise would
-    /// relax the bristles of the guide's friction during a standstill.
+    /// The reading passes a play of ±`play_noise` standard deviations of its noise. Otherwise noise would relax the bristles
+    /// of the guide's friction during a standstill.
     #[must_use]
     pub fn new(motor: &Smooth, play_noise: f64, sample_s: f64) -> Self {
         let play_m = play_noise * motor.noise;

@@ -1,4 +1,4 @@
-//! Logs at another rate than the machine's.
+//! Logs at another sampling rate than that of the machine.
 
 use std::borrow::Cow;
 
@@ -7,7 +7,7 @@ use files::error::InputError;
 use files::log::{Channel, Log};
 use model::machine::Machine;
 
-/// The log at the machine's rate: of one that is N times as fast, each Nth sample, which is noted.
+/// The log at the rate of the machine. A log at N times this rate is thinned to each Nth sample, which is noted.
 ///
 /// # Errors
 /// For any other rate.
@@ -23,9 +23,9 @@ pub fn at_machine_rate<'a>(
     let what = format!("samples at the machine's sample_rate_hz of {}", machine.sample_rate_hz);
     if whole < 1.0 || (ratio / whole - 1.0).abs() > options.rate_tolerance {
         let why = if ratio < 1.0 - options.rate_tolerance {
-            "what lies between its samples is not known"
+            "the values between its samples are not known"
         } else {
-            "no whole number of times as many"
+            "not a whole multiple"
         };
         return Err(InputError::expected(&log.source, what, format!("{rate:.6} Hz: {why}")));
     }

@@ -1,4 +1,4 @@
-//! Samples whose force is at its limit: there the force does not follow from the motion.
+//! Exclusion of samples whose force is at its limit. At these samples the controller's output is not known.
 
 use std::borrow::Cow;
 
@@ -11,7 +11,7 @@ use model::machine::Machine;
 /// Notes the fraction of saturated samples of each fit log.
 ///
 /// # Errors
-/// For a log of which most samples are saturated.
+/// For a log with too large a fraction of saturated samples.
 pub fn check(
     machine: &Machine,
     fit: &[Cow<'_, Log>],
@@ -29,7 +29,7 @@ pub fn check(
             let fraction = count as f64 / force.len().max(1) as f64;
             if fraction > options.max_saturated {
                 let what = format!("a force below force_limit_n ({limit_n}) in most samples");
-                let found = format!("it at the limit in {:.0} %", 100.0 * fraction);
+                let found = format!("a force at the limit in {:.0} %", 100.0 * fraction);
                 return Err(InputError::expected(&log.source, what, found).at_key(name));
             }
             if count > 0 {
@@ -50,7 +50,7 @@ fn at_limit(force: &[f64], limit_n: f64, options: &AdmissionOptions) -> Vec<bool
 }
 
 /// Sets [`AxisSignals::saturated`](super::signals::AxisSignals::saturated): the saturated samples and their neighbours
-/// within the smoothing filter.
+/// within the window of the smoothing filter.
 pub fn mark(machine: &Machine, logs: &mut [Signals], options: &AdmissionOptions) {
     for log in logs {
         for (axis, declared) in log.axes.iter_mut().zip(machine.axis.values()) {

@@ -6,10 +6,10 @@ use super::smoothing::Smooth;
 use crate::options::SampleOptions;
 use files::log::{AxisLog, Log, Unit};
 
-/// One axis of one log, SI (rotary axes: mm and N stand for deg and N·m).
+/// One axis of one log, in SI units. For rotary axes, degrees are treated as mm and N·m as N.
 #[derive(Clone, Debug)]
 pub struct AxisSignals {
-    /// Unit of the axis in its log; `None` where the log has no such axis.
+    /// Unit of the axis in its log; `None` if the log does not contain the axis.
     pub unit: Option<Unit>,
     /// Position command.
     pub command: Option<Vec<f64>>,
@@ -21,34 +21,34 @@ pub struct AxisSignals {
     pub table: Option<Smooth>,
     /// Tool-point probe.
     pub tool: Option<Smooth>,
-    /// Samples within a standstill. There friction depends on how the axis came to rest and on the creep that sensor
-    /// noise causes, which no model of the motion predicts.
+    /// Whether each sample is within a standstill. Friction at standstill depends on how the axis came to rest and on the
+    /// creep caused by sensor noise, which no model of the motion predicts.
     pub standstill: Vec<bool>,
-    /// Samples whose force is at its limit; empty where there is none.
+    /// Whether the force of each sample is at its limit; empty if none is.
     pub saturated: Vec<bool>,
     /// Drive force over the velocity tick that ends at the sample, N; its filtered value is [`Smooth::position`].
     pub force: Option<Smooth>,
-    /// Known force added to the controller's, contained in `force`; `None`: no such force.
+    /// Known force that was added to that of the controller and is contained in `force`; `None`: none was added.
     pub added_force: Option<AddedForce>,
 }
 
 /// One log.
 #[derive(Clone, Debug)]
 pub struct Signals {
-    /// File or name that the log was read from.
+    /// File or name of the log.
     pub source: String,
     /// First time on the session's clock, s.
     pub start_s: f64,
     /// Sample time, s.
     pub sample_s: f64,
-    /// Whether its encoders may have other zeros than those of the first fitted log, because it is another recording.
+    /// Whether the zeros of the encoders may differ from those of the first fitted log, as this is another recording.
     pub has_own_zero: bool,
-    /// In the order of the machine's axes.
+    /// Signals of the axes, in the order of the machine.
     pub axes: Vec<AxisSignals>,
 }
 
 impl Signals {
-    /// Prepares a log for a machine with these axes; axes that the log lacks have no channels.
+    /// Prepares a log for a machine with these axes. An axis that the log does not contain has no channels.
     #[must_use]
     pub fn new(log: &Log, axes: &[String], options: &SampleOptions) -> Self {
         let sample_s = log.sample_time_s;
@@ -119,7 +119,7 @@ impl AxisSignals {
         }
     }
 
-    /// The same axis with [`Self::motor_path`] computed for an encoder with this standard deviation of noise, m.
+    /// The same axis with [`Self::motor_path`] recomputed for this standard deviation of the encoder noise, m.
     #[must_use]
     pub fn with_motor_noise(mut self, noise_m: f64, sample_s: f64, options: &SampleOptions) -> Self {
         if let Some(motor) = &mut self.motor {
@@ -129,13 +129,13 @@ impl AxisSignals {
         self
     }
 
-    /// The table, or the motor where no scale was logged: the input of the tool stage.
+    /// The table, or the motor if no scale was logged: the input of the tool stage.
     #[must_use]
     pub fn table_or_motor(&self) -> Option<&Smooth> {
         self.table.as_ref().or(self.motor.as_ref())
     }
 
-    /// Whether the axis travels this far, mm or degrees. True without any channel.
+    /// Whether the travel of the axis is at least this, mm or degrees. True without any position channel.
     #[must_use]
     pub fn moves(&self, min_travel_mm: f64) -> bool {
         let channels = [&self.motor, &self.table].into_iter().flatten().map(|smooth| &smooth.raw);
@@ -154,7 +154,7 @@ impl AxisSignals {
     }
 }
 
-/// Samples within a standstill.
+/// Whether each sample is within a standstill.
 fn standstill(motor: &Smooth, sample_s: f64, options: &SampleOptions) -> Vec<bool> {
     let noise = motor.position_noise / (motor.half_window() as f64 * sample_s);
     let slow = options.max_standstill_m_per_s.max(options.max_standstill_noise * noise);

@@ -1,14 +1,14 @@
-//! A channel filtered and differentiated, with the noise of its sensor.
+//! Filtering and differentiation of a channel, and estimation of its noise.
 
 /// One channel of a log with its filtered value and derivatives. Position channels are in m, force channels in N.
 ///
-/// Measured and modelled signals pass the same filter before they are compared, so that the filter's distortion is the
-/// same on both sides and cancels in the residual.
+/// Measured and modelled signals pass the same filter before they are compared, so that the distortion by the filter cancels
+/// in the residual.
 #[derive(Clone, Debug)]
 pub struct Smooth {
-    /// As measured.
+    /// Measured values.
     pub raw: Vec<f64>,
-    /// Filtered.
+    /// Filtered values.
     pub position: Vec<f64>,
     /// Central difference of `position`, per s.
     pub velocity: Vec<f64>,
@@ -25,8 +25,8 @@ pub struct Smooth {
 }
 
 impl Smooth {
-    /// Filters with a cubic Savitzky–Golay filter (1964) over 2·`half_window` + 1 samples; the ends take the values of
-    /// the cubic of the outermost full window.
+    /// Filters with a cubic Savitzky–Golay filter (1964) over 2·`half_window` + 1 samples. At the ends, the values are those
+    /// of the cubic of the outermost full window.
     #[must_use]
     pub fn new(raw: Vec<f64>, sample_s: f64, half_window: usize) -> Self {
         let cubic = Cubic::new(half_window);
@@ -62,14 +62,14 @@ impl Smooth {
         self.half_window
     }
 
-    /// A modelled signal behind the same filter as this channel.
+    /// A modelled signal after the filter of this channel.
     #[must_use]
     pub fn filtered(&self, values: &[f64]) -> Vec<f64> {
         Cubic::new(self.half_window).filtered(values)
     }
 }
 
-/// Central first differences and second differences; the first and the last value repeat their neighbour.
+/// Central first differences and second differences. The first and the last value are those of their neighbours.
 fn differences(position: &[f64], sample_s: f64) -> (Vec<f64>, Vec<f64>) {
     let n = position.len();
     if n < 3 {
@@ -86,9 +86,9 @@ fn differences(position: &[f64], sample_s: f64) -> (Vec<f64>, Vec<f64>) {
 
 /// Least-squares cubic over a symmetric window. Each of its four coefficients is a weighted sum of the samples.
 struct Cubic {
-    /// Of each sample: its weights in the coefficients of 1, t, t², t³; t in samples from the middle.
+    /// Weights of each sample in the coefficients of 1, t, t², t³; t in samples from the middle.
     weights: Vec<[f64; 4]>,
-    /// Weights in the value at the middle.
+    /// Weights of each sample in the value at the middle.
     middle: Vec<f64>,
 }
 
@@ -121,7 +121,7 @@ impl Cubic {
         if n <= 2 * half {
             return raw.to_vec();
         }
-        // Offset by offset over all samples: independent sums, which the compiler vectorizes.
+        // The outer loop is over the offsets, so that the inner sums are independent and the compiler vectorizes them.
         let mut inner = vec![0.0; n - 2 * half];
         for (offset, weight) in self.middle.iter().enumerate() {
             for (sum, value) in inner.iter_mut().zip(&raw[offset..]) {
@@ -148,20 +148,20 @@ impl Cubic {
     }
 }
 
-/// √Σw²: gain of a filter for white noise.
+/// √Σw²: ratio of the standard deviations of white noise after and before a filter.
 fn norm(weights: &[f64]) -> f64 {
     weights.iter().map(|w| w * w).sum::<f64>().sqrt()
 }
 
-/// Second difference of a filter's weights: the weights of the filter followed by a second difference.
+/// Weights of a filter followed by a second difference.
 fn second_difference(kernel: &[f64]) -> Vec<f64> {
     let padded: Vec<f64> = [0.0; 2].into_iter().chain(kernel.iter().copied()).chain([0.0; 2]).collect();
     padded.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect()
 }
 
-/// Standard deviation of the white noise of a channel, from its third differences: those of a parabola are zero, and
-/// their variance is 1 + 9 + 9 + 1 = 20 times that of the noise. Of stretches of 64 samples the median counts, which
-/// excludes those with jerks.
+/// Standard deviation of the white noise of a channel, from its third differences, which are zero for a parabola. Their
+/// variance is 1 + 9 + 9 + 1 = 20 times that of the noise. The result is the median over stretches of 64 samples, which
+/// suppresses stretches with jerks.
 #[must_use]
 pub fn noise(values: &[f64]) -> f64 {
     const STRETCH: usize = 64;
@@ -187,15 +187,15 @@ mod tests {
             let t = f64::from(i) * dt;
             let i = usize::try_from(i).unwrap();
             assert!((smooth.position[i] - f(t)).abs() < 1e-12);
-            // A central difference of t³ is off by dt²: 40·1e-6.
+            // The error of a central difference of t³ is dt²: 40·1e-6.
             assert!((smooth.velocity[i] - (0.3 - 10.0 * t + 120.0 * t * t)).abs() < 5e-5);
             assert!((smooth.acceleration[i] - (-10.0 + 240.0 * t)).abs() < 1e-5);
         }
     }
 
     #[test]
-    fn noise_is_found_beside_motion() {
-        // ±1 alternating at random has σ = 1; 100 samples of it repeat without a pattern of period 3.
+    fn noise_is_estimated_in_the_presence_of_motion() {
+        // Random signs ±1 have σ = 1.
         let mut state = 1u32;
         let values: Vec<f64> = (0..20_000)
             .map(|i| {

@@ -1,4 +1,4 @@
-//! The motor stage: the model simulated in its closed loop with the measured command.
+//! The motor stage: the model simulated in closed loop with the logged command.
 
 use shared::axis::{AxisState, Reading};
 use shared::config::{AxisConfig, AxisSettings, Rates};
@@ -11,13 +11,14 @@ use plant::axis_motion::AxisMotion;
 use plant::mechanics::Stepper;
 use plant::parameters::AxisParameters;
 
-/// How many times longer the steps may be than those of a simulation: an accuracy of nanometres is enough.
+/// Ratio of the steps to those of the simulator. Longer steps suffice, as an accuracy of nanometres is sufficient.
 const STEP_FACTOR: f64 = 2.0;
 
-/// Most steps a tick: a spring that needs more is taken for a wrong unit, and its loop is not simulated.
+/// Largest number of steps per tick. A stiffness that requires more is regarded as a wrong unit, and its loop is not
+/// simulated.
 const MAX_SUBSTEPS: u32 = 500;
 
-/// A simulated closed loop, at its samples.
+/// Signals of a simulated closed loop at the samples.
 #[derive(Clone, Debug, Default)]
 pub struct ClosedLoopRun {
     /// Motor encoder, m.
@@ -33,13 +34,13 @@ pub struct ClosedLoopRun {
 pub struct Controlled<'a> {
     /// Settings of the axis.
     pub settings: &'a AxisSettings,
-    /// Rates of its loops.
+    /// Rates of the loops.
     pub rates: Rates,
 }
 
-/// Simulates the closed loop with the command, m, and with a force (N) that is added to the controller's from each sample
-/// to the next; after the end of `added_n` nothing is added. `None` if the settings are invalid or the simulation would
-/// take too many steps.
+/// Simulates the closed loop with the command, m, and with a force (N) that is added to the controller's force from each
+/// sample to the next; beyond the end of `added_n` the added force is zero. `None` if the settings are invalid or the
+/// simulation would take too many steps.
 #[must_use]
 pub fn closed_loop(
     parameters: &AxisParameters,
@@ -69,7 +70,7 @@ pub fn closed_loop(
     let InitialState { motor_m: motor, velocity, table_m, is_settled } = start;
     let mut motion = steady_motion(parameters, motor - parameters.resolver_error_m(motor), velocity);
     motion.table_m = table_m.unwrap_or(motion.table_m);
-    // A force that acts later than the sensors are read is equivalent to sensors that are read earlier.
+    // A delay of the force relative to the reading of the sensors is equivalent to an earlier reading.
     let read = |motion: &AxisMotion| {
         let motor_m = motion.motor_m - drive_late_s * motion.motor_m_per_s;
         let table_m = motion.table_m - drive_late_s * motion.table_m_per_s;
@@ -112,7 +113,7 @@ mod tests {
     use model::machine::Machine;
     use model::servo;
 
-    /// Half a second at rest with an added force from the first sample on: the greatest force in either direction.
+    /// Largest magnitude of the force in half a second at rest with an added force from the first sample on.
     fn greatest_n(limit_n: f64, added_n: f64) -> f64 {
         let machine = Machine::parse(model::examples::DEMO_MACHINE, "demo.toml").unwrap();
         let parameters = AxisParameters::of(&machine.axis["x"]);
@@ -126,13 +127,13 @@ mod tests {
         numerics::max_abs(pushed.force_n)
     }
 
-    /// The sum of the controller's and the added force is limited.
     #[test]
     fn the_force_limit_applies_to_the_sum_with_an_added_force() {
         assert!((greatest_n(300.0, 1000.0) - 300.0).abs() < 1e-9);
         // The motor's 90 kg with Kv = 6e4 N·s/m have a time constant of 1.5 ms. In the last of the four ticks of the first
-        // sample, 0.75 ms after the first, the controller has reduced 1000 N to e^(−0.5) of it at the least; as its
-        // velocity is delayed by half a tick and one tick, and friction and spring help, to e^(−0.25) at the most.
+        // sample, 0.75 ms after the first, the controller has reduced 1000 N at most by the factor e^(−0.5). As its velocity
+        // is delayed by half a tick and one tick, and friction and spring also reduce the motion, the factor is at most
+        // e^(−0.25).
         let free = greatest_n(20_000.0, 1000.0);
         assert!((606.0..779.0).contains(&free), "{free}");
     }

@@ -1,4 +1,4 @@
-//! The table and force stages: what the measured motor predicts for the linear scale and the drive force.
+//! The table and force stages: linear scale and drive force, predicted from the measured motor.
 
 use super::force_sampling::ForceSampling;
 use super::resample::{delayed_cubic, delayed_linear};
@@ -22,21 +22,21 @@ pub struct Driven {
 pub struct DrivenInput<'a> {
     /// Motor encoder.
     pub motor: &'a Smooth,
-    /// Its position between the samples.
+    /// Position of the motor between the samples.
     pub path: &'a MotorPath,
     /// Sample time, s.
     pub sample_s: f64,
-    /// How the logged force differs from the mean force of a sample.
+    /// Difference between the logged force and the mean force of a sample.
     pub sampling: ForceSampling,
-    /// Force that was added to the controller's, as logged and filtered, N.
+    /// Force that was added to the controller's force, filtered, N.
     pub added_n: Option<&'a [f64]>,
 }
 
 /// Drives the mechanics with the measured motor.
 ///
-/// The measured motor is filtered, and with it what depends on it linearly: the table by its position and the stretch of
-/// the spring by acceleration, the force by mass times acceleration. The rest (friction, backlash, periodic errors) is
-/// computed from the path between samples and passes the same filter afterwards.
+/// The linear part is computed from the filtered motor: for the table, the position of the motor and the stretch of the
+/// spring by acceleration; for the force, mass times acceleration. The nonlinear part (friction, backlash, periodic errors)
+/// is computed from the path between the samples and then passes the same filter.
 #[must_use]
 pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
     let DrivenInput { motor, path, sample_s, sampling, added_n } = *input;
@@ -55,15 +55,15 @@ pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
         sum(&motor.filtered(&nonlinear.table_m), |i| motor.position[i] - stretch_s2 * motor.acceleration[i]);
     let mut force_n = sum(&motor.filtered(&force_n), |i| mass * acceleration[i]);
     let growth = delayed_linear(&motor.acceleration, sampling.growth_age + late);
-    // The sampling applies to the controller's force alone.
+    // The correction for sampling applies only to the force of the controller.
     add(&mut force_n, added_n, -1.0);
     sampling.last_ticks_from_means(&mut force_n, &growth, sample_s);
     add(&mut force_n, added_n, 1.0);
     Driven { table_m: delayed_cubic(table_m, parameters.latency_s(Channel::Table), sample_s), force_n }
 }
 
-/// Table and force at the samples less their linear part: position − `stretch_s2`·acceleration of the table, and (motor
-/// mass + table mass)·acceleration of the force.
+/// Table and force at the samples without their linear parts. The linear part of the table is position −
+/// `stretch_s2`·acceleration, that of the force (motor mass + table mass)·acceleration.
 fn nonlinear_part(
     parameters: &AxisParameters,
     motor: &Smooth,
@@ -115,14 +115,14 @@ fn nonlinear_part(
     result
 }
 
-/// Adds a force, where there is one, times a sign.
+/// Adds a force times a sign, if the force is given.
 fn add(force_n: &mut [f64], added_n: Option<&[f64]>, sign: f64) {
     for (force_n, added_n) in force_n.iter_mut().zip(added_n.unwrap_or_default()) {
         *force_n += sign * added_n;
     }
 }
 
-/// Each value plus `other` at its index.
+/// Each value plus `other` at the same index.
 fn sum(values: &[f64], other: impl Fn(usize) -> f64) -> Vec<f64> {
     values.iter().enumerate().map(|(i, value)| value + other(i)).collect()
 }
@@ -156,30 +156,30 @@ mod tests {
     use model::machine::Machine;
     use model::servo;
 
-    /// A loop is simulated with the plant's integrator of free motion; its motor then drives the table through the implicit
-    /// one. Table and force must agree.
+    /// A closed loop is simulated with the plant's integrator of free motion. Its motor then drives the table through the
+    /// implicit integrator. Table and force must agree.
     #[test]
     fn the_driven_table_moves_like_the_free_plant() {
-        driven_is_free(None);
+        assert_driven_is_free(None);
     }
 
-    /// Errors of screw and sensor cause accelerations: 5 µm over 10 mm at 63 mm/s move the table's 150 kg with 8 mm/s²,
-    /// and a damper of 1.5e4 N·s/m with 3 N: stretches of 6 and 15 nm.
+    /// Errors of screw and sensor cause accelerations. At 63 mm/s, an error of 5 µm over 10 mm accelerates the table's 150 kg
+    /// with 8 mm/s² and loads a damper of 1.5e4 N·s/m with 3 N: stretches of 6 and 15 nm.
     #[test]
     fn errors_of_screw_and_sensor_are_driven_like_the_free_plant() {
-        driven_is_free(Some(Effect::PitchCyclic(PitchCyclic {
+        assert_driven_is_free(Some(Effect::PitchCyclic(PitchCyclic {
             amplitude_um: 5.0,
             period_mm: 10.0,
             phase_rad: 0.3,
         })));
-        driven_is_free(Some(Effect::ResolverDividing(ResolverDividing {
+        assert_driven_is_free(Some(Effect::ResolverDividing(ResolverDividing {
             amplitude_um: 3.0,
             period_mm: 5.0,
             phase_rad: 0.3,
         })));
     }
 
-    fn driven_is_free(effect: Option<Effect>) {
+    fn assert_driven_is_free(effect: Option<Effect>) {
         let machine = Machine::parse(model::examples::DEMO_MACHINE, "demo.toml").unwrap();
         let axis = &mut machine.axis["x"].clone();
         axis.effect.extend(effect);
@@ -210,7 +210,7 @@ mod tests {
         assert!(rms < 10.0, "{rms} nm");
         let max_nm = numerics::max_abs(error_nm);
         assert!(max_nm < 150.0, "{max_nm} nm");
-        // At the fastest point: friction of 180 + 30 N, 1000 N·s/m · 62.8 mm/s, no acceleration.
+        // At the highest speed: friction of 180 + 30 N, 1000 N·s/m · 62.8 mm/s, no acceleration.
         let fastest = 2500;
         let velocity = motor.velocity[fastest];
         let expected = 210.0f64.copysign(velocity) + 1000.0 * velocity;

@@ -1,20 +1,21 @@
-//! The logged force, which is that of one velocity tick, against the mean force of the sample, which moves the axis.
+//! The difference between the logged force, which is that of one velocity tick, and the mean force of the sample, which moves
+//! the axis.
 
 use shared::config::Rates;
 
 use model::axis::Controller;
 
-/// Difference between the force of the last velocity tick of a sample, which is logged, and the mean over the sample's D
-/// ticks of period T, which moves the axis.
+/// Difference between the logged force of the last velocity tick of a sample and the mean over the sample's D ticks of period
+/// T.
 ///
-/// The velocity command is constant over the D ticks while the velocity changes by a·T each. Therefore
+/// The velocity command is constant over the D ticks, while the velocity changes by a·T in each. Therefore
 ///
-/// - the proportional force of the last tick is Kv·a·T·(D − 1)/2 below the mean;
-/// - the integral force changes at the rate proportional force/Ti, so that in the last tick it is T·(D − 1)/2 of that rate
-///   above its mean. The proportional force in that rate is itself Kv·a·T·(D + 1)/6 below its mean.
+/// - the proportional force of the last tick is Kv·a·T·(D − 1)/2 below its mean;
+/// - the integral force changes at the rate (proportional force)/Ti and is therefore in the last tick above its mean by
+///   this rate times T·(D − 1)/2. In this rate, the proportional force is Kv·a·T·(D + 1)/6 below its mean.
 ///
-/// To the next order, a is the acceleration 2·(D − 2)/3 of T into the sample. The proportional force is the force less its
-/// low-pass with time constant Ti.
+/// To the next order, a is the acceleration at 2·(D − 2)/3 ticks after the start of the sample. The proportional force is
+/// the force less its low-pass with time constant Ti.
 #[derive(Clone, Copy, Debug, Default)]
 pub struct ForceSampling {
     /// Kv·T·(D − 1)/2, N per m/s².
@@ -30,7 +31,7 @@ pub struct ForceSampling {
 }
 
 impl ForceSampling {
-    /// Of an axis with this controller and these loop rates.
+    /// The difference for a controller and its loop rates.
     #[must_use]
     pub fn new(controller: &Controller, rates: Rates) -> Self {
         let ticks = f64::from(rates.position_loop_divider);
@@ -45,15 +46,15 @@ impl ForceSampling {
         }
     }
 
-    /// Replaces the mean forces of samples that the controller gave, N, by those of their last ticks, with the accelerations
-    /// of [`ForceSampling::growth_age`] ago, m/s².
+    /// Replaces the controller's mean force of each sample, N, by that of the last tick. `acceleration` is that of
+    /// [`ForceSampling::growth_age`] samples ago, m/s².
     pub fn last_ticks_from_means(&self, force_n: &mut [f64], acceleration: &[f64], sample_s: f64) {
         let (ahead, low_pass) = (self.ahead_s / self.integral_s, -(-sample_s / self.integral_s).exp_m1());
         let mut of_integral_n = force_n.first().copied().unwrap_or(0.0);
         for (force_n, acceleration) in force_n.iter_mut().zip(acceleration) {
             let before_n = of_integral_n;
             of_integral_n += low_pass * (*force_n - before_n);
-            // The low-pass in the middle of the sample, to which the mean belongs.
+            // The mean belongs to the middle of the sample, at which the low-pass is the average of both ends.
             let proportional_n = *force_n - 0.5 * (before_n + of_integral_n);
             *force_n += ahead * (proportional_n - self.integral_kg * acceleration);
             *force_n -= self.proportional_kg * acceleration;
@@ -65,7 +66,7 @@ impl ForceSampling {
 mod tests {
     use super::*;
 
-    /// A PI loop simulated: four ticks a sample on a sine of 7 Hz, with the velocity command held over the sample.
+    /// A simulated PI loop: four ticks per sample on a sine of 7 Hz, with the velocity command held over the sample.
     #[test]
     fn forces_of_last_ticks_follow_from_the_means() {
         const TICKS: u32 = 4;
@@ -103,8 +104,8 @@ mod tests {
         };
         let mut corrected = means.clone();
         sampling.last_ticks_from_means(&mut corrected, &accelerations, 4.0 * tick_s);
-        // Kv·a·1.5·T is 87.1 N, 61.6 rms; the integral part, 1.9 % of about 300 N, adds 4 to 5. The rest is the error of
-        // one low-pass step a sample S, ω·S/12 of the integral part, 0.02 N, and ω·T/4 of its correction, 0.01 N.
+        // Kv·a·1.5·T is 87.1 N, 61.6 N rms. The integral part, 1.9 % of about 300 N, adds 4 to 5 N. The remaining error is
+        // that of one low-pass step per sample S, ω·S/12 of the integral part, 0.02 N, and ω·T/4 of its correction, 0.01 N.
         let (before, after) = (error_n(&means), error_n(&corrected));
         assert!(before > 61.6 && before < 67.0, "{before} N");
         assert!(after < 0.05 && after > 1e-4, "{after} N");

@@ -3,7 +3,7 @@
 use crate::input::signals::AxisSignals;
 use model::effects::{Effect, ForceWindup};
 
-/// Whether the logs have the channels for an effect: wind-up by the measured force needs that force in every log.
+/// Whether the logs have the channels for an effect: wind-up by the measured force requires the force in every log.
 #[must_use]
 pub fn is_testable(effect: &Effect, force_is_logged: bool) -> bool {
     !matches!(effect, Effect::ForceWindup(_)) || force_is_logged
@@ -11,8 +11,8 @@ pub fn is_testable(effect: &Effect, force_is_logged: bool) -> bool {
 
 /// Adds the stretch of the drive train (µm) to the residual table − motor.
 ///
-/// The stretch is that of [`ForceWindup::deflection_um`]: (force − friction·direction)/stiffness. The direction follows the sign
-/// of motion exponentially over the presliding distance (Dahl, 1968) and is constant during a standstill.
+/// The stretch is [`ForceWindup::deflection_um`]: (force − friction·direction)/stiffness. The direction follows the sign of
+/// motion exponentially over the presliding distance (Dahl, 1968) and is constant during a standstill.
 pub fn add_stretch(residual_um: &mut [f64], windup: Option<&ForceWindup>, signals: &AxisSignals) {
     let (Some(windup), Some(force), Some(motor)) = (windup, &signals.force, &signals.motor) else { return };
     let presliding_m = 1e-3 * windup.presliding_mm.unwrap_or(0.0).max(1e-9);
@@ -42,8 +42,8 @@ mod tests {
     use files::log::{AxisLog, Log, Unit};
     use model::machine::Machine;
 
-    /// 20 s at 250 Hz of a robot's axis that oscillates over ±20° against gravity and 2 N·m of motor friction; the load side
-    /// is read 3 ms late, and lags by `windup_mdeg` of torque and direction.
+    /// The trace of a robot's axis, 20 s at 250 Hz, that oscillates over ±20° against gravity and 2 N·m of motor friction. The
+    /// load side is read 3 ms late and lags by `windup_mdeg`(torque, direction).
     fn traced(seed: u64, windup_mdeg: impl Fn(f64, f64) -> f64) -> Trace {
         let machine = Machine::parse("name = \"r\"\nsample_rate_hz = 250.0\n[axis.a]\n", "r.toml").unwrap();
         let mut random = ChaCha8Rng::seed_from_u64(seed);
@@ -74,14 +74,15 @@ mod tests {
     #[test]
     fn the_stiffness_of_a_gear_is_found_from_torque_and_two_encoders() {
         for seed in 0..5 {
-            // 0.5 N·m/mdeg of the torque less the motor's friction of 1.5 N·m.
+            // Stiffness 0.5 N·m/mdeg, friction before the gear 1.5 N·m.
             let trace = traced(seed, |torque, direction| (torque - 1.5 * direction) / 0.5);
             assert_eq!(names(&trace), ["latency", "windup"], "{seed}");
             let windup = &trace.axes[0].found[1];
             let near = |i: usize, truth: f64| {
                 let error = (windup.effect.parameters()[i].1 - truth).abs();
-                // The tracer delays the motion by 3 ms but not the wind-up: at each reversal its jump of 6 mdeg is
-                // predicted 3 ms early, which biases stiffness and friction by a few percent, beyond their intervals.
+                // The tracer delays the motion by 3 ms but not the wind-up. At each reversal, the jump of the wind-up by
+                // 6 mdeg is predicted 3 ms early. This biases stiffness and friction by a few percent, more than their
+                // confidence intervals.
                 error < 0.05 * truth
             };
             assert!(near(0, 0.5) && near(1, 1.5), "{seed}: {windup:?}");

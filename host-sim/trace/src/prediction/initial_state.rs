@@ -1,4 +1,4 @@
-//! The state in which a simulation begins.
+//! The initial state of a simulation.
 
 use crate::input::signals::AxisSignals;
 use crate::options::SampleOptions;
@@ -6,24 +6,25 @@ use plant::axis_motion::AxisMotion;
 use plant::driven::{DrivenTable, ScrewMotion};
 use plant::parameters::AxisParameters;
 
-/// The state in which a closed loop begins.
+/// The initial state of a closed loop.
 #[derive(Clone, Copy, Debug)]
 pub struct InitialState {
-    /// Motor encoder, m.
+    /// Reading of the motor encoder, m.
     pub motor_m: f64,
-    /// Of the motor, m/s.
+    /// Velocity of the motor, m/s.
     pub velocity: f64,
-    /// Table, m; `None`: in equilibrium with the motor.
+    /// Position of the table, m; `None`: in equilibrium with the motor.
     pub table_m: Option<f64>,
-    /// Whether the loop has been closed before, so that dual feedback knows the difference between table and motor.
+    /// Whether the loop was closed before, so that the low-pass of dual feedback contains the difference between table and
+    /// motor.
     pub is_settled: bool,
 }
 
 impl InitialState {
-    /// At the start of a log, with the linear scale's zero, m.
+    /// The state at the start of a log; `zero_m` is the zero of the linear scale.
     ///
-    /// A motor that moves while its command is constant was just switched on: the spring may be strained, so the table is
-    /// taken from its scale.
+    /// If the motor moves while its command is constant, the drive was just switched on. The spring may then be strained, and
+    /// the initial position of the table is the reading of its scale.
     #[must_use]
     pub fn of(command: &[f64], signals: &AxisSignals, zero_m: f64, options: &SampleOptions) -> Option<Self> {
         let count = options.constant_command;
@@ -44,7 +45,7 @@ impl InitialState {
     }
 }
 
-/// An axis in steady motion, its motor at a position (m) with a velocity (m/s).
+/// An axis in steady motion, with its motor at a position (m) and a velocity (m/s).
 #[must_use]
 pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
     let nominal_m = parameters.screw.nominal_m(motor_m);
@@ -84,12 +85,12 @@ mod tests {
     }
 
     #[test]
-    fn a_motor_that_moves_under_a_constant_command_was_just_switched_on() {
+    fn a_motor_that_moves_at_a_constant_command_was_just_switched_on() {
         let resting = start(0.0);
         assert!(resting.is_settled && resting.table_m.is_none(), "{resting:?}");
         let switched_on = start(1e-3);
         assert!(!switched_on.is_settled, "{switched_on:?}");
-        // 2 µm from the motor, 0.5 µm of which is the zero of the scale; 10 nm of noise on either side.
+        // The table is 2 µm from the motor, of which 0.5 µm are the zero of the scale; the noise is ±10 nm.
         let strain_m = switched_on.table_m.unwrap() - switched_on.motor_m;
         assert!((strain_m - 1.5e-6).abs() < 1e-9, "{strain_m:e}");
         assert!((switched_on.motor_m - 5e-3 - 1e-8).abs() < 1e-12);

@@ -1,7 +1,7 @@
-//! What a model predicts for each stage, driven by the measured signal upstream of it.
+//! Prediction of each stage by a model, driven by the measured signal upstream of the stage.
 //!
-//! [`driven`] predicts table and force from the measured motor, [`closed_loop`] the motor from the command, [`tool`] the
-//! tool point from the measured tables. [`force_windup`] replaces the mechanics where no masses are declared.
+//! [`driven`] predicts table and force from the measured motor, [`closed_loop`] the motor from the command, and [`tool`]
+//! the tool point from the measured tables. [`force_windup`] replaces the mechanics if no masses are declared.
 
 pub mod closed_loop;
 pub mod driven;

@@ -1,18 +1,18 @@
-//! Signals that follow a sampled signal: with a delay, or as a second-order mode.
+//! Responses to a sampled signal: a delay, or a second-order mode.
 
 use nalgebra::Matrix4;
 
 use crate::input::smoothing::Smooth;
 use model::effects::Resonance;
 
-/// Steps from one sample to the next: at 120 Hz and 1 kHz the error of linear interpolation between them is 0.4 % of the
-/// step's height.
+/// Steps from one sample to the next. At 120 Hz and 1 kHz, the error of linear interpolation is 0.4 % of the change over a
+/// step.
 const STEPS: usize = 4;
 
-/// Response of ω²/(s² + 2ζωs + ω²) to the signal, m, at its samples; in equilibrium before the first.
+/// Response of ω²/(s² + 2ζωs + ω²) to the signal, m, at the samples; in equilibrium before the first sample.
 ///
-/// Between samples the signal is the cubic through positions and velocities; within a [`STEPS`]th of a sample it is
-/// interpolated linearly, for which the step by matrix exponential is exact.
+/// Between samples the signal is the cubic through positions and velocities. Within a step (1/[`STEPS`] of a sample) it is
+/// interpolated linearly, for which the matrix exponential is exact.
 #[must_use]
 pub fn resonant_response(signal: &Smooth, resonance: &Resonance, sample_s: f64) -> Vec<f64> {
     let omega = std::f64::consts::TAU * resonance.frequency_hz;
@@ -43,7 +43,7 @@ pub fn resonant_response(signal: &Smooth, resonance: &Resonance, sample_s: f64) 
     result
 }
 
-/// Values delayed by `late_s` (negative: advanced), interpolated by the cubic through the four samples around.
+/// Values delayed by `late_s` (negative: advanced), interpolated by the cubic through the four nearest samples.
 #[must_use]
 pub fn delayed_cubic(values: Vec<f64>, late_s: f64, sample_s: f64) -> Vec<f64> {
     if late_s == 0.0 || values.len() < 4 {
@@ -82,7 +82,7 @@ pub fn delayed_linear(values: &[f64], age: f64) -> Vec<f64> {
     (0..n.cast_signed()).map(|i| mix(at(i - whole), at(i - whole - 1))).collect()
 }
 
-/// Weights of the values at −1, 0, 1, 2 in the cubic through them at t (Lagrange).
+/// Weights of the values at −1, 0, 1, 2 in the interpolating cubic at t (Lagrange).
 fn lagrange(t: f64) -> [f64; 4] {
     let (before, after, far) = (t + 1.0, t - 1.0, t - 2.0);
     [-t * after * far / 6.0, 0.5 * before * after * far, -0.5 * before * t * far, before * t * after / 6.0]
@@ -93,7 +93,6 @@ mod tests {
     use super::*;
     use model::effects::Channel;
 
-    /// A sine of the table comes out with the gain and the phase of the transfer function.
     #[test]
     fn a_mode_has_the_gain_and_phase_of_its_transfer_function() {
         let (sample_s, hertz) = (1e-3, 30.0);
@@ -107,7 +106,7 @@ mod tests {
         let r = omega / omega_0;
         let (real, imaginary) = (1.0 - r * r, 2.0 * zeta * r);
         let (gain, phase) = (real.hypot(imaginary).recip(), -imaginary.atan2(real));
-        // The filter attenuates the signal a little: the reference is the filtered signal.
+        // The filter attenuates the signal slightly; the reference is the amplitude of the filtered signal.
         let size = numerics::max_abs(signal.position[1000..2000].iter().copied());
         for (i, value) in tool.iter().enumerate().skip(2000).take(900) {
             let expected = size * gain * (omega * 1e-3 * i as f64 + phase).sin();

@@ -1,4 +1,4 @@
-//! The tool stage: what the measured tables predict for the tool-point probe.
+//! The tool stage: the tool-point probe, predicted from the measured tables.
 
 use super::resample::{delayed_cubic, resonant_response};
 use crate::input::signals::{AxisSignals, Signals};
@@ -7,9 +7,9 @@ use model::effects::Channel;
 use plant::parameters::AxisParameters;
 use plant::tool_point::{self, Tables};
 
-/// Tool point of one axis from the measured tables, m. `None` where the axis has neither table nor motor channel.
+/// Tool point of one axis from the measured tables, m. `None` if the axis has neither table nor motor channel.
 ///
-/// A `latency` of the table's channel counts against that of the tool's, as the tool is predicted from that channel.
+/// The `latency` of the table channel is subtracted from that of the tool, as the tool is predicted from the table channel.
 #[must_use]
 pub fn tool(
     parameters: &AxisParameters,

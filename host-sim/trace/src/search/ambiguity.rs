@@ -1,7 +1,7 @@
-//! Effects that the logs cannot tell apart.
+//! Effects that the logs do not distinguish.
 //!
-//! Where another candidate explains the residual as well as the one that was added, both are reported, with the motion
-//! that distinguishes them best ([`super::distinguishing_motion`]).
+//! If another candidate explains the residual as well as the one that was added, both are reported, with the motion that
+//! distinguishes them best ([`super::distinguishing_motion`]).
 
 use super::candidates::Candidate;
 use super::distinguishing_motion::Proposal;
@@ -11,21 +11,21 @@ use crate::fit::fit_data::FitData;
 use crate::fit::scope::Scope;
 use model::effects::Effect;
 
-/// Two effects of which the logs show one, without telling which.
+/// Two effects of which the logs show one but do not determine which.
 #[derive(Clone, Debug)]
 pub struct Ambiguity {
     /// The effect that was added.
     pub added: Effect,
     /// The effect that explains the logs as well.
     pub rival: Effect,
-    /// The axis with the rival instead.
+    /// The model with the rival in place of the added effect.
     pub with_rival: AxisModel,
-    /// A motion that distinguishes them; `None` where the machine file does not suffice to simulate it.
+    /// A motion that distinguishes both; `None` if the machine file does not suffice to simulate it.
     pub proposal: Option<Proposal>,
 }
 
-/// The supported candidates whose difference from the one that was added is below chance, or below what an effect must
-/// gain, in every stage.
+/// The supported candidates that are, in every stage, not significantly worse than the added one, or worse by less than the
+/// minimum reduction of an effect.
 #[must_use]
 pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope: &Scope) -> Vec<Ambiguity> {
     let options = &data.options.search;

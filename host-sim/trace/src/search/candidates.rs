@@ -1,4 +1,4 @@
-//! The catalogue tried on a residual: screened by one linear step, then fitted, then cross-validated.
+//! The candidates of a round: screened by one linear step, then fitted, then cross-validated.
 
 use nalgebra::DVector;
 use rayon::prelude::*;
@@ -12,41 +12,42 @@ use crate::fit::scope::Scope;
 use crate::options::SearchOptions;
 use model::effects::Effect;
 
-/// Most steps of a candidate's fit.
+/// Largest number of steps of a candidate's fit.
 const STEPS: usize = 6;
 
-/// A candidate and what it gains.
+/// A candidate and its gain.
 #[derive(Clone, Debug)]
 pub struct Candidate {
     /// The effect with its best parameters.
     pub effect: Effect,
-    /// On held-out data, by stage; empty if it was not fitted.
+    /// Comparison on held-out data, by stage; empty if the candidate was not fitted.
     pub comparison: Vec<Comparison>,
-    /// Gain in log-likelihood a sample, summed over stages; on held-out data if fitted, else predicted by the linear step.
+    /// Gain in log-likelihood per sample, summed over stages; on held-out data if fitted, otherwise predicted by the linear
+    /// step.
     pub gain: f64,
-    /// The fit with it.
+    /// The fit with the effect, if it was fitted.
     pub fitted: Option<Fitted>,
-    /// Whether it is larger than what a declared model leaves open in any case.
+    /// See [`model::effects::EffectModel::exceeds_tolerance`]; false before the fit.
     pub exceeds_tolerance: bool,
     /// The parameter at a limit of its search range, if there is one.
     pub limit: Option<ParameterAtLimit>,
 }
 
 impl Candidate {
-    /// Whether held-out data support it, and its parameters are within their limits.
+    /// Whether held-out data support the effect, and its parameters are within their limits.
     #[must_use]
     pub fn is_supported(&self, options: &SearchOptions) -> bool {
         self.limit.is_none() && self.stands_out(options)
     }
 
-    /// Whether held-out data support it: some stage improves by more than chance and in every fold, and no stage of any
-    /// log loses more than a small fraction of what is gained.
+    /// Whether held-out data support the effect: at least one stage improves significantly and in every fold, and in no log
+    /// does a stage lose more than a small fraction of the total gain.
     #[must_use]
     pub fn stands_out(&self, options: &SearchOptions) -> bool {
         self.helps(options, options.min_t)
     }
 
-    /// The same as [`Self::is_supported`] without the comparison with chance.
+    /// The same as [`Self::is_supported`] without the test of significance.
     #[must_use]
     pub fn is_consistent(&self, options: &SearchOptions) -> bool {
         self.limit.is_none() && self.helps(options, 0.0)
@@ -66,13 +67,14 @@ impl Candidate {
 /// The fits that candidates are compared with and start from.
 #[derive(Clone, Copy, Debug)]
 pub struct Reference<'a> {
-    /// The fit without a further effect.
+    /// The fit without the candidate.
     pub base: &'a Fitted,
-    /// Where the candidates' fits start.
+    /// The point at which the fits of the candidates start.
     pub origin: &'a Fitted,
 }
 
-/// Tries every initial guess; the best candidates come first, fitted ones with their comparison on held-out data.
+/// Tries all initial guesses and returns the candidates, best first. The most promising ones are fitted and compared on
+/// held-out data.
 #[must_use]
 pub fn rank(
     data: &FitData<'_>,
@@ -100,13 +102,13 @@ pub fn rank(
     screened
 }
 
-/// One linear step from an initial guess with all parameters free: the gain that it predicts.
+/// Predicts the gain of an initial guess by one linear step with all parameters free.
 fn screen(data: &FitData<'_>, reference: Reference<'_>, scope: &Scope, effect: Effect) -> Candidate {
     let Reference { base, origin } = reference;
     let model = origin.model.with(effect.clone());
     let parameters = model.free_parameters(scope);
     let residuals = data.residuals(&model, scope);
-    // The new effect's parameters are the last ones; the derivatives of the others are those of the origin.
+    // The parameters of the new effect are the last ones. The derivatives with respect to the others are those of the origin.
     let shared = origin.columns.len();
     let mut columns = origin.columns.clone();
     columns.extend(derivatives(data, &model, scope, shared..parameters.len(), &residuals));
@@ -125,14 +127,14 @@ fn screen(data: &FitData<'_>, reference: Reference<'_>, scope: &Scope, effect: E
             .sum::<f64>()
     };
     let gain = scope.stages.iter().map(|&s| 0.5 * (base.squares(s) / after(s).max(1e-9)).ln()).sum();
-    // A full fit starts from the origin, with the effect as after the step.
+    // A full fit starts from the origin with the effect after the step.
     moved.rows_mut(0, shared).copy_from(&start.rows(0, shared));
     let effect = model.at(scope, moved.as_slice()).axis.effect.last().cloned().unwrap_or(effect);
     Candidate { effect, comparison: Vec::new(), gain, fitted: None, exceeds_tolerance: false, limit: None }
 }
 
-/// Keeps the best of several initial guesses of one effect. Sources of one effect are different effects, and so are its
-/// forms with another number of coordinates.
+/// Keeps the best of several initial guesses of one effect. Effects of different sources, or with different numbers of
+/// coordinates, are different effects.
 fn keep_best_guess(sorted: &mut Vec<Candidate>) {
     let mut known: Vec<(&'static str, Option<String>, usize)> = Vec::new();
     sorted.retain(|Candidate { effect, .. }| {
@@ -144,7 +146,7 @@ fn keep_best_guess(sorted: &mut Vec<Candidate>) {
     });
 }
 
-/// Fits a candidate with everything else free, and compares it on held-out data.
+/// Fits a candidate with all other parameters free, and compares it on held-out data.
 fn try_out(
     data: &FitData<'_>,
     origin: &Fitted,

@@ -1,7 +1,7 @@
 //! The motion that distinguishes two effects best.
 //!
-//! Two machines, each with one of the effects, are simulated in a few motions within the travel, speed and acceleration of
-//! the logs. The motion is proposed in which a channel differs most, in units of its noise.
+//! Two machines, each with one of the effects, are simulated in six motions within the travel, speed and acceleration of the
+//! logs. The motion is proposed in which a channel differs most, in units of its noise.
 
 use crate::input::signals::Signals;
 use crate::input::smoothing::Smooth;
@@ -17,22 +17,22 @@ use plant::simulate::{self, Run};
 /// A motion that distinguishes two effects.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Proposal {
-    /// A motion file.
+    /// Text of the motion file.
     pub motion: String,
-    /// Its name, for people.
+    /// Printed name of the motion.
     pub name: &'static str,
-    /// Greatest rms difference of a channel, in units of its noise.
+    /// Largest rms difference of a channel, in units of its noise.
     pub difference: f64,
 }
 
 /// A motion that is tried.
 struct Trial {
     name: &'static str,
-    /// Strokes to both ends and back to the middle: fractions of travel, speed and acceleration.
+    /// Strokes to both ends and back to the middle, each with its fractions of travel, speed and acceleration.
     strokes: &'static [[f64; 3]],
     /// Pause before the last stroke, s.
     pause_s: f64,
-    /// Whether all other axes move instead of this one.
+    /// Whether all axes except this one move, instead of this one.
     of_others: bool,
 }
 
@@ -103,8 +103,8 @@ fn run(machine: &Machine, motion: &str) -> Option<Log> {
     run.log(controller.as_mut(), |_, _, _| {}).ok()
 }
 
-/// Greatest rms difference of two logs of an axis, channel by channel relative to the one upstream, in units of the noise
-/// of typical instruments (mm and N).
+/// Largest rms difference of the channels of an axis in two logs, each channel relative to the one upstream, in units of the
+/// noise of typical instruments (mm and N).
 fn difference(a: &AxisLog, b: &AxisLog) -> f64 {
     let none = Vec::new();
     let rms = |of: &dyn Fn(&AxisLog) -> Vec<f64>, noise: f64| {
@@ -187,7 +187,7 @@ impl MotionRange {
         let min = -greatest(&|s| numerics::max(s.position.iter().map(|m| -m)))?;
         let speed = greatest(&|s| numerics::max_abs(s.velocity.iter().copied()))?;
         let acceleration = greatest(&|s| numerics::max_abs(s.acceleration.iter().copied()))?;
-        // An axis at rest in the logs has no range to move within.
+        // An axis at rest in the logs has no range of motion.
         let half_mm = 500.0 * (max - min);
         (2.0 * half_mm >= min_travel_mm).then_some(Self {
             middle_mm: 500.0 * (max + min),
@@ -203,7 +203,7 @@ mod tests {
     use super::*;
     use crate::options::SampleOptions;
 
-    /// Latency is proportional to speed, in-talk to acceleration; slow motion does not tell them apart.
+    /// Latency is proportional to speed, in-talk to acceleration; slow motion does not distinguish them.
     #[test]
     fn proposes_a_motion_that_both_machines_can_run_and_that_distinguishes_them() {
         let machine = |effect: &str| {
@@ -211,13 +211,13 @@ mod tests {
             Machine::parse(&text, "vmc.toml").unwrap()
         };
         let late = machine("name = \"latency\"\nchannel = \"tool\"\nms = 0.5\n");
-        let leaning = machine("name = \"intalk\"\num_s2_per_m = 3.0\n");
+        let intalk = machine("name = \"intalk\"\num_s2_per_m = 3.0\n");
         let log = run(&late, model::examples::VMC_CIRCLE).unwrap();
         let names: Vec<String> = late.axis.keys().cloned().collect();
         let logs = [Signals::new(&log, &names, &SampleOptions::default())];
-        let proposal = propose([&late, &leaning], 0, &logs, &AdmissionOptions::default()).unwrap();
+        let proposal = propose([&late, &intalk], 0, &logs, &AdmissionOptions::default()).unwrap();
         Motion::parse(&proposal.motion, "proposal.toml").unwrap();
-        // 33 mm/s and 0.5 ms are 17 µm in strokes at full speed, some hundred times the noise of 80 nm.
+        // In strokes at full speed, 33 mm/s times 0.5 ms are 17 µm, about two hundred times the noise of 80 nm.
         assert!((50.0..400.0).contains(&proposal.difference), "{proposal:?}");
     }
 }

@@ -1,5 +1,5 @@
-//! The search for the effects that a model lacks, scope by scope: effects are added one after the other as held-out data
-//! support them, and dropped again where they are not needed.
+//! The search for effects that a model lacks, scope by scope. Effects that held-out data support are added one after the
+//! other, and dropped again if later ones make them unnecessary.
 
 use super::ambiguity::rivals;
 use super::candidates::{Candidate, Reference, rank};
@@ -19,21 +19,21 @@ use crate::prediction::force_windup;
 use crate::stages::stage_names;
 use model::effects::{Effect, EffectContext, Stage, initial_guesses};
 
-/// The search for the effects that an axis's model lacks.
+/// The search for effects that the model of an axis lacks.
 pub struct EffectSearch<'a> {
     /// The logs.
     pub data: &'a FitData<'a>,
-    /// Told what is being tried.
+    /// Called with a message for each step.
     pub progress: &'a Progress<'a>,
-    /// The motor stage, where it can be evaluated.
+    /// The scope of the motor stage, if it can be evaluated.
     pub servo: Option<Scope>,
-    /// What was tried so far.
+    /// The rounds so far.
     pub rounds: Vec<Round>,
 }
 
 impl EffectSearch<'_> {
-    /// Adds effects to one scope. Where what remains must be excluded from the residuals, the search is repeated without
-    /// it.
+    /// Adds effects to one scope. If a part of the remaining residual must be excluded, the search is repeated with this
+    /// exclusion.
     #[must_use]
     pub fn search(&mut self, start: &AxisModel, scope: &Scope) -> ScopeFit {
         let mut exclusions: Vec<Exclusion> = Vec::new();
@@ -45,7 +45,7 @@ impl EffectSearch<'_> {
             let mut new = new_exclusions(&data, &fitted, scope);
             let refused = self.rounds.last().and_then(|round| round.candidates.get(round.refused()?));
             if let (true, Some(refused)) = (new.is_empty(), refused.and_then(|c| c.fitted.as_ref())) {
-                // A candidate may have been refused for what is to be excluded from one of the logs.
+                // A candidate may have been refused because of a part of the residual that is to be excluded.
                 new = new_exclusions(&data, refused, scope);
             }
             if new.is_empty() || exclusions.len() >= self.data.options.exclusion.max_count {
@@ -59,7 +59,7 @@ impl EffectSearch<'_> {
         }
     }
 
-    /// Adds effects until none is supported; drops those that became unnecessary. Also returns the error of the tracer's
+    /// Adds effects until none is supported, then drops those that became unnecessary. Also returns the error of the tracer's
     /// own simulation.
     fn add_effects(
         &mut self,
@@ -105,8 +105,7 @@ impl EffectSearch<'_> {
         best.map(|(_, fitted)| fitted)
     }
 
-    /// The best supported candidate and its fit to the optimum; the next one if that fit ends at a limit of a parameter's
-    /// range.
+    /// The best supported candidate whose fit to the optimum does not end at a limit of a parameter's range, with this fit.
     fn best(
         &self,
         data: &FitData<'_>,
@@ -130,7 +129,7 @@ impl EffectSearch<'_> {
         None
     }
 
-    /// Every initial guess of every effect that the model does not have yet.
+    /// All initial guesses of the effects that the model does not yet contain.
     fn initial_guesses(&self, model: &AxisModel, scope: &Scope) -> Vec<Effect> {
         let data = self.data;
         let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
@@ -148,7 +147,7 @@ impl EffectSearch<'_> {
         guesses
     }
 
-    /// Drops effects that are small beside what was excluded: they fit its remains.
+    /// Drops effects that are small compared with the excluded parts: they describe remnants of these.
     fn drop_remains_of_exclusions(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         let min_effect = data.options.exclusion.min_effect;
         let whole = self.data.residuals(&full.model, scope);
@@ -197,7 +196,7 @@ impl EffectSearch<'_> {
     }
 }
 
-/// Goes through the effects found in a scope; where `better` returns a fit without one of them, takes it.
+/// Drops each effect of a scope for which `better` returns a fit without it.
 fn dropping(mut full: Fitted, scope: &Scope, better: impl Fn(&Fitted, usize) -> Option<Fitted>) -> Fitted {
     let mut index = 0;
     while let Some(effect) = full.model.found().get(index) {
@@ -209,7 +208,8 @@ fn dropping(mut full: Fitted, scope: &Scope, better: impl Fn(&Fitted, usize) -> 
     full
 }
 
-/// The fit with the tracer's own error computed from its model, and that error, if this lowers the residuals.
+/// Fits again with the tracer's own error recomputed from the fitted model, if this lowers the residuals. Returns the fit
+/// and the error.
 fn without_bias(
     data: &FitData<'_>,
     base: Fitted,
@@ -229,8 +229,9 @@ fn without_bias(
     (fitted, new)
 }
 
-/// Where candidates start: at the fitted values, or at the nominal values in the first round of mechanics with a very large
-/// residual. A large effect, such as a wide gap, has driven the declared values to their bounds, from which no fit returns.
+/// The point at which candidates start: the fitted values, or the nominal values in the first round of a mechanical scope
+/// with a very large residual. A large effect, such as a wide gap, distorts the declared values up to their bounds, from
+/// which no fit returns.
 fn origin(data: &FitData<'_>, base: &Fitted, scope: &Scope, added: usize) -> Fitted {
     let ratio = data.options.search.min_gross_ratio;
     let is_gross = |&stage: &Stage| data.rms(&base.residuals, stage) > ratio * data.noise(&base.model, stage);
@@ -240,7 +241,7 @@ fn origin(data: &FitData<'_>, base: &Fitted, scope: &Scope, added: usize) -> Fit
     least_squares::fit(data, &base.model.at_nominal(), scope, 0)
 }
 
-/// What remains of a scope's stages and is to be excluded.
+/// The parts of the remaining residuals that are to be excluded.
 fn new_exclusions(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> Vec<Exclusion> {
     let of_stage = |&stage: &Stage| {
         let noise = data.noise(&fitted.model, stage);

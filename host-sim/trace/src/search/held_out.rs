@@ -1,7 +1,7 @@
-//! Cross-validation: what a fit is worth on data that took no part in it.
+//! Cross-validation: error of a fit on data that were not used in it.
 //!
-//! Each log is divided into [`FOLDS`] parts; for each fold the fit is repeated without it. Near the optimum that is one
-//! Gauss–Newton step on the normal equations of the other blocks, which costs no simulation.
+//! Each log is divided into [`FOLDS`] parts. For each fold, the fit is repeated without it. Near the optimum, this is one
+//! Gauss–Newton step on the normal equations of the other blocks and requires no simulation.
 
 use nalgebra::DVector;
 
@@ -10,7 +10,7 @@ use crate::fit::normal_equations::{FOLDS, normal, stepped};
 use crate::options::SearchOptions;
 use model::effects::Stage;
 
-/// Σr² of one block of one stage, unweighted (µm² or N²), under the fit without its fold.
+/// Σr² of one block of one stage, unweighted (µm² or N²), for the fit without the fold of this block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
     /// Stage.
@@ -21,7 +21,7 @@ pub struct Score {
     pub fold: usize,
     /// Σr².
     pub squares: f64,
-    /// Samples that count.
+    /// Number of samples that count.
     pub samples: usize,
 }
 
@@ -63,19 +63,19 @@ pub fn scores(fitted: &Fitted) -> Vec<Score> {
 pub struct Comparison {
     /// Stage.
     pub stage: Stage,
-    /// Fraction of Σr² that the second model removes; negative if it adds.
+    /// Fraction of Σr² that the second model removes; negative if Σr² increases.
     pub reduction: f64,
-    /// Mean gain in log-likelihood of a block, each with its own noise, divided by its standard error.
+    /// Mean gain in log-likelihood over the blocks, each with its own noise, divided by its standard error.
     ///
-    /// In logarithms, because an effect may change a few blocks a hundred times as much as the others, which would make the
-    /// mean of Σr² uncertain.
+    /// Logarithms are used because an effect may change a few blocks a hundred times as much as the others, which would make
+    /// the mean of Σr² uncertain.
     pub t: f64,
     /// Folds in which the second model is better.
     pub folds_better: usize,
-    /// Least reduction of any log.
+    /// Smallest reduction of any log.
     pub worst_log: f64,
-    /// Gain in log-likelihood a sample, each log with its own noise: ½·ln(Σr² of the first / Σr² of the second), averaged
-    /// over the logs.
+    /// Gain in log-likelihood per sample, each log with its own noise: ½·ln(Σr² of the first / Σr² of the second), averaged
+    /// over the logs with their numbers of samples as weights.
     pub gain: f64,
 }
 
@@ -110,7 +110,7 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage, options: &Sear
         log.samples += a.samples;
     }
     let total = pairs.iter().map(|(a, _)| a.samples).sum::<usize>().max(1) as f64;
-    // Reduction by a block, as a fraction of all: each log's Σr² is scaled to its number of samples.
+    // Contribution of a block to the total reduction: the Σr² of each log is scaled to its number of samples.
     let reduction = |a: &Score, b: &Score| {
         let log = &logs[a.log];
         (a.squares - b.squares) * log.samples as f64 / (log.before.max(f64::MIN_POSITIVE) * total)

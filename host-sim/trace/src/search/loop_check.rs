@@ -1,4 +1,4 @@
-//! Mechanical candidates checked against the closed loop, which took no part in their fit.
+//! Check of mechanical candidates with the closed loop, which was not used in their fit.
 
 use super::candidates::Candidate;
 use crate::fit::axis_model::AxisModel;
@@ -7,32 +7,33 @@ use crate::fit::least_squares;
 use crate::fit::scope::Scope;
 use model::effects::{Effect, Stage, VelocityLag};
 
-/// Most steps of the fit of the velocity lag.
+/// Largest number of steps of the fit of the velocity lag.
 const STEPS: usize = 3;
 
 /// The check of candidates of one scope.
 #[derive(Clone, Copy, Debug)]
 pub struct LoopCheck<'a> {
-    /// The logs, with nothing excluded.
+    /// The logs, without exclusions.
     pub data: &'a FitData<'a>,
-    /// The motor stage, where it can be evaluated.
+    /// The scope of the motor stage, if it can be evaluated.
     pub servo: Option<&'a Scope>,
-    /// The scope that the candidates were fitted to.
+    /// The scope on which the candidates were fitted.
     pub scope: &'a Scope,
 }
 
 impl LoopCheck<'_> {
-    /// Whether held-out data support a candidate and the closed loop does not get much worse.
+    /// Whether held-out data support a candidate, and the residual of the closed loop does not increase much.
     ///
-    /// In the force stage alone, a gain of the closed loop replaces the comparison with chance: friction that depends on
-    /// the position or on the time since a reversal differs from block to block, which looks like chance.
+    /// If the scope is the force stage alone, a gain in the closed loop replaces the test of significance: friction that
+    /// depends on the position or on the time since a reversal differs between blocks by its nature, which increases the
+    /// standard error.
     #[must_use]
     pub fn supports(&self, base: &AxisModel, candidate: &Candidate) -> bool {
         let options = &self.data.options.search;
         let loss = || self.loss(base, candidate);
         let is_alone = self.scope.stages == [Stage::Force];
         if candidate.is_supported(options) {
-            // A correct friction may show another error of the closed loop's model: some loss is tolerated.
+            // Some loss is tolerated, as a correct friction may reveal another error in the model of the closed loop.
             let max = options.min_gain().max(options.max_loop_loss * candidate.gain);
             return loss().is_none_or(|loss| loss <= max);
         }
@@ -40,8 +41,8 @@ impl LoopCheck<'_> {
         is_alone && changes_loop(candidate) && candidate.is_consistent(options) && is_confirmed()
     }
 
-    /// Growth of the logarithm of the motor stage's rms with a candidate, averaged over the logs. `None` if the candidate
-    /// does not act on the loop or was fitted to it.
+    /// Increase of the logarithm of the motor stage's rms caused by a candidate, averaged over the logs. `None` if the
+    /// candidate does not change the loop or was fitted to it.
     fn loss(&self, base: &AxisModel, candidate: &Candidate) -> Option<f64> {
         let (Some(servo), Some(fitted), true) = (self.servo, &candidate.fitted, changes_loop(candidate))
         else {
@@ -59,8 +60,8 @@ impl LoopCheck<'_> {
         Some(loss / logs.max(1) as f64)
     }
 
-    /// The motor stage of a model. In the force stage alone the velocity lag, which is searched for later, is fitted
-    /// first: it would hide what friction does to the loop.
+    /// The residuals of the motor stage. If the scope is the force stage alone, the velocity lag is fitted first, although it
+    /// is searched for later: it would hide the influence of friction on the loop.
     fn motor_residuals(&self, model: &AxisModel, servo: &Scope) -> Vec<ResidualSeries> {
         let has_lag = model.axis.effect.iter().any(|effect| matches!(effect, Effect::VelocityLag(_)));
         if self.scope.stages != [Stage::Force] || has_lag {

@@ -1,7 +1,7 @@
-//! The search for the effects that a model lacks.
+//! The search for effects that a model lacks.
 //!
-//! [`effect_search`] goes round by round ([`round`]); a round ranks the [`candidates`], compares them on [`held_out`] data
-//! and with the closed loop ([`loop_check`]), and reports an [`ambiguity`] with a [`distinguishing_motion`].
+//! [`effect_search`] adds one effect per [`round`]. A round ranks the [`candidates`], compares them on [`held_out`] data and
+//! with the closed loop ([`loop_check`]), and reports an [`ambiguity`] with a [`distinguishing_motion`].
 
 pub mod ambiguity;
 pub mod candidates;

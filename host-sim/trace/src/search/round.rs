@@ -6,23 +6,23 @@ use crate::fit::limits::ParameterAtLimit;
 use crate::options::SearchOptions;
 use model::effects::Stage;
 
-/// One round of the search: the candidates, and which of them was added.
+/// One round of the search: all candidates, and the added one.
 #[derive(Clone, Debug)]
 pub struct Round {
-    /// The scope's stages.
+    /// Stages of the scope.
     pub stages: Vec<Stage>,
     /// All candidates, best first.
     pub candidates: Vec<Candidate>,
-    /// Index of the one that was added: the best of those that held-out data support.
+    /// Index of the added candidate: the best of those that held-out data support.
     pub added: Option<usize>,
-    /// Candidates that explain as much as the one that was added.
+    /// Candidates that explain the residual as well as the added one.
     pub ambiguities: Vec<Ambiguity>,
     /// The thresholds of the search.
     pub options: SearchOptions,
 }
 
 impl Round {
-    /// Index of the best candidate that gained much and was not added, except for a parameter at a limit, which is
+    /// Index of the best candidate with a large gain that was not supported. Candidates with a parameter at a limit are
     /// reported separately.
     #[must_use]
     pub fn refused(&self) -> Option<usize> {
@@ -37,7 +37,7 @@ impl Round {
     }
 }
 
-/// The effects that the last rounds of searches would have added but for a parameter at a limit.
+/// The effects that the last rounds of the searches did not add only because a parameter was at a limit.
 #[must_use]
 pub fn refused_at_limit(rounds: &[Round]) -> Vec<ParameterAtLimit> {
     let last = rounds.iter().filter(|round| round.added.is_none());

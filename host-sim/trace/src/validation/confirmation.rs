@@ -1,4 +1,4 @@
-//! The effects found that remain: none with a parameter at a limit of its range, none that the validation logs refute.
+//! Removal of effects with a parameter at a limit of its range, and of effects that the validation logs refute.
 
 use super::fitted_axis::FittedAxis;
 use super::found_effect::FoundEffect;
@@ -12,14 +12,14 @@ use crate::fit::scope_fit::{Progress, ScopeFit};
 use crate::search::round::{Round, refused_at_limit};
 use model::effects::{Effect, Stage};
 
-/// Most steps of a fit to the optimum of the other parameters, when an effect is added at its final parameters.
+/// Largest number of steps of a fit of the other parameters, after an effect was added with its final parameters.
 const STEPS: usize = 3;
 
 /// A model without refuted effects and without effects at a limit, and what was dropped.
 pub struct Confirmed {
     /// The model and its fits.
     pub axis: FittedAxis,
-    /// Its effects, in the order in which they were added.
+    /// Effects of the model, in the order in which they were added.
     pub found: Vec<FoundEffect>,
     /// Effects with a parameter at a limit, after the final fit or in the search.
     pub refused: Vec<ParameterAtLimit>,
@@ -27,7 +27,7 @@ pub struct Confirmed {
     pub refuted: Vec<FoundEffect>,
 }
 
-/// Drops effects that the final fit drove to a limit and those that the validation logs refute, one after the other.
+/// Drops effects that ended at a limit in the final fit, and effects that the validation logs refute, one after the other.
 #[must_use]
 pub fn confirm(
     [fit_data, validate]: [&FitData<'_>; 2],
@@ -48,7 +48,7 @@ pub fn confirm(
         progress(&format!("{name}: testing what was found on the validation logs"));
         let reported = reported(fit_data, validate, &axis);
         let losses = reported.iter().filter_map(|one| Some((one.loss?, one)));
-        // First the effects as they were added, each without the later ones, then each without itself alone.
+        // First each effect is tested as it was added, without the later ones; then by removing only this effect.
         if let Some((_, one)) = losses.min_by(|a, b| a.0.total_cmp(&b.0)) {
             axis = axis.without(fit_data, one.index);
             refuted.push(one.found.clone());
@@ -76,14 +76,14 @@ fn add_refused(refused: &mut Vec<ParameterAtLimit>, axis: &FittedAxis, rounds: &
 /// A found effect with its validation.
 struct Reported {
     found: FoundEffect,
-    /// Its index in [`AxisModel::found`](crate::fit::axis_model::AxisModel::found).
+    /// Index in [`AxisModel::found`](crate::fit::axis_model::AxisModel::found).
     index: usize,
-    /// The gain of the validation logs, if it refutes the effect.
+    /// The (negative) gain in log-likelihood of the validation logs, if it refutes the effect.
     loss: Option<f64>,
 }
 
-/// The effects found, with confidence intervals and with the residuals of the model with all effects up to each of them,
-/// against those of the model with the effects before it.
+/// The effects found, each with its confidence intervals and with two residuals: of the model with the effects before it,
+/// and of the model that also contains it.
 fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -> Vec<Reported> {
     let mut all = Vec::new();
     let mut last = axis.declared.clone();
@@ -98,7 +98,7 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             let held_out = [&last, &next].map(|model| validate.residuals(model, scope));
             let loss = refuting_loss(validate, [&held_out[0], &held_out[1]]);
             let residuals = Residuals { fit_data, validate, fitted, held_out };
-            // The stage that it improves most; of an effect that is refuted, the one that it makes worst.
+            // The stage with the largest improvement; for a refuted effect, the stage with the largest deterioration.
             let sign = if loss.is_some() { -1.0 } else { 1.0 };
             let Some((stage, before, after)) = residuals.most_changed(scope, sign) else { continue };
             let half_widths = axis.half_widths(index);
@@ -119,8 +119,8 @@ struct Residuals<'a> {
 }
 
 impl Residuals<'_> {
-    /// The stage with the greatest reduction of the residual of the validation logs (sign −1: the smallest), and its
-    /// residuals without the effect and with it.
+    /// The stage with the largest reduction of the residual of the validation logs (sign −1: the smallest), and its
+    /// residuals without and with the effect.
     fn most_changed(
         &self,
         scope: &Scope,

@@ -14,15 +14,15 @@ use model::effects::Effect;
 pub struct FittedAxis {
     /// The declared model, fitted.
     pub declared: AxisModel,
-    /// The model.
+    /// The model with effects.
     pub model: AxisModel,
-    /// Its fits, scope by scope.
+    /// Fits of the model, scope by scope.
     pub fits: Vec<ScopeFit>,
 }
 
 impl FittedAxis {
-    /// The same without a found effect, by its index in [`AxisModel::found`]; the scopes that it acts on, and those after
-    /// them, are fitted again.
+    /// The axis without a found effect, by its index in [`AxisModel::found`]. The scopes that the effect changes, and all
+    /// later ones, are fitted again.
     #[must_use]
     pub fn without(&self, data: &FitData<'_>, index: usize) -> Self {
         let effect = &self.model.found()[index];
@@ -42,7 +42,8 @@ impl FittedAxis {
             if first_refitted.is_none() && !fitted_scope.holds(effect) {
                 continue;
             }
-            // A wrong effect may have biased the fit: without any effect it starts from the declared model's values.
+            // A wrong effect may have biased the fit. If no effect is left, the fit starts from the values of the declared
+            // model.
             if !model.found().iter().any(|other| fitted_scope.holds(other)) {
                 let parameters = self.declared.free_parameters(fitted_scope);
                 let values: Vec<f64> =
@@ -71,8 +72,8 @@ impl FittedAxis {
     }
 }
 
-/// The derivatives of a fit that are valid without an effect; none if the effect replaced a trim of timing, which then has
-/// no derivative.
+/// The derivatives of a fit that remain valid without an effect. None if the effect replaced a trim of timing, as the fit
+/// then has no derivative with respect to the trim.
 fn columns_without(model: &AxisModel, scope: &Scope, index: usize, columns: &[Column]) -> Vec<Column> {
     let effect = &model.found()[index];
     if !scope.holds(effect) {

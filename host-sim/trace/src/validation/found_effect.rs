@@ -1,25 +1,25 @@
-//! An effect that was found, as it is reported.
+//! A found effect with its reported values.
 
 use crate::fit::fit_data::FitAndValidationRms;
 use model::effects::{Effect, Stage};
 
-/// An effect that was found, as it is reported.
+/// A found effect with its reported values.
 #[derive(Clone, Debug, PartialEq)]
 pub struct FoundEffect {
     /// The effect with its final parameters.
     pub effect: Effect,
     /// Half widths of the 95 % confidence intervals, in the order of [`Effect::parameters`].
     pub half_widths: Vec<f64>,
-    /// Stage whose residual on the validation logs it reduces most.
+    /// Stage whose residual on the validation logs the effect reduces most.
     pub stage: Stage,
-    /// That stage's residual with the effects found before it.
+    /// Residual of this stage with the effects found before.
     pub before: FitAndValidationRms,
-    /// That stage's residual with it.
+    /// Residual of this stage with the effect added.
     pub after: FitAndValidationRms,
 }
 
 impl FoundEffect {
-    /// By how much it lowers the residual on the validation logs, percent of the residual before it.
+    /// Reduction of the residual on the validation logs, percent of the residual before.
     #[must_use]
     pub fn validate_reduction_percent(&self) -> f64 {
         100.0 * (1.0 - self.after.validate / self.before.validate.max(f64::MIN_POSITIVE))

@@ -1,4 +1,4 @@
-//! The gain in log-likelihood of an effect on held-out logs, and whether a loss refutes the effect.
+//! The gain in log-likelihood by an effect on held-out logs, and the test whether a loss refutes the effect.
 
 use std::collections::BTreeSet;
 
@@ -7,8 +7,8 @@ use crate::fit::normal_equations::block_ranges;
 use crate::options::TraceOptions;
 use model::effects::Stage;
 
-/// The gain in log-likelihood a sample, which is negative, if the residuals of held-out logs (without the effect, with it)
-/// refute the effect.
+/// The (negative) gain in log-likelihood per sample, if the residuals of held-out logs refute the effect; `None` otherwise.
+/// `residuals` are those without and with the effect.
 #[must_use]
 pub fn refuting_loss(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2]) -> Option<f64> {
     let cells = cells(data, residuals);
@@ -16,13 +16,13 @@ pub fn refuting_loss(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2]) -> O
     is_refuted(gain, standard_error(&cells), data.options).then_some(gain)
 }
 
-/// Whether a gain in log-likelihood a sample, with its standard error, refutes an effect.
+/// Whether a gain in log-likelihood per sample, with its standard error, refutes an effect.
 fn is_refuted(gain: f64, error: f64, options: &TraceOptions) -> bool {
     let limits = &options.validation;
     gain < -limits.max_loss || gain < -limits.min_loss.max(options.search.chance_t * error)
 }
 
-/// Σr² of one block of one stage of one log, without an effect and with it.
+/// Σr² of one block of one stage of one log, without and with an effect.
 #[derive(Clone, Copy, Debug)]
 struct Cell {
     stage: Stage,
@@ -48,8 +48,8 @@ fn cells(data: &FitData<'_>, [without, with]: [&[ResidualSeries]; 2]) -> Vec<Cel
     cells
 }
 
-/// Gain in log-likelihood a sample by the effect: ½·ln(Σr² without / Σr² with) of each log with its own noise, averaged over
-/// the samples of a stage, summed over the stages. Without the cells of one block of one log, if it is given.
+/// Gain in log-likelihood per sample by the effect: ½·ln(Σr² without / Σr² with) of each log with its own noise, averaged
+/// over the samples of a stage, summed over the stages. `left_out` is a block (log, number) that is omitted.
 fn gain(cells: &[Cell], left_out: Option<(usize, usize)>) -> f64 {
     let mut logs: Vec<Cell> = Vec::new();
     for cell in cells.iter().filter(|cell| left_out != Some((cell.log, cell.block))) {
@@ -70,8 +70,8 @@ fn gain(cells: &[Cell], left_out: Option<(usize, usize)>) -> f64 {
     logs.iter().map(of_log).sum()
 }
 
-/// Standard error of the gain over the blocks of the logs, each left out once (jackknife); valid also for a gain that
-/// depends on a few blocks.
+/// Standard error of the gain by jackknife over the blocks of the logs. It is also valid for a gain that depends on a few
+/// blocks.
 fn standard_error(cells: &[Cell]) -> f64 {
     let blocks: BTreeSet<(usize, usize)> = cells.iter().map(|cell| (cell.log, cell.block)).collect();
     let n = blocks.len().max(2) as f64;
@@ -86,7 +86,7 @@ mod tests {
     use super::*;
     use crate::fit::normal_equations::BLOCKS;
 
-    /// Two stages of two logs, 24 blocks each, with Σr² per block of 100 without the effect and of `with` with it.
+    /// Two stages of two logs, 24 blocks each. Σr² per block is 100 without the effect and `with` with the effect.
     fn cells(with: impl Fn(Stage, usize, usize) -> f64) -> Vec<Cell> {
         let mut all = Vec::new();
         for stage in [Stage::Table, Stage::Force] {
@@ -108,8 +108,8 @@ mod tests {
     }
 
     #[test]
-    fn the_gain_is_in_log_likelihood_and_its_error_that_of_the_mean_over_blocks() {
-        // 4 % more of Σr² in the table: −½·ln 1.04 in one of two stages.
+    fn the_gain_is_in_log_likelihood_and_its_error_is_that_of_the_mean_over_blocks() {
+        // Σr² of the table increases by 4 %: −½·ln 1.04 in one of two stages.
         let cells =
             cells(|stage, _, block| if stage == Stage::Table { 104.0 + 10.0 * sign(block) } else { 100.0 });
         assert!((gain(&cells, None) + 0.5 * 1.04f64.ln()).abs() < 1e-12);
@@ -119,14 +119,14 @@ mod tests {
     }
 
     #[test]
-    fn a_small_loss_is_compared_with_chance_and_a_large_one_is_not() {
-        // 2 % more rms in both stages, the same in all blocks: beyond chance. The same mean with ±60 % of alternating
-        // blocks: chance.
+    fn a_small_loss_must_be_significant_to_refute_and_a_large_one_need_not() {
+        // The rms of both stages increases by 2 %, equally in all blocks: significant. The same mean with a scatter of ±60 %
+        // between blocks: not significant.
         assert!(refuted(&cells(|_, _, _| 104.0)));
         assert!(!refuted(&cells(|_, _, block| 104.0 + 60.0 * sign(block))));
-        // 0.4 % of Σr² is within the change by fitting again.
+        // An increase of Σr² by 0.4 % is within the change caused by fitting again.
         assert!(!refuted(&cells(|_, _, _| 100.4)));
-        // All of the loss in one block: its error is as large as itself, but √2 times the residual is large.
+        // The entire loss is in one block. Its standard error is as large as the loss, but the rms grows by √2.
         assert!(refuted(&cells(|_, _, block| if block == 3 { 2500.0 } else { 100.0 })));
         assert!(!refuted(&cells(|_, _, _| 96.0)));
     }
@@ -136,8 +136,11 @@ mod tests {
         let cost = |table: f64| move |stage, _, _| if stage == Stage::Table { table } else { 110.0 };
         assert!(
             !refuted(&cells(cost(25.0))),
-            "half of the table's residual removed, 5 % more of the force's"
+            "the residual of the table is halved, that of the force grows by 5 %"
         );
-        assert!(refuted(&cells(cost(99.0))), "half a percent of the table's for 5 % of the force's");
+        assert!(
+            refuted(&cells(cost(99.0))),
+            "the residual of the table decreases by 0.5 %, that of the force grows by 5 %"
+        );
     }
 }

@@ -1,8 +1,8 @@
-//! The effects found, tested against the limits of their parameters and against the validation logs.
+//! Tests of the effects found: limits of their parameters, and validation logs.
 //!
-//! [`confirmation`] drops effects of a [`fitted_axis`] until none is at a limit and none is refuted: as it was added, or by
-//! [`refutation`], which removes it from the whole. Both compare the [`likelihood`] of the validation logs. What remains is
-//! [`found_effect`].
+//! [`confirmation`] drops effects of a [`fitted_axis`] until none is at a limit and none is refuted. Each effect is tested
+//! twice: as it was added, and by removing it from the final model ([`refutation`]). Both tests compare the [`likelihood`] of
+//! the validation logs. The remaining effects are reported as [`found_effect`].
 
 pub mod confirmation;
 pub mod fitted_axis;

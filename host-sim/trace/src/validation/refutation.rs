@@ -1,8 +1,7 @@
 //! Effects that the fit logs support and the validation logs refute.
 //!
-//! The only decision that uses the validation logs. An effect that was found is removed and everything else is fitted
-//! again to the fit logs. If this lowers the residuals of the validation logs, the effect is reported as refuted and is not
-//! part of the model.
+//! A found effect is removed, and all other parameters are fitted again to the fit logs. If this raises the log-likelihood of
+//! the validation logs significantly, the effect is reported as refuted and is not part of the model.
 
 use rayon::prelude::*;
 
@@ -13,15 +12,15 @@ use crate::fit::fit_data::{FitAndValidationRms, FitData};
 use crate::fit::scope::{Mechanics, Scope};
 use model::effects::Stage;
 
-/// An effect that is refuted, and the model without it.
+/// A refuted effect, and the model without it.
 pub struct Refutation {
-    /// The effect, with the residual of the stage that it increases most: `before` without it, `after` with it.
+    /// The effect, with the residual of the stage that it increases most: `before` without, `after` with the effect.
     pub found: FoundEffect,
-    /// The model without it.
+    /// The model without the effect.
     pub without: FittedAxis,
 }
 
-/// The found effect that the validation logs refute with the greatest loss, if they refute one.
+/// The found effect that the validation logs refute with the largest loss, if they refute any.
 #[must_use]
 pub fn worst(
     fit_data: &FitData<'_>,

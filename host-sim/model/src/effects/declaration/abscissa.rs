@@ -1,22 +1,22 @@
-//! The variable over which a residual is drawn.
+//! The variable over which a residual is plotted.
 
-/// What goes to the right in a picture of a residual. Where it was not measured, the picture is left out.
+/// Horizontal axis of a plot of a residual. If the variable was not measured, the plot is omitted.
 #[derive(Clone, Debug, PartialEq)]
 pub enum Abscissa {
-    /// The session's clock.
+    /// Time on the session clock.
     Time,
     /// Position on the axis.
     Position,
-    /// Position of the motor within a period, mm.
+    /// Position of the motor modulo this period, mm.
     WithinPeriod(f64),
-    /// Of the axis.
+    /// Velocity of the axis.
     Velocity,
-    /// Of the axis.
+    /// Acceleration of the axis.
     Acceleration,
-    /// Of the drive; where no force was logged, the acceleration of the axis, which follows it.
+    /// Force of the drive. If no force was logged: acceleration of the axis, to which the force is nearly proportional.
     Force,
-    /// Position on another axis: of this name, or the first of the others.
+    /// Position of the named axis, or of the first other axis.
     OtherPosition(Option<String>),
-    /// Acceleration of another axis: of this name, or the first of the others.
+    /// Acceleration of the named axis, or of the first other axis.
     OtherAcceleration(Option<String>),
 }

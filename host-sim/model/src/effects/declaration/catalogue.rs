@@ -1,17 +1,17 @@
-//! What the list of all effects is made into.
+//! The macro that generates the catalogue from the list of effects.
 
-/// Declares [`Effect`](super::super::Effect), [`KINDS`](super::super::KINDS) and all that is asked of an effect of any
-/// kind, from the list of the types that implement [`EffectModel`](super::EffectModel).
+/// Declares [`Effect`](super::super::Effect) with the methods of [`EffectModel`](super::EffectModel), and
+/// [`KINDS`](super::super::KINDS), from the list of the types that implement this trait.
 macro_rules! catalogue {
     ($($variant:ident),+ $(,)?) => {
-        /// An effect with its parameters, as it stands in a machine file.
+        /// An effect with its parameters: an entry `[[axis.NAME.effect]]` of a machine file.
         #[derive(Clone, Debug, PartialEq)]
         pub enum Effect { $(
             #[doc = concat!("See [`", stringify!($variant), "`].")]
             $variant($variant),
         )+ }
 
-        /// What is declared of every kind of effect, in catalogue order.
+        /// Declarations of all kinds of effects, in catalogue order.
         pub const KINDS: &[Kind] = &[$(Kind {
             name: $variant::NAME,
             summary: $variant::SUMMARY,
@@ -25,19 +25,19 @@ macro_rules! catalogue {
         }),+];
 
         impl Effect {
-            /// Its name in files and results.
+            /// Name in files and results.
             #[must_use]
             pub fn name(&self) -> &'static str {
                 match self { $(Self::$variant(_) => $variant::NAME,)+ }
             }
 
-            /// What is declared of its parameters, in the order of [`Effect::parameters`].
+            /// Declarations of the parameters, in the order of [`Effect::parameters`].
             #[must_use]
             pub fn declared_parameters(&self) -> &'static [Parameter] {
                 match self { $(Self::$variant(_) => $variant::PARAMETERS,)+ }
             }
 
-            /// Whether an axis may have more than one.
+            /// Whether an axis may have the effect more than once.
             #[must_use]
             pub fn occurrence(&self) -> Occurrence {
                 match self { $(Self::$variant(_) => $variant::OCCURRENCE,)+ }
@@ -49,56 +49,56 @@ macro_rules! catalogue {
                 match self { $(Self::$variant(e) => e.misplaced(place),)+ }
             }
 
-            /// The stages whose residual it shapes.
+            /// The stages whose residual the effect changes.
             #[must_use]
             pub fn stages(&self) -> &'static [Stage] {
                 match self { $(Self::$variant(e) => e.stages(),)+ }
             }
 
-            /// The numbers to fit.
+            /// The coordinates to fit.
             #[must_use]
             pub fn coordinates(&self) -> Vec<Coordinate> {
                 match self { $(Self::$variant(e) => e.coordinates(),)+ }
             }
 
-            /// The numbers to fit on an axis with these loops.
+            /// The coordinates to fit on an axis with these loop rates.
             #[must_use]
             pub fn coordinates_at(&self, rates: Rates) -> Vec<Coordinate> {
                 match self { $(Self::$variant(e) => e.coordinates_at(rates),)+ }
             }
 
-            /// The same effect at other coordinates.
+            /// The same effect with other values of the coordinates.
             #[must_use]
             pub fn at(&self, x: &[f64]) -> Self {
                 match self { $(Self::$variant(e) => Self::$variant(e.at(x)),)+ }
             }
 
-            /// Whether it is larger than what a declared model leaves open in any case.
+            /// See [`EffectModel::exceeds_tolerance`].
             #[must_use]
             pub fn exceeds_tolerance(&self, declared: &Settings, rates: Rates) -> bool {
                 match self { $(Self::$variant(e) => e.exceeds_tolerance(declared, rates),)+ }
             }
 
-            /// The values of its parameters.
+            /// Values of the parameters.
             #[must_use]
             pub fn values(&self) -> Vec<f64> {
                 match self { $(Self::$variant(e) => e.values(),)+ }
             }
 
-            /// What tells it from another of its name on the same axis.
+            /// The property that distinguishes effects of the same name on one axis.
             #[must_use]
             pub fn distinction(&self) -> Distinction<'_> {
                 match self { $(Self::$variant(e) => e.distinction(),)+ }
             }
 
-            /// The variable over which its residual is drawn.
+            /// The variable over which the residual is plotted.
             #[must_use]
             pub fn abscissa(&self) -> Abscissa {
                 match self { $(Self::$variant(e) => e.abscissa(),)+ }
             }
 
-            /// What it does, with its values and the half widths of their intervals; those that are missing are not
-            /// told.
+            /// Description of the effect with its values and the half widths of their confidence intervals. Missing
+            /// half widths are omitted.
             #[must_use]
             pub fn sentence(&self, half_widths: &[f64], is_rotary: bool) -> String {
                 let wording = Wording::new(self.declared_parameters(), self.values(), half_widths, is_rotary);
@@ -145,7 +145,7 @@ macro_rules! catalogue {
             }
         }
 
-        /// What is declared of one kind of effect; see [`EffectModel`].
+        /// Declaration of one kind of effect; see [`EffectModel`].
         pub struct Kind {
             /// [`EffectModel::NAME`].
             pub name: &'static str,
@@ -167,7 +167,7 @@ macro_rules! catalogue {
             pub draw: fn(&mut Draw<'_>) -> Option<Effect>,
         }
 
-        /// The names of all effects, in catalogue order, each once.
+        /// Names of all effects, in catalogue order, each once.
         #[must_use]
         pub fn names() -> Vec<&'static str> {
             KINDS.iter().filter(|kind| kind.told_by_key.is_none()).map(|kind| kind.name).collect()
@@ -180,7 +180,7 @@ macro_rules! catalogue {
                 self.declared_parameters().iter().map(|parameter| parameter.key).zip(self.values()).collect()
             }
 
-            /// Whether this and another are one effect of an axis, of whatever size.
+            /// Whether both are the same effect of an axis, regardless of the values.
             #[must_use]
             pub fn is_same(&self, other: &Self) -> bool {
                 self.name() == other.name() && self.distinction() == other.distinction()

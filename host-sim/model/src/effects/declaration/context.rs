@@ -1,35 +1,35 @@
-//! Where an effect stands: the axis as declared, its neighbours, and what was logged.
+//! The context of an effect: the declared axis, the other axes, and the logged channels.
 
 use shared::config::Rates;
 
 use super::stage::Stage;
 use crate::axis::Settings;
 
-/// What initial guesses are made from.
+/// Data from which initial guesses are derived.
 #[derive(Clone, Copy, Debug)]
 pub struct EffectContext<'a> {
-    /// Declared axis.
+    /// Settings of the declared axis.
     pub axis: &'a Settings,
     /// Whether the axis is the machine's first.
     pub first: bool,
     /// Names of the machine's other axes.
     pub others: &'a [String],
-    /// Which stages the logs and the declared model allow, in no order.
+    /// Stages that can be evaluated with the logs and the declared model, in any order.
     pub stages: &'a [Stage],
     /// Lowest and highest position of the logged motor or table, mm.
     pub travel_mm: [f64; 2],
 }
 
 impl EffectContext<'_> {
-    /// Whether a stage can be formed.
+    /// Whether a stage can be evaluated.
     #[must_use]
     pub fn has(&self, stage: Stage) -> bool {
         self.stages.contains(&stage)
     }
 
-    /// Whether friction alone lies between the motor and the force that was logged. Beside a linear scale friction also
-    /// bends the screw, and small differences of it are lost in what a machine file leaves open of the drive train:
-    /// they are not looked for there.
+    /// Whether friction is the only unknown between motor and logged force. With a linear scale, friction also deflects
+    /// the screw, and small changes of friction cannot be separated from the tolerances of the drive train. They are
+    /// therefore not searched for.
     #[must_use]
     pub fn shows_friction_alone(&self) -> bool {
         self.axis.has_mass() && self.has(Stage::Force) && !self.has(Stage::Table)
@@ -41,44 +41,44 @@ impl EffectContext<'_> {
 pub struct Neighbours {
     /// Whether the axis is the machine's first.
     pub is_first: bool,
-    /// How many other axes there are.
+    /// Number of other axes.
     pub others: usize,
 }
 
-/// Whether an effect can be looked for on an axis.
+/// Whether an effect can be searched for on an axis.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Prerequisite {
-    /// It can, as far as the machine file goes.
+    /// The machine file contains all that is required.
     Met,
-    /// It could, with this.
+    /// What is missing.
     Needs(&'static str),
-    /// There is no such effect on an axis of this kind.
+    /// The effect does not exist on an axis of this kind.
     NotApplicable,
 }
 
 impl Prerequisite {
-    /// Of effects that [`EffectContext::shows_friction_alone`] decides on.
+    /// Prerequisite of effects that require [`EffectContext::shows_friction_alone`].
     pub const WITHOUT_TABLE: Self = Self::Needs("logs without a table channel");
 
-    /// Something that must be there.
+    /// `Met` if the required item is present.
     #[must_use]
-    pub const fn needs(is_there: bool, what: &'static str) -> Self {
-        if is_there { Self::Met } else { Self::Needs(what) }
+    pub const fn needs(is_present: bool, what: &'static str) -> Self {
+        if is_present { Self::Met } else { Self::Needs(what) }
     }
 
-    /// Masses of the axis.
+    /// Requires the masses of the axis.
     #[must_use]
     pub fn masses(axis: &Settings) -> Self {
         Self::needs(axis.has_mass(), "masses in the machine file")
     }
 
-    /// The lead of the screw.
+    /// Requires the lead of the screw.
     #[must_use]
     pub const fn lead(axis: &Settings) -> Self {
         Self::needs(axis.mechanics.lead_mm.is_some(), "lead_mm in the machine file")
     }
 
-    /// This, and then another.
+    /// Requires both; the first that is not met is returned.
     #[must_use]
     pub const fn and(self, next: Self) -> Self {
         match self {
@@ -88,30 +88,30 @@ impl Prerequisite {
     }
 }
 
-/// Where an effect stands in a machine file.
+/// The surroundings of an effect in a machine file.
 #[derive(Clone, Copy, Debug)]
 pub struct Placement<'a> {
-    /// Its axis.
+    /// Settings of the axis.
     pub axis: &'a Settings,
-    /// How many axes the machine has.
+    /// Number of axes of the machine.
     pub axes: usize,
     /// Whether the machine is also declared as rigid bodies.
     pub has_structure: bool,
-    /// Of its loops.
+    /// Rates of the loops.
     pub rates: Rates,
 }
 
-/// What is wrong about an effect in its place.
+/// Why an effect is refused on its axis.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Misplaced {
     /// The key that is refused.
     pub key: &'static str,
-    /// What was expected there, in words.
+    /// What was expected at this key, in words.
     pub expected: String,
 }
 
 impl Misplaced {
-    /// The effect itself is refused.
+    /// Refuses the effect itself, at its key `name`.
     #[must_use]
     pub fn name(expected: &str) -> Self {
         Self { key: "name", expected: expected.to_owned() }

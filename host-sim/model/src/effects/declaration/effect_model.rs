@@ -1,4 +1,4 @@
-//! What every effect declares, in its own file.
+//! The declaration of an effect.
 
 use shared::config::Rates;
 
@@ -12,82 +12,82 @@ use super::stage::Stage;
 use super::wording::Wording;
 use crate::axis::Settings;
 
-/// One kind of effect: everything about it that the simulator, the tracer, the report and the demo ask for, except its
-/// place in the simulated machine.
+/// One kind of effect: all that the simulator, the tracer, the report and the demo need, except the equation of motion,
+/// which is in the crate `plant`.
 pub trait EffectModel: Sized + Clone {
     /// Name in machine files and results.
     const NAME: &'static str;
 
-    /// What it does, in half a line, for tables.
+    /// Description in half a line, for tables.
     const SUMMARY: &'static str;
 
-    /// A key that tells this effect from another of the same name, where there is one.
+    /// Key that distinguishes this kind from another kind of the same name, if there is one.
     const TOLD_BY_KEY: Option<&'static str> = None;
 
-    /// Its parameters, in the order of [`EffectModel::values`]. Those at the end may be missing from an effect.
+    /// Parameters in the order of [`EffectModel::values`]. Trailing parameters may be absent from an effect.
     const PARAMETERS: &'static [Parameter];
 
-    /// Whether an axis may have more than one.
+    /// Whether an axis may have the effect more than once.
     const OCCURRENCE: Occurrence;
 
-    /// The stages of which at least one is needed to look for it. If none can be formed, what the first one lacks is
-    /// the reason that is told.
+    /// Stages of which at least one is needed to search for the effect. If none can be evaluated, the reported reason
+    /// is what the first stage lacks.
     const SHOWN_IN: &'static [Stage];
 
-    /// The number by which a seed of `demo` draws this effect; absent: it is not drawn. Numbers are never given
-    /// again, and a new one changes what every seed draws.
+    /// Number by which a seed of `demo` selects this effect; absent: it is not drawn. Numbers are not reused. A new
+    /// number changes the effect that each seed draws.
     const DRAW_NUMBER: Option<u32> = None;
 
-    /// What the machine file has to declare before this effect can be looked for.
+    /// What the machine file must declare before this effect can be searched for.
     #[must_use]
     fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::Met
     }
 
-    /// What a machine file does not allow about this effect in its place; values are checked before.
+    /// Why a machine file may not contain this effect on its axis, if so. The ranges of the values are checked before.
     fn misplaced(&self, _place: &Placement<'_>) -> Option<Misplaced> {
         None
     }
 
-    /// The stages whose residual it shapes; the one that it is first looked for in comes first.
+    /// Stages whose residual the effect changes, in the order in which it is searched for.
     fn stages(&self) -> &'static [Stage];
 
-    /// The values that a fit of this effect starts from: none if the axis lacks what the effect needs; several where the
-    /// error is not convex (a period, a time constant).
+    /// Initial guesses of the fit: none if the axis lacks a prerequisite; several if the sum of squares is not convex
+    /// (in a period, a time constant).
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self>;
 
-    /// The numbers to fit.
+    /// The coordinates to fit.
     fn coordinates(&self) -> Vec<Coordinate>;
 
-    /// The numbers to fit on an axis with these loops, where the rates of the loops bound them.
+    /// The coordinates to fit on an axis with these loop rates, which may bound them.
     fn coordinates_at(&self, _rates: Rates) -> Vec<Coordinate> {
         self.coordinates()
     }
 
-    /// The same effect at other coordinates, in the order of [`EffectModel::coordinates`].
+    /// The same effect with other values of the coordinates, in the order of [`EffectModel::coordinates`].
     #[must_use]
     fn at(&self, coordinates: &[f64]) -> Self;
 
-    /// Whether it is larger than what a declared model leaves open in any case.
+    /// Whether the effect is larger than the accuracy of a declared model. A smaller effect is not added.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         true
     }
 
-    /// The values of its parameters.
+    /// Values of the parameters.
     fn values(&self) -> Vec<f64>;
 
-    /// What tells it from another of its name on the same axis.
+    /// The property that distinguishes effects of the same name on one axis.
     fn distinction(&self) -> Distinction<'_> {
         Distinction::None
     }
 
-    /// What it does, as a clause without an end; every value that is not a phase occurs in it.
+    /// Description as a clause without a full stop. It contains every value except phases.
     fn sentence(&self, wording: &Wording) -> String;
 
-    /// The variable over which its residual is drawn.
+    /// The variable over which the residual is plotted.
     fn abscissa(&self) -> Abscissa;
 
-    /// One of a size that is worth a repair, drawn at random.
+    /// A random effect, large enough to require a repair.
     fn draw(_draw: &mut Draw<'_>) -> Option<Self> {
         None
     }

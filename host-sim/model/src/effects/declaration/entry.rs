@@ -1,15 +1,15 @@
-//! The keys of an effect's entry in a file, before it is known which effect they are of.
+//! The entry of an effect in a file, before its kind is known.
 
 use serde::de::{self, IntoDeserializer};
 use serde::{Deserialize, Deserializer};
 
-/// A value of an effect's entry.
+/// Value of a key of an effect's entry.
 #[derive(Deserialize)]
 #[serde(untagged)]
 pub enum EntryValue {
-    /// Of a parameter.
+    /// Value of a parameter.
     Number(f64),
-    /// Of a name.
+    /// Name of an effect, axis or channel.
     Text(String),
 }
 

@@ -1,21 +1,21 @@
-//! What harmonic effects share: amplitude·sin(2π·position/period + phase).
+//! Common part of harmonic effects: amplitude·sin(2π·position/period + phase).
 
 use std::f64::consts::TAU;
 
 use super::Coordinate;
 
-/// sin(2π·position/period + phase), position and period in the same unit.
+/// sin(2π·position/period + phase).
 #[must_use]
 pub fn wave(position_mm: f64, period_mm: f64, phase_rad: f64) -> f64 {
     (TAU * position_mm / period_mm + phase_rad).sin()
 }
 
-/// The periods of the first orders of a fundamental period.
+/// Periods of the harmonics from order 1 to the highest order.
 pub fn periods(fundamental_mm: f64, highest_order: u32) -> impl Iterator<Item = f64> {
     (1..=highest_order).map(move |order| fundamental_mm / f64::from(order))
 }
 
-/// Sine and cosine part of a harmonic: the coordinates in which the model is linear.
+/// Coefficients of sine and cosine, amplitude·cos(phase) and amplitude·sin(phase). The model is linear in them.
 #[must_use]
 pub fn parts(amplitude: f64, phase_rad: f64, step: f64, limit: f64) -> Vec<Coordinate> {
     vec![
@@ -24,14 +24,15 @@ pub fn parts(amplitude: f64, phase_rad: f64, step: f64, limit: f64) -> Vec<Coord
     ]
 }
 
-/// Amplitude (not negative) and phase (−π to π) of the parts that [`parts`] gave.
+/// Amplitude (not negative) and phase (−π to π) of the coefficients of [`parts`].
 #[must_use]
 pub fn polar(parts: &[f64]) -> (f64, f64) {
     (parts[0].hypot(parts[1]), parts[1].atan2(parts[0]))
 }
 
-/// What every harmonic effect declares in the same way: its parameters (amplitude in the unit given, `period_mm`,
-/// `phase_rad`), the coordinates with the step and limit of the amplitude, and that its period tells it from others.
+/// Items of [`EffectModel`](super::EffectModel) that are the same for all harmonic effects: the parameters (amplitude in
+/// the given unit, `period_mm`, `phase_rad`), the coordinates with the given step and limit of the amplitude, and the
+/// period as distinction.
 macro_rules! harmonic_effect {
     ($amplitude:ident, $unit:expr, step $step:literal, limit $limit:literal) => {
         const PARAMETERS: &'static [super::declaration::Parameter] = &[

@@ -1,32 +1,32 @@
-//! What tells two effects of one name apart, and whether an axis may have both.
+//! The identity of effects of the same name on one axis.
 
 use super::stage::Channel;
 
 /// Whether an axis may have an effect more than once.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Occurrence {
-    /// Two of them would not add up to one.
+    /// At most once: two of them would not add up.
     Once,
-    /// They add up.
+    /// Any number of times: their contributions add up.
     Repeated,
 }
 
-/// What tells an effect from another of its name on the same axis.
+/// The property that distinguishes effects of the same name on one axis.
 #[derive(Clone, Copy, Debug)]
 pub enum Distinction<'a> {
-    /// Nothing: it is the same effect.
+    /// None: it is the same effect.
     None,
-    /// The axis that it comes from.
+    /// Name of the axis that causes the effect.
     Source(&'a str),
-    /// The channel that it acts on.
+    /// The channel on which the effect acts.
     Channel(Channel),
-    /// Its period, mm.
+    /// Period, mm.
     Period(f64),
 }
 
 impl PartialEq for Distinction<'_> {
     fn eq(&self, other: &Self) -> bool {
-        /// Relative difference of two periods of one order: rounding of a written number.
+        /// Largest relative difference of equal periods, caused by the rounding of a written number.
         const SAME_PERIOD: f64 = 1e-6;
         match (self, other) {
             (Self::None, Self::None) => true,
@@ -39,7 +39,7 @@ impl PartialEq for Distinction<'_> {
 }
 
 impl<'a> Distinction<'a> {
-    /// The axis that the effect comes from, where that is another one.
+    /// Name of the axis that causes the effect, if it is another axis.
     #[must_use]
     pub const fn source(self) -> Option<&'a str> {
         match self {

@@ -1,4 +1,4 @@
-//! What an effect is described with.
+//! The types that declare an effect.
 
 mod abscissa;
 mod catalogue;

@@ -1,4 +1,4 @@
-//! Parameters of an effect as they are declared: key, unit, range.
+//! Declaration of a parameter: key, unit, range.
 
 use super::unit::Unit;
 use crate::range::Range;
@@ -6,18 +6,18 @@ use crate::range::Range;
 /// A parameter of an effect.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Parameter {
-    /// Its key in a machine file and in the JSON of a linear axis; it ends in the unit.
+    /// Key in a machine file and in the JSON of a linear axis. It ends with the unit.
     pub key: &'static str,
     /// Unit of the value.
     pub unit: Unit,
-    /// Values that have a meaning.
+    /// Permitted values.
     pub range: Range,
-    /// Values that differ by a multiple of this are the same; absent: all differ.
+    /// Period of the value: values that differ by a multiple of it are equivalent. Absent: not periodic.
     pub period: Option<f64>,
 }
 
 impl Parameter {
-    /// A parameter that does not repeat.
+    /// A parameter that is not periodic.
     #[must_use]
     pub const fn new(key: &'static str, unit: Unit, range: Range) -> Self {
         Self { key, unit, range, period: None }
@@ -29,7 +29,7 @@ impl Parameter {
         Self { key, unit: Unit::Radian, range: Range::Signed, period: Some(std::f64::consts::TAU) }
     }
 
-    /// The key on an axis; the value is the same on a rotary one.
+    /// The key on a linear or rotary axis. The value is the same on both.
     #[must_use]
     pub fn key_on(&self, is_rotary: bool) -> String {
         let [linear, rotary] = self.unit.key_ends();
@@ -39,7 +39,7 @@ impl Parameter {
         }
     }
 
-    /// The key without its unit, with spaces; empty where the key is the unit alone.
+    /// The key without its unit, with spaces instead of underscores. Empty if the key consists of the unit.
     #[must_use]
     pub fn title(&self) -> String {
         let [end, _] = self.unit.key_ends();
@@ -61,7 +61,7 @@ mod tests {
     }
 
     #[test]
-    fn rotary_keys_say_degrees_and_newton_metres() {
+    fn rotary_keys_contain_degrees_and_newton_metres() {
         for (key, unit, rotary) in [
             ("stiffness_n_per_um", Unit::NewtonPerMicrometre, "stiffness_nm_per_mdeg"),
             ("slope_um_per_m", Unit::MicrometrePerMetre, "slope_mdeg_per_kdeg"),

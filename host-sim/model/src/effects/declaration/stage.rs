@@ -1,23 +1,23 @@
-//! Where the declared model is held against a log.
+//! Stages in which the declared model is compared with a log.
 
 use serde::{Deserialize, Serialize};
 
-/// A point in the chain command → motor → table → tool at which the model is held against the log, each driven by the
-/// measured signal upstream of it.
+/// A stage of the chain command → motor → table → tool. Each stage is simulated from the measured signal upstream of it
+/// and compared with the log.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Hash, PartialOrd, Ord, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Stage {
-    /// Motor reading against the declared loop driven by the command.
+    /// Motor reading, compared with the declared closed loop driven by the command.
     Motor,
-    /// Table scale against the mechanics driven by the measured motor.
+    /// Linear scale, compared with the mechanics driven by the measured motor.
     Table,
-    /// Tool point against the structure driven by the measured tables.
+    /// Tool point, compared with the structure driven by the measured tables.
     Tool,
-    /// Drive force against the force that the measured motion needs.
+    /// Drive force, compared with the force required by the measured motion.
     Force,
 }
 
-/// A channel that may be late against the others.
+/// A channel that may be logged late relative to the others.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
 pub enum Channel {
@@ -25,7 +25,7 @@ pub enum Channel {
     Table,
     /// Tool-point probe.
     Tool,
-    /// Drive force, against the time that the log's format gives it: over the tick that ends at the
-    /// sample. A log that shows what is going to be given over the next tick is early by one.
+    /// Drive force. By the log format, it is the force of the tick that ends at the sample. A log with the force of the
+    /// tick that begins at the sample is one tick early.
     Force,
 }

@@ -1,6 +1,7 @@
-//! Units of parameters: the end of a key in a file, and the symbol for people, of linear and of rotary axes.
+//! Units of parameters: suffix of the key in a file and printed symbol, for linear and rotary axes.
 
-/// The unit of a parameter. On a rotary axis degrees stand for mm and N·m for N, with the same numbers; a metre is 1000°.
+/// The unit of a parameter. On a rotary axis, degrees replace mm, and N·m replaces N, with the same numbers; 1000°
+/// replace a metre.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub enum Unit {
     /// µm; millidegrees.
@@ -35,12 +36,12 @@ pub enum Unit {
     Radian,
     /// %.
     Percent,
-    /// A ratio.
+    /// Dimensionless.
     One,
 }
 
 impl Unit {
-    /// How keys end that hold a value in this unit: of linear and of rotary axes. Empty for a ratio.
+    /// Suffixes of keys with a value in this unit, for linear and for rotary axes. Empty if dimensionless.
     #[must_use]
     pub const fn key_ends(self) -> [&'static str; 2] {
         match self {
@@ -64,7 +65,7 @@ impl Unit {
         }
     }
 
-    /// What is written behind a number, for people: on linear and on rotary axes. Empty for a ratio.
+    /// Printed symbols, for linear and for rotary axes. Empty if dimensionless.
     #[must_use]
     pub const fn symbols(self) -> [&'static str; 2] {
         match self {
@@ -88,7 +89,7 @@ impl Unit {
         }
     }
 
-    /// A number with this unit, for people. Degrees stand at the number without a space.
+    /// A printed number with this unit. The degree sign follows the number without a space.
     #[must_use]
     pub fn with(self, number: &str, is_rotary: bool) -> String {
         match self.symbols()[usize::from(is_rotary)] {
@@ -104,7 +105,7 @@ mod tests {
     use super::*;
 
     #[test]
-    fn a_degree_sign_follows_its_number() {
+    fn a_degree_sign_follows_its_number_without_a_space() {
         assert_eq!(Unit::MillimetrePerSecond.with("3.1", true), "3.1°/s");
         assert_eq!(Unit::MillimetrePerSecond.with("3.1", false), "3.1 mm/s");
         assert_eq!(Unit::One.with("0.05", true), "0.05");

@@ -1,10 +1,10 @@
-//! The numbers of an effect as they stand in its sentence.
+//! The numbers of an effect, formatted for its sentence.
 
 use files::format::with_spread;
 
 use super::parameter::Parameter;
 
-/// Values with their intervals and units, on a linear or a rotary axis.
+/// Values with their confidence intervals and units, on a linear or a rotary axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wording {
     parameters: &'static [Parameter],
@@ -14,7 +14,7 @@ pub struct Wording {
 }
 
 impl Wording {
-    /// Of an effect's values; half widths that are missing are not told.
+    /// The wording of an effect's values. Missing half widths are omitted.
     #[must_use]
     pub fn new(
         parameters: &'static [Parameter],
@@ -25,26 +25,26 @@ impl Wording {
         Self { parameters, values, half_widths: half_widths.to_vec(), is_rotary }
     }
 
-    /// A parameter's value without a unit.
+    /// Value of a parameter without its unit.
     #[must_use]
     pub fn number(&self, index: usize) -> String {
         with_spread(self.values[index], self.half_width(index))
     }
 
-    /// A parameter's value with its unit.
+    /// Value of a parameter with its unit.
     #[must_use]
     pub fn value(&self, index: usize) -> String {
         self.parameters[index].unit.with(&self.number(index), self.is_rotary)
     }
 
-    /// A parameter's magnitude with its unit.
+    /// Absolute value of a parameter with its unit.
     #[must_use]
     pub fn size(&self, index: usize) -> String {
         let size = with_spread(self.values[index].abs(), self.half_width(index));
         self.parameters[index].unit.with(&size, self.is_rotary)
     }
 
-    /// One of two texts, by the sign of the first parameter.
+    /// One of two texts, selected by the sign of the first parameter.
     #[must_use]
     pub fn by_sign<'a>(&self, positive: &'a str, negative: &'a str) -> &'a str {
         if self.values[0] >= 0.0 { positive } else { negative }

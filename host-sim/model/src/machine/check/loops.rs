@@ -1,4 +1,4 @@
-//! What hangs together in the filters and limits of the controller: checked by what will use them.
+//! Consistency of the filters and limits of the controller, checked by the code in `shared` that uses them.
 
 use shared::config::{AxisConfig, AxisSettings, ConfigError, Rates};
 use shared::interpolate::smooth::{Filter, WINDOW};
@@ -9,7 +9,7 @@ use crate::servo;
 use files::error::InputError;
 
 impl Context<'_> {
-    /// The filter behind the path, which works in whole samples.
+    /// The filter of the path, whose windows are whole numbers of samples.
     pub(super) fn smoothing(&self, sample_rate_hz: f64) -> Result<(), InputError> {
         let filters = &self.settings.filters;
         let windows = [("smoothing_s", filters.smoothing_s), ("smoothing_jerk_s", filters.smoothing_jerk_s)];
@@ -21,7 +21,7 @@ impl Context<'_> {
             return Err(self.refuse("smoothing_s", "this key, as smoothing_jerk_s is given"));
         }
         for (key, time_s) in windows {
-            // A mean over one sample is the sample: the key would do nothing.
+            // A mean over one sample has no effect.
             if time_s.is_some_and(|time_s| (time_s * sample_rate_hz).round() < 2.0) {
                 let what = format!("two samples ({} s) or more", 2.0 / sample_rate_hz);
                 return Err(self.refuse(key, &what));
@@ -37,7 +37,7 @@ impl Context<'_> {
             return Err(self.refuse("smoothing_time_constant_s", "a time of at most a million samples"));
         }
         let longest_s = WINDOW as f64 / sample_rate_hz;
-        let what = format!("with smoothing_jerk_s at most {WINDOW} samples ({longest_s} s)");
+        let what = format!("at most {WINDOW} samples ({longest_s} s) including smoothing_jerk_s");
         Err(self.refuse("smoothing_s", &what))
     }
 
@@ -69,7 +69,7 @@ impl Context<'_> {
         }
     }
 
-    /// All of these or none.
+    /// Requires all of these keys or none.
     fn complete(&self, keys: &[(&str, Option<f64>)]) -> Result<(), InputError> {
         let given = keys.iter().find(|(_, value)| value.is_some());
         let missing = keys.iter().find(|(_, value)| value.is_none());
@@ -86,7 +86,7 @@ impl Context<'_> {
         let limit_mm = 1e3 * TRAVEL_LIMIT_M;
         for (index, end_mm) in [least, greatest].into_iter().enumerate() {
             if end_mm.abs() > limit_mm {
-                let what = format!("a travel within {limit_mm} mm of zero");
+                let what = format!("a position within {limit_mm} mm of zero");
                 return Err(self.refuse(&format!("travel_mm[{index}]"), &what));
             }
         }

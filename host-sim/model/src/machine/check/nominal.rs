@@ -1,19 +1,19 @@
-//! What a trace has written beside fitted values: it has to belong to them.
+//! Checks that the tables written by a trace, `nominal` and `log_offsets`, match the fitted values.
 
 use super::{Context, parameters};
 use crate::machine::nominal::TOLERATED;
 use crate::range::Range;
 use files::error::InputError;
 
-/// Farther zeros are a slip of the unit: a metre.
+/// Largest offset of a zero, 1 m. A larger one has a wrong unit.
 const FARTHEST_ZERO_UM: f64 = 1e6;
 
-/// Rounding of a value at the wall of its tolerance, as a share of it.
+/// Relative rounding error of a value at a bound of its tolerance.
 const ROUNDING: f64 = 1e-9;
 
 impl Context<'_> {
-    /// The `nominal` table: values and effects that the axis has, and a value no farther from its nominal one than the
-    /// tolerance allows.
+    /// The `nominal` table. The axis must have the same values and effects, and its values must be within the tolerance
+    /// about the nominal ones.
     pub(super) fn nominal(&self) -> Result<(), InputError> {
         let Some(nominal) = &self.axis.nominal else { return Ok(()) };
         let percent = self.settings.mechanics.plant_tolerance_percent.unwrap_or(0.0);
@@ -34,15 +34,15 @@ impl Context<'_> {
             parameters(effect, &key, self.document)?;
             let own = self.axis.effect.get(index);
             if own.is_none_or(|own| own.name() != effect.name()) {
-                let there = own.map_or("none", |own| own.name());
-                let what = format!("the effect that the axis has in this place ({there})");
+                let own_name = own.map_or("none", |own| own.name());
+                let what = format!("the effect of the axis at the same index ({own_name})");
                 return Err(self.document.refuse(&format!("{key}.name"), &what));
             }
         }
         Ok(())
     }
 
-    /// The `log_offsets` table: zeros on the machine, instants within a sample.
+    /// The `log_offsets` table: zeros within [`FARTHEST_ZERO_UM`], instants within one sample.
     pub(super) fn log_offsets(&self, sample_rate_hz: f64) -> Result<(), InputError> {
         let Some(offsets) = &self.axis.log_offsets else { return Ok(()) };
         for (key, value) in offsets.all() {

@@ -1,8 +1,8 @@
-//! What a trace keeps beside the values that it fitted.
+//! Tables that a trace adds to fitted values.
 
 use super::*;
 
-/// What a trace writes behind the keys of axis y, in front of its effects.
+/// Tables that a trace writes after the keys of axis y, before its effects.
 const FITTED: &str = "
 [axis.y.nominal]
 stiffness_n_per_um = 160.0
@@ -32,7 +32,7 @@ fn fitted_values_keep_their_nominal_ones_and_the_offsets_of_their_logs() {
     assert_eq!(Machine::parse(&machine.to_toml(), "again.toml").unwrap(), machine);
     let axis = &machine.axis["y"];
     let nominal = axis.at_nominal();
-    // Of the declared stiffness of 150 the nominal one is 160; what has none is its own.
+    // The nominal stiffness is 160; the motor mass has no nominal value.
     let [fitted, before] = [axis, &nominal].map(|axis| &axis.settings.mechanics);
     assert_eq!((fitted.stiffness_n_per_um, before.stiffness_n_per_um), (Some(150.0), Some(160.0)));
     assert_eq!((before.motor_mass_kg, before.coulomb_n), (fitted.motor_mass_kg, Some(150.0)));
@@ -46,8 +46,8 @@ fn fitted_values_keep_their_nominal_ones_and_the_offsets_of_their_logs() {
 
 #[test]
 fn nominal_values_and_offsets_that_do_not_belong_to_the_axis_are_refused() {
-    let refused = |change: [&str; 2]| Machine::parse(&fitted(change), "m.toml").unwrap_err().to_string();
-    // 10 % of 166 are 16.6: 150 lies 16 below, and just within; of 167, 17 below 16.7.
+    let error = |change: [&str; 2]| Machine::parse(&fitted(change), "m.toml").unwrap_err().to_string();
+    // 166 − 10 % = 149.4, so that 150 is within the tolerance; 167 − 10 % = 150.3, so that it is not.
     assert!(Machine::parse(&fitted(["per_um = 160.0", "per_um = 166.0"]), "m.toml").is_ok());
     let cases = [
         (
@@ -65,7 +65,7 @@ fn nominal_values_and_offsets_that_do_not_belong_to_the_axis_are_refused() {
         ),
         (
             ["name = \"backlash\"\nwidth_um = 9.0", "name = \"windup\"\nstiffness_n_per_um = 9.0"],
-            "axis.y.nominal.effect[0].name: expected the effect that the axis has in this place (backlash), found \"windup\"",
+            "axis.y.nominal.effect[0].name: expected the effect of the axis at the same index (backlash), found \"windup\"",
         ),
         (
             ["width_um = 9.0", "width_um = -9.0"],
@@ -83,7 +83,7 @@ fn nominal_values_and_offsets_that_do_not_belong_to_the_axis_are_refused() {
         (["table_zero_um", "motor_zero_um"], "axis.y.log_offsets.motor_zero_um: unknown key"),
     ];
     for (change, wanted) in cases {
-        let said = refused(change);
-        assert!(said.contains(wanted) && !said.contains('\n'), "{said}\n{wanted}");
+        let message = error(change);
+        assert!(message.contains(wanted) && !message.contains('\n'), "{message}\n{wanted}");
     }
 }

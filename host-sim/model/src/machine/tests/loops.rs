@@ -1,8 +1,8 @@
-//! Keys of filters and limits.
+//! Tests of the keys of filters and limits.
 
 use super::*;
 
-/// Keys that may be added to axis y above.
+/// Keys that are added to axis y of [`MACHINE`].
 const LOOPS: &str = "smoothing_s = 0.02
 smoothing_jerk_s = 0.005
 notch_frequency_hz = 120
@@ -18,13 +18,13 @@ fastest_mm_per_s = 900.0
 frozen_encoder_limit_mm = 0.3
 ";
 
-/// The machine above with more keys in axis y.
+/// [`MACHINE`] with additional keys in axis y.
 fn with(loops: &str) -> String {
     MACHINE.replacen("controller = ", &format!("{loops}controller = "), 1)
 }
 
 #[test]
-fn filters_and_limits_reach_the_controller_in_its_units() {
+fn filters_and_limits_are_converted_to_the_units_of_the_controller() {
     use shared::config::{LowPass, Notch};
     use shared::interpolate::Smoothing;
 
@@ -59,13 +59,13 @@ fn filters_and_limits_reach_the_controller_in_its_units() {
     close(none.saturation_time_s, default.saturation_time_s);
 }
 
-/// The sample rate is 1 kHz, that of the velocity loop 4 kHz.
+/// Keys and the expected error. The sample rate is 1 kHz, the rate of the velocity loop 4 kHz.
 const BAD_LOOPS: &[(&str, &str)] = &[
     ("smoothing_s = 0", "line 6: axis.y.smoothing_s: expected a number above 0, found 0"),
     ("smoothing_s = 0.0014", "axis.y.smoothing_s: expected two samples (0.002 s) or more, found 0.0014"),
     (
         "smoothing_s = 0.513",
-        "axis.y.smoothing_s: expected with smoothing_jerk_s at most 512 samples (0.512 s)",
+        "axis.y.smoothing_s: expected at most 512 samples (0.512 s) including smoothing_jerk_s",
     ),
     (
         "smoothing_jerk_s = 0.01",
@@ -77,7 +77,7 @@ const BAD_LOOPS: &[(&str, &str)] = &[
     ),
     (
         "smoothing_s = 0.3\nsmoothing_jerk_s = 0.3",
-        "line 6: axis.y.smoothing_s: expected with smoothing_jerk_s at most 512 samples (0.512 s), found 0.3",
+        "line 6: axis.y.smoothing_s: expected at most 512 samples (0.512 s) including smoothing_jerk_s, found 0.3",
     ),
     (
         "smoothing_s = 0.3\nsmoothing_time_constant_s = 0.3",
@@ -108,7 +108,10 @@ const BAD_LOOPS: &[(&str, &str)] = &[
         "line 7: axis.y.low_pass_damping_ratio: expected a number from 0.05 to 10, found 11",
     ),
     ("travel_mm = [1, 1]", "line 6: axis.y.travel_mm[1]: expected a number above the first, found 1"),
-    ("travel_mm = [-1e6, 1]", "axis.y.travel_mm[0]: expected a travel within 100000 mm of zero, found -1e6"),
+    (
+        "travel_mm = [-1e6, 1]",
+        "axis.y.travel_mm[0]: expected a position within 100000 mm of zero, found -1e6",
+    ),
     ("travel_mm = [1]", "axis.y.travel_mm: expected an array of length 2, found an array of 1"),
     ("travel_mm = 5", "axis.y.travel_mm: expected"),
     ("stop_deceleration_m_per_s2 = 0", "stop_deceleration_m_per_s2: expected a number above 0, found 0"),
@@ -125,15 +128,16 @@ const BAD_LOOPS: &[(&str, &str)] = &[
 #[test]
 fn bad_filters_and_limits_are_refused_with_line_key_and_expectation() {
     for (loops, wanted) in BAD_LOOPS {
-        let said = Machine::parse(&with(&format!("{loops}\n")), "m.toml").expect_err(wanted).to_string();
-        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
-        assert!(!said.contains('\n'), "{said}");
+        let message = Machine::parse(&with(&format!("{loops}\n")), "m.toml").expect_err(wanted).to_string();
+        assert!(message.starts_with("m.toml: ") && message.contains(wanted), "{message}\nwanted {wanted}");
+        assert!(!message.contains('\n'), "{message}");
     }
-    // Without the controller they would be left out without a word.
+    // Without a controller, the keys would have no effect.
     for line in LOOPS.lines() {
         let text = format!("{MACHINE}{line}\n");
-        let said = Machine::parse(&text, "m.toml").expect_err(line).to_string();
+        let message = Machine::parse(&text, "m.toml").expect_err(line).to_string();
         let key = line.split(' ').next().unwrap();
-        assert!(said.contains(&format!("axis.x.controller: expected this key, as {key} is given")), "{said}");
+        let wanted = format!("axis.x.controller: expected this key, as {key} is given");
+        assert!(message.contains(&wanted), "{message}");
     }
 }

@@ -1,4 +1,4 @@
-//! Machine files that are read, refused, written.
+//! Tests of reading, refusing and writing machine files.
 
 mod fitted;
 mod loops;
@@ -53,15 +53,15 @@ ms = 0.4
 [axis.x]
 "#;
 
-/// What is said of the machine above after one change, which has to change something.
-fn said(from: &str, to: &str) -> String {
+/// The error message for [`MACHINE`] with one replacement.
+fn error_after(from: &str, to: &str) -> String {
     let text = MACHINE.replacen(from, to, 1);
     assert_ne!(text, MACHINE);
     Machine::parse(&text, "m.toml").err().unwrap_or_else(|| panic!("accepted:\n{text}")).to_string()
 }
 
 #[test]
-fn a_machine_reads_with_its_axes_in_the_order_of_the_file() {
+fn axes_are_read_in_the_order_of_the_file() {
     let machine = Machine::parse(MACHINE, "m.toml").unwrap();
     assert_eq!(machine.axis.keys().collect::<Vec<_>>(), ["y", "x"]);
     let (y, x) = (&machine.axis["y"], &machine.axis["x"]);
@@ -83,22 +83,22 @@ fn the_velocity_loop_runs_at_the_sample_rate_unless_declared() {
 }
 
 #[test]
-fn a_machine_written_reads_as_itself() {
+fn a_written_machine_is_read_as_the_same_machine() {
     let machine = Machine::parse(MACHINE, "m.toml").unwrap();
     let text = machine.to_toml();
     assert_eq!(Machine::parse(&text, "again.toml").unwrap(), machine, "{text}");
     let lines: Vec<&str> = text.lines().collect();
-    let place = |line: &str| lines.iter().position(|l| *l == line).unwrap_or_else(|| panic!("{text}"));
-    assert!(place("[axis.y]") < place("controller = \"hpc\""), "{text}");
-    assert!(place("controller = \"hpc\"") < place("[[axis.y.effect]]"), "{text}");
-    assert!(place("[[axis.y.effect]]") < place("[axis.x]"), "{text}");
+    let position = |line: &str| lines.iter().position(|l| *l == line).unwrap_or_else(|| panic!("{text}"));
+    assert!(position("[axis.y]") < position("controller = \"hpc\""), "{text}");
+    assert!(position("controller = \"hpc\"") < position("[[axis.y.effect]]"), "{text}");
+    assert!(position("[[axis.y.effect]]") < position("[axis.x]"), "{text}");
 }
 
-/// Every effect of the catalogue survives being written and read, tag and strict keys together.
+/// For every effect of the catalogue, with its name as tag and unknown keys denied.
 #[test]
-fn every_effect_written_reads_as_itself() {
+fn every_written_effect_is_read_as_the_same_effect() {
     let mut machine = Machine::parse(MACHINE, "m.toml").unwrap();
-    // Where it is declared it is not looked for.
+    // If presliding is declared, it is not searched for.
     let mechanics = &mut machine.axis["y"].settings.mechanics;
     mechanics.presliding_stiffness_n_per_um = None;
     mechanics.presliding_damping_n_s_per_m = None;
@@ -108,15 +108,15 @@ fn every_effect_written_reads_as_itself() {
         [Motor, Table, Tool, Force]
     };
     let others = ["x".to_owned()];
-    let around = crate::effects::EffectContext {
+    let with_all_stages = crate::effects::EffectContext {
         axis: &axis,
         first: true,
         others: &others,
         stages: &stages,
         travel_mm: [0.0, 100.0],
     };
-    let force = crate::effects::EffectContext { stages: &stages[3..], ..around };
-    let all = [crate::effects::initial_guesses(&around), crate::effects::initial_guesses(&force)].concat();
+    let force_only = crate::effects::EffectContext { stages: &stages[3..], ..with_all_stages };
+    let all = [with_all_stages, force_only].map(|context| crate::effects::initial_guesses(&context)).concat();
     let names: Vec<&str> = all.iter().map(Effect::name).collect();
     assert!(crate::effects::names().iter().all(|name| names.contains(name)));
     for effect in all {
@@ -126,7 +126,7 @@ fn every_effect_written_reads_as_itself() {
 }
 
 #[test]
-fn files_that_are_no_machines_are_refused() {
+fn files_that_are_not_machine_files_are_refused() {
     let cases = [
         ("", "name: expected this key"),
         ("time_s,x_command_mm\n0,1\n", "line 1: expected valid TOML"),
@@ -134,25 +134,25 @@ fn files_that_are_no_machines_are_refused() {
         ("name = \"m\"\nsample_rate_hz = 1\n[axis]", "line 3: axis: expected at least one table"),
     ];
     for (text, wanted) in cases {
-        let said = Machine::parse(text, "m.toml").unwrap_err().to_string();
-        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
-        assert!(!said.contains('\n'), "{said}");
+        let message = Machine::parse(text, "m.toml").unwrap_err().to_string();
+        assert!(message.starts_with("m.toml: ") && message.contains(wanted), "{message}\nwanted {wanted}");
+        assert!(!message.contains('\n'), "{message}");
     }
     let folder = tempfile::tempdir().unwrap();
-    let said = |path: &Path| Machine::read(path).unwrap_err().to_string();
-    assert!(said(folder.path()).contains(": expected a readable file: "));
-    assert!(said(&folder.path().join("no.toml")).contains("no.toml: expected a readable file: "));
+    let error = |path: &Path| Machine::read(path).unwrap_err().to_string();
+    assert!(error(folder.path()).contains(": expected a readable file: "));
+    assert!(error(&folder.path().join("no.toml")).contains("no.toml: expected a readable file: "));
     let binary = folder.path().join("binary.toml");
     std::fs::write(&binary, b"name = 1\n\xff").unwrap();
-    assert!(said(&binary).contains("line 2: expected UTF-8 text, found byte 0xFF"));
+    assert!(error(&binary).contains("line 2: expected UTF-8 text, found byte 0xFF"));
 }
 
-/// Whatever one slip of the finger makes of a machine file, it is read or refused in one line.
+/// Each typing error of one character gives a valid machine or an error message of one line.
 #[test]
-fn no_slip_breaks_the_reader() {
+fn no_typing_error_causes_a_panic() {
     for at in 0..MACHINE.len() {
-        for slip in ["", "\"", "[", "]", ".", "\n", "-", "9", "e", " ", "=", "ä"] {
-            let text = format!("{}{slip}{}", &MACHINE[..at], &MACHINE[at + 1..]);
+        for typed in ["", "\"", "[", "]", ".", "\n", "-", "9", "e", " ", "=", "ä"] {
+            let text = format!("{}{typed}{}", &MACHINE[..at], &MACHINE[at + 1..]);
             if let Err(error) = Machine::parse(&text, "m.toml") {
                 assert!(!error.to_string().contains('\n'));
             }

@@ -1,8 +1,8 @@
-//! Machines and effects that are refused, with the line, the key and what was expected.
+//! Tests of refused machines and effects: line, key and expectation in the error message.
 
 use super::*;
 
-/// Change to the machine above, and what has to be said of it.
+/// Text to be replaced in [`MACHINE`], its replacement, and the expected error.
 const BAD_MACHINES: &[(&str, &str, &str)] = &[
     ("1000", "0", "line 2: sample_rate_hz: expected a rate above 0 and up to 1000000, found 0"),
     ("1000", "\"fast\"", "line 2: sample_rate_hz: expected a number, found \"fast\""),
@@ -96,13 +96,13 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
 #[test]
 fn bad_machines_are_refused_with_line_key_and_expectation() {
     for (from, to, wanted) in BAD_MACHINES {
-        let said = said(from, to);
-        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
-        assert!(!said.contains('\n'), "{said}");
+        let message = error_after(from, to);
+        assert!(message.starts_with("m.toml: ") && message.contains(wanted), "{message}\nwanted {wanted}");
+        assert!(!message.contains('\n'), "{message}");
     }
 }
 
-/// The same for what stands in its effects.
+/// The same for the effects of the machine.
 const BAD_EFFECTS: &[(&str, &str, &str)] = &[
     (
         "\"backlash\"",
@@ -148,8 +148,8 @@ const BAD_EFFECTS: &[(&str, &str, &str)] = &[
 #[test]
 fn bad_effects_are_refused_with_line_key_and_expectation() {
     for (from, to, wanted) in BAD_EFFECTS {
-        let said = said(from, to);
-        assert!(said.starts_with("m.toml: ") && said.contains(wanted), "{said}\nwanted {wanted}");
-        assert!(!said.contains('\n'), "{said}");
+        let message = error_after(from, to);
+        assert!(message.starts_with("m.toml: ") && message.contains(wanted), "{message}\nwanted {wanted}");
+        assert!(!message.contains('\n'), "{message}");
     }
 }
