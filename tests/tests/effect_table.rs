@@ -4,7 +4,7 @@
 use std::fs;
 use std::path::Path;
 
-use model::effects::{KINDS, Kind, Occurrence, Parameter, Stage};
+use model::effects::{Effect, KINDS, Kind, Occurrence, Parameter, Stage};
 use model::range::Range;
 
 #[test]
@@ -15,6 +15,22 @@ fn the_table_of_effects_matches_the_catalogue() {
     }
     let written = fs::read_to_string(&path).unwrap();
     assert!(written == table(), "docs/effects.md does not match the catalogue; BLESS=1 writes it again");
+}
+
+/// An entry with the listed keys is read; without one of the keys that hold a name, it is refused.
+#[test]
+fn the_listed_keys_are_sufficient_and_names_are_required() {
+    for kind in KINDS {
+        let mut entry = serde_json::Map::from_iter([("name".to_owned(), kind.name.into())]);
+        entry.extend(kind.parameters.iter().map(|parameter| (parameter.key.to_owned(), 1.0.into())));
+        for (key, _) in kind.named_keys {
+            assert!(serde_json::from_value::<Effect>(entry.clone().into()).is_err(), "{}, {key}", kind.name);
+            let value = if *key == "channel" { "tool" } else { "y" };
+            entry.insert((*key).to_owned(), value.into());
+        }
+        let effect: Effect = serde_json::from_value(entry.into()).unwrap();
+        assert_eq!(effect.name(), kind.name);
+    }
 }
 
 fn table() -> String {
@@ -39,7 +55,9 @@ fn row(kind: &Kind) -> String {
         Range::Signed => "of any sign".to_owned(),
         range => range.description(),
     };
-    let linear = list(&|parameter| format!("`{}`, {}", parameter.key, range(parameter)));
+    let named = kind.named_keys.iter().map(|(key, meaning)| format!("`{key}`, {meaning}<br>"));
+    let linear =
+        named.collect::<String>() + &list(&|parameter| format!("`{}`, {}", parameter.key, range(parameter)));
     let rotary = list(&|parameter| format!("`{}`", parameter.key_on(true)));
     let channels: Vec<&str> = kind.shown_in.iter().map(|stage| channel(*stage)).collect();
     let often = if kind.occurrence == Occurrence::Repeated { "yes" } else { "no" };

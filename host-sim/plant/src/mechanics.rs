@@ -215,7 +215,7 @@ impl<L: Lane> Stepper<L> {
 mod tests {
     use super::*;
     use crate::friction::Friction;
-    use model::effects::{Backlash, FrictionAsymmetry, PitchCyclic, Stribeck, TorqueRipple};
+    use model::effects::{Backlash, FrictionAsymmetry, PeriodicError, Stribeck, TorqueRipple};
 
     fn axis() -> AxisParameters {
         AxisParameters {
@@ -296,7 +296,7 @@ mod tests {
     fn a_pair_moves_as_its_axes_do_alone() {
         let mut rough = axis();
         rough.motor_coulomb_n = 0.0;
-        rough.screw.cyclic = vec![PitchCyclic { amplitude_um: 2.0, period_mm: 5.0, phase_rad: 0.3 }];
+        rough.screw.periodic = vec![PeriodicError { amplitude_um: 2.0, period_mm: 5.0, phase_rad: 0.3 }];
         rough.ripple = vec![TorqueRipple { amplitude_n: 15.0, period_mm: 4.0, phase_rad: 1.0 }];
         rough.load.force_n = 40.0;
         let mut plain = axis();

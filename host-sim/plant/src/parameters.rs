@@ -3,8 +3,8 @@
 
 use model::axis::Mechanics;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, Effect, EncoderEllipticity, ForceWindup, Intalk, Latency,
-    ResolverDividing, Resonance, Squareness, Straightness, ThermalDrift, TorqueRipple,
+    Channel, ConstantLoad, Crosstalk, Effect, ForceWindup, Intalk, Latency, PeriodicError, Resonance,
+    Squareness, Straightness, ThermalDrift, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
@@ -34,10 +34,8 @@ pub struct AxisParameters {
     pub load: ConstantLoad,
     /// Force ripple of the motor.
     pub ripple: Vec<TorqueRipple>,
-    /// Errors of the motor's resolver.
-    pub resolver: Vec<ResolverDividing>,
-    /// Errors of the motor's encoder.
-    pub encoder: Vec<EncoderEllipticity>,
+    /// Errors of the motor's resolver or encoder.
+    pub resolver: Vec<PeriodicError>,
     /// Effects between table and tool.
     pub tool: ToolParameters,
     /// Effects in the controller.
@@ -136,8 +134,8 @@ impl AxisParameters {
             Effect::ConstantLoad(e) => self.load.force_n += e.force_n,
             // Part of the controller: see `ServoParameters::of`.
             Effect::ServoMismatch(_) | Effect::VelocityLag(_) => {}
-            Effect::ResolverDividing(e) => self.resolver.push(e),
-            Effect::EncoderEllipticity(e) => self.encoder.push(e),
+            Effect::ResolverDividing(e) => self.resolver.push(e.error()),
+            Effect::EncoderEllipticity(e) => self.resolver.push(e.error()),
             Effect::Intalk(e) => self.tool.intalk = e,
             Effect::Crosstalk(e) => self.tool.crosstalk.push(e),
             Effect::Squareness(e) => self.tool.squareness.um_per_m += e.um_per_m,
@@ -147,7 +145,7 @@ impl AxisParameters {
             Effect::Latency(e) => self.latency.push(e),
             Effect::Backlash(e) => self.screw.backlash = e,
             Effect::PitchProgressive(e) => self.screw.progressive.slope_um_per_m += e.slope_um_per_m,
-            Effect::PitchCyclic(e) => self.screw.cyclic.push(e),
+            Effect::PitchCyclic(e) => self.screw.periodic.push(e.error()),
             Effect::ForceWindup(e) => self.forced_windup = Some(e),
             Effect::Windup(e) => {
                 if let Some(spring) = &mut self.spring {
@@ -179,8 +177,7 @@ impl AxisParameters {
     #[must_use]
     #[inline]
     pub fn resolver_error_m(&self, motor_m: f64) -> f64 {
-        self.resolver.iter().map(|error| error.error_m(motor_m)).sum::<f64>()
-            + self.encoder.iter().map(|error| error.error_m(motor_m)).sum::<f64>()
+        self.resolver.iter().map(|error| error.error_m(motor_m)).sum()
     }
 
     /// True motor position, m, of a reading (m): the inverse of motor + [`AxisParameters::resolver_error_m`], by two

@@ -2,7 +2,7 @@
 //!
 //! Positions of the motor are reflected to the table (rotation times lead), m.
 
-use model::effects::{Backlash, PitchCyclic, PitchProgressive};
+use model::effects::{Backlash, PeriodicError, PitchProgressive};
 
 /// Geometric errors of the screw.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -12,7 +12,7 @@ pub struct Screw {
     /// Pitch error in proportion to the position.
     pub progressive: PitchProgressive,
     /// Periodic pitch errors.
-    pub cyclic: Vec<PitchCyclic>,
+    pub periodic: Vec<PeriodicError>,
 }
 
 /// Axial elasticity between motor and table, in series: screw shaft, nut, bearing, coupling.
@@ -28,7 +28,9 @@ impl Screw {
     /// Whether the screw has no pitch error. It may have backlash.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        self.progressive.slope_um_per_m == 0.0 && self.cyclic.is_empty()
+        // Without `..`, so that the compiler points here when a field is added.
+        let Self { backlash: _, progressive, periodic } = self;
+        progressive.slope_um_per_m == 0.0 && periodic.is_empty()
     }
 
     /// Position of the table without load and without backlash, m, for a true motor position (m): motor + pitch error.
@@ -42,8 +44,8 @@ impl Screw {
     #[must_use]
     #[inline]
     pub fn error_m(&self, motor_m: f64) -> f64 {
-        let cyclic: f64 = self.cyclic.iter().map(|cyclic| cyclic.error_m(motor_m)).sum();
-        self.progressive.error_m(motor_m) + cyclic
+        let periodic: f64 = self.periodic.iter().map(|error| error.error_m(motor_m)).sum();
+        self.progressive.error_m(motor_m) + periodic
     }
 
     /// Position of the table of a rigid screw, m, after the nut has come to `nominal_m` and before which the table

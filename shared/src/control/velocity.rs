@@ -3,8 +3,8 @@
 //! The integral is the sum of ev·T up to and including the present tick (backward Euler), not rounded.
 //!
 //! Anti-windup by conditional integration: [`VelocityControl::pi_output`] computes the new integral, and
-//! [`VelocityControl::limit`], which gets the force after filters and compensation, keeps it unless the force is at its
-//! limit and ev would drive it further beyond.
+//! [`VelocityControl::limit`], which gets the force after filters and compensation, stores it. If the force is at its
+//! limit and ev has the sign of the force, the previous integral is kept instead.
 //!
 //! # Example
 //!
@@ -99,8 +99,8 @@ impl<S: Scalar> VelocityControl<S> {
         PiOutput { force: S::round(error * self.proportional + integral), error, integral }
     }
 
-    /// Limits the force after filters and compensation, and tells whether the limit is active. The new integral is kept
-    /// unless that would wind it up.
+    /// Limits the force after filters and compensation; also returns whether the limit is active. Stores the new integral,
+    /// except if the limit is active and the velocity error has the sign of the force (anti-windup).
     pub fn limit(&self, state: &mut State<S>, pi: &PiOutput<S>, unlimited: S) -> (S, bool) {
         let force = unlimited.clamp_magnitude(self.force_limit);
         let zero = S::default();

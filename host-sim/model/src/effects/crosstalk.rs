@@ -31,6 +31,7 @@ impl EffectModel for Crosstalk {
     const SUMMARY: &'static str = "tool − table, proportional to the acceleration of the source axis";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("um_s2_per_m", Unit::MicrometrePerAcceleration, Range::Signed)];
+    const NAMED_KEYS: &'static [(&'static str, &'static str)] = &[("source", "name of another axis")];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
     const DRAW_NUMBER: Option<u32> = Some(9);

@@ -28,6 +28,7 @@ impl EffectModel for Latency {
     const SUMMARY: &'static str = "the channel is logged late (`ms` below 0: early) relative to the other channels; a late motor reading is equivalent to an early table reading";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("ms", Unit::Millisecond, Range::Within(LONGEST_LATENCY_MS))];
+    const NAMED_KEYS: &'static [(&'static str, &'static str)] = &[("channel", "`table`, `tool` or `force`")];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Table, Stage::Tool];
     const DRAW_NUMBER: Option<u32> = Some(14);

@@ -49,7 +49,7 @@ use declaration::{EntryValue, catalogue};
 
 pub use declaration::{
     Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Misplaced, Neighbours,
-    Occurrence, Parameter, Placement, Prerequisite, Stage, Unit, Wording, harmonic,
+    Occurrence, Parameter, PeriodicError, Placement, Prerequisite, Stage, Unit, Wording, harmonic,
 };
 
 pub use backlash::Backlash;

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, Wording, harmonic,
-    harmonic_effect,
+    Draw, EffectContext, EffectModel, Neighbours, PeriodicError, Prerequisite, Stage, Unit, Wording,
+    harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -25,10 +25,11 @@ pub struct PitchCyclic {
 }
 
 impl PitchCyclic {
-    /// Deviation of the table position from the nominal one, m.
+    /// Deviation of the table position from the nominal one, at a motor position.
     #[must_use]
-    pub fn error_m(&self, motor_m: f64) -> f64 {
-        1e-6 * self.amplitude_um * harmonic::wave(1e3 * motor_m, self.period_mm, self.phase_rad)
+    pub const fn error(&self) -> PeriodicError {
+        let Self { amplitude_um, period_mm, phase_rad } = *self;
+        PeriodicError { amplitude_um, period_mm, phase_rad }
     }
 }
 

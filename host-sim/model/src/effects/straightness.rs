@@ -32,6 +32,7 @@ impl EffectModel for Straightness {
     const SUMMARY: &'static str = "tool += coefficient × (position of the source axis)²";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("um_per_m2", Unit::MicrometrePerSquareMetre, Range::Signed)];
+    const NAMED_KEYS: &'static [(&'static str, &'static str)] = &[("source", "name of another axis")];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
     const DRAW_NUMBER: Option<u32> = Some(11);

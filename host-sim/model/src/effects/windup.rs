@@ -9,7 +9,8 @@ use super::declaration::{
 };
 use crate::axis::Settings;
 
-/// Replaces the declared stiffness between motor and table.
+/// Replaces the declared stiffness k between motor and table. Without damping, motor − table = F/k for the force F that the
+/// drive train transmits (Hooke's law); `plant::screw::Spring` is the simulated element.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Windup {

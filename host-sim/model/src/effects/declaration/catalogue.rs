@@ -17,6 +17,7 @@ macro_rules! catalogue {
             summary: $variant::SUMMARY,
             told_by_key: $variant::TOLD_BY_KEY,
             parameters: $variant::PARAMETERS,
+            named_keys: $variant::NAMED_KEYS,
             occurrence: $variant::OCCURRENCE,
             shown_in: $variant::SHOWN_IN,
             draw_number: $variant::DRAW_NUMBER,
@@ -155,6 +156,8 @@ macro_rules! catalogue {
             pub told_by_key: Option<&'static str>,
             /// [`EffectModel::PARAMETERS`].
             pub parameters: &'static [Parameter],
+            /// [`EffectModel::NAMED_KEYS`].
+            pub named_keys: &'static [(&'static str, &'static str)],
             /// [`EffectModel::OCCURRENCE`].
             pub occurrence: Occurrence,
             /// [`EffectModel::SHOWN_IN`].

@@ -27,6 +27,9 @@ pub trait EffectModel: Sized + Clone {
     /// Parameters in the order of [`EffectModel::values`]. Trailing parameters may be absent from an effect.
     const PARAMETERS: &'static [Parameter];
 
+    /// Required keys whose value is a name, each with its meaning.
+    const NAMED_KEYS: &'static [(&'static str, &'static str)] = &[];
+
     /// Whether an axis may have the effect more than once.
     const OCCURRENCE: Occurrence;
 

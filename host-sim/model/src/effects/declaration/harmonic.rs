@@ -10,6 +10,25 @@ pub fn wave(position_mm: f64, period_mm: f64, phase_rad: f64) -> f64 {
     (TAU * position_mm / period_mm + phase_rad).sin()
 }
 
+/// A periodic error of a position: amplitude·sin(2π·position/period + phase).
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct PeriodicError {
+    /// Half of the peak-to-peak value.
+    pub amplitude_um: f64,
+    /// Period.
+    pub period_mm: f64,
+    /// Phase at position zero.
+    pub phase_rad: f64,
+}
+
+impl PeriodicError {
+    /// The error at a position, both in m.
+    #[must_use]
+    pub fn error_m(&self, position_m: f64) -> f64 {
+        1e-6 * self.amplitude_um * wave(1e3 * position_m, self.period_mm, self.phase_rad)
+    }
+}
+
 /// Periods of the harmonics from order 1 to the highest order.
 pub fn periods(fundamental_mm: f64, highest_order: u32) -> impl Iterator<Item = f64> {
     (1..=highest_order).map(move |order| fundamental_mm / f64::from(order))

@@ -21,6 +21,7 @@ pub use coordinate::Coordinate;
 pub use draw::Draw;
 pub use effect_model::EffectModel;
 pub use entry::EntryValue;
+pub use harmonic::PeriodicError;
 pub(super) use harmonic::harmonic_effect;
 pub use identity::{Distinction, Occurrence};
 pub use parameter::Parameter;

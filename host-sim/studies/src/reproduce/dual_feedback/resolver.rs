@@ -44,7 +44,7 @@ fn dividing() -> ResolverDividing {
 /// Sampled phase of the resolver at a motor position, m; `None` if the signal is lost.
 #[expect(clippy::cast_possible_truncation, reason = "24 bits")]
 fn samples(motor_m: f64) -> Option<Phase> {
-    let indicated_m = motor_m + dividing().error_m(motor_m);
+    let indicated_m = motor_m + dividing().error().error_m(motor_m);
     let (sine, cosine) = (TAU * 1e3 * indicated_m / turn_mm()).sin_cos();
     let counts = |value: f64| (SIGNAL_COUNTS * value).round() as i32;
     Phase::from_samples(counts(sine), counts(cosine), 1 << 22)
