@@ -105,7 +105,7 @@ fn numbers_out_of_range_are_rejected() {
         (
             "\"thermal_drift\"\namplitude_um = 1.0\ntime_constant_s = 5.0\n[[axis.x.effect]]\nname = \"thermal_drift\"\n\
              amplitude_um = 1.0\ntime_constant_s = 9.0",
-            "effect[1]: expected this effect once",
+            "effect[1]: expected at most one effect of this name",
         ),
     ] {
         assert_fails(&effect(text), MOTION, 2, &["machine.toml: ", expected]);

@@ -21,7 +21,7 @@ pub struct ConstantLoad {
 
 impl EffectModel for ConstantLoad {
     const NAME: &'static str = "constant_load";
-    const SUMMARY: &'static str = "constant force F against motion in + direction: Coulomb friction + F there, Coulomb friction − F in − direction";
+    const SUMMARY: &'static str = "constant force F against motion in + direction; friction is Coulomb + F in + direction, Coulomb − F in − direction";
     const PARAMETERS: &'static [Parameter] = &[Parameter::new("force_n", Unit::Newton, Range::Signed)];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Force, Stage::Table];

@@ -113,7 +113,7 @@ fn rates(machine: &Machine, document: &Document<'_>) -> Result<(), InputError> {
     Err(document.refuse(key, &format!("{times}, a whole number")))
 }
 
-/// An axis and where it stands.
+/// An axis with its key in the document.
 struct Context<'a> {
     key: &'a str,
     axis: &'a Axis,

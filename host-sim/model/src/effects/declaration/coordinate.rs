@@ -48,7 +48,7 @@ impl Coordinate {
     }
 
     /// The limit of the search that the value has reached, if any. A limit counts as reached within 0.1 %, as a
-    /// truncated step may end beside it by rounding.
+    /// truncated step may miss it by a rounding error.
     #[must_use]
     pub fn limit(&self) -> Option<f64> {
         const NEAR: f64 = 1e-3;
