@@ -36,16 +36,17 @@ fn the_listed_keys_are_sufficient_and_names_are_required() {
 fn table() -> String {
     let rows: String = KINDS.iter().map(row).collect();
     format!(
-        "# Effects\n\nEntries of `[[axis.NAME.effect]]` in a machine file, and what a trace can find. Written from the \
-         catalogue by `tests/tests/effect_table.rs`. On rotary axes degrees stand for mm and N·m for N in the keys of results, \
-         with the same numbers.\n\nShown in: the channels of which at least one is needed to look for the effect. An effect \
-         that may stand more than once adds up.\n\n| name | what it does | parameters | on rotary axes | shown in | more than once |\n\
+        "# Effects\n\nThe entries of `[[axis.NAME.effect]]` in a machine file, which are also what a trace can find. This file is \
+         generated from the catalogue by `tests/tests/effect_table.rs`. In the results of rotary axes, keys are in degrees \
+         instead of mm and in N·m instead of N, with the same numbers.\n\nVisible in: the channels of which at least one is \
+         required to search for the effect. If an axis has an effect more than once, the contributions add up.\n\n\
+         | name | description | parameters | on rotary axes | visible in | more than once |\n\
          |---|---|---|---|---|---|\n{rows}"
     )
 }
 
 fn row(kind: &Kind) -> String {
-    let name = kind.told_by_key.map_or_else(
+    let name = kind.distinguishing_key.map_or_else(
         || format!("`{}`", kind.name),
         |key| format!("`{}` with `{key}`, without masses", kind.name),
     );

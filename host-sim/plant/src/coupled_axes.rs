@@ -150,7 +150,7 @@ impl CoupledAxis {
         let screw = &parameters.screw;
         // Both are relative to the start, where the spring has no force.
         let error_m = screw.error_m(motor_m) - screw.error_m(self.motor_start_m);
-        let gap_m = screw.backlash.swallowed_m(error_m - stretch_m);
+        let gap_m = screw.backlash.absorbed_m(error_m - stretch_m);
         let in_gap = screw.backlash.half_m() > 0.0 && gap_m.abs() < screw.backlash.half_m();
         let rate = motion.table_m_per_s - motion.motor_m_per_s;
         // Within the gap nothing damps: the structure's damper is cancelled.

@@ -53,6 +53,6 @@ impl Screw {
     #[must_use]
     #[inline]
     pub fn rigid_table_m(&self, nominal_m: f64, table_m: f64) -> f64 {
-        nominal_m - self.backlash.swallowed_m(nominal_m - table_m)
+        nominal_m - self.backlash.absorbed_m(nominal_m - table_m)
     }
 }

@@ -26,7 +26,7 @@ impl Backlash {
     /// Part of a deflection (screw − table, m) within the gap. It does not strain the spring of the screw.
     #[must_use]
     #[inline]
-    pub fn swallowed_m(&self, deflection_m: f64) -> f64 {
+    pub fn absorbed_m(&self, deflection_m: f64) -> f64 {
         deflection_m.clamp(-self.half_m(), self.half_m())
     }
 }

@@ -39,7 +39,7 @@ impl ForceWindup {
 
 impl EffectModel for ForceWindup {
     const NAME: &'static str = "windup";
-    const TOLD_BY_KEY: Option<&'static str> = Some("friction_n");
+    const DISTINGUISHING_KEY: Option<&'static str> = Some("friction_n");
     const SUMMARY: &'static str =
         "deflection of the drive train by the measured force less the friction before the drive train";
     const PARAMETERS: &'static [Parameter] = &[

@@ -15,7 +15,7 @@ macro_rules! catalogue {
         pub const KINDS: &[Kind] = &[$(Kind {
             name: $variant::NAME,
             summary: $variant::SUMMARY,
-            told_by_key: $variant::TOLD_BY_KEY,
+            distinguishing_key: $variant::DISTINGUISHING_KEY,
             parameters: $variant::PARAMETERS,
             named_keys: $variant::NAMED_KEYS,
             occurrence: $variant::OCCURRENCE,
@@ -135,11 +135,11 @@ macro_rules! catalogue {
                     Some(EntryValue::Text(name)) => name,
                     Some(EntryValue::Number(_)) | None => return Err(de::Error::missing_field("name")),
                 };
-                let is_told = |kind: &&Kind| kind.told_by_key.is_some_and(|key| keys.contains_key(key));
+                let is_distinguished = |kind: &&Kind| kind.distinguishing_key.is_some_and(|key| keys.contains_key(key));
                 let kinds = KINDS.iter().filter(|kind| kind.name == name);
-                let told_by_key = kinds.clone().find(is_told).and_then(|kind| kind.told_by_key);
+                let distinguishing_key = kinds.clone().find(is_distinguished).and_then(|kind| kind.distinguishing_key);
                 let values = MapDeserializer::new(keys.into_iter());
-                $(if name == $variant::NAME && $variant::TOLD_BY_KEY == told_by_key {
+                $(if name == $variant::NAME && $variant::DISTINGUISHING_KEY == distinguishing_key {
                     return $variant::deserialize(values).map(Self::$variant);
                 })+
                 Err(de::Error::unknown_variant(&name, &[$($variant::NAME),+]))
@@ -152,8 +152,8 @@ macro_rules! catalogue {
             pub name: &'static str,
             /// [`EffectModel::SUMMARY`].
             pub summary: &'static str,
-            /// [`EffectModel::TOLD_BY_KEY`].
-            pub told_by_key: Option<&'static str>,
+            /// [`EffectModel::DISTINGUISHING_KEY`].
+            pub distinguishing_key: Option<&'static str>,
             /// [`EffectModel::PARAMETERS`].
             pub parameters: &'static [Parameter],
             /// [`EffectModel::NAMED_KEYS`].
@@ -173,7 +173,7 @@ macro_rules! catalogue {
         /// Names of all effects, in catalogue order, each once.
         #[must_use]
         pub fn names() -> Vec<&'static str> {
-            KINDS.iter().filter(|kind| kind.told_by_key.is_none()).map(|kind| kind.name).collect()
+            KINDS.iter().filter(|kind| kind.distinguishing_key.is_none()).map(|kind| kind.name).collect()
         }
 
         impl Effect {

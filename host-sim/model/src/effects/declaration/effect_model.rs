@@ -22,7 +22,7 @@ pub trait EffectModel: Sized + Clone {
     const SUMMARY: &'static str;
 
     /// Key that distinguishes this kind from another kind of the same name, if there is one.
-    const TOLD_BY_KEY: Option<&'static str> = None;
+    const DISTINGUISHING_KEY: Option<&'static str> = None;
 
     /// Parameters in the order of [`EffectModel::values`]. Trailing parameters may be absent from an effect.
     const PARAMETERS: &'static [Parameter];
