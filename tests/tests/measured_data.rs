@@ -66,7 +66,7 @@ fn the_trace_of_emps_matches_the_readme() {
     assert!(near(repeats(Stage::Force).non_repeatable, 0.515), "{:?}", axis.repeats);
     assert!(near(repeats(Stage::Motor).non_repeatable, 0.222), "{:?}", axis.repeats);
     // Without feedback, over 0.1 and 0.5 s.
-    let errors_um: Vec<[f64; 2]> = axis.free_runs.iter().map(|run| [run.declared_um, run.after_um]).collect();
+    let errors_um: Vec<[f64; 2]> = axis.free_runs.iter().map(|run| [run.declared, run.after]).collect();
     for (found, figure) in errors_um.iter().zip([[37.9, 13.3], [582.0, 208.0]]) {
         assert!(found.iter().zip(figure).all(|(found, figure)| near(*found, figure)), "{errors_um:?}");
     }

@@ -131,6 +131,8 @@ impl Friction {
     pub fn dry_n(&self, about: f64, sliding: SlidingState, holding_n: f64) -> f64 {
         self.through_zero_n(about).unwrap_or_else(|| {
             let level_n = self.level_n(about, sliding);
+            // A level that is negative or not a number, from values beyond any machine's, holds nothing.
+            let level_n = level_n.max(0.0);
             holding_n.clamp(-level_n, level_n)
         })
     }
@@ -159,6 +161,17 @@ impl Friction {
 mod tests {
     use super::*;
     use crate::presliding::StepTime;
+
+    /// Shear thinning by more than the whole friction makes the level negative at standstill.
+    #[test]
+    fn a_negative_sliding_level_holds_nothing() {
+        let mut friction = Friction { coulomb_n: 1.0, ..Friction::default() };
+        friction.shear.force_n = 50.0;
+        friction.shear.velocity_mm_s = 10.0;
+        let still = SlidingState::default();
+        assert!(friction.level_n(0.0, still) < 0.0);
+        assert_eq!(friction.dry_n(0.0, still, 5.0).abs().to_bits(), 0.0f64.to_bits());
+    }
 
     fn guide() -> Friction {
         Friction {

@@ -11,7 +11,7 @@ pub struct AxisView<'a> {
     /// The result of the trace.
     pub trace: &'a AxisTrace,
     /// The validation logs.
-    pub evidence: FitData<'a>,
+    pub data: FitData<'a>,
     /// Residuals of the declared model, fitted within its tolerance.
     pub before: Vec<ResidualSeries>,
     /// Residuals of the model with the effects found.
@@ -22,19 +22,19 @@ impl<'a> AxisView<'a> {
     /// One for each axis of a trace.
     pub fn all(trace: &'a Trace) -> Vec<Self> {
         let of_axis = |(index, axis): (usize, &'a AxisTrace)| {
-            let evidence = FitData { bias: &axis.bias, ..trace.data(&trace.validate_logs, index) };
+            let data = FitData { bias: &axis.bias, ..trace.data(&trace.validate_logs, index) };
             let residuals = |model: &AxisModel| {
-                axis.scopes.iter().flat_map(|scope| evidence.residuals(model, scope)).collect()
+                axis.scopes.iter().flat_map(|scope| data.residuals(model, scope)).collect()
             };
             let (before, after) = (residuals(&axis.declared), residuals(&axis.model));
-            Self { trace: axis, evidence, before, after }
+            Self { trace: axis, data, before, after }
         };
         trace.axes.iter().enumerate().map(of_axis).collect()
     }
 
     /// The validation log on which the residual of a stage is largest before.
     pub fn log_with_largest_residual(&self, stage: Stage) -> Option<usize> {
-        let error = |series: &ResidualSeries| self.evidence.rms(std::slice::from_ref(series), stage);
+        let error = |series: &ResidualSeries| self.data.rms(std::slice::from_ref(series), stage);
         let of_stage = self.before.iter().filter(|series| series.stage == stage && !series.values.is_empty());
         // Reversed, as `max_by` takes the last of equal ones: of equal logs, the first counts.
         of_stage.rev().max_by(|a, b| error(a).total_cmp(&error(b))).map(|series| series.log)
@@ -43,13 +43,13 @@ impl<'a> AxisView<'a> {
     /// Samples of the residual of a stage over one log after settling, and the number of samples skipped before.
     pub fn settled<'p>(&self, all: &'p [ResidualSeries], stage: Stage, log: usize) -> (usize, &'p [f64]) {
         let values = series(all, stage, log).map_or(&[][..], |series| &series.values);
-        let settling = self.evidence.settling(log).min(values.len());
+        let settling = self.data.settling(log).min(values.len());
         (settling, &values[settling..])
     }
 
     /// Whether the effects found change the rms residual of a stage by more than 1 %.
     pub fn is_changed(&self, stage: Stage) -> bool {
-        let [before, after] = [&self.before, &self.after].map(|all| self.evidence.rms(all, stage));
+        let [before, after] = [&self.before, &self.after].map(|all| self.data.rms(all, stage));
         (after - before).abs() > 0.01 * before
     }
 }

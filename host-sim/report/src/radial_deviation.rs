@@ -81,7 +81,7 @@ impl Run<'_> {
 
     /// A deviation (µm), given by sample and angle of the command, averaged over pieces of each arc.
     fn laps(&self, deviation: impl Fn(usize, f64) -> f64) -> Vec<Lap> {
-        let settling = self.axes[0].evidence.settling(self.circle.log);
+        let settling = self.axes[0].data.settling(self.circle.log);
         let lap = |arc: &Arc| {
             let settled: Vec<usize> = arc.samples.clone().filter(|&i| i >= settling).collect();
             let samples_per_turn = arc.samples.len() as f64 * TAU / arc.swept_rad;

@@ -118,7 +118,7 @@ fn time_chart(trace: &Trace, view: &AxisView<'_>, stage: Stage, log: usize, widt
         description: &caption,
         x: "time, s",
         y: &format!("residual, {unit}"),
-        noise: 2.0 * view.evidence.noise_of_log(&view.trace.model, stage, log),
+        noise: 2.0 * view.data.noise_of_log(&view.trace.model, stage, log),
         layers,
     };
     (chart.svg(), caption)
@@ -127,8 +127,7 @@ fn time_chart(trace: &Trace, view: &AxisView<'_>, stage: Stage, log: usize, widt
 fn rms_before_and_after(view: &AxisView<'_>, stage: Stage, log: usize) -> String {
     let (unit, _) = residual_unit(view.trace.unit, stage);
     let rms = |all: &[ResidualSeries]| {
-        let rms =
-            series(all, stage, log).map(|series| view.evidence.rms(std::slice::from_ref(series), stage));
+        let rms = series(all, stage, log).map(|series| view.data.rms(std::slice::from_ref(series), stage));
         format!("{} {unit}", significant(rms.unwrap_or(0.0), 3))
     };
     if view.is_changed(stage) {

@@ -3,6 +3,7 @@
 use super::caveats;
 use files::format::{percent, significant};
 use files::log::Unit;
+use model::effects::Stage;
 use trace::Trace;
 use trace::analysis::empirical::Empirical;
 use trace::analysis::free_run::FreeRun;
@@ -195,14 +196,16 @@ pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
 
 /// The error of the models without feedback.
 #[must_use]
-pub fn free_run(run: &FreeRun) -> String {
+pub fn free_run(unit: Unit, run: &FreeRun) -> String {
+    let (symbol, _) = residual_unit(unit, Stage::Motor);
+    let force = if unit == Unit::Degree { "torque" } else { "force" };
     format!(
-        "{}: simulated with the measured force alone, the declared model has an error of {} µm rms within {} s, the \
-         model with the effects found {} µm ({} {}, held out).",
+        "{}: simulated with the measured {force} alone, the declared model has an error of {} {symbol} rms within {} s, \
+         the model with the effects found {} {symbol} ({} {}, held out).",
         run.axis,
-        significant(run.declared_um, 3),
+        significant(run.declared, 3),
         significant(run.seconds, 2),
-        significant(run.after_um, 3),
+        significant(run.after, 3),
         run.runs,
         if run.runs == 1 { "run" } else { "runs" },
     )

@@ -1,6 +1,7 @@
 //! The variables over which residuals are plotted, and the mean residual over a variable.
 
 use super::axis_view::AxisView;
+use files::log::Unit;
 use model::effects::{Abscissa, Effect, Stage};
 use numerics::bins::{Bin, binned};
 use trace::analysis::variable::Variable;
@@ -16,7 +17,7 @@ const LEAST_SAMPLES: usize = 8;
 
 /// The variable over which an effect's residual is plotted.
 pub fn of_effect(effect: &Effect, view: &AxisView<'_>) -> Abscissa {
-    let is_force_known = view.evidence.logs.iter().all(|log| log.axes[view.evidence.axis].force.is_some());
+    let is_force_known = view.data.logs.iter().all(|log| log.axes[view.data.axis].force.is_some());
     match effect.abscissa() {
         Abscissa::Force if !is_force_known => Abscissa::Acceleration,
         Abscissa::OtherPosition(None) => Abscissa::OtherPosition(first_other(view)),
@@ -40,39 +41,52 @@ pub fn of_residual(variable: Variable, view: &AxisView<'_>) -> Option<Abscissa> 
 
 /// The name of a variable with its unit, for an axis of a plot.
 pub fn label(abscissa: &Abscissa, view: &AxisView<'_>) -> String {
-    let name = |name: &Option<String>| &view.evidence.names[other(name.as_deref(), view)];
+    let name = |axis: usize| &view.data.names[axis];
+    let is_rotary = |axis: usize| {
+        view.data.logs.iter().filter_map(|log| log.axes.get(axis)?.unit).any(|unit| unit == Unit::Degree)
+    };
+    let length = |axis: usize| if is_rotary(axis) { "°" } else { "mm" };
+    let acceleration = |axis: usize| if is_rotary(axis) { "1000°/s²" } else { "m/s²" };
+    let own = view.data.axis;
     match abscissa {
         Abscissa::Time => "time, s".to_owned(),
-        Abscissa::Position => "position, mm".to_owned(),
+        Abscissa::Position => format!("position, {}", length(own)),
         Abscissa::WithinPeriod(period_mm) => {
-            let period = files::format::significant(*period_mm, 4);
-            format!("motor position within each {period} mm, mm")
+            let period = model::effects::Unit::Millimetre
+                .with(&files::format::significant(*period_mm, 4), is_rotary(own));
+            format!("motor position within each {period}, {}", length(own))
         }
-        Abscissa::Velocity => "velocity, mm/s".to_owned(),
-        Abscissa::Acceleration => "acceleration, m/s²".to_owned(),
-        Abscissa::Force => "drive force, N".to_owned(),
-        Abscissa::OtherPosition(axis) => format!("position of {}, mm", name(axis)),
-        Abscissa::OtherAcceleration(axis) => format!("acceleration of {}, m/s²", name(axis)),
+        Abscissa::Velocity => format!("velocity, {}/s", length(own)),
+        Abscissa::Acceleration => format!("acceleration, {}", acceleration(own)),
+        Abscissa::Force => (if is_rotary(own) { "drive torque, N·m" } else { "drive force, N" }).to_owned(),
+        Abscissa::OtherPosition(axis) => {
+            let axis = other(axis.as_deref(), view);
+            format!("position of {}, {}", name(axis), length(axis))
+        }
+        Abscissa::OtherAcceleration(axis) => {
+            let axis = other(axis.as_deref(), view);
+            format!("acceleration of {}, {}", name(axis), acceleration(axis))
+        }
     }
 }
 
 /// The values of a variable over one log, if it was measured, in the unit of its [`label`].
 fn values(abscissa: &Abscissa, view: &AxisView<'_>, log: usize) -> Option<Vec<f64>> {
-    let log = &view.evidence.logs[log];
-    let own = &log.axes[view.evidence.axis];
+    let log = &view.data.logs[log];
+    let own = &log.axes[view.data.axis];
     let millimetres = |values: &[f64]| values.iter().map(|v| 1e3 * v).collect();
     let carried = |axis: usize| log.axes.get(axis).and_then(AxisSignals::table_or_motor);
     let acceleration = |smooth: &Smooth| smooth.acceleration.clone();
     let other = |name: &Option<String>| carried(other(name.as_deref(), view));
     match abscissa {
         Abscissa::Time => Some((0..log.len()).map(|i| log.start_s + i as f64 * log.sample_s).collect()),
-        Abscissa::Position => carried(view.evidence.axis).map(|smooth| millimetres(&smooth.position)),
+        Abscissa::Position => carried(view.data.axis).map(|smooth| millimetres(&smooth.position)),
         Abscissa::WithinPeriod(period_mm) => {
             let motor = own.motor.as_ref().or(own.table.as_ref())?;
             Some(motor.position.iter().map(|m| (1e3 * m).rem_euclid(*period_mm)).collect())
         }
-        Abscissa::Velocity => carried(view.evidence.axis).map(|smooth| millimetres(&smooth.velocity)),
-        Abscissa::Acceleration => carried(view.evidence.axis).map(acceleration),
+        Abscissa::Velocity => carried(view.data.axis).map(|smooth| millimetres(&smooth.velocity)),
+        Abscissa::Acceleration => carried(view.data.axis).map(acceleration),
         Abscissa::Force => own.force.as_ref().map(|force| force.position.clone()),
         Abscissa::OtherPosition(axis) => other(axis).map(|smooth| millimetres(&smooth.position)),
         Abscissa::OtherAcceleration(axis) => other(axis).map(acceleration),
@@ -81,13 +95,13 @@ fn values(abscissa: &Abscissa, view: &AxisView<'_>, log: usize) -> Option<Vec<f6
 
 /// The first of the other axes.
 fn first_other(view: &AxisView<'_>) -> Option<String> {
-    let (names, own) = (view.evidence.names, view.evidence.axis);
+    let (names, own) = (view.data.names, view.data.axis);
     names.iter().enumerate().find(|(axis, _)| *axis != own).map(|(_, name)| name.clone())
 }
 
 /// The axis with a name, or the view's own if there is none.
 fn other(name: Option<&str>, view: &AxisView<'_>) -> usize {
-    let (names, own) = (view.evidence.names, view.evidence.axis);
+    let (names, own) = (view.data.names, view.data.axis);
     names.iter().position(|other| Some(other.as_str()) == name).unwrap_or(own)
 }
 

@@ -44,7 +44,8 @@ fn remarks(trace: &Trace) -> Vec<String> {
     let shown = if trace.fit_logs.len() == 1 { &trace.axes[..] } else { &[] };
     let repeats =
         shown.iter().flat_map(|axis| axis.repeats.iter().map(|part| sentences::repeats(axis, part)));
-    let free_runs = axes().flat_map(|axis| axis.free_runs.iter().map(sentences::free_run));
+    let free_runs =
+        axes().flat_map(|axis| axis.free_runs.iter().map(|run| sentences::free_run(axis.unit, run)));
     let notes = trace.notes.iter().cloned();
     notes
         .chain(ambiguous)

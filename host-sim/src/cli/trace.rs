@@ -86,7 +86,7 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
         let proposals = alike.filter_map(|alike| alike.proposal.as_ref());
         match proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)) {
             Some(proposal) => write_whole(path, |out| out.write_all(proposal.motion.as_bytes()))?,
-            None => output += "No motion is proposed: no effects are ambiguous in these logs.",
+            None => output += "\nNo motion is proposed: no effects are ambiguous in these logs.",
         }
     }
     if let Some(path) = &arguments.json {

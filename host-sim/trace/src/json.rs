@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
 use crate::fit::limits::ParameterAtLimit;
@@ -13,6 +14,7 @@ use crate::stages::residual_unit;
 use crate::validation::found_effect::FoundEffect;
 use crate::verdict;
 use files::log::Unit;
+use model::effects::Stage;
 
 /// The JSON of `trace --json`, with the tables of `--empirical` if requested.
 #[must_use]
@@ -39,7 +41,7 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
         .iter()
         .flat_map(|axis| axis.repeats.iter().map(move |split| repeatability(axis, split)))
         .collect();
-    let free_runs: Vec<_> = trace.axes.iter().flat_map(|axis| &axis.free_runs).collect();
+    let free_runs = of_axes(trace, |axis| axis.free_runs.iter().map(|run| free_run(axis, run)).collect());
     let mut all = json!({
         "verdict": verdict::of(trace),
         "residual": residual,
@@ -111,6 +113,16 @@ fn residual(axis: &AxisTrace, error: &StageError) -> Value {
     entry.insert(format!("after_{unit}"), json!(error.after));
     entry.insert(format!("noise_{unit}"), json!(error.noise));
     Value::Object(entry)
+}
+
+fn free_run(axis: &AxisTrace, run: &FreeRun) -> Value {
+    let mut entry = json!(run);
+    if let Value::Object(entry) = &mut entry {
+        let (_, unit) = residual_unit(axis.unit, Stage::Motor);
+        entry.insert(format!("declared_{unit}"), json!(run.declared));
+        entry.insert(format!("after_{unit}"), json!(run.after));
+    }
+    entry
 }
 
 fn repeatability(axis: &AxisTrace, split: &Repeatability) -> Value {

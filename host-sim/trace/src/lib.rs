@@ -129,6 +129,7 @@ fn split<'a>(logs: &[Cow<'_, Log>], options: &TraceOptions) -> (Vec<Cow<'a, Log>
 mod tests {
     use super::*;
     use files::log::{AxisLog, Unit};
+    use model::effects::Stage;
 
     fn machine(effect: &str) -> Machine {
         let text = format!(
@@ -163,6 +164,24 @@ mod tests {
     fn the_same_log_twice_is_refused() {
         let error = trace(&machine(""), &[log(100.0), log(100.0)], &[], &|_| {}).unwrap_err();
         assert!(error.to_string().contains("a different recording"), "{error}");
+    }
+
+    /// Without masses neither the loop nor the force can be simulated, whatever effects are declared.
+    #[test]
+    fn an_axis_without_masses_is_traced_with_a_declared_friction() {
+        let text = "name = \"m\"\nsample_rate_hz = 1000.0\n[axis.x]\ncontroller = \"p\"\nposition_gain_per_s = 40.0\n\
+                    velocity_gain_n_s_per_m = 2e4\n[[axis.x.effect]]\nname = \"stribeck\"\nstatic_excess_n = 1.0\n\
+                    velocity_mm_s = 1.0\n[axis.x.nominal]\n";
+        let machine = Machine::parse(text, "m.toml").unwrap();
+        let mut log = log(100.0);
+        log.axes[0].command = log.axes[0].motor.clone();
+        log.axes[0].table = log.axes[0].motor.clone();
+        let trace = trace(&machine, &[log], &[], &|_| {}).unwrap();
+        assert!(
+            trace.axes[0].errors.iter().all(|error| error.stage != Stage::Force),
+            "{:?}",
+            trace.axes[0].errors
+        );
     }
 
     #[test]

@@ -27,7 +27,9 @@ impl Backlash {
     #[must_use]
     #[inline]
     pub fn absorbed_m(&self, deflection_m: f64) -> f64 {
-        deflection_m.clamp(-self.half_m(), self.half_m())
+        // A difference quotient at the width zero takes a width below zero.
+        let half_m = self.half_m().max(0.0);
+        deflection_m.clamp(-half_m, half_m)
     }
 }
 
@@ -72,5 +74,19 @@ impl EffectModel for Backlash {
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {
         Some(Self { width_um: draw.between(4.0, 15.0) })
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gap_absorbs_a_deflection_up_to_half_its_width() {
+        let absorbed = |width_um: f64, deflection_m: f64| Backlash { width_um }.absorbed_m(deflection_m);
+        assert!((absorbed(8.0, 3e-6) - 3e-6).abs() < 1e-18);
+        assert!((absorbed(8.0, -9e-6) + 4e-6).abs() < 1e-18);
+        // Such a width occurs in a difference quotient at the width zero.
+        assert!(absorbed(-0.2, 3e-6).abs() < 1e-18);
     }
 }

@@ -26,10 +26,12 @@ pub struct FreeRun {
     pub seconds: f64,
     /// Number of runs.
     pub runs: usize,
-    /// Error of the declared model over all runs, µm rms.
-    pub declared_um: f64,
-    /// Error of the model with the effects found over all runs, µm rms.
-    pub after_um: f64,
+    /// Error of the declared model over all runs, µm or mdeg rms; written with the unit in its key.
+    #[serde(skip)]
+    pub declared: f64,
+    /// Error of the model with the effects found over all runs, likewise.
+    #[serde(skip)]
+    pub after: f64,
 }
 
 /// Free runs of the declared and of the better model, both fitted, over held-out logs. Empty if the axis is not rigid (the
@@ -58,8 +60,8 @@ pub fn free_runs(name: &str, declared: &Axis, better: &Axis, logs: &[(&AxisSigna
             axis: name.to_owned(),
             seconds,
             runs: after.2,
-            declared_um: rms_um(declared),
-            after_um: rms_um(after),
+            declared: rms_um(declared),
+            after: rms_um(after),
         })
     };
     DURATIONS_S.iter().filter_map(of_duration).collect()
@@ -123,8 +125,8 @@ mod tests {
         // Over a run of duration T, the mean of x² is (a·T²/2)²/5.
         for (run, seconds) in runs.iter().zip(DURATIONS_S) {
             let expected_um = 1e6 * (1.0 - 1.0 / 1.02) * 0.25 * seconds * seconds / 5.0f64.sqrt();
-            assert!((run.declared_um / expected_um - 1.0).abs() < 0.02, "{run:?} {expected_um}");
-            assert!(run.after_um < 0.01 * expected_um, "{run:?}");
+            assert!((run.declared / expected_um - 1.0).abs() < 0.02, "{run:?} {expected_um}");
+            assert!(run.after < 0.01 * expected_um, "{run:?}");
         }
         assert_eq!(runs.iter().map(|run| run.runs).collect::<Vec<_>>(), [20, 4, 1]);
     }

@@ -136,6 +136,9 @@ impl FitData<'_> {
         parameters: &AxisParameters,
         signals: &AxisSignals,
     ) -> Option<ClosedLoopRun> {
+        if !model.axis.settings.has_mass() {
+            return None;
+        }
         let command = signals.command.as_ref()?;
         let settings = servo::settings(&model.axis.settings, &parameters.servo).ok()?;
         let start = InitialState::of(command, signals, 1e-6 * model.table_zero_um, &self.options.samples)?;
