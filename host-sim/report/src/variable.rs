@@ -2,7 +2,7 @@
 
 use super::axis_view::AxisView;
 use files::log::Unit;
-use model::effects::{Abscissa, Effect, Stage};
+use model::effects::{Abscissa, Effect, Stage, Unit as ParameterUnit};
 use numerics::bins::{Bin, binned};
 use trace::analysis::variable::Variable;
 use trace::fit::fit_data::ResidualSeries;
@@ -45,20 +45,25 @@ pub fn label(abscissa: &Abscissa, view: &AxisView<'_>) -> String {
     let is_rotary = |axis: usize| {
         view.data.logs.iter().filter_map(|log| log.axes.get(axis)?.unit).any(|unit| unit == Unit::Degree)
     };
-    let length = |axis: usize| if is_rotary(axis) { "°" } else { "mm" };
+    let symbol = |unit: ParameterUnit, axis: usize| unit.symbols()[usize::from(is_rotary(axis))];
+    let length = |axis: usize| symbol(ParameterUnit::Millimetre, axis);
+    // Signals are in m or 1000°; no parameter is an acceleration.
     let acceleration = |axis: usize| if is_rotary(axis) { "1000°/s²" } else { "m/s²" };
     let own = view.data.axis;
     match abscissa {
         Abscissa::Time => "time, s".to_owned(),
         Abscissa::Position => format!("position, {}", length(own)),
         Abscissa::WithinPeriod(period_mm) => {
-            let period = model::effects::Unit::Millimetre
-                .with(&files::format::significant(*period_mm, 4), is_rotary(own));
+            let number = files::format::significant(*period_mm, 4);
+            let period = ParameterUnit::Millimetre.with(&number, is_rotary(own));
             format!("motor position within each {period}, {}", length(own))
         }
-        Abscissa::Velocity => format!("velocity, {}/s", length(own)),
+        Abscissa::Velocity => format!("velocity, {}", symbol(ParameterUnit::MillimetrePerSecond, own)),
         Abscissa::Acceleration => format!("acceleration, {}", acceleration(own)),
-        Abscissa::Force => (if is_rotary(own) { "drive torque, N·m" } else { "drive force, N" }).to_owned(),
+        Abscissa::Force => {
+            let name = if is_rotary(own) { "torque" } else { "force" };
+            format!("drive {name}, {}", symbol(ParameterUnit::Newton, own))
+        }
         Abscissa::OtherPosition(axis) => {
             let axis = other(axis.as_deref(), view);
             format!("position of {}, {}", name(axis), length(axis))

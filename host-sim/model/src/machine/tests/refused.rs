@@ -2,6 +2,15 @@
 
 use super::*;
 
+/// Asserts that each replacement in [`MACHINE`] gives the expected error, in one line.
+fn assert_refused(replacements: &[(&str, &str, &str)]) {
+    for (from, to, wanted) in replacements {
+        let message = error_after(from, to);
+        assert!(message.starts_with("m.toml: ") && message.contains(wanted), "{message}\nwanted {wanted}");
+        assert!(!message.contains('\n'), "{message}");
+    }
+}
+
 /// Text to be replaced in [`MACHINE`], its replacement, and the expected error.
 const BAD_MACHINES: &[(&str, &str, &str)] = &[
     ("1000", "0", "line 2: sample_rate_hz: expected a rate above 0 and up to 1000000, found 0"),
@@ -95,11 +104,7 @@ const BAD_MACHINES: &[(&str, &str, &str)] = &[
 
 #[test]
 fn bad_machines_are_refused_with_line_key_and_expectation() {
-    for (from, to, wanted) in BAD_MACHINES {
-        let message = error_after(from, to);
-        assert!(message.starts_with("m.toml: ") && message.contains(wanted), "{message}\nwanted {wanted}");
-        assert!(!message.contains('\n'), "{message}");
-    }
+    assert_refused(BAD_MACHINES);
 }
 
 /// The same for the effects of the machine.
@@ -147,9 +152,5 @@ const BAD_EFFECTS: &[(&str, &str, &str)] = &[
 
 #[test]
 fn bad_effects_are_refused_with_line_key_and_expectation() {
-    for (from, to, wanted) in BAD_EFFECTS {
-        let message = error_after(from, to);
-        assert!(message.starts_with("m.toml: ") && message.contains(wanted), "{message}\nwanted {wanted}");
-        assert!(!message.contains('\n'), "{message}");
-    }
+    assert_refused(BAD_EFFECTS);
 }
