@@ -131,7 +131,7 @@ impl Friction {
     pub fn dry_n(&self, about: f64, sliding: SlidingState, holding_n: f64) -> f64 {
         self.through_zero_n(about).unwrap_or_else(|| {
             let level_n = self.level_n(about, sliding);
-            // A level that is negative or not a number, from values beyond any machine's, holds nothing.
+            // A negative level (shear thinning greater than all other friction) or NaN counts as zero.
             let level_n = level_n.max(0.0);
             holding_n.clamp(-level_n, level_n)
         })
@@ -164,7 +164,7 @@ mod tests {
 
     /// Shear thinning by more than the whole friction makes the level negative at standstill.
     #[test]
-    fn a_negative_sliding_level_holds_nothing() {
+    fn a_negative_sliding_level_gives_no_friction() {
         let mut friction = Friction { coulomb_n: 1.0, ..Friction::default() };
         friction.shear.force_n = 50.0;
         friction.shear.velocity_mm_s = 10.0;

@@ -1,4 +1,4 @@
-//! Every threshold by which a trace decides.
+//! All decision thresholds of a trace.
 //!
 //! The fields, their defaults and their names for a sweep come from the list at the end of this file. Numbers that only
 //! affect the numerical method (the step of a derivative, the maximum number of iterations) are constants where they are
@@ -18,45 +18,45 @@ mod declaration;
 use declaration::{Scale, options};
 
 options! {
-    /// Which logs are taken.
+    /// Which logs are accepted.
     admission: AdmissionOptions {
-        /// Largest relative difference of two sample rates that are taken as equal: times are printed rounded, and any
-        /// other rate differs by far more than a per mille.
+        /// Largest relative difference between sample rates that count as equal. Printed times are rounded; different rates
+        /// differ by far more than this.
         ///
         /// Sweep: nothing changes.
         rate_tolerance: f64 = 1e-3,
-        /// Most samples of all fit logs together, and of all validation logs: a fit keeps about 50 numbers a sample and
-        /// axis, and takes seconds for each 100 000.
+        /// Maximum number of samples of all fit logs together, and of all validation logs. A fit stores about 50 numbers
+        /// per sample and axis, and takes seconds per 100 000 samples.
         ///
         /// Sweep: the unit test of a long log fails with either; the cases are shorter.
         max_samples: usize = 204_000,
-        /// Fewest samples of a log that a model can be fitted to.
+        /// Minimum number of samples of a log.
         ///
         /// Sweep: nothing changes.
         min_samples: usize = 200,
-        /// Shortest travel that is more than presliding and noise, mm or degrees.
+        /// Minimum travel, mm or degrees. A shorter one may be presliding and noise.
         ///
         /// Sweep: the unit test of a log without motion fails with either, as its message states the limit.
         min_travel_mm: f64 = 0.01,
-        /// Longest travel, mm or degrees: more is a wrong unit.
+        /// Maximum travel, mm or degrees. A longer one indicates a wrong unit.
         ///
         /// Sweep: nothing changes.
         max_travel_mm: f64 = 1e6,
-        /// A sensor is defective that does not move while another travels farther than this, mm or degrees: no backlash is
-        /// as wide.
+        /// A sensor whose reading is constant while another sensor of the axis travels farther than this, mm or degrees,
+        /// is defective: no backlash is that wide.
         ///
         /// Sweep: nothing changes.
         max_travel_beside_stuck_mm: f64 = 1.0,
-        /// Number of consecutive rows that are compared to find copies: coarse encoders on the same motion give the same
-        /// reading in single rows by chance, but hardly in so many in sequence.
+        /// Number of consecutive rows that are compared to find copies. On the same motion, coarse encoders give equal
+        /// readings in single rows by chance, but not in this many consecutive rows.
         ///
         /// Sweep: ×0.5 and ×2: `a_log_with_rows_or_a_channel_removed_is_a_copy` fails.
         copied_rows: usize = 16,
-        /// A log is a copy of another if it shares more than this fraction of its rows in motion.
+        /// A log is a copy of another if more than this fraction of its rows in motion is equal.
         ///
         /// Sweep: ×0.5: a log that shares less than half is refused; ×2: copies are accepted (three tests).
         max_shared: f64 = 0.5,
-        /// A force counts as saturated from this fraction of its limit on, as the reading has noise.
+        /// A force counts as saturated above this fraction of its limit, because the reading has noise.
         ///
         /// Sweep: ×0.5: samples at half the limit count as saturated (two tests); ×2: saturation is never detected.
         saturation: f64 = 0.99,
@@ -64,12 +64,12 @@ options! {
         ///
         /// Sweep: ×0.5 and ×2: `a_saturated_force_is_excluded_or_refused` fails.
         max_saturated: f64 = 0.5,
-        /// Fraction at the end of each log that is held out where no validation log is given.
+        /// Fraction at the end of each log that is held out if no validation log is given.
         ///
         /// Sweep: ×0.5: `the_stiffness_of_a_gear_is_found_from_torque_and_two_encoders` fails; ×2: nothing changes.
         held_out: f64 = 0.25,
     }
-    /// How signals are filtered, which samples count, and what is known of the start of a log.
+    /// Filter of the signals, standstills, and the initial state of a log.
     samples: SampleOptions {
         /// Half width of the smoothing window of the signals, s: the filter passes the bandwidth of a servo loop and removes
         /// the sensor's noise from velocities.
@@ -77,21 +77,22 @@ options! {
         /// Sweep: values in all cases. ×0.5: two more 95 % intervals miss the truth; ×2:
         /// `a_saturated_force_is_excluded_or_refused` fails.
         smoothing_s: f64 = 0.005,
-        /// Settling time at the start of a log that is left out, s: the state before the log is not known.
+        /// Settling time at the start of a log that is not evaluated, s: the state before the log is unknown.
         ///
         /// Sweep: values in all cases. ×2: one more interval misses the truth. Unit tests on the length of the
         /// evaluated log fail with either.
         settling_s: f64 = 0.3,
-        /// Shortest standstill, s; a reversal passes through velocity zero in less.
+        /// Minimum duration of a standstill, s; a reversal passes through velocity zero in less time.
         ///
         /// Sweep: values in all cases; one more interval misses the truth with either. Measured data: nothing
         /// changes.
         min_standstill_s: f64 = 0.05,
-        /// Greatest velocity in a standstill, m/s.
+        /// Maximum velocity in a standstill, m/s.
         ///
         /// Sweep: values in all cases. ×2: one more interval misses the truth.
         max_standstill_m_per_s: f64 = 10e-6,
-        /// The same, in standard deviations of the noise of a difference of two filtered positions; the greater holds.
+        /// Maximum velocity in a standstill, in standard deviations of the noise of a difference of two filtered positions;
+        /// the larger limit applies.
         ///
         /// Sweep: values in 11 cases. ×2: one more interval misses the truth.
         max_standstill_noise: f64 = 4.0,
@@ -99,7 +100,7 @@ options! {
         ///
         /// Sweep: values in one case. Measured data: nothing changes.
         constant_command: usize = 20,
-        /// A motor moves under such a command if it does so by this many standard deviations of its noise.
+        /// Minimum motion of the motor under such a command, in standard deviations of its noise.
         ///
         /// Sweep: values in one case.
         min_motion_noise: f64 = 6.0,
@@ -111,51 +112,50 @@ options! {
     }
     /// How far values may differ from those that the machine file declares.
     model: ModelOptions {
-        /// How far the motor stage may change a mass that was fitted to the force, as a fraction of all masses: the error
-        /// of the force stage's filter and of the simulation's step.
+        /// Maximum change, by the motor stage, of a mass that was fitted to the force, as a fraction of the total mass. It
+        /// covers the error of the force stage's filter and of the simulation step.
         ///
         /// Sweep: values in 10 cases with ×0.5, in 2 with ×2.
         mass_trim: f64 = 0.01,
-        /// Greatest error of the instants at which table and tool are read, and longest step of the controller's filter,
-        /// samples.
+        /// Maximum error of the sampling instants of table and tool, and maximum step of the controller's filter, samples.
         ///
         /// Sweep: values in all cases. `an_effect_replaces_a_trim` fails with either, as it states the bound.
         position_trim: f64 = 0.1,
-        /// Greatest error of the instant of a force, which is the mean over an interval, samples.
+        /// Maximum error of the sampling instant of a force, which is the mean over an interval, samples.
         ///
         /// Sweep: values in all cases.
         force_trim: f64 = 0.25,
-        /// Greatest age of the velocity in the velocity loop, ticks of that loop.
+        /// Maximum delay of the velocity in the velocity loop, ticks of that loop.
         ///
         /// Sweep: values in all cases. `an_effect_replaces_a_trim` fails with either, as it states the bound.
         velocity_trim: f64 = 0.25,
-        /// How early a drive's force may act, ticks of the velocity loop.
+        /// Maximum time by which the drive's force acts early, ticks of the velocity loop.
         ///
         /// Sweep: values in all cases. ×0.5: one more interval contains the truth.
         drive_trim: f64 = 0.15,
-        /// Standard deviation of the prior of these errors, as a fraction of the greatest.
+        /// Standard deviation of the prior of these errors, as a fraction of their maximum.
         ///
         /// Sweep: values in all cases.
         trim_prior: f64 = 0.5,
-        /// A model in a file that an earlier trace wrote is only replaced by a fit that lowers the residuals by this
-        /// fraction in all: from another start a fit ends elsewhere along poorly determined parameters, where a motor stage
-        /// at its noise differs by up to 4 %.
+        /// A model that an earlier trace wrote is replaced only by a fit that lowers the sum of the residuals by this
+        /// fraction. From other initial values, a fit ends at other values of poorly determined parameters, and the
+        /// residual of a motor stage at noise level differs by up to 4 %.
         ///
         /// Sweep: nothing changes: no machine file of the cases was written by a trace.
         min_gain_of_refit: f64 = 0.05,
     }
     /// Which effects are added.
     search: SearchOptions {
-        /// Most effects that one scope may gain.
+        /// Maximum number of effects that are added to one scope.
         ///
         /// Sweep: ×0.5: the two tests of EMPS fail; ×2: nothing changes.
         max_effects: usize = 10,
-        /// Most candidates of a round that get a full fit.
+        /// Maximum number of candidates of a round that get a full fit.
         ///
         /// Sweep: ×0.5: `the_trace_of_emps_matches_the_readme` fails; ×2: nothing changes.
         fitted_candidates: usize = 4,
-        /// A candidate gets a full fit if its linear step gains this fraction of what [`Self::min_reduction`] is. Of 800
-        /// candidates of 30 traces, none that was supported in the end had less than four times as much.
+        /// A candidate gets a full fit if the predicted gain of its linear step is at least this fraction of
+        /// [`Self::min_gain`]. Of 800 candidates of 30 traces, all that were accepted had at least four times as much.
         ///
         /// Sweep: ×0.5: nothing changes; ×2: `emps_has_no_stribeck_effect` fails.
         promising: f64 = 0.25,
@@ -163,39 +163,39 @@ options! {
         ///
         /// Sweep: ×0.5: `the_trace_of_emps_matches_the_readme` fails; ×2: so does `emps_has_no_stribeck_effect`.
         min_reduction: f64 = 0.04,
-        /// Smallest gain, in standard errors over the blocks of the logs. With about thirty candidates a round, a normal
-        /// deviate exceeds 3.5 by chance in one round of a hundred; blocks are few and their errors have long tails, so
-        /// that machines that lack no effect are tested besides.
+        /// Minimum gain, in standard errors over the blocks of the logs. With about thirty candidates per round, a normal
+        /// deviate exceeds 3.5 by chance in one of a hundred rounds. Blocks are few and their errors have long tails, so
+        /// machines without undeclared effects are tested as well.
         ///
         /// Sweep: ×0.5: `the_trace_of_emps_matches_the_readme` and the unit test of `force_windup` fail; ×2:
         /// `the_trace_of_emps_matches_the_readme` and `the_robot_has_latency_and_windup` fail.
         min_t: f64 = 3.5,
-        /// Number of standard errors below which a difference of two models may be chance.
+        /// Number of standard errors below which a difference between two models is not significant.
         ///
         /// Sweep: nothing changes.
         chance_t: f64 = 2.0,
-        /// Fewest counting samples of a block that contributes to a standard error.
+        /// Minimum number of evaluated samples of a block that contributes to a standard error.
         ///
         /// Sweep: nothing changes.
         min_block_samples: usize = 20,
-        /// Largest loss of a stage of a log, and of the closed loop by an effect found in table and force, as a fraction
-        /// of the gain of all stages; half of [`Self::min_reduction`] is tolerated in any case.
+        /// Maximum loss in log-likelihood per sample that a candidate causes in a stage of a log, or in the closed loop, as
+        /// a fraction of its gain over all stages. [`Self::min_gain`] is always tolerated.
         ///
         /// Sweep: nothing changes, nor did a separate limit of 0.25 for the closed loop when halved or doubled.
         max_loss: f64 = 0.1,
-        /// From this ratio of residual to noise on, candidates start from the nominal values: an effect so large has
-        /// driven the declared values to their bounds.
+        /// Above this ratio of residual to noise, candidates are fitted from the nominal values: an effect of that size
+        /// moves the declared values to their bounds in the fit without it.
         ///
         /// Sweep: values in one case.
         min_gross_ratio: f64 = 20.0,
-        /// Smallest gain in log-likelihood a sample of a candidate that is reported although it was not added.
+        /// Minimum gain in log-likelihood per sample of a candidate that is reported although it was not added.
         ///
         /// Sweep: nothing changes in what is found.
         min_reported_gain: f64 = 0.2,
     }
     /// What is excluded from residuals because no effect describes it.
     exclusion: ExclusionOptions {
-        /// Most exclusions of a scope.
+        /// Maximum number of exclusions per scope.
         ///
         /// Sweep: nothing changes.
         max_count: usize = 2,
@@ -207,38 +207,38 @@ options! {
         ///
         /// Sweep: nothing changes.
         min_noise_ratio: f64 = 2.0,
-        /// A local defect extends as far as the mean residual differs from its median by more than this fraction of the
-        /// greatest difference.
+        /// A local defect extends over the positions at which the mean residual differs from its median by more than this
+        /// fraction of the maximum difference.
         ///
         /// Sweep: values in one case.
         edge: f64 = 0.02,
-        /// Widest local defect, as a fraction of the travel.
+        /// Maximum width of a local defect, as a fraction of the travel.
         ///
         /// Sweep: nothing changes.
         max_width: f64 = 0.6,
-        /// An effect beside an exclusion must explain more than this fraction of the power without the exclusion: smaller
-        /// ones are remains of what was excluded.
+        /// Minimum fraction of the residual's power before the exclusion that an effect must explain in a scope with an
+        /// exclusion. Smaller effects are residuals of the excluded part.
         ///
         /// Sweep: nothing changes.
         min_effect: f64 = 0.002,
     }
     /// Which effects the validation logs refute.
     validation: ValidationOptions {
-        /// An effect is refuted that costs more log-likelihood a sample than this, which is a tenth of the residual: p
-        /// uncertain parameters from n independent blocks cost p/(2n) on other data of the same machine, 0.06 for three
-        /// parameters and the 24 blocks of one log.
+        /// An effect is refuted if it costs more log-likelihood per sample than this (a tenth of the residual). On other data
+        /// of the same machine, p uncertain parameters from n independent blocks cost p/(2n): 0.06 for three parameters and
+        /// the 24 blocks of one log.
         ///
         /// Sweep: nothing changes.
         max_loss: f64 = 0.095,
-        /// A smaller loss refutes an effect if it is beyond chance and greater than this, which is the change by fitting
-        /// the declared values again where the validation logs do not show the effect at all.
+        /// A smaller loss refutes an effect if it is significant and greater than this. Refitting the declared values
+        /// changes the likelihood by this much on validation logs in which the effect is not visible.
         ///
         /// Sweep: ×0.5: the unit test of small losses fails, as it states the limit.
         min_loss: f64 = 0.005,
     }
-    /// What remains, and how it is reported.
+    /// How the remaining residual is analysed and reported.
     analysis: AnalysisOptions {
-        /// A residual below this ratio to its noise is explained.
+        /// A residual is explained if its ratio to the noise is below this.
         ///
         /// Sweep: ×0.5: noise is reported as unexplained (unit test).
         max_noise_ratio: f64 = 1.15,
@@ -246,38 +246,37 @@ options! {
         ///
         /// Sweep: nothing changes in what is described.
         min_fraction: f64 = 0.1,
-        /// Lowest frequency of a vibration, Hz: below is drift.
+        /// Minimum frequency of a vibration, Hz; lower frequencies are drift.
         ///
         /// Sweep: nothing changes.
         min_frequency_hz: f64 = 2.0,
-        /// Velocity below which the direction is noise, m/s.
+        /// Minimum velocity at which the direction of motion is significant, m/s.
         ///
         /// Sweep: nothing changes.
         min_direction_m_per_s: f64 = 1e-4,
-        /// Fewest samples of a point of an empirical table.
+        /// Minimum number of samples per point of an empirical table.
         ///
         /// Sweep: nothing changes; only `--empirical` uses it.
         min_table_samples: usize = 8,
-        /// Shortest period after which a command repeats, s.
+        /// Minimum period of a repeating command, s.
         ///
         /// Sweep: nothing changes.
         min_period_s: f64 = 0.2,
-        /// Two commands are equal within this fraction of the travel: the last digit of a log.
+        /// Commands are equal if they differ by less than this fraction of the travel, the last digit of a log.
         ///
         /// Sweep: nothing changes.
         command_tolerance: f64 = 1e-7,
     }
     /// Whether a model describes its logs.
     verdict: VerdictOptions {
-        /// Largest ratio of residual to noise of a model that describes a log. Machines that are described leave less, even
-        /// with small effects outside the catalogue: the measured axis EMPS 29, a robot 22, the demo machines at most 25.
-        /// Logs with a scale that slips or sticks, a wrong sign or unit, or masses three times too large leave 100 and
-        /// more.
+        /// Maximum ratio of residual to noise of a model that describes a log. The ratio is 29 for the measured axis EMPS, 22
+        /// for a robot, and at most 25 for the demo machines, small effects outside the catalogue included. It is 100 and
+        /// more for a scale that slips or sticks, a wrong sign or unit, or masses three times too large.
         ///
         /// Sweep: the unit test of gross errors fails with either, as it states the limit; ×2:
         /// `a_model_that_does_not_describe_the_log_is_reported` fails.
         max_noise_ratio: f64 = 50.0,
-        /// Smallest noise that is assumed, µm or mdeg (N or N·m): no log is finer.
+        /// Minimum noise that is assumed, µm or mdeg (N or N·m): the resolution of logs.
         ///
         /// Sweep: the unit test of gross errors fails with either, as it states the limit.
         min_noise: f64 = 1e-3,
@@ -285,7 +284,7 @@ options! {
 }
 
 impl SearchOptions {
-    /// Gain in log-likelihood a sample of [`Self::min_reduction`]: −½·ln(1 − x) ≈ x/2.
+    /// Gain in log-likelihood per sample of [`Self::min_reduction`]: −½·ln(1 − x) ≈ x/2.
     #[must_use]
     pub fn min_gain(&self) -> f64 {
         0.5 * self.min_reduction
@@ -293,7 +292,7 @@ impl SearchOptions {
 }
 
 impl VerdictOptions {
-    /// Largest residual of a model that describes a log with this noise, in the unit of the noise.
+    /// Maximum residual of a model that describes a log with this noise, in the unit of the noise.
     #[must_use]
     pub fn max_described(&self, noise: f64) -> f64 {
         self.max_noise_ratio * noise.max(self.min_noise)

@@ -27,7 +27,7 @@ impl Backlash {
     #[must_use]
     #[inline]
     pub fn absorbed_m(&self, deflection_m: f64) -> f64 {
-        // A difference quotient at the width zero takes a width below zero.
+        // Finite differences at width 0 evaluate a negative width.
         let half_m = self.half_m().max(0.0);
         deflection_m.clamp(-half_m, half_m)
     }
@@ -86,7 +86,7 @@ mod tests {
         let absorbed = |width_um: f64, deflection_m: f64| Backlash { width_um }.absorbed_m(deflection_m);
         assert!((absorbed(8.0, 3e-6) - 3e-6).abs() < 1e-18);
         assert!((absorbed(8.0, -9e-6) + 4e-6).abs() < 1e-18);
-        // Such a width occurs in a difference quotient at the width zero.
+        // Finite differences at width 0 evaluate a negative width.
         assert!(absorbed(-0.2, 3e-6).abs() < 1e-18);
     }
 }
