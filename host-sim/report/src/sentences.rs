@@ -1,15 +1,17 @@
 //! The results of a trace in sentences, for engineers who build or commission machines.
 
 use super::caveats;
-use files::format::{percent, significant};
+use files::format::{percent, significant, with_spread};
 use files::log::Unit;
 use model::effects::Stage;
+use model::machine::nominal::MAX_TOLERANCES;
 use trace::Trace;
 use trace::analysis::empirical::Empirical;
 use trace::analysis::free_run::FreeRun;
 use trace::analysis::repeatability::Repeatability;
 use trace::analysis::residual_analysis::UnexplainedResidual;
 use trace::analysis::variable::Variable;
+use trace::fit::declared_value::DeclaredValue;
 use trace::fit::scope::NotTestable;
 use trace::outcome::AxisTrace;
 use trace::search::ambiguity::Ambiguity;
@@ -76,6 +78,20 @@ pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect) -> String {
     }
 }
 
+/// A declared value that the logs put outside its tolerance.
+#[must_use]
+pub fn beyond_tolerance(axis: &str, value: &DeclaredValue) -> String {
+    let DeclaredValue { key, declared, fitted, half_width, tolerance, .. } = *value;
+    let how = if fitted > declared { "above" } else { "below" };
+    let [deviation, half] = [fitted - declared, half_width].map(|part| 100.0 * (part / declared).abs());
+    format!(
+        "{axis}: {key} is {} % {how} the declared {}, beyond its tolerance of {} %.",
+        with_spread(deviation, half),
+        significant(declared, 4),
+        significant(100.0 * tolerance, 3)
+    )
+}
+
 /// The results for an axis: whether the model fails to describe the logs; one sentence for each effect, or one sentence
 /// that no effect was found; refuted effects, and effects with a parameter at a limit.
 #[must_use]
@@ -101,7 +117,9 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     let refuted = axis.refuted.iter().map(|found| caveats::refuted(&axis.axis, axis.unit, found));
     let at_limit = axis.refused.iter().map(|limit| caveats::at_limit(&axis.axis, axis.unit, limit));
     let misfit = caveats::misfit(axis).into_iter().chain(caveats::misfit_held_out(axis));
-    misfit.chain(none).chain(found).chain(refuted).chain(at_limit).collect()
+    let beyond = axis.declared_values.iter().filter(|value| value.is_beyond_tolerance());
+    let beyond = beyond.map(|value| beyond_tolerance(&axis.axis, value));
+    misfit.chain(beyond).chain(none).chain(found).chain(refuted).chain(at_limit).collect()
 }
 
 /// The sentences of all axes.
@@ -170,10 +188,11 @@ pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
     let keys = axis.model.at_bounds();
     let bounds = (!keys.is_empty()).then(|| {
         format!(
-            "{}: {} ended at a bound of the declared tolerance: the fitted logs do not determine the value, or the \
-             true value is outside.",
+            "{}: {} ended {} times the declared tolerance away from the declared value, where the search stops: the fitted \
+             logs do not determine the value, or the machine file is of another machine.",
             axis.axis,
-            keys.join(", ")
+            keys.join(", "),
+            MAX_TOLERANCES
         )
     });
     let more = axis.errors.iter().filter(|e| e.after.validate > MIN_RATIO * e.after.fit.max(e.noise)).map(|error| {
@@ -220,7 +239,6 @@ pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use files::format::with_spread;
     use model::axis::{Mechanics, Sensors, Settings};
     use model::effects::{Effect, EffectContext, Stage, initial_guesses, names};
     use trace::fit::fit_data::FitAndValidationRms;

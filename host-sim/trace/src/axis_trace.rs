@@ -5,6 +5,7 @@ use crate::analysis::free_run::free_runs;
 use crate::analysis::repeatability::{Repeatability, repeatability};
 use crate::analysis::residual_analysis::{UnexplainedResidual, unexplained};
 use crate::fit::axis_model::AxisModel;
+use crate::fit::declared_value::declared_values;
 use crate::fit::final_fit::{FinalFit, final_fit, kept};
 use crate::fit::fit_data::{FitAndValidationRms, FitData};
 use crate::fit::least_squares::Fitted;
@@ -51,7 +52,7 @@ pub fn trace(
     // "What the validation logs decide".
     let stages: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let axis = FittedAxis { declared: before.clone(), model, fits };
-    let Confirmed { axis: FittedAxis { model, .. }, found, refused, refuted } =
+    let Confirmed { axis: FittedAxis { model, fits, .. }, found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
     // If all effects were dropped, both models are the same.
     let before = if model.found().is_empty() { model.clone() } else { before };
@@ -74,6 +75,7 @@ pub fn trace(
         ),
         ambiguities: ambiguities(&rounds, &found),
         bias: validate.bias.to_vec(),
+        declared_values: declared_values(&fits),
         declared: before,
         model,
         scopes,

@@ -5,6 +5,7 @@ use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
 use crate::fit::axis_model::AxisModel;
+use crate::fit::declared_value::DeclaredValue;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::{NotTestable, Scope};
@@ -47,6 +48,8 @@ pub struct AxisTrace {
     pub unit: Unit,
     /// The declared model, fitted.
     pub declared: AxisModel,
+    /// The declared mechanical values, as fitted with the effects found.
+    pub declared_values: Vec<DeclaredValue>,
     /// The model with the effects found.
     pub model: AxisModel,
     /// Stages that could be evaluated, by scope.
