@@ -5,7 +5,7 @@ use files::format::{percent, significant, with_spread};
 use files::log::Unit;
 use model::effects::Stage;
 use model::machine::nominal::MAX_TOLERANCES;
-use trace::Trace;
+use trace::{Task, Trace};
 use trace::analysis::empirical::Empirical;
 use trace::analysis::free_run::FreeRun;
 use trace::analysis::repeatability::Repeatability;
@@ -102,17 +102,7 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
             axis.axis
         )];
     }
-    let none = axis.found.is_empty().then(|| {
-        let what = match verdict::of_axis(axis) {
-            Verdict::Explained => "no undeclared effect found",
-            Verdict::Unexplained => {
-                "no undeclared effect found, but the residual exceeds the sensor noise: see \
-                                     below"
-            }
-            Verdict::ModelDoesNotFit => "no effect found",
-        };
-        format!("{}: {what}.", axis.axis)
-    });
+    let none = axis.found.is_empty().then(|| format!("{}: {}.", axis.axis, without_effects(axis)));
     let found = axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found));
     let refuted = axis.refuted.iter().map(|found| caveats::refuted(&axis.axis, axis.unit, found));
     let at_limit = axis.refused.iter().map(|limit| caveats::at_limit(&axis.axis, axis.unit, limit));
@@ -120,6 +110,22 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     let beyond = axis.declared_values.iter().filter(|value| value.is_beyond_tolerance());
     let beyond = beyond.map(|value| beyond_tolerance(&axis.axis, value));
     misfit.chain(beyond).chain(none).chain(found).chain(refuted).chain(at_limit).collect()
+}
+
+/// The result for an axis on which no effect was found.
+fn without_effects(axis: &AxisTrace) -> &'static str {
+    match (axis.task, verdict::of_axis(axis)) {
+        (Task::Search, Verdict::Explained) => "no undeclared effect found",
+        (Task::Search, Verdict::Unexplained) => {
+            "no undeclared effect found, but the residual exceeds the sensor noise: see below"
+        }
+        (Task::Search, Verdict::ModelDoesNotFit) => "no effect found",
+        (Task::Evaluate, Verdict::Explained) => "the machine file describes these logs to the sensors' noise",
+        (Task::Evaluate, Verdict::Unexplained) => {
+            "the machine file does not describe these logs completely: the residual exceeds the sensor noise, see below"
+        }
+        (Task::Evaluate, Verdict::ModelDoesNotFit) => "the machine file does not describe this machine",
+    }
 }
 
 /// The sentences of all axes.

@@ -97,7 +97,7 @@ fn declared(axis: &AxisTrace, value: &DeclaredValue) -> Value {
         "key": key,
         "declared": declared,
         "fitted": fitted,
-        "ci95": (!value.is_at_bound).then(|| [fitted - half_width, fitted + half_width]),
+        "ci95": (!value.is_at_bound).then_some([fitted - half_width, fitted + half_width]),
         "beyond_tolerance": value.is_beyond_tolerance(),
     })
 }

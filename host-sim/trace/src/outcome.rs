@@ -15,6 +15,7 @@ use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
 use crate::search::distinguishing_motion;
 use crate::search::round::Round;
+use crate::task::Task;
 use crate::validation::found_effect::FoundEffect;
 use files::log::Unit;
 use model::effects::Stage;
@@ -42,6 +43,8 @@ pub struct Trace {
 /// The result for one axis.
 #[derive(Clone, Debug)]
 pub struct AxisTrace {
+    /// What was done.
+    pub task: Task,
     /// Name of the axis.
     pub axis: String,
     /// Unit of its channels.
