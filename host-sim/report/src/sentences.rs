@@ -64,10 +64,15 @@ pub fn look_alike(axis: &AxisTrace, alike: &Ambiguity) -> String {
     format!("{}: these logs do not distinguish {added} from {rival}; {how}.", axis.axis)
 }
 
-/// The sentence for an effect that was found.
+/// The sentence for an effect that was found; with its rivals, if the logs do not distinguish it from these.
 #[must_use]
 pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect) -> String {
-    let what = found.effect.sentence(&found.half_widths, unit == Unit::Degree);
+    let is_rotary = unit == Unit::Degree;
+    let mut what = found.effect.sentence(&found.half_widths, is_rotary);
+    if !found.rivals.is_empty() {
+        let rivals: Vec<String> = found.rivals.iter().map(|rival| rival.sentence(&[], is_rotary)).collect();
+        what = format!("either {what}, or {} (these logs do not tell which)", rivals.join(", or "));
+    }
     let stage = stage_names(&[found.stage]);
     let held_out = "on held-out motions";
     let gain = found.validate_reduction_percent();
@@ -191,7 +196,8 @@ pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
 pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
     /// Ratio of the held-out to the fitted residual from which it is reported: a smaller one may be due to the motion.
     const MIN_RATIO: f64 = 2.0;
-    let keys = axis.model.at_bounds();
+    let at_bounds = axis.declared_values.iter().filter(|value| value.is_undetermined());
+    let keys: Vec<&str> = at_bounds.map(|value| value.key).collect();
     let bounds = (!keys.is_empty()).then(|| {
         format!(
             "{}: {} ended {} times the declared tolerance away from the declared value, where the search stops: the fitted \
@@ -287,7 +293,7 @@ mod tests {
             let half_widths = vec![0.01; parameters.len()];
             let stage = effect.stages()[0];
             let [before, after] = [100.0, 9.4].map(|validate| FitAndValidationRms { fit: 1.0, validate });
-            let found = FoundEffect { effect, half_widths, stage, before, after };
+            let found = FoundEffect { effect, half_widths, stage, before, after, rivals: Vec::new() };
             let text = sentence("ax", Unit::Millimetre, &found);
             assert!(text.starts_with("ax: "), "{text}");
             assert!(text.ends_with("residual on held-out motions by 91 %."), "{text}");
@@ -306,11 +312,16 @@ mod tests {
     fn an_effect_that_increases_the_residual_is_reported_as_such() {
         let effect: Effect = toml::from_str("name = 'backlash'\nwidth_um = 9.8").unwrap();
         let [before, after] = [100.0, 103.2].map(|validate| FitAndValidationRms { fit: 1.0, validate });
-        let found = FoundEffect { effect, half_widths: vec![0.1], stage: Stage::Table, before, after };
+        let rivals = Vec::new();
+        let mut found = FoundEffect { effect, half_widths: vec![0.1], stage: Stage::Table, before, after, rivals };
         assert_eq!(
             sentence("x", Unit::Millimetre, &found),
             "x: 9.8 ± 0.1 µm backlash between screw and table; increases the table residual on held-out motions by \
              3 %."
         );
+        let slope = "name = 'pitch_progressive'\nslope_um_per_m = 12.5";
+        found.rivals.push(toml::from_str(slope).unwrap());
+        let text = sentence("x", Unit::Millimetre, &found);
+        assert!(text.starts_with("x: either 9.8 ± 0.1 µm backlash") && text.contains(", or the screw moves"), "{text}");
     }
 }

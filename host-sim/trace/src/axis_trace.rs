@@ -53,7 +53,7 @@ pub fn trace(
     // "What the validation logs decide".
     let stages: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let axis = FittedAxis { declared: before.clone(), model, fits };
-    let Confirmed { axis: FittedAxis { model, fits, .. }, found, refused, refuted } =
+    let Confirmed { axis: FittedAxis { model, fits, .. }, mut found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
     let before = match task {
         Task::Evaluate => stage.as_declared(declared),
@@ -67,6 +67,11 @@ pub fn trace(
     let logs: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
     let free_runs = free_runs(fit_data.name(), &before.axis, &model.axis, &logs);
     let tried = tried(declared, &rounds);
+    let ambiguities = ambiguities(&rounds, &found);
+    for one in &mut found {
+        let of_this = ambiguities.iter().filter(|ambiguity| ambiguity.added.is_same(&one.effect));
+        one.rivals = of_this.map(|ambiguity| ambiguity.rival.clone()).collect();
+    }
     let neighbours = Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 };
     AxisTrace {
         task,
@@ -79,7 +84,7 @@ pub fn trace(
             &not_testable,
             &tried,
         ),
-        ambiguities: ambiguities(&rounds, &found),
+        ambiguities,
         bias: validate.bias.to_vec(),
         declared_values: declared_values(&fits),
         declared: before,

@@ -15,7 +15,7 @@ use crate::stages::residual_unit;
 use crate::validation::found_effect::FoundEffect;
 use crate::verdict;
 use files::log::Unit;
-use model::effects::Stage;
+use model::effects::{Effect, Stage};
 
 /// The JSON of `trace --json`, with the tables of `--empirical` if requested.
 #[must_use]
@@ -178,6 +178,8 @@ fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
         "name": found.effect.name(),
         "axis": axis.axis,
         "parameters": parameters,
+        "certainty": if found.rivals.is_empty() { "certain" } else { "ambiguous" },
+        "rivals": found.rivals.iter().map(Effect::name).collect::<Vec<_>>(),
         "channel": found.stage,
         "validate_reduction_percent": found.validate_reduction_percent(),
     });

@@ -26,17 +26,25 @@ pub struct Tolerated {
 }
 
 impl Tolerated {
+    /// Whether few motions determine the value: damping and presliding. A fit would move it to make up for errors of the
+    /// simulation, so that it stays within its tolerance.
+    #[must_use]
+    pub fn is_poorly_determined(&self) -> bool {
+        ["damping_n_s_per_m", "presliding_stiffness_n_per_um", "presliding_damping_n_s_per_m"].contains(&self.key)
+    }
+
     /// The range in which a fit may move a value, from its nominal value and its relative tolerance: up to
     /// [`MAX_TOLERANCES`] in either direction, as a factor. A lower stiffness is the effect `windup`.
     #[must_use]
     pub fn range(&self, nominal: f64, tolerance: f64) -> [f64; 2] {
+        if self.is_poorly_determined() {
+            return [nominal * (1.0 - tolerance), nominal * (1.0 + tolerance)];
+        }
         let factor = 1.0 + MAX_TOLERANCES * tolerance;
         let least = nominal / factor;
-        let least = if self.key == "stiffness_n_per_um" {
-            least.max(Windup::max_stiffness(nominal, tolerance))
-        } else {
-            least
-        };
+        let is_stiffness = self.key == "stiffness_n_per_um";
+        let least =
+            if is_stiffness { least.max(Windup::max_stiffness(nominal, tolerance)) } else { least };
         [least, nominal * factor]
     }
 }

@@ -119,19 +119,15 @@ impl AxisModel {
         model
     }
 
-    /// Keys of declared values that ended at a bound of their range, except damping and presliding, which few motions
-    /// determine.
+    /// Keys of declared values that ended at a bound of their range, including poorly determined ones.
     #[must_use]
     pub fn at_bounds(&self) -> Vec<&'static str> {
-        const POORLY_DETERMINED: [&str; 3] =
-            ["damping_n_s_per_m", "presliding_stiffness_n_per_um", "presliding_damping_n_s_per_m"];
-        let is_at_bound = |(key, nominal): &(&Tolerated, f64)| {
+        let is_at_bound = |(key, nominal): &(&'static Tolerated, f64)| {
             let [least, most] = key.range(*nominal, self.tolerance());
             let value = (key.get)(&self.axis.settings).unwrap_or(*nominal);
             value < 1.0001 * least || value > 0.9999 * most
         };
-        let determined = self.tolerated_keys().filter(|(key, _)| !POORLY_DETERMINED.contains(&key.key));
-        determined.filter(is_at_bound).map(|(key, _)| key.key).collect()
+        self.tolerated_keys().filter(is_at_bound).map(|(key, _)| key.key).collect()
     }
 
     /// The declared values that a scope fits, each with its nominal value and its index among the free parameters.

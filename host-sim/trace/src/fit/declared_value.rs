@@ -3,6 +3,7 @@
 use super::intervals::covariance;
 use super::scope::Mechanics;
 use super::scope_fit::ScopeFit;
+use model::machine::nominal::Tolerated;
 
 /// A declared value with its fit.
 #[derive(Clone, Debug, PartialEq)]
@@ -19,6 +20,8 @@ pub struct DeclaredValue {
     pub tolerance: f64,
     /// Whether the fit ended at a bound of the range of the value, which is then not determined.
     pub is_at_bound: bool,
+    /// See [`Tolerated::is_poorly_determined`].
+    pub is_poorly_determined: bool,
 }
 
 impl DeclaredValue {
@@ -34,6 +37,13 @@ impl DeclaredValue {
         let excess = (self.fitted - self.declared).abs() - self.tolerance * self.declared;
         !self.is_at_bound && excess > self.half_width
     }
+
+    /// Whether the search for the value ended at a bound although the motions of most logs would determine it: the declared
+    /// value is grossly wrong, or the logs do not determine it.
+    #[must_use]
+    pub fn is_undetermined(&self) -> bool {
+        self.is_at_bound && !self.is_poorly_determined
+    }
 }
 
 /// The declared values that the mechanical fit moved, in the order of the keys.
@@ -44,13 +54,14 @@ pub fn declared_values(fits: &[ScopeFit]) -> Vec<DeclaredValue> {
     };
     let (model, covariance) = (&fit.fitted.model, covariance(&fit.fitted));
     let at_bounds = model.at_bounds();
-    let value = |(index, key, declared): (usize, &model::machine::nominal::Tolerated, f64)| DeclaredValue {
+    let value = |(index, key, declared): (usize, &Tolerated, f64)| DeclaredValue {
         key: key.key,
         declared,
         fitted: (key.get)(&model.axis.settings).unwrap_or(declared),
         half_width: covariance.half_width(index),
         tolerance: model.tolerance(),
         is_at_bound: at_bounds.contains(&key.key),
+        is_poorly_determined: key.is_poorly_determined(),
     };
     model.declared_values(&fit.fitted_scope).map(value).collect()
 }
@@ -63,7 +74,8 @@ mod tests {
     fn a_value_is_beyond_its_tolerance_if_its_whole_interval_is() {
         let mass = |fitted, half_width, is_at_bound| {
             let key = "table_mass_kg";
-            DeclaredValue { key, declared: 100.0, fitted, half_width, tolerance: 0.1, is_at_bound }
+            let (declared, tolerance, is_poorly_determined) = (100.0, 0.1, false);
+            DeclaredValue { key, declared, fitted, half_width, tolerance, is_at_bound, is_poorly_determined }
         };
         assert!(mass(123.0, 2.0, false).is_beyond_tolerance());
         assert!(mass(87.0, 2.0, false).is_beyond_tolerance());
