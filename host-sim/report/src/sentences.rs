@@ -5,19 +5,19 @@ use files::format::{percent, significant, with_spread};
 use files::log::Unit;
 use model::effects::Stage;
 use model::machine::nominal::MAX_TOLERANCES;
-use trace::{Task, Trace};
 use trace::analysis::empirical::Empirical;
 use trace::analysis::free_run::FreeRun;
 use trace::analysis::repeatability::Repeatability;
 use trace::analysis::residual_analysis::UnexplainedResidual;
 use trace::analysis::variable::Variable;
-use trace::fit::declared_value::DeclaredValue;
 use trace::fit::scope::NotTestable;
 use trace::outcome::AxisTrace;
 use trace::search::ambiguity::Ambiguity;
 use trace::stages::{residual_unit, stage_names};
+use trace::validation::declared_value::DeclaredValue;
 use trace::validation::found_effect::FoundEffect;
 use trace::verdict::{self, Verdict};
+use trace::{Task, Trace};
 
 /// The reduction of the residual by a table over a variable.
 #[must_use]
@@ -112,7 +112,7 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     let refuted = axis.refuted.iter().map(|found| caveats::refuted(&axis.axis, axis.unit, found));
     let at_limit = axis.refused.iter().map(|limit| caveats::at_limit(&axis.axis, axis.unit, limit));
     let misfit = caveats::misfit(axis).into_iter().chain(caveats::misfit_held_out(axis));
-    let beyond = axis.declared_values.iter().filter(|value| value.is_beyond_tolerance());
+    let beyond = axis.declared_values.iter().filter(|value| value.is_beyond_tolerance);
     let beyond = beyond.map(|value| beyond_tolerance(&axis.axis, value));
     misfit.chain(beyond).chain(none).chain(found).chain(refuted).chain(at_limit).collect()
 }
@@ -313,7 +313,8 @@ mod tests {
         let effect: Effect = toml::from_str("name = 'backlash'\nwidth_um = 9.8").unwrap();
         let [before, after] = [100.0, 103.2].map(|validate| FitAndValidationRms { fit: 1.0, validate });
         let rivals = Vec::new();
-        let mut found = FoundEffect { effect, half_widths: vec![0.1], stage: Stage::Table, before, after, rivals };
+        let mut found =
+            FoundEffect { effect, half_widths: vec![0.1], stage: Stage::Table, before, after, rivals };
         assert_eq!(
             sentence("x", Unit::Millimetre, &found),
             "x: 9.8 ± 0.1 µm backlash between screw and table; increases the table residual on held-out motions by \
@@ -322,6 +323,9 @@ mod tests {
         let slope = "name = 'pitch_progressive'\nslope_um_per_m = 12.5";
         found.rivals.push(toml::from_str(slope).unwrap());
         let text = sentence("x", Unit::Millimetre, &found);
-        assert!(text.starts_with("x: either 9.8 ± 0.1 µm backlash") && text.contains(", or the screw moves"), "{text}");
+        assert!(
+            text.starts_with("x: either 9.8 ± 0.1 µm backlash") && text.contains(", or the screw moves"),
+            "{text}"
+        );
     }
 }

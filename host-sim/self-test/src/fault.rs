@@ -32,11 +32,8 @@ pub fn draw(logs: &mut [Log], random: &mut ChaCha8Rng) -> Option<Truth> {
     } else {
         let number = random.random_range(0..logs.len());
         let log = &mut logs[number];
-        let parameters = if name == "scale_slip" {
-            slip(log, index, random)?
-        } else {
-            stick(log, index, random)?
-        };
+        let parameters =
+            if name == "scale_slip" { slip(log, index, random)? } else { stick(log, index, random)? };
         (parameters, ("log", motion_name(&log.source)))
     };
     Some(Truth { name, axis: AXES[index], parameters, reference: Some(reference), phase_rad: 0.0 })

@@ -5,13 +5,13 @@ use serde_json::{Map, Value, json};
 use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
-use crate::fit::declared_value::DeclaredValue;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::NotTestable;
 use crate::not_testable::EffectNotTestable;
 use crate::outcome::{AxisTrace, StageError, Trace};
 use crate::search::ambiguity::Ambiguity;
 use crate::stages::residual_unit;
+use crate::validation::declared_value::DeclaredValue;
 use crate::validation::found_effect::FoundEffect;
 use crate::verdict;
 use files::log::Unit;
@@ -98,7 +98,7 @@ fn declared(axis: &AxisTrace, value: &DeclaredValue) -> Value {
         "declared": declared,
         "fitted": fitted,
         "ci95": (!value.is_at_bound).then_some([fitted - half_width, fitted + half_width]),
-        "beyond_tolerance": value.is_beyond_tolerance(),
+        "beyond_tolerance": value.is_beyond_tolerance,
     })
 }
 

@@ -7,6 +7,7 @@ use numerics::distributions::student_t_975;
 
 use super::least_squares::Fitted;
 use super::normal_equations::normal;
+use crate::options::SearchOptions;
 use model::effects::{Coordinate, Effect};
 
 /// Covariance of the free parameters of a fit, estimated from the blocks of the logs.
@@ -82,6 +83,13 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
     let of_parameters = &jacobian * of_effect * jacobian.transpose();
     let t = student_t_975(covariance.degrees_of_freedom);
     of_parameters.diagonal().iter().map(|variance| t * variance.max(0.0).sqrt()).collect()
+}
+
+/// Whether an effect is less than [`SearchOptions::min_size`] half widths of its interval large.
+#[must_use]
+pub fn may_be_zero(effect: &Effect, half_widths: &[f64], options: &SearchOptions) -> bool {
+    let size = effect.values().first().copied().unwrap_or(0.0);
+    half_widths.first().is_some_and(|half_width| size.abs() < options.min_size * half_width)
 }
 
 #[cfg(test)]

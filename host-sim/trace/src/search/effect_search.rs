@@ -10,7 +10,7 @@ use crate::analysis::residual_analysis::unexplained;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::Exclusion;
 use crate::fit::fit_data::{FitData, ResidualSeries};
-use crate::fit::intervals::{covariance, half_widths};
+use crate::fit::intervals::{covariance, half_widths, may_be_zero};
 use crate::fit::least_squares::{self, Fitted};
 use crate::fit::model_bias::{self, first_fit};
 use crate::fit::scope::{Mechanics, Scope};
@@ -162,14 +162,12 @@ impl EffectSearch<'_> {
         })
     }
 
-    /// Drops effects whose confidence interval contains zero.
+    /// Drops effects whose size is too uncertain, see [`may_be_zero`].
     fn drop_uncertain(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         dropping(full, scope, |full, index| {
             let effect = &full.model.found()[index];
             let half = half_widths(effect, &covariance(full), full.model.indices_of(scope, index));
-            let min = half.first().copied().unwrap_or(0.0);
-            let is_certain = effect.parameters().first().is_none_or(|(_, size)| size.abs() >= min);
-            (!is_certain).then(|| {
+            may_be_zero(effect, &half, &data.options.search).then(|| {
                 (self.progress)(&format!("{}: {} may be zero", data.name(), effect.name()));
                 least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS)
             })

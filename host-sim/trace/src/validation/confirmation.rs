@@ -5,6 +5,7 @@ use super::found_effect::FoundEffect;
 use super::likelihood::refuting_loss;
 use super::refutation;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
+use crate::fit::intervals::may_be_zero;
 use crate::fit::least_squares;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::Scope;
@@ -43,6 +44,14 @@ pub fn confirm(
             progress(&format!("{name}: {} is at a limit of its range", limit.effect.name()));
             axis = axis.without(fit_data, index);
             refused.push(limit);
+            continue;
+        }
+        let options = &fit_data.options.search;
+        let is_uncertain =
+            |&index: &usize| may_be_zero(&axis.model.found()[index], &axis.half_widths(index), options);
+        if let Some(index) = (0..axis.model.found().len()).find(is_uncertain) {
+            progress(&format!("{name}: {} may be zero", axis.model.found()[index].name()));
+            axis = axis.without(fit_data, index);
             continue;
         }
         progress(&format!("{name}: testing what was found on the validation logs"));
