@@ -28,6 +28,8 @@ pub struct ScrewMotion {
     /// The part of the velocity that is the rate of the pitch error, m/s: the damper is between motor and table, and
     /// this part does not act on it.
     pub error_velocity: f64,
+    /// Time on the session clock, s.
+    pub time_s: f64,
 }
 
 /// State of the table, relative to the screw.
@@ -63,7 +65,7 @@ impl DrivenTable {
         table.transmitted_n = parameters.table_mass_kg * screw.acceleration
             + level
             + friction.viscous_n(screw.velocity)
-            + parameters.load.force_n;
+            + parameters.load.force_n(screw.nominal_m);
         let gap_m = parameters.screw.backlash.half_m().copysign(table.transmitted_n);
         if let Some(spring) = &parameters.spring {
             table.deflection_m = table.transmitted_n / spring.stiffness_n_per_m + gap_m;
@@ -86,7 +88,11 @@ impl DrivenTable {
     }
 
     fn sliding(&self, screw: ScrewMotion) -> SlidingState {
-        SlidingState { position_m: screw.nominal_m, filtered_speed_m_per_s: self.filtered_speed_m_per_s }
+        SlidingState {
+            position_m: screw.nominal_m,
+            filtered_speed_m_per_s: self.filtered_speed_m_per_s,
+            time_s: screw.time_s,
+        }
     }
 
     /// Position of the table, m, behind the screw of the last step.
@@ -116,7 +122,7 @@ impl DrivenTable {
         let friction =
             parameters.friction.step(&mut self.bristle_m, screw.velocity, sliding, step.time.seconds);
         self.transmitted_n =
-            parameters.table_mass_kg * screw.acceleration + friction + parameters.load.force_n;
+            parameters.table_mass_kg * screw.acceleration + friction + parameters.load.force_n(screw.nominal_m);
     }
 
     #[inline]
@@ -132,7 +138,7 @@ impl DrivenTable {
             + step.mass_per_h * self.deflection_rate
             + friction.offset_n
             + friction.slope_n_s_per_m * (screw.velocity + self.deflection_m * per_h)
-            + step.parameters.load.force_n;
+            + step.parameters.load.force_n(screw.nominal_m);
         let in_gap = explicit_n.abs() <= step.half_gap_m * inertia;
         let gap_m = step.half_gap_m.copysign(explicit_n);
         let deflection = if in_gap {

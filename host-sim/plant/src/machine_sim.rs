@@ -67,7 +67,7 @@ pub struct MachineSim {
 }
 
 impl MachineSim {
-    /// A machine at rest with its motors at `start_m`. A tick is that of its velocity loop; its number of steps follows
+    /// A machine at rest with its motors at `start_m`, at time zero of the session. A tick is that of its velocity loop; its number of steps follows
     /// from [`AxisParameters::max_step_s`].
     ///
     /// # Errors
@@ -114,6 +114,15 @@ impl MachineSim {
             step_s: timing.step_s,
             substeps,
         })
+    }
+
+    /// The same machine, whose run starts at this time of the session, s.
+    #[must_use]
+    pub fn starting_at(mut self, start_s: f64) -> Self {
+        for axis in &mut self.axes {
+            axis.motion.time_s = start_s;
+        }
+        self
     }
 
     /// Reads motor encoder and linear scale of each axis, with noise, quantisation and latency. To be called once a

@@ -215,7 +215,7 @@ impl<L: Lane> Stepper<L> {
 mod tests {
     use super::*;
     use crate::friction::Friction;
-    use model::effects::{Backlash, FrictionAsymmetry, PeriodicError, Stribeck, TorqueRipple};
+    use model::effects::{Backlash, FrictionAsymmetry, PeriodicError, PositionLoad, Stribeck, TorqueRipple};
 
     fn axis() -> AxisParameters {
         AxisParameters {
@@ -298,7 +298,8 @@ mod tests {
         rough.motor_coulomb_n = 0.0;
         rough.screw.periodic = vec![PeriodicError { amplitude_um: 2.0, period_mm: 5.0, phase_rad: 0.3 }];
         rough.ripple = vec![TorqueRipple { amplitude_n: 15.0, period_mm: 4.0, phase_rad: 1.0 }];
-        rough.load.force_n = 40.0;
+        rough.load.constant.force_n = 40.0;
+        rough.load.position = Some(PositionLoad { slope_n_per_m: 900.0, ..PositionLoad::default() });
         let mut plain = axis();
         (plain.motor_coulomb_n, plain.table_mass_kg) = (0.0, 210.0);
         let mut rising = axis();

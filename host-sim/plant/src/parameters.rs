@@ -3,8 +3,8 @@
 
 use model::axis::Mechanics;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, Effect, ForceWindup, Intalk, Latency, PeriodicError, Resonance,
-    Squareness, Straightness, ThermalDrift, TorqueRipple,
+    Channel, ConstantLoad, Crosstalk, Effect, ForceWindup, Intalk, Latency, PeriodicError, PositionLoad,
+    Resonance, Squareness, Straightness, ThermalDrift, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
@@ -30,8 +30,8 @@ pub struct AxisParameters {
     pub forced_windup: Option<ForceWindup>,
     /// Friction of the guideway.
     pub friction: Friction,
-    /// Constant force on the table.
-    pub load: ConstantLoad,
+    /// Forces on the table that do not depend on its motion.
+    pub load: Load,
     /// Force ripple of the motor.
     pub ripple: Vec<TorqueRipple>,
     /// Errors of the motor's resolver or encoder.
@@ -42,6 +42,24 @@ pub struct AxisParameters {
     pub servo: ServoParameters,
     /// Latencies of the logged channels.
     pub latency: Vec<Latency>,
+}
+
+/// Forces on the table against motion in the + direction that do not depend on its velocity.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Constant force.
+    pub constant: ConstantLoad,
+    /// Force that grows along the travel.
+    pub position: Option<PositionLoad>,
+}
+
+impl Load {
+    /// The sum at a position of the table (m), N.
+    #[must_use]
+    #[inline]
+    pub fn force_n(&self, position_m: f64) -> f64 {
+        self.constant.force_n + self.position.as_ref().map_or(0.0, |load| load.force_n(position_m))
+    }
 }
 
 /// Effects between table and tool.
@@ -126,12 +144,14 @@ impl AxisParameters {
             Effect::FrictionMemory(e) => self.friction.memory = e,
             Effect::PreloadVariation(e) => self.friction.preload = e,
             Effect::FrictionRipple(e) => self.friction.ripple.push(e),
+            Effect::FrictionWarmUp(e) => self.friction.warm_up = e,
             Effect::Presliding(e) => {
                 self.friction.bristle_stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;
                 self.friction.bristle_damping_n_s_per_m = e.damping_n_s_per_m;
             }
             Effect::TorqueRipple(e) => self.ripple.push(e),
-            Effect::ConstantLoad(e) => self.load.force_n += e.force_n,
+            Effect::ConstantLoad(e) => self.load.constant.force_n += e.force_n,
+            Effect::PositionLoad(e) => self.load.position = Some(e),
             // Part of the controller: see `ServoParameters::of`.
             Effect::ServoMismatch(_) | Effect::VelocityLag(_) => {}
             Effect::ResolverDividing(e) => self.resolver.push(e.error()),

@@ -30,7 +30,8 @@ macro_rules! tested {
 
 tested! {
     screw: backlash, pitch_progressive, pitch_cyclic, resolver_dividing, encoder_ellipticity, windup;
-    force: stribeck, friction_asymmetry, torque_ripple, constant_load, presliding, shear_thinning, friction_memory,
+    force: stribeck, friction_asymmetry, torque_ripple, constant_load, position_load, friction_warm_up,
+        presliding, shear_thinning, friction_memory,
         preload_variation, friction_ripple;
     servo: servo_mismatch, velocity_lag;
     tool: intalk, crosstalk, squareness, straightness, thermal_drift, latency, resonance;

@@ -20,10 +20,12 @@ mod force_windup;
 mod friction_asymmetry;
 mod friction_memory;
 mod friction_ripple;
+mod friction_warm_up;
 mod intalk;
 mod latency;
 mod pitch_cyclic;
 mod pitch_progressive;
+mod position_load;
 mod preload_variation;
 mod presliding;
 mod resolver_dividing;
@@ -60,10 +62,12 @@ pub use force_windup::ForceWindup;
 pub use friction_asymmetry::FrictionAsymmetry;
 pub use friction_memory::FrictionMemory;
 pub use friction_ripple::FrictionRipple;
+pub use friction_warm_up::FrictionWarmUp;
 pub use intalk::Intalk;
 pub use latency::{LONGEST_LATENCY_MS, Latency};
 pub use pitch_cyclic::PitchCyclic;
 pub use pitch_progressive::PitchProgressive;
+pub use position_load::PositionLoad;
 pub use preload_variation::PreloadVariation;
 pub use presliding::Presliding;
 pub use resolver_dividing::ResolverDividing;
@@ -91,6 +95,8 @@ catalogue! {
     FrictionAsymmetry,
     TorqueRipple,
     ConstantLoad,
+    PositionLoad,
+    FrictionWarmUp,
     Presliding,
     ShearThinning,
     FrictionMemory,
