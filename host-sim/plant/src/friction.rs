@@ -7,6 +7,7 @@ use model::effects::{
     Stribeck,
 };
 use model::friction_curve::Curve;
+use model::position_curve::PositionCurve;
 
 /// Velocity scale w of [`smoothed_sign`], m/s.
 pub const SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
@@ -49,6 +50,8 @@ pub struct Friction {
     pub memory: FrictionMemory,
     /// Dependence on the position, over the travel.
     pub preload: PreloadVariation,
+    /// Any other dependence on the position, N over m.
+    pub map: PositionCurve,
     /// Dependence on the position, periodic with the screw.
     pub ripple: Vec<FrictionRipple>,
     /// Dependence on the time of the session.
@@ -83,7 +86,8 @@ impl Friction {
         let ripple_n: f64 = self.ripple.iter().map(|ripple| ripple.rise_n(sliding.position_m)).sum();
         let memory_n = self.memory.rise_n(velocity, sliding.filtered_speed_m_per_s);
         let warm_up_n = if self.warm_up.changes() { self.warm_up.rise_n(sliding.time_s) } else { 0.0 };
-        (level_n + preload_n + ripple_n + memory_n + warm_up_n).max(0.0)
+        let map_n = if self.map.is_empty() { 0.0 } else { self.map.value(sliding.position_m) };
+        (level_n + preload_n + ripple_n + memory_n + warm_up_n + map_n).max(0.0)
     }
 
     #[must_use]
@@ -92,6 +96,7 @@ impl Friction {
         !self.memory.remembers()
             && !self.preload.varies()
             && !self.warm_up.changes()
+            && self.map.is_empty()
             && self.ripple.is_empty()
     }
 

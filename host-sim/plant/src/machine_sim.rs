@@ -278,9 +278,10 @@ impl SimulatedAxis {
     fn at_rest(parameters: AxisParameters, instruments: &Instruments, start_m: f64, timing: Timing) -> Self {
         let Timing { tick_s, step_s, sample_s } = timing;
         let latency_s = |channel| parameters.latency_s(channel);
+        let lag_s = parameters.servo.drive_time_constant_s(instruments.drive_time_constant_s);
         let resonance = parameters.tool.resonance.as_ref();
         Self {
-            stepper: Stepper::new(&parameters, instruments.drive_time_constant_s, step_s),
+            stepper: Stepper::new(&parameters, lag_s, step_s),
             motion: AxisMotion::at_rest(&parameters, start_m),
             oscillation: Oscillation::default(),
             oscillation_step: resonance.map(|resonance| OscillationStep::new(resonance, step_s)),

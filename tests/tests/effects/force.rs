@@ -33,6 +33,24 @@ pub fn stribeck() {
     }
 }
 
+/// Friction of the motor rises by excess·exp(−(v/vs)²), against the motion. The drive compensates it, and the screw
+/// does not transmit it.
+pub fn motor_stribeck() {
+    let (excess_n, vs_mm_s) = (80.0, 5.0);
+    let motion = lines(&[(3.0, 2.0), (9.0, 5.0), (49.0, 40.0), (9.0, 40.0), (3.0, 5.0), (0.0, 2.0)]);
+    let plain = run(PLAIN, &motion);
+    let effect =
+        format!("name = \"motor_stribeck\"\nstatic_excess_n = {excess_n}\nvelocity_mm_s = {vs_mm_s}");
+    let effect_run = run(&with(&effect), &motion);
+    for mm_s in [2.0_f64, 5.0, 40.0, -40.0, -5.0, -2.0] {
+        let rise_n = excess_n * (-(mm_s / vs_mm_s).powi(2)).exp();
+        let steady = effect_run.steady(mm_s);
+        let expected_n = rise_n.copysign(mm_s);
+        assert_all(&effect_run.change(Channel::Force, &plain), &steady, expected_n, ROUNDING_N, "force");
+        assert_all(&effect_run.drive_train_change_um(&plain), &steady, 0.0, ROUNDING_UM, "table − motor");
+    }
+}
+
 /// b + h forwards and b − h backwards: h·|v| more force in + direction for both.
 pub fn friction_asymmetry() {
     let half = 300.0;
@@ -106,6 +124,34 @@ pub fn friction_warm_up() {
             assert_near(change_n[i], expected_n, ROUNDING_N + 0.2, "force");
             let expected_um = -expected_n / declared().mechanics.stiffness_n_per_um.unwrap();
             assert_near(stretch_um[i], expected_um, ROUNDING_UM + 0.002, "table − motor");
+        }
+    }
+}
+
+/// Friction rises by the map, a natural cubic spline through three knots (by hand: between knots at a distance h, with
+/// B = y₀ − 2y₁ + y₂ and u = (x − x₁)/h, it is y₁ + (y₂ − y₀)/2·u + B·(3u²/4 − |u|³/4)), against the motion.
+pub fn friction_map() {
+    let (positions_mm, friction_n, mm_s) = ([10.0, 30.0, 50.0], [40.0, -30.0, 10.0], 20.0);
+    let motion = lines(&[(60.0, mm_s), (0.0, mm_s)]);
+    let plain = run(PLAIN, &motion);
+    let effect =
+        format!("name = \"friction_map\"\npositions_mm = {positions_mm:?}\nfriction_n = {friction_n:?}");
+    let effect_run = run(&with(&effect), &motion);
+    let table_mm = effect_run.channel("x", Channel::Table);
+    let level_n = |mm: f64| {
+        let [y0, y1, y2] = friction_n;
+        let u = ((mm - 30.0) / 20.0).clamp(-1.0, 1.0);
+        y1 + 0.5 * (y2 - y0) * u + (y0 - 2.0 * y1 + y2) * (0.75 * u * u - 0.25 * u.abs().powi(3))
+    };
+    let change_n = effect_run.change(Channel::Force, &plain);
+    let stretch_um = effect_run.drive_train_change_um(&plain);
+    for mm_s in [mm_s, -mm_s] {
+        for i in effect_run.steady(mm_s) {
+            let expected_n = level_n(table_mm[i]) * mm_s.signum();
+            // Friction changes by up to 110 N/s, and the response of the loop takes some 10 ms.
+            assert_near(change_n[i], expected_n, ROUNDING_N + 1.2, "force");
+            let expected_um = -expected_n / declared().mechanics.stiffness_n_per_um.unwrap();
+            assert_near(stretch_um[i], expected_um, ROUNDING_UM + 0.006, "table − motor");
         }
     }
 }

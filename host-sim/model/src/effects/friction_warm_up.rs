@@ -65,10 +65,7 @@ impl EffectModel for FrictionWarmUp {
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
-        vec![
-            Coordinate::signed(self.force_n, 1.0, 1e5),
-            Coordinate::scale(self.time_constant_s, 0.5, 5e3),
-        ]
+        vec![Coordinate::signed(self.force_n, 1.0, 1e5), Coordinate::scale(self.time_constant_s, 0.5, 5e3)]
     }
 
     fn at(&self, x: &[f64]) -> Self {

@@ -94,7 +94,8 @@ mod tests {
 
     #[test]
     fn the_force_is_a_parabola_about_the_centre() {
-        let load = |curvature_n_per_m2| PositionLoad { slope_n_per_m: 200.0, centre_mm: 50.0, curvature_n_per_m2 };
+        let load =
+            |curvature_n_per_m2| PositionLoad { slope_n_per_m: 200.0, centre_mm: 50.0, curvature_n_per_m2 };
         // 30 mm from the centre: 200·0.03 = 6 N and 1000·0.03² = 0.9 N, of which only the first changes its sign.
         assert!((load(None).force_n(0.08) - 6.0).abs() < 1e-12);
         assert!((load(Some(1000.0)).force_n(0.08) - 6.9).abs() < 1e-12);

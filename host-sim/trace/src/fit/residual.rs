@@ -74,7 +74,7 @@ impl FitData<'_> {
             path: signals.motor_path.as_ref()?,
             sample_s: self.logs[log].sample_s,
             start_s: signals.start_s,
-            sampling: ForceSampling::new(&model.axis.settings.controller, self.rates),
+            sampling: ForceSampling::new(&model.axis.settings.controller, &parameters.servo, self.rates),
             added_n: signals.added_force.as_ref().map(AddedForce::filtered_n),
         };
         Some(driven::driven(parameters, &input))

@@ -58,6 +58,7 @@ pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
     let table_m =
         sum(&motor.filtered(&nonlinear.table_m), |i| motor.position[i] - stretch_s2 * motor.acceleration[i]);
     let mut force_n = sum(&motor.filtered(&force_n), |i| mass * acceleration[i]);
+    add_lead(&mut force_n, parameters.servo.drive_time_constant_s(0.0) / sample_s);
     let growth = delayed_linear(&motor.acceleration, sampling.growth_age + late);
     // The correction for sampling applies only to the force of the controller.
     add(&mut force_n, added_n, -1.0);
@@ -79,6 +80,7 @@ fn nonlinear_part(parameters: &AxisParameters, input: &DrivenInput<'_>, stretch_
         nominal_m,
         velocity: motor.velocity[0],
         acceleration: motor.acceleration[0],
+        half_gap_m: parameters.screw.half_gap_m(motor_m),
         time_s: start_s,
         ..ScrewMotion::default()
     };
@@ -102,12 +104,14 @@ fn nonlinear_part(parameters: &AxisParameters, input: &DrivenInput<'_>, stretch_
                 velocity,
                 acceleration: point.acceleration + dividing_error.acceleration + screw_error.acceleration,
                 error_velocity: screw_error.rate,
+                half_gap_m: parameters.screw.half_gap_m(motor_m),
                 time_s: screw.time_s + path.step_s,
             };
             table.step(&step, screw);
         }
         let table_m = table.position_m(parameters, screw);
-        let force = parameters.motor_coulomb_n * path.sign[i] - parameters.torque_ripple_n(motor_m)
+        let force = parameters.motor_level_n(motor.velocity[i]) * path.sign[i]
+            - parameters.torque_ripple_n(motor_m)
             + table.transmitted_n
             + parameters.motor_mass_kg * dividing_error.acceleration
             - parameters.table_mass_kg * point.acceleration;
@@ -115,6 +119,20 @@ fn nonlinear_part(parameters: &AxisParameters, input: &DrivenInput<'_>, stretch_
         result.force_n.push(force);
     }
     result
+}
+
+/// Replaces the acting force by the commanded one, which the drive follows with a lag of this time constant (samples):
+/// F + τ·F', with central differences.
+fn add_lead(force_n: &mut [f64], lag: f64) {
+    if lag == 0.0 || force_n.len() < 3 {
+        return;
+    }
+    let mut before_n = force_n[0];
+    for i in 1..force_n.len() - 1 {
+        let acting_n = force_n[i];
+        force_n[i] += 0.5 * lag * (force_n[i + 1] - before_n);
+        before_n = acting_n;
+    }
 }
 
 /// Adds a force times a sign, if the force is given.
@@ -173,6 +191,7 @@ mod tests {
             amplitude_um: 5.0,
             period_mm: 10.0,
             phase_rad: 0.3,
+            fitted_period_mm: None,
         })));
         assert_driven_is_free(Some(Effect::ResolverDividing(ResolverDividing {
             amplitude_um: 3.0,
@@ -191,13 +210,8 @@ mod tests {
         // ±20 mm at 0.5 Hz: 63 mm/s, 0.2 m/s², three reversals.
         let command: Vec<f64> =
             (0..4000).map(|i| 0.02 * (1.0 - (std::f64::consts::PI * 1e-3 * f64::from(i)).cos())).collect();
-        let start = InitialState {
-            motor_m: command[0],
-            velocity: 0.0,
-            table_m: None,
-            is_settled: true,
-            time_s: 0.0,
-        };
+        let start =
+            InitialState { motor_m: command[0], velocity: 0.0, table_m: None, is_settled: true, time_s: 0.0 };
         let simulated =
             closed_loop(&parameters, Controlled { settings: &settings, rates }, &command, &[], start)
                 .unwrap();
@@ -207,7 +221,7 @@ mod tests {
             path: &MotorPath::new(&motor, SampleOptions::default().play_noise, 1e-3),
             sample_s: 1e-3,
             start_s: 0.0,
-            sampling: ForceSampling::new(&axis.settings.controller, rates),
+            sampling: ForceSampling::new(&axis.settings.controller, &parameters.servo, rates),
             added_n: None,
         };
         let driven = driven(&parameters, &input);

@@ -52,7 +52,8 @@ impl InitialState {
 #[must_use]
 pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64, time_s: f64) -> AxisMotion {
     let nominal_m = parameters.screw.nominal_m(motor_m);
-    let screw = ScrewMotion { nominal_m, velocity, time_s, ..ScrewMotion::default() };
+    let half_gap_m = parameters.screw.half_gap_m(motor_m);
+    let screw = ScrewMotion { nominal_m, velocity, half_gap_m, time_s, ..ScrewMotion::default() };
     let table = DrivenTable::settled(parameters, screw);
     AxisMotion {
         motor_m,
@@ -62,6 +63,8 @@ pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64, t
         bristle_m: table.bristle_m(),
         filtered_speed_m_per_s: table.filtered_speed_m_per_s(),
         time_s,
+        drive_n: table.transmitted_n + parameters.motor_friction_n(velocity)
+            - parameters.torque_ripple_n(motor_m),
         friction_n: parameters.friction.bristle_stiffness_n_per_m * table.bristle_m(),
         ..AxisMotion::default()
     }
