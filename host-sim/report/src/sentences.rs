@@ -251,8 +251,8 @@ pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::axis::{Mechanics, Sensors, Settings};
-    use model::effects::{Effect, EffectContext, Stage, initial_guesses, names};
+    use model::axis::{Controller, Mechanics, Sensors, Settings};
+    use model::effects::{Effect, EffectContext, ResidualShape, Stage, initial_guesses, names};
     use trace::fit::fit_data::FitAndValidationRms;
 
     /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.
@@ -265,6 +265,7 @@ mod tests {
                 lead_mm: Some(10.0),
                 ..Mechanics::default()
             },
+            controller: Controller { velocity_integral_time_s: Some(0.02), ..Controller::default() },
             sensors: Sensors { resolver_pole_pairs: Some(5), ..Sensors::default() },
             ..Settings::default()
         };
@@ -274,6 +275,12 @@ mod tests {
             others: &["q".to_owned()],
             stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
             travel_mm: [0.0, 100.0],
+            has_backlash: false,
+            residual: &ResidualShape {
+                pitch_knots: Some(5),
+                friction_knots: Some(4),
+                ..ResidualShape::default()
+            },
         };
         let alone = EffectContext { stages: &[Stage::Force], ..context };
         let all = [initial_guesses(&context), initial_guesses(&alone)].concat();
@@ -298,9 +305,23 @@ mod tests {
             assert!(text.starts_with("ax: "), "{text}");
             assert!(text.ends_with("residual on held-out motions by 91 %."), "{text}");
             assert!(text.contains("91 %"), "{text}");
-            for (name, value) in parameters.iter().filter(|(name, _)| !name.starts_with("phase")) {
+            let declared = found.effect.declared_parameters();
+            for ((name, value), parameter) in parameters.iter().zip(&declared) {
+                if name.starts_with("phase") || parameter.is_list {
+                    continue;
+                }
                 let value = with_spread(*value, 0.01);
                 assert!(text.contains(&value), "{name} {value} in: {text}");
+            }
+            // Of a map, the sentence contains both ends and the range: five or four knots.
+            if let Some(count) = declared.iter().filter(|p| p.key == "positions_mm").count().checked_sub(1) {
+                let values = found.effect.values();
+                let size = numerics::peak_to_peak(values[count + 1..].iter().copied());
+                for value in [with_spread(values[0], 0.01), with_spread(values[count], 0.01)] {
+                    assert!(text.contains(&value), "{value} in: {text}");
+                }
+                assert!(text.contains(&with_spread(size, 0.01 * 2.0f64.sqrt())), "{size} in: {text}");
+                assert!(text.contains(&format!("({} knots)", count + 1)), "{text}");
             }
             if let Some(source) = found.effect.distinction().source() {
                 assert!(text.contains(&format!("axis {source}")), "{text}");

@@ -66,7 +66,7 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
     let of_effect = covariance.matrix.view((indices.start, indices.start), (indices.len(), indices.len()));
     let coordinates = effect.coordinates();
     let values: Vec<f64> = coordinates.iter().map(|c| c.value).collect();
-    let parameters = effect.values();
+    let (parameters, declared) = (effect.values(), effect.declared_parameters());
     let mut jacobian = DMatrix::zeros(parameters.len(), values.len());
     for (j, coordinate) in coordinates.iter().enumerate() {
         let mut moved = values.clone();
@@ -74,7 +74,7 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
         moved[j] += step;
         for (i, value) in effect.at(&moved).values().into_iter().enumerate() {
             let mut change = value - parameters[i];
-            if let Some(period) = effect.declared_parameters()[i].period {
+            if let Some(period) = declared[i].period {
                 change = (change + 0.5 * period).rem_euclid(period) - 0.5 * period;
             }
             jacobian[(i, j)] = change / step;

@@ -73,7 +73,8 @@ impl FitData<'_> {
             motor: signals.motor.as_ref()?,
             path: signals.motor_path.as_ref()?,
             sample_s: self.logs[log].sample_s,
-            sampling: ForceSampling::new(&model.axis.settings.controller, self.rates),
+            start_s: signals.start_s,
+            sampling: ForceSampling::new(&model.axis.settings.controller, &parameters.servo, self.rates),
             added_n: signals.added_force.as_ref().map(AddedForce::filtered_n),
         };
         Some(driven::driven(parameters, &input))

@@ -63,12 +63,14 @@ pub fn closed_loop(
     if substeps > MAX_SUBSTEPS {
         return None;
     }
-    let stepper = Stepper::new(parameters, 0.0, tick_s / f64::from(substeps));
+    let stepper =
+        Stepper::new(parameters, parameters.servo.drive_time_constant_s(0.0), tick_s / f64::from(substeps));
     let position = |m: f64| Position::from_m(m).unwrap_or_default();
 
     let (&first, &second) = (command.first()?, command.get(1)?);
-    let InitialState { motor_m: motor, velocity, table_m, is_settled } = start;
-    let mut motion = steady_motion(parameters, motor - parameters.resolver_error_m(motor), velocity);
+    let InitialState { motor_m: motor, velocity, table_m, is_settled, time_s } = start;
+    let true_motor_m = motor - parameters.resolver_error_m(motor);
+    let mut motion = steady_motion(parameters, true_motor_m, velocity, time_s);
     motion.table_m = table_m.unwrap_or(motion.table_m);
     // A delay of the force relative to the reading of the sensors is equivalent to an earlier reading.
     let read = |motion: &AxisMotion| {
@@ -119,7 +121,8 @@ mod tests {
         let parameters = AxisParameters::of(&machine.axis["x"]);
         let settings = servo::settings(&machine.axis["x"].settings, &parameters.servo).unwrap();
         let settings = AxisSettings { force_limit_n: limit_n, ..settings };
-        let start = InitialState { motor_m: 0.0, velocity: 0.0, table_m: None, is_settled: true };
+        let start =
+            InitialState { motor_m: 0.0, velocity: 0.0, table_m: None, is_settled: true, time_s: 0.0 };
         let command = [0.0; 500];
         let rates = machine.rates();
         let controlled = Controlled { settings: &settings, rates };

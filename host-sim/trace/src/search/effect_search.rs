@@ -5,6 +5,7 @@ use super::ambiguity::rivals;
 use super::candidates::{Candidate, Reference, rank};
 use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
+use super::residual_shape::shape;
 use super::round::Round;
 use crate::analysis::residual_analysis::unexplained;
 use crate::fit::axis_model::AxisModel;
@@ -92,7 +93,7 @@ impl EffectSearch<'_> {
         let name = data.name();
         (self.progress)(&format!("{name}: trying the catalogue on {}", stage_names(&scope.stages)));
         let model = &reference.base.model;
-        let initial_guesses = self.initial_guesses(model, scope);
+        let initial_guesses = self.initial_guesses(data, reference.base, scope);
         let mut candidates = rank(data, reference, scope, initial_guesses);
         let best = self.best(data, model, &mut candidates, scope);
         let added = best.as_ref().map(|(index, _)| *index);
@@ -130,15 +131,18 @@ impl EffectSearch<'_> {
     }
 
     /// All initial guesses of the effects that the model does not yet contain.
-    fn initial_guesses(&self, model: &AxisModel, scope: &Scope) -> Vec<Effect> {
-        let data = self.data;
+    fn initial_guesses(&self, data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effect> {
+        let model = &base.model;
         let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
+        let residual = shape(data, &base.residuals, model.axis.settings.mechanics.lead_mm);
         let context = EffectContext {
             axis: &model.axis.settings,
             first: data.axis == 0,
             others: &others,
             stages: &scope.stages,
             travel_mm: data.travel_mm(),
+            has_backlash: model.axis.effect.iter().any(|effect| matches!(effect, Effect::Backlash(_))),
+            residual: &residual,
         };
         let mut guesses = initial_guesses(&context);
         let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
