@@ -133,13 +133,9 @@ pub fn pitch_map() {
                 // 250 kg on 200 N/µm oscillate at 894 rad/s with an amplitude of 17 nm.
                 assert_near(change_um[i], expected_um, ROUNDING_UM + 0.017, "table − motor");
             }
-            assert_all(
-                &effect_run.change(Channel::Motor, &plain),
-                &effect_run.steady(mm_s),
-                0.0,
-                ROUNDING_UM,
-                "motor",
-            );
+            // There the table passes a momentum of 250 kg · 15 µm/s to a velocity loop of 1e5 N·s/m: 0.0375 µm.
+            let change_um = effect_run.change(Channel::Motor, &plain);
+            assert_all(&change_um, &effect_run.steady(mm_s), 0.0, ROUNDING_UM + 0.0375, "motor");
         }
     }
 }

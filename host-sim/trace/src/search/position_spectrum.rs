@@ -27,12 +27,18 @@ const WAVES: usize = 2;
 /// Steps of the golden section within a step of the frequency: 0.618¹² is 0.3 %.
 const REFINEMENTS: usize = 12;
 
+/// Number of polynomials that describe a shape, from degree 0 on: what varies over the travel in two waves or less. It is
+/// fitted together with each wave, as it would otherwise contribute to the longest ones.
+const POLYNOMIALS: usize = 6;
+
 /// Mean residual over an interval of the position.
 #[derive(Clone, Copy, Debug)]
 struct Bin {
     position_mm: f64,
     mean: f64,
     count: f64,
+    /// Polynomials that are orthonormal over all bins, each weighted by its count.
+    shape: [f64; POLYNOMIALS],
 }
 
 /// The strongest waves of a residual over the position that remove at least the fraction `min_share` of its Σr² each.
@@ -45,6 +51,8 @@ pub fn waves(of: WaveOf, samples: &[Sample], travel_mm: [f64; 2], min_share: f64
         return Vec::new();
     }
     let mut bins = bins(samples, travel_mm[0], width_mm);
+    set_shapes(&mut bins, travel_mm);
+    remove_shape(&mut bins);
     let total: f64 = samples.iter().map(|sample| sample.residual * sample.residual).sum();
     let step = 1.0 / (OVERSAMPLING * length_mm);
     let mut waves = Vec::new();
@@ -59,6 +67,7 @@ pub fn waves(of: WaveOf, samples: &[Sample], travel_mm: [f64; 2], min_share: f64
         for bin in &mut bins {
             bin.mean -= wave.value(bin.position_mm);
         }
+        remove_shape(&mut bins);
         let (amplitude, phase_rad) = (wave.sine.hypot(wave.cosine), wave.cosine.atan2(wave.sine));
         waves.push(ResidualWave { of, period_mm: 1.0 / frequency, amplitude, phase_rad });
     }
@@ -77,9 +86,36 @@ fn bins(samples: &[Sample], from_mm: f64, width_mm: f64) -> Vec<Bin> {
     }
     let bin = |(index, (sum, count)): (usize, (f64, f64))| {
         let position_mm = from_mm + width_mm * (index as f64 + 0.5);
-        (count > 0.0).then(|| Bin { position_mm, mean: sum / count, count })
+        (count > 0.0).then(|| Bin { position_mm, mean: sum / count, count, shape: [0.0; POLYNOMIALS] })
     };
     sums.into_iter().enumerate().filter_map(bin).collect()
+}
+
+/// Computes the orthonormal polynomials (Gram and Schmidt).
+fn set_shapes(bins: &mut [Bin], [from_mm, to_mm]: [f64; 2]) {
+    for degree in 0..POLYNOMIALS {
+        for bin in bins.iter_mut() {
+            // −1 to 1; the next polynomial is the last one times x, less its parts along the others.
+            let x = (2.0 * bin.position_mm - from_mm - to_mm) / (to_mm - from_mm);
+            bin.shape[degree] = if degree == 0 { 1.0 } else { x * bin.shape[degree - 1] };
+        }
+        for other in 0..degree {
+            let part: f64 = bins.iter().map(|bin| bin.count * bin.shape[degree] * bin.shape[other]).sum();
+            bins.iter_mut().for_each(|bin| bin.shape[degree] -= part * bin.shape[other]);
+        }
+        let square: f64 = bins.iter().map(|bin| bin.count * bin.shape[degree].powi(2)).sum();
+        // Fewer bins than polynomials leave nothing but rounding.
+        let scale = if square > 1e-12 { square.sqrt().recip() } else { 0.0 };
+        bins.iter_mut().for_each(|bin| bin.shape[degree] *= scale);
+    }
+}
+
+/// Subtracts the polynomials that fit the residual best.
+fn remove_shape(bins: &mut [Bin]) {
+    for degree in 0..POLYNOMIALS {
+        let part: f64 = bins.iter().map(|bin| bin.count * bin.shape[degree] * bin.mean).sum();
+        bins.iter_mut().for_each(|bin| bin.mean -= part * bin.shape[degree]);
+    }
 }
 
 /// The wave sine·sin(2πfx) + cosine·cos(2πfx) that removes most of the residual at a frequency f, 1/mm.
@@ -108,7 +144,7 @@ impl Wave {
     }
 }
 
-/// Normal equations of sine and cosine.
+/// Normal equations of sine, cosine and polynomials.
 #[derive(Clone, Copy, Default)]
 struct Sums {
     sine2: f64,
@@ -116,26 +152,42 @@ struct Sums {
     product: f64,
     of_sine: f64,
     of_cosine: f64,
+    /// Sine and cosine along the polynomials.
+    sine_shape: [f64; POLYNOMIALS],
+    cosine_shape: [f64; POLYNOMIALS],
 }
 
 impl Sums {
+    #[inline]
     fn add(&mut self, bin: &Bin, sine: f64, cosine: f64) {
-        self.sine2 += bin.count * sine * sine;
-        self.cosine2 += bin.count * cosine * cosine;
-        self.product += bin.count * sine * cosine;
-        self.of_sine += bin.count * bin.mean * sine;
-        self.of_cosine += bin.count * bin.mean * cosine;
+        let [sines, cosines] = [bin.count * sine, bin.count * cosine];
+        self.sine2 += sines * sine;
+        self.cosine2 += cosines * cosine;
+        self.product += sines * cosine;
+        self.of_sine += bin.mean * sines;
+        self.of_cosine += bin.mean * cosines;
+        for (degree, shape) in bin.shape.iter().enumerate() {
+            self.sine_shape[degree] += sines * shape;
+            self.cosine_shape[degree] += cosines * shape;
+        }
     }
 
     fn solution(&self) -> [f64; 2] {
-        let determinant = self.sine2 * self.cosine2 - self.product * self.product;
+        let dot = |a: &[f64; POLYNOMIALS], b: &[f64; POLYNOMIALS]| -> f64 {
+            a.iter().zip(b).map(|(a, b)| a * b).sum()
+        };
+        // What is left of sine and cosine without their polynomials; the residual has none.
+        let sine2 = self.sine2 - dot(&self.sine_shape, &self.sine_shape);
+        let cosine2 = self.cosine2 - dot(&self.cosine_shape, &self.cosine_shape);
+        let product = self.product - dot(&self.sine_shape, &self.cosine_shape);
+        let determinant = sine2 * cosine2 - product * product;
         // A determinant near zero: the samples do not determine both.
         if determinant <= 1e-6 * self.sine2 * self.cosine2 {
             return [0.0; 2];
         }
         [
-            (self.of_sine * self.cosine2 - self.of_cosine * self.product) / determinant,
-            (self.of_cosine * self.sine2 - self.of_sine * self.product) / determinant,
+            (self.of_sine * cosine2 - self.of_cosine * product) / determinant,
+            (self.of_cosine * sine2 - self.of_sine * product) / determinant,
         ]
     }
 
