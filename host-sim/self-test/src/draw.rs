@@ -76,12 +76,7 @@ pub fn machine(deviations: &Deviations, random: &mut ChaCha8Rng) -> Drawn {
 }
 
 /// Draws the true and the declared values of an axis. The order of the draws determines the result of a seed.
-fn axis(
-    name: &str,
-    design: &Design,
-    deviations: &Deviations,
-    random: &mut ChaCha8Rng,
-) -> (Axis, Declared) {
+fn axis(name: &str, design: &Design, deviations: &Deviations, random: &mut ChaCha8Rng) -> (Axis, Declared) {
     let mut declared = |low, high| six_digits(random.random_range(low..high));
     let drive = DriveValues {
         position_gain_per_s: declared(32.0, 75.0),
@@ -179,8 +174,7 @@ pub struct Motion {
 }
 
 /// Names of the motions of a session.
-pub const MOTIONS: [&str; 5] =
-    ["fit_circle", "fit_steps", "fit_small", "validate_corner", "validate_circle"];
+pub const MOTIONS: [&str; 5] = ["fit_circle", "fit_steps", "fit_small", "validate_corner", "validate_circle"];
 
 /// Draws the motions of a session: three to fit, two to validate.
 pub fn session(random: &mut ChaCha8Rng) -> [Motion; 5] {

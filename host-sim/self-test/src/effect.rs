@@ -121,7 +121,9 @@ pub fn scaled(truth: &Truth, strength: f64, stiffness_n_per_um: f64) -> Truth {
     let mut scaled = truth.clone();
     if let Some((_, size)) = scaled.parameters.first_mut() {
         *size = match truth.name {
-            "windup" => 1.0 / (1.0 / stiffness_n_per_um + strength * (1.0 / *size - 1.0 / stiffness_n_per_um)),
+            "windup" => {
+                1.0 / (1.0 / stiffness_n_per_um + strength * (1.0 / *size - 1.0 / stiffness_n_per_um))
+            }
             "resonance" => *size / strength.sqrt(),
             _ => *size * strength,
         };

@@ -73,17 +73,15 @@ fn pitch_shape(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) -> Vec<(&'sta
 }
 
 /// A friction that the declared Coulomb and viscous friction do not contain.
-fn friction(
-    mechanics: &mut Mechanics,
-    random: &mut ChaCha8Rng,
-) -> (&'static str, Vec<(&'static str, f64)>) {
+fn friction(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) -> (&'static str, Vec<(&'static str, f64)>) {
     let name = one_of(&["friction_position", "friction_warm_up", "motor_stribeck"], random);
     let mut between = |low: f64, high: f64| random.random_range(low..high);
     let parameters = match name {
         "friction_position" => {
             // Together at most 0.6 of the Coulomb friction, so that the friction opposes the motion everywhere.
             let peak_n = between(0.15, 0.4) * mechanics.coulomb_n;
-            let [long, short] = [(90.0, 200.0), (40.0, 80.0)].map(|(shortest, longest)| (between(shortest, longest), between(0.0, TAU)));
+            let [long, short] = [(90.0, 200.0), (40.0, 80.0)]
+                .map(|(shortest, longest)| (between(shortest, longest), between(0.0, TAU)));
             let wave = |part: f64, (period_mm, phase): (f64, f64)| Sinusoid {
                 amplitude: part * peak_n,
                 period: 1e-3 * period_mm,

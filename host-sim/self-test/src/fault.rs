@@ -32,11 +32,8 @@ pub fn draw(logs: &mut [Log], random: &mut ChaCha8Rng) -> Option<Truth> {
     } else {
         let number = random.random_range(0..logs.len());
         let log = &mut logs[number];
-        let parameters = if name == "scale_slip" {
-            slip(log, index, random)?
-        } else {
-            stick(log, index, random)?
-        };
+        let parameters =
+            if name == "scale_slip" { slip(log, index, random)? } else { stick(log, index, random)? };
         (parameters, ("log", motion_name(&log.source)))
     };
     Some(Truth { name, axis: AXES[index], parameters, reference: Some(reference), phase_rad: 0.0 })
@@ -59,13 +56,14 @@ fn reverse_probe(axis: &mut AxisLog) {
 fn slip(log: &mut Log, index: usize, random: &mut ChaCha8Rng) -> Option<Vec<(&'static str, f64)>> {
     let sign = if random.random_bool(0.5) { 1.0 } else { -1.0 };
     // Whole steps of the scale: 0.01 µm.
-    let size_mm = (1e5 * sign * log_uniform(SLIP_MM, random)).round() / 1e5;
+    let steps = (1e5 * sign * log_uniform(SLIP_MM, random)).round();
+    let size_mm = steps / 1e5;
     let begin = begin(log, random);
     let table = log.axes[index].table.as_mut()?;
     for value in &mut table[begin..] {
         *value = super::sensors::rounded(*value + size_mm, 1e5);
     }
-    Some(vec![("at_s", log.start_s + log.sample_time_s * begin as f64), ("size_um", 1e3 * size_mm)])
+    Some(vec![("at_s", log.start_s + log.sample_time_s * begin as f64), ("size_um", steps / 100.0)])
 }
 
 /// For a while, the scale repeats its reading.

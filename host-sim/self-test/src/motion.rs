@@ -96,8 +96,9 @@ fn fractions(pace: Pace, length: f64) -> impl Iterator<Item = f64> {
     let samples = to_count((pace.time_s(length) / SAMPLE_S).ceil()) + averaged - 1;
     let travelled = move |i: usize| pace.travelled(length, SAMPLE_S * i as f64);
     // Before its start, a motion has travelled 0.
-    let average =
-        move |i: usize| (0..averaged.min(i + 1)).map(|back| travelled(i - back)).sum::<f64>() / averaged as f64;
+    let average = move |i: usize| {
+        (0..averaged.min(i + 1)).map(|back| travelled(i - back)).sum::<f64>() / averaged as f64
+    };
     (0..=samples).map(move |i| if averaged == 1 { travelled(i) } else { average(i) } / length)
 }
 

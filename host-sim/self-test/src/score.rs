@@ -2,10 +2,15 @@
 
 use serde_json::{Map, Value, json};
 
+use super::case::Case;
+use super::kind::Kind;
+use super::outside::{self, Answer, ReportedFault};
 use super::truth::Truth;
 
 /// Largest error of the frequency of a described vibration, Hz.
 const MAX_ERROR_HZ: f64 = 1.5;
+/// Largest relative error of the period by which effects of one name are told apart.
+const MAX_PERIOD_ERROR: f64 = 0.02;
 /// Largest error of the position of a described defect, mm; the width of the defect, if that is larger.
 const MAX_ERROR_MM: f64 = 3.0;
 
@@ -47,6 +52,8 @@ impl Estimate {
 /// The score of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
+    /// Kind of the case.
+    pub kind: Kind,
     /// Number of the case.
     pub number: u64,
     /// The true effects.
@@ -61,10 +68,32 @@ pub struct Outcome {
     pub estimates: Vec<Estimate>,
     /// Ratio of the rms residual after the search to the noise, on the held-out logs, by axis and channel.
     pub ratios: Vec<(String, f64)>,
+    /// What the trace says about what is outside the textbook catalogue.
+    pub answers: Vec<Answer>,
+    /// Faults of the data that it reports.
+    pub faults: Vec<ReportedFault>,
 }
 
 impl Outcome {
-    /// Scores the JSON of a trace.
+    /// Scores the JSON of a trace of a case.
+    #[must_use]
+    pub fn of(case: &Case, trace: &Value) -> Self {
+        Self::new(case.number, &case.truths, trace).with_kind(case.kind, &case.extras, trace)
+    }
+
+    /// Adds the kind of the case and what is outside the textbook catalogue.
+    fn with_kind(mut self, kind: Kind, extras: &[Truth], trace: &Value) -> Self {
+        let unexplained: Vec<String> =
+            trace["unexplained"].as_array().into_iter().flatten().map(|u| string(u, "axis")).collect();
+        self.kind = kind;
+        self.answers =
+            extras.iter().map(|extra| Answer::new(extra, &self.found, &self.faults, &unexplained)).collect();
+        let same = extras.iter().filter_map(outside::as_effect);
+        self.estimates.extend(same.flat_map(|truth| estimates_of(&truth, &self.effects)).collect::<Vec<_>>());
+        self
+    }
+
+    /// Scores the JSON of a trace of a case of the textbook kind.
     #[must_use]
     pub fn new(number: u64, truths: &[Truth], trace: &Value) -> Self {
         let entries = |key: &str| trace[key].as_array().cloned().unwrap_or_default();
@@ -73,13 +102,12 @@ impl Outcome {
         let found = effects.iter().map(|e| (string(e, "name"), string(e, "axis"))).collect();
         let described =
             truths.iter().filter(|t| t.is_outside()).map(|t| unexplained.iter().any(|u| describes(u, t)));
-        let estimates = truths.iter().flat_map(|truth| {
-            let same =
-                effects.iter().filter(|e| string(e, "name") == truth.name && string(e, "axis") == truth.axis);
-            same.flat_map(|entry| estimates(truth, &entry["parameters"])).collect::<Vec<_>>()
-        });
+        let estimates = truths.iter().flat_map(|truth| estimates_of(truth, &effects));
         Self {
+            kind: Kind::Textbook,
             number,
+            answers: Vec::new(),
+            faults: entries("data_faults").iter().map(ReportedFault::new).collect(),
             described: described.collect(),
             estimates: estimates.collect(),
             ratios: entries("residual").iter().filter_map(ratio).collect(),
@@ -96,16 +124,45 @@ impl Outcome {
         catalogued.filter(|truth| !self.found.iter().any(|found| is_same(truth, found))).collect()
     }
 
-    /// False effects: found but not true.
+    /// False effects: found but not true, and not accepted for something outside the catalogue. One that is found twice
+    /// on its axis counts once.
     #[must_use]
     pub fn false_finds(&self) -> Vec<&(String, String)> {
-        self.found.iter().filter(|found| !self.truths.iter().any(|truth| is_same(truth, found))).collect()
+        let is_true = |found: &(String, String)| self.truths.iter().any(|truth| is_same(truth, found));
+        let is_accepted = |(name, axis): &(String, String)| {
+            self.answers.iter().any(|a| a.extra.axis == axis && outside::is_accepted(a.extra.name, name))
+        };
+        let first = self.found.iter().enumerate().filter(|(i, found)| !self.found[..*i].contains(found));
+        first.map(|(_, found)| found).filter(|found| !is_true(found) && !is_accepted(found)).collect()
     }
 
-    /// Effects that were found again on the same axis (latency of two channels, for example). The score counts them once.
+    /// Reported faults of the data that are not there, by kind and axis, each once.
+    #[must_use]
+    pub fn false_faults(&self) -> Vec<&(String, String)> {
+        let is_true = |(kind, axis): &(String, String)| {
+            self.answers.iter().any(|a| a.extra.axis == axis && outside::is_name(a.extra.name, kind))
+        };
+        let mut names: Vec<_> = self.faults.iter().map(|fault| &fault.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        names.retain(|name| !is_true(name));
+        names
+    }
+
+    /// What is outside the catalogue and counts, each with what the trace says about it.
+    pub fn counted_answers(&self) -> impl Iterator<Item = &Answer> {
+        self.answers.iter().filter(|answer| outside::counts(&answer.extra))
+    }
+
+    /// Effects that were found again on the same axis (latency of two channels, for example), unless they stand for
+    /// something outside the catalogue. The score counts them once.
     #[must_use]
     pub fn duplicates(&self) -> usize {
-        let is_duplicate = |i: &usize| self.found[..*i].contains(&self.found[*i]);
+        let is_answer = |(name, axis): &(String, String)| {
+            self.answers.iter().any(|answer| answer.extra.axis == axis && answer.names.contains(name))
+        };
+        let is_duplicate =
+            |i: &usize| self.found[..*i].contains(&self.found[*i]) && !is_answer(&self.found[*i]);
         (0..self.found.len()).filter(is_duplicate).count()
     }
 
@@ -118,7 +175,13 @@ impl Outcome {
     /// Whether the machine has no undeclared effect.
     #[must_use]
     pub fn is_clean(&self) -> bool {
-        self.truths.is_empty()
+        self.truths.is_empty() && self.answers.is_empty()
+    }
+
+    /// The case in words: `case 3`, `offspec case 3`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.kind.case_words(self.number)
     }
 
     /// Effects from outside the catalogue, each with whether the trace describes it.
@@ -132,12 +195,15 @@ impl Outcome {
         let ratios: Map<String, Value> =
             self.ratios.iter().map(|(channel, ratio)| (channel.clone(), json!(ratio))).collect();
         json!({
+            "kind": self.kind.name(),
             "case": self.number,
             "exact": self.is_exact(),
             "truth": self.truths.iter().map(Truth::json).collect::<Vec<_>>(),
             "found": self.effects,
             "outside_said": self.described,
             "after_over_noise": ratios,
+            "outside": self.answers.iter().map(Answer::json).collect::<Vec<_>>(),
+            "data_faults": self.faults.iter().map(|fault| fault.entry.clone()).collect::<Vec<_>>(),
         })
     }
 }
@@ -165,6 +231,19 @@ fn describes(entry: &Value, truth: &Truth) -> bool {
             }
             _ => false,
         }
+}
+
+/// Parameters of a true effect in the effects found. Effects of one name on an axis are told apart by their period.
+fn estimates_of(truth: &Truth, effects: &[Value]) -> Vec<Estimate> {
+    let has_period = |entry: &Value| {
+        let found = entry["parameters"]["period_mm"]["value"].as_f64();
+        let pair = found.zip(truth.parameter("period_mm"));
+        pair.is_none_or(|(found, period)| (found - period).abs() <= MAX_PERIOD_ERROR * period)
+    };
+    let is_named =
+        |entry: &&Value| string(entry, "name") == truth.name && string(entry, "axis") == truth.axis;
+    let same = effects.iter().filter(is_named).filter(|entry| has_period(entry));
+    same.flat_map(|entry| estimates(truth, &entry["parameters"])).collect()
 }
 
 fn estimates(truth: &Truth, parameters: &Value) -> Vec<Estimate> {
@@ -245,6 +324,40 @@ pub(super) mod tests {
         assert!((inside.error() - 0.05).abs() < 1e-12);
         assert!(inside.is_covered());
         assert!(!width(9.5, [9.4, 9.6]).is_covered());
+    }
+
+    #[test]
+    fn effects_of_one_name_are_told_apart_by_their_period() {
+        let period = |value: f64, amplitude: f64| {
+            let exact = |value: f64| json!({"value": value, "ci95": [value, value]});
+            found("pitch_cyclic", "x", &json!({"amplitude_um": exact(amplitude), "period_mm": exact(value)}))
+        };
+        let trace = json!({"effects": [period(10.0, 5.0), period(37.2, 2.5)]});
+        let lead = [truth("pitch_cyclic", "x", &[("amplitude_um", 5.0), ("period_mm", 10.0)])];
+        let belt = [truth("belt_37mm", "x", &[("amplitude_um", 2.0), ("period_mm", 37.0)])];
+        let outcome = Outcome::new(1, &lead, &trace).with_kind(Kind::Foreign, &belt, &trace);
+        let amplitudes: Vec<f64> =
+            outcome.estimates.iter().filter(|e| !e.is_declared()).map(Estimate::error).collect();
+        assert_eq!(amplitudes.len(), 2);
+        assert!(amplitudes[0] < 1e-12 && (amplitudes[1] - 0.25).abs() < 1e-12, "{amplitudes:?}");
+    }
+
+    #[test]
+    fn an_effect_that_stands_for_something_outside_is_not_false_but_others_are() {
+        let shape = [truth("pitch_shape", "y", &[])];
+        let of = |names: &[(&str, &str)]| {
+            let effects: Vec<_> = names.iter().map(|(name, axis)| found(name, axis, &json!({}))).collect();
+            let trace = json!({"effects": effects, "data_faults": [
+                {"kind": "slip", "axis": "x", "at_s": 1.0}, {"kind": "slip", "axis": "x", "at_s": 2.0}]});
+            Outcome::new(1, &[], &trace).with_kind(Kind::Shape, &shape, &trace)
+        };
+        let accepted = of(&[("pitch_progressive", "y")]);
+        assert!(accepted.is_exact() && !accepted.is_clean());
+        assert_eq!(accepted.false_faults(), [&("slip".to_owned(), "x".to_owned())]);
+        let false_name = of(&[("pitch_cyclic", "y"), ("pitch_cyclic", "y"), ("pitch_progressive", "x")]);
+        assert_eq!(false_name.false_finds().len(), 2);
+        assert!(!false_name.is_exact());
+        assert_eq!(accepted.name(), "shape case 1");
     }
 
     #[test]

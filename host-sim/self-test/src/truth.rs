@@ -106,12 +106,7 @@ pub fn draw_textbook(machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Truth>
 
 /// Draws the effects of the catalogue of another kind and sets them in the true values. `extras` is what else the
 /// machine has: no axis gets an effect that cannot be told from it.
-pub fn draw_beside(
-    extras: &[Truth],
-    kind: Kind,
-    machine: &mut Drawn,
-    random: &mut ChaCha8Rng,
-) -> Vec<Truth> {
+pub fn draw_beside(extras: &[Truth], kind: Kind, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Truth> {
     let count = match kind {
         Kind::Many => random.random_range(4..=5),
         Kind::Small => random.random_range(1..=3),
@@ -201,7 +196,8 @@ mod tests {
     /// The effects of 1000 machines.
     fn many() -> Vec<Vec<Truth>> {
         let mut random = ChaCha8Rng::seed_from_u64(5);
-        let mut one = |_| draw_textbook(&mut draw::machine(&draw::WITHIN_TOLERANCE, &mut random), &mut random);
+        let mut one =
+            |_| draw_textbook(&mut draw::machine(&draw::WITHIN_TOLERANCE, &mut random), &mut random);
         (0..1000).map(&mut one).collect()
     }
 
