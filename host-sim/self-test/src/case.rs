@@ -65,7 +65,9 @@ impl Case {
         let (truths, mut extras) = undeclared(kind, &mut drawn, &mut random);
         if kind == Kind::Jerk {
             let averaged_samples = random.random_range(AVERAGED_SAMPLES);
-            session.iter_mut().for_each(|motion| motion.pace.averaged_samples = averaged_samples);
+            for motion in &mut session {
+                motion.pace.averaged_samples = averaged_samples;
+            }
         }
         let mut logs = run_session(&drawn, &session, |log| stream(Purpose::Log(log)));
         if kind == Kind::Slip {

@@ -6,7 +6,7 @@ use super::detection::{Detection, SIZES};
 use super::summary::Proportion;
 use super::truth::NAMES;
 
-/// Smallest fraction found at a size that is called reliable.
+/// Smallest fraction, of effects found or of correct names, at a size that is called reliable or trusted.
 const RELIABLE: f64 = 0.95;
 
 /// The cases whose size is nearest to one of [`SIZES`].
@@ -18,6 +18,8 @@ pub struct Bin {
     pub found: Proportion,
     /// Cases in which an effect was found that is not there.
     pub with_false_name: usize,
+    /// Names that were given, and those of them that are correct.
+    pub names: Proportion,
 }
 
 /// The cases of one effect.
@@ -62,6 +64,7 @@ impl Curve {
             Bin {
                 size,
                 found: Proportion::of(inside().map(|detection| detection.is_found)),
+                names: names(inside()),
                 with_false_name: inside().filter(|detection| !detection.false_names.is_empty()).count(),
             }
         };
@@ -84,10 +87,25 @@ impl Curve {
         occurring.take_while(|bin| bin.found.fraction() >= RELIABLE).last().map(|bin| bin.size)
     }
 
+    /// Smallest size from which on at least 95 % of the names given were correct, at it and at every larger size.
+    #[must_use]
+    pub fn trusted_from(&self) -> Option<f64> {
+        let named = self.bins.iter().rev().filter(|bin| bin.names.trials > 0);
+        named.take_while(|bin| bin.names.fraction() >= RELIABLE).last().map(|bin| bin.size)
+    }
+
+    /// Number of effects that were found in every case of at least this size.
+    #[must_use]
+    pub fn always_found_from(&self, size: f64) -> usize {
+        let is_missed =
+            |effect: &&EffectDetections| effect.largest_missed().is_some_and(|missed| missed >= size);
+        self.effects.iter().filter(|effect| !is_missed(effect)).count()
+    }
+
     /// Its entry in the JSON of the self-test.
     #[must_use]
     pub fn json(&self) -> Value {
-        let bin = |bin: &Bin| json!({"size": bin.size, "found": bin.found.json(), "with_false_name": bin.with_false_name});
+        let bin = |bin: &Bin| json!({"size": bin.size, "found": bin.found.json(), "with_false_name": bin.with_false_name, "names_correct": bin.names.json()});
         let effect = |effect: &EffectDetections| {
             let entry = json!({
                 "cases": effect.points.len(),
@@ -99,9 +117,18 @@ impl Curve {
         json!({
             "sizes": self.bins.iter().map(bin).collect::<Vec<_>>(),
             "reliable_from": self.reliable_from(),
+            "trusted_from": self.trusted_from(),
             "effects": self.effects.iter().map(effect).collect::<Map<_, _>>(),
         })
     }
+}
+
+/// Correct names among those given.
+fn names<'a>(detections: impl Iterator<Item = &'a Detection>) -> Proportion {
+    detections.fold(Proportion::default(), |sum, detection| {
+        let hits = usize::from(detection.is_found);
+        Proportion { hits: sum.hits + hits, trials: sum.trials + hits + detection.false_names.len() }
+    })
 }
 
 /// Index of the size nearest to this one, by ratio.
@@ -161,6 +188,7 @@ pub(super) mod tests {
         let at = |size: f64| curve.bins[bin_of(size)];
         assert_eq!(at(3.06).found, Proportion { hits: 1, trials: 2 });
         assert_eq!((at(0.31).found.trials, at(0.31).with_false_name), (1, 1));
+        assert_eq!((at(0.31).names, at(3.06).names.trials), (Proportion { hits: 0, trials: 1 }, 1));
         assert_eq!(curve.bins.iter().map(|bin| bin.found.trials).sum::<usize>(), 7);
         // The bounds between sizes are their geometric means: √(9.58 · 17.0) = 12.76.
         assert_eq!((bin_of(12.7), bin_of(12.8)), (8, 9));
@@ -171,6 +199,9 @@ pub(super) mod tests {
     fn a_size_is_reliable_if_all_larger_ones_are() {
         let curve = Curve::new(&detections());
         assert_eq!(curve.reliable_from(), Some(9.58));
+        // The only false name is at 0.3; above it the next size at which a name was given is 0.98.
+        assert_eq!(curve.trusted_from(), Some(0.98));
+        assert_eq!([0.1, 0.2, 3.0].map(|size| curve.always_found_from(size)), [0, 1, 2]);
         let [backlash, windup] = &curve.effects[..] else { panic!("{:?}", curve.effects) };
         assert_eq!((backlash.found_from(), backlash.largest_missed()), (Some(1.0), Some(0.11)));
         assert_eq!((windup.found_from(), windup.largest_missed()), (Some(9.0), Some(2.9)));

@@ -15,31 +15,41 @@ const NOTE: &str = "Above: fraction of the effects of a size that were found by 
                     Below: each case by effect. The size of an effect is the rms of its contribution to its main \
                     residual channel over the logs to fit, divided by the noise of the sensor of that channel.";
 
+/// Size at which the effects that are always found are counted, in units of the noise.
+const FEW_NOISES: f64 = 3.0;
+
 /// The curve in sentences.
 #[must_use]
 pub fn sentences(seed: u64, detections: &[Detection], curve: &Curve) -> Vec<String> {
     let machines = counted(detections.len(), "machine");
     let false_names = detections.iter().filter(|detection| !detection.false_names.is_empty()).count();
     let found = detections.iter().filter(|detection| detection.is_found).count();
-    let reliable = curve.reliable_from().map_or_else(
-        || "At no size up to the largest were 95 % of the effects found.".to_owned(),
+    let reliable = curve.reliable_from().map_or_else(String::new, |size| {
+        format!(" From {} times the noise on, at least 95 % of each size were found.", digits(size))
+    });
+    let trusted = curve.trusted_from().map_or_else(
+        || {
+            "At the largest size at which a name was given, fewer than 95 % of the names are correct."
+                .to_owned()
+        },
         |size| {
-            format!(
-                "From a size of {} times the noise on, at least 95 % of the effects of each size were found.",
-                digits(size)
-            )
+            format!("From {} times the noise on, at least 95 % of the names given are correct.", digits(size))
         },
     );
     vec![
         format!(
             "{machines} with one effect each, drawn from seed {seed}, with sizes of 0.1 to 30 times the noise."
         ),
-        reliable,
         format!(
-            "{} found; on {} an effect was named that is not there.",
+            "{} found; of {}, {} always found from {FEW_NOISES} times the noise on.{reliable}",
             if found == 1 { "1 effect was".to_owned() } else { format!("{found} effects were") },
-            counted(false_names, "machine")
+            counted(curve.effects.len(), "name"),
+            match curve.always_found_from(FEW_NOISES) {
+                1 => "1 was".to_owned(),
+                count => format!("{count} were"),
+            }
         ),
+        format!("On {} an effect was named that is not there. {trusted}", counted(false_names, "machine")),
     ]
 }
 
@@ -142,8 +152,16 @@ mod tests {
         let detections = detections();
         let curve = Curve::new(&detections);
         let sentences = sentences(1, &detections, &curve);
-        assert!(sentences[1].starts_with("From a size of 9.6 times the noise on"), "{sentences:?}");
-        assert!(sentences[2].starts_with("4 effects were found; on 1 machine "), "{sentences:?}");
+        assert!(
+            sentences[1].starts_with("4 effects were found; of 2 names, 2 were always found from 3 times"),
+            "{sentences:?}"
+        );
+        assert!(sentences[1].contains("From 9.6 times the noise on, at least 95 %"), "{sentences:?}");
+        assert!(sentences[2].starts_with("On 1 machine an effect was named"), "{sentences:?}");
+        assert!(
+            sentences[2].contains("From 0.98 times the noise on, at least 95 % of the names"),
+            "{sentences:?}"
+        );
         let text = tables(&detections, &curve);
         let cells = |start: &str| -> Vec<String> {
             let line = text.lines().find(|line| line.starts_with(start)).unwrap();

@@ -69,12 +69,12 @@ fn figures(summary: &Summary) -> [String; HEADINGS.len()] {
 /// The table as text.
 #[must_use]
 pub fn text(outcomes: &[Outcome]) -> String {
-    let mut lines = vec![line("kind", HEADINGS.map(|(heading, _)| heading.to_owned()))];
-    lines.extend(rows(outcomes).into_iter().map(|(kind, figures)| line(kind.name(), figures)));
+    let mut lines = vec![line("kind", &HEADINGS.map(|(heading, _)| heading.to_owned()))];
+    lines.extend(rows(outcomes).into_iter().map(|(kind, figures)| line(kind.name(), &figures)));
     lines.join("\n")
 }
 
-fn line(first: &str, figures: [String; HEADINGS.len()]) -> String {
+fn line(first: &str, figures: &[String; HEADINGS.len()]) -> String {
     let cells = figures.iter().zip(HEADINGS).map(|(figure, (_, width))| format!("{figure:>width$}"));
     format!("{first:<12}{}", cells.collect::<String>())
 }

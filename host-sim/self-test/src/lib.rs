@@ -82,6 +82,8 @@ pub fn json(seed: u64, asked: u64, outcomes: &[Outcome], summary: &Summary) -> V
 }
 
 #[cfg(test)]
+mod kind_tests;
+#[cfg(test)]
 mod mechanism_tests;
 #[cfg(test)]
 mod tests;
