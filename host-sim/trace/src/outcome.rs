@@ -5,6 +5,7 @@ use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
 use crate::fit::axis_model::AxisModel;
+use crate::fit::declared_value::DeclaredValue;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::{NotTestable, Scope};
@@ -14,6 +15,7 @@ use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
 use crate::search::distinguishing_motion;
 use crate::search::round::Round;
+use crate::task::Task;
 use crate::validation::found_effect::FoundEffect;
 use files::log::Unit;
 use model::effects::Stage;
@@ -41,12 +43,16 @@ pub struct Trace {
 /// The result for one axis.
 #[derive(Clone, Debug)]
 pub struct AxisTrace {
+    /// What was done.
+    pub task: Task,
     /// Name of the axis.
     pub axis: String,
     /// Unit of its channels.
     pub unit: Unit,
     /// The declared model, fitted.
     pub declared: AxisModel,
+    /// The declared mechanical values, as fitted with the effects found.
+    pub declared_values: Vec<DeclaredValue>,
     /// The model with the effects found.
     pub model: AxisModel,
     /// Stages that could be evaluated, by scope.
