@@ -5,7 +5,6 @@ use files::format::{percent, significant, with_spread};
 use files::log::Unit;
 use model::effects::Stage;
 use model::machine::nominal::MAX_TOLERANCES;
-use trace::{Task, Trace};
 use trace::analysis::empirical::Empirical;
 use trace::analysis::free_run::FreeRun;
 use trace::analysis::repeatability::Repeatability;
@@ -18,6 +17,7 @@ use trace::search::ambiguity::Ambiguity;
 use trace::stages::{residual_unit, stage_names};
 use trace::validation::found_effect::FoundEffect;
 use trace::verdict::{self, Verdict};
+use trace::{Task, Trace};
 
 /// The reduction of the residual by a table over a variable.
 #[must_use]
@@ -313,7 +313,8 @@ mod tests {
         let effect: Effect = toml::from_str("name = 'backlash'\nwidth_um = 9.8").unwrap();
         let [before, after] = [100.0, 103.2].map(|validate| FitAndValidationRms { fit: 1.0, validate });
         let rivals = Vec::new();
-        let mut found = FoundEffect { effect, half_widths: vec![0.1], stage: Stage::Table, before, after, rivals };
+        let mut found =
+            FoundEffect { effect, half_widths: vec![0.1], stage: Stage::Table, before, after, rivals };
         assert_eq!(
             sentence("x", Unit::Millimetre, &found),
             "x: 9.8 ± 0.1 µm backlash between screw and table; increases the table residual on held-out motions by \
@@ -322,6 +323,9 @@ mod tests {
         let slope = "name = 'pitch_progressive'\nslope_um_per_m = 12.5";
         found.rivals.push(toml::from_str(slope).unwrap());
         let text = sentence("x", Unit::Millimetre, &found);
-        assert!(text.starts_with("x: either 9.8 ± 0.1 µm backlash") && text.contains(", or the screw moves"), "{text}");
+        assert!(
+            text.starts_with("x: either 9.8 ± 0.1 µm backlash") && text.contains(", or the screw moves"),
+            "{text}"
+        );
     }
 }

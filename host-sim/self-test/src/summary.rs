@@ -91,6 +91,8 @@ pub struct Summary {
     pub found: Proportion,
     /// Number of false effects: found but not true.
     pub false_finds: usize,
+    /// Those of them that the trace does not call ambiguous.
+    pub certain_false_finds: usize,
     /// Effects that were found again on the same axis, which the score counts once.
     pub duplicates: usize,
     /// Machines without undeclared effects in which nothing was found.
@@ -131,6 +133,7 @@ impl Summary {
             exact: Proportion::of(outcomes.iter().map(Outcome::is_exact)),
             found: Proportion { hits: there - missed, trials: there },
             false_finds: outcomes.iter().map(|outcome| outcome.false_finds().len()).sum(),
+            certain_false_finds: outcomes.iter().map(Outcome::certain_false_finds).sum(),
             duplicates: outcomes.iter().map(Outcome::duplicates).sum(),
             clean: Proportion::of(clean.map(Outcome::is_exact)),
             outside: Proportion::of(outside.copied()),
@@ -165,6 +168,7 @@ impl Summary {
             "found": self.found.json(),
             "missed": self.found.trials - self.found.hits,
             "false": self.false_finds,
+            "false_certain": self.certain_false_finds,
             "doubled": self.duplicates,
             "clean": self.clean.json(),
             "outside": self.outside.json(),

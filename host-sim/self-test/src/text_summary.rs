@@ -11,6 +11,11 @@ use super::summary::{Proportion, Spread, Summary};
 pub fn sentences(seed: u64, summary: &Summary) -> Vec<String> {
     let Summary { clean, outside, duplicates, coverage, .. } = summary;
     let mut sentences = vec![exact_sentence(seed, summary.exact), found_sentence(summary)];
+    let ambiguous = summary.false_finds - summary.certain_false_finds;
+    if ambiguous > 0 {
+        let are = if ambiguous == 1 { "is" } else { "are" };
+        sentences.push(format!("Of the false effects, {ambiguous} {are} called ambiguous."));
+    }
     if *duplicates > 0 {
         sentences.push(format!(
             "{} {} found a second time on {} axis; the score counts each once.",

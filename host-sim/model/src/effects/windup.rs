@@ -85,10 +85,7 @@ impl EffectModel for Windup {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!(
-            "the stiffness between motor and table is {}, far below the declared one",
-            wording.value(0)
-        )
+        format!("the stiffness between motor and table is {}, far below the declared one", wording.value(0))
     }
 
     fn abscissa(&self) -> Abscissa {

@@ -30,7 +30,8 @@ impl Tolerated {
     /// simulation, so that it stays within its tolerance.
     #[must_use]
     pub fn is_poorly_determined(&self) -> bool {
-        ["damping_n_s_per_m", "presliding_stiffness_n_per_um", "presliding_damping_n_s_per_m"].contains(&self.key)
+        ["damping_n_s_per_m", "presliding_stiffness_n_per_um", "presliding_damping_n_s_per_m"]
+            .contains(&self.key)
     }
 
     /// The range in which a fit may move a value, from its nominal value and its relative tolerance: up to
@@ -43,8 +44,7 @@ impl Tolerated {
         let factor = 1.0 + MAX_TOLERANCES * tolerance;
         let least = nominal / factor;
         let is_stiffness = self.key == "stiffness_n_per_um";
-        let least =
-            if is_stiffness { least.max(Windup::max_stiffness(nominal, tolerance)) } else { least };
+        let least = if is_stiffness { least.max(Windup::max_stiffness(nominal, tolerance)) } else { least };
         [least, nominal * factor]
     }
 }
