@@ -10,9 +10,9 @@ use pages::markup::{
 };
 
 use crate::score::Outcome;
-use crate::summary::Summary;
+use crate::summary::{Summary, by_kind};
 use crate::text_summary;
-use crate::{confusion_plot, parameter_plot};
+use crate::{confusion_plot, kind_table, parameter_plot};
 use files::output::OutputError;
 
 const MATRIX_NOTE: &str = "Rows: true effects; columns: effects found. A false effect is assigned to an effect that \
@@ -43,12 +43,26 @@ pub fn html(lead: &[String], outcomes: &[Outcome], summary: &Summary) -> String 
         @for sentence in lead { (paragraph(sentence)) }
     };
     let sections = html! {
-        (section("Confusion matrix", &matrix(summary)))
+        @if kind_table::is_needed(outcomes) { (section("Kinds of cases", &kind_table::markup(outcomes))) }
+        (section("Confusion matrix", &matrices(outcomes, summary)))
         (section("Parameters", &parameters(summary)))
         (section("Residuals on held-out logs", &residuals(summary)))
         (section("Incorrect cases", &wrong_cases(outcomes)))
     };
     pages::render("Tracer on randomly drawn machines", &lead, &sections)
+}
+
+/// The confusion matrix of all cases, or one for each kind.
+fn matrices(outcomes: &[Outcome], summary: &Summary) -> Markup {
+    if !kind_table::is_needed(outcomes) {
+        return matrix(summary);
+    }
+    html! {
+        @for (kind, outcomes) in by_kind(outcomes) {
+            h3 { (kind.name()) }
+            (matrix(&Summary::new(&outcomes)))
+        }
+    }
 }
 
 fn matrix(summary: &Summary) -> Markup {
@@ -113,7 +127,7 @@ fn row(outcome: &Outcome) -> Markup {
     let (there, found) = text_summary::true_and_found(outcome);
     html! {
         tr {
-            th scope="row" { (outcome.number) }
+            th scope="row" { (outcome.kind.case_name(outcome.number)) }
             td { (text(&there)) }
             td { (text(&found)) }
         }

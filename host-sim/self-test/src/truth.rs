@@ -193,6 +193,9 @@ mod tests {
     use super::super::draw;
     use super::*;
 
+    /// Drawn effects that the tracer knows. [`CONTROLLER`] belongs here as soon as it knows those.
+    const CATALOGUED: &[&[&str]] = &[&NAMES];
+
     /// The effects of 1000 machines.
     fn many() -> Vec<Vec<Truth>> {
         let mut random = ChaCha8Rng::seed_from_u64(5);
@@ -234,7 +237,7 @@ mod tests {
     #[test]
     fn every_effect_that_is_drawn_is_in_the_catalogue() {
         let catalogue = trace::effect_names();
-        assert!(NAMES.iter().all(|name| catalogue.contains(name)));
+        assert!(CATALOGUED.iter().copied().flatten().all(|name| catalogue.contains(name)));
         assert!(!OUTSIDE.iter().any(|name| catalogue.contains(name)));
     }
 
