@@ -42,6 +42,7 @@ use rayon::prelude::*;
 
 use files::error::InputError;
 use files::log::Log;
+use fit::axis_model::AxisModel;
 use fit::scope_fit::Progress;
 use input::admission::{self, Admitted};
 use input::signals::Signals;
@@ -108,7 +109,10 @@ fn run(
         [&fit, &validate].map(|logs| prepared(logs, machine, &names, first.as_deref(), options));
     let machine = machine.clone();
     let options = *options;
-    let mut trace = Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine, options, notes };
+    let model = |axis| AxisModel::new(axis, machine.rates(), options.model);
+    let declared_axes = machine.axis.values().map(model).collect();
+    let axes = Vec::new();
+    let mut trace = Trace { axes, fit_logs, validate_logs, names, machine, declared_axes, options, notes };
     let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
         let [fit_data, validate] = [&trace.fit_logs, &trace.validate_logs].map(|logs| trace.data(logs, i));
         axis_trace::trace(axis, [&fit_data, &validate], task, progress)

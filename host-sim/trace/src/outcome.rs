@@ -34,6 +34,8 @@ pub struct Trace {
     pub names: Vec<String>,
     /// The declared machine.
     pub machine: Machine,
+    /// The declared models of the axes, in the order of the machine file.
+    pub declared_axes: Vec<AxisModel>,
     /// The thresholds of the trace.
     pub options: TraceOptions,
     /// Sentences on logs that were shortened or thinned, and on missing or excluded data.
@@ -134,6 +136,7 @@ impl Trace {
     /// The data of one axis in these logs.
     #[must_use]
     pub fn data<'a>(&'a self, logs: &'a [Signals], axis: usize) -> FitData<'a> {
-        FitData::new(logs, &self.names, axis, self.machine.rates(), &self.options)
+        let data = FitData::new(logs, &self.names, axis, self.machine.rates(), &self.options);
+        FitData { declared_axes: &self.declared_axes, ..data }
     }
 }

@@ -18,4 +18,5 @@ pub mod normal_equations;
 pub mod residual;
 pub mod scope;
 pub mod scope_fit;
+pub mod tool_bias;
 pub mod trim;

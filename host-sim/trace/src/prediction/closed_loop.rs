@@ -10,6 +10,7 @@ use model::servo::ServoParameters;
 use plant::axis_motion::AxisMotion;
 use plant::mechanics::Stepper;
 use plant::parameters::AxisParameters;
+use plant::tool_point::{Oscillation, OscillationStep};
 
 /// Ratio of the steps to those of the simulator. Longer steps suffice, as an accuracy of nanometres is sufficient.
 const STEP_FACTOR: f64 = 2.0;
@@ -27,6 +28,34 @@ pub struct ClosedLoopRun {
     pub table_m: Vec<f64>,
     /// Force of the last velocity tick, N.
     pub force_n: Vec<f64>,
+    /// Acceleration of the table at the sample, m/s².
+    pub table_m_per_s2: Vec<f64>,
+    /// Tool − table by a resonance, m; 0 without one.
+    pub oscillation_m: Vec<f64>,
+}
+
+/// The oscillation of the tool in a simulated loop.
+struct ToolOscillation {
+    oscillation: Oscillation,
+    /// `None`: no resonance.
+    step: Option<OscillationStep>,
+    step_s: f64,
+}
+
+impl ToolOscillation {
+    fn new(parameters: &AxisParameters, step_s: f64) -> Self {
+        let step =
+            parameters.tool.resonance.as_ref().map(|resonance| OscillationStep::new(resonance, step_s));
+        Self { oscillation: Oscillation::default(), step, step_s }
+    }
+
+    /// One step that has changed the velocity of the table from `before`, m/s.
+    fn step(&mut self, before: f64, motion: &AxisMotion) {
+        if let Some(step) = &self.step {
+            let acceleration = (motion.table_m_per_s - before) / self.step_s;
+            self.oscillation.step(step, acceleration, motion.table_m_per_s);
+        }
+    }
 }
 
 /// The controller of a closed loop.
@@ -63,8 +92,9 @@ pub fn closed_loop(
     if substeps > MAX_SUBSTEPS {
         return None;
     }
-    let stepper =
-        Stepper::new(parameters, parameters.servo.drive_time_constant_s(0.0), tick_s / f64::from(substeps));
+    let step_s = tick_s / f64::from(substeps);
+    let stepper = Stepper::new(parameters, parameters.servo.drive_time_constant_s(0.0), step_s);
+    let mut tool = ToolOscillation::new(parameters, step_s);
     let position = |m: f64| Position::from_m(m).unwrap_or_default();
 
     let (&first, &second) = (command.first()?, command.get(1)?);
@@ -96,13 +126,17 @@ pub fn closed_loop(
         result.motor_m.push(reading.motor.to_m());
         result.table_m.push(reading.table.map_or(0.0, Position::to_m));
         result.force_n.push(last_n);
+        result.table_m_per_s2.push(motion.table_m_per_s2(parameters));
+        result.oscillation_m.push(tool.oscillation.offset_m);
         state.position_tick(&config, position(command), 0, reading);
         for tick in 0..rates.position_loop_divider {
             let reading = if tick == 0 { reading } else { read(&motion) };
             let (force, _) = state.velocity_tick(&config, reading, added_n);
             last_n = force;
             for _ in 0..substeps {
+                let before = motion.table_m_per_s;
                 stepper.step(parameters, &mut motion, force);
+                tool.step(before, &motion);
             }
         }
     }
