@@ -140,7 +140,7 @@ pub fn pitch_map() {
     }
 }
 
-/// After a reversal the motor crosses the gap of the place, error_negative − error, before the table follows.
+/// After a reversal the motor crosses the gap of the place, negative less positive error, before the table follows.
 #[test]
 fn the_gap_of_a_pitch_map_varies_with_the_position() {
     let stiff = "presliding_stiffness_n_per_um = 40.0 ";

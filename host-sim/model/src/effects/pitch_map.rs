@@ -12,7 +12,7 @@ use crate::position_curve::PositionCurve;
 /// and is constant beyond them.
 ///
 /// If the ways differ, `error_um` is that of motion in + direction and `error_negative_um` that in − direction. The table
-/// then follows the mean of both with a gap of the width w = error_negative − error, in addition to that of a
+/// then follows the mean of both with a gap of the width w = `error_negative_um` − `error_um`, in addition to that of a
 /// [`Backlash`](super::Backlash): in + direction the table lags the mean by w/2, in − direction it leads by w/2. After a
 /// reversal the motor crosses the gap, so that the position remains continuous. A width below zero counts as zero.
 ///

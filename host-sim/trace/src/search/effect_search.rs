@@ -93,7 +93,7 @@ impl EffectSearch<'_> {
         let name = data.name();
         (self.progress)(&format!("{name}: trying the catalogue on {}", stage_names(&scope.stages)));
         let model = &reference.base.model;
-        let initial_guesses = self.initial_guesses(data, reference.base, scope);
+        let initial_guesses = missing_effects(data, reference.base, scope);
         let mut candidates = rank(data, reference, scope, initial_guesses);
         let best = self.best(data, model, &mut candidates, scope);
         let added = best.as_ref().map(|(index, _)| *index);
@@ -128,27 +128,6 @@ impl EffectSearch<'_> {
             }
         }
         None
-    }
-
-    /// All initial guesses of the effects that the model does not yet contain.
-    fn initial_guesses(&self, data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effect> {
-        let model = &base.model;
-        let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
-        let residual = shape(data, &base.residuals, model.axis.settings.mechanics.lead_mm);
-        let context = EffectContext {
-            axis: &model.axis.settings,
-            first: data.axis == 0,
-            others: &others,
-            stages: &scope.stages,
-            travel_mm: data.travel_mm(),
-            has_backlash: model.axis.effect.iter().any(|effect| matches!(effect, Effect::Backlash(_))),
-            residual: &residual,
-        };
-        let mut guesses = initial_guesses(&context);
-        let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
-        guesses.retain(|effect| force_windup::is_testable(effect, force_is_logged));
-        guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
-        guesses
     }
 
     /// Drops effects that are small compared with the excluded parts: they describe remnants of these.
@@ -196,6 +175,27 @@ impl EffectSearch<'_> {
             })
         })
     }
+}
+
+/// All initial guesses of the effects that the model does not yet contain.
+fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effect> {
+    let model = &base.model;
+    let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
+    let residual = shape(data, &base.residuals, model.axis.settings.mechanics.lead_mm);
+    let context = EffectContext {
+        axis: &model.axis.settings,
+        first: data.axis == 0,
+        others: &others,
+        stages: &scope.stages,
+        travel_mm: data.travel_mm(),
+        has_backlash: model.axis.effect.iter().any(|effect| matches!(effect, Effect::Backlash(_))),
+        residual: &residual,
+    };
+    let mut guesses = initial_guesses(&context);
+    let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
+    guesses.retain(|effect| force_windup::is_testable(effect, force_is_logged));
+    guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
+    guesses
 }
 
 /// Drops each effect of a scope for which `better` returns a fit without it.

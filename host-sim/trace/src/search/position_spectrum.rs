@@ -47,7 +47,7 @@ pub fn waves(of: WaveOf, samples: &[Sample], travel_mm: [f64; 2], min_share: f64
     let length_mm = travel_mm[1] - travel_mm[0];
     let width_mm = (SHORTEST_MM / BINS_PER_WAVE).max(length_mm / MAX_BINS);
     let [lowest, highest] = [MIN_WAVES / length_mm, 1.0 / (BINS_PER_WAVE * width_mm)];
-    if samples.is_empty() || !(lowest < highest) {
+    if samples.is_empty() || lowest >= highest {
         return Vec::new();
     }
     let mut bins = bins(samples, travel_mm[0], width_mm);
@@ -101,12 +101,16 @@ fn set_shapes(bins: &mut [Bin], [from_mm, to_mm]: [f64; 2]) {
         }
         for other in 0..degree {
             let part: f64 = bins.iter().map(|bin| bin.count * bin.shape[degree] * bin.shape[other]).sum();
-            bins.iter_mut().for_each(|bin| bin.shape[degree] -= part * bin.shape[other]);
+            for bin in bins.iter_mut() {
+                bin.shape[degree] -= part * bin.shape[other];
+            }
         }
         let square: f64 = bins.iter().map(|bin| bin.count * bin.shape[degree].powi(2)).sum();
         // Fewer bins than polynomials leave nothing but rounding.
         let scale = if square > 1e-12 { square.sqrt().recip() } else { 0.0 };
-        bins.iter_mut().for_each(|bin| bin.shape[degree] *= scale);
+        for bin in bins.iter_mut() {
+            bin.shape[degree] *= scale;
+        }
     }
 }
 
@@ -114,7 +118,9 @@ fn set_shapes(bins: &mut [Bin], [from_mm, to_mm]: [f64; 2]) {
 fn remove_shape(bins: &mut [Bin]) {
     for degree in 0..POLYNOMIALS {
         let part: f64 = bins.iter().map(|bin| bin.count * bin.shape[degree] * bin.mean).sum();
-        bins.iter_mut().for_each(|bin| bin.mean -= part * bin.shape[degree]);
+        for bin in bins.iter_mut() {
+            bin.mean -= part * bin.shape[degree];
+        }
     }
 }
 

@@ -135,9 +135,8 @@ macro_rules! catalogue {
         impl<'de> Deserialize<'de> for Effect {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 let mut keys = BTreeMap::<String, EntryValue>::deserialize(deserializer)?;
-                let name = match keys.remove("name") {
-                    Some(EntryValue::Text(name)) => name,
-                    Some(_) | None => return Err(de::Error::missing_field("name")),
+                let Some(EntryValue::Text(name)) = keys.remove("name") else {
+                    return Err(de::Error::missing_field("name"));
                 };
                 let is_distinguished = |kind: &&Kind| kind.distinguishing_key.is_some_and(|key| keys.contains_key(key));
                 let kinds = KINDS.iter().filter(|kind| kind.name == name);

@@ -144,8 +144,11 @@ macro_rules! harmonic_effect {
 
         fn at(&self, x: &[f64]) -> Self {
             let (amplitude, phase_rad) = super::declaration::harmonic::polar(x);
-            let period_mm = x.get(2).copied().unwrap_or(self.period_mm);
-            Self { $amplitude: amplitude, phase_rad, period_mm, ..self.clone() }
+            let moved = Self { $amplitude: amplitude, phase_rad, ..self.clone() };
+            $(if self.$range.is_some() {
+                return Self { period_mm: x[2], ..moved };
+            })?
+            moved
         }
 
         fn values(&self) -> Vec<f64> {
