@@ -149,7 +149,7 @@ impl EffectSearch<'_> {
     fn drop_uncertain(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         dropping(full, scope, |full, index| {
             let effect = &full.model.found()[index];
-            let half = half_widths(effect, &covariance(full), full.model.indices_of(scope, index));
+            let half = half_widths(effect, &covariance(data, full), full.model.indices_of(scope, index));
             may_be_zero(effect, &half, &data.options.search).then(|| {
                 (self.progress)(&format!("{}: {} may be zero", data.name(), effect.name()));
                 least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS)

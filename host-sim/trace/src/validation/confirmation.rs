@@ -47,8 +47,9 @@ pub fn confirm(
             continue;
         }
         let options = &fit_data.options.search;
-        let is_uncertain =
-            |&index: &usize| may_be_zero(&axis.model.found()[index], &axis.half_widths(index), options);
+        let is_uncertain = |&index: &usize| {
+            may_be_zero(&axis.model.found()[index], &axis.half_widths(fit_data, index), options)
+        };
         if let Some(index) = (0..axis.model.found().len()).find(is_uncertain) {
             progress(&format!("{name}: {} may be zero", axis.model.found()[index].name()));
             axis = axis.without(fit_data, index);
@@ -110,7 +111,7 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             // The stage with the largest improvement; for a refuted effect, the stage with the largest deterioration.
             let sign = if loss.is_some() { -1.0 } else { 1.0 };
             let Some((stage, before, after)) = residuals.most_changed(scope, sign) else { continue };
-            let half_widths = axis.half_widths(index);
+            let half_widths = axis.half_widths(fit_data, index);
             let effect = effect.clone();
             let found = FoundEffect { effect, half_widths, stage, before, after, rivals: Vec::new() };
             all.push(Reported { found, index, loss });

@@ -61,7 +61,7 @@ pub fn declared_values([fit_data, validate]: [&FitData<'_>; 2], axis: &FittedAxi
     let Some(fit) = axis.fits.iter().find(|fit| fit.fitted_scope.mechanics == Mechanics::All) else {
         return Vec::new();
     };
-    let (model, covariance) = (&fit.fitted.model, covariance(&fit.fitted));
+    let (model, covariance) = (&fit.fitted.model, covariance(fit_data, &fit.fitted));
     let at_bounds = model.at_bounds();
     let value = |(index, key, declared): (usize, &'static Tolerated, f64)| {
         let fitted = DeclaredValue {

@@ -61,13 +61,14 @@ impl FittedAxis {
         Self { declared: self.declared.clone(), model, fits }
     }
 
-    /// Half widths of the confidence intervals of a found effect's parameters.
+    /// Half widths of the confidence intervals of a found effect's parameters. `data` are the fit logs with the error that was
+    /// subtracted.
     #[must_use]
-    pub fn half_widths(&self, index: usize) -> Vec<f64> {
+    pub fn half_widths(&self, data: &FitData<'_>, index: usize) -> Vec<f64> {
         let effect = &self.model.found()[index];
         let fit = self.fits.iter().find(|fit| fit.scope.holds(effect));
         fit.map_or_else(Vec::new, |ScopeFit { fitted_scope, fitted, .. }| {
-            half_widths(effect, &covariance(fitted), fitted.model.indices_of(fitted_scope, index))
+            half_widths(effect, &covariance(data, fitted), fitted.model.indices_of(fitted_scope, index))
         })
     }
 }
