@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
+use crate::data_faults::DataFault;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::NotTestable;
 use crate::not_testable::EffectNotTestable;
@@ -13,7 +14,7 @@ use crate::search::ambiguity::Ambiguity;
 use crate::stages::residual_unit;
 use crate::validation::found_effect::FoundEffect;
 use crate::verdict;
-use files::log::Unit;
+use files::log::{Channel, Unit};
 use model::effects::Stage;
 
 /// The JSON of `trace --json`, with the tables of `--empirical` if requested.
@@ -44,6 +45,7 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
     let free_runs = of_axes(trace, |axis| axis.free_runs.iter().map(|run| free_run(axis, run)).collect());
     let mut all = json!({
         "verdict": verdict::of(trace),
+        "data_faults": trace.data_faults.iter().map(data_fault).collect::<Vec<_>>(),
         "residual": residual,
         "effects": effects(trace),
         "refuted": of_axes(trace, |axis| axis.refuted.iter().map(|found| effect(axis, found)).collect()),
@@ -60,6 +62,19 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
         all.insert("empirical".to_owned(), json!(tables));
     }
     all
+}
+
+fn data_fault(fault: &DataFault) -> Value {
+    json!({
+        "axis": fault.axis,
+        "channel": fault.channel.map(Channel::word),
+        "kind": fault.kind.name(),
+        "log": fault.log,
+        "at_s": fault.at_s,
+        "size": fault.size,
+        "count": fault.count,
+        "treatment": fault.treatment.name(),
+    })
 }
 
 /// Pairs of effects that the logs do not distinguish, with the motion file that does.

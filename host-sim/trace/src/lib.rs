@@ -15,6 +15,7 @@
 
 pub mod analysis;
 pub mod axis_trace;
+pub mod data_faults;
 pub mod fit;
 pub mod input;
 pub mod json;
@@ -38,6 +39,7 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
+use data_faults::Examined;
 use files::error::InputError;
 use files::log::Log;
 use fit::scope_fit::Progress;
@@ -70,7 +72,15 @@ pub fn trace_with(
     [fit, validate]: [&[Log]; 2],
     progress: &Progress<'_>,
 ) -> Result<Trace, InputError> {
-    let Admitted { fit, validate, mut notes } = admission::admit(machine, fit, validate, &options.admission)?;
+    for log in fit.iter().chain(validate) {
+        checks::is_longer_than_settling(log, options)?;
+    }
+    let Admitted { fit, validate, notes } =
+        admission::at_machine_rate(machine, [fit, validate], &options.admission)?;
+    let Examined { logs: [fit, validate], faults, excluded } =
+        data_faults::examine(machine, [fit, validate], options)?;
+    let Admitted { fit, validate, mut notes } =
+        admission::admit(machine, Admitted { fit, validate, notes }, &options.admission)?;
     let names: Vec<String> = machine.axis.keys().cloned().collect();
     for name in names.iter().filter(|name| checks::is_at_rest(&fit, name, &options.admission)) {
         if fit.iter().any(|log| log.axis(name).is_some()) {
@@ -81,15 +91,24 @@ pub fn trace_with(
     let (fit, validate) = if validate.is_empty() { split(&fit, options) } else { (fit, validate) };
     let [fit_logs, validate_logs] =
         [&fit, &validate].map(|logs| prepared(logs, machine, &names, first.as_deref(), options));
+    let mut logs = [fit_logs, validate_logs];
+    for logs in &mut logs {
+        data_faults::excluded::mark(&excluded, &names, logs);
+    }
+    let [fit_logs, validate_logs] = logs;
     let machine = machine.clone();
     let options = *options;
-    let mut trace = Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine, options, notes };
+    let data_faults = faults;
+    let mut trace =
+        Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine, options, data_faults, notes };
+    trace.correct_late_commands();
     let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
         let [fit_data, validate] = [&trace.fit_logs, &trace.validate_logs].map(|logs| trace.data(logs, i));
         axis_trace::trace(axis, &fit_data, &validate, progress)
     };
     let axes: Vec<&model::machine::Axis> = trace.machine.axis.values().collect();
     trace.axes = axes.into_par_iter().enumerate().map(of_axis).collect();
+    trace.state_missing_channels();
     trace.propose_motions();
     Ok(trace)
 }

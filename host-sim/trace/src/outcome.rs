@@ -4,6 +4,7 @@ use crate::analysis::empirical::Empirical;
 use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
+use crate::data_faults::{DataFault, Treatment, late_command};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::limits::ParameterAtLimit;
@@ -34,6 +35,8 @@ pub struct Trace {
     pub machine: Machine,
     /// The thresholds of the trace.
     pub options: TraceOptions,
+    /// Faults of the data, found before any fit.
+    pub data_faults: Vec<DataFault>,
     /// Sentences on logs that were shortened or thinned, and on missing or excluded data.
     pub notes: Vec<String>,
 }
@@ -121,6 +124,43 @@ impl Trace {
                     *of_axis = ambiguity.with_rival.axis.clone();
                 }
                 ambiguity.proposal = distinguishing_motion::propose([&better, &other], number, logs, options);
+            }
+        }
+    }
+
+    /// Shifts commands back that are logged late, in all logs, and reports them.
+    pub(crate) fn correct_late_commands(&mut self) {
+        let rates = self.machine.rates();
+        for (number, declared) in self.machine.axis.values().enumerate() {
+            let model = AxisModel::new(declared, rates, self.options.model);
+            for logs in [&mut self.fit_logs, &mut self.validate_logs] {
+                let data = FitData::new(logs, &self.names, number, rates, &self.options);
+                let late = late_command::late_commands(&data, &model);
+                for (log, samples) in late {
+                    self.data_faults.push(late_command::shift_back(
+                        &mut logs[log],
+                        number,
+                        &self.names[number],
+                        samples,
+                    ));
+                }
+            }
+        }
+    }
+
+    /// Adds to the missing channels of each stage why they are not used.
+    pub(crate) fn state_missing_channels(&mut self) {
+        let removed = |fault: &&DataFault| fault.treatment == Treatment::Removed;
+        for fault in self.data_faults.iter().filter(removed) {
+            let Some(channel) = fault.channel else { continue };
+            for axis in self.axes.iter_mut().filter(|axis| axis.axis == fault.axis) {
+                let stages = axis.not_testable.iter_mut().map(|stage| &mut stage.needs);
+                let effects = axis.effects_not_testable.iter_mut().map(|effect| &mut effect.needs);
+                let missing = format!("a {} channel", channel.word());
+                let stated = format!("{missing} without the fault `{}`", fault.kind.name());
+                for needs in stages.chain(effects).filter(|needs| !needs.contains(&stated)) {
+                    *needs = needs.replace(&missing, &stated);
+                }
             }
         }
     }
