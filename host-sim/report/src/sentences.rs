@@ -1,6 +1,6 @@
 //! The results of a trace in sentences, for engineers who build or commission machines.
 
-use super::caveats;
+use super::{caveats, data_faults};
 use files::format::{percent, significant};
 use files::log::Unit;
 use model::effects::Stage;
@@ -88,6 +88,12 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     }
     let none = axis.found.is_empty().then(|| {
         let what = match verdict::of_axis(axis) {
+            Verdict::Explained if !axis.data_faults.is_empty() => {
+                "apart from the data faults, no undeclared effect found"
+            }
+            Verdict::Unexplained if axis.unexplained.is_empty() && !axis.data_faults.is_empty() => {
+                "no undeclared effect found in what the data faults leave"
+            }
             Verdict::Explained => "no undeclared effect found",
             Verdict::Unexplained => {
                 "no undeclared effect found, but the residual exceeds the sensor noise: see \
@@ -104,10 +110,16 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     misfit.chain(none).chain(found).chain(refuted).chain(at_limit).collect()
 }
 
-/// The sentences of all axes.
+/// One sentence for each fault of the data.
+#[must_use]
+pub fn data_faults(trace: &Trace) -> Vec<String> {
+    trace.axes.iter().flat_map(data_faults::of_axis).collect()
+}
+
+/// The faults of the data, then the sentences of all axes.
 #[must_use]
 pub fn summary(trace: &Trace) -> Vec<String> {
-    trace.axes.iter().flat_map(of_axis).collect()
+    data_faults(trace).into_iter().chain(trace.axes.iter().flat_map(of_axis)).collect()
 }
 
 /// The remaining residual of a stage.

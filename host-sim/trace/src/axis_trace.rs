@@ -72,6 +72,7 @@ pub fn trace(
             &not_testable,
             &tried,
         ),
+        data_faults: Vec::new(),
         ambiguities: ambiguities(&rounds, &found),
         bias: validate.bias.to_vec(),
         declared: before,

@@ -45,7 +45,7 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
     let free_runs = of_axes(trace, |axis| axis.free_runs.iter().map(|run| free_run(axis, run)).collect());
     let mut all = json!({
         "verdict": verdict::of(trace),
-        "data_faults": trace.data_faults.iter().map(data_fault).collect::<Vec<_>>(),
+        "data_faults": of_axes(trace, |axis| axis.data_faults.iter().map(data_fault).collect()),
         "residual": residual,
         "effects": effects(trace),
         "refuted": of_axes(trace, |axis| axis.refuted.iter().map(|found| effect(axis, found)).collect()),

@@ -2,13 +2,14 @@
 //!
 //! The steps of a trace:
 //!
-//! 1. [`input`]: admission of logs, filtering of their signals.
-//! 2. [`prediction`]: prediction of each stage by a model, from the measured signal upstream of the stage.
-//! 3. [`fit`]: residuals, and fit of the declared values within their tolerance.
-//! 4. [`search`]: addition of effects of the catalogue that held-out data support.
-//! 5. [`validation`]: removal of effects at a limit, and of effects that the validation logs refute.
-//! 6. [`analysis`]: analysis of the remaining residuals.
-//! 7. [`verdict`]: agreement of model and logs; [`json`]: the result as JSON.
+//! 1. [`data_faults`]: faults of the data are named, and corrected where that is possible.
+//! 2. [`input`]: admission of logs, filtering of their signals.
+//! 3. [`prediction`]: prediction of each stage by a model, from the measured signal upstream of the stage.
+//! 4. [`fit`]: residuals, and fit of the declared values within their tolerance.
+//! 5. [`search`]: addition of effects of the catalogue that held-out data support.
+//! 6. [`validation`]: removal of effects at a limit, and of effects that the validation logs refute.
+//! 7. [`analysis`]: analysis of the remaining residuals.
+//! 8. [`verdict`]: agreement of model and logs; [`json`]: the result as JSON.
 //!
 //! [`axis_trace`] executes these steps for one axis. [`outcome`] contains their results, [`options`] the thresholds, and
 //! [`not_testable`] the effects that were not searched for.
@@ -77,7 +78,7 @@ pub fn trace_with(
     }
     let Admitted { fit, validate, notes } =
         admission::at_machine_rate(machine, [fit, validate], &options.admission)?;
-    let Examined { logs: [fit, validate], faults, excluded } =
+    let Examined { logs: [fit, validate], mut faults, excluded } =
         data_faults::examine(machine, [fit, validate], options)?;
     let Admitted { fit, validate, mut notes } =
         admission::admit(machine, Admitted { fit, validate, notes }, &options.admission)?;
@@ -98,17 +99,15 @@ pub fn trace_with(
     let [fit_logs, validate_logs] = logs;
     let machine = machine.clone();
     let options = *options;
-    let data_faults = faults;
-    let mut trace =
-        Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine, options, data_faults, notes };
-    trace.correct_late_commands();
+    let mut trace = Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine, options, notes };
+    faults.extend(trace.correct_late_commands());
     let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
         let [fit_data, validate] = [&trace.fit_logs, &trace.validate_logs].map(|logs| trace.data(logs, i));
         axis_trace::trace(axis, &fit_data, &validate, progress)
     };
     let axes: Vec<&model::machine::Axis> = trace.machine.axis.values().collect();
     trace.axes = axes.into_par_iter().enumerate().map(of_axis).collect();
-    trace.state_missing_channels();
+    trace.assign(faults);
     trace.propose_motions();
     Ok(trace)
 }

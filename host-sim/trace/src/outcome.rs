@@ -35,8 +35,6 @@ pub struct Trace {
     pub machine: Machine,
     /// The thresholds of the trace.
     pub options: TraceOptions,
-    /// Faults of the data, found before any fit.
-    pub data_faults: Vec<DataFault>,
     /// Sentences on logs that were shortened or thinned, and on missing or excluded data.
     pub notes: Vec<String>,
 }
@@ -48,6 +46,8 @@ pub struct AxisTrace {
     pub axis: String,
     /// Unit of its channels.
     pub unit: Unit,
+    /// Faults of its data, found before any fit.
+    pub data_faults: Vec<DataFault>,
     /// The declared model, fitted.
     pub declared: AxisModel,
     /// The model with the effects found.
@@ -128,40 +128,37 @@ impl Trace {
         }
     }
 
-    /// Shifts commands back that are logged late, in all logs, and reports them.
-    pub(crate) fn correct_late_commands(&mut self) {
+    /// Shifts commands back that are logged late, in all logs, and returns these faults.
+    pub(crate) fn correct_late_commands(&mut self) -> Vec<DataFault> {
         let rates = self.machine.rates();
+        let mut faults = Vec::new();
         for (number, declared) in self.machine.axis.values().enumerate() {
             let model = AxisModel::new(declared, rates, self.options.model);
             for logs in [&mut self.fit_logs, &mut self.validate_logs] {
                 let data = FitData::new(logs, &self.names, number, rates, &self.options);
-                let late = late_command::late_commands(&data, &model);
-                for (log, samples) in late {
-                    self.data_faults.push(late_command::shift_back(
-                        &mut logs[log],
-                        number,
-                        &self.names[number],
-                        samples,
-                    ));
+                for (log, late) in late_command::late_commands(&data, &model) {
+                    let name = &self.names[number];
+                    faults.push(late_command::shift_back(&mut logs[log], number, name, late));
                 }
             }
         }
+        faults
     }
 
-    /// Adds to the missing channels of each stage why they are not used.
-    pub(crate) fn state_missing_channels(&mut self) {
-        let removed = |fault: &&DataFault| fault.treatment == Treatment::Removed;
-        for fault in self.data_faults.iter().filter(removed) {
-            let Some(channel) = fault.channel else { continue };
-            for axis in self.axes.iter_mut().filter(|axis| axis.axis == fault.axis) {
+    /// Assigns the faults to their axes, and adds to the missing channels of each stage why they are not used.
+    pub(crate) fn assign(&mut self, faults: Vec<DataFault>) {
+        for fault in faults {
+            let Some(axis) = self.axes.iter_mut().find(|axis| axis.axis == fault.axis) else { continue };
+            if let (Treatment::Removed, Some(channel)) = (fault.treatment, fault.channel) {
+                let missing = format!("a {} channel", channel.word());
+                let stated = format!("{missing} without the fault \"{}\"", fault.kind.name());
                 let stages = axis.not_testable.iter_mut().map(|stage| &mut stage.needs);
                 let effects = axis.effects_not_testable.iter_mut().map(|effect| &mut effect.needs);
-                let missing = format!("a {} channel", channel.word());
-                let stated = format!("{missing} without the fault `{}`", fault.kind.name());
                 for needs in stages.chain(effects).filter(|needs| !needs.contains(&stated)) {
                     *needs = needs.replace(&missing, &stated);
                 }
             }
+            axis.data_faults.push(fault);
         }
     }
 

@@ -5,6 +5,7 @@ use std::borrow::Cow;
 use super::channels::{SENSORS, references};
 use super::fault::{FaultKind, Treatment};
 use super::findings::{Findings, Place};
+use super::ratio::ratio;
 use crate::options::TraceOptions;
 use files::log::{AxisLog, Channel, Log};
 
@@ -14,7 +15,7 @@ fn travel(values: &[f64]) -> f64 {
 
 /// Whether a channel is constant while a sensor, or the command of an axis with one other sensor, travels far. A constant
 /// command is not a fault: an axis may be moved by hand.
-fn is_dead(axis: &AxisLog, channel: Channel, options: &TraceOptions) -> bool {
+fn is_dead(axis: &AxisLog, channel: Channel, sample_s: f64, options: &TraceOptions) -> bool {
     let Some(values) = axis.channel(channel) else { return false };
     let limits = &options.admission;
     if channel == Channel::Force {
@@ -24,9 +25,17 @@ fn is_dead(axis: &AxisLog, channel: Channel, options: &TraceOptions) -> bool {
         // Acceleration and friction change the force of any motion that reverses or stops.
         return travel(values) == 0.0 && SENSORS.into_iter().any(moves);
     }
-    let others_move =
-        references(axis, channel).any(|(_, other)| travel(other) > limits.max_travel_beside_stuck_mm);
-    others_move && travel(values) < limits.min_travel_mm
+    if travel(values) >= limits.min_travel_mm {
+        return false;
+    }
+    // A reading in m of which little is left follows the others nevertheless.
+    let follows = |other: &[f64]| {
+        ratio(values, other, sample_s).is_some_and(|ratio| {
+            ratio.factor.abs() > f64::MIN_POSITIVE && ratio.spread < options.faults.max_factor_spread
+        })
+    };
+    references(axis, channel)
+        .any(|(_, other)| travel(other) > limits.max_travel_beside_stuck_mm && !follows(other))
 }
 
 /// Whether a stage of an axis can be evaluated with the channels that are left.
@@ -42,7 +51,11 @@ pub fn remove(log: &mut Cow<'_, Log>, options: &TraceOptions, findings: &mut Fin
     let mut dead = Vec::new();
     for (axis, channels) in log.axes.iter().enumerate() {
         let of_axis = SENSORS.into_iter().chain([Channel::Force]);
-        dead.extend(of_axis.filter(|&c| is_dead(channels, c, options)).map(|channel| (axis, channel)));
+        dead.extend(
+            of_axis
+                .filter(|&c| is_dead(channels, c, log.sample_time_s, options))
+                .map(|channel| (axis, channel)),
+        );
     }
     let testable = log.axes.iter().enumerate().any(|(index, axis)| {
         is_testable(|channel| axis.channel(channel).is_some() && !dead.contains(&(index, channel)))

@@ -97,7 +97,7 @@ fn of_log(machine: &Machine, log: &mut Cow<'_, Log>, options: &TraceOptions) -> 
     for axis in 0..log.axes.len() {
         for (channel, factor) in agreement::disagreeing(&log.axes[axis], log.sample_time_s, faults) {
             let correct = |values: &mut [f64], place: &Place<'_>, findings: &mut Findings| {
-                if sign::is_reversed(factor, faults) {
+                if sign::is_reversed(channel, factor, faults) {
                     sign::correct(values, place, findings);
                     return true;
                 }
@@ -107,10 +107,10 @@ fn of_log(machine: &Machine, log: &mut Cow<'_, Log>, options: &TraceOptions) -> 
         }
     }
     unit::correct_forces(machine, log, options, &mut findings);
-    shifted::correct(log, faults, &mut findings);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
     // The filter, and a second difference of its output.
     let margin = (options.samples.smoothing_s / log.sample_time_s).round() as usize + 1;
+    shifted::correct(log, margin, faults, &mut findings);
     for axis in 0..log.axes.len() {
         for channel in [Channel::Motor, Channel::Table, Channel::Tool, Channel::Command] {
             change(log, (axis, channel), &mut findings, |values, place, findings| {

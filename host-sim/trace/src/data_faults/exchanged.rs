@@ -3,17 +3,17 @@
 use std::borrow::Cow;
 
 use super::channels::POSITIONS;
+use super::difference::deviation;
 use super::fault::{FaultKind, Treatment};
 use super::findings::{Findings, Place};
 use crate::options::FaultOptions;
 use files::log::{Channel, Log};
 
-/// Median deviation of the difference of two channels from its median.
+/// Reduction of the smallest ratio for the command, whose difference from a sensor contains the following error.
+const COMMAND_FACTOR: f64 = 0.15;
+
 fn difference(a: &[f64], b: &[f64]) -> f64 {
-    let differences: Vec<f64> = a.iter().zip(b).map(|(a, b)| a - b).collect();
-    let Some(median) = numerics::median(&differences) else { return 0.0 };
-    let deviations: Vec<f64> = differences.iter().map(|value| (value - median).abs()).collect();
-    numerics::median(&deviations).unwrap_or(0.0)
+    deviation(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>())
 }
 
 /// Whether the channel of each of two axes is that of the other, by all their other position channels.
@@ -23,18 +23,20 @@ fn is_exchanged(log: &Log, [a, b]: [usize; 2], channel: Channel, options: &Fault
     if log.axes[a].unit != log.axes[b].unit {
         return false;
     }
-    let mut pairs = POSITIONS
+    let mut others = POSITIONS
         .into_iter()
         .filter(|other| *other != channel)
-        .filter_map(|other| Some([of(a, other)?, of(b, other)?]))
+        .filter_map(|other| Some((other, of(a, other)?, of(b, other)?)))
         .peekable();
-    pairs.peek().is_some()
-        && pairs.all(|[of_a, of_b]| {
+    others.peek().is_some()
+        && others.all(|(other, of_a, of_b)| {
             // Difference of the motions of both axes: without one, nothing shows that they are exchanged.
             let separate = difference(of_a, of_b);
-            let max = options.max_exchanged_difference * separate;
-            let crossed = difference(own_a, of_b) < max && difference(own_b, of_a) < max;
-            crossed && difference(own_a, of_a).min(difference(own_b, of_b)) > 10.0 * max
+            let own = difference(own_a, of_a).min(difference(own_b, of_b));
+            let crossed = difference(own_a, of_b).max(difference(own_b, of_a));
+            let has_lag = [channel, other].contains(&Channel::Command);
+            let ratio = options.min_exchanged_ratio * if has_lag { COMMAND_FACTOR } else { 1.0 };
+            own > 0.5 * separate && own > ratio * crossed
         })
 }
 
@@ -89,7 +91,7 @@ mod tests {
     fn exchanged_channels_are_exchanged_back() {
         for channel in POSITIONS {
             let whole = log(1.5);
-            let mut broken = Cow::Owned(whole.clone());
+            let mut broken: Cow<'_, Log> = Cow::Owned(whole.clone());
             exchange(broken.to_mut(), channel);
             let mut findings = Findings::default();
             correct(&mut broken, &FaultOptions::default(), &mut findings);
@@ -103,7 +105,7 @@ mod tests {
     #[test]
     fn whole_logs_and_axes_that_move_alike_are_left_as_they_are() {
         for (phase, exchanged) in [(1.5, false), (0.0, true)] {
-            let mut log = Cow::Owned(log(phase));
+            let mut log: Cow<'_, Log> = Cow::Owned(log(phase));
             if exchanged {
                 exchange(log.to_mut(), Channel::Table);
             }

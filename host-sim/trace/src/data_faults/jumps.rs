@@ -13,8 +13,10 @@ const NEIGHBOURS: usize = 6;
 const DISREGARDED: usize = 2;
 /// Number of samples on each side in which other jumps are counted.
 const CONTEXT: usize = 200;
-/// Number of the largest other jumps that are disregarded.
-const OTHERS: usize = 5;
+/// Number of the largest other jumps that are disregarded: spikes in a few percent of the samples.
+const OTHERS: usize = 30;
+/// Smallest fraction of a jump of the difference of two channels that is one of the channel itself.
+const MIN_OWN: f64 = 0.5;
 /// Number of candidates above which the channel has irregular readings throughout, so that none is a fault.
 const MAX_CANDIDATES: usize = 4000;
 
@@ -27,56 +29,94 @@ pub struct Jump {
     pub size: f64,
 }
 
-/// The part of the difference `values[sample] − values[sample − 1]` that is outside the range of its neighbours; zero near
-/// the ends.
-#[must_use]
-pub fn excess(values: &[f64], sample: usize) -> f64 {
-    if sample <= NEIGHBOURS || sample + NEIGHBOURS >= values.len() {
-        return 0.0;
-    }
-    let difference = |sample: usize| values[sample] - values[sample - 1];
-    let mut around = [0.0; 2 * NEIGHBOURS];
-    for (number, slot) in around.iter_mut().enumerate() {
-        let shift = usize::from(number >= NEIGHBOURS);
-        *slot = difference(sample - NEIGHBOURS + number + shift);
-    }
-    around.sort_unstable_by(f64::total_cmp);
-    let (low, high) = (around[DISREGARDED], around[2 * NEIGHBOURS - 1 - DISREGARDED]);
-    let own = difference(sample);
-    own - own.clamp(low, high)
+/// A channel, relative to another one that moves with it: acceleration of the machine is not a part of the difference.
+#[derive(Clone, Copy, Debug)]
+pub struct Relative<'a> {
+    /// The channel.
+    pub values: &'a [f64],
+    /// The other channel, if there is one.
+    pub reference: Option<&'a [f64]>,
 }
 
-/// Smallest displacement of a channel that is regarded as a fault, in its unit.
+impl Relative<'_> {
+    /// Change of the difference from the previous sample.
+    fn change(&self, sample: usize) -> f64 {
+        let change = |values: &[f64]| values[sample] - values[sample - 1];
+        change(self.values) - self.reference.map_or(0.0, change)
+    }
+
+    /// The part of [`Self::change`] that is outside the range of its neighbours; zero near the ends.
+    fn excess(&self, sample: usize) -> f64 {
+        if !is_inside(self.values, sample) {
+            return 0.0;
+        }
+        let mut around = [0.0; 2 * NEIGHBOURS];
+        for (number, slot) in around.iter_mut().enumerate() {
+            let shift = usize::from(number >= NEIGHBOURS);
+            *slot = self.change(sample - NEIGHBOURS + number + shift);
+        }
+        around.sort_unstable_by(f64::total_cmp);
+        let (low, high) = (around[DISREGARDED], around[2 * NEIGHBOURS - 1 - DISREGARDED]);
+        let own = self.change(sample);
+        own - own.clamp(low, high)
+    }
+
+    /// Whether the jump is one of the channel and not of the reference.
+    fn is_own(&self, jump: &Jump) -> bool {
+        own(self.values, jump.sample) / jump.size > MIN_OWN
+    }
+}
+
+/// Whether a sample has all neighbours.
+const fn is_inside(values: &[f64], sample: usize) -> bool {
+    sample > NEIGHBOURS && sample + NEIGHBOURS < values.len()
+}
+
+/// Difference of a channel from the previous sample, minus the mean of those before and after; zero near the ends.
 #[must_use]
-pub fn smallest(values: &[f64], options: &FaultOptions) -> f64 {
-    let accuracy = Accuracy::of(values);
-    let noise = options.min_jump_noise * accuracy.noise;
-    (1e-3 * options.min_jump_um).max(noise).max(options.min_jump_resolution * accuracy.resolution)
+pub fn own(values: &[f64], sample: usize) -> f64 {
+    if !is_inside(values, sample) {
+        return 0.0;
+    }
+    let change = |sample: usize| values[sample] - values[sample - 1];
+    let median = |a: f64, b: f64, c: f64| a.max(b).min(a.min(b).max(c));
+    let before = median(change(sample - 1), change(sample - 2), change(sample - 3));
+    let after = median(change(sample + 1), change(sample + 2), change(sample + 3));
+    change(sample) - 0.5 * (before + after)
+}
+
+/// Smallest displacement that is regarded as a fault of a channel relative to another one, in its unit.
+#[must_use]
+pub fn smallest(values: &[f64], reference: Option<&[f64]>, options: &FaultOptions) -> f64 {
+    let own = Accuracy::of(values);
+    let other = reference.map_or(own, Accuracy::of);
+    let noise = options.min_jump_noise * own.noise.max(other.noise);
+    let resolution = options.min_jump_resolution * own.resolution.max(other.resolution);
+    (1e-3 * options.min_jump_um).max(noise).max(resolution)
 }
 
 /// The jumps of a channel that are at least `smallest` and far larger than other ones around them.
 #[must_use]
-pub fn jumps(values: &[f64], smallest: f64, options: &FaultOptions) -> Vec<Jump> {
-    let difference = |sample: usize| values[sample] - values[sample - 1];
+pub fn jumps(signal: Relative<'_>, smallest: f64, options: &FaultOptions) -> Vec<Jump> {
     let may_jump = |&sample: &usize| {
-        let own = difference(sample);
-        let beside = [difference(sample - 1), difference(sample + 1)];
+        let own = signal.change(sample);
+        let beside = [signal.change(sample - 1), signal.change(sample + 1)];
         beside.iter().any(|other| (own - other).abs() >= smallest)
     };
-    let last = values.len().saturating_sub(NEIGHBOURS);
+    let last = signal.values.len().saturating_sub(NEIGHBOURS);
     let candidates: Vec<Jump> = (NEIGHBOURS + 1..last)
         .filter(may_jump)
-        .map(|sample| Jump { sample, size: excess(values, sample) })
-        .filter(|jump| jump.size.abs() >= smallest)
+        .map(|sample| Jump { sample, size: signal.excess(sample) })
+        .filter(|jump| jump.size.abs() >= smallest && signal.is_own(jump))
         .collect();
     if candidates.len() > MAX_CANDIDATES {
         return Vec::new();
     }
     let is_isolated = |jump: &&Jump| {
-        let first = jump.sample.saturating_sub(CONTEXT);
-        let mut others: Vec<f64> = (first..jump.sample + CONTEXT)
+        let first = jump.sample.saturating_sub(CONTEXT).max(1);
+        let mut others: Vec<f64> = (first..(jump.sample + CONTEXT).min(signal.values.len()))
             .filter(|sample| sample.abs_diff(jump.sample) > NEIGHBOURS)
-            .map(|sample| excess(values, sample).abs())
+            .map(|sample| signal.excess(sample).abs())
             .collect();
         others.sort_unstable_by(|a, b| b.total_cmp(a));
         jump.size.abs() >= options.min_jump_context * others.get(OTHERS).copied().unwrap_or(0.0)
@@ -94,18 +134,19 @@ pub fn groups(jumps: &[Jump]) -> Vec<&[Jump]> {
 mod tests {
     use super::*;
 
-    fn found(values: &[f64]) -> Vec<Jump> {
+    fn found(values: &[f64], reference: Option<&[f64]>) -> Vec<Jump> {
         let options = FaultOptions::default();
-        jumps(values, smallest(values, &options), &options)
+        jumps(Relative { values, reference }, smallest(values, reference, &options), &options)
     }
 
     #[test]
     fn a_displacement_in_one_sample_is_a_jump_of_its_size() {
-        // 100 mm/s, noise-free; 8 µm at sample 500.
-        let mut values: Vec<f64> = (0..1000).map(|i| 0.1 * f64::from(i)).collect();
-        values[500..].iter_mut().for_each(|mm| *mm += 0.008);
-        let [jump] = found(&values)[..] else { panic!("one jump") };
-        assert!(jump.sample == 500 && (jump.size - 0.008).abs() < 1e-9, "{jump:?}");
+        // 100 mm/s at sample 628, noise-free; 8 µm there.
+        let mut values: Vec<f64> = (0..1000).map(|i| 20.0 * (5e-3 * f64::from(i)).sin()).collect();
+        values[628..].iter_mut().for_each(|mm| *mm += 0.008);
+        let [jump] = found(&values, None)[..] else { panic!("one jump") };
+        // The acceleration within four samples of the maximum velocity: 20 mm·(5e-3)³·4² = 0.04 µm.
+        assert!(jump.sample == 628 && (jump.size - 0.008).abs() < 4e-5, "{jump:?}");
     }
 
     #[test]
@@ -119,7 +160,7 @@ mod tests {
                 mm
             })
             .collect();
-        assert_eq!(found(&motor), []);
+        assert_eq!(found(&motor, None), []);
         // 30 µm of backlash: the table stands while the motor crosses the gap within a sample.
         let mut at = 0.0;
         let table: Vec<f64> = motor
@@ -129,7 +170,9 @@ mod tests {
                 at
             })
             .collect();
-        assert_eq!(found(&table), []);
+        assert_eq!(found(&table, None), []);
+        assert_eq!(found(&table, Some(&motor)), []);
+        assert_eq!(found(&motor, Some(&table)), []);
     }
 
     #[test]
@@ -137,6 +180,6 @@ mod tests {
         // 5 µm steps at 0.1 to 30 mm/s.
         let position = |i: u32| 15.0 * (2e-3 * f64::from(i)).sin();
         let values: Vec<f64> = (0..4000).map(|i| (position(i) / 0.005).round() * 0.005).collect();
-        assert_eq!(found(&values), []);
+        assert_eq!(found(&values, None), []);
     }
 }

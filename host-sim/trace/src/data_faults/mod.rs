@@ -12,6 +12,7 @@ pub mod agreement;
 pub mod bridge;
 pub mod channels;
 pub mod dead;
+pub mod difference;
 pub mod examine;
 pub mod exchanged;
 pub mod excluded;

@@ -9,23 +9,56 @@ pub struct Ratio {
     pub spread: f64,
 }
 
-/// Duration of an increment, s: long enough that noise does not matter, shorter than the time between two reversals.
-const INCREMENT_S: f64 = 0.02;
+impl Ratio {
+    /// The ratio with the channels exchanged.
+    #[must_use]
+    pub fn inverse(self) -> Self {
+        Self { factor: 1.0 / self.factor, ..self }
+    }
+}
+
+/// Durations of an increment, s: long enough that noise does not matter, and shorter than the time between two reversals.
+/// The longer ones are used if the axis moves slowly.
+const INCREMENTS_S: [f64; 3] = [0.02, 0.1, 0.5];
+/// Lags of a closed loop that are tried, s.
+const LAGS_S: [f64; 7] = [0.004, 0.008, 0.012, 0.018, 0.025, 0.035, 0.05];
+/// Spread up to which no lag is looked for.
+const IN_PHASE: f64 = 0.02;
 /// Smallest increment that counts, mm or degrees; at smaller ones backlash and wind-up are a part of the motion.
 const MIN_INCREMENT: f64 = 0.05;
 /// Smallest increment that counts, as a fraction of the large ones.
 const MIN_FRACTION: f64 = 0.3;
 /// Smallest number of increments.
-const MIN_COUNT: usize = 20;
+const MIN_COUNT: usize = 40;
 
 /// The ratio of the increments of `values` to those of `reference`, which medians make insensitive to slips, spikes and
 /// repeated samples. `None` if the reference moves too little.
 #[must_use]
 pub fn ratio(values: &[f64], reference: &[f64], sample_s: f64) -> Option<Ratio> {
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
-    let step = (INCREMENT_S / sample_s).round().max(1.0) as usize;
+    INCREMENTS_S.into_iter().find_map(|increment_s| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+        let step = (increment_s / sample_s).round().max(1.0) as usize;
+        ratio_of_increments(values, reference, step)
+    })
+}
+
+/// The ratio of the motion of a command to that of a sensor that follows it with an unknown lag.
+#[must_use]
+pub fn ratio_to_follower(command: &[f64], follower: &[f64], sample_s: f64) -> Option<Ratio> {
+    if let Some(in_phase) = ratio(command, follower, sample_s).filter(|ratio| ratio.spread < IN_PHASE) {
+        return Some(in_phase);
+    }
+    let lags = LAGS_S.into_iter().filter_map(|lag_s| {
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+        let lag = (lag_s / sample_s).round() as usize;
+        ratio(command.get(..command.len().checked_sub(lag)?)?, follower.get(lag..)?, sample_s)
+    });
+    lags.min_by(|a, b| a.spread.total_cmp(&b.spread))
+}
+
+fn ratio_of_increments(values: &[f64], reference: &[f64], step: usize) -> Option<Ratio> {
     let increments = |values: &[f64]| -> Vec<f64> {
-        let ends = (step..values.len()).step_by(step);
+        let ends = (step..values.len()).step_by(step.div_ceil(4));
         ends.map(|end| values[end] - values[end - step]).collect()
     };
     let (own, reference) = (increments(values), increments(reference));

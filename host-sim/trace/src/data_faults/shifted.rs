@@ -2,7 +2,9 @@
 
 use std::borrow::Cow;
 
+use super::bridge::bridge;
 use super::channels::{SENSORS, references};
+use super::difference::deviation;
 use super::fault::{FaultKind, Treatment};
 use super::findings::{Findings, Place};
 use crate::options::FaultOptions;
@@ -13,16 +15,13 @@ const MAX_SHIFT_S: f64 = 2.0;
 /// Steps of the search per smallest shift.
 const STEPS: f64 = 20.0;
 
-/// Median deviation of `values[i + shift] − reference[i]` from its median, over every `every`th sample.
+/// Deviation of `values[i + shift] − reference[i]` from its median, over every `every`th sample.
 fn difference(values: &[f64], reference: &[f64], shift: isize, every: usize) -> f64 {
     let pairs = (0..reference.len()).step_by(every).filter_map(|i| {
         let shifted = i.checked_add_signed(shift)?;
         Some(values.get(shifted)? - reference[i])
     });
-    let differences: Vec<f64> = pairs.collect();
-    let median = numerics::median(&differences).unwrap_or(0.0);
-    let deviations: Vec<f64> = differences.iter().map(|value| (value - median).abs()).collect();
-    numerics::median(&deviations).unwrap_or(0.0)
+    deviation(&pairs.collect::<Vec<f64>>())
 }
 
 /// The number of samples by which a channel is late relative to a reference, if that is far more than a latency and nothing
@@ -35,7 +34,6 @@ fn shift(values: &[f64], reference: &[f64], sample_s: f64, options: &FaultOption
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1")]
     let step = (smallest as f64 / STEPS).round().max(1.0) as usize;
     let unshifted = difference(values, reference, 0, step);
-    // A slip or a spike does not change a median: only a channel that differs all the time is looked at.
     if unshifted < options.min_shifted_mm {
         return None;
     }
@@ -62,18 +60,20 @@ fn late_by(place: &Place<'_>, options: &FaultOptions) -> Option<isize> {
 
 /// Reports sensors that are shifted in time against the other sensors of their axis, and shifts them back. If only two
 /// sensors are logged, it is the one farther from the motor. The samples beyond the ends are excluded.
-pub fn correct(log: &mut Cow<'_, Log>, options: &FaultOptions, findings: &mut Findings) {
+pub fn correct(log: &mut Cow<'_, Log>, margin: usize, options: &FaultOptions, findings: &mut Findings) {
     for axis in 0..log.axes.len() {
         for channel in SENSORS.into_iter().rev() {
             let place = Place { log, axis, channel };
             let Some(by) = late_by(&place, options) else { continue };
             let Some(values) = place.axis().channel(channel) else { continue };
-            let corrected = shifted(values, by);
+            let mut corrected = shifted(values, by);
             let ms = 1e3 * by as f64 * log.sample_time_s;
             findings.faults.push(place.fault(FaultKind::Shifted, Some(ms), Treatment::Corrected));
             let (late, count) = (by.unsigned_abs().min(values.len()), values.len());
             let missing = if by > 0 { count - late..count } else { 0..late };
-            findings.exclude(&place, &missing, 1);
+            let reference = references(place.axis(), channel).map(|(_, values)| values).next();
+            bridge(&mut corrected, reference, &missing);
+            findings.exclude(&place, &missing, margin);
             *log.to_mut().axes[axis].channel_mut(channel) = Some(corrected);
         }
     }
@@ -115,7 +115,7 @@ mod tests {
         {
             let mut log = Cow::Owned(log(late));
             let mut findings = Findings::default();
-            correct(&mut log, &FaultOptions::default(), &mut findings);
+            correct(&mut log, 6, &FaultOptions::default(), &mut findings);
             assert_eq!(findings.faults.first().and_then(|fault| fault.size), expected, "{late}");
             if expected.is_some() {
                 assert_eq!(log.axes[0].table, log.axes[0].motor);

@@ -3,11 +3,15 @@
 use super::fault::{FaultKind, Treatment};
 use super::findings::{Findings, Place};
 use crate::options::FaultOptions;
+use files::log::Channel;
 
-/// Whether a channel that moves by this factor of the others has the wrong sign only.
+/// Whether a channel that moves by this factor of the others has the wrong sign only. The motion of a sensor is that of the
+/// others up to the large pitch error of a wrong lead, that of the command differs by the following error.
 #[must_use]
-pub fn is_reversed(factor: f64, options: &FaultOptions) -> bool {
-    (factor + 1.0).abs() < options.max_command_factor
+pub fn is_reversed(channel: Channel, factor: f64, options: &FaultOptions) -> bool {
+    let tolerance =
+        if channel == Channel::Command { options.max_command_factor } else { options.max_sensor_factor };
+    (factor + 1.0).abs() < tolerance
 }
 
 /// Reports and negates a channel. It is negated about its own zero; the distance between its zero and that of the other

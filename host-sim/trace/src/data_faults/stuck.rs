@@ -3,9 +3,10 @@
 use std::ops::Range;
 
 use super::bridge::bridge;
-use super::channels::{Accuracy, SENSORS, references};
+use super::channels::{SENSORS, references};
 use super::fault::{DataFault, FaultKind, Treatment};
 use super::findings::{Findings, Place};
+use super::jumps;
 use crate::options::FaultOptions;
 use files::log::Channel;
 
@@ -30,46 +31,59 @@ fn repeated(values: &[f64]) -> Vec<Range<usize>> {
     ranges
 }
 
-/// A stuck reading would not be distinguishable from a table within a backlash or a motor in a standstill if it did not
-/// jump by the missed motion when it is released. A reading that does not is stuck only if another sensor travels far.
-struct Test<'a> {
-    values: &'a [f64],
-    accuracy: Accuracy,
-    /// The other position channels: samples, noise, and whether they are measured.
-    others: Vec<(&'a [f64], f64, bool)>,
-    options: &'a FaultOptions,
+/// Largest number of samples in a row whose neighbours are not excluded.
+const MAX_INTERPOLATED: usize = 2;
+
+/// Smallest number of readings for a travel that a spike does not affect.
+const MIN_CONSTANT: usize = 20;
+
+/// Travel within a stretch, spikes disregarded.
+fn travel(values: &[f64]) -> f64 {
+    numerics::quantile(values, 0.95) - numerics::quantile(values, 0.05)
 }
 
-impl Test<'_> {
-    /// Whether the readings of a range are stuck.
-    fn is_stuck(&self, range: &Range<usize>) -> bool {
-        let Accuracy { noise, resolution } = self.accuracy;
-        let own = (self.options.min_held_resolution * resolution).max(1e-3 * self.options.min_held_um);
-        self.others.iter().any(|(other, other_noise, is_sensor)| {
-            let smallest = own.max(self.options.min_held_noise * noise.max(*other_noise));
-            let (before, last) = (range.start - 1, range.end - 1);
-            let travel = numerics::peak_to_peak(other[before..=last].iter().copied());
-            if *is_sensor && travel > 1e-3 * self.options.min_held_travel_um.max(1e3 * smallest) {
-                return true;
-            }
-            let (Some(end), Some(released)) = (other.get(range.end), self.values.get(range.end)) else {
-                return false;
-            };
-            let [missed, jump] = [end - other[before], released - self.values[last]];
-            let moves = (other[last] - other[before]).abs() >= smallest;
-            moves && (jump - missed).abs() <= MAX_CATCH_UP_ERROR * missed.abs()
-        })
+/// Another position channel.
+struct Other<'a> {
+    values: &'a [f64],
+    /// Smallest motion that counts.
+    smallest: f64,
+    /// Whether both this channel and the one that may be stuck are measured: a command may be constant while the axis is
+    /// moved otherwise.
+    are_sensors: bool,
+}
+
+impl Other<'_> {
+    /// Whether the readings of a range are stuck by the motion of this channel.
+    ///
+    /// A table within a backlash or a motor in a standstill repeats its reading as well, but does not jump by the missed
+    /// motion afterwards. A reading that does not jump is stuck only beside far travel of another sensor.
+    fn shows_stuck(&self, values: &[f64], range: &Range<usize>, options: &FaultOptions) -> bool {
+        let (before, last) = (range.start - 1, range.end - 1);
+        let far = (1e-3 * options.min_held_travel_um).max(self.smallest);
+        if self.are_sensors && range.len() >= MIN_CONSTANT && travel(&self.values[before..=last]) > far {
+            return true;
+        }
+        let (Some(end), Some(released)) = (self.values.get(range.end), values.get(range.end)) else {
+            return false;
+        };
+        let [missed, jump] = [end - self.values[before], released - values[last]];
+        let moved = (self.values[last] - self.values[before]).abs();
+        // The other channel itself has no spike within the range.
+        let moves = moved >= self.smallest && moved <= (1.0 + MAX_CATCH_UP_ERROR) * missed.abs();
+        moves && (jump - missed).abs() <= MAX_CATCH_UP_ERROR * missed.abs()
     }
 }
 
 /// The stuck ranges of a channel.
 fn find(values: &[f64], place: &Place<'_>, options: &FaultOptions) -> Vec<Range<usize>> {
-    let other =
-        |(channel, values): (Channel, _)| (values, Accuracy::of(values).noise, SENSORS.contains(&channel));
-    let others = references(place.axis(), place.channel).map(other).collect();
-    let test = Test { values, accuracy: Accuracy::of(values), others, options };
+    let other = |(channel, other): (Channel, _)| Other {
+        values: other,
+        smallest: jumps::smallest(values, Some(other), options),
+        are_sensors: [channel, place.channel].iter().all(|channel| SENSORS.contains(channel)),
+    };
+    let others: Vec<Other<'_>> = references(place.axis(), place.channel).map(other).collect();
     let mut ranges = repeated(values);
-    ranges.retain(|range| test.is_stuck(range));
+    ranges.retain(|range| others.iter().any(|other| other.shows_stuck(values, range, options)));
     ranges
 }
 
@@ -103,7 +117,8 @@ pub fn correct(
     for range in &ranges {
         bridge(values, reference, range);
         if is_usable {
-            findings.exclude(place, range, margin);
+            // A reading or two that are interpolated do not disturb the filter.
+            findings.exclude(place, range, if range.len() > MAX_INTERPOLATED { margin } else { 0 });
         }
     }
     is_usable

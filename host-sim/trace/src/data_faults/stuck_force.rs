@@ -3,7 +3,6 @@
 use super::bridge::bridge;
 use super::fault::FaultKind;
 use super::findings::{Findings, Place};
-use crate::input::smoothing;
 use crate::options::FaultOptions;
 use files::log::Channel;
 
@@ -39,7 +38,8 @@ pub fn correct(
         let travel = positions.map_or(0.0, |mm| numerics::peak_to_peak(mm[range.clone()].iter().copied()));
         let before = &values[range.start.saturating_sub(CONTEXT)..range.start];
         let after = &values[range.end..(range.end + CONTEXT).min(values.len())];
-        let is_noisy = |values: &[f64]| values.len() == CONTEXT && smoothing::noise(values) > resolution;
+        let is_noisy =
+            |values: &[f64]| values.len() == CONTEXT && super::channels::noise(values) > resolution;
         if travel > 1e-3 * options.min_held_travel_um && is_noisy(before) && is_noisy(after) {
             findings.faults.push(place.fault_at(
                 FaultKind::Stuck,

@@ -18,6 +18,9 @@ const UNITS: [f64; 6] =
 /// Largest relative deviation of a factor from that of a unit.
 const UNIT_TOLERANCE: f64 = 0.005;
 
+/// The same for a command, which contains the following error.
+const COMMAND_TOLERANCE: f64 = 0.35;
+
 /// Force in N per logged force: kN and mN.
 const FORCE_UNITS: [f64; 2] = [1e-3, 1e3];
 
@@ -27,7 +30,7 @@ const FORCE_TOLERANCE: f64 = 2.0;
 /// Reports a position channel that moves by a factor of the others. It is converted if the factor is that of a unit.
 /// Returns whether it can be used.
 pub fn correct(values: &mut [f64], factor: f64, place: &Place<'_>, findings: &mut Findings) -> bool {
-    let tolerance = if place.channel == Channel::Command { 0.1 } else { UNIT_TOLERANCE };
+    let tolerance = if place.channel == Channel::Command { COMMAND_TOLERANCE } else { UNIT_TOLERANCE };
     let unit = UNITS.into_iter().find(|unit| (factor / unit - 1.0).abs() < tolerance);
     let treatment = if unit.is_some() { Treatment::Corrected } else { Treatment::Removed };
     findings.faults.push(place.fault(FaultKind::Unit, Some(unit.unwrap_or(factor)), treatment));
