@@ -26,6 +26,7 @@ pub mod shifted;
 pub mod sign;
 pub mod slip;
 pub mod spike;
+pub mod step;
 pub mod stuck;
 pub mod stuck_force;
 pub mod unit;

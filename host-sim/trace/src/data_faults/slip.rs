@@ -8,80 +8,14 @@ use super::fault::FaultKind;
 use super::findings::{Findings, Place};
 use super::jumps::{self, Jump, Relative};
 use super::spike::{self, Spike};
+use super::step::best_step;
 use crate::options::FaultOptions;
 use files::log::Channel;
 
-/// Numbers of samples on each side from which a step is determined: many if the machine moves steadily, few if not.
-const FITS: [usize; 3] = [8, 16, 32];
-/// Smallest number of them.
-const MIN_FIT: usize = 8;
 /// Smallest ratio of the lasting to the momentary displacement at a slip, and largest deviation of it from 1.
 const MAX_DEVIATION: f64 = 0.35;
 /// Largest ratio of the lasting to the momentary displacement at a spike.
 const MAX_REMAINDER: f64 = 0.3;
-
-/// A step of a difference of two channels.
-#[derive(Clone, Copy, Debug)]
-struct Step {
-    size: f64,
-    /// Root mean square of the deviations from the lines on both sides.
-    scatter: f64,
-    /// Standard error of the size.
-    error: f64,
-}
-
-/// Straight line through values at −1, −2, … or 1, 2, …: the value at 0.5 from the outermost towards zero, and the sum of
-/// squared deviations.
-fn line(values: &[f64], at: f64) -> (f64, f64) {
-    let n = values.len() as f64;
-    let centre = 0.5 * (n - 1.0);
-    let mean = numerics::mean(values.iter().copied());
-    let t = |i: usize| i as f64 - centre;
-    let moment: f64 = (0..values.len()).map(|i| t(i) * t(i)).sum();
-    let slope: f64 = values.iter().enumerate().map(|(i, v)| t(i) * (v - mean)).sum::<f64>() / moment;
-    let deviations = values.iter().enumerate().map(|(i, v)| v - mean - slope * t(i));
-    (mean + slope * (at - centre), deviations.map(|d| d * d).sum())
-}
-
-/// The step of a signal across samples that are displaced otherwise, from straight lines through `fit` samples on both sides
-/// within `limits`; `None` if these are too close.
-fn step(
-    signal: impl Fn(usize) -> f64,
-    across: &Range<usize>,
-    limits: &Range<usize>,
-    fit: usize,
-) -> Option<Step> {
-    let before = across.start.saturating_sub(fit).max(limits.start)..across.start;
-    let after = across.end..(across.end + fit).min(limits.end);
-    if before.len() < MIN_FIT || after.len() < MIN_FIT {
-        return None;
-    }
-    let of = |range: &Range<usize>| -> Vec<f64> { range.clone().map(&signal).collect() };
-    // Both lines are continued to the middle between them.
-    let half_gap = 0.5 * (across.len() + 1) as f64;
-    let (first, first_squares) = line(&of(&before), before.len() as f64 - 1.0 + half_gap);
-    let (second, second_squares) = line(&of(&after), -half_gap);
-    let count = before.len() + after.len();
-    let scatter = ((first_squares + second_squares) / (count - 4) as f64).sqrt();
-    // At the end of a line through n points the variance is 4/n of theirs.
-    Some(Step { size: second - first, scatter, error: 4.0 * scatter / (count as f64).sqrt() })
-}
-
-/// The step of a channel across samples, relative to the other channel and with the number of samples that determine it best.
-fn best_step(
-    values: &[f64],
-    place: &Place<'_>,
-    across: &Range<usize>,
-    limits: &Range<usize>,
-) -> Option<Step> {
-    let others: Vec<&[f64]> = references(place.axis(), place.channel).map(|(_, other)| other).collect();
-    let steps = FITS.into_iter().flat_map(|fit| {
-        let relative = others.iter().map(move |other| step(|i| values[i] - other[i], across, limits, fit));
-        let alone = others.is_empty().then(|| step(|i| values[i], across, limits, fit));
-        relative.chain(alone).flatten()
-    });
-    steps.min_by(|a, b| a.error.total_cmp(&b.error))
-}
 
 /// Whether another channel of the axis jumps as well, so that the machine moved or the log lacks a sample.
 fn is_shared(place: &Place<'_>, jump: &Jump) -> bool {
