@@ -6,6 +6,7 @@
 //! | [`trace_page`] | the page: its sections in their order |
 //! | [`sentences`] | sentences about what was found and what was not |
 //! | `caveats` | sentences about what speaks against a model or an effect |
+//! | `data_faults` | sentences about faults of the data |
 //! | `parameters` | an effect with its parameters, in a few words |
 //! | `tables` | tables of residuals, and of effects found compared with the truth |
 //! | `axis_view` | the plotted residuals |
@@ -17,6 +18,7 @@ mod axis_view;
 mod caveats;
 mod circle_fit;
 mod circle_plots;
+mod data_faults;
 pub mod friction_map;
 mod parameters;
 mod radial_deviation;

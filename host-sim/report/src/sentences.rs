@@ -1,6 +1,6 @@
 //! The results of a trace in sentences, for engineers who build or commission machines.
 
-use super::caveats;
+use super::{caveats, data_faults};
 use files::format::{percent, significant, with_spread};
 use files::log::Unit;
 use model::effects::Stage;
@@ -119,7 +119,14 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
 
 /// The result for an axis on which no effect was found.
 fn without_effects(axis: &AxisTrace) -> &'static str {
+    let has_faults = !axis.data_faults.is_empty();
     match (axis.task, verdict::of_axis(axis)) {
+        (Task::Search, Verdict::Explained) if has_faults => {
+            "apart from the data faults, no undeclared effect found"
+        }
+        (Task::Search, Verdict::Unexplained) if axis.unexplained.is_empty() && has_faults => {
+            "no undeclared effect found in what the data faults leave"
+        }
         (Task::Search, Verdict::Explained) => "no undeclared effect found",
         (Task::Search, Verdict::Unexplained) => {
             "no undeclared effect found, but the residual exceeds the sensor noise: see below"
@@ -133,10 +140,16 @@ fn without_effects(axis: &AxisTrace) -> &'static str {
     }
 }
 
-/// The sentences of all axes.
+/// One sentence for each fault of the data.
+#[must_use]
+pub fn data_faults(trace: &Trace) -> Vec<String> {
+    trace.axes.iter().flat_map(data_faults::of_axis).collect()
+}
+
+/// The faults of the data, then the sentences of all axes.
 #[must_use]
 pub fn summary(trace: &Trace) -> Vec<String> {
-    trace.axes.iter().flat_map(of_axis).collect()
+    data_faults(trace).into_iter().chain(trace.axes.iter().flat_map(of_axis)).collect()
 }
 
 /// The remaining residual of a stage.

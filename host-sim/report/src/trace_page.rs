@@ -57,6 +57,7 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
 fn found(trace: &Trace, extra: &Extra) -> Markup {
     html! {
         ul.found {
+            @for sentence in sentences::data_faults(trace) { li.none { (text(&sentence)) } }
             @for axis in &trace.axes {
                 @for sentence in sentences::of_axis(axis) {
                     li class=[axis.found.is_empty().then_some("none")] { (text(&sentence)) }

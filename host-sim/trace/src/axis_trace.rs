@@ -83,6 +83,7 @@ pub fn trace(
             &not_testable,
             &tried,
         ),
+        data_faults: Vec::new(),
         ambiguities,
         bias: validate.bias.to_vec(),
         declared_values,

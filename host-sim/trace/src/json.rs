@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
+use crate::data_faults::DataFault;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::NotTestable;
 use crate::not_testable::EffectNotTestable;
@@ -14,7 +15,7 @@ use crate::stages::residual_unit;
 use crate::validation::declared_value::DeclaredValue;
 use crate::validation::found_effect::FoundEffect;
 use crate::verdict;
-use files::log::Unit;
+use files::log::{Channel, Unit};
 use model::effects::{Effect, Stage};
 
 /// The JSON of `trace --json`, with the tables of `--empirical` if requested.
@@ -45,6 +46,7 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
     let free_runs = of_axes(trace, |axis| axis.free_runs.iter().map(|run| free_run(axis, run)).collect());
     let mut all = json!({
         "verdict": verdict::of(trace),
+        "data_faults": of_axes(trace, |axis| axis.data_faults.iter().map(data_fault).collect()),
         "residual": residual,
         "effects": effects(trace),
         "declared": of_axes(trace, |axis| axis.declared_values.iter().map(|value| declared(axis, value)).collect()),
@@ -62,6 +64,19 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
         all.insert("empirical".to_owned(), json!(tables));
     }
     all
+}
+
+fn data_fault(fault: &DataFault) -> Value {
+    json!({
+        "axis": fault.axis,
+        "channel": fault.channel.map(Channel::word),
+        "kind": fault.kind.name(),
+        "log": fault.log,
+        "at_s": fault.at_s,
+        "size": fault.size,
+        "count": fault.count,
+        "treatment": fault.treatment.name(),
+    })
 }
 
 /// Pairs of effects that the logs do not distinguish, with the motion file that does.

@@ -2,19 +2,21 @@
 //!
 //! The steps of a trace:
 //!
-//! 1. [`input`]: admission of logs, filtering of their signals.
-//! 2. [`prediction`]: prediction of each stage by a model, from the measured signal upstream of the stage.
-//! 3. [`fit`]: residuals, and fit of the declared values within their tolerance.
-//! 4. [`search`]: addition of effects of the catalogue that held-out data support.
-//! 5. [`validation`]: removal of effects at a limit, and of effects that the validation logs refute.
-//! 6. [`analysis`]: analysis of the remaining residuals.
-//! 7. [`verdict`]: agreement of model and logs; [`json`]: the result as JSON.
+//! 1. [`data_faults`]: faults of the data are named, and corrected where that is possible.
+//! 2. [`input`]: admission of logs, filtering of their signals.
+//! 3. [`prediction`]: prediction of each stage by a model, from the measured signal upstream of the stage.
+//! 4. [`fit`]: residuals, and fit of the declared values within their tolerance.
+//! 5. [`search`]: addition of effects of the catalogue that held-out data support.
+//! 6. [`validation`]: removal of effects at a limit, and of effects that the validation logs refute.
+//! 7. [`analysis`]: analysis of the remaining residuals.
+//! 8. [`verdict`]: agreement of model and logs; [`json`]: the result as JSON.
 //!
 //! [`axis_trace`] executes these steps for one axis. [`outcome`] contains their results, [`options`] the thresholds, and
 //! [`not_testable`] the effects that were not searched for.
 
 pub mod analysis;
 pub mod axis_trace;
+pub mod data_faults;
 pub mod fit;
 pub mod input;
 pub mod json;
@@ -40,6 +42,7 @@ use std::borrow::Cow;
 
 use rayon::prelude::*;
 
+use data_faults::Examined;
 use files::error::InputError;
 use files::log::Log;
 use fit::axis_model::AxisModel;
@@ -96,7 +99,15 @@ fn run(
     task: Task,
     progress: &Progress<'_>,
 ) -> Result<Trace, InputError> {
-    let Admitted { fit, validate, mut notes } = admission::admit(machine, fit, validate, &options.admission)?;
+    for log in fit.iter().chain(validate) {
+        checks::is_longer_than_settling(log, options)?;
+    }
+    let Admitted { fit, validate, notes } =
+        admission::at_machine_rate(machine, [fit, validate], &options.admission)?;
+    let Examined { logs: [fit, validate], mut faults, excluded } =
+        data_faults::examine(machine, [fit, validate], options)?;
+    let Admitted { fit, validate, mut notes } =
+        admission::admit(machine, Admitted { fit, validate, notes }, &options.admission)?;
     let names: Vec<String> = machine.axis.keys().cloned().collect();
     for name in names.iter().filter(|name| checks::is_at_rest(&fit, name, &options.admission)) {
         if fit.iter().any(|log| log.axis(name).is_some()) {
@@ -107,18 +118,25 @@ fn run(
     let (fit, validate) = if validate.is_empty() { split(&fit, options) } else { (fit, validate) };
     let [fit_logs, validate_logs] =
         [&fit, &validate].map(|logs| prepared(logs, machine, &names, first.as_deref(), options));
+    let mut logs = [fit_logs, validate_logs];
+    for logs in &mut logs {
+        data_faults::excluded::mark(&excluded, &names, logs);
+    }
+    let [fit_logs, validate_logs] = logs;
     let machine = machine.clone();
     let options = *options;
     let model = |axis| AxisModel::new(axis, machine.rates(), options.model);
     let declared_axes = machine.axis.values().map(model).collect();
     let axes = Vec::new();
     let mut trace = Trace { axes, fit_logs, validate_logs, names, machine, declared_axes, options, notes };
+    faults.extend(trace.correct_late_commands());
     let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
         let [fit_data, validate] = [&trace.fit_logs, &trace.validate_logs].map(|logs| trace.data(logs, i));
         axis_trace::trace(axis, [&fit_data, &validate], task, progress)
     };
     let axes: Vec<&model::machine::Axis> = trace.machine.axis.values().collect();
     trace.axes = axes.into_par_iter().enumerate().map(of_axis).collect();
+    trace.assign(faults);
     trace.propose_motions();
     Ok(trace)
 }

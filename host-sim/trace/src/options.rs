@@ -69,6 +69,48 @@ options! {
         /// Sweep: ×0.5: `the_stiffness_of_a_gear_is_found_from_torque_and_two_encoders` fails; ×2: nothing changes.
         held_out: f64 = 0.25,
     }
+    /// Which data are regarded as broken.
+    faults: FaultOptions {
+        /// Smallest slip or spike, smallest motion that a repeated reading misses, and smallest deviation due to a late
+        /// command, µm or mdeg. Smaller jumps of a reading may be those of a
+        /// friction that breaks away.
+        min_jump_um: f64 = 3.0,
+        /// The same in standard deviations of the noise of the channel: with a million samples, six are
+        /// exceeded once in a thousand logs.
+        min_jump_noise: f64 = 8.0,
+        /// The same in steps of the encoder. Near standstill, single steps are isolated.
+        min_jump_resolution: f64 = 3.5,
+        /// Smallest ratio of a slip or spike to the other irregularities of the channel within 200 samples, and to the
+        /// scatter of its difference to another channel.
+        min_jump_context: f64 = 4.0,
+        /// Motion of another sensor, µm or mdeg, beside which a constant reading is stuck even if it does not jump when it
+        /// is released: no backlash is that wide.
+        min_held_travel_um: f64 = 1000.0,
+        /// Shortest duration of a repeated reading that is reported by itself, s; shorter ones are counted together.
+        min_stuck_s: f64 = 0.02,
+        /// A channel is not used if more than this fraction of its readings is repeated.
+        max_held: f64 = 0.2,
+        /// Largest relative difference of the motions of two sensors that may be a pitch error or wind-up.
+        max_sensor_factor: f64 = 0.02,
+        /// Largest relative difference of the motions of command and sensors that may be a following error. On small circles
+        /// at high feed the motion is up to 27 % larger or smaller than its command.
+        max_command_factor: f64 = 0.5,
+        /// Largest median deviation of the ratios of increments of two channels whose motions are proportional, as a
+        /// fraction of the ratio.
+        max_factor_spread: f64 = 0.05,
+        /// Smallest ratio of the difference between a channel and its own axis to that between it and another axis, if the
+        /// channels of both axes are exchanged.
+        min_exchanged_ratio: f64 = 20.0,
+        /// Smallest shift of a sensor that is regarded as a fault, s: a `latency` of up to 0.1 s is an effect.
+        min_shift_s: f64 = 0.11,
+        /// Smallest difference between two sensors of an axis, which 5 % of the samples exceed, at which a shift is looked for, mm or degrees.
+        min_shifted_mm: f64 = 0.1,
+        /// Largest difference after a shift is corrected, as a fraction of that before.
+        max_shifted_remainder: f64 = 0.1,
+        /// Smallest ratio of the residual with gain and feed-forward fitted to that with a late command, for the command to
+        /// be regarded as late.
+        min_rival_ratio: f64 = 3.0,
+    }
     /// Filter of the signals, standstills, and the initial state of a log.
     samples: SampleOptions {
         /// Half width of the smoothing window of the signals, s: the filter passes the bandwidth of a servo loop and removes

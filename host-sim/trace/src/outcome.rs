@@ -4,6 +4,7 @@ use crate::analysis::empirical::Empirical;
 use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
+use crate::data_faults::{DataFault, Treatment, late_command};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::limits::ParameterAtLimit;
@@ -51,6 +52,8 @@ pub struct AxisTrace {
     pub axis: String,
     /// Unit of its channels.
     pub unit: Unit,
+    /// Faults of its data, found before any fit.
+    pub data_faults: Vec<DataFault>,
     /// The declared model, fitted.
     pub declared: AxisModel,
     /// The declared mechanical values, as fitted with the effects found.
@@ -130,6 +133,40 @@ impl Trace {
                 }
                 ambiguity.proposal = distinguishing_motion::propose([&better, &other], number, logs, options);
             }
+        }
+    }
+
+    /// Shifts commands back that are logged late, in all logs, and returns these faults.
+    pub(crate) fn correct_late_commands(&mut self) -> Vec<DataFault> {
+        let rates = self.machine.rates();
+        let mut faults = Vec::new();
+        for (number, declared) in self.machine.axis.values().enumerate() {
+            let model = AxisModel::new(declared, rates, self.options.model);
+            for logs in [&mut self.fit_logs, &mut self.validate_logs] {
+                let data = FitData::new(logs, &self.names, number, rates, &self.options);
+                for (log, late) in late_command::late_commands(&data, &model) {
+                    let name = &self.names[number];
+                    faults.push(late_command::shift_back(&mut logs[log], number, name, late));
+                }
+            }
+        }
+        faults
+    }
+
+    /// Assigns the faults to their axes, and adds to the missing channels of each stage why they are not used.
+    pub(crate) fn assign(&mut self, faults: Vec<DataFault>) {
+        for fault in faults {
+            let Some(axis) = self.axes.iter_mut().find(|axis| axis.axis == fault.axis) else { continue };
+            if let (Treatment::Removed, Some(channel)) = (fault.treatment, fault.channel) {
+                let missing = format!("a {} channel", channel.word());
+                let stated = format!("{missing} without the fault \"{}\"", fault.kind.name());
+                let stages = axis.not_testable.iter_mut().map(|stage| &mut stage.needs);
+                let effects = axis.effects_not_testable.iter_mut().map(|effect| &mut effect.needs);
+                for needs in stages.chain(effects).filter(|needs| !needs.contains(&stated)) {
+                    *needs = needs.replace(&missing, &stated);
+                }
+            }
+            axis.data_faults.push(fault);
         }
     }
 

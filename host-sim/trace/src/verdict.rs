@@ -2,6 +2,7 @@
 
 use serde::Serialize;
 
+use crate::data_faults::Treatment;
 use crate::outcome::{AxisTrace, StageError, Trace};
 
 /// Agreement of model and logs.
@@ -10,7 +11,7 @@ use crate::outcome::{AxisTrace, StageError, Trace};
 pub enum Verdict {
     /// The residual of the fitted logs is at the level of the noise.
     Explained,
-    /// The residual exceeds the noise.
+    /// The residual exceeds the noise, or a channel with a fault could not be used.
     Unexplained,
     /// The residual is so large that the model describes another machine, or a channel is wrong.
     ModelDoesNotFit,
@@ -30,7 +31,10 @@ pub fn of(trace: &Trace) -> Verdict {
 pub fn of_axis(axis: &AxisTrace) -> Verdict {
     if axis.errors.iter().any(is_gross) {
         Verdict::ModelDoesNotFit
-    } else if !axis.unexplained.is_empty() || axis.errors.iter().any(is_gross_held_out) {
+    } else if !axis.unexplained.is_empty()
+        || axis.errors.iter().any(is_gross_held_out)
+        || axis.data_faults.iter().any(|fault| fault.treatment == Treatment::Removed)
+    {
         Verdict::Unexplained
     } else {
         Verdict::Explained

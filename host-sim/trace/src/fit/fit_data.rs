@@ -93,13 +93,15 @@ impl<'a> FitData<'a> {
     }
 
     /// Whether a sample of a stage of a log counts. Samples count after the settling, outside exclusions; in the table and
-    /// force stages, which depend on friction, only in motion; in the force stage only below the force limit.
+    /// force stages, which depend on friction, only in motion; in the force stage only below the force limit; samples that a fault of the data spoils do
+    /// not count.
     pub fn counting(&self, stage: Stage, log: usize) -> impl Fn(usize) -> bool {
         let settling = self.settling(log);
         let signals = self.signals(log);
         let depends_on_friction = matches!(stage, Stage::Table | Stage::Force);
         let standstill = if depends_on_friction { &signals.standstill[..] } else { &[] };
         let saturated = if stage == Stage::Force { &signals.saturated[..] } else { &[] };
+        let faulty = signals.faulty(stage);
         let is = |flags: &[bool], sample: usize| flags.get(sample).copied().unwrap_or(false);
         let position_mm = move |sample: usize| {
             signals.table_or_motor().and_then(|signal| signal.position.get(sample)).map(|m| 1e3 * m)
@@ -108,7 +110,11 @@ impl<'a> FitData<'a> {
             self.exclusions.iter().any(|exclusion| exclusion.covers(stage, || position_mm(sample)))
         };
         move |sample| {
-            sample >= settling && !is(standstill, sample) && !is(saturated, sample) && !is_excluded(sample)
+            sample >= settling
+                && !is(standstill, sample)
+                && !is(saturated, sample)
+                && !is(faulty, sample)
+                && !is_excluded(sample)
         }
     }
 

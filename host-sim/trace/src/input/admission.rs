@@ -19,21 +19,34 @@ pub struct Admitted<'a> {
     pub notes: Vec<String>,
 }
 
-/// Checks and prepares the logs.
+/// Fit logs and validation logs at the rate of the machine, with notes on those that were thinned.
 ///
 /// # Errors
-/// If a log does not match the machine file or the other logs, or contains no usable motion.
-pub fn admit<'a>(
+/// For a log at a rate that is not a multiple of it.
+pub fn at_machine_rate<'a>(
     machine: &Machine,
-    fit: &'a [Log],
-    validate: &'a [Log],
+    logs: [&'a [Log]; 2],
     options: &AdmissionOptions,
 ) -> Result<Admitted<'a>, InputError> {
     let mut notes = Vec::new();
     let mut at_rate = |logs: &'a [Log]| -> Result<Vec<Cow<'a, Log>>, InputError> {
         logs.iter().map(|log| sampling_rate::at_machine_rate(machine, log, options, &mut notes)).collect()
     };
+    let [fit, validate] = logs;
     let (fit, validate) = (at_rate(fit)?, at_rate(validate)?);
+    Ok(Admitted { fit, validate, notes })
+}
+
+/// Checks logs at the rate of the machine, and shortens them.
+///
+/// # Errors
+/// If a log does not match the machine file or the other logs, or contains no usable motion.
+pub fn admit<'a>(
+    machine: &Machine,
+    at_rate: Admitted<'a>,
+    options: &AdmissionOptions,
+) -> Result<Admitted<'a>, InputError> {
+    let Admitted { fit, validate, mut notes } = at_rate;
     for log in fit.iter().chain(&validate) {
         checks::check(machine, log, options)?;
     }
@@ -73,6 +86,16 @@ mod tests {
         y.motor = Some(vec![1.0; x.motor.as_ref().unwrap().len()]);
         let axes = vec![x, y];
         Log { source: source.to_owned(), start_s: 0.0, sample_time_s: 1.0 / rate_hz, axes }
+    }
+
+    /// Both steps of the admission.
+    fn admit<'a>(
+        machine: &Machine,
+        fit: &'a [Log],
+        validate: &'a [Log],
+        options: &AdmissionOptions,
+    ) -> Result<Admitted<'a>, InputError> {
+        super::admit(machine, at_machine_rate(machine, [fit, validate], options)?, options)
     }
 
     fn refused(fit: &[Log], validate: &[Log]) -> String {

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use crate::options::AdmissionOptions;
+use crate::options::{AdmissionOptions, TraceOptions};
 use files::error::InputError;
 use files::log::{Channel, Log, Unit};
 use model::machine::Machine;
@@ -66,6 +66,20 @@ pub fn check(machine: &Machine, log: &Log, options: &AdmissionOptions) -> Result
         return refuse(format!("at least {} samples", options.min_samples), log.len().to_string());
     }
     Ok(())
+}
+
+/// Checks that more of a log is left than the settling time at its start, which is not evaluated.
+///
+/// # Errors
+/// For a log that is shorter.
+pub fn is_longer_than_settling(log: &Log, options: &TraceOptions) -> Result<(), InputError> {
+    let duration_s = log.len() as f64 * log.sample_time_s;
+    let settling_s = options.samples.settling_s;
+    if duration_s > settling_s {
+        return Ok(());
+    }
+    let what = format!("a log longer than the {settling_s} s at its start that are not evaluated");
+    Err(InputError::expected(&log.source, what, format!("{duration_s:.3} s")))
 }
 
 /// Checks that each axis has the same unit in all logs.

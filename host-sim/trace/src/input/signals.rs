@@ -1,10 +1,13 @@
 //! A log prepared for tracing: channels in SI units, filtered and differentiated, with the noise of each.
 
+use std::ops::Range;
+
 use super::added_force::AddedForce;
 use super::motor_path::MotorPath;
 use super::smoothing::Smooth;
 use crate::options::SampleOptions;
 use files::log::{AxisLog, Log, Unit};
+use model::effects::Stage;
 
 /// One axis of one log, in SI units. For rotary axes, degrees are treated as mm and N·m as N.
 #[derive(Clone, Debug)]
@@ -28,6 +31,8 @@ pub struct AxisSignals {
     pub standstill: Vec<bool>,
     /// Whether the force of each sample is at its limit; empty if none is.
     pub saturated: Vec<bool>,
+    /// Whether a fault of the data spoils each sample, by stage in the order of [`Stage`]; empty if none does.
+    pub faulty: [Vec<bool>; 4],
     /// Drive force over the velocity tick that ends at the sample, N; its filtered value is [`Smooth::position`].
     pub force: Option<Smooth>,
     /// Known force that was added to that of the controller and is contained in `force`; `None`: none was added.
@@ -97,6 +102,7 @@ impl AxisSignals {
             tool: None,
             standstill: Vec::new(),
             saturated: Vec::new(),
+            faulty: [const { Vec::new() }; 4],
             force: None,
             added_force: None,
         }
@@ -117,11 +123,25 @@ impl AxisSignals {
             motor,
             standstill,
             saturated: Vec::new(),
+            faulty: Default::default(),
             table: smooth(&axis.table),
             tool: smooth(&axis.tool),
             force: axis.force.clone().map(|raw| Smooth::new(raw, sample_s, half_window)),
             added_force: axis.added_force.clone().map(|raw| AddedForce::new(raw, sample_s, half_window)),
         }
+    }
+
+    /// Samples of a stage that a fault of the data spoils; empty if there is none.
+    #[must_use]
+    pub fn faulty(&self, stage: Stage) -> &[bool] {
+        &self.faulty[stage as usize]
+    }
+
+    /// Marks samples of a stage, of `count` in the log, as spoiled by a fault of the data.
+    pub fn mark_faulty(&mut self, stage: Stage, samples: Range<usize>, count: usize) {
+        let flags = &mut self.faulty[stage as usize];
+        flags.resize(count, false);
+        flags[samples].fill(true);
     }
 
     /// The same axis with [`Self::motor_path`] recomputed for this standard deviation of the encoder noise, m.

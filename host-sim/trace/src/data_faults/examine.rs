@@ -1,0 +1,146 @@
+//! Examination of logs: the faults of each in the order in which they are corrected.
+
+use std::borrow::Cow;
+
+use rayon::prelude::*;
+
+use super::fault::{DataFault, Treatment};
+use super::findings::{Findings, Place};
+use super::{agreement, dead, exchanged, rate, shifted, sign, slip, stuck, stuck_force, unit};
+use crate::options::TraceOptions;
+use files::error::InputError;
+use files::log::{Channel, Log};
+use model::machine::Machine;
+
+use super::excluded::Excluded;
+
+/// Logs whose faults are corrected.
+#[derive(Clone, Debug, Default)]
+pub struct Examined<'a> {
+    /// Fit logs and validation logs. Logs without a fault are those that were given.
+    pub logs: [Vec<Cow<'a, Log>>; 2],
+    /// The faults.
+    pub faults: Vec<DataFault>,
+    /// Samples that are excluded.
+    pub excluded: Vec<Excluded>,
+}
+
+/// Examines logs at the rate of the machine.
+///
+/// # Errors
+/// If the rows of all fit logs are repeated.
+pub fn examine<'a>(
+    machine: &Machine,
+    logs: [Vec<Cow<'a, Log>>; 2],
+    options: &TraceOptions,
+) -> Result<Examined<'a>, InputError> {
+    let mut examined = Examined::default();
+    let of_log = |mut log: Cow<'a, Log>| {
+        let findings = of_log(machine, &mut log, options);
+        (log, findings)
+    };
+    for (set, logs) in logs.into_iter().enumerate() {
+        let sampled = without_repeated_rows(logs, &mut examined.faults, set == 0)?;
+        let mut results: Vec<(Cow<'a, Log>, Findings)> = sampled.into_par_iter().map(of_log).collect();
+        if set == 0 {
+            leave_out(&mut results, &mut examined.faults);
+        }
+        for (log, findings) in results {
+            examined.logs[set].push(log);
+            examined.faults.extend(findings.faults);
+            examined.excluded.extend(findings.excluded);
+        }
+    }
+    Ok(examined)
+}
+
+/// The logs whose rows are not repeated; the others are reported, or refused if no fit log would be left.
+fn without_repeated_rows<'a>(
+    logs: Vec<Cow<'a, Log>>,
+    faults: &mut Vec<DataFault>,
+    is_fit: bool,
+) -> Result<Vec<Cow<'a, Log>>, InputError> {
+    let (broken, sound): (Vec<_>, Vec<_>) =
+        logs.into_iter().map(|log| (rate::repeated(&log), log)).partition(|(every, _)| every.is_some());
+    for (every, log) in broken {
+        let every = every.unwrap_or(1);
+        if is_fit && sound.is_empty() {
+            return Err(rate::error(&log, every));
+        }
+        faults.extend(rate::faults(&log, every));
+    }
+    Ok(sound.into_iter().map(|(_, log)| log).collect())
+}
+
+/// Leaves out each fit log with a removed channel if the logs without one are at least as long: a stage can be fitted only if
+/// all logs have its channels.
+fn leave_out(results: &mut Vec<(Cow<'_, Log>, Findings)>, faults: &mut Vec<DataFault>) {
+    let has_removed = |findings: &Findings| findings.faults.iter().any(|f| f.treatment == Treatment::Removed);
+    let sound = results.iter().filter(|(_, findings)| !has_removed(findings)).map(|(log, _)| log.len());
+    let sound: usize = sound.sum();
+    results.retain_mut(|(log, findings)| {
+        let stays = !has_removed(findings) || log.len() > sound;
+        if !stays {
+            let left_out = |fault: DataFault| DataFault { treatment: Treatment::LogLeftOut, ..fault };
+            faults.extend(findings.faults.drain(..).map(left_out));
+        }
+        stays
+    });
+}
+
+/// Finds and corrects the faults of a log.
+fn of_log(machine: &Machine, log: &mut Cow<'_, Log>, options: &TraceOptions) -> Findings {
+    let mut findings = Findings::default();
+    let faults = &options.faults;
+    dead::remove(log, options, &mut findings);
+    exchanged::correct(log, faults, &mut findings);
+    for axis in 0..log.axes.len() {
+        for (channel, factor) in agreement::disagreeing(&log.axes[axis], log.sample_time_s, faults) {
+            let correct = |values: &mut [f64], place: &Place<'_>, findings: &mut Findings| {
+                if sign::is_reversed(channel, factor, faults) {
+                    sign::correct(values, place, findings);
+                    return true;
+                }
+                unit::correct(values, factor, place, findings)
+            };
+            change(log, (axis, channel), &mut findings, correct);
+        }
+    }
+    unit::correct_forces(machine, log, options, &mut findings);
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+    // The filter, and a second difference of its output.
+    let margin = (options.samples.smoothing_s / log.sample_time_s).round() as usize + 1;
+    shifted::correct(log, margin, faults, &mut findings);
+    for axis in 0..log.axes.len() {
+        for channel in [Channel::Motor, Channel::Table, Channel::Tool, Channel::Command] {
+            change(log, (axis, channel), &mut findings, |values, place, findings| {
+                let is_usable = stuck::correct(values, place, margin, faults, findings);
+                if is_usable {
+                    slip::correct(values, place, margin, faults, findings);
+                }
+                is_usable
+            });
+        }
+        change(log, (axis, Channel::Force), &mut findings, |values, place, findings| {
+            stuck_force::correct(values, place, margin, faults, findings);
+            true
+        });
+    }
+    findings
+}
+
+/// Applies a correction to a channel of a log, which is copied only if a fault is found. The correction returns whether the
+/// channel can be used; otherwise it is removed.
+fn change(
+    log: &mut Cow<'_, Log>,
+    (axis, channel): (usize, Channel),
+    findings: &mut Findings,
+    correct: impl Fn(&mut [f64], &Place<'_>, &mut Findings) -> bool,
+) {
+    let Some(mut values) = log.axes[axis].channel(channel).map(<[f64]>::to_vec) else { return };
+    let count = findings.faults.len();
+    let is_usable = correct(&mut values, &Place { log, axis, channel }, findings);
+    if findings.faults.len() > count {
+        *log.to_mut().axes[axis].channel_mut(channel) = is_usable.then_some(values);
+    }
+}

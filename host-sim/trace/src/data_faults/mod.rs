@@ -1,0 +1,35 @@
+//! Broken data: faults of single channels that are recognized in the logs alone, before any model is fitted.
+//!
+//! A fault that can be corrected is corrected, and the samples that it spoils are excluded from the residuals
+//! ([`excluded`]); a channel that cannot be used is removed from its log. Either is reported as a [`DataFault`].
+//!
+//! Only what the channels of a log contradict among themselves is reported. Each kind of fault has its file: [`dead`],
+//! [`exchanged`], [`sign`], [`unit`], [`shifted`], [`stuck`], [`spike`], [`slip`], [`rate`]. They are looked for in this
+//! order, as each requires that the earlier ones are corrected; [`late_command`] requires a model of the loop and follows
+//! the filtering of the signals.
+
+pub mod agreement;
+pub mod bridge;
+pub mod channels;
+pub mod dead;
+pub mod difference;
+pub mod examine;
+pub mod exchanged;
+pub mod excluded;
+pub mod fault;
+pub mod findings;
+pub mod jumps;
+pub mod late_command;
+pub mod rate;
+pub mod ratio;
+pub mod shifted;
+pub mod sign;
+pub mod slip;
+pub mod spike;
+pub mod step;
+pub mod stuck;
+pub mod stuck_force;
+pub mod unit;
+
+pub use examine::{Examined, examine};
+pub use fault::{DataFault, FaultKind, Treatment};

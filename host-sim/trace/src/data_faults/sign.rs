@@ -1,0 +1,22 @@
+//! Sign: the reading decreases while the axis moves in the + direction.
+
+use super::fault::{FaultKind, Treatment};
+use super::findings::{Findings, Place};
+use crate::options::FaultOptions;
+use files::log::Channel;
+
+/// Whether a channel that moves by this factor of the others has the wrong sign only. The motion of a sensor is that of the
+/// others up to the large pitch error of a wrong lead, that of the command differs by the following error.
+#[must_use]
+pub fn is_reversed(channel: Channel, factor: f64, options: &FaultOptions) -> bool {
+    let tolerance =
+        if channel == Channel::Command { options.max_command_factor } else { options.max_sensor_factor };
+    (factor + 1.0).abs() < tolerance
+}
+
+/// Reports and negates a channel. It is negated about its own zero; the distance between its zero and that of the other
+/// channels is fitted with the model.
+pub fn correct(values: &mut [f64], place: &Place<'_>, findings: &mut Findings) {
+    findings.faults.push(place.fault(FaultKind::Sign, None, Treatment::Corrected));
+    values.iter_mut().for_each(|value| *value = -*value);
+}

@@ -1,0 +1,136 @@
+//! The size of a step of a signal that moves.
+
+use std::ops::Range;
+
+use super::channels::references;
+use super::findings::Place;
+
+/// Numbers of samples on each side, and degrees of the polynomials through them: many samples if the difference of the
+/// channels is smooth, few if it is not.
+const FITS: [(usize, usize); 6] = [(8, 1), (16, 1), (32, 1), (64, 2), (128, 2), (256, 3)];
+/// Smallest number of samples on each side.
+const MIN_FIT: usize = 8;
+/// Largest ratio of the variance about a polynomial of second or third degree to that of the white noise: above it, the
+/// polynomial does not describe the signal, and its value at the step is wrong by more than its scatter shows.
+const MAX_MISFIT: f64 = 1.15;
+
+/// A step.
+#[derive(Clone, Copy, Debug)]
+pub struct Step {
+    /// Size, in the unit of the signal.
+    pub size: f64,
+    /// Standard deviation about the polynomials on both sides.
+    pub scatter: f64,
+    /// Standard error of the size.
+    error: f64,
+}
+
+/// Least-squares polynomial through values at 0, 1, …: its value at `at`, and the sum of squared deviations.
+fn polynomial(values: &[f64], degree: usize, at: f64) -> (f64, f64) {
+    let half = 0.5 * (values.len() as f64 - 1.0);
+    let power = |t: f64, degree: usize| (0..degree).map(|_| t).product::<f64>();
+    let scaled = |i: usize| (i as f64 - half) / half;
+    let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
+    // Gram-Schmidt: orthogonal polynomials over the samples, each with its value at `at`.
+    let mut basis: Vec<(Vec<f64>, f64)> = Vec::new();
+    let mut deviations = values.to_vec();
+    let mut value = 0.0;
+    for degree in 0..=degree {
+        let mut next: Vec<f64> = (0..values.len()).map(|i| power(scaled(i), degree)).collect();
+        let mut next_at = power((at - half) / half, degree);
+        for (other, other_at) in &basis {
+            let share = product(&next, other) / product(other, other);
+            next.iter_mut().zip(other).for_each(|(next, other)| *next -= share * other);
+            next_at -= share * other_at;
+        }
+        let coefficient = product(&deviations, &next) / product(&next, &next);
+        deviations.iter_mut().zip(&next).for_each(|(deviation, next)| *deviation -= coefficient * next);
+        value += coefficient * next_at;
+        basis.push((next, next_at));
+    }
+    (value, product(&deviations, &deviations))
+}
+
+/// Sum of squares of second differences, divided by their variance for white noise of variance 1, and their number.
+fn white(values: &[f64]) -> (f64, f64) {
+    let squares = values.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2));
+    (squares.sum::<f64>() / 6.0, values.len() as f64 - 2.0)
+}
+
+/// The step of a signal across samples that are displaced otherwise, from polynomials through `fit` samples on both sides
+/// within `limits`; `None` if there are too few, or if the polynomials do not describe the signal.
+fn step(
+    signal: impl Fn(usize) -> f64,
+    across: &Range<usize>,
+    limits: &Range<usize>,
+    (fit, degree): (usize, usize),
+) -> Option<Step> {
+    let before = across.start.saturating_sub(fit).max(limits.start)..across.start;
+    let after = across.end..(across.end + fit).min(limits.end);
+    let least = if degree > 1 { fit } else { MIN_FIT };
+    if before.len() < least || after.len() < least {
+        return None;
+    }
+    let [before, after] = [before, after].map(|range| range.map(&signal).collect::<Vec<f64>>());
+    // Both polynomials are continued to the middle between them.
+    let half_gap = 0.5 * (across.len() + 1) as f64;
+    let (first, first_squares) = polynomial(&before, degree, before.len() as f64 - 1.0 + half_gap);
+    let (second, second_squares) = polynomial(&after, degree, -half_gap);
+    let count = (before.len() + after.len()) as f64;
+    let variance = (first_squares + second_squares) / (count - 2.0 * (degree as f64 + 1.0));
+    let [(a, a_count), (b, b_count)] = [white(&before), white(&after)];
+    if degree > 1 && variance > MAX_MISFIT * (a + b) / (a_count + b_count) {
+        return None;
+    }
+    // At the end of a polynomial of degree p through n points the variance is (p + 1)²/n of theirs.
+    let parts = 1.0 / before.len() as f64 + 1.0 / after.len() as f64;
+    let error = (degree as f64 + 1.0) * (variance * parts).sqrt();
+    Some(Step { size: second - first, scatter: variance.sqrt(), error })
+}
+
+/// The step of a channel across samples, relative to the other channel and with the polynomials that determine it best.
+#[must_use]
+pub fn best_step(
+    values: &[f64],
+    place: &Place<'_>,
+    across: &Range<usize>,
+    limits: &Range<usize>,
+) -> Option<Step> {
+    let others: Vec<&[f64]> = references(place.axis(), place.channel).map(|(_, other)| other).collect();
+    let steps = FITS.into_iter().flat_map(|fit| {
+        let relative = others.iter().map(move |other| step(|i| values[i] - other[i], across, limits, fit));
+        let alone = others.is_empty().then(|| step(|i| values[i], across, limits, fit));
+        relative.chain(alone).flatten()
+    });
+    steps.min_by(|a, b| a.error.total_cmp(&b.error))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_polynomial_is_continued_exactly() {
+        let at = |t: f64| 3.0 - 0.2 * t + 0.01 * t * t - 1e-4 * t * t * t;
+        let values: Vec<f64> = (0..40).map(|i| at(f64::from(i))).collect();
+        for outside in [-0.5, 39.5] {
+            let (value, squares) = polynomial(&values, 3, outside);
+            assert!((value - at(outside)).abs() < 1e-9 && squares < 1e-15, "{value} {squares}");
+        }
+    }
+
+    /// A signal that bends next to the step: long polynomials are rejected, and the shortest lines are used.
+    #[test]
+    fn the_step_of_a_bent_signal_is_that_of_short_lines() {
+        let noise = |i: usize| 1e-3 * ((i as f64 * 12.9898).sin() * 43_758.545).fract();
+        let signal = |i: usize| {
+            let bend = if i < 980 { 0.0 } else { 0.02 * (i as f64 - 980.0).min(40.0) };
+            bend + noise(i) + if i < 1000 { 0.0 } else { 0.5 }
+        };
+        let steps = FITS.map(|fit| step(signal, &(1000..1000), &(0..2000), fit));
+        assert!(steps[3..].iter().all(Option::is_none), "{steps:?}");
+        let best = steps.into_iter().flatten().min_by(|a, b| a.error.total_cmp(&b.error)).unwrap();
+        // Uniform noise within ±1e-3 has a standard deviation of 0.6e-3; at a line through 16 points, 2·√(2/16) of it.
+        assert!((best.size - 0.5).abs() < 3.0 * 0.41e-3, "{best:?}");
+    }
+}

@@ -1,0 +1,218 @@
+//! Stuck: the reading of a position is repeated while the axis moves.
+
+use std::ops::Range;
+
+use super::bridge::bridge;
+use super::channels::{SENSORS, references};
+use super::fault::{DataFault, FaultKind, Treatment};
+use super::findings::{Findings, Place};
+use super::jumps;
+use crate::options::FaultOptions;
+use files::log::Channel;
+
+/// Largest deviation of the jump after a repeated reading from the motion that was missed, as a fraction of it.
+const MAX_CATCH_UP_ERROR: f64 = 0.35;
+
+/// The ranges of samples whose value is that of the sample before the range.
+fn repeated(values: &[f64]) -> Vec<Range<usize>> {
+    let same = |sample: usize| values[sample].to_bits() == values[sample - 1].to_bits();
+    let mut ranges = Vec::new();
+    let mut sample = 1;
+    while sample < values.len() {
+        let start = sample;
+        while sample < values.len() && same(sample) {
+            sample += 1;
+        }
+        if sample > start {
+            ranges.push(start..sample);
+        }
+        sample += 1;
+    }
+    ranges
+}
+
+/// Largest number of samples in a row whose neighbours are not excluded.
+const MAX_INTERPOLATED: usize = 2;
+
+/// Smallest number of readings for a travel that a spike does not affect.
+const MIN_CONSTANT: usize = 20;
+
+/// Travel within a stretch, spikes disregarded.
+fn travel(values: &[f64]) -> f64 {
+    numerics::quantile(values, 0.95) - numerics::quantile(values, 0.05)
+}
+
+/// Another position channel.
+struct Other<'a> {
+    values: &'a [f64],
+    /// Smallest motion that counts.
+    smallest: f64,
+    /// Whether both this channel and the one that may be stuck are measured: a command may be constant while the axis is
+    /// moved otherwise.
+    are_sensors: bool,
+}
+
+impl Other<'_> {
+    /// Whether the readings of a range are stuck by the motion of this channel.
+    ///
+    /// A table within a backlash or a motor in a standstill repeats its reading as well, but does not jump by the missed
+    /// motion afterwards. A reading that does not jump is stuck only beside far travel of another sensor.
+    fn shows_stuck(&self, values: &[f64], range: &Range<usize>, options: &FaultOptions) -> bool {
+        let (before, last) = (range.start - 1, range.end - 1);
+        let far = (1e-3 * options.min_held_travel_um).max(self.smallest);
+        if self.are_sensors && range.len() >= MIN_CONSTANT && travel(&self.values[before..=last]) > far {
+            return true;
+        }
+        let (Some(end), Some(released)) = (self.values.get(range.end), values.get(range.end)) else {
+            return false;
+        };
+        let [missed, jump] = [end - self.values[before], released - values[last]];
+        let moved = (self.values[last] - self.values[before]).abs();
+        // The other channel itself has no spike within the range.
+        let moves = moved >= self.smallest && moved <= (1.0 + MAX_CATCH_UP_ERROR) * missed.abs();
+        moves && (jump - missed).abs() <= MAX_CATCH_UP_ERROR * missed.abs()
+    }
+}
+
+/// The stuck ranges of a channel.
+fn find(values: &[f64], place: &Place<'_>, options: &FaultOptions) -> Vec<Range<usize>> {
+    let other = |(channel, other): (Channel, _)| Other {
+        values: other,
+        smallest: jumps::smallest(values, Some(other), options),
+        are_sensors: [channel, place.channel].iter().all(|channel| SENSORS.contains(channel)),
+    };
+    let others: Vec<Other<'_>> = references(place.axis(), place.channel).map(other).collect();
+    let mut ranges = repeated(values);
+    ranges.retain(|range| others.iter().any(|other| other.shows_stuck(values, range, options)));
+    ranges
+}
+
+/// Finds and reports stuck readings, and replaces them by the motion of the nearest other channel. Returns whether the
+/// channel can be used.
+pub fn correct(
+    values: &mut [f64],
+    place: &Place<'_>,
+    margin: usize,
+    options: &FaultOptions,
+    findings: &mut Findings,
+) -> bool {
+    let ranges = find(values, place, options);
+    if ranges.is_empty() {
+        return true;
+    }
+    let sample_s = place.log.sample_time_s;
+    let held: usize = ranges.iter().map(Range::len).sum();
+    let is_usable = held as f64 <= options.max_held * values.len() as f64;
+    let (long, short): (Vec<_>, Vec<_>) =
+        ranges.iter().partition(|range| range.len() as f64 * sample_s > options.min_stuck_s - 0.5 * sample_s);
+    let fault = |ranges: &[&Range<usize>]| -> Option<DataFault> {
+        let samples: usize = ranges.iter().map(|range| range.len()).sum();
+        let fault = place.fault_at(FaultKind::Stuck, ranges.first()?.start, samples as f64 * sample_s);
+        let treatment = if is_usable { Treatment::Corrected } else { Treatment::Removed };
+        Some(DataFault { count: ranges.len(), treatment, ..fault })
+    };
+    findings.faults.extend(long.iter().filter_map(|range| fault(&[range])));
+    findings.faults.extend(fault(&short));
+    let reference = references(place.axis(), place.channel).map(|(_, values)| values).next();
+    for range in &ranges {
+        bridge(values, reference, range);
+        if is_usable {
+            // A reading or two that are interpolated do not disturb the filter.
+            findings.exclude(place, range, if range.len() > MAX_INTERPOLATED { margin } else { 0 });
+        }
+    }
+    is_usable
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use files::log::{AxisLog, Log, Unit};
+
+    /// 5 s of a motor and its table with a backlash, read with a resolution.
+    fn log(backlash_mm: f64, resolution_mm: f64) -> Log {
+        let motor: Vec<f64> = (0..5000).map(|i| 20.0 * (3e-3 * f64::from(i)).sin()).collect();
+        let mut at = 0.0;
+        let table = motor.iter().map(|&mm| {
+            at = f64::clamp(at, mm - backlash_mm, mm);
+            at
+        });
+        let read = |mm: f64| (mm / resolution_mm).round() * resolution_mm;
+        let mut axis = AxisLog::new("x", Unit::Millimetre);
+        axis.table = Some(table.map(read).collect());
+        axis.motor = Some(motor.into_iter().map(read).collect());
+        Log { source: "l".to_owned(), start_s: 10.0, sample_time_s: 1e-3, axes: vec![axis] }
+    }
+
+    fn found(log: &Log) -> (Findings, Vec<f64>, bool) {
+        let place = Place { log, axis: 0, channel: Channel::Table };
+        let mut values = log.axes[0].table.clone().unwrap();
+        let mut findings = Findings::default();
+        let is_usable = correct(&mut values, &place, 6, &FaultOptions::default(), &mut findings);
+        (findings, values, is_usable)
+    }
+
+    fn hold(log: &mut Log, range: Range<usize>) {
+        let table = log.axes[0].table.as_mut().unwrap();
+        let value = table[range.start - 1];
+        table[range].fill(value);
+    }
+
+    #[test]
+    fn a_stuck_scale_is_found_with_its_time_and_restored() {
+        let whole = log(0.0, 1e-5);
+        let mut stuck = whole.clone();
+        // 60 mm/s at the start, 100 ms; and 400 ms across a reversal at 523 ms, from which it returns.
+        hold(&mut stuck, 100..200);
+        hold(&mut stuck, 1400..1800);
+        let (findings, values, is_usable) = found(&stuck);
+        assert!(is_usable);
+        let faults: Vec<_> =
+            findings.faults.iter().map(|f| (f.kind, f.at_s.unwrap(), f.size.unwrap())).collect();
+        assert_eq!(faults.len(), 2, "{faults:?}");
+        for ((kind, at_s, size), (start_s, held_s)) in faults.into_iter().zip([(10.1, 0.1), (11.4, 0.4)]) {
+            assert!(
+                kind == FaultKind::Stuck && (at_s - start_s).abs() < 1e-9 && (size - held_s).abs() < 1e-9
+            );
+        }
+        let table = whole.axes[0].table.as_ref().unwrap();
+        assert!(
+            values.iter().zip(table).all(|(a, b)| (a - b).abs() < 2.1e-5),
+            "both readings are rounded to 1e-5"
+        );
+    }
+
+    #[test]
+    fn repeated_samples_are_one_fault_with_their_total_duration() {
+        let mut log = log(0.0, 1e-5);
+        // Every 50th sample while the axis moves fast, cos(3t) > 0.7: 42 mm/s or more.
+        let fast: Vec<usize> =
+            (50..5000).step_by(50).filter(|&i| (3e-3 * i as f64).cos().abs() > 0.7).collect();
+        for &sample in &fast {
+            hold(&mut log, sample..sample + 1);
+        }
+        let (findings, _, is_usable) = found(&log);
+        let [fault] = &findings.faults[..] else { panic!("{:?}", findings.faults) };
+        assert_eq!((fault.kind, fault.count, is_usable), (FaultKind::Stuck, fast.len(), true));
+        assert!((fault.size.unwrap() - 1e-3 * fast.len() as f64).abs() < 1e-9);
+    }
+
+    #[test]
+    fn backlash_and_coarse_encoders_are_not_stuck() {
+        for (backlash_mm, resolution_mm) in [(0.03, 5e-4), (0.5, 1e-5), (0.0, 5e-3), (0.2, 2e-3)] {
+            let (findings, ..) = found(&log(backlash_mm, resolution_mm));
+            assert!(findings.faults.is_empty(), "{backlash_mm} {resolution_mm}: {:?}", findings.faults);
+        }
+    }
+
+    #[test]
+    fn a_reading_that_is_held_half_of_the_time_is_not_used() {
+        let mut log = log(0.0, 1e-5);
+        for sample in (2..5000).step_by(2) {
+            hold(&mut log, sample..sample + 1);
+        }
+        let (findings, _, is_usable) = found(&log);
+        assert!(!is_usable && findings.faults[0].treatment == Treatment::Removed);
+        assert!(findings.excluded.is_empty());
+    }
+}
