@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::draw::{Drawn, Motion};
+use super::effect_draw::{draw_beside, draw_textbook};
 use super::kind::Kind;
-use super::truth::{Truth, draw_beside, draw_textbook};
+use super::truth::Truth;
 use super::{draw, effect, extra, fault, motion, simulation};
 use files::error::InputError;
 use files::log::Log;

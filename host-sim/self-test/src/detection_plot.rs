@@ -18,8 +18,8 @@ const GAP: u32 = 46;
 
 /// Sizes with a label.
 const LABELLED: [f64; 6] = [0.1, 0.3, 1.0, 3.0, 10.0, 30.0];
-/// Ends of the scale: a little beyond the sizes that are aimed at, and beyond them up to ten times the largest.
-const ENDS: [f64; 2] = [0.05, 300.0];
+/// Ends of the scale: a little beyond the sizes that are aimed at.
+const ENDS: [f64; 2] = [0.07, 45.0];
 
 const TITLE: &str = "Detection of effects by their size";
 const DESCRIPTION: &str = "Above, the fraction of effects found over their size in units of the noise, on a logarithmic \

@@ -1,5 +1,7 @@
 //! The statistics of each kind of cases, a row for each: as text and on the page.
 
+use std::ops::Range;
+
 use maud::{Markup, html};
 
 use crate::kind::Kind;
@@ -26,7 +28,7 @@ const HEADINGS: [(&str, usize); 12] = [
 const NOTE: &str = "Named: effects from outside the textbook catalogue, and faults of the data, that were given their \
                     name; described: named, or reported as unexplained on their axis. False faults: reported faults \
                     of the data that are not there. Intervals: 95 % confidence intervals that contain the true \
-                    value. Channels: residual after / noise on held-out logs, median.";
+                    value.";
 
 /// Whether the outcomes need the table: for the textbook kind alone, the summary says the same.
 #[must_use]
@@ -79,24 +81,32 @@ fn line(first: &str, figures: &[String; HEADINGS.len()]) -> String {
     format!("{first:<12}{}", cells.collect::<String>())
 }
 
-/// The table on the page.
+/// The first columns, those of names; the others are those of the channels.
+const NAME_COLUMNS: usize = 8;
+
+/// The table on the page, in two parts, because it would be wider than the page.
 pub fn markup(outcomes: &[Outcome]) -> Markup {
-    let columns: Vec<Column> = [Column::Words("kind")]
-        .into_iter()
-        .chain(HEADINGS.map(|(heading, _)| Column::Numbers(heading)))
-        .collect();
+    html! {
+        (note(NOTE))
+        (part(outcomes, 0..NAME_COLUMNS))
+        (note("Residual after / noise on held-out logs, median."))
+        (part(outcomes, NAME_COLUMNS..HEADINGS.len()))
+    }
+}
+
+/// The table with some of its columns.
+fn part(outcomes: &[Outcome], columns: Range<usize>) -> Markup {
+    let headings = HEADINGS[columns.clone()].iter().map(|&(heading, _)| Column::Numbers(heading));
+    let headings: Vec<Column> = [Column::Words("kind")].into_iter().chain(headings).collect();
     let body = html! {
         @for (kind, figures) in rows(outcomes) {
             tr {
                 th scope="row" { (kind.name()) }
-                @for figure in &figures { (number_cell(figure)) }
+                @for figure in &figures[columns.clone()] { (number_cell(figure)) }
             }
         }
     };
-    html! {
-        (note(NOTE))
-        (table(&columns, &body))
-    }
+    table(&headings, &body)
 }
 
 #[cfg(test)]
@@ -120,5 +130,8 @@ mod tests {
         assert_eq!(lines[1][..5], ["textbook", "1", "1", "0", "0"]);
         assert_eq!(lines[2][..5], ["many", "1", "0", "1", "0"]);
         assert_eq!(lines.len(), 3);
+        // Two parts, each with headings and a row for each kind; 1 + 8 and 1 + 4 cells a row.
+        let html = markup(&outcomes).into_string();
+        assert_eq!((html.matches("<tr>").count(), html.matches("<td").count()), (6, 2 * 12));
     }
 }

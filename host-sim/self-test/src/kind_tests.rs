@@ -5,9 +5,10 @@ use rand_chacha::ChaCha8Rng;
 
 use super::case::Case;
 use super::draw;
+use super::effect_draw::draw_beside;
 use super::fault;
 use super::kind::Kind;
-use super::truth::{CONTROLLER, NAMES, Truth, draw_beside};
+use super::truth::{CONTROLLER, NAMES, Truth};
 use files::log::{AxisLog, Log, Unit};
 
 /// Effects of the catalogue of 200 machines of a kind without extras.

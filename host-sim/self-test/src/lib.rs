@@ -6,7 +6,7 @@
 //!
 //! | step | module |
 //! |---|---|
-//! | draw a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`extra`] |
+//! | draw a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`effect_draw`], [`extra`] |
 //! | simulate it | [`simulation`], [`plant`], [`servo`], [`sensors`], [`fault`] |
 //! | one machine with its logs | [`case`] |
 //! | compare a trace with the true effects | [`score`], [`outside`] |
@@ -23,6 +23,7 @@ mod detection_plot;
 pub mod detection_text;
 pub mod draw;
 pub mod effect;
+pub mod effect_draw;
 pub mod extra;
 pub mod fault;
 pub mod kind;

@@ -9,6 +9,7 @@ use pages::markup::{
     Column, figure, legend, note, number_cell, paragraph, section, surface_entry, table, text,
 };
 
+use crate::kind::Kind;
 use crate::score::Outcome;
 use crate::summary::{Summary, by_kind};
 use crate::text_summary;
@@ -54,25 +55,22 @@ pub fn html(lead: &[String], outcomes: &[Outcome], summary: &Summary) -> String 
 
 /// The confusion matrix of all cases, or one for each kind.
 fn matrices(outcomes: &[Outcome], summary: &Summary) -> Markup {
-    if !kind_table::is_needed(outcomes) {
-        return matrix(summary);
-    }
-    html! {
-        @for (kind, outcomes) in by_kind(outcomes) {
-            h3 { (kind.name()) }
-            (matrix(&Summary::new(&outcomes)))
-        }
-    }
-}
-
-fn matrix(summary: &Summary) -> Markup {
-    let picture = confusion_plot::picture(&summary.confusion);
+    let pictures: Vec<(Option<Kind>, String)> = if kind_table::is_needed(outcomes) {
+        let of = |outcomes: &[Outcome]| confusion_plot::picture(&Summary::new(outcomes).confusion);
+        by_kind(outcomes).iter().map(|(kind, outcomes)| (Some(*kind), of(outcomes))).collect()
+    } else {
+        vec![(None, confusion_plot::picture(&summary.confusion))]
+    };
+    let shown = || pictures.iter().filter(|(_, picture)| !picture.is_empty());
     let entries = [surface_entry("hit", "correct"), surface_entry("slip", "confused or missed")];
     html! {
-        @if !picture.is_empty() {
+        @if shown().next().is_some() {
             (note(MATRIX_NOTE))
             (legend(&entries))
-            (figure("", &picture, ""))
+        }
+        @for (kind, picture) in shown() {
+            @if let Some(kind) = kind { h3 { (kind.name()) } }
+            (figure("", picture, ""))
         }
     }
 }
