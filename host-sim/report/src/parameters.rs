@@ -34,7 +34,7 @@ mod tests {
         let map = "name = 'friction_map'\npositions_mm = [-20, 30, 80]\nfriction_n = [4, -6, 2]";
         assert_eq!(
             brief(&toml::from_str(map).unwrap(), false),
-            "friction map: positions -20.0 to 80.0 mm, friction -6.00 to 4.00 N"
+            "friction map: positions −20.0 to 80.0 mm, friction −6.00 to 4.00 N"
         );
     }
 

@@ -24,7 +24,7 @@ const MAX_SUBSTEPS: u32 = 500;
 pub struct ClosedLoopRun {
     /// Motor encoder, m.
     pub motor_m: Vec<f64>,
-    /// Linear scale, m.
+    /// Linear scale without its zero, m.
     pub table_m: Vec<f64>,
     /// Force of the last velocity tick, N.
     pub force_n: Vec<f64>,
@@ -98,7 +98,7 @@ pub fn closed_loop(
     let position = |m: f64| Position::from_m(m).unwrap_or_default();
 
     let (&first, &second) = (command.first()?, command.get(1)?);
-    let InitialState { motor_m: motor, velocity, table_m, is_settled, time_s } = start;
+    let InitialState { motor_m: motor, velocity, table_m, is_settled, table_zero_m, time_s } = start;
     let true_motor_m = motor - parameters.resolver_error_m(motor);
     let mut motion = steady_motion(parameters, true_motor_m, velocity, time_s);
     motion.table_m = table_m.unwrap_or(motion.table_m);
@@ -108,12 +108,12 @@ pub fn closed_loop(
         let table_m = motion.table_m - drive_late_s * motion.table_m_per_s;
         Reading {
             motor: position(motor_m + parameters.resolver_error_m(motor_m)),
-            table: Some(position(table_m)),
+            table: Some(position(table_m + table_zero_m)),
         }
     };
     let before = |m: f64, velocity: f64| position(m - velocity * tick_s);
     let command_before = position(first - (second - first));
-    let known_table_m = if is_settled { motion.table_m } else { motor };
+    let known_table_m = if is_settled { motion.table_m + table_zero_m } else { motor };
     let reading_before =
         Reading { motor: before(motor, velocity), table: Some(before(known_table_m, velocity)) };
     let mut state = AxisState::<f64>::at_rest(command_before, reading_before);
@@ -124,7 +124,7 @@ pub fn closed_loop(
         let added_n = added_n.get(i).copied().unwrap_or(0.0);
         let reading = read(&motion);
         result.motor_m.push(reading.motor.to_m());
-        result.table_m.push(reading.table.map_or(0.0, Position::to_m));
+        result.table_m.push(reading.table.map_or(0.0, Position::to_m) - table_zero_m);
         result.force_n.push(last_n);
         result.table_m_per_s2.push(motion.table_m_per_s2(parameters));
         result.oscillation_m.push(tool.oscillation.offset_m);
@@ -155,8 +155,14 @@ mod tests {
         let parameters = AxisParameters::of(&machine.axis["x"]);
         let settings = servo::settings(&machine.axis["x"].settings, &parameters.servo).unwrap();
         let settings = AxisSettings { force_limit_n: limit_n, ..settings };
-        let start =
-            InitialState { motor_m: 0.0, velocity: 0.0, table_m: None, is_settled: true, time_s: 0.0 };
+        let start = InitialState {
+            motor_m: 0.0,
+            velocity: 0.0,
+            table_m: None,
+            is_settled: true,
+            table_zero_m: 0.0,
+            time_s: 0.0,
+        };
         let command = [0.0; 500];
         let rates = machine.rates();
         let controlled = Controlled { settings: &settings, rates };

@@ -210,8 +210,14 @@ mod tests {
         // ±20 mm at 0.5 Hz: 63 mm/s, 0.2 m/s², three reversals.
         let command: Vec<f64> =
             (0..4000).map(|i| 0.02 * (1.0 - (std::f64::consts::PI * 1e-3 * f64::from(i)).cos())).collect();
-        let start =
-            InitialState { motor_m: command[0], velocity: 0.0, table_m: None, is_settled: true, time_s: 0.0 };
+        let start = InitialState {
+            motor_m: command[0],
+            velocity: 0.0,
+            table_m: None,
+            is_settled: true,
+            table_zero_m: 0.0,
+            time_s: 0.0,
+        };
         let simulated =
             closed_loop(&parameters, Controlled { settings: &settings, rates }, &command, &[], start)
                 .unwrap();

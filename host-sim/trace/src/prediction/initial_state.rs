@@ -18,6 +18,8 @@ pub struct InitialState {
     /// Whether the loop was closed before, so that the low-pass of dual feedback contains the difference between table and
     /// motor.
     pub is_settled: bool,
+    /// Reading of the linear scale − position of the table, m. The controller receives the reading.
+    pub table_zero_m: f64,
     /// Time on the session clock, s.
     pub time_s: f64,
 }
@@ -41,10 +43,18 @@ impl InitialState {
         if is_constant && motor.raw[1..count].chunks(5).any(moves) {
             let table_m = signals.table.as_ref().map(|table| table.raw[0] - zero_m);
             let (velocity, is_settled) = (0.0, false);
-            return Some(Self { motor_m: first, velocity, table_m, is_settled, time_s });
+            return Some(Self {
+                motor_m: first,
+                velocity,
+                table_m,
+                is_settled,
+                table_zero_m: zero_m,
+                time_s,
+            });
         }
         let velocity = if is_constant { 0.0 } else { motor.velocity[0] };
-        Some(Self { motor_m: motor.position[0], velocity, table_m: None, is_settled: true, time_s })
+        let (motor_m, table_zero_m) = (motor.position[0], zero_m);
+        Some(Self { motor_m, velocity, table_m: None, is_settled: true, table_zero_m, time_s })
     }
 }
 
