@@ -7,6 +7,7 @@ use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
 use super::residual_shape::shape;
 use super::round::Round;
+use super::slope_of_map::is_slope_of_map;
 use crate::analysis::residual_analysis::unexplained;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::Exclusion;
@@ -81,7 +82,7 @@ impl EffectSearch<'_> {
             added += 1;
         }
         let data = FitData { bias: &bias, ..*data };
-        if added > 1 {
+        if base.model.found().iter().filter(|effect| scope.holds(effect)).count() > 1 {
             base = self.drop_unnecessary(&data, base, scope);
         }
         base = self.drop_uncertain(&data, base, scope);
@@ -120,7 +121,8 @@ impl EffectSearch<'_> {
                 continue;
             }
             let Some(start) = &candidate.fitted else { continue };
-            let fitted = least_squares::fit(data, &start.model, scope, least_squares::STEPS);
+            let steps = least_squares::STEPS;
+            let fitted = least_squares::fit_from(data, &start.model, scope, steps, &start.columns);
             let last = fitted.model.found().len() - 1;
             candidate.limit = fitted.model.at_limit(last);
             if candidate.limit.is_none() {
@@ -139,7 +141,7 @@ impl EffectSearch<'_> {
             before - after > min_effect * self.data.rms(&whole, stage).powi(2)
         };
         dropping(full, scope, |full, index| {
-            let without = least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS);
+            let without = least_squares::fit_without(data, full, scope, index);
             let stages = &mut scope.stages.iter();
             (!stages.any(|&stage| is_large(&without, full, stage))).then_some(without)
         })
@@ -152,7 +154,7 @@ impl EffectSearch<'_> {
             let half = half_widths(effect, &covariance(data, full), full.model.indices_of(scope, index));
             may_be_zero(effect, &half, &data.options.search).then(|| {
                 (self.progress)(&format!("{}: {} may be zero", data.name(), effect.name()));
-                least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS)
+                least_squares::fit_without(data, full, scope, index)
             })
         })
     }
@@ -161,9 +163,12 @@ impl EffectSearch<'_> {
     fn drop_unnecessary(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         let options = &data.options.search;
         dropping(full, scope, |full, index| {
-            let without = least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS);
+            let without = least_squares::fit_without(data, full, scope, index);
             let comparison = compare(&scores(&without), &scores(full), &scope.stages, options);
             let effect = full.model.found()[index].clone();
+            if is_slope_of_map(&effect, full.model.found()) {
+                return None;
+            }
             let gain = comparison.iter().map(|c| c.gain).sum();
             let judged =
                 Candidate { effect, comparison, gain, fitted: None, exceeds_tolerance: true, limit: None };

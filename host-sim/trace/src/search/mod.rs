@@ -14,3 +14,4 @@ pub mod position_spectrum;
 pub mod residual_samples;
 pub mod residual_shape;
 pub mod round;
+pub mod slope_of_map;

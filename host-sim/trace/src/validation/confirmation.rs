@@ -11,6 +11,7 @@ use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::Scope;
 use crate::fit::scope_fit::{Progress, ScopeFit};
 use crate::search::round::{Round, refused_at_limit};
+use crate::search::slope_of_map::is_slope_of_map;
 use model::effects::{Effect, Stage};
 
 /// Largest number of steps of a fit of the other parameters, after an effect was added with its final parameters.
@@ -106,7 +107,9 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             let next = least_squares::fit(&data, &last.with(effect.clone()), scope, STEPS).model;
             let fitted = [&last, &next].map(|model| fit_data.residuals(model, scope));
             let held_out = [&last, &next].map(|model| validate.residuals(model, scope));
-            let loss = refuting_loss(validate, [&held_out[0], &held_out[1]]);
+            // A slope is tested with its map.
+            let loss = refuting_loss(validate, [&held_out[0], &held_out[1]])
+                .filter(|_| !is_slope_of_map(effect, axis.model.found()));
             let residuals = Residuals { fit_data, validate, fitted, held_out };
             // The stage with the largest improvement; for a refuted effect, the stage with the largest deterioration.
             let sign = if loss.is_some() { -1.0 } else { 1.0 };
