@@ -1,21 +1,23 @@
 //! The results of a trace in sentences, for engineers who build or commission machines.
 
 use super::{caveats, data_faults};
-use files::format::{percent, significant};
+use files::format::{percent, significant, with_spread};
 use files::log::Unit;
 use model::effects::Stage;
-use trace::Trace;
+use model::machine::nominal::MAX_TOLERANCES;
 use trace::analysis::empirical::Empirical;
 use trace::analysis::free_run::FreeRun;
 use trace::analysis::repeatability::Repeatability;
 use trace::analysis::residual_analysis::UnexplainedResidual;
 use trace::analysis::variable::Variable;
+use trace::fit::declared_value::DeclaredValue;
 use trace::fit::scope::NotTestable;
 use trace::outcome::AxisTrace;
 use trace::search::ambiguity::Ambiguity;
 use trace::stages::{residual_unit, stage_names};
 use trace::validation::found_effect::FoundEffect;
 use trace::verdict::{self, Verdict};
+use trace::{Task, Trace};
 
 /// The reduction of the residual by a table over a variable.
 #[must_use]
@@ -62,10 +64,15 @@ pub fn look_alike(axis: &AxisTrace, alike: &Ambiguity) -> String {
     format!("{}: these logs do not distinguish {added} from {rival}; {how}.", axis.axis)
 }
 
-/// The sentence for an effect that was found.
+/// The sentence for an effect that was found; with its rivals, if the logs do not distinguish it from these.
 #[must_use]
 pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect) -> String {
-    let what = found.effect.sentence(&found.half_widths, unit == Unit::Degree);
+    let is_rotary = unit == Unit::Degree;
+    let mut what = found.effect.sentence(&found.half_widths, is_rotary);
+    if !found.rivals.is_empty() {
+        let rivals: Vec<String> = found.rivals.iter().map(|rival| rival.sentence(&[], is_rotary)).collect();
+        what = format!("either {what}, or {} (these logs do not tell which)", rivals.join(", or "));
+    }
     let stage = stage_names(&[found.stage]);
     let held_out = "on held-out motions";
     let gain = found.validate_reduction_percent();
@@ -74,6 +81,20 @@ pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect) -> String {
     } else {
         format!("{axis}: {what}; increases the {stage} residual {held_out} by {}.", percent(-gain))
     }
+}
+
+/// A declared value that the logs put outside its tolerance.
+#[must_use]
+pub fn beyond_tolerance(axis: &str, value: &DeclaredValue) -> String {
+    let DeclaredValue { key, declared, fitted, half_width, tolerance, .. } = *value;
+    let how = if fitted > declared { "above" } else { "below" };
+    let [deviation, half] = [fitted - declared, half_width].map(|part| 100.0 * (part / declared).abs());
+    format!(
+        "{axis}: {key} is {} % {how} the declared {}, beyond its tolerance of {} %.",
+        with_spread(deviation, half),
+        significant(declared, 4),
+        significant(100.0 * tolerance, 3)
+    )
 }
 
 /// The results for an axis: whether the model fails to describe the logs; one sentence for each effect, or one sentence
@@ -86,28 +107,37 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
             axis.axis
         )];
     }
-    let none = axis.found.is_empty().then(|| {
-        let what = match verdict::of_axis(axis) {
-            Verdict::Explained if !axis.data_faults.is_empty() => {
-                "apart from the data faults, no undeclared effect found"
-            }
-            Verdict::Unexplained if axis.unexplained.is_empty() && !axis.data_faults.is_empty() => {
-                "no undeclared effect found in what the data faults leave"
-            }
-            Verdict::Explained => "no undeclared effect found",
-            Verdict::Unexplained => {
-                "no undeclared effect found, but the residual exceeds the sensor noise: see \
-                                     below"
-            }
-            Verdict::ModelDoesNotFit => "no effect found",
-        };
-        format!("{}: {what}.", axis.axis)
-    });
+    let none = axis.found.is_empty().then(|| format!("{}: {}.", axis.axis, without_effects(axis)));
     let found = axis.found.iter().map(|found| sentence(&axis.axis, axis.unit, found));
     let refuted = axis.refuted.iter().map(|found| caveats::refuted(&axis.axis, axis.unit, found));
     let at_limit = axis.refused.iter().map(|limit| caveats::at_limit(&axis.axis, axis.unit, limit));
     let misfit = caveats::misfit(axis).into_iter().chain(caveats::misfit_held_out(axis));
-    misfit.chain(none).chain(found).chain(refuted).chain(at_limit).collect()
+    let beyond = axis.declared_values.iter().filter(|value| value.is_beyond_tolerance());
+    let beyond = beyond.map(|value| beyond_tolerance(&axis.axis, value));
+    misfit.chain(beyond).chain(none).chain(found).chain(refuted).chain(at_limit).collect()
+}
+
+/// The result for an axis on which no effect was found.
+fn without_effects(axis: &AxisTrace) -> &'static str {
+    let has_faults = !axis.data_faults.is_empty();
+    match (axis.task, verdict::of_axis(axis)) {
+        (Task::Search, Verdict::Explained) if has_faults => {
+            "apart from the data faults, no undeclared effect found"
+        }
+        (Task::Search, Verdict::Unexplained) if has_faults && axis.unexplained.is_empty() => {
+            "no undeclared effect found in what the data faults leave"
+        }
+        (Task::Search, Verdict::Explained) => "no undeclared effect found",
+        (Task::Search, Verdict::Unexplained) => {
+            "no undeclared effect found, but the residual exceeds the sensor noise: see below"
+        }
+        (Task::Search, Verdict::ModelDoesNotFit) => "no effect found",
+        (Task::Evaluate, Verdict::Explained) => "the machine file describes these logs to the sensors' noise",
+        (Task::Evaluate, Verdict::Unexplained) => {
+            "the machine file does not describe these logs completely: the residual exceeds the sensor noise, see below"
+        }
+        (Task::Evaluate, Verdict::ModelDoesNotFit) => "the machine file does not describe this machine",
+    }
 }
 
 /// One sentence for each fault of the data.
@@ -179,13 +209,15 @@ pub fn repeats(axis: &AxisTrace, part: &Repeatability) -> String {
 pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
     /// Ratio of the held-out to the fitted residual from which it is reported: a smaller one may be due to the motion.
     const MIN_RATIO: f64 = 2.0;
-    let keys = axis.model.at_bounds();
+    let at_bounds = axis.declared_values.iter().filter(|value| value.is_undetermined());
+    let keys: Vec<&str> = at_bounds.map(|value| value.key).collect();
     let bounds = (!keys.is_empty()).then(|| {
         format!(
-            "{}: {} ended at a bound of the declared tolerance: the fitted logs do not determine the value, or the \
-             true value is outside.",
+            "{}: {} ended {} times the declared tolerance away from the declared value, where the search stops: the fitted \
+             logs do not determine the value, or the machine file is of another machine.",
             axis.axis,
-            keys.join(", ")
+            keys.join(", "),
+            MAX_TOLERANCES
         )
     });
     let more = axis.errors.iter().filter(|e| e.after.validate > MIN_RATIO * e.after.fit.max(e.noise)).map(|error| {
@@ -232,7 +264,6 @@ pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use files::format::with_spread;
     use model::axis::{Mechanics, Sensors, Settings};
     use model::effects::{Effect, EffectContext, Stage, initial_guesses, names};
     use trace::fit::fit_data::FitAndValidationRms;
@@ -275,7 +306,7 @@ mod tests {
             let half_widths = vec![0.01; parameters.len()];
             let stage = effect.stages()[0];
             let [before, after] = [100.0, 9.4].map(|validate| FitAndValidationRms { fit: 1.0, validate });
-            let found = FoundEffect { effect, half_widths, stage, before, after };
+            let found = FoundEffect { effect, half_widths, stage, before, after, rivals: Vec::new() };
             let text = sentence("ax", Unit::Millimetre, &found);
             assert!(text.starts_with("ax: "), "{text}");
             assert!(text.ends_with("residual on held-out motions by 91 %."), "{text}");
@@ -294,11 +325,20 @@ mod tests {
     fn an_effect_that_increases_the_residual_is_reported_as_such() {
         let effect: Effect = toml::from_str("name = 'backlash'\nwidth_um = 9.8").unwrap();
         let [before, after] = [100.0, 103.2].map(|validate| FitAndValidationRms { fit: 1.0, validate });
-        let found = FoundEffect { effect, half_widths: vec![0.1], stage: Stage::Table, before, after };
+        let rivals = Vec::new();
+        let mut found =
+            FoundEffect { effect, half_widths: vec![0.1], stage: Stage::Table, before, after, rivals };
         assert_eq!(
             sentence("x", Unit::Millimetre, &found),
             "x: 9.8 ± 0.1 µm backlash between screw and table; increases the table residual on held-out motions by \
              3 %."
+        );
+        let slope = "name = 'pitch_progressive'\nslope_um_per_m = 12.5";
+        found.rivals.push(toml::from_str(slope).unwrap());
+        let text = sentence("x", Unit::Millimetre, &found);
+        assert!(
+            text.starts_with("x: either 9.8 ± 0.1 µm backlash") && text.contains(", or the screw moves"),
+            "{text}"
         );
     }
 }

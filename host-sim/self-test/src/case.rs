@@ -3,13 +3,15 @@
 use std::fs;
 use std::path::{Path, PathBuf};
 
-use rand::SeedableRng;
+use rand::{RngExt, SeedableRng};
 use rand_chacha::ChaCha8Rng;
 use rayon::prelude::*;
-use serde_json::json;
+use serde_json::{Value, json};
 
-use super::truth::{Truth, draw_effects};
-use super::{draw, motion, simulation};
+use super::draw::{Drawn, Motion};
+use super::kind::Kind;
+use super::truth::{Truth, draw_beside, draw_textbook};
+use super::{draw, effect, extra, fault, motion, simulation};
 use files::error::InputError;
 use files::log::Log;
 use files::output::{OutputError, write_whole};
@@ -18,8 +20,13 @@ use trace::Machine;
 /// Pause between two motions of a session, s.
 const PAUSE_S: f64 = 20.0;
 
+/// Samples over which the speed of the kind `jerk` is averaged: 20 to 60 ms.
+const AVERAGED_SAMPLES: std::ops::RangeInclusive<usize> = 20..=60;
+
 /// A machine with logs.
 pub struct Case {
+    /// Its kind.
+    pub kind: Kind,
     /// Number of the case, from 1.
     pub number: u64,
     /// Text of the machine file.
@@ -28,6 +35,8 @@ pub struct Case {
     pub machine: Machine,
     /// The undeclared effects.
     pub truths: Vec<Truth>,
+    /// What else is in the machine or its logs.
+    pub extras: Vec<Truth>,
     /// Logs to fit.
     pub fit: Vec<Log>,
     /// Logs to validate.
@@ -35,42 +44,47 @@ pub struct Case {
 }
 
 impl Case {
-    /// Draws a case and simulates it. The result depends on seed and number only.
+    /// Draws a case of the textbook kind and simulates it. The result depends on seed and number only.
     ///
     /// # Errors
     /// None in practice: the text of a drawn machine file is valid, but it is checked like any other.
     pub fn draw(seed: u64, number: u64) -> Result<Self, InputError> {
-        let mut random = stream(seed, number, 0);
-        let mut drawn = draw::machine(&mut random);
-        let session = draw::session(&mut random);
-        let truths = draw_effects(&mut drawn, &mut random);
-        let name = format!("case-{number}");
+        Self::draw_kind(Kind::Textbook, seed, number)
+    }
+
+    /// Draws a case of a kind and simulates it. The result depends on kind, seed and number only.
+    ///
+    /// # Errors
+    /// As [`Self::draw`].
+    pub fn draw_kind(kind: Kind, seed: u64, number: u64) -> Result<Self, InputError> {
+        let stream = |purpose| stream(kind, seed, number, purpose);
+        let mut random = stream(Purpose::Machine);
+        let deviations = if kind == Kind::Offspec { draw::BEYOND_TOLERANCE } else { draw::WITHIN_TOLERANCE };
+        let mut drawn = draw::machine(&deviations, &mut random);
+        let mut session = draw::session(&mut random);
+        let (truths, mut extras) = undeclared(kind, &mut drawn, &mut random);
+        if kind == Kind::Jerk {
+            let averaged_samples = random.random_range(AVERAGED_SAMPLES);
+            session.iter_mut().for_each(|motion| motion.pace.averaged_samples = averaged_samples);
+        }
+        let name = kind.case_name(number);
         let machine_text = format!(
             "name = \"{name}\"\nsample_rate_hz = 1000.0\nvelocity_loop_rate_hz = 4000.0\n\n{}\n{}",
             drawn.declared[0].text, drawn.declared[1].text
         );
         let machine = Machine::parse(&machine_text, &name)?;
-        let paths = session.map(|m| (m.name, motion::sampled(m.start, &m.segments, m.pace)));
-        let mut start_s = 0.0;
-        let timed = paths.map(|(name, positions)| {
-            let own_start_s = start_s;
-            // Whole ms, as in the log.
-            start_s = (1e3 * (start_s + PAUSE_S) + positions.len() as f64).round() / 1e3;
-            (name, positions, own_start_s)
-        });
-        let logs: Vec<Log> = timed
-            .into_par_iter()
-            .enumerate()
-            .map(|(index, (name, positions, start_s))| {
-                let mut noise = stream(seed, number, 1 + index as u64);
-                Log {
-                    source: name.to_owned(),
-                    ..simulation::run(&drawn.axes, &positions, start_s, &mut noise)
-                }
-            })
-            .collect();
+        let mut logs = run_session(&drawn, &session, |log| stream(Purpose::Log(log)));
+        if kind == Kind::Slip {
+            extras.extend(fault::draw(&mut logs, &mut stream(Purpose::Fault)));
+        }
         let (fit, validate) = logs.into_iter().partition(|log| log.source.starts_with("fit"));
-        Ok(Self { number, machine_text, machine, truths, fit, validate })
+        Ok(Self { kind, number, machine_text, machine, truths, extras, fit, validate })
+    }
+
+    /// Its name, which is also that of its folder.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.kind.case_name(self.number)
     }
 
     /// Writes `machine.toml`, the logs and `truth.json` into a folder named after the case, which is created.
@@ -78,7 +92,7 @@ impl Case {
     /// # Errors
     /// If a file cannot be written.
     pub fn keep(&self, folder: &Path) -> Result<PathBuf, OutputError> {
-        let folder = folder.join(format!("case-{}", self.number));
+        let folder = folder.join(self.name());
         fs::create_dir_all(&folder).map_err(|cause| OutputError { path: folder.clone(), cause })?;
         let write =
             |name: &str, text: &str| write_whole(&folder.join(name), |out| out.write_all(text.as_bytes()));
@@ -86,16 +100,88 @@ impl Case {
         for log in self.fit.iter().chain(&self.validate) {
             log.write(&folder.join(format!("{}.csv.gz", log.source)))?;
         }
-        let effects: Vec<_> = self.truths.iter().map(Truth::json).collect();
-        write("truth.json", &format!("{:#}\n", json!({"effects": effects})))?;
+        write("truth.json", &format!("{:#}\n", self.truth_json()))?;
         Ok(folder)
+    }
+
+    /// The content of `truth.json`: `effects` of the catalogue; for kinds other than the textbook one, `extra` with name
+    /// and axis of what is outside it, and `extra_parameters` with its sizes.
+    fn truth_json(&self) -> Value {
+        let of = |truths: &[Truth]| truths.iter().map(Truth::json).collect::<Vec<_>>();
+        let effects = of(&self.truths);
+        if self.kind == Kind::Textbook {
+            return json!({"effects": effects});
+        }
+        let names: Vec<_> = self.extras.iter().map(|extra| [extra.name, extra.axis]).collect();
+        json!({"effects": effects, "extra": names, "extra_parameters": of(&self.extras)})
     }
 }
 
+/// Draws the undeclared effects of the catalogue, and what else the machine has.
+fn undeclared(kind: Kind, drawn: &mut Drawn, random: &mut ChaCha8Rng) -> (Vec<Truth>, Vec<Truth>) {
+    match kind {
+        Kind::Textbook => (draw_textbook(drawn, random), Vec::new()),
+        Kind::Controller => {
+            let index = random.random_range(0..drawn.axes.len());
+            let mut truths = vec![effect::draw_controller(index, random)];
+            effect::apply(&truths[0], &mut drawn.axes[index]);
+            let beside = draw_beside(&truths, kind, drawn, random);
+            truths.extend(beside);
+            (truths, Vec::new())
+        }
+        _ => {
+            let extras = extra::draw(kind, drawn, random);
+            (draw_beside(&extras, kind, drawn, random), extras)
+        }
+    }
+}
+
+/// Runs the motions of a session, one after the other on one clock.
+pub(super) fn run_session(
+    drawn: &Drawn,
+    session: &[Motion],
+    noise: impl Fn(u64) -> ChaCha8Rng + Sync,
+) -> Vec<Log> {
+    let mut start_s = 0.0;
+    let timed: Vec<_> = session
+        .iter()
+        .map(|motion| {
+            let positions = motion::sampled(motion.start, &motion.segments, motion.pace);
+            let own_start_s = start_s;
+            // Whole ms, as in the log.
+            start_s = (1e3 * (start_s + PAUSE_S) + positions.len() as f64).round() / 1e3;
+            (motion.name, positions, own_start_s)
+        })
+        .collect();
+    let run = |(index, (name, positions, start_s)): (usize, (&str, Vec<_>, f64))| Log {
+        source: name.to_owned(),
+        ..simulation::run(&drawn.axes, &positions, start_s, &mut noise(index as u64))
+    };
+    timed.into_par_iter().enumerate().map(run).collect()
+}
+
+/// What random numbers of a case are for.
+#[derive(Clone, Copy)]
+enum Purpose {
+    /// Machine, motions and effects.
+    Machine,
+    /// Noise of the log with this index, below 5.
+    Log(u64),
+    /// Faults of the logs.
+    Fault,
+}
+
 /// Random numbers for one purpose in one case, independent of other purposes and cases.
-fn stream(seed: u64, number: u64, purpose: u64) -> ChaCha8Rng {
+fn stream(kind: Kind, seed: u64, number: u64, purpose: Purpose) -> ChaCha8Rng {
     const MAX_PURPOSES: u64 = 8;
+    /// Above the numbers of all cases.
+    const MAX_CASES: u64 = 1 << 40;
+    let purpose = match purpose {
+        Purpose::Machine => 0,
+        Purpose::Log(index) => 1 + index,
+        Purpose::Fault => 6,
+    };
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(MAX_PURPOSES * number + purpose);
+    random.set_stream(MAX_PURPOSES * (MAX_CASES * kind.index() + number) + purpose);
     random
 }

@@ -8,8 +8,12 @@ use super::plant::Mechanics;
 use super::servo::Settings;
 use super::simulation::{AXES, Axis};
 
-/// Largest relative difference between declared and true mechanical values.
-const DEVIATION: f64 = 0.06;
+/// Largest relative differences between declared and true values, in the order of [`MechanicalValues`].
+pub type Deviations = [f64; 7];
+/// Within the tolerance of the machine file.
+pub const WITHIN_TOLERANCE: Deviations = [0.06; 7];
+/// Masses, stiffness and friction of the table outside it.
+pub const BEYOND_TOLERANCE: Deviations = [0.25, 0.25, 0.25, 0.06, 0.25, 0.25, 0.06];
 /// Tolerance of these values in the machine file.
 const TOLERANCE_PERCENT: f64 = 10.0;
 /// σ0 (N/µm) and σ1 (N s/m); the declared values are the true ones.
@@ -59,20 +63,20 @@ struct DriveValues {
     dual_feedback_time_s: Option<f64>,
 }
 
-/// Draws a machine without undeclared effects.
-pub fn machine(random: &mut ChaCha8Rng) -> Drawn {
+/// Draws a machine without undeclared effects, whose true values differ from the declared ones by at most `deviations`.
+pub fn machine(deviations: &Deviations, random: &mut ChaCha8Rng) -> Drawn {
     let design = Design {
         hpc: random.random_bool(0.4),
         dual_feedback: random.random_bool(0.6),
         lead_mm: one_of(&[10.0, 16.0, 20.0], random),
         pole_pairs: one_of(&[2, 4, 5], random),
     };
-    let [(x, declared_x), (y, declared_y)] = AXES.map(|name| axis(name, &design, random));
+    let [(x, declared_x), (y, declared_y)] = AXES.map(|name| axis(name, &design, deviations, random));
     Drawn { axes: [x, y], declared: [declared_x, declared_y] }
 }
 
 /// Draws the true and the declared values of an axis. The order of the draws determines the result of a seed.
-fn axis(name: &str, design: &Design, random: &mut ChaCha8Rng) -> (Axis, Declared) {
+fn axis(name: &str, design: &Design, deviations: &Deviations, random: &mut ChaCha8Rng) -> (Axis, Declared) {
     let mut declared = |low, high| six_digits(random.random_range(low..high));
     let drive = DriveValues {
         position_gain_per_s: declared(32.0, 75.0),
@@ -90,7 +94,10 @@ fn axis(name: &str, design: &Design, random: &mut ChaCha8Rng) -> (Axis, Declared
         declared(540.0, 1490.0),
         declared(20.0, 60.0),
     ];
-    let truth = mechanics.map(|value| value / (1.0 + random.random_range(-DEVIATION..DEVIATION)));
+    let mut truth = mechanics;
+    for (value, deviation) in truth.iter_mut().zip(deviations) {
+        *value /= 1.0 + random.random_range(-deviation..*deviation);
+    }
     let axis = Axis { servo: settings(&drive, design), mechanics: true_mechanics(truth), ..Axis::default() };
     let declared = Declared {
         lead_mm: design.lead_mm,
@@ -110,6 +117,7 @@ fn settings(drive: &DriveValues, design: &Design) -> Settings {
         integral_s: drive.velocity_integral_time_s,
         limit_n: FORCE_LIMIT_N,
         dual_s: drive.dual_feedback_time_s,
+        lag_s: 0.0,
     }
 }
 
@@ -165,24 +173,28 @@ pub struct Motion {
     pub pace: Pace,
 }
 
+/// Names of the motions of a session.
+pub const MOTIONS: [&str; 5] = ["fit_circle", "fit_steps", "fit_small", "validate_corner", "validate_circle"];
+
 /// Draws the motions of a session: three to fit, two to validate.
 pub fn session(random: &mut ChaCha8Rng) -> [Motion; 5] {
     let mut between = |low: f64, high: f64| random.random_range(low..high);
     let acceleration = between(1000.0, 3000.0);
     let centre = [between(-8.0, 8.0), between(-8.5, 8.5)];
     let mirrored = centre.map(|c| -c);
-    let mut pace = |low, high| Pace { speed: between(low, high), acceleration };
+    let mut pace = |low, high| Pace { speed: between(low, high), acceleration, averaged_samples: 0 };
     let paces = [pace(26.0, 65.0), pace(70.0, 150.0), pace(35.0, 64.0), pace(50.0, 100.0)];
     let [radius, reach, half_diagonal, validate_radius] =
         [between(31.0, 50.0), between(60.0, 95.0), between(30.0, 58.0), between(29.0, 59.0)];
     let radial_acceleration = between(3000.0, 4500.0);
-    let small = Pace { speed: (radial_acceleration * SMALL_MM).sqrt(), acceleration: radial_acceleration };
+    let speed = (radial_acceleration * SMALL_MM).sqrt();
+    let small = Pace { speed, acceleration: radial_acceleration, averaged_samples: 0 };
     [
-        Motion { name: "fit_circle", pace: paces[0], ..circles(centre, radius, 1.25, 0.25) },
-        Motion { name: "fit_steps", pace: paces[1], ..steps(reach) },
-        Motion { name: "fit_small", pace: small, ..circles(centre, SMALL_MM, 14.0, 0.3) },
-        Motion { name: "validate_corner", pace: paces[2], ..corner(mirrored, half_diagonal) },
-        Motion { name: "validate_circle", pace: paces[3], ..circles(mirrored, validate_radius, 1.25, 0.25) },
+        Motion { name: MOTIONS[0], pace: paces[0], ..circles(centre, radius, 1.25, 0.25) },
+        Motion { name: MOTIONS[1], pace: paces[1], ..steps(reach) },
+        Motion { name: MOTIONS[2], pace: small, ..circles(centre, SMALL_MM, 14.0, 0.3) },
+        Motion { name: MOTIONS[3], pace: paces[2], ..corner(mirrored, half_diagonal) },
+        Motion { name: MOTIONS[4], pace: paces[3], ..circles(mirrored, validate_radius, 1.25, 0.25) },
     ]
 }
 
@@ -190,7 +202,7 @@ pub fn session(random: &mut ChaCha8Rng) -> [Motion; 5] {
 const SMALL_MM: f64 = 2.0;
 /// Standstill at both ends of a motion.
 const REST: Segment = Segment::Dwell(0.25);
-const NO_PACE: Pace = Pace { speed: 0.0, acceleration: 0.0 };
+const NO_PACE: Pace = Pace { speed: 0.0, acceleration: 0.0, averaged_samples: 0 };
 
 /// A circle counter-clockwise, then clockwise.
 fn circles(centre: [f64; 2], radius: f64, turns: f64, pause_s: f64) -> Motion {

@@ -6,8 +6,8 @@
 //!
 //! | step | module |
 //! |---|---|
-//! | draw a machine, its motions and its undeclared effects | [`draw`], [`motion`], [`truth`] |
-//! | simulate it | [`simulation`], [`plant`], [`servo`] |
+//! | draw a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`extra`] |
+//! | simulate it | [`simulation`], [`plant`], [`servo`], [`sensors`], [`fault`] |
 //! | one machine with its logs | [`case`] |
 //! | compare a trace with the true effects | [`score`] |
 //! | statistics of all cases | [`summary`], [`confusion`] |
@@ -17,11 +17,16 @@ pub mod case;
 pub mod confusion;
 mod confusion_plot;
 pub mod draw;
+pub mod effect;
+pub mod extra;
+pub mod fault;
+pub mod kind;
 pub mod motion;
 pub mod page;
 mod parameter_plot;
 pub mod plant;
 pub mod score;
+pub mod sensors;
 pub mod servo;
 pub mod simulation;
 pub mod summary;

@@ -17,12 +17,15 @@ pub enum Segment {
 }
 
 /// Speed and acceleration of a motion, mm/s and mm/s².
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
 pub struct Pace {
     /// Along the path.
     pub speed: f64,
     /// Along the path, of trapezoidal ramps.
     pub acceleration: f64,
+    /// Number of samples over which the speed along the path is averaged; 0 or 1: not at all. A ramp then has a jerk of
+    /// at most the acceleration divided by their time.
+    pub averaged_samples: usize,
 }
 
 impl Pace {
@@ -89,8 +92,14 @@ pub fn sampled(start: [f64; 2], segments: &[Segment], pace: Pace) -> Vec<[f64; 2
 
 /// Fraction of a length travelled at each sample, both ends included.
 fn fractions(pace: Pace, length: f64) -> impl Iterator<Item = f64> {
-    let samples = to_count((pace.time_s(length) / SAMPLE_S).ceil());
-    (0..=samples).map(move |i| pace.travelled(length, SAMPLE_S * i as f64) / length)
+    let averaged = pace.averaged_samples.max(1);
+    let samples = to_count((pace.time_s(length) / SAMPLE_S).ceil()) + averaged - 1;
+    let travelled = move |i: usize| pace.travelled(length, SAMPLE_S * i as f64);
+    // Before its start, a motion has travelled 0.
+    let average = move |i: usize| {
+        (0..averaged.min(i + 1)).map(|back| travelled(i - back)).sum::<f64>() / averaged as f64
+    };
+    (0..=samples).map(move |i| if averaged == 1 { travelled(i) } else { average(i) } / length)
 }
 
 #[expect(
@@ -108,7 +117,7 @@ mod tests {
 
     #[test]
     fn a_line_takes_its_length_over_the_speed_and_one_ramp() {
-        let pace = Pace { speed: 50.0, acceleration: 1000.0 };
+        let pace = Pace { speed: 50.0, acceleration: 1000.0, ..Pace::default() };
         let positions = sampled([0.0; 2], &[Segment::Dwell(0.25), Segment::Line([30.0, 40.0])], pace);
         // 250 samples of rest; 50 mm / 50 mm/s + 50/1000 s = 1.05 s: 1051 samples with both ends, one more where the
         // quotient rounds up.
@@ -124,7 +133,7 @@ mod tests {
 
     #[test]
     fn an_arc_stays_on_its_circle_and_has_its_number_of_turns() {
-        let pace = Pace { speed: 40.0, acceleration: 2000.0 };
+        let pace = Pace { speed: 40.0, acceleration: 2000.0, ..Pace::default() };
         let positions = sampled([10.0, 0.0], &[Segment::Arc([0.0, 0.0], 1.25)], pace);
         assert!(positions.iter().all(|p| (p[0].hypot(p[1]) - 10.0).abs() < 1e-9));
         let last = positions[positions.len() - 1];
@@ -133,7 +142,7 @@ mod tests {
 
     #[test]
     fn a_short_line_never_reaches_the_speed() {
-        let pace = Pace { speed: 100.0, acceleration: 1000.0 };
+        let pace = Pace { speed: 100.0, acceleration: 1000.0, ..Pace::default() };
         // A triangle: 2·√(1/1000) s.
         assert!((pace.time_s(1.0) - 2.0 * 1e-3_f64.sqrt()).abs() < 1e-12);
         assert!((pace.travelled(1.0, 1e-3_f64.sqrt()) - 0.5).abs() < 1e-12);

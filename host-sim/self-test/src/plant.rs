@@ -86,6 +86,10 @@ pub struct Mechanics {
     pub pitch: Sinusoid,
     /// Local defect of the screw.
     pub screw_defect: LocalDefect,
+    /// Further errors of the screw over the motor's position, m over m: long waves, other orders, a belt.
+    pub screw_waves: Vec<Sinusoid>,
+    /// Relative variation of the gap over the motor's position, 1 over m; amplitude below 1.
+    pub backlash_wave: Sinusoid,
     /// Ripple force on the motor over its position, N over m.
     pub ripple: Sinusoid,
     /// Additional friction of the table at standstill.
@@ -96,6 +100,18 @@ pub struct Mechanics {
     pub asymmetry_n_s_per_m: f64,
     /// Constant load, positive if it opposes forward motion.
     pub load_n: f64,
+    /// Increase of the load along the travel of the table; 0 at position 0.
+    pub load_n_per_m: f64,
+    /// Variation of the Coulomb friction over the table's position, N over m; in sum smaller than the Coulomb friction.
+    pub friction_waves: Vec<Sinusoid>,
+    /// Additional Coulomb friction of the table at time 0 of the session.
+    pub warm_up_n: f64,
+    /// Time constant with which that friction decays, s; above 0 unless it is 0.
+    pub warm_up_s: f64,
+    /// Additional friction of the motor near standstill.
+    pub motor_stribeck_n: f64,
+    /// Speed at which the additional friction of the motor has decreased to 1/e; above 0 unless it is 0.
+    pub motor_stribeck_m_per_s: f64,
 }
 
 /// Positions and speeds of an axis.
@@ -113,6 +129,8 @@ pub struct State {
     pub table_m_per_s2: f64,
     /// Deflection of the bristles of the table's friction.
     pub bristle_m: f64,
+    /// Time on the clock of the session, s.
+    pub time_s: f64,
 }
 
 impl State {
@@ -129,25 +147,34 @@ impl Mechanics {
         let [motor, table] = [state.motor_m_per_s, state.table_m_per_s];
         let spring_n = self.spring_n(state);
         let friction_n = self.friction_n(state);
-        let motor_friction_n = self.motor_coulomb_n * (motor / MOTOR_FRICTION_M_PER_S).tanh();
+        let motor_friction_n = self.motor_friction_n(motor);
         let ripple_n = self.ripple.at(state.motor_m);
         let motor_n = force_n + ripple_n - spring_n - motor_friction_n;
-        let table_n = spring_n - friction_n - self.load_n;
+        let table_n = spring_n - friction_n - (self.load_n + self.load_n_per_m * state.table_m);
         state.motor_m_per_s = motor + STEP_S * motor_n / self.motor_kg;
         state.table_m_per_s2 = table_n / self.table_kg;
         state.table_m_per_s = table + STEP_S * state.table_m_per_s2;
         state.motor_m += STEP_S * state.motor_m_per_s;
         state.table_m += STEP_S * state.table_m_per_s;
+        state.time_s += STEP_S;
+    }
+
+    /// (C + S·exp(−(v/vs)²))·tanh(v/v0).
+    fn motor_friction_n(&self, v: f64) -> f64 {
+        let stribeck_n = decaying(self.motor_stribeck_n, v / self.motor_stribeck_m_per_s);
+        (self.motor_coulomb_n + stribeck_n) * (v / MOTOR_FRICTION_M_PER_S).tanh()
     }
 
     /// Position of the table that the screw sets, without strain.
     fn screw_m(&self, motor_m: f64) -> f64 {
-        (1.0 + self.pitch_slope) * motor_m + self.pitch.at(motor_m) + self.screw_defect.at(motor_m)
+        let local_m =
+            (1.0 + self.pitch_slope) * motor_m + self.pitch.at(motor_m) + self.screw_defect.at(motor_m);
+        self.screw_waves.iter().fold(local_m, |sum, wave| sum + wave.at(motor_m))
     }
 
     /// Force of the screw on the table; 0 inside the gap.
     fn spring_n(&self, state: &State) -> f64 {
-        let half_gap_m = 0.5 * self.backlash_m;
+        let half_gap_m = 0.5 * self.backlash_m * (1.0 + self.backlash_wave.at(state.motor_m));
         let strain_m = self.screw_m(state.motor_m) - state.table_m;
         let stretch_m = if strain_m > half_gap_m {
             strain_m - half_gap_m
@@ -160,16 +187,22 @@ impl Mechanics {
         self.stiffness_n_per_m * stretch_m + self.damping_n_s_per_m * speed
     }
 
+    /// Friction level at which the bristles slide: C + S·exp(−(v/vs)²) + C'(x) + W·exp(−t/τ).
+    fn sliding_n(&self, state: &State) -> f64 {
+        let level_n = self.coulomb_n + decaying(self.stribeck_n, state.table_m_per_s / self.stribeck_m_per_s);
+        let level_n = self.friction_waves.iter().fold(level_n, |sum, wave| sum + wave.at(state.table_m));
+        if self.warm_up_n == 0.0 {
+            level_n
+        } else {
+            level_n + self.warm_up_n * (-state.time_s / self.warm_up_s).exp()
+        }
+    }
+
     /// `LuGre`: F = σ0·z + σ1·ż + b·v with ż = v − σ0·|v|·z/g(v). The step of z is implicit, because σ0·|v|/g reaches
     /// 1/[`STEP_S`].
     fn friction_n(&self, state: &mut State) -> f64 {
         let v = state.table_m_per_s;
-        let stribeck_n = if self.stribeck_n == 0.0 {
-            0.0
-        } else {
-            self.stribeck_n * (-(v / self.stribeck_m_per_s).powi(2)).exp()
-        };
-        let level_n = self.coulomb_n + stribeck_n;
+        let level_n = self.sliding_n(state);
         let before_m = state.bristle_m;
         state.bristle_m =
             (before_m + STEP_S * v) / (1.0 + STEP_S * self.presliding_n_per_m * v.abs() / level_n);
@@ -177,4 +210,9 @@ impl Mechanics {
         let viscous = self.viscous_n_s_per_m + self.asymmetry_n_s_per_m * v.signum();
         self.presliding_n_per_m * state.bristle_m + self.presliding_n_s_per_m * deflection_rate + viscous * v
     }
+}
+
+/// excess·exp(−ratio²); 0 for an excess of 0, where the ratio may be undefined.
+fn decaying(excess: f64, ratio: f64) -> f64 {
+    if excess == 0.0 { 0.0 } else { excess * (-ratio.powi(2)).exp() }
 }

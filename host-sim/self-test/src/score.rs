@@ -195,7 +195,7 @@ pub(super) mod tests {
     use super::*;
 
     pub fn truth(name: &'static str, axis: &'static str, parameters: &[(&'static str, f64)]) -> Truth {
-        Truth { name, axis, parameters: parameters.to_vec(), reference: None }
+        Truth { name, axis, parameters: parameters.to_vec(), reference: None, phase_rad: 0.0 }
     }
 
     pub fn found(name: &str, axis: &str, parameters: &Value) -> Value {

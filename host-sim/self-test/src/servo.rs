@@ -31,6 +31,8 @@ pub struct Settings {
     pub limit_n: f64,
     /// Time constant of dual feedback; none: motor feedback.
     pub dual_s: Option<f64>,
+    /// Time constant with which the force follows the commanded force; 0: at once.
+    pub lag_s: f64,
 }
 
 /// One drive with its state.
@@ -45,6 +47,7 @@ pub struct Servo {
     dual_m: f64,
     integral_m: f64,
     force_n: f64,
+    acting_n: f64,
 }
 
 impl Servo {
@@ -61,13 +64,26 @@ impl Servo {
             dual_m: 0.0,
             integral_m: 0.0,
             force_n: 0.0,
+            acting_n: 0.0,
         }
     }
 
-    /// Force from the last tick of the velocity loop, N.
+    /// Commanded force, from the last tick of the velocity loop, N.
     #[must_use]
     pub fn force_n(&self) -> f64 {
         self.force_n
+    }
+
+    /// Force on the motor over the next step of the plant, N: a first-order lag of the commanded force, exact for a
+    /// constant command.
+    pub fn acting_n(&mut self) -> f64 {
+        if self.settings.lag_s == 0.0 {
+            return self.force_n;
+        }
+        // The mean of the lag over the step differs from its value at the end by less than h/(2·lag).
+        let kept = (-STEP_S / self.settings.lag_s).exp();
+        self.acting_n = self.force_n + kept * (self.acting_n - self.force_n);
+        self.acting_n
     }
 
     /// Tick of the position loop: e = command + (Kf/Kp)·d(command)/dt − feedback.

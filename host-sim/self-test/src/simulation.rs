@@ -1,32 +1,21 @@
 //! Two axes with their drives, and the log of their sensors; see [`super::plant`].
 
-use numerics::noise::box_muller;
 use rand_chacha::ChaCha8Rng;
 
 use super::plant::{LocalDefect, Mechanics, STEP_S, Sinusoid, State};
+use super::sensors::{Sensors, rounded};
 use super::servo::{SAMPLE_S, STEPS_PER_SAMPLE, STEPS_PER_VELOCITY_TICK, Servo, Settings};
 use files::log::{AxisLog, Log, Unit};
 
 /// Names of the axes.
 pub const AXES: [&str; 2] = ["x", "y"];
 
-/// Standard deviations of the sensors, mm and N: those of the blind cases at standstill.
-const NOISE: Noise = Noise { motor_mm: 10e-6, table_mm: 20e-6, tool_mm: 80e-6, force_n: 2.0 };
-/// Resolution of the log, steps per mm and per N.
-const POSITION_STEPS_PER_MM: f64 = 1e5;
+/// Resolution of the command in the log, steps per mm.
 const COMMAND_STEPS_PER_MM: f64 = 1e6;
-const FORCE_STEPS_PER_N: f64 = 10.0;
 
 /// Integration steps of the tool's mode per step of the plant.
 const MODE_STEPS: u32 = 20;
 const MODE_STEP_S: f64 = STEP_S / 20.0;
-
-struct Noise {
-    motor_mm: f64,
-    table_mm: f64,
-    tool_mm: f64,
-    force_n: f64,
-}
 
 /// True values of one axis with all undeclared effects, SI units. An effect of value 0 is absent.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -35,6 +24,10 @@ pub struct Axis {
     pub servo: Settings,
     /// Masses, spring, friction, errors of the screw.
     pub mechanics: Mechanics,
+    /// Noise and resolution of the log.
+    pub sensors: Sensors,
+    /// Resolution of the motor's sensor in the control loops, m; 0: none.
+    pub encoder_step_m: f64,
     /// Error of the motor's sensor over the motor's position, m over m.
     pub resolver: Sinusoid,
     /// Tool − table per own acceleration, s².
@@ -61,6 +54,23 @@ pub struct Axis {
     pub tool_defect: LocalDefect,
 }
 
+impl Axis {
+    /// Reading of the motor's sensor before it is resolved into steps.
+    fn continuous_reading_m(&self, motor_m: f64) -> f64 {
+        motor_m + self.resolver.at(motor_m)
+    }
+
+    /// Reading of the motor's sensor in the control loops.
+    fn reading_m(&self, motor_m: f64) -> f64 {
+        let reading_m = self.continuous_reading_m(motor_m);
+        if self.encoder_step_m == 0.0 {
+            reading_m
+        } else {
+            (reading_m / self.encoder_step_m).round() * self.encoder_step_m
+        }
+    }
+}
+
 /// An axis with its state.
 struct RunningAxis<'a> {
     axis: &'a Axis,
@@ -73,11 +83,11 @@ struct RunningAxis<'a> {
 }
 
 impl<'a> RunningAxis<'a> {
-    fn new(axis: &'a Axis, at_m: f64) -> Self {
+    fn new(axis: &'a Axis, at_m: f64, time_s: f64) -> Self {
         Self {
             axis,
-            state: State::resting(at_m),
-            servo: Servo::new(axis.servo.clone(), at_m, at_m + axis.resolver.at(at_m)),
+            state: State { time_s, ..State::resting(at_m) },
+            servo: Servo::new(axis.servo.clone(), at_m, axis.reading_m(at_m)),
             mode_m: at_m,
             mode_m_per_s: 0.0,
             table: DelayLine::new(axis.table_delay_s, at_m),
@@ -86,7 +96,7 @@ impl<'a> RunningAxis<'a> {
     }
 
     fn reading_m(&self) -> f64 {
-        self.state.motor_m + self.axis.resolver.at(self.state.motor_m)
+        self.axis.reading_m(self.state.motor_m)
     }
 
     /// Steps the mode between table and tool. `table_m` is the position of the table before the step: with the position
@@ -155,7 +165,7 @@ impl DelayLine {
 #[must_use]
 pub fn run(axes: &[Axis; 2], positions: &[[f64; 2]], start_s: f64, random: &mut ChaCha8Rng) -> Log {
     let first = positions.first().copied().unwrap_or_default();
-    let mut running = [0, 1].map(|i| RunningAxis::new(&axes[i], 1e-3 * first[i]));
+    let mut running = [0, 1].map(|i| RunningAxis::new(&axes[i], 1e-3 * first[i], start_s));
     // The delay lines of the tools start with the positions of the tools at rest.
     for i in [0, 1] {
         let tool_m = running[i].tool_m(&running[1 - i].state, start_s);
@@ -173,7 +183,7 @@ pub fn run(axes: &[Axis; 2], positions: &[[f64; 2]], start_s: f64, random: &mut 
                 if step % STEPS_PER_VELOCITY_TICK == 0 {
                     axis.servo.velocity_tick(axis.reading_m());
                 }
-                let force_n = axis.servo.force_n();
+                let force_n = axis.servo.acting_n();
                 let table_m = axis.state.table_m;
                 axis.axis.mechanics.step(&mut axis.state, force_n);
                 axis.step_mode(table_m);
@@ -201,13 +211,13 @@ struct Columns {
 
 impl Columns {
     fn add(&mut self, axis: &RunningAxis<'_>, command_mm: f64, random: &mut ChaCha8Rng) {
-        let mut read =
-            |value: f64, noise: f64, steps: f64| rounded(value + noise * box_muller(random), steps);
+        let Sensors { motor, table, tool, force } = axis.axis.sensors;
+        let motor_mm = 1e3 * axis.axis.continuous_reading_m(axis.state.motor_m);
         self.command.push(rounded(command_mm, COMMAND_STEPS_PER_MM));
-        self.motor.push(read(1e3 * axis.reading_m(), NOISE.motor_mm, POSITION_STEPS_PER_MM));
-        self.table.push(read(1e3 * axis.table.value(), NOISE.table_mm, POSITION_STEPS_PER_MM));
-        self.tool.push(read(1e3 * axis.tool.value(), NOISE.tool_mm, POSITION_STEPS_PER_MM));
-        self.force.push(read(axis.servo.force_n(), NOISE.force_n, FORCE_STEPS_PER_N));
+        self.motor.push(motor.read(motor_mm, random));
+        self.table.push(table.read(1e3 * axis.table.value(), random));
+        self.tool.push(tool.read(1e3 * axis.tool.value(), random));
+        self.force.push(force.read(axis.servo.force_n(), random));
     }
 
     fn into_log(self, name: &str) -> AxisLog {
@@ -223,12 +233,6 @@ impl Columns {
     }
 }
 
-/// Rounded to the resolution of the log: the same f64 that reading the decimals of the file gives.
-fn rounded(value: f64, steps_per_unit: f64) -> f64 {
-    // The sum turns −0 into 0, which the file would write as "-0.0".
-    (value * steps_per_unit).round() / steps_per_unit + 0.0
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -242,11 +246,5 @@ mod tests {
         let mut undelayed = DelayLine::new(0.0, 0.0);
         undelayed.push(3.0);
         assert_eq!(undelayed.value().to_bits(), 3.0_f64.to_bits());
-    }
-
-    #[test]
-    fn steps_read_as_their_decimals_and_zero_has_no_sign() {
-        assert_eq!(rounded(0.123_456_7, POSITION_STEPS_PER_MM).to_bits(), 0.12346_f64.to_bits());
-        assert_eq!(rounded(-0.04, FORCE_STEPS_PER_N).to_bits(), 0.0_f64.to_bits());
     }
 }

@@ -35,7 +35,7 @@ fn axis(hpc: bool) -> Axis {
         velocity_gain_n_s_per_m: 60e3,
         integral_s: 0.02,
         limit_n: 20e3,
-        dual_s: None,
+        ..Settings::default()
     };
     Axis { servo, mechanics: mechanics(), ..Axis::default() }
 }
@@ -44,7 +44,7 @@ const SPEED_MM_PER_S: f64 = 40.0;
 
 /// Log of a line of 80 mm along x, forwards and back, and the samples of 0.4 s of constant speed in each direction.
 fn line(x: &Axis) -> (Log, [std::ops::Range<usize>; 2]) {
-    let pace = Pace { speed: SPEED_MM_PER_S, acceleration: 2000.0 };
+    let pace = Pace { speed: SPEED_MM_PER_S, acceleration: 2000.0, ..Pace::default() };
     let positions = sampled([-40.0, 0.0], &[Segment::Line([40.0, 0.0]), Segment::Line([-40.0, 0.0])], pace);
     let mut random = ChaCha8Rng::seed_from_u64(1);
     let log = simulation::run(&[x.clone(), axis(false)], &positions, 0.0, &mut random);

@@ -1,14 +1,13 @@
 //! The undeclared effects of a drawn machine.
 
-use std::f64::consts::TAU;
-
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 use serde_json::{Map, Value, json};
 
 use super::draw::{Drawn, one_of};
-use super::plant::{LocalDefect, Sinusoid};
-use super::simulation::{AXES, Axis};
+use super::effect;
+use super::kind::Kind;
+use super::simulation::AXES;
 
 /// The effects that are drawn, with equal probability.
 pub const NAMES: [&str; 17] = [
@@ -31,6 +30,10 @@ pub const NAMES: [&str; 17] = [
     "resonance",
 ];
 
+/// Differences between the true and the declared controller, which the kind `controller` has.
+pub const CONTROLLER: [&str; 4] =
+    ["feedforward_mismatch", "velocity_gain_mismatch", "integral_time_mismatch", "drive_lag"];
+
 /// Effects from outside the catalogue; the tracer should report them as unexplained.
 pub const OUTSIDE: [&str; 2] = ["vibration", "local_defect"];
 
@@ -39,6 +42,10 @@ const PROBABILITIES: [f64; 4] = [0.1, 0.45, 0.35, 0.1];
 /// Probability of an effect from outside the catalogue, and probability that such a case has no other effect.
 const OUTSIDE_PROBABILITY: f64 = 0.15;
 const ALONE_PROBABILITY: f64 = 0.3;
+/// Probability that a machine with something beyond the catalogue has no effect of the catalogue.
+const EXTRA_ALONE_PROBABILITY: f64 = 0.3;
+/// Smallest size of an effect of the kind `small` as a fraction of the textbook size; fractions are log-uniform.
+const SMALLEST_STRENGTH: f64 = 1.0 / 30.0;
 
 /// A true effect of a machine.
 #[derive(Clone, Debug, PartialEq)]
@@ -49,8 +56,10 @@ pub struct Truth {
     pub axis: &'static str,
     /// In the units of a machine file, without phases.
     pub parameters: Vec<(&'static str, f64)>,
-    /// `source` or `channel`, where the effect has one.
+    /// `source`, `channel` or `log`, where the effect has one.
     pub reference: Option<(&'static str, &'static str)>,
+    /// Phase of a periodic effect; not part of the results.
+    pub phase_rad: f64,
 }
 
 impl Truth {
@@ -80,189 +89,101 @@ impl Truth {
     }
 }
 
-/// Draws the effects of a machine and sets them in its true values. No axis gets an effect twice, or one that hides
-/// another.
-pub fn draw_effects(machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Truth> {
+/// Draws the effects of a machine of the textbook kind and sets them in its true values.
+pub fn draw_textbook(machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Truth> {
+    let mut count = draw_count(random);
+    let outside = random.random_bool(OUTSIDE_PROBABILITY);
+    if outside && random.random_bool(ALONE_PROBABILITY) {
+        count = 0;
+    }
+    let mut truths = Vec::new();
+    add_effects(&mut truths, count, machine, random);
+    if outside {
+        truths.push(effect::draw_outside(machine, random));
+    }
+    truths
+}
+
+/// Draws the effects of the catalogue of another kind and sets them in the true values. `extras` is what else the
+/// machine has: no axis gets an effect that cannot be told from it.
+pub fn draw_beside(extras: &[Truth], kind: Kind, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Truth> {
+    let count = match kind {
+        Kind::Many => random.random_range(4..=5),
+        Kind::Small => random.random_range(1..=3),
+        _ if kind.may_stand_alone() && random.random_bool(EXTRA_ALONE_PROBABILITY) => 0,
+        _ => draw_count(random),
+    };
+    let bare = machine.axes.clone();
+    let mut truths = extras.to_vec();
+    let wanted = extras.len() + count;
+    while truths.len() < wanted {
+        add_effects(&mut truths, wanted, machine, random);
+        // Beyond the tolerance, a lower stiffness is a wrong declared value, which is no effect.
+        truths.retain(|truth| kind != Kind::Offspec || truth.name != "windup");
+    }
+    truths.drain(..extras.len());
+    if kind == Kind::Small {
+        for truth in &mut truths {
+            let strength = SMALLEST_STRENGTH.powf(random.random_range(0.0..1.0));
+            *truth = effect::small(truth, strength, machine);
+        }
+    }
+    // Again from the machine without them, because the list may have become shorter or the effects smaller.
+    machine.axes = bare;
+    for truth in &truths {
+        effect::apply(truth, &mut machine.axes[axis_index(truth.axis)]);
+    }
+    truths
+}
+
+/// Position of an axis in [`AXES`].
+pub(super) fn axis_index(name: &str) -> usize {
+    AXES.iter().position(|axis| *axis == name).unwrap_or(0)
+}
+
+fn draw_count(random: &mut ChaCha8Rng) -> usize {
     let mut share: f64 = random.random();
     let count = PROBABILITIES.iter().position(|part| {
         share -= part;
         share < 0.0
     });
-    let mut count = count.unwrap_or(1);
-    let outside = random.random_bool(OUTSIDE_PROBABILITY);
-    if outside && random.random_bool(ALONE_PROBABILITY) {
-        count = 0;
-    }
-    let mut truths: Vec<Truth> = Vec::new();
+    count.unwrap_or(1)
+}
+
+/// Draws effects until there are `count`. No axis gets an effect twice, or one that hides another.
+fn add_effects(truths: &mut Vec<Truth>, count: usize, machine: &mut Drawn, random: &mut ChaCha8Rng) {
     while truths.len() < count {
         let name = one_of(&NAMES, random);
         // Squareness is declared on the first axis.
         let axis = if name == "squareness" { 0 } else { random.random_range(0..AXES.len()) };
         let conflicts = |truth: &Truth| truth.axis == AXES[axis] && excludes(truth.name, name);
         if !truths.iter().any(conflicts) {
-            truths.push(effect(name, axis, machine, random));
+            let truth = effect::draw(name, axis, machine, random);
+            effect::apply(&truth, &mut machine.axes[axis]);
+            truths.push(truth);
         }
     }
-    if outside {
-        let name = one_of(&OUTSIDE, random);
-        let axis = random.random_range(0..AXES.len());
-        truths.push(outside_effect(name, axis, machine, random));
-    }
-    truths
 }
 
-/// Whether one effect on an axis hides the other: a load greater than the friction keeps the screw on one side of its
-/// gap.
+/// Pairs that are not drawn on one axis. A load greater than the friction keeps the screw on one side of its gap. The
+/// others have the same consequence: a pitch shape has a slope, a second harmonic of the screw the period of a resolver
+/// with two pole pairs, and the loop multiplies Kp by Kv and by feed-forward.
+const EXCLUSIONS: [[&str; 2]; 10] = [
+    ["backlash", "constant_load"],
+    ["backlash", "cable_drag"],
+    ["backlash", "backlash_varies"],
+    ["constant_load", "backlash_varies"],
+    ["pitch_progressive", "pitch_shape"],
+    ["resolver_dividing", "screw_second_harmonic"],
+    ["servo_mismatch", "feedforward_mismatch"],
+    ["servo_mismatch", "velocity_gain_mismatch"],
+    ["servo_mismatch", "integral_time_mismatch"],
+    ["servo_mismatch", "drive_lag"],
+];
+
+/// Whether one effect on an axis hides the other.
 fn excludes(one: &str, other: &str) -> bool {
-    let pair = [one, other];
-    one == other || pair.contains(&"backlash") && pair.contains(&"constant_load")
-}
-
-/// Gives an axis one of [`NAMES`]. Its size is within about a factor of two of that in the blind cases, if they contain
-/// the effect.
-#[expect(clippy::too_many_lines, reason = "one arm per effect")]
-fn effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Truth {
-    let declared = &machine.declared[index];
-    let (lead_mm, pole_pairs) = (declared.lead_mm, f64::from(declared.pole_pairs));
-    let stiffness = declared.stiffness_n_per_um;
-    let axis = &mut machine.axes[index];
-    let other = AXES[1 - index];
-    let sign = if random.random_bool(0.5) { 1.0 } else { -1.0 };
-    let phase = random.random_range(0.0..TAU);
-    let channel = one_of(&["table", "tool"], random);
-    let order = f64::from(random.random_range(1..=6_u32));
-    let mut between = |low: f64, high: f64| random.random_range(low..high);
-    let mut reference = None;
-    let parameters = match name {
-        "backlash" => {
-            let width = between(5.0, 20.0);
-            axis.mechanics.backlash_m = 1e-6 * width;
-            vec![("width_um", width)]
-        }
-        "pitch_progressive" => {
-            let slope = sign * between(20.0, 100.0);
-            axis.mechanics.pitch_slope = 1e-6 * slope;
-            vec![("slope_um_per_m", slope)]
-        }
-        "pitch_cyclic" => {
-            let amplitude = between(2.6, 10.0);
-            axis.mechanics.pitch = sinusoid_um(amplitude, lead_mm, phase);
-            vec![("amplitude_um", amplitude), ("period_mm", lead_mm)]
-        }
-        "resolver_dividing" => {
-            let (amplitude, period) = (between(1.7, 6.8), lead_mm / pole_pairs);
-            axis.resolver = sinusoid_um(amplitude, period, phase);
-            vec![("amplitude_um", amplitude), ("period_mm", period)]
-        }
-        "windup" => {
-            let true_stiffness = stiffness * between(0.45, 0.72);
-            axis.mechanics.stiffness_n_per_m = 1e6 * true_stiffness;
-            vec![("stiffness_n_per_um", true_stiffness)]
-        }
-        "stribeck" => {
-            let (excess, speed) = (between(53.0, 210.0), between(3.0, 12.0));
-            axis.mechanics.stribeck_n = excess;
-            axis.mechanics.stribeck_m_per_s = 1e-3 * speed;
-            vec![("static_excess_n", excess), ("velocity_mm_s", speed)]
-        }
-        "friction_asymmetry" => {
-            // Friction must oppose motion in both directions.
-            let most = 0.8 * axis.mechanics.viscous_n_s_per_m;
-            let half = sign * between(115.0, 460.0).min(most);
-            axis.mechanics.asymmetry_n_s_per_m = half;
-            vec![("half_difference_n_s_per_m", half)]
-        }
-        "torque_ripple" => {
-            let (amplitude, period) = (between(26.0, 105.0), lead_mm / order);
-            axis.mechanics.ripple = Sinusoid { amplitude, period: 1e-3 * period, phase };
-            vec![("amplitude_n", amplitude), ("period_mm", period)]
-        }
-        "constant_load" => {
-            let force = sign * between(95.0, 380.0);
-            axis.mechanics.load_n = force;
-            vec![("force_n", force)]
-        }
-        "servo_mismatch" => {
-            let percent = sign * between(2.8, 11.0);
-            axis.servo.position_gain_per_s *= 1.0 + 0.01 * percent;
-            vec![("percent", percent)]
-        }
-        "intalk" => {
-            let per_acceleration = sign * between(1.0, 4.0);
-            axis.intalk_s2 = 1e-6 * per_acceleration;
-            vec![("um_s2_per_m", per_acceleration)]
-        }
-        "crosstalk" => {
-            let per_acceleration = sign * between(0.7, 2.8);
-            axis.crosstalk_s2 = 1e-6 * per_acceleration;
-            reference = Some(("source", other));
-            vec![("um_s2_per_m", per_acceleration)]
-        }
-        "squareness" => {
-            let slope = sign * between(36.0, 144.0);
-            axis.squareness = 1e-6 * slope;
-            vec![("um_per_m", slope)]
-        }
-        "straightness" => {
-            let bow = sign * between(124.0, 494.0);
-            axis.straightness_per_m = 1e-6 * bow;
-            reference = Some(("source", other));
-            vec![("um_per_m2", bow)]
-        }
-        "thermal_drift" => {
-            let (amplitude, time_s) = (sign * between(4.6, 18.0), between(15.0, 60.0));
-            axis.drift_m = 1e-6 * amplitude;
-            axis.drift_s = time_s;
-            vec![("amplitude_um", amplitude), ("time_constant_s", time_s)]
-        }
-        "latency" => {
-            let late_ms = between(0.2, 2.0);
-            match channel {
-                "table" => axis.table_delay_s = 1e-3 * late_ms,
-                _ => axis.tool_delay_s = 1e-3 * late_ms,
-            }
-            reference = Some(("channel", channel));
-            vec![("ms", late_ms)]
-        }
-        _ => resonance(axis, [between(20.0, 80.0), between(0.03, 0.1)], &mut reference),
-    };
-    Truth { name, axis: AXES[index], parameters, reference }
-}
-
-fn resonance(
-    axis: &mut Axis,
-    [frequency_hz, zeta]: [f64; 2],
-    reference: &mut Option<(&'static str, &'static str)>,
-) -> Vec<(&'static str, f64)> {
-    axis.resonance = Some([TAU * frequency_hz, zeta]);
-    *reference = Some(("channel", "tool"));
-    vec![("frequency_hz", frequency_hz), ("damping_ratio", zeta)]
-}
-
-/// Gives an axis one of [`OUTSIDE`].
-fn outside_effect(name: &'static str, index: usize, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Truth {
-    let axis = &mut machine.axes[index];
-    let channel = one_of(&["table", "tool"], random);
-    let phase = random.random_range(0.0..TAU);
-    let mut between = |low: f64, high: f64| random.random_range(low..high);
-    let (channel, parameters) = if name == "vibration" {
-        let (amplitude, frequency_hz) = (between(1.0, 3.0), between(40.0, 150.0));
-        axis.vibration = Sinusoid { amplitude: 1e-6 * amplitude, period: 1.0 / frequency_hz, phase };
-        ("tool", vec![("amplitude_um", amplitude), ("frequency_hz", frequency_hz)])
-    } else {
-        let (height, width, centre) = (between(2.0, 6.0), between(3.0, 15.0), between(-30.0, 30.0));
-        let defect = LocalDefect { height_m: 1e-6 * height, centre_m: 1e-3 * centre, width_m: 1e-3 * width };
-        match channel {
-            "table" => axis.mechanics.screw_defect = defect,
-            _ => axis.tool_defect = defect,
-        }
-        (channel, vec![("centre_mm", centre), ("width_mm", width), ("height_um", height)])
-    };
-    Truth { name, axis: AXES[index], parameters, reference: Some(("channel", channel)) }
-}
-
-fn sinusoid_um(amplitude_um: f64, period_mm: f64, phase: f64) -> Sinusoid {
-    Sinusoid { amplitude: 1e-6 * amplitude_um, period: 1e-3 * period_mm, phase }
+    one == other || EXCLUSIONS.contains(&[one, other]) || EXCLUSIONS.contains(&[other, one])
 }
 
 #[cfg(test)]
@@ -275,7 +196,8 @@ mod tests {
     /// The effects of 1000 machines.
     fn many() -> Vec<Vec<Truth>> {
         let mut random = ChaCha8Rng::seed_from_u64(5);
-        let mut one = |_| draw_effects(&mut draw::machine(&mut random), &mut random);
+        let mut one =
+            |_| draw_textbook(&mut draw::machine(&draw::WITHIN_TOLERANCE, &mut random), &mut random);
         (0..1000).map(&mut one).collect()
     }
 

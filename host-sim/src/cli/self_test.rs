@@ -13,6 +13,7 @@ use files::error::InputError;
 use files::output::{remove_unfinished, write_whole};
 use numerics::quantile;
 use self_test::case::Case;
+use self_test::kind::Kind;
 use self_test::score::Outcome;
 use self_test::summary::Summary;
 use self_test::text_summary;
@@ -23,12 +24,16 @@ const MAX_CASES: u64 = 100_000;
 /// Arguments of `self-test`.
 #[derive(Clone, clap::Args)]
 pub struct Arguments {
-    /// Number of machines; a case does not depend on it.
+    /// Number of machines of each kind; a case does not depend on it.
     #[arg(long, default_value_t = 20)]
     cases: u64,
     /// Seed for all machines and all noise.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    /// Kinds of cases, separated by commas: textbook, coarse, many, small, jerk, offspec, shape, friction, foreign, slip,
+    /// controller.
+    #[arg(long, value_delimiter = ',', default_value = "textbook")]
+    kind: Vec<Kind>,
     /// Write the result as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -43,6 +48,18 @@ pub struct Arguments {
     no_trace: bool,
 }
 
+impl Arguments {
+    /// Kind and number of all cases, in the order in which they are run.
+    fn cases(&self) -> impl Iterator<Item = (Kind, u64)> {
+        self.kind.iter().flat_map(|&kind| (1..=self.cases).map(move |number| (kind, number)))
+    }
+
+    /// Number of all cases.
+    fn total(&self) -> u64 {
+        self.cases * self.kind.len() as u64
+    }
+}
+
 /// Runs the command.
 ///
 /// # Errors
@@ -51,6 +68,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if !(1..=MAX_CASES).contains(&arguments.cases) {
         let expected = format!("a number of cases from 1 to {MAX_CASES}");
         return Err(InputError::expected("--cases", expected, arguments.cases).into());
+    }
+    let mut kinds = arguments.kind.clone();
+    kinds.sort_unstable();
+    kinds.dedup();
+    if kinds.len() < arguments.kind.len() {
+        return Err(InputError::expected("--kind", "each kind once", "one of them twice").into());
     }
     let page = pages::file_in(arguments.report.as_ref());
     check_outputs(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
@@ -67,9 +90,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         written = print(&format!("{} cases drawn.", run.done));
     }
     written?;
-    if (run.done as u64) < arguments.cases {
+    if (run.done as u64) < arguments.total() {
         remove_unfinished();
-        return Err(Stopped { done: run.done, asked: arguments.cases, what: "cases" }.into());
+        return Err(Stopped { done: run.done, asked: arguments.total(), what: "cases" }.into());
     }
     Ok(())
 }
@@ -86,17 +109,31 @@ enum Message {
 
 /// Draws, writes and traces all cases, one after the other; ends early if the receiver has been dropped.
 fn run_cases(arguments: &Arguments, messages: &Sender<Message>) -> Result<()> {
-    for number in 1..=arguments.cases {
-        let message = run_case(arguments, number, messages).with_context(|| format!("case {number}"));
+    for (kind, number) in arguments.cases() {
+        let name = case_words(kind, number);
+        let message = run_case(arguments, (kind, number), messages).with_context(|| name);
         messages.send(message.unwrap_or_else(Message::Failed))?;
     }
     Ok(())
 }
 
-fn run_case(arguments: &Arguments, number: u64, messages: &Sender<Message>) -> Result<Message> {
-    let progress = |what: &str| drop(messages.send(Message::Progress(format!("case {number}: {what}"))));
+/// A case in messages: `case 3`, `offspec case 3`.
+fn case_words(kind: Kind, number: u64) -> String {
+    match kind {
+        Kind::Textbook => format!("case {number}"),
+        _ => format!("{kind} case {number}"),
+    }
+}
+
+fn run_case(
+    arguments: &Arguments,
+    (kind, number): (Kind, u64),
+    messages: &Sender<Message>,
+) -> Result<Message> {
+    let name = case_words(kind, number);
+    let progress = |what: &str| drop(messages.send(Message::Progress(format!("{name}: {what}"))));
     progress("running the machine");
-    let case = Case::draw(arguments.seed, number)?;
+    let case = Case::draw_kind(kind, arguments.seed, number)?;
     if let Some(folder) = &arguments.keep {
         case.keep(folder)?;
     }
@@ -121,10 +158,10 @@ struct Run {
 fn collect(arguments: &Arguments, messages: &Receiver<Message>) -> Result<Run> {
     /// Maximum delay of the reaction to an interrupt.
     const POLL_INTERVAL: Duration = Duration::from_millis(50);
-    let progress = Progress::with_bar(arguments.cases);
+    let progress = Progress::with_bar(arguments.total());
     let mut run = Run::default();
     let mut score = String::new();
-    while (run.done as u64) < arguments.cases && !stop::is_interrupted() {
+    while (run.done as u64) < arguments.total() && !stop::is_interrupted() {
         match messages.recv_timeout(POLL_INTERVAL) {
             Ok(Message::Progress(what)) => progress.show(&format!("{score}{what}")),
             Ok(Message::Done(outcome, time)) => {
@@ -140,7 +177,7 @@ fn collect(arguments: &Arguments, messages: &Receiver<Message>) -> Result<Run> {
             Ok(Message::Failed(error)) => return Err(error),
             Err(RecvTimeoutError::Timeout) => {}
             Err(RecvTimeoutError::Disconnected) => {
-                return Err(anyhow!("case {}: the working thread ended unexpectedly", run.done + 1));
+                return Err(anyhow!("case {} of all: the working thread ended unexpectedly", run.done + 1));
             }
         }
     }

@@ -28,6 +28,10 @@ pub struct Arguments {
     /// Steady-state friction map, instead of machine and logs (CSV, one row per run at constant speed).
     #[arg(long, conflicts_with_all = ["machine", "fit", "validate", "model", "propose", "empirical"])]
     friction_map: Option<PathBuf>,
+    /// Evaluate the machine file on the logs without searching for effects: "before" has the values of the file, "after"
+    /// has its declared values fitted.
+    #[arg(long, conflicts_with_all = ["propose", "friction_map"])]
+    evaluate: bool,
     /// Add the unexplained residuals as tables over the variables on which they depend, if held-out data support them.
     #[arg(long)]
     empirical: bool,
@@ -75,7 +79,12 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let progress = Progress::start();
     progress.show("reading the logs");
     let (fit, validate) = (read(&arguments.fit)?, read(&arguments.validate)?);
-    let trace = trace::trace(&machine, &fit, &validate, &|what| progress.show(what))?;
+    let show = |what: &str| progress.show(what);
+    let trace = if arguments.evaluate {
+        trace::evaluate(&machine, &fit, &validate, &show)?
+    } else {
+        trace::trace(&machine, &fit, &validate, &show)?
+    };
     drop(progress);
     let mut output = summary::of_trace(&trace);
     if arguments.empirical {

@@ -5,9 +5,10 @@ use crate::analysis::free_run::free_runs;
 use crate::analysis::repeatability::{Repeatability, repeatability};
 use crate::analysis::residual_analysis::{UnexplainedResidual, unexplained};
 use crate::fit::axis_model::AxisModel;
+use crate::fit::declared_value::declared_values;
 use crate::fit::final_fit::{FinalFit, final_fit, kept};
 use crate::fit::fit_data::{FitAndValidationRms, FitData};
-use crate::fit::least_squares::Fitted;
+use crate::fit::least_squares::{self, Fitted};
 use crate::fit::model_bias::first_fit;
 use crate::fit::scope::{Scope, scopes};
 use crate::fit::scope_fit::{Progress, ScopeFit, fit_again, fit_jointly};
@@ -17,6 +18,7 @@ use crate::search::ambiguity::Ambiguity;
 use crate::search::effect_search::EffectSearch;
 use crate::search::round::Round;
 use crate::stages::stage_names;
+use crate::task::Task;
 use crate::validation::confirmation::{Confirmed, confirm};
 use crate::validation::fitted_axis::FittedAxis;
 use crate::validation::found_effect::FoundEffect;
@@ -24,12 +26,12 @@ use files::log::Unit;
 use model::effects::{Effect, Neighbours, Stage};
 use model::machine::Axis;
 
-/// Traces one axis. `progress` is called with a message for each step.
+/// Traces or evaluates one axis. `progress` is called with a message for each step.
 #[must_use]
 pub fn trace(
     declared: &Axis,
-    fit_data: &FitData<'_>,
-    validate: &FitData<'_>,
+    [fit_data, validate]: [&FitData<'_>; 2],
+    task: Task,
     progress: &Progress<'_>,
 ) -> AxisTrace {
     let (scopes, not_testable) = scopes(declared, fit_data);
@@ -38,7 +40,7 @@ pub fn trace(
 
     // "Order", 1 to 4: the declared values, then the effects, scope by scope, then the joint fit to force and motor.
     let (before, declared_fits) = stage.fit_declared(&written);
-    let (model, fits, rounds) = stage.search(&before);
+    let (model, fits, rounds) = stage.search(&before, task);
     // 5: fit with the error of the tracer's own simulation subtracted.
     let FinalFit { model, fits, bias } =
         final_fit([fit_data, validate], &written, (model, fits), &scopes, progress);
@@ -51,18 +53,28 @@ pub fn trace(
     // "What the validation logs decide".
     let stages: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let axis = FittedAxis { declared: before.clone(), model, fits };
-    let Confirmed { axis: FittedAxis { model, .. }, found, refused, refuted } =
+    let Confirmed { axis: FittedAxis { model, fits, .. }, mut found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
-    // If all effects were dropped, both models are the same.
-    let before = if model.found().is_empty() { model.clone() } else { before };
+    let before = match task {
+        Task::Evaluate => stage.as_declared(declared),
+        // If all effects were dropped, both models are the same.
+        Task::Search if model.found().is_empty() => model.clone(),
+        Task::Search => before,
+    };
     // "The verdict" and "Beside the residuals".
     let Remainder { errors, unexplained, repeats, tables } =
         remainder([fit_data, validate], [&before, &model], &scopes);
     let logs: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
     let free_runs = free_runs(fit_data.name(), &before.axis, &model.axis, &logs);
     let tried = tried(declared, &rounds);
+    let ambiguities = ambiguities(&rounds, &found);
+    for one in &mut found {
+        let of_this = ambiguities.iter().filter(|ambiguity| ambiguity.added.is_same(&one.effect));
+        one.rivals = of_this.map(|ambiguity| ambiguity.rival.clone()).collect();
+    }
     let neighbours = Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 };
     AxisTrace {
+        task,
         axis: fit_data.name().to_owned(),
         unit: fit_data.logs.iter().find_map(|log| log.axes[fit_data.axis].unit).unwrap_or(Unit::Millimetre),
         effects_not_testable: effects_not_testable(
@@ -73,8 +85,9 @@ pub fn trace(
             &tried,
         ),
         data_faults: Vec::new(),
-        ambiguities: ambiguities(&rounds, &found),
+        ambiguities,
         bias: validate.bias.to_vec(),
+        declared_values: declared_values(&fits),
         declared: before,
         model,
         scopes,
@@ -120,16 +133,34 @@ impl Tracing<'_> {
         (model, fits)
     }
 
-    /// Searches for effects, scope by scope, then fits all parameters to force and motor stage jointly, see
-    /// [`fit_jointly`].
-    fn search(&self, before: &AxisModel) -> (AxisModel, Vec<ScopeFit>, Vec<Round>) {
+    /// The values of the machine file; only zeros and instants of the logs are fitted.
+    fn as_declared(&self, declared: &Axis) -> AxisModel {
+        let mut fixed = declared.clone();
+        fixed.settings.mechanics.plant_tolerance_percent = None;
+        let mut model = AxisModel::new(&fixed, self.fit_data.rates, self.fit_data.options.model);
+        for scope in self.scopes {
+            model = least_squares::fit(self.fit_data, &model, scope, least_squares::STEPS).model;
+        }
+        model
+    }
+
+    /// Searches for effects, scope by scope, unless the task is to evaluate; then fits all parameters to force and motor
+    /// stage jointly, see [`fit_jointly`].
+    fn search(&self, before: &AxisModel, task: Task) -> (AxisModel, Vec<ScopeFit>, Vec<Round>) {
         let servo = self.scopes.iter().find(|scope| scope.stages == [Stage::Motor]).cloned();
         let mut search =
             EffectSearch { data: self.fit_data, progress: self.progress, servo, rounds: Vec::new() };
         let mut model = before.clone();
         let mut fits = Vec::new();
         for scope in self.scopes {
-            let fit = search.search(&model, scope);
+            let fit = match task {
+                Task::Search => search.search(&model, scope),
+                Task::Evaluate => {
+                    let (fitted, _) = first_fit(self.fit_data, &model, scope);
+                    let (scope, fitted_scope) = (scope.clone(), scope.clone());
+                    ScopeFit { scope, fitted_scope, fitted, exclusions: Vec::new() }
+                }
+            };
             model = fit.fitted.model.clone();
             model.pin_mass(scope);
             fits.push(fit);

@@ -6,6 +6,7 @@ use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
 use crate::data_faults::DataFault;
+use crate::fit::declared_value::DeclaredValue;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::NotTestable;
 use crate::not_testable::EffectNotTestable;
@@ -15,7 +16,7 @@ use crate::stages::residual_unit;
 use crate::validation::found_effect::FoundEffect;
 use crate::verdict;
 use files::log::{Channel, Unit};
-use model::effects::Stage;
+use model::effects::{Effect, Stage};
 
 /// The JSON of `trace --json`, with the tables of `--empirical` if requested.
 #[must_use]
@@ -48,6 +49,7 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
         "data_faults": of_axes(trace, |axis| axis.data_faults.iter().map(data_fault).collect()),
         "residual": residual,
         "effects": effects(trace),
+        "declared": of_axes(trace, |axis| axis.declared_values.iter().map(|value| declared(axis, value)).collect()),
         "refuted": of_axes(trace, |axis| axis.refuted.iter().map(|found| effect(axis, found)).collect()),
         "refused": of_axes(trace, |axis| axis.refused.iter().map(|limit| refused(axis, limit)).collect()),
         "unexplained": unexplained,
@@ -100,6 +102,19 @@ pub fn effects(trace: &Trace) -> Vec<Value> {
 
 fn of_axes(trace: &Trace, of: impl Fn(&AxisTrace) -> Vec<Value>) -> Vec<Value> {
     trace.axes.iter().flat_map(of).collect()
+}
+
+/// A declared value with its fit.
+fn declared(axis: &AxisTrace, value: &DeclaredValue) -> Value {
+    let DeclaredValue { key, declared, fitted, half_width, .. } = *value;
+    json!({
+        "axis": axis.axis,
+        "key": key,
+        "declared": declared,
+        "fitted": fitted,
+        "ci95": (!value.is_at_bound).then_some([fitted - half_width, fitted + half_width]),
+        "beyond_tolerance": value.is_beyond_tolerance(),
+    })
 }
 
 /// An effect that was not added because a parameter ended at a limit of its range.
@@ -178,6 +193,8 @@ fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
         "name": found.effect.name(),
         "axis": axis.axis,
         "parameters": parameters,
+        "certainty": if found.rivals.is_empty() { "certain" } else { "ambiguous" },
+        "rivals": found.rivals.iter().map(Effect::name).collect::<Vec<_>>(),
         "channel": found.stage,
         "validate_reduction_percent": found.validate_reduction_percent(),
     });

@@ -26,6 +26,7 @@ pub mod outcome;
 pub mod prediction;
 pub mod search;
 pub mod stages;
+pub mod task;
 pub mod validation;
 pub mod verdict;
 
@@ -35,6 +36,7 @@ pub use model::effects::names as effect_names;
 pub use model::machine::Machine;
 pub use options::TraceOptions;
 pub use outcome::Trace;
+pub use task::Task;
 
 use std::borrow::Cow;
 
@@ -63,6 +65,19 @@ pub fn trace(
     trace_with(&TraceOptions::default(), machine, [fit, validate], progress)
 }
 
+/// Evaluates a machine file on logs without searching for effects, see [`Task::Evaluate`].
+///
+/// # Errors
+/// As [`trace`].
+pub fn evaluate(
+    machine: &Machine,
+    fit: &[Log],
+    validate: &[Log],
+    progress: &Progress<'_>,
+) -> Result<Trace, InputError> {
+    run(&TraceOptions::default(), machine, [fit, validate], Task::Evaluate, progress)
+}
+
 /// Traces a machine with the given thresholds, fit logs and validation logs.
 ///
 /// # Errors
@@ -70,7 +85,17 @@ pub fn trace(
 pub fn trace_with(
     options: &TraceOptions,
     machine: &Machine,
+    logs: [&[Log]; 2],
+    progress: &Progress<'_>,
+) -> Result<Trace, InputError> {
+    run(options, machine, logs, Task::Search, progress)
+}
+
+fn run(
+    options: &TraceOptions,
+    machine: &Machine,
     [fit, validate]: [&[Log]; 2],
+    task: Task,
     progress: &Progress<'_>,
 ) -> Result<Trace, InputError> {
     for log in fit.iter().chain(validate) {
@@ -90,20 +115,18 @@ pub fn trace_with(
     }
     let first = fit.first().map(|log| log.source.clone());
     let (fit, validate) = if validate.is_empty() { split(&fit, options) } else { (fit, validate) };
-    let [fit_logs, validate_logs] =
-        [&fit, &validate].map(|logs| prepared(logs, machine, &names, first.as_deref(), options));
-    let mut logs = [fit_logs, validate_logs];
-    for logs in &mut logs {
-        data_faults::excluded::mark(&excluded, &names, logs);
-    }
-    let [fit_logs, validate_logs] = logs;
+    let [fit_logs, validate_logs] = [&fit, &validate].map(|logs| {
+        let mut signals = prepared(logs, machine, &names, first.as_deref(), options);
+        data_faults::excluded::mark(&excluded, &names, &mut signals);
+        signals
+    });
     let machine = machine.clone();
     let options = *options;
     let mut trace = Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine, options, notes };
     faults.extend(trace.correct_late_commands());
     let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
         let [fit_data, validate] = [&trace.fit_logs, &trace.validate_logs].map(|logs| trace.data(logs, i));
-        axis_trace::trace(axis, &fit_data, &validate, progress)
+        axis_trace::trace(axis, [&fit_data, &validate], task, progress)
     };
     let axes: Vec<&model::machine::Axis> = trace.machine.axis.values().collect();
     trace.axes = axes.into_par_iter().enumerate().map(of_axis).collect();

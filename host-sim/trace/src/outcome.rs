@@ -6,6 +6,7 @@ use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
 use crate::data_faults::{DataFault, Treatment, late_command};
 use crate::fit::axis_model::AxisModel;
+use crate::fit::declared_value::DeclaredValue;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::{NotTestable, Scope};
@@ -15,6 +16,7 @@ use crate::options::TraceOptions;
 use crate::search::ambiguity::Ambiguity;
 use crate::search::distinguishing_motion;
 use crate::search::round::Round;
+use crate::task::Task;
 use crate::validation::found_effect::FoundEffect;
 use files::log::Unit;
 use model::effects::Stage;
@@ -42,6 +44,8 @@ pub struct Trace {
 /// The result for one axis.
 #[derive(Clone, Debug)]
 pub struct AxisTrace {
+    /// What was done.
+    pub task: Task,
     /// Name of the axis.
     pub axis: String,
     /// Unit of its channels.
@@ -50,6 +54,8 @@ pub struct AxisTrace {
     pub data_faults: Vec<DataFault>,
     /// The declared model, fitted.
     pub declared: AxisModel,
+    /// The declared mechanical values, as fitted with the effects found.
+    pub declared_values: Vec<DeclaredValue>,
     /// The model with the effects found.
     pub model: AxisModel,
     /// Stages that could be evaluated, by scope.

@@ -1,4 +1,4 @@
-//! Wind-up: the stiffness of the drive train is lower than its declared tolerance allows.
+//! Wind-up: the stiffness of the drive train is far below the declared one.
 
 use serde::{Deserialize, Serialize};
 use shared::config::Rates;
@@ -18,10 +18,22 @@ pub struct Windup {
     pub stiffness_n_per_um: f64,
 }
 
+/// A stiffness is a wind-up if it is lower than the declared one by more than this many tolerances. A smaller deviation is
+/// fitted as a declared value, and reported if it exceeds the tolerance.
+const MIN_TOLERANCES: f64 = 2.0;
+
+impl Windup {
+    /// The stiffness below which the deviation from the declared stiffness, with its relative tolerance, is a wind-up.
+    #[must_use]
+    pub fn max_stiffness(declared: f64, tolerance: f64) -> f64 {
+        (1.0 - MIN_TOLERANCES * tolerance) * declared
+    }
+}
+
 impl EffectModel for Windup {
     const NAME: &'static str = "windup";
     const SUMMARY: &'static str =
-        "stiffness between motor and table lower than the declared tolerance allows";
+        "stiffness between motor and table lower than the declared one by more than twice its tolerance";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("stiffness_n_per_um", Unit::NewtonPerMicrometre, Range::Positive)];
     const OCCURRENCE: Occurrence = Occurrence::Once;
@@ -59,13 +71,13 @@ impl EffectModel for Windup {
         Self { stiffness_n_per_um: 1e3 / x[0] }
     }
 
-    /// A stiffness within the tolerance is fitted as a declared value.
+    /// A higher stiffness is fitted as a declared value.
     fn exceeds_tolerance(&self, declared: &Settings, _rates: Rates) -> bool {
         let tolerance = 0.01 * declared.mechanics.plant_tolerance_percent.unwrap_or(0.0);
         declared
             .mechanics
             .stiffness_n_per_um
-            .is_some_and(|stiffness| self.stiffness_n_per_um < (1.0 - tolerance) * stiffness)
+            .is_some_and(|stiffness| self.stiffness_n_per_um < Self::max_stiffness(stiffness, tolerance))
     }
 
     fn values(&self) -> Vec<f64> {
@@ -73,10 +85,7 @@ impl EffectModel for Windup {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!(
-            "the stiffness between motor and table is {}, outside the declared tolerance",
-            wording.value(0)
-        )
+        format!("the stiffness between motor and table is {}, far below the declared one", wording.value(0))
     }
 
     fn abscissa(&self) -> Abscissa {

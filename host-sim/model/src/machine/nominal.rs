@@ -5,7 +5,11 @@ use serde::{Deserialize, Serialize};
 
 use super::number_table::number_table;
 use crate::axis::Settings;
-use crate::effects::Effect;
+use crate::effects::{Effect, Windup};
+
+/// A fitted value may deviate from its nominal value by up to this many tolerances. Users seldom know friction and masses
+/// as well as they declare; a value that is farther off has a wrong unit or belongs to another machine.
+pub const MAX_TOLERANCES: f64 = 4.0;
 
 /// A mechanical value to which `plant_tolerance_percent` applies.
 pub struct Tolerated {
@@ -19,6 +23,30 @@ pub struct Tolerated {
     pub nominal: fn(&Nominal) -> Option<f64>,
     /// Sets the value in a `nominal` table.
     pub set_nominal: fn(&mut Nominal, f64),
+}
+
+impl Tolerated {
+    /// Whether few motions determine the value: damping and presliding. A fit would move it to make up for errors of the
+    /// simulation, so that it stays within its tolerance.
+    #[must_use]
+    pub fn is_poorly_determined(&self) -> bool {
+        ["damping_n_s_per_m", "presliding_stiffness_n_per_um", "presliding_damping_n_s_per_m"]
+            .contains(&self.key)
+    }
+
+    /// The range in which a fit may move a value, from its nominal value and its relative tolerance: up to
+    /// [`MAX_TOLERANCES`] in either direction, as a factor. A lower stiffness is the effect `windup`.
+    #[must_use]
+    pub fn range(&self, nominal: f64, tolerance: f64) -> [f64; 2] {
+        if self.is_poorly_determined() {
+            return [nominal * (1.0 - tolerance), nominal * (1.0 + tolerance)];
+        }
+        let factor = 1.0 + MAX_TOLERANCES * tolerance;
+        let least = nominal / factor;
+        let is_stiffness = self.key == "stiffness_n_per_um";
+        let least = if is_stiffness { least.max(Windup::max_stiffness(nominal, tolerance)) } else { least };
+        [least, nominal * factor]
+    }
 }
 
 macro_rules! tolerated {

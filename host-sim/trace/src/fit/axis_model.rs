@@ -8,7 +8,7 @@ use super::trim::{Instant, Trims};
 use crate::options::ModelOptions;
 use model::effects::{Coordinate, Effect, Stage};
 use model::machine::Axis;
-use model::machine::nominal::{LogOffsets, Nominal, TOLERATED, Tolerated};
+use model::machine::nominal::{LogOffsets, MAX_TOLERANCES, Nominal, TOLERATED, Tolerated};
 use plant::parameters::AxisParameters;
 
 /// The model of one axis during a trace.
@@ -119,22 +119,22 @@ impl AxisModel {
         model
     }
 
-    /// Keys of declared values that ended at a bound of their tolerance, except damping and presliding, which few motions
-    /// determine.
+    /// Keys of declared values that ended at a bound of their range, including poorly determined ones.
     #[must_use]
     pub fn at_bounds(&self) -> Vec<&'static str> {
-        const POORLY_DETERMINED: [&str; 3] =
-            ["damping_n_s_per_m", "presliding_stiffness_n_per_um", "presliding_damping_n_s_per_m"];
-        let is_at_bound = |key: &&Tolerated| {
-            let values = (key.get)(&self.nominal.settings).zip((key.get)(&self.axis.settings));
-            let spread = |declared: f64| self.tolerance() * declared.abs();
-            values.is_some_and(|(declared, value)| {
-                spread(declared) > 0.0 && (value - declared).abs() > 0.9999 * spread(declared)
-            })
+        let is_at_bound = |(key, nominal): &(&'static Tolerated, f64)| {
+            let [least, most] = key.range(*nominal, self.tolerance());
+            let value = (key.get)(&self.axis.settings).unwrap_or(*nominal);
+            value < 1.0001 * least || value > 0.9999 * most
         };
-        let at_bounds =
-            TOLERATED.iter().filter(|key| !POORLY_DETERMINED.contains(&key.key)).filter(is_at_bound);
-        at_bounds.map(|key| key.key).collect()
+        self.tolerated_keys().filter(is_at_bound).map(|(key, _)| key.key).collect()
+    }
+
+    /// The declared values that a scope fits, each with its nominal value and its index among the free parameters.
+    pub fn declared_values(&self, scope: &Scope) -> impl Iterator<Item = (usize, &'static Tolerated, f64)> {
+        let zeros = [Stage::Table, Stage::Tool].iter().filter(|stage| scope.stages.contains(stage)).count();
+        let first = zeros + self.trimmed(scope).len();
+        self.adjustable(scope).enumerate().map(move |(i, (key, nominal))| (first + i, key, nominal))
     }
 
     /// The effects found.
@@ -216,17 +216,23 @@ impl AxisModel {
                 parameters.push(match &declared {
                     None => free(coordinate),
                     Some(_) if self.is_untolerated(effect) => free(coordinate),
-                    Some(declared) => self.tolerated(coordinate, declared[j].value),
+                    Some(declared) => {
+                        let centre = declared[j].value;
+                        let most = MAX_TOLERANCES * self.tolerance() * centre.abs();
+                        self.tolerated(coordinate, centre, [centre - most, centre + most])
+                    }
                 });
             }
         }
         parameters
     }
 
-    /// A declared value as a free parameter within its tolerance; a pinned mass within 1 % of all masses.
+    /// A declared value as a free parameter within its range; a pinned mass within 1 % of all masses.
     fn declared_value(&self, key: &Tolerated, centre: f64, mechanics: Mechanics) -> FreeParameter {
         let value = (key.get)(&self.axis.settings).unwrap_or(centre);
-        let mut parameter = self.tolerated(Coordinate::signed(value, 0.01 * centre, f64::INFINITY), centre);
+        let range = key.range(centre, self.tolerance());
+        let coordinate = Coordinate::signed(value, 0.01 * centre, f64::INFINITY);
+        let mut parameter = self.tolerated(coordinate, centre, range);
         if let (Mechanics::MotorMass, Some(pinned_kg)) = (mechanics, self.pinned_mass_kg) {
             let mechanics = &self.nominal.settings.mechanics;
             let masses = [mechanics.motor_mass_kg, mechanics.table_mass_kg];
@@ -273,7 +279,9 @@ impl AxisModel {
         self.trims.coordinates(&scope.stages, &self.axis, self.rates, &self.options)
     }
 
-    fn tolerance(&self) -> f64 {
+    /// Relative tolerance of the declared values.
+    #[must_use]
+    pub fn tolerance(&self) -> f64 {
         0.01 * self.declared.settings.mechanics.plant_tolerance_percent.unwrap_or(0.0)
     }
 
@@ -296,15 +304,15 @@ impl AxisModel {
             .filter(move |_| tolerance > 0.0)
     }
 
-    /// A coordinate bounded by the tolerance about its nominal value.
-    fn tolerated(&self, coordinate: Coordinate, declared: f64) -> FreeParameter {
-        let spread = self.tolerance() * declared.abs();
+    /// A coordinate bounded by a range, with a normal prior about its nominal value.
+    fn tolerated(&self, coordinate: Coordinate, nominal: f64, [least, most]: [f64; 2]) -> FreeParameter {
+        let spread = self.options.prior * self.tolerance() * nominal.abs();
         let bounded = Coordinate {
-            lower: coordinate.lower.max(declared - spread).min(declared),
-            upper: coordinate.upper.min(declared + spread).max(declared),
+            lower: coordinate.lower.max(least).min(nominal),
+            upper: coordinate.upper.min(most).max(nominal),
             ..coordinate
         };
-        FreeParameter { coordinate: bounded, prior: (spread > 0.0).then_some((declared, spread)) }
+        FreeParameter { coordinate: bounded, prior: (spread > 0.0).then_some((nominal, spread)) }
     }
 
     /// Whether a declared effect is fitted without its tolerance: a constant load, after a friction asymmetry was found. A

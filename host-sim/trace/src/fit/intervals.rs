@@ -50,6 +50,14 @@ pub fn covariance(fitted: &Fitted) -> Covariance {
     }
 }
 
+impl Covariance {
+    /// Half width of the 95 % confidence interval of a free parameter, by Student's t.
+    #[must_use]
+    pub fn half_width(&self, index: usize) -> f64 {
+        student_t_975(self.degrees_of_freedom) * self.matrix[(index, index)].max(0.0).sqrt()
+    }
+}
+
 /// Half widths of the 95 % confidence intervals of an effect's parameters, by Student's t. `indices` are those of the
 /// effect's coordinates in the covariance.
 #[must_use]

@@ -102,7 +102,8 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             let sign = if loss.is_some() { -1.0 } else { 1.0 };
             let Some((stage, before, after)) = residuals.most_changed(scope, sign) else { continue };
             let half_widths = axis.half_widths(index);
-            let found = FoundEffect { effect: effect.clone(), half_widths, stage, before, after };
+            let effect = effect.clone();
+            let found = FoundEffect { effect, half_widths, stage, before, after, rivals: Vec::new() };
             all.push(Reported { found, index, loss });
             last = next;
         }

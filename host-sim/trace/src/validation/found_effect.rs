@@ -16,6 +16,8 @@ pub struct FoundEffect {
     pub before: FitAndValidationRms,
     /// Residual of this stage with the effect added.
     pub after: FitAndValidationRms,
+    /// Effects that explain the logs as well: with one of them in the list, the effect is not certain.
+    pub rivals: Vec<Effect>,
 }
 
 impl FoundEffect {

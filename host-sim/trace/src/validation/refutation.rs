@@ -53,6 +53,7 @@ pub fn worst(
             stage,
             before,
             after,
+            rivals: Vec::new(),
         };
         Some((gain, Refutation { found, without }))
     };

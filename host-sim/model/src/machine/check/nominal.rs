@@ -12,8 +12,8 @@ const FARTHEST_ZERO_UM: f64 = 1e6;
 const ROUNDING: f64 = 1e-9;
 
 impl Context<'_> {
-    /// The `nominal` table. The axis must have the same values and effects, and its values must be within the tolerance
-    /// about the nominal ones.
+    /// The `nominal` table. The axis must have the same values and effects, and its values must be in the range of a fit,
+    /// [`Tolerated::range`](crate::machine::nominal::Tolerated::range).
     pub(super) fn nominal(&self) -> Result<(), InputError> {
         let Some(nominal) = &self.axis.nominal else { return Ok(()) };
         let percent = self.settings.mechanics.plant_tolerance_percent.unwrap_or(0.0);
@@ -24,8 +24,12 @@ impl Context<'_> {
             let Some(fitted) = (value.get)(self.settings) else {
                 return Err(self.refuse(&key, &format!("no such key, as {} is not given", value.key)));
             };
-            if (fitted - centre).abs() > (0.01 * percent + ROUNDING) * centre {
-                let what = format!("a value within plant_tolerance_percent ({percent}) of {key} ({centre})");
+            let [least, most] = value.range(centre, 0.01 * percent);
+            if fitted < least * (1.0 - ROUNDING) || fitted > most * (1.0 + ROUNDING) {
+                let what = format!(
+                    "a value that a fit may give, {least} to {most}, from {key} ({centre}) and \
+                     plant_tolerance_percent ({percent})"
+                );
                 return Err(self.refuse(value.key, &what));
             }
         }

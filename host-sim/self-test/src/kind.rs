@@ -1,0 +1,115 @@
+//! The kinds of cases.
+
+use std::fmt::{self, Display, Formatter};
+use std::str::FromStr;
+
+/// What a case has beyond a machine with undeclared effects.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
+pub enum Kind {
+    /// Effects of the catalogue, of sizes that exceed the noise by far.
+    #[default]
+    Textbook,
+    /// Encoder steps of 0.5 µm in the loops, a lag of the drive, noisy sensors.
+    Coarse,
+    /// Four or five effects at once.
+    Many,
+    /// Effects down to a thirtieth of the textbook sizes.
+    Small,
+    /// Commands with limited jerk.
+    Jerk,
+    /// Declared masses, stiffness and friction off by up to 25 %, with a tolerance of 10 %.
+    Offspec,
+    /// A smooth pitch error over the travel.
+    Shape,
+    /// Friction that depends on position or time, or on the speed of the motor.
+    Friction,
+    /// Cable drag, a second harmonic of the screw, a belt, or a backlash that varies.
+    Foreign,
+    /// A scale that slips or sticks, or a probe with the wrong sign.
+    Slip,
+    /// A setting of the controller, or a lag of the drive, that is not as declared.
+    Controller,
+}
+
+impl Kind {
+    /// All kinds; the position of a kind determines its random numbers.
+    pub const ALL: [Self; 11] = [
+        Self::Textbook,
+        Self::Coarse,
+        Self::Many,
+        Self::Small,
+        Self::Jerk,
+        Self::Offspec,
+        Self::Shape,
+        Self::Friction,
+        Self::Foreign,
+        Self::Slip,
+        Self::Controller,
+    ];
+
+    /// Its name on the command line and in results.
+    #[must_use]
+    pub fn name(self) -> &'static str {
+        match self {
+            Self::Textbook => "textbook",
+            Self::Coarse => "coarse",
+            Self::Many => "many",
+            Self::Small => "small",
+            Self::Jerk => "jerk",
+            Self::Offspec => "offspec",
+            Self::Shape => "shape",
+            Self::Friction => "friction",
+            Self::Foreign => "foreign",
+            Self::Slip => "slip",
+            Self::Controller => "controller",
+        }
+    }
+
+    /// Name of a case: `case-3` for the textbook kind, otherwise `KIND-3`.
+    #[must_use]
+    pub fn case_name(self, number: u64) -> String {
+        let word = if self == Self::Textbook { "case" } else { self.name() };
+        format!("{word}-{number}")
+    }
+
+    /// Position in [`Self::ALL`].
+    #[must_use]
+    pub fn index(self) -> u64 {
+        Self::ALL.iter().zip(0..).find(|(kind, _)| **kind == self).map_or(0, |(_, index)| index)
+    }
+
+    /// Whether its cases may have no effect of the catalogue beside what makes the kind, so that a false name is seen
+    /// that stands for it alone.
+    pub(super) fn may_stand_alone(self) -> bool {
+        matches!(self, Self::Shape | Self::Friction | Self::Foreign | Self::Slip | Self::Controller)
+    }
+}
+
+impl Display for Kind {
+    fn fmt(&self, f: &mut Formatter<'_>) -> fmt::Result {
+        f.write_str(self.name())
+    }
+}
+
+impl FromStr for Kind {
+    type Err = String;
+
+    fn from_str(text: &str) -> Result<Self, Self::Err> {
+        let named = Self::ALL.into_iter().find(|kind| kind.name() == text);
+        named.ok_or_else(|| format!("expected one of {}", Self::ALL.map(Self::name).join(", ")))
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn every_kind_is_read_by_its_name_and_has_its_own_index() {
+        for (kind, index) in Kind::ALL.into_iter().zip(0..) {
+            assert_eq!(kind.name().parse(), Ok(kind));
+            assert_eq!(kind.index(), index);
+        }
+        assert!("plain".parse::<Kind>().is_err_and(|message| message.contains("offspec, shape")));
+    }
+}
