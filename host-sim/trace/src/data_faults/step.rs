@@ -11,7 +11,7 @@ const FITS: [(usize, usize); 9] =
     [(8, 1), (16, 1), (16, 2), (32, 1), (32, 2), (64, 2), (64, 3), (128, 3), (256, 3)];
 /// Smallest number of samples on each side.
 const MIN_FIT: usize = 8;
-/// Largest difference between two results, in standard errors of the less accurate one, if both describe the signal.
+/// Largest difference between two results, in standard errors of the one with fewer samples, if both describe the signal.
 const MAX_DIFFERENCE: f64 = 1.5;
 
 /// A step.
@@ -78,10 +78,9 @@ fn step(
     Some(Step { size: second - first, scatter: variance.sqrt(), error })
 }
 
-/// The most accurate one of several results that agrees with all less accurate ones that were accepted before (Lepski, 1990): long
-/// polynomials have little variance, but do not describe a signal that bends, which their scatter hardly shows.
-fn agreed(mut steps: Vec<Step>) -> Option<Step> {
-    steps.sort_by(|a, b| b.error.total_cmp(&a.error));
+/// The most accurate one of several results, from few to many samples, among those that agree with all accepted before them
+/// (Lepski, 1990): long polynomials have little variance, but do not describe a signal that bends.
+fn agreed(steps: impl Iterator<Item = Step>) -> Option<Step> {
     let mut accepted: Vec<Step> = Vec::new();
     for step in steps {
         let agrees = |other: &Step| (step.size - other.size).abs() <= MAX_DIFFERENCE * other.error;
@@ -89,10 +88,11 @@ fn agreed(mut steps: Vec<Step>) -> Option<Step> {
             accepted.push(step);
         }
     }
-    accepted.last().copied()
+    accepted.into_iter().min_by(|a, b| a.error.total_cmp(&b.error))
 }
 
-/// The step of a channel across samples, relative to the other channels and with the polynomials that determine it best.
+/// The step of a channel across samples, relative to the other channel that moves most like it there, or by itself if there is
+/// no other one.
 #[must_use]
 pub fn best_step(
     values: &[f64],
@@ -100,13 +100,15 @@ pub fn best_step(
     across: &Range<usize>,
     limits: &Range<usize>,
 ) -> Option<Step> {
-    let others: Vec<&[f64]> = references(place.axis(), place.channel).map(|(_, other)| other).collect();
-    let steps = FITS.into_iter().flat_map(|fit| {
-        let relative = others.iter().map(move |other| step(|i| values[i] - other[i], across, limits, fit));
-        let alone = others.is_empty().then(|| step(|i| values[i], across, limits, fit));
-        relative.chain(alone).flatten()
+    let to = |reference: Option<&[f64]>, fit| {
+        step(|i| values[i] - reference.map_or(0.0, |reference| reference[i]), across, limits, fit)
+    };
+    let others = references(place.axis(), place.channel).filter_map(|(_, other)| {
+        let shortest = to(Some(other), FITS[0])?;
+        Some((other, shortest.scatter))
     });
-    agreed(steps.collect())
+    let reference = others.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(other, _)| other);
+    agreed(FITS.into_iter().filter_map(|fit| to(reference, fit)))
 }
 
 #[cfg(test)]
@@ -134,7 +136,7 @@ mod tests {
         let steps: Vec<Step> =
             FITS.iter().filter_map(|&fit| step(signal, &(1000..1000), &(0..2000), fit)).collect();
         assert_eq!(steps.len(), FITS.len());
-        let found = agreed(steps).unwrap();
+        let found = agreed(steps.into_iter()).unwrap();
         // Uniform noise within ±1e-3 has a standard deviation of 0.6e-3; at lines through 16 points, 2·√(2/16) of it.
         assert!((found.size - 0.5).abs() < 3.0 * 0.41e-3, "{found:?}");
     }
