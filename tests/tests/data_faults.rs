@@ -51,6 +51,13 @@ fn residual(trace: &Trace, stage: Stage) -> [f64; 3] {
     [error.after.fit, error.after.validate, error.noise]
 }
 
+/// Adds to all readings from the sample at which the axis is fastest.
+fn slip(values: &mut [f64], mm: f64) {
+    let speed = |sample: &usize| (values[sample + 50] - values[sample - 50]).abs();
+    let fastest = (1000..values.len() - 1000).max_by(|a, b| speed(a).total_cmp(&speed(b))).unwrap();
+    values[fastest..].iter_mut().for_each(|value| *value += mm);
+}
+
 fn repeat(values: &mut [f64], every: usize) {
     for sample in (every..values.len()).step_by(every) {
         values[sample] = values[sample - 1];
@@ -73,12 +80,8 @@ fn a_corrected_fault_leaves_the_result_of_the_sound_logs() {
             Channel::Force,
             Box::new(on_x(Channel::Force, |v| v.iter_mut().for_each(|n| *n *= 1e-3))),
         ),
-        (FaultKind::Slip, table, Box::new(on_x(table, |v| v[3000..].iter_mut().for_each(|mm| *mm += 0.02)))),
-        (
-            FaultKind::Slip,
-            Channel::Motor,
-            Box::new(on_x(Channel::Motor, |v| v[2500..].iter_mut().for_each(|mm| *mm -= 5.0))),
-        ),
+        (FaultKind::Slip, table, Box::new(on_x(table, |v| slip(v, 0.02)))),
+        (FaultKind::Slip, Channel::Motor, Box::new(on_x(Channel::Motor, |v| slip(v, -5.0)))),
         (
             FaultKind::Stuck,
             table,

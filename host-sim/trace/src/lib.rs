@@ -116,13 +116,11 @@ fn run(
     }
     let first = fit.first().map(|log| log.source.clone());
     let (fit, validate) = if validate.is_empty() { split(&fit, options) } else { (fit, validate) };
-    let [fit_logs, validate_logs] =
-        [&fit, &validate].map(|logs| prepared(logs, machine, &names, first.as_deref(), options));
-    let mut logs = [fit_logs, validate_logs];
-    for logs in &mut logs {
-        data_faults::excluded::mark(&excluded, &names, logs);
-    }
-    let [fit_logs, validate_logs] = logs;
+    let [fit_logs, validate_logs] = [&fit, &validate].map(|logs| {
+        let mut signals = prepared(logs, machine, &names, first.as_deref(), options);
+        data_faults::excluded::mark(&excluded, &names, &mut signals);
+        signals
+    });
     let machine = machine.clone();
     let options = *options;
     let model = |axis| AxisModel::new(axis, machine.rates(), options.model);

@@ -7,12 +7,12 @@ use super::findings::Place;
 
 /// Numbers of samples on each side, and degrees of the polynomials through them: many samples if the difference of the
 /// channels is smooth, few if it is not.
-const FITS: [(usize, usize); 6] = [(8, 1), (16, 1), (32, 1), (64, 2), (128, 2), (256, 3)];
+const FITS: [(usize, usize); 9] =
+    [(8, 1), (16, 1), (16, 2), (32, 1), (32, 2), (64, 2), (64, 3), (128, 3), (256, 3)];
 /// Smallest number of samples on each side.
 const MIN_FIT: usize = 8;
-/// Largest ratio of the variance about a polynomial of second or third degree to that of the white noise: above it, the
-/// polynomial does not describe the signal, and its value at the step is wrong by more than its scatter shows.
-const MAX_MISFIT: f64 = 1.15;
+/// Largest difference between two results, in standard errors of the one with fewer samples, if both describe the signal.
+const MAX_DIFFERENCE: f64 = 1.5;
 
 /// A step.
 #[derive(Clone, Copy, Debug)]
@@ -51,14 +51,8 @@ fn polynomial(values: &[f64], degree: usize, at: f64) -> (f64, f64) {
     (value, product(&deviations, &deviations))
 }
 
-/// Sum of squares of second differences, divided by their variance for white noise of variance 1, and their number.
-fn white(values: &[f64]) -> (f64, f64) {
-    let squares = values.windows(3).map(|w| (w[2] - 2.0 * w[1] + w[0]).powi(2));
-    (squares.sum::<f64>() / 6.0, values.len() as f64 - 2.0)
-}
-
 /// The step of a signal across samples that are displaced otherwise, from polynomials through `fit` samples on both sides
-/// within `limits`; `None` if there are too few, or if the polynomials do not describe the signal.
+/// within `limits`; `None` if there are too few.
 fn step(
     signal: impl Fn(usize) -> f64,
     across: &Range<usize>,
@@ -78,17 +72,27 @@ fn step(
     let (second, second_squares) = polynomial(&after, degree, -half_gap);
     let count = (before.len() + after.len()) as f64;
     let variance = (first_squares + second_squares) / (count - 2.0 * (degree as f64 + 1.0));
-    let [(a, a_count), (b, b_count)] = [white(&before), white(&after)];
-    if degree > 1 && variance > MAX_MISFIT * (a + b) / (a_count + b_count) {
-        return None;
-    }
     // At the end of a polynomial of degree p through n points the variance is (p + 1)²/n of theirs.
     let parts = 1.0 / before.len() as f64 + 1.0 / after.len() as f64;
     let error = (degree as f64 + 1.0) * (variance * parts).sqrt();
     Some(Step { size: second - first, scatter: variance.sqrt(), error })
 }
 
-/// The step of a channel across samples, relative to the other channel and with the polynomials that determine it best.
+/// The most accurate one of several results, from few to many samples, among those that agree with all accepted before them
+/// (Lepski, 1990): long polynomials have little variance, but do not describe a signal that bends.
+fn agreed(steps: impl Iterator<Item = Step>) -> Option<Step> {
+    let mut accepted: Vec<Step> = Vec::new();
+    for step in steps {
+        let agrees = |other: &Step| (step.size - other.size).abs() <= MAX_DIFFERENCE * other.error;
+        if accepted.iter().all(agrees) {
+            accepted.push(step);
+        }
+    }
+    accepted.into_iter().min_by(|a, b| a.error.total_cmp(&b.error))
+}
+
+/// The step of a channel across samples, relative to the other channel that moves most like it there, or by itself if there is
+/// no other one.
 #[must_use]
 pub fn best_step(
     values: &[f64],
@@ -96,13 +100,15 @@ pub fn best_step(
     across: &Range<usize>,
     limits: &Range<usize>,
 ) -> Option<Step> {
-    let others: Vec<&[f64]> = references(place.axis(), place.channel).map(|(_, other)| other).collect();
-    let steps = FITS.into_iter().flat_map(|fit| {
-        let relative = others.iter().map(move |other| step(|i| values[i] - other[i], across, limits, fit));
-        let alone = others.is_empty().then(|| step(|i| values[i], across, limits, fit));
-        relative.chain(alone).flatten()
+    let to = |reference: Option<&[f64]>, fit| {
+        step(|i| values[i] - reference.map_or(0.0, |reference| reference[i]), across, limits, fit)
+    };
+    let others = references(place.axis(), place.channel).filter_map(|(_, other)| {
+        let shortest = to(Some(other), FITS[0])?;
+        Some((other, shortest.scatter))
     });
-    steps.min_by(|a, b| a.error.total_cmp(&b.error))
+    let reference = others.min_by(|a, b| a.1.total_cmp(&b.1)).map(|(other, _)| other);
+    agreed(FITS.into_iter().filter_map(|fit| to(reference, fit)))
 }
 
 #[cfg(test)]
@@ -119,7 +125,7 @@ mod tests {
         }
     }
 
-    /// A signal that bends next to the step: long polynomials are rejected, and the shortest lines are used.
+    /// A signal that bends 20 samples before and after the step: lines beyond the bend are rejected.
     #[test]
     fn the_step_of_a_bent_signal_is_that_of_short_lines() {
         let noise = |i: usize| 1e-3 * ((i as f64 * 12.9898).sin() * 43_758.545).fract();
@@ -127,10 +133,11 @@ mod tests {
             let bend = if i < 980 { 0.0 } else { 0.02 * (i as f64 - 980.0).min(40.0) };
             bend + noise(i) + if i < 1000 { 0.0 } else { 0.5 }
         };
-        let steps = FITS.map(|fit| step(signal, &(1000..1000), &(0..2000), fit));
-        assert!(steps[3..].iter().all(Option::is_none), "{steps:?}");
-        let best = steps.into_iter().flatten().min_by(|a, b| a.error.total_cmp(&b.error)).unwrap();
-        // Uniform noise within ±1e-3 has a standard deviation of 0.6e-3; at a line through 16 points, 2·√(2/16) of it.
-        assert!((best.size - 0.5).abs() < 3.0 * 0.41e-3, "{best:?}");
+        let steps: Vec<Step> =
+            FITS.iter().filter_map(|&fit| step(signal, &(1000..1000), &(0..2000), fit)).collect();
+        assert_eq!(steps.len(), FITS.len());
+        let found = agreed(steps.into_iter()).unwrap();
+        // Uniform noise within ±1e-3 has a standard deviation of 0.6e-3; at lines through 16 points, 2·√(2/16) of it.
+        assert!((found.size - 0.5).abs() < 3.0 * 0.41e-3, "{found:?}");
     }
 }
