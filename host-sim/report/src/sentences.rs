@@ -125,7 +125,10 @@ fn without_effects(axis: &AxisTrace) -> &'static str {
             "apart from the data faults, no undeclared effect found"
         }
         (Task::Search, Verdict::Unexplained) if has_faults && axis.unexplained.is_empty() => {
-            "no undeclared effect found in what the data faults leave"
+            "apart from the data faults, no undeclared effect found in the channels that can be used"
+        }
+        (Task::Search, Verdict::Unexplained) if has_faults => {
+            "apart from the data faults, no undeclared effect found, but the residual exceeds the sensor noise: see below"
         }
         (Task::Search, Verdict::Explained) => "no undeclared effect found",
         (Task::Search, Verdict::Unexplained) => {
