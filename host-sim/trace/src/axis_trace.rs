@@ -68,10 +68,7 @@ pub fn trace(
     let free_runs = free_runs(fit_data.name(), &before.axis, &model.axis, &logs);
     let tried = tried(declared, &rounds);
     let ambiguities = ambiguities(&rounds, &found);
-    for one in &mut found {
-        let of_this = ambiguities.iter().filter(|ambiguity| ambiguity.added.is_same(&one.effect));
-        one.rivals = of_this.map(|ambiguity| ambiguity.rival.clone()).collect();
-    }
+    state_rivals(&mut found, &ambiguities);
     let neighbours = Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 };
     AxisTrace {
         task,
@@ -228,6 +225,14 @@ fn remainder(
 fn tried<'a>(declared: &'a Axis, rounds: &'a [Round]) -> Vec<&'a str> {
     let candidates = rounds.iter().flat_map(|round| &round.candidates).map(|c| c.effect.name());
     declared.effect.iter().map(Effect::name).chain(candidates).collect()
+}
+
+/// States the rivals of each effect found.
+fn state_rivals(found: &mut [FoundEffect], ambiguities: &[Ambiguity]) {
+    for one in found {
+        let of_this = ambiguities.iter().filter(|ambiguity| ambiguity.added.is_same(&one.effect));
+        one.rivals = of_this.map(|ambiguity| ambiguity.rival.clone()).collect();
+    }
 }
 
 /// The ambiguities of the search between an effect of the final result and an effect that is not in it.
