@@ -28,7 +28,7 @@ fn description(fault: &DataFault, unit: Unit) -> String {
     let (position, size) = (if unit == Unit::Degree { "mdeg" } else { "µm" }, fault.size.unwrap_or(0.0));
     let what =
         fault.channel.map_or_else(|| "all channels".to_owned(), |channel| channel.word().replace('_', " "));
-    let at_s = significant(fault.at_s.unwrap_or(0.0), 6);
+    let at_s = format!("{:.3}", fault.at_s.unwrap_or(0.0));
     let figure = significant(size.abs(), 3);
     let sign = if size < 0.0 { "−" } else { "+" };
     let (is, correction) = match fault.kind {

@@ -124,8 +124,11 @@ fn without_effects(axis: &AxisTrace) -> &'static str {
         (Task::Search, Verdict::Explained) if has_faults => {
             "apart from the data faults, no undeclared effect found"
         }
-        (Task::Search, Verdict::Unexplained) if axis.unexplained.is_empty() && has_faults => {
-            "no undeclared effect found in what the data faults leave"
+        (Task::Search, Verdict::Unexplained) if has_faults && axis.unexplained.is_empty() => {
+            "apart from the data faults, no undeclared effect found in the channels that can be used"
+        }
+        (Task::Search, Verdict::Unexplained) if has_faults => {
+            "apart from the data faults, no undeclared effect found, but the residual exceeds the sensor noise: see below"
         }
         (Task::Search, Verdict::Explained) => "no undeclared effect found",
         (Task::Search, Verdict::Unexplained) => {

@@ -45,6 +45,21 @@ impl PitchMap {
         })
     }
 
+    /// The same curves with this number of evenly spaced knots.
+    #[must_use]
+    pub fn with_knots(&self, count: u32) -> Self {
+        let [Some(&first), Some(&last)] = [self.positions_mm.first(), self.positions_mm.last()] else {
+            return self.clone();
+        };
+        let positions_mm = knots::positions_mm([first, last], count);
+        let resampled = |values: &Vec<f64>| {
+            let curve = PositionCurve::new(&self.positions_mm, values);
+            positions_mm.iter().map(|&mm| curve.value(mm)).collect::<Vec<_>>()
+        };
+        let error_um = resampled(&self.error_um);
+        Self { error_negative_um: self.error_negative_um.as_ref().map(resampled), error_um, positions_mm }
+    }
+
     fn mean_um(&self) -> Vec<f64> {
         match &self.error_negative_um {
             None => self.error_um.clone(),
@@ -149,5 +164,25 @@ impl EffectModel for PitchMap {
 
     fn abscissa(&self) -> Abscissa {
         Abscissa::Position
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A straight line is its own spline: 0, 2, 4 µm at −10, 0, 10 mm are 0, 1, 2, 3, 4 µm at five knots.
+    #[test]
+    fn a_map_keeps_its_curves_with_other_knots() {
+        let map = PitchMap {
+            positions_mm: vec![-10.0, 0.0, 10.0],
+            error_um: vec![0.0, 2.0, 4.0],
+            error_negative_um: Some(vec![1.0, 1.0, 1.0]),
+        };
+        let finer = map.with_knots(5);
+        assert_eq!(finer.positions_mm, [-10.0, -5.0, 0.0, 5.0, 10.0]);
+        let deviation = finer.error_um.iter().zip([0.0, 1.0, 2.0, 3.0, 4.0]).map(|(a, b)| (a - b).abs());
+        assert!(deviation.fold(0.0, f64::max) < 1e-12);
+        assert!(finer.error_negative_um.unwrap().iter().all(|value| (value - 1.0).abs() < 1e-12));
     }
 }

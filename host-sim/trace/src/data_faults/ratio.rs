@@ -90,6 +90,6 @@ mod tests {
         assert!((found.factor + 25.4).abs() < 1e-6 && found.spread < 1e-6, "{found:?}");
         // A quarter of a period: ratios of a tangent, whose median deviation is its own size.
         assert!(ratio(&sine(1.57), &sine(0.0), 1e-3).unwrap().spread > 0.5);
-        assert_eq!(ratio(&sine(0.0), &[5.0; 4000], 1e-3), None);
+        assert_eq!(ratio(&sine(0.0), &vec![5.0; 4000], 1e-3), None);
     }
 }

@@ -18,5 +18,7 @@ pub fn is_reversed(channel: Channel, factor: f64, options: &FaultOptions) -> boo
 /// channels is fitted with the model.
 pub fn correct(values: &mut [f64], place: &Place<'_>, findings: &mut Findings) {
     findings.faults.push(place.fault(FaultKind::Sign, None, Treatment::Corrected));
-    values.iter_mut().for_each(|value| *value = -*value);
+    for value in values {
+        *value = -*value;
+    }
 }

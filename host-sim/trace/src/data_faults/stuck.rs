@@ -3,7 +3,7 @@
 use std::ops::Range;
 
 use super::bridge::bridge;
-use super::channels::{SENSORS, references};
+use super::channels::{Accuracy, SENSORS, references};
 use super::fault::{DataFault, FaultKind, Treatment};
 use super::findings::{Findings, Place};
 use super::jumps;
@@ -31,6 +31,8 @@ fn repeated(values: &[f64]) -> Vec<Range<usize>> {
     ranges
 }
 
+/// Number of repetitions in a log from which they are regarded as frequent.
+const FREQUENT: usize = 10;
 /// Largest number of samples in a row whose neighbours are not excluded.
 const MAX_INTERPOLATED: usize = 2;
 
@@ -74,17 +76,33 @@ impl Other<'_> {
     }
 }
 
-/// The stuck ranges of a channel.
+/// The stuck ranges of a channel. If it repeats readings often, smaller missed motions are regarded as well, as far as noise
+/// and resolution show them.
 fn find(values: &[f64], place: &Place<'_>, options: &FaultOptions) -> Vec<Range<usize>> {
-    let other = |(channel, other): (Channel, _)| Other {
-        values: other,
-        smallest: jumps::smallest(values, Some(other), options),
-        are_sensors: [channel, place.channel].iter().all(|channel| SENSORS.contains(channel)),
+    let repeated = repeated(values);
+    let stuck = |is_frequent: bool| -> Vec<Range<usize>> {
+        let other = |(channel, other): (Channel, _)| Other {
+            values: other,
+            smallest: if is_frequent {
+                visible(values, other)
+            } else {
+                jumps::smallest(values, Some(other), options)
+            },
+            are_sensors: [channel, place.channel].iter().all(|channel| SENSORS.contains(channel)),
+        };
+        let others: Vec<Other<'_>> = references(place.axis(), place.channel).map(other).collect();
+        let is_stuck =
+            |range: &&Range<usize>| others.iter().any(|other| other.shows_stuck(values, range, options));
+        repeated.iter().filter(is_stuck).cloned().collect()
     };
-    let others: Vec<Other<'_>> = references(place.axis(), place.channel).map(other).collect();
-    let mut ranges = repeated(values);
-    ranges.retain(|range| others.iter().any(|other| other.shows_stuck(values, range, options)));
-    ranges
+    let ranges = stuck(false);
+    if ranges.len() < FREQUENT { ranges } else { stuck(true) }
+}
+
+/// Smallest motion of another channel that shows a repeated reading: six standard deviations of the noise, two steps.
+fn visible(values: &[f64], other: &[f64]) -> f64 {
+    let [own, other] = [values, other].map(Accuracy::of);
+    (6.0 * own.noise.max(other.noise)).max(2.0 * own.resolution.max(other.resolution))
 }
 
 /// Finds and reports stuck readings, and replaces them by the motion of the nearest other channel. Returns whether the

@@ -35,7 +35,9 @@ pub fn correct(values: &mut [f64], factor: f64, place: &Place<'_>, findings: &mu
     let treatment = if unit.is_some() { Treatment::Corrected } else { Treatment::Removed };
     findings.faults.push(place.fault(FaultKind::Unit, Some(unit.unwrap_or(factor)), treatment));
     let Some(unit) = unit else { return false };
-    values.iter_mut().for_each(|value| *value /= unit);
+    for value in values {
+        *value /= unit;
+    }
     true
 }
 

@@ -135,6 +135,29 @@ impl AxisModel {
         model
     }
 
+    /// The same model with all declared values bounded by their tolerance, from their nominal values.
+    #[must_use]
+    pub fn all_within_tolerance(&self) -> Self {
+        let mut model = self.at_nominal();
+        model.within_tolerance = TOLERATED.iter().map(|key| key.key).collect();
+        model
+    }
+
+    /// The same model without the bounds of [`AxisModel::all_within_tolerance`].
+    #[must_use]
+    pub fn without_bounds(&self) -> Self {
+        Self { within_tolerance: Vec::new(), ..self.clone() }
+    }
+
+    /// Whether a declared value is outside its tolerance.
+    #[must_use]
+    pub fn is_beyond_tolerance(&self) -> bool {
+        self.tolerated_keys().any(|(key, nominal)| {
+            let value = (key.get)(&self.axis.settings).unwrap_or(nominal);
+            (value / nominal - 1.0).abs() > 1.0001 * self.tolerance()
+        })
+    }
+
     /// The range in which a fit may move a declared value.
     fn range(&self, key: &Tolerated, nominal: f64) -> [f64; 2] {
         let tolerance = self.tolerance();

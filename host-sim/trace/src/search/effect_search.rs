@@ -5,6 +5,7 @@ use super::ambiguity::rivals;
 use super::candidates::{Candidate, Reference, rank};
 use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
+use super::map_refinement::with_finer_map;
 use super::residual_shape::shape;
 use super::round::Round;
 use super::slope_of_map::is_slope_of_map;
@@ -34,10 +35,39 @@ pub struct EffectSearch<'a> {
 }
 
 impl EffectSearch<'_> {
-    /// Adds effects to one scope. If a part of the remaining residual must be excluded, the search is repeated with this
-    /// exclusion.
+    /// Adds effects to one scope.
+    ///
+    /// Without an effect, a fit may move the declared values out of their tolerance in its place, from where the effect gains
+    /// too little. In this case the search is repeated with the tolerance as a bound. The result of the second search is taken
+    /// if, without the bound, it leaves less.
     #[must_use]
     pub fn search(&mut self, start: &AxisModel, scope: &Scope) -> ScopeFit {
+        let first_round = self.rounds.len();
+        let free = self.search_from(start, scope);
+        let is_beyond = |model: &AxisModel| scope.mechanics == Mechanics::All && model.is_beyond_tolerance();
+        if !is_beyond(&first_fit(self.data, start, scope).0.model) && !is_beyond(&free.fitted.model) {
+            return free;
+        }
+        let rounds_of_free = self.rounds.split_off(first_round);
+        let mut bounded = self.search_from(&start.all_within_tolerance(), scope);
+        let data = FitData { exclusions: &bounded.exclusions, ..*self.data };
+        let unbounded = bounded.fitted.model.without_bounds();
+        bounded.fitted = least_squares::fit(&data, &unbounded, scope, least_squares::STEPS);
+        let left = |fit: &ScopeFit| {
+            let data = FitData { exclusions: &fit.exclusions, ..*self.data };
+            model_bias::log_rms(&data, &data.residuals(&fit.fitted.model, scope), scope)
+        };
+        if left(&bounded) < left(&free) - self.data.options.search.min_gain() {
+            return bounded;
+        }
+        self.rounds.truncate(first_round);
+        self.rounds.extend(rounds_of_free);
+        free
+    }
+
+    /// Adds effects to one scope. If a part of the remaining residual must be excluded, the search is repeated with this
+    /// exclusion.
+    fn search_from(&mut self, start: &AxisModel, scope: &Scope) -> ScopeFit {
         let mut exclusions: Vec<Exclusion> = Vec::new();
         loop {
             let first_round = self.rounds.len();
@@ -82,6 +112,7 @@ impl EffectSearch<'_> {
             added += 1;
         }
         let data = FitData { bias: &bias, ..*data };
+        base = with_finer_map(&data, base, scope);
         if base.model.found().iter().filter(|effect| scope.holds(effect)).count() > 1 {
             base = self.drop_unnecessary(&data, base, scope);
         }
@@ -200,7 +231,20 @@ fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effe
     let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
     guesses.retain(|effect| force_windup::is_testable(effect, force_is_logged));
     guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
+    if model.found().iter().any(|effect| matches!(effect, Effect::PitchMap(_))) {
+        // Between its knots a map deviates from the screw, in waves of a few knots.
+        guesses.retain(|effect| !is_wave_of_screw(effect, model.axis.settings.mechanics.lead_mm));
+    }
     guesses
+}
+
+/// Whether an effect is a periodic error of the screw whose period is no whole fraction of the lead.
+fn is_wave_of_screw(effect: &Effect, lead_mm: Option<f64>) -> bool {
+    let Effect::PitchCyclic(wave) = effect else { return false };
+    lead_mm.is_none_or(|lead_mm| {
+        let order = lead_mm / wave.period_mm;
+        (order - order.round()).abs() > 1e-6 * order
+    })
 }
 
 /// Drops each effect of a scope for which `better` returns a fit without it.

@@ -10,6 +10,7 @@ pub mod distinguishing_motion;
 pub mod effect_search;
 pub mod held_out;
 pub mod loop_check;
+pub mod map_refinement;
 pub mod position_spectrum;
 pub mod residual_samples;
 pub mod residual_shape;
