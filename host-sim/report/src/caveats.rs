@@ -34,6 +34,16 @@ fn list_residuals(
 #[must_use]
 pub fn misfit(axis: &AxisTrace) -> Option<String> {
     let residuals = list_residuals(axis, verdict::is_gross, |pair| pair.fit)?;
+    if axis.is_of_another_machine {
+        let undetermined = axis.declared_values.iter().filter(|value| value.is_undetermined());
+        let keys: Vec<&str> = undetermined.map(|value| value.key).collect();
+        return Some(format!(
+            "{}: this machine file does not describe this machine, so that no effect is reported; residuals: {residuals}; \
+             farthest from the logs: {}.",
+            axis.axis,
+            keys.join(", ")
+        ));
+    }
     Some(format!(
         "{}: the model does not describe these logs, so that all other results for this axis are unreliable; \
          residuals: {residuals}. A channel may be wrong (its sign, unit, axis or time), or a declared value.",

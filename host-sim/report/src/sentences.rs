@@ -4,7 +4,6 @@ use super::{caveats, data_faults};
 use files::format::{percent, significant, with_spread};
 use files::log::Unit;
 use model::effects::Stage;
-use model::machine::nominal::MAX_TOLERANCES;
 use trace::analysis::empirical::Empirical;
 use trace::analysis::free_run::FreeRun;
 use trace::analysis::repeatability::Repeatability;
@@ -216,11 +215,10 @@ pub fn open_ends(axis: &AxisTrace) -> Vec<String> {
     let keys: Vec<&str> = at_bounds.map(|value| value.key).collect();
     let bounds = (!keys.is_empty()).then(|| {
         format!(
-            "{}: {} ended {} times the declared tolerance away from the declared value, where the search stops: the fitted \
-             logs do not determine the value, or the machine file is of another machine.",
+            "{}: {} ended many times the tolerance away from the declared value, where the search stops: the fitted logs do \
+             not determine the value, or the machine file is of another machine.",
             axis.axis,
-            keys.join(", "),
-            MAX_TOLERANCES
+            keys.join(", ")
         )
     });
     let more = axis.errors.iter().filter(|e| e.after.validate > MIN_RATIO * e.after.fit.max(e.noise)).map(|error| {

@@ -22,6 +22,7 @@ use crate::validation::confirmation::{Confirmed, confirm};
 use crate::validation::declared_value::declared_values;
 use crate::validation::fitted_axis::FittedAxis;
 use crate::validation::found_effect::FoundEffect;
+use crate::validation::misfit::is_of_another_machine;
 use files::log::Unit;
 use model::effects::{Effect, Neighbours, Stage};
 use model::machine::Axis;
@@ -56,7 +57,9 @@ pub fn trace(
     let Confirmed { axis, mut found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
     let declared_values = declared_values([fit_data, validate], &axis);
-    let FittedAxis { model, .. } = axis;
+    let is_of_another_machine = is_of_another_machine(fit_data, &before, &declared_values, &scopes);
+    let model = if is_of_another_machine { before.clone() } else { axis.model };
+    found.retain(|_| !is_of_another_machine);
     let before = match task {
         Task::Evaluate => stage.as_declared(declared),
         // If all effects were dropped, both models are the same.
@@ -87,6 +90,7 @@ pub fn trace(
         ambiguities,
         bias: validate.bias.to_vec(),
         declared_values,
+        is_of_another_machine,
         declared: before,
         model,
         scopes,

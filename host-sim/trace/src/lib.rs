@@ -99,7 +99,8 @@ fn run(
     task: Task,
     progress: &Progress<'_>,
 ) -> Result<Trace, InputError> {
-    for log in fit.iter().chain(validate) {
+    let has_enough = |log: &&Log| log.len() >= options.admission.min_samples;
+    for log in fit.iter().chain(validate).filter(has_enough) {
         checks::is_longer_than_settling(log, options)?;
     }
     let Admitted { fit, validate, notes } =

@@ -235,6 +235,9 @@ options! {
         ///
         /// Sweep: nothing changes, nor did a separate limit of 0.25 for the closed loop when halved or doubled.
         max_loss: f64 = 0.1,
+        /// Maximum of this loss however large the gain is: a constant error of the force gains as much as it is large, and
+        /// makes the closed loop worse.
+        max_stage_loss: f64 = 0.25,
         /// Above this ratio of residual to noise, candidates are fitted from the nominal values: an effect of that size
         /// moves the declared values to their bounds in the fit without it.
         ///
@@ -340,6 +343,12 @@ impl SearchOptions {
     #[must_use]
     pub fn min_gain(&self) -> f64 {
         0.5 * self.min_reduction
+    }
+
+    /// The loss in log-likelihood per sample of a stage or of the closed loop that an effect with this gain may cause.
+    #[must_use]
+    pub fn tolerable_loss(&self, gain: f64) -> f64 {
+        (self.max_loss * gain).min(self.max_stage_loss).max(self.min_gain())
     }
 }
 

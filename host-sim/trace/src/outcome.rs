@@ -58,6 +58,8 @@ pub struct AxisTrace {
     pub declared: AxisModel,
     /// The declared mechanical values, as fitted with the effects found.
     pub declared_values: Vec<DeclaredValue>,
+    /// Whether the machine file is that of another machine, so that no effect is reported.
+    pub is_of_another_machine: bool,
     /// The model with the effects found.
     pub model: AxisModel,
     /// Stages that could be evaluated, by scope.
@@ -142,11 +144,15 @@ impl Trace {
         let mut faults = Vec::new();
         for (number, declared) in self.machine.axis.values().enumerate() {
             let model = AxisModel::new(declared, rates, self.options.model);
-            for logs in [&mut self.fit_logs, &mut self.validate_logs] {
-                let data = FitData::new(logs, &self.names, number, rates, &self.options);
-                for (log, late) in late_command::late_commands(&data, &model) {
-                    let name = &self.names[number];
-                    faults.push(late_command::shift_back(&mut logs[log], number, name, late));
+            let data = |logs| FitData::new(logs, &self.names, number, rates, &self.options);
+            let found =
+                [&self.fit_logs, &self.validate_logs].map(|logs| late_command::lateness(&data(logs), &model));
+            let of_session = late_command::of_session(&found.concat());
+            for (logs, found) in [&mut self.fit_logs, &mut self.validate_logs].into_iter().zip(found) {
+                for (log, lateness) in logs.iter_mut().zip(found) {
+                    if let Some(late) = of_session.or(lateness) {
+                        faults.push(late_command::shift_back(log, number, &self.names[number], late));
+                    }
                 }
             }
         }

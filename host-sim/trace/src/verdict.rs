@@ -29,7 +29,7 @@ pub fn of(trace: &Trace) -> Verdict {
 /// The verdict on one axis.
 #[must_use]
 pub fn of_axis(axis: &AxisTrace) -> Verdict {
-    if axis.errors.iter().any(is_gross) {
+    if axis.is_of_another_machine || axis.errors.iter().any(is_gross) {
         Verdict::ModelDoesNotFit
     } else if !axis.unexplained.is_empty()
         || axis.errors.iter().any(is_gross_held_out)

@@ -44,7 +44,7 @@ impl EffectModel for ServoMismatch {
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::signed(self.percent, 0.2, 80.0)]
+        vec![Coordinate::between(self.percent, 0.2, -80.0, 300.0)]
     }
 
     /// The unknown discretization of a drive's filters has an effect of 0.25 %.

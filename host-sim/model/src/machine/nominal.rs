@@ -7,9 +7,12 @@ use super::number_table::number_table;
 use crate::axis::Settings;
 use crate::effects::{Effect, Windup};
 
-/// A fitted value may deviate from its nominal value by up to this many tolerances. Users seldom know friction and masses
-/// as well as they declare; a value that is farther off has a wrong unit or belongs to another machine.
+/// A fitted mass or stiffness may deviate from its nominal value by up to this many tolerances. One that is farther off has
+/// a wrong unit or belongs to another machine.
 pub const MAX_TOLERANCES: f64 = 4.0;
+
+/// The same for friction, which changes with load, temperature and age, and which few users know as well as they declare.
+const MAX_FRICTION_TOLERANCES: f64 = 10.0;
 
 /// A mechanical value to which `plant_tolerance_percent` applies.
 pub struct Tolerated {
@@ -35,13 +38,15 @@ impl Tolerated {
     }
 
     /// The range in which a fit may move a value, from its nominal value and its relative tolerance: up to
-    /// [`MAX_TOLERANCES`] in either direction, as a factor. A lower stiffness is the effect `windup`.
+    /// [`MAX_TOLERANCES`] in either direction, as a factor, friction further. A lower stiffness is the effect `windup`.
     #[must_use]
     pub fn range(&self, nominal: f64, tolerance: f64) -> [f64; 2] {
         if self.is_poorly_determined() {
             return [nominal * (1.0 - tolerance), nominal * (1.0 + tolerance)];
         }
-        let factor = 1.0 + MAX_TOLERANCES * tolerance;
+        let is_friction = ["coulomb_n", "viscous_n_s_per_m", "motor_coulomb_n"].contains(&self.key);
+        let most = if is_friction { MAX_FRICTION_TOLERANCES } else { MAX_TOLERANCES };
+        let factor = 1.0 + most * tolerance;
         let least = nominal / factor;
         let is_stiffness = self.key == "stiffness_n_per_um";
         let least = if is_stiffness { least.max(Windup::max_stiffness(nominal, tolerance)) } else { least };

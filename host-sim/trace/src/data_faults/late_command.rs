@@ -119,11 +119,22 @@ fn late_samples(data: &FitData<'_>, model: &AxisModel, log: usize, options: &Fau
     (rival > options.min_rival_ratio * least).then_some(late)
 }
 
-/// The logs whose command is late, with the number of samples.
+/// Number of samples by which the command of each log is late; `None` for a log in which it is not, or which does not show it
+/// with certainty.
 #[must_use]
-pub fn late_commands(data: &FitData<'_>, model: &AxisModel) -> Vec<(usize, usize)> {
-    let late = |log| Some((log, late_samples(data, model, log, &data.options.faults)?));
-    (0..data.logs.len()).into_par_iter().filter_map(late).collect()
+pub fn lateness(data: &FitData<'_>, model: &AxisModel) -> Vec<Option<usize>> {
+    let late = |log| late_samples(data, model, log, &data.options.faults);
+    (0..data.logs.len()).into_par_iter().map(late).collect()
+}
+
+/// The lateness that all logs of a session have, by the lateness of each: a recorder is late in every log, but a motion of
+/// one frequency does not show it. `None` unless most logs show it, and all of them the same.
+#[must_use]
+pub fn of_session(lateness: &[Option<usize>]) -> Option<usize> {
+    let shown: Vec<usize> = lateness.iter().copied().flatten().collect();
+    let &first = shown.first()?;
+    let is_most = shown.len() > 1 && 2 * shown.len() > lateness.len();
+    (is_most && shown.iter().all(|&late| late == first)).then_some(first)
 }
 
 /// Shifts the command of an axis of a log back, excludes the samples at its end from the motor stage, as their command was
@@ -144,5 +155,19 @@ pub fn shift_back(log: &mut Signals, axis: usize, name: &str, late: usize) -> Da
         size: Some(1e3 * late as f64 * log.sample_s),
         count: 1,
         treatment: Treatment::Corrected,
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn most_logs_show_the_lateness_of_a_session() {
+        assert_eq!(of_session(&[Some(20), Some(20), None, Some(20), Some(20)]), Some(20));
+        // Half of the logs, one log, and logs that differ.
+        assert_eq!(of_session(&[Some(1), None, None, Some(1)]), None);
+        assert_eq!(of_session(&[Some(1)]), None);
+        assert_eq!(of_session(&[Some(1), Some(2), Some(1)]), None);
     }
 }

@@ -62,9 +62,10 @@ impl AxisModel {
         }
     }
 
-    /// After a fit of all mechanics, pins the mass to its fitted value: the motor stage may change it by 1 % only.
+    /// After a fit of all mechanics to a force, pins the mass to its fitted value: the motor stage may change it by 1 % only.
+    /// Without a force, the motor stage determines the mass.
     pub fn pin_mass(&mut self, scope: &Scope) {
-        if scope.mechanics == Mechanics::All {
+        if scope.mechanics == Mechanics::All && scope.stages.contains(&Stage::Force) {
             let mass_alone = Scope { stages: Vec::new(), mechanics: Mechanics::MotorMass };
             let mass =
                 self.adjustable(&mass_alone).next().and_then(|(key, _)| (key.get)(&self.axis.settings));
@@ -337,7 +338,7 @@ impl AxisModel {
     /// declares only one mass, that mass.
     fn adjustable(&self, scope: &Scope) -> impl Iterator<Item = (&'static Tolerated, f64)> {
         self.tolerated_keys().take(match scope.mechanics {
-            Mechanics::All => TOLERATED.len(),
+            Mechanics::All | Mechanics::Values => TOLERATED.len(),
             Mechanics::MotorMass => 1,
             Mechanics::None => 0,
         })

@@ -10,6 +10,9 @@ use model::machine::Axis;
 pub enum Mechanics {
     /// All values, and the mechanical effects.
     All,
+    /// All values without the mechanical effects. Without a force the closed loop determines masses and friction, which the
+    /// table stage leaves open.
+    Values,
     /// The mass of the motor only. The closed loop determines the sum of the masses to a few per mille, better than the force
     /// stage with its differentiated motion. An error of the mass must not be explained by an effect of the loop.
     MotorMass,
@@ -69,7 +72,11 @@ pub fn scopes(axis: &Axis, data: &FitData<'_>) -> (Vec<Scope>, Vec<NotTestable>)
         wanted.iter().copied().filter(|stage| testable.contains(stage)).collect::<Vec<_>>()
     };
     let mechanics = among(&[Stage::Table, Stage::Force]);
-    let on_motor = if mechanics.is_empty() { Mechanics::All } else { Mechanics::MotorMass };
+    let on_motor = match &mechanics[..] {
+        [] => Mechanics::All,
+        stages if stages.contains(&Stage::Force) => Mechanics::MotorMass,
+        _ => Mechanics::Values,
+    };
     let servo = Scope { stages: among(&[Stage::Motor]), mechanics: on_motor };
     let structure = Scope { stages: among(&[Stage::Tool]), mechanics: Mechanics::None };
     let mechanics = Scope { stages: mechanics, mechanics: Mechanics::All };

@@ -58,7 +58,7 @@ impl Candidate {
         let is_better =
             |c: &Comparison| c.reduction >= options.min_reduction && c.t >= min_t && c.folds_better == FOLDS;
         let loss = |c: &Comparison| 0.5 * (1.0 - c.worst_log.min(0.0)).ln();
-        let tolerable = options.min_gain().max(options.max_loss * self.gain);
+        let tolerable = options.tolerable_loss(self.gain);
         self.exceeds_tolerance
             && self.comparison.iter().any(is_better)
             && self.comparison.iter().all(|c| loss(c) < tolerable)

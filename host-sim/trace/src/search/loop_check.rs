@@ -34,7 +34,7 @@ impl LoopCheck<'_> {
         let is_alone = self.scope.stages == [Stage::Force];
         if candidate.is_supported(options) {
             // Some loss is tolerated, as a correct friction may reveal another error in the model of the closed loop.
-            let max = options.min_gain().max(options.max_loss * candidate.gain);
+            let max = options.tolerable_loss(candidate.gain);
             return loss().is_none_or(|loss| loss <= max);
         }
         let is_confirmed = || loss().is_some_and(|loss| loss <= -options.min_gain());

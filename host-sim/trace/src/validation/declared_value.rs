@@ -58,9 +58,9 @@ impl DeclaredValue {
 /// The declared values of the mechanical fit, in the order of the keys.
 #[must_use]
 pub fn declared_values([fit_data, validate]: [&FitData<'_>; 2], axis: &FittedAxis) -> Vec<DeclaredValue> {
-    let Some(fit) = axis.fits.iter().find(|fit| fit.fitted_scope.mechanics == Mechanics::All) else {
-        return Vec::new();
-    };
+    let fits_values =
+        |fit: &&ScopeFit| matches!(fit.fitted_scope.mechanics, Mechanics::All | Mechanics::Values);
+    let Some(fit) = axis.fits.iter().rfind(fits_values) else { return Vec::new() };
     let (model, covariance) = (&fit.fitted.model, covariance(fit_data, &fit.fitted));
     let at_bounds = model.at_bounds();
     let value = |(index, key, declared): (usize, &'static Tolerated, f64)| {

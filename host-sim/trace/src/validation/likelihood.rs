@@ -12,8 +12,18 @@ use model::effects::Stage;
 #[must_use]
 pub fn refuting_loss(data: &FitData<'_>, residuals: [&[ResidualSeries]; 2]) -> Option<f64> {
     let cells = cells(data, residuals);
-    let gain = gain(&cells, None);
-    is_refuted(gain, standard_error(&cells), data.options).then_some(gain)
+    let total = gain(&cells, None);
+    if is_refuted(total, standard_error(&cells), data.options) {
+        return Some(total);
+    }
+    // However much one stage gains, no other may lose more than this.
+    let stages: BTreeSet<Stage> = cells.iter().map(|cell| cell.stage).collect();
+    let of_stage = |stage| {
+        let own: Vec<Cell> = cells.iter().copied().filter(|cell| cell.stage == stage).collect();
+        gain(&own, None)
+    };
+    let worst = numerics::min(stages.into_iter().map(of_stage));
+    (worst < -data.options.search.max_stage_loss).then_some(worst)
 }
 
 /// Whether a gain in log-likelihood per sample, with its standard error, refutes an effect.

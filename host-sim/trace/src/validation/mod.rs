@@ -9,4 +9,5 @@ pub mod declared_value;
 pub mod fitted_axis;
 pub mod found_effect;
 pub mod likelihood;
+pub mod misfit;
 pub mod refutation;

@@ -1,0 +1,43 @@
+//! Machine files of another machine.
+//!
+//! If the masses, stiffness or friction of a file are far from those of the machine, each effect that makes up for a part of
+//! the difference reduces the residuals, and none of them is real. The signs of it are residuals of the declared
+//! model far above the noise in most stages that depend on the mechanics, and several declared values that the fit with
+//! effects has moved to the end of their range.
+
+use super::declared_value::DeclaredValue;
+use crate::fit::axis_model::AxisModel;
+use crate::fit::fit_data::FitData;
+use crate::fit::scope::{Mechanics, Scope};
+use model::effects::Stage;
+
+/// Number of declared values at the end of their range from which they are a sign.
+const MIN_AT_BOUNDS: usize = 2;
+
+/// Whether a machine file is that of another machine: by its model without effects, and its values as fitted with effects.
+#[must_use]
+pub fn is_of_another_machine(
+    data: &FitData<'_>,
+    model: &AxisModel,
+    values: &[DeclaredValue],
+    scopes: &[Scope],
+) -> bool {
+    let at_bounds = values.iter().filter(|value| value.is_undetermined()).count();
+    at_bounds >= MIN_AT_BOUNDS && leaves_gross_residuals(data, model, scopes)
+}
+
+/// Whether a model fails to describe most of the stages that depend on the mechanics, and at least two if there are two.
+fn leaves_gross_residuals(data: &FitData<'_>, model: &AxisModel, scopes: &[Scope]) -> bool {
+    let mechanical = |scope: &&Scope| scope.mechanics != Mechanics::None;
+    let is_gross = |scope: &Scope, stage: Stage| {
+        let residuals = data.residuals(model, scope);
+        data.rms(&residuals, stage) > data.options.verdict.max_described(data.noise(model, stage))
+    };
+    let stages: Vec<(&Scope, Stage)> = scopes
+        .iter()
+        .filter(mechanical)
+        .flat_map(|scope| scope.stages.iter().map(move |&stage| (scope, stage)))
+        .collect();
+    let gross = stages.iter().filter(|(scope, stage)| is_gross(scope, *stage)).count();
+    gross >= stages.len().min(2).max(1) && 2 * gross > stages.len()
+}
