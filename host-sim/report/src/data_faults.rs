@@ -111,7 +111,7 @@ mod tests {
         let text = description(&fault(FaultKind::Unit, Some(1.6), Treatment::Removed), Unit::Millimetre);
         assert_eq!(
             text,
-            "the table is 1.6 times what the other channels show: its unit or a factor is wrong; it is not used, and no \
+            "the table is 1.600 times what the other channels show: its unit or a factor is wrong; it is not used, and no \
              effect is searched in the stages that need it"
         );
         let twice = DataFault { count: 2, ..fault(FaultKind::Spike, Some(20.0), Treatment::Corrected) };
