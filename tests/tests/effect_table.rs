@@ -22,7 +22,10 @@ fn the_table_of_effects_matches_the_catalogue() {
 fn the_listed_keys_are_sufficient_and_names_are_required() {
     for kind in KINDS {
         let mut entry = serde_json::Map::from_iter([("name".to_owned(), kind.name.into())]);
-        entry.extend(kind.parameters.iter().map(|parameter| (parameter.key.to_owned(), 1.0.into())));
+        entry.extend(kind.parameters.iter().map(|parameter| {
+            let value = if parameter.is_list { vec![1.0, 2.0].into() } else { 1.0.into() };
+            (parameter.key.to_owned(), value)
+        }));
         for (key, _) in kind.named_keys {
             assert!(serde_json::from_value::<Effect>(entry.clone().into()).is_err(), "{}, {key}", kind.name);
             let value = if *key == "channel" { "tool" } else { "y" };
@@ -53,6 +56,7 @@ fn row(kind: &Kind) -> String {
     let list =
         |of: &dyn Fn(&Parameter) -> String| kind.parameters.iter().map(of).collect::<Vec<_>>().join("<br>");
     let range = |parameter: &Parameter| match parameter.range {
+        Range::Signed if parameter.is_list => "list of numbers".to_owned(),
         Range::Signed => "of any sign".to_owned(),
         range => range.description(),
     };

@@ -8,6 +8,7 @@
 //! - [`friction_law`]: functions of velocity that effects and friction maps share.
 //! - [`motion`]: the motion file.
 //! - [`servo`]: converts the settings of an axis, and the effects in its controller, into settings of [`shared`].
+//! - [`position_curve`]: a quantity over position, given at knots.
 //! - [`range`]: the range of a declared number.
 
 pub mod axis;
@@ -18,5 +19,6 @@ pub mod friction_curve;
 pub mod friction_law;
 pub mod machine;
 pub mod motion;
+pub mod position_curve;
 pub mod range;
 pub mod servo;

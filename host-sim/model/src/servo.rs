@@ -3,8 +3,11 @@
 use shared::config::{self, AxisSettings, LowPass, Notch};
 use shared::interpolate::Smoothing;
 
-use crate::axis::{Feedback, Filters, Law, Settings};
-use crate::effects::{Effect, ServoMismatch, VelocityLag};
+use crate::axis::{Controller, Feedback, Filters, Law, Settings};
+use crate::effects::{
+    DriveLag, Effect, FeedforwardMismatch, IntegralTimeMismatch, ServoMismatch, VelocityGainMismatch,
+    VelocityLag,
+};
 
 /// Following error at which the drives are switched off if the machine file declares no limit, m.
 pub const FOLLOWING_ERROR_LIMIT_M: f64 = 0.13;
@@ -17,6 +20,14 @@ const UNLIMITED_N: f64 = 1e5;
 pub struct ServoParameters {
     /// Deviation of Kp.
     pub mismatch: ServoMismatch,
+    /// Deviation of Kf.
+    pub feedforward: FeedforwardMismatch,
+    /// Deviation of Kv.
+    pub velocity_gain: VelocityGainMismatch,
+    /// Deviation of Ti.
+    pub integral_time: IntegralTimeMismatch,
+    /// Lag of the drive's force.
+    pub drive_lag: Option<DriveLag>,
     /// Delay of the velocity reading.
     pub lag: VelocityLag,
     /// Delay of the force relative to the reading of the sensors, s; negative: the sensors are read later.
@@ -33,11 +44,33 @@ impl ServoParameters {
         for effect in effects {
             match effect {
                 Effect::ServoMismatch(mismatch) => parameters.mismatch = mismatch.clone(),
+                Effect::FeedforwardMismatch(mismatch) => parameters.feedforward = mismatch.clone(),
+                Effect::VelocityGainMismatch(mismatch) => parameters.velocity_gain = mismatch.clone(),
+                Effect::IntegralTimeMismatch(mismatch) => parameters.integral_time = mismatch.clone(),
+                Effect::DriveLag(lag) => parameters.drive_lag = Some(lag.clone()),
                 Effect::VelocityLag(lag) => parameters.lag = lag.clone(),
                 _ => {}
             }
         }
         parameters
+    }
+
+    /// True Kv, N·s/m, of a controller that declares one.
+    #[must_use]
+    pub fn velocity_gain_n_s_per_m(&self, controller: &Controller) -> Option<f64> {
+        controller.velocity_gain_n_s_per_m.map(|gain| self.velocity_gain.factor() * gain)
+    }
+
+    /// True Ti, s, of a controller that declares one.
+    #[must_use]
+    pub fn velocity_integral_time_s(&self, controller: &Controller) -> Option<f64> {
+        controller.velocity_integral_time_s.map(|time_s| self.integral_time.factor() * time_s)
+    }
+
+    /// Time constant of the drive's force, s; `otherwise` without a known one.
+    #[must_use]
+    pub fn drive_time_constant_s(&self, otherwise: f64) -> f64 {
+        self.drive_lag.as_ref().map_or(otherwise, DriveLag::time_constant_s)
     }
 }
 
@@ -64,9 +97,11 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
         law,
         position_gain_per_s: factor * controller.position_gain_per_s.ok_or("position_gain_per_s")?,
         // The lead (Kf/Kp)·d(command)/dt contains the same Kp, so that the mismatch does not change the feed-forward.
-        feedforward_percent: controller.feedforward_percent.unwrap_or(0.0),
-        velocity_gain_n_s_per_m: controller.velocity_gain_n_s_per_m.ok_or("velocity_gain_n_s_per_m")?,
-        velocity_integral_time_s: controller.velocity_integral_time_s,
+        feedforward_percent: controller.feedforward_percent.unwrap_or(0.0) + effects.feedforward.percent,
+        velocity_gain_n_s_per_m: effects
+            .velocity_gain_n_s_per_m(controller)
+            .ok_or("velocity_gain_n_s_per_m")?,
+        velocity_integral_time_s: effects.velocity_integral_time_s(controller),
         velocity_lag_s: 1e-3 * effects.lag.ms,
         force_limit_n: controller.force_limit_n.unwrap_or(UNLIMITED_N),
         sensors: feedback,

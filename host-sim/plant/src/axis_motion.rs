@@ -21,6 +21,8 @@ pub struct AxisMotion<L = f64> {
     pub bristle_m: L,
     /// Low-pass filtered speed of the table, on which friction with memory depends, m/s.
     pub filtered_speed_m_per_s: L,
+    /// Time on the session clock, s; it advances only where the friction of the guide depends on it.
+    pub time_s: L,
     /// Force of the drive behind its lag, N.
     pub drive_n: L,
     /// Friction of the guide without its viscous part, mean of the last step, N.
@@ -42,6 +44,7 @@ impl<L: Lane> AxisMotion<L> {
             table_m_per_s: convert(|motion| motion.table_m_per_s),
             bristle_m: convert(|motion| motion.bristle_m),
             filtered_speed_m_per_s: convert(|motion| motion.filtered_speed_m_per_s),
+            time_s: convert(|motion| motion.time_s),
             drive_n: convert(|motion| motion.drive_n),
             friction_n: convert(|motion| motion.friction_n),
             motor_change: convert(|motion| motion.motor_change),
@@ -82,20 +85,21 @@ impl AxisMotion {
             let sliding = SlidingState {
                 position_m: self.table_m,
                 filtered_speed_m_per_s: self.filtered_speed_m_per_s,
+                time_s: self.time_s,
             };
             friction.bristles().force_n(self.bristle_m, v, friction.level_n(v, sliding))
         } else {
             self.friction_n
         };
-        let resistance_n = guide_n + friction.viscous_n(v) + parameters.load.force_n;
+        let resistance_n = guide_n + friction.viscous_n(v) + parameters.load.force_n(self.table_m);
         let Some(spring) = &parameters.spring else {
             let drive_n = self.drive_n + parameters.torque_ripple_n(self.motor_m)
                 - parameters.motor_friction_n(self.motor_m_per_s);
             return (drive_n - resistance_n) / (parameters.motor_mass_kg + parameters.table_mass_kg);
         };
         let deflection_m = parameters.screw.nominal_m(self.motor_m) - self.table_m;
-        let stretch_m = deflection_m - parameters.screw.backlash.absorbed_m(deflection_m);
-        let in_contact = parameters.screw.backlash.width_um == 0.0 || stretch_m != 0.0;
+        let stretch_m = deflection_m - parameters.screw.absorbed_m(self.motor_m, deflection_m);
+        let in_contact = !parameters.screw.has_gap() || stretch_m != 0.0;
         let damping_n = spring.damping_n_s_per_m * (self.motor_m_per_s - v);
         let screw_n = if in_contact { spring.stiffness_n_per_m * stretch_m + damping_n } else { 0.0 };
         (screw_n - resistance_n) / parameters.table_mass_kg

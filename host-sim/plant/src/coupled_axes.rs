@@ -20,9 +20,6 @@ pub struct CoupledAxes {
     axes: Vec<CoupledAxis>,
     forces: Vec<AxisForces>,
     step: StepTime,
-    /// Fraction of the difference between drive and command that is left after a step, and its mean over the step.
-    lag_left: f64,
-    lag_mean: f64,
 }
 
 /// The constants of an axis.
@@ -33,11 +30,14 @@ struct CoupledAxis {
     /// Unit vector along which the axis moves the tool against the workpiece.
     direction: Vector3<f64>,
     guide: Guide<f64>,
+    /// Fraction of the difference between drive and command that is left after a step, and its mean over the step.
+    lag_left: f64,
+    lag_mean: f64,
 }
 
 impl CoupledAxes {
     /// At rest with the motors at `start_m`, one an axis; `parameters` from [`AxisParameters::of_machine`]. Time
-    /// constant 0: a drive without lag.
+    /// constant 0: a drive without lag, unless the axis has a [`model::effects::DriveLag`].
     ///
     /// # Errors
     /// If the structure is impossible, see [`Assembly::of`].
@@ -60,8 +60,10 @@ impl CoupledAxes {
             assembly.damping += guide.transpose() * guide * parameters.friction.viscous_n_s_per_m;
         }
         let (ways, multibody) = (assembly.ways()?, Multibody::new(&assembly, step_s)?);
-        let axis =
-            |(number, (axis, parameters)): (usize, (&model::bodies::Axis, &AxisParameters))| CoupledAxis {
+        let axis = |(number, (axis, parameters)): (usize, (&model::bodies::Axis, &AxisParameters))| {
+            let lag_s = parameters.servo.drive_time_constant_s(drive_time_constant_s);
+            let lag_left = if lag_s > 0.0 { (-step_s / lag_s).exp() } else { 0.0 };
+            CoupledAxis {
                 motor_start_m: start_m[number],
                 table_start_m: parameters.screw.nominal_m(start_m[number]),
                 spring: Spring {
@@ -70,16 +72,15 @@ impl CoupledAxes {
                 },
                 direction: ways.column(number).normalize(),
                 guide: Guide::new(parameters),
-            };
-        let has_lag = drive_time_constant_s > 0.0;
-        let lag_left = if has_lag { (-step_s / drive_time_constant_s).exp() } else { 0.0 };
+                lag_left,
+                lag_mean: if lag_s > 0.0 { (1.0 - lag_left) * lag_s / step_s } else { 0.0 },
+            }
+        };
         Ok(Self {
             axes: structure.axis.values().zip(parameters).enumerate().map(axis).collect(),
             multibody,
             forces: vec![AxisForces::default(); start_m.len()],
             step: StepTime::new(step_s),
-            lag_left,
-            lag_mean: if has_lag { (1.0 - lag_left) * drive_time_constant_s / step_s } else { 0.0 },
         })
     }
 
@@ -92,8 +93,9 @@ impl CoupledAxes {
         commanded_n: f64,
     ) {
         let lag_n = motion.drive_n - commanded_n;
-        motion.drive_n = commanded_n + self.lag_left * lag_n;
-        let drive_n = commanded_n + self.lag_mean * lag_n;
+        let CoupledAxis { lag_left, lag_mean, .. } = self.axes[axis];
+        motion.drive_n = commanded_n + lag_left * lag_n;
+        let drive_n = commanded_n + lag_mean * lag_n;
         // What depends on positions and velocities is evaluated in the middle of the step, by extrapolation.
         let half_s = 0.5 * self.step.seconds;
         let middle_m = motion.motor_m + half_s * motion.motor_m_per_s;
@@ -150,8 +152,8 @@ impl CoupledAxis {
         let screw = &parameters.screw;
         // Both are relative to the start, where the spring has no force.
         let error_m = screw.error_m(motor_m) - screw.error_m(self.motor_start_m);
-        let gap_m = screw.backlash.absorbed_m(error_m - stretch_m);
-        let in_gap = screw.backlash.half_m() > 0.0 && gap_m.abs() < screw.backlash.half_m();
+        let gap_m = screw.absorbed_m(motor_m, error_m - stretch_m);
+        let in_gap = gap_m.abs() < screw.half_gap_m(motor_m);
         let rate = motion.table_m_per_s - motion.motor_m_per_s;
         // Within the gap nothing damps: the structure's damper is cancelled.
         let damper_n = if in_gap { self.spring.damping_n_s_per_m * rate } else { 0.0 };

@@ -28,6 +28,10 @@ pub struct ScrewMotion {
     /// The part of the velocity that is the rate of the pitch error, m/s: the damper is between motor and table, and
     /// this part does not act on it.
     pub error_velocity: f64,
+    /// Half of the gap between screw and nut, m.
+    pub half_gap_m: f64,
+    /// Time on the session clock, s.
+    pub time_s: f64,
 }
 
 /// State of the table, relative to the screw.
@@ -63,8 +67,8 @@ impl DrivenTable {
         table.transmitted_n = parameters.table_mass_kg * screw.acceleration
             + level
             + friction.viscous_n(screw.velocity)
-            + parameters.load.force_n;
-        let gap_m = parameters.screw.backlash.half_m().copysign(table.transmitted_n);
+            + parameters.load.force_n(screw.nominal_m);
+        let gap_m = screw.half_gap_m.copysign(table.transmitted_n);
         if let Some(spring) = &parameters.spring {
             table.deflection_m = table.transmitted_n / spring.stiffness_n_per_m + gap_m;
         } else {
@@ -86,7 +90,11 @@ impl DrivenTable {
     }
 
     fn sliding(&self, screw: ScrewMotion) -> SlidingState {
-        SlidingState { position_m: screw.nominal_m, filtered_speed_m_per_s: self.filtered_speed_m_per_s }
+        SlidingState {
+            position_m: screw.nominal_m,
+            filtered_speed_m_per_s: self.filtered_speed_m_per_s,
+            time_s: screw.time_s,
+        }
     }
 
     /// Position of the table, m, behind the screw of the last step.
@@ -111,12 +119,14 @@ impl DrivenTable {
 
     fn step_rigid(&mut self, step: &DrivenStep<'_>, screw: ScrewMotion) {
         let parameters = step.parameters;
-        self.table_m = parameters.screw.rigid_table_m(screw.nominal_m, self.table_m);
+        let deflection_m = screw.nominal_m - self.table_m;
+        self.table_m = screw.nominal_m - deflection_m.clamp(-screw.half_gap_m, screw.half_gap_m);
         let sliding = self.sliding(screw);
         let friction =
             parameters.friction.step(&mut self.bristle_m, screw.velocity, sliding, step.time.seconds);
-        self.transmitted_n =
-            parameters.table_mass_kg * screw.acceleration + friction + parameters.load.force_n;
+        self.transmitted_n = parameters.table_mass_kg * screw.acceleration
+            + friction
+            + parameters.load.force_n(screw.nominal_m);
     }
 
     #[inline]
@@ -132,9 +142,9 @@ impl DrivenTable {
             + step.mass_per_h * self.deflection_rate
             + friction.offset_n
             + friction.slope_n_s_per_m * (screw.velocity + self.deflection_m * per_h)
-            + step.parameters.load.force_n;
-        let in_gap = explicit_n.abs() <= step.half_gap_m * inertia;
-        let gap_m = step.half_gap_m.copysign(explicit_n);
+            + step.parameters.load.force_n(screw.nominal_m);
+        let in_gap = explicit_n.abs() <= screw.half_gap_m * inertia;
+        let gap_m = screw.half_gap_m.copysign(explicit_n);
         let deflection = if in_gap {
             explicit_n / inertia
         } else {
@@ -168,7 +178,6 @@ pub struct DrivenStep<'a> {
     stiffness: f64,
     damping: f64,
     damping_per_h: f64,
-    half_gap_m: f64,
 }
 
 impl<'a> DrivenStep<'a> {
@@ -188,7 +197,6 @@ impl<'a> DrivenStep<'a> {
             stiffness: of_spring(|spring| spring.stiffness_n_per_m),
             damping,
             damping_per_h: damping * per_h,
-            half_gap_m: parameters.screw.backlash.half_m(),
         }
     }
 
@@ -253,7 +261,8 @@ mod tests {
         for (velocity, steps) in [(0.02, 100), (-0.02, 200), (0.02, 200)] {
             for _ in 0..steps {
                 let nominal_m = screw.nominal_m + velocity * h;
-                screw = ScrewMotion { nominal_m, velocity, ..ScrewMotion::default() };
+                let half_gap_m = parameters.screw.half_gap_m(nominal_m);
+                screw = ScrewMotion { nominal_m, velocity, half_gap_m, ..ScrewMotion::default() };
                 table.step(&step, screw);
             }
             let lag = screw.nominal_m - table.position_m(parameters, screw);

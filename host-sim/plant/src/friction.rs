@@ -1,11 +1,13 @@
-//! Friction of the guideway: Coulomb, viscous and Stribeck friction, its dependence on position and direction, and
+//! Friction of the guideway: Coulomb, viscous and Stribeck friction, its dependence on position, time and direction, and
 //! optionally presliding ([`super::presliding`]).
 
 use super::presliding::Bristles;
 use model::effects::{
-    FrictionAsymmetry, FrictionMemory, FrictionRipple, PreloadVariation, ShearThinning, Stribeck,
+    FrictionAsymmetry, FrictionMemory, FrictionRipple, FrictionWarmUp, PreloadVariation, ShearThinning,
+    Stribeck,
 };
 use model::friction_curve::Curve;
+use model::position_curve::PositionCurve;
 
 /// Velocity scale w of [`smoothed_sign`], m/s.
 pub const SIGN_WIDTH_M_PER_S: f64 = 0.2e-3;
@@ -25,6 +27,8 @@ pub struct SlidingState {
     pub position_m: f64,
     /// Low-pass filtered speed, m/s, not negative; see [`FrictionMemory`].
     pub filtered_speed_m_per_s: f64,
+    /// Time on the session clock, s.
+    pub time_s: f64,
 }
 
 /// The parameters of friction, SI.
@@ -46,8 +50,12 @@ pub struct Friction {
     pub memory: FrictionMemory,
     /// Dependence on the position, over the travel.
     pub preload: PreloadVariation,
+    /// Any other dependence on the position, N over m.
+    pub map: PositionCurve,
     /// Dependence on the position, periodic with the screw.
     pub ripple: Vec<FrictionRipple>,
+    /// Dependence on the time of the session.
+    pub warm_up: FrictionWarmUp,
     /// Difference between the directions of travel.
     pub asymmetry: FrictionAsymmetry,
     /// A published friction curve in the place of the Coulomb level.
@@ -66,7 +74,7 @@ impl Friction {
         }
     }
 
-    /// The sliding level at a velocity (m/s), N; not negative where it depends on position or filtered speed.
+    /// The sliding level at a velocity (m/s), N; not negative where it depends on more than the velocity.
     #[must_use]
     #[inline]
     pub fn level_n(&self, velocity: f64, sliding: SlidingState) -> f64 {
@@ -77,13 +85,19 @@ impl Friction {
         let preload_n = if self.preload.varies() { self.preload.rise_n(sliding.position_m) } else { 0.0 };
         let ripple_n: f64 = self.ripple.iter().map(|ripple| ripple.rise_n(sliding.position_m)).sum();
         let memory_n = self.memory.rise_n(velocity, sliding.filtered_speed_m_per_s);
-        (level_n + preload_n + ripple_n + memory_n).max(0.0)
+        let warm_up_n = if self.warm_up.changes() { self.warm_up.rise_n(sliding.time_s) } else { 0.0 };
+        let map_n = if self.map.is_empty() { 0.0 } else { self.map.value(sliding.position_m) };
+        (level_n + preload_n + ripple_n + memory_n + warm_up_n + map_n).max(0.0)
     }
 
     #[must_use]
     #[inline]
     fn depends_on_velocity_only(&self) -> bool {
-        !self.memory.remembers() && !self.preload.varies() && self.ripple.is_empty()
+        !self.memory.remembers()
+            && !self.preload.varies()
+            && !self.warm_up.changes()
+            && self.map.is_empty()
+            && self.ripple.is_empty()
     }
 
     /// Friction at a velocity (m/s), N, where it is given by a curve that is continuous through zero.

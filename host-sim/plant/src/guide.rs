@@ -1,4 +1,4 @@
-//! The guideway under a table over one step: implicit friction, and constant load.
+//! The guideway under a table over one step: implicit friction, and load.
 
 use wide::f64x2;
 
@@ -15,9 +15,14 @@ pub struct Guide<L> {
     bristles: Option<Bristles<L>>,
     /// [`Bristles::relaxation_per_m`] where the sliding level is constant.
     relaxation_per_m: Option<L>,
+    /// Constant load.
     load_n: L,
+    /// Whether the load of any of the axes depends on its position.
+    has_position_load: bool,
     /// Whether the friction of any of the axes depends on its filtered speed.
     has_memory: bool,
+    /// Whether the friction of any of the axes depends on the time of the session.
+    has_warm_up: bool,
     asymmetry_n_s_per_m: L,
 }
 
@@ -43,8 +48,10 @@ impl Guide<f64> {
         Self {
             bristles: friction.has_bristles().then_some(bristles),
             relaxation_per_m: friction.constant_level_n().map(|level_n| bristles.relaxation_per_m(level_n)),
-            load_n: parameters.load.force_n,
+            load_n: parameters.load.constant.force_n,
+            has_position_load: parameters.load.position.is_some(),
             has_memory: friction.memory.remembers(),
+            has_warm_up: friction.warm_up.changes(),
             asymmetry_n_s_per_m: friction.asymmetry.half_difference_n_s_per_m,
         }
     }
@@ -70,7 +77,9 @@ impl Guide<f64x2> {
             bristles,
             relaxation_per_m,
             has_memory: guides.iter().any(|guide| guide.has_memory),
+            has_warm_up: guides.iter().any(|guide| guide.has_warm_up),
             load_n: f64x2::new(guides.map(|guide| guide.load_n)),
+            has_position_load: guides.iter().any(|guide| guide.has_position_load),
             asymmetry_n_s_per_m: f64x2::new(guides.map(|guide| guide.asymmetry_n_s_per_m)),
         })
     }
@@ -78,7 +87,7 @@ impl Guide<f64x2> {
 
 impl<L: Lane> Guide<L> {
     /// Mean force of the guides on the tables over a step, N: friction without its viscous part, and load. Updates the
-    /// bristles, the filtered speed and `friction_n` of the motion.
+    /// bristles, the filtered speed, the time and `friction_n` of the motion.
     ///
     /// Friction and mean velocity of the step depend on each other; both relations are linear for a fixed sliding
     /// level, which is taken at the extrapolated velocity in the middle of the step.
@@ -96,11 +105,24 @@ impl<L: Lane> Guide<L> {
                 + L::of(|axis| parameters[axis].friction.memory.share(step.seconds))
                     * (about.abs() - motion.filtered_speed_m_per_s);
         }
+        if self.has_warm_up {
+            motion.time_s = motion.time_s + L::all(step.seconds);
+        }
         let sliding = |axis: usize| SlidingState {
             position_m: motion.table_m.lane(axis),
             filtered_speed_m_per_s: motion.filtered_speed_m_per_s.lane(axis),
+            time_s: motion.time_s.lane(axis),
         };
-        let load_n = self.load_n + self.asymmetry_n_s_per_m * about.abs();
+        let mut load_n = self.load_n + self.asymmetry_n_s_per_m * about.abs();
+        if self.has_position_load {
+            // In the middle of the step, by extrapolation.
+            let middle_m = motion.table_m + L::all(0.5 * step.seconds) * about;
+            let at_position = |axis: usize| {
+                let load = parameters[axis].load.position.as_ref();
+                load.map_or(0.0, |load| load.force_n(middle_m.lane(axis)))
+            };
+            load_n = load_n + L::of(at_position);
+        }
         if let Some(bristles) = &self.bristles {
             let of_level = |friction: &Friction, axis: usize| {
                 friction.bristles().relaxation_per_m(friction.level_n(about.lane(axis), sliding(axis)))

@@ -67,7 +67,7 @@ pub struct MachineSim {
 }
 
 impl MachineSim {
-    /// A machine at rest with its motors at `start_m`. A tick is that of its velocity loop; its number of steps follows
+    /// A machine at rest with its motors at `start_m`, at time zero of the session. A tick is that of its velocity loop; its number of steps follows
     /// from [`AxisParameters::max_step_s`].
     ///
     /// # Errors
@@ -114,6 +114,15 @@ impl MachineSim {
             step_s: timing.step_s,
             substeps,
         })
+    }
+
+    /// The same machine, whose run starts at this time of the session, s.
+    #[must_use]
+    pub fn starting_at(mut self, start_s: f64) -> Self {
+        for axis in &mut self.axes {
+            axis.motion.time_s = start_s;
+        }
+        self
     }
 
     /// Reads motor encoder and linear scale of each axis, with noise, quantisation and latency. To be called once a
@@ -269,9 +278,10 @@ impl SimulatedAxis {
     fn at_rest(parameters: AxisParameters, instruments: &Instruments, start_m: f64, timing: Timing) -> Self {
         let Timing { tick_s, step_s, sample_s } = timing;
         let latency_s = |channel| parameters.latency_s(channel);
+        let lag_s = parameters.servo.drive_time_constant_s(instruments.drive_time_constant_s);
         let resonance = parameters.tool.resonance.as_ref();
         Self {
-            stepper: Stepper::new(&parameters, instruments.drive_time_constant_s, step_s),
+            stepper: Stepper::new(&parameters, lag_s, step_s),
             motion: AxisMotion::at_rest(&parameters, start_m),
             oscillation: Oscillation::default(),
             oscillation_step: resonance.map(|resonance| OscillationStep::new(resonance, step_s)),

@@ -21,9 +21,10 @@ pub struct Stepper<L> {
     step: StepTime,
     /// Screw and nut in contact.
     in_contact: Transition<L>,
-    /// The nut within the backlash of the screw; equal to `in_contact` where there is no backlash.
+    /// The nut within the gap of the screw; equal to `in_contact` where there is no gap.
     in_gap: Transition<L>,
-    half_gap_m: f64,
+    /// Whether there is a gap.
+    has_gap: bool,
     guide: Guide<L>,
     /// Whether the motors have neither friction nor ripple.
     is_motor_ideal: bool,
@@ -60,19 +61,18 @@ impl Stepper<f64> {
         };
         let two_masses =
             |spring: Option<&Spring>| Transition::two_masses(masses, spring, drive_time_constant_s, step_s);
-        let half_gap_m = parameters.screw.backlash.half_m();
         let in_contact = match &parameters.spring {
             Some(spring) => two_masses(Some(spring)),
             None => Transition::one_mass(masses, drive_time_constant_s, step_s),
         };
-        let has_gap = half_gap_m > 0.0 && parameters.spring.is_some();
+        let has_gap = parameters.screw.has_gap() && parameters.spring.is_some();
         Self {
             step: StepTime::new(step_s),
             in_contact,
             in_gap: if has_gap { two_masses(None) } else { in_contact },
-            half_gap_m,
+            has_gap,
             guide: Guide::new(parameters),
-            is_motor_ideal: parameters.motor_coulomb_n == 0.0 && parameters.ripple.is_empty(),
+            is_motor_ideal: !parameters.has_motor_friction() && parameters.ripple.is_empty(),
             is_screw_exact: parameters.screw.is_exact(),
         }
     }
@@ -95,22 +95,23 @@ impl Stepper<f64> {
         let [travel_m, _] = self.apply(motion, input, &self.in_contact, 0.0);
         motion.motor_m = motor_m + travel_m;
         let nominal_m = parameters.screw.nominal_m(motion.motor_m);
-        motion.table_m = parameters.screw.rigid_table_m(nominal_m, table_m);
+        motion.table_m = parameters.screw.rigid_table_m(motion.motor_m, nominal_m, table_m);
     }
 
     /// Whether screw and nut are in contact in the middle of the step, and the offset of the spring.
     #[inline]
     fn coupling(&self, parameters: &AxisParameters, motion: &AxisMotion, middle_m: f64) -> Coupling<'_, f64> {
         let error_m = parameters.screw.error_m(middle_m);
-        if self.half_gap_m == 0.0 {
+        if !self.has_gap {
             return Coupling { transition: &self.in_contact, offset_m: error_m };
         }
         let table_m = motion.table_m + motion.table_m_per_s * (0.5 * self.step.seconds);
         let deflection_m = middle_m + error_m - table_m;
-        if deflection_m.abs() <= self.half_gap_m {
+        let half_gap_m = parameters.screw.half_gap_m(middle_m);
+        if deflection_m.abs() <= half_gap_m {
             Coupling { transition: &self.in_gap, offset_m: 0.0 }
         } else {
-            let offset_m = error_m - self.half_gap_m.copysign(deflection_m);
+            let offset_m = error_m - half_gap_m.copysign(deflection_m);
             Coupling { transition: &self.in_contact, offset_m }
         }
     }
@@ -118,7 +119,7 @@ impl Stepper<f64> {
     /// Whether [`Stepper::pair`] accepts the axis: it has a spring and no backlash.
     #[must_use]
     pub fn can_be_paired(&self, parameters: &AxisParameters) -> bool {
-        parameters.spring.is_some() && self.half_gap_m == 0.0
+        parameters.spring.is_some() && !self.has_gap
     }
 }
 
@@ -133,7 +134,7 @@ impl Stepper<f64x2> {
             step: axes[0].step,
             in_contact,
             in_gap: in_contact,
-            half_gap_m: 0.0,
+            has_gap: false,
             guide,
             is_motor_ideal: axes.iter().all(|axis| axis.is_motor_ideal),
             is_screw_exact: axes.iter().all(|axis| axis.is_screw_exact),
@@ -215,7 +216,7 @@ impl<L: Lane> Stepper<L> {
 mod tests {
     use super::*;
     use crate::friction::Friction;
-    use model::effects::{Backlash, FrictionAsymmetry, PeriodicError, Stribeck, TorqueRipple};
+    use model::effects::{Backlash, FrictionAsymmetry, PeriodicError, PositionLoad, Stribeck, TorqueRipple};
 
     fn axis() -> AxisParameters {
         AxisParameters {
@@ -297,8 +298,10 @@ mod tests {
         let mut rough = axis();
         rough.motor_coulomb_n = 0.0;
         rough.screw.periodic = vec![PeriodicError { amplitude_um: 2.0, period_mm: 5.0, phase_rad: 0.3 }];
-        rough.ripple = vec![TorqueRipple { amplitude_n: 15.0, period_mm: 4.0, phase_rad: 1.0 }];
-        rough.load.force_n = 40.0;
+        let (period_mm, phase_rad) = (4.0, 1.0);
+        rough.ripple = vec![TorqueRipple { amplitude_n: 15.0, period_mm, phase_rad, fitted_period_mm: None }];
+        rough.load.constant.force_n = 40.0;
+        rough.load.position = Some(PositionLoad { slope_n_per_m: 900.0, ..PositionLoad::default() });
         let mut plain = axis();
         (plain.motor_coulomb_n, plain.table_mass_kg) = (0.0, 210.0);
         let mut rising = axis();

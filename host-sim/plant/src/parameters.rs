@@ -3,8 +3,8 @@
 
 use model::axis::Mechanics;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, Effect, ForceWindup, Intalk, Latency, PeriodicError, Resonance,
-    Squareness, Straightness, ThermalDrift, TorqueRipple,
+    Channel, ConstantLoad, Crosstalk, Effect, ForceWindup, Intalk, Latency, MotorStribeck, PeriodicError,
+    PositionLoad, Resonance, Squareness, Straightness, ThermalDrift, TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
@@ -22,6 +22,8 @@ pub struct AxisParameters {
     pub table_mass_kg: f64,
     /// Coulomb friction of the motor and its bearings.
     pub motor_coulomb_n: f64,
+    /// Rise of the motor's friction towards standstill.
+    pub motor_stribeck: MotorStribeck,
     /// Pitch errors and backlash between motor and table.
     pub screw: Screw,
     /// Elasticity between motor and table; `None`: motor and table are one rigid mass.
@@ -30,8 +32,8 @@ pub struct AxisParameters {
     pub forced_windup: Option<ForceWindup>,
     /// Friction of the guideway.
     pub friction: Friction,
-    /// Constant force on the table.
-    pub load: ConstantLoad,
+    /// Forces on the table that do not depend on its motion.
+    pub load: Load,
     /// Force ripple of the motor.
     pub ripple: Vec<TorqueRipple>,
     /// Errors of the motor's resolver or encoder.
@@ -42,6 +44,24 @@ pub struct AxisParameters {
     pub servo: ServoParameters,
     /// Latencies of the logged channels.
     pub latency: Vec<Latency>,
+}
+
+/// Forces on the table against motion in the + direction that do not depend on its velocity.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Load {
+    /// Constant force.
+    pub constant: ConstantLoad,
+    /// Force that grows along the travel.
+    pub position: Option<PositionLoad>,
+}
+
+impl Load {
+    /// The sum at a position of the table (m), N.
+    #[must_use]
+    #[inline]
+    pub fn force_n(&self, position_m: f64) -> f64 {
+        self.constant.force_n + self.position.as_ref().map_or(0.0, |load| load.force_n(position_m))
+    }
 }
 
 /// Effects between table and tool.
@@ -126,14 +146,23 @@ impl AxisParameters {
             Effect::FrictionMemory(e) => self.friction.memory = e,
             Effect::PreloadVariation(e) => self.friction.preload = e,
             Effect::FrictionRipple(e) => self.friction.ripple.push(e),
+            Effect::MotorStribeck(e) => self.motor_stribeck = e,
+            Effect::FrictionMap(e) => self.friction.map = e.curve(),
+            Effect::FrictionWarmUp(e) => self.friction.warm_up = e,
             Effect::Presliding(e) => {
                 self.friction.bristle_stiffness_n_per_m = 1e6 * e.stiffness_n_per_um;
                 self.friction.bristle_damping_n_s_per_m = e.damping_n_s_per_m;
             }
             Effect::TorqueRipple(e) => self.ripple.push(e),
-            Effect::ConstantLoad(e) => self.load.force_n += e.force_n,
+            Effect::ConstantLoad(e) => self.load.constant.force_n += e.force_n,
+            Effect::PositionLoad(e) => self.load.position = Some(e),
             // Part of the controller: see `ServoParameters::of`.
-            Effect::ServoMismatch(_) | Effect::VelocityLag(_) => {}
+            Effect::ServoMismatch(_)
+            | Effect::VelocityLag(_)
+            | Effect::FeedforwardMismatch(_)
+            | Effect::VelocityGainMismatch(_)
+            | Effect::IntegralTimeMismatch(_)
+            | Effect::DriveLag(_) => {}
             Effect::ResolverDividing(e) => self.resolver.push(e.error()),
             Effect::EncoderEllipticity(e) => self.resolver.push(e.error()),
             Effect::Intalk(e) => self.tool.intalk = e,
@@ -145,6 +174,7 @@ impl AxisParameters {
             Effect::Latency(e) => self.latency.push(e),
             Effect::Backlash(e) => self.screw.backlash = e,
             Effect::PitchProgressive(e) => self.screw.progressive.slope_um_per_m += e.slope_um_per_m,
+            Effect::PitchMap(e) => (self.screw.map, self.screw.gap_map) = (e.mean_error(), e.width()),
             Effect::PitchCyclic(e) => self.screw.periodic.push(e.error()),
             Effect::ForceWindup(e) => self.forced_windup = Some(e),
             Effect::Windup(e) => {
@@ -155,15 +185,29 @@ impl AxisParameters {
         }
     }
 
-    /// Friction of the motor at its velocity (m/s), N, against the motion: Fc·tanh(v/w), see
+    /// Friction of the motor at its velocity (m/s), N, against the motion: level·tanh(v/w), see
     /// [`friction::smoothed_sign`].
     #[must_use]
     #[inline]
     pub fn motor_friction_n(&self, velocity: f64) -> f64 {
-        if self.motor_coulomb_n == 0.0 {
+        if !self.has_motor_friction() {
             return 0.0;
         }
-        self.motor_coulomb_n * friction::smoothed_sign(velocity)
+        self.motor_level_n(velocity) * friction::smoothed_sign(velocity)
+    }
+
+    /// Level of the motor's friction at its velocity (m/s), N.
+    #[must_use]
+    #[inline]
+    pub fn motor_level_n(&self, velocity: f64) -> f64 {
+        self.motor_coulomb_n + self.motor_stribeck.rise_n(velocity)
+    }
+
+    /// Whether the motor has friction.
+    #[must_use]
+    #[inline]
+    pub fn has_motor_friction(&self) -> bool {
+        self.motor_coulomb_n != 0.0 || self.motor_stribeck.static_excess_n != 0.0
     }
 
     /// Sum of all force ripple of the motor, N, at a true motor position (m); it adds to the force of the drive.
@@ -216,9 +260,9 @@ impl AxisParameters {
             None => (self.motor_mass_kg + self.table_mass_kg, self.motor_mass_kg + self.table_mass_kg),
         };
         let bristles = (self.friction.bristle_stiffness_n_per_m / table_kg).sqrt();
-        let motor = self.motor_coulomb_n / friction::SIGN_WIDTH_M_PER_S / motor_kg;
+        let motor = self.motor_level_n(0.0) / friction::SIGN_WIDTH_M_PER_S / motor_kg;
         let contact = match &self.spring {
-            Some(spring) if self.screw.backlash.width_um > 0.0 => {
+            Some(spring) if self.screw.has_gap() => {
                 (spring.stiffness_n_per_m * (motor_kg.recip() + table_kg.recip())).sqrt()
             }
             _ => 0.0,

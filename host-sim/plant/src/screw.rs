@@ -3,6 +3,7 @@
 //! Positions of the motor are reflected to the table (rotation times lead), m.
 
 use model::effects::{Backlash, PeriodicError, PitchProgressive};
+use model::position_curve::PositionCurve;
 
 /// Geometric errors of the screw.
 #[derive(Clone, Debug, Default, PartialEq)]
@@ -13,6 +14,10 @@ pub struct Screw {
     pub progressive: PitchProgressive,
     /// Periodic pitch errors.
     pub periodic: Vec<PeriodicError>,
+    /// Any other pitch error, m, over the motor position, m.
+    pub map: PositionCurve,
+    /// Width of the gap in addition to the backlash, m, over the motor position, m.
+    pub gap_map: PositionCurve,
 }
 
 /// Axial elasticity between motor and table, in series: screw shaft, nut, bearing, coupling.
@@ -29,8 +34,8 @@ impl Screw {
     #[must_use]
     pub fn is_exact(&self) -> bool {
         // Without `..`, so that the compiler points here when a field is added.
-        let Self { backlash: _, progressive, periodic } = self;
-        progressive.slope_um_per_m == 0.0 && periodic.is_empty()
+        let Self { backlash: _, gap_map: _, progressive, periodic, map } = self;
+        progressive.slope_um_per_m == 0.0 && periodic.is_empty() && map.is_empty()
     }
 
     /// Position of the table without load and without backlash, m, for a true motor position (m): motor + pitch error.
@@ -45,14 +50,67 @@ impl Screw {
     #[inline]
     pub fn error_m(&self, motor_m: f64) -> f64 {
         let periodic: f64 = self.periodic.iter().map(|error| error.error_m(motor_m)).sum();
-        self.progressive.error_m(motor_m) + periodic
+        let map_m = if self.map.is_empty() { 0.0 } else { self.map.value(motor_m) };
+        self.progressive.error_m(motor_m) + periodic + map_m
     }
 
-    /// Position of the table of a rigid screw, m, after the nut has come to `nominal_m` and before which the table
-    /// stood at `table_m`: the table moves only when an edge of the backlash reaches it.
+    /// Whether there is a gap between screw and nut at any position.
+    #[must_use]
+    pub fn has_gap(&self) -> bool {
+        self.backlash.width_um > 0.0 || !self.gap_map.is_empty()
+    }
+
+    /// Half of the gap, m, at a true motor position (m).
     #[must_use]
     #[inline]
-    pub fn rigid_table_m(&self, nominal_m: f64, table_m: f64) -> f64 {
-        nominal_m - self.backlash.absorbed_m(nominal_m - table_m)
+    pub fn half_gap_m(&self, motor_m: f64) -> f64 {
+        let half_m = self.backlash.half_m();
+        // Finite differences at width 0 evaluate a negative width.
+        (if self.gap_map.is_empty() { half_m } else { half_m + 0.5 * self.gap_map.value(motor_m) }).max(0.0)
+    }
+
+    /// Part of a deflection (nut − table, m) within the gap at a true motor position (m). It does not strain the spring
+    /// of the screw.
+    #[must_use]
+    #[inline]
+    pub fn absorbed_m(&self, motor_m: f64, deflection_m: f64) -> f64 {
+        let half_m = self.half_gap_m(motor_m);
+        deflection_m.clamp(-half_m, half_m)
+    }
+
+    /// Position of the table of a rigid screw, m, after the motor has come to `motor_m` and the nut to `nominal_m`, and
+    /// before which the table stood at `table_m`: the table moves only when an edge of the gap reaches it.
+    #[must_use]
+    #[inline]
+    pub fn rigid_table_m(&self, motor_m: f64, nominal_m: f64, table_m: f64) -> f64 {
+        nominal_m - self.absorbed_m(motor_m, nominal_m - table_m)
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_gap_absorbs_a_deflection_up_to_half_its_width() {
+        let absorbed = |width_um: f64, deflection_m: f64| {
+            let screw = Screw { backlash: Backlash { width_um }, ..Screw::default() };
+            screw.absorbed_m(0.0, deflection_m)
+        };
+        assert!((absorbed(8.0, 3e-6) - 3e-6).abs() < 1e-18);
+        assert!((absorbed(8.0, -9e-6) + 4e-6).abs() < 1e-18);
+        // Finite differences at width 0 evaluate a negative width.
+        assert!(absorbed(-0.2, 3e-6).abs() < 1e-18);
+    }
+
+    /// 8 µm of backlash, and a map from 2 µm at 0 to −10 µm at 100 mm: 10 µm, 4 µm in the middle, none at the end.
+    #[test]
+    fn the_width_of_a_gap_map_adds_to_that_of_the_backlash() {
+        let gap_map = PositionCurve::new(&[0.0, 0.1], &[2e-6, -10e-6]);
+        let screw = Screw { backlash: Backlash { width_um: 8.0 }, gap_map, ..Screw::default() };
+        for (motor_m, half_m) in [(0.0, 5e-6), (0.05, 2e-6), (0.1, 0.0)] {
+            assert!((screw.half_gap_m(motor_m) - half_m).abs() < 1e-15, "{motor_m}");
+        }
+        assert!((screw.absorbed_m(0.05, 7e-6) - 2e-6).abs() < 1e-15);
     }
 }

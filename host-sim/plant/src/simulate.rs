@@ -57,7 +57,8 @@ impl Run<'_> {
     ) -> Result<(), SimulationError> {
         let rates = self.machine.rates();
         let (tick_s, divider) = (1.0 / rates.velocity_loop_hz, u64::from(rates.position_loop_divider));
-        let mut machine_sim = MachineSim::new(self.machine, self.instruments, self.start_m)?;
+        let machine_sim = MachineSim::new(self.machine, self.instruments, self.start_m)?;
+        let mut machine_sim = machine_sim.starting_at(self.start_s);
         let mut waiting = self.blocks.iter().enumerate().peekable();
         let mut readings = vec![Reading { motor: Position(0), table: None }; self.start_m.len()];
         let mut outputs = vec![AxisOutput::default(); self.start_m.len()];

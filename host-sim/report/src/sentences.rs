@@ -10,11 +10,11 @@ use trace::analysis::free_run::FreeRun;
 use trace::analysis::repeatability::Repeatability;
 use trace::analysis::residual_analysis::UnexplainedResidual;
 use trace::analysis::variable::Variable;
-use trace::fit::declared_value::DeclaredValue;
 use trace::fit::scope::NotTestable;
 use trace::outcome::AxisTrace;
 use trace::search::ambiguity::Ambiguity;
 use trace::stages::{residual_unit, stage_names};
+use trace::validation::declared_value::DeclaredValue;
 use trace::validation::found_effect::FoundEffect;
 use trace::verdict::{self, Verdict};
 use trace::{Task, Trace};
@@ -112,7 +112,7 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     let refuted = axis.refuted.iter().map(|found| caveats::refuted(&axis.axis, axis.unit, found));
     let at_limit = axis.refused.iter().map(|limit| caveats::at_limit(&axis.axis, axis.unit, limit));
     let misfit = caveats::misfit(axis).into_iter().chain(caveats::misfit_held_out(axis));
-    let beyond = axis.declared_values.iter().filter(|value| value.is_beyond_tolerance());
+    let beyond = axis.declared_values.iter().filter(|value| value.is_beyond_tolerance);
     let beyond = beyond.map(|value| beyond_tolerance(&axis.axis, value));
     misfit.chain(beyond).chain(none).chain(found).chain(refuted).chain(at_limit).collect()
 }
@@ -267,8 +267,8 @@ pub fn not_testable(axis: &str, stage: &NotTestable) -> String {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::axis::{Mechanics, Sensors, Settings};
-    use model::effects::{Effect, EffectContext, Stage, initial_guesses, names};
+    use model::axis::{Controller, Mechanics, Sensors, Settings};
+    use model::effects::{Effect, EffectContext, ResidualShape, Stage, initial_guesses, names};
     use trace::fit::fit_data::FitAndValidationRms;
 
     /// One effect of each kind, all its coordinates at 7.25 where their bounds allow.
@@ -281,6 +281,7 @@ mod tests {
                 lead_mm: Some(10.0),
                 ..Mechanics::default()
             },
+            controller: Controller { velocity_integral_time_s: Some(0.02), ..Controller::default() },
             sensors: Sensors { resolver_pole_pairs: Some(5), ..Sensors::default() },
             ..Settings::default()
         };
@@ -290,6 +291,12 @@ mod tests {
             others: &["q".to_owned()],
             stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
             travel_mm: [0.0, 100.0],
+            has_backlash: false,
+            residual: &ResidualShape {
+                pitch_knots: Some(5),
+                friction_knots: Some(4),
+                ..ResidualShape::default()
+            },
         };
         let alone = EffectContext { stages: &[Stage::Force], ..context };
         let all = [initial_guesses(&context), initial_guesses(&alone)].concat();
@@ -314,9 +321,23 @@ mod tests {
             assert!(text.starts_with("ax: "), "{text}");
             assert!(text.ends_with("residual on held-out motions by 91 %."), "{text}");
             assert!(text.contains("91 %"), "{text}");
-            for (name, value) in parameters.iter().filter(|(name, _)| !name.starts_with("phase")) {
+            let declared = found.effect.declared_parameters();
+            for ((name, value), parameter) in parameters.iter().zip(&declared) {
+                if name.starts_with("phase") || parameter.is_list {
+                    continue;
+                }
                 let value = with_spread(*value, 0.01);
                 assert!(text.contains(&value), "{name} {value} in: {text}");
+            }
+            // Of a map, the sentence contains both ends and the range: five or four knots.
+            if let Some(count) = declared.iter().filter(|p| p.key == "positions_mm").count().checked_sub(1) {
+                let values = found.effect.values();
+                let size = numerics::peak_to_peak(values[count + 1..].iter().copied());
+                for value in [with_spread(values[0], 0.01), with_spread(values[count], 0.01)] {
+                    assert!(text.contains(&value), "{value} in: {text}");
+                }
+                assert!(text.contains(&with_spread(size, 0.01 * 2.0f64.sqrt())), "{size} in: {text}");
+                assert!(text.contains(&format!("({} knots)", count + 1)), "{text}");
             }
             if let Some(source) = found.effect.distinction().source() {
                 assert!(text.contains(&format!("axis {source}")), "{text}");

@@ -9,8 +9,9 @@ use rayon::prelude::*;
 use serde_json::{Value, json};
 
 use super::draw::{Drawn, Motion};
+use super::effect_draw::{draw_beside, draw_textbook};
 use super::kind::Kind;
-use super::truth::{Truth, draw_beside, draw_textbook};
+use super::truth::Truth;
 use super::{draw, effect, extra, fault, motion, simulation};
 use files::error::InputError;
 use files::log::Log;
@@ -57,7 +58,7 @@ impl Case {
     /// # Errors
     /// As [`Self::draw`].
     pub fn draw_kind(kind: Kind, seed: u64, number: u64) -> Result<Self, InputError> {
-        let stream = |purpose| stream(kind, seed, number, purpose);
+        let stream = |purpose| stream(kind.index(), seed, number, purpose);
         let mut random = stream(Purpose::Machine);
         let deviations = if kind == Kind::Offspec { draw::BEYOND_TOLERANCE } else { draw::WITHIN_TOLERANCE };
         let mut drawn = draw::machine(&deviations, &mut random);
@@ -65,20 +66,32 @@ impl Case {
         let (truths, mut extras) = undeclared(kind, &mut drawn, &mut random);
         if kind == Kind::Jerk {
             let averaged_samples = random.random_range(AVERAGED_SAMPLES);
-            session.iter_mut().for_each(|motion| motion.pace.averaged_samples = averaged_samples);
+            for motion in &mut session {
+                motion.pace.averaged_samples = averaged_samples;
+            }
         }
+        let mut logs = run_session(&drawn, &session, |log| stream(Purpose::Log(log)));
+        if kind == Kind::Slip {
+            extras.extend(fault::draw(&mut logs, &mut stream(Purpose::Fault)));
+        }
+        Ok(Self { extras, ..Self::new((kind, number), &drawn, truths, logs)? })
+    }
+
+    /// A case from its parts, without extras.
+    pub(super) fn new(
+        (kind, number): (Kind, u64),
+        drawn: &Drawn,
+        truths: Vec<Truth>,
+        logs: Vec<Log>,
+    ) -> Result<Self, InputError> {
         let name = kind.case_name(number);
         let machine_text = format!(
             "name = \"{name}\"\nsample_rate_hz = 1000.0\nvelocity_loop_rate_hz = 4000.0\n\n{}\n{}",
             drawn.declared[0].text, drawn.declared[1].text
         );
         let machine = Machine::parse(&machine_text, &name)?;
-        let mut logs = run_session(&drawn, &session, |log| stream(Purpose::Log(log)));
-        if kind == Kind::Slip {
-            extras.extend(fault::draw(&mut logs, &mut stream(Purpose::Fault)));
-        }
         let (fit, validate) = logs.into_iter().partition(|log| log.source.starts_with("fit"));
-        Ok(Self { kind, number, machine_text, machine, truths, extras, fit, validate })
+        Ok(Self { kind, number, machine_text, machine, truths, extras: Vec::new(), fit, validate })
     }
 
     /// Its name, which is also that of its folder.
@@ -162,7 +175,7 @@ pub(super) fn run_session(
 
 /// What random numbers of a case are for.
 #[derive(Clone, Copy)]
-enum Purpose {
+pub(super) enum Purpose {
     /// Machine, motions and effects.
     Machine,
     /// Noise of the log with this index, below 5.
@@ -171,8 +184,9 @@ enum Purpose {
     Fault,
 }
 
-/// Random numbers for one purpose in one case, independent of other purposes and cases.
-fn stream(kind: Kind, seed: u64, number: u64, purpose: Purpose) -> ChaCha8Rng {
+/// Random numbers for one purpose in one case, independent of other purposes and cases. `block` is the index of a kind, or
+/// a number above.
+pub(super) fn stream(block: u64, seed: u64, number: u64, purpose: Purpose) -> ChaCha8Rng {
     const MAX_PURPOSES: u64 = 8;
     /// Above the numbers of all cases.
     const MAX_CASES: u64 = 1 << 40;
@@ -182,6 +196,6 @@ fn stream(kind: Kind, seed: u64, number: u64, purpose: Purpose) -> ChaCha8Rng {
         Purpose::Fault => 6,
     };
     let mut random = ChaCha8Rng::seed_from_u64(seed);
-    random.set_stream(MAX_PURPOSES * (MAX_CASES * kind.index() + number) + purpose);
+    random.set_stream(MAX_PURPOSES * (MAX_CASES * block + number) + purpose);
     random
 }

@@ -2,6 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
+use super::outside::{self, Answer};
 use super::score::{Outcome, is_same};
 use super::truth::{NAMES, OUTSIDE, Truth};
 
@@ -15,9 +16,9 @@ pub const DESCRIBED: &str = "unexplained";
 /// How often the effect of a row was found as the effect of a column.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Confusion {
-    /// Truths: the catalogue, what is outside it, [`NOTHING`].
+    /// Truths: the textbook catalogue, what is outside it, what else occurs, [`NOTHING`].
     pub rows: Vec<&'static str>,
-    /// Findings: the catalogue, [`DESCRIBED`], [`MISSED`].
+    /// Findings: the catalogue, faults of the data that occur, [`DESCRIBED`], [`MISSED`].
     pub columns: Vec<&'static str>,
     /// Counts by row and column.
     pub counts: Vec<Vec<usize>>,
@@ -28,10 +29,19 @@ impl Confusion {
     /// once, or to [`NOTHING`] if none was missed.
     #[must_use]
     pub fn new(outcomes: &[Outcome]) -> Self {
-        let rows: Vec<&str> = NAMES.into_iter().chain(OUTSIDE).chain([NOTHING]).collect();
+        let mut rows: Vec<&str> = NAMES.into_iter().chain(OUTSIDE).collect();
+        for truth in outcomes.iter().flat_map(all_truths) {
+            if !rows.contains(&truth.name) {
+                rows.push(truth.name);
+            }
+        }
+        rows.push(NOTHING);
         // The tracer's catalogue may have more effects than are drawn.
         let more = trace::effect_names().into_iter().filter(|name| !NAMES.contains(name));
-        let columns: Vec<&str> = NAMES.into_iter().chain(more).chain([DESCRIBED, MISSED]).collect();
+        let is_reported = |kind: &&str| outcomes.iter().any(|o| o.faults.iter().any(|f| f.name.0 == **kind));
+        let faults = outside::FAULT_KINDS.into_iter().filter(is_reported);
+        let columns: Vec<&str> =
+            NAMES.into_iter().chain(more).chain(faults).chain([DESCRIBED, MISSED]).collect();
         let counts = vec![vec![0; columns.len()]; rows.len()];
         let mut confusion = Self { rows, columns, counts };
         for outcome in outcomes {
@@ -52,7 +62,14 @@ impl Confusion {
         }
         let mut missed = outcome.missed();
         missed.extend(undescribed.iter().map(|(truth, _)| *truth));
-        for (name, axis) in outcome.false_finds() {
+        for answer in &outcome.answers {
+            match column_of(answer) {
+                Some(column) => self.count(answer.extra.name, column),
+                None if outside::counts(&answer.extra) => missed.push(&answer.extra),
+                None => {}
+            }
+        }
+        for (name, axis) in outcome.false_finds().into_iter().chain(outcome.false_faults()) {
             let cause = missed.iter().position(|truth| truth.axis == axis);
             let row = cause.map_or(NOTHING, |index| missed.remove(index).name);
             self.count(row, name);
@@ -87,7 +104,7 @@ impl Confusion {
     /// Whether a cell counts correct results.
     #[must_use]
     pub fn is_right(row: &str, column: &str) -> bool {
-        row == column || column == DESCRIBED
+        row == column || column == DESCRIBED || outside::is_name(row, column)
     }
 
     /// Rows by name, each with the cells that are not 0.
@@ -101,6 +118,19 @@ impl Confusion {
         };
         Value::Object(self.rows.iter().map(row).collect())
     }
+}
+
+/// True effects of an outcome, and what else was in the machine.
+fn all_truths(outcome: &Outcome) -> impl Iterator<Item = &Truth> {
+    let extras = outcome.answers.iter().map(|answer| &answer.extra);
+    outcome.truths.iter().chain(extras)
+}
+
+/// The column of something outside the catalogue: its name, otherwise what was reported for it.
+fn column_of(answer: &Answer) -> Option<&str> {
+    let name = answer.names.iter().find(|name| outside::is_name(answer.extra.name, name));
+    let unexplained = answer.is_unexplained.then_some(DESCRIBED);
+    name.map(String::as_str).or(unexplained).or(answer.names.first().map(String::as_str))
 }
 
 #[cfg(test)]

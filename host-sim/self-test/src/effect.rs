@@ -12,7 +12,6 @@ use super::truth::{CONTROLLER, OUTSIDE, Truth, axis_index};
 
 /// Draws the size of one of [`super::truth::NAMES`] on an axis. It is within about a factor of two of that in the blind
 /// cases, if they contain the effect. The order of the draws determines the result of a seed.
-#[expect(clippy::too_many_lines, reason = "one arm per effect")]
 pub fn draw(name: &'static str, index: usize, machine: &Drawn, random: &mut ChaCha8Rng) -> Truth {
     let declared = &machine.declared[index];
     let (lead_mm, pole_pairs) = (declared.lead_mm, f64::from(declared.pole_pairs));
@@ -117,6 +116,7 @@ pub fn apply(truth: &Truth, axis: &mut Axis) {
 /// The effect with another size, `strength` times as large in its consequence. It is proportional to the first parameter,
 /// except that wind-up is proportional to the compliance beyond that of `stiffness_n_per_um`, and a resonance below its
 /// frequency to 1/frequency².
+#[must_use]
 pub fn scaled(truth: &Truth, strength: f64, stiffness_n_per_um: f64) -> Truth {
     let mut scaled = truth.clone();
     if let Some((_, size)) = scaled.parameters.first_mut() {
@@ -138,6 +138,7 @@ const SMALL_RESONANCE_HZ: f64 = 120.0;
 
 /// The effect with a size of `strength` times that drawn, at least that by which it remains one: a wind-up beyond the
 /// tolerance of the stiffness, a resonance well below half the sample rate.
+#[must_use]
 pub fn small(truth: &Truth, strength: f64, machine: &Drawn) -> Truth {
     let declared = machine.declared[axis_index(truth.axis)].stiffness_n_per_um;
     let mut small = scaled(truth, strength, declared);

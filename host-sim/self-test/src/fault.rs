@@ -56,13 +56,14 @@ fn reverse_probe(axis: &mut AxisLog) {
 fn slip(log: &mut Log, index: usize, random: &mut ChaCha8Rng) -> Option<Vec<(&'static str, f64)>> {
     let sign = if random.random_bool(0.5) { 1.0 } else { -1.0 };
     // Whole steps of the scale: 0.01 µm.
-    let size_mm = (1e5 * sign * log_uniform(SLIP_MM, random)).round() / 1e5;
+    let steps = (1e5 * sign * log_uniform(SLIP_MM, random)).round();
+    let size_mm = steps / 1e5;
     let begin = begin(log, random);
     let table = log.axes[index].table.as_mut()?;
     for value in &mut table[begin..] {
         *value = super::sensors::rounded(*value + size_mm, 1e5);
     }
-    Some(vec![("at_s", log.start_s + log.sample_time_s * begin as f64), ("size_um", 1e3 * size_mm)])
+    Some(vec![("at_s", log.start_s + log.sample_time_s * begin as f64), ("size_um", steps / 100.0)])
 }
 
 /// For a while, the scale repeats its reading.

@@ -72,6 +72,15 @@ impl Kind {
         format!("{word}-{number}")
     }
 
+    /// A case in words: `case 3` for the textbook kind, otherwise `KIND case 3`.
+    #[must_use]
+    pub fn case_words(self, number: u64) -> String {
+        match self {
+            Self::Textbook => format!("case {number}"),
+            kind => format!("{} case {number}", kind.name()),
+        }
+    }
+
     /// Position in [`Self::ALL`].
     #[must_use]
     pub fn index(self) -> u64 {

@@ -6,22 +6,30 @@
 //!
 //! | step | module |
 //! |---|---|
-//! | draw a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`extra`] |
+//! | draw a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`effect_draw`], [`extra`] |
 //! | simulate it | [`simulation`], [`plant`], [`servo`], [`sensors`], [`fault`] |
 //! | one machine with its logs | [`case`] |
-//! | compare a trace with the true effects | [`score`] |
+//! | compare a trace with the true effects | [`score`], [`outside`] |
 //! | statistics of all cases | [`summary`], [`confusion`] |
-//! | text and page | [`text_summary`], [`page`], `confusion_plot`, `parameter_plot` |
+//! | how often an effect of a given size is found | [`detection`], [`detection_curve`], [`detection_text`], `detection_plot` |
+//! | text and page | [`text_summary`], [`page`], `kind_table`, `confusion_plot`, `parameter_plot` |
 
 pub mod case;
 pub mod confusion;
 mod confusion_plot;
+pub mod detection;
+pub mod detection_curve;
+mod detection_plot;
+pub mod detection_text;
 pub mod draw;
 pub mod effect;
+pub mod effect_draw;
 pub mod extra;
 pub mod fault;
 pub mod kind;
+mod kind_table;
 pub mod motion;
+pub mod outside;
 pub mod page;
 mod parameter_plot;
 pub mod plant;
@@ -59,7 +67,7 @@ pub fn trace_and_score_with(
     progress: &(dyn Fn(&str) + Sync),
 ) -> Result<Outcome, InputError> {
     let trace = trace::trace_with(options, &case.machine, [&case.fit, &case.validate], progress)?;
-    Ok(Outcome::new(case.number, &case.truths, &trace::json::of(&trace, false)))
+    Ok(Outcome::of(case, &trace::json::of(&trace, false)))
 }
 
 /// The JSON of `self-test --json`.
@@ -69,9 +77,14 @@ pub fn json(seed: u64, asked: u64, outcomes: &[Outcome], summary: &Summary) -> V
         "seed": seed,
         "asked": asked,
         "summary": summary.json(),
+        "kinds": summary::kinds_json(outcomes),
         "cases": outcomes.iter().map(Outcome::json).collect::<Vec<_>>(),
     })
 }
 
+#[cfg(test)]
+mod kind_tests;
+#[cfg(test)]
+mod mechanism_tests;
 #[cfg(test)]
 mod tests;

@@ -9,10 +9,11 @@ use pages::markup::{
     Column, figure, legend, note, number_cell, paragraph, section, surface_entry, table, text,
 };
 
+use crate::kind::Kind;
 use crate::score::Outcome;
-use crate::summary::Summary;
+use crate::summary::{Summary, by_kind};
 use crate::text_summary;
-use crate::{confusion_plot, parameter_plot};
+use crate::{confusion_plot, kind_table, parameter_plot};
 use files::output::OutputError;
 
 const MATRIX_NOTE: &str = "Rows: true effects; columns: effects found. A false effect is assigned to an effect that \
@@ -43,7 +44,8 @@ pub fn html(lead: &[String], outcomes: &[Outcome], summary: &Summary) -> String 
         @for sentence in lead { (paragraph(sentence)) }
     };
     let sections = html! {
-        (section("Confusion matrix", &matrix(summary)))
+        @if kind_table::is_needed(outcomes) { (section("Kinds of cases", &kind_table::markup(outcomes))) }
+        (section("Confusion matrix", &matrices(outcomes, summary)))
         (section("Parameters", &parameters(summary)))
         (section("Residuals on held-out logs", &residuals(summary)))
         (section("Incorrect cases", &wrong_cases(outcomes)))
@@ -51,14 +53,24 @@ pub fn html(lead: &[String], outcomes: &[Outcome], summary: &Summary) -> String 
     pages::render("Tracer on randomly drawn machines", &lead, &sections)
 }
 
-fn matrix(summary: &Summary) -> Markup {
-    let picture = confusion_plot::picture(&summary.confusion);
+/// The confusion matrix of all cases, or one for each kind.
+fn matrices(outcomes: &[Outcome], summary: &Summary) -> Markup {
+    let pictures: Vec<(Option<Kind>, String)> = if kind_table::is_needed(outcomes) {
+        let of = |outcomes: &[Outcome]| confusion_plot::picture(&Summary::new(outcomes).confusion);
+        by_kind(outcomes).iter().map(|(kind, outcomes)| (Some(*kind), of(outcomes))).collect()
+    } else {
+        vec![(None, confusion_plot::picture(&summary.confusion))]
+    };
+    let shown = || pictures.iter().filter(|(_, picture)| !picture.is_empty());
     let entries = [surface_entry("hit", "correct"), surface_entry("slip", "confused or missed")];
     html! {
-        @if !picture.is_empty() {
+        @if shown().next().is_some() {
             (note(MATRIX_NOTE))
             (legend(&entries))
-            (figure("", &picture, ""))
+        }
+        @for (kind, picture) in shown() {
+            @if let Some(kind) = kind { h3 { (kind.name()) } }
+            (figure("", picture, ""))
         }
     }
 }
@@ -113,7 +125,7 @@ fn row(outcome: &Outcome) -> Markup {
     let (there, found) = text_summary::true_and_found(outcome);
     html! {
         tr {
-            th scope="row" { (outcome.number) }
+            th scope="row" { (outcome.kind.case_name(outcome.number)) }
             td { (text(&there)) }
             td { (text(&found)) }
         }

@@ -2,10 +2,15 @@
 
 use serde_json::{Map, Value, json};
 
+use super::case::Case;
+use super::kind::Kind;
+use super::outside::{self, Answer, ReportedFault};
 use super::truth::Truth;
 
 /// Largest error of the frequency of a described vibration, Hz.
 const MAX_ERROR_HZ: f64 = 1.5;
+/// Largest relative error of the period by which effects of one name are told apart.
+const MAX_PERIOD_ERROR: f64 = 0.02;
 /// Largest error of the position of a described defect, mm; the width of the defect, if that is larger.
 const MAX_ERROR_MM: f64 = 3.0;
 
@@ -47,6 +52,8 @@ impl Estimate {
 /// The score of a case.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Outcome {
+    /// Kind of the case.
+    pub kind: Kind,
     /// Number of the case.
     pub number: u64,
     /// The true effects.
@@ -61,10 +68,32 @@ pub struct Outcome {
     pub estimates: Vec<Estimate>,
     /// Ratio of the rms residual after the search to the noise, on the held-out logs, by axis and channel.
     pub ratios: Vec<(String, f64)>,
+    /// What the trace says about what is outside the textbook catalogue.
+    pub answers: Vec<Answer>,
+    /// Faults of the data that it reports.
+    pub faults: Vec<ReportedFault>,
 }
 
 impl Outcome {
-    /// Scores the JSON of a trace.
+    /// Scores the JSON of a trace of a case.
+    #[must_use]
+    pub fn of(case: &Case, trace: &Value) -> Self {
+        Self::new(case.number, &case.truths, trace).with_kind(case.kind, &case.extras, trace)
+    }
+
+    /// Adds the kind of the case and what is outside the textbook catalogue.
+    fn with_kind(mut self, kind: Kind, extras: &[Truth], trace: &Value) -> Self {
+        let unexplained: Vec<String> =
+            trace["unexplained"].as_array().into_iter().flatten().map(|u| string(u, "axis")).collect();
+        self.kind = kind;
+        self.answers =
+            extras.iter().map(|extra| Answer::new(extra, &self.found, &self.faults, &unexplained)).collect();
+        let same = extras.iter().filter_map(outside::as_effect);
+        self.estimates.extend(same.flat_map(|truth| estimates_of(&truth, &self.effects)).collect::<Vec<_>>());
+        self
+    }
+
+    /// Scores the JSON of a trace of a case of the textbook kind.
     #[must_use]
     pub fn new(number: u64, truths: &[Truth], trace: &Value) -> Self {
         let entries = |key: &str| trace[key].as_array().cloned().unwrap_or_default();
@@ -73,13 +102,12 @@ impl Outcome {
         let found = effects.iter().map(|e| (string(e, "name"), string(e, "axis"))).collect();
         let described =
             truths.iter().filter(|t| t.is_outside()).map(|t| unexplained.iter().any(|u| describes(u, t)));
-        let estimates = truths.iter().flat_map(|truth| {
-            let same =
-                effects.iter().filter(|e| string(e, "name") == truth.name && string(e, "axis") == truth.axis);
-            same.flat_map(|entry| estimates(truth, &entry["parameters"])).collect::<Vec<_>>()
-        });
+        let estimates = truths.iter().flat_map(|truth| estimates_of(truth, &effects));
         Self {
+            kind: Kind::Textbook,
             number,
+            answers: Vec::new(),
+            faults: entries("data_faults").iter().map(ReportedFault::new).collect(),
             described: described.collect(),
             estimates: estimates.collect(),
             ratios: entries("residual").iter().filter_map(ratio).collect(),
@@ -96,16 +124,56 @@ impl Outcome {
         catalogued.filter(|truth| !self.found.iter().any(|found| is_same(truth, found))).collect()
     }
 
-    /// False effects: found but not true.
+    /// False effects: found but not true, and not accepted for something outside the catalogue. One that is found twice
+    /// on its axis counts once.
     #[must_use]
     pub fn false_finds(&self) -> Vec<&(String, String)> {
-        self.found.iter().filter(|found| !self.truths.iter().any(|truth| is_same(truth, found))).collect()
+        let is_true = |found: &(String, String)| self.truths.iter().any(|truth| is_same(truth, found));
+        let is_accepted = |(name, axis): &(String, String)| {
+            self.answers.iter().any(|a| a.extra.axis == axis && outside::is_accepted(a.extra.name, name))
+        };
+        let first = self.found.iter().enumerate().filter(|(i, found)| !self.found[..*i].contains(found));
+        first.map(|(_, found)| found).filter(|found| !is_true(found) && !is_accepted(found)).collect()
     }
 
-    /// Effects that were found again on the same axis (latency of two channels, for example). The score counts them once.
+    /// False effects that the trace does not call ambiguous.
+    #[must_use]
+    pub fn certain_false_finds(&self) -> usize {
+        let is_certain = |(name, axis): &&(String, String)| {
+            let mut same =
+                self.effects.iter().filter(|e| string(e, "name") == *name && string(e, "axis") == *axis);
+            same.any(|effect| string(effect, "certainty") != "ambiguous")
+        };
+        self.false_finds().into_iter().filter(|found| is_certain(found)).count()
+    }
+
+    /// Reported faults of the data that are not there, by kind and axis, each once.
+    #[must_use]
+    pub fn false_faults(&self) -> Vec<&(String, String)> {
+        let is_true = |(kind, axis): &(String, String)| {
+            self.answers.iter().any(|a| a.extra.axis == axis && outside::is_name(a.extra.name, kind))
+        };
+        let mut names: Vec<_> = self.faults.iter().map(|fault| &fault.name).collect();
+        names.sort_unstable();
+        names.dedup();
+        names.retain(|name| !is_true(name));
+        names
+    }
+
+    /// What is outside the catalogue and counts, each with what the trace says about it.
+    pub fn counted_answers(&self) -> impl Iterator<Item = &Answer> {
+        self.answers.iter().filter(|answer| outside::counts(&answer.extra))
+    }
+
+    /// Effects that were found again on the same axis (latency of two channels, for example), unless they stand for
+    /// something outside the catalogue. The score counts them once.
     #[must_use]
     pub fn duplicates(&self) -> usize {
-        let is_duplicate = |i: &usize| self.found[..*i].contains(&self.found[*i]);
+        let is_answer = |(name, axis): &(String, String)| {
+            self.answers.iter().any(|answer| answer.extra.axis == axis && answer.names.contains(name))
+        };
+        let is_duplicate =
+            |i: &usize| self.found[..*i].contains(&self.found[*i]) && !is_answer(&self.found[*i]);
         (0..self.found.len()).filter(is_duplicate).count()
     }
 
@@ -118,7 +186,13 @@ impl Outcome {
     /// Whether the machine has no undeclared effect.
     #[must_use]
     pub fn is_clean(&self) -> bool {
-        self.truths.is_empty()
+        self.truths.is_empty() && self.answers.is_empty()
+    }
+
+    /// The case in words: `case 3`, `offspec case 3`.
+    #[must_use]
+    pub fn name(&self) -> String {
+        self.kind.case_words(self.number)
     }
 
     /// Effects from outside the catalogue, each with whether the trace describes it.
@@ -132,12 +206,15 @@ impl Outcome {
         let ratios: Map<String, Value> =
             self.ratios.iter().map(|(channel, ratio)| (channel.clone(), json!(ratio))).collect();
         json!({
+            "kind": self.kind.name(),
             "case": self.number,
             "exact": self.is_exact(),
             "truth": self.truths.iter().map(Truth::json).collect::<Vec<_>>(),
             "found": self.effects,
             "outside_said": self.described,
             "after_over_noise": ratios,
+            "outside": self.answers.iter().map(Answer::json).collect::<Vec<_>>(),
+            "data_faults": self.faults.iter().map(|fault| fault.entry.clone()).collect::<Vec<_>>(),
         })
     }
 }
@@ -167,6 +244,19 @@ fn describes(entry: &Value, truth: &Truth) -> bool {
         }
 }
 
+/// Parameters of a true effect in the effects found. Effects of one name on an axis are told apart by their period.
+fn estimates_of(truth: &Truth, effects: &[Value]) -> Vec<Estimate> {
+    let has_period = |entry: &Value| {
+        let found = entry["parameters"]["period_mm"]["value"].as_f64();
+        let pair = found.zip(truth.parameter("period_mm"));
+        pair.is_none_or(|(found, period)| (found - period).abs() <= MAX_PERIOD_ERROR * period)
+    };
+    let is_named =
+        |entry: &&Value| string(entry, "name") == truth.name && string(entry, "axis") == truth.axis;
+    let same = effects.iter().filter(is_named).filter(|entry| has_period(entry));
+    same.flat_map(|entry| estimates(truth, &entry["parameters"])).collect()
+}
+
 fn estimates(truth: &Truth, parameters: &Value) -> Vec<Estimate> {
     let estimate = |&(parameter, true_value): &(&'static str, f64)| {
         let entry = &parameters[parameter];
@@ -191,71 +281,4 @@ fn ratio(entry: &Value) -> Option<(String, f64)> {
 }
 
 #[cfg(test)]
-pub(super) mod tests {
-    use super::*;
-
-    pub fn truth(name: &'static str, axis: &'static str, parameters: &[(&'static str, f64)]) -> Truth {
-        Truth { name, axis, parameters: parameters.to_vec(), reference: None, phase_rad: 0.0 }
-    }
-
-    pub fn found(name: &str, axis: &str, parameters: &Value) -> Value {
-        json!({"name": name, "axis": axis, "parameters": parameters})
-    }
-
-    #[test]
-    fn a_case_is_exact_if_all_names_and_axes_are_right() {
-        let truths = [truth("backlash", "x", &[("width_um", 10.0)]), truth("squareness", "x", &[])];
-        let named = |effects: &[Value]| Outcome::new(1, &truths, &json!({"effects": effects}));
-        let both = [found("squareness", "x", &json!({})), found("backlash", "x", &json!({}))];
-        assert!(named(&both).is_exact());
-        let wrong_axis = [both[0].clone(), found("backlash", "y", &json!({}))];
-        let outcome = named(&wrong_axis);
-        assert!(!outcome.is_exact());
-        assert_eq!(outcome.missed(), [&truths[0]]);
-        assert_eq!(outcome.false_finds(), [&("backlash".to_owned(), "y".to_owned())]);
-        assert!(!named(&both[..1]).is_exact());
-    }
-
-    #[test]
-    fn an_effect_from_outside_the_catalogue_must_be_described() {
-        let truths = [
-            truth("vibration", "x", &[("frequency_hz", 119.0)]),
-            truth("local_defect", "y", &[("centre_mm", 10.0), ("width_mm", 8.0)]),
-        ];
-        let described = |unexplained: Value| {
-            let outcome = Outcome::new(1, &truths, &json!({"effects": [], "unexplained": unexplained}));
-            assert!(outcome.is_exact() && !outcome.is_clean());
-            outcome.described
-        };
-        let time = |hz: f64| json!({"axis": "x", "variable": "time", "frequency_hz": hz});
-        let position = |mm: f64| json!({"axis": "y", "variable": "position", "centre_mm": mm});
-        assert_eq!(described(json!([time(120.4), position(17.9)])), [true, true]);
-        assert_eq!(described(json!([time(120.6), position(18.1)])), [false, false]);
-        assert_eq!(described(json!([])), [false, false]);
-    }
-
-    #[test]
-    fn errors_are_relative_and_coverage_is_that_of_the_interval() {
-        let truths = [truth("backlash", "x", &[("width_um", 10.0)])];
-        let width = |value: f64, ci95: [f64; 2]| {
-            let effects = [found("backlash", "x", &json!({"width_um": {"value": value, "ci95": ci95}}))];
-            Outcome::new(1, &truths, &json!({"effects": effects})).estimates.remove(0)
-        };
-        let inside = width(9.5, [8.9, 10.1]);
-        assert!((inside.error() - 0.05).abs() < 1e-12);
-        assert!(inside.is_covered());
-        assert!(!width(9.5, [9.4, 9.6]).is_covered());
-    }
-
-    #[test]
-    fn ratios_are_those_of_the_held_out_logs() {
-        let residual = json!([
-            {"axis": "x", "channel": "table", "after_um": {"fit": 9.0, "validate": 0.3}, "noise_um": 0.2},
-            {"axis": "y", "channel": "force", "after_n": {"fit": 9.0, "validate": 4.0}, "noise_n": 2.0},
-        ]);
-        let outcome = Outcome::new(1, &[], &json!({"residual": residual, "effects": []}));
-        assert_eq!(outcome.ratios[1], ("y force".to_owned(), 2.0));
-        assert!((outcome.ratios[0].1 - 1.5).abs() < 1e-12);
-        assert!(outcome.is_clean() && outcome.is_exact());
-    }
-}
+pub(super) mod tests;

@@ -73,6 +73,7 @@ impl Sensors {
 }
 
 /// Rounded to the resolution of the log: the same f64 that reading the decimals of the file gives.
+#[must_use]
 pub fn rounded(value: f64, steps_per_unit: f64) -> f64 {
     // The sum turns −0 into 0, which the file would write as "-0.0".
     (value * steps_per_unit).round() / steps_per_unit + 0.0

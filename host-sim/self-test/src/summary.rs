@@ -5,7 +5,10 @@ use numerics::quantile;
 use serde_json::{Map, Value, json};
 
 use super::confusion::Confusion;
+use super::kind::Kind;
+use super::outside::Answer;
 use super::score::{Estimate, Outcome};
+use super::truth::{CONTROLLER, NAMES};
 
 /// A count of successes in trials.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -17,7 +20,7 @@ pub struct Proportion {
 }
 
 impl Proportion {
-    fn of(each: impl Iterator<Item = bool>) -> Self {
+    pub(super) fn of(each: impl Iterator<Item = bool>) -> Self {
         each.fold(Self::default(), |sum, hit| Self {
             hits: sum.hits + usize::from(hit),
             trials: sum.trials + 1,
@@ -36,7 +39,7 @@ impl Proportion {
         wilson_interval(self.hits, self.trials)
     }
 
-    fn json(self) -> Value {
+    pub(super) fn json(self) -> Value {
         let Self { hits, trials } = self;
         json!({"hits": hits, "of": trials, "share": finite(self.fraction()), "interval95": self.interval()})
     }
@@ -88,12 +91,20 @@ pub struct Summary {
     pub found: Proportion,
     /// Number of false effects: found but not true.
     pub false_finds: usize,
+    /// Those of them that the trace does not call ambiguous.
+    pub certain_false_finds: usize,
     /// Effects that were found again on the same axis, which the score counts once.
     pub duplicates: usize,
     /// Machines without undeclared effects in which nothing was found.
     pub clean: Proportion,
     /// Effects from outside the catalogue that the trace described.
     pub outside: Proportion,
+    /// Things from outside the catalogue, in the other kinds, that were given their name.
+    pub named: Proportion,
+    /// Those that were named or at least reported as unexplained.
+    pub described: Proportion,
+    /// Number of reported faults of the data that are not there.
+    pub false_faults: usize,
     /// By effect and parameter, in the order of the catalogue.
     pub parameters: Vec<Parameter>,
     /// Errors of all parameters that the machine file does not determine.
@@ -117,13 +128,18 @@ impl Summary {
         let errors: Vec<f64> = fitted().map(|estimate| estimate.error()).collect();
         let clean = outcomes.iter().filter(|outcome| outcome.is_clean());
         let outside = outcomes.iter().flat_map(|outcome| &outcome.described);
+        let answers = || outcomes.iter().flat_map(Outcome::counted_answers);
         Self {
             exact: Proportion::of(outcomes.iter().map(Outcome::is_exact)),
             found: Proportion { hits: there - missed, trials: there },
             false_finds: outcomes.iter().map(|outcome| outcome.false_finds().len()).sum(),
+            certain_false_finds: outcomes.iter().map(Outcome::certain_false_finds).sum(),
             duplicates: outcomes.iter().map(Outcome::duplicates).sum(),
             clean: Proportion::of(clean.map(Outcome::is_exact)),
             outside: Proportion::of(outside.copied()),
+            named: Proportion::of(answers().map(|answer| answer.is_named)),
+            described: Proportion::of(answers().map(Answer::is_described)),
+            false_faults: outcomes.iter().map(|outcome| outcome.false_faults().len()).sum(),
             parameters: parameters(&estimates),
             error: Spread::of(&errors),
             coverage: Proportion::of(fitted().map(|estimate| estimate.is_covered())),
@@ -152,9 +168,13 @@ impl Summary {
             "found": self.found.json(),
             "missed": self.found.trials - self.found.hits,
             "false": self.false_finds,
+            "false_certain": self.certain_false_finds,
             "doubled": self.duplicates,
             "clean": self.clean.json(),
             "outside": self.outside.json(),
+            "outside_named": self.named.json(),
+            "outside_described": self.described.json(),
+            "false_faults": self.false_faults,
             "parameter_error": {"all": self.error.json(), "by_parameter": parameters},
             "coverage": self.coverage.json(),
             "after_over_noise": ratios,
@@ -163,9 +183,28 @@ impl Summary {
     }
 }
 
+/// The outcomes of each kind that occurs, in the order of the kinds.
+#[must_use]
+pub fn by_kind(outcomes: &[Outcome]) -> Vec<(Kind, Vec<Outcome>)> {
+    let of = |kind: Kind| outcomes.iter().filter(|outcome| outcome.kind == kind).cloned().collect();
+    let all = Kind::ALL.into_iter().map(|kind| (kind, of(kind)));
+    all.filter(|(_, outcomes): &(_, Vec<_>)| !outcomes.is_empty()).collect()
+}
+
+/// The statistics of each kind by its name.
+#[must_use]
+pub fn kinds_json(outcomes: &[Outcome]) -> Value {
+    let entry =
+        |(kind, outcomes): (Kind, Vec<Outcome>)| (kind.name().to_owned(), Summary::new(&outcomes).json());
+    Value::Object(by_kind(outcomes).into_iter().map(entry).collect())
+}
+
+/// Effects that only things from outside the textbook catalogue are estimated by; see [`super::outside::as_effect`].
+const ESTIMATED: [&str; 3] = ["friction_warm_up", "motor_stribeck", "position_load"];
+
 fn parameters(estimates: &[&Estimate]) -> Vec<Parameter> {
     let mut keys: Vec<(&str, &str)> = Vec::new();
-    for name in super::truth::NAMES {
+    for name in NAMES.into_iter().chain(CONTROLLER).chain(ESTIMATED) {
         for estimate in estimates.iter().filter(|estimate| estimate.effect == name) {
             if !keys.contains(&(name, estimate.parameter)) {
                 keys.push((name, estimate.parameter));

@@ -4,6 +4,7 @@ use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
 use super::case::Case;
+use super::kind::Kind;
 use super::motion::{Pace, Segment, sampled};
 use super::plant::{Mechanics, STEP_S, State};
 use super::servo::Settings;
@@ -12,7 +13,7 @@ use super::summary::Summary;
 use super::*;
 use files::log::{Channel, Log};
 
-fn mechanics() -> Mechanics {
+pub(super) fn mechanics() -> Mechanics {
     Mechanics {
         motor_kg: 100.0,
         table_kg: 150.0,
@@ -27,7 +28,7 @@ fn mechanics() -> Mechanics {
     }
 }
 
-fn axis(hpc: bool) -> Axis {
+pub(super) fn axis(hpc: bool) -> Axis {
     let servo = Settings {
         hpc,
         position_gain_per_s: 50.0,
@@ -40,10 +41,10 @@ fn axis(hpc: bool) -> Axis {
     Axis { servo, mechanics: mechanics(), ..Axis::default() }
 }
 
-const SPEED_MM_PER_S: f64 = 40.0;
+pub(super) const SPEED_MM_PER_S: f64 = 40.0;
 
 /// Log of a line of 80 mm along x, forwards and back, and the samples of 0.4 s of constant speed in each direction.
-fn line(x: &Axis) -> (Log, [std::ops::Range<usize>; 2]) {
+pub(super) fn line(x: &Axis) -> (Log, [std::ops::Range<usize>; 2]) {
     let pace = Pace { speed: SPEED_MM_PER_S, acceleration: 2000.0, ..Pace::default() };
     let positions = sampled([-40.0, 0.0], &[Segment::Line([40.0, 0.0]), Segment::Line([-40.0, 0.0])], pace);
     let mut random = ChaCha8Rng::seed_from_u64(1);
@@ -206,4 +207,24 @@ fn two_machines_come_out_as_they_were_drawn() {
     let json = json(1, 2, &outcomes, &summary);
     assert_eq!(json["cases"][0]["exact"], serde_json::json!(true));
     assert_eq!(json["summary"]["exact"]["of"], serde_json::json!(2));
+}
+
+#[test]
+fn a_kept_case_of_another_kind_has_its_extras_and_the_logs_that_are_traced() {
+    let folder = tempfile::tempdir().unwrap();
+    for kind in [Kind::Shape, Kind::Coarse, Kind::Slip] {
+        let case = Case::draw_kind(kind, 7, 2).unwrap();
+        let kept = case.keep(folder.path()).unwrap();
+        assert_eq!(kept.file_name().unwrap().to_str(), Some(format!("{kind}-2").as_str()));
+        for log in &case.fit {
+            assert!(Log::read(&kept.join(format!("{}.csv.gz", log.source))).unwrap().axes == log.axes);
+        }
+        let text = std::fs::read_to_string(kept.join("truth.json")).unwrap();
+        let truth: Value = serde_json::from_str(&text).unwrap();
+        assert_eq!(truth["effects"].as_array().unwrap().len(), case.truths.len());
+        let extras: Vec<(String, String)> = serde_json::from_value(truth["extra"].clone()).unwrap();
+        let expected: Vec<_> = case.extras.iter().map(|e| (e.name.to_owned(), e.axis.to_owned())).collect();
+        assert_eq!(extras, expected);
+        assert!(!extras.is_empty());
+    }
 }

@@ -1,6 +1,8 @@
 //! The result of a self-test as plain text: sentences and tables.
 
 use super::confusion::Confusion;
+use super::kind_table;
+use super::outside::Answer;
 use super::score::Outcome;
 use super::summary::{Proportion, Spread, Summary};
 
@@ -9,6 +11,11 @@ use super::summary::{Proportion, Spread, Summary};
 pub fn sentences(seed: u64, summary: &Summary) -> Vec<String> {
     let Summary { clean, outside, duplicates, coverage, .. } = summary;
     let mut sentences = vec![exact_sentence(seed, summary.exact), found_sentence(summary)];
+    let ambiguous = summary.false_finds - summary.certain_false_finds;
+    if ambiguous > 0 {
+        let are = if ambiguous == 1 { "is" } else { "are" };
+        sentences.push(format!("Of the false effects, {ambiguous} {are} called ambiguous."));
+    }
     if *duplicates > 0 {
         sentences.push(format!(
             "{} {} found a second time on {} axis; the score counts each once.",
@@ -30,6 +37,7 @@ pub fn sentences(seed: u64, summary: &Summary) -> Vec<String> {
             was_or_were(outside.hits)
         ));
     }
+    sentences.extend(named_sentence(summary));
     if coverage.trials > 0 {
         sentences.push(parameter_sentence(summary));
     }
@@ -61,6 +69,22 @@ fn found_sentence(Summary { found, false_finds, .. }: &Summary) -> String {
     )
 }
 
+/// What was said about things from outside the catalogue in the other kinds, and about faults of the data.
+fn named_sentence(Summary { named, described, false_faults, .. }: &Summary) -> Option<String> {
+    if named.trials == 0 && *false_faults == 0 {
+        return None;
+    }
+    Some(format!(
+        "Of {} and faults of the data {} {} named and {} described; {} {} found.",
+        counted(named.trials, "other deviation"),
+        named.hits,
+        was_or_were(named.hits),
+        described.hits,
+        counted(*false_faults, "false fault"),
+        was_or_were(*false_faults)
+    ))
+}
+
 fn parameter_sentence(Summary { coverage, error, .. }: &Summary) -> String {
     let [low, high] = coverage.interval();
     format!(
@@ -77,7 +101,7 @@ fn parameter_sentence(Summary { coverage, error, .. }: &Summary) -> String {
 }
 
 /// A count with its noun: `1 effect`, `2 effects`.
-fn counted(count: usize, noun: &str) -> String {
+pub(super) fn counted(count: usize, noun: &str) -> String {
     format!("{count} {noun}{}", if count == 1 { "" } else { "s" })
 }
 
@@ -89,9 +113,12 @@ fn was_or_were(count: usize) -> &'static str {
 #[must_use]
 pub fn tables(outcomes: &[Outcome], summary: &Summary) -> String {
     let mut lines = Vec::new();
+    if kind_table::is_needed(outcomes) {
+        lines.extend([kind_table::text(outcomes), String::new()]);
+    }
     for outcome in outcomes.iter().filter(|outcome| !is_right(outcome)) {
         let (there, found) = true_and_found(outcome);
-        lines.push(format!("case {}: true {there}; found {found}", outcome.number));
+        lines.push(format!("{}: true {there}; found {found}", outcome.name()));
     }
     let wrong = |(row, column, count): (&str, &str, usize)| {
         (count > 0 && !Confusion::is_right(row, column)).then(|| format!("{count:>5} × {row} → {column}"))
@@ -122,10 +149,15 @@ pub fn tables(outcomes: &[Outcome], summary: &Summary) -> String {
     lines.join("\n") + "\n"
 }
 
-/// Whether a case is correct: every effect found once, every effect from outside the catalogue described.
+/// Whether a case is correct: every effect found once, every effect from outside the catalogue described or, in the other
+/// kinds, named, and no false fault of the data.
 #[must_use]
 pub fn is_right(outcome: &Outcome) -> bool {
-    outcome.is_exact() && outcome.duplicates() == 0 && outcome.described.iter().all(|&described| described)
+    outcome.is_exact()
+        && outcome.duplicates() == 0
+        && outcome.described.iter().all(|&described| described)
+        && outcome.counted_answers().all(|answer| answer.is_named)
+        && outcome.false_faults().is_empty()
 }
 
 /// The true effects and the effects found, as lists in words.
@@ -134,11 +166,19 @@ pub fn true_and_found(outcome: &Outcome) -> (String, String) {
     let or_nothing = |names: Vec<String>| {
         if names.is_empty() { "nothing".to_owned() } else { names.join(", ") }
     };
-    let there = outcome.truths.iter().map(|truth| format!("{} on {}", truth.name, truth.axis)).collect();
+    let extras = outcome.answers.iter().map(|answer| &answer.extra);
+    let there = outcome.truths.iter().chain(extras);
+    let there = there.map(|truth| format!("{} on {}", truth.name, truth.axis)).collect();
     let mut found: Vec<String> =
         outcome.found.iter().map(|(name, axis)| format!("{name} on {axis}")).collect();
     let described = outcome.outside().filter(|(_, described)| *described);
     found.extend(described.map(|(truth, _)| format!("{} on {} (as unexplained)", truth.name, truth.axis)));
+    let faults = outcome.faults.iter().map(|fault| &fault.name);
+    found.extend(faults.map(|(kind, axis)| format!("{kind} on {axis} (a fault of the data)")));
+    let unexplained = outcome.counted_answers().filter(|a| a.names.is_empty() && a.is_described());
+    found.extend(
+        unexplained.map(|Answer { extra, .. }| format!("{} on {} (as unexplained)", extra.name, extra.axis)),
+    );
     (or_nothing(there), or_nothing(found))
 }
 
@@ -148,7 +188,7 @@ fn hits_of_trials(proportion: Proportion) -> String {
 }
 
 /// A fraction in whole percent.
-fn percent(fraction: f64) -> String {
+pub(super) fn percent(fraction: f64) -> String {
     if fraction.is_nan() { "–".to_owned() } else { format!("{:.0} %", 100.0 * fraction) }
 }
 

@@ -1,5 +1,6 @@
 //! The command line: arguments, results on stdout, progress on stderr, exit codes.
 
+mod batch;
 mod compare;
 mod demo;
 mod friction_map;

@@ -1,24 +1,25 @@
 //! `lost-motion self-test`.
 
-use std::path::PathBuf;
-use std::sync::mpsc::{Receiver, RecvTimeoutError, Sender, channel};
-use std::time::{Duration, Instant};
+use std::path::{Path, PathBuf};
 
-use anyhow::{Context, Result, anyhow};
+use anyhow::Result;
+use serde_json::Value;
 
+use super::batch::{Batch, Results, Show};
 use super::outputs::{check_outputs, print};
-use super::progress::Progress;
 use super::stop::{self, Stopped};
 use files::error::InputError;
 use files::output::{remove_unfinished, write_whole};
 use numerics::quantile;
 use self_test::case::Case;
+use self_test::detection::{Detection, SizedCase, detect};
+use self_test::detection_curve::Curve;
 use self_test::kind::Kind;
 use self_test::score::Outcome;
 use self_test::summary::Summary;
-use self_test::text_summary;
+use self_test::{detection_curve, detection_text, text_summary};
 
-/// Maximum number of cases of one run, which takes several weeks.
+/// Maximum number of cases of a kind, which takes several weeks.
 const MAX_CASES: u64 = 100_000;
 
 /// Arguments of `self-test`.
@@ -34,6 +35,9 @@ pub struct Arguments {
     /// controller.
     #[arg(long, value_delimiter = ',', default_value = "textbook")]
     kind: Vec<Kind>,
+    /// How often an effect of a given size, in units of the noise, is found; all effects and sizes once in 187 cases.
+    #[arg(long, conflicts_with_all = ["kind", "keep"])]
+    detection: bool,
     /// Write the result as JSON.
     #[arg(long)]
     json: Option<PathBuf>,
@@ -48,156 +52,129 @@ pub struct Arguments {
     no_trace: bool,
 }
 
-impl Arguments {
-    /// Kind and number of all cases, in the order in which they are run.
-    fn cases(&self) -> impl Iterator<Item = (Kind, u64)> {
-        self.kind.iter().flat_map(|&kind| (1..=self.cases).map(move |number| (kind, number)))
-    }
-
-    /// Number of all cases.
-    fn total(&self) -> u64 {
-        self.cases * self.kind.len() as u64
-    }
-}
-
 /// Runs the command.
 ///
 /// # Errors
 /// Invalid arguments, output that cannot be written, [`Stopped`].
 pub fn run(arguments: &Arguments) -> Result<()> {
+    check(arguments)?;
+    stop::write_partial_result();
+    if arguments.detection { run_detection(arguments) } else { run_kinds(arguments) }
+}
+
+fn check(arguments: &Arguments) -> Result<()> {
     if !(1..=MAX_CASES).contains(&arguments.cases) {
         let expected = format!("a number of cases from 1 to {MAX_CASES}");
         return Err(InputError::expected("--cases", expected, arguments.cases).into());
     }
-    let mut kinds = arguments.kind.clone();
-    kinds.sort_unstable();
-    kinds.dedup();
-    if kinds.len() < arguments.kind.len() {
-        return Err(InputError::expected("--kind", "each kind once", "one of them twice").into());
+    let mut seen: Vec<Kind> = Vec::new();
+    for &kind in &arguments.kind {
+        if seen.contains(&kind) {
+            return Err(InputError::expected("--kind", "each kind once", format!("{kind} twice")).into());
+        }
+        seen.push(kind);
     }
     let page = pages::file_in(arguments.report.as_ref());
     check_outputs(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
-    stop::write_partial_result();
-    let (sender, receiver) = channel();
-    let work = arguments.clone();
-    // On another thread, so that a long case does not delay the reaction to an interrupt.
-    std::thread::spawn(move || drop(run_cases(&work, &sender)));
-    let run = collect(arguments, &receiver)?;
-    let mut written = Ok(());
+    Ok(())
+}
+
+/// After the results have been written: an error if the program was interrupted.
+fn ended<T>(results: &Results<T>) -> Result<()> {
+    if results.is_complete() {
+        return Ok(());
+    }
+    remove_unfinished();
+    Err(Stopped { done: results.done.len(), asked: results.asked as u64, what: "cases" }.into())
+}
+
+/// Draws and traces the cases of each kind.
+fn run_kinds(arguments: &Arguments) -> Result<()> {
+    let cases =
+        arguments.kind.iter().flat_map(|&kind| (1..=arguments.cases).map(move |number| (kind, number)));
+    let jobs = cases.map(|(kind, number)| (kind.case_words(number), (kind, number))).collect();
+    let own = arguments.clone();
+    let work = move |&(kind, number): &(Kind, u64), show: Show<'_>| run_case(&own, (kind, number), show);
+    let results = Batch { jobs, work }.run(|done: &[Option<Outcome>]| {
+        let exact = done.iter().flatten().filter(|outcome| outcome.is_exact()).count();
+        if done.iter().flatten().count() == 0 {
+            String::new()
+        } else {
+            format!("{exact} of {} exact; ", done.len())
+        }
+    })?;
     if !arguments.no_trace {
-        written = write(arguments, &run);
-    } else if run.done > 0 {
-        written = print(&format!("{} cases drawn.", run.done));
+        write_kinds(arguments, &results)?;
+    } else if !results.done.is_empty() {
+        print(&format!("{} cases drawn.", results.done.len()))?;
     }
-    written?;
-    if (run.done as u64) < arguments.total() {
-        remove_unfinished();
-        return Err(Stopped { done: run.done, asked: arguments.total(), what: "cases" }.into());
-    }
-    Ok(())
+    ended(&results)
 }
 
-/// A message of the working thread.
-enum Message {
-    /// A line of progress.
-    Progress(String),
-    /// A case is done: its score, if it was traced, and the time taken.
-    Done(Option<Outcome>, Duration),
-    /// The thread has failed and ends.
-    Failed(anyhow::Error),
-}
-
-/// Draws, writes and traces all cases, one after the other; ends early if the receiver has been dropped.
-fn run_cases(arguments: &Arguments, messages: &Sender<Message>) -> Result<()> {
-    for (kind, number) in arguments.cases() {
-        let name = case_words(kind, number);
-        let message = run_case(arguments, (kind, number), messages).with_context(|| name);
-        messages.send(message.unwrap_or_else(Message::Failed))?;
-    }
-    Ok(())
-}
-
-/// A case in messages: `case 3`, `offspec case 3`.
-fn case_words(kind: Kind, number: u64) -> String {
-    match kind {
-        Kind::Textbook => format!("case {number}"),
-        _ => format!("{kind} case {number}"),
-    }
-}
-
-fn run_case(
-    arguments: &Arguments,
-    (kind, number): (Kind, u64),
-    messages: &Sender<Message>,
-) -> Result<Message> {
-    let name = case_words(kind, number);
-    let progress = |what: &str| drop(messages.send(Message::Progress(format!("{name}: {what}"))));
-    progress("running the machine");
+fn run_case(arguments: &Arguments, (kind, number): (Kind, u64), show: Show<'_>) -> Result<Option<Outcome>> {
+    show("running the machine");
     let case = Case::draw_kind(kind, arguments.seed, number)?;
     if let Some(folder) = &arguments.keep {
         case.keep(folder)?;
     }
-    let start = Instant::now();
-    let outcome = if arguments.no_trace {
-        None
-    } else {
-        Some(self_test::trace_and_score(&case, &|what| progress(what))?)
-    };
-    Ok(Message::Done(outcome, start.elapsed()))
-}
-
-/// The results of the cases so far.
-#[derive(Default)]
-struct Run {
-    done: usize,
-    outcomes: Vec<Outcome>,
-    seconds: Vec<f64>,
-}
-
-/// Receives messages until all cases are done or the program is interrupted.
-fn collect(arguments: &Arguments, messages: &Receiver<Message>) -> Result<Run> {
-    /// Maximum delay of the reaction to an interrupt.
-    const POLL_INTERVAL: Duration = Duration::from_millis(50);
-    let progress = Progress::with_bar(arguments.total());
-    let mut run = Run::default();
-    let mut score = String::new();
-    while (run.done as u64) < arguments.total() && !stop::is_interrupted() {
-        match messages.recv_timeout(POLL_INTERVAL) {
-            Ok(Message::Progress(what)) => progress.show(&format!("{score}{what}")),
-            Ok(Message::Done(outcome, time)) => {
-                run.done += 1;
-                run.seconds.push(time.as_secs_f64());
-                run.outcomes.extend(outcome);
-                progress.set_done(run.done);
-                let exact = run.outcomes.iter().filter(|outcome| outcome.is_exact()).count();
-                if !run.outcomes.is_empty() {
-                    score = format!("{exact} of {} exact; ", run.done);
-                }
-            }
-            Ok(Message::Failed(error)) => return Err(error),
-            Err(RecvTimeoutError::Timeout) => {}
-            Err(RecvTimeoutError::Disconnected) => {
-                return Err(anyhow!("case {} of all: the working thread ended unexpectedly", run.done + 1));
-            }
-        }
+    if arguments.no_trace {
+        return Ok(None);
     }
-    Ok(run)
+    Ok(Some(self_test::trace_and_score(&case, show)?))
 }
 
 /// Writes the files, then prints the summary.
-fn write(arguments: &Arguments, run: &Run) -> Result<()> {
-    let summary = Summary::new(&run.outcomes);
+fn write_kinds(arguments: &Arguments, results: &Results<Option<Outcome>>) -> Result<()> {
+    let outcomes: Vec<Outcome> = results.done.iter().flatten().cloned().collect();
+    let summary = Summary::new(&outcomes);
+    write_json(arguments, || self_test::json(arguments.seed, arguments.cases, &outcomes, &summary))?;
+    let sentences = text_summary::sentences(arguments.seed, &summary);
+    let tables = text_summary::tables(&outcomes, &summary);
+    let page = |folder: &Path| self_test::page::write(folder, &sentences, &outcomes, &summary);
+    let report = arguments.report.as_deref().map(page).transpose()?;
+    print_summary(arguments, &[&sentences.join("\n"), &tables], &results.seconds, report)
+}
+
+/// Draws and traces the cases of the detection curve.
+fn run_detection(arguments: &Arguments) -> Result<()> {
+    let jobs = (1..=arguments.cases).map(|number| (Kind::Textbook.case_words(number), number)).collect();
+    let seed = arguments.seed;
+    let work = move |&number: &u64, show: Show<'_>| {
+        show("running the machine");
+        let case = SizedCase::draw(seed, number)?;
+        Ok(detect(&case, show)?)
+    };
+    let results = Batch { jobs, work }.run(|done: &[Detection]| {
+        let found = done.iter().filter(|detection| detection.is_found).count();
+        format!("{found} of {} found; ", done.len())
+    })?;
+    let curve = Curve::new(&results.done);
+    write_json(arguments, || detection_curve::json(seed, arguments.cases, &results.done, &curve))?;
+    let sentences = detection_text::sentences(seed, &results.done, &curve);
+    let tables = detection_text::tables(&results.done, &curve);
+    let page = |folder: &Path| detection_text::write_page(folder, &sentences, &results.done, &curve);
+    let report = arguments.report.as_deref().map(page).transpose()?;
+    print_summary(arguments, &[&sentences.join("\n"), &tables], &results.seconds, report)?;
+    ended(&results)
+}
+
+fn write_json(arguments: &Arguments, json: impl Fn() -> Value) -> Result<()> {
     if let Some(path) = &arguments.json {
-        let json = self_test::json(arguments.seed, arguments.cases, &run.outcomes, &summary);
-        let text = serde_json::to_string_pretty(&json)?;
+        let text = serde_json::to_string_pretty(&json())?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
-    let sentences = text_summary::sentences(arguments.seed, &summary);
-    let mut output = sentences.join("\n");
-    output += &format!("\n\n{}", text_summary::tables(&run.outcomes, &summary));
-    output += &format!("\n{:.1} s per case in the median.", quantile(&run.seconds, 0.5));
-    if let Some(folder) = &arguments.report {
-        let path = self_test::page::write(folder, &sentences, &run.outcomes, &summary)?;
+    Ok(())
+}
+
+fn print_summary(
+    arguments: &Arguments,
+    parts: &[&str],
+    seconds: &[f64],
+    report: Option<PathBuf>,
+) -> Result<()> {
+    let mut output = parts.join("\n\n");
+    output += &format!("\n{:.1} s per case in the median.", quantile(seconds, 0.5));
+    if let Some(path) = report {
         output += &format!("\nReport: {}", path.display());
     }
     if let Some(folder) = &arguments.keep {

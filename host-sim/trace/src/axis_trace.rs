@@ -5,7 +5,6 @@ use crate::analysis::free_run::free_runs;
 use crate::analysis::repeatability::{Repeatability, repeatability};
 use crate::analysis::residual_analysis::{UnexplainedResidual, unexplained};
 use crate::fit::axis_model::AxisModel;
-use crate::fit::declared_value::declared_values;
 use crate::fit::final_fit::{FinalFit, final_fit, kept};
 use crate::fit::fit_data::{FitAndValidationRms, FitData};
 use crate::fit::least_squares::{self, Fitted};
@@ -20,6 +19,7 @@ use crate::search::round::Round;
 use crate::stages::stage_names;
 use crate::task::Task;
 use crate::validation::confirmation::{Confirmed, confirm};
+use crate::validation::declared_value::declared_values;
 use crate::validation::fitted_axis::FittedAxis;
 use crate::validation::found_effect::FoundEffect;
 use files::log::Unit;
@@ -53,8 +53,10 @@ pub fn trace(
     // "What the validation logs decide".
     let stages: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
     let axis = FittedAxis { declared: before.clone(), model, fits };
-    let Confirmed { axis: FittedAxis { model, fits, .. }, mut found, refused, refuted } =
+    let Confirmed { axis, mut found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
+    let declared_values = declared_values([fit_data, validate], &axis);
+    let FittedAxis { model, .. } = axis;
     let before = match task {
         Task::Evaluate => stage.as_declared(declared),
         // If all effects were dropped, both models are the same.
@@ -68,7 +70,7 @@ pub fn trace(
     let free_runs = free_runs(fit_data.name(), &before.axis, &model.axis, &logs);
     let tried = tried(declared, &rounds);
     let ambiguities = ambiguities(&rounds, &found);
-    state_rivals(&mut found, &ambiguities);
+    name_rivals(&mut found, &ambiguities);
     let neighbours = Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 };
     AxisTrace {
         task,
@@ -84,7 +86,7 @@ pub fn trace(
         data_faults: Vec::new(),
         ambiguities,
         bias: validate.bias.to_vec(),
-        declared_values: declared_values(&fits),
+        declared_values,
         declared: before,
         model,
         scopes,
@@ -227,8 +229,8 @@ fn tried<'a>(declared: &'a Axis, rounds: &'a [Round]) -> Vec<&'a str> {
     declared.effect.iter().map(Effect::name).chain(candidates).collect()
 }
 
-/// States the rivals of each effect found.
-fn state_rivals(found: &mut [FoundEffect], ambiguities: &[Ambiguity]) {
+/// Adds to each effect the effects from which the logs do not distinguish it.
+fn name_rivals(found: &mut [FoundEffect], ambiguities: &[Ambiguity]) {
     for one in found {
         let of_this = ambiguities.iter().filter(|ambiguity| ambiguity.added.is_same(&one.effect));
         one.rivals = of_this.map(|ambiguity| ambiguity.rival.clone()).collect();

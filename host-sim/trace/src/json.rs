@@ -6,13 +6,13 @@ use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
 use crate::data_faults::DataFault;
-use crate::fit::declared_value::DeclaredValue;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::NotTestable;
 use crate::not_testable::EffectNotTestable;
 use crate::outcome::{AxisTrace, StageError, Trace};
 use crate::search::ambiguity::Ambiguity;
 use crate::stages::residual_unit;
+use crate::validation::declared_value::DeclaredValue;
 use crate::validation::found_effect::FoundEffect;
 use crate::verdict;
 use files::log::{Channel, Unit};
@@ -113,7 +113,7 @@ fn declared(axis: &AxisTrace, value: &DeclaredValue) -> Value {
         "declared": declared,
         "fitted": fitted,
         "ci95": (!value.is_at_bound).then_some([fitted - half_width, fitted + half_width]),
-        "beyond_tolerance": value.is_beyond_tolerance(),
+        "beyond_tolerance": value.is_beyond_tolerance,
     })
 }
 
@@ -180,15 +180,7 @@ fn unexplained(axis: &AxisTrace, residual: &UnexplainedResidual) -> Value {
 }
 
 fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
-    let is_rotary = axis.unit == Unit::Degree;
-    let declared = found.effect.declared_parameters().iter();
-    let parameters: Map<String, Value> = declared
-        .zip(found.effect.values())
-        .zip(&found.half_widths)
-        .map(|((parameter, value), half)| {
-            (parameter.key_on(is_rotary), json!({"value": value, "ci95": [value - half, value + half]}))
-        })
-        .collect();
+    let parameters = parameters(&found.effect, &found.half_widths, axis.unit == Unit::Degree);
     let mut entry = json!({
         "name": found.effect.name(),
         "axis": axis.axis,
@@ -207,4 +199,55 @@ fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
         }
     }
     entry
+}
+
+/// Values of an effect's parameters with their intervals. Of a list, both are lists; a list that is not fitted, such as
+/// the positions of knots, has no intervals.
+fn parameters(effect: &Effect, half_widths: &[f64], is_rotary: bool) -> Map<String, Value> {
+    let declared = effect.declared_parameters();
+    let values: Vec<(f64, f64)> = effect.values().into_iter().zip(half_widths.iter().copied()).collect();
+    let mut result = Map::new();
+    for same in declared[..values.len()].chunk_by(|a, b| a.is_list && a.key == b.key) {
+        let start = declared.iter().position(|parameter| parameter.key == same[0].key).unwrap_or(0);
+        let of_key = &values[start..start + same.len()];
+        let interval = |(value, half): &(f64, f64)| [value - half, value + half];
+        let entry = if !same[0].is_list {
+            json!({"value": of_key[0].0, "ci95": interval(&of_key[0])})
+        } else if of_key.iter().all(|(_, half)| *half == 0.0) {
+            json!({"value": of_key.iter().map(|(value, _)| *value).collect::<Vec<_>>()})
+        } else {
+            let intervals: Vec<[f64; 2]> = of_key.iter().map(interval).collect();
+            json!({"value": of_key.iter().map(|(value, _)| *value).collect::<Vec<_>>(), "ci95": intervals})
+        };
+        result.insert(same[0].key_on(is_rotary), entry);
+    }
+    result
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_list_has_lists_of_values_and_intervals() {
+        let map =
+            "name = 'pitch_map'\npositions_mm = [0, 50]\nerror_um = [1, -2]\nerror_negative_um = [3, 4]";
+        let parameters = parameters(&toml::from_str(map).unwrap(), &[0.0, 0.0, 0.5, 0.5, 1.0, 2.0], true);
+        let expected = json!({
+            "positions_deg": {"value": [0.0, 50.0]},
+            "error_mdeg": {"value": [1.0, -2.0], "ci95": [[0.5, 1.5], [-2.5, -1.5]]},
+            "error_negative_mdeg": {"value": [3.0, 4.0], "ci95": [[2.0, 4.0], [2.0, 6.0]]},
+        });
+        assert_eq!(json!(parameters), expected);
+    }
+
+    #[test]
+    fn a_number_has_one_interval() {
+        let effect: Effect = toml::from_str("name = 'position_load'\nslope_n_per_m = 3").unwrap();
+        let expected = json!({
+            "slope_n_per_m": {"value": 3.0, "ci95": [2.0, 4.0]},
+            "centre_mm": {"value": 0.0, "ci95": [0.0, 0.0]},
+        });
+        assert_eq!(json!(parameters(&effect, &[1.0, 0.0], false)), expected);
+    }
 }

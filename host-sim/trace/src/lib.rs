@@ -45,6 +45,7 @@ use rayon::prelude::*;
 use data_faults::Examined;
 use files::error::InputError;
 use files::log::Log;
+use fit::axis_model::AxisModel;
 use fit::scope_fit::Progress;
 use input::admission::{self, Admitted};
 use input::signals::Signals;
@@ -122,7 +123,10 @@ fn run(
     });
     let machine = machine.clone();
     let options = *options;
-    let mut trace = Trace { axes: Vec::new(), fit_logs, validate_logs, names, machine, options, notes };
+    let model = |axis| AxisModel::new(axis, machine.rates(), options.model);
+    let declared_axes = machine.axis.values().map(model).collect();
+    let axes = Vec::new();
+    let mut trace = Trace { axes, fit_logs, validate_logs, names, machine, declared_axes, options, notes };
     faults.extend(trace.correct_late_commands());
     let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
         let [fit_data, validate] = [&trace.fit_logs, &trace.validate_logs].map(|logs| trace.data(logs, i));

@@ -221,6 +221,9 @@ options! {
         /// Sweep: ×0.5: `the_trace_of_emps_matches_the_readme` and the unit test of `force_windup` fail; ×2:
         /// `the_trace_of_emps_matches_the_readme` and `the_robot_has_latency_and_windup` fail.
         min_t: f64 = 3.5,
+        /// Smallest size of an effect, in half widths of its confidence interval. An effect that is significant by its gain
+        /// is many half widths large; one of a few half widths follows a chance shape of the residual.
+        min_size: f64 = 2.0,
         /// Number of standard errors below which a difference between two models is not significant.
         ///
         /// Sweep: nothing changes.

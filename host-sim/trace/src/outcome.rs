@@ -6,7 +6,6 @@ use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
 use crate::data_faults::{DataFault, Treatment, late_command};
 use crate::fit::axis_model::AxisModel;
-use crate::fit::declared_value::DeclaredValue;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::{NotTestable, Scope};
@@ -17,6 +16,7 @@ use crate::search::ambiguity::Ambiguity;
 use crate::search::distinguishing_motion;
 use crate::search::round::Round;
 use crate::task::Task;
+use crate::validation::declared_value::DeclaredValue;
 use crate::validation::found_effect::FoundEffect;
 use files::log::Unit;
 use model::effects::Stage;
@@ -35,6 +35,8 @@ pub struct Trace {
     pub names: Vec<String>,
     /// The declared machine.
     pub machine: Machine,
+    /// The declared models of the axes, in the order of the machine file.
+    pub declared_axes: Vec<AxisModel>,
     /// The thresholds of the trace.
     pub options: TraceOptions,
     /// Sentences on logs that were shortened or thinned, and on missing or excluded data.
@@ -171,6 +173,7 @@ impl Trace {
     /// The data of one axis in these logs.
     #[must_use]
     pub fn data<'a>(&'a self, logs: &'a [Signals], axis: usize) -> FitData<'a> {
-        FitData::new(logs, &self.names, axis, self.machine.rates(), &self.options)
+        let data = FitData::new(logs, &self.names, axis, self.machine.rates(), &self.options);
+        FitData { declared_axes: &self.declared_axes, ..data }
     }
 }

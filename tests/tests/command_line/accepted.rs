@@ -37,6 +37,9 @@ fn invalid_arguments_end_with_exit_code_2() {
         "compare --hours soon",
         "self-test --cases 0",
         "self-test --no-trace",
+        "self-test --kind cursory",
+        "self-test --kind shape,slip,shape",
+        "self-test --detection --kind shape",
     ] {
         let output = folder().run(arguments);
         assert_eq!(output.status.code(), Some(2), "{arguments}");

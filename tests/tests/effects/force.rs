@@ -3,10 +3,11 @@
 use std::f64::consts::TAU;
 
 use files::log::Channel;
+use plant::instruments::Instruments;
 
 use crate::runs::{
     PLAIN, ROUNDING_N, ROUNDING_UM, RunLog, assert_all, assert_near, at, changed, declared, difference, fit,
-    lines, run, with,
+    lines, run, run_with, with,
 };
 
 /// Asserts the effect of a force on the table: the drive compensates it, and the screw is stretched by it.
@@ -32,6 +33,24 @@ pub fn stribeck() {
     }
 }
 
+/// Friction of the motor rises by excess·exp(−(v/vs)²), against the motion. The drive compensates it, and the screw
+/// does not transmit it.
+pub fn motor_stribeck() {
+    let (excess_n, vs_mm_s) = (80.0, 5.0);
+    let motion = lines(&[(3.0, 2.0), (9.0, 5.0), (49.0, 40.0), (9.0, 40.0), (3.0, 5.0), (0.0, 2.0)]);
+    let plain = run(PLAIN, &motion);
+    let effect =
+        format!("name = \"motor_stribeck\"\nstatic_excess_n = {excess_n}\nvelocity_mm_s = {vs_mm_s}");
+    let effect_run = run(&with(&effect), &motion);
+    for mm_s in [2.0_f64, 5.0, 40.0, -40.0, -5.0, -2.0] {
+        let rise_n = excess_n * (-(mm_s / vs_mm_s).powi(2)).exp();
+        let steady = effect_run.steady(mm_s);
+        let expected_n = rise_n.copysign(mm_s);
+        assert_all(&effect_run.change(Channel::Force, &plain), &steady, expected_n, ROUNDING_N, "force");
+        assert_all(&effect_run.drive_train_change_um(&plain), &steady, 0.0, ROUNDING_UM, "table − motor");
+    }
+}
+
 /// b + h forwards and b − h backwards: h·|v| more force in + direction for both.
 pub fn friction_asymmetry() {
     let half = 300.0;
@@ -52,6 +71,88 @@ pub fn constant_load() {
     let effect_run = run(&with(&format!("name = \"constant_load\"\nforce_n = {force_n}")), &motion);
     for mm_s in [50.0, -50.0] {
         assert_on_table(&effect_run, &plain, mm_s, force_n);
+    }
+}
+
+/// The drive compensates slope·(x − c) + curvature·(x − c)² in both directions, and the screw is stretched by it.
+pub fn position_load() {
+    let (centre_mm, slope, curvature, mm_s) = (20.0, 1500.0, 20_000.0, 20.0);
+    let motion = lines(&[(60.0, mm_s), (0.0, mm_s)]);
+    let plain = run(PLAIN, &motion);
+    let effect = format!(
+        "name = \"position_load\"\nslope_n_per_m = {slope:?}\ncentre_mm = {centre_mm:?}\n\
+         curvature_n_per_m2 = {curvature:?}"
+    );
+    let effect_run = run(&with(&effect), &motion);
+    let table_mm = effect_run.channel("x", Channel::Table);
+    let expected = |mm: &f64| {
+        let x_m = 1e-3 * (mm - centre_mm);
+        x_m * (slope + curvature * x_m)
+    };
+    let expected_n: Vec<f64> = table_mm.iter().map(expected).collect();
+    let stretch_um: Vec<f64> =
+        expected_n.iter().map(|n| -n / declared().mechanics.stiffness_n_per_um.unwrap()).collect();
+    let force_error = difference(&effect_run.change(Channel::Force, &plain), &expected_n);
+    let stretch_error = difference(&effect_run.drive_train_change_um(&plain), &stretch_um);
+    for mm_s in [mm_s, -mm_s] {
+        let steady = effect_run.steady(mm_s);
+        // The load changes by up to 62 N/s (slope and twice the curvature, times 20 mm/s), and the response of the loop
+        // takes some 10 ms.
+        assert_all(&force_error, &steady, 0.0, ROUNDING_N + 0.9, "force");
+        assert_all(&stretch_error, &steady, 0.0, ROUNDING_UM + 0.005, "table − motor");
+    }
+    let largest_n = expected_n.iter().fold(0.0f64, |max, n| max.max(n.abs()));
+    assert!(largest_n > 50.0, "{largest_n}");
+}
+
+/// Friction rises by force·exp(−t/τ), t on the session clock, which a run need not start at zero.
+pub fn friction_warm_up() {
+    let (force_n, time_constant_s, start_s, mm_s): (f64, f64, f64, f64) = (90.0, 4.0, 3.0, 20.0);
+    let motion = lines(&[(60.0, mm_s), (0.0, mm_s)]);
+    let run = |machine: &str| run_with(machine, &motion, start_s, |_| Instruments::default());
+    let plain = run(PLAIN);
+    let effect =
+        format!("name = \"friction_warm_up\"\nforce_n = {force_n}\ntime_constant_s = {time_constant_s}");
+    let effect_run = run(&with(&effect));
+    let change_n = effect_run.change(Channel::Force, &plain);
+    let stretch_um = effect_run.drive_train_change_um(&plain);
+    for mm_s in [mm_s, -mm_s] {
+        for i in effect_run.steady(mm_s) {
+            let time_s = start_s + i as f64 * effect_run.log.sample_time_s;
+            let expected_n = (force_n * (-time_s / time_constant_s).exp()).copysign(mm_s);
+            // Friction falls by up to 10 N/s, and the response of the loop takes some 10 ms.
+            assert_near(change_n[i], expected_n, ROUNDING_N + 0.2, "force");
+            let expected_um = -expected_n / declared().mechanics.stiffness_n_per_um.unwrap();
+            assert_near(stretch_um[i], expected_um, ROUNDING_UM + 0.002, "table − motor");
+        }
+    }
+}
+
+/// Friction rises by the map, a natural cubic spline through three knots (by hand: between knots at a distance h, with
+/// B = y₀ − 2y₁ + y₂ and u = (x − x₁)/h, it is y₁ + (y₂ − y₀)/2·u + B·(3u²/4 − |u|³/4)), against the motion.
+pub fn friction_map() {
+    let (positions_mm, friction_n, mm_s) = ([10.0, 30.0, 50.0], [40.0, -30.0, 10.0], 20.0);
+    let motion = lines(&[(60.0, mm_s), (0.0, mm_s)]);
+    let plain = run(PLAIN, &motion);
+    let effect =
+        format!("name = \"friction_map\"\npositions_mm = {positions_mm:?}\nfriction_n = {friction_n:?}");
+    let effect_run = run(&with(&effect), &motion);
+    let table_mm = effect_run.channel("x", Channel::Table);
+    let level_n = |mm: f64| {
+        let [y0, y1, y2] = friction_n;
+        let u = ((mm - 30.0) / 20.0).clamp(-1.0, 1.0);
+        y1 + 0.5 * (y2 - y0) * u + (y0 - 2.0 * y1 + y2) * (0.75 * u * u - 0.25 * u.abs().powi(3))
+    };
+    let change_n = effect_run.change(Channel::Force, &plain);
+    let stretch_um = effect_run.drive_train_change_um(&plain);
+    for mm_s in [mm_s, -mm_s] {
+        for i in effect_run.steady(mm_s) {
+            let expected_n = level_n(table_mm[i]) * mm_s.signum();
+            // Friction changes by up to 110 N/s, and the response of the loop takes some 10 ms.
+            assert_near(change_n[i], expected_n, ROUNDING_N + 1.2, "force");
+            let expected_um = -expected_n / declared().mechanics.stiffness_n_per_um.unwrap();
+            assert_near(stretch_um[i], expected_um, ROUNDING_UM + 0.006, "table − motor");
+        }
     }
 }
 

@@ -29,10 +29,12 @@ macro_rules! tested {
 }
 
 tested! {
-    screw: backlash, pitch_progressive, pitch_cyclic, resolver_dividing, encoder_ellipticity, windup;
-    force: stribeck, friction_asymmetry, torque_ripple, constant_load, presliding, shear_thinning, friction_memory,
+    screw: backlash, pitch_progressive, pitch_cyclic, resolver_dividing, encoder_ellipticity, pitch_map, windup;
+    force: stribeck, friction_asymmetry, torque_ripple, constant_load, position_load, motor_stribeck, friction_warm_up,
+        friction_map, presliding, shear_thinning, friction_memory,
         preload_variation, friction_ripple;
-    servo: servo_mismatch, velocity_lag;
+    servo: servo_mismatch, velocity_lag, feedforward_mismatch, velocity_gain_mismatch, integral_time_mismatch,
+        drive_lag;
     tool: intalk, crosstalk, squareness, straightness, thermal_drift, latency, resonance;
 }
 

@@ -105,6 +105,65 @@ pub fn pitch_cyclic() {
     }
 }
 
+/// Table = motor + error, a natural cubic spline through the knots: with three knots at a distance h it is, in the
+/// coordinate u = (x − x₁)/h from the middle one, y₁ + (y₂ − y₀)/2·u + B·(3u²/4 − |u|³/4) with B = y₀ − 2y₁ + y₂. It is
+/// constant beyond the ends.
+fn spline_um(mm: f64, positions_mm: [f64; 3], values_um: [f64; 3]) -> f64 {
+    let [y0, y1, y2] = values_um;
+    let u = ((mm - positions_mm[1]) / (positions_mm[2] - positions_mm[1])).clamp(-1.0, 1.0);
+    y1 + 0.5 * (y2 - y0) * u + (y0 - 2.0 * y1 + y2) * (0.75 * u * u - 0.25 * u.abs().powi(3))
+}
+
+/// The error is that of its direction where both are given: table − motor changes by it, and the motor is fed back.
+pub fn pitch_map() {
+    let positions = [10.0, 50.0, 90.0];
+    let (error_um, negative_um) = ([1.0, -4.0, 2.0], [7.0, 5.0, 3.0]);
+    let motion = lines(&[(100.0, 50.0), (0.0, 50.0)]);
+    let plain = run(PLAIN, &motion);
+    let both = format!("name = \"pitch_map\"\npositions_mm = {positions:?}\nerror_um = {error_um:?}\n");
+    let each_way = format!("{both}error_negative_um = {negative_um:?}\n");
+    for (effect, backwards_um) in [(both, error_um), (each_way, negative_um)] {
+        let effect_run = run(&with(&effect), &motion);
+        let change_um = effect_run.drive_train_change_um(&plain);
+        let motor_mm = effect_run.channel("x", Channel::Motor);
+        for (mm_s, values_um) in [(50.0, error_um), (-50.0, backwards_um)] {
+            for i in effect_run.steady(mm_s) {
+                let expected_um = spline_um(motor_mm[i], positions, values_um);
+                // At the ends the slope of the error, 0.3 µm/mm, changes the velocity of the table by 15 µm/s, after which
+                // 250 kg on 200 N/µm oscillate at 894 rad/s with an amplitude of 17 nm.
+                assert_near(change_um[i], expected_um, ROUNDING_UM + 0.017, "table − motor");
+            }
+            // There the table passes a momentum of 250 kg · 15 µm/s to a velocity loop of 1e5 N·s/m: 0.0375 µm.
+            let change_um = effect_run.change(Channel::Motor, &plain);
+            assert_all(&change_um, &effect_run.steady(mm_s), 0.0, ROUNDING_UM + 0.0375, "motor");
+        }
+    }
+}
+
+/// After a reversal the motor crosses the gap of the place, negative less positive error, before the table follows.
+#[test]
+fn the_gap_of_a_pitch_map_varies_with_the_position() {
+    let stiff = "presliding_stiffness_n_per_um = 40.0 ";
+    let damping = "presliding_damping_n_s_per_m = 2000.0 ";
+    let without = |machine: &str| changed(&changed(machine, stiff, "# "), damping, "# ");
+    // The width is 4 µm at 0 and 16 µm at 40 mm, on a straight line.
+    let map = "name = \"pitch_map\"\npositions_mm = [0.0, 40.0]\nerror_um = [-2.0, -8.0]\n\
+               error_negative_um = [2.0, 8.0]\n";
+    for (end_mm, width_um) in [(10.0, 7.0), (30.0, 13.0)] {
+        let motion = lines(&[(end_mm, 50.0), (0.0, 50.0)]);
+        let [plain, gap] = [PLAIN.to_owned(), with(map)].map(|machine| run(&without(&machine), &motion));
+        assert_near(since_reversal_um(&gap, width_um)[0], 0.0, 0.03, "table in the gap");
+        let lost_um = |run: &RunLog| {
+            let [table_um, motor_um] = since_reversal_um(run, 40.0);
+            motor_um - table_um
+        };
+        let axis = declared();
+        let inertia_n = 0.5 * axis.mechanics.table_mass_kg.unwrap();
+        let bound_um = 2.0 * inertia_n / axis.mechanics.stiffness_n_per_um.unwrap();
+        assert_near(lost_um(&gap) - lost_um(&plain), width_um, bound_um, "lost in the gap");
+    }
+}
+
 /// Once a pole pair.
 pub fn resolver_dividing() {
     assert_reading_error("resolver_dividing", 3.2);

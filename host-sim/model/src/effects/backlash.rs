@@ -22,15 +22,6 @@ impl Backlash {
     pub fn half_m(&self) -> f64 {
         0.5e-6 * self.width_um
     }
-
-    /// Part of a deflection (screw − table, m) within the gap. It does not strain the spring of the screw.
-    #[must_use]
-    #[inline]
-    pub fn absorbed_m(&self, deflection_m: f64) -> f64 {
-        // Finite differences at width 0 evaluate a negative width.
-        let half_m = self.half_m().max(0.0);
-        deflection_m.clamp(-half_m, half_m)
-    }
 }
 
 impl EffectModel for Backlash {
@@ -74,19 +65,5 @@ impl EffectModel for Backlash {
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {
         Some(Self { width_um: draw.between(4.0, 15.0) })
-    }
-}
-
-#[cfg(test)]
-mod tests {
-    use super::*;
-
-    #[test]
-    fn a_gap_absorbs_a_deflection_up_to_half_its_width() {
-        let absorbed = |width_um: f64, deflection_m: f64| Backlash { width_um }.absorbed_m(deflection_m);
-        assert!((absorbed(8.0, 3e-6) - 3e-6).abs() < 1e-18);
-        assert!((absorbed(8.0, -9e-6) + 4e-6).abs() < 1e-18);
-        // Finite differences at width 0 evaluate a negative width.
-        assert!(absorbed(-0.2, 3e-6).abs() < 1e-18);
     }
 }

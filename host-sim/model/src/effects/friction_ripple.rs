@@ -3,11 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, Wording, harmonic, harmonic_effect,
+    EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, WaveOf, Wording, harmonic,
+    harmonic_effect,
 };
 use crate::axis::Settings;
 
-/// Highest order of a screw turn that is searched for.
+/// Highest order of a screw turn that is tried in any case. Higher orders and other periods are tried if the residual has
+/// them.
 const HIGHEST_ORDER: u32 = 4;
 
 /// Adds amplitude·sin(2π·x/period + phase) to the sliding level. Cause: a bent screw, or one with runout, has higher
@@ -17,11 +19,15 @@ const HIGHEST_ORDER: u32 = 4;
 pub struct FrictionRipple {
     /// Half of the peak-to-peak value.
     pub amplitude_n: f64,
-    /// The lead divided by a whole number.
+    /// The lead divided by a whole number, or the period of another part.
     pub period_mm: f64,
     /// Phase at position zero.
     #[serde(default)]
     pub phase_rad: f64,
+    /// The range in which a fit changes the period, mm; `None`: the period is known. Not in files: a period that was found
+    /// is kept.
+    #[serde(skip)]
+    pub fitted_period_mm: Option<[f64; 2]>,
 }
 
 impl FrictionRipple {
@@ -34,10 +40,11 @@ impl FrictionRipple {
 
 impl EffectModel for FrictionRipple {
     const NAME: &'static str = "friction_ripple";
-    const SUMMARY: &'static str = "periodic variation of friction, a whole number of periods per lead";
+    const SUMMARY: &'static str =
+        "periodic variation of friction: a whole number of periods per lead, or a period of its own";
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
 
-    harmonic_effect!(amplitude_n, Unit::Newton, step 1.0, limit 1e5);
+    harmonic_effect!(amplitude_n, Unit::Newton, step 1.0, limit 1e5, period fitted_period_mm);
 
     fn prerequisite(_axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::WITHOUT_TABLE
@@ -48,9 +55,17 @@ impl EffectModel for FrictionRipple {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let lead = context.axis.mechanics.lead_mm.filter(|_| context.shows_friction_alone());
-        let guess = |period_mm| Self { amplitude_n: 0.0, period_mm, phase_rad: 0.0 };
-        lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
+        if !context.shows_friction_alone() {
+            return Vec::new();
+        }
+        let guess = |guess: harmonic::HarmonicGuess| Self {
+            amplitude_n: guess.amplitude,
+            period_mm: guess.period_mm,
+            phase_rad: guess.phase_rad,
+            fitted_period_mm: guess.fitted_period_mm,
+        };
+        let lead_mm = context.axis.mechanics.lead_mm;
+        harmonic::guesses(context, WaveOf::Friction, lead_mm, HIGHEST_ORDER).into_iter().map(guess).collect()
     }
 
     fn sentence(&self, wording: &Wording) -> String {

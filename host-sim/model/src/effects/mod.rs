@@ -15,15 +15,23 @@ mod declaration;
 mod backlash;
 mod constant_load;
 mod crosstalk;
+mod drive_lag;
 mod encoder_ellipticity;
+mod feedforward_mismatch;
 mod force_windup;
 mod friction_asymmetry;
+mod friction_map;
 mod friction_memory;
 mod friction_ripple;
+mod friction_warm_up;
 mod intalk;
+mod integral_time_mismatch;
 mod latency;
+mod motor_stribeck;
 mod pitch_cyclic;
+mod pitch_map;
 mod pitch_progressive;
+mod position_load;
 mod preload_variation;
 mod presliding;
 mod resolver_dividing;
@@ -35,6 +43,7 @@ mod straightness;
 mod stribeck;
 mod thermal_drift;
 mod torque_ripple;
+mod velocity_gain_mismatch;
 mod velocity_lag;
 mod windup;
 
@@ -49,21 +58,30 @@ use declaration::{EntryValue, catalogue};
 
 pub use declaration::{
     Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Misplaced, Neighbours,
-    Occurrence, Parameter, PeriodicError, Placement, Prerequisite, Stage, Unit, Wording, harmonic,
+    Occurrence, Parameter, PeriodicError, Placement, Prerequisite, ResidualShape, ResidualWave, Stage, Unit,
+    WaveOf, Wording, harmonic,
 };
 
 pub use backlash::Backlash;
 pub use constant_load::ConstantLoad;
 pub use crosstalk::Crosstalk;
+pub use drive_lag::DriveLag;
 pub use encoder_ellipticity::EncoderEllipticity;
+pub use feedforward_mismatch::FeedforwardMismatch;
 pub use force_windup::ForceWindup;
 pub use friction_asymmetry::FrictionAsymmetry;
+pub use friction_map::FrictionMap;
 pub use friction_memory::FrictionMemory;
 pub use friction_ripple::FrictionRipple;
+pub use friction_warm_up::FrictionWarmUp;
 pub use intalk::Intalk;
+pub use integral_time_mismatch::IntegralTimeMismatch;
 pub use latency::{LONGEST_LATENCY_MS, Latency};
+pub use motor_stribeck::MotorStribeck;
 pub use pitch_cyclic::PitchCyclic;
+pub use pitch_map::PitchMap;
 pub use pitch_progressive::PitchProgressive;
+pub use position_load::PositionLoad;
 pub use preload_variation::PreloadVariation;
 pub use presliding::Presliding;
 pub use resolver_dividing::ResolverDividing;
@@ -75,6 +93,7 @@ pub use straightness::Straightness;
 pub use stribeck::Stribeck;
 pub use thermal_drift::ThermalDrift;
 pub use torque_ripple::TorqueRipple;
+pub use velocity_gain_mismatch::VelocityGainMismatch;
 pub use velocity_lag::VelocityLag;
 pub use windup::Windup;
 
@@ -85,12 +104,17 @@ catalogue! {
     PitchCyclic,
     ResolverDividing,
     EncoderEllipticity,
+    PitchMap,
     Windup,
     ForceWindup,
     Stribeck,
     FrictionAsymmetry,
     TorqueRipple,
     ConstantLoad,
+    PositionLoad,
+    MotorStribeck,
+    FrictionWarmUp,
+    FrictionMap,
     Presliding,
     ShearThinning,
     FrictionMemory,
@@ -98,6 +122,10 @@ catalogue! {
     FrictionRipple,
     ServoMismatch,
     VelocityLag,
+    FeedforwardMismatch,
+    VelocityGainMismatch,
+    IntegralTimeMismatch,
+    DriveLag,
     Intalk,
     Crosstalk,
     Squareness,
@@ -119,15 +147,27 @@ mod tests {
         let stages = [Stage::Motor, Stage::Table, Stage::Tool, Stage::Force];
         let axis = &machine.axis["x"].settings;
         let travel_mm = [0.0, 100.0];
-        let with_all_stages =
-            EffectContext { axis, first: true, others: &others, stages: &stages, travel_mm };
+        let residual = &ResidualShape {
+            pitch_knots: Some(6),
+            pitch_knots_each_way: Some(4),
+            friction_knots: Some(5),
+            waves: Vec::new(),
+        };
+        let with_all_stages = EffectContext {
+            axis,
+            first: true,
+            others: &others,
+            stages: &stages,
+            travel_mm,
+            has_backlash: true,
+            residual,
+        };
         // Some effects are searched for only without a linear scale, or only if no presliding is declared.
         let mut bare = axis.clone();
         bare.mechanics.presliding_stiffness_n_per_um = None;
         bare.mechanics.presliding_damping_n_s_per_m = None;
         let stages = [Stage::Force, Stage::Motor];
-        let without_table =
-            EffectContext { axis: &bare, first: true, others: &[], stages: &stages, travel_mm };
+        let without_table = EffectContext { axis: &bare, others: &[], stages: &stages, ..with_all_stages };
         let mut all = initial_guesses(&with_all_stages);
         let added = initial_guesses(&without_table)
             .into_iter()

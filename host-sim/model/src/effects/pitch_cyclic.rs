@@ -1,14 +1,15 @@
-//! Cyclic pitch error: an error of the screw's pitch with one or two periods per turn.
+//! Cyclic pitch error: a periodic error of the screw's pitch, or of a belt or gear between motor and table.
 
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Neighbours, PeriodicError, Prerequisite, Stage, Unit, Wording,
+    Draw, EffectContext, EffectModel, Neighbours, PeriodicError, Prerequisite, Stage, Unit, WaveOf, Wording,
     harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
-/// Highest order of a screw turn that is searched for: runout of nut or bearing (1), ovality (2).
+/// Highest order of a screw turn that is tried in any case: runout of nut or bearing (1), ovality (2). Higher orders and
+/// other periods are tried if the residual has them: balls that pass, a belt, a gear.
 const HIGHEST_ORDER: u32 = 2;
 
 /// Table = motor + amplitude·sin(2π·motor/period + phase).
@@ -17,29 +18,33 @@ const HIGHEST_ORDER: u32 = 2;
 pub struct PitchCyclic {
     /// Half of the peak-to-peak value.
     pub amplitude_um: f64,
-    /// The lead of the screw, or half of it.
+    /// The lead of the screw divided by a whole number, or the period of another part.
     pub period_mm: f64,
     /// Phase at motor position zero.
     #[serde(default)]
     pub phase_rad: f64,
+    /// The range in which a fit changes the period, mm; `None`: the period is known. Not in files: a period that was found
+    /// is kept.
+    #[serde(skip)]
+    pub fitted_period_mm: Option<[f64; 2]>,
 }
 
 impl PitchCyclic {
     /// Deviation of the table position from the nominal one, at a motor position.
     #[must_use]
     pub const fn error(&self) -> PeriodicError {
-        let Self { amplitude_um, period_mm, phase_rad } = *self;
+        let Self { amplitude_um, period_mm, phase_rad, .. } = *self;
         PeriodicError { amplitude_um, period_mm, phase_rad }
     }
 }
 
 impl EffectModel for PitchCyclic {
     const NAME: &'static str = "pitch_cyclic";
-    const SUMMARY: &'static str = "periodic error of the screw's pitch, one or two periods per lead";
+    const SUMMARY: &'static str = "periodic error of the screw's pitch: a whole number of periods per lead, or a period of its own (belt, gear, balls)";
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(2);
 
-    harmonic_effect!(amplitude_um, Unit::Micrometre, step 0.1, limit 1e3);
+    harmonic_effect!(amplitude_um, Unit::Micrometre, step 0.1, limit 1e3, period fitted_period_mm);
 
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::lead(axis)
@@ -50,9 +55,17 @@ impl EffectModel for PitchCyclic {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let lead = context.axis.mechanics.lead_mm.filter(|_| context.has(Stage::Table));
-        let guess = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
-        lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
+        if !context.has(Stage::Table) {
+            return Vec::new();
+        }
+        let guess = |guess: harmonic::HarmonicGuess| Self {
+            amplitude_um: guess.amplitude,
+            period_mm: guess.period_mm,
+            phase_rad: guess.phase_rad,
+            fitted_period_mm: guess.fitted_period_mm,
+        };
+        let lead_mm = context.axis.mechanics.lead_mm;
+        harmonic::guesses(context, WaveOf::Table, lead_mm, HIGHEST_ORDER).into_iter().map(guess).collect()
     }
 
     fn sentence(&self, wording: &Wording) -> String {
@@ -66,6 +79,6 @@ impl EffectModel for PitchCyclic {
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {
         let (period_mm, phase_rad) = (draw.lead_mm(), draw.phase_rad);
-        Some(Self { amplitude_um: draw.between(2.0, 6.0), period_mm, phase_rad })
+        Some(Self { amplitude_um: draw.between(2.0, 6.0), period_mm, phase_rad, fitted_period_mm: None })
     }
 }

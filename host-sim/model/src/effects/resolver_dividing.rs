@@ -1,15 +1,15 @@
-//! Dividing error of the resolver: an error of the motor reading with one or two periods per electrical period.
+//! Dividing error of the resolver: an error of the motor reading that repeats with every electrical period.
 
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Neighbours, PeriodicError, Prerequisite, Stage, Unit, Wording,
+    Draw, EffectContext, EffectModel, Neighbours, PeriodicError, Prerequisite, Stage, Unit, WaveOf, Wording,
     harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
-/// Highest order of an electrical period that is searched for. Offsets of sine and cosine cause order 1, a difference of
-/// their amplitudes order 2.
+/// Highest order of an electrical period that is tried in any case. Offsets of sine and cosine cause order 1, a
+/// difference of their amplitudes order 2. Higher orders are tried if the residual has them.
 const HIGHEST_ORDER: u32 = 2;
 
 /// Motor reading = motor + amplitude·sin(2π·motor/period + phase); Soeda, section (D).
@@ -18,7 +18,7 @@ const HIGHEST_ORDER: u32 = 2;
 pub struct ResolverDividing {
     /// Half of the peak-to-peak value.
     pub amplitude_um: f64,
-    /// Lead / pole pairs, or half of it.
+    /// Lead / pole pairs, divided by a whole number.
     pub period_mm: f64,
     /// Phase at motor position zero.
     #[serde(default)]
@@ -36,8 +36,7 @@ impl ResolverDividing {
 
 impl EffectModel for ResolverDividing {
     const NAME: &'static str = "resolver_dividing";
-    const SUMMARY: &'static str =
-        "periodic error of the motor reading, one or two periods per electrical period (lead / pole pairs)";
+    const SUMMARY: &'static str = "periodic error of the motor reading, a whole number of periods per electrical period (lead / pole pairs)";
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(3);
 
@@ -57,7 +56,11 @@ impl EffectModel for ResolverDividing {
         let electrical_mm = lead.zip(context.axis.sensors.resolver_pole_pairs);
         let electrical_mm = electrical_mm.map(|(lead_mm, pole_pairs)| lead_mm / f64::from(pole_pairs));
         let guess = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
-        electrical_mm.into_iter().flat_map(|mm| harmonic::periods(mm, HIGHEST_ORDER)).map(guess).collect()
+        let orders = |mm: f64| {
+            let guesses = harmonic::guesses(context, WaveOf::Table, Some(mm), HIGHEST_ORDER).into_iter();
+            guesses.filter(|guess| guess.fitted_period_mm.is_none()).map(|guess| guess.period_mm)
+        };
+        electrical_mm.into_iter().flat_map(orders).map(guess).collect()
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,12 +3,13 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, Wording, harmonic,
+    Draw, EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, WaveOf, Wording, harmonic,
     harmonic_effect,
 };
 use crate::axis::Settings;
 
-/// Highest order of a screw turn that is searched for.
+/// Highest order of a screw turn that is tried in any case. Higher orders and other periods are tried if the residual has
+/// them.
 const HIGHEST_ORDER: u32 = 12;
 
 /// Adds amplitude·sin(2π·motor/period + phase) to the drive's force.
@@ -17,11 +18,15 @@ const HIGHEST_ORDER: u32 = 12;
 pub struct TorqueRipple {
     /// Half of the peak-to-peak value.
     pub amplitude_n: f64,
-    /// The lead divided by a whole number.
+    /// The lead divided by a whole number, or the period of another part.
     pub period_mm: f64,
     /// Phase at motor position zero.
     #[serde(default)]
     pub phase_rad: f64,
+    /// The range in which a fit changes the period, mm; `None`: the period is known. Not in files: a period that was found
+    /// is kept.
+    #[serde(skip)]
+    pub fitted_period_mm: Option<[f64; 2]>,
 }
 
 impl TorqueRipple {
@@ -34,11 +39,12 @@ impl TorqueRipple {
 
 impl EffectModel for TorqueRipple {
     const NAME: &'static str = "torque_ripple";
-    const SUMMARY: &'static str = "periodic force on the motor, a whole number of periods per lead";
+    const SUMMARY: &'static str =
+        "periodic force on the motor: a whole number of periods per lead, or a period of its own";
     const SHOWN_IN: &'static [Stage] = &[Stage::Force];
     const DRAW_NUMBER: Option<u32> = Some(6);
 
-    harmonic_effect!(amplitude_n, Unit::Newton, step 1.0, limit 1e5);
+    harmonic_effect!(amplitude_n, Unit::Newton, step 1.0, limit 1e5, period fitted_period_mm);
 
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         Prerequisite::lead(axis).and(Prerequisite::masses(axis))
@@ -49,9 +55,18 @@ impl EffectModel for TorqueRipple {
     }
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let lead = context.axis.mechanics.lead_mm.filter(|_| context.axis.has_mass());
-        let guess = |period_mm| Self { amplitude_n: 0.0, period_mm, phase_rad: 0.0 };
-        lead.into_iter().flat_map(|lead_mm| harmonic::periods(lead_mm, HIGHEST_ORDER)).map(guess).collect()
+        if !context.axis.has_mass() {
+            return Vec::new();
+        }
+        // The residual is the force of the drive, which balances the ripple.
+        let guess = |guess: harmonic::HarmonicGuess| Self {
+            amplitude_n: -guess.amplitude,
+            period_mm: guess.period_mm,
+            phase_rad: guess.phase_rad,
+            fitted_period_mm: guess.fitted_period_mm,
+        };
+        let lead_mm = context.axis.mechanics.lead_mm;
+        harmonic::guesses(context, WaveOf::Force, lead_mm, HIGHEST_ORDER).into_iter().map(guess).collect()
     }
 
     fn sentence(&self, wording: &Wording) -> String {
@@ -61,6 +76,7 @@ impl EffectModel for TorqueRipple {
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {
         let period_mm = draw.lead_mm() / draw.between(2.0, 7.0).floor();
-        Some(Self { amplitude_n: draw.between(30.0, 80.0), period_mm, phase_rad: draw.phase_rad })
+        let amplitude_n = draw.between(30.0, 80.0);
+        Some(Self { amplitude_n, period_mm, phase_rad: draw.phase_rad, fitted_period_mm: None })
     }
 }

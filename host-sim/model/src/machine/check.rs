@@ -12,7 +12,7 @@ use super::declared::Machine;
 use super::instruments::InstrumentKeys;
 use crate::axis::{Feedback, KEYS, Settings};
 use crate::bodies::Assembly;
-use crate::effects::{Effect, LONGEST_LATENCY_MS, Occurrence, Placement, names};
+use crate::effects::{Effect, KINDS, LONGEST_LATENCY_MS, Occurrence, Placement, names};
 use crate::friction_curve::Curve;
 use crate::range::Range;
 use crate::servo;
@@ -225,7 +225,7 @@ pub(super) fn effects(document: &Document<'_>) -> Result<(), InputError> {
                 let what = format!("one of {}", names().join(", "));
                 return Err(document.refuse(&name_key, &what));
             }
-            numbers(effect, document)?;
+            numbers(effect, &name, document)?;
             document.deserialize_at::<Effect>(effect)?;
         }
     }
@@ -239,12 +239,23 @@ fn entries<'d>(axis: &str, document: &'d Document<'_>) -> Vec<&'d str> {
     inside.filter(|key| key.ends_with(']')).collect()
 }
 
-/// Checks the types of an effect's keys: `name`, `source` and `channel` are texts, all others numbers.
-fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
+/// Checks the types of the keys of an effect with this name: `name`, `source` and `channel` are texts, all others numbers
+/// or lists of numbers.
+fn numbers(effect: &str, name: &str, document: &Document<'_>) -> Result<(), InputError> {
+    let parameters = KINDS.iter().filter(|kind| kind.name == name).flat_map(|kind| kind.parameters);
+    let lists: Vec<String> = parameters
+        .filter(|parameter| parameter.is_list)
+        .map(|list| format!("{effect}.{}", list.key))
+        .collect();
     let names = ["name", "source", "channel"].map(|name| format!("{effect}.{name}"));
     for key in document.children(effect) {
         if names.iter().any(|name| name == key) {
             document.deserialize_at::<String>(key)?;
+        } else if lists.iter().any(|list| list == key) {
+            let values = document.children(key);
+            if values.is_empty() || !values.iter().all(|value| document.is_number(value)) {
+                return Err(document.refuse(key, "a list of numbers"));
+            }
         } else if !document.is_number(key) {
             return Err(document.refuse(key, "a number"));
         }
@@ -254,9 +265,14 @@ fn numbers(effect: &str, document: &Document<'_>) -> Result<(), InputError> {
 
 /// Checks the ranges of an effect's parameters.
 fn parameters(effect: &Effect, key: &str, document: &Document<'_>) -> Result<(), InputError> {
-    let declared = effect.declared_parameters().iter().zip(effect.values());
-    declared.into_iter().try_for_each(|(parameter, value)| {
-        parameter.range.check(&format!("{key}.{}", parameter.key), value, document)
+    let declared = effect.declared_parameters();
+    declared.iter().zip(effect.values()).enumerate().try_for_each(|(i, (parameter, value))| {
+        let key = format!("{key}.{}", parameter.key);
+        if !parameter.is_list {
+            return parameter.range.check(&key, value, document);
+        }
+        let first = declared.iter().position(|other| other.key == parameter.key).unwrap_or(i);
+        parameter.range.check(&format!("{key}[{}]", i - first), value, document)
     })
 }
 

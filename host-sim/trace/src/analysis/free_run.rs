@@ -80,13 +80,15 @@ fn run(
     let length = ((seconds / sample_s).round() as usize).max(2);
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1, a handful")]
     let substeps = (sample_s / parameters.max_step_s()).ceil().max(1.0) as u32;
-    let stepper = Stepper::new(parameters, 0.0, sample_s / f64::from(substeps));
+    let lag_s = parameters.servo.drive_time_constant_s(0.0);
+    let stepper = Stepper::new(parameters, lag_s, sample_s / f64::from(substeps));
     let late = parameters.latency_s(Channel::Force) / sample_s;
     let force_n = delayed_linear(&force.raw, -1.0 - late);
     // Runs start at the second sample, as the first has no central difference.
     let (mut squares, mut samples, mut runs) = (0.0, 0, 0);
     for start in (1..n).step_by(length).take_while(|start| start + length <= n) {
-        let mut motion = steady_motion(parameters, motor.position[start], motor.velocity[start]);
+        let time_s = signals.start_s + start as f64 * sample_s;
+        let mut motion = steady_motion(parameters, motor.position[start], motor.velocity[start], time_s);
         for (i, measured_m) in motor.raw.iter().enumerate().skip(start).take(length) {
             squares += (motion.motor_m - measured_m).powi(2);
             samples += 1;

@@ -14,6 +14,9 @@ use files::log::Channel;
 
 /// Smallest ratio of the lasting to the momentary displacement at a slip, and largest deviation of it from 1.
 const MAX_DEVIATION: f64 = 0.35;
+/// Smallest change of acceleration at which a jump of the tool is no fault, mm/s². A tool that jumps by 5 µm at a smaller one
+/// would bend by more than 25 µm per m/s².
+const MIN_ACCELERATION_MM_PER_S2: f64 = 200.0;
 /// Largest ratio of the lasting to the momentary displacement at a spike.
 const MAX_REMAINDER: f64 = 0.3;
 
@@ -24,6 +27,34 @@ fn is_shared(place: &Place<'_>, jump: &Jump) -> bool {
             .any(|sample| jumps::own(other, sample) / jump.size > MAX_REMAINDER)
     };
     references(place.axis(), place.channel).any(|(_, other)| jumps(other))
+}
+
+/// Whether a jump of the tool is at an instant at which the acceleration of an axis jumps: structures bend under
+/// acceleration, and the tool with them, in one sample if the acceleration changes in one.
+fn follows_acceleration(place: &Place<'_>, sample: usize) -> bool {
+    place.channel == Channel::Tool
+        && place.log.axes.iter().any(|axis| {
+            let motion = axis.command.as_ref().or(axis.motor.as_ref()).or(axis.table.as_ref());
+            motion.is_some_and(|values| {
+                acceleration_change(values, sample, place.log.sample_time_s).abs()
+                    > MIN_ACCELERATION_MM_PER_S2
+            })
+        })
+}
+
+/// Change of the acceleration (mm/s²) of a reading (mm) at a sample: the difference between the parabolas through the first,
+/// middle and last of eleven samples on each side.
+fn acceleration_change(values: &[f64], sample: usize, sample_s: f64) -> f64 {
+    const HALF: usize = 5;
+    let second = |middle: usize| match values.get(middle - HALF..=middle + HALF) {
+        Some(window) => {
+            (window[2 * HALF] - 2.0 * window[HALF] + window[0]) / (HALF as f64 * sample_s).powi(2)
+        }
+        None => 0.0,
+    };
+    // A sample of the log may be one off the jump of its command.
+    let aside = HALF + 2;
+    if sample < aside + HALF { 0.0 } else { second(sample + aside) - second(sample - aside) }
 }
 
 /// Displaced readings of a channel.
@@ -53,7 +84,7 @@ fn remove(values: &mut [f64], place: &Place<'_>, options: &FaultOptions) -> Disp
         }
         let Some(step) = best_step(values, place, &across, &(start..end)) else { continue };
         let largest = numerics::max_abs(group.iter().map(|jump| jump.size));
-        if group.iter().any(|jump| is_shared(place, jump)) {
+        if group.iter().any(|jump| is_shared(place, jump) || follows_acceleration(place, jump.sample)) {
             continue;
         }
         let is_significant = largest > options.min_jump_context * step.scatter;
@@ -225,6 +256,21 @@ mod tests {
                 values[3000 + number..].iter_mut().for_each(|mm| *mm += 1e-3 * um);
             }
             assert!(corrected(&hit, channel).0.faults.is_empty(), "{channel:?}");
+        }
+    }
+
+    /// The command starts with 1 m/s² at sample 1000, where the tool jumps by 8 µm: it bends. With 0.1 m/s² it slips.
+    #[test]
+    fn a_tool_that_jumps_with_the_acceleration_does_not_slip() {
+        for (acceleration, faults) in [(1.0, 0), (0.1, 1)] {
+            let mut bent = log();
+            let since = |i: usize| i.saturating_sub(1000) as f64 * 1e-3;
+            let command = |i: usize| 500.0 * acceleration * since(i) * since(i);
+            let mut other = AxisLog::new("y", Unit::Millimetre);
+            other.command = Some((0..6000).map(command).collect());
+            bent.axes.push(other);
+            bent.axes[0].tool.as_mut().unwrap()[1001..].iter_mut().for_each(|mm| *mm += 0.008);
+            assert_eq!(corrected(&bent, Channel::Tool).0.faults.len(), faults, "{acceleration}");
         }
     }
 

@@ -28,6 +28,8 @@ pub struct AxisModel {
     trims: Trims,
     rates: Rates,
     options: ModelOptions,
+    /// Keys whose values are bounded by their tolerance.
+    within_tolerance: Vec<&'static str>,
     /// Value of the mass that [`Mechanics::MotorMass`] fits, from the fit to table and force.
     pinned_mass_kg: Option<f64>,
 }
@@ -55,6 +57,7 @@ impl AxisModel {
             trims: Trims::of(declared, rates, &options),
             rates,
             options,
+            within_tolerance: Vec::new(),
             pinned_mass_kg: None,
         }
     }
@@ -119,11 +122,56 @@ impl AxisModel {
         model
     }
 
+    /// The same model with a declared value bounded by its tolerance, and moved to the bound if it is beyond.
+    #[must_use]
+    pub fn within_tolerance(&self, key: &Tolerated) -> Self {
+        let mut model = self.clone();
+        model.within_tolerance.push(key.key);
+        if let Some((nominal, value)) = (key.get)(&self.nominal.settings).zip((key.get)(&self.axis.settings))
+        {
+            let [least, most] = model.range(key, nominal);
+            (key.set)(&mut model.axis.settings, value.clamp(least, most));
+        }
+        model
+    }
+
+    /// The same model with all declared values bounded by their tolerance, from their nominal values.
+    #[must_use]
+    pub fn all_within_tolerance(&self) -> Self {
+        let mut model = self.at_nominal();
+        model.within_tolerance = TOLERATED.iter().map(|key| key.key).collect();
+        model
+    }
+
+    /// The same model without the bounds of [`AxisModel::all_within_tolerance`].
+    #[must_use]
+    pub fn without_bounds(&self) -> Self {
+        Self { within_tolerance: Vec::new(), ..self.clone() }
+    }
+
+    /// Whether a declared value is outside its tolerance.
+    #[must_use]
+    pub fn is_beyond_tolerance(&self) -> bool {
+        self.tolerated_keys().any(|(key, nominal)| {
+            let value = (key.get)(&self.axis.settings).unwrap_or(nominal);
+            (value / nominal - 1.0).abs() > 1.0001 * self.tolerance()
+        })
+    }
+
+    /// The range in which a fit may move a declared value.
+    fn range(&self, key: &Tolerated, nominal: f64) -> [f64; 2] {
+        let tolerance = self.tolerance();
+        if self.within_tolerance.contains(&key.key) {
+            return [nominal * (1.0 - tolerance), nominal * (1.0 + tolerance)];
+        }
+        key.range(nominal, tolerance)
+    }
+
     /// Keys of declared values that ended at a bound of their range, including poorly determined ones.
     #[must_use]
     pub fn at_bounds(&self) -> Vec<&'static str> {
         let is_at_bound = |(key, nominal): &(&'static Tolerated, f64)| {
-            let [least, most] = key.range(*nominal, self.tolerance());
+            let [least, most] = self.range(key, *nominal);
             let value = (key.get)(&self.axis.settings).unwrap_or(*nominal);
             value < 1.0001 * least || value > 0.9999 * most
         };
@@ -230,7 +278,7 @@ impl AxisModel {
     /// A declared value as a free parameter within its range; a pinned mass within 1 % of all masses.
     fn declared_value(&self, key: &Tolerated, centre: f64, mechanics: Mechanics) -> FreeParameter {
         let value = (key.get)(&self.axis.settings).unwrap_or(centre);
-        let range = key.range(centre, self.tolerance());
+        let range = self.range(key, centre);
         let coordinate = Coordinate::signed(value, 0.01 * centre, f64::INFINITY);
         let mut parameter = self.tolerated(coordinate, centre, range);
         if let (Mechanics::MotorMass, Some(pinned_kg)) = (mechanics, self.pinned_mass_kg) {

@@ -53,8 +53,8 @@ pub fn final_fit(
     if let Some((model, bias)) = kept {
         (result.model, result.bias[0]) = (model, bias);
     }
-    if let Some(driven) = driven(scopes).filter(|_| !result.bias[0].is_empty()) {
-        result.bias[1] = model_bias::of(validate, &result.model, driven);
+    if driven(scopes).is_some() && !result.bias[0].is_empty() {
+        result.bias[1] = model_bias::of_all(validate, &result.model, scopes);
     }
     result
 }
@@ -75,7 +75,7 @@ fn unbiased(
 ) -> Option<Unbiased> {
     let driven = driven(scopes)?;
     let biased = log_rms(data, &data.residuals(model, driven), driven);
-    let first = with_bias(data, model.clone(), fits.to_vec(), driven)?;
+    let first = with_bias(data, model.clone(), fits.to_vec(), scopes)?;
     let mut best: Option<(Unbiased, f64)> = None;
     for _ in 0..MAX_FITS {
         progress(&format!("{}: fitting again without the error of the tracer's own simulation", data.name()));
@@ -83,7 +83,7 @@ fn unbiased(
         let without_last = FitData { bias: &last.bias, ..*data };
         let (model, fits) = fit_again(&without_last, &last.model, &last.fits, scopes, progress);
         let size_with_last = total_log_rms(data, &model, &last.bias, scopes);
-        let Some(next) = with_bias(data, model, fits, driven) else { break };
+        let Some(next) = with_bias(data, model, fits, scopes) else { break };
         let size = total_log_rms(data, &next.model, &next.bias, scopes);
         if best.as_ref().is_some_and(|(_, min)| size > min - MIN_CHANGE) {
             break;
@@ -124,7 +124,12 @@ pub fn kept(
 }
 
 /// A model with its own error, if the error can be computed.
-fn with_bias(data: &FitData<'_>, model: AxisModel, fits: Vec<ScopeFit>, driven: &Scope) -> Option<Unbiased> {
-    let bias = model_bias::of(data, &model, driven);
+fn with_bias(
+    data: &FitData<'_>,
+    model: AxisModel,
+    fits: Vec<ScopeFit>,
+    scopes: &[Scope],
+) -> Option<Unbiased> {
+    let bias = model_bias::of_all(data, &model, scopes);
     (!bias.is_empty()).then_some(Unbiased { model, fits, bias })
 }

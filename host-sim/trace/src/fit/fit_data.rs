@@ -3,6 +3,7 @@
 use serde::Serialize;
 use shared::config::Rates;
 
+use super::axis_model::AxisModel;
 use super::exclusion::Exclusion;
 use crate::input::signals::{AxisSignals, Signals};
 use crate::options::TraceOptions;
@@ -23,6 +24,8 @@ pub struct FitData<'a> {
     pub exclusions: &'a [Exclusion],
     /// Error of the tracer's own simulation, subtracted from the residuals: see [`super::model_bias`].
     pub bias: &'a [ResidualSeries],
+    /// The declared models of all axes, for the axes that excite the tool of this one; empty: not known.
+    pub declared_axes: &'a [AxisModel],
     /// The thresholds of the trace.
     pub options: &'a TraceOptions,
 }
@@ -57,7 +60,7 @@ impl<'a> FitData<'a> {
         rates: Rates,
         options: &'a TraceOptions,
     ) -> Self {
-        Self { logs, names, axis, rates, exclusions: &[], bias: &[], options }
+        Self { logs, names, axis, rates, exclusions: &[], bias: &[], declared_axes: &[], options }
     }
 
     /// Name of the axis.

@@ -5,22 +5,31 @@ use std::ops::Range;
 use nalgebra::{DMatrix, DVector};
 use numerics::distributions::student_t_975;
 
+use super::axis_model::FreeParameter;
+use super::fit_data::FitData;
 use super::least_squares::Fitted;
 use super::normal_equations::normal;
+use crate::options::SearchOptions;
 use model::effects::{Coordinate, Effect};
 
 /// Covariance of the free parameters of a fit, estimated from the blocks of the logs.
 #[derive(Clone, Debug)]
 pub struct Covariance {
     matrix: DMatrix<f64>,
+    /// Shift of the parameters by the subtracted error of the tracer's own simulation.
+    bias_shift: DVector<f64>,
     /// Number of blocks less one.
     degrees_of_freedom: usize,
 }
 
-/// Covariance of the free parameters of a fit, H⁻¹·(Σ g·gᵀ)·H⁻¹ over the blocks of the logs (sandwich estimator): valid
-/// for errors that are correlated within a block.
+/// Uncertainty (half width) of the subtracted error of the tracer's own simulation, as a fraction of it: the simulation
+/// steps otherwise than the machine.
+const BIAS_UNCERTAINTY: f64 = 0.5;
+
+/// Covariance of the free parameters of a fit, H⁻¹·(Σ g·gᵀ + P)·H⁻¹: over the blocks of the logs (sandwich estimator), which
+/// is valid for errors that are correlated within a block, and for the priors, whose precision is P.
 #[must_use]
-pub fn covariance(fitted: &Fitted) -> Covariance {
+pub fn covariance(data: &FitData<'_>, fitted: &Fitted) -> Covariance {
     let n = fitted.parameters.len();
     let (curvature, _) = normal(&fitted.blocks, &fitted.parameters);
     let mut regular =
@@ -43,18 +52,36 @@ pub fn covariance(fitted: &Fitted) -> Covariance {
             None => sums.push((key, block.gradient.clone())),
         }
     }
+    let precision = |parameter: &FreeParameter| parameter.prior.map_or(0.0, |(_, spread)| spread.powi(-2));
+    let priors = DVector::from_iterator(n, fitted.parameters.iter().map(precision));
     let outer_products = sums.iter().fold(DMatrix::zeros(n, n), |sum, (_, g)| sum + g * g.transpose());
     Covariance {
-        matrix: &inverse * outer_products * &inverse,
+        matrix: &inverse * (outer_products + DMatrix::from_diagonal(&priors)) * &inverse,
+        bias_shift: &inverse * bias_gradient(data, fitted),
         degrees_of_freedom: sums.len().saturating_sub(1),
     }
+}
+
+/// Jᵀ·b of the weighted error b that is subtracted from the residuals.
+fn bias_gradient(data: &FitData<'_>, fitted: &Fitted) -> DVector<f64> {
+    let mut gradient = DVector::zeros(fitted.parameters.len());
+    for (index, series) in fitted.residuals.iter().enumerate() {
+        let Some(bias) = data.bias_of(series) else { continue };
+        let weight = fitted.weights[index].powi(2);
+        for (sum, column) in gradient.iter_mut().zip(&fitted.columns) {
+            let products = column[index].values.iter().zip(&bias.values).map(|(slope, error)| slope * error);
+            *sum += weight * products.sum::<f64>();
+        }
+    }
+    gradient
 }
 
 impl Covariance {
     /// Half width of the 95 % confidence interval of a free parameter, by Student's t.
     #[must_use]
     pub fn half_width(&self, index: usize) -> f64 {
-        student_t_975(self.degrees_of_freedom) * self.matrix[(index, index)].max(0.0).sqrt()
+        let random = student_t_975(self.degrees_of_freedom) * self.matrix[(index, index)].max(0.0).sqrt();
+        random.hypot(BIAS_UNCERTAINTY * self.bias_shift[index])
     }
 }
 
@@ -65,7 +92,7 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
     let of_effect = covariance.matrix.view((indices.start, indices.start), (indices.len(), indices.len()));
     let coordinates = effect.coordinates();
     let values: Vec<f64> = coordinates.iter().map(|c| c.value).collect();
-    let parameters = effect.values();
+    let (parameters, declared) = (effect.values(), effect.declared_parameters());
     let mut jacobian = DMatrix::zeros(parameters.len(), values.len());
     for (j, coordinate) in coordinates.iter().enumerate() {
         let mut moved = values.clone();
@@ -73,26 +100,38 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
         moved[j] += step;
         for (i, value) in effect.at(&moved).values().into_iter().enumerate() {
             let mut change = value - parameters[i];
-            if let Some(period) = effect.declared_parameters()[i].period {
+            if let Some(period) = declared[i].period {
                 change = (change + 0.5 * period).rem_euclid(period) - 0.5 * period;
             }
             jacobian[(i, j)] = change / step;
         }
     }
     let of_parameters = &jacobian * of_effect * jacobian.transpose();
+    let shifts = &jacobian * covariance.bias_shift.rows(indices.start, indices.len());
     let t = student_t_975(covariance.degrees_of_freedom);
-    of_parameters.diagonal().iter().map(|variance| t * variance.max(0.0).sqrt()).collect()
+    let both =
+        |(variance, shift): (&f64, &f64)| (t * variance.max(0.0).sqrt()).hypot(BIAS_UNCERTAINTY * shift);
+    of_parameters.diagonal().iter().zip(&shifts).map(both).collect()
+}
+
+/// Whether an effect is less than [`SearchOptions::min_size`] half widths of its interval large.
+#[must_use]
+pub fn may_be_zero(effect: &Effect, half_widths: &[f64], options: &SearchOptions) -> bool {
+    let size = effect.values().first().copied().unwrap_or(0.0);
+    half_widths.first().is_some_and(|half_width| size.abs() < options.min_size * half_width)
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::fit::axis_model::{AxisModel, FreeParameter};
+    use crate::fit::axis_model::AxisModel;
+    use crate::fit::fit_data::ResidualSeries;
     use crate::fit::normal_equations::{BLOCKS, Block};
-    use crate::options::ModelOptions;
+    use crate::options::{ModelOptions, TraceOptions};
     use model::effects::{ServoMismatch, Stage};
     use model::machine::Axis;
     use shared::config::Rates;
+    use std::sync::Arc;
 
     /// A fit of one parameter to `logs` logs: each block has curvature 1 and a gradient of ±1; the first block of each log
     /// has no counting sample.
@@ -120,13 +159,45 @@ mod tests {
         }
     }
 
+    /// Half width of the parameter of [`fitted`] under a bias.
+    fn half_width(fitted: &Fitted, bias: &[ResidualSeries]) -> f64 {
+        let rates = Rates { velocity_loop_hz: 1000.0, position_loop_divider: 1 };
+        let options = TraceOptions::default();
+        let data = FitData { bias, ..FitData::new(&[], &[], 0, rates, &options) };
+        let effect = Effect::ServoMismatch(ServoMismatch { percent: 10.0 });
+        let covariance = covariance(&data, fitted);
+        let half = half_widths(&effect, &covariance, 0..1)[0];
+        assert!((covariance.half_width(0) / half - 1.0).abs() < 1e-9);
+        half
+    }
+
     /// Variance Σg²/H² = 1/n of n blocks; t(22) = 2.074 for one log, t(68) = 1.995 for three.
     #[test]
     fn the_degrees_of_freedom_follow_from_the_blocks_with_samples() {
-        let effect = Effect::ServoMismatch(ServoMismatch { percent: 10.0 });
         for (logs, blocks, t) in [(1, 23.0, 2.074), (3, 69.0, 1.995)] {
-            let half = half_widths(&effect, &covariance(&fitted(logs)), 0..1)[0];
+            let half = half_width(&fitted(logs), &[]);
             assert!((half * f64::sqrt(blocks) / t - 1.0).abs() < 5e-4, "{logs}: {half}");
         }
+    }
+
+    /// A prior of standard deviation 0.1 has the precision 100: variance (23 + 100)/(23 + 100)².
+    #[test]
+    fn a_prior_adds_its_own_variance() {
+        let mut fitted = fitted(1);
+        fitted.parameters[0].prior = Some((0.0, 0.1));
+        let half = half_width(&fitted, &[]);
+        assert!((half * f64::sqrt(123.0) / 2.074 - 1.0).abs() < 5e-4, "{half}");
+    }
+
+    /// Ten samples of slope 2, weight 3 and error 0.5: the shift is 9·10·2·0.5/23 = 3.913, and its half the half width, beside
+    /// 2.074/√23 = 0.4325 by chance.
+    #[test]
+    fn a_subtracted_error_is_known_by_half() {
+        let series = |value| ResidualSeries { stage: Stage::Motor, log: 0, values: vec![value; 10] };
+        let mut fitted = fitted(1);
+        (fitted.weights, fitted.residuals) = (vec![3.0], vec![series(1.0)]);
+        fitted.columns = vec![Arc::new(vec![series(2.0)])];
+        let half = half_width(&fitted, &[series(0.5)]);
+        assert!((half / 1.9565f64.hypot(0.4325) - 1.0).abs() < 1e-3, "{half}");
     }
 }

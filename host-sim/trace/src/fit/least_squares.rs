@@ -14,7 +14,7 @@ use super::axis_model::{AxisModel, FreeParameter};
 use super::fit_data::{FitData, ResidualSeries};
 use super::normal_equations::{Block, Column, blocks, normal, stepped};
 use super::scope::Scope;
-use model::effects::Stage;
+use model::effects::{Effect, Stage};
 
 /// A fit ends when a step lowers the cost by less than this fraction.
 const MIN_GAIN: f64 = 1e-4;
@@ -51,6 +51,29 @@ impl Fitted {
     pub fn squares(&self, stage: Stage) -> f64 {
         self.blocks.iter().filter(|block| block.stage == stage).map(|block| block.squares).sum()
     }
+
+    /// The derivatives that remain valid without a found effect of a model, by its index in [`AxisModel::found`]. None if
+    /// the effect replaced a trim of timing, as the fit then has no derivative with respect to the trim.
+    #[must_use]
+    pub fn columns_without(&self, model: &AxisModel, scope: &Scope, index: usize) -> Vec<Column> {
+        let effect = &model.found()[index];
+        if !scope.holds(effect) {
+            return self.columns.clone();
+        }
+        if matches!(effect, Effect::Latency(_) | Effect::VelocityLag(_)) {
+            return Vec::new();
+        }
+        let indices = model.indices_of(scope, index);
+        let others = self.columns.iter().enumerate().filter(|(parameter, _)| !indices.contains(parameter));
+        others.map(|(_, column)| column.clone()).collect()
+    }
+}
+
+/// The fit without a found effect, from the point and with the derivatives of the fit with it.
+#[must_use]
+pub fn fit_without(data: &FitData<'_>, full: &Fitted, scope: &Scope, index: usize) -> Fitted {
+    let known = full.columns_without(&full.model, scope, index);
+    fit_from(data, &full.model.without(index), scope, STEPS, &known)
 }
 
 /// Fits the free parameters of a scope, from their values in the model, in at most `steps` steps.
@@ -75,6 +98,9 @@ pub fn fit_from(
     let mut point = Point::new(data, start, scope, known);
     let count = point.columns.len();
     let moving = if known.is_empty() { start.indices_of_last(scope) } else { known.len()..count };
+    // The model is linear in the values of a map.
+    let is_map = |effect: &Effect| matches!(effect, Effect::PitchMap(_) | Effect::FrictionMap(_));
+    let moving = if start.found().last().is_some_and(is_map) { 0..0 } else { moving };
     for _ in 0..steps {
         let Gain { gained, predicted } = point.step(data, scope);
         point.weights = weights(data, &point.model, &point.residuals);

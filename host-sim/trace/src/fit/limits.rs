@@ -36,7 +36,7 @@ pub fn of(effect: &Effect, rates: Rates) -> Option<ParameterAtLimit> {
     let [at_limit, at_inside] = [limit, inside].map(moved);
     let changes = |i: &usize| at_limit[*i].to_bits() != at_inside[*i].to_bits();
     let changed = (0..at_limit.len()).find(changes)?;
-    let (parameter, value) = (&effect.declared_parameters()[changed], effect.values()[changed]);
+    let (parameter, value) = (effect.declared_parameters()[changed], effect.values()[changed]);
     Some(ParameterAtLimit { effect: effect.clone(), parameter, value, limit: at_limit[changed] })
 }
 

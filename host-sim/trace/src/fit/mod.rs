@@ -7,7 +7,6 @@
 //! - [`scope_fit`], [`final_fit`], [`model_bias`]: fits scope by scope, and with the error of the simulation subtracted
 
 pub mod axis_model;
-pub mod declared_value;
 pub mod exclusion;
 pub mod final_fit;
 pub mod fit_data;
@@ -19,4 +18,5 @@ pub mod normal_equations;
 pub mod residual;
 pub mod scope;
 pub mod scope_fit;
+pub mod tool_bias;
 pub mod trim;

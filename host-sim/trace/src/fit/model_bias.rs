@@ -10,14 +10,25 @@ use super::axis_model::AxisModel;
 use super::fit_data::{FitData, ResidualSeries};
 use super::least_squares::{self, Fitted};
 use super::scope::Scope;
+use super::tool_bias;
 use crate::input::signals::{AxisSignals, Signals};
 use crate::input::smoothing::Smooth;
 use crate::prediction::resample::{delayed_cubic, delayed_linear};
 use model::effects::{Channel, Stage};
 
-/// The error in the driven stages of a scope, for all logs; empty for another scope or if a loop cannot be simulated.
+/// The error in the driven stages or in the tool stage of all scopes.
+#[must_use]
+pub fn of_all(data: &FitData<'_>, model: &AxisModel, scopes: &[Scope]) -> Vec<ResidualSeries> {
+    scopes.iter().flat_map(|scope| of(data, model, scope)).collect()
+}
+
+/// The error in the driven stages or in the tool stage of a scope, for all logs; empty for another scope or if a loop cannot
+/// be simulated.
 #[must_use]
 pub fn of(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualSeries> {
+    if scope.stages == [Stage::Tool] {
+        return tool_bias::of(data, model, scope);
+    }
     if !scope.stages.iter().all(|stage| matches!(stage, Stage::Table | Stage::Force)) {
         return Vec::new();
     }

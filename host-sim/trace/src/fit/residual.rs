@@ -73,7 +73,8 @@ impl FitData<'_> {
             motor: signals.motor.as_ref()?,
             path: signals.motor_path.as_ref()?,
             sample_s: self.logs[log].sample_s,
-            sampling: ForceSampling::new(&model.axis.settings.controller, self.rates),
+            start_s: signals.start_s,
+            sampling: ForceSampling::new(&model.axis.settings.controller, &parameters.servo, self.rates),
             added_n: signals.added_force.as_ref().map(AddedForce::filtered_n),
         };
         Some(driven::driven(parameters, &input))
@@ -90,9 +91,14 @@ impl FitData<'_> {
         residual
     }
 
+    /// The error of the tracer's own simulation in a series of the residuals, if it is known.
+    #[must_use]
+    pub fn bias_of(&self, series: &ResidualSeries) -> Option<&ResidualSeries> {
+        self.bias.iter().find(|bias| bias.stage == series.stage && bias.log == series.log)
+    }
+
     fn subtract_bias(&self, series: &mut ResidualSeries) {
-        let is_same = |bias: &&ResidualSeries| bias.stage == series.stage && bias.log == series.log;
-        let Some(bias) = self.bias.iter().find(is_same) else { return };
+        let Some(bias) = self.bias_of(series) else { return };
         for (value, bias) in series.values.iter_mut().zip(&bias.values) {
             // Samples that do not count are zero and remain so.
             *value -= if *value == 0.0 { 0.0 } else { *bias };

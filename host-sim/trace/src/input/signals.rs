@@ -12,6 +12,8 @@ use model::effects::Stage;
 /// One axis of one log, in SI units. For rotary axes, degrees are treated as mm and N·m as N.
 #[derive(Clone, Debug)]
 pub struct AxisSignals {
+    /// Time of the first sample on the session's clock, s.
+    pub start_s: f64,
     /// Unit of the axis in its log; `None` if the log does not contain the axis.
     pub unit: Option<Unit>,
     /// Position command.
@@ -61,9 +63,10 @@ impl Signals {
         let half_window = ((options.smoothing_s / sample_s).round() as usize).clamp(2, 50);
         let prepared = |name: &String| {
             let found = log.axes.iter().find(|axis| axis.name == *name);
-            found.map_or_else(AxisSignals::absent, |axis| {
+            let signals = found.map_or_else(AxisSignals::absent, |axis| {
                 AxisSignals::new(axis, sample_s, half_window, options)
-            })
+            });
+            AxisSignals { start_s: log.start_s, ..signals }
         };
         Self {
             source: log.source.clone(),
@@ -90,6 +93,7 @@ impl Signals {
 impl AxisSignals {
     const fn absent() -> Self {
         Self {
+            start_s: 0.0,
             unit: None,
             command: None,
             motor: None,
@@ -112,6 +116,7 @@ impl AxisSignals {
         let motor = smooth(&axis.motor);
         let standstill = motor.as_ref().map_or_else(Vec::new, |motor| standstill(motor, sample_s, options));
         Self {
+            start_s: 0.0,
             unit: Some(axis.unit),
             command: metres(&axis.command),
             motor_path: motor.as_ref().map(|motor| MotorPath::new(motor, options.play_noise, sample_s)),

@@ -10,6 +10,7 @@ use model::servo::ServoParameters;
 use plant::axis_motion::AxisMotion;
 use plant::mechanics::Stepper;
 use plant::parameters::AxisParameters;
+use plant::tool_point::{Oscillation, OscillationStep};
 
 /// Ratio of the steps to those of the simulator. Longer steps suffice, as an accuracy of nanometres is sufficient.
 const STEP_FACTOR: f64 = 2.0;
@@ -23,10 +24,38 @@ const MAX_SUBSTEPS: u32 = 500;
 pub struct ClosedLoopRun {
     /// Motor encoder, m.
     pub motor_m: Vec<f64>,
-    /// Linear scale, m.
+    /// Linear scale without its zero, m.
     pub table_m: Vec<f64>,
     /// Force of the last velocity tick, N.
     pub force_n: Vec<f64>,
+    /// Acceleration of the table at the sample, m/s².
+    pub table_m_per_s2: Vec<f64>,
+    /// Tool − table by a resonance, m; 0 without one.
+    pub oscillation_m: Vec<f64>,
+}
+
+/// The oscillation of the tool in a simulated loop.
+struct ToolOscillation {
+    oscillation: Oscillation,
+    /// `None`: no resonance.
+    step: Option<OscillationStep>,
+    step_s: f64,
+}
+
+impl ToolOscillation {
+    fn new(parameters: &AxisParameters, step_s: f64) -> Self {
+        let step =
+            parameters.tool.resonance.as_ref().map(|resonance| OscillationStep::new(resonance, step_s));
+        Self { oscillation: Oscillation::default(), step, step_s }
+    }
+
+    /// One step that has changed the velocity of the table from `before`, m/s.
+    fn step(&mut self, before: f64, motion: &AxisMotion) {
+        if let Some(step) = &self.step {
+            let acceleration = (motion.table_m_per_s - before) / self.step_s;
+            self.oscillation.step(step, acceleration, motion.table_m_per_s);
+        }
+    }
 }
 
 /// The controller of a closed loop.
@@ -63,12 +92,15 @@ pub fn closed_loop(
     if substeps > MAX_SUBSTEPS {
         return None;
     }
-    let stepper = Stepper::new(parameters, 0.0, tick_s / f64::from(substeps));
+    let step_s = tick_s / f64::from(substeps);
+    let stepper = Stepper::new(parameters, parameters.servo.drive_time_constant_s(0.0), step_s);
+    let mut tool = ToolOscillation::new(parameters, step_s);
     let position = |m: f64| Position::from_m(m).unwrap_or_default();
 
     let (&first, &second) = (command.first()?, command.get(1)?);
-    let InitialState { motor_m: motor, velocity, table_m, is_settled } = start;
-    let mut motion = steady_motion(parameters, motor - parameters.resolver_error_m(motor), velocity);
+    let InitialState { motor_m: motor, velocity, table_m, is_settled, table_zero_m, time_s } = start;
+    let true_motor_m = motor - parameters.resolver_error_m(motor);
+    let mut motion = steady_motion(parameters, true_motor_m, velocity, time_s);
     motion.table_m = table_m.unwrap_or(motion.table_m);
     // A delay of the force relative to the reading of the sensors is equivalent to an earlier reading.
     let read = |motion: &AxisMotion| {
@@ -76,12 +108,12 @@ pub fn closed_loop(
         let table_m = motion.table_m - drive_late_s * motion.table_m_per_s;
         Reading {
             motor: position(motor_m + parameters.resolver_error_m(motor_m)),
-            table: Some(position(table_m)),
+            table: Some(position(table_m + table_zero_m)),
         }
     };
     let before = |m: f64, velocity: f64| position(m - velocity * tick_s);
     let command_before = position(first - (second - first));
-    let known_table_m = if is_settled { motion.table_m } else { motor };
+    let known_table_m = if is_settled { motion.table_m + table_zero_m } else { motor };
     let reading_before =
         Reading { motor: before(motor, velocity), table: Some(before(known_table_m, velocity)) };
     let mut state = AxisState::<f64>::at_rest(command_before, reading_before);
@@ -92,15 +124,19 @@ pub fn closed_loop(
         let added_n = added_n.get(i).copied().unwrap_or(0.0);
         let reading = read(&motion);
         result.motor_m.push(reading.motor.to_m());
-        result.table_m.push(reading.table.map_or(0.0, Position::to_m));
+        result.table_m.push(reading.table.map_or(0.0, Position::to_m) - table_zero_m);
         result.force_n.push(last_n);
+        result.table_m_per_s2.push(motion.table_m_per_s2(parameters));
+        result.oscillation_m.push(tool.oscillation.offset_m);
         state.position_tick(&config, position(command), 0, reading);
         for tick in 0..rates.position_loop_divider {
             let reading = if tick == 0 { reading } else { read(&motion) };
             let (force, _) = state.velocity_tick(&config, reading, added_n);
             last_n = force;
             for _ in 0..substeps {
+                let before = motion.table_m_per_s;
                 stepper.step(parameters, &mut motion, force);
+                tool.step(before, &motion);
             }
         }
     }
@@ -119,7 +155,14 @@ mod tests {
         let parameters = AxisParameters::of(&machine.axis["x"]);
         let settings = servo::settings(&machine.axis["x"].settings, &parameters.servo).unwrap();
         let settings = AxisSettings { force_limit_n: limit_n, ..settings };
-        let start = InitialState { motor_m: 0.0, velocity: 0.0, table_m: None, is_settled: true };
+        let start = InitialState {
+            motor_m: 0.0,
+            velocity: 0.0,
+            table_m: None,
+            is_settled: true,
+            table_zero_m: 0.0,
+            time_s: 0.0,
+        };
         let command = [0.0; 500];
         let rates = machine.rates();
         let controlled = Controlled { settings: &settings, rates };

@@ -2,7 +2,7 @@
 
 use super::force_sampling::ForceSampling;
 use super::resample::{delayed_cubic, delayed_linear};
-use crate::input::motor_path::{MotorPath, Point};
+use crate::input::motor_path::MotorPath;
 use crate::input::smoothing::Smooth;
 use model::effects::Channel;
 use plant::driven::{DrivenStep, DrivenTable, ScrewMotion};
@@ -26,6 +26,8 @@ pub struct DrivenInput<'a> {
     pub path: &'a MotorPath,
     /// Sample time, s.
     pub sample_s: f64,
+    /// Time of the first sample on the session's clock, s.
+    pub start_s: f64,
     /// Difference between the logged force and the mean force of a sample.
     pub sampling: ForceSampling,
     /// Force that was added to the controller's force, filtered, N.
@@ -39,12 +41,14 @@ pub struct DrivenInput<'a> {
 /// is computed from the path between the samples and then passes the same filter.
 #[must_use]
 pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
-    let DrivenInput { motor, path, sample_s, sampling, added_n } = *input;
-    let Some(first) = path.points.first() else { return Driven::default() };
+    let DrivenInput { motor, path, sample_s, sampling, added_n, .. } = *input;
+    if path.points.is_empty() {
+        return Driven::default();
+    }
     // Stretch of the spring per acceleration of the table, m per m/s².
     let stretch_s2 =
         parameters.spring.as_ref().map_or(0.0, |spring| parameters.table_mass_kg / spring.stiffness_n_per_m);
-    let nonlinear = nonlinear_part(parameters, motor, path, *first, stretch_s2);
+    let nonlinear = nonlinear_part(parameters, input, stretch_s2);
     let mass = parameters.motor_mass_kg + parameters.table_mass_kg;
     // The force is the mean over the tick that ends at the sample, half a sample before it, and is logged late.
     let late = parameters.latency_s(Channel::Force) / sample_s;
@@ -54,6 +58,7 @@ pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
     let table_m =
         sum(&motor.filtered(&nonlinear.table_m), |i| motor.position[i] - stretch_s2 * motor.acceleration[i]);
     let mut force_n = sum(&motor.filtered(&force_n), |i| mass * acceleration[i]);
+    add_lead(&mut force_n, parameters.servo.drive_time_constant_s(0.0) / sample_s);
     let growth = delayed_linear(&motor.acceleration, sampling.growth_age + late);
     // The correction for sampling applies only to the force of the controller.
     add(&mut force_n, added_n, -1.0);
@@ -64,13 +69,9 @@ pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
 
 /// Table and force at the samples without their linear parts. The linear part of the table is position −
 /// `stretch_s2`·acceleration, that of the force (motor mass + table mass)·acceleration.
-fn nonlinear_part(
-    parameters: &AxisParameters,
-    motor: &Smooth,
-    path: &MotorPath,
-    first: Point,
-    stretch_s2: f64,
-) -> Driven {
+fn nonlinear_part(parameters: &AxisParameters, input: &DrivenInput<'_>, stretch_s2: f64) -> Driven {
+    let DrivenInput { motor, path, start_s, .. } = *input;
+    let first = path.points[0];
     let n = motor.position.len();
     let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
     let mut motor_m = parameters.motor_of_reading_m(first.reading_m);
@@ -79,6 +80,8 @@ fn nonlinear_part(
         nominal_m,
         velocity: motor.velocity[0],
         acceleration: motor.acceleration[0],
+        half_gap_m: parameters.screw.half_gap_m(motor_m),
+        time_s: start_s,
         ..ScrewMotion::default()
     };
     let mut dividing_error = Differentiated::new(motor_m - first.reading_m);
@@ -101,11 +104,14 @@ fn nonlinear_part(
                 velocity,
                 acceleration: point.acceleration + dividing_error.acceleration + screw_error.acceleration,
                 error_velocity: screw_error.rate,
+                half_gap_m: parameters.screw.half_gap_m(motor_m),
+                time_s: screw.time_s + path.step_s,
             };
             table.step(&step, screw);
         }
         let table_m = table.position_m(parameters, screw);
-        let force = parameters.motor_coulomb_n * path.sign[i] - parameters.torque_ripple_n(motor_m)
+        let force = parameters.motor_level_n(motor.velocity[i]) * path.sign[i]
+            - parameters.torque_ripple_n(motor_m)
             + table.transmitted_n
             + parameters.motor_mass_kg * dividing_error.acceleration
             - parameters.table_mass_kg * point.acceleration;
@@ -113,6 +119,20 @@ fn nonlinear_part(
         result.force_n.push(force);
     }
     result
+}
+
+/// Replaces the acting force by the commanded one, which the drive follows with a lag of this time constant (samples):
+/// F + τ·F', with central differences.
+fn add_lead(force_n: &mut [f64], lag: f64) {
+    if lag == 0.0 || force_n.len() < 3 {
+        return;
+    }
+    let mut before_n = force_n[0];
+    for i in 1..force_n.len() - 1 {
+        let acting_n = force_n[i];
+        force_n[i] += 0.5 * lag * (force_n[i + 1] - before_n);
+        before_n = acting_n;
+    }
 }
 
 /// Adds a force times a sign, if the force is given.
@@ -171,6 +191,7 @@ mod tests {
             amplitude_um: 5.0,
             period_mm: 10.0,
             phase_rad: 0.3,
+            fitted_period_mm: None,
         })));
         assert_driven_is_free(Some(Effect::ResolverDividing(ResolverDividing {
             amplitude_um: 3.0,
@@ -189,7 +210,14 @@ mod tests {
         // ±20 mm at 0.5 Hz: 63 mm/s, 0.2 m/s², three reversals.
         let command: Vec<f64> =
             (0..4000).map(|i| 0.02 * (1.0 - (std::f64::consts::PI * 1e-3 * f64::from(i)).cos())).collect();
-        let start = InitialState { motor_m: command[0], velocity: 0.0, table_m: None, is_settled: true };
+        let start = InitialState {
+            motor_m: command[0],
+            velocity: 0.0,
+            table_m: None,
+            is_settled: true,
+            table_zero_m: 0.0,
+            time_s: 0.0,
+        };
         let simulated =
             closed_loop(&parameters, Controlled { settings: &settings, rates }, &command, &[], start)
                 .unwrap();
@@ -198,7 +226,8 @@ mod tests {
             motor: &motor,
             path: &MotorPath::new(&motor, SampleOptions::default().play_noise, 1e-3),
             sample_s: 1e-3,
-            sampling: ForceSampling::new(&axis.settings.controller, rates),
+            start_s: 0.0,
+            sampling: ForceSampling::new(&axis.settings.controller, &parameters.servo, rates),
             added_n: None,
         };
         let driven = driven(&parameters, &input);

@@ -4,6 +4,7 @@
 use shared::config::Rates;
 
 use model::axis::Controller;
+use model::servo::ServoParameters;
 
 /// Difference between the logged force of the last velocity tick of a sample and the mean over the sample's D ticks of period
 /// T.
@@ -31,18 +32,18 @@ pub struct ForceSampling {
 }
 
 impl ForceSampling {
-    /// The difference for a controller and its loop rates.
+    /// The difference for a controller with the effects in it, and its loop rates.
     #[must_use]
-    pub fn new(controller: &Controller, rates: Rates) -> Self {
+    pub fn new(controller: &Controller, servo: &ServoParameters, rates: Rates) -> Self {
         let ticks = f64::from(rates.position_loop_divider);
         let ahead_s = 0.5 * (ticks - 1.0) / rates.velocity_loop_hz;
-        let gain = controller.velocity_gain_n_s_per_m.unwrap_or(0.0);
+        let gain = servo.velocity_gain_n_s_per_m(controller).unwrap_or(0.0);
         Self {
             proportional_kg: gain * ahead_s,
             integral_kg: gain * (ticks + 1.0) / 6.0 / rates.velocity_loop_hz,
             growth_age: (ticks + 4.0) / (3.0 * ticks),
             ahead_s,
-            integral_s: controller.velocity_integral_time_s.unwrap_or(f64::INFINITY),
+            integral_s: servo.velocity_integral_time_s(controller).unwrap_or(f64::INFINITY),
         }
     }
 
@@ -96,8 +97,8 @@ mod tests {
             velocity_integral_time_s: Some(ti_s),
             ..Controller::default()
         };
-        let sampling =
-            ForceSampling::new(&controller, Rates { velocity_loop_hz: 4000.0, position_loop_divider: TICKS });
+        let rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: TICKS };
+        let sampling = ForceSampling::new(&controller, &ServoParameters::default(), rates);
         let error_n = |forces: &[f64]| {
             let squares: f64 = (500..2000).map(|i| (forces[i] - lasts[i]).powi(2)).sum();
             (squares / 1500.0).sqrt()

@@ -18,6 +18,10 @@ pub struct InitialState {
     /// Whether the loop was closed before, so that the low-pass of dual feedback contains the difference between table and
     /// motor.
     pub is_settled: bool,
+    /// Reading of the linear scale − position of the table, m. The controller receives the reading.
+    pub table_zero_m: f64,
+    /// Time on the session clock, s.
+    pub time_s: f64,
 }
 
 impl InitialState {
@@ -27,7 +31,7 @@ impl InitialState {
     /// the initial position of the table is the reading of its scale.
     #[must_use]
     pub fn of(command: &[f64], signals: &AxisSignals, zero_m: f64, options: &SampleOptions) -> Option<Self> {
-        let count = options.constant_command;
+        let (count, time_s) = (options.constant_command, signals.start_s);
         let motor = signals.motor.as_ref()?;
         let first = motor.raw[0];
         let is_constant = command.len() > count
@@ -38,18 +42,28 @@ impl InitialState {
         };
         if is_constant && motor.raw[1..count].chunks(5).any(moves) {
             let table_m = signals.table.as_ref().map(|table| table.raw[0] - zero_m);
-            return Some(Self { motor_m: first, velocity: 0.0, table_m, is_settled: false });
+            let (velocity, is_settled) = (0.0, false);
+            return Some(Self {
+                motor_m: first,
+                velocity,
+                table_m,
+                is_settled,
+                table_zero_m: zero_m,
+                time_s,
+            });
         }
         let velocity = if is_constant { 0.0 } else { motor.velocity[0] };
-        Some(Self { motor_m: motor.position[0], velocity, table_m: None, is_settled: true })
+        let (motor_m, table_zero_m) = (motor.position[0], zero_m);
+        Some(Self { motor_m, velocity, table_m: None, is_settled: true, table_zero_m, time_s })
     }
 }
 
-/// An axis in steady motion, with its motor at a position (m) and a velocity (m/s).
+/// An axis in steady motion, with its motor at a position (m) and a velocity (m/s), at a time on the session clock (s).
 #[must_use]
-pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -> AxisMotion {
+pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64, time_s: f64) -> AxisMotion {
     let nominal_m = parameters.screw.nominal_m(motor_m);
-    let screw = ScrewMotion { nominal_m, velocity, ..ScrewMotion::default() };
+    let half_gap_m = parameters.screw.half_gap_m(motor_m);
+    let screw = ScrewMotion { nominal_m, velocity, half_gap_m, time_s, ..ScrewMotion::default() };
     let table = DrivenTable::settled(parameters, screw);
     AxisMotion {
         motor_m,
@@ -58,6 +72,9 @@ pub fn steady_motion(parameters: &AxisParameters, motor_m: f64, velocity: f64) -
         table_m_per_s: velocity,
         bristle_m: table.bristle_m(),
         filtered_speed_m_per_s: table.filtered_speed_m_per_s(),
+        time_s,
+        drive_n: table.transmitted_n + parameters.motor_friction_n(velocity)
+            - parameters.torque_ripple_n(motor_m),
         friction_n: parameters.friction.bristle_stiffness_n_per_m * table.bristle_m(),
         ..AxisMotion::default()
     }

@@ -4,6 +4,7 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::held_out::{Comparison, Score, compare, scores};
+use super::slope_of_map::with_slope_of_map;
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::{self, Fitted, derivatives};
 use crate::fit::limits::{self, ParameterAtLimit};
@@ -154,7 +155,7 @@ fn try_out(
     candidate: &mut Candidate,
     held_out: &[Score],
 ) {
-    let start = origin.model.with(candidate.effect.clone());
+    let start = with_slope_of_map(&origin.model, candidate.effect.clone());
     let fitted = least_squares::fit_from(data, &start, scope, STEPS, &origin.columns);
     candidate.comparison = compare(held_out, &scores(&fitted), &scope.stages, &data.options.search);
     candidate.gain = candidate.comparison.iter().map(|c| c.gain).sum();

@@ -5,12 +5,15 @@ use super::ambiguity::rivals;
 use super::candidates::{Candidate, Reference, rank};
 use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
+use super::map_refinement::with_finer_map;
+use super::residual_shape::shape;
 use super::round::Round;
+use super::slope_of_map::is_slope_of_map;
 use crate::analysis::residual_analysis::unexplained;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::Exclusion;
 use crate::fit::fit_data::{FitData, ResidualSeries};
-use crate::fit::intervals::{covariance, half_widths};
+use crate::fit::intervals::{covariance, half_widths, may_be_zero};
 use crate::fit::least_squares::{self, Fitted};
 use crate::fit::model_bias::{self, first_fit};
 use crate::fit::scope::{Mechanics, Scope};
@@ -32,10 +35,39 @@ pub struct EffectSearch<'a> {
 }
 
 impl EffectSearch<'_> {
-    /// Adds effects to one scope. If a part of the remaining residual must be excluded, the search is repeated with this
-    /// exclusion.
+    /// Adds effects to one scope.
+    ///
+    /// Without an effect, a fit may move the declared values out of their tolerance in its place, from where the effect gains
+    /// too little. In this case the search is repeated with the tolerance as a bound. The result of the second search is taken
+    /// if, without the bound, it leaves less.
     #[must_use]
     pub fn search(&mut self, start: &AxisModel, scope: &Scope) -> ScopeFit {
+        let first_round = self.rounds.len();
+        let free = self.search_from(start, scope);
+        let is_beyond = |model: &AxisModel| scope.mechanics == Mechanics::All && model.is_beyond_tolerance();
+        if !is_beyond(&first_fit(self.data, start, scope).0.model) && !is_beyond(&free.fitted.model) {
+            return free;
+        }
+        let rounds_of_free = self.rounds.split_off(first_round);
+        let mut bounded = self.search_from(&start.all_within_tolerance(), scope);
+        let data = FitData { exclusions: &bounded.exclusions, ..*self.data };
+        let unbounded = bounded.fitted.model.without_bounds();
+        bounded.fitted = least_squares::fit(&data, &unbounded, scope, least_squares::STEPS);
+        let left = |fit: &ScopeFit| {
+            let data = FitData { exclusions: &fit.exclusions, ..*self.data };
+            model_bias::log_rms(&data, &data.residuals(&fit.fitted.model, scope), scope)
+        };
+        if left(&bounded) < left(&free) - self.data.options.search.min_gain() {
+            return bounded;
+        }
+        self.rounds.truncate(first_round);
+        self.rounds.extend(rounds_of_free);
+        free
+    }
+
+    /// Adds effects to one scope. If a part of the remaining residual must be excluded, the search is repeated with this
+    /// exclusion.
+    fn search_from(&mut self, start: &AxisModel, scope: &Scope) -> ScopeFit {
         let mut exclusions: Vec<Exclusion> = Vec::new();
         loop {
             let first_round = self.rounds.len();
@@ -80,7 +112,8 @@ impl EffectSearch<'_> {
             added += 1;
         }
         let data = FitData { bias: &bias, ..*data };
-        if added > 1 {
+        base = with_finer_map(&data, base, scope);
+        if base.model.found().iter().filter(|effect| scope.holds(effect)).count() > 1 {
             base = self.drop_unnecessary(&data, base, scope);
         }
         base = self.drop_uncertain(&data, base, scope);
@@ -92,7 +125,7 @@ impl EffectSearch<'_> {
         let name = data.name();
         (self.progress)(&format!("{name}: trying the catalogue on {}", stage_names(&scope.stages)));
         let model = &reference.base.model;
-        let initial_guesses = self.initial_guesses(model, scope);
+        let initial_guesses = missing_effects(data, reference.base, scope);
         let mut candidates = rank(data, reference, scope, initial_guesses);
         let best = self.best(data, model, &mut candidates, scope);
         let added = best.as_ref().map(|(index, _)| *index);
@@ -119,7 +152,8 @@ impl EffectSearch<'_> {
                 continue;
             }
             let Some(start) = &candidate.fitted else { continue };
-            let fitted = least_squares::fit(data, &start.model, scope, least_squares::STEPS);
+            let steps = least_squares::STEPS;
+            let fitted = least_squares::fit_from(data, &start.model, scope, steps, &start.columns);
             let last = fitted.model.found().len() - 1;
             candidate.limit = fitted.model.at_limit(last);
             if candidate.limit.is_none() {
@@ -127,24 +161,6 @@ impl EffectSearch<'_> {
             }
         }
         None
-    }
-
-    /// All initial guesses of the effects that the model does not yet contain.
-    fn initial_guesses(&self, model: &AxisModel, scope: &Scope) -> Vec<Effect> {
-        let data = self.data;
-        let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
-        let context = EffectContext {
-            axis: &model.axis.settings,
-            first: data.axis == 0,
-            others: &others,
-            stages: &scope.stages,
-            travel_mm: data.travel_mm(),
-        };
-        let mut guesses = initial_guesses(&context);
-        let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
-        guesses.retain(|effect| force_windup::is_testable(effect, force_is_logged));
-        guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
-        guesses
     }
 
     /// Drops effects that are small compared with the excluded parts: they describe remnants of these.
@@ -156,22 +172,20 @@ impl EffectSearch<'_> {
             before - after > min_effect * self.data.rms(&whole, stage).powi(2)
         };
         dropping(full, scope, |full, index| {
-            let without = least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS);
+            let without = least_squares::fit_without(data, full, scope, index);
             let stages = &mut scope.stages.iter();
             (!stages.any(|&stage| is_large(&without, full, stage))).then_some(without)
         })
     }
 
-    /// Drops effects whose confidence interval contains zero.
+    /// Drops effects whose size is too uncertain, see [`may_be_zero`].
     fn drop_uncertain(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         dropping(full, scope, |full, index| {
             let effect = &full.model.found()[index];
-            let half = half_widths(effect, &covariance(full), full.model.indices_of(scope, index));
-            let min = half.first().copied().unwrap_or(0.0);
-            let is_certain = effect.parameters().first().is_none_or(|(_, size)| size.abs() >= min);
-            (!is_certain).then(|| {
+            let half = half_widths(effect, &covariance(data, full), full.model.indices_of(scope, index));
+            may_be_zero(effect, &half, &data.options.search).then(|| {
                 (self.progress)(&format!("{}: {} may be zero", data.name(), effect.name()));
-                least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS)
+                least_squares::fit_without(data, full, scope, index)
             })
         })
     }
@@ -180,9 +194,12 @@ impl EffectSearch<'_> {
     fn drop_unnecessary(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         let options = &data.options.search;
         dropping(full, scope, |full, index| {
-            let without = least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS);
+            let without = least_squares::fit_without(data, full, scope, index);
             let comparison = compare(&scores(&without), &scores(full), &scope.stages, options);
             let effect = full.model.found()[index].clone();
+            if is_slope_of_map(&effect, full.model.found()) {
+                return None;
+            }
             let gain = comparison.iter().map(|c| c.gain).sum();
             let judged =
                 Candidate { effect, comparison, gain, fitted: None, exceeds_tolerance: true, limit: None };
@@ -194,6 +211,40 @@ impl EffectSearch<'_> {
             })
         })
     }
+}
+
+/// All initial guesses of the effects that the model does not yet contain.
+fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effect> {
+    let model = &base.model;
+    let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
+    let residual = shape(data, &base.residuals, model.axis.settings.mechanics.lead_mm);
+    let context = EffectContext {
+        axis: &model.axis.settings,
+        first: data.axis == 0,
+        others: &others,
+        stages: &scope.stages,
+        travel_mm: data.travel_mm(),
+        has_backlash: model.axis.effect.iter().any(|effect| matches!(effect, Effect::Backlash(_))),
+        residual: &residual,
+    };
+    let mut guesses = initial_guesses(&context);
+    let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
+    guesses.retain(|effect| force_windup::is_testable(effect, force_is_logged));
+    guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
+    if model.found().iter().any(|effect| matches!(effect, Effect::PitchMap(_))) {
+        // Between its knots a map deviates from the screw, in waves of a few knots.
+        guesses.retain(|effect| !is_wave_of_screw(effect, model.axis.settings.mechanics.lead_mm));
+    }
+    guesses
+}
+
+/// Whether an effect is a periodic error of the screw whose period is no whole fraction of the lead.
+fn is_wave_of_screw(effect: &Effect, lead_mm: Option<f64>) -> bool {
+    let Effect::PitchCyclic(wave) = effect else { return false };
+    lead_mm.is_none_or(|lead_mm| {
+        let order = lead_mm / wave.period_mm;
+        (order - order.round()).abs() > 1e-6 * order
+    })
 }
 
 /// Drops each effect of a scope for which `better` returns a fit without it.

@@ -1,6 +1,7 @@
 //! The search for effects that a model lacks.
 //!
-//! [`effect_search`] adds one effect per [`round`]. A round ranks the [`candidates`], compares them on [`held_out`] data and
+//! [`effect_search`] adds one effect per [`round`]. The [`residual_shape`] gives the knots of maps and the periods of
+//! harmonics with which candidates start. A round ranks the [`candidates`], compares them on [`held_out`] data and
 //! with the closed loop ([`loop_check`]), and reports an [`ambiguity`] with a [`distinguishing_motion`].
 
 pub mod ambiguity;
@@ -9,4 +10,9 @@ pub mod distinguishing_motion;
 pub mod effect_search;
 pub mod held_out;
 pub mod loop_check;
+pub mod map_refinement;
+pub mod position_spectrum;
+pub mod residual_samples;
+pub mod residual_shape;
 pub mod round;
+pub mod slope_of_map;

@@ -5,11 +5,13 @@ use super::found_effect::FoundEffect;
 use super::likelihood::refuting_loss;
 use super::refutation;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
+use crate::fit::intervals::may_be_zero;
 use crate::fit::least_squares;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::Scope;
 use crate::fit::scope_fit::{Progress, ScopeFit};
 use crate::search::round::{Round, refused_at_limit};
+use crate::search::slope_of_map::is_slope_of_map;
 use model::effects::{Effect, Stage};
 
 /// Largest number of steps of a fit of the other parameters, after an effect was added with its final parameters.
@@ -43,6 +45,15 @@ pub fn confirm(
             progress(&format!("{name}: {} is at a limit of its range", limit.effect.name()));
             axis = axis.without(fit_data, index);
             refused.push(limit);
+            continue;
+        }
+        let options = &fit_data.options.search;
+        let is_uncertain = |&index: &usize| {
+            may_be_zero(&axis.model.found()[index], &axis.half_widths(fit_data, index), options)
+        };
+        if let Some(index) = (0..axis.model.found().len()).find(is_uncertain) {
+            progress(&format!("{name}: {} may be zero", axis.model.found()[index].name()));
+            axis = axis.without(fit_data, index);
             continue;
         }
         progress(&format!("{name}: testing what was found on the validation logs"));
@@ -96,12 +107,14 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             let next = least_squares::fit(&data, &last.with(effect.clone()), scope, STEPS).model;
             let fitted = [&last, &next].map(|model| fit_data.residuals(model, scope));
             let held_out = [&last, &next].map(|model| validate.residuals(model, scope));
-            let loss = refuting_loss(validate, [&held_out[0], &held_out[1]]);
+            // A slope is tested with its map.
+            let loss = refuting_loss(validate, [&held_out[0], &held_out[1]])
+                .filter(|_| !is_slope_of_map(effect, axis.model.found()));
             let residuals = Residuals { fit_data, validate, fitted, held_out };
             // The stage with the largest improvement; for a refuted effect, the stage with the largest deterioration.
             let sign = if loss.is_some() { -1.0 } else { 1.0 };
             let Some((stage, before, after)) = residuals.most_changed(scope, sign) else { continue };
-            let half_widths = axis.half_widths(index);
+            let half_widths = axis.half_widths(fit_data, index);
             let effect = effect.clone();
             let found = FoundEffect { effect, half_widths, stage, before, after, rivals: Vec::new() };
             all.push(Reported { found, index, loss });

@@ -4,10 +4,7 @@ use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::intervals::{covariance, half_widths};
 use crate::fit::least_squares;
-use crate::fit::normal_equations::Column;
-use crate::fit::scope::Scope;
 use crate::fit::scope_fit::ScopeFit;
-use model::effects::Effect;
 
 /// A model of an axis with the fits that led to it.
 #[derive(Clone, Debug)]
@@ -50,7 +47,7 @@ impl FittedAxis {
                     parameters.iter().map(|parameter| parameter.coordinate.value).collect();
                 model = model.at(fitted_scope, &values);
             }
-            let known = columns_without(&self.model, fitted_scope, index, &fitted.columns);
+            let known = fitted.columns_without(&self.model, fitted_scope, index);
             let data = FitData { exclusions, ..*data };
             let fitted = least_squares::fit_from(&data, &model, fitted_scope, least_squares::STEPS, &known);
             model = fitted.model.clone();
@@ -61,28 +58,14 @@ impl FittedAxis {
         Self { declared: self.declared.clone(), model, fits }
     }
 
-    /// Half widths of the confidence intervals of a found effect's parameters.
+    /// Half widths of the confidence intervals of a found effect's parameters. `data` are the fit logs with the error that was
+    /// subtracted.
     #[must_use]
-    pub fn half_widths(&self, index: usize) -> Vec<f64> {
+    pub fn half_widths(&self, data: &FitData<'_>, index: usize) -> Vec<f64> {
         let effect = &self.model.found()[index];
         let fit = self.fits.iter().find(|fit| fit.scope.holds(effect));
         fit.map_or_else(Vec::new, |ScopeFit { fitted_scope, fitted, .. }| {
-            half_widths(effect, &covariance(fitted), fitted.model.indices_of(fitted_scope, index))
+            half_widths(effect, &covariance(data, fitted), fitted.model.indices_of(fitted_scope, index))
         })
     }
-}
-
-/// The derivatives of a fit that remain valid without an effect. None if the effect replaced a trim of timing, as the fit
-/// then has no derivative with respect to the trim.
-fn columns_without(model: &AxisModel, scope: &Scope, index: usize, columns: &[Column]) -> Vec<Column> {
-    let effect = &model.found()[index];
-    if !scope.holds(effect) {
-        return columns.to_vec();
-    }
-    if matches!(effect, Effect::Latency(_) | Effect::VelocityLag(_)) {
-        return Vec::new();
-    }
-    let indices = model.indices_of(scope, index);
-    let others = columns.iter().enumerate().filter(|(parameter, _)| !indices.contains(parameter));
-    others.map(|(_, column)| column.clone()).collect()
 }

@@ -5,6 +5,7 @@
 //! the validation logs. The remaining effects are reported as [`found_effect`].
 
 pub mod confirmation;
+pub mod declared_value;
 pub mod fitted_axis;
 pub mod found_effect;
 pub mod likelihood;

@@ -49,7 +49,7 @@ pub fn worst(
         let (stage, before, after) = shown.max_by(|a, b| ratio(a).total_cmp(&ratio(b)))?;
         let found = FoundEffect {
             effect: effect.clone(),
-            half_widths: axis.half_widths(index),
+            half_widths: axis.half_widths(fit_data, index),
             stage,
             before,
             after,

@@ -32,10 +32,14 @@ macro_rules! catalogue {
                 match self { $(Self::$variant(_) => $variant::NAME,)+ }
             }
 
-            /// Declarations of the parameters, in the order of [`Effect::parameters`].
+            /// The declaration of each value, in the order of [`Effect::values`].
             #[must_use]
-            pub fn declared_parameters(&self) -> &'static [Parameter] {
-                match self { $(Self::$variant(_) => $variant::PARAMETERS,)+ }
+            pub fn declared_parameters(&self) -> Vec<&'static Parameter> {
+                let (parameters, lengths) = match self {
+                    $(Self::$variant(e) => ($variant::PARAMETERS, e.lengths()),)+
+                };
+                let of_each = parameters.iter().zip(lengths);
+                of_each.flat_map(|(parameter, length)| std::iter::repeat_n(parameter, length)).collect()
             }
 
             /// Whether an axis may have the effect more than once.
@@ -80,7 +84,7 @@ macro_rules! catalogue {
                 match self { $(Self::$variant(e) => e.exceeds_tolerance(declared, rates),)+ }
             }
 
-            /// Values of the parameters.
+            /// Values of the parameters, those of a list one after the other.
             #[must_use]
             pub fn values(&self) -> Vec<f64> {
                 match self { $(Self::$variant(e) => e.values(),)+ }
@@ -131,9 +135,8 @@ macro_rules! catalogue {
         impl<'de> Deserialize<'de> for Effect {
             fn deserialize<D: Deserializer<'de>>(deserializer: D) -> Result<Self, D::Error> {
                 let mut keys = BTreeMap::<String, EntryValue>::deserialize(deserializer)?;
-                let name = match keys.remove("name") {
-                    Some(EntryValue::Text(name)) => name,
-                    Some(EntryValue::Number(_)) | None => return Err(de::Error::missing_field("name")),
+                let Some(EntryValue::Text(name)) = keys.remove("name") else {
+                    return Err(de::Error::missing_field("name"));
                 };
                 let is_distinguished = |kind: &&Kind| kind.distinguishing_key.is_some_and(|key| keys.contains_key(key));
                 let kinds = KINDS.iter().filter(|kind| kind.name == name);
@@ -177,7 +180,7 @@ macro_rules! catalogue {
         }
 
         impl Effect {
-            /// Key and value of each parameter.
+            /// Key and value of each parameter; of a list, each value with its key.
             #[must_use]
             pub fn parameters(&self) -> Vec<(&'static str, f64)> {
                 self.declared_parameters().iter().map(|parameter| parameter.key).zip(self.values()).collect()

@@ -2,6 +2,7 @@
 
 use shared::config::Rates;
 
+use super::residual_shape::ResidualShape;
 use super::stage::Stage;
 use crate::axis::Settings;
 
@@ -18,6 +19,10 @@ pub struct EffectContext<'a> {
     pub stages: &'a [Stage],
     /// Lowest and highest position of the logged motor or table, mm.
     pub travel_mm: [f64; 2],
+    /// Whether the model already contains a backlash.
+    pub has_backlash: bool,
+    /// How the residual depends on the position.
+    pub residual: &'a ResidualShape,
 }
 
 impl EffectContext<'_> {

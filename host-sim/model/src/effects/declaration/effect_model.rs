@@ -76,8 +76,13 @@ pub trait EffectModel: Sized + Clone {
         true
     }
 
-    /// Values of the parameters.
+    /// Values of the parameters, those of a list one after the other.
     fn values(&self) -> Vec<f64>;
+
+    /// Number of values of each parameter; one unless it is a list.
+    fn lengths(&self) -> Vec<usize> {
+        vec![1; Self::PARAMETERS.len()]
+    }
 
     /// The property that distinguishes effects of the same name on one axis.
     fn distinction(&self) -> Distinction<'_> {

@@ -11,6 +11,8 @@ pub enum EntryValue {
     Number(f64),
     /// Name of an effect, axis or channel.
     Text(String),
+    /// Values of a list.
+    List(Vec<f64>),
 }
 
 impl<E: de::Error> IntoDeserializer<'_, E> for EntryValue {
@@ -34,6 +36,7 @@ impl<'de, E: de::Error> Deserializer<'de> for ValueDeserializer<E> {
         match self.value {
             EntryValue::Number(number) => visitor.visit_f64(number),
             EntryValue::Text(text) => visitor.visit_string(text),
+            EntryValue::List(list) => visitor.visit_seq(de::value::SeqDeserializer::new(list.into_iter())),
         }
     }
 
@@ -50,6 +53,7 @@ impl<'de, E: de::Error> Deserializer<'de> for ValueDeserializer<E> {
         match self.value {
             EntryValue::Text(text) => text.into_deserializer().deserialize_enum(name, variants, visitor),
             EntryValue::Number(number) => Err(E::invalid_type(de::Unexpected::Float(number), &visitor)),
+            EntryValue::List(_) => Err(E::invalid_type(de::Unexpected::Seq, &visitor)),
         }
     }
 

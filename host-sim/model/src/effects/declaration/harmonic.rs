@@ -2,7 +2,7 @@
 
 use std::f64::consts::TAU;
 
-use super::Coordinate;
+use super::{Coordinate, EffectContext, WaveOf};
 
 /// sin(2π·position/period + phase).
 #[must_use]
@@ -34,6 +34,70 @@ pub fn periods(fundamental_mm: f64, highest_order: u32) -> impl Iterator<Item = 
     (1..=highest_order).map(move |order| fundamental_mm / f64::from(order))
 }
 
+/// Highest order of which a period found in a residual may be.
+const HIGHEST_FOUND_ORDER: f64 = 60.0;
+
+/// Two periods are the same if their numbers of waves over the travel differ by less than this: a peak of a spectrum over
+/// the travel is one wave wide, and its centre is known to a fraction of that.
+const SAME_WAVES: f64 = 0.25;
+
+/// Largest change of a period by the fit, in waves over the travel: half the width of a peak. A period that leaves it is no
+/// longer that of the wave that was found.
+const PEAK_WAVES: f64 = 0.5;
+
+/// A harmonic with which a fit starts.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct HarmonicGuess {
+    /// Period, mm.
+    pub period_mm: f64,
+    /// Amplitude of the wave in the residual; zero for an order that is tried in any case.
+    pub amplitude: f64,
+    /// Phase of this wave.
+    pub phase_rad: f64,
+    /// The range in which the period is fitted, as it is no order of the fundamental one, mm.
+    pub fitted_period_mm: Option<[f64; 2]>,
+}
+
+/// The harmonics of a fundamental period (mm) from order 1 to the highest order, and the waves found in a residual: with the
+/// period of their order, if they have one above the highest, or with a period of their own.
+#[must_use]
+pub fn guesses(
+    context: &EffectContext<'_>,
+    of: WaveOf,
+    fundamental_mm: Option<f64>,
+    highest_order: u32,
+) -> Vec<HarmonicGuess> {
+    let still =
+        |period_mm| HarmonicGuess { period_mm, amplitude: 0.0, phase_rad: 0.0, fitted_period_mm: None };
+    let orders = fundamental_mm.into_iter().flat_map(|mm| periods(mm, highest_order)).map(still);
+    let travel_mm = context.travel_mm[1] - context.travel_mm[0];
+    let found = context.residual.waves.iter().filter(|wave| wave.of == of).filter_map(|wave| {
+        let order = fundamental_mm.map(|mm| (mm / wave.period_mm).round()).filter(|order| *order >= 1.0);
+        let of_order = fundamental_mm.zip(order).map(|(mm, order)| mm / order).filter(|period_mm| {
+            let waves = [wave.period_mm, *period_mm].map(|mm| travel_mm / mm);
+            (waves[0] - waves[1]).abs() < SAME_WAVES
+        });
+        let is_order = of_order.is_some() && order.is_some_and(|order| order <= HIGHEST_FOUND_ORDER);
+        let is_tried = is_order && order.is_some_and(|order| order <= f64::from(highest_order));
+        (!is_tried).then_some(HarmonicGuess {
+            period_mm: of_order.filter(|_| is_order).unwrap_or(wave.period_mm),
+            amplitude: wave.amplitude,
+            phase_rad: wave.phase_rad,
+            fitted_period_mm: (!is_order).then(|| {
+                let waves = travel_mm / wave.period_mm;
+                [waves + PEAK_WAVES, waves - PEAK_WAVES].map(|waves| travel_mm / waves)
+            }),
+        })
+    });
+    orders.chain(found).collect()
+}
+
+/// The coordinate of a period that is fitted within a range, mm.
+#[must_use]
+pub fn period(period_mm: f64, [lower, upper]: [f64; 2]) -> Coordinate {
+    Coordinate::between(period_mm, 1e-5 * period_mm, lower, upper)
+}
+
 /// Coefficients of sine and cosine, amplitude·cos(phase) and amplitude·sin(phase). The model is linear in them.
 #[must_use]
 pub fn parts(amplitude: f64, phase_rad: f64, step: f64, limit: f64) -> Vec<Coordinate> {
@@ -50,10 +114,10 @@ pub fn polar(parts: &[f64]) -> (f64, f64) {
 }
 
 /// Items of [`EffectModel`](super::EffectModel) that are the same for all harmonic effects: the parameters (amplitude in
-/// the given unit, `period_mm`, `phase_rad`), the coordinates with the given step and limit of the amplitude, and the
-/// period as distinction.
+/// the given unit, `period_mm`, `phase_rad`), the coordinates with the given step and limit of the amplitude (and the
+/// period, within the range in the given field, if there is one), and the period as distinction.
 macro_rules! harmonic_effect {
-    ($amplitude:ident, $unit:expr, step $step:literal, limit $limit:literal) => {
+    ($amplitude:ident, $unit:expr, step $step:literal, limit $limit:literal $(, period $range:ident)?) => {
         const PARAMETERS: &'static [super::declaration::Parameter] = &[
             super::declaration::Parameter::new(
                 stringify!($amplitude),
@@ -70,12 +134,21 @@ macro_rules! harmonic_effect {
         const OCCURRENCE: super::declaration::Occurrence = super::declaration::Occurrence::Repeated;
 
         fn coordinates(&self) -> Vec<super::declaration::Coordinate> {
-            super::declaration::harmonic::parts(self.$amplitude, self.phase_rad, $step, $limit)
+            let parts = super::declaration::harmonic::parts(self.$amplitude, self.phase_rad, $step, $limit);
+            $(if let Some(range) = self.$range {
+                let period = super::declaration::harmonic::period(self.period_mm, range);
+                return [parts, vec![period]].concat();
+            })?
+            parts
         }
 
         fn at(&self, x: &[f64]) -> Self {
             let (amplitude, phase_rad) = super::declaration::harmonic::polar(x);
-            Self { $amplitude: amplitude, phase_rad, ..self.clone() }
+            let moved = Self { $amplitude: amplitude, phase_rad, ..self.clone() };
+            $(if self.$range.is_some() {
+                return Self { period_mm: x[2], ..moved };
+            })?
+            moved
         }
 
         fn values(&self) -> Vec<f64> {
@@ -93,3 +166,36 @@ macro_rules! harmonic_effect {
 }
 
 pub(in crate::effects) use harmonic_effect;
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::axis::Settings;
+    use crate::effects::{ResidualShape, ResidualWave, Stage};
+
+    /// Over a travel of 300 mm, waves of 37 mm (belt), 3.205 mm (93.60 waves; a fifth of a lead of 16 mm: 93.75), 8 mm (an order
+    /// that is tried in any case), and 3.3 mm (90.9 waves, far from 93.75).
+    #[test]
+    fn a_wave_is_an_order_or_has_a_period_of_its_own() {
+        let wave = |period_mm| ResidualWave { of: WaveOf::Table, period_mm, amplitude: 2.0, phase_rad: 0.5 };
+        let residual =
+            ResidualShape { waves: [37.0, 3.205, 8.0, 3.3].map(wave).to_vec(), ..ResidualShape::default() };
+        let context = EffectContext {
+            axis: &Settings::default(),
+            first: true,
+            others: &[],
+            stages: &[Stage::Table],
+            travel_mm: [-100.0, 200.0],
+            has_backlash: false,
+            residual: &residual,
+        };
+        let of = |of, lead_mm| {
+            let guesses = guesses(&context, of, lead_mm, 2).into_iter();
+            guesses.map(|guess| (guess.period_mm, guess.fitted_period_mm.is_some())).collect::<Vec<_>>()
+        };
+        let expected = [(16.0, false), (8.0, false), (37.0, true), (3.2, false), (3.3, true)];
+        assert_eq!(of(WaveOf::Table, Some(16.0)), expected);
+        assert_eq!(of(WaveOf::Table, None), [(37.0, true), (3.205, true), (8.0, true), (3.3, true)]);
+        assert_eq!(of(WaveOf::Force, Some(16.0)), expected[..2]);
+    }
+}

@@ -14,19 +14,27 @@ pub struct Parameter {
     pub range: Range,
     /// Period of the value: values that differ by a multiple of it are equivalent. Absent: not periodic.
     pub period: Option<f64>,
+    /// Whether the key holds a list of values.
+    pub is_list: bool,
 }
 
 impl Parameter {
     /// A parameter that is not periodic.
     #[must_use]
     pub const fn new(key: &'static str, unit: Unit, range: Range) -> Self {
-        Self { key, unit, range, period: None }
+        Self { key, unit, range, period: None, is_list: false }
+    }
+
+    /// A list of numbers, each in this range.
+    #[must_use]
+    pub const fn list(key: &'static str, unit: Unit, range: Range) -> Self {
+        Self { is_list: true, ..Self::new(key, unit, range) }
     }
 
     /// A phase, rad.
     #[must_use]
     pub const fn phase(key: &'static str) -> Self {
-        Self { key, unit: Unit::Radian, range: Range::Signed, period: Some(std::f64::consts::TAU) }
+        Self { period: Some(std::f64::consts::TAU), ..Self::new(key, Unit::Radian, Range::Signed) }
     }
 
     /// The key on a linear or rotary axis. The value is the same on both.

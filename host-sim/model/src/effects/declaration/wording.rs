@@ -1,5 +1,7 @@
 //! The numbers of an effect, formatted for its sentence.
 
+use std::ops::Range;
+
 use files::format::with_spread;
 
 use super::parameter::Parameter;
@@ -7,17 +9,17 @@ use super::parameter::Parameter;
 /// Values with their confidence intervals and units, on a linear or a rotary axis.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Wording {
-    parameters: &'static [Parameter],
+    parameters: Vec<&'static Parameter>,
     values: Vec<f64>,
     half_widths: Vec<f64>,
     is_rotary: bool,
 }
 
 impl Wording {
-    /// The wording of an effect's values. Missing half widths are omitted.
+    /// The wording of an effect's values, each with its declaration. Missing half widths are omitted.
     #[must_use]
     pub fn new(
-        parameters: &'static [Parameter],
+        parameters: Vec<&'static Parameter>,
         values: Vec<f64>,
         half_widths: &[f64],
         is_rotary: bool,
@@ -40,8 +42,25 @@ impl Wording {
     /// Absolute value of a parameter with its unit.
     #[must_use]
     pub fn size(&self, index: usize) -> String {
-        let size = with_spread(self.values[index].abs(), self.half_width(index));
-        self.parameters[index].unit.with(&size, self.is_rotary)
+        self.parameters[index].unit.with(&self.magnitude(index), self.is_rotary)
+    }
+
+    /// Absolute value of a parameter without its unit.
+    #[must_use]
+    pub fn magnitude(&self, index: usize) -> String {
+        with_spread(self.values[index].abs(), self.half_width(index))
+    }
+
+    /// Greatest less least of some values of a list with their unit.
+    #[must_use]
+    pub fn peak_to_peak(&self, list: Range<usize>) -> String {
+        let by_value = |a: &usize, b: &usize| self.values[*a].total_cmp(&self.values[*b]);
+        let ends = list.clone().min_by(by_value).zip(list.max_by(by_value));
+        ends.map_or_else(String::new, |(least, greatest)| {
+            let half_width = self.half_width(least).hypot(self.half_width(greatest));
+            let size = with_spread(self.values[greatest] - self.values[least], half_width);
+            self.parameters[least].unit.with(&size, self.is_rotary)
+        })
     }
 
     /// One of two texts, selected by the sign of the first parameter.

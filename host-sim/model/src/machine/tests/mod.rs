@@ -114,6 +114,13 @@ fn every_written_effect_is_read_as_the_same_effect() {
         others: &others,
         stages: &stages,
         travel_mm: [0.0, 100.0],
+        has_backlash: true,
+        residual: &crate::effects::ResidualShape {
+            pitch_knots: Some(6),
+            pitch_knots_each_way: Some(4),
+            friction_knots: Some(5),
+            waves: Vec::new(),
+        },
     };
     let force_only = crate::effects::EffectContext { stages: &stages[3..], ..with_all_stages };
     let all = [with_all_stages, force_only].map(|context| crate::effects::initial_guesses(&context)).concat();

@@ -148,6 +148,56 @@ const BAD_EFFECTS: &[(&str, &str, &str)] = &[
         "[[axis.x.effect]]\nname = \"servo_mismatch\"\npercent = -100",
         "line 43: axis.x.effect[0].percent: expected a number above -100, found -100",
     ),
+    (
+        "[axis.x]",
+        "[[axis.y.effect]]\nname = \"pitch_map\"\npositions_mm = [0, 50, 50]\nerror_um = [1, 2, 3]\n[axis.x]",
+        "line 43: axis.y.effect[3].positions_mm: expected positions that increase, found an array",
+    ),
+    (
+        "[axis.x]",
+        "[[axis.y.effect]]\nname = \"pitch_map\"\npositions_mm = [0, 50]\nerror_um = [1, 2, 3]\n[axis.x]",
+        "line 44: axis.y.effect[3].error_um: expected as many numbers as positions_mm, 2, found an array",
+    ),
+    (
+        "[axis.x]",
+        "[[axis.y.effect]]\nname = \"pitch_map\"\npositions_mm = [0, 50]\nerror_um = [1, 2]\nerror_negative_um = [1]\n[axis.x]",
+        "line 45: axis.y.effect[3].error_negative_um: expected as many numbers as positions_mm, 2, found an array",
+    ),
+    (
+        "[axis.x]",
+        "[[axis.y.effect]]\nname = \"friction_map\"\npositions_mm = [0]\nfriction_n = [1]\n[axis.x]",
+        "line 43: axis.y.effect[3].positions_mm: expected at least two positions, found an array",
+    ),
+    (
+        "[axis.x]",
+        "[[axis.y.effect]]\nname = \"friction_map\"\npositions_mm = [0, 50]\nfriction_n = [1, \"a\"]\n[axis.x]",
+        "line 44: axis.y.effect[3].friction_n: expected a list of numbers, found an array",
+    ),
+    (
+        "[axis.x]",
+        "[[axis.y.effect]]\nname = \"friction_map\"\npositions_mm = [0, 50]\nfriction_n = 3\n[axis.x]",
+        "line 44: axis.y.effect[3].friction_n: expected a list of numbers, found 3",
+    ),
+    (
+        "[axis.x]",
+        "[[axis.y.effect]]\nname = \"friction_map\"\npositions_mm = [0, 50]\nfriction_n = [1, 2e13]\n[axis.x]",
+        "line 44: axis.y.effect[3].friction_n[1]: expected a number within ±1e12",
+    ),
+    (
+        "[axis.x]",
+        "[[axis.y.effect]]\nname = \"constant_load\"\nforce_n = [3]\n[axis.x]",
+        "line 43: axis.y.effect[3].force_n: expected a number, found an array",
+    ),
+    (
+        "[axis.x]",
+        "[[axis.y.effect]]\nname = \"feedforward_mismatch\"\npercent = -101\n[axis.x]",
+        "line 43: axis.y.effect[3].percent: expected a number that makes Kf 0 to 200 %",
+    ),
+    (
+        "[axis.x]",
+        "[[axis.y.effect]]\nname = \"drive_lag\"\nms = 11\n[axis.x]",
+        "line 43: axis.y.effect[3].ms: expected a number from 0 to 10, found 11",
+    ),
 ];
 
 #[test]

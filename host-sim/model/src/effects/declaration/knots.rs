@@ -1,0 +1,99 @@
+//! Common part of effects that are given at knots over the position.
+
+/// Evenly spaced positions of knots from end to end of a travel, mm, to 0.01 mm.
+#[must_use]
+pub fn positions_mm([from, to]: [f64; 2], count: u32) -> Vec<f64> {
+    let step = (to - from) / f64::from(count.max(2) - 1);
+    (0..count).map(|i| (100.0 * (from + step * f64::from(i))).round() / 100.0).collect()
+}
+
+/// The part of the values at knots that another parameter of a model describes, so that a fit of both would not be
+/// unique. The fit keeps this part as it is, zero in an initial guess, and changes the others.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum KeptPart {
+    /// The mean of the values. The fit changes all values but the last, which follows.
+    Mean,
+    /// Mean and slope: the sum of the values, and the sum of values times positions. The fit changes all values but the
+    /// first and the last, which follow.
+    Line,
+}
+
+impl KeptPart {
+    /// The values that a fit changes.
+    #[must_use]
+    pub fn free(self, values: &[f64]) -> &[f64] {
+        let end = values.len().saturating_sub(1);
+        match self {
+            Self::Mean => &values[..end],
+            Self::Line => values.get(1..end).unwrap_or_default(),
+        }
+    }
+
+    /// All values, for other values of those that a fit changes; `old` has the part that is kept.
+    #[must_use]
+    pub fn with(self, positions: &[f64], old: &[f64], free: &[f64]) -> Vec<f64> {
+        let last = positions.len() - 1;
+        // What the dependent values have to add to the sum of the values, and to that of values times positions.
+        let change = |weight: fn(f64) -> f64| -> f64 {
+            let before = old.iter().zip(positions).map(|(value, x)| value * weight(*x)).sum::<f64>();
+            let start = usize::from(self == Self::Line);
+            before - free.iter().zip(&positions[start..]).map(|(value, x)| value * weight(*x)).sum::<f64>()
+        };
+        let sum = change(|_| 1.0);
+        match self {
+            Self::Mean => free.iter().copied().chain([sum]).collect(),
+            Self::Line => {
+                let moment = change(|x| x);
+                let end = (moment - sum * positions[0]) / (positions[last] - positions[0]);
+                [sum - end].into_iter().chain(free.iter().copied()).chain([end]).collect()
+            }
+        }
+    }
+}
+
+/// Why positions with their values are refused in a file, if so: the name of the list and what was expected.
+#[must_use]
+pub fn refused(positions: &[f64], lists: &[(&'static str, &[f64])]) -> Option<(&'static str, String)> {
+    if positions.len() < 2 {
+        return Some(("positions_mm", "at least two positions".to_owned()));
+    }
+    if positions.windows(2).any(|two| two[0] >= two[1]) {
+        return Some(("positions_mm", "positions that increase".to_owned()));
+    }
+    let unequal = lists.iter().find(|(_, values)| values.len() != positions.len());
+    unequal.map(|(key, _)| (*key, format!("as many numbers as positions_mm, {}", positions.len())))
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn knots_lie_from_end_to_end() {
+        assert_eq!(positions_mm([-10.0, 20.004], 4), [-10.0, 0.0, 10.0, 20.0]);
+    }
+
+    /// Sum and first moment by hand: 1 + 2 − 4 + 3 = 2 and 0 + 2 − 12 + 12 = 2.
+    #[test]
+    fn the_kept_part_remains_and_the_free_values_are_set() {
+        let (positions, old) = ([0.0, 1.0, 3.0, 4.0], [1.0, 2.0, -4.0, 3.0]);
+        for kept in [KeptPart::Mean, KeptPart::Line] {
+            assert_eq!(kept.with(&positions, &old, kept.free(&old)), old);
+            let free: Vec<f64> = kept.free(&old).iter().map(|value| value + 0.5).collect();
+            let moved = kept.with(&positions, &old, &free);
+            assert_eq!(kept.free(&moved), free);
+            assert!((moved.iter().sum::<f64>() - 2.0).abs() < 1e-12);
+            let moment: f64 = moved.iter().zip(positions).map(|(value, x)| value * x).sum();
+            assert_eq!((moment - 2.0).abs() < 1e-12, kept == KeptPart::Line);
+        }
+    }
+
+    #[test]
+    fn refused_lists_are_named() {
+        assert_eq!(refused(&[1.0], &[]).unwrap().0, "positions_mm");
+        assert_eq!(refused(&[1.0, 1.0], &[]).unwrap().1, "positions that increase");
+        let lists: [(&str, &[f64]); 2] = [("error_um", &[1.0, 2.0]), ("error_negative_um", &[1.0])];
+        assert_eq!(refused(&[1.0, 2.0], &lists).unwrap().0, "error_negative_um");
+        assert_eq!(refused(&[1.0, 2.0], &lists[..1]), None);
+    }
+}

@@ -1,0 +1,39 @@
+//! How a residual depends on the position: resolutions and periods with which a fit starts.
+
+/// What a residual that is left shows over the position, in a scope with table or force stage. By default nothing.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct ResidualShape {
+    /// Number of knots over the travel that describe the table residual best; `None`: it does not depend on the position,
+    /// or less than on a line.
+    pub pitch_knots: Option<u32>,
+    /// The same with a curve for each direction.
+    pub pitch_knots_each_way: Option<u32>,
+    /// The same of the force residual against the motion.
+    pub friction_knots: Option<u32>,
+    /// Periodic parts.
+    pub waves: Vec<ResidualWave>,
+}
+
+/// A periodic part amplitude·sin(2π·x/period + phase) of a residual over the motor position x.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct ResidualWave {
+    /// The residual.
+    pub of: WaveOf,
+    /// Period, mm.
+    pub period_mm: f64,
+    /// µm or N.
+    pub amplitude: f64,
+    /// rad.
+    pub phase_rad: f64,
+}
+
+/// The residual in which a wave was found.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum WaveOf {
+    /// Table, µm.
+    Table,
+    /// Force, N.
+    Force,
+    /// Force times the direction of motion, N.
+    Friction,
+}

@@ -1,0 +1,188 @@
+//! Pitch map: any error of the screw over the position.
+
+use serde::{Deserialize, Serialize};
+
+use super::declaration::{
+    Abscissa, Coordinate, EffectContext, EffectModel, KeptPart, Misplaced, Occurrence, Parameter, Placement,
+    Range, Stage, Unit, Wording, knots,
+};
+use crate::position_curve::PositionCurve;
+
+/// Table = motor + error(motor): the error is given at positions of the motor, with a natural cubic spline between them,
+/// and is constant beyond them.
+///
+/// If the ways differ, `error_um` is that of motion in + direction and `error_negative_um` that in − direction. The table
+/// then follows the mean of both with a gap of the width w = `error_negative_um` − `error_um`, in addition to that of a
+/// [`Backlash`](super::Backlash): in + direction the table lags the mean by w/2, in − direction it leads by w/2. After a
+/// reversal the motor crosses the gap, so that the position remains continuous. A width below zero counts as zero.
+///
+/// Mean and slope of the mean error over the knots are not fitted, as they are the zero of the scale and a
+/// [`PitchProgressive`](super::PitchProgressive); nor is the mean width, which is that of the backlash.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct PitchMap {
+    /// Positions of the motor, increasing.
+    pub positions_mm: Vec<f64>,
+    /// Table − motor at each position, in + direction.
+    pub error_um: Vec<f64>,
+    /// The same in − direction; absent: equal.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub error_negative_um: Option<Vec<f64>>,
+}
+
+impl PitchMap {
+    /// Mean error of both directions, m, over the position, m.
+    #[must_use]
+    pub fn mean_error(&self) -> PositionCurve {
+        PositionCurve::over_mm(&self.positions_mm, &self.mean_um(), 1e-6)
+    }
+
+    /// Width of the gap, m, over the position, m; empty if the directions do not differ.
+    #[must_use]
+    pub fn width(&self) -> PositionCurve {
+        self.width_um().map_or_else(PositionCurve::default, |width_um| {
+            PositionCurve::over_mm(&self.positions_mm, &width_um, 1e-6)
+        })
+    }
+
+    /// The same curves with this number of evenly spaced knots.
+    #[must_use]
+    pub fn with_knots(&self, count: u32) -> Self {
+        let [Some(&first), Some(&last)] = [self.positions_mm.first(), self.positions_mm.last()] else {
+            return self.clone();
+        };
+        let positions_mm = knots::positions_mm([first, last], count);
+        let resampled = |values: &Vec<f64>| {
+            let curve = PositionCurve::new(&self.positions_mm, values);
+            positions_mm.iter().map(|&mm| curve.value(mm)).collect::<Vec<_>>()
+        };
+        let error_um = resampled(&self.error_um);
+        Self { error_negative_um: self.error_negative_um.as_ref().map(resampled), error_um, positions_mm }
+    }
+
+    fn mean_um(&self) -> Vec<f64> {
+        match &self.error_negative_um {
+            None => self.error_um.clone(),
+            Some(negative) => self.error_um.iter().zip(negative).map(|(a, b)| 0.5 * (a + b)).collect(),
+        }
+    }
+
+    fn width_um(&self) -> Option<Vec<f64>> {
+        let negative = self.error_negative_um.as_ref()?;
+        Some(negative.iter().zip(&self.error_um).map(|(negative, positive)| negative - positive).collect())
+    }
+}
+
+impl EffectModel for PitchMap {
+    const NAME: &'static str = "pitch_map";
+    const SUMMARY: &'static str = "error of the screw, given at positions with a natural cubic spline between them and constant beyond; where the ways differ, a gap of the width error_negative − error; mean, slope and mean width are not fitted";
+    const PARAMETERS: &'static [Parameter] = &[
+        Parameter::list("positions_mm", Unit::Millimetre, Range::Signed),
+        Parameter::list("error_um", Unit::Micrometre, Range::Signed),
+        Parameter::list("error_negative_um", Unit::Micrometre, Range::Signed),
+    ];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Table];
+
+    fn misplaced(&self, _place: &Placement<'_>) -> Option<Misplaced> {
+        let negative = self.error_negative_um.as_deref().map(|negative| ("error_negative_um", negative));
+        let lists: Vec<_> = std::iter::once(("error_um", &self.error_um[..])).chain(negative).collect();
+        let refused = knots::refused(&self.positions_mm, &lists);
+        refused.map(|(key, expected)| Misplaced { key, expected })
+    }
+
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Table]
+    }
+
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        if !context.has(Stage::Table) {
+            return Vec::new();
+        }
+        let guess = |count: u32, differ: bool| {
+            let positions_mm = knots::positions_mm(context.travel_mm, count);
+            let error_um = vec![0.0; positions_mm.len()];
+            Self { error_negative_um: differ.then(|| error_um.clone()), error_um, positions_mm }
+        };
+        // A gap of varying width needs a backlash: its own mean width is zero.
+        let each_way = context.residual.pitch_knots_each_way.filter(|_| context.has_backlash);
+        let both = context.residual.pitch_knots.map(|count| guess(count, false));
+        both.into_iter().chain(each_way.map(|count| guess(count, true))).collect()
+    }
+
+    /// Mean error, and width if the ways differ.
+    fn coordinates(&self) -> Vec<Coordinate> {
+        let coordinate = |&value: &f64| Coordinate::signed(value, 0.2, 1e5);
+        let (mean_um, width_um) = (self.mean_um(), self.width_um().unwrap_or_default());
+        let mean = KeptPart::Line.free(&mean_um).iter().map(coordinate);
+        mean.chain(KeptPart::Mean.free(&width_um).iter().map(coordinate)).collect()
+    }
+
+    fn at(&self, x: &[f64]) -> Self {
+        let positions = &self.positions_mm;
+        let mean_um = self.mean_um();
+        let (mean, width) = x.split_at(KeptPart::Line.free(&mean_um).len().min(x.len()));
+        let mean_um = KeptPart::Line.with(positions, &mean_um, mean);
+        let Some(width_um) = self.width_um() else { return Self { error_um: mean_um, ..self.clone() } };
+        let width_um = KeptPart::Mean.with(positions, &width_um, width);
+        let edge =
+            |sign: f64| mean_um.iter().zip(&width_um).map(move |(mean, width)| mean + sign * 0.5 * width);
+        Self {
+            positions_mm: positions.clone(),
+            error_um: edge(-1.0).collect(),
+            error_negative_um: Some(edge(1.0).collect()),
+        }
+    }
+
+    fn values(&self) -> Vec<f64> {
+        let negative = self.error_negative_um.as_deref().unwrap_or_default();
+        [&self.positions_mm[..], &self.error_um, negative].concat()
+    }
+
+    fn lengths(&self) -> Vec<usize> {
+        let negative = self.error_negative_um.as_ref().map_or(0, Vec::len);
+        vec![self.positions_mm.len(), self.error_um.len(), negative]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        let count = self.positions_mm.len();
+        let size = match self.error_negative_um {
+            None => wording.peak_to_peak(count..2 * count),
+            Some(_) => format!(
+                "{} in + and {} in − direction,",
+                wording.peak_to_peak(count..2 * count),
+                wording.peak_to_peak(2 * count..3 * count)
+            ),
+        };
+        format!(
+            "the {} has an error over position: {size} peak to peak from {} to {} ({count} knots)",
+            wording.by_axis("screw's pitch", "gear's transmission"),
+            wording.value(0),
+            wording.value(count - 1)
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Position
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A straight line is its own spline: 0, 2, 4 µm at −10, 0, 10 mm are 0, 1, 2, 3, 4 µm at five knots.
+    #[test]
+    fn a_map_keeps_its_curves_with_other_knots() {
+        let map = PitchMap {
+            positions_mm: vec![-10.0, 0.0, 10.0],
+            error_um: vec![0.0, 2.0, 4.0],
+            error_negative_um: Some(vec![1.0, 1.0, 1.0]),
+        };
+        let finer = map.with_knots(5);
+        assert_eq!(finer.positions_mm, [-10.0, -5.0, 0.0, 5.0, 10.0]);
+        let deviation = finer.error_um.iter().zip([0.0, 1.0, 2.0, 3.0, 4.0]).map(|(a, b)| (a - b).abs());
+        assert!(deviation.fold(0.0, f64::max) < 1e-12);
+        assert!(finer.error_negative_um.unwrap().iter().all(|value| (value - 1.0).abs() < 1e-12));
+    }
+}

@@ -1,0 +1,69 @@
+//! Velocity gain mismatch: the velocity gain in the drive deviates from the declared one.
+
+use serde::{Deserialize, Serialize};
+
+use shared::config::Rates;
+
+use super::declaration::{
+    Abscissa, Coordinate, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit, Wording,
+};
+use crate::axis::Settings;
+
+/// True Kv = declared Kv · (1 + percent/100). The logged force of the last velocity tick contains Kv as well.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct VelocityGainMismatch {
+    /// Relative deviation of the true gain from the declared one.
+    pub percent: f64,
+}
+
+impl VelocityGainMismatch {
+    /// True gain divided by the declared one.
+    #[must_use]
+    pub fn factor(&self) -> f64 {
+        1.0 + 0.01 * self.percent
+    }
+}
+
+impl EffectModel for VelocityGainMismatch {
+    const NAME: &'static str = "velocity_gain_mismatch";
+    const SUMMARY: &'static str = "deviation of the true Kv from the declared one";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("percent", Unit::Percent, Range::Above(-100.0))];
+    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
+
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Motor]
+    }
+
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        if context.has(Stage::Motor) { vec![Self::default()] } else { Vec::new() }
+    }
+
+    fn coordinates(&self) -> Vec<Coordinate> {
+        vec![Coordinate::between(self.percent, 0.5, -90.0, 400.0)]
+    }
+
+    /// The response to a force depends on Kv divided by the mass, which is known to 1 %.
+    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
+        self.percent.abs() > 1.0
+    }
+
+    fn at(&self, x: &[f64]) -> Self {
+        Self { percent: x[0] }
+    }
+
+    fn values(&self) -> Vec<f64> {
+        vec![self.percent]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        let how = wording.by_sign("above", "below");
+        format!("the velocity gain is {} {how} the declared one", wording.size(0))
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Acceleration
+    }
+}

@@ -1,0 +1,100 @@
+//! The error of the tracer's own prediction of the tool stage.
+//!
+//! The tool is predicted from the tables at the samples. Between the samples the force of the drive changes in steps of the
+//! velocity loop, and the acceleration with it, always at the same instants of a sample: the second difference of the
+//! samples, which is a mean over two of them, differs systematically from the acceleration at a sample, by some tenths of a
+//! percent. To compute this error, the closed loops of the axes are simulated, with the tool in the steps of the plant. The
+//! tool stage of these simulated logs leaves the error as its residual.
+
+use super::axis_model::AxisModel;
+use super::fit_data::{FitData, ResidualSeries};
+use super::scope::Scope;
+use crate::input::signals::Signals;
+use crate::input::smoothing::Smooth;
+use crate::prediction::closed_loop::ClosedLoopRun;
+use crate::prediction::resample::delayed_cubic;
+use model::effects::Channel;
+use plant::parameters::ToolParameters;
+use plant::tool_point::{self, Tables};
+
+/// The error in the tool stage, for all logs; empty if no effect depends on an acceleration, or if a loop cannot be
+/// simulated.
+#[must_use]
+pub fn of(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualSeries> {
+    if !depends_on_acceleration(&model.parameters().tool) {
+        return Vec::new();
+    }
+    let logs: Vec<Signals> = (0..data.logs.len()).map_while(|log| simulated(data, model, log)).collect();
+    if logs.len() < data.logs.len() {
+        return Vec::new();
+    }
+    FitData { logs: &logs, bias: &[], exclusions: &[], ..*data }.residuals(model, scope)
+}
+
+fn depends_on_acceleration(tool: &ToolParameters) -> bool {
+    tool.intalk.um_s2_per_m != 0.0 || !tool.crosstalk.is_empty() || tool.resonance.is_some()
+}
+
+/// A log in which the tables of this axis and of the axes that excite its tool, and its tool, are those of the models in
+/// their closed loops. The models of the other axes are the declared ones.
+fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Signals> {
+    let measured = &data.logs[log];
+    let parameters = model.parameters();
+    let mut result = measured.clone();
+    let mut runs: Vec<Option<ClosedLoopRun>> = vec![None; measured.axes.len()];
+    for (axis, name) in data.names.iter().enumerate() {
+        let is_source = parameters.tool.crosstalk.iter().any(|crosstalk| crosstalk.source == *name);
+        if axis != data.axis && !is_source {
+            continue;
+        }
+        let model = if axis == data.axis { model } else { data.declared_axes.get(axis)? };
+        let (of_axis, parameters) = (FitData { axis, ..*data }, model.parameters());
+        let mut run = of_axis.closed_loop(model, &parameters, &measured.axes[axis])?;
+        run.table_m.iter_mut().for_each(|m| *m += 1e-6 * model.table_zero_um);
+        let late_s = parameters.latency_s(Channel::Table);
+        let table_m = delayed_cubic(run.table_m.clone(), late_s, measured.sample_s);
+        replace(&mut result.axes[axis].table, table_m, measured.sample_s)?;
+        runs[axis] = Some(run);
+    }
+    let tool_m = tool_m(data, model, measured, &runs)?;
+    let late_s = parameters.latency_s(Channel::Tool);
+    replace(
+        &mut result.axes[data.axis].tool,
+        delayed_cubic(tool_m, late_s, measured.sample_s),
+        measured.sample_s,
+    )?;
+    Some(result)
+}
+
+/// The tool of the axis in simulated loops, m. The tables of axes that were not simulated are the measured ones.
+fn tool_m(
+    data: &FitData<'_>,
+    model: &AxisModel,
+    measured: &Signals,
+    runs: &[Option<ClosedLoopRun>],
+) -> Option<Vec<f64>> {
+    let parameters = model.parameters();
+    let own = runs[data.axis].as_ref()?;
+    let position_m = |axis: usize, i: usize| match &runs[axis] {
+        Some(run) => run.table_m[i],
+        None => measured.axes[axis].table_or_motor().map_or(0.0, |table| table.position[i]),
+    };
+    let axes = 0..data.names.len();
+    let tool_m = |i: usize| {
+        let positions: Vec<f64> = axes.clone().map(|axis| position_m(axis, i)).collect();
+        let accelerations: Vec<f64> =
+            runs.iter().map(|run| run.as_ref().map_or(0.0, |run| run.table_m_per_s2[i])).collect();
+        let tables = Tables { names: data.names, position_m: &positions, acceleration: &accelerations };
+        let time_s = measured.start_s + i as f64 * measured.sample_s;
+        let offset_m = tool_point::offset_m(&parameters.tool, data.axis, &tables, time_s);
+        own.table_m[i] + own.oscillation_m[i] + offset_m + 1e-6 * model.tool_zero_um
+    };
+    Some((0..own.table_m.len()).map(tool_m).collect())
+}
+
+/// Replaces a channel by simulated values, filtered alike; `None` if the log lacks the channel.
+fn replace(channel: &mut Option<Smooth>, values: Vec<f64>, sample_s: f64) -> Option<()> {
+    let half_window = channel.as_ref()?.half_window();
+    *channel = Some(Smooth::new(values, sample_s, half_window));
+    Some(())
+}

@@ -1,0 +1,123 @@
+//! Declared values with the results of a fit: which of them the logs put outside their tolerance.
+//!
+//! A fitted value outside the tolerance is no proof: a fit to a few logs may move a value that these hardly determine. As
+//! with an effect, the validation logs decide. The value is bounded by its tolerance, and everything is fitted again; if this
+//! makes the validation logs significantly worse, the value is outside.
+
+use super::fitted_axis::FittedAxis;
+use super::likelihood::refuting_loss;
+use crate::fit::fit_data::FitData;
+use crate::fit::intervals::covariance;
+use crate::fit::least_squares;
+use crate::fit::scope::Mechanics;
+use crate::fit::scope_fit::ScopeFit;
+use model::machine::nominal::Tolerated;
+
+/// A declared value with its fit.
+#[derive(Clone, Debug, PartialEq)]
+pub struct DeclaredValue {
+    /// Key in the machine file.
+    pub key: &'static str,
+    /// Declared value, in the unit of the key; of a file that a trace wrote, the nominal value.
+    pub declared: f64,
+    /// Fitted value.
+    pub fitted: f64,
+    /// Half width of the 95 % confidence interval of the fitted value.
+    pub half_width: f64,
+    /// Declared tolerance, relative.
+    pub tolerance: f64,
+    /// Whether the fit ended at a bound of the range of the value, which is then not determined.
+    pub is_at_bound: bool,
+    /// See [`Tolerated::is_poorly_determined`].
+    pub is_poorly_determined: bool,
+    /// Whether the logs put the value outside its tolerance.
+    pub is_beyond_tolerance: bool,
+}
+
+impl DeclaredValue {
+    /// Deviation of the fitted value from the declared one, relative to the declared one.
+    #[must_use]
+    pub fn deviation(&self) -> f64 {
+        self.fitted / self.declared - 1.0
+    }
+
+    /// Whether the whole confidence interval is outside the tolerance, on one side.
+    fn is_fitted_beyond_tolerance(&self) -> bool {
+        let excess = (self.fitted - self.declared).abs() - self.tolerance * self.declared;
+        !self.is_at_bound && excess > self.half_width
+    }
+
+    /// Whether the search for the value ended at a bound although the motions of most logs would determine it: the declared
+    /// value is grossly wrong, or the logs do not determine it.
+    #[must_use]
+    pub fn is_undetermined(&self) -> bool {
+        self.is_at_bound && !self.is_poorly_determined
+    }
+}
+
+/// The declared values of the mechanical fit, in the order of the keys.
+#[must_use]
+pub fn declared_values([fit_data, validate]: [&FitData<'_>; 2], axis: &FittedAxis) -> Vec<DeclaredValue> {
+    let Some(fit) = axis.fits.iter().find(|fit| fit.fitted_scope.mechanics == Mechanics::All) else {
+        return Vec::new();
+    };
+    let (model, covariance) = (&fit.fitted.model, covariance(fit_data, &fit.fitted));
+    let at_bounds = model.at_bounds();
+    let value = |(index, key, declared): (usize, &'static Tolerated, f64)| {
+        let fitted = DeclaredValue {
+            key: key.key,
+            declared,
+            fitted: (key.get)(&model.axis.settings).unwrap_or(declared),
+            half_width: covariance.half_width(index),
+            tolerance: model.tolerance(),
+            is_at_bound: at_bounds.contains(&key.key),
+            is_poorly_determined: key.is_poorly_determined(),
+            is_beyond_tolerance: false,
+        };
+        let is_beyond_tolerance =
+            fitted.is_fitted_beyond_tolerance() && is_confirmed([fit_data, validate], fit, key);
+        DeclaredValue { is_beyond_tolerance, ..fitted }
+    };
+    model.declared_values(&fit.fitted_scope).map(value).collect()
+}
+
+/// Whether the validation logs refute a model with a value bounded by its tolerance.
+fn is_confirmed([fit_data, validate]: [&FitData<'_>; 2], fit: &ScopeFit, key: &Tolerated) -> bool {
+    let ScopeFit { fitted_scope, fitted, exclusions, .. } = fit;
+    let data = FitData { exclusions, ..*fit_data };
+    let start = fitted.model.within_tolerance(key);
+    let bounded = least_squares::fit(&data, &start, fitted_scope, least_squares::STEPS).model;
+    let [free, bounded] = [&fitted.model, &bounded].map(|model| validate.residuals(model, fitted_scope));
+    // As much as an effect must gain: a smaller loss may be the tracer's own error, which both parts of a log share.
+    let min_gain = fit_data.options.search.min_gain();
+    refuting_loss(validate, [&free, &bounded]).is_some_and(|gain| gain < -min_gain)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_value_is_beyond_its_tolerance_if_its_whole_interval_is() {
+        let mass = |fitted, half_width, is_at_bound| {
+            let key = "table_mass_kg";
+            DeclaredValue {
+                key,
+                declared: 100.0,
+                fitted,
+                half_width,
+                tolerance: 0.1,
+                is_at_bound,
+                is_poorly_determined: false,
+                is_beyond_tolerance: false,
+            }
+        };
+        assert!(mass(123.0, 2.0, false).is_fitted_beyond_tolerance());
+        assert!(mass(87.0, 2.0, false).is_fitted_beyond_tolerance());
+        // 111 − 2 is within 110; 123 at a bound is not determined; 95 is within the tolerance.
+        assert!(!mass(111.0, 2.0, false).is_fitted_beyond_tolerance());
+        assert!(!mass(123.0, 2.0, true).is_fitted_beyond_tolerance());
+        assert!(!mass(95.0, 0.1, false).is_fitted_beyond_tolerance());
+        assert!((mass(123.0, 2.0, false).deviation() - 0.23).abs() < 1e-12);
+    }
+}
