@@ -16,7 +16,7 @@ use trace::TraceOptions;
 use trace::fit::axis_model::AxisModel;
 use trace::fit::fit_data::FitData;
 use trace::fit::least_squares::fit;
-use trace::fit::scope::scopes;
+use trace::fit::testable_scopes::scopes;
 use trace::input::signals::Signals;
 
 /// Limit of the steps of a fit; it is not reached.

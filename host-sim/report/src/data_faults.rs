@@ -117,7 +117,7 @@ mod tests {
         let twice = DataFault { count: 2, ..fault(FaultKind::Spike, Some(20.0), Treatment::Corrected) };
         assert_eq!(
             description(&twice, Unit::Degree),
-            "the table reading has 2 spikes, the largest of +20 mdeg, the first at 16.846 s; it is left out there"
+            "the table reading has 2 spikes, the largest of +20.0 mdeg, the first at 16.846 s; it is left out there"
         );
     }
 }

@@ -99,16 +99,15 @@ fn run(
     task: Task,
     progress: &Progress<'_>,
 ) -> Result<Trace, InputError> {
-    let has_enough = |log: &&Log| log.len() >= options.admission.min_samples;
-    for log in fit.iter().chain(validate).filter(has_enough) {
-        checks::is_longer_than_settling(log, options)?;
-    }
     let Admitted { fit, validate, notes } =
         admission::at_machine_rate(machine, [fit, validate], &options.admission)?;
     let Examined { logs: [fit, validate], mut faults, excluded } =
         data_faults::examine(machine, [fit, validate], options)?;
     let Admitted { fit, validate, mut notes } =
         admission::admit(machine, Admitted { fit, validate, notes }, &options.admission)?;
+    for log in fit.iter().chain(&validate) {
+        checks::is_longer_than_settling(log, options)?;
+    }
     let names: Vec<String> = machine.axis.keys().cloned().collect();
     for name in names.iter().filter(|name| checks::is_at_rest(&fit, name, &options.admission)) {
         if fit.iter().any(|log| log.axis(name).is_some()) {

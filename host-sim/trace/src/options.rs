@@ -77,7 +77,7 @@ options! {
         /// Smallest slip or spike, smallest motion that a repeated reading misses, and smallest deviation due to a late
         /// command, µm or mdeg. Smaller jumps of a reading may be those of a
         /// friction that breaks away.
-        min_jump_um: f64 = 3.0,
+        min_jump_um: f64 = 4.0,
         /// The same in standard deviations of the noise of the channel: with a million samples, six are
         /// exceeded once in a thousand logs.
         min_jump_noise: f64 = 8.0,
@@ -93,8 +93,10 @@ options! {
         min_stuck_s: f64 = 0.02,
         /// A channel is not used if more than this fraction of its readings is repeated.
         max_held: f64 = 0.2,
-        /// Largest relative difference of the motions of two sensors that may be a pitch error or wind-up.
-        max_sensor_factor: f64 = 0.02,
+        /// Largest relative difference of the motions of two sensors that may be a pitch error, wind-up or in-talk, which
+        /// changes the motion of the tool by 4 % on small circles at high feed. A lead that is off by a factor is 8 mm
+        /// instead of 10 mm, or further away.
+        max_sensor_factor: f64 = 0.15,
         /// Largest relative difference of the motions of command and sensors that may be a following error. On small circles
         /// at high feed the motion is up to 27 % larger or smaller than its command.
         max_command_factor: f64 = 0.5,

@@ -16,7 +16,11 @@ const CONTEXT: usize = 200;
 /// Number of the largest other jumps that are disregarded: spikes in a few percent of the samples.
 const OTHERS: usize = 30;
 /// Smallest fraction of a jump of the difference of two channels that is one of the channel itself.
-const MIN_OWN: f64 = 0.5;
+const MIN_OWN: f64 = 0.7;
+/// Largest deviation of the changes beside a jump from their median, as a fraction of the jump.
+const MAX_BESIDE: f64 = 0.25;
+/// Number of samples on each side for which this is required.
+const BESIDE: usize = 4;
 /// Number of candidates above which the channel has irregular readings throughout, so that none is a fault.
 const MAX_CANDIDATES: usize = 4000;
 
@@ -59,6 +63,27 @@ impl Relative<'_> {
         let (low, high) = (around[DISREGARDED], around[2 * NEIGHBOURS - 1 - DISREGARDED]);
         let own = self.change(sample);
         own - own.clamp(low, high)
+    }
+
+    /// Whether the changes around a group of jumps, and between them, are those of a steady motion. The impact at the end of a
+    /// backlash, or a resonance, displaces the channel over several samples; a fault of the sensor does it in one.
+    #[must_use]
+    pub fn is_steady_around(&self, group: &[Jump], smallest: f64) -> bool {
+        let (Some(first), Some(last)) = (group.first(), group.last()) else { return false };
+        if !is_inside(self.values, first.sample) || !is_inside(self.values, last.sample) {
+            return false;
+        }
+        let others = || {
+            let around = first.sample - NEIGHBOURS..=last.sample + NEIGHBOURS;
+            around.filter(|sample| group.iter().all(|jump| jump.sample != *sample))
+        };
+        let changes: Vec<f64> = others().map(|sample| self.change(sample)).collect();
+        let Some(steady) = numerics::median(&changes) else { return false };
+        let largest = numerics::max_abs(group.iter().map(|jump| jump.size));
+        let max = (MAX_BESIDE * largest).max(0.5 * smallest);
+        let near =
+            others().filter(|sample| sample + BESIDE >= first.sample && *sample <= last.sample + BESIDE);
+        near.map(|sample| self.change(sample) - steady).all(|deviation| deviation.abs() <= max)
     }
 
     /// Whether the jump is one of the channel and not of the reference.

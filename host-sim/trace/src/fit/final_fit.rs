@@ -114,8 +114,10 @@ pub fn kept(
     scopes: &[Scope],
 ) -> Option<(AxisModel, Vec<ResidualSeries>)> {
     let driven = driven(scopes).filter(|_| written.was_fitted())?;
-    let [bias, bias_of_fitted] =
-        [written, fitted].map(|model| model_bias::of_fitted_file(data, model, driven));
+    let of_fitted = |model: &AxisModel, scope: &Scope| model_bias::of_fitted_file(data, model, scope);
+    let [bias, bias_of_fitted] = [written, fitted].map(|model| -> Vec<ResidualSeries> {
+        scopes.iter().flat_map(|scope| of_fitted(model, scope)).collect()
+    });
     let size = total_log_rms(data, written, &bias, scopes);
     let size_of_fitted = total_log_rms(data, fitted, &bias_of_fitted, scopes);
     let mut model = written.clone();

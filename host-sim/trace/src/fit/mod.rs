@@ -18,5 +18,6 @@ pub mod normal_equations;
 pub mod residual;
 pub mod scope;
 pub mod scope_fit;
+pub mod testable_scopes;
 pub mod tool_bias;
 pub mod trim;

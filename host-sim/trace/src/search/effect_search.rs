@@ -147,8 +147,10 @@ impl EffectSearch<'_> {
         scope: &Scope,
     ) -> Option<(usize, Fitted)> {
         let check = LoopCheck { data: self.data, servo: self.servo.as_ref(), scope };
+        let mut is_limited = false;
         for (index, candidate) in candidates.iter_mut().enumerate() {
             if !check.supports(base, candidate) {
+                is_limited |= candidate.limit.is_some() && candidate.stands_out(&data.options.search);
                 continue;
             }
             let Some(start) = &candidate.fitted else { continue };
@@ -156,9 +158,12 @@ impl EffectSearch<'_> {
             let fitted = least_squares::fit_from(data, &start.model, scope, steps, &start.columns);
             let last = fitted.model.found().len() - 1;
             candidate.limit = fitted.model.at_limit(last);
-            if candidate.limit.is_none() {
+            // If a better candidate ended at its limit, the residual may have a cause beyond it, of which this candidate, too,
+            // makes up for a part.
+            if candidate.limit.is_none() && !(is_limited && is_gross(data, &fitted, scope)) {
                 return Some((index, fitted));
             }
+            is_limited |= candidate.limit.is_some();
         }
         None
     }
@@ -236,6 +241,12 @@ fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effe
         guesses.retain(|effect| !is_wave_of_screw(effect, model.axis.settings.mechanics.lead_mm));
     }
     guesses
+}
+
+/// Whether a fit does not describe a stage of its scope.
+fn is_gross(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> bool {
+    let max = |stage| data.options.verdict.max_described(data.noise(&fitted.model, stage));
+    scope.stages.iter().any(|&stage| data.rms(&fitted.residuals, stage) > max(stage))
 }
 
 /// Whether an effect is a periodic error of the screw whose period is no whole fraction of the lead.
