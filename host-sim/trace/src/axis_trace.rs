@@ -152,8 +152,13 @@ impl Tracing<'_> {
     /// stage jointly, see [`fit_jointly`].
     fn search(&self, before: &AxisModel, task: Task) -> (AxisModel, Vec<ScopeFit>, Vec<Round>) {
         let servo = self.scopes.iter().find(|scope| scope.stages == [Stage::Motor]).cloned();
-        let mut search =
-            EffectSearch { data: self.fit_data, progress: self.progress, servo, rounds: Vec::new() };
+        let mut search = EffectSearch {
+            data: self.fit_data,
+            progress: self.progress,
+            servo,
+            rounds: Vec::new(),
+            dropped: Vec::new(),
+        };
         let mut model = before.clone();
         let mut fits = Vec::new();
         for scope in self.scopes {

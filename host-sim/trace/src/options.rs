@@ -223,7 +223,7 @@ options! {
         min_t: f64 = 3.5,
         /// Smallest size of an effect, in half widths of its confidence interval. An effect that is significant by its gain
         /// is many half widths large; one of a few half widths follows a chance shape of the residual.
-        min_size: f64 = 2.0,
+        min_size: f64 = 1.5,
         /// Number of standard errors below which a difference between two models is not significant.
         ///
         /// Sweep: nothing changes.

@@ -32,6 +32,8 @@ pub struct EffectSearch<'a> {
     pub servo: Option<Scope>,
     /// The rounds so far.
     pub rounds: Vec<Round>,
+    /// Effects of the scope that were added and dropped again.
+    pub dropped: Vec<Effect>,
 }
 
 impl EffectSearch<'_> {
@@ -100,7 +102,32 @@ impl EffectSearch<'_> {
         scope: &Scope,
     ) -> (Fitted, Vec<ResidualSeries>) {
         let (mut base, mut bias) = first_fit(data, start, scope);
-        let mut added = 0;
+        self.dropped.clear();
+        loop {
+            (base, bias) = self.add_until_none(data, base, bias, scope);
+            let data = FitData { bias: &bias, ..*data };
+            let added = base.model.found().to_vec();
+            base = self.drop_from(&data, base, scope);
+            let is_left = |effect: &Effect| base.model.found().iter().any(|found| found.is_same(effect));
+            let dropped: Vec<Effect> = added.into_iter().filter(|effect| !is_left(effect)).collect();
+            // What was dropped may have hidden another effect. The search goes on once, without it.
+            if dropped.is_empty() || !self.dropped.is_empty() {
+                return (base, bias);
+            }
+            self.dropped = dropped;
+        }
+    }
+
+    /// Adds effects until no further one is supported.
+    fn add_until_none(
+        &mut self,
+        data: &FitData<'_>,
+        mut base: Fitted,
+        mut bias: Vec<ResidualSeries>,
+        scope: &Scope,
+    ) -> (Fitted, Vec<ResidualSeries>) {
+        let in_scope = |model: &AxisModel| model.found().iter().filter(|effect| scope.holds(effect)).count();
+        let mut added = in_scope(&base.model);
         while added < data.options.search.max_effects {
             (base, bias) = without_bias(data, base, bias, scope);
             let data = &FitData { bias: &bias, ..*data };
@@ -111,13 +138,22 @@ impl EffectSearch<'_> {
             base = fitted;
             added += 1;
         }
-        let data = FitData { bias: &bias, ..*data };
-        base = with_finer_map(&data, base, scope);
-        if base.model.found().iter().filter(|effect| scope.holds(effect)).count() > 1 {
-            base = self.drop_unnecessary(&data, base, scope);
-        }
-        base = self.drop_uncertain(&data, base, scope);
         (base, bias)
+    }
+
+    /// The fit with a finer map, and without effects that are unnecessary or uncertain.
+    fn drop_from(&self, data: &FitData<'_>, mut base: Fitted, scope: &Scope) -> Fitted {
+        let count = base.model.found().iter().filter(|effect| scope.holds(effect)).count();
+        if count == 0 {
+            return base;
+        }
+        // The derivatives of the search are in part those of earlier points.
+        base = least_squares::fit(data, &base.model, scope, least_squares::STEPS);
+        base = with_finer_map(data, base, scope);
+        if count > 1 {
+            base = self.drop_unnecessary(data, base, scope);
+        }
+        self.drop_uncertain(data, base, scope)
     }
 
     /// One round: tries all candidates and returns the fit with the best, if one is supported.
@@ -125,7 +161,8 @@ impl EffectSearch<'_> {
         let name = data.name();
         (self.progress)(&format!("{name}: trying the catalogue on {}", stage_names(&scope.stages)));
         let model = &reference.base.model;
-        let initial_guesses = missing_effects(data, reference.base, scope);
+        let mut initial_guesses = missing_effects(data, reference.base, scope);
+        initial_guesses.retain(|effect| !self.dropped.iter().any(|dropped| dropped.is_same(effect)));
         let mut candidates = rank(data, reference, scope, initial_guesses);
         let best = self.best(data, model, &mut candidates, scope);
         let added = best.as_ref().map(|(index, _)| *index);
@@ -199,7 +236,7 @@ impl EffectSearch<'_> {
     fn drop_unnecessary(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         let options = &data.options.search;
         dropping(full, scope, |full, index| {
-            let without = least_squares::fit_without(data, full, scope, index);
+            let without = least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS);
             let comparison = compare(&scores(&without), &scores(full), &scope.stages, options);
             let effect = full.model.found()[index].clone();
             if is_slope_of_map(&effect, full.model.found()) {
