@@ -1,7 +1,7 @@
 //! The trace of one axis, in the order of docs/tracing.md.
 
 use crate::analysis::empirical::{Empirical, empirical};
-use crate::analysis::free_run::free_runs;
+use crate::analysis::free_run::{FreeRun, free_runs};
 use crate::analysis::repeatability::{Repeatability, repeatability};
 use crate::analysis::residual_analysis::{UnexplainedResidual, unexplained};
 use crate::fit::axis_model::AxisModel;
@@ -70,11 +70,8 @@ pub fn trace(
     // "The verdict" and "Beside the residuals".
     let Remainder { errors, unexplained, repeats, tables } =
         remainder([fit_data, validate], [&before, &model], &scopes);
-    let logs: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
-    let free_runs = free_runs(fit_data.name(), &before.axis, &model.axis, &logs);
-    let tried = tried(declared, &rounds);
-    let ambiguities = ambiguities(&rounds, &found);
-    name_rivals(&mut found, &ambiguities);
+    let free_runs = free_runs_of(validate, [&before, &model]);
+    let ambiguities = named_ambiguities(&rounds, &mut found);
     let neighbours = Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 };
     AxisTrace {
         task,
@@ -85,7 +82,7 @@ pub fn trace(
             neighbours,
             &stages,
             &not_testable,
-            &tried,
+            &tried(declared, &rounds),
         ),
         data_faults: Vec::new(),
         ambiguities,
@@ -106,6 +103,12 @@ pub fn trace(
         tables,
         rounds,
     }
+}
+
+/// The errors of both models under the measured force alone, on the validation logs.
+fn free_runs_of(validate: &FitData<'_>, [before, model]: [&AxisModel; 2]) -> Vec<FreeRun> {
+    let logs: Vec<_> = validate.logs.iter().map(|log| (&log.axes[validate.axis], log.sample_s)).collect();
+    free_runs(validate.name(), &before.axis, &model.axis, &logs)
 }
 
 /// The fits of one axis before the validation.
@@ -239,12 +242,14 @@ fn tried<'a>(declared: &'a Axis, rounds: &'a [Round]) -> Vec<&'a str> {
     declared.effect.iter().map(Effect::name).chain(candidates).collect()
 }
 
-/// Adds to each effect the effects from which the logs do not distinguish it.
-fn name_rivals(found: &mut [FoundEffect], ambiguities: &[Ambiguity]) {
+/// The ambiguities of the search, whose rivals are also added to the effects found.
+fn named_ambiguities(rounds: &[Round], found: &mut [FoundEffect]) -> Vec<Ambiguity> {
+    let ambiguities = ambiguities(rounds, found);
     for one in found {
         let of_this = ambiguities.iter().filter(|ambiguity| ambiguity.added.is_same(&one.effect));
         one.rivals = of_this.map(|ambiguity| ambiguity.rival.clone()).collect();
     }
+    ambiguities
 }
 
 /// The ambiguities of the search between an effect of the final result and an effect that is not in it.

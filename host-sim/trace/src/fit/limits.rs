@@ -60,10 +60,10 @@ mod tests {
     #[test]
     fn a_parameter_at_either_end_of_its_range_is_reported() {
         let gain = |percent| reported(&Effect::ServoMismatch(ServoMismatch { percent }));
-        assert_eq!(gain(80.0), Some(("percent", 80.0)));
+        assert_eq!(gain(300.0), Some(("percent", 300.0)));
         assert_eq!(gain(-79.95), Some(("percent", -80.0)));
-        // Values within 0.1 % of the limit of 80 are at the limit; 79.9 is 0.125 % away.
-        assert_eq!(gain(79.9), None);
+        // Values within 0.1 % of the limit of 300 are at the limit; 299.6 is 0.13 % away.
+        assert_eq!(gain(299.6), None);
         let stribeck = |static_excess_n, velocity_mm_s| {
             reported(&Effect::Stribeck(Stribeck { static_excess_n, velocity_mm_s }))
         };

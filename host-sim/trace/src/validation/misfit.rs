@@ -39,5 +39,5 @@ fn leaves_gross_residuals(data: &FitData<'_>, model: &AxisModel, scopes: &[Scope
         .flat_map(|scope| scope.stages.iter().map(move |&stage| (scope, stage)))
         .collect();
     let gross = stages.iter().filter(|(scope, stage)| is_gross(scope, *stage)).count();
-    gross >= stages.len().min(2).max(1) && 2 * gross > stages.len()
+    gross >= stages.len().clamp(1, 2) && 2 * gross > stages.len()
 }
