@@ -4,7 +4,7 @@
 //! ([`excluded`]); a channel that cannot be used is removed from its log. Either is reported as a [`DataFault`].
 //!
 //! Only what the channels of a log contradict among themselves is reported. Each kind of fault has its file: [`dead`],
-//! [`exchanged`], [`sign`], [`unit`], [`shifted`], [`stuck`], [`spike`], [`slip`], [`rate`]. They are looked for in this
+//! [`exchanged`], [`sign`], [`mod@unit`], [`shifted`], [`stuck`], [`spike`], [`slip`], [`rate`]. They are looked for in this
 //! order, as each requires that the earlier ones are corrected; [`late_command`] requires a model of the loop and follows
 //! the filtering of the signals.
 
