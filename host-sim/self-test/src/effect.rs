@@ -131,8 +131,9 @@ pub fn scaled(truth: &Truth, strength: f64, stiffness_n_per_um: f64) -> Truth {
     scaled
 }
 
-/// Largest stiffness of the kind `small`, as a fraction of the declared one: beyond its tolerance.
-const SMALL_WINDUP: f64 = 0.85;
+/// Largest stiffness of the kind `small`, as a fraction of the declared one: more than twice its tolerance below, which is
+/// where a wrong declared value becomes a wind-up.
+const SMALL_WINDUP: f64 = 0.75;
 /// Highest frequency of a resonance of the kind `small`, Hz.
 const SMALL_RESONANCE_HZ: f64 = 120.0;
 

@@ -118,11 +118,11 @@ mod tests {
     use serde_json::json;
 
     use super::super::draw;
-    use super::super::truth::OUTSIDE;
+    use super::super::truth::{CONTROLLER, OUTSIDE};
     use super::*;
 
-    /// Drawn effects that the tracer knows. `truth::CONTROLLER` belongs here as soon as it knows those.
-    const CATALOGUED: &[&[&str]] = &[&NAMES];
+    /// Drawn effects that the tracer knows.
+    const CATALOGUED: &[&[&str]] = &[&NAMES, &CONTROLLER];
 
     /// The effects of 1000 machines.
     fn many() -> Vec<Vec<Truth>> {

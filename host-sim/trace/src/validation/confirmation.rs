@@ -48,11 +48,17 @@ pub fn confirm(
             continue;
         }
         let options = &fit_data.options.search;
-        let is_uncertain = |&index: &usize| {
-            may_be_zero(&axis.model.found()[index], &axis.half_widths(fit_data, index), options)
+        let nominal = &axis.model.nominal().settings;
+        let is_small = |&index: &usize| {
+            let effect = &axis.model.found()[index];
+            may_be_zero(effect, &axis.half_widths(fit_data, index), options)
+                || !effect.exceeds_tolerance(nominal, fit_data.rates)
         };
-        if let Some(index) = (0..axis.model.found().len()).find(is_uncertain) {
-            progress(&format!("{name}: {} may be zero", axis.model.found()[index].name()));
+        if let Some(index) = (0..axis.model.found().len()).find(is_small) {
+            progress(&format!(
+                "{name}: {} may be zero or within tolerance",
+                axis.model.found()[index].name()
+            ));
             axis = axis.without(fit_data, index);
             continue;
         }
