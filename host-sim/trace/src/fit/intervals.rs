@@ -22,9 +22,9 @@ pub struct Covariance {
     degrees_of_freedom: usize,
 }
 
-/// Uncertainty (half width) of the subtracted error of the tracer's own simulation, as a fraction of it: the simulation
-/// steps otherwise than the machine.
-const BIAS_UNCERTAINTY: f64 = 0.5;
+/// Uncertainty (half width) of the subtracted error of the tracer's own simulation, as a fraction of it: the machine does not
+/// step as the simulation does, and nothing but the simulation confirms the error.
+const BIAS_UNCERTAINTY: f64 = 1.0;
 
 /// Covariance of the free parameters of a fit, H⁻¹·(Σ g·gᵀ + P)·H⁻¹: over the blocks of the logs (sandwich estimator), which
 /// is valid for errors that are correlated within a block, and for the priors, whose precision is P.
@@ -189,15 +189,15 @@ mod tests {
         assert!((half * f64::sqrt(123.0) / 2.074 - 1.0).abs() < 5e-4, "{half}");
     }
 
-    /// Ten samples of slope 2, weight 3 and error 0.5: the shift is 9·10·2·0.5/23 = 3.913, and its half the half width, beside
+    /// Ten samples of slope 2, weight 3 and error 0.5: the shift is 9·10·2·0.5/23 = 3.913, which is the half width, beside
     /// 2.074/√23 = 0.4325 by chance.
     #[test]
-    fn a_subtracted_error_is_known_by_half() {
+    fn a_subtracted_error_is_as_uncertain_as_it_is_large() {
         let series = |value| ResidualSeries { stage: Stage::Motor, log: 0, values: vec![value; 10] };
         let mut fitted = fitted(1);
         (fitted.weights, fitted.residuals) = (vec![3.0], vec![series(1.0)]);
         fitted.columns = vec![Arc::new(vec![series(2.0)])];
         let half = half_width(&fitted, &[series(0.5)]);
-        assert!((half / 1.9565f64.hypot(0.4325) - 1.0).abs() < 1e-3, "{half}");
+        assert!((half / 3.913f64.hypot(0.4325) - 1.0).abs() < 1e-3, "{half}");
     }
 }
