@@ -33,8 +33,8 @@ fn list_residuals(
 /// States that the model does not describe the fitted logs, with the stages that show it; `None` if it does.
 #[must_use]
 pub fn misfit(axis: &AxisTrace) -> Option<String> {
-    let residuals = list_residuals(axis, verdict::is_gross, |pair| pair.fit)?;
     if axis.is_of_another_machine {
+        let residuals = list_residuals(axis, |_| true, |pair| pair.fit)?;
         let undetermined = axis.declared_values.iter().filter(|value| value.is_undetermined());
         let keys: Vec<&str> = undetermined.map(|value| value.key).collect();
         return Some(format!(
@@ -44,6 +44,7 @@ pub fn misfit(axis: &AxisTrace) -> Option<String> {
             keys.join(", ")
         ));
     }
+    let residuals = list_residuals(axis, verdict::is_gross, |pair| pair.fit)?;
     Some(format!(
         "{}: the model does not describe these logs, so that all other results for this axis are unreliable; \
          residuals: {residuals}. A channel may be wrong (its sign, unit, axis or time), or a declared value.",

@@ -184,10 +184,13 @@ impl EffectSearch<'_> {
         scope: &Scope,
     ) -> Option<(usize, Fitted)> {
         let check = LoopCheck { data: self.data, servo: self.servo.as_ref(), scope };
+        let stands_out = |candidate: &Candidate| candidate.stands_out(&data.options.search);
+        let is_any_limited =
+            candidates.iter().any(|candidate| candidate.limit.is_some() && stands_out(candidate));
         let mut is_limited = false;
         for (index, candidate) in candidates.iter_mut().enumerate() {
             if !check.supports(base, candidate) {
-                is_limited |= candidate.limit.is_some() && candidate.stands_out(&data.options.search);
+                is_limited |= candidate.limit.is_some() && stands_out(candidate);
                 continue;
             }
             let Some(start) = &candidate.fitted else { continue };
@@ -195,9 +198,11 @@ impl EffectSearch<'_> {
             let fitted = least_squares::fit_from(data, &start.model, scope, steps, &start.columns);
             let last = fitted.model.found().len() - 1;
             candidate.limit = fitted.model.at_limit(last);
-            // If a better candidate ended at its limit, the residual may have a cause beyond it, of which this candidate, too,
-            // makes up for a part.
-            if candidate.limit.is_none() && !(is_limited && is_gross(data, &fitted, scope)) {
+            // If a candidate ended at its limit, the residual may have a cause beyond it, of which this candidate, too, makes up
+            // for a part. Settings of one controller make up for each other.
+            let is_substitute = is_limited && scope.stages == [Stage::Motor]
+                || is_any_limited && is_gross(data, &fitted, scope);
+            if candidate.limit.is_none() && !is_substitute {
                 return Some((index, fitted));
             }
             is_limited |= candidate.limit.is_some();

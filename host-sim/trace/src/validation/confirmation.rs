@@ -17,6 +17,9 @@ use model::effects::{Effect, Stage};
 /// Largest number of steps of a fit of the other parameters, after an effect was added with its final parameters.
 const STEPS: usize = 3;
 
+/// Number of coordinates of an effect from which it must improve the validation logs, and not only not make them worse.
+const MANY_COORDINATES: usize = 4;
+
 /// A model without refuted effects and without effects at a limit, and what was dropped.
 pub struct Confirmed {
     /// The model and its fits.
@@ -120,6 +123,12 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             // The stage with the largest improvement; for a refuted effect, the stage with the largest deterioration.
             let sign = if loss.is_some() { -1.0 } else { 1.0 };
             let Some((stage, before, after)) = residuals.most_changed(scope, sign) else { continue };
+            // Many parameters follow the chance of the fitted logs: without any gain on others they are refuted.
+            let has_many = effect.coordinates().len() >= MANY_COORDINATES;
+            let loss = loss.or_else(|| {
+                (has_many && after.validate > before.validate)
+                    .then(|| (before.validate / after.validate).ln())
+            });
             let half_widths = axis.half_widths(fit_data, index);
             let effect = effect.clone();
             let found = FoundEffect { effect, half_widths, stage, before, after, rivals: Vec::new() };

@@ -2,7 +2,7 @@
 //!
 //! If the masses, stiffness or friction of a file are far from those of the machine, each effect that makes up for a part of
 //! the difference reduces the residuals, and none of them is real. The signs of it are residuals of the declared
-//! model far above the noise in most stages that depend on the mechanics, and several declared values that the fit with
+//! model above the noise in most stages that depend on the mechanics, and several declared values that the fit with
 //! effects has moved to the end of their range.
 
 use super::declared_value::DeclaredValue;
@@ -13,6 +13,9 @@ use model::effects::Stage;
 
 /// Number of declared values at the end of their range from which they are a sign.
 const MIN_AT_BOUNDS: usize = 2;
+/// Residual that is a sign, as a fraction of the largest one that a model which describes its logs may leave: 2.5 times the
+/// noise. With the values at the end of their range, the model is as near to the logs as it can come.
+const MIN_RESIDUAL: f64 = 0.05;
 
 /// Whether a machine file is that of another machine: by its model without effects, and its values as fitted with effects.
 #[must_use]
@@ -31,7 +34,8 @@ fn leaves_gross_residuals(data: &FitData<'_>, model: &AxisModel, scopes: &[Scope
     let mechanical = |scope: &&Scope| scope.mechanics != Mechanics::None;
     let is_gross = |scope: &Scope, stage: Stage| {
         let residuals = data.residuals(model, scope);
-        data.rms(&residuals, stage) > data.options.verdict.max_described(data.noise(model, stage))
+        data.rms(&residuals, stage)
+            > MIN_RESIDUAL * data.options.verdict.max_described(data.noise(model, stage))
     };
     let stages: Vec<(&Scope, Stage)> = scopes
         .iter()
