@@ -59,7 +59,8 @@ pub fn trace(
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
     let declared_values = declared_values([fit_data, validate], &axis);
     let is_of_another_machine = is_of_another_machine(fit_data, &before, &declared_values, &scopes);
-    let model = if is_of_another_machine { before.clone() } else { axis.model };
+    let kept = stage.kept_if_nothing_new(&written, axis.model);
+    let model = if is_of_another_machine { before.clone() } else { kept };
     found.retain(|_| !is_of_another_machine);
     let before = match task {
         Task::Evaluate => stage.as_declared(declared),
@@ -72,14 +73,13 @@ pub fn trace(
         remainder([fit_data, validate], [&before, &model], &scopes);
     let free_runs = free_runs_of(validate, [&before, &model]);
     let ambiguities = named_ambiguities(&rounds, &mut found);
-    let neighbours = Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 };
     AxisTrace {
         task,
         axis: fit_data.name().to_owned(),
         unit: fit_data.logs.iter().find_map(|log| log.axes[fit_data.axis].unit).unwrap_or(Unit::Millimetre),
         effects_not_testable: effects_not_testable(
             &declared.settings,
-            neighbours,
+            Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 },
             &stages,
             &not_testable,
             &tried(declared, &rounds),
@@ -138,6 +138,15 @@ impl Tracing<'_> {
             model = kept;
         }
         (model, fits)
+    }
+
+    /// The model of the machine file, if an earlier trace wrote it and no effect was confirmed: effects that were tried and
+    /// refuted leave the other values slightly different.
+    fn kept_if_nothing_new(&self, written: &AxisModel, model: AxisModel) -> AxisModel {
+        if !model.found().is_empty() {
+            return model;
+        }
+        kept(self.fit_data, written, &model, self.scopes).map_or(model, |(kept, _)| kept)
     }
 
     /// The values of the machine file; only zeros and instants of the logs are fitted.
