@@ -9,6 +9,16 @@ pub fn gaussian_decay(ratio: f64) -> f64 {
     (-ratio * ratio).exp()
 }
 
+/// Rise of friction towards standstill, excess·exp(−(v/vs)²), N; v in m/s, vs in mm/s.
+#[must_use]
+#[inline]
+pub fn stribeck_rise_n(static_excess_n: f64, velocity_mm_s: f64, velocity_m_per_s: f64) -> f64 {
+    if static_excess_n == 0.0 {
+        return 0.0;
+    }
+    static_excess_n * gaussian_decay(1e3 * velocity_m_per_s / velocity_mm_s)
+}
+
 /// exp(−|v|/vs) (Tustin, *J. IEE* 94, 1947).
 #[must_use]
 #[inline]

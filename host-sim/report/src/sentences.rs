@@ -85,12 +85,12 @@ pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect) -> String {
 /// A declared value that the logs put outside its tolerance.
 #[must_use]
 pub fn beyond_tolerance(axis: &str, value: &DeclaredValue) -> String {
-    let DeclaredValue { key, declared, fitted, half_width, tolerance, .. } = *value;
-    let how = if fitted > declared { "above" } else { "below" };
-    let [deviation, half] = [fitted - declared, half_width].map(|part| 100.0 * (part / declared).abs());
+    let DeclaredValue { key, declared, half_width, tolerance, .. } = *value;
+    let deviation = value.deviation();
+    let how = if deviation > 0.0 { "above" } else { "below" };
     format!(
         "{axis}: {key} is {} % {how} the declared {}, beyond its tolerance of {} %.",
-        with_spread(deviation, half),
+        with_spread(100.0 * deviation.abs(), 100.0 * half_width / declared),
         significant(declared, 4),
         significant(100.0 * tolerance, 3)
     )

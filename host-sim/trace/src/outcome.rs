@@ -142,11 +142,10 @@ impl Trace {
     pub(crate) fn correct_late_commands(&mut self) -> Vec<DataFault> {
         let rates = self.machine.rates();
         let mut faults = Vec::new();
-        for (number, declared) in self.machine.axis.values().enumerate() {
-            let model = AxisModel::new(declared, rates, self.options.model);
+        for (number, model) in self.declared_axes.iter().enumerate() {
             let data = |logs| FitData::new(logs, &self.names, number, rates, &self.options);
             let found =
-                [&self.fit_logs, &self.validate_logs].map(|logs| late_command::lateness(&data(logs), &model));
+                [&self.fit_logs, &self.validate_logs].map(|logs| late_command::lateness(&data(logs), model));
             let of_session = late_command::of_session(&found.concat());
             for (logs, found) in [&mut self.fit_logs, &mut self.validate_logs].into_iter().zip(found) {
                 for (log, lateness) in logs.iter_mut().zip(found) {

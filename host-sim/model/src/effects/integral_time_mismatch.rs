@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Misplaced, Neighbours, Occurrence, Parameter,
-    Placement, Prerequisite, Range, Stage, Unit, Wording,
+    Abscissa, EffectContext, EffectModel, Misplaced, Neighbours, Placement, Prerequisite, Stage, Wording,
+    relative_deviation,
 };
 use crate::axis::Settings;
 
@@ -29,10 +29,8 @@ impl IntegralTimeMismatch {
 impl EffectModel for IntegralTimeMismatch {
     const NAME: &'static str = "integral_time_mismatch";
     const SUMMARY: &'static str = "deviation of the true Ti from the declared one";
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("percent", Unit::Percent, Range::Above(-100.0))];
-    const OCCURRENCE: Occurrence = Occurrence::Once;
-    const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
+
+    relative_deviation!(step 0.5, limits [-90.0, 400.0]);
 
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         let has_integral = axis.controller.velocity_integral_time_s.is_some();
@@ -44,31 +42,15 @@ impl EffectModel for IntegralTimeMismatch {
         place.axis.controller.velocity_integral_time_s.is_none().then(|| Misplaced::name(what))
     }
 
-    fn stages(&self) -> &'static [Stage] {
-        &[Stage::Motor]
-    }
-
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let has_integral = context.axis.controller.velocity_integral_time_s.is_some();
         if context.has(Stage::Motor) && has_integral { vec![Self::default()] } else { Vec::new() }
-    }
-
-    fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::between(self.percent, 0.5, -90.0, 400.0)]
     }
 
     /// The slow part of the force, on which Ti acts, also contains the lag of the drive and friction near standstill, which
     /// resemble 1 to 2 % of Ti.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 3.0
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        Self { percent: x[0] }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.percent]
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -4,10 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
-    Wording,
-};
+use super::declaration::{Abscissa, Draw, EffectContext, EffectModel, Stage, Wording, relative_deviation};
 use crate::axis::Settings;
 
 /// True Kp = declared Kp · (1 + percent/100).
@@ -29,35 +26,17 @@ impl ServoMismatch {
 impl EffectModel for ServoMismatch {
     const NAME: &'static str = "servo_mismatch";
     const SUMMARY: &'static str = "deviation of the true Kp from the declared one";
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("percent", Unit::Percent, Range::Above(-100.0))];
-    const OCCURRENCE: Occurrence = Occurrence::Once;
-    const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
     const DRAW_NUMBER: Option<u32> = Some(12);
 
-    fn stages(&self) -> &'static [Stage] {
-        &[Stage::Motor]
-    }
+    relative_deviation!(step 0.2, limits [-80.0, 300.0]);
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         if context.has(Stage::Motor) { vec![Self::default()] } else { Vec::new() }
     }
 
-    fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::between(self.percent, 0.2, -80.0, 300.0)]
-    }
-
     /// The unknown discretization of a drive's filters has an effect of 0.25 %.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 0.25
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        Self { percent: x[0] }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.percent]
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -9,7 +9,7 @@ use super::declaration::{
     Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
-use crate::friction_law::gaussian_decay;
+use crate::friction_law::stribeck_rise_n;
 
 /// Adds excess·exp(−(v/vs)²) to the sliding level of Coulomb friction.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -33,11 +33,7 @@ impl Stribeck {
     #[must_use]
     #[inline]
     pub fn rise_n(&self, velocity_m_per_s: f64) -> f64 {
-        if self.static_excess_n == 0.0 {
-            return 0.0;
-        }
-        let ratio = 1e3 * velocity_m_per_s / self.velocity_mm_s;
-        self.static_excess_n * gaussian_decay(ratio)
+        stribeck_rise_n(self.static_excess_n, self.velocity_mm_s, velocity_m_per_s)
     }
 }
 

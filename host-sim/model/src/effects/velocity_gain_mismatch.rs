@@ -4,9 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit, Wording,
-};
+use super::declaration::{Abscissa, EffectContext, EffectModel, Stage, Wording, relative_deviation};
 use crate::axis::Settings;
 
 /// True Kv = declared Kv · (1 + percent/100). The logged force of the last velocity tick contains Kv as well.
@@ -28,34 +26,16 @@ impl VelocityGainMismatch {
 impl EffectModel for VelocityGainMismatch {
     const NAME: &'static str = "velocity_gain_mismatch";
     const SUMMARY: &'static str = "deviation of the true Kv from the declared one";
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("percent", Unit::Percent, Range::Above(-100.0))];
-    const OCCURRENCE: Occurrence = Occurrence::Once;
-    const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
 
-    fn stages(&self) -> &'static [Stage] {
-        &[Stage::Motor]
-    }
+    relative_deviation!(step 0.5, limits [-90.0, 400.0]);
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         if context.has(Stage::Motor) { vec![Self::default()] } else { Vec::new() }
     }
 
-    fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::between(self.percent, 0.5, -90.0, 400.0)]
-    }
-
     /// The response to a force depends on Kv divided by the mass, which is known to 1 %; twice as much is required.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 2.0
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        Self { percent: x[0] }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.percent]
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -29,7 +29,7 @@ pub struct Tolerated {
 }
 
 impl Tolerated {
-    /// Whether few motions determine the value: damping and presliding. A fit would move it to make up for errors of the
+    /// Whether few motions determine the value: damping and presliding. A fit would move it to compensate errors of the
     /// simulation, so that it stays within its tolerance.
     #[must_use]
     pub fn is_poorly_determined(&self) -> bool {

@@ -37,8 +37,9 @@ impl Motions {
     }
 }
 
-/// Largest deviation from 1 of the factor between two channels.
-fn tolerance(pair: &[Channel], options: &FaultOptions) -> f64 {
+/// Largest deviation from 1 of the factor between channels that agree.
+#[must_use]
+pub fn tolerance(pair: &[Channel], options: &FaultOptions) -> f64 {
     if pair.contains(&Channel::Command) { options.max_command_factor } else { options.max_sensor_factor }
 }
 

@@ -1,5 +1,6 @@
 //! Sign: the reading decreases while the axis moves in the + direction.
 
+use super::agreement::tolerance;
 use super::fault::{FaultKind, Treatment};
 use super::findings::{Findings, Place};
 use crate::options::FaultOptions;
@@ -9,9 +10,7 @@ use files::log::Channel;
 /// others up to the large pitch error of a wrong lead, that of the command differs by the following error.
 #[must_use]
 pub fn is_reversed(channel: Channel, factor: f64, options: &FaultOptions) -> bool {
-    let tolerance =
-        if channel == Channel::Command { options.max_command_factor } else { options.max_sensor_factor };
-    (factor + 1.0).abs() < tolerance
+    (factor + 1.0).abs() < tolerance(&[channel], options)
 }
 
 /// Reports and negates a channel. It is negated about its own zero; the distance between its zero and that of the other

@@ -93,8 +93,8 @@ impl<'a> FitData<'a> {
     }
 
     /// Whether a sample of a stage of a log counts. Samples count after the settling, outside exclusions; in the table and
-    /// force stages, which depend on friction, only in motion; in the force stage only below the force limit; samples that a fault of the data spoils do
-    /// not count.
+    /// force stages, which depend on friction, only in motion; in the force stage only below the force limit. Samples that a
+    /// fault of the data spoils do not count.
     pub fn counting(&self, stage: Stage, log: usize) -> impl Fn(usize) -> bool {
         let settling = self.settling(log);
         let signals = self.signals(log);

@@ -16,15 +16,12 @@ use model::effects::{Coordinate, Effect};
 #[derive(Clone, Debug)]
 pub struct Covariance {
     matrix: DMatrix<f64>,
-    /// Shift of the parameters by the subtracted error of the tracer's own simulation.
+    /// Shift of the parameters by the subtracted error of the tracer's own simulation. It is taken as uncertain as it is large:
+    /// the machine does not step as the simulation does, and nothing but the simulation confirms it.
     bias_shift: DVector<f64>,
     /// Number of blocks less one.
     degrees_of_freedom: usize,
 }
-
-/// Uncertainty (half width) of the subtracted error of the tracer's own simulation, as a fraction of it: the machine does not
-/// step as the simulation does, and nothing but the simulation confirms the error.
-const BIAS_UNCERTAINTY: f64 = 1.0;
 
 /// Covariance of the free parameters of a fit, H⁻¹·(Σ g·gᵀ + P)·H⁻¹: over the blocks of the logs (sandwich estimator), which
 /// is valid for errors that are correlated within a block, and for the priors, whose precision is P.
@@ -81,7 +78,7 @@ impl Covariance {
     #[must_use]
     pub fn half_width(&self, index: usize) -> f64 {
         let random = student_t_975(self.degrees_of_freedom) * self.matrix[(index, index)].max(0.0).sqrt();
-        random.hypot(BIAS_UNCERTAINTY * self.bias_shift[index])
+        random.hypot(self.bias_shift[index])
     }
 }
 
@@ -109,8 +106,7 @@ pub fn half_widths(effect: &Effect, covariance: &Covariance, indices: Range<usiz
     let of_parameters = &jacobian * of_effect * jacobian.transpose();
     let shifts = &jacobian * covariance.bias_shift.rows(indices.start, indices.len());
     let t = student_t_975(covariance.degrees_of_freedom);
-    let both =
-        |(variance, shift): (&f64, &f64)| (t * variance.max(0.0).sqrt()).hypot(BIAS_UNCERTAINTY * shift);
+    let both = |(variance, shift): (&f64, &f64)| (t * variance.max(0.0).sqrt()).hypot(*shift);
     of_parameters.diagonal().iter().zip(&shifts).map(both).collect()
 }
 

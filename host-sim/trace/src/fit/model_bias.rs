@@ -26,12 +26,12 @@ pub fn of_all(data: &FitData<'_>, model: &AxisModel, scopes: &[Scope]) -> Vec<Re
 /// be simulated.
 #[must_use]
 pub fn of(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualSeries> {
-    if scope.stages == [Stage::Tool] {
-        return tool_bias::of(data, model, scope);
-    }
-    if !scope.stages.iter().all(|stage| matches!(stage, Stage::Table | Stage::Force)) {
-        return Vec::new();
-    }
+    let is_driven = |stage: &Stage| matches!(stage, Stage::Table | Stage::Force);
+    let simulated = match &scope.stages[..] {
+        [Stage::Tool] if tool_bias::is_needed(model) => tool_bias::simulated,
+        stages if stages.iter().all(is_driven) => simulated,
+        _ => return Vec::new(),
+    };
     let logs: Vec<Signals> = (0..data.logs.len()).map_while(|log| simulated(data, model, log)).collect();
     if logs.len() < data.logs.len() {
         return Vec::new();

@@ -165,6 +165,12 @@ impl FitData<'_> {
         noise.reduce(f64::min).unwrap_or(0.0)
     }
 
+    /// Largest residual of a stage that a model which describes the logs leaves, µm or N.
+    #[must_use]
+    pub fn max_described(&self, model: &AxisModel, stage: Stage) -> f64 {
+        self.options.verdict.max_described(self.noise(model, stage))
+    }
+
     /// Standard deviation of the white noise in a stage's residual over one log.
     #[must_use]
     pub fn noise_of_log(&self, model: &AxisModel, stage: Stage, log: usize) -> f64 {

@@ -7,37 +7,25 @@
 //! tool stage of these simulated logs leaves the error as its residual.
 
 use super::axis_model::AxisModel;
-use super::fit_data::{FitData, ResidualSeries};
-use super::scope::Scope;
+use super::fit_data::FitData;
 use crate::input::signals::Signals;
 use crate::input::smoothing::Smooth;
 use crate::prediction::closed_loop::ClosedLoopRun;
 use crate::prediction::resample::delayed_cubic;
 use model::effects::Channel;
-use plant::parameters::ToolParameters;
 use plant::tool_point::{self, Tables};
 
-/// The error in the tool stage, for all logs; empty if no effect depends on an acceleration, or if a loop cannot be
-/// simulated.
+/// Whether an effect of the tool depends on an acceleration; the error is zero otherwise.
 #[must_use]
-pub fn of(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualSeries> {
-    if !depends_on_acceleration(&model.parameters().tool) {
-        return Vec::new();
-    }
-    let logs: Vec<Signals> = (0..data.logs.len()).map_while(|log| simulated(data, model, log)).collect();
-    if logs.len() < data.logs.len() {
-        return Vec::new();
-    }
-    FitData { logs: &logs, bias: &[], exclusions: &[], ..*data }.residuals(model, scope)
-}
-
-fn depends_on_acceleration(tool: &ToolParameters) -> bool {
+pub fn is_needed(model: &AxisModel) -> bool {
+    let tool = model.parameters().tool;
     tool.intalk.um_s2_per_m != 0.0 || !tool.crosstalk.is_empty() || tool.resonance.is_some()
 }
 
 /// A log in which the tables of this axis and of the axes that excite its tool, and its tool, are those of the models in
-/// their closed loops. The models of the other axes are the declared ones.
-fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Signals> {
+/// their closed loops; `None` if a loop cannot be simulated. The models of the other axes are the declared ones.
+#[must_use]
+pub fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Signals> {
     let measured = &data.logs[log];
     let parameters = model.parameters();
     let mut result = measured.clone();

@@ -37,7 +37,7 @@ pub struct EffectSearch<'a> {
 }
 
 impl EffectSearch<'_> {
-    /// Adds effects to one scope.
+    /// Adds effects to one scope. The declared values of `start` are fitted.
     ///
     /// Without an effect, a fit may move the declared values out of their tolerance in its place, from where the effect gains
     /// too little. In this case the search is repeated with the tolerance as a bound. The result of the second search is taken
@@ -47,7 +47,7 @@ impl EffectSearch<'_> {
         let first_round = self.rounds.len();
         let free = self.search_from(start, scope);
         let is_beyond = |model: &AxisModel| scope.mechanics == Mechanics::All && model.is_beyond_tolerance();
-        if !is_beyond(&first_fit(self.data, start, scope).0.model) && !is_beyond(&free.fitted.model) {
+        if !is_beyond(start) && !is_beyond(&free.fitted.model) {
             return free;
         }
         let rounds_of_free = self.rounds.split_off(first_round);
@@ -198,8 +198,8 @@ impl EffectSearch<'_> {
             let fitted = least_squares::fit_from(data, &start.model, scope, steps, &start.columns);
             let last = fitted.model.found().len() - 1;
             candidate.limit = fitted.model.at_limit(last);
-            // If a candidate ended at its limit, the residual may have a cause beyond it, of which this candidate, too, makes up
-            // for a part. Settings of one controller make up for each other.
+            // If a candidate ended at its limit, the true value may be beyond it, and this candidate may compensate a part of
+            // the same deviation. Settings of one controller compensate each other.
             let is_substitute = is_limited && scope.stages == [Stage::Motor]
                 || is_any_limited && is_gross(data, &fitted, scope);
             if candidate.limit.is_none() && !is_substitute {
@@ -241,12 +241,12 @@ impl EffectSearch<'_> {
     fn drop_unnecessary(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         let options = &data.options.search;
         dropping(full, scope, |full, index| {
-            let without = least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS);
-            let comparison = compare(&scores(&without), &scores(full), &scope.stages, options);
             let effect = full.model.found()[index].clone();
             if is_slope_of_map(&effect, full.model.found()) {
                 return None;
             }
+            let without = least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS);
+            let comparison = compare(&scores(&without), &scores(full), &scope.stages, options);
             let gain = comparison.iter().map(|c| c.gain).sum();
             let judged =
                 Candidate { effect, comparison, gain, fitted: None, exceeds_tolerance: true, limit: None };
@@ -287,8 +287,9 @@ fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effe
 
 /// Whether a fit does not describe a stage of its scope.
 fn is_gross(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> bool {
-    let max = |stage| data.options.verdict.max_described(data.noise(&fitted.model, stage));
-    scope.stages.iter().any(|&stage| data.rms(&fitted.residuals, stage) > max(stage))
+    let is_gross =
+        |&stage: &Stage| data.rms(&fitted.residuals, stage) > data.max_described(&fitted.model, stage);
+    scope.stages.iter().any(is_gross)
 }
 
 /// Whether an effect is a periodic error of the screw whose period is no whole fraction of the lead.

@@ -1,7 +1,7 @@
 //! Machine files of another machine.
 //!
-//! If the masses, stiffness or friction of a file are far from those of the machine, each effect that makes up for a part of
-//! the difference reduces the residuals, and none of them is real. The signs of it are residuals of the declared
+//! If the masses, stiffness or friction of a file are far from those of the machine, each effect that compensates a part of
+//! the difference reduces the residuals, and none of them is real. The signs are residuals of the declared
 //! model above the noise in most stages that depend on the mechanics, and several declared values that the fit with
 //! effects has moved to the end of their range.
 
@@ -31,17 +31,13 @@ pub fn is_of_another_machine(
 
 /// Whether a model fails to describe most of the stages that depend on the mechanics, and at least two if there are two.
 fn leaves_gross_residuals(data: &FitData<'_>, model: &AxisModel, scopes: &[Scope]) -> bool {
-    let mechanical = |scope: &&Scope| scope.mechanics != Mechanics::None;
-    let is_gross = |scope: &Scope, stage: Stage| {
+    let mut are_gross = Vec::new();
+    for scope in scopes.iter().filter(|scope| scope.mechanics != Mechanics::None) {
         let residuals = data.residuals(model, scope);
-        data.rms(&residuals, stage)
-            > MIN_RESIDUAL * data.options.verdict.max_described(data.noise(model, stage))
-    };
-    let stages: Vec<(&Scope, Stage)> = scopes
-        .iter()
-        .filter(mechanical)
-        .flat_map(|scope| scope.stages.iter().map(move |&stage| (scope, stage)))
-        .collect();
-    let gross = stages.iter().filter(|(scope, stage)| is_gross(scope, *stage)).count();
-    gross >= stages.len().clamp(1, 2) && 2 * gross > stages.len()
+        let is_gross =
+            |&stage: &Stage| data.rms(&residuals, stage) > MIN_RESIDUAL * data.max_described(model, stage);
+        are_gross.extend(scope.stages.iter().map(is_gross));
+    }
+    let gross = are_gross.iter().filter(|is_gross| **is_gross).count();
+    gross >= are_gross.len().clamp(1, 2) && 2 * gross > are_gross.len()
 }
