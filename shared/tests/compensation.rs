@@ -92,7 +92,10 @@ fn items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)> {
         // reading = motor + 2 µm·sin(…).
         (
             CompensationKind::Dividing,
-            CompensationSettings { dividing: Some(Cycle::harmonic(2e-6, 2.5e-3, 0.4)), ..none() },
+            CompensationSettings {
+                dividing: [Cycle::harmonic(2e-6, 2.5e-3, 0.4)].into_iter().collect(),
+                ..none()
+            },
             1,
             |x, _| -2e-6 * (TAU * x / 2.5e-3 + 0.4).sin(),
         ),
@@ -113,7 +116,10 @@ fn items() -> Vec<(CompensationKind, CompensationSettings, usize, Expected)> {
         // Force on the motor = force + 6 N·sin(…).
         (
             CompensationKind::Ripple,
-            CompensationSettings { ripple: Some(Cycle::harmonic(6.0, 5e-3, 0.2)), ..none() },
+            CompensationSettings {
+                ripple: [Cycle::harmonic(6.0, 5e-3, 0.2)].into_iter().collect(),
+                ..none()
+            },
             2,
             |x, _| -6.0 * (TAU * x / 5e-3 + 0.2).sin(),
         ),
@@ -202,7 +208,7 @@ fn any_settings() -> impl Strategy<Value = CompensationSettings> {
             backward: Some(points(-0.3, 0.01, |x| 20e-6 * b * (70.0 * x).cos())),
         }),
         backlash_width_m: has[1].then_some(30e-6 * a),
-        dividing: has[2].then(|| Cycle::harmonic(20e-6 * b, 2.5e-3, a)),
+        dividing: has[2].then(|| Cycle::harmonic(20e-6 * b, 2.5e-3, a)).into_iter().collect(),
         reversal: has[3].then_some(Reversal {
             force_n: 100.0 * a,
             decay_s: 0.05 * b + 1e-3,
@@ -212,7 +218,7 @@ fn any_settings() -> impl Strategy<Value = CompensationSettings> {
         crosstalk: has[5].then_some((1, Talk::Constant(-2e-5 * b))),
         squareness: has[6].then_some((1, 1e-3 * c)),
         straightness: has[7].then_some((1, Straightness::Quadratic(1e-3 * a))),
-        ripple: has[8].then(|| Cycle::harmonic(100.0 * c, 1e-3, b)),
+        ripple: has[8].then(|| Cycle::harmonic(100.0 * c, 1e-3, b)).into_iter().collect(),
         position_bound_m: 20e-6,
         position_rate_m_per_s,
         force_bound_n: 100.0,
@@ -305,11 +311,20 @@ fn rejected_settings_are_named() {
         (CompensationSettings { squareness: Some((1, f64::INFINITY)), ..none() }, "squareness"),
         (CompensationSettings { crosstalk: Some((7, Talk::Constant(0.0))), ..none() }, "crosstalk"),
         (CompensationSettings { intalk: Some(Talk::Constant(1.0)), ..none() }, "intalk"),
-        (CompensationSettings { dividing: Some(Cycle::harmonic(2e-3, 2.5e-3, 0.0)), ..none() }, "dividing"),
-        (CompensationSettings { ripple: Some(Cycle::harmonic(1.0, 0.0, 0.0)), ..none() }, "ripple"),
         (
             CompensationSettings {
-                ripple: Some(Cycle { period_m: 1e-3, values: [1.0].into_iter().collect() }),
+                dividing: [Cycle::harmonic(2e-3, 2.5e-3, 0.0)].into_iter().collect(),
+                ..none()
+            },
+            "dividing",
+        ),
+        (
+            CompensationSettings { ripple: [Cycle::harmonic(1.0, 0.0, 0.0)].into_iter().collect(), ..none() },
+            "ripple",
+        ),
+        (
+            CompensationSettings {
+                ripple: [Cycle { period_m: 1e-3, values: [1.0].into_iter().collect() }].into_iter().collect(),
                 ..none()
             },
             "ripple",
@@ -335,7 +350,7 @@ fn rejected_settings_are_named() {
 #[test]
 fn a_removed_compensation_fades_out() {
     let dividing = CompensationSettings {
-        dividing: Some(Cycle::harmonic(20e-6, 2.5e-3, 1.5)),
+        dividing: [Cycle::harmonic(20e-6, 2.5e-3, 1.5)].into_iter().collect(),
         reversal: Some(Reversal { force_n: 100.0, decay_s: 0.01, fade_m_per_s: 1.0 }),
         ..CompensationSettings::default()
     };

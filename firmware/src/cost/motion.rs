@@ -85,13 +85,13 @@ pub fn all_compensations(axis: usize) -> CompensationSettings {
     CompensationSettings {
         pitch: Some(Pitch { of: PitchSource::Screw, forward: points(1e-6), backward: Some(points(1.5e-6)) }),
         backlash_width_m: Some(3e-6),
-        dividing: Some(Cycle::harmonic(1e-6, 2.5e-3, 0.3)),
+        dividing: [Cycle::harmonic(1e-6, 2.5e-3, 0.3)].into_iter().collect(),
         reversal: Some(Reversal { force_n: 30.0, decay_s: 0.01, fade_m_per_s: 0.05 }),
         intalk: Some(Talk::Over(points(1e-7))),
         crosstalk: Some((other, Talk::Over(points(1e-7)))),
         squareness: Some((other, 2e-5)),
         straightness: Some((other, Straightness::Over(points(1e-6)))),
-        ripple: Some(Cycle::harmonic(5.0, 2.5e-3, 0.1)),
+        ripple: [Cycle::harmonic(5.0, 2.5e-3, 0.1)].into_iter().collect(),
         ..CompensationSettings::default()
     }
 }

@@ -116,9 +116,9 @@ impl<S: Scalar> AxisCompensation<S> {
                 Err(ConfigError::OutOfRange { name, min: 0.0, max: axes as f64 - 1.0 })
             }
         };
-        let cycle = |name, cycle: &Option<settings::Cycle>, unit, bound| {
+        let cycle = |name, cycles: &[settings::Cycle], unit, bound| {
             let range = ValueRange { unit, bound };
-            cycle.as_ref().map(|cycle| PeriodicTable::new(name, cycle, range)).transpose()
+            cycles.first().map(|cycle| PeriodicTable::new(name, cycle, range)).transpose()
         };
         let pitch = settings.pitch.as_ref().map(|pitch| Pitch::new(pitch, bound_m)).transpose()?;
         let intalk = settings.intalk.as_ref().map(|talk| Talk::new("intalk", talk, rate_hz)).transpose()?;

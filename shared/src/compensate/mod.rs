@@ -18,6 +18,7 @@
 
 pub mod axis;
 pub mod backlash;
+pub mod force_settings;
 pub mod geometry;
 pub mod kind;
 pub mod machine;

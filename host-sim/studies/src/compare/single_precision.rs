@@ -5,6 +5,7 @@
 //! laws may subtract them as integers.
 
 use shared::axis::{AxisState, Reading};
+use shared::compensate::CompensationSettings;
 use shared::config::{AxisConfig, AxisSettings, Rates};
 use shared::interpolate::{Path, PathError};
 use shared::machine::MachineError;
@@ -75,6 +76,10 @@ impl Controller for SinglePrecision {
         self.exact.push(&planned).map_err(refused)?;
         self.path = SinglePath::new(block, self.exact.command());
         Ok(())
+    }
+
+    fn compensate(&mut self, _: usize, _: &CompensationSettings) -> Result<(), ControllerError> {
+        Err(ControllerError::NotSupported("compensation"))
     }
 
     fn enable(&mut self) -> Result<(), ControllerError> {
