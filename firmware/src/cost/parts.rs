@@ -4,7 +4,7 @@ use core::array::from_fn;
 use core::hint::black_box;
 
 use shared::axis::AxisState;
-use shared::compensate::{AxisCompensation, Compensation};
+use shared::compensate::{AxisCompensation, Compensation, Correction};
 use shared::config::{AxisConfig, AxisSettings, Law};
 use shared::control::{feedforward, filter, position, velocity};
 use shared::feedback::dual;
@@ -94,7 +94,7 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
         all.velocity.force(state, speed, motor)
     });
     part.of("position loop of an axis", others, AxisState::at_rest(command, reading), |state, tick| {
-        state.position_tick(all, tick.output.commands[0], 0, tick.readings[0])
+        state.position_tick(all, tick.output.commands[0], Correction::NONE, tick.readings[0])
     });
     part.of("tick, drives coming on", &ticks[..1], motion::machine::<S>(&PROGRAM)?, |machine, tick| {
         machine.tick(&tick.readings)

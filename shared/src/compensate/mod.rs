@@ -18,15 +18,22 @@
 
 pub mod axis;
 pub mod backlash;
+mod convert;
+pub mod cycles;
+pub mod drift;
+pub mod force;
 pub mod force_settings;
 pub mod geometry;
 pub mod kind;
 pub mod machine;
 pub mod motion;
+pub mod octave_curve;
 pub mod pitch;
+pub mod presliding;
 pub mod reversal;
 pub mod settings;
 pub mod slew;
+pub mod state;
 pub mod table;
 pub mod talk;
 
@@ -34,3 +41,4 @@ pub use axis::AxisCompensation;
 pub use kind::CompensationKind;
 pub use machine::Compensation;
 pub use settings::CompensationSettings;
+pub use state::Correction;
