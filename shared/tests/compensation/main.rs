@@ -6,6 +6,7 @@
 
 mod bounds;
 mod cancels;
+mod force;
 mod refused;
 
 use std::f64::consts::TAU;
