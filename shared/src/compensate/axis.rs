@@ -59,7 +59,7 @@ pub(super) enum SlowTerm {
     Crosstalk,
     Drift,
     Load,
-    FrictionMap,
+    AdditionalFriction,
 }
 
 impl<S: Scalar> AxisCompensation<S> {
@@ -137,8 +137,8 @@ impl<S: Scalar> AxisCompensation<S> {
         let pulse = self.reversal.as_ref().map(|reversal| reversal.force(&mut state.pulse, own));
         state.pulse_force = pulse.filter(|_| state.is_on(CompensationKind::Reversal)).unwrap_or_default();
         if let Some(model) = &self.model {
-            let (load, friction, ticks) = (state.slow.load, state.slow.friction, state.ticks);
-            model.update(&mut state.model, own.position, Surroundings { load, friction, ticks });
+            let (load, friction) = (state.slow.load, state.slow.friction);
+            model.update(&mut state.model, own.position, Surroundings { load, friction });
         }
     }
 
@@ -182,8 +182,10 @@ impl<S: Scalar> AxisCompensation<S> {
             SlowTerm::Load => {
                 state.slow.load = self.load.as_ref().map_or(none, |load| load.at(own.position));
             }
-            SlowTerm::FrictionMap => {
-                state.slow.friction = self.friction_map.as_ref().map_or(none, |map| map.at(own.position));
+            SlowTerm::AdditionalFriction => {
+                let map = self.friction_map.as_ref().map_or(none, |map| map.at(own.position));
+                let cold = self.model.as_ref().map_or(none, |model| model.cold_friction(state.ticks));
+                state.slow.friction = map + cold;
             }
         }
     }

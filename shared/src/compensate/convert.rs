@@ -120,6 +120,7 @@ impl<S: Scalar> AxisCompensation<S> {
     }
 
     fn list_slow_terms(&mut self) {
+        let warms_up = self.model.as_ref().is_some_and(Force::warms_up);
         let present = [
             (SlowTerm::Pitch, self.pitch.is_some()),
             (SlowTerm::Straightness, self.straightness.is_some()),
@@ -127,7 +128,7 @@ impl<S: Scalar> AxisCompensation<S> {
             (SlowTerm::Crosstalk, self.crosstalk.is_some()),
             (SlowTerm::Drift, self.drift.is_some()),
             (SlowTerm::Load, self.load.is_some()),
-            (SlowTerm::FrictionMap, self.friction_map.is_some()),
+            (SlowTerm::AdditionalFriction, self.friction_map.is_some() || warms_up),
         ];
         // The capacity is the number of terms.
         self.slow = present.into_iter().filter(|(_, is)| *is).map(|(term, _)| term).collect();

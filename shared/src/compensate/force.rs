@@ -81,10 +81,8 @@ pub struct State<S: Scalar> {
 pub struct Surroundings<S> {
     /// Load at the position, N.
     pub load: S,
-    /// Additional friction at the position, N.
+    /// Additional friction at the position and time, N.
     pub friction: S,
-    /// Time since the compensation was set, ticks of the velocity loop.
-    pub ticks: u64,
 }
 
 impl<S: Scalar> State<S> {
@@ -183,6 +181,18 @@ impl<S: Scalar> Force<S> {
         }
     }
 
+    /// Whether there is additional friction of a cold machine.
+    #[must_use]
+    pub const fn warms_up(&self) -> bool {
+        self.warm_up.is_some()
+    }
+
+    /// Additional friction of a cold machine after a number of ticks of the velocity loop, N.
+    #[must_use]
+    pub fn cold_friction(&self, ticks: u64) -> S {
+        self.warm_up.as_ref().map_or(S::ZERO, |(force, remaining)| S::ZERO.lerp(*force, remaining.at(ticks)))
+    }
+
     /// The forces of the next command, once per position tick.
     pub fn update(&self, state: &mut State<S>, command: Position, at: Surroundings<S>) {
         let increment = mul_q32(command - state.position, self.lag_q32);
@@ -193,14 +203,10 @@ impl<S: Scalar> Force<S> {
         let speed = increment.unsigned_abs();
         let magnitude = if increment < 0 { -velocity } else { velocity };
         let sign = i64::from(self.sign.at(speed) >> 1) * increment.signum();
-        let mut friction = at.friction;
-        if let Some((cold, remaining)) = &self.warm_up {
-            friction = friction + S::ZERO.lerp(*cold, remaining.at(at.ticks));
-        }
         state.on_table = S::round(acceleration * self.table_mass)
             + S::round(velocity * self.viscous)
             + S::round(magnitude * self.half_difference)
-            + self.table_friction(state, sign, friction)
+            + self.table_friction(state, sign, at.friction)
             + at.load;
         let motor_fraction = mul_q32(sign, self.motor_friction.fraction_q32(speed));
         let on_motor =
@@ -216,13 +222,15 @@ impl<S: Scalar> Force<S> {
             let fraction = mul_q32(sign, self.table_friction.fraction_q32(speed));
             return scaled(self.table_friction.greatest, fraction) + scaled(additional, sign);
         };
-        state.bristles = presliding.step(state.bristles, state.increment, self.level_q31(speed));
+        let least_over_level = presliding.least_over_level(speed);
+        let level = self.level_q31(speed);
+        state.bristles = presliding.step(state.bristles, state.increment, level, least_over_level);
         let friction = scaled(self.table_friction.greatest, state.bristles);
         if additional == S::ZERO {
             return friction;
         }
         // The fraction of g at this speed: F/g = F/greatest · greatest/least · least/g.
-        let of_least = mul_q32(state.bristles, presliding.least_over_level(speed));
+        let of_least = mul_q32(state.bristles, least_over_level);
         let direction = ((of_least * self.greatest_over_least_q16) >> 16).clamp(-ONE, ONE);
         friction + scaled(additional, direction)
     }

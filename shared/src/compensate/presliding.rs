@@ -60,14 +60,14 @@ impl Presliding {
         self.least_over_level.as_ref().map_or(u32::MAX, |curve| curve.at(speed))
     }
 
-    /// The friction after a motion of `increment` position units, as a fraction of the greatest g with 31 fraction bits;
-    /// `level` is g at its speed in the same unit.
+    /// The friction after a motion of `increment` position units, as a fraction of the greatest g with 31 fraction bits.
+    /// `level` is g at its speed in the same unit, `least_over_level` is [`Presliding::least_over_level`] of its speed.
     #[must_use]
-    pub fn step(&self, friction: i64, increment: i64, level: i64) -> i64 {
+    pub fn step(&self, friction: i64, increment: i64, level: i64, least_over_level: u32) -> i64 {
         let distance = increment.unsigned_abs();
         // u/16 with 32 fraction bits.
         let exponent = (distance.min(self.max_distance) * self.per_unit_q60) >> 32;
-        let exponent = mul_q32(exponent.cast_signed(), self.least_over_level(distance));
+        let exponent = mul_q32(exponent.cast_signed(), least_over_level);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "below 2³²")]
         let settled = settled_fraction(exponent as u32);
         let target = if increment < 0 { -level } else { level };
@@ -120,7 +120,7 @@ mod tests {
             let mut friction = 0;
             let mut worst = 0.0f64;
             for k in 1..=2 * there {
-                friction = presliding.step(friction, if k > there { -step } else { step }, ONE);
+                friction = presliding.step(friction, if k > there { -step } else { step }, ONE, u32::MAX);
                 let turn_n = g * (1.0 - (-f64::from(there) * step_m / 2e-6).exp());
                 let exact = if k <= there {
                     g * (1.0 - (-f64::from(k) * step_m / 2e-6).exp())
@@ -141,7 +141,7 @@ mod tests {
     fn a_fast_motion_ends_at_the_level() {
         let presliding = Presliding::new(100e6, 100.0, None).unwrap();
         for increment in [1i64 << 36, 1 << 45, i64::MAX] {
-            let friction = presliding.step(-ONE, increment, ONE / 2);
+            let friction = presliding.step(-ONE, increment, ONE / 2, u32::MAX);
             assert!((friction - ONE / 2).abs() < ONE / 10_000, "{increment}: {friction}");
         }
     }

@@ -8,6 +8,7 @@ mod bounds;
 mod cancels;
 mod force;
 mod refused;
+mod sensors;
 
 use std::f64::consts::TAU;
 
