@@ -8,7 +8,7 @@ use super::force::Force;
 use super::geometry::{Squareness, Straightness};
 use super::pitch::Pitch;
 use super::reversal::Reversal;
-use super::settings::{CompensationSettings, Points};
+use super::settings::CompensationSettings;
 use super::slew::Slew;
 use super::table::{Table, ValueRange};
 use super::talk::Talk;
@@ -39,6 +39,16 @@ impl Limits {
         })
     }
 
+    /// Unit and range of lengths.
+    const fn lengths(&self) -> ValueRange {
+        ValueRange { unit: LENGTH_M, bound: self.bound_m }
+    }
+
+    /// Unit and range of forces.
+    const fn forces(&self) -> ValueRange {
+        ValueRange { unit: 1.0, bound: self.bound_n }
+    }
+
     fn position<S: Scalar>(&self, m_per_s: f64, per_s: f64) -> Result<Slew<S>, ConfigError> {
         let name = "position_rate_m_per_s";
         let per_tick = Slew::per_tick(name, positive(name, m_per_s)?, per_s * LENGTH_M)?;
@@ -61,6 +71,8 @@ fn source(name: &'static str, axis: u8, axes: usize) -> Result<u8, ConfigError> 
     }
 }
 
+// Tables are large, and each of these functions keeps several of them on its stack: not inlined, so that these are not there
+// all at once.
 impl<S: Scalar> AxisCompensation<S> {
     /// Checks and converts the settings of an axis of a machine with `axes` axes.
     ///
@@ -69,54 +81,105 @@ impl<S: Scalar> AxisCompensation<S> {
     /// requires another one.
     pub fn new(settings: &CompensationSettings, rates: Rates, axes: usize) -> Result<Self, ConfigError> {
         let limits = Limits::new::<S>(settings, rates)?;
-        let &Limits { bound_m, bound_n, rate_hz, tick_hz } = &limits;
-        let (lengths, forces) =
-            (ValueRange { unit: LENGTH_M, bound: bound_m }, ValueRange { unit: 1.0, bound: bound_n });
-        let model = settings.force.as_ref();
-        let table =
-            |name, points: Option<&Points>| points.map(|points| Table::new(name, points, forces)).transpose();
         let mut converted = Self {
-            pitch: settings.pitch.as_ref().map(|pitch| Pitch::new(pitch, bound_m)).transpose()?,
-            backlash: settings.backlash_width_m.map(|width| Backlash::new(width, bound_m)).transpose()?,
-            screw: Cycles::new("screw", &settings.screw, lengths)?,
-            dividing: Cycles::new("dividing", &settings.dividing, lengths)?,
-            reversal: settings.reversal.as_ref().map(|r| Reversal::new(r, rate_hz, bound_n)).transpose()?,
-            intalk: settings.intalk.as_ref().map(|talk| Talk::new("intalk", talk, rate_hz)).transpose()?,
-            crosstalk: match &settings.crosstalk {
-                Some((axis, talk)) => {
-                    Some((source("crosstalk", *axis, axes)?, Talk::new("crosstalk", talk, rate_hz)?))
-                }
-                None => None,
-            },
-            squareness: match settings.squareness {
-                Some((axis, k)) => Some((source("squareness", axis, axes)?, Squareness::new(k)?)),
-                None => None,
-            },
-            straightness: match &settings.straightness {
-                Some((axis, shape)) => {
-                    Some((source("straightness", *axis, axes)?, Straightness::new(shape, bound_m)?))
-                }
-                None => None,
-            },
-            ripple: Cycles::new("ripple", &settings.ripple, forces)?,
-            model: model.map(|model| Force::new(model, [rate_hz, tick_hz], bound_n)).transpose()?,
-            load: table("load", model.and_then(|model| model.load.as_ref()))?,
-            friction_map: table("friction_map", model.and_then(|model| model.friction.map.as_ref()))?,
-            stretch: match (settings.stretch_m_per_n, model) {
-                (Some(_), None) => {
-                    return Err(ConfigError::Requires { name: "stretch_m_per_n", other: "force" });
-                }
-                (Some(m_per_n), Some(_)) => Some(gain::<S>("stretch_m_per_n", m_per_n, 1.0 / LENGTH_M)?),
-                (None, _) => None,
-            },
-            drift: settings.drift.as_ref().map(|drift| Drift::new(drift, tick_hz, bound_m)).transpose()?,
+            pitch: None,
+            backlash: None,
+            screw: Cycles::NONE,
+            dividing: Cycles::NONE,
+            reversal: None,
+            intalk: None,
+            crosstalk: None,
+            squareness: None,
+            straightness: None,
+            ripple: Cycles::NONE,
+            model: None,
+            load: None,
+            friction_map: None,
+            stretch: None,
+            drift: None,
             slow: heapless::Vec::new(),
-            command: limits.position(settings.position_rate_m_per_s, rate_hz)?,
-            reading: limits.position(settings.position_rate_m_per_s, tick_hz)?,
+            command: limits.position(settings.position_rate_m_per_s, limits.rate_hz)?,
+            reading: limits.position(settings.position_rate_m_per_s, limits.tick_hz)?,
             force: limits.force(settings.force_rate_n_per_s)?,
         };
+        converted.convert_screw(settings, &limits)?;
+        converted.convert_tool(settings, &limits, axes)?;
+        converted.convert_motor(settings, &limits)?;
+        converted.convert_model(settings, &limits)?;
         converted.list_slow_terms();
         Ok(converted)
+    }
+
+    /// Errors between motor and scale, except for the stretch.
+    #[inline(never)]
+    fn convert_screw(&mut self, settings: &CompensationSettings, limits: &Limits) -> Result<(), ConfigError> {
+        let bound_m = limits.bound_m;
+        self.pitch = settings.pitch.as_ref().map(|pitch| Pitch::new(pitch, bound_m)).transpose()?;
+        self.backlash = settings.backlash_width_m.map(|width| Backlash::new(width, bound_m)).transpose()?;
+        self.screw = Cycles::new("screw", &settings.screw, limits.lengths())?;
+        Ok(())
+    }
+
+    /// Errors of the tool.
+    #[inline(never)]
+    fn convert_tool(
+        &mut self,
+        settings: &CompensationSettings,
+        limits: &Limits,
+        axes: usize,
+    ) -> Result<(), ConfigError> {
+        let &Limits { bound_m, rate_hz, tick_hz, .. } = limits;
+        if let Some(talk) = &settings.intalk {
+            self.intalk = Some(Talk::new("intalk", talk, rate_hz)?);
+        }
+        if let Some((axis, talk)) = &settings.crosstalk {
+            self.crosstalk =
+                Some((source("crosstalk", *axis, axes)?, Talk::new("crosstalk", talk, rate_hz)?));
+        }
+        if let Some((axis, k)) = settings.squareness {
+            self.squareness = Some((source("squareness", axis, axes)?, Squareness::new(k)?));
+        }
+        if let Some((axis, shape)) = &settings.straightness {
+            let axis = source("straightness", *axis, axes)?;
+            self.straightness = Some((axis, Straightness::new(shape, bound_m)?));
+        }
+        if let Some(drift) = &settings.drift {
+            self.drift = Some(Drift::new(drift, tick_hz, bound_m)?);
+        }
+        Ok(())
+    }
+
+    /// Errors of the motor: its reading, its ripple, and the pulse at a reversal.
+    #[inline(never)]
+    fn convert_motor(&mut self, settings: &CompensationSettings, limits: &Limits) -> Result<(), ConfigError> {
+        self.dividing = Cycles::new("dividing", &settings.dividing, limits.lengths())?;
+        self.ripple = Cycles::new("ripple", &settings.ripple, limits.forces())?;
+        if let Some(reversal) = &settings.reversal {
+            self.reversal = Some(Reversal::new(reversal, limits.rate_hz, limits.bound_n)?);
+        }
+        Ok(())
+    }
+
+    /// The force feed-forward, and the stretch.
+    #[inline(never)]
+    fn convert_model(&mut self, settings: &CompensationSettings, limits: &Limits) -> Result<(), ConfigError> {
+        let Some(model) = &settings.force else {
+            return match settings.stretch_m_per_n {
+                Some(_) => Err(ConfigError::Requires { name: "stretch_m_per_n", other: "force" }),
+                None => Ok(()),
+            };
+        };
+        self.model = Some(Force::new(model, [limits.rate_hz, limits.tick_hz], limits.bound_n)?);
+        if let Some(load) = &model.load {
+            self.load = Some(Table::new("load", load, limits.forces())?);
+        }
+        if let Some(map) = &model.friction.map {
+            self.friction_map = Some(Table::new("friction_map", map, limits.forces())?);
+        }
+        if let Some(m_per_n) = settings.stretch_m_per_n {
+            self.stretch = Some(gain::<S>("stretch_m_per_n", m_per_n, 1.0 / LENGTH_M)?);
+        }
+        Ok(())
     }
 
     fn list_slow_terms(&mut self) {

@@ -11,6 +11,9 @@ use crate::units::Position;
 pub struct Cycles<S: Scalar>([Option<PeriodicTable<S>>; CYCLES]);
 
 impl<S: Scalar> Cycles<S> {
+    /// No table.
+    pub const NONE: Self = Self([None; CYCLES]);
+
     /// Converts settings.
     ///
     /// # Errors

@@ -72,7 +72,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     /// The present corrections of the commands.
     #[must_use]
     pub fn active_corrections(&self) -> [Correction; N] {
-        self.states.each_ref().map(State::correction)
+        if self.any { self.states.each_ref().map(State::correction) } else { [Correction::NONE; N] }
     }
 
     /// The readings with the errors of the resolvers corrected, once per tick.
