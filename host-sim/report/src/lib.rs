@@ -11,12 +11,11 @@
 //! | `tables` | tables of residuals, and of effects found compared with the truth |
 //! | `axis_view` | the plotted residuals |
 //! | `residual_plots` | residuals over time and over a `variable` |
-//! | `circle_plots` | a circle, from `circle_fit` and `radial_deviation` |
+//! | `circle_plots` | a circle, from `contour::circle_fit` and `radial_deviation` |
 //! | [`ranking`] | the candidates of each round |
 
 mod axis_view;
 mod caveats;
-mod circle_fit;
 mod circle_plots;
 mod data_faults;
 pub mod friction_map;

@@ -2,7 +2,7 @@
 
 use super::contributors::Contributor;
 use super::experiment::{Experiment, StickSlip};
-use crate::reproduce::ballbar::{Ballbar, to_axis_rad};
+use contour::circular_test::{Ballbar, to_axis_rad};
 use crate::reproduce::study::{Outcome, Printed};
 
 /// The error printed for the lower speed, µm.

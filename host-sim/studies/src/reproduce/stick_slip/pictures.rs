@@ -4,7 +4,7 @@ use super::contributors::Contributor;
 use super::experiment::{Experiment, StickSlip};
 use super::sentences::micrometres;
 use super::table_model::{RADIUS_M, SPEEDS_RAD_PER_S, TABLES};
-use crate::reproduce::ballbar::Ballbar;
+use contour::circular_test::Ballbar;
 use crate::reproduce::study::Picture;
 use files::format::significant;
 use pages::plot::{Chart, Ink, Layer};
