@@ -44,8 +44,7 @@ pub struct Arc {
 /// The largest circle in the command of two axes, one value per sample, m.
 #[must_use]
 pub fn find(x: &[f64], y: &[f64]) -> Option<Circle> {
-    let mut arcs: Vec<Circle> =
-        moving(x, y).into_iter().filter_map(|samples| fit(x, y, samples)).collect();
+    let mut arcs: Vec<Circle> = moving(x, y).into_iter().filter_map(|samples| fit(x, y, samples)).collect();
     arcs.sort_by(|a, b| b.radius.total_cmp(&a.radius));
     arcs.iter().find_map(|largest| {
         let tolerance = SAME_CIRCLE_FRACTION * largest.radius;

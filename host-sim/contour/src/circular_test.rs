@@ -137,8 +137,9 @@ impl Ballbar {
         let laps = [&self.positive, &self.negative];
         // Both laps have the same angles: their common least-squares circle is the mean of both.
         let common = [0, 1, 2].map(|k| 0.5 * (laps[0].circle_um[k] + laps[1].circle_um[k]));
-        let about_common =
-            |lap: &Lap| lap.from_programmed_um().enumerate().map(|(i, um)| um - radial_um(common, i)).collect();
+        let about_common = |lap: &Lap| {
+            lap.from_programmed_um().enumerate().map(|(i, um)| um - radial_um(common, i)).collect()
+        };
         numerics::peak_to_peak(laps.into_iter().flat_map(|lap| -> Vec<f64> { about_common(lap) }))
     }
 

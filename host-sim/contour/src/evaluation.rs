@@ -42,6 +42,20 @@ pub struct ContourError {
     pub is_along_axis: bool,
 }
 
+impl ContourError {
+    /// Circular deviation G of the largest full circle, the larger of its directions, µm.
+    #[must_use]
+    pub fn circular_um(&self) -> Option<f64> {
+        self.circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius)).map(CircleError::circular_um)
+    }
+
+    /// Largest overshoot of a corner, µm.
+    #[must_use]
+    pub fn overshoot_um(&self) -> Option<f64> {
+        self.corners.iter().map(|corner| corner.overshoot_um).reduce(f64::max)
+    }
+}
+
 /// The contour error of one block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct BlockError {

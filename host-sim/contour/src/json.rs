@@ -4,14 +4,14 @@ use serde_json::{Map, Value, json};
 
 use super::circle::{CircleError, LapError};
 use super::corner::CornerError;
-use super::evaluation::ContourError;
+use super::evaluation::{BlockError, ContourError};
+use super::logged::LogError;
 
 /// All figures of a contour error. `axes` are the names of the axes.
 #[must_use]
 pub fn of(error: &ContourError, axes: &[String]) -> Value {
-    let block = |block: &super::evaluation::BlockError| {
-        json!({"block": block.block, "max_um": block.max_um, "rms_um": block.rms_um})
-    };
+    let block =
+        |block: &BlockError| json!({"block": block.block, "max_um": block.max_um, "rms_um": block.rms_um});
     json!({
         "max_um": error.max_um,
         "rms_um": error.rms_um,
@@ -22,6 +22,20 @@ pub fn of(error: &ContourError, axes: &[String]) -> Value {
         "circles": error.circles.iter().map(|circle| of_circle(circle, axes)).collect::<Vec<_>>(),
         "corners": error.corners.iter().map(|corner| of_corner(corner, axes)).collect::<Vec<_>>(),
     })
+}
+
+/// The key `contour` of `trace --json`: one entry for each log.
+#[must_use]
+pub fn of_logs(logs: &[LogError]) -> Value {
+    let one = |log: &LogError| {
+        let mut entry = of(&log.error, &log.axes);
+        if let Some(entry) = entry.as_object_mut() {
+            entry.insert("log".to_owned(), json!(log.log));
+            entry.insert("channel".to_owned(), json!(log.channel.word()));
+        }
+        entry
+    };
+    logs.iter().map(one).collect()
 }
 
 fn of_circle(circle: &CircleError, axes: &[String]) -> Value {

@@ -75,6 +75,15 @@ impl LoggedMotion {
     }
 }
 
+/// Name of a log: its file name without folder and extension.
+#[must_use]
+pub fn log_name(source: &str) -> String {
+    let name = source.rsplit(['/', '\\']).next().unwrap_or(source);
+    let name = name.strip_suffix(".gz").unwrap_or(name);
+    let name = name.strip_suffix(".csv").or_else(|| name.strip_suffix(".toml")).unwrap_or(name);
+    name.to_owned()
+}
+
 /// Whether all linear axes of a log have a channel.
 #[must_use]
 pub fn has(log: &Log, channel: Channel) -> bool {
@@ -89,6 +98,31 @@ fn at(axes_m: &[Vec<f64>], sample: usize) -> Point {
     let mut point = [0.0; MAX_AXES];
     point.iter_mut().zip(axes_m).for_each(|(coordinate, axis)| *coordinate = axis[sample]);
     point
+}
+
+/// The contour error of a log with its name.
+#[derive(Clone, Debug, PartialEq)]
+pub struct LogError {
+    /// See [`log_name`].
+    pub log: String,
+    /// Names of the axes.
+    pub axes: Vec<String>,
+    /// The measured channel.
+    pub channel: Channel,
+    /// The error relative to the path of the log's own command, all samples as logged.
+    pub error: ContourError,
+}
+
+impl LogError {
+    /// The contour errors of those logs that have what it needs.
+    pub fn all<'a>(logs: impl IntoIterator<Item = &'a Log>) -> Vec<Self> {
+        let of_log = |log: &Log| {
+            let motion = LoggedMotion::of(log).ok()?;
+            let error = motion.contour_error()?;
+            Some(Self { log: log_name(&log.source), axes: motion.axes, channel: motion.channel, error })
+        };
+        logs.into_iter().filter_map(of_log).collect()
+    }
 }
 
 /// What a log lacks for a contour error.
@@ -109,7 +143,9 @@ impl Missing {
         match self {
             Self::LinearAxes => "1 to 3 axes in mm",
             Self::Command => "the command of each axis (NAME_command_mm)",
-            Self::Position => "a measured position of each axis (NAME_tool_mm, NAME_table_mm or NAME_motor_mm)",
+            Self::Position => {
+                "a measured position of each axis (NAME_tool_mm, NAME_table_mm or NAME_motor_mm)"
+            }
         }
     }
 }

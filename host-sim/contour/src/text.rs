@@ -3,6 +3,7 @@
 use super::circle::{CircleError, LapError};
 use super::corner::CornerError;
 use super::evaluation::{BlockError, ContourError};
+use super::logged::LogError;
 use files::format::{signed, significant};
 use files::log::Channel;
 
@@ -22,7 +23,8 @@ pub fn of(error: &ContourError, channel: Channel, axes: &[String]) -> String {
         blocks.sort_by(|a, b| b.max_um.total_cmp(&a.max_um));
         blocks.truncate(MAX_BLOCKS);
         blocks.sort_by_key(|block| block.block);
-        let of_block = |block: &&BlockError| row(&format!("block[{}]", block.block), block.rms_um, block.max_um);
+        let of_block =
+            |block: &&BlockError| row(&format!("block[{}]", block.block), block.rms_um, block.max_um);
         lines.extend(blocks.iter().map(of_block));
     }
     if error.blocks.len() > MAX_BLOCKS {
@@ -31,6 +33,29 @@ pub fn of(error: &ContourError, channel: Channel, axes: &[String]) -> String {
     lines.extend(error.circles.iter().map(|circle| of_circle(circle, axes)));
     lines.extend(of_corners(&error.corners));
     lines.join("\n")
+}
+
+/// A table of several logs, one line for each; empty without logs.
+#[must_use]
+pub fn of_logs(logs: &[LogError]) -> String {
+    let heading = format!(
+        "{:<24}{:<10}{:>10}{:>11}{:>9}{:>16}",
+        "contour error, µm", "channel", "rms", "greatest", "G", "overshoot"
+    );
+    let line = |log: &LogError| {
+        let shown = |value: Option<f64>| value.map_or("–".to_owned(), |um| format!("{um:.2}"));
+        format!(
+            "{:<24}{:<10}{:>10.3}{:>11.3}{:>9}{:>16}",
+            log.log,
+            log.channel.word(),
+            log.error.rms_um,
+            log.error.max_um,
+            shown(log.error.circular_um()),
+            shown(log.error.overshoot_um())
+        )
+    };
+    let lines: Vec<String> = logs.iter().map(line).collect();
+    if lines.is_empty() { String::new() } else { format!("{heading}\n{}", lines.join("\n")) }
 }
 
 fn row(name: &str, rms_um: f64, max_um: f64) -> String {

@@ -14,7 +14,9 @@ use trace::Trace;
 /// The section's body; empty if no log contains a circle of two linear axes with the required channels.
 #[must_use]
 pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
-    let (Some((log, circle)), [x, y, ..]) = (largest_circle(&trace.validate_logs), views) else { return Markup::default() };
+    let (Some((log, circle)), [x, y, ..]) = (largest_circle(&trace.validate_logs), views) else {
+        return Markup::default();
+    };
     if [x, y].iter().any(|view| view.trace.unit == Unit::Degree) {
         return Markup::default();
     }

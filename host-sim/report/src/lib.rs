@@ -1,5 +1,5 @@
 //! What a trace found, for people: its page and its sentences. [`friction_map`] is the page of a steady-state friction
-//! map.
+//! map, [`verification_page`] that of motions before and after a change.
 //!
 //! | file | |
 //! |---|---|
@@ -27,6 +27,7 @@ pub mod sentences;
 mod tables;
 pub mod trace_page;
 mod variable;
+pub mod verification_page;
 
 #[cfg(test)]
 mod tests;

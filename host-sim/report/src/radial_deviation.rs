@@ -66,9 +66,8 @@ impl Run<'_> {
 
     /// The position stages that both axes have.
     pub fn stages(&self) -> Vec<Stage> {
-        let is_there = |stage: &Stage| {
-            self.axes.iter().all(|axis| series(&axis.before, *stage, self.log).is_some())
-        };
+        let is_there =
+            |stage: &Stage| self.axes.iter().all(|axis| series(&axis.before, *stage, self.log).is_some());
         [Stage::Motor, Stage::Table, Stage::Tool].into_iter().filter(is_there).collect()
     }
 

@@ -20,7 +20,7 @@ fn every_command_has_help() {
     let folder = folder();
     assert!(folder.succeeds("--version").starts_with("lost-motion "));
     let overview = folder.succeeds("--help");
-    for command in ["demo", "simulate", "record", "compare", "reproduce", "self-test", "trace"] {
+    for command in ["demo", "simulate", "record", "compare", "reproduce", "self-test", "trace", "verify"] {
         assert!(overview.contains(command), "{overview}");
         assert!(folder.succeeds(&format!("{command} --help")).contains("Usage: lost-motion"));
     }
@@ -32,6 +32,7 @@ fn invalid_arguments_end_with_exit_code_2() {
         "",
         "frobnicate",
         "trace",
+        "verify --machine machine.toml --before fit.csv",
         "simulate --machine",
         "demo --seed minus-one",
         "compare --hours soon",

@@ -39,9 +39,9 @@ fn a_constant_offset_from_a_line_is_its_distance_with_the_sign_of_the_side() {
         assert!(error.noise_um < 1e-6 && error.corners.is_empty() && error.circles.is_empty());
         let path = NominalPath::of_command(&run.command_m, SAMPLE_S);
         let mut evaluation = Evaluation::new(&path, SAMPLE_S);
-        let last = points.iter().fold(None, |_, [x, y]| {
-            evaluation.add(&[*x, *y, 0.0], &[x + offset_m[0], y + offset_m[1], 0.0])
-        });
+        let last = points
+            .iter()
+            .fold(None, |_, [x, y]| evaluation.add(&[*x, *y, 0.0], &[x + offset_m[0], y + offset_m[1], 0.0]));
         assert_near(last.unwrap(), sign * 5e-6, 1e-12);
     }
 }

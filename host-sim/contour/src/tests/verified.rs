@@ -58,7 +58,11 @@ fn a_change_and_its_prediction_are_judged() {
         (6.35, Change::Worse, false),
     ] {
         let verified = verified(after_um);
-        assert_eq!((verified.change(), verified.is_as_predicted()), (change, Some(is_as_predicted)), "{after_um}");
+        assert_eq!(
+            (verified.change(), verified.is_as_predicted()),
+            (change, Some(is_as_predicted)),
+            "{after_um}"
+        );
     }
 }
 
@@ -133,10 +137,16 @@ fn what_a_log_lacks_is_named() {
         axis.motor = axis.tool.take();
     }
     let message = VerifiedMotion::new(&before, &after, &none).unwrap_err().to_string();
-    assert!(message.starts_with("b.csv: expected a measured position of each axis that a.csv has"), "{message}");
+    assert!(
+        message.starts_with("b.csv: expected a measured position of each axis that a.csv has"),
+        "{message}"
+    );
     after.axes[0].motor = None;
     let message = VerifiedMotion::new(&before, &after, &none).unwrap_err().to_string();
-    assert!(message.starts_with("b.csv: expected a measured position of each axis (NAME_tool_mm"), "{message}");
+    assert!(
+        message.starts_with("b.csv: expected a measured position of each axis (NAME_tool_mm"),
+        "{message}"
+    );
     let both_motors = |mut log: Log| {
         log.axes.iter_mut().for_each(|axis| axis.motor = axis.tool.clone());
         log

@@ -11,7 +11,7 @@ pub use significance::{is_better, is_worse, rms_standard_error_um};
 use serde_json::{Value, json};
 
 use super::evaluation::ContourError;
-use super::logged::{LoggedMotion, Missing, POSITIONS, has};
+use super::logged::{LoggedMotion, Missing, POSITIONS, has, log_name};
 use files::error::InputError;
 use files::log::{Channel, Log};
 
@@ -58,7 +58,7 @@ impl VerifiedMotion {
         let length_mm = 1e3 * super::NominalPath::of_command(&motion.command_m, motion.sample_s).length_m();
         let predicted = predictions.of_motion([&before.source, &after.source], length_mm).cloned();
         Ok(Self {
-            name: predicted.as_ref().map_or_else(|| prediction::stem(&before.source), |p| p.motion.clone()),
+            name: predicted.as_ref().map_or_else(|| log_name(&before.source), |p| p.motion.clone()),
             files: [before.source.clone(), after.source.clone()],
             axes: motion.axes,
             channel,
@@ -89,14 +89,10 @@ impl VerifiedMotion {
         Some((self.after.rms_um - predicted.after_um).abs() <= allowed_um)
     }
 
-    /// Larger circular deviation G of the directions of the largest circle, before and after, µm.
+    /// Circular deviation G of the largest circle before and after, µm.
     #[must_use]
     pub fn circular_um(&self) -> Option<[f64; 2]> {
-        let largest = |error: &ContourError| {
-            let circle = error.circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius))?;
-            Some(circle.circular_um())
-        };
-        Some([largest(&self.before)?, largest(&self.after)?])
+        Some([self.before.circular_um()?, self.after.circular_um()?])
     }
 
     /// The entry of `verify --json`.
@@ -134,7 +130,8 @@ impl VerifiedMotion {
 fn evaluated(log: &Log, channel: Channel) -> Result<(LoggedMotion, ContourError), InputError> {
     let motion = LoggedMotion::of_channel(log, channel).map_err(|missing| input_error(log, missing))?;
     let error = motion.contour_error().ok_or_else(|| {
-        let expected = format!("a log longer than the {} s that are not evaluated", super::evaluation::SETTLING_S);
+        let expected =
+            format!("a log longer than the {} s that are not evaluated", super::evaluation::SETTLING_S);
         InputError::expected(&log.source, expected, format!("{} samples", log.len()))
     })?;
     Ok((motion, error))

@@ -46,7 +46,8 @@ pub fn pairs(before: &[Log], after: &[Log]) -> Result<Vec<usize>, InputError> {
 
 fn no_counterpart(log: &Log, others: &[Log], side: &str) -> InputError {
     let names: Vec<&str> = others.iter().map(|other| other.source.as_str()).collect();
-    let expected = format!("a log of the same motion (axes, path and duration of the command) {side} the change");
+    let expected =
+        format!("a log of the same motion (axes, path and duration of the command) {side} the change");
     InputError::expected(&log.source, expected, format!("other motions in {}", names.join(", ")))
 }
 
@@ -65,8 +66,7 @@ pub fn is_same_motion(one: &LoggedMotion, other: &LoggedMotion) -> bool {
         distance(&path.point_at(fraction * length_m), &other_path.point_at(fraction * other_m)) <= max_m
     };
     let (duration_s, other_s) = (duration_s(one), duration_s(other));
-    let max_s =
-        MAX_DURATION_FRACTION * duration_s + MAX_DURATION_SAMPLES * one.sample_s.max(other.sample_s);
+    let max_s = MAX_DURATION_FRACTION * duration_s + MAX_DURATION_SAMPLES * one.sample_s.max(other.sample_s);
     (length_m - other_m).abs() <= max_m && (duration_s - other_s).abs() <= max_s && (0..=POINTS).all(is_near)
 }
 

@@ -4,6 +4,7 @@ use std::path::Path;
 
 use serde::Deserialize;
 
+use crate::logged::log_name;
 use files::document::{Document, read_text};
 use files::error::InputError;
 
@@ -85,9 +86,9 @@ impl Predictions {
     /// at either end. Blanks, hyphens and underscores are alike.
     #[must_use]
     pub fn of_motion(&self, logs: [&str; 2], length_mm: f64) -> Option<&Prediction> {
-        let names = logs.map(|log| without_side(&plain(&stem(log))));
+        let names = logs.map(|log| without_side(&plain(&log_name(log))));
         self.predicted.iter().find(|entry| {
-            let motion = plain(&stem(&entry.motion));
+            let motion = plain(&log_name(&entry.motion));
             let is_named = names.contains(&motion) || names.contains(&without_side(&motion));
             let is_as_long = entry
                 .path_length_mm
@@ -95,14 +96,6 @@ impl Predictions {
             is_named && is_as_long
         })
     }
-}
-
-/// File name without folder and without the extensions of a log.
-pub(super) fn stem(source: &str) -> String {
-    let name = source.rsplit(['/', '\\']).next().unwrap_or(source);
-    let name = name.strip_suffix(".gz").unwrap_or(name);
-    let name = name.strip_suffix(".csv").or_else(|| name.strip_suffix(".toml")).unwrap_or(name);
-    name.to_owned()
 }
 
 /// Lower case, with one separator.

@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 
 use super::simulated_circle::SPEED_RAD_PER_S;
 use super::table_model::RADIUS_M;
-use contour::circular_test::Ballbar;
 use crate::reproduce::study::ReproduceError;
+use contour::circular_test::Ballbar;
 
 /// Error, µm, of an axis at R·cos(angle) with Dahl hysteresis: ±(w/2)·(1 − 2·e^(−s/λ)) against its motion, with s the
 /// distance from the last reversal, w the width and λ `distance_um`. `sense` is 1 counter-clockwise, −1 clockwise.

@@ -10,8 +10,8 @@ use std::f64::consts::FRAC_PI_2;
 use super::closed_form_circle::{dahl_lag_um, delay_um, from_axis_errors};
 use super::simulated_circle::{POSITION_GAIN_PER_S, SPEED_RAD_PER_S, simulate};
 use super::table_model::{self, RADIUS_M};
-use contour::circular_test::Ballbar;
 use crate::reproduce::study::ReproduceError;
+use contour::circular_test::Ballbar;
 use model::effects::{Backlash, Effect, ServoMismatch, Squareness};
 
 /// A cause of circle error.

@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use super::table_model::{RADIUS_M, SPEEDS_RAD_PER_S};
-use contour::circular_test::Ballbar;
 use crate::reproduce::study::ReproduceError;
+use contour::circular_test::Ballbar;
 use files::log::Log;
 use link::controller::{Format, PathBlock, PathShape};
 use model::effects::Effect;

@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 
-use contour::circular_test::{Ballbar, Lap, POINTS};
 use crate::reproduce::study::ReproduceError;
+use contour::circular_test::{Ballbar, Lap, POINTS};
 use model::friction_curve::FallingRising;
 
 /// g.
