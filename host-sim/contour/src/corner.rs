@@ -78,7 +78,8 @@ pub struct CornerError {
     pub point: Point,
     /// Change of direction, rad, 0 to π.
     pub turn_rad: f64,
-    /// Largest distance to the outer side of the path after the corner, beyond the steady one, µm; not negative.
+    /// Largest distance to the outer side of the path after the corner, beyond the steady one if that is on this side, too,
+    /// µm; not negative.
     pub overshoot_um: f64,
     /// Smallest distance of the tool from the corner, µm.
     pub rounding_um: f64,
@@ -128,7 +129,7 @@ impl CornerSum {
         (self.steady_samples > 0 && self.smallest_m.is_finite()).then(|| CornerError {
             point: self.corner.point,
             turn_rad: self.corner.turn_rad,
-            overshoot_um: 1e6 * (self.outward_max_m - steady_m).max(0.0),
+            overshoot_um: 1e6 * (self.outward_max_m - steady_m.max(0.0)).max(0.0),
             rounding_um: 1e6 * self.smallest_m,
         })
     }

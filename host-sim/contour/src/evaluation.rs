@@ -96,7 +96,7 @@ impl<'a> Evaluation<'a> {
             last_command: None,
             command_progress_m: 0.0,
             total: Magnitude::default(),
-            noise: Noise::default(),
+            noise: Noise::new(),
             blocks: vec![Magnitude::default(); path.blocks()],
             corners: corners.into_iter().map(CornerSum::new).collect(),
             circles: path.circles().iter().map(CircleSum::new).collect(),

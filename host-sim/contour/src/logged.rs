@@ -3,6 +3,7 @@
 use super::evaluation::{ContourError, Evaluation};
 use super::path::NominalPath;
 use super::vector::Point;
+use files::error::InputError;
 use files::log::{AxisLog, Channel, Log, Unit};
 use link::controller::MAX_AXES;
 
@@ -137,9 +138,13 @@ pub enum Missing {
 }
 
 impl Missing {
-    /// What the log must have, for an error message.
+    /// The input error of the log that lacks it.
     #[must_use]
-    pub fn expected(self) -> &'static str {
+    pub fn in_log(self, log: &Log) -> InputError {
+        InputError::expected(&log.source, self.expected(), "none")
+    }
+
+    fn expected(self) -> &'static str {
         match self {
             Self::LinearAxes => "1 to 3 axes in mm",
             Self::Command => "the command of each axis (NAME_command_mm)",

@@ -4,7 +4,7 @@ use super::circle::{CircleError, LapError};
 use super::corner::CornerError;
 use super::evaluation::{BlockError, ContourError};
 use super::logged::LogError;
-use files::format::{signed, significant};
+use files::format::{fixed, signed, significant};
 use files::log::Channel;
 
 /// Largest number of blocks in a table.
@@ -103,8 +103,8 @@ fn of_corners(corners: &[CornerError]) -> Option<String> {
         "{} {}: overshoot up to {} µm (at a turn of {:.0}°), nearest distance from the corner up to {} µm.",
         corners.len(),
         if corners.len() == 1 { "corner" } else { "corners" },
-        significant(worst.overshoot_um, 2),
+        fixed(worst.overshoot_um, 2),
         worst.turn_rad.to_degrees(),
-        significant(rounded, 2)
+        fixed(rounded, 2)
     ))
 }

@@ -11,7 +11,7 @@ pub use significance::{is_better, is_worse, rms_standard_error_um};
 use serde_json::{Value, json};
 
 use super::evaluation::ContourError;
-use super::logged::{LoggedMotion, Missing, POSITIONS, has, log_name};
+use super::logged::{LoggedMotion, POSITIONS, has, log_name};
 use files::error::InputError;
 use files::log::{Channel, Log};
 
@@ -128,7 +128,7 @@ impl VerifiedMotion {
 }
 
 fn evaluated(log: &Log, channel: Channel) -> Result<(LoggedMotion, ContourError), InputError> {
-    let motion = LoggedMotion::of_channel(log, channel).map_err(|missing| input_error(log, missing))?;
+    let motion = LoggedMotion::of_channel(log, channel).map_err(|missing| missing.in_log(log))?;
     let error = motion.contour_error().ok_or_else(|| {
         let expected =
             format!("a log longer than the {} s that are not evaluated", super::evaluation::SETTLING_S);
@@ -137,15 +137,9 @@ fn evaluated(log: &Log, channel: Channel) -> Result<(LoggedMotion, ContourError)
     Ok((motion, error))
 }
 
-/// An error of a log that lacks something.
-#[must_use]
-pub fn input_error(log: &Log, missing: Missing) -> InputError {
-    InputError::expected(&log.source, missing.expected(), "none")
-}
-
 fn no_common_channel(before: &Log, after: &Log) -> InputError {
     match [before, after].into_iter().find_map(|log| Some((log, LoggedMotion::of(log).err()?))) {
-        Some((log, missing)) => input_error(log, missing),
+        Some((log, missing)) => missing.in_log(log),
         None => {
             let expected = format!("a measured position of each axis that {} has, too", before.source);
             InputError::expected(&after.source, expected, "none")

@@ -27,7 +27,7 @@ const MAX_DURATION_SAMPLES: f64 = 4.0;
 /// If a log has no counterpart, or lacks a command; the message names the log and the other side.
 pub fn pairs(before: &[Log], after: &[Log]) -> Result<Vec<usize>, InputError> {
     let motions = |logs: &[Log]| -> Result<Vec<LoggedMotion>, InputError> {
-        logs.iter().map(|log| LoggedMotion::of(log).map_err(|m| super::input_error(log, m))).collect()
+        logs.iter().map(|log| LoggedMotion::of(log).map_err(|missing| missing.in_log(log))).collect()
     };
     let (motions_before, motions_after) = (motions(before)?, motions(after)?);
     let mut taken = vec![false; after.len()];
