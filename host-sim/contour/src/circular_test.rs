@@ -47,7 +47,9 @@ impl Lap {
         if points.is_empty() || points.iter().any(|(angle, um)| !(angle + um).is_finite()) {
             return None;
         }
-        points.iter_mut().for_each(|point| point.0 = point.0.rem_euclid(TAU));
+        for (angle, _) in &mut points {
+            *angle = angle.rem_euclid(TAU);
+        }
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (first, last) = (points[0], points[points.len() - 1]);
         points.push((first.0 + TAU, first.1));
@@ -69,7 +71,7 @@ impl Lap {
     }
 
     /// Radial deviation from the programmed circle at the [`POINTS`] angles, µm.
-    fn from_programmed_um(&self) -> impl Iterator<Item = f64> {
+    fn about_programmed_um(&self) -> impl Iterator<Item = f64> {
         self.deviation_um.iter().enumerate().map(|(i, um)| um + radial_um(self.circle_um, i))
     }
 
@@ -138,7 +140,7 @@ impl Ballbar {
         // Both laps have the same angles: their common least-squares circle is the mean of both.
         let common = [0, 1, 2].map(|k| 0.5 * (laps[0].circle_um[k] + laps[1].circle_um[k]));
         let about_common = |lap: &Lap| {
-            lap.from_programmed_um().enumerate().map(|(i, um)| um - radial_um(common, i)).collect()
+            lap.about_programmed_um().enumerate().map(|(i, um)| um - radial_um(common, i)).collect()
         };
         numerics::peak_to_peak(laps.into_iter().flat_map(|lap| -> Vec<f64> { about_common(lap) }))
     }

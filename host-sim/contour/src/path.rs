@@ -31,6 +31,13 @@ pub struct Nearest {
     pub block: usize,
 }
 
+/// An arc from a point: indices of the axes, centre (m) and signed angle (rad).
+struct Arc {
+    plane: [usize; 2],
+    centre: [f64; 2],
+    swept_rad: f64,
+}
+
 /// Lines and arcs, and the full circles among them.
 #[derive(Clone, Debug, PartialEq)]
 pub struct NominalPath {
@@ -53,7 +60,8 @@ impl NominalPath {
                 PathShape::Dwell { .. } => at,
                 PathShape::Line { to_m } => path.push_line(at, point(to_m), index),
                 PathShape::Arc { plane, centre_m, turns } => {
-                    path.push_arc(at, plane.map(usize::from), *centre_m, TAU * turns, index)
+                    let plane = plane.map(usize::from);
+                    path.push_arc(at, &Arc { plane, centre: *centre_m, swept_rad: TAU * turns }, index)
                 }
                 PathShape::ArcTo { plane, centre_m, to_m, positive } => {
                     let plane = plane.map(usize::from);
@@ -61,7 +69,8 @@ impl NominalPath {
                     let difference = angle(to_m[0], to_m[1]) - angle(at[plane[0]], at[plane[1]]);
                     let swept =
                         if *positive { difference.rem_euclid(TAU) } else { -(-difference).rem_euclid(TAU) };
-                    let mut end = path.push_arc(at, plane, *centre_m, swept, index);
+                    let arc = Arc { plane, centre: *centre_m, swept_rad: swept };
+                    let mut end = path.push_arc(at, &arc, index);
                     (end[plane[0]], end[plane[1]]) = (to_m[0], to_m[1]);
                     end
                 }
@@ -114,14 +123,8 @@ impl NominalPath {
     }
 
     /// Pieces of at most a quarter turn; gives the end of the arc.
-    fn push_arc(
-        &mut self,
-        from: Point,
-        plane: [usize; 2],
-        centre: [f64; 2],
-        swept_rad: f64,
-        block: usize,
-    ) -> Point {
+    fn push_arc(&mut self, from: Point, arc: &Arc, block: usize) -> Point {
+        let Arc { plane, centre, swept_rad } = *arc;
         let [dx, dy] = [from[plane[0]] - centre[0], from[plane[1]] - centre[1]];
         let (radius, start_rad, sense) = (dx.hypot(dy), dy.atan2(dx), swept_rad.signum());
         let from_m = self.length_m();

@@ -108,6 +108,19 @@ fn no_effect_is_found_without_undeclared_effects() {
         }
         assert!(at(residual, &format!("/noise_{unit}")).as_f64().unwrap() > 0.0);
     }
+    // The contour error of the log: both laps of the circle are full.
+    assert_eq!(at(&json, "/contour/0/log"), "fit");
+    assert_eq!(at(&json, "/contour/0/channel"), "tool");
+    let [rms, max] =
+        ["rms_um", "max_um"].map(|key| at(&json, &format!("/contour/0/{key}")).as_f64().unwrap());
+    assert!(rms > 0.0 && rms < max, "{rms} {max}");
+    for lap in 0..2 {
+        let key = format!("/contour/0/circles/0/laps/{lap}/circular_deviation_um");
+        assert!(at(&json, &key).as_f64().unwrap() > 0.0);
+    }
+    assert!(
+        stdout.contains("contour error, µm") && folder.read("report/report.html").contains("Contour error")
+    );
     assert!(at(&json, "/unexplained").is_array());
     // The model that was written is a complete machine file.
     folder.succeeds(&SIMULATE.replace("machine.toml", "out.toml"));

@@ -95,7 +95,7 @@ fn a_lag_along_the_path_is_no_contour_error() {
 }
 
 /// Lost motion of w = 8 µm on x: r = (w/2)·cos θ against the velocity of x. It is orthogonal to the least-squares circle, so
-/// that G = F_max − F_min = w. It is a step, not a peak. Both directions differ by up to w.
+/// that G is the range of F, w. It is a step, not a peak. Both directions differ by up to w.
 #[test]
 fn lost_motion_is_a_step_without_peaks() {
     let lost = |angle: f64, sense: f64| 4.0 * (sense * angle.sin()).signum() * angle.cos();

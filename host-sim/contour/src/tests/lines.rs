@@ -15,8 +15,10 @@ fn along(corners: &[[f64; 2]]) -> Vec<[f64; 2]> {
     let line = |ends: &[[f64; 2]]| {
         let [from, to] = [ends[0], ends[1]];
         let steps = ((to[0] - from[0]).hypot(to[1] - from[1]) / STEP_M).round();
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "thousands of steps")]
+        let count = steps as u32;
         let at = move |k: f64| [0, 1].map(|i| from[i] + (to[i] - from[i]) * k / steps);
-        (1..=steps as u32).map(move |k| at(f64::from(k))).collect::<Vec<_>>()
+        (1..=count).map(move |k| at(f64::from(k))).collect::<Vec<_>>()
     };
     std::iter::once(corners[0]).chain(corners.windows(2).flat_map(line)).collect()
 }

@@ -16,18 +16,14 @@ const SAMPLE_S: f64 = 1e-3;
 fn motion(points: &[([f64; 2], [f64; 2])]) -> LoggedMotion {
     let still = std::iter::repeat_n(points[0], 400);
     let all: Vec<_> = still.chain(points.iter().copied()).collect();
-    let axis = |of: fn(&([f64; 2], [f64; 2]), usize) -> f64, i: usize| -> Vec<f64> {
-        all.iter().map(|point| of(point, i)).collect()
-    };
+    let command = |i: usize| all.iter().map(|(command, _)| command[i]).collect();
+    let measured = |i: usize| all.iter().map(|(command, error)| command[i] + error[i]).collect();
     LoggedMotion {
         axes: vec!["x".to_owned(), "y".to_owned()],
         channel: Channel::Tool,
         sample_s: SAMPLE_S,
-        command_m: vec![axis(|point, i| point.0[i], 0), axis(|point, i| point.0[i], 1)],
-        measured_m: vec![
-            axis(|point, i| point.0[i] + point.1[i], 0),
-            axis(|point, i| point.0[i] + point.1[i], 1),
-        ],
+        command_m: vec![command(0), command(1)],
+        measured_m: vec![measured(0), measured(1)],
     }
 }
 

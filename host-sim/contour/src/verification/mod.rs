@@ -138,11 +138,11 @@ fn evaluated(log: &Log, channel: Channel) -> Result<(LoggedMotion, ContourError)
 }
 
 fn no_common_channel(before: &Log, after: &Log) -> InputError {
-    match [before, after].into_iter().find_map(|log| Some((log, LoggedMotion::of(log).err()?))) {
-        Some((log, missing)) => missing.in_log(log),
-        None => {
-            let expected = format!("a measured position of each axis that {} has, too", before.source);
-            InputError::expected(&after.source, expected, "none")
+    for log in [before, after] {
+        if let Err(missing) = LoggedMotion::of(log) {
+            return missing.in_log(log);
         }
     }
+    let expected = format!("a measured position of each axis that {} has, too", before.source);
+    InputError::expected(&after.source, expected, "none")
 }
