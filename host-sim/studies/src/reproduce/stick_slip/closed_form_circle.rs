@@ -39,7 +39,7 @@ pub fn from_axis_errors(error_um: impl Fn(f64, f64) -> [f64; 2]) -> Result<Ballb
             let [x_um, y_um] = error_um(angle, sense);
             [RADIUS_M * angle.cos() + 1e-6 * x_um, RADIUS_M * angle.sin() + 1e-6 * y_um]
         };
-        super::lap(&(0..SAMPLES).map(point).collect::<Vec<_>>(), RADIUS_M)
+        super::lap::lap(&(0..SAMPLES).map(point).collect::<Vec<_>>(), RADIUS_M)
     };
     Ok(Ballbar { positive: lap(1.0)?, negative: lap(-1.0)? })
 }

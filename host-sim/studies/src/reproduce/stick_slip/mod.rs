@@ -8,6 +8,7 @@
 mod closed_form_circle;
 mod contributors;
 mod experiment;
+mod lap;
 mod outcomes;
 mod pictures;
 mod sentences;
@@ -15,7 +16,6 @@ mod simulated_circle;
 mod table_model;
 
 use super::study::{ReproduceError, Study};
-use contour::circular_test::Lap;
 use experiment::Experiment;
 
 /// Runs the experiments of the paper.
@@ -32,10 +32,4 @@ pub fn run() -> Result<Study, ReproduceError> {
         pictures: pictures::all(&experiment),
         notes: sentences::notes(&experiment),
     })
-}
-
-/// [`Lap::from_path`], which requires finite points.
-fn lap(path_m: &[[f64; 2]], radius_m: f64) -> Result<Lap, ReproduceError> {
-    let no_points = || ReproduceError::Numerics("a circular path without finite points".to_owned());
-    Lap::from_path(path_m, radius_m).ok_or_else(no_points)
 }

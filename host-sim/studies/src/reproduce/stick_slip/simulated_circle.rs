@@ -49,7 +49,7 @@ pub fn simulate(effects: [Vec<Effect>; 2]) -> Result<Ballbar, ReproduceError> {
     for (axis, effects) in machine.axis.values_mut().zip(effects) {
         axis.effect = effects;
     }
-    let lap = |sense: f64| super::lap(&middle_lap(&run(&machine, sense)?, sense), RADIUS_M);
+    let lap = |sense: f64| super::lap::lap(&middle_lap(&run(&machine, sense)?, sense), RADIUS_M);
     Ok(Ballbar { positive: lap(1.0)?, negative: lap(-1.0)? })
 }
 

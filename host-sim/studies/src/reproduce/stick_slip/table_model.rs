@@ -163,7 +163,7 @@ impl Deflections {
             [x0 - x, y0 - y]
         };
         let path_m: Vec<[f64; 2]> = self.points.iter().map(table).collect();
-        super::lap(&path_m, RADIUS_M)
+        super::lap::lap(&path_m, RADIUS_M)
     }
 }
 
