@@ -6,6 +6,7 @@ use maud::{Markup, html};
 
 use super::axis_view::AxisView;
 use super::{circle_plots, ranking, residual_plots, sentences, tables};
+use contour::logged::LogError;
 use files::output::OutputError;
 use model::effects::Effect;
 use pages::file_name;
@@ -24,6 +25,8 @@ pub struct Extra {
     pub lead: Vec<String>,
     /// The true effects of the machine, each with its axis, if they are known.
     pub truth: Option<Vec<(String, Effect)>>,
+    /// Contour errors of the logs.
+    pub contour_errors: Vec<LogError>,
 }
 
 /// Writes the page into a folder, which is created if it does not exist, and returns its path.
@@ -45,6 +48,7 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
     let sections = html! {
         (section("Effects found", &found(trace, extra)))
         (section("Residuals before and after", &tables::errors(&trace.axes)))
+        (section("Contour error", &tables::contour_errors(&extra.contour_errors)))
         (section("The circle", &circle_plots::body(trace, &views)))
         (section("The residual of each stage", &residual_plots::body(trace, &views)))
         (section("Candidates tested", &ranking::body(&trace.axes)))

@@ -42,6 +42,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         title: format!("Lost motion of the demo machine, seed {}", demo.seed),
         lead: vec![INTRODUCTION.to_owned(), headline(&demo)],
         truth: Some(vec![(demo.drawn.axis.clone(), demo.drawn.effect.clone())]),
+        ..Extra::default()
     };
     let path = trace_page::write(&arguments.report, &demo.trace, &extra)?;
     print(&format!(

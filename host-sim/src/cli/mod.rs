@@ -15,6 +15,7 @@ mod simulate;
 mod stop;
 mod summary;
 mod trace;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -47,6 +48,8 @@ enum Command {
     SelfTest(self_test::Arguments),
     /// Compute the residuals of logs, identify the missing effects, report the errors before and after.
     Trace(trace::Arguments),
+    /// Compare the contour error of the same motions before and after a change with each other and with the prediction.
+    Verify(verify::Arguments),
 }
 
 /// Runs the program. Exit codes: 0 success, 1 failure, 2 invalid arguments or input, 130 interrupted.
@@ -62,6 +65,7 @@ pub fn run() -> ExitCode {
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::SelfTest(arguments) => self_test::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,
