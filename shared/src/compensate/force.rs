@@ -8,9 +8,10 @@
 //! x, v and a are the commanded motion after a first-order low-pass filter of the lag; v and a are its first and second
 //! difference per position tick, exact in position units. The direction is that of the bristles ([`super::presliding`]), so
 //! that the friction after a reversal follows the distance travelled, or tanh(v/w) without them. Friction over the position
-//! and that of a cold machine have the same direction. F_t also gives the deflection of the drive (`stretch_m_per_n`).
+//! and that of a cold machine have the same direction. `F_t` also gives the deflection of the drive (`stretch_m_per_n`).
 
-use super::force_settings::{ForceModel, Stribeck, TableFriction};
+use super::force_settings::{ForceModel, FrictionWarmUp, TableFriction};
+use super::friction_level::{Friction, Level};
 use super::motion::CommandMotion;
 use super::octave_curve::OctaveCurve;
 use super::presliding::{ONE, Presliding};
@@ -51,14 +52,6 @@ pub struct Force<S: Scalar> {
     greatest_over_least_q16: i64,
     warm_up: Option<(S, OctaveCurve)>,
     share: S::Gain,
-}
-
-/// A friction g(v), N.
-#[derive(Clone, Copy, Debug)]
-struct Level<S: Scalar> {
-    greatest: S,
-    /// As a fraction of the greatest, over the speed; `None`: constant.
-    fraction: Option<OctaveCurve>,
 }
 
 /// State of the feed-forward.
@@ -157,15 +150,7 @@ impl<S: Scalar> Force<S> {
             table_friction: table.level(),
             presliding: stiffness.map(|stiffness| table.presliding(stiffness)).transpose()?,
             greatest_over_least_q16,
-            warm_up: match warm_up {
-                Some(warm_up) => {
-                    let force = ranged("warm_up_force_n", warm_up.force_n, -bound_n, bound_n)?;
-                    let ticks = positive("warm_up_time_constant_s", warm_up.time_constant_s)? * tick_hz;
-                    let curve = OctaveCurve::new(8.0 * ticks, |elapsed| libm::exp(-elapsed / ticks));
-                    Some((S::signal(force), curve))
-                }
-                None => None,
-            },
+            warm_up: warm_up.map(|warm_up| cold(&warm_up, tick_hz, bound_n)).transpose()?,
             share: gain::<S>("force_share", ranged("force_share", model.share, 0.0, 1.0)?, 1.0)?,
         })
     }
@@ -241,70 +226,19 @@ impl<S: Scalar> Force<S> {
     }
 }
 
-impl<S: Scalar> Level<S> {
-    fn fraction_q32(&self, speed: u64) -> u32 {
-        self.fraction.as_ref().map_or(u32::MAX, |fraction| fraction.at(speed))
-    }
+/// Additional friction of a cold machine, and what remains of it over the ticks of the velocity loop.
+fn cold<S: Scalar>(
+    warm_up: &FrictionWarmUp,
+    tick_hz: f64,
+    bound_n: f64,
+) -> Result<(S, OctaveCurve), ConfigError> {
+    let force = ranged("warm_up_force_n", warm_up.force_n, -bound_n, bound_n)?;
+    let ticks = positive("warm_up_time_constant_s", warm_up.time_constant_s)? * tick_hz;
+    Ok((S::signal(force), OctaveCurve::new(8.0 * ticks, |elapsed| libm::exp(-elapsed / ticks))))
 }
 
 /// `value` times a fraction from −1 to 1 with 31 fraction bits.
 fn scaled<S: Scalar>(value: S, fraction_q31: i64) -> S {
     let from_minus_one = u32::try_from(fraction_q31 + ONE).unwrap_or(u32::MAX);
     (-value).lerp(value, from_minus_one)
-}
-
-/// A friction level in SI: coulomb + excess·exp(−(v/vₛ)²).
-#[derive(Clone, Copy)]
-struct Friction {
-    coulomb_n: f64,
-    excess_n: f64,
-    /// vₛ in position units per position tick.
-    width: f64,
-}
-
-impl Friction {
-    fn new(
-        coulomb_n: f64,
-        stribeck: Option<Stribeck>,
-        bound_n: f64,
-        units_per_m_s: f64,
-    ) -> Result<Self, ConfigError> {
-        let Some(Stribeck { excess_n, velocity_m_per_s }) = stribeck else {
-            return Ok(Self { coulomb_n, excess_n: 0.0, width: 1.0 });
-        };
-        let velocity = positive("stribeck_velocity_m_per_s", velocity_m_per_s)?;
-        let velocity = ranged("stribeck_velocity_m_per_s", velocity, 1e-6, 10.0)?;
-        // Friction is positive at standstill.
-        let excess_n = ranged("stribeck_excess_n", excess_n, -coulomb_n, bound_n)?;
-        Ok(Self { coulomb_n, excess_n, width: velocity * units_per_m_s })
-    }
-
-    fn greatest_n(&self) -> f64 {
-        self.coulomb_n + self.excess_n.max(0.0)
-    }
-
-    fn least_n(&self) -> f64 {
-        self.coulomb_n + self.excess_n.min(0.0)
-    }
-
-    fn greatest_over_least(&self) -> f64 {
-        if self.least_n() > 0.0 { (self.greatest_n() / self.least_n()).min(1e4) } else { 1.0 }
-    }
-
-    fn at_n(&self, speed: f64) -> f64 {
-        self.coulomb_n + self.excess_n * libm::exp(-(speed / self.width) * (speed / self.width))
-    }
-
-    fn level<S: Scalar>(&self) -> Level<S> {
-        let (greatest_n, varies) = (self.greatest_n(), self.excess_n != 0.0);
-        let curve = || OctaveCurve::new(4.0 * self.width, |speed| self.at_n(speed) / greatest_n);
-        Level { greatest: S::signal(greatest_n), fraction: varies.then(curve) }
-    }
-
-    fn presliding(&self, stiffness_n_per_m: f64) -> Result<Presliding, ConfigError> {
-        let least_n = positive("coulomb_n", self.least_n())?;
-        let varies = self.excess_n != 0.0;
-        let curve = || OctaveCurve::new(4.0 * self.width, |speed| least_n / self.at_n(speed));
-        Presliding::new(stiffness_n_per_m, least_n, varies.then(curve))
-    }
 }

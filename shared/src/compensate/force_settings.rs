@@ -78,7 +78,7 @@ pub struct Stribeck {
     pub velocity_m_per_s: f64,
 }
 
-/// Additional friction force·exp(−t/time_constant), t from this setting.
+/// Additional friction `force·exp(−t/time_constant)`, with the time t since this setting.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct FrictionWarmUp {
     /// Additional friction when the compensation is set, N.

@@ -45,6 +45,7 @@ pub mod cycles;
 pub mod drift;
 pub mod force;
 pub mod force_settings;
+pub mod friction_level;
 pub mod geometry;
 pub mod kind;
 pub mod machine;

@@ -77,7 +77,7 @@ impl OctaveCurve {
         let (index, fraction_q32) = if x >> LOWEST == 0 {
             (0, x << (32 - LOWEST))
         } else {
-            let leading = 31 - x.leading_zeros();
+            let leading = x.checked_ilog2().unwrap_or(LOWEST);
             let rest_bits = leading - POINTS_LOG2;
             // The leading bit itself adds 2³, one octave.
             let index = ((leading - LOWEST) << POINTS_LOG2) + (x >> rest_bits) - (1 << POINTS_LOG2) + 1;

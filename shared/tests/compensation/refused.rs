@@ -100,7 +100,7 @@ fn rejected_models_are_named() {
     };
     assert_eq!(error_of(none()), None);
     assert_eq!(error_of(friction(table.clone())), None);
-    let cases = [
+    let cases = vec![
         (ForceModel { motor_mass_kg: -1.0, ..none() }, "motor_mass_kg"),
         (ForceModel { table_mass_kg: f64::NAN, ..none() }, "table_mass_kg"),
         (ForceModel { table_mass_kg: 1e9, ..none() }, "table_mass_kg"),

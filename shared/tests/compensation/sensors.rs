@@ -83,14 +83,13 @@ fn table_m(sensors: Sensors, errors: Errors, settings: Option<&CompensationSetti
     tables
 }
 
-fn screw_table() -> Option<Pitch> {
-    let forward = points(-0.1, 0.01, |x| 300e-6 * x);
-    Some(Pitch { of: PitchSource::Screw, forward, backward: None })
-}
-
 fn screw() -> CompensationSettings {
     CompensationSettings {
-        pitch: screw_table(),
+        pitch: Some(Pitch {
+            of: PitchSource::Screw,
+            forward: points(-0.1, 0.01, |x| 300e-6 * x),
+            backward: None,
+        }),
         screw: [Cycle::harmonic(4e-6, 8e-3, 0.5)].into_iter().collect(),
         position_rate_m_per_s: 0.05,
         ..CompensationSettings::default()
@@ -109,7 +108,7 @@ fn standing_m(sensors: Sensors, errors: Errors, settings: Option<&CompensationSe
 #[test]
 fn a_compensated_screw_leaves_no_error_at_rest_with_any_sensor() {
     let load = ForceModel { load: Some(points(-0.3, 0.01, |_| 200.0)), ..ForceModel::default() };
-    let cases = [
+    let cases = vec![
         (Errors { screw: true, ..Errors::default() }, screw()),
         (
             Errors { backlash_m: 10e-6, ..Errors::default() },
