@@ -169,6 +169,19 @@ impl NominalPath {
         self.pieces.last().map_or(0.0, Piece::end_m)
     }
 
+    /// Least and greatest position of an axis on the path, m.
+    #[must_use]
+    pub fn extent_m(&self, axis: usize) -> [f64; 2] {
+        // The extreme of a quarter turn that is not at one of its ends is within 0.01 % of the radius of one of these points.
+        const POINTS: u32 = 100;
+        let along = |piece: &Piece| {
+            let of = *piece;
+            (0..=POINTS).map(move |k| of.point(of.length_m * f64::from(k) / f64::from(POINTS))[axis])
+        };
+        let start = self.start[axis];
+        numerics::min_max(self.pieces.iter().flat_map(along).chain([start]))
+    }
+
     /// Lengths of the path at the joints of its pieces, m.
     pub(crate) fn joints_m(&self) -> impl Iterator<Item = f64> {
         self.pieces.iter().skip(1).map(|piece| piece.start_m)

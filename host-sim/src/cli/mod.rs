@@ -2,6 +2,7 @@
 
 mod batch;
 mod compare;
+mod compensate;
 mod demo;
 mod friction_map;
 mod input_error;
@@ -40,6 +41,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Run a motion with the controller on the emulated core and log it; boards on a serial port are not supported yet.
     Record(record::Arguments),
+    /// Turn the effects of a model into the compensation that the controller applies, and predict the contour error.
+    Compensate(compensate::Arguments),
     /// Run the same motions in fixed point, f32, f64 and with f32 positions, and compare errors and cost.
     Compare(compare::Arguments),
     /// Repeat published experiments and compare the printed values with ours.
@@ -61,6 +64,7 @@ pub fn run() -> ExitCode {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
+        Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::SelfTest(arguments) => self_test::run(&arguments),

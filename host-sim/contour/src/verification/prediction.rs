@@ -2,7 +2,7 @@
 
 use std::path::Path;
 
-use serde::Deserialize;
+use serde::{Deserialize, Serialize};
 
 use crate::logged::log_name;
 use files::document::{Document, read_text};
@@ -23,7 +23,7 @@ pub struct Predictions {
 }
 
 /// The contour error of one motion as predicted.
-#[derive(Clone, Debug, PartialEq, Deserialize)]
+#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
 pub struct Prediction {
     /// Name of the motion, or of its log.
     pub motion: String,
