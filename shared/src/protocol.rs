@@ -19,8 +19,8 @@ pub const FRAME: usize = 256;
 /// Greatest number of bytes of an order in a part.
 pub const PART: usize = FRAME - 8;
 
-/// Length of the longest order in bytes: a compensation with every table at its capacity has 6.9 kB.
-pub const LONGEST_ORDER: usize = 7168;
+/// Length of the longest order in bytes: a compensation with every table at its capacity has 7.6 kB.
+pub const LONGEST_ORDER: usize = 7680;
 
 /// Number of axes of the protocol.
 pub const AXES: usize = 2;

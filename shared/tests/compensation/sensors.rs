@@ -45,9 +45,10 @@ impl Errors {
 fn table_m(sensors: Sensors, errors: Errors, settings: Option<&CompensationSettings>) -> Vec<f64> {
     let axis = AxisSettings {
         position_gain_per_s: 40.0,
-        feedforward_percent: 100.0,
+        // Without an overshoot that would cross the gap of the backlash.
+        feedforward_percent: if errors.backlash_m > 0.0 { 0.0 } else { 100.0 },
+        velocity_integral_time_s: if errors.backlash_m > 0.0 { None } else { Some(0.02) },
         velocity_gain_n_s_per_m: 20_000.0,
-        velocity_integral_time_s: Some(0.02),
         sensors,
         // The errors are at most 26 µm.
         scale_disagreement_limit_m: Some(40e-6),
