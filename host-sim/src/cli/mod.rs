@@ -3,6 +3,7 @@
 mod batch;
 mod compare;
 mod compensate;
+mod compensation;
 mod demo;
 mod friction_map;
 mod input_error;
