@@ -40,6 +40,30 @@ pub enum Part {
     Feedforward,
 }
 
+/// Times by which the velocity feed-forward is ahead of the command that are tried, position ticks. Its backward difference is
+/// one tick late; drive and velocity reading change that by a part of a tick.
+const AHEAD_TICKS: [f64; 7] = [0.0, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0];
+
+/// What of the possible compensation is used.
+#[derive(Clone, Debug, Default)]
+struct Choice {
+    off: BTreeSet<Part>,
+    /// Time by which the velocity feed-forward is ahead of the command, s.
+    ahead_s: f64,
+}
+
+impl Choice {
+    fn has(&self, part: &Part) -> bool {
+        !self.off.contains(part)
+    }
+
+    fn without(&self, part: &Part) -> Self {
+        let mut choice = self.clone();
+        choice.off.insert(part.clone());
+        choice
+    }
+}
+
 /// What is compensated, and what the model predicts of it.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Item {
@@ -101,38 +125,49 @@ impl Planning<'_> {
     /// If the model cannot be simulated on a motion, or the controller refuses a setting.
     pub fn plan(&self) -> Result<Plan, PredictionError> {
         let before = self.errors(&self.without_compensation())?;
-        let mut off = BTreeSet::new();
-        let mut best = total_rms_um(&self.errors(&self.file(&off)?)?);
+        let mut choice = self.best_ahead()?;
+        let mut best_um = self.rms_um(&choice)?;
         loop {
-            let without = self.without_each(&off)?;
+            let without = self.without_each(&choice)?;
             let Some((part, rms_um)) = without.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-            if rms_um > best * (1.0 - MIN_LOSS) {
+            if rms_um > best_um * (1.0 - MIN_LOSS) {
                 break;
             }
-            best = rms_um;
-            off.insert(part);
+            best_um = rms_um;
+            choice.off.insert(part);
         }
-        let mut file = self.file(&off)?;
+        let mut file = self.file(&choice)?;
         let after = self.errors(&file)?;
         file.predicted =
             prediction::predictions(self.model, self.tests, [&before, &after], BOUND_PERCENT)?;
         let after_um = total_rms_um(&after);
-        let without = self.without_each(&off)?;
+        let without = self.without_each(&choice)?;
         let items = without.into_iter().map(|(part, before_um)| self.item(&part, before_um, after_um)).collect();
-        Ok(Plan { file, items, not_compensated: self.not_compensated(&off) })
+        Ok(Plan { file, items, not_compensated: self.not_compensated(&choice.off) })
+    }
+
+    /// All parts, with the best time of the velocity feed-forward.
+    fn best_ahead(&self) -> Result<Choice, PredictionError> {
+        let tick_s = 1.0 / self.model.rates().position_loop_hz();
+        let tried = AHEAD_TICKS.into_par_iter().map(|ticks| {
+            let choice = Choice { ahead_s: ticks * tick_s, ..Choice::default() };
+            Ok((self.rms_um(&choice)?, choice))
+        });
+        let tried: Vec<(f64, Choice)> = tried.collect::<Result<_, PredictionError>>()?;
+        let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
+        Ok(best.map(|(_, choice)| choice).unwrap_or_default())
+    }
+
+    /// Rms of the contour error over all motions, µm.
+    fn rms_um(&self, choice: &Choice) -> Result<f64, PredictionError> {
+        Ok(total_rms_um(&self.errors(&self.file(choice)?)?))
     }
 
     /// Contour error on all motions without each part that is on, µm rms.
-    fn without_each(&self, off: &BTreeSet<Part>) -> Result<Vec<(Part, f64)>, PredictionError> {
-        let parts: Vec<Part> = self.parts().into_iter().filter(|part| !off.contains(part)).collect();
-        parts
-            .into_par_iter()
-            .map(|part| {
-                let mut off = off.clone();
-                off.insert(part.clone());
-                Ok((part, total_rms_um(&self.errors(&self.file(&off)?)?)))
-            })
-            .collect()
+    fn without_each(&self, choice: &Choice) -> Result<Vec<(Part, f64)>, PredictionError> {
+        let parts: Vec<Part> = self.parts().into_iter().filter(|part| choice.has(part)).collect();
+        let without = |part: Part| Ok((part.clone(), self.rms_um(&choice.without(&part))?));
+        parts.into_par_iter().map(without).collect()
     }
 
     fn errors(&self, file: &CompensationFile) -> Result<Vec<ContourError>, PredictionError> {
@@ -165,22 +200,22 @@ impl Planning<'_> {
     }
 
     /// The compensation without the parts that are off.
-    fn file(&self, off: &BTreeSet<Part>) -> Result<CompensationFile, PredictionError> {
+    fn file(&self, choice: &Choice) -> Result<CompensationFile, PredictionError> {
         let mut file = self.without_compensation();
         file.provenance = Provenance {
             model: self.model_file.to_owned(),
             program: format!("lost-motion {}", env!("CARGO_PKG_VERSION")),
-            compensates: self.compensated(off),
+            compensates: self.compensated(choice),
         };
         for index in 0..self.model.axis.len() {
-            let (name, axis) = self.axis(index, off)?;
+            let (name, axis) = self.axis(index, choice)?;
             file.axis.insert(name, axis);
         }
         Ok(file)
     }
 
-    fn compensated(&self, off: &BTreeSet<Part>) -> Vec<String> {
-        let parts = self.parts().into_iter().filter(|part| !off.contains(part));
+    fn compensated(&self, choice: &Choice) -> Vec<String> {
+        let parts = self.parts().into_iter().filter(|part| choice.has(part));
         let word = |part: Part| match self.names(&part) {
             (effect, axis) if axis.is_empty() => effect,
             (effect, axis) => format!("{axis}: {effect}"),
@@ -191,7 +226,7 @@ impl Planning<'_> {
     fn axis(
         &self,
         index: usize,
-        off: &BTreeSet<Part>,
+        choice: &Choice,
     ) -> Result<(String, AxisCompensation), PredictionError> {
         let names: Vec<String> = self.model.axis.keys().cloned().collect();
         let name = names[index].clone();
@@ -199,21 +234,22 @@ impl Planning<'_> {
         let mut effect = 0;
         axis.effect.retain(|_| {
             effect += 1;
-            !off.contains(&Part::Effect(index, effect - 1))
+            choice.has(&Part::Effect(index, effect - 1))
         });
         let parameters = AxisParameters::of(&axis);
         let travel_m = self.travel_m(index)?;
         let mut controller = ControllerChange::to_declared(&axis.settings, &parameters.servo);
-        if !off.contains(&Part::Feedforward) {
+        if choice.has(&Part::Feedforward) {
             let full = 100.0 - parameters.servo.feedforward.percent;
             controller.feedforward_percent = Some(full.clamp(0.0, 200.0));
+            controller.feedforward_ahead_s = (choice.ahead_s > 0.0).then_some(choice.ahead_s);
             axis.settings.controller.feedforward_percent = Some(100.0);
         }
         let (mut compensation, _) = tables::of_axis(&parameters, &names, travel_m, self.set_at_s);
         (compensation.ripple, _) = force::ripple(&parameters);
         let force = force::model(&parameters, &axis.settings, travel_m, self.set_at_s);
-        let has_force = !off.contains(&Part::Force(index));
-        let has_stretch = !off.contains(&Part::Stretch(index));
+        let has_force = choice.has(&Part::Force(index));
+        let has_stretch = choice.has(&Part::Stretch(index));
         if let Some(model) = force.filter(|_| has_force || has_stretch) {
             compensation.force = Some(shared::compensate::settings::ForceModel {
                 share: if has_force { 1.0 } else { 0.0 },

@@ -14,6 +14,9 @@ pub struct ControllerChange {
     /// Kf, %.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub feedforward_percent: Option<f64>,
+    /// Time by which the velocity feed-forward is ahead of the command, s.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub feedforward_ahead_s: Option<f64>,
     /// Kv, N·s/m.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub velocity_gain_n_s_per_m: Option<f64>,
@@ -35,6 +38,7 @@ impl ControllerChange {
             position_gain_per_s: scaled(controller.position_gain_per_s, servo.mismatch.factor()),
             feedforward_percent: (feedforward != 0.0)
                 .then(|| (controller.feedforward_percent.unwrap_or(0.0) - feedforward).max(0.0)),
+            feedforward_ahead_s: None,
             velocity_gain_n_s_per_m: scaled(controller.velocity_gain_n_s_per_m, servo.velocity_gain.factor()),
             velocity_integral_time_s: scaled(controller.velocity_integral_time_s, servo.integral_time.factor()),
         }
@@ -52,6 +56,7 @@ impl ControllerChange {
         let pairs = [
             (&mut controller.position_gain_per_s, self.position_gain_per_s),
             (&mut controller.feedforward_percent, self.feedforward_percent),
+            (&mut controller.feedforward_ahead_s, self.feedforward_ahead_s),
             (&mut controller.velocity_gain_n_s_per_m, self.velocity_gain_n_s_per_m),
             (&mut controller.velocity_integral_time_s, self.velocity_integral_time_s),
         ];
