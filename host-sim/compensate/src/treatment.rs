@@ -84,7 +84,7 @@ pub const fn of(effect: &Effect) -> Treatment {
         }
         Effect::Latency(_) => Not {
             why: "only the log is late, the machine is not",
-            instead: "read the channels at the same instant, or shift the channel in the log",
+            instead: "read the channels at the same instant; this program moves the channel back where it evaluates logs",
         },
         Effect::Resonance(_) => Not {
             why: "the controller does not see the oscillation of the tool",
