@@ -23,7 +23,7 @@ const MIN_GAIN: f64 = 1e-4;
 pub const STEPS: usize = 10;
 
 /// Derivatives are reused as long as a step gains more than this fraction of the gain predicted by the normal equations.
-const MIN_GAIN_OF_PREDICTED: f64 = 0.7;
+const MIN_GAIN_OF_PREDICTED: f64 = 0.25;
 
 /// Number of dampings that are tried in a step, each ten times the previous one, until the cost decreases.
 const DAMPINGS: usize = 5;
@@ -168,6 +168,7 @@ impl Point {
                         .map(|(parameter, moved)| moved - parameter.coordinate.value),
                 );
                 let predicted = (-2.0 * gradient.dot(&step) - step.dot(&(&curvature * &step))) / cost;
+                self.update_columns(&parameters, &step, &residuals);
                 (self.model, self.residuals) = (candidate, residuals);
                 self.damping = (0.1 * self.damping).max(1e-9);
                 return Gain { gained: 1.0 - candidate_cost / cost, predicted };
@@ -178,6 +179,49 @@ impl Point {
             self.damping *= 10.0;
         }
         Gain { gained: 0.0, predicted: f64::INFINITY }
+    }
+
+    /// Changes the derivatives so that they explain a step to the given residuals (Broyden's rank-one update).
+    ///
+    /// C. G. Broyden, "A class of methods for solving nonlinear simultaneous equations", Math. Comp. 19, 1965. The steps are
+    /// taken in units of each coordinate's step, as their units differ.
+    fn update_columns(
+        &mut self,
+        parameters: &[FreeParameter],
+        step: &DVector<f64>,
+        residuals: &[ResidualSeries],
+    ) {
+        let scaled: Vec<f64> =
+            step.iter().zip(parameters).map(|(step, parameter)| step / parameter.coordinate.step).collect();
+        let squares: f64 = scaled.iter().map(|s| s * s).sum();
+        if squares == 0.0 {
+            return;
+        }
+        let missing: Vec<Vec<f64>> = residuals
+            .iter()
+            .enumerate()
+            .map(|(series, new)| {
+                let old = &self.residuals[series].values;
+                let mut missing: Vec<f64> = new.values.iter().zip(old).map(|(new, old)| new - old).collect();
+                for (column, step) in self.columns.iter().zip(step.iter()).filter(|(_, step)| **step != 0.0) {
+                    for (value, slope) in missing.iter_mut().zip(&column[series].values) {
+                        *value -= slope * step;
+                    }
+                }
+                missing
+            })
+            .collect();
+        for ((column, scaled), parameter) in self.columns.iter_mut().zip(&scaled).zip(parameters) {
+            let weight = scaled / (squares * parameter.coordinate.step);
+            if weight == 0.0 {
+                continue;
+            }
+            for (series, missing) in Arc::make_mut(column).iter_mut().zip(&missing) {
+                for (slope, missing) in series.values.iter_mut().zip(missing) {
+                    *slope += weight * missing;
+                }
+            }
+        }
     }
 
     /// Computes the derivatives with respect to a range of the parameters, and the normal equations.
