@@ -3,6 +3,7 @@
 use std::collections::BTreeSet;
 
 use files::log::{Channel, Log};
+use model::effects::Stage;
 use trace::Trace;
 use trace::data_faults::FaultKind;
 
@@ -19,26 +20,34 @@ fn faults(trace: &Trace) -> BTreeSet<(&str, Option<&str>, FaultKind)> {
     faults.map(|fault| (fault.axis.as_str(), fault.channel.map(Channel::word), fault.kind)).collect()
 }
 
-/// A scale in inches was "100000 µm/m less far", a reversed one "100 ms late", a command in µm "explained".
+/// A scale in inches was "100000 µm/m less far", a reversed one "100 ms late", a command in µm "explained", and a force that
+/// does not change a constant load.
 #[test]
-fn a_wrong_unit_or_sign_is_named_and_no_effect() {
+fn a_wrong_unit_or_sign_and_a_dead_force_are_named_and_no_effect() {
     let machine = TestMachine::new(3);
     let trace = machine.trace_of(|log| {
         scaled(log, 0, Channel::Table, 1.0 / 25.4);
         scaled(log, 0, Channel::Tool, -1.0);
         scaled(log, 1, Channel::Command, 1e3);
+        log.axes[1].force.as_mut().unwrap().fill(50.0);
     });
     let expected = [
         ("x", Some("table"), FaultKind::Unit),
         ("x", Some("tool"), FaultKind::Sign),
         ("y", Some("command"), FaultKind::Unit),
+        ("y", Some("force"), FaultKind::Dead),
     ];
     assert_eq!(faults(&trace), expected.into(), "{}", context(&trace));
     assert_named(&trace, &[]);
-    // The corrected logs are those of the sound machine: all stages are evaluated, and their residuals are the noise.
+    // The corrected logs are those of the sound machine: the residuals of all stages are the noise. Without the force, the
+    // friction is less well known.
     for error in trace.axes.iter().flat_map(|axis| &axis.errors) {
         let [fit, validate] = [error.after.fit, error.after.validate].map(|rms| rms / error.noise);
-        assert!((0.9..1.3).contains(&fit) && (0.9..1.3).contains(&validate), "{error:?}");
+        assert!((0.9..1.4).contains(&fit) && (0.9..1.4).contains(&validate), "{error:?}");
     }
-    assert!(trace.axes.iter().all(|axis| axis.errors.len() == 4), "{}", context(&trace));
+    let stages =
+        |axis: usize| trace.axes[axis].errors.iter().map(|error| error.stage).collect::<BTreeSet<_>>();
+    let all = BTreeSet::from([Stage::Force, Stage::Table, Stage::Motor, Stage::Tool]);
+    assert_eq!(stages(0), all);
+    assert_eq!(&all - &stages(1), [Stage::Force].into());
 }
