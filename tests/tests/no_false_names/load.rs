@@ -1,6 +1,5 @@
 //! Forces that are no constant load.
 
-use files::log::Channel;
 use model::effects::Stage;
 use trace::verdict::{self, Verdict};
 
@@ -27,8 +26,9 @@ fn a_force_that_grows_along_the_travel_is_a_position_load() {
 fn an_offset_of_the_logged_force_is_not_a_load() {
     let offset_n = 1000.0;
     let trace = TestMachine::new(3).trace_of(|log| {
-        let force = log.axes[0].channel_mut(Channel::Force).as_mut().unwrap();
-        force.iter_mut().for_each(|n| *n += offset_n);
+        for force_n in log.axes[0].force.as_mut().unwrap() {
+            *force_n += offset_n;
+        }
     });
     assert_named(&trace, &[]);
     assert_eq!(verdict::of_axis(&trace.axes[0]), Verdict::ModelDoesNotFit, "{}", context(&trace));
