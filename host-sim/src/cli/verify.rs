@@ -78,9 +78,8 @@ fn verified(
     for log in before.iter().chain(&after) {
         check_axes(log, machine)?;
     }
-    let [before, after] = [before, after].map(|logs| -> Vec<Log> {
-        logs.iter().map(|log| aligned(log, machine)).collect()
-    });
+    let [before, after] =
+        [before, after].map(|logs| -> Vec<Log> { logs.iter().map(|log| aligned(log, machine)).collect() });
     let pairs = pairs(&before, &after)?;
     let motions = before.iter().zip(pairs);
     motions.map(|(log, index)| VerifiedMotion::new(log, &after[index], predictions)).collect()
