@@ -16,6 +16,8 @@ use model::effects::{Coordinate, Effect};
 #[derive(Clone, Debug)]
 pub struct Covariance {
     matrix: DMatrix<f64>,
+    /// H⁻¹.
+    inverse: DMatrix<f64>,
     /// Shift of the parameters by the subtracted error of the tracer's own simulation. It is taken as uncertain as it is large:
     /// the machine does not step as the simulation does, and nothing but the simulation confirms it.
     bias_shift: DVector<f64>,
@@ -55,6 +57,7 @@ pub fn covariance(data: &FitData<'_>, fitted: &Fitted) -> Covariance {
     Covariance {
         matrix: &inverse * (outer_products + DMatrix::from_diagonal(&priors)) * &inverse,
         bias_shift: &inverse * bias_gradient(data, fitted),
+        inverse,
         degrees_of_freedom: sums.len().saturating_sub(1),
     }
 }
@@ -74,6 +77,43 @@ fn bias_gradient(data: &FitData<'_>, fitted: &Fitted) -> DVector<f64> {
 }
 
 impl Covariance {
+    /// Number of parameters.
+    #[must_use]
+    pub fn len(&self) -> usize {
+        self.bias_shift.len()
+    }
+
+    /// Whether there is no parameter.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.len() == 0
+    }
+
+    /// Covariance of some of the parameters, with the uncertain error of the tracer's own simulation as one more deviation.
+    #[must_use]
+    pub fn of(&self, indices: &[usize]) -> DMatrix<f64> {
+        let t = student_t_975(self.degrees_of_freedom);
+        DMatrix::from_fn(indices.len(), indices.len(), |i, j| {
+            let (i, j) = (indices[i], indices[j]);
+            self.matrix[(i, j)] + self.bias_shift[i] * self.bias_shift[j] / (t * t)
+        })
+    }
+
+    /// Change of the parameters by a change of the gradient `JᵀWr`: −H⁻¹·g.
+    #[must_use]
+    pub fn shift_by(&self, gradient: &DVector<f64>) -> DVector<f64> {
+        -(&self.inverse * gradient)
+    }
+
+    /// The same with independent deviations of the parameters added, each of one standard deviation.
+    #[must_use]
+    pub fn with_shifts(mut self, shifts: &[DVector<f64>]) -> Self {
+        for shift in shifts {
+            self.matrix += shift * shift.transpose();
+        }
+        self
+    }
+
     /// Half width of the 95 % confidence interval of a free parameter, by Student's t.
     #[must_use]
     pub fn half_width(&self, index: usize) -> f64 {

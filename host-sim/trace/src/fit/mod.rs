@@ -22,3 +22,4 @@ pub mod scope_fit;
 pub mod testable_scopes;
 pub mod tool_bias;
 pub mod trim;
+pub mod upstream;

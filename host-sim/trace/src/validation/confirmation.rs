@@ -129,7 +129,7 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
                 (has_many && after.validate > before.validate)
                     .then(|| (before.validate / after.validate).ln())
             });
-            let half_widths = axis.half_widths(fit_data, index);
+            let half_widths = axis.full_half_widths(fit_data, index);
             let effect = effect.clone();
             let found = FoundEffect { effect, half_widths, stage, before, after, rivals: Vec::new() };
             all.push(Reported { found, index, loss });

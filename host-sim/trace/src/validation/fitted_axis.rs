@@ -5,6 +5,7 @@ use crate::fit::fit_data::FitData;
 use crate::fit::intervals::{covariance, half_widths};
 use crate::fit::least_squares;
 use crate::fit::scope_fit::ScopeFit;
+use crate::fit::upstream::covariance_after;
 
 /// A model of an axis with the fits that led to it.
 #[derive(Clone, Debug)]
@@ -66,6 +67,17 @@ impl FittedAxis {
         let fit = self.fits.iter().find(|fit| fit.scope.holds(effect));
         fit.map_or_else(Vec::new, |ScopeFit { fitted_scope, fitted, .. }| {
             half_widths(effect, &covariance(data, fitted), fitted.model.indices_of(fitted_scope, index))
+        })
+    }
+
+    /// The same, with the uncertainty of what an earlier fit determined: see [`crate::fit::upstream`].
+    #[must_use]
+    pub fn full_half_widths(&self, data: &FitData<'_>, index: usize) -> Vec<f64> {
+        let effect = &self.model.found()[index];
+        let fit = self.fits.iter().find(|fit| fit.scope.holds(effect));
+        fit.map_or_else(Vec::new, |ScopeFit { fitted_scope, fitted, .. }| {
+            let covariance = covariance_after(data, &self.fits, &self.model, (fitted_scope, fitted));
+            half_widths(effect, &covariance, fitted.model.indices_of(fitted_scope, index))
         })
     }
 }
