@@ -1,5 +1,6 @@
 //! One axis: its loops in the order of the signal.
 
+use crate::compensate::Correction;
 use crate::config::AxisConfig;
 use crate::control::bumpless_transfer::BumplessTransfer;
 use crate::control::{feedforward, filter, position, velocity};
@@ -76,16 +77,18 @@ impl<S: Scalar> AxisState<S> {
         self.force_transfer.start(self.filtered_force);
     }
 
-    /// The position loop, once per command. `correction` (position units) is added to the command.
+    /// The position loop, once per command. The correction is added to the command; its part for errors between motor and
+    /// scale also to the scale's reading (see [`crate::compensate`]).
     pub fn position_tick(
         &mut self,
         config: &AxisConfig<S>,
         command: Position,
-        correction: i64,
+        correction: Correction,
         reading: Reading,
     ) -> FaultSet {
-        let corrected = command + correction;
-        let feedback = config.feedback.position(&mut self.feedback, reading.motor, reading.table);
+        let corrected = command + correction.total;
+        let scale = reading.table.map(|table| table + correction.screw);
+        let feedback = config.feedback.position(&mut self.feedback, reading.motor, scale);
         let following_error = S::from_distance(corrected - feedback);
         let lead = config.feedforward.lead(&mut self.feedforward, corrected);
         let velocity = config.position.velocity(&mut self.position, following_error + lead);

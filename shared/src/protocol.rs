@@ -19,8 +19,8 @@ pub const FRAME: usize = 256;
 /// Greatest number of bytes of an order in a part.
 pub const PART: usize = FRAME - 8;
 
-/// Length of the longest order in bytes.
-pub const LONGEST_ORDER: usize = 4096;
+/// Length of the longest order in bytes: a compensation with every table at its capacity has 7.6 kB.
+pub const LONGEST_ORDER: usize = 7680;
 
 /// Number of axes of the protocol.
 pub const AXES: usize = 2;
@@ -173,6 +173,55 @@ mod tests {
         });
         encode(&answer, &mut frame).unwrap();
         assert_eq!(decode::<Answer>(&frame).unwrap(), answer);
+    }
+
+    /// Every setting present, every table at its capacity, and numbers without a short form.
+    fn longest_compensation() -> CompensationSettings {
+        use crate::compensate::settings::{
+            Cycle, ForceModel, FrictionWarmUp, POINTS, Pitch, PitchSource, Points, Reversal, Straightness,
+            Stribeck, TableFriction, Talk, TimePoints,
+        };
+        let values = || (0..POINTS).map(|k| 1.0 / (3.0 + k as f64)).collect();
+        let points = || Points { start_m: -0.1, spacing_m: 0.3, values: values() };
+        let cycles = || [0.1, 0.3].map(|period_m| Cycle { period_m, values: values() }).into_iter().collect();
+        let stribeck = Some(Stribeck { excess_n: 0.1, velocity_m_per_s: 0.3 });
+        CompensationSettings {
+            pitch: Some(Pitch { of: PitchSource::Scale, forward: points(), backward: Some(points()) }),
+            backlash_width_m: Some(0.1),
+            screw: cycles(),
+            dividing: cycles(),
+            reversal: Some(Reversal { force_n: 0.1, decay_s: 0.3, fade_m_per_s: 0.7 }),
+            intalk: Some(Talk::Over(points())),
+            crosstalk: Some((u8::MAX, Talk::Over(points()))),
+            squareness: Some((u8::MAX, 0.1)),
+            straightness: Some((u8::MAX, Straightness::Over(points()))),
+            ripple: cycles(),
+            force: Some(ForceModel {
+                motor_stribeck: stribeck,
+                friction: TableFriction {
+                    presliding_stiffness_n_per_m: Some(0.1),
+                    stribeck,
+                    map: Some(points()),
+                    warm_up: Some(FrictionWarmUp { force_n: 0.1, time_constant_s: 0.3 }),
+                    ..TableFriction::default()
+                },
+                load: Some(points()),
+                ..ForceModel::default()
+            }),
+            stretch_m_per_n: Some(0.1),
+            drift: Some(TimePoints { start_s: 0.1, spacing_s: 0.3, values: values() }),
+            ..CompensationSettings::default()
+        }
+    }
+
+    /// Less than a frame remains free, so that the capacity is not larger than necessary.
+    #[test]
+    fn the_longest_order_fits_its_capacity() {
+        let order = Order::Compensate(u8::MAX, longest_compensation());
+        let mut bytes = [0; LONGEST_ORDER];
+        let length = postcard::to_slice(&order, &mut bytes).unwrap().len();
+        assert!(length > LONGEST_ORDER - FRAME, "{length} bytes");
+        assert_eq!(decode::<Order>(&bytes).unwrap(), order);
     }
 
     #[test]

@@ -3,6 +3,7 @@
 
 use proptest::prelude::*;
 use shared::axis::{AxisState, Reading};
+use shared::compensate::Correction;
 use shared::config::{AxisConfig, AxisSettings, Law, LowPass, Notch, Rates};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
@@ -40,7 +41,7 @@ fn step_response<S: Scalar>(law: Law, rate_hz: f64) -> f64 {
             Law::Hpc => hpc(kp * f64::from(n) / rate_hz),
         };
         worst = worst.max((at_m / target - expected).abs() * target * 1e6);
-        let _ = state.position_tick(&config, position(target), 0, reading(position(at_m)));
+        let _ = state.position_tick(&config, position(target), Correction::NONE, reading(position(at_m)));
         at_m += state.velocity_command_m_per_s() / rate_hz;
     }
     worst
@@ -93,7 +94,7 @@ fn the_step_response_of_the_velocity_loop_matches_its_equations() {
         let mut state = AxisState::at_rest(Position(0), reading(Position(0)));
         let (mut x, mut v) = (0.0f64, 0.0f64);
         // Kp·0.2 mm = 10 mm/s. No further position tick follows, so this velocity command is held.
-        let _ = state.position_tick(&config, position(0.2e-3), 0, reading(Position(0)));
+        let _ = state.position_tick(&config, position(0.2e-3), Correction::NONE, reading(Position(0)));
         let (mut ex, mut ev, mut last, mut integral, mut worst) = (0.0, 0.0, 0.0, 0.0, 0.0f64);
         for _ in 0..400 {
             let (force, _) = state.velocity_tick(&config, reading(position(x)), S::default());
@@ -144,7 +145,7 @@ impl<S: Scalar> Bench<S> {
         let before = [self.state.velocity_command_m_per_s(), self.force];
         self.command_m += speed / RATES.velocity_loop_hz;
         let reading = reading(position(self.at_m));
-        let _ = self.state.position_tick(&self.config, position(self.command_m), 0, reading);
+        let _ = self.state.position_tick(&self.config, position(self.command_m), Correction::NONE, reading);
         let (force, _) = self.state.velocity_tick(&self.config, reading, S::default());
         self.force = force.value();
         let a = (self.force - FRICTION_N_S_PER_M * self.velocity) / MASS_KG;

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::axis::{AxisState, Reading};
+use shared::compensate::Correction;
 use shared::config::{AxisConfig, AxisSettings, Law, Rates};
 use shared::scalar::{Fixed, Scalar};
 use shared::units::{Position, VELOCITY_M_PER_S};
@@ -38,7 +39,7 @@ fn offset_decays<S: Scalar>([from_kp, from_kv]: [f64; 2], [kp, kv]: [f64; 2]) {
     let (from, to) = (config(from_kp, from_kv), config(kp, kv));
     let (motor, command) = (reading(Position(0)), position(HELD_M));
     let mut state = AxisState::at_rest(Position(0), motor);
-    let _ = state.position_tick(&from, command, 0, motor);
+    let _ = state.position_tick(&from, command, Correction::NONE, motor);
     let _ = state.velocity_tick(&from, motor, S::default());
     state.change(&from, &to);
     let before = from_kp * HELD_M;
@@ -53,7 +54,7 @@ fn offset_decays<S: Scalar>([from_kp, from_kv]: [f64; 2], [kp, kv]: [f64; 2]) {
     for n in 0..12_000 {
         let remaining = (-kp * f64::from(n) / SLOWER.velocity_loop_hz).exp();
         if n % SLOWER.position_loop_divider == 0 {
-            let _ = state.position_tick(&to, command, 0, motor);
+            let _ = state.position_tick(&to, command, Correction::NONE, motor);
             commanded = kp * HELD_M + (before - kp * HELD_M) * remaining;
         }
         let (force, _) = state.velocity_tick(&to, motor, S::default());
@@ -103,7 +104,7 @@ fn keeps_its_integral<S: Scalar>() {
     let (mut target_m, mut motor_m, mut velocity) = (0.0, 0.0, 0.0);
     let mut tick = |state: &mut AxisState<S>, config: &AxisConfig<S>| {
         target_m += speed / rate;
-        let _ = state.position_tick(config, position(target_m), 0, reading(position(motor_m)));
+        let _ = state.position_tick(config, position(target_m), Correction::NONE, reading(position(motor_m)));
         let (force, _) = state.velocity_tick(config, reading(position(motor_m)), S::default());
         velocity += (force.value() - friction_n_s_per_m * velocity) / mass_kg / rate;
         motor_m += velocity / rate;
@@ -143,11 +144,11 @@ fn changes_law_without_a_step<S: Scalar>() {
     for held_m in [HELD_M, -HELD_M] {
         let motor = reading(Position(0));
         let mut state = AxisState::at_rest(Position(0), motor);
-        let _ = state.position_tick(&laws[0], position(held_m), 0, motor);
+        let _ = state.position_tick(&laws[0], position(held_m), Correction::NONE, motor);
         for change in laws.windows(2) {
             state.change(&change[0], &change[1]);
             for n in 0..1000 {
-                let _ = state.position_tick(&change[1], position(held_m), 0, motor);
+                let _ = state.position_tick(&change[1], position(held_m), Correction::NONE, motor);
                 let error = state.velocity_command_m_per_s() - kp * held_m;
                 // A velocity step of 1 nm/s in fixed point; f32 rounds product and sum, each by 2⁻²⁴.
                 assert!(

@@ -10,6 +10,7 @@ use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::simulate::{self, Run};
 use shared::axis::Reading;
+use shared::compensate::CompensationSettings;
 use trace::fit::axis_model::AxisModel;
 use trace::fit::fit_data::FitData;
 use trace::fit::scope::{Mechanics, Scope};
@@ -84,6 +85,10 @@ struct WithAddedForce {
 impl Controller for WithAddedForce {
     fn push(&mut self, block: &PathBlock) -> Result<(), ControllerError> {
         self.controller.push(block)
+    }
+
+    fn compensate(&mut self, axis: usize, settings: &CompensationSettings) -> Result<(), ControllerError> {
+        self.controller.compensate(axis, settings)
     }
 
     fn enable(&mut self) -> Result<(), ControllerError> {

@@ -210,7 +210,10 @@ fn an_unreadable_frame_is_rejected_and_an_end_order_ends_the_program() {
 /// All features of the controller, through the protocol alone: filters of force and path, S-curves with blended joints,
 /// every compensation, a change of gains, a scale that fails and recovers.
 mod all_features {
-    use shared::compensate::settings::{Cycle, Pitch, PitchSource, Points, Reversal, Straightness, Talk};
+    use shared::compensate::settings::{
+        Cycle, ForceModel, FrictionWarmUp, Pitch, PitchSource, Points, Reversal, Straightness, Stribeck,
+        TableFriction, Talk, TimePoints,
+    };
     use shared::compensate::{CompensationKind, CompensationSettings};
     use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
     use shared::interpolate::{Block, Ramps, Smoothing};
@@ -255,13 +258,38 @@ mod all_features {
                 backward: Some(points(1.5e-6)),
             }),
             backlash_width_m: Some(3e-6),
-            dividing: Some(Cycle::harmonic(1e-6, 2.5e-3, 0.3)),
+            screw: [Cycle::harmonic(1e-6, 5e-3, 0.2), Cycle::harmonic(5e-7, 7e-3, 1.0)].into_iter().collect(),
+            dividing: [Cycle::harmonic(1e-6, 2.5e-3, 0.3), Cycle::harmonic(4e-7, 1.1e-3, 2.0)]
+                .into_iter()
+                .collect(),
             reversal: Some(Reversal { force_n: 30.0, decay_s: 0.01, fade_m_per_s: 0.05 }),
             intalk: Some(Talk::Over(points(1e-7))),
             crosstalk: Some((other, Talk::Constant(4e-7))),
             squareness: Some((other, 2e-5)),
             straightness: Some((other, Straightness::Quadratic(1e-5))),
-            ripple: Some(Cycle::harmonic(5.0, 2.5e-3, 0.1)),
+            ripple: [Cycle::harmonic(5.0, 2.5e-3, 0.1), Cycle::harmonic(2.0, 1.3e-3, 0.4)]
+                .into_iter()
+                .collect(),
+            force: Some(ForceModel {
+                motor_mass_kg: 20.0,
+                table_mass_kg: 20.0,
+                motor_coulomb_n: 10.0,
+                motor_stribeck: Some(Stribeck { excess_n: 3.0, velocity_m_per_s: 5e-3 }),
+                friction: TableFriction {
+                    coulomb_n: 40.0,
+                    viscous_n_s_per_m: 500.0,
+                    half_difference_n_s_per_m: 50.0,
+                    presliding_stiffness_n_per_m: Some(30e6),
+                    stribeck: Some(Stribeck { excess_n: 15.0, velocity_m_per_s: 8e-3 }),
+                    map: Some(points(1.0)),
+                    warm_up: Some(FrictionWarmUp { force_n: 10.0, time_constant_s: 0.4 }),
+                },
+                load: Some(points(3.0)),
+                lag_s: 1e-3,
+                share: 0.8,
+            }),
+            stretch_m_per_n: Some(1e-8),
+            drift: Some(TimePoints { start_s: -0.1, spacing_s: 0.1, values: points(5e-7).values }),
             ..CompensationSettings::default()
         }
     }

@@ -2,7 +2,10 @@
 
 use shared::axis::Reading;
 use shared::compensate::CompensationSettings;
-use shared::compensate::settings::{Cycle, Pitch, PitchSource, Points, Reversal, Straightness, Talk};
+use shared::compensate::settings::{
+    Cycle, ForceModel, FrictionWarmUp, Pitch, PitchSource, Points, Reversal, Straightness, Stribeck,
+    TableFriction, Talk, TimePoints,
+};
 use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
 use shared::machine::{Machine, Output};
@@ -54,6 +57,7 @@ pub fn full_axis() -> AxisSettings {
         law: Law::Hpc,
         position_gain_per_s: 60.0,
         feedforward_percent: 80.0,
+        feedforward_ahead_s: 1.25 / RATES.velocity_loop_hz,
         velocity_gain_n_s_per_m: 45_000.0,
         velocity_integral_time_s: Some(0.013),
         velocity_lag_s: 0.5 / RATES.velocity_loop_hz,
@@ -85,14 +89,80 @@ pub fn all_compensations(axis: usize) -> CompensationSettings {
     CompensationSettings {
         pitch: Some(Pitch { of: PitchSource::Screw, forward: points(1e-6), backward: Some(points(1.5e-6)) }),
         backlash_width_m: Some(3e-6),
-        dividing: Some(Cycle::harmonic(1e-6, 2.5e-3, 0.3)),
+        screw: cycles(2e-6, 5e-3).into_iter().collect(),
+        dividing: cycles(1e-6, 2.5e-3).into_iter().collect(),
         reversal: Some(Reversal { force_n: 30.0, decay_s: 0.01, fade_m_per_s: 0.05 }),
         intalk: Some(Talk::Over(points(1e-7))),
         crosstalk: Some((other, Talk::Over(points(1e-7)))),
         squareness: Some((other, 2e-5)),
         straightness: Some((other, Straightness::Over(points(1e-6)))),
-        ripple: Some(Cycle::harmonic(5.0, 2.5e-3, 0.1)),
+        ripple: cycles(5.0, 2.5e-3).into_iter().collect(),
+        force: Some(force_model()),
+        stretch_m_per_n: Some(5e-9),
+        drift: Some(TimePoints { start_s: 0.0, spacing_s: 0.1, values: points(1e-6).values }),
         ..CompensationSettings::default()
+    }
+}
+
+/// Compensations of a single axis whose cost is a row of its own; the first one compensates nothing.
+#[must_use]
+pub fn single_compensations() -> [(&'static str, CompensationSettings); 6] {
+    let all = || all_compensations(0);
+    let none = CompensationSettings::default;
+    let rigid = ForceModel {
+        motor_stribeck: None,
+        friction: TableFriction {
+            coulomb_n: COULOMB_N,
+            viscous_n_s_per_m: VISCOUS_N_S_PER_M,
+            ..TableFriction::default()
+        },
+        load: None,
+        ..force_model()
+    };
+    [
+        ("compensation, empty", none()),
+        ("  and screw, two periods", CompensationSettings { screw: all().screw, ..none() }),
+        ("  and drift", CompensationSettings { drift: all().drift, ..none() }),
+        ("  and force, sliding", CompensationSettings { force: Some(rigid), ..none() }),
+        ("  and force, all parts", CompensationSettings { force: all().force, ..none() }),
+        (
+            "  and force and stretch",
+            CompensationSettings { force: all().force, stretch_m_per_n: all().stretch_m_per_n, ..none() },
+        ),
+    ]
+}
+
+/// Two periods.
+fn cycles(amplitude: f64, period_m: f64) -> [Cycle; 2] {
+    [Cycle::harmonic(amplitude, period_m, 0.3), Cycle::harmonic(0.5 * amplitude, 1.7 * period_m, 0.1)]
+}
+
+/// The simulated axis as a model, with every part that the feed-forward has.
+#[must_use]
+pub fn force_model() -> ForceModel {
+    let stribeck = Stribeck { excess_n: 60.0, velocity_m_per_s: 0.01 };
+    let points = |scale: f64| Points {
+        start_m: -0.1,
+        spacing_m: 0.01,
+        values: (0..21).map(|k| scale * f64::from(k % 5)).collect(),
+    };
+    ForceModel {
+        motor_mass_kg: 0.5 * MASS_KG,
+        table_mass_kg: 0.5 * MASS_KG,
+        motor_coulomb_n: 40.0,
+        motor_stribeck: Some(stribeck),
+        friction: TableFriction {
+            coulomb_n: COULOMB_N,
+            viscous_n_s_per_m: VISCOUS_N_S_PER_M,
+            half_difference_n_s_per_m: 50.0,
+            presliding_stiffness_n_per_m: Some(60e6),
+            stribeck: Some(stribeck),
+            map: Some(points(5.0)),
+            warm_up: Some(FrictionWarmUp { force_n: 30.0, time_constant_s: 10.0 }),
+        },
+        load: Some(points(10.0)),
+        lag_s: 0.002,
+        share: 0.9,
     }
 }
 

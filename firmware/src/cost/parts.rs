@@ -4,7 +4,7 @@ use core::array::from_fn;
 use core::hint::black_box;
 
 use shared::axis::AxisState;
-use shared::compensate::{AxisCompensation, Compensation};
+use shared::compensate::{AxisCompensation, Compensation, CompensationSettings, Correction};
 use shared::config::{AxisConfig, AxisSettings, Law};
 use shared::control::{feedforward, filter, position, velocity};
 use shared::feedback::dual;
@@ -45,6 +45,13 @@ fn compensation<S: Scalar>() -> Option<Compensation<S, AXES>> {
     for axis in 0..AXES {
         all.replace(axis, AxisCompensation::new(&motion::all_compensations(axis), RATES, AXES).ok()?);
     }
+    Some(all)
+}
+
+/// One compensation on the first axis.
+fn alone<S: Scalar>(settings: &CompensationSettings) -> Option<Compensation<S, AXES>> {
+    let mut all = Compensation::none(START);
+    all.replace(0, AxisCompensation::new(settings, RATES, AXES).ok()?);
     Some(all)
 }
 
@@ -94,7 +101,7 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
         all.velocity.force(state, speed, motor)
     });
     part.of("position loop of an axis", others, AxisState::at_rest(command, reading), |state, tick| {
-        state.position_tick(all, tick.output.commands[0], 0, tick.readings[0])
+        state.position_tick(all, tick.output.commands[0], Correction::NONE, tick.readings[0])
     });
     part.of("tick, drives coming on", &ticks[..1], motion::machine::<S>(&PROGRAM)?, |machine, tick| {
         machine.tick(&tick.readings)
@@ -104,6 +111,13 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
         let readings = all.readings(&tick.readings);
         (all.commands(&tick.output.commands), all.forces(&readings))
     });
+    for (name, settings) in motion::single_compensations() {
+        let alone = alone::<S>(&settings)?;
+        part.of(name, others, alone, |all, tick| {
+            let readings = all.readings(&tick.readings);
+            (all.commands(&tick.output.commands), all.forces(&readings))
+        });
+    }
     let (notch, low_pass) = (all.notch.as_ref()?, all.low_pass.as_ref()?);
     part.of("notch", &errors, filter::State::default(), |state, &x| notch.step(state, x));
     part.of("low-pass", &errors, filter::State::default(), |state, &x| low_pass.step(state, x));

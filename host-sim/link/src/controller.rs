@@ -1,6 +1,7 @@
 //! The interface between simulator and controller, and the controller in this process.
 
 use shared::axis::Reading;
+use shared::compensate::CompensationSettings;
 use shared::config::{AxisSettings, Rates};
 use shared::interpolate::{Block, Joint, Ramps};
 use shared::machine::{Machine, MachineError};
@@ -134,6 +135,9 @@ pub enum ControllerError {
     /// There is no such port, or its controller has too few axes.
     #[error("port: {0}")]
     Port(String),
+    /// This kind of controller does not have the function.
+    #[error("{0}: this controller does not have it")]
+    NotSupported(&'static str),
     /// The connection failed.
     #[error("link: {0}")]
     Link(String),
@@ -146,6 +150,14 @@ pub trait Controller {
     /// # Errors
     /// If the block is refused or the connection fails.
     fn push(&mut self, block: &PathBlock) -> Result<(), ControllerError>;
+
+    /// Replaces the compensation of an axis, counted from 0; also during motion, as the corrections change over at their
+    /// limited rates.
+    ///
+    /// # Errors
+    /// If a setting is refused ([`MachineError::Config`] with its name; nothing is changed then), the machine has no such
+    /// axis, or the connection fails.
+    fn compensate(&mut self, axis: usize, settings: &CompensationSettings) -> Result<(), ControllerError>;
 
     /// Switches the drives on at the next tick.
     ///
@@ -164,6 +176,10 @@ impl<S: Scalar, const N: usize> Controller for Machine<S, N> {
     fn push(&mut self, block: &PathBlock) -> Result<(), ControllerError> {
         let block = block.for_axes::<N>().ok_or(ControllerError::Axes(N))?;
         Ok(Machine::push(self, &block).map_err(MachineError::from)?)
+    }
+
+    fn compensate(&mut self, axis: usize, settings: &CompensationSettings) -> Result<(), ControllerError> {
+        Ok(Machine::compensate(self, axis, settings)?)
     }
 
     fn enable(&mut self) -> Result<(), ControllerError> {

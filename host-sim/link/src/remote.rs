@@ -1,6 +1,7 @@
 //! A controller at the other end of a connection that answers each frame with one frame.
 
 use shared::axis::Reading;
+use shared::compensate::{AxisCompensation, CompensationSettings};
 use shared::config::{AxisSettings, Rates};
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
@@ -34,6 +35,7 @@ pub trait Connection {
 pub struct Remote<C: Connection> {
     connection: C,
     format: Format,
+    rates: Rates,
     axes: usize,
 }
 
@@ -67,7 +69,7 @@ impl<C: Connection> Remote<C> {
             axes: padded(settings, settings[0]),
             start: padded(start, Position(0)),
         };
-        let mut remote = Self { connection, format, axes };
+        let mut remote = Self { connection, format, rates, axes };
         remote.command(&Order::Setup(setup))?;
         Ok(remote)
     }
@@ -129,6 +131,23 @@ impl<C: Connection> Controller for Remote<C> {
         };
         let block = block.for_axes::<AXES>().ok_or(ControllerError::Axes(self.axes))?;
         self.command(&Order::Block(block))
+    }
+
+    fn compensate(&mut self, axis: usize, settings: &CompensationSettings) -> Result<(), ControllerError> {
+        if axis >= self.axes {
+            return Err(MachineError::NoSuchAxis.into());
+        }
+        // The answer of the other end does not name the setting. It has two axes, also for a machine of one.
+        let checked = match self.format {
+            Format::Fixed => AxisCompensation::<Fixed>::new(settings, self.rates, self.axes).err(),
+            Format::F32 => AxisCompensation::<f32>::new(settings, self.rates, self.axes).err(),
+            Format::F64 => AxisCompensation::<f64>::new(settings, self.rates, self.axes).err(),
+        };
+        if let Some(error) = checked {
+            return Err(MachineError::Config { axis, error }.into());
+        }
+        let number = u8::try_from(axis).map_err(|_| MachineError::NoSuchAxis)?;
+        self.command(&Order::Compensate(number, settings.clone()))
     }
 
     fn enable(&mut self) -> Result<(), ControllerError> {
@@ -314,6 +333,49 @@ mod tests {
                     Remote::set_up(Direct::default(), Format::Fixed, RATES, &settings, &start).unwrap();
                 let words = |pushed: Result<(), ControllerError>| pushed.map_err(|error| error.to_string());
                 assert_eq!(words(remote.push(block)), words(local.push(block)), "{axes} axes, {block:?}");
+            }
+        }
+    }
+
+    /// With a compensation on each axis, set before the motion: the same bits as in this process, and other bits than
+    /// without it.
+    #[test]
+    fn a_compensation_gives_the_same_bits_as_in_this_process() {
+        let settings = [AxisSettings::default(); 2];
+        let start = [Position(0), Position(0)];
+        let compensation = CompensationSettings {
+            backlash_width_m: Some(5e-6),
+            squareness: Some((1, 3e-5)),
+            ..CompensationSettings::default()
+        };
+        for format in FORMATS {
+            let mut local = in_process(format, RATES, &settings, &start).unwrap();
+            let mut remote = Remote::set_up(Direct::default(), format, RATES, &settings, &start).unwrap();
+            local.compensate(0, &compensation).unwrap();
+            remote.compensate(0, &compensation).unwrap();
+            assert_same(local, remote, &[arc([0, 1]), line(&[0.0, 0.0])], 2);
+        }
+    }
+
+    #[test]
+    fn compensations_are_refused_with_the_same_message_as_in_this_process() {
+        let none = CompensationSettings::default();
+        let wide = CompensationSettings { backlash_width_m: Some(1.0), ..none.clone() };
+        let other_axis = CompensationSettings { squareness: Some((1, 3e-5)), ..none.clone() };
+        for axes in [1, 2] {
+            let settings = vec![AxisSettings::default(); axes];
+            let start = vec![Position(0); axes];
+            for (axis, compensation) in [(0, &none), (0, &wide), (0, &other_axis), (1, &none), (2, &none)] {
+                let mut local = in_process(Format::Fixed, RATES, &settings, &start).unwrap();
+                let mut remote =
+                    Remote::set_up(Direct::default(), Format::Fixed, RATES, &settings, &start).unwrap();
+                let words = |set: Result<(), ControllerError>| set.map_err(|error| error.to_string());
+                let here = words(local.compensate(axis, compensation));
+                assert_eq!(words(remote.compensate(axis, compensation)), here);
+                let is_refused = std::ptr::eq(compensation, &raw const wide)
+                    || axis >= axes
+                    || axes == 1 && compensation.squareness.is_some();
+                assert_eq!(here.is_err(), is_refused, "{axes} axes, axis {axis}: {here:?}");
             }
         }
     }

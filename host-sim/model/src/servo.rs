@@ -98,6 +98,7 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
         position_gain_per_s: factor * controller.position_gain_per_s.ok_or("position_gain_per_s")?,
         // The lead (Kf/Kp)·d(command)/dt contains the same Kp, so that the mismatch does not change the feed-forward.
         feedforward_percent: controller.feedforward_percent.unwrap_or(0.0) + effects.feedforward.percent,
+        feedforward_ahead_s: controller.feedforward_ahead_s.unwrap_or(0.0),
         velocity_gain_n_s_per_m: effects
             .velocity_gain_n_s_per_m(controller)
             .ok_or("velocity_gain_n_s_per_m")?,

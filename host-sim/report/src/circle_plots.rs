@@ -3,8 +3,7 @@
 use maud::{Markup, html};
 
 use super::axis_view::AxisView;
-use super::circle_fit::find;
-use super::radial_deviation::{Lap, Run};
+use super::radial_deviation::{Lap, Run, largest_circle};
 use files::format::{signed, significant};
 use files::log::Unit;
 use pages::file_name;
@@ -15,11 +14,13 @@ use trace::Trace;
 /// The section's body; empty if no log contains a circle of two linear axes with the required channels.
 #[must_use]
 pub fn body(trace: &Trace, views: &[AxisView<'_>]) -> Markup {
-    let (Some(circle), [x, y, ..]) = (find(&trace.validate_logs), views) else { return Markup::default() };
+    let (Some((log, circle)), [x, y, ..]) = (largest_circle(&trace.validate_logs), views) else {
+        return Markup::default();
+    };
     if [x, y].iter().any(|view| view.trace.unit == Unit::Degree) {
         return Markup::default();
     }
-    let run = Run { circle: &circle, signals: &trace.validate_logs[circle.log], axes: [x, y] };
+    let run = Run { circle: &circle, log, signals: &trace.validate_logs[log], axes: [x, y] };
     let Some((channel, measured)) = run.measured() else { return Markup::default() };
     let residuals = (!run.stages().is_empty())
         .then(|| [run.residual([&x.before, &y.before]), run.residual([&x.after, &y.after])]);

@@ -1,5 +1,5 @@
 //! What a trace found, for people: its page and its sentences. [`friction_map`] is the page of a steady-state friction
-//! map.
+//! map, [`verification_page`] that of motions before and after a change.
 //!
 //! | file | |
 //! |---|---|
@@ -11,12 +11,12 @@
 //! | `tables` | tables of residuals, and of effects found compared with the truth |
 //! | `axis_view` | the plotted residuals |
 //! | `residual_plots` | residuals over time and over a `variable` |
-//! | `circle_plots` | a circle, from `circle_fit` and `radial_deviation` |
+//! | `circle_plots` | a circle, from `contour::circle_fit` and `radial_deviation` |
+//! | [`round_trip`] | motions before, as predicted, and after a compensation |
 //! | [`ranking`] | the candidates of each round |
 
 mod axis_view;
 mod caveats;
-mod circle_fit;
 mod circle_plots;
 mod data_faults;
 pub mod friction_map;
@@ -24,10 +24,12 @@ mod parameters;
 mod radial_deviation;
 pub mod ranking;
 mod residual_plots;
+pub mod round_trip;
 pub mod sentences;
 mod tables;
 pub mod trace_page;
 mod variable;
+pub mod verification_page;
 
 #[cfg(test)]
 mod tests;

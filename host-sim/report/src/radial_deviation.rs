@@ -3,7 +3,7 @@
 use std::f64::consts::TAU;
 
 use super::axis_view::{AxisView, series};
-use super::circle_fit::{Arc, Circle};
+use contour::circle_fit::{self, Arc, Circle};
 use model::effects::Stage;
 use trace::fit::fit_data::ResidualSeries;
 use trace::input::signals::{AxisSignals, Signals};
@@ -21,10 +21,25 @@ pub struct Lap {
     pub points: Vec<(f64, f64)>,
 }
 
+/// The largest circle of the first two axes in the logs, with the index of its log.
+pub fn largest_circle(logs: &[Signals]) -> Option<(usize, Circle)> {
+    let circles = logs.iter().enumerate().filter_map(|(log, signals)| {
+        let [x, y] = signals.axes.get(..2)? else { return None };
+        Some((log, circle_fit::find(x.command.as_ref()?, y.command.as_ref()?)?))
+    });
+    // The first of several equal ones.
+    circles.fold(None, |best: Option<(usize, Circle)>, circle| match best {
+        Some(best) if best.1.radius >= circle.1.radius => Some(best),
+        _ => Some(circle),
+    })
+}
+
 /// A circle in a log, with its axes.
 pub struct Run<'a> {
     /// The circle.
     pub circle: &'a Circle,
+    /// Index of the log.
+    pub log: usize,
     /// The log that contains it.
     pub signals: &'a Signals,
     /// The two axes.
@@ -51,9 +66,8 @@ impl Run<'_> {
 
     /// The position stages that both axes have.
     pub fn stages(&self) -> Vec<Stage> {
-        let is_there = |stage: &Stage| {
-            self.axes.iter().all(|axis| series(&axis.before, *stage, self.circle.log).is_some())
-        };
+        let is_there =
+            |stage: &Stage| self.axes.iter().all(|axis| series(&axis.before, *stage, self.log).is_some());
         [Stage::Motor, Stage::Table, Stage::Tool].into_iter().filter(is_there).collect()
     }
 
@@ -65,7 +79,7 @@ impl Run<'_> {
         let stages = self.stages();
         let sums = residuals.map(|all| {
             let mut sum = vec![0.0; self.signals.len()];
-            for series in stages.iter().filter_map(|&stage| series(all, stage, self.circle.log)) {
+            for series in stages.iter().filter_map(|&stage| series(all, stage, self.log)) {
                 sum.iter_mut().zip(&series.values).for_each(|(sum, value)| *sum += value);
             }
             sum
@@ -81,7 +95,7 @@ impl Run<'_> {
 
     /// A deviation (µm), given by sample and angle of the command, averaged over pieces of each arc.
     fn laps(&self, deviation: impl Fn(usize, f64) -> f64) -> Vec<Lap> {
-        let settling = self.axes[0].data.settling(self.circle.log);
+        let settling = self.axes[0].data.settling(self.log);
         let lap = |arc: &Arc| {
             let settled: Vec<usize> = arc.samples.clone().filter(|&i| i >= settling).collect();
             let samples_per_turn = arc.samples.len() as f64 * TAU / arc.swept_rad;

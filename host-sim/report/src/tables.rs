@@ -1,7 +1,8 @@
-//! Tables of the page of a trace: the residuals of all stages, and the comparison of effects found with the truth.
+//! Tables of the page of a trace: the residuals of all stages, the contour errors of the logs, and the comparison of effects found with the truth.
 
 use maud::{Markup, html};
 
+use contour::logged::LogError;
 use files::format::{fixed, signed};
 use model::effects::Effect;
 use pages::markup::{Column, note, number_cell, paragraph, table, text};
@@ -72,6 +73,46 @@ fn error_row(axis: &AxisTrace, error: &StageError) -> Markup {
 /// A residual after the search, highlighted if it is at least 5 % smaller than before.
 fn after_cell(before: f64, after: f64) -> Markup {
     html! { td.n.gained[after < 0.95 * before] { (text(&fixed(after, 3))) } }
+}
+
+const CONTOUR_NOTE: &str = "Distance of the measured position from the path of the command, in the samples as logged. G: \
+                            circular deviation of the largest full circle, the larger of its directions (ISO 230-4). \
+                            F: radial deviation about the programmed centre. Overshoot: the largest of all corners.";
+
+/// The contour error of each log; empty without logs.
+pub fn contour_errors(logs: &[LogError]) -> Markup {
+    const WORDS: [&str; 2] = ["log", "channel"];
+    const NUMBERS: [&str; 5] = ["rms, µm", "greatest, µm", "G, µm", "F, µm", "overshoot, µm"];
+    if logs.is_empty() {
+        return Markup::default();
+    }
+    let columns: Vec<Column> =
+        WORDS.map(Column::Words).into_iter().chain(NUMBERS.map(Column::Numbers)).collect();
+    let rows = html! { @for log in logs { (contour_row(log)) } };
+    html! { (note(CONTOUR_NOTE)) (table(&columns, &rows)) }
+}
+
+fn contour_row(log: &LogError) -> Markup {
+    let error = &log.error;
+    let shown = |value: Option<f64>| value.map_or("–".to_owned(), |um| fixed(um, 2));
+    let laps = error.circles.iter().flat_map(|circle| &circle.laps).flat_map(|lap| lap.radial_um);
+    let radial_um: Vec<f64> = laps.collect();
+    let radial = if radial_um.is_empty() {
+        "–".to_owned()
+    } else {
+        numerics::min_max(radial_um).map(|um| signed(um, 2)).join(" to ")
+    };
+    html! {
+        tr {
+            th scope="row" { (text(&log.log)) }
+            td { (log.channel.word()) }
+            (number_cell(&fixed(error.rms_um, 3)))
+            (number_cell(&fixed(error.max_um, 3)))
+            (number_cell(&shown(error.circular_um())))
+            (number_cell(&radial))
+            (number_cell(&shown(error.overshoot_um())))
+        }
+    }
 }
 
 /// Comparison of the true effects with those found, with the error of each parameter.

@@ -44,7 +44,12 @@ fn traced() -> Trace {
 
 fn extra(truth: &str) -> Extra {
     let truth = vec![("x".to_owned(), toml::from_str(truth).unwrap())];
-    Extra { title: "A <i> title".to_owned(), lead: vec!["Seed 7 & \"more\".".to_owned()], truth: Some(truth) }
+    Extra {
+        title: "A <i> title".to_owned(),
+        lead: vec!["Seed 7 & \"more\".".to_owned()],
+        truth: Some(truth),
+        ..Extra::default()
+    }
 }
 
 /// Every tag that is opened is closed, in order.

@@ -72,6 +72,7 @@ impl Inputs<'_> {
         let (ConfigError::NotFinite(name)
         | ConfigError::NotPositive(name)
         | ConfigError::NotWhileRunning(name)
+        | ConfigError::Requires { name, .. }
         | ConfigError::OutOfRange { name, .. }) = error;
         // Keys of the machine file with another unit or name, and the factor to the unit of the file.
         let (key, factor) = match *name {

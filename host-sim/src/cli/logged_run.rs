@@ -6,9 +6,11 @@ use anyhow::{Error, Result};
 
 use super::input_error::Inputs;
 use super::progress::Progress;
-use files::log::write_rows;
+use contour::vector::Point;
+use contour::{ContourError, Evaluation, NominalPath};
+use files::log::{Channel, write_rows};
 use files::output::OutputError;
-use link::controller::{Controller, Status};
+use link::controller::{Controller, MAX_AXES, Status};
 use model::machine::Machine;
 use plant::simulate::{Run, Sample, SimulationError};
 
@@ -17,6 +19,7 @@ pub struct RunStatistics {
     /// Rows of the log.
     pub samples: u64,
     axes: Vec<AxisStatistics>,
+    contour_error: Option<ContourError>,
 }
 
 struct AxisStatistics {
@@ -62,6 +65,8 @@ pub fn run(
 ) -> Result<RunStatistics> {
     let progress = Progress::start();
     let mut statistics = RunStatistics::new(run.machine);
+    let path = NominalPath::of_blocks(run.start_m, run.blocks);
+    let mut evaluation = Evaluation::new(&path, 1.0 / run.machine.sample_rate_hz);
     let mut failed = None;
     let written = write_rows(out, &run.empty_log(), |rows| {
         let ran = run.rows(
@@ -72,6 +77,8 @@ pub fn run(
             },
             |samples| {
                 statistics.add(samples);
+                let [command, tool] = positions_m(samples);
+                evaluation.add(&command, &tool);
                 rows.row(samples.iter().flat_map(Sample::values))
             },
         );
@@ -84,10 +91,21 @@ pub fn run(
         })
     });
     drop(progress);
+    statistics.contour_error = evaluation.finish();
     match failed {
         Some(error) => Err(inputs.error(error)),
         None => written.map(|()| statistics).map_err(|error: OutputError| Error::from(error)),
     }
+}
+
+/// Command and tool position of a row, m.
+fn positions_m(samples: &[Sample]) -> [Point; 2] {
+    let mut points = [[0.0; MAX_AXES]; 2];
+    for (axis, sample) in samples.iter().enumerate().take(MAX_AXES) {
+        points[0][axis] = 1e-3 * sample.command_mm;
+        points[1][axis] = 1e-3 * sample.tool_mm;
+    }
+    points
 }
 
 impl RunStatistics {
@@ -99,7 +117,7 @@ impl RunStatistics {
             force_n: Magnitude::default(),
             rows_at_limit: 0,
         });
-        Self { samples: 0, axes: axes.collect() }
+        Self { samples: 0, axes: axes.collect(), contour_error: None }
     }
 
     fn add(&mut self, samples: &[Sample]) {
@@ -112,7 +130,8 @@ impl RunStatistics {
         }
     }
 
-    /// A table of following error and force, and a sentence for each axis whose force was at its limit.
+    /// A table of following error and force, a sentence for each axis whose force was at its limit, and the contour error
+    /// at the tool.
     #[must_use]
     pub fn summary(&self) -> String {
         let mut lines = vec![
@@ -133,6 +152,10 @@ impl RunStatistics {
                 "\n{}: the force is at its limit in {percent:.2} % of the samples.",
                 axis.name
             ));
+        }
+        if let Some(error) = &self.contour_error {
+            let axes: Vec<String> = self.axes.iter().map(|axis| axis.name.clone()).collect();
+            lines.push(format!("\n{}", contour::text::of(error, Channel::Tool, &axes)));
         }
         lines.join("\n")
     }

@@ -2,6 +2,8 @@
 
 mod batch;
 mod compare;
+mod compensate;
+mod compensation;
 mod demo;
 mod friction_map;
 mod input_error;
@@ -15,6 +17,7 @@ mod simulate;
 mod stop;
 mod summary;
 mod trace;
+mod verify;
 
 use std::process::ExitCode;
 
@@ -39,6 +42,8 @@ enum Command {
     Simulate(simulate::Arguments),
     /// Run a motion with the controller on the emulated core and log it; boards on a serial port are not supported yet.
     Record(record::Arguments),
+    /// Turn the effects of a model into the compensation that the controller applies, and predict the contour error.
+    Compensate(compensate::Arguments),
     /// Run the same motions in fixed point, f32, f64 and with f32 positions, and compare errors and cost.
     Compare(compare::Arguments),
     /// Repeat published experiments and compare the printed values with ours.
@@ -47,6 +52,8 @@ enum Command {
     SelfTest(self_test::Arguments),
     /// Compute the residuals of logs, identify the missing effects, report the errors before and after.
     Trace(trace::Arguments),
+    /// Compare the contour error of the same motions before and after a change with each other and with the prediction.
+    Verify(verify::Arguments),
 }
 
 /// Runs the program. Exit codes: 0 success, 1 failure, 2 invalid arguments or input, 130 interrupted.
@@ -58,10 +65,12 @@ pub fn run() -> ExitCode {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
+        Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::SelfTest(arguments) => self_test::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
+        Command::Verify(arguments) => verify::run(&arguments),
     };
     match outcome {
         Ok(()) => ExitCode::SUCCESS,

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 
+use super::compensation::Compensated;
 use super::input_error::Inputs;
 use super::logged_run;
 use super::outputs::{check_outputs, print};
@@ -40,6 +41,9 @@ pub struct Arguments {
     /// Log to write (CSV, or .csv.gz).
     #[arg(long)]
     out: PathBuf,
+    /// Compensation file, as `compensate` writes it.
+    #[arg(long)]
+    compensation: Option<PathBuf>,
     /// Timeout for an answer of the emulated core, s.
     #[arg(long, value_name = "SECONDS", default_value_t = DEFAULT_TIMEOUT.as_secs_f64())]
     timeout_s: f64,
@@ -55,22 +59,26 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let timeout = timeout(arguments.timeout_s)?;
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
-    check_outputs(&[machine_path, &arguments.motion], &[("--out", Some(&arguments.out))])?;
+    let files = [machine_path, &arguments.motion].into_iter().chain(arguments.compensation.as_deref());
+    check_outputs(&files.collect::<Vec<_>>(), &[("--out", Some(&arguments.out))])?;
     let machine = match &arguments.machine {
         Some(path) => Machine::read(path)?,
         None => Machine::parse(demo::MACHINE, DEMO_MACHINE)?,
     };
+    let compensated = Compensated::read(arguments.compensation.as_deref(), machine)?;
+    let machine = &compensated.machine;
     let motion = Motion::read(&arguments.motion)?;
     let machine_file =
         arguments.machine.as_ref().map_or_else(|| DEMO_MACHINE.to_owned(), |path| path.display().to_string());
     let motion_file = &arguments.motion.display().to_string();
-    let inputs = Inputs { machine: &machine, machine_file: &machine_file, motion_file };
-    let path = MachinePath::new(&motion, &machine, motion_file)?;
+    let inputs = Inputs { machine, machine_file: &machine_file, motion_file };
+    let path = MachinePath::new(&motion, machine, motion_file)?;
     let mut controller =
-        set_up(&arguments.port, timeout, &machine, &path.start_m).map_err(|error| inputs.error(error))?;
+        set_up(&arguments.port, timeout, machine, &path.start_m).map_err(|error| inputs.error(error))?;
+    compensated.set(&mut controller)?;
     let run = Run {
-        machine: &machine,
-        instruments: Instruments::of(&machine, arguments.seed),
+        machine,
+        instruments: Instruments::of(machine, arguments.seed),
         start_m: &path.start_m,
         blocks: &path.blocks,
         start_s: 0.0,

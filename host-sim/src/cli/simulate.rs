@@ -1,9 +1,10 @@
 //! `lost-motion simulate`.
 
-use std::path::PathBuf;
+use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
+use super::compensation::Compensated;
 use super::input_error::Inputs;
 use super::logged_run;
 use super::outputs::{check_outputs, print};
@@ -48,6 +49,9 @@ pub struct Arguments {
     /// Log to write (CSV, or .csv.gz).
     #[arg(long)]
     out: PathBuf,
+    /// Compensation file, as `compensate` writes it.
+    #[arg(long)]
+    compensation: Option<PathBuf>,
     /// Number format of the controller.
     #[arg(long, value_enum, default_value_t)]
     scalar: FormatArgument,
@@ -61,18 +65,23 @@ pub struct Arguments {
 /// # Errors
 /// Invalid input, a fault of the loop, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    check_outputs(&[&arguments.machine, &arguments.motion], &[("--out", Some(&arguments.out))])?;
+    let files = [&arguments.machine, &arguments.motion].into_iter().chain(&arguments.compensation);
+    let files: Vec<&Path> = files.map(PathBuf::as_path).collect();
+    check_outputs(&files, &[("--out", Some(&arguments.out))])?;
     let machine = Machine::read(&arguments.machine)?;
+    let compensated = Compensated::read(arguments.compensation.as_deref(), machine)?;
+    let machine = &compensated.machine;
     let motion = Motion::read(&arguments.motion)?;
     let machine_file = &arguments.machine.display().to_string();
     let motion_file = &arguments.motion.display().to_string();
-    let inputs = Inputs { machine: &machine, machine_file, motion_file };
-    let path = MachinePath::new(&motion, &machine, motion_file)?;
-    let controller = simulate::controller(&machine, arguments.scalar.into(), &path.start_m);
+    let inputs = Inputs { machine, machine_file, motion_file };
+    let path = MachinePath::new(&motion, machine, motion_file)?;
+    let controller = simulate::controller(machine, arguments.scalar.into(), &path.start_m);
     let mut controller = controller.map_err(|error| inputs.error(error))?;
+    compensated.set(controller.as_mut())?;
     let run = Run {
-        machine: &machine,
-        instruments: Instruments::of(&machine, arguments.seed),
+        machine,
+        instruments: Instruments::of(machine, arguments.seed),
         start_m: &path.start_m,
         blocks: &path.blocks,
         start_s: 0.0,

@@ -7,10 +7,12 @@ use anyhow::Result;
 use super::outputs::{check_outputs, print};
 use super::progress::Progress;
 use super::{friction_map, summary};
+use contour::logged::LogError;
 use files::log::Log;
 use files::output::write_whole;
 use model::machine::Machine;
 use report::trace_page::{self, Extra};
+use trace::Trace;
 
 /// Arguments of `trace`.
 #[derive(clap::Args)]
@@ -86,20 +88,23 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
         trace::trace(&machine, &fit, &validate, &show)?
     };
     drop(progress);
+    let contour_errors = LogError::all(fit.iter().chain(&validate));
     let mut output = summary::of_trace(&trace);
+    if !contour_errors.is_empty() {
+        output += &format!("\n\n{}", contour::text::of_logs(&contour_errors));
+    }
     if arguments.empirical {
         output += &summary::of_tables(&trace);
     }
     if let Some(path) = &arguments.propose {
-        let alike = trace.axes.iter().flat_map(|axis| &axis.ambiguities);
-        let proposals = alike.filter_map(|alike| alike.proposal.as_ref());
-        match proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)) {
-            Some(proposal) => write_whole(path, |out| out.write_all(proposal.motion.as_bytes()))?,
-            None => output += "\nNo motion is proposed: no effects are ambiguous in these logs.",
-        }
+        output += propose(&trace, path)?;
     }
     if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&trace::json::of(&trace, arguments.empirical))?;
+        let mut json = trace::json::of(&trace, arguments.empirical);
+        if let Some(json) = json.as_object_mut() {
+            json.insert("contour".to_owned(), contour::json::of_logs(&contour_errors));
+        }
+        let text = serde_json::to_string_pretty(&json)?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
     if let Some(path) = &arguments.model {
@@ -107,8 +112,21 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     }
     if let Some(folder) = &arguments.report {
         let title = format!("Lost motion of {}", machine.name);
-        let path = trace_page::write(folder, &trace, &Extra { title, ..Extra::default() })?;
+        let path = trace_page::write(folder, &trace, &Extra { title, contour_errors, ..Extra::default() })?;
         output += &format!("\n\nReport: {}", path.display());
     }
     print(&output)
+}
+
+/// Writes the motion that distinguishes two ambiguous effects best; gives a sentence if there are none.
+fn propose(trace: &Trace, path: &Path) -> Result<&'static str> {
+    let alike = trace.axes.iter().flat_map(|axis| &axis.ambiguities);
+    let proposals = alike.filter_map(|alike| alike.proposal.as_ref());
+    match proposals.max_by(|a, b| a.difference.total_cmp(&b.difference)) {
+        Some(proposal) => {
+            write_whole(path, |out| out.write_all(proposal.motion.as_bytes()))?;
+            Ok("")
+        }
+        None => Ok("\nNo motion is proposed: no effects are ambiguous in these logs."),
+    }
 }

@@ -1,241 +1,217 @@
-//! The compensations of one axis, and their state.
+//! The compensations of one axis: what they compute in a tick.
 
 use super::backlash::Backlash;
+use super::cycles::Cycles;
+use super::drift::Drift;
+use super::force::{Force, Surroundings};
 use super::geometry::{Squareness, Straightness};
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
 use super::pitch::Pitch;
 use super::reversal::Reversal;
-use super::settings::{self, CompensationSettings};
+use super::settings::PitchSource;
 use super::slew::Slew;
-use super::table::{PeriodicTable, ValueRange};
+use super::state::{Correction, SlowTerms, State};
+use super::table::Table;
 use super::talk::Talk;
-use crate::config::check::{positive, ranged};
-use crate::config::{ConfigError, Rates};
 use crate::scalar::Scalar;
-use crate::units::{LENGTH_M, Position};
+use crate::units::Position;
 
 /// The compensations of one axis.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Debug)]
 pub struct AxisCompensation<S: Scalar> {
-    pitch: Option<Pitch<S>>,
-    backlash: Option<Backlash<S>>,
-    dividing: Option<PeriodicTable<S>>,
-    reversal: Option<Reversal<S>>,
-    intalk: Option<Talk<S>>,
-    crosstalk: Option<(u8, Talk<S>)>,
-    squareness: Option<(u8, Squareness<S>)>,
-    straightness: Option<(u8, Straightness<S>)>,
-    ripple: Option<PeriodicTable<S>>,
+    pub(super) pitch: Option<Pitch<S>>,
+    pub(super) backlash: Option<Backlash<S>>,
+    pub(super) screw: Cycles<S>,
+    pub(super) dividing: Cycles<S>,
+    pub(super) reversal: Option<Reversal<S>>,
+    pub(super) intalk: Option<Talk<S>>,
+    pub(super) crosstalk: Option<(u8, Talk<S>)>,
+    pub(super) squareness: Option<(u8, Squareness<S>)>,
+    pub(super) straightness: Option<(u8, Straightness<S>)>,
+    pub(super) ripple: Cycles<S>,
+    /// Force feed-forward, with its tables over the position.
+    pub(super) model: Option<Force<S>>,
+    pub(super) load: Option<Table<S>>,
+    pub(super) friction_map: Option<Table<S>>,
+    /// Error units per N on the table.
+    pub(super) stretch: Option<S::Gain>,
+    pub(super) drift: Option<Drift<S>>,
+    /// The slow terms that there are.
+    pub(super) slow: heapless::Vec<SlowTerm, SLOW_TERMS>,
     /// Of the command, per position tick.
-    command: Slew<S>,
+    pub(super) command: Slew<S>,
     /// Of the motor reading, per tick.
-    reading: Slew<S>,
+    pub(super) reading: Slew<S>,
     /// Of the force, per tick.
-    force: Slew<S>,
+    pub(super) force: Slew<S>,
 }
 
-/// State of the compensations of an axis.
-#[derive(Clone, Copy, Debug)]
-pub struct State<S: Scalar> {
-    /// Present correction of the command, error units.
-    command: S,
-    /// Present correction of the motor reading, error units.
-    reading: S,
-    /// Present added force, N.
-    force: S,
-    /// Pulse of the last reversal without its velocity factor, and its force.
-    pulse: S,
-    pulse_force: S,
-    slow: SlowTerms<S>,
-    /// One bit per kind that is switched off.
-    off: u16,
-}
+/// Number of slow terms.
+const SLOW_TERMS: usize = 7;
 
-/// Terms that change slowly: one of them is evaluated with each command, in turn.
-#[derive(Clone, Copy, Debug)]
-struct SlowTerms<S: Scalar> {
-    /// The term that was evaluated last, 0 to 3.
-    last: u8,
-    pitch: S,
-    straightness: S,
-    intalk: S,
-    crosstalk: S,
-}
-
-impl<S: Scalar> State<S> {
-    /// No correction so far, every compensation switched on.
-    pub const NEW: Self = Self {
-        command: S::ZERO,
-        reading: S::ZERO,
-        force: S::ZERO,
-        pulse: S::ZERO,
-        pulse_force: S::ZERO,
-        slow: SlowTerms {
-            last: 0,
-            pitch: S::ZERO,
-            straightness: S::ZERO,
-            intalk: S::ZERO,
-            crosstalk: S::ZERO,
-        },
-        off: 0,
-    };
-
-    /// Switches one compensation on or off. Initially all are on.
-    pub const fn switch(&mut self, item: CompensationKind, on: bool) {
-        let bit = 1 << item as u16;
-        self.off = if on { self.off & !bit } else { self.off | bit };
-    }
-
-    const fn is_on(&self, item: CompensationKind) -> bool {
-        self.off & (1 << item as u16) == 0
-    }
+/// A term that changes slowly with position or time.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) enum SlowTerm {
+    Pitch,
+    Straightness,
+    Intalk,
+    Crosstalk,
+    Drift,
+    Load,
+    AdditionalFriction,
 }
 
 impl<S: Scalar> AxisCompensation<S> {
-    /// Checks and converts the settings of an axis of a machine with `axes` axes.
-    ///
-    /// # Errors
-    /// [`ConfigError`] for the first setting that is not finite, exceeds its bound or the range of the number format `S`.
-    pub fn new(settings: &CompensationSettings, rates: Rates, axes: usize) -> Result<Self, ConfigError> {
-        let (tick_hz, rate_hz) = (rates.velocity_loop_hz, rates.position_loop_hz());
-        let bound_m = positive("position_bound_m", settings.position_bound_m)?;
-        let bound_m = ranged("position_bound_m", bound_m, 0.0, 0.01)?;
-        let bound_n = positive("force_bound_n", settings.force_bound_n)?;
-        let bound_n = ranged("force_bound_n", bound_n, 0.0, S::SIGNAL_LIMIT)?;
-        let speed = positive("position_rate_m_per_s", settings.position_rate_m_per_s)?;
-        let rise = positive("force_rate_n_per_s", settings.force_rate_n_per_s)?;
-        let position = |per_s: f64| {
-            let per_tick = Slew::per_tick("position_rate_m_per_s", speed, per_s * LENGTH_M)?;
-            Ok(Slew { bound: S::signal(bound_m / LENGTH_M), per_tick })
-        };
-        let source = |name, axis: u8| {
-            if usize::from(axis) < axes {
-                Ok(axis)
-            } else {
-                Err(ConfigError::OutOfRange { name, min: 0.0, max: axes as f64 - 1.0 })
-            }
-        };
-        let cycle = |name, cycle: &Option<settings::Cycle>, unit, bound| {
-            let range = ValueRange { unit, bound };
-            cycle.as_ref().map(|cycle| PeriodicTable::new(name, cycle, range)).transpose()
-        };
-        let pitch = settings.pitch.as_ref().map(|pitch| Pitch::new(pitch, bound_m)).transpose()?;
-        let intalk = settings.intalk.as_ref().map(|talk| Talk::new("intalk", talk, rate_hz)).transpose()?;
-        Ok(Self {
-            pitch,
-            backlash: settings.backlash_width_m.map(|width| Backlash::new(width, bound_m)).transpose()?,
-            dividing: cycle("dividing", &settings.dividing, LENGTH_M, bound_m)?,
-            reversal: settings.reversal.as_ref().map(|r| Reversal::new(r, rate_hz, bound_n)).transpose()?,
-            intalk,
-            crosstalk: match &settings.crosstalk {
-                Some((axis, talk)) => {
-                    Some((source("crosstalk", *axis)?, Talk::new("crosstalk", talk, rate_hz)?))
-                }
-                None => None,
-            },
-            squareness: match settings.squareness {
-                Some((axis, k)) => Some((source("squareness", axis)?, Squareness::new(k)?)),
-                None => None,
-            },
-            straightness: match &settings.straightness {
-                Some((axis, shape)) => {
-                    Some((source("straightness", *axis)?, Straightness::new(shape, bound_m)?))
-                }
-                None => None,
-            },
-            ripple: cycle("ripple", &settings.ripple, 1.0, bound_n)?,
-            command: position(rate_hz)?,
-            reading: position(tick_hz)?,
-            force: Slew {
-                bound: S::signal(bound_n),
-                per_tick: Slew::per_tick("force_rate_n_per_s", rise, tick_hz)?,
-            },
-        })
-    }
-
-    /// The present correction of the command, position units.
-    pub fn active_correction(state: &State<S>) -> i64 {
-        state.command.distance()
-    }
-
-    /// The correction of the command, position units, once per command.
-    pub fn command<const N: usize>(
+    /// Evaluates all slow terms, and starts the force model with the present motion: for a compensation that has just been
+    /// set. Not part of a tick.
+    pub(super) fn start<const N: usize>(
         &self,
         state: &mut State<S>,
         axis: usize,
         motions: &[CommandMotion<S>; N],
-    ) -> i64 {
-        let Some(own) = motions.get(axis) else { return 0 };
+    ) {
+        let Some(own) = motions.get(axis) else { return };
         let other = |axis: u8| motions.get(usize::from(axis)).unwrap_or(own);
-        self.update_slow_term(state, own, other);
+        (state.ticks, state.slow) = (0, SlowTerms::NONE);
+        for term in &self.slow {
+            self.evaluate(*term, state, own, other);
+        }
+        if let Some(model) = &self.model {
+            model.start(&mut state.model, own);
+        }
+    }
+
+    /// The correction of the command, once per command.
+    pub(super) fn command<const N: usize>(
+        &self,
+        state: &mut State<S>,
+        axis: usize,
+        motions: &[CommandMotion<S>; N],
+    ) -> Correction {
+        let Some(own) = motions.get(axis) else { return Correction::NONE };
+        let other = |axis: u8| motions.get(usize::from(axis)).unwrap_or(own);
+        if let Some(term) = self.slow.get(usize::from(state.slow.next)) {
+            let next = usize::from(state.slow.next) + 1;
+            #[expect(clippy::cast_possible_truncation, reason = "at most 7")]
+            let next = if next < self.slow.len() { next as u8 } else { 0 };
+            state.slow.next = next;
+            self.evaluate(*term, state, own, other);
+        }
+        self.forces_of_motion(state, own);
+        let screw = self.screw_correction(state, own);
         let slow = &state.slow;
-        let mut sum = slow.pitch.widen() + slow.straightness.widen();
+        let mut sum = screw.widen() + slow.scale_pitch.widen() + slow.straightness.widen();
+        sum += slow.drift.widen();
         sum += slow.intalk * own.acceleration;
         if let Some((source, _)) = &self.crosstalk {
             sum += slow.crosstalk * other(*source).acceleration;
-        }
-        if let Some(backlash) = self.backlash.as_ref().filter(|_| state.is_on(CompensationKind::Backlash)) {
-            sum += backlash.correction(own).widen();
         }
         if let Some((source, squareness)) =
             self.squareness.as_ref().filter(|_| state.is_on(CompensationKind::Squareness))
         {
             sum += squareness.correction(other(*source));
         }
-        let force = self.reversal.as_ref().map(|reversal| reversal.force(&mut state.pulse, own));
-        state.pulse_force = force.filter(|_| state.is_on(CompensationKind::Reversal)).unwrap_or_default();
-        self.command.step(&mut state.command, S::round(sum)).distance()
+        self.command.step(&mut state.screw, screw);
+        self.command.step(&mut state.command, S::round(sum));
+        state.correction()
     }
 
-    /// Evaluates the next slow term: at 1 m/s and 4 kHz, each of them once per millimetre.
-    fn update_slow_term<'a>(
+    /// The correction for errors between motor and scale, error units, before bound and rate.
+    fn screw_correction(&self, state: &State<S>, own: &CommandMotion<S>) -> S {
+        let mut screw = state.slow.screw_pitch;
+        if !self.screw.is_empty() && state.is_on(CompensationKind::Screw) {
+            screw = screw - self.screw.at(own.position);
+        }
+        if let Some(backlash) = self.backlash.as_ref().filter(|_| state.is_on(CompensationKind::Backlash)) {
+            screw = screw + backlash.correction(own);
+        }
+        if let Some(stretch) = self.stretch.filter(|_| state.is_on(CompensationKind::Stretch)) {
+            screw = screw + S::round(state.model.on_table * stretch);
+        }
+        screw
+    }
+
+    /// The forces that depend on the commanded motion: the pulse at a reversal, and the feed-forward.
+    fn forces_of_motion(&self, state: &mut State<S>, own: &CommandMotion<S>) {
+        let pulse = self.reversal.as_ref().map(|reversal| reversal.force(&mut state.pulse, own));
+        state.pulse_force = pulse.filter(|_| state.is_on(CompensationKind::Reversal)).unwrap_or_default();
+        if let Some(model) = &self.model {
+            let (load, friction) = (state.slow.load, state.slow.friction);
+            model.update(&mut state.model, own.position, Surroundings { load, friction });
+        }
+    }
+
+    /// Evaluates a slow term: at 1 m/s and 4 kHz with all seven, each of them is evaluated every 1.75 mm.
+    fn evaluate<'a>(
         &self,
+        term: SlowTerm,
         state: &mut State<S>,
         own: &'a CommandMotion<S>,
         other: impl Fn(u8) -> &'a CommandMotion<S>,
     ) {
         let none = S::default();
-        state.slow.last = (state.slow.last + 1) & 3;
-        match state.slow.last {
-            0 => {
-                let pitch = self.pitch.as_ref().filter(|_| state.is_on(CompensationKind::Pitch));
-                state.slow.pitch = pitch.map_or(none, |pitch| pitch.correction(own));
+        let is_on = |kind| state.is_on(kind);
+        match term {
+            SlowTerm::Pitch => {
+                let pitch = self.pitch.as_ref().filter(|_| is_on(CompensationKind::Pitch));
+                let correction = pitch.map_or(none, |pitch| pitch.correction(own));
+                let of = self.pitch.as_ref().map(Pitch::source);
+                match of {
+                    Some(PitchSource::Scale) => state.slow.scale_pitch = correction,
+                    _ => state.slow.screw_pitch = correction,
+                }
             }
-            1 => {
-                let shape =
-                    self.straightness.as_ref().filter(|_| state.is_on(CompensationKind::Straightness));
+            SlowTerm::Straightness => {
+                let shape = self.straightness.as_ref().filter(|_| is_on(CompensationKind::Straightness));
                 state.slow.straightness =
                     shape.map_or(none, |(source, shape)| shape.correction(other(*source)));
             }
-            2 => {
-                let talk = self.intalk.as_ref().filter(|_| state.is_on(CompensationKind::Intalk));
+            SlowTerm::Intalk => {
+                let talk = self.intalk.as_ref().filter(|_| is_on(CompensationKind::Intalk));
                 state.slow.intalk = talk.map_or(none, |talk| talk.correction(own.position));
             }
-            _ => {
-                let talk = self.crosstalk.as_ref().filter(|_| state.is_on(CompensationKind::Crosstalk));
+            SlowTerm::Crosstalk => {
+                let talk = self.crosstalk.as_ref().filter(|_| is_on(CompensationKind::Crosstalk));
                 state.slow.crosstalk = talk.map_or(none, |(_, talk)| talk.correction(own.position));
+            }
+            SlowTerm::Drift => {
+                let drift = self.drift.as_ref().filter(|_| is_on(CompensationKind::Drift));
+                state.slow.drift = drift.map_or(none, |drift| drift.correction(state.ticks));
+            }
+            SlowTerm::Load => {
+                state.slow.load = self.load.as_ref().map_or(none, |load| load.at(own.position));
+            }
+            SlowTerm::AdditionalFriction => {
+                let map = self.friction_map.as_ref().map_or(none, |map| map.at(own.position));
+                let cold = self.model.as_ref().map_or(none, |model| model.cold_friction(state.ticks));
+                state.slow.friction = map + cold;
             }
         }
     }
 
     /// The motor reading with the error of the resolver corrected, once per tick.
-    pub fn reading(&self, state: &mut State<S>, motor: Position) -> Position {
+    pub(super) fn reading(&self, state: &mut State<S>, motor: Position) -> Position {
+        state.ticks = state.ticks.saturating_add(1);
         let none = S::default();
-        let error = match &self.dividing {
-            Some(dividing) if state.is_on(CompensationKind::Dividing) => dividing.at(motor),
-            // A previous correction still has to return to zero.
-            None if state.reading == none => return motor,
-            _ => none,
-        };
+        let is_empty = self.dividing.is_empty();
+        // A previous correction still has to return to zero.
+        if is_empty && state.reading == none {
+            return motor;
+        }
+        let is_on = !is_empty && state.is_on(CompensationKind::Dividing);
+        let error = if is_on { self.dividing.at(motor) } else { none };
         motor - self.reading.step(&mut state.reading, error).distance()
     }
 
     /// The force to add, once per tick.
-    pub fn force(&self, state: &mut State<S>, motor: Position) -> S {
+    pub(super) fn force(&self, state: &mut State<S>, motor: Position) -> S {
         let mut target = state.pulse_force;
-        if let Some(ripple) = self.ripple.as_ref().filter(|_| state.is_on(CompensationKind::Ripple)) {
-            target = target - ripple.at(motor);
+        if self.model.is_some() && state.is_on(CompensationKind::Force) {
+            target = target + state.model.applied;
+        }
+        if !self.ripple.is_empty() && state.is_on(CompensationKind::Ripple) {
+            target = target - self.ripple.at(motor);
         }
         self.force.step(&mut state.force, target)
     }

@@ -47,8 +47,8 @@ impl<S: Scalar> Squareness<S> {
 /// Straightness: k·y², or a table over y.
 #[derive(Clone, Copy, Debug)]
 pub enum Straightness<S: Scalar> {
-    /// k, and the conversion from units of [`POSITION_M`] to [`SQUARED_M`].
-    Quadratic(S::Gain, S::Gain),
+    /// k, the conversion from units of [`POSITION_M`] to [`SQUARED_M`], and the greatest magnitude in the latter.
+    Quadratic(S::Gain, S::Gain, S),
     /// A table, error units.
     Over(Table<S>),
 }
@@ -63,6 +63,7 @@ impl<S: Scalar> Straightness<S> {
             settings::Straightness::Quadratic(m_per_m2) => Self::Quadratic(
                 gain::<S>("straightness", *m_per_m2, SQUARED_M * SQUARED_M / LENGTH_M)?,
                 S::gain(POSITION_M / SQUARED_M),
+                S::signal(MAX_SQUARED_M / SQUARED_M),
             ),
             settings::Straightness::Over(points) => {
                 Self::Over(Table::new("straightness", points, ValueRange { unit: LENGTH_M, bound: bound_m })?)
@@ -74,9 +75,8 @@ impl<S: Scalar> Straightness<S> {
     #[must_use]
     pub fn correction(&self, other: &CommandMotion<S>) -> S {
         match self {
-            Self::Quadratic(k, scale) => {
-                let max = S::signal(MAX_SQUARED_M / SQUARED_M);
-                let y = S::round(position_signal::<S>(other.position) * *scale).clamp_magnitude(max);
+            Self::Quadratic(k, scale, max) => {
+                let y = S::round(position_signal::<S>(other.position) * *scale).clamp_magnitude(*max);
                 // Neither factor is below the gain limit, but both are at most 250: the product, 62,500, fits.
                 -S::round(S::round(y * y) * *k)
             }

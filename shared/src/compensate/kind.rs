@@ -13,11 +13,15 @@ pub enum CompensationKind {
     Squareness,
     Straightness,
     Ripple,
+    Screw,
+    Force,
+    Stretch,
+    Drift,
 }
 
 impl CompensationKind {
     /// Every kind.
-    pub const ALL: [Self; 9] = [
+    pub const ALL: [Self; 13] = [
         Self::Pitch,
         Self::Backlash,
         Self::Dividing,
@@ -27,5 +31,9 @@ impl CompensationKind {
         Self::Squareness,
         Self::Straightness,
         Self::Ripple,
+        Self::Screw,
+        Self::Force,
+        Self::Stretch,
+        Self::Drift,
     ];
 }

@@ -1,8 +1,9 @@
 //! The compensations of all axes of a machine.
 
-use super::axis::{self, AxisCompensation};
+use super::axis::AxisCompensation;
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
+use super::state::{Correction, State};
 use crate::feedback::Reading;
 use crate::scalar::Scalar;
 use crate::units::Position;
@@ -11,7 +12,7 @@ use crate::units::Position;
 #[derive(Clone, Debug)]
 pub struct Compensation<S: Scalar, const N: usize> {
     axes: [Option<AxisCompensation<S>>; N],
-    states: [axis::State<S>; N],
+    states: [State<S>; N],
     motions: [CommandMotion<S>; N],
     /// Whether any axis has a compensation.
     any: bool,
@@ -20,8 +21,8 @@ pub struct Compensation<S: Scalar, const N: usize> {
 impl<S: Scalar, const N: usize> Compensation<S, N> {
     /// No compensation, axes at zero.
     pub const NONE: Self = Self {
-        axes: [None; N],
-        states: [axis::State::NEW; N],
+        axes: [const { None }; N],
+        states: [State::NEW; N],
         motions: [CommandMotion::at(Position(0)); N],
         any: false,
     };
@@ -37,7 +38,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         for axis in &mut self.axes {
             *axis = None;
         }
-        self.states = [axis::State::NEW; N];
+        self.states = [State::NEW; N];
         self.motions = start.map(CommandMotion::at);
         self.any = false;
     }
@@ -48,6 +49,9 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
             *slot = Some(compensation);
             self.any = true;
         }
+        if let (Some(Some(compensation)), Some(state)) = (self.axes.get(axis), self.states.get_mut(axis)) {
+            compensation.start(state, axis, &self.motions);
+        }
     }
 
     /// Switches one compensation of an axis on or off.
@@ -57,15 +61,18 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         }
     }
 
-    /// Sets the axes to rest at other positions.
+    /// Sets the axes to rest at other positions, without force.
     pub fn rest_at(&mut self, positions: &[Position; N]) {
         self.motions = positions.map(CommandMotion::at);
+        for (state, motion) in self.states.iter_mut().zip(&self.motions) {
+            state.rest_at(motion);
+        }
     }
 
-    /// The present corrections of the commands, position units.
+    /// The present corrections of the commands.
     #[must_use]
-    pub fn active_corrections(&self) -> [i64; N] {
-        self.states.each_ref().map(AxisCompensation::active_correction)
+    pub fn active_corrections(&self) -> [Correction; N] {
+        if self.any { self.states.each_ref().map(State::correction) } else { [Correction::NONE; N] }
     }
 
     /// The readings with the errors of the resolvers corrected, once per tick.
@@ -81,9 +88,9 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         corrected
     }
 
-    /// The corrections of the commands, position units, once per command.
-    pub fn commands(&mut self, commands: &[Position; N]) -> [i64; N] {
-        let mut corrections = [0; N];
+    /// The corrections of the commands, once per command.
+    pub fn commands(&mut self, commands: &[Position; N]) -> [Correction; N] {
+        let mut corrections = [Correction::NONE; N];
         // Also without a compensation, so that one that is set during motion starts from the motion of the axes.
         for (motion, command) in self.motions.iter_mut().zip(commands) {
             motion.step(*command);

@@ -19,7 +19,8 @@ pub struct CommandMotion<S: Scalar> {
     pub reversed: bool,
     /// The extreme command in the present direction.
     extreme: Position,
-    increment_units: i64,
+    /// Change of the command per tick, position units.
+    pub(super) increment_units: i64,
 }
 
 /// Distance that a command has to move back to count as reversed, nm.

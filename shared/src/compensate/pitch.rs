@@ -30,6 +30,11 @@ impl<S: Scalar> Pitch<S> {
         })
     }
 
+    /// Source of the error.
+    pub(super) const fn source(&self) -> PitchSource {
+        self.source
+    }
+
     /// Correction of the command, error units: − the error of a screw, + the error of a scale.
     #[must_use]
     pub fn correction(&self, own: &CommandMotion<S>) -> S {

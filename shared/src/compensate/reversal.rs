@@ -20,6 +20,8 @@ pub struct Reversal<S: Scalar> {
     decay: S::Gain,
     /// 1/v₀, per increment unit.
     fade: S::Gain,
+    /// The signal 1.
+    one: S,
 }
 
 impl<S: Scalar> Reversal<S> {
@@ -34,6 +36,7 @@ impl<S: Scalar> Reversal<S> {
             force: S::signal(ranged("reversal_force_n", settings.force_n, -bound_n, bound_n)?),
             decay: gain::<S>("reversal_decay_s", -libm::expm1(-1.0 / (decay * rate_hz)), 1.0)?,
             fade: gain::<S>("reversal_fade_m_per_s", rate_hz / fade, INCREMENT_M)?,
+            one: S::signal(1.0),
         })
     }
 
@@ -44,7 +47,7 @@ impl<S: Scalar> Reversal<S> {
         } else {
             *pulse = *pulse - S::round(*pulse * self.decay);
         }
-        let one = S::signal(1.0);
+        let one = self.one;
         let speed_ratio = S::round(own.increment * self.fade).clamp_magnitude(one);
         let factor = if speed_ratio < S::default() { one + speed_ratio } else { one - speed_ratio };
         S::round(*pulse * factor)

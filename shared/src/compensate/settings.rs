@@ -5,8 +5,13 @@ use core::f64::consts::TAU;
 use heapless::Vec;
 use serde::{Deserialize, Serialize};
 
+pub use super::force_settings::{ForceModel, FrictionWarmUp, Stribeck, TableFriction};
+
 /// Greatest number of points of a table.
 pub const POINTS: usize = 64;
+
+/// Greatest number of periodic tables of one compensation: two periods.
+pub const CYCLES: usize = 2;
 
 /// Compensation of one axis. The default compensates nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -15,8 +20,11 @@ pub struct CompensationSettings {
     pub pitch: Option<Pitch>,
     /// Backlash between screw and table: total width, m.
     pub backlash_width_m: Option<f64>,
+    /// Periodic error of the screw over the commanded position, m: the table moves too far by the error. The lead and its
+    /// harmonics are one table; a second one has another period (belt, gear).
+    pub screw: Vec<Cycle, CYCLES>,
     /// Dividing (interpolation) error of the motor resolver, m of reading.
-    pub dividing: Option<Cycle>,
+    pub dividing: Vec<Cycle, CYCLES>,
     /// Friction at reversal.
     pub reversal: Option<Reversal>,
     /// In-talk: tool − table per acceleration of the same axis.
@@ -28,7 +36,13 @@ pub struct CompensationSettings {
     /// Straightness: displacement of the tool as a function of the position of another axis.
     pub straightness: Option<(u8, Straightness)>,
     /// Force ripple of the motor, N.
-    pub ripple: Option<Cycle>,
+    pub ripple: Vec<Cycle, CYCLES>,
+    /// Force feed-forward from the commanded motion.
+    pub force: Option<ForceModel>,
+    /// Deflection of the drive between motor and table per force on the table, 1/stiffness, m/N; requires `force`.
+    pub stretch_m_per_n: Option<f64>,
+    /// Thermal drift: displacement of the tool, m, over the time since this setting.
+    pub drift: Option<TimePoints>,
     /// Greatest correction of the command, and of the motor reading, m; at most 10 mm.
     pub position_bound_m: f64,
     /// Greatest rate of change of these corrections, m/s.
@@ -44,13 +58,17 @@ impl Default for CompensationSettings {
         Self {
             pitch: None,
             backlash_width_m: None,
-            dividing: None,
+            screw: Vec::new(),
+            dividing: Vec::new(),
             reversal: None,
             intalk: None,
             crosstalk: None,
             squareness: None,
             straightness: None,
-            ripple: None,
+            ripple: Vec::new(),
+            force: None,
+            stretch_m_per_n: None,
+            drift: None,
             position_bound_m: 1e-3,
             position_rate_m_per_s: 0.01,
             force_bound_n: 1000.0,
@@ -66,6 +84,19 @@ pub struct Points {
     pub start_m: f64,
     /// Distance between values, m.
     pub spacing_m: f64,
+    /// The values; 2 to 64.
+    pub values: Vec<f64, POINTS>,
+}
+
+/// Evenly spaced values over the time since the compensation was set. Linear between them; before the first and after the
+/// last the value is kept. The clock of an axis starts at 0 whenever its compensation is replaced, and also runs while the
+/// drives are off.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct TimePoints {
+    /// Time of the first value, s; negative where the values began before the setting.
+    pub start_s: f64,
+    /// Time between values, s.
+    pub spacing_s: f64,
     /// The values; 2 to 64.
     pub values: Vec<f64, POINTS>,
 }

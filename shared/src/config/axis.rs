@@ -52,6 +52,9 @@ pub struct AxisConfig<S: Scalar> {
     pub stop_deceleration: u64,
 }
 
+/// Longest time of the feed-forward ahead of the command, position ticks.
+const MAX_AHEAD: f64 = 8.0;
+
 /// Rates of the loops, checked.
 struct LoopRates {
     /// Velocity loop, Hz.
@@ -84,13 +87,20 @@ impl<S: Scalar> AxisConfig<S> {
         let kp = positive("position_gain_per_s", settings.position_gain_per_s)?;
         let position_gain = resolved_gain::<S>("position_gain_per_s", kp, LENGTH_M / VELOCITY_M_PER_S)?;
         let percent = ranged("feedforward_percent", settings.feedforward_percent, 0.0, 200.0)?;
+        let longest_s = MAX_AHEAD * rates.position_tick;
+        let ahead_s = ranged("feedforward_ahead_s", settings.feedforward_ahead_s, 0.0, longest_s)?;
         let velocity = velocity_control(settings, &rates)?;
         let feedback = feedback(settings, &rates)?;
         let lead_per_increment = rates.position_rate / (100.0 * kp) * INCREMENT_M / LENGTH_M;
         let deceleration = settings.stop_deceleration_m_per_s2 / (rates.position_rate * rates.position_rate);
         Ok(Self {
             feedback,
-            feedforward: Feedforward { gain: gain::<S>("feedforward_percent", percent, lead_per_increment)? },
+            feedforward: Feedforward {
+                gain: gain::<S>("feedforward_percent", percent, lead_per_increment)?,
+                ahead: (ahead_s > 0.0)
+                    .then(|| gain::<S>("feedforward_ahead_s", ahead_s, rates.position_rate))
+                    .transpose()?,
+            },
             position: PositionControl {
                 gain: position_gain,
                 hpc: matches!(settings.law, Law::Hpc).then(|| Hpc::new(kp / rates.position_rate)),

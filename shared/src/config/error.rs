@@ -9,6 +9,13 @@ pub enum ConfigError {
     NotPositive(&'static str),
     /// Cannot be changed once the machine has been configured, or while the drives are on.
     NotWhileRunning(&'static str),
+    /// A setting that is of no use without another one, which is missing.
+    Requires {
+        /// Setting.
+        name: &'static str,
+        /// The missing setting.
+        other: &'static str,
+    },
     /// Outside its range, which may depend on the number format.
     OutOfRange {
         /// Setting.
@@ -26,6 +33,9 @@ impl core::fmt::Display for ConfigError {
             Self::NotFinite(name) => write!(f, "{name}: expected a finite number"),
             Self::NotPositive(name) => write!(f, "{name}: expected a number above 0"),
             Self::NotWhileRunning(name) => write!(f, "{name}: expected what the machine was made with"),
+            Self::Requires { name, other } => {
+                write!(f, "{name}: expected together with {other}, which is missing")
+            }
             Self::OutOfRange { name, min, max } => {
                 write!(f, "{name}: expected a number from ")?;
                 write_number(f, *min)?;

@@ -73,6 +73,9 @@ pub struct AxisSettings {
     pub position_gain_per_s: f64,
     /// Velocity feed-forward Kf, 0 to 200 %.
     pub feedforward_percent: f64,
+    /// Time by which the velocity feed-forward is ahead of the command, 0 to 8 position ticks. The loops and the drive delay
+    /// the velocity by about one position tick, which is an error of a·t² while the command accelerates.
+    pub feedforward_ahead_s: f64,
     /// Velocity gain Kv.
     pub velocity_gain_n_s_per_m: f64,
     /// Integral time Ti of the velocity loop; `None`: no integral part.
@@ -115,6 +118,7 @@ impl Default for AxisSettings {
             law: Law::P,
             position_gain_per_s: 33.0,
             feedforward_percent: 0.0,
+            feedforward_ahead_s: 0.0,
             velocity_gain_n_s_per_m: 50_000.0,
             velocity_integral_time_s: Some(0.02),
             velocity_lag_s: 0.0,

@@ -82,6 +82,8 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     ///
     /// # Errors
     /// [`MachineError::Config`] if a setting is rejected, [`MachineError::NoSuchAxis`]. Nothing is changed then.
+    // Tables are large: inlined into the caller, those of every number format would be on its stack at once.
+    #[inline(never)]
     pub fn compensate(&mut self, axis: usize, settings: &CompensationSettings) -> Result<(), MachineError> {
         let config = self.config.as_ref().filter(|_| axis < N).ok_or(MachineError::NoSuchAxis)?;
         let compensation = AxisCompensation::new(settings, config.rates, N)

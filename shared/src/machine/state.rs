@@ -3,7 +3,7 @@
 use super::config::MachineConfig;
 use super::output::Output;
 use crate::axis::AxisState;
-use crate::compensate::Compensation;
+use crate::compensate::{Compensation, Correction};
 use crate::config::AxisConfig;
 use crate::feedback::Reading;
 use crate::interpolate::Path;
@@ -91,6 +91,11 @@ impl<S: Scalar, const N: usize> State<S, N> {
     }
 }
 
+/// The readings as the position loop uses them: the scale's with the correction for errors between motor and scale.
+fn with_screw(reading: Reading, correction: Correction) -> Reading {
+    Reading { table: reading.table.map(|table| table + correction.screw), ..reading }
+}
+
 impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     /// One tick.
     pub(super) fn tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> Output<S, N> {
@@ -133,7 +138,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         for (((axis, command), reading), correction) in
             state.axes.iter_mut().zip(state.path.command()).zip(readings).zip(corrections)
         {
-            *axis = AxisState::at_rest(command, *reading).corrected(correction);
+            *axis = AxisState::at_rest(command, with_screw(*reading, correction)).corrected(correction.total);
         }
         state.until_position_tick = 0;
         state.power = state.power.after(Event::Enable);
@@ -164,7 +169,8 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         for (((command, config), reading), correction) in
             commands.iter_mut().zip(&self.axes).zip(readings).zip(corrections)
         {
-            *command = config.feedback.settled(reading.motor, reading.table) - correction;
+            let Reading { motor, table } = with_screw(*reading, correction);
+            *command = config.feedback.settled(motor, table) - correction.total;
         }
         commands
     }

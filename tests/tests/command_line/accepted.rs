@@ -20,7 +20,7 @@ fn every_command_has_help() {
     let folder = folder();
     assert!(folder.succeeds("--version").starts_with("lost-motion "));
     let overview = folder.succeeds("--help");
-    for command in ["demo", "simulate", "record", "compare", "reproduce", "self-test", "trace"] {
+    for command in ["demo", "simulate", "record", "compare", "reproduce", "self-test", "trace", "verify"] {
         assert!(overview.contains(command), "{overview}");
         assert!(folder.succeeds(&format!("{command} --help")).contains("Usage: lost-motion"));
     }
@@ -32,6 +32,7 @@ fn invalid_arguments_end_with_exit_code_2() {
         "",
         "frobnicate",
         "trace",
+        "verify --machine machine.toml --before fit.csv",
         "simulate --machine",
         "demo --seed minus-one",
         "compare --hours soon",
@@ -107,6 +108,19 @@ fn no_effect_is_found_without_undeclared_effects() {
         }
         assert!(at(residual, &format!("/noise_{unit}")).as_f64().unwrap() > 0.0);
     }
+    // The contour error of the log: both laps of the circle are full.
+    assert_eq!(at(&json, "/contour/0/log"), "fit");
+    assert_eq!(at(&json, "/contour/0/channel"), "tool");
+    let [rms, max] =
+        ["rms_um", "max_um"].map(|key| at(&json, &format!("/contour/0/{key}")).as_f64().unwrap());
+    assert!(rms > 0.0 && rms < max, "{rms} {max}");
+    for lap in 0..2 {
+        let key = format!("/contour/0/circles/0/laps/{lap}/circular_deviation_um");
+        assert!(at(&json, &key).as_f64().unwrap() > 0.0);
+    }
+    assert!(
+        stdout.contains("contour error, µm") && folder.read("report/report.html").contains("Contour error")
+    );
     assert!(at(&json, "/unexplained").is_array());
     // The model that was written is a complete machine file.
     folder.succeeds(&SIMULATE.replace("machine.toml", "out.toml"));

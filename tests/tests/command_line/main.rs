@@ -6,4 +6,5 @@ mod compare;
 mod refused;
 mod reproduce;
 mod stopped;
+mod verify;
 mod work_folder;

@@ -15,6 +15,8 @@ macro_rules! axis_keys {
                 position_gain_per_s: Option<f64> [Positive],
                 /// Kf, velocity feed-forward; absent: none.
                 feedforward_percent: Option<f64> [UpTo(200.0)],
+                /// Time by which the velocity feed-forward is ahead of the command; absent: none.
+                feedforward_ahead_s: Option<f64> [UpTo(0.1)],
                 /// Kv, gain of the velocity loop.
                 velocity_gain_n_s_per_m: Option<f64> [Positive],
                 /// Ti, integral time of the velocity loop; absent: no integral part.

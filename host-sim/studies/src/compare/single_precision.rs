@@ -5,6 +5,7 @@
 //! laws may subtract them as integers.
 
 use shared::axis::{AxisState, Reading};
+use shared::compensate::{CompensationSettings, Correction};
 use shared::config::{AxisConfig, AxisSettings, Rates};
 use shared::interpolate::{Path, PathError};
 use shared::machine::MachineError;
@@ -77,6 +78,10 @@ impl Controller for SinglePrecision {
         Ok(())
     }
 
+    fn compensate(&mut self, _: usize, _: &CompensationSettings) -> Result<(), ControllerError> {
+        Err(ControllerError::NotSupported("compensation"))
+    }
+
     fn enable(&mut self) -> Result<(), ControllerError> {
         self.enable_requested = true;
         Ok(())
@@ -100,7 +105,7 @@ impl Controller for SinglePrecision {
             self.advance();
             for (number, ((config, state), reading)) in (0u8..).zip(self.axes.iter_mut().zip(&readings)) {
                 let command = self.command[usize::from(number)];
-                for kind in state.position_tick(config, command, 0, *reading).iter() {
+                for kind in state.position_tick(config, command, Correction::NONE, *reading).iter() {
                     self.power = self.power.after(Event::Fault(Fault::Axis { axis: number, kind }));
                 }
             }

@@ -5,7 +5,6 @@
 //! the reason. `docs/reproduce.md` contains all papers on one page.
 
 pub mod acceleration;
-pub mod ballbar;
 pub mod corner;
 pub mod dual_feedback;
 pub mod page;

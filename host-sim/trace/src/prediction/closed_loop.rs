@@ -1,6 +1,7 @@
 //! The motor stage: the model simulated in closed loop with the logged command.
 
 use shared::axis::{AxisState, Reading};
+use shared::compensate::Correction;
 use shared::config::{AxisConfig, AxisSettings, Rates};
 use shared::control::hpc::Hpc;
 use shared::units::Position;
@@ -128,7 +129,7 @@ pub fn closed_loop(
         result.force_n.push(last_n);
         result.table_m_per_s2.push(motion.table_m_per_s2(parameters));
         result.oscillation_m.push(tool.oscillation.offset_m);
-        state.position_tick(&config, position(command), 0, reading);
+        state.position_tick(&config, position(command), Correction::NONE, reading);
         for tick in 0..rates.position_loop_divider {
             let reading = if tick == 0 { reading } else { read(&motion) };
             let (force, _) = state.velocity_tick(&config, reading, added_n);

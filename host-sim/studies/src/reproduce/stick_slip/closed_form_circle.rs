@@ -4,8 +4,8 @@ use std::f64::consts::{FRAC_PI_4, TAU};
 
 use super::simulated_circle::SPEED_RAD_PER_S;
 use super::table_model::RADIUS_M;
-use crate::reproduce::ballbar::{Ballbar, Lap};
 use crate::reproduce::study::ReproduceError;
+use contour::circular_test::Ballbar;
 
 /// Error, µm, of an axis at R·cos(angle) with Dahl hysteresis: ±(w/2)·(1 − 2·e^(−s/λ)) against its motion, with s the
 /// distance from the last reversal, w the width and λ `distance_um`. `sense` is 1 counter-clockwise, −1 clockwise.
@@ -39,7 +39,7 @@ pub fn from_axis_errors(error_um: impl Fn(f64, f64) -> [f64; 2]) -> Result<Ballb
             let [x_um, y_um] = error_um(angle, sense);
             [RADIUS_M * angle.cos() + 1e-6 * x_um, RADIUS_M * angle.sin() + 1e-6 * y_um]
         };
-        Lap::from_path(&(0..SAMPLES).map(point).collect::<Vec<_>>(), RADIUS_M)
+        super::lap::lap(&(0..SAMPLES).map(point).collect::<Vec<_>>(), RADIUS_M)
     };
     Ok(Ballbar { positive: lap(1.0)?, negative: lap(-1.0)? })
 }

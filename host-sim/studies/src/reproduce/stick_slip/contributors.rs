@@ -10,8 +10,8 @@ use std::f64::consts::FRAC_PI_2;
 use super::closed_form_circle::{dahl_lag_um, delay_um, from_axis_errors};
 use super::simulated_circle::{POSITION_GAIN_PER_S, SPEED_RAD_PER_S, simulate};
 use super::table_model::{self, RADIUS_M};
-use crate::reproduce::ballbar::Ballbar;
 use crate::reproduce::study::ReproduceError;
+use contour::circular_test::Ballbar;
 use model::effects::{Backlash, Effect, ServoMismatch, Squareness};
 
 /// A cause of circle error.
@@ -158,7 +158,7 @@ impl Contributor {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::reproduce::ballbar::Lap;
+    use contour::circular_test::Lap;
 
     /// Sizes against theory. With backlash, the gap is crossed within √(2w/R) = 10 mrad, half of which reduces G. With
     /// λ = 30 µm, 1 % of the hysteresis transition remains at 3°, and G = w·(½ + (½ − e^(−s/λ))·(1 − δ)), s = R·δ²/2,

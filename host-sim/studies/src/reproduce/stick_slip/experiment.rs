@@ -2,8 +2,8 @@
 
 use super::contributors::{CONTRIBUTORS, Contributor};
 use super::table_model::{self, CircularPath, Deflections, SPEEDS_RAD_PER_S};
-use crate::reproduce::ballbar::{Ballbar, to_axis_rad};
 use crate::reproduce::study::ReproduceError;
+use contour::circular_test::{Ballbar, to_axis_rad};
 
 /// Results of all simulations.
 pub struct Experiment {

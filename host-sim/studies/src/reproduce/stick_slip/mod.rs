@@ -8,6 +8,7 @@
 mod closed_form_circle;
 mod contributors;
 mod experiment;
+mod lap;
 mod outcomes;
 mod pictures;
 mod sentences;

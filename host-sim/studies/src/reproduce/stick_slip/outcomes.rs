@@ -2,8 +2,8 @@
 
 use super::contributors::Contributor;
 use super::experiment::{Experiment, StickSlip};
-use crate::reproduce::ballbar::{Ballbar, to_axis_rad};
 use crate::reproduce::study::{Outcome, Printed};
+use contour::circular_test::{Ballbar, to_axis_rad};
 
 /// The error printed for the lower speed, µm.
 const ERROR_UM: Printed = Printed::Between(2.0, 3.0);

@@ -3,7 +3,7 @@
 use super::contributors::Contributor;
 use super::experiment::{Experiment, StickSlip};
 use super::table_model::{self, RADIUS_M, SPEEDS_RAD_PER_S, TABLES};
-use crate::reproduce::ballbar::Ballbar;
+use contour::circular_test::Ballbar;
 use files::format::{fixed, significant};
 
 /// The findings, one paragraph each.

@@ -4,8 +4,8 @@
 use std::f64::consts::TAU;
 
 use super::table_model::{RADIUS_M, SPEEDS_RAD_PER_S};
-use crate::reproduce::ballbar::{Ballbar, Lap};
 use crate::reproduce::study::ReproduceError;
+use contour::circular_test::Ballbar;
 use files::log::Log;
 use link::controller::{Format, PathBlock, PathShape};
 use model::effects::Effect;
@@ -49,7 +49,7 @@ pub fn simulate(effects: [Vec<Effect>; 2]) -> Result<Ballbar, ReproduceError> {
     for (axis, effects) in machine.axis.values_mut().zip(effects) {
         axis.effect = effects;
     }
-    let lap = |sense: f64| Lap::from_path(&middle_lap(&run(&machine, sense)?, sense), RADIUS_M);
+    let lap = |sense: f64| super::lap::lap(&middle_lap(&run(&machine, sense)?, sense), RADIUS_M);
     Ok(Ballbar { positive: lap(1.0)?, negative: lap(-1.0)? })
 }
 

@@ -9,8 +9,8 @@ use std::f64::consts::TAU;
 
 use differential_equations::prelude::{ExplicitRungeKutta, IVP, ODE};
 
-use crate::reproduce::ballbar::{Ballbar, Lap, POINTS};
 use crate::reproduce::study::ReproduceError;
+use contour::circular_test::{Ballbar, Lap, POINTS};
 use model::friction_curve::FallingRising;
 
 /// g.
@@ -163,7 +163,7 @@ impl Deflections {
             [x0 - x, y0 - y]
         };
         let path_m: Vec<[f64; 2]> = self.points.iter().map(table).collect();
-        Lap::from_path(&path_m, RADIUS_M)
+        super::lap::lap(&path_m, RADIUS_M)
     }
 }
 

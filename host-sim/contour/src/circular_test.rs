@@ -4,6 +4,7 @@
 //! c + a·cos θ + b·sin θ; it is subtracted, which removes the effect of centre and radius.
 //!
 //! - Circular deviation G (ISO 230-4, 3.4): range of r over one lap.
+//! - Bidirectional circular deviation G(b): range of r over both laps about one least-squares circle for both.
 //! - Circular hysteresis H (ISO 230-4, 3.3): maximum radial difference between the laps of both directions.
 //! - Reversal value B (ISO 230-2): difference of an axis' position at one point between the two directions of
 //!   approach. On a circle one lap passes the point in + and the other in −, on either side of the axis' reversal.
@@ -14,8 +15,6 @@
 use std::f64::consts::{FRAC_PI_2, TAU};
 
 use nalgebra::{Matrix3, Vector3};
-
-use crate::reproduce::study::ReproduceError;
 
 /// Points per lap, 0.1° apart.
 pub const POINTS: usize = 3600;
@@ -29,25 +28,33 @@ pub struct Lap {
     /// Radial deviation from the least-squares circle, µm, positive outwards, at [`POINTS`] equally spaced angles
     /// from 0.
     pub deviation_um: Vec<f64>,
+    /// The subtracted circle: change of the radius and coordinates of the centre, µm.
+    pub circle_um: [f64; 3],
 }
 
 impl Lap {
     /// A lap through points of the actual path about the origin, m. The path may cover more than one turn, in either
-    /// direction.
-    ///
-    /// # Errors
-    /// If there are no points, or a coordinate is not finite.
-    pub fn from_path(path_m: &[[f64; 2]], radius_m: f64) -> Result<Self, ReproduceError> {
-        let polar = |[x, y]: &[f64; 2]| (y.atan2(*x).rem_euclid(TAU), 1e6 * (x.hypot(*y) - radius_m));
-        let mut points: Vec<(f64, f64)> = path_m.iter().map(polar).collect();
+    /// direction. `None` if there are no points, or a coordinate is not finite.
+    #[must_use]
+    pub fn from_path(path_m: &[[f64; 2]], radius_m: f64) -> Option<Self> {
+        let polar = |[x, y]: &[f64; 2]| (y.atan2(*x), 1e6 * (x.hypot(*y) - radius_m));
+        Self::from_polar(path_m.iter().map(polar).collect())
+    }
+
+    /// A lap through points of angle (rad) and radial deviation (µm), in any order. `None` as for [`Lap::from_path`].
+    #[must_use]
+    pub fn from_polar(mut points: Vec<(f64, f64)>) -> Option<Self> {
         if points.is_empty() || points.iter().any(|(angle, um)| !(angle + um).is_finite()) {
-            return Err(ReproduceError::Numerics("a circular path without finite points".to_owned()));
+            return None;
+        }
+        for (angle, _) in &mut points {
+            *angle = angle.rem_euclid(TAU);
         }
         points.sort_by(|a, b| a.0.total_cmp(&b.0));
         let (first, last) = (points[0], points[points.len() - 1]);
         points.push((first.0 + TAU, first.1));
         points.insert(0, (last.0 - TAU, last.1));
-        Ok(Self::from_deviations((0..POINTS).map(|i| interpolate(&points, angle_rad(i))).collect()))
+        Some(Self::from_deviations((0..POINTS).map(|i| interpolate(&points, angle_rad(i))).collect()))
     }
 
     /// Subtracts the least-squares circle from radial deviations, µm, at the [`POINTS`] angles.
@@ -58,10 +65,14 @@ impl Lap {
         };
         let (c, a, b) = (mean(|_| 1.0), 2.0 * mean(f64::cos), 2.0 * mean(f64::sin));
         for (i, um) in deviation_um.iter_mut().enumerate() {
-            let (sin, cos) = angle_rad(i).sin_cos();
-            *um -= c + a * cos + b * sin;
+            *um -= radial_um([c, a, b], i);
         }
-        Self { deviation_um }
+        Self { deviation_um, circle_um: [c, a, b] }
+    }
+
+    /// Radial deviation from the programmed circle at the [`POINTS`] angles, µm.
+    fn about_programmed_um(&self) -> impl Iterator<Item = f64> {
+        self.deviation_um.iter().enumerate().map(|(i, um)| um + radial_um(self.circle_um, i))
     }
 
     /// Circular deviation G, µm.
@@ -122,6 +133,18 @@ impl Ballbar {
         self.positive.circular_deviation_um().max(self.negative.circular_deviation_um())
     }
 
+    /// Bidirectional circular deviation G(b), µm.
+    #[must_use]
+    pub fn bidirectional_deviation_um(&self) -> f64 {
+        let laps = [&self.positive, &self.negative];
+        // Both laps have the same angles: their common least-squares circle is the mean of both.
+        let common = [0, 1, 2].map(|k| 0.5 * (laps[0].circle_um[k] + laps[1].circle_um[k]));
+        let about_common = |lap: &Lap| {
+            lap.about_programmed_um().enumerate().map(|(i, um)| um - radial_um(common, i)).collect()
+        };
+        numerics::peak_to_peak(laps.into_iter().flat_map(|lap| -> Vec<f64> { about_common(lap) }))
+    }
+
     /// Circular hysteresis H, µm.
     #[must_use]
     pub fn hysteresis_um(&self) -> f64 {
@@ -158,6 +181,12 @@ impl Ballbar {
     fn difference_um(&self, point: usize) -> f64 {
         self.positive.deviation_um[point] - self.negative.deviation_um[point]
     }
+}
+
+/// Radial deviation of a circle of [`Lap::circle_um`] at a point of a lap, µm.
+fn radial_um([c, a, b]: [f64; 3], point: usize) -> f64 {
+    let (sin, cos) = angle_rad(point).sin_cos();
+    c + a * cos + b * sin
 }
 
 /// Angle of a point of a lap, rad.
@@ -205,8 +234,8 @@ mod tests {
         assert!(lap(|angle| (3.0 * angle).sin()).oval_fraction() < 1e-6);
         let peak = lap(|angle| (3.0 * (angle - 1.0)).cos() + (2.0 * (angle - 1.0)).cos()).max_deviation_rad();
         assert!((peak - 1.0).abs() < 0.002, "{peak}");
-        assert!(Lap::from_path(&[], RADIUS_M).is_err());
-        assert!(Lap::from_path(&[[f64::NAN, 0.0]], RADIUS_M).is_err());
+        assert!(Lap::from_path(&[], RADIUS_M).is_none());
+        assert!(Lap::from_path(&[[f64::NAN, 0.0]], RADIUS_M).is_none());
     }
 
     /// Lost motion w of 4 µm on the first axis and 1 µm on the second, r = (w/2)·cos θ against the velocity. B is 4
@@ -224,6 +253,19 @@ mod tests {
         assert!((ballbar.hysteresis_um() - 4.0).abs() < 0.05, "{}", ballbar.hysteresis_um());
         let jump = to_axis_rad(ballbar.positive.max_change_rad()).to_degrees();
         assert!(jump < 1.0, "{jump}");
+    }
+
+    /// Laps of cos 2θ in one direction and −cos 2θ in the other have G = 2 µm each, and 2 µm in common. Radii that differ by
+    /// 3 µm add to the common range only: 2 + 3 µm.
+    #[test]
+    fn the_bidirectional_deviation_contains_the_difference_of_the_radii() {
+        let direction = |sign: f64, c: f64| lap(move |angle| c + sign * (2.0 * angle).cos());
+        for (difference, expected) in [(0.0, 2.0), (3.0, 5.0), (-3.0, 5.0)] {
+            let ballbar = Ballbar { positive: direction(1.0, difference), negative: direction(-1.0, 0.0) };
+            assert!((ballbar.circular_deviation_um() - 2.0).abs() < 1e-3);
+            let both = ballbar.bidirectional_deviation_um();
+            assert!((both - expected).abs() < 1e-3, "{difference}: {both}");
+        }
     }
 
     /// A deviation common to both directions gives no reversal value, nor does an oval that changes sign with the

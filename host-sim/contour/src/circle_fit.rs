@@ -5,8 +5,6 @@ use std::ops::Range;
 
 use nalgebra::{Matrix3, Vector3};
 
-use trace::input::signals::Signals;
-
 /// Largest speed that counts as standstill, as a fraction of the largest speed in the log.
 const STANDSTILL_FRACTION: f64 = 0.01;
 
@@ -21,20 +19,18 @@ const MIN_ARC_RAD: f64 = TAU / 6.0;
 /// Smallest angle of all arcs of a circle together.
 const MIN_CIRCLE_RAD: f64 = TAU / 2.0;
 
-/// A circle in the plane of the first two axes.
+/// A circle in the plane of two axes.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Circle {
-    /// Index of the log.
-    pub log: usize,
     /// Centre, m.
     pub centre: [f64; 2],
     /// Radius, m.
     pub radius: f64,
-    /// The parts of the log on this circle, in order of time.
+    /// The parts of the command on this circle, in order of time.
     pub arcs: Vec<Arc>,
 }
 
-/// A part of a log on a circle, in one direction.
+/// A part of a command on a circle, in one direction.
 #[derive(Clone, Debug, PartialEq)]
 pub struct Arc {
     /// Range of samples.
@@ -45,22 +41,10 @@ pub struct Arc {
     pub swept_rad: f64,
 }
 
-/// The largest circle in the logs.
-pub fn find(logs: &[Signals]) -> Option<Circle> {
-    let circles = logs.iter().enumerate().filter_map(|(log, signals)| {
-        let [x, y] = signals.axes.get(..2)? else { return None };
-        of_log(log, x.command.as_ref()?, y.command.as_ref()?)
-    });
-    // The first of several equal ones.
-    circles.fold(None, |best: Option<Circle>, circle| match best {
-        Some(best) if best.radius >= circle.radius => Some(best),
-        _ => Some(circle),
-    })
-}
-
-fn of_log(log: usize, x: &[f64], y: &[f64]) -> Option<Circle> {
-    let mut arcs: Vec<Circle> =
-        moving(x, y).into_iter().filter_map(|samples| fit(log, x, y, samples)).collect();
+/// The largest circle in the command of two axes, one value per sample, m.
+#[must_use]
+pub fn find(x: &[f64], y: &[f64]) -> Option<Circle> {
+    let mut arcs: Vec<Circle> = moving(x, y).into_iter().filter_map(|samples| fit(x, y, samples)).collect();
     arcs.sort_by(|a, b| b.radius.total_cmp(&a.radius));
     arcs.iter().find_map(|largest| {
         let tolerance = SAME_CIRCLE_FRACTION * largest.radius;
@@ -91,7 +75,7 @@ fn moving(x: &[f64], y: &[f64]) -> Vec<Range<usize>> {
 }
 
 /// The circle that most of a range of samples lies on, with its longest uninterrupted arc.
-fn fit(log: usize, x: &[f64], y: &[f64], range: Range<usize>) -> Option<Circle> {
+fn fit(x: &[f64], y: &[f64], range: Range<usize>) -> Option<Circle> {
     const ROUNDS: i32 = 12;
     let mut kept: Vec<usize> = range.clone().collect();
     let (mut centre, mut radius) = ([0.0; 2], 0.0);
@@ -121,7 +105,7 @@ fn fit(log: usize, x: &[f64], y: &[f64], range: Range<usize>) -> Option<Circle> 
         .map(|i| (angle(i) - angle(i - 1) + 0.5 * TAU).rem_euclid(TAU) - 0.5 * TAU)
         .sum();
     let arc = Arc { samples, is_clockwise: swept_rad < 0.0, swept_rad: swept_rad.abs() };
-    (arc.swept_rad >= MIN_ARC_RAD).then(|| Circle { log, centre, radius, arcs: vec![arc] })
+    (arc.swept_rad >= MIN_ARC_RAD).then(|| Circle { centre, radius, arcs: vec![arc] })
 }
 
 /// Least-squares circle through points, linear in 2·centre and radius² − centre² (Kåsa, 1976).
@@ -156,7 +140,7 @@ mod tests {
 
     fn of(path: &[(f64, f64)]) -> Option<Circle> {
         let (x, y): (Vec<f64>, Vec<f64>) = path.iter().copied().unzip();
-        of_log(0, &x, &y)
+        find(&x, &y)
     }
 
     #[test]

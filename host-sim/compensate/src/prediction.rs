@@ -1,0 +1,138 @@
+//! The contour error that a model predicts, with and without a compensation.
+
+use rayon::prelude::*;
+
+use crate::alignment::aligned;
+use crate::file::{CompensationFile, Refused};
+use crate::place::Place;
+use contour::verification::Prediction;
+use contour::{ContourError, LoggedMotion, NominalPath};
+use files::error::InputError;
+use files::log::Log;
+use model::machine::Machine;
+use model::motion::Motion;
+use plant::instruments::Instruments;
+use plant::machine_path::MachinePath;
+use plant::simulate::{Run, SimulationError};
+
+/// A motion that is simulated, and the time on the session clock at which it starts, s.
+#[derive(Clone, Debug)]
+pub struct TestMotion {
+    /// The motion.
+    pub motion: Motion,
+    /// Its file.
+    pub source: String,
+    /// Start, s.
+    pub start_s: f64,
+}
+
+/// Why a motion cannot be simulated.
+#[derive(Debug, thiserror::Error)]
+pub enum PredictionError {
+    /// The motion does not fit the machine.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// The machine does not complete it.
+    #[error("{motion}: {error}")]
+    Simulation {
+        /// Name of the motion.
+        motion: String,
+        /// Why.
+        error: SimulationError,
+    },
+    /// The controller refuses the compensation.
+    #[error(transparent)]
+    Refused(#[from] Refused),
+    /// A log has no contour error.
+    #[error("{motion}: the motion is too short, or has no linear axis")]
+    NoContour {
+        /// Name of the motion.
+        motion: String,
+    },
+}
+
+/// Log of a machine on a motion with a compensation.
+///
+/// # Errors
+/// If the motion does not fit the machine, the controller refuses the compensation, or the machine does not complete the
+/// motion.
+pub fn log(
+    machine: &Machine,
+    file: &CompensationFile,
+    test: &TestMotion,
+    (instruments, place): (Instruments, Place),
+) -> Result<Log, PredictionError> {
+    let machine = &file.applied_to(machine);
+    let path = MachinePath::new(&test.motion, machine, &test.source)?;
+    let failed = |error| PredictionError::Simulation { motion: test.motion.name.clone(), error };
+    let mut controller = place.controller(machine, &path.start_m).map_err(failed)?;
+    file.set(machine, controller.as_mut())?;
+    let run =
+        Run { machine, instruments, start_m: &path.start_m, blocks: &path.blocks, start_s: test.start_s };
+    let mut log = run.log(controller.as_mut(), |_, _, _| {}).map_err(failed)?;
+    log.source.clone_from(&test.motion.name);
+    Ok(log)
+}
+
+/// Contour error of a machine on each motion with a compensation.
+///
+/// # Errors
+/// As [`log`].
+pub fn contour_errors(
+    machine: &Machine,
+    file: &CompensationFile,
+    tests: &[TestMotion],
+    instruments: Instruments,
+) -> Result<Vec<ContourError>, PredictionError> {
+    tests
+        .par_iter()
+        .map(|test| {
+            let log = log(machine, file, test, (instruments, Place::Host))?;
+            contour_error(&log, machine)
+        })
+        .collect()
+}
+
+/// Contour error of a log, whose channels are aligned by the model.
+///
+/// # Errors
+/// If the log is too short or has no linear axis.
+pub fn contour_error(log: &Log, model: &Machine) -> Result<ContourError, PredictionError> {
+    let error = LoggedMotion::of(&aligned(log, model)).ok().and_then(|motion| motion.contour_error());
+    error.ok_or_else(|| PredictionError::NoContour { motion: log.source.clone() })
+}
+
+/// Root mean square over the samples of all motions, µm.
+#[must_use]
+pub fn total_rms_um(errors: &[ContourError]) -> f64 {
+    let squares: f64 = errors.iter().map(|error| error.samples as f64 * error.rms_um.powi(2)).sum();
+    let samples: u64 = errors.iter().map(|error| error.samples).sum();
+    (squares / samples.max(1) as f64).sqrt()
+}
+
+/// The predictions of a compensation file from the errors before and after.
+///
+/// # Errors
+/// If a motion does not fit the machine.
+pub fn predictions(
+    machine: &Machine,
+    tests: &[TestMotion],
+    [before, after]: [&[ContourError]; 2],
+    bound_percent: f64,
+) -> Result<Vec<Prediction>, InputError> {
+    let one = |((test, before), after): ((&TestMotion, &ContourError), &ContourError)| {
+        let path = MachinePath::new(&test.motion, machine, &test.source)?;
+        Ok(Prediction {
+            motion: test.motion.name.clone(),
+            before_um: before.rms_um,
+            after_um: after.rms_um,
+            max_before_um: Some(before.max_um),
+            max_after_um: Some(after.max_um),
+            circular_before_um: before.circular_um(),
+            circular_after_um: after.circular_um(),
+            bound_percent,
+            path_length_mm: Some(1e3 * NominalPath::of_blocks(&path.start_m, &path.blocks).length_m()),
+        })
+    };
+    tests.iter().zip(before).zip(after).map(one).collect()
+}

@@ -1,0 +1,50 @@
+//! The plan for a terminal: a sentence, a table of the motions, a table of the items.
+
+use crate::plan::Plan;
+
+/// Sentence and tables.
+#[must_use]
+pub fn of(plan: &Plan) -> String {
+    let count = |n: usize, one: &str, more: &str| format!("{n} {}", if n == 1 { one } else { more });
+    let mut lines = vec![
+        format!(
+            "{}: {} of the contour error {}; {} not.",
+            plan.file.machine,
+            count(plan.items.len(), "cause", "causes"),
+            if plan.items.len() == 1 { "is compensated" } else { "are compensated" },
+            count(plan.not_compensated.len(), "is", "are"),
+        ),
+        String::new(),
+        format!("{:<24}{:>24}{:>24}{:>26}", "predicted", "rms µm", "greatest µm", "circular deviation G µm"),
+        format!("{:<24}{}", "motion", format!("{:>12}{:>12}", "before", "after").repeat(3)),
+    ];
+    let cell = |value: Option<f64>| value.map_or(format!("{:>12}", "–"), |um| format!("{um:>12.3}"));
+    for motion in &plan.file.predicted {
+        let figures = [
+            Some(motion.before_um),
+            Some(motion.after_um),
+            motion.max_before_um,
+            motion.max_after_um,
+            motion.circular_before_um,
+            motion.circular_after_um,
+        ];
+        lines.push(format!("{:<24}{}", motion.motion, figures.map(cell).concat()));
+    }
+    lines.push(String::new());
+    lines.push(format!("{:<24}{:<6}{:>14}{:>10}", "item", "axis", "without it µm", "with µm"));
+    for item in &plan.items {
+        let axis = if item.axis.is_empty() { "all" } else { &item.axis };
+        lines.push(format!(
+            "{:<24}{:<6}{:>14.3}{:>10.3}  {}",
+            item.effect, axis, item.before_um, item.after_um, item.does
+        ));
+    }
+    for not in &plan.not_compensated {
+        let axis = if not.axis.is_empty() { "all axes" } else { &not.axis };
+        lines.push(format!(
+            "\n{axis}: {} is not compensated: {}. Instead: {}.",
+            not.effect, not.why, not.instead
+        ));
+    }
+    lines.join("\n")
+}

@@ -1,0 +1,33 @@
+//! Contour error: the distance of the tool from the programmed path, and what circles and corners show of it.
+//!
+//! - [`path`]: the nominal path, from a motion's blocks or from a log's command
+//! - [`evaluation`]: the error of each sample, and its figures: maximum, rms, per block, circles, corners
+//! - [`logged`]: the same for a log
+//! - [`circle`], [`circular_test`]: radial deviation F, circular deviation G and hysteresis H (ISO 230-4)
+//! - [`reversal_spike`]: peaks where an axis reverses
+//! - [`corner`]: overshoot and rounding
+//! - [`circle_fit`]: finds a circle in a command
+//! - [`text`], [`json`]: the figures for a terminal, and for a file
+
+pub mod circle;
+pub mod circle_fit;
+pub mod circular_test;
+pub mod corner;
+pub mod evaluation;
+pub mod json;
+pub mod logged;
+pub mod path;
+pub mod path_circle;
+mod piece;
+pub mod reversal_spike;
+mod sums;
+pub mod text;
+pub mod vector;
+pub mod verification;
+
+#[cfg(test)]
+mod tests;
+
+pub use evaluation::{ContourError, Evaluation};
+pub use logged::LoggedMotion;
+pub use path::NominalPath;

@@ -1,0 +1,79 @@
+//! Which logs are of the same motion, by their commands.
+
+use crate::logged::LoggedMotion;
+use crate::path::NominalPath;
+use crate::vector::distance;
+use files::error::InputError;
+use files::log::Log;
+
+/// Points at equal fractions of the paths that are compared.
+const POINTS: u32 = 200;
+
+/// Largest difference of the lengths of two paths, and of two points on them, as a fraction of the length.
+const MAX_FRACTION: f64 = 1e-4;
+
+/// Added to both, m.
+const MAX_DISTANCE_M: f64 = 10e-6;
+
+/// Largest difference of the durations, as a fraction: the contour error depends on the speed.
+const MAX_DURATION_FRACTION: f64 = 0.01;
+
+/// Added to it, in samples of the slower log: a motion starts and ends between samples.
+const MAX_DURATION_SAMPLES: f64 = 4.0;
+
+/// The indices of the logs of `after`, one for each of `before`, that have the same command; each is used once.
+///
+/// # Errors
+/// If a log has no counterpart, or lacks a command; the message names the log and the other side.
+pub fn pairs(before: &[Log], after: &[Log]) -> Result<Vec<usize>, InputError> {
+    let motions = |logs: &[Log]| -> Result<Vec<LoggedMotion>, InputError> {
+        logs.iter().map(|log| LoggedMotion::of(log).map_err(|missing| missing.in_log(log))).collect()
+    };
+    let (motions_before, motions_after) = (motions(before)?, motions(after)?);
+    let mut taken = vec![false; after.len()];
+    let mut pairs = Vec::with_capacity(before.len());
+    for (log, motion) in before.iter().zip(&motions_before) {
+        let is_free = |index: &usize| !taken[*index] && is_same_motion(motion, &motions_after[*index]);
+        let index = (0..after.len()).find(is_free).ok_or_else(|| no_counterpart(log, after, "after"))?;
+        taken[index] = true;
+        pairs.push(index);
+    }
+    match taken.iter().position(|taken| !taken) {
+        Some(index) => Err(no_counterpart(&after[index], before, "before")),
+        None => Ok(pairs),
+    }
+}
+
+fn no_counterpart(log: &Log, others: &[Log], side: &str) -> InputError {
+    let names: Vec<&str> = others.iter().map(|other| other.source.as_str()).collect();
+    let expected =
+        format!("a log of the same motion (axes, path and duration of the command) {side} the change");
+    InputError::expected(&log.source, expected, format!("other motions in {}", names.join(", ")))
+}
+
+/// Whether two commands have the same axes, the same path and the same duration.
+#[must_use]
+pub fn is_same_motion(one: &LoggedMotion, other: &LoggedMotion) -> bool {
+    if one.axes != other.axes {
+        return false;
+    }
+    let [path, other_path] =
+        [one, other].map(|motion| NominalPath::of_command(&motion.command_m, motion.sample_s));
+    let (length_m, other_m) = (path.length_m(), other_path.length_m());
+    let max_m = MAX_FRACTION * length_m + MAX_DISTANCE_M;
+    let is_near = |i: u32| {
+        let fraction = f64::from(i) / f64::from(POINTS);
+        distance(&path.point_at(fraction * length_m), &other_path.point_at(fraction * other_m)) <= max_m
+    };
+    let (duration_s, other_s) = (duration_s(one), duration_s(other));
+    let max_s = MAX_DURATION_FRACTION * duration_s + MAX_DURATION_SAMPLES * one.sample_s.max(other.sample_s);
+    (length_m - other_m).abs() <= max_m && (duration_s - other_s).abs() <= max_s && (0..=POINTS).all(is_near)
+}
+
+/// Time from the first change of the command to the last, s.
+fn duration_s(motion: &LoggedMotion) -> f64 {
+    let moves = |i: &usize| motion.command_m.iter().any(|axis| (axis[i + 1] - axis[*i]).abs() > 0.0);
+    let steps = motion.command_m.iter().map(Vec::len).min().unwrap_or(0).saturating_sub(1);
+    let (first, last) = ((0..steps).find(moves), (0..steps).rfind(moves));
+    first.zip(last).map_or(0.0, |(first, last)| (last + 1 - first) as f64 * motion.sample_s)
+}

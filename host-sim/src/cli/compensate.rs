@@ -1,0 +1,99 @@
+//! `lost-motion compensate`: from a model to the compensation that the controller applies.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Error, Result};
+
+use super::outputs::{check_outputs, print};
+use super::progress::Progress;
+use compensate::plan::Planning;
+use compensate::prediction::{PredictionError, TestMotion};
+use compensate::{json, text};
+use files::error::InputError;
+use files::output::write_whole;
+use model::machine::Machine;
+use model::motion::Motion;
+use plant::instruments::Instruments;
+
+/// Motions whose contour error counts if none is given.
+const MOTIONS: [(&str, &str); 2] = [
+    ("motions/circle.toml", include_str!("../../motions/circle.toml")),
+    ("motions/corner.toml", include_str!("../../motions/corner.toml")),
+];
+
+/// Arguments of `compensate`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Model: a machine file with the effects found, as `trace --model` writes it.
+    #[arg(long)]
+    model: PathBuf,
+    /// Compensation file to write (TOML).
+    #[arg(long)]
+    out: PathBuf,
+    /// Motion whose contour error counts; may be given several times; default: a circle and corners.
+    #[arg(long)]
+    motion: Vec<PathBuf>,
+    /// Write what is compensated and what is not as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Time on the session clock at which the compensation is set, s.
+    #[arg(long, default_value_t = 0.0, value_name = "SECONDS")]
+    set_at_s: f64,
+    /// Seed of the sensors' noise in the prediction.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Invalid input, a model that cannot be simulated, output that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let inputs: Vec<&Path> =
+        [&arguments.model].into_iter().chain(&arguments.motion).map(PathBuf::as_path).collect();
+    check_outputs(&inputs, &[("--out", Some(&arguments.out)), ("--json", arguments.json.as_ref())])?;
+    if !(arguments.set_at_s >= 0.0 && arguments.set_at_s.is_finite()) {
+        return Err(InputError::expected("--set-at-s", "a time of at least 0 s", arguments.set_at_s).into());
+    }
+    let model = Machine::read(&arguments.model)?;
+    let model_file = arguments.model.display().to_string();
+    let tests = test_motions(&arguments.motion, arguments.set_at_s)?;
+    let planning = Planning {
+        model: &model,
+        model_file: &model_file,
+        tests: &tests,
+        instruments: Instruments::of(&model, arguments.seed),
+        set_at_s: arguments.set_at_s,
+    };
+    let progress = Progress::start();
+    progress.show("simulating the motions with and without each compensation");
+    let plan = planning.plan().map_err(|error| input_or_failure(error, &model_file))?;
+    drop(progress);
+    let toml = plan.file.to_toml()?;
+    write_whole(&arguments.out, |out| out.write_all(toml.as_bytes()))?;
+    if let Some(path) = &arguments.json {
+        let text = serde_json::to_string_pretty(&json::of(&plan))?;
+        write_whole(path, |out| out.write_all(text.as_bytes()))?;
+    }
+    print(&text::of(&plan))
+}
+
+/// The motions of files, or the default ones.
+fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
+    let of = |motion: Motion, source: String| TestMotion { motion, source, start_s };
+    if paths.is_empty() {
+        return MOTIONS
+            .into_iter()
+            .map(|(source, text)| Ok(of(Motion::parse(text, source)?, source.to_owned())))
+            .collect();
+    }
+    paths.iter().map(|path| Ok(of(Motion::read(path)?, path.display().to_string()))).collect()
+}
+
+/// A model that lacks a key, or a setting that the controller refuses, is an error of the input.
+fn input_or_failure(error: PredictionError, model_file: &str) -> Error {
+    match error {
+        PredictionError::Input(error) => error.into(),
+        error => InputError::new(model_file, error.to_string()).into(),
+    }
+}

@@ -1,0 +1,144 @@
+//! `lost-motion verify`: the same motions before and after a change.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Result, bail};
+use serde_json::json;
+
+use super::outputs::{check_outputs, print};
+use super::progress::Progress;
+use compensate::alignment::aligned;
+use contour::verification::{Change, Predictions, VerifiedMotion, pairs};
+use files::error::InputError;
+use files::log::{Log, Unit};
+use files::output::write_whole;
+use model::machine::Machine;
+use report::verification_page::{self, figures, remarks, summary};
+
+/// Arguments of `verify`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Machine file.
+    #[arg(long)]
+    machine: PathBuf,
+    /// Log before the change (CSV, .csv.gz, or - for stdin); may be given several times.
+    #[arg(long, required = true)]
+    before: Vec<PathBuf>,
+    /// Log of the same motion after the change; may be given several times, in any order.
+    #[arg(long, required = true)]
+    after: Vec<PathBuf>,
+    /// Compensation file with the predictions.
+    #[arg(long)]
+    predicted: Option<PathBuf>,
+    /// Write the result as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Write report.html into this folder.
+    #[arg(long)]
+    report: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Input that cannot be used, output that cannot be written; a motion that became worse or is not as predicted.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let logs = arguments.before.iter().chain(&arguments.after);
+    let inputs: Vec<&Path> =
+        logs.chain(&arguments.predicted).chain([&arguments.machine]).map(PathBuf::as_path).collect();
+    let page = pages::file_in(arguments.report.as_ref());
+    check_outputs(&inputs, &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
+    let machine = Machine::read(&arguments.machine)?;
+    let predictions = arguments.predicted.as_deref().map(Predictions::read).transpose()?.unwrap_or_default();
+    let motions = verified(arguments, &machine, &predictions)?;
+    if let Some(path) = &arguments.json {
+        let all: Vec<_> = motions.iter().map(VerifiedMotion::json).collect();
+        let text = serde_json::to_string_pretty(&json!({"motions": all}))?;
+        write_whole(path, |out| out.write_all(text.as_bytes()))?;
+    }
+    let mut output = text(&motions, arguments.predicted.is_some());
+    if let Some(folder) = &arguments.report {
+        let path = verification_page::write(folder, &machine.name, &motions)?;
+        output += &format!("\n\nReport: {}", path.display());
+    }
+    print(&output)?;
+    failure(&motions)
+}
+
+/// The motions of all pairs of logs.
+fn verified(
+    arguments: &Arguments,
+    machine: &Machine,
+    predictions: &Predictions,
+) -> Result<Vec<VerifiedMotion>, InputError> {
+    let progress = Progress::start();
+    progress.show("reading the logs");
+    let read = |paths: &[PathBuf]| paths.iter().map(|path| Log::read(path)).collect::<Result<Vec<_>, _>>();
+    let (before, after) = (read(&arguments.before)?, read(&arguments.after)?);
+    for log in before.iter().chain(&after) {
+        check_axes(log, machine)?;
+    }
+    let [before, after] =
+        [before, after].map(|logs| -> Vec<Log> { logs.iter().map(|log| aligned(log, machine)).collect() });
+    let pairs = pairs(&before, &after)?;
+    let motions = before.iter().zip(pairs);
+    motions.map(|(log, index)| VerifiedMotion::new(log, &after[index], predictions)).collect()
+}
+
+/// Checks that the machine has the linear axes of a log.
+fn check_axes(log: &Log, machine: &Machine) -> Result<(), InputError> {
+    let linear = || log.axes.iter().filter(|axis| axis.unit == Unit::Millimetre);
+    match linear().find(|axis| !machine.axis.contains_key(&axis.name)) {
+        Some(axis) => {
+            let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
+            let expected = format!("axes of the machine file ({})", names.join(", "));
+            Err(InputError::expected(&log.source, expected, format!("axis {}", axis.name)))
+        }
+        None => Ok(()),
+    }
+}
+
+/// A sentence, a table, and remarks.
+fn text(motions: &[VerifiedMotion], has_predictions: bool) -> String {
+    let mut lines = vec![
+        summary(motions),
+        String::new(),
+        format!("{:<20}{:>30}{:>30}{:>30}", "motion", "rms µm", "greatest µm", "circular deviation G µm"),
+        format!("{:<20}{}", "", format!("{:>10}{:>10}{:>10}", "before", "predicted", "after").repeat(3)),
+    ];
+    let cell = |value: Option<f64>| value.map_or(format!("{:>10}", "–"), |um| format!("{um:>10.3}"));
+    lines.extend(
+        motions.iter().map(|motion| format!("{:<20}{}", motion.name, figures(motion).map(cell).concat())),
+    );
+    let mut remarks = remarks(motions);
+    if has_predictions {
+        let missing = motions.iter().filter(|motion| motion.predicted.is_none());
+        remarks.extend(
+            missing.map(|motion| format!("{}: the compensation file has no prediction.", motion.name)),
+        );
+    }
+    if !remarks.is_empty() {
+        lines.push(String::new());
+        lines.extend(remarks);
+    }
+    lines.join("\n")
+}
+
+/// Fails if a motion became worse or is not as predicted.
+fn failure(motions: &[VerifiedMotion]) -> Result<()> {
+    let names = |is: &dyn Fn(&VerifiedMotion) -> bool| {
+        let names: Vec<&str> =
+            motions.iter().filter(|motion| is(motion)).map(|motion| motion.name.as_str()).collect();
+        names.join(", ")
+    };
+    let worse = names(&|motion| motion.change() == Change::Worse);
+    let unpredicted = names(&|motion| motion.is_as_predicted() == Some(false));
+    match (worse.is_empty(), unpredicted.is_empty()) {
+        (true, true) => Ok(()),
+        (false, true) => bail!("the contour error became larger: {worse}"),
+        (true, false) => bail!("the contour error is not as predicted: {unpredicted}"),
+        (false, false) => {
+            bail!("the contour error became larger: {worse}; it is not as predicted: {unpredicted}")
+        }
+    }
+}

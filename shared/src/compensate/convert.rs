@@ -1,0 +1,199 @@
+//! Checks of the compensation settings of an axis, and their conversion to what a tick computes with.
+
+use super::axis::{AxisCompensation, SlowTerm};
+use super::backlash::Backlash;
+use super::cycles::Cycles;
+use super::drift::Drift;
+use super::force::Force;
+use super::geometry::{Squareness, Straightness};
+use super::pitch::Pitch;
+use super::reversal::Reversal;
+use super::settings::CompensationSettings;
+use super::slew::Slew;
+use super::table::{Table, ValueRange};
+use super::talk::Talk;
+use crate::config::check::{gain, positive, ranged};
+use crate::config::{ConfigError, Rates};
+use crate::scalar::Scalar;
+use crate::units::LENGTH_M;
+
+/// Bounds of the corrections in SI, and the rates of their ticks.
+struct Limits {
+    bound_m: f64,
+    bound_n: f64,
+    /// Of the position loop, Hz.
+    rate_hz: f64,
+    /// Of the velocity loop, Hz.
+    tick_hz: f64,
+}
+
+impl Limits {
+    fn new<S: Scalar>(settings: &CompensationSettings, rates: Rates) -> Result<Self, ConfigError> {
+        let bound_m = positive("position_bound_m", settings.position_bound_m)?;
+        let bound_n = positive("force_bound_n", settings.force_bound_n)?;
+        Ok(Self {
+            bound_m: ranged("position_bound_m", bound_m, 0.0, 0.01)?,
+            bound_n: ranged("force_bound_n", bound_n, 0.0, S::SIGNAL_LIMIT)?,
+            rate_hz: rates.position_loop_hz(),
+            tick_hz: rates.velocity_loop_hz,
+        })
+    }
+
+    /// Unit and range of lengths.
+    const fn lengths(&self) -> ValueRange {
+        ValueRange { unit: LENGTH_M, bound: self.bound_m }
+    }
+
+    /// Unit and range of forces.
+    const fn forces(&self) -> ValueRange {
+        ValueRange { unit: 1.0, bound: self.bound_n }
+    }
+
+    fn position<S: Scalar>(&self, m_per_s: f64, per_s: f64) -> Result<Slew<S>, ConfigError> {
+        let name = "position_rate_m_per_s";
+        let per_tick = Slew::per_tick(name, positive(name, m_per_s)?, per_s * LENGTH_M)?;
+        Ok(Slew { bound: S::signal(self.bound_m / LENGTH_M), per_tick })
+    }
+
+    fn force<S: Scalar>(&self, n_per_s: f64) -> Result<Slew<S>, ConfigError> {
+        let name = "force_rate_n_per_s";
+        let per_tick = Slew::per_tick(name, positive(name, n_per_s)?, self.tick_hz)?;
+        Ok(Slew { bound: S::signal(self.bound_n), per_tick })
+    }
+}
+
+/// Another axis of a machine with `axes` axes.
+fn source(name: &'static str, axis: u8, axes: usize) -> Result<u8, ConfigError> {
+    if usize::from(axis) < axes {
+        Ok(axis)
+    } else {
+        Err(ConfigError::OutOfRange { name, min: 0.0, max: axes as f64 - 1.0 })
+    }
+}
+
+// Tables are large, and each of these functions keeps several of them on its stack: not inlined, so that these are not there
+// all at once.
+impl<S: Scalar> AxisCompensation<S> {
+    /// Checks and converts the settings of an axis of a machine with `axes` axes.
+    ///
+    /// # Errors
+    /// [`ConfigError`] for the first setting that is not finite, exceeds its bound or the range of the number format `S`, or
+    /// requires another one.
+    pub fn new(settings: &CompensationSettings, rates: Rates, axes: usize) -> Result<Self, ConfigError> {
+        let limits = Limits::new::<S>(settings, rates)?;
+        let mut converted = Self {
+            pitch: None,
+            backlash: None,
+            screw: Cycles::NONE,
+            dividing: Cycles::NONE,
+            reversal: None,
+            intalk: None,
+            crosstalk: None,
+            squareness: None,
+            straightness: None,
+            ripple: Cycles::NONE,
+            model: None,
+            load: None,
+            friction_map: None,
+            stretch: None,
+            drift: None,
+            slow: heapless::Vec::new(),
+            command: limits.position(settings.position_rate_m_per_s, limits.rate_hz)?,
+            reading: limits.position(settings.position_rate_m_per_s, limits.tick_hz)?,
+            force: limits.force(settings.force_rate_n_per_s)?,
+        };
+        converted.convert_screw(settings, &limits)?;
+        converted.convert_tool(settings, &limits, axes)?;
+        converted.convert_motor(settings, &limits)?;
+        converted.convert_model(settings, &limits)?;
+        converted.list_slow_terms();
+        Ok(converted)
+    }
+
+    /// Errors between motor and scale, except for the stretch.
+    #[inline(never)]
+    fn convert_screw(&mut self, settings: &CompensationSettings, limits: &Limits) -> Result<(), ConfigError> {
+        let bound_m = limits.bound_m;
+        self.pitch = settings.pitch.as_ref().map(|pitch| Pitch::new(pitch, bound_m)).transpose()?;
+        self.backlash = settings.backlash_width_m.map(|width| Backlash::new(width, bound_m)).transpose()?;
+        self.screw = Cycles::new("screw", &settings.screw, limits.lengths())?;
+        Ok(())
+    }
+
+    /// Errors of the tool.
+    #[inline(never)]
+    fn convert_tool(
+        &mut self,
+        settings: &CompensationSettings,
+        limits: &Limits,
+        axes: usize,
+    ) -> Result<(), ConfigError> {
+        let &Limits { bound_m, rate_hz, tick_hz, .. } = limits;
+        if let Some(talk) = &settings.intalk {
+            self.intalk = Some(Talk::new("intalk", talk, rate_hz)?);
+        }
+        if let Some((axis, talk)) = &settings.crosstalk {
+            self.crosstalk =
+                Some((source("crosstalk", *axis, axes)?, Talk::new("crosstalk", talk, rate_hz)?));
+        }
+        if let Some((axis, k)) = settings.squareness {
+            self.squareness = Some((source("squareness", axis, axes)?, Squareness::new(k)?));
+        }
+        if let Some((axis, shape)) = &settings.straightness {
+            let axis = source("straightness", *axis, axes)?;
+            self.straightness = Some((axis, Straightness::new(shape, bound_m)?));
+        }
+        if let Some(drift) = &settings.drift {
+            self.drift = Some(Drift::new(drift, tick_hz, bound_m)?);
+        }
+        Ok(())
+    }
+
+    /// Errors of the motor: its reading, its ripple, and the pulse at a reversal.
+    #[inline(never)]
+    fn convert_motor(&mut self, settings: &CompensationSettings, limits: &Limits) -> Result<(), ConfigError> {
+        self.dividing = Cycles::new("dividing", &settings.dividing, limits.lengths())?;
+        self.ripple = Cycles::new("ripple", &settings.ripple, limits.forces())?;
+        if let Some(reversal) = &settings.reversal {
+            self.reversal = Some(Reversal::new(reversal, limits.rate_hz, limits.bound_n)?);
+        }
+        Ok(())
+    }
+
+    /// The force feed-forward, and the stretch.
+    #[inline(never)]
+    fn convert_model(&mut self, settings: &CompensationSettings, limits: &Limits) -> Result<(), ConfigError> {
+        let Some(model) = &settings.force else {
+            return match settings.stretch_m_per_n {
+                Some(_) => Err(ConfigError::Requires { name: "stretch_m_per_n", other: "force" }),
+                None => Ok(()),
+            };
+        };
+        self.model = Some(Force::new(model, [limits.rate_hz, limits.tick_hz], limits.bound_n)?);
+        if let Some(load) = &model.load {
+            self.load = Some(Table::new("load", load, limits.forces())?);
+        }
+        if let Some(map) = &model.friction.map {
+            self.friction_map = Some(Table::new("friction_map", map, limits.forces())?);
+        }
+        if let Some(m_per_n) = settings.stretch_m_per_n {
+            self.stretch = Some(gain::<S>("stretch_m_per_n", m_per_n, 1.0 / LENGTH_M)?);
+        }
+        Ok(())
+    }
+
+    fn list_slow_terms(&mut self) {
+        let warms_up = self.model.as_ref().is_some_and(Force::warms_up);
+        let present = [
+            (SlowTerm::Pitch, self.pitch.is_some()),
+            (SlowTerm::Straightness, self.straightness.is_some()),
+            (SlowTerm::Intalk, self.intalk.is_some()),
+            (SlowTerm::Crosstalk, self.crosstalk.is_some()),
+            (SlowTerm::Drift, self.drift.is_some()),
+            (SlowTerm::Load, self.load.is_some()),
+            (SlowTerm::AdditionalFriction, self.friction_map.is_some() || warms_up),
+        ];
+        // The capacity is the number of terms.
+        self.slow = present.into_iter().filter(|(_, is)| *is).map(|(term, _)| term).collect();
+    }
+}

@@ -1,0 +1,85 @@
+//! A friction level over the speed, g(v) = coulomb + excess·exp(−(v/vₛ)²).
+
+use super::force_settings::Stribeck;
+use super::octave_curve::OctaveCurve;
+use super::presliding::Presliding;
+use crate::config::ConfigError;
+use crate::config::check::{positive, ranged};
+use crate::scalar::Scalar;
+
+/// A friction g(v), N.
+#[derive(Clone, Copy, Debug)]
+pub struct Level<S: Scalar> {
+    /// The greatest, N.
+    pub greatest: S,
+    /// As a fraction of the greatest, over the speed; `None`: constant.
+    fraction: Option<OctaveCurve>,
+}
+
+impl<S: Scalar> Level<S> {
+    /// g at a speed (position units per position tick) as a fraction of the greatest, 32 fraction bits.
+    #[must_use]
+    pub fn fraction_q32(&self, speed: u64) -> u32 {
+        self.fraction.as_ref().map_or(u32::MAX, |fraction| fraction.at(speed))
+    }
+}
+
+/// A friction level in SI: coulomb + excess·exp(−(v/vₛ)²).
+#[derive(Clone, Copy)]
+pub(super) struct Friction {
+    coulomb_n: f64,
+    excess_n: f64,
+    /// vₛ in position units per position tick.
+    width: f64,
+}
+
+impl Friction {
+    /// Checks settings; `units_per_m_s` are position units per position tick.
+    pub fn new(
+        coulomb_n: f64,
+        stribeck: Option<Stribeck>,
+        bound_n: f64,
+        units_per_m_s: f64,
+    ) -> Result<Self, ConfigError> {
+        let Some(Stribeck { excess_n, velocity_m_per_s }) = stribeck else {
+            return Ok(Self { coulomb_n, excess_n: 0.0, width: 1.0 });
+        };
+        let velocity = positive("stribeck_velocity_m_per_s", velocity_m_per_s)?;
+        let velocity = ranged("stribeck_velocity_m_per_s", velocity, 1e-6, 10.0)?;
+        // Friction is positive at standstill.
+        let excess_n = ranged("stribeck_excess_n", excess_n, -coulomb_n, bound_n)?;
+        Ok(Self { coulomb_n, excess_n, width: velocity * units_per_m_s })
+    }
+
+    fn greatest_n(&self) -> f64 {
+        self.coulomb_n + self.excess_n.max(0.0)
+    }
+
+    fn least_n(&self) -> f64 {
+        self.coulomb_n + self.excess_n.min(0.0)
+    }
+
+    /// The greatest g over the least, at most 10⁴.
+    pub fn greatest_over_least(&self) -> f64 {
+        if self.least_n() > 0.0 { (self.greatest_n() / self.least_n()).min(1e4) } else { 1.0 }
+    }
+
+    fn at_n(&self, speed: f64) -> f64 {
+        self.coulomb_n + self.excess_n * libm::exp(-(speed / self.width) * (speed / self.width))
+    }
+
+    /// The level in machine units.
+    pub fn level<S: Scalar>(&self) -> Level<S> {
+        let (greatest_n, varies) = (self.greatest_n(), self.excess_n != 0.0);
+        let curve = || OctaveCurve::new(4.0 * self.width, |speed| self.at_n(speed) / greatest_n);
+        Level { greatest: S::signal(greatest_n), fraction: varies.then(curve) }
+    }
+
+    /// The bristles with this level.
+    pub fn presliding(&self, stiffness_n_per_m: f64) -> Result<Presliding, ConfigError> {
+        let least_n = positive("coulomb_n", self.least_n())?;
+        let varies = self.excess_n != 0.0;
+        let curve = || OctaveCurve::new(4.0 * self.width, |speed| least_n / self.at_n(speed));
+        Presliding::new(stiffness_n_per_m, least_n, varies.then(curve))
+    }
+}

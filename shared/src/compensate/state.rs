@@ -1,0 +1,110 @@
+//! The state of the compensations of an axis.
+
+use super::force;
+use super::kind::CompensationKind;
+use super::motion::CommandMotion;
+use crate::scalar::Scalar;
+
+/// The correction of a command, position units.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Correction {
+    /// The whole correction, which is added to the command.
+    pub total: i64,
+    /// The part of it that makes up for errors between motor and scale, which is also added to the scale's reading.
+    pub screw: i64,
+}
+
+impl Correction {
+    /// No correction.
+    pub const NONE: Self = Self { total: 0, screw: 0 };
+}
+
+/// State of the compensations of an axis.
+#[derive(Clone, Copy, Debug)]
+pub struct State<S: Scalar> {
+    /// Present correction of the command, error units.
+    pub(super) command: S,
+    /// Part of it for errors between motor and scale.
+    pub(super) screw: S,
+    /// Present correction of the motor reading, error units.
+    pub(super) reading: S,
+    /// Present added force, N.
+    pub(super) force: S,
+    /// Pulse of the last reversal without its velocity factor, and its force.
+    pub(super) pulse: S,
+    pub(super) pulse_force: S,
+    /// Force feed-forward.
+    pub(super) model: force::State<S>,
+    pub(super) slow: SlowTerms<S>,
+    /// Time since the compensation was set, ticks.
+    pub(super) ticks: u64,
+    /// One bit per kind that is switched off.
+    off: u16,
+}
+
+/// Terms that change slowly: one of them is evaluated with each command, in turn.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SlowTerms<S: Scalar> {
+    /// Place of the next term in the list of those that the axis has.
+    pub next: u8,
+    pub screw_pitch: S,
+    pub scale_pitch: S,
+    pub straightness: S,
+    pub intalk: S,
+    pub crosstalk: S,
+    pub drift: S,
+    pub load: S,
+    pub friction: S,
+}
+
+impl<S: Scalar> SlowTerms<S> {
+    /// All zero.
+    pub const NONE: Self = Self {
+        next: 0,
+        screw_pitch: S::ZERO,
+        scale_pitch: S::ZERO,
+        straightness: S::ZERO,
+        intalk: S::ZERO,
+        crosstalk: S::ZERO,
+        drift: S::ZERO,
+        load: S::ZERO,
+        friction: S::ZERO,
+    };
+}
+
+impl<S: Scalar> State<S> {
+    /// No correction so far, every compensation switched on.
+    pub const NEW: Self = Self {
+        command: S::ZERO,
+        screw: S::ZERO,
+        reading: S::ZERO,
+        force: S::ZERO,
+        pulse: S::ZERO,
+        pulse_force: S::ZERO,
+        model: force::State::NEW,
+        slow: SlowTerms::NONE,
+        ticks: 0,
+        off: 0,
+    };
+
+    /// Switches one compensation on or off. Initially all are on.
+    pub const fn switch(&mut self, item: CompensationKind, on: bool) {
+        let bit = 1 << item as u16;
+        self.off = if on { self.off & !bit } else { self.off | bit };
+    }
+
+    pub(super) const fn is_on(&self, item: CompensationKind) -> bool {
+        self.off & (1 << item as u16) == 0
+    }
+
+    /// The present correction of the command.
+    pub(super) fn correction(&self) -> Correction {
+        Correction { total: self.command.distance(), screw: self.screw.distance() }
+    }
+
+    /// The axis is at rest with the drives off: there is no force, and when they come on it starts from zero.
+    pub(super) fn rest_at(&mut self, motion: &CommandMotion<S>) {
+        self.model.rest_at(motion.position);
+        (self.force, self.pulse, self.pulse_force) = (S::ZERO, S::ZERO, S::ZERO);
+    }
+}

@@ -1,0 +1,150 @@
+//! Settings that are refused, by name.
+
+use super::*;
+
+/// The name of the setting in an error.
+fn name_of(error: ConfigError) -> &'static str {
+    let (ConfigError::NotFinite(name)
+    | ConfigError::NotPositive(name)
+    | ConfigError::NotWhileRunning(name)
+    | ConfigError::Requires { name, .. }
+    | ConfigError::OutOfRange { name, .. }) = error;
+    name
+}
+
+#[test]
+fn rejected_settings_are_named() {
+    let error_of =
+        |settings: CompensationSettings| AxisCompensation::<Fixed>::new(&settings, RATES, 2).unwrap_err();
+    let none = CompensationSettings::default;
+    let cases = vec![
+        (CompensationSettings { backlash_width_m: Some(-1e-6), ..none() }, "backlash_width_m"),
+        (CompensationSettings { backlash_width_m: Some(f64::NAN), ..none() }, "backlash_width_m"),
+        (CompensationSettings { backlash_width_m: Some(3e-3), ..none() }, "backlash_width_m"),
+        (CompensationSettings { squareness: Some((2, 1e-6)), ..none() }, "squareness"),
+        (CompensationSettings { squareness: Some((1, f64::INFINITY)), ..none() }, "squareness"),
+        (CompensationSettings { crosstalk: Some((7, Talk::Constant(0.0))), ..none() }, "crosstalk"),
+        (CompensationSettings { intalk: Some(Talk::Constant(1.0)), ..none() }, "intalk"),
+        (
+            CompensationSettings {
+                dividing: [Cycle::harmonic(2e-3, 2.5e-3, 0.0)].into_iter().collect(),
+                ..none()
+            },
+            "dividing",
+        ),
+        (
+            CompensationSettings { ripple: [Cycle::harmonic(1.0, 0.0, 0.0)].into_iter().collect(), ..none() },
+            "ripple",
+        ),
+        (
+            CompensationSettings {
+                ripple: [Cycle { period_m: 1e-3, values: [1.0].into_iter().collect() }].into_iter().collect(),
+                ..none()
+            },
+            "ripple",
+        ),
+        (
+            CompensationSettings {
+                reversal: Some(Reversal { force_n: 1.0, decay_s: 0.0, fade_m_per_s: 1.0 }),
+                ..none()
+            },
+            "reversal_decay_s",
+        ),
+        (CompensationSettings { position_bound_m: 0.0, ..none() }, "position_bound_m"),
+        (CompensationSettings { position_rate_m_per_s: f64::NAN, ..none() }, "position_rate_m_per_s"),
+        (CompensationSettings { force_bound_n: f64::INFINITY, ..none() }, "force_bound_n"),
+        (CompensationSettings { force_rate_n_per_s: -1.0, ..none() }, "force_rate_n_per_s"),
+    ];
+    for (settings, name) in cases {
+        assert_eq!(name_of(error_of(settings)), name);
+    }
+}
+/// A rate that fixed point does not hold to 1 % is rejected with its range.
+#[test]
+fn rates_below_the_resolution_are_rejected() {
+    let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+    let error_of = |position_rate_m_per_s: f64, force_rate_n_per_s: f64| {
+        let settings = CompensationSettings {
+            position_rate_m_per_s,
+            force_rate_n_per_s,
+            ..CompensationSettings::default()
+        };
+        AxisCompensation::<Fixed>::new(&settings, rates, 2).err()
+    };
+    assert!(matches!(
+        error_of(1e-7, 1e4),
+        Some(ConfigError::OutOfRange { name: "position_rate_m_per_s", .. })
+    ));
+    // The least rate is 50 steps of 2⁻¹⁴ N per tick at 20 kHz: 61 N/s.
+    assert!(
+        matches!(error_of(1e-3, 1.0), Some(ConfigError::OutOfRange { name: "force_rate_n_per_s", min, .. })
+        if (61.0..61.1).contains(&min))
+    );
+    assert_eq!(error_of(1e-3, 100.0), None);
+}
+
+/// The settings of the force model, and what requires it.
+#[test]
+fn rejected_models_are_named() {
+    let error_of = |model: ForceModel| {
+        let settings = CompensationSettings { force: Some(model), ..CompensationSettings::default() };
+        AxisCompensation::<Fixed>::new(&settings, RATES, 2).err().map(name_of)
+    };
+    let none = ForceModel::default;
+    let friction = |friction: TableFriction| ForceModel { friction, ..none() };
+    let table = TableFriction { coulomb_n: 100.0, ..TableFriction::default() };
+    let stribeck = |excess_n, velocity_m_per_s| Some(Stribeck { excess_n, velocity_m_per_s });
+    let warm_up = |force_n, time_constant_s| TableFriction {
+        warm_up: Some(FrictionWarmUp { force_n, time_constant_s }),
+        ..table.clone()
+    };
+    assert_eq!(error_of(none()), None);
+    assert_eq!(error_of(friction(table.clone())), None);
+    let cases = vec![
+        (ForceModel { motor_mass_kg: -1.0, ..none() }, "motor_mass_kg"),
+        (ForceModel { table_mass_kg: f64::NAN, ..none() }, "table_mass_kg"),
+        (ForceModel { table_mass_kg: 1e9, ..none() }, "table_mass_kg"),
+        (ForceModel { motor_coulomb_n: 1001.0, ..none() }, "motor_coulomb_n"),
+        (ForceModel { motor_stribeck: stribeck(1.0, 0.0), ..none() }, "stribeck_velocity_m_per_s"),
+        (ForceModel { load: Some(points(0.0, 0.01, |_| 1001.0)), ..none() }, "load"),
+        (ForceModel { lag_s: -1e-3, ..none() }, "force_lag_s"),
+        (ForceModel { lag_s: 2.0, ..none() }, "force_lag_s"),
+        (ForceModel { share: 1.1, ..none() }, "force_share"),
+        (friction(TableFriction { coulomb_n: -1.0, ..table.clone() }), "coulomb_n"),
+        (friction(TableFriction { viscous_n_s_per_m: -1.0, ..table.clone() }), "viscous_n_s_per_m"),
+        (
+            friction(TableFriction { half_difference_n_s_per_m: f64::INFINITY, ..table.clone() }),
+            "half_difference_n_s_per_m",
+        ),
+        (friction(TableFriction { stribeck: stribeck(-101.0, 0.01), ..table.clone() }), "stribeck_excess_n"),
+        (friction(TableFriction { stribeck: stribeck(1001.0, 0.01), ..table.clone() }), "stribeck_excess_n"),
+        (
+            friction(TableFriction { presliding_stiffness_n_per_m: Some(-1.0), ..table.clone() }),
+            "presliding_stiffness_n_per_m",
+        ),
+        (
+            friction(TableFriction {
+                coulomb_n: 0.0,
+                presliding_stiffness_n_per_m: Some(50e6),
+                ..table.clone()
+            }),
+            "coulomb_n",
+        ),
+        (
+            friction(TableFriction { map: Some(points(0.0, 0.01, |_| f64::NAN)), ..table.clone() }),
+            "friction_map",
+        ),
+        (friction(warm_up(2000.0, 100.0)), "warm_up_force_n"),
+        (friction(warm_up(20.0, 0.0)), "warm_up_time_constant_s"),
+    ];
+    for (model, name) in cases {
+        assert_eq!(error_of(model), Some(name));
+    }
+}
+
+#[test]
+fn a_stretch_requires_the_force_model() {
+    let settings = CompensationSettings { stretch_m_per_n: Some(1e-8), ..CompensationSettings::default() };
+    let error = AxisCompensation::<Fixed>::new(&settings, RATES, 2).unwrap_err();
+    assert_eq!(error.to_string(), "stretch_m_per_n: expected together with force, which is missing");
+}

@@ -1,0 +1,213 @@
+//! `verify`: the same motions before and after a change, and the contour error that `simulate` prints.
+
+use std::fs;
+use std::sync::OnceLock;
+
+use serde_json::Value;
+
+use super::work_folder::{MACHINE, MOTION, WorkFolder};
+
+/// A circle of 30 mm radius in both directions.
+const CIRCLE: &str = include_str!("../../../host-sim/motions/demo_ballbar.toml");
+
+/// The difference between "before" and "after": 40 µm, so that it is well above the machine's friction peaks.
+const BACKLASH: &str = "\n[[axis.x.effect]]\nname = \"backlash\"\nwidth_um = 40.0\n";
+
+const VERIFY: &str = "verify --machine machine.toml --json out.json";
+
+/// Logs of both motions on a machine with backlash and without, and what `simulate` printed for the circle with backlash.
+struct Logs {
+    circle: [String; 2],
+    short: [String; 2],
+    summary: String,
+}
+
+fn logs() -> &'static Logs {
+    static LOGS: OnceLock<Logs> = OnceLock::new();
+    LOGS.get_or_init(|| {
+        let folder = WorkFolder::with(&[
+            ("with.toml", format!("{MACHINE}{BACKLASH}")),
+            ("without.toml", MACHINE.to_owned()),
+            ("circle.toml", CIRCLE.to_owned()),
+            ("short.toml", MOTION.to_owned()),
+        ]);
+        let simulate = |machine: &str, motion: &str| {
+            let arguments = format!("simulate --machine {machine}.toml --motion {motion}.toml --out out.csv");
+            let stdout = folder.succeeds(&arguments);
+            (folder.read("out.csv"), stdout)
+        };
+        let (circle_with, summary) = simulate("with", "circle");
+        let of = |motion: &str| [simulate("with", motion).0, simulate("without", motion).0];
+        let circle = [circle_with, simulate("without", "circle").0];
+        Logs { circle, short: of("short"), summary }
+    })
+}
+
+/// A folder with the logs before and after, `with` and `without` backlash.
+fn folder() -> WorkFolder {
+    let Logs { circle, short, .. } = logs();
+    WorkFolder::with(&[
+        ("machine.toml", MACHINE),
+        ("circle_with.csv", &circle[0]),
+        ("circle_without.csv", &circle[1]),
+        ("short_with.csv", &short[0]),
+        ("short_without.csv", &short[1]),
+    ])
+}
+
+fn json(folder: &WorkFolder) -> Value {
+    serde_json::from_str(&folder.read("out.json")).unwrap()
+}
+
+fn number(json: &Value, pointer: &str) -> f64 {
+    json.pointer(pointer).and_then(Value::as_f64).unwrap_or_else(|| panic!("no {pointer} in {json}"))
+}
+
+/// The number after a word in a line that starts with another one.
+fn printed(text: &str, line: &str, number: usize) -> f64 {
+    let line =
+        text.lines().find(|found| found.starts_with(line)).unwrap_or_else(|| panic!("no {line} in {text}"));
+    line.split_whitespace().filter_map(|word| word.parse().ok()).nth(number).unwrap()
+}
+
+#[test]
+fn a_better_machine_is_confirmed_on_every_motion() {
+    let folder = folder();
+    // The order of the logs after is another one: they are paired by their commands.
+    let stdout = folder.succeeds(&format!(
+        "{VERIFY} --before circle_with.csv --before short_with.csv --after short_without.csv \
+         --after circle_without.csv --report report"
+    ));
+    assert!(stdout.contains("smaller in 2, larger in 0, not distinguishable in 0"), "{stdout}");
+    let json = json(&folder);
+    let motions = json["motions"].as_array().unwrap();
+    assert_eq!(
+        motions.iter().map(|motion| &motion["name"]).collect::<Vec<_>>(),
+        ["circle_with", "short_with"]
+    );
+    for motion in motions {
+        assert_eq!(motion["change"], "better");
+        assert!(motion["contour_error_um"]["predicted"].is_null());
+    }
+    // On the circle, half of the backlash is on either side of x: it adds (w/2)²/2 = 200 µm² to the mean square, less or more
+    // where friction peaks and loop deviate, too, together 6 µm rms: (14.1 ± 6)² µm².
+    let rms = |side: &str| number(&motions[0], &format!("/contour_error_um/{side}/rms"));
+    let added = (rms("before").powi(2) - rms("after").powi(2)).sqrt();
+    assert!((8.0..=20.0).contains(&added), "{added}");
+    // A backlash of width w alone has a circular deviation of w; the deviation is a range, so that the two differ by at
+    // most w, and by at least w less what the friction peaks (35 µm outwards) cover of the backlash's w/2 outwards.
+    let [before, after] =
+        ["before", "after"].map(|side| number(&motions[0], &format!("/circular_deviation_um/{side}")));
+    assert!((20.0..=41.0).contains(&(before - after)), "{before} {after}");
+    assert!(motions[1].get("circular_deviation_um").is_none(), "no full circle");
+    let page = fs::read_to_string(folder.path().join("report/report.html")).unwrap();
+    assert!(page.contains("The circle of circle_with") && page.contains("Radial deviation of the tool"));
+    assert_eq!(page.matches("magnified").count() % 2, 0, "before and after, each in picture and caption");
+}
+
+/// `simulate` evaluates the path of the motion file, `verify` that of the logged command, which differ by rounding only.
+#[test]
+fn simulate_prints_the_same_contour_error() {
+    let folder = folder();
+    folder.succeeds(&format!("{VERIFY} --before circle_with.csv --after circle_without.csv"));
+    let json = json(&folder);
+    for (index, key) in [(0, "rms"), (1, "max")] {
+        let verified = number(&json, &format!("/motions/0/contour_error_um/before/{key}"));
+        let simulated = printed(&logs().summary, "whole path", index);
+        assert!((verified - simulated).abs() < 0.05, "{key}: {verified} and {simulated}");
+    }
+    assert!(logs().summary.contains("both directions: circular deviation G(b)"), "{}", logs().summary);
+}
+
+#[test]
+fn a_worse_machine_fails() {
+    let folder = folder();
+    let arguments = format!("{VERIFY} --before circle_without.csv --after circle_with.csv");
+    let error = folder.fails(&arguments, 1);
+    assert_eq!(error, "lost-motion: the contour error became larger: circle_without\n");
+    assert_eq!(json(&folder)["motions"][0]["change"], "worse", "the result is written nevertheless");
+    // The same log twice: neither better nor worse.
+    let stdout = folder.succeeds(&format!("{VERIFY} --before circle_with.csv --after circle_with.csv"));
+    assert!(stdout.contains("not distinguishable in 1"), "{stdout}");
+}
+
+#[test]
+fn a_prediction_is_checked_within_its_bound() {
+    let folder = folder();
+    let arguments = format!("{VERIFY} --before circle_with.csv --after circle_without.csv");
+    folder.succeeds(&arguments);
+    let measured = json(&folder);
+    let [before, after] =
+        ["before", "after"].map(|side| number(&measured, &format!("/motions/0/contour_error_um/{side}/rms")));
+    let predict = |after_um: f64, motion: &str| {
+        let text = format!(
+            "name = \"c\"\n\n[[predicted]]\nmotion = \"{motion}\"\nbefore_um = {before}\nafter_um = {after_um}\n\
+             bound_percent = 10.0\n"
+        );
+        fs::write(folder.path().join("c.toml"), text).unwrap();
+    };
+    let arguments = format!("{arguments} --predicted c.toml");
+    // Within ±10 % of the prediction; the sensors' noise adds far less than 1 %.
+    for factor in [0.92, 1.08] {
+        predict(after / factor, "circle");
+        folder.succeeds(&arguments);
+        let json = json(&folder);
+        assert_eq!(json["motions"][0]["name"], "circle");
+        assert_eq!(json["motions"][0]["as_predicted"], true);
+        assert!((number(&json, "/motions/0/contour_error_um/predicted/rms") - after / factor).abs() < 1e-9);
+    }
+    for factor in [0.88, 1.12] {
+        predict(after / factor, "circle");
+        let error = folder.fails(&arguments, 1);
+        assert_eq!(error, "lost-motion: the contour error is not as predicted: circle\n");
+    }
+    predict(after / 2.0, "small_circle");
+    let stdout = folder.succeeds(&arguments);
+    assert!(stdout.contains("circle_with: the compensation file has no prediction."), "{stdout}");
+}
+
+#[test]
+fn unusable_logs_are_refused() {
+    let Logs { circle, .. } = logs();
+    let folder = folder();
+    let renamed = |from: &str, to: &str| circle[0].replacen(from, to, 1);
+    let without = |word: &str| {
+        let columns: Vec<bool> =
+            circle[0].lines().next().unwrap().split(',').map(|c| !c.contains(word)).collect();
+        let kept = |line: &str| {
+            let cells = line.split(',').zip(&columns).filter(|(_, keep)| **keep).map(|(cell, _)| cell);
+            cells.collect::<Vec<_>>().join(",") + "\n"
+        };
+        circle[0].lines().map(kept).collect::<String>()
+    };
+    for (content, message) in [
+        (logs().short[1].clone(), "circle_with.csv: expected a log of the same motion"),
+        (without("command"), "bad.csv: expected the command of each axis (NAME_command_mm), found none"),
+        (without("_tool").replace("_motor", "_force").replace("_table", "_added_force"), "bad.csv: line 1"),
+        (
+            renamed(
+                "y_command_mm,y_motor_mm,y_table_mm,y_tool_mm,y_force_n",
+                "z_command_mm,z_motor_mm,z_table_mm,z_tool_mm,z_force_n",
+            ),
+            "bad.csv: expected axes of the machine file (x, y), found axis z",
+        ),
+    ] {
+        fs::write(folder.path().join("bad.csv"), content).unwrap();
+        let error = folder.fails(&format!("{VERIFY} --before circle_with.csv --after bad.csv"), 2);
+        assert!(error.contains(message), "{error}");
+        if message.contains("same motion") {
+            assert!(error.contains("bad.csv"), "both files are named: {error}");
+        }
+    }
+    let error = folder.fails(
+        &format!("{VERIFY} --before circle_with.csv --after circle_without.csv --after short_without.csv"),
+        2,
+    );
+    assert!(error.contains("short_without.csv: expected a log of the same motion"), "{error}");
+    fs::write(folder.path().join("c.toml"), "[[predicted]]\nmotion = \"circle\"\nbefore_um = 1.0\n").unwrap();
+    let arguments =
+        format!("{VERIFY} --before circle_with.csv --after circle_without.csv --predicted c.toml");
+    let error = folder.fails(&arguments, 2);
+    assert!(error.starts_with("lost-motion: c.toml: "), "{error}");
+    assert!(!folder.path().join("out.json").exists());
+}
