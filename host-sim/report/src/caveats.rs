@@ -35,8 +35,9 @@ fn list_residuals(
 pub fn misfit(axis: &AxisTrace) -> Option<String> {
     if axis.is_of_another_machine {
         let residuals = list_residuals(axis, |_| true, |pair| pair.fit)?;
-        let undetermined = axis.declared_values.iter().filter(|value| value.is_undetermined());
-        let keys: Vec<&str> = undetermined.map(|value| value.key).collect();
+        let far =
+            axis.declared_values.iter().filter(|value| value.is_undetermined() || value.is_beyond_tolerance);
+        let keys: Vec<&str> = far.map(|value| value.key).collect();
         return Some(format!(
             "{}: this machine file does not describe this machine, so that no effect is reported; residuals: {residuals}; \
              farthest from the logs: {}.",

@@ -12,6 +12,7 @@ use crate::fit::model_bias::first_fit;
 use crate::fit::scope::Scope;
 use crate::fit::scope_fit::{Progress, ScopeFit, fit_again, fit_jointly};
 use crate::fit::testable_scopes::scopes;
+use crate::fit::total_mass;
 use crate::not_testable::effects_not_testable;
 use crate::outcome::{AxisTrace, StageError};
 use crate::search::ambiguity::Ambiguity;
@@ -23,7 +24,7 @@ use crate::validation::confirmation::{Confirmed, confirm};
 use crate::validation::declared_value::declared_values;
 use crate::validation::fitted_axis::FittedAxis;
 use crate::validation::found_effect::FoundEffect;
-use crate::validation::misfit::is_of_another_machine;
+use crate::validation::misfit::{Evidence, is_of_another_machine};
 use files::log::Unit;
 use model::effects::{Effect, Neighbours, Stage};
 use model::machine::Axis;
@@ -58,7 +59,9 @@ pub fn trace(
     let Confirmed { axis, mut found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
     let declared_values = declared_values([fit_data, validate], &axis);
-    let is_of_another_machine = is_of_another_machine(fit_data, &before, &declared_values, &scopes);
+    let evidence =
+        Evidence { models: [&before, &axis.model], values: &declared_values, refused: refused.len() };
+    let is_of_another_machine = is_of_another_machine(fit_data, evidence, &scopes);
     let kept = stage.kept_if_nothing_new(&written, axis.model);
     let model = if is_of_another_machine { before.clone() } else { kept };
     found.retain(|_| !is_of_another_machine);
@@ -130,8 +133,7 @@ impl Tracing<'_> {
             let stages = stage_names(&scope.stages);
             (self.progress)(&format!("{}: fitting the declared values to {stages}", data.name()));
             let (fitted, _) = first_fit(data, &model, scope);
-            model = fitted.model.clone();
-            model.pin_mass(scope);
+            model = total_mass::pinned(data, &fitted, [scope; 2]);
             fits.push(fitted);
         }
         if let Some((kept, _)) = kept(data, written, &model, self.scopes) {
@@ -182,8 +184,7 @@ impl Tracing<'_> {
                     ScopeFit { scope, fitted_scope, fitted, exclusions: Vec::new() }
                 }
             };
-            model = fit.fitted.model.clone();
-            model.pin_mass(scope);
+            model = total_mass::pinned(self.fit_data, &fit.fitted, [&fit.scope, &fit.fitted_scope]);
             fits.push(fit);
         }
         fit_jointly(self.fit_data, &mut model, &mut fits, self.scopes, self.progress);

@@ -20,6 +20,20 @@ fn faults(trace: &Trace) -> BTreeSet<(&str, Option<&str>, FaultKind)> {
     faults.map(|fault| (fault.axis.as_str(), fault.channel.map(Channel::word), fault.kind)).collect()
 }
 
+/// The drive's force with the wrong sign was "Coulomb friction 22.53 ± 0.06 % below the declared one".
+#[test]
+fn a_reversed_force_is_a_fault_and_not_a_friction() {
+    let machine = TestMachine::new(3);
+    let reversed = machine.trace_of(|log| scaled(log, 0, Channel::Force, -1.0));
+    assert_eq!(faults(&reversed), [("x", Some("force"), FaultKind::Sign)].into(), "{}", context(&reversed));
+    assert_named(&reversed, &[]);
+    // The corrected log is that of the sound machine, to the last bit.
+    let sound = machine.trace();
+    let values = |trace: &Trace| trace.axes[0].declared_values.clone();
+    assert_eq!(values(&reversed), values(&sound));
+    assert!(values(&reversed).iter().all(|value| !value.is_beyond_tolerance), "{}", context(&reversed));
+}
+
 /// A scale in inches was "100000 µm/m less far", a reversed one "100 ms late", a command in µm "explained", and a force that
 /// does not change a constant load.
 #[test]

@@ -59,13 +59,14 @@ fn a_wrong_position_gain_is_not_a_feedforward() {
 /// Once: mismatches at the limits of their search, and a Stribeck velocity of exactly 300 mm/s.
 #[test]
 fn the_machine_file_of_another_machine_has_no_effects() {
-    for (seed, other) in [(1, 11), (3, 13)] {
+    for (seed, other) in [(1, 11), (2, 12), (3, 13), (4, 14)] {
         let mut machine = TestMachine::new(seed);
         machine.drawn.declared = TestMachine::new(other).drawn.declared;
         let trace = machine.trace();
         assert_eq!(named(&trace), [], "{}", context(&trace));
         for axis in &trace.axes {
             assert_eq!(verdict::of_axis(axis), Verdict::ModelDoesNotFit, "{}", context(&trace));
+            assert!(axis.is_of_another_machine, "{}", context(&trace));
         }
         assert!(trace.better_machine().axis.values().all(|axis| axis.effect.is_empty()));
     }

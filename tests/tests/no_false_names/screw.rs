@@ -80,16 +80,37 @@ fn a_second_harmonic_and_a_belt_are_waves_with_their_own_periods() {
     assert_eq!(second.effect.values()[1].to_bits(), (0.5 * lead_mm).to_bits());
 }
 
-/// Once one backlash, with most of the residual left.
+/// A belt on 109 and 110 mm of travel, of which it fills less than three waves: once a map, and a slope of 6 µm/m beside it.
+#[test]
+fn a_belt_of_less_than_three_waves_is_a_wave() {
+    let (amplitude_um, belt_mm) = (2.5, 37.0);
+    for seed in [1, 2] {
+        let machine = TestMachine::new(seed);
+        let machine =
+            machine.with_mechanics(1, |y| y.screw_waves = vec![wave_um(amplitude_um, belt_mm, 1.0)]);
+        let trace = machine.trace();
+        assert_named(&trace, &[("y", "pitch_cyclic")]);
+        let belt = found(&trace, 1, "pitch_cyclic");
+        assert_value(belt, "amplitude_um", amplitude_um, 0.01 * amplitude_um);
+        assert_value(belt, "period_mm", belt_mm, 0.01);
+    }
+}
+
+/// Once one backlash, with most of the residual left, or nothing: a constant gap makes the force of one log worse.
 #[test]
 fn a_varying_gap_is_a_backlash_and_a_map_with_a_curve_for_each_direction() {
-    let gaps = [(6.0, 0.5, 200.0), (8.0, 0.6, 180.0)];
+    assert_gaps(2, [(6.0, 0.5, 200.0), (8.0, 0.6, 180.0)]);
+    assert_gaps(1, [(6.0, 0.5, 200.0), (8.0, 0.6, 180.0)]);
+}
+
+/// Asserts that gaps of a width, µm, that vary by a fraction of it with a period, mm, are found on the axes of a machine.
+fn assert_gaps(seed: u64, gaps: [(f64, f64, f64); 2]) {
     let gap = |(_, variation, period_mm): (f64, f64, f64)| Sinusoid {
         amplitude: variation,
         period: 1e-3 * period_mm,
         phase: 1.0,
     };
-    let mut machine = TestMachine::new(2);
+    let mut machine = TestMachine::new(seed);
     for (axis, of_axis) in gaps.into_iter().enumerate() {
         machine = machine.with_mechanics(axis, |mechanics| {
             mechanics.backlash_m = 1e-6 * of_axis.0;

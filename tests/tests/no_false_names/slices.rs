@@ -7,18 +7,37 @@ use model::machine::Machine;
 use tests::cases;
 use trace::trace;
 
+use super::machine::TestMachine;
 use super::reported::assert_named;
 
-/// Length of the slices: that of the one in which a bent guideway of 885 ± 446 µm/m² was named.
+/// Length of the slices of every log.
 const ROWS: usize = 700;
-/// Its first row.
-const NAMED_ROW: usize = 14_482;
+
+/// Log, first row and length of slices in which an effect was named: a bent guideway of 885 ± 446 µm/m², forces along the travel
+/// of −57 ± 36 to −161 ± 22 N/m (on an arc, that of a spring is the force of a mass), an error of the pitch of 0.002 µm.
+const NAMED: [(&str, usize, usize); 6] = [
+    ("fit_circle", 14_482, 700),
+    ("fit_circle", 3_636, 1_500),
+    ("fit_circle", 15_164, 4_000),
+    ("validate_circle", 562, 1_500),
+    ("validate_circle", 6_191, 1_500),
+    ("validate_circle", 9_005, 1_500),
+];
 
 /// Asserts that a slice of a log, with its last quarter held out, shows no effect.
-fn assert_nothing_is_named(machine: &Machine, log: &Log, first_row: usize) {
-    let slice = log.slice(first_row..first_row + ROWS);
+fn assert_nothing_is_named(machine: &Machine, log: &Log, first_row: usize, rows: usize) {
+    let slice = log.slice(first_row..first_row + rows);
     let trace = trace(machine, &[slice], &[], &|_| {}).unwrap();
     assert_named(&trace, &[]);
+}
+
+/// An arc of the second simulator: once −83 ± 26 N/m.
+#[test]
+fn an_arc_has_no_force_along_the_travel() {
+    let machine = TestMachine::new(1);
+    let [fit, _] = machine.logs();
+    let circle = fit.iter().find(|log| log.source == "fit_circle").unwrap();
+    assert_nothing_is_named(&machine.file(), circle, 711, 1_500);
 }
 
 /// The first blind case has no effects.
@@ -34,10 +53,12 @@ fn slices_of_a_log_without_effects_have_none() {
         let log = Log::read(&path).unwrap();
         let spare = log.len() - ROWS;
         for first_row in [spare / 5, 3 * spare / 4] {
-            assert_nothing_is_named(&machine, &log, first_row);
+            assert_nothing_is_named(&machine, &log, first_row, ROWS);
         }
-        if path.ends_with("fit_circle.csv.gz") {
-            assert_nothing_is_named(&machine, &log, NAMED_ROW);
+        for (_, first_row, rows) in
+            NAMED.into_iter().filter(|(name, ..)| path.ends_with(format!("{name}.csv.gz")))
+        {
+            assert_nothing_is_named(&machine, &log, first_row, rows);
         }
     }
 }

@@ -25,3 +25,22 @@ fn a_pitch_error_has_the_period_of_the_true_lead() {
         }
     }
 }
+
+/// Of a resolver with three electrical periods per turn: once an error of the screw, a torque ripple and their harmonics.
+#[test]
+fn an_error_of_the_resolver_has_the_period_of_the_true_lead() {
+    let (amplitude_um, period_mm, declared_mm) = (3.0, 10.0 / 3.0, [16.0, 7.0]);
+    let mut machine = TestMachine::new(1);
+    for (axis, declared_mm) in declared_mm.into_iter().enumerate() {
+        machine = machine.with_declared(axis, "lead_mm", |_| declared_mm);
+        machine.drawn.axes[axis].resolver = wave_um(amplitude_um, period_mm, 0.7);
+    }
+    let trace = machine.trace();
+    assert_named(&trace, &[("x", "resolver_dividing"), ("y", "resolver_dividing")]);
+    for axis in [0, 1] {
+        let wave = found(&trace, axis, "resolver_dividing");
+        assert_value(wave, "amplitude_um", amplitude_um, 0.01 * amplitude_um);
+        // Over 109 mm, the phase changes by 2π·109·0.001/3.33² = 0.06 rad for a period that is wrong by 1 µm.
+        assert_value(wave, "period_mm", period_mm, 1e-3);
+    }
+}

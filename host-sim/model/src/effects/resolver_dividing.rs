@@ -18,18 +18,22 @@ const HIGHEST_ORDER: u32 = 2;
 pub struct ResolverDividing {
     /// Half of the peak-to-peak value.
     pub amplitude_um: f64,
-    /// Lead / pole pairs, divided by a whole number.
+    /// Lead / pole pairs, divided by a whole number, or a period of its own if the declared lead is not that of the screw.
     pub period_mm: f64,
     /// Phase at motor position zero.
     #[serde(default)]
     pub phase_rad: f64,
+    /// The range in which a fit changes the period, mm; `None`: the period is known. Not in files: a period that was found
+    /// is kept.
+    #[serde(skip)]
+    pub fitted_period_mm: Option<[f64; 2]>,
 }
 
 impl ResolverDividing {
     /// Reading − true motor position, at the true motor position.
     #[must_use]
     pub const fn error(&self) -> PeriodicError {
-        let Self { amplitude_um, period_mm, phase_rad } = *self;
+        let Self { amplitude_um, period_mm, phase_rad, .. } = *self;
         PeriodicError { amplitude_um, period_mm, phase_rad }
     }
 }
@@ -40,7 +44,7 @@ impl EffectModel for ResolverDividing {
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(3);
 
-    harmonic_effect!(amplitude_um, Unit::Micrometre, step 0.1, limit 1e3);
+    harmonic_effect!(amplitude_um, Unit::Micrometre, step 0.1, limit 1e3, period fitted_period_mm);
 
     fn prerequisite(axis: &Settings, _neighbours: Neighbours) -> Prerequisite {
         let poles = axis.sensors.resolver_pole_pairs.is_some();
@@ -55,12 +59,19 @@ impl EffectModel for ResolverDividing {
         let lead = context.axis.mechanics.lead_mm.filter(|_| context.has(Stage::Table));
         let electrical_mm = lead.zip(context.axis.sensors.resolver_pole_pairs);
         let electrical_mm = electrical_mm.map(|(lead_mm, pole_pairs)| lead_mm / f64::from(pole_pairs));
-        let guess = |period_mm| Self { amplitude_um: 0.0, period_mm, phase_rad: 0.0 };
-        let orders = |mm: f64| {
-            let guesses = harmonic::guesses(context, WaveOf::Table, Some(mm), HIGHEST_ORDER).into_iter();
-            guesses.filter(|guess| guess.fitted_period_mm.is_none()).map(|guess| guess.period_mm)
+        let guess = |guess: harmonic::HarmonicGuess| Self {
+            amplitude_um: guess.amplitude,
+            period_mm: guess.period_mm,
+            phase_rad: guess.phase_rad,
+            fitted_period_mm: guess.fitted_period_mm,
         };
-        electrical_mm.into_iter().flat_map(orders).map(guess).collect()
+        // A resolver has at least one electrical period per turn; a longer wave is not its.
+        let is_possible =
+            |guess: &harmonic::HarmonicGuess| lead.is_some_and(|lead_mm| guess.period_mm <= lead_mm);
+        let guesses = |mm: f64| {
+            harmonic::guesses(context, WaveOf::Table, Some(mm), HIGHEST_ORDER).into_iter().filter(is_possible)
+        };
+        electrical_mm.into_iter().flat_map(guesses).map(guess).collect()
     }
 
     fn sentence(&self, wording: &Wording) -> String {
@@ -74,6 +85,6 @@ impl EffectModel for ResolverDividing {
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {
         let pole_pairs = draw.axis.sensors.resolver_pole_pairs.unwrap_or(1);
         let (period_mm, phase_rad) = (draw.lead_mm() / f64::from(pole_pairs), draw.phase_rad);
-        Some(Self { amplitude_um: draw.between(1.5, 4.0), period_mm, phase_rad })
+        Some(Self { amplitude_um: draw.between(1.5, 4.0), period_mm, phase_rad, fitted_period_mm: None })
     }
 }

@@ -41,7 +41,7 @@ pub fn correct(values: &mut [f64], factor: f64, place: &Place<'_>, findings: &mu
     true
 }
 
-/// Reports and converts forces in kN or mN.
+/// Reports and converts forces in kN or mN, and forces with the wrong sign.
 pub fn correct_forces(
     machine: &Machine,
     log: &mut Cow<'_, Log>,
@@ -54,11 +54,20 @@ pub fn correct_forces(
         else {
             continue;
         };
-        let fits = |unit: &f64| (1.0 / FORCE_TOLERANCE..FORCE_TOLERANCE).contains(&(factor / unit));
-        let Some(unit) = FORCE_UNITS.into_iter().find(fits) else { continue };
+        let fits = |unit: &f64| (1.0 / FORCE_TOLERANCE..FORCE_TOLERANCE).contains(&(factor.abs() / unit));
+        let unit = FORCE_UNITS.into_iter().find(fits);
         let place = Place { log, axis, channel: Channel::Force };
-        findings.faults.push(place.fault(FaultKind::Unit, Some(unit), Treatment::Corrected));
-        log.to_mut().axes[axis].force.iter_mut().flatten().for_each(|force| *force /= unit);
+        let is_reversed = factor < 0.0;
+        if is_reversed {
+            findings.faults.push(place.fault(FaultKind::Sign, None, Treatment::Corrected));
+        }
+        if let Some(unit) = unit {
+            findings.faults.push(place.fault(FaultKind::Unit, Some(unit), Treatment::Corrected));
+        }
+        if is_reversed || unit.is_some() {
+            let divisor = unit.unwrap_or(1.0).copysign(factor);
+            log.to_mut().axes[axis].force.iter_mut().flatten().for_each(|force| *force /= divisor);
+        }
     }
 }
 
@@ -84,14 +93,16 @@ fn force_factor(declared: &Axis, axis: &AxisLog, sample_s: f64, options: &Sample
     };
     let required: Vec<f64> =
         motion.velocity.iter().zip(&motion.acceleration).map(|(v, a)| mass * a + friction(*v)).collect();
-    let [logged, required] = [force, &required].map(|values| {
+    let [logged, required, velocity] = [force, &required, &motion.velocity].map(|values| {
         let mean = numerics::mean(values.iter().copied());
         values.iter().map(|value| value - mean).collect::<Vec<f64>>()
     });
     let product = |a: &[f64], b: &[f64]| a.iter().zip(b).map(|(a, b)| a * b).sum::<f64>();
     let (cross, own) = (product(&logged, &required), product(&required, &required));
     let correlation = cross * cross / (own * product(&logged, &logged));
-    (correlation > MIN_CORRELATION && cross > 0.0).then(|| cross / own)
+    // Over a motion the drive supplies the work of friction; a spring alone takes as much as it gives.
+    let has_sign_of_work = cross * product(&logged, &velocity) > 0.0;
+    (correlation > MIN_CORRELATION && (cross > 0.0 || has_sign_of_work)).then(|| cross / own)
 }
 
 #[cfg(test)]
@@ -124,6 +135,18 @@ mod tests {
         }
         let (findings, forces) = corrected(1e-3);
         assert_eq!(findings.faults[0].size, Some(1e-3));
+        assert!(forces.iter().zip(&newtons).all(|(a, b)| (a - b).abs() < 1e-9));
+    }
+
+    /// The force of the drive accelerates the masses in its own direction.
+    #[test]
+    fn a_force_against_the_acceleration_is_reversed() {
+        let newtons = corrected(1.0).1;
+        let (findings, forces) = corrected(-1.0);
+        assert_eq!(findings.faults.iter().map(|fault| fault.kind).collect::<Vec<_>>(), [FaultKind::Sign]);
+        assert!(forces.iter().zip(&newtons).all(|(a, b)| (a - b).abs() < 1e-9));
+        let (findings, forces) = corrected(-1e-3);
+        assert_eq!(findings.faults.len(), 2);
         assert!(forces.iter().zip(&newtons).all(|(a, b)| (a - b).abs() < 1e-9));
     }
 }

@@ -31,7 +31,7 @@ pub struct AxisModel {
     /// Keys whose values are bounded by their tolerance.
     within_tolerance: Vec<&'static str>,
     /// Value of the mass that [`Mechanics::MotorMass`] fits, from the fit to table and force.
-    pinned_mass_kg: Option<f64>,
+    pinned_mass_kg: Option<[f64; 2]>,
 }
 
 /// A free parameter of a fit.
@@ -62,14 +62,15 @@ impl AxisModel {
         }
     }
 
-    /// After a fit of all mechanics to a force, pins the mass to its fitted value: the motor stage may change it by 1 % only.
-    /// Without a force, the motor stage determines the mass.
-    pub fn pin_mass(&mut self, scope: &Scope) {
+    /// After a fit of all mechanics to a force, pins the mass to its fitted value: the motor stage may change it by 1 % only,
+    /// or by the half width of its interval if the force determines it less well; an error of the mass would otherwise be an
+    /// error of the controller's gain. Without a force, the motor stage determines the mass.
+    pub fn pin_mass(&mut self, scope: &Scope, half_width_kg: f64) {
         if scope.mechanics == Mechanics::All && scope.stages.contains(&Stage::Force) {
             let mass_alone = Scope { stages: Vec::new(), mechanics: Mechanics::MotorMass };
             let mass =
                 self.adjustable(&mass_alone).next().and_then(|(key, _)| (key.get)(&self.axis.settings));
-            self.pinned_mass_kg = mass;
+            self.pinned_mass_kg = mass.map(|mass_kg| [mass_kg, half_width_kg]);
         }
     }
 
@@ -148,6 +149,12 @@ impl AxisModel {
     #[must_use]
     pub fn without_bounds(&self) -> Self {
         Self { within_tolerance: Vec::new(), ..self.clone() }
+    }
+
+    /// Whether declared values are bounded by their tolerance, see [`AxisModel::within_tolerance`].
+    #[must_use]
+    pub fn has_bounds(&self) -> bool {
+        !self.within_tolerance.is_empty()
     }
 
     /// Whether a declared value is outside its tolerance.
@@ -276,16 +283,14 @@ impl AxisModel {
         parameters
     }
 
-    /// A declared value as a free parameter within its range; a pinned mass within 1 % of all masses.
+    /// A declared value as a free parameter within its range; a pinned mass within 1 % of all masses or its half width.
     fn declared_value(&self, key: &Tolerated, centre: f64, mechanics: Mechanics) -> FreeParameter {
         let value = (key.get)(&self.axis.settings).unwrap_or(centre);
         let range = self.range(key, centre);
         let coordinate = Coordinate::signed(value, 0.01 * centre, f64::INFINITY);
         let mut parameter = self.tolerated(coordinate, centre, range);
-        if let (Mechanics::MotorMass, Some(pinned_kg)) = (mechanics, self.pinned_mass_kg) {
-            let mechanics = &self.nominal.settings.mechanics;
-            let masses = [mechanics.motor_mass_kg, mechanics.table_mass_kg];
-            let trim = self.options.mass_trim * masses.into_iter().flatten().sum::<f64>();
+        if let (Mechanics::MotorMass, Some([pinned_kg, half_width_kg])) = (mechanics, self.pinned_mass_kg) {
+            let trim = half_width_kg.max(self.options.mass_trim * self.nominal_mass_kg());
             let Coordinate { lower, upper, .. } = parameter.coordinate;
             parameter.coordinate.lower = lower.max(pinned_kg - trim);
             parameter.coordinate.upper = upper.min(pinned_kg + trim);
@@ -332,6 +337,13 @@ impl AxisModel {
     #[must_use]
     pub fn tolerance(&self) -> f64 {
         0.01 * self.declared.settings.mechanics.plant_tolerance_percent.unwrap_or(0.0)
+    }
+
+    /// Sum of the nominal masses.
+    #[must_use]
+    pub fn nominal_mass_kg(&self) -> f64 {
+        let mechanics = &self.nominal.settings.mechanics;
+        [mechanics.motor_mass_kg, mechanics.table_mass_kg].into_iter().flatten().sum()
     }
 
     /// Declared keys that a scope fits, with their nominal values. The first is the mass of the motor or, if a rigid axis

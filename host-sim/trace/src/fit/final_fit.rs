@@ -121,7 +121,7 @@ pub fn kept(
     let size = total_log_rms(data, written, &bias, scopes);
     let size_of_fitted = total_log_rms(data, fitted, &bias_of_fitted, scopes);
     let mut model = written.clone();
-    model.pin_mass(driven);
+    model.pin_mass(driven, 0.0);
     (size_of_fitted > size - data.options.model.min_gain_of_refit).then_some((model, bias))
 }
 

@@ -11,6 +11,7 @@ use super::least_squares::Fitted;
 use super::normal_equations::normal;
 use crate::options::SearchOptions;
 use model::effects::{Coordinate, Effect};
+use model::range;
 
 /// Covariance of the free parameters of a fit, estimated from the blocks of the logs.
 #[derive(Clone, Debug)]
@@ -117,8 +118,16 @@ impl Covariance {
     /// Half width of the 95 % confidence interval of a free parameter, by Student's t.
     #[must_use]
     pub fn half_width(&self, index: usize) -> f64 {
-        let random = student_t_975(self.degrees_of_freedom) * self.matrix[(index, index)].max(0.0).sqrt();
-        random.hypot(self.bias_shift[index])
+        self.half_width_of_sum(&[index])
+    }
+
+    /// The same of the sum of free parameters.
+    #[must_use]
+    pub fn half_width_of_sum(&self, indices: &[usize]) -> f64 {
+        let variance: f64 =
+            indices.iter().flat_map(|&i| indices.iter().map(move |&j| self.matrix[(i, j)])).sum();
+        let shift: f64 = indices.iter().map(|&i| self.bias_shift[i]).sum();
+        (student_t_975(self.degrees_of_freedom) * variance.max(0.0).sqrt()).hypot(shift)
     }
 }
 
@@ -157,6 +166,21 @@ pub fn may_be_zero(effect: &Effect, half_widths: &[f64], options: &SearchOptions
     half_widths.first().is_some_and(|half_width| size.abs() < options.min_size * half_width)
 }
 
+/// Whether an effect has parameters besides its size that are positive, such as a time constant or a speed, and the logs
+/// determine none of those that were fitted: each interval contains zero. As the shape of the effect is unknown, so is
+/// its cause.
+#[must_use]
+pub fn has_unknown_shape(effect: &Effect, half_widths: &[f64]) -> bool {
+    let (values, declared) = (effect.values(), effect.declared_parameters());
+    let parameters = declared.iter().zip(&values).zip(half_widths).skip(1);
+    let mut fitted = parameters
+        .filter(|((parameter, _), half_width)| {
+            parameter.range == range::Range::Positive && **half_width > 0.0
+        })
+        .peekable();
+    fitted.peek().is_some() && fitted.all(|((_, value), half_width)| *half_width >= value.abs())
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -164,7 +188,7 @@ mod tests {
     use crate::fit::fit_data::ResidualSeries;
     use crate::fit::normal_equations::{BLOCKS, Block};
     use crate::options::{ModelOptions, TraceOptions};
-    use model::effects::{ServoMismatch, Stage};
+    use model::effects::{ForceWindup, FrictionWarmUp, ServoMismatch, Stage};
     use model::machine::Axis;
     use shared::config::Rates;
     use std::sync::Arc;
@@ -223,6 +247,25 @@ mod tests {
         fitted.parameters[0].prior = Some((0.0, 0.1));
         let half = half_width(&fitted, &[]);
         assert!((half * f64::sqrt(123.0) / 2.074 - 1.0).abs() < 5e-4, "{half}");
+    }
+
+    #[test]
+    fn an_effect_has_no_shape_if_its_interval_contains_a_time_constant_of_zero() {
+        let warm_up = |half_width: f64| {
+            let effect = Effect::FrictionWarmUp(FrictionWarmUp { force_n: 1.6, time_constant_s: 3234.0 });
+            has_unknown_shape(&effect, &[0.7, half_width])
+        };
+        assert!(warm_up(9410.0) && warm_up(3234.0) && !warm_up(3233.0));
+        // A time constant that is not fitted, and effects whose only parameter is their size.
+        assert!(!warm_up(0.0));
+        let gain = Effect::ServoMismatch(ServoMismatch { percent: 10.0 });
+        assert!(!has_unknown_shape(&gain, &[100.0]));
+        // Of stiffness, friction and presliding distance, one is determined.
+        let windup = ForceWindup { stiffness_n_per_um: 1.0, friction_n: 2.0, presliding_mm: Some(0.1) };
+        let windup = Effect::ForceWindup(windup);
+        assert!(
+            has_unknown_shape(&windup, &[0.1, 0.2, 0.2]) && !has_unknown_shape(&windup, &[0.1, 0.2, 0.05])
+        );
     }
 
     /// Ten samples of slope 2, weight 3 and error 0.5: the shift is 9·10·2·0.5/23 = 3.913, which is the half width, beside

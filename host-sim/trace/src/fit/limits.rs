@@ -94,7 +94,8 @@ mod tests {
     #[test]
     fn a_size_of_zero_and_a_bound_of_one_step_are_not_limits() {
         assert_eq!(reported(&Effect::Backlash(Backlash { width_um: 0.0 })), None);
-        let harmonic = ResolverDividing { amplitude_um: 0.0, period_mm: 5.0, phase_rad: 0.0 };
+        let harmonic =
+            ResolverDividing { amplitude_um: 0.0, period_mm: 5.0, phase_rad: 0.0, fitted_period_mm: None };
         assert_eq!(reported(&Effect::ResolverDividing(harmonic)), None);
         let presliding = Presliding { stiffness_n_per_um: 1e9, damping_n_s_per_m: 0.0 };
         assert_eq!(reported(&Effect::Presliding(presliding)), None);

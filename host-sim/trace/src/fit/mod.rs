@@ -21,5 +21,6 @@ pub mod scope;
 pub mod scope_fit;
 pub mod testable_scopes;
 pub mod tool_bias;
+pub mod total_mass;
 pub mod trim;
 pub mod upstream;

@@ -5,6 +5,7 @@ use super::exclusion::Exclusion;
 use super::fit_data::FitData;
 use super::least_squares::{self, Fitted};
 use super::scope::{Mechanics, Scope};
+use super::total_mass;
 use crate::stages::stage_names;
 use model::effects::Stage;
 
@@ -40,8 +41,7 @@ pub fn fit_again(
         let is_own = fit.fitted_scope.stages == fit.scope.stages;
         let known = if is_own { &fit.fitted.columns[..] } else { &[] };
         fit.fitted = least_squares::fit_from(&data, &model, &fit.scope, least_squares::STEPS, known);
-        model = fit.fitted.model.clone();
-        model.pin_mass(&fit.scope);
+        model = total_mass::pinned(&data, &fit.fitted, [&fit.scope; 2]);
     }
     fit_jointly(data, &mut model, &mut fits, scopes, progress);
     (model, fits)

@@ -197,6 +197,7 @@ mod tests {
             amplitude_um: 3.0,
             period_mm: 5.0,
             phase_rad: 0.3,
+            fitted_period_mm: None,
         })));
     }
 

@@ -5,10 +5,12 @@ use rayon::prelude::*;
 
 use super::held_out::{Comparison, Score, compare, scores};
 use super::slope_of_map::with_slope_of_map;
+use super::varying_gap::with_map_of_gap;
+use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::{self, Fitted, derivatives};
 use crate::fit::limits::{self, ParameterAtLimit};
-use crate::fit::normal_equations::{FOLDS, blocks, normal, stepped};
+use crate::fit::normal_equations::{Column, FOLDS, blocks, normal, stepped};
 use crate::fit::scope::Scope;
 use crate::options::SearchOptions;
 use model::effects::Effect;
@@ -55,8 +57,11 @@ impl Candidate {
     }
 
     fn helps(&self, options: &SearchOptions, min_t: f64) -> bool {
-        let is_better =
-            |c: &Comparison| c.reduction >= options.min_reduction && c.t >= min_t && c.folds_better == FOLDS;
+        let is_better = |c: &Comparison| {
+            c.reduction.min(c.fitted_reduction) >= options.min_reduction
+                && c.t >= min_t
+                && c.folds_better == FOLDS
+        };
         let loss = |c: &Comparison| 0.5 * (1.0 - c.worst_log.min(0.0)).ln();
         let tolerable = options.tolerable_loss(self.gain);
         self.exceeds_tolerance
@@ -147,7 +152,8 @@ fn keep_best_guess(sorted: &mut Vec<Candidate>) {
     });
 }
 
-/// Fits a candidate with all other parameters free, and compares it on held-out data.
+/// Fits a candidate with all other parameters free, and compares it on held-out data. A backlash that is not supported is
+/// tried again with a map of its variation, which then is the candidate.
 fn try_out(
     data: &FitData<'_>,
     origin: &Fitted,
@@ -155,15 +161,42 @@ fn try_out(
     candidate: &mut Candidate,
     held_out: &[Score],
 ) {
+    let fit = |start: &AxisModel, columns: &[Column]| {
+        judged(
+            data,
+            &origin.model,
+            scope,
+            held_out,
+            least_squares::fit_from(data, start, scope, STEPS, columns),
+        )
+    };
     let start = with_slope_of_map(&origin.model, candidate.effect.clone());
-    let fitted = least_squares::fit_from(data, &start, scope, STEPS, &origin.columns);
-    candidate.comparison = compare(held_out, &scores(&fitted), &scope.stages, &data.options.search);
-    candidate.gain = candidate.comparison.iter().map(|c| c.gain).sum();
-    if let Some(effect) = fitted.model.axis.effect.last() {
-        candidate.effect = effect.clone();
+    *candidate = fit(&start, &origin.columns).unwrap_or_else(|| candidate.clone());
+    let options = &data.options.search;
+    if candidate.is_supported(options) || candidate.gain < options.min_gain() {
+        return;
     }
-    candidate.exceeds_tolerance =
-        candidate.effect.exceeds_tolerance(&origin.model.nominal().settings, data.rates);
-    candidate.limit = limits::of(&candidate.effect, data.rates);
-    candidate.fitted = Some(fitted);
+    let varying = candidate
+        .fitted
+        .as_ref()
+        .and_then(|fitted| fit(&with_map_of_gap(data, fitted, &candidate.effect)?, &fitted.columns));
+    if let Some(varying) = varying.filter(|varying| varying.is_supported(options)) {
+        *candidate = varying;
+    }
+}
+
+/// The effect that was added last, with its fit and its comparison on held-out data.
+fn judged(
+    data: &FitData<'_>,
+    origin: &AxisModel,
+    scope: &Scope,
+    held_out: &[Score],
+    fitted: Fitted,
+) -> Option<Candidate> {
+    let effect = fitted.model.axis.effect.last()?.clone();
+    let comparison = compare(held_out, &scores(&fitted), &scope.stages, &data.options.search);
+    let gain = comparison.iter().map(|c| c.gain).sum();
+    let exceeds_tolerance = effect.exceeds_tolerance(&origin.nominal().settings, data.rates);
+    let limit = limits::of(&effect, data.rates);
+    Some(Candidate { effect, comparison, gain, fitted: Some(fitted), exceeds_tolerance, limit })
 }

@@ -6,6 +6,7 @@ use super::candidates::{Candidate, Reference, rank};
 use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
 use super::map_refinement::with_finer_map;
+use super::mass_check::takes_place_of_mass;
 use super::residual_shape::shape;
 use super::round::Round;
 use super::slope_of_map::is_slope_of_map;
@@ -13,7 +14,7 @@ use crate::analysis::residual_analysis::unexplained;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::{ExcludedPart, Exclusion};
 use crate::fit::fit_data::{FitData, ResidualSeries};
-use crate::fit::intervals::{covariance, half_widths, may_be_zero};
+use crate::fit::intervals::{covariance, half_widths, has_unknown_shape, may_be_zero};
 use crate::fit::least_squares::{self, Fitted};
 use crate::fit::model_bias::{self, first_fit};
 use crate::fit::scope::{Mechanics, Scope};
@@ -160,11 +161,10 @@ impl EffectSearch<'_> {
     fn round(&mut self, data: &FitData<'_>, reference: Reference<'_>, scope: &Scope) -> Option<Fitted> {
         let name = data.name();
         (self.progress)(&format!("{name}: trying the catalogue on {}", stage_names(&scope.stages)));
-        let model = &reference.base.model;
         let mut initial_guesses = missing_effects(data, reference.base, scope);
         initial_guesses.retain(|effect| !self.dropped.iter().any(|dropped| dropped.is_same(effect)));
         let mut candidates = rank(data, reference, scope, initial_guesses);
-        let best = self.best(data, model, &mut candidates, scope);
+        let best = self.best(data, reference.base, &mut candidates, scope);
         let added = best.as_ref().map(|(index, _)| *index);
         let ambiguities = added.map_or_else(Vec::new, |added| rivals(data, &candidates, added, scope));
         if let Some(added) = added {
@@ -179,7 +179,7 @@ impl EffectSearch<'_> {
     fn best(
         &self,
         data: &FitData<'_>,
-        base: &AxisModel,
+        base: &Fitted,
         candidates: &mut [Candidate],
         scope: &Scope,
     ) -> Option<(usize, Fitted)> {
@@ -189,7 +189,7 @@ impl EffectSearch<'_> {
             candidates.iter().any(|candidate| candidate.limit.is_some() && stands_out(candidate));
         let mut is_limited = false;
         for (index, candidate) in candidates.iter_mut().enumerate() {
-            if !check.supports(base, candidate) {
+            if !check.supports(&base.model, candidate) {
                 is_limited |= candidate.limit.is_some() && stands_out(candidate);
                 continue;
             }
@@ -202,6 +202,7 @@ impl EffectSearch<'_> {
             // the same deviation. Settings of one controller compensate each other.
             let is_substitute = is_limited && scope.stages == [Stage::Motor]
                 || is_any_limited && is_gross(data, &fitted, scope);
+            let is_substitute = is_substitute || takes_place_of_mass(data, base, &fitted, scope);
             if candidate.limit.is_none() && !is_substitute {
                 return Some((index, fitted));
             }
@@ -225,13 +226,15 @@ impl EffectSearch<'_> {
         })
     }
 
-    /// Drops effects whose size is too uncertain, see [`may_be_zero`].
+    /// Drops effects whose size or shape is too uncertain, see [`may_be_zero`] and [`has_unknown_shape`].
     fn drop_uncertain(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         dropping(full, scope, |full, index| {
             let effect = &full.model.found()[index];
             let half = half_widths(effect, &covariance(data, full), full.model.indices_of(scope, index));
-            may_be_zero(effect, &half, &data.options.search).then(|| {
-                (self.progress)(&format!("{}: {} may be zero", data.name(), effect.name()));
+            let is_uncertain =
+                may_be_zero(effect, &half, &data.options.search) || has_unknown_shape(effect, &half);
+            is_uncertain.then(|| {
+                (self.progress)(&format!("{}: {} is too uncertain", data.name(), effect.name()));
                 least_squares::fit_without(data, full, scope, index)
             })
         })

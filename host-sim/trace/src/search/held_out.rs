@@ -21,6 +21,8 @@ pub struct Score {
     pub fold: usize,
     /// Σr².
     pub squares: f64,
+    /// Σr² of the fit with this fold.
+    pub fitted_squares: f64,
     /// Number of samples that count.
     pub samples: usize,
 }
@@ -51,6 +53,7 @@ pub fn scores(fitted: &Fitted) -> Vec<Score> {
                 log: block.log,
                 fold: block.fold(),
                 squares: squares.max(0.0) / (block.weight * block.weight),
+                fitted_squares: block.squares / (block.weight * block.weight),
                 samples: block.samples,
             }
         })
@@ -65,6 +68,9 @@ pub struct Comparison {
     pub stage: Stage,
     /// Fraction of Σr² that the second model removes; negative if Σr² increases.
     pub reduction: f64,
+    /// The same of the fitted data. If the fit without a fold determines its parameters poorly, its error on this fold is
+    /// far above the noise, and any change of the model reduces it. The fit with all folds then shows no such reduction.
+    pub fitted_reduction: f64,
     /// Mean gain in log-likelihood over the blocks, each with its own noise, divided by its standard error.
     ///
     /// Logarithms are used because an effect may change a few blocks a hundred times as much as the others, which would make
@@ -95,6 +101,7 @@ pub fn compare(
 struct OfLog {
     before: f64,
     after: f64,
+    fitted: [f64; 2],
     samples: usize,
 }
 
@@ -107,6 +114,8 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage, options: &Sear
         let log = &mut logs[a.log];
         log.before += a.squares;
         log.after += b.squares;
+        log.fitted[0] += a.fitted_squares;
+        log.fitted[1] += b.fitted_squares;
         log.samples += a.samples;
     }
     let total = pairs.iter().map(|(a, _)| a.samples).sum::<usize>().max(1) as f64;
@@ -131,9 +140,14 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage, options: &Sear
         let ratio = log.before.max(f64::MIN_POSITIVE) / log.after.max(f64::MIN_POSITIVE);
         0.5 * ratio.ln() * log.samples as f64 / total
     };
+    let fitted_reduction = |log: &OfLog| {
+        let [before, after] = log.fitted;
+        (1.0 - after / before.max(f64::MIN_POSITIVE)) * log.samples as f64 / total
+    };
     Comparison {
         stage,
         reduction: reductions.iter().sum(),
+        fitted_reduction: used().map(fitted_reduction).sum(),
         t: mean / (variance / n).sqrt().max(f64::MIN_POSITIVE),
         folds_better: (0..FOLDS).filter(|&fold| in_fold(fold).sum::<f64>() > 0.0).count(),
         worst_log: numerics::min(used().map(|l| 1.0 - l.after / l.before.max(f64::MIN_POSITIVE))).min(1.0),

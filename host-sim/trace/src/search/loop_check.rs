@@ -68,7 +68,7 @@ impl LoopCheck<'_> {
             return self.data.residuals(model, servo);
         }
         let mut model = model.with(Effect::VelocityLag(VelocityLag::default()));
-        model.pin_mass(self.scope);
+        model.pin_mass(self.scope, 0.0);
         self.data.residuals(&least_squares::fit(self.data, &model, servo, STEPS).model, servo)
     }
 }

@@ -10,7 +10,7 @@ use model::effects::{ResidualWave, WaveOf};
 const SHORTEST_MM: f64 = 0.5;
 
 /// Number of periods over the travel of the longest wave: one that is longer is a shape, not a harmonic.
-const MIN_WAVES: f64 = 3.0;
+const MIN_WAVES: f64 = 2.0;
 
 /// Frequencies per width 1/travel of a peak.
 const OVERSAMPLING: f64 = 5.0;

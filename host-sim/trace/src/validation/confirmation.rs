@@ -5,7 +5,7 @@ use super::found_effect::FoundEffect;
 use super::likelihood::refuting_loss;
 use super::refutation;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
-use crate::fit::intervals::may_be_zero;
+use crate::fit::intervals::{has_unknown_shape, may_be_zero};
 use crate::fit::least_squares;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::Scope;
@@ -52,14 +52,16 @@ pub fn confirm(
         }
         let options = &fit_data.options.search;
         let nominal = &axis.model.nominal().settings;
-        let is_small = |&index: &usize| {
+        let is_not_shown = |&index: &usize| {
             let effect = &axis.model.found()[index];
-            may_be_zero(effect, &axis.half_widths(fit_data, index), options)
+            let half_widths = axis.half_widths(fit_data, index);
+            may_be_zero(effect, &half_widths, options)
+                || has_unknown_shape(effect, &half_widths)
                 || !effect.exceeds_tolerance(nominal, fit_data.rates)
         };
-        if let Some(index) = (0..axis.model.found().len()).find(is_small) {
+        if let Some(index) = (0..axis.model.found().len()).find(is_not_shown) {
             progress(&format!(
-                "{name}: {} may be zero or within tolerance",
+                "{name}: {} is too uncertain or within tolerance",
                 axis.model.found()[index].name()
             ));
             axis = axis.without(fit_data, index);

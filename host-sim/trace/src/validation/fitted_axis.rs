@@ -5,6 +5,7 @@ use crate::fit::fit_data::FitData;
 use crate::fit::intervals::{covariance, half_widths};
 use crate::fit::least_squares;
 use crate::fit::scope_fit::ScopeFit;
+use crate::fit::total_mass;
 use crate::fit::upstream::covariance_after;
 
 /// A model of an axis with the fits that led to it.
@@ -51,8 +52,7 @@ impl FittedAxis {
             let known = fitted.columns_without(&self.model, fitted_scope, index);
             let data = FitData { exclusions, ..*data };
             let fitted = least_squares::fit_from(&data, &model, fitted_scope, least_squares::STEPS, &known);
-            model = fitted.model.clone();
-            model.pin_mass(scope);
+            model = total_mass::pinned(&data, &fitted, [scope, fitted_scope]);
             fits[i].fitted = fitted;
             first_refitted = Some(i);
         }

@@ -1,9 +1,12 @@
 //! Machine files of another machine.
 //!
 //! If the masses, stiffness or friction of a file are far from those of the machine, each effect that compensates a part of
-//! the difference reduces the residuals, and none of them is real. The signs are residuals of the declared
-//! model above the noise in most stages that depend on the mechanics, and several declared values that the fit with
-//! effects has moved to the end of their range.
+//! the difference reduces the residuals, and none of them is real. There are two signs:
+//!
+//! - residuals of the declared model above the noise in most stages that depend on the mechanics, and several declared values
+//!   that the fit with effects has moved to the end of their range;
+//! - a stage that depends on the mechanics and that the model does not describe even with effects, and several parameters that
+//!   contradict the file: at the end of their range, or outside their tolerance.
 
 use super::declared_value::DeclaredValue;
 use crate::fit::axis_model::AxisModel;
@@ -17,16 +20,40 @@ const MIN_AT_BOUNDS: usize = 2;
 /// noise. With the values at the end of their range, the model is as near to the logs as it can come.
 const MIN_RESIDUAL: f64 = 0.05;
 
-/// Whether a machine file is that of another machine: by its model without effects, and its values as fitted with effects.
+/// Number of parameters that contradict a file, of which at least one is at the end of its range, from which they are a sign
+/// beside a stage that the model does not describe. Up to two declared values of a machine may well be outside their tolerance.
+const MIN_CONTRADICTIONS: usize = 3;
+
+/// What the fit to an axis says about its machine file.
+#[derive(Clone, Copy, Debug)]
+pub struct Evidence<'a> {
+    /// The declared model, fitted, and the model with effects.
+    pub models: [&'a AxisModel; 2],
+    /// The declared values as fitted with effects.
+    pub values: &'a [DeclaredValue],
+    /// Number of effects that were refused at the end of their range.
+    pub refused: usize,
+}
+
+/// Whether a machine file is that of another machine.
 #[must_use]
-pub fn is_of_another_machine(
-    data: &FitData<'_>,
-    model: &AxisModel,
-    values: &[DeclaredValue],
-    scopes: &[Scope],
-) -> bool {
+pub fn is_of_another_machine(data: &FitData<'_>, evidence: Evidence<'_>, scopes: &[Scope]) -> bool {
+    let Evidence { models: [declared, with_effects], values, refused } = evidence;
     let at_bounds = values.iter().filter(|value| value.is_undetermined()).count();
-    at_bounds >= MIN_AT_BOUNDS && leaves_gross_residuals(data, model, scopes)
+    if at_bounds >= MIN_AT_BOUNDS && leaves_gross_residuals(data, declared, scopes) {
+        return true;
+    }
+    let at_end = at_bounds + refused;
+    let beyond = values.iter().filter(|value| value.is_beyond_tolerance).count();
+    at_end > 0 && at_end + beyond >= MIN_CONTRADICTIONS && is_undescribed(data, with_effects, scopes)
+}
+
+/// Whether a model does not describe a stage that depends on the mechanics.
+fn is_undescribed(data: &FitData<'_>, model: &AxisModel, scopes: &[Scope]) -> bool {
+    scopes.iter().filter(|scope| scope.mechanics != Mechanics::None).any(|scope| {
+        let residuals = data.residuals(model, scope);
+        scope.stages.iter().any(|&stage| data.rms(&residuals, stage) > data.max_described(model, stage))
+    })
 }
 
 /// Whether a model fails to describe most of the stages that depend on the mechanics, and at least two if there are two.

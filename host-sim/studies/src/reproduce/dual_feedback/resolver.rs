@@ -38,7 +38,7 @@ fn turn_mm() -> f64 {
 
 /// The dividing error as an effect of the model.
 fn dividing() -> ResolverDividing {
-    ResolverDividing { amplitude_um: ERROR_UM, period_mm: turn_mm(), phase_rad: 0.0 }
+    ResolverDividing { amplitude_um: ERROR_UM, period_mm: turn_mm(), phase_rad: 0.0, fitted_period_mm: None }
 }
 
 /// Sampled phase of the resolver at a motor position, m; `None` if the signal is lost.
