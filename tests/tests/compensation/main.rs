@@ -5,6 +5,7 @@ mod force;
 mod geometry;
 mod runs;
 mod servo;
+mod theory;
 
 /// One test per effect, under its name, and the list of these names.
 macro_rules! tested {
