@@ -1,9 +1,12 @@
 //! Each effect of the catalogue: its item of a compensation on a simulated machine, or why there is none.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod document;
 mod force;
 mod geometry;
+mod listed;
 mod runs;
+mod sensors;
 mod servo;
 mod theory;
 
