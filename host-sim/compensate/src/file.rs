@@ -73,7 +73,9 @@ impl CompensationFile {
             let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
             let problem = match error.message() {
                 message if message.starts_with("invalid length") => {
-                    format!("expected tables of at most {POINTS} values and at most {CYCLES} periods: {message}")
+                    format!(
+                        "expected tables of at most {POINTS} values and at most {CYCLES} periods: {message}"
+                    )
                 }
                 message => message.to_owned(),
             };
@@ -82,11 +84,13 @@ impl CompensationFile {
         let deserializer = toml::Deserializer::parse(text).map_err(|error| at(&error))?;
         let mut unknown = None;
         let file: Self = serde_ignored::deserialize(deserializer, |path| {
-            unknown.get_or_insert(path.to_string());
+            // A value that may be absent is a level of its own, "?".
+            unknown.get_or_insert(path.to_string().replace(".?", ""));
         })
         .map_err(|error| at(&error))?;
         if let Some(key) = unknown {
-            let problem = "expected a key of a compensation file (docs/compensation.md), found an unknown one";
+            let problem =
+                "expected a key of a compensation file (docs/compensation.md), found an unknown one";
             return Err(InputError::new(source, problem).at_key(&key));
         }
         if file.machine != machine.name {

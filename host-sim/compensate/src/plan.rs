@@ -348,7 +348,10 @@ impl Planning<'_> {
             let (why, instead) = if idle.contains(part) {
                 NO_SETTING
             } else {
-                ("the simulated contour error is smaller without it", "measure with motions that show it more")
+                (
+                    "the simulated contour error is smaller without it",
+                    "measure with motions that show it more",
+                )
             };
             NotCompensated { effect, axis, why: why.to_owned(), instead: instead.to_owned() }
         }));

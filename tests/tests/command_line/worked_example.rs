@@ -26,7 +26,9 @@ fn parts(example: &str) -> Vec<Part<'_>> {
         Part { language: Some(language), text }
     };
     let split = example.split("```").enumerate();
-    split.map(|(index, text)| if index % 2 == 1 { fenced(text) } else { Part { language: None, text } }).collect()
+    split
+        .map(|(index, text)| if index % 2 == 1 { fenced(text) } else { Part { language: None, text } })
+        .collect()
 }
 
 /// Words are equal; numbers within 5 % or 0.02, for other processors.
@@ -44,7 +46,7 @@ fn is_same(found: &str, shown: &str) -> bool {
 fn the_example_shows_what_its_commands_print() {
     let text = fs::read_to_string(document()).unwrap();
     let (head, example) = text.split_once("## Worked example\n").unwrap();
-    let folder = WorkFolder::with::<&str>(&[]);
+    let folder = WorkFolder::with(&[("true.toml", MACHINE)]);
     for sub in ["machines", "motions"] {
         fs::create_dir_all(folder.path().join("host-sim").join(sub)).unwrap();
     }

@@ -8,7 +8,8 @@ use model::effects::{KINDS, Kind};
 
 use super::listed::example;
 
-const BEGIN: &str = "| effect | what the controller does, or why it does nothing | instead |\n|---|---|---|\n";
+const BEGIN: &str =
+    "| effect | what the controller does, or why it does nothing | instead |\n|---|---|---|\n";
 
 fn row(kind: &Kind) -> String {
     let name = kind.distinguishing_key.map_or_else(

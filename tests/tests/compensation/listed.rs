@@ -64,7 +64,9 @@ fn an_error_for_which_no_table_is_left_is_listed() {
     let wave = |um: f64, mm: f64| {
         format!("name = \"pitch_cyclic\"\namplitude_um = {um:?}\nperiod_mm = {mm:?}\nphase_rad = 0.0")
     };
-    let text = [wave(3.0, 10.0), wave(2.0, 37.0), wave(1.0, 23.0)].iter().fold(PLAIN.to_owned(), |text, e| with(&text, e));
+    let text = [wave(3.0, 10.0), wave(2.0, 37.0), wave(1.0, 23.0)]
+        .iter()
+        .fold(PLAIN.to_owned(), |text, e| with(&text, e));
     let plan = plan(&machine(&text), &usual());
     assert_eq!(plan.items.iter().filter(|item| item.effect == "pitch_cyclic").count(), 2);
     let listed: Vec<_> = plan.not_compensated.iter().filter(|not| not.effect == "pitch_cyclic").collect();

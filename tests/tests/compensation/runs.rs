@@ -56,7 +56,11 @@ pub fn changed(text: &str, from: &str, to: &str) -> String {
 
 /// A motion that starts at a time on the session clock, s.
 pub fn motion(text: &str, start_s: f64) -> TestMotion {
-    TestMotion { motion: Motion::parse(text, "motion.toml").unwrap(), source: "motion.toml".to_owned(), start_s }
+    TestMotion {
+        motion: Motion::parse(text, "motion.toml").unwrap(),
+        source: "motion.toml".to_owned(),
+        start_s,
+    }
 }
 
 pub fn machine(text: &str) -> Machine {
@@ -125,7 +129,12 @@ impl Comparison {
     }
 
     /// An effect of a machine with compensation files without and with its item.
-    pub fn between(plain: &str, effect: &str, test: &TestMotion, [rest, all]: [&CompensationFile; 2]) -> Self {
+    pub fn between(
+        plain: &str,
+        effect: &str,
+        test: &TestMotion,
+        [rest, all]: [&CompensationFile; 2],
+    ) -> Self {
         let (plain, machine) = (machine(plain), machine(&with(plain, effect)));
         let logs = [log(&plain, rest, test), log(&machine, rest, test), log(&machine, all, test)];
         Self {
@@ -146,7 +155,6 @@ impl Comparison {
 
     pub fn assert_caused(&self, expected_um: f64, fraction: f64) {
         let bound_um = fraction * expected_um;
-        if std::env::var_os("RES").is_some() { eprintln!("RESULT {expected_um:8.3} {:.3} {:.3} {self:?}", self.caused_um / expected_um, 1.0 - self.left_um / self.caused_um); }
         let is_expected = (self.caused_um - expected_um).abs() <= bound_um;
         assert!(is_expected, "{self:?}: expected {expected_um} ± {bound_um} µm");
     }

@@ -13,7 +13,10 @@ fn assert(effect: &str, expected_um: f64, fraction: f64) {
     let plan = plan(&machine(&with(PLAIN, effect)), &test);
     let none = CompensationFile { machine: plan.file.machine.clone(), ..CompensationFile::default() };
     let mut all = none.clone();
-    let mut axis = compensate::file::AxisCompensation { controller: plan.file.axis["x"].controller, ..Default::default() };
+    let mut axis = compensate::file::AxisCompensation {
+        controller: plan.file.axis["x"].controller,
+        ..Default::default()
+    };
     // The plan sets the true Kf to 100 %; the declared 60 % are 40 less.
     axis.controller.feedforward_ahead_s = None;
     axis.controller.feedforward_percent = axis.controller.feedforward_percent.map(|percent| percent - 40.0);
@@ -39,7 +42,8 @@ pub fn feedforward_mismatch() {
 /// Friction, viscous friction and inertia displace a loop with other gains otherwise: the difference of the displacements. The
 /// friction of the motor and of the table, which presliding delays, are one step here.
 fn other_loop(effect: &str, other: Loop) {
-    let force_n = |p: Point| 210.0 * p.v_m_per_s().signum() + 1000.0 * p.v_m_per_s() + 250.0 * p.ax_m_per_s2();
+    let force_n =
+        |p: Point| 210.0 * p.v_m_per_s().signum() + 1000.0 * p.v_m_per_s() + 250.0 * p.ax_m_per_s2();
     let expected_um = LOOP.difference_um(&other, Side::Table, force_n);
     assert(effect, expected_um, 0.3);
 }

@@ -56,7 +56,10 @@ pub fn radial_rms_um(error_um: impl Fn(Point) -> f64) -> f64 {
 
 /// The same at another speed.
 pub fn radial_rms_at_um(m_per_s: f64, error_um: impl Fn(Point) -> f64) -> f64 {
-    rms([1.0, -1.0].into_iter().flat_map(|direction| points(m_per_s, direction)).map(|p| error_um(p) * p.theta.cos()))
+    rms([1.0, -1.0]
+        .into_iter()
+        .flat_map(|direction| points(m_per_s, direction))
+        .map(|p| error_um(p) * p.theta.cos()))
 }
 
 fn rms(values: impl Iterator<Item = f64>) -> f64 {
@@ -141,7 +144,9 @@ impl Loop {
         if rad_per_s == 0.0 {
             return [stretch, 0.0];
         }
-        let Self { mass_kg, position_gain_per_s: kp, velocity_gain_n_s_per_m: kv, integral_time_s: ti, .. } = *self;
+        let Self {
+            mass_kg, position_gain_per_s: kp, velocity_gain_n_s_per_m: kv, integral_time_s: ti, ..
+        } = *self;
         // (1 + 1/(Ti·iω))·(iω + Kp) = Kp + 1/Ti + i·(ω − Kp/(Ti·ω))
         let re = kv * (kp + 1.0 / ti) - mass_kg * rad_per_s.powi(2);
         let im = kv * (rad_per_s - kp / (ti * rad_per_s));
