@@ -2,6 +2,7 @@
 
 use rayon::prelude::*;
 
+use crate::alignment::aligned;
 use crate::file::{CompensationFile, Refused};
 use crate::place::Place;
 use contour::verification::Prediction;
@@ -87,17 +88,17 @@ pub fn contour_errors(
         .par_iter()
         .map(|test| {
             let log = log(machine, file, test, (instruments, Place::Host))?;
-            contour_error(&log)
+            contour_error(&log, machine)
         })
         .collect()
 }
 
-/// Contour error of a log.
+/// Contour error of a log, whose channels are aligned by the model.
 ///
 /// # Errors
 /// If the log is too short or has no linear axis.
-pub fn contour_error(log: &Log) -> Result<ContourError, PredictionError> {
-    let error = LoggedMotion::of(log).ok().and_then(|motion| motion.contour_error());
+pub fn contour_error(log: &Log, model: &Machine) -> Result<ContourError, PredictionError> {
+    let error = LoggedMotion::of(&aligned(log, model)).ok().and_then(|motion| motion.contour_error());
     error.ok_or_else(|| PredictionError::NoContour { motion: log.source.clone() })
 }
 

@@ -53,7 +53,8 @@ pub fn compare(
             let before = prediction::log(real.machine, &none, test, (seeded(first), Place::Host))?;
             let predicted = prediction::log(model, file, test, (seeded(first + 1), Place::Host))?;
             let after = prediction::log(real.machine, file, test, (seeded(first + 2), real.place))?;
-            let errors = [contour_error(&before)?, contour_error(&predicted)?, contour_error(&after)?];
+            let of = |log| contour_error(log, model);
+            let errors = [of(&before)?, of(&predicted)?, of(&after)?];
             Ok(Compared { name: test.motion.name.clone(), logs: [before, predicted, after], errors })
         })
         .collect()

@@ -63,7 +63,6 @@ pub fn round_trips(
         .into_par_iter()
         .map(|number| {
             let seed = first_seed + number;
-            #[expect(clippy::cast_possible_truncation, reason = "0 to 2")]
             let effects = 1 + (number % 3) as usize;
             let (truth, effects) = draw_several(&declared, seed, effects);
             let [fit, validate] = logs(&truth, seed)?;
