@@ -104,7 +104,6 @@ pub fn contour_um(log: &Log) -> f64 {
 /// What an effect of the x axis does to the tool on the circle, µm rms.
 #[derive(Debug)]
 pub struct Comparison {
-    name: String,
     /// Radial error that the effect adds without its item.
     caused_um: f64,
     /// The same with it.
@@ -138,7 +137,6 @@ impl Comparison {
         let (plain, machine) = (machine(plain), machine(&with(plain, effect)));
         let logs = [log(&plain, rest, test), log(&machine, rest, test), log(&machine, all, test)];
         Self {
-            name: machine.axis["x"].effect[0].name().to_owned(),
             caused_um: radial_difference_um(&logs[1], &logs[0]),
             left_um: radial_difference_um(&logs[2], &logs[0]),
             contour_um: logs.each_ref().map(contour_um),
