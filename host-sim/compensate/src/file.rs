@@ -163,7 +163,7 @@ impl Refused {
     #[must_use]
     pub fn key(&self) -> String {
         let table = format!("axis.{}.compensation", self.axis);
-        match self.config().map(|error| error.to_string()) {
+        match self.config().map(ToString::to_string) {
             Some(text) => text.split_once(": ").map_or(table.clone(), |(name, _)| format!("{table}.{name}")),
             None => table,
         }
