@@ -103,6 +103,7 @@ pub fn contour_um(log: &Log) -> f64 {
 
 /// What an effect of the x axis does to the tool on the circle, µm rms.
 #[derive(Debug)]
+#[expect(clippy::struct_field_names, reason = "the unit")]
 pub struct Comparison {
     /// Radial error that the effect adds without its item.
     caused_um: f64,
@@ -176,7 +177,8 @@ fn radial_difference_um(log: &Log, other: &Log) -> f64 {
             let [tool_x, tool_y] = ["x", "y"].map(|axis| channel(axis, Channel::Tool)[i]);
             1e3 * (tool_x * x[i] + tool_y * y[i]) / x[i].hypot(y[i])
         };
-        ((START_S / log.sample_time_s) as usize..log.len()).map(along).collect()
+        let is_counted = |i: &usize| *i as f64 * log.sample_time_s >= START_S;
+        (0..log.len()).filter(is_counted).map(along).collect()
     };
     let (one, two) = (radial(log), radial(other));
     assert_eq!(one.len(), two.len());
