@@ -5,6 +5,9 @@ use std::path::Path;
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
 use shared::compensate::CompensationSettings;
+use shared::compensate::settings::{CYCLES, POINTS};
+use shared::config::ConfigError;
+use shared::machine::MachineError;
 
 use crate::servo::ControllerChange;
 use contour::verification::Prediction;
@@ -68,16 +71,27 @@ impl CompensationFile {
     pub fn parse(text: &str, source: &str, machine: &Machine) -> Result<Self, InputError> {
         let at = |error: &toml::de::Error| {
             let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            InputError::new(source, error.message()).at_line(line)
+            let problem = match error.message() {
+                message if message.starts_with("invalid length") => {
+                    format!(
+                        "expected tables of at most {POINTS} values and at most {CYCLES} periods: {message}"
+                    )
+                }
+                message => message.to_owned(),
+            };
+            InputError::new(source, problem).at_line(line)
         };
         let deserializer = toml::Deserializer::parse(text).map_err(|error| at(&error))?;
         let mut unknown = None;
         let file: Self = serde_ignored::deserialize(deserializer, |path| {
-            unknown.get_or_insert(path.to_string());
+            // A value that may be absent is a level of its own, "?".
+            unknown.get_or_insert(path.to_string().replace(".?", ""));
         })
         .map_err(|error| at(&error))?;
         if let Some(key) = unknown {
-            return Err(InputError::new(source, "unknown key").at_key(&key));
+            let problem =
+                "expected a key of a compensation file (docs/compensation.md), found an unknown one";
+            return Err(InputError::new(source, problem).at_key(&key));
         }
         if file.machine != machine.name {
             let expected = format!("a compensation of machine {}", machine.name);
@@ -87,6 +101,13 @@ impl CompensationFile {
             let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
             let expected = format!("an axis of the machine ({})", names.join(", "));
             return Err(InputError::expected(source, expected, name).at_key(&format!("axis.{name}")));
+        }
+        let tick_s = 1.0 / machine.rates().position_loop_hz();
+        for (name, axis) in &file.axis {
+            if let Some((key, expected)) = axis.controller.refused(tick_s) {
+                let key = format!("axis.{name}.controller.{key}");
+                return Err(InputError::new(source, format!("expected {expected}")).at_key(&key));
+            }
         }
         Ok(file)
     }
@@ -129,10 +150,36 @@ impl CompensationFile {
 
 /// A compensation that the controller refuses.
 #[derive(Debug, thiserror::Error)]
-#[error("axis {axis}: {error}")]
+#[error("{}: {}", self.key(), self.problem())]
 pub struct Refused {
     /// Name of the axis.
     pub axis: String,
     /// Why.
     pub error: ControllerError,
+}
+
+impl Refused {
+    /// The setting in a compensation file.
+    #[must_use]
+    pub fn key(&self) -> String {
+        let table = format!("axis.{}.compensation", self.axis);
+        match self.config().map(ToString::to_string) {
+            Some(text) => text.split_once(": ").map_or(table.clone(), |(name, _)| format!("{table}.{name}")),
+            None => table,
+        }
+    }
+
+    /// What was expected.
+    #[must_use]
+    pub fn problem(&self) -> String {
+        let text = self.config().map_or_else(|| self.error.to_string(), ConfigError::to_string);
+        text.split_once(": ").map_or(text.clone(), |(_, problem)| problem.to_owned())
+    }
+
+    const fn config(&self) -> Option<&ConfigError> {
+        match &self.error {
+            ControllerError::Refused(MachineError::Config { error, .. }) => Some(error),
+            _ => None,
+        }
+    }
 }

@@ -27,6 +27,13 @@ const BEYOND_TRAVEL: f64 = 0.02;
 /// How far the measured error may be from the predicted one, percent.
 const BOUND_PERCENT: f64 = 15.0;
 
+/// Why a part has no setting, and what to do instead.
+const NO_SETTING: (&str, &str) = (
+    "no setting of the controller is left for it: tables of two periods, one source of cross-talk and straightness, friction \
+     only as part of the force feed-forward",
+    "remove its cause, or join effects of the same period",
+);
+
 /// A part of a compensation that can be left out.
 #[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
 pub enum Part {
@@ -136,6 +143,8 @@ impl Planning<'_> {
             best_um = rms_um;
             choice.off.insert(part);
         }
+        let idle = self.without_effect(&choice)?;
+        choice.off.extend(idle.iter().cloned());
         let mut file = self.file(&choice)?;
         let after = self.errors(&file)?;
         file.predicted = prediction::predictions(self.model, self.tests, [&before, &after], BOUND_PERCENT)?;
@@ -143,7 +152,20 @@ impl Planning<'_> {
         let without = self.without_each(&choice)?;
         let items =
             without.into_iter().map(|(part, before_um)| self.item(&part, before_um, after_um)).collect();
-        Ok(Plan { file, items, not_compensated: self.not_compensated(&choice.off) })
+        Ok(Plan { file, items, not_compensated: self.not_compensated(&choice.off, &idle) })
+    }
+
+    /// The parts that change no setting: the controller has no table left for them, or the force feed-forward to which they
+    /// belong is left out.
+    fn without_effect(&self, choice: &Choice) -> Result<BTreeSet<Part>, PredictionError> {
+        let mut idle = BTreeSet::new();
+        let axes = self.file(choice)?.axis;
+        for part in self.parts().into_iter().filter(|part| choice.has(part)) {
+            if self.file(&choice.without(&part))?.axis == axes {
+                idle.insert(part);
+            }
+        }
+        Ok(idle)
     }
 
     /// All parts, with the best time of the velocity feed-forward.
@@ -306,7 +328,7 @@ impl Planning<'_> {
         Item { effect, axis, does: does.to_owned(), before_um, after_um }
     }
 
-    fn not_compensated(&self, off: &BTreeSet<Part>) -> Vec<NotCompensated> {
+    fn not_compensated(&self, off: &BTreeSet<Part>, idle: &BTreeSet<Part>) -> Vec<NotCompensated> {
         let mut list = Vec::new();
         for (name, axis) in &self.model.axis {
             for effect in &axis.effect {
@@ -323,8 +345,15 @@ impl Planning<'_> {
         }
         list.extend(off.iter().map(|part| {
             let (effect, axis) = self.names(part);
-            let why = "the simulated contour error is smaller without it".to_owned();
-            NotCompensated { effect, axis, why, instead: "measure with motions that show it more".to_owned() }
+            let (why, instead) = if idle.contains(part) {
+                NO_SETTING
+            } else {
+                (
+                    "the simulated contour error is smaller without it",
+                    "measure with motions that show it more",
+                )
+            };
+            NotCompensated { effect, axis, why: why.to_owned(), instead: instead.to_owned() }
         }));
         list
     }

@@ -5,6 +5,9 @@ use serde::{Deserialize, Serialize};
 use model::axis::Settings;
 use model::servo::ServoParameters;
 
+/// Longest time of the feed-forward ahead of the command, position ticks: that of the controller.
+const MOST_AHEAD_TICKS: f64 = 8.0;
+
 /// Settings of a drive that replace those of the machine file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ControllerChange {
@@ -46,6 +49,33 @@ impl ControllerChange {
                 controller.velocity_integral_time_s,
                 servo.integral_time.factor(),
             ),
+        }
+    }
+
+    /// The first key whose value no drive has, and what is expected of it; `position_tick_s` is the period of the position loop.
+    #[must_use]
+    pub fn refused(&self, position_tick_s: f64) -> Option<(&'static str, String)> {
+        let positive = |value: f64| value.is_finite() && value > 0.0;
+        let within = |least: f64, greatest: f64| move |value: f64| (least..=greatest).contains(&value);
+        let above_0 = || "a number above 0".to_owned();
+        let longest_s = MOST_AHEAD_TICKS * position_tick_s;
+        let refused =
+            |value: Option<f64>, is_possible: &dyn Fn(f64) -> bool| value.is_some_and(|v| !is_possible(v));
+        if refused(self.position_gain_per_s, &positive) {
+            Some(("position_gain_per_s", above_0()))
+        } else if refused(self.feedforward_percent, &within(0.0, 200.0)) {
+            Some(("feedforward_percent", "a number from 0 to 200".to_owned()))
+        } else if refused(self.feedforward_ahead_s, &within(0.0, longest_s)) {
+            Some((
+                "feedforward_ahead_s",
+                format!("a time from 0 to {longest_s} s, 8 ticks of the position loop"),
+            ))
+        } else if refused(self.velocity_gain_n_s_per_m, &positive) {
+            Some(("velocity_gain_n_s_per_m", above_0()))
+        } else if refused(self.velocity_integral_time_s, &positive) {
+            Some(("velocity_integral_time_s", above_0()))
+        } else {
+            None
         }
     }
 

@@ -14,6 +14,7 @@ use files::output::write_whole;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
+use plant::simulate::SimulationError;
 
 /// Motions whose contour error counts if none is given.
 const MOTIONS: [(&str, &str); 2] = [
@@ -94,6 +95,10 @@ fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, Inpu
 fn input_or_failure(error: PredictionError, model_file: &str) -> Error {
     match error {
         PredictionError::Input(error) => error.into(),
+        PredictionError::Simulation { error: SimulationError::Lacks { axis, key }, .. } => {
+            let expected = "this key, which the prediction of the contour error requires";
+            InputError::expected(model_file, expected, "none").at_key(&format!("axis.{axis}.{key}")).into()
+        }
         error => InputError::new(model_file, error.to_string()).into(),
     }
 }

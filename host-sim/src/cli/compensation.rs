@@ -33,9 +33,7 @@ impl Compensated {
     /// The setting that the controller refuses.
     pub fn set(&self, controller: &mut dyn Controller) -> Result<(), InputError> {
         let Some((file, source)) = &self.file else { return Ok(()) };
-        file.set(&self.machine, controller).map_err(|refused| {
-            InputError::new(source, refused.error.to_string())
-                .at_key(&format!("axis.{}.compensation", refused.axis))
-        })
+        file.set(&self.machine, controller)
+            .map_err(|refused| InputError::new(source, refused.problem()).at_key(&refused.key()))
     }
 }

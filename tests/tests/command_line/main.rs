@@ -3,8 +3,10 @@
 
 mod accepted;
 mod compare;
+mod compensate;
 mod refused;
 mod reproduce;
 mod stopped;
 mod verify;
 mod work_folder;
+mod worked_example;

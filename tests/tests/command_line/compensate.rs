@@ -1,0 +1,233 @@
+//! `compensate`, and `simulate --compensation`: from a model to a measured motion, and files that cannot be used.
+
+use std::sync::OnceLock;
+
+use super::work_folder::{MACHINE, SIMULATE, WorkFolder};
+
+/// A slope of the pitch of 400 µm/m, 8 µm at the ends of a circle of 20 mm.
+const SLOPE: &str = "\n[[axis.x.effect]]\nname = \"pitch_progressive\"\nslope_um_per_m = 400.0\n";
+
+/// One circle in each direction.
+const CIRCLE: &str = r#"name = "circle"
+feed_mm_per_min = 3000.0
+acceleration_m_per_s2 = 1.0
+start_mm = { x = 20.0, y = 0.0 }
+
+[[block]]
+arc = { plane = ["x", "y"], centre_mm = { x = 0.0, y = 0.0 }, turns = 1.0 }
+
+[[block]]
+arc = { plane = ["x", "y"], centre_mm = { x = 0.0, y = 0.0 }, turns = -1.0 }
+"#;
+
+const COMPENSATE: &str = "compensate --model machine.toml --motion motion.toml --out c.toml --json out.json";
+
+fn folder(machine: &str) -> WorkFolder {
+    WorkFolder::with(&[("machine.toml", machine), ("motion.toml", CIRCLE)])
+}
+
+/// The compensation of the machine with the slope.
+fn compensation() -> &'static str {
+    static FILE: OnceLock<String> = OnceLock::new();
+    FILE.get_or_init(|| {
+        let folder = folder(&format!("{MACHINE}{SLOPE}"));
+        folder.succeeds(COMPENSATE);
+        folder.read("c.toml")
+    })
+}
+
+/// A text with each `old`, which must exist, replaced.
+fn with(text: &str, old: &str, new: &str) -> String {
+    assert!(text.contains(old), "{old}");
+    text.replace(old, new)
+}
+
+/// The compensation with the values of its pitch table changed.
+fn with_pitch(change: impl Fn(&[f64]) -> Vec<f64>) -> String {
+    let (head, rest) = compensation().split_once("[axis.x.compensation.pitch.forward]").unwrap();
+    let (before, rest) = rest.split_once("values = [").unwrap();
+    let (values, tail) = rest.split_once(']').unwrap();
+    let values = values.split(',').filter_map(|value| value.trim().parse().ok()).collect::<Vec<f64>>();
+    assert_eq!(values.len(), 64);
+    let changed: Vec<String> = change(&values).iter().map(|value| format!("{value:?}")).collect();
+    format!("{head}[axis.x.compensation.pitch.forward]{before}values = [{}]{tail}", changed.join(", "))
+}
+
+/// Simulates the machine with the slope without and with a compensation, and verifies it by its predictions.
+fn verified(compensation: &str) -> (WorkFolder, &'static str) {
+    let folder = folder(&format!("{MACHINE}{SLOPE}"));
+    std::fs::write(folder.path().join("c.toml"), compensation).unwrap();
+    folder.succeeds(&SIMULATE.replace("out.csv", "circle_before.csv"));
+    // Noise of another seed than that of the prediction.
+    let after = SIMULATE.replace("out.csv", "circle_after.csv --compensation c.toml --seed 7");
+    folder.succeeds(&after);
+    let verify = "verify --machine machine.toml --before circle_before.csv --after circle_after.csv --predicted c.toml";
+    (folder, verify)
+}
+
+#[test]
+fn a_compensation_is_verified_by_its_prediction() {
+    let (folder, verify) = verified(compensation());
+    let stdout = folder.succeeds(verify);
+    assert!(stdout.contains("smaller in 1, larger in 0, not distinguishable in 0"), "{stdout}");
+    assert!(!stdout.contains("no prediction"), "{stdout}");
+}
+
+/// With the wrong sign the slope is 800 µm/m.
+#[test]
+fn a_compensation_with_the_wrong_sign_fails() {
+    let (folder, verify) = verified(&with_pitch(|values| values.iter().map(|value| -value).collect()));
+    let error = folder.fails(verify, 1);
+    assert!(error.contains("not as predicted: circle\n"), "{error}");
+    // Against the machine with all other compensations, it is also worse.
+    let folder = against_the_rest();
+    let error = folder.fails(verify, 1);
+    let expected = "lost-motion: the contour error became larger: circle; it is not as predicted: circle\n";
+    assert_eq!(error, expected);
+}
+
+/// The log before has everything but the pitch table, the log after the pitch table with the wrong sign.
+fn against_the_rest() -> WorkFolder {
+    let turned = with_pitch(|values| values.iter().map(|value| -value).collect());
+    let rest = with_pitch(|values| vec![0.0; values.len()]);
+    let folder = folder(&format!("{MACHINE}{SLOPE}"));
+    for (name, text) in [("c.toml", &turned), ("rest.toml", &rest)] {
+        std::fs::write(folder.path().join(name), text).unwrap();
+    }
+    folder.succeeds(&SIMULATE.replace("out.csv", "circle_before.csv --compensation rest.toml"));
+    folder.succeeds(&SIMULATE.replace("out.csv", "circle_after.csv --compensation c.toml --seed 7"));
+    folder
+}
+
+/// A compensation that cannot be used: one line, exit code 2, no output.
+#[test]
+fn compensations_that_do_not_fit_are_refused() {
+    let long = with_pitch(|values| values.iter().copied().chain([0.0]).collect());
+    let nan = with_pitch(|values| values.iter().map(|_| f64::NAN).collect()).replace("NaN", "nan");
+    let text = compensation();
+    let has = "c.toml: axis.x.compensation.";
+    for (content, messages) in [
+        (
+            with(text, "machine = \"demo\"", "machine = \"mill\""),
+            ["machine: expected a compensation of machine demo", "found mill"],
+        ),
+        (
+            with(text, "[axis.y.", "[axis.z."),
+            ["c.toml: axis.z: expected an axis of the machine (x, y)", "found z"],
+        ),
+        (
+            with(text, "share = 1.0", "share = 1.0\nstroke_m = 1.0"),
+            ["c.toml: axis.x.compensation.force.stroke_m", "expected a key"],
+        ),
+        (long, ["c.toml: line", "expected tables of at most 64 values"]),
+        (nan, [has, "pitch: expected a finite number"]),
+        (
+            with_pitch(|values| values.iter().map(|_| 2e-3).collect()),
+            [has, "pitch: expected a number from -0.001 to 0.001"],
+        ),
+        (
+            with(text, "position_bound_m = 0.001", "position_bound_m = 0.02"),
+            [has, "position_bound_m: expected a number from 0 to 0.01"],
+        ),
+        (without_force(text), [has, "stretch_m_per_n: expected together with force, which is missing"]),
+        (
+            with(text, "feedforward_percent = 100.0", "feedforward_percent = 300.0"),
+            ["c.toml: axis.x.controller.feedforward_percent", "expected a number from 0 to 200"],
+        ),
+        (
+            with(text, "feedforward_percent = 100.0", "position_gain_per_s = 0.0"),
+            ["c.toml: axis.x.controller.position_gain_per_s", "expected a number above 0"],
+        ),
+        (
+            with(&without_ahead(text), "feedforward_percent = 100.0", "feedforward_ahead_s = nan"),
+            ["c.toml: axis.x.controller.feedforward_ahead_s", "expected a time from 0 to 0.008 s"],
+        ),
+    ] {
+        let folder = folder(MACHINE);
+        std::fs::write(folder.path().join("c.toml"), content).unwrap();
+        let before = folder.contents();
+        let error = folder.fails(&format!("{SIMULATE} --compensation c.toml"), 2);
+        assert!(messages.iter().all(|message| error.contains(message)), "{messages:?}: {error}");
+        assert!(folder.contents() == before, "outputs were written: {error}");
+    }
+    let error = folder(MACHINE).fails(&format!("{SIMULATE} --compensation c.toml"), 2);
+    assert!(error.starts_with("lost-motion: c.toml: expected a readable file"), "{error}");
+}
+
+/// The compensation with the feed-forward at the command.
+fn without_ahead(text: &str) -> String {
+    text.lines()
+        .filter(|line| !line.starts_with("feedforward_ahead_s"))
+        .fold(String::new(), |text, line| text + line + "\n")
+}
+
+/// The compensation without the force models of both axes, but with their stretch.
+fn without_force(text: &str) -> String {
+    let mut is_force = false;
+    let keep = |line: &&str| {
+        if line.starts_with('[') {
+            is_force = line.contains(".compensation.force");
+        }
+        !is_force
+    };
+    let kept: Vec<&str> = text.lines().filter(keep).collect();
+    kept.join("\n")
+}
+
+/// A model that cannot be compensated: one line with the key, exit code 2, no output.
+#[test]
+fn models_that_cannot_be_compensated_are_refused() {
+    let without = |keys: &[&str]| {
+        let is_kept = |line: &&str| !keys.iter().any(|key| line.starts_with(&format!("{key} = ")));
+        MACHINE.lines().filter(is_kept).fold(String::new(), |text, line| text + line + "\n")
+    };
+    let mechanics = [
+        "motor_mass_kg",
+        "table_mass_kg",
+        "stiffness_n_per_um",
+        "damping_n_s_per_m",
+        "coulomb_n",
+        "viscous_n_s_per_m",
+        "motor_coulomb_n",
+        "presliding_stiffness_n_per_um",
+        "presliding_damping_n_s_per_m",
+    ];
+    let controller = [
+        "controller",
+        "position_gain_per_s",
+        "feedforward_percent",
+        "velocity_gain_n_s_per_m",
+        "velocity_integral_time_s",
+        "force_limit_n",
+        "feedback",
+    ];
+    // 100 mm/m: 2 mm at the ends of the travel.
+    let beyond = format!("{MACHINE}{}", SLOPE.replace("400.0", "100000.0"));
+    for (machine, message) in [
+        (beyond, "machine.toml: axis.x.compensation.pitch: expected a number from -0.001 to 0.001"),
+        (
+            without(&mechanics) + SLOPE,
+            "mass_kg: expected this key, which the prediction of the contour error requires",
+        ),
+        (without(&controller) + SLOPE, "axis.x.controller: expected this key, which the prediction"),
+        (format!("{MACHINE}{}", SLOPE.replace("slope_um_per_m", "slope")), "machine.toml: line "),
+    ] {
+        let folder = folder(&machine);
+        let before = folder.contents();
+        let error = folder.fails(COMPENSATE, 2);
+        assert!(error.contains(message), "{message}: {error}");
+        assert!(folder.contents() == before, "outputs were written: {error}");
+    }
+    let folder = folder(MACHINE);
+    for (command, message) in [
+        (COMPENSATE.replace("c.toml", "machine.toml"), "--out: expected a file that is neither an input nor"),
+        (COMPENSATE.replace("c.toml", "out.json"), "--json: expected a file that is neither an input nor"),
+        (COMPENSATE.replace("machine.toml", "missing.toml"), "missing.toml: expected a readable file"),
+        (format!("{COMPENSATE} --set-at-s nan"), "--set-at-s: expected a time of at least 0 s"),
+    ] {
+        let before = folder.contents();
+        let error = folder.fails(&command, 2);
+        assert!(error.contains(message), "{message}: {error}");
+        assert!(folder.contents() == before, "outputs were written: {error}");
+    }
+}

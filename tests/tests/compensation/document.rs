@@ -1,0 +1,38 @@
+//! The table of `docs/compensation.md` is that of `compensate::treatment`. `BLESS=1` writes it again.
+
+use std::fs;
+use std::path::Path;
+
+use compensate::treatment::{self, Treatment};
+use model::effects::{KINDS, Kind};
+
+use super::listed::example;
+
+const BEGIN: &str =
+    "| effect | what the controller does, or why it does nothing | instead |\n|---|---|---|\n";
+
+fn row(kind: &Kind) -> String {
+    let name = kind.distinguishing_key.map_or_else(
+        || format!("`{}`", kind.name),
+        |key| format!("`{}` with `{key}`, without masses", kind.name),
+    );
+    match treatment::of(&example(kind)) {
+        Treatment::Compensated(does) => format!("| {name} | {does} | |\n"),
+        Treatment::Not { why, instead } => format!("| {name} | not compensated: {why} | {instead} |\n"),
+    }
+}
+
+#[test]
+fn the_table_of_the_document_matches_the_treatments() {
+    let path = Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("docs").join("compensation.md");
+    let text = fs::read_to_string(&path).unwrap();
+    let (head, rest) = text.split_once(BEGIN).unwrap();
+    let end = rest.find("\n\n").unwrap();
+    let rows: String = KINDS.iter().map(row).collect();
+    let expected = format!("{head}{BEGIN}{rows}{}", &rest[end + 1..]);
+    if std::env::var_os("BLESS").is_some() {
+        fs::write(&path, &expected).unwrap();
+        return;
+    }
+    assert!(text == expected, "docs/compensation.md does not match treatment.rs; BLESS=1 writes it again");
+}

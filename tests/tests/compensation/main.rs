@@ -1,0 +1,33 @@
+//! Each effect of the catalogue: its item of a compensation on a simulated machine, or why there is none.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod document;
+mod force;
+mod geometry;
+mod listed;
+mod runs;
+mod sensors;
+mod servo;
+mod theory;
+
+/// One test per effect, under its name, and the list of these names.
+macro_rules! tested {
+    ($($module:ident: $($name:ident),+;)+) => {
+        $($(
+            #[test]
+            fn $name() {
+                $module::$name();
+            }
+        )+)+
+
+        const TESTED: &[&str] = &[$($(stringify!($name)),+),+];
+    };
+}
+
+tested! {
+    geometry: backlash, pitch_progressive, pitch_map, pitch_cyclic, resolver_dividing, encoder_ellipticity, windup, intalk,
+        crosstalk, squareness, straightness, thermal_drift;
+    force: stribeck, friction_asymmetry, friction_map, friction_warm_up, motor_stribeck, presliding, preload_variation,
+        friction_ripple, torque_ripple, constant_load, position_load;
+    servo: servo_mismatch, feedforward_mismatch, velocity_gain_mismatch, integral_time_mismatch;
+}
