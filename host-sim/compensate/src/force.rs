@@ -40,7 +40,9 @@ pub fn model(
             coulomb_n: friction.coulomb_n,
             viscous_n_s_per_m: friction.viscous_n_s_per_m,
             half_difference_n_s_per_m: friction.asymmetry.half_difference_n_s_per_m,
-            presliding_stiffness_n_per_m: friction.has_bristles().then_some(friction.bristle_stiffness_n_per_m),
+            presliding_stiffness_n_per_m: friction
+                .has_bristles()
+                .then_some(friction.bristle_stiffness_n_per_m),
             stribeck: stribeck(friction.stribeck.static_excess_n, friction.stribeck.velocity_mm_s),
             map: friction_map(parameters, travel_m),
             warm_up: warm_up(parameters, start_s),

@@ -138,11 +138,11 @@ impl Planning<'_> {
         }
         let mut file = self.file(&choice)?;
         let after = self.errors(&file)?;
-        file.predicted =
-            prediction::predictions(self.model, self.tests, [&before, &after], BOUND_PERCENT)?;
+        file.predicted = prediction::predictions(self.model, self.tests, [&before, &after], BOUND_PERCENT)?;
         let after_um = total_rms_um(&after);
         let without = self.without_each(&choice)?;
-        let items = without.into_iter().map(|(part, before_um)| self.item(&part, before_um, after_um)).collect();
+        let items =
+            without.into_iter().map(|(part, before_um)| self.item(&part, before_um, after_um)).collect();
         Ok(Plan { file, items, not_compensated: self.not_compensated(&choice.off) })
     }
 
@@ -182,9 +182,8 @@ impl Planning<'_> {
     fn parts(&self) -> Vec<Part> {
         let mut parts = Vec::new();
         for (index, axis) in self.model.axis.values().enumerate() {
-            let is_compensated = |(_, effect): &(usize, &Effect)| {
-                matches!(treatment::of(effect), Treatment::Compensated(_))
-            };
+            let is_compensated =
+                |(_, effect): &(usize, &Effect)| matches!(treatment::of(effect), Treatment::Compensated(_));
             let effects = axis.effect.iter().enumerate().filter(is_compensated);
             parts.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));
             if axis.settings.has_mass() {
@@ -223,11 +222,7 @@ impl Planning<'_> {
         parts.map(word).collect()
     }
 
-    fn axis(
-        &self,
-        index: usize,
-        choice: &Choice,
-    ) -> Result<(String, AxisCompensation), PredictionError> {
+    fn axis(&self, index: usize, choice: &Choice) -> Result<(String, AxisCompensation), PredictionError> {
         let names: Vec<String> = self.model.axis.keys().cloned().collect();
         let name = names[index].clone();
         let mut axis = self.model.axis[index].clone();
@@ -286,7 +281,9 @@ impl Planning<'_> {
     fn names(&self, part: &Part) -> (String, String) {
         let axis = |index: usize| self.model.axis.get_index(index).map_or("", |(name, _)| name).to_owned();
         match *part {
-            Part::Effect(index, effect) => (self.model.axis[index].effect[effect].name().to_owned(), axis(index)),
+            Part::Effect(index, effect) => {
+                (self.model.axis[index].effect[effect].name().to_owned(), axis(index))
+            }
             Part::Force(index) => ("force_feedforward".to_owned(), axis(index)),
             Part::Stretch(index) => ("stretch".to_owned(), axis(index)),
             Part::Feedforward => ("velocity_feedforward".to_owned(), String::new()),
@@ -300,7 +297,9 @@ impl Planning<'_> {
                 Treatment::Compensated(does) => does,
                 Treatment::Not { .. } => "",
             },
-            Part::Force(_) => "the force for the commanded acceleration, friction and load is added to the controller's",
+            Part::Force(_) => {
+                "the force for the commanded acceleration, friction and load is added to the controller's"
+            }
             Part::Stretch(_) => "the stretch of the drive under the modelled force is added to the command",
             Part::Feedforward => "Kf is set to 100 % on all axes",
         };
@@ -313,7 +312,12 @@ impl Planning<'_> {
             for effect in &axis.effect {
                 if let Treatment::Not { why, instead } = treatment::of(effect) {
                     let (why, instead) = (why.to_owned(), instead.to_owned());
-                    list.push(NotCompensated { effect: effect.name().to_owned(), axis: name.clone(), why, instead });
+                    list.push(NotCompensated {
+                        effect: effect.name().to_owned(),
+                        axis: name.clone(),
+                        why,
+                        instead,
+                    });
                 }
             }
         }

@@ -66,13 +66,8 @@ pub fn log(
     let failed = |error| PredictionError::Simulation { motion: test.motion.name.clone(), error };
     let mut controller = simulate::controller(machine, Format::Fixed, &path.start_m).map_err(failed)?;
     file.set(machine, controller.as_mut())?;
-    let run = Run {
-        machine,
-        instruments,
-        start_m: &path.start_m,
-        blocks: &path.blocks,
-        start_s: test.start_s,
-    };
+    let run =
+        Run { machine, instruments, start_m: &path.start_m, blocks: &path.blocks, start_s: test.start_s };
     let mut log = run.log(controller.as_mut(), |_, _, _| {}).map_err(failed)?;
     log.source.clone_from(&test.motion.name);
     Ok(log)

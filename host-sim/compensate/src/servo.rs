@@ -32,7 +32,8 @@ impl ControllerChange {
     #[must_use]
     pub fn to_declared(settings: &Settings, servo: &ServoParameters) -> Self {
         let controller = &settings.controller;
-        let scaled = |declared: Option<f64>, factor: f64| declared.filter(|_| factor != 1.0).map(|d| d / factor);
+        let scaled =
+            |declared: Option<f64>, factor: f64| declared.filter(|_| factor != 1.0).map(|d| d / factor);
         let feedforward = servo.feedforward.percent;
         Self {
             position_gain_per_s: scaled(controller.position_gain_per_s, servo.mismatch.factor()),
@@ -40,7 +41,10 @@ impl ControllerChange {
                 .then(|| (controller.feedforward_percent.unwrap_or(0.0) - feedforward).max(0.0)),
             feedforward_ahead_s: None,
             velocity_gain_n_s_per_m: scaled(controller.velocity_gain_n_s_per_m, servo.velocity_gain.factor()),
-            velocity_integral_time_s: scaled(controller.velocity_integral_time_s, servo.integral_time.factor()),
+            velocity_integral_time_s: scaled(
+                controller.velocity_integral_time_s,
+                servo.integral_time.factor(),
+            ),
         }
     }
 

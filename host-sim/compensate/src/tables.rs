@@ -1,9 +1,7 @@
 //! Errors of screw and tool as compensation settings.
 
 use shared::compensate::CompensationSettings;
-use shared::compensate::settings::{
-    Pitch, PitchSource, POINTS, Points, Straightness, Talk, TimePoints,
-};
+use shared::compensate::settings::{POINTS, Pitch, PitchSource, Points, Straightness, Talk, TimePoints};
 
 use crate::cycles::{self, Wave};
 use model::effects::PeriodicError;
@@ -35,12 +33,12 @@ pub fn of_axis(
     let source = |name: &str| names.iter().position(|n| n == name).and_then(|i| u8::try_from(i).ok());
     let tool = &parameters.tool;
     let um_s2_per_m = |coefficient: f64| Talk::Constant(1e-6 * coefficient);
-    let crosstalk = tool.crosstalk.first().and_then(|talk| {
-        Some((source(&talk.source)?, um_s2_per_m(talk.um_s2_per_m)))
-    });
-    let straightness = tool.straightness.first().and_then(|bow| {
-        Some((source(&bow.source)?, Straightness::Quadratic(1e-6 * bow.um_per_m2)))
-    });
+    let crosstalk =
+        tool.crosstalk.first().and_then(|talk| Some((source(&talk.source)?, um_s2_per_m(talk.um_s2_per_m))));
+    let straightness = tool
+        .straightness
+        .first()
+        .and_then(|bow| Some((source(&bow.source)?, Straightness::Quadratic(1e-6 * bow.um_per_m2))));
     let settings = CompensationSettings {
         pitch: pitch(screw, travel_m),
         backlash_width_m: (screw.gap_map.is_empty() && screw.backlash.width_um > 0.0)
@@ -76,7 +74,8 @@ fn wave(error: &PeriodicError) -> Wave<'_> {
 /// The part of the pitch error that is not periodic. Where the gap varies along the travel, it is part of the tables of both
 /// directions: in + direction the table is behind the screw by half of the gap.
 fn pitch(screw: &Screw, travel_m: [f64; 2]) -> Option<Pitch> {
-    let error_m = |x: f64| screw.error_m(x) - screw.periodic.iter().map(|error| error.error_m(x)).sum::<f64>();
+    let error_m =
+        |x: f64| screw.error_m(x) - screw.periodic.iter().map(|error| error.error_m(x)).sum::<f64>();
     let has_error = screw.progressive.slope_um_per_m != 0.0 || !screw.map.is_empty();
     let has_gap_map = !screw.gap_map.is_empty();
     (has_error || has_gap_map).then(|| Pitch {
@@ -102,7 +101,9 @@ mod tests {
         let settings = of_axis(&parameters, &names, travel_m, 0.0).0;
         let pitch = settings.pitch.unwrap();
         assert!(pitch.backward.is_none() && settings.backlash_width_m.is_none());
-        assert!((pitch.forward.values[0] + 2e-6).abs() < 1e-15 && (pitch.forward.values[63] - 2e-6).abs() < 1e-15);
+        assert!(
+            (pitch.forward.values[0] + 2e-6).abs() < 1e-15 && (pitch.forward.values[63] - 2e-6).abs() < 1e-15
+        );
         parameters.screw.backlash = Backlash { width_um: 4.0 };
         assert_eq!(of_axis(&parameters, &names, travel_m, 0.0).0.backlash_width_m, Some(4e-6));
         parameters.screw.gap_map = PositionCurve::new(&[-0.1, 0.1], &[0.0, 4e-6]);

@@ -34,11 +34,17 @@ pub fn of(plan: &Plan) -> String {
     lines.push(format!("{:<24}{:<6}{:>14}{:>10}", "item", "axis", "without it µm", "with µm"));
     for item in &plan.items {
         let axis = if item.axis.is_empty() { "all" } else { &item.axis };
-        lines.push(format!("{:<24}{:<6}{:>14.3}{:>10.3}  {}", item.effect, axis, item.before_um, item.after_um, item.does));
+        lines.push(format!(
+            "{:<24}{:<6}{:>14.3}{:>10.3}  {}",
+            item.effect, axis, item.before_um, item.after_um, item.does
+        ));
     }
     for not in &plan.not_compensated {
         let axis = if not.axis.is_empty() { "all axes" } else { &not.axis };
-        lines.push(format!("\n{axis}: {} is not compensated: {}. Instead: {}.", not.effect, not.why, not.instead));
+        lines.push(format!(
+            "\n{axis}: {} is not compensated: {}. Instead: {}.",
+            not.effect, not.why, not.instead
+        ));
     }
     lines.join("\n")
 }

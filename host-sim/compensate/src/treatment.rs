@@ -21,7 +21,9 @@ pub enum Treatment {
 pub const fn of(effect: &Effect) -> Treatment {
     use Treatment::{Compensated, Not};
     match effect {
-        Effect::Backlash(_) => Compensated("half of the gap is added to the command in the direction of motion"),
+        Effect::Backlash(_) => {
+            Compensated("half of the gap is added to the command in the direction of motion")
+        }
         Effect::PitchProgressive(_) | Effect::PitchMap(_) => {
             Compensated("the error over the position is subtracted from the command")
         }
@@ -50,7 +52,9 @@ pub const fn of(effect: &Effect) -> Treatment {
         Effect::ConstantLoad(_) | Effect::PositionLoad(_) => {
             Compensated("the load over the position is part of the force feed-forward")
         }
-        Effect::ServoMismatch(_) => Compensated("the setting of Kp is changed so that the drive has the declared one"),
+        Effect::ServoMismatch(_) => {
+            Compensated("the setting of Kp is changed so that the drive has the declared one")
+        }
         Effect::FeedforwardMismatch(_) => {
             Compensated("the setting of Kf is changed so that the drive has the declared one")
         }
@@ -75,7 +79,9 @@ pub const fn of(effect: &Effect) -> Treatment {
         Effect::Squareness(_) | Effect::Straightness(_) => {
             Compensated("the displacement over the other axis's position is subtracted from the command")
         }
-        Effect::ThermalDrift(_) => Compensated("the drift over the time of the session is subtracted from the command"),
+        Effect::ThermalDrift(_) => {
+            Compensated("the drift over the time of the session is subtracted from the command")
+        }
         Effect::Latency(_) => Not {
             why: "only the log is late, the machine is not",
             instead: "read the channels at the same instant, or shift the channel in the log",

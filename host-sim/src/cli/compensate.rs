@@ -49,7 +49,8 @@ pub struct Arguments {
 /// # Errors
 /// Invalid input, a model that cannot be simulated, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let inputs: Vec<&Path> = [&arguments.model].into_iter().chain(&arguments.motion).map(PathBuf::as_path).collect();
+    let inputs: Vec<&Path> =
+        [&arguments.model].into_iter().chain(&arguments.motion).map(PathBuf::as_path).collect();
     check_outputs(&inputs, &[("--out", Some(&arguments.out)), ("--json", arguments.json.as_ref())])?;
     if !(arguments.set_at_s >= 0.0 && arguments.set_at_s.is_finite()) {
         return Err(InputError::expected("--set-at-s", "a time of at least 0 s", arguments.set_at_s).into());

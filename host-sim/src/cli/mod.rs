@@ -8,6 +8,7 @@ mod demo;
 mod friction_map;
 mod input_error;
 mod logged_run;
+mod margins;
 mod outputs;
 mod progress;
 mod record;
@@ -52,6 +53,8 @@ enum Command {
     SelfTest(self_test::Arguments),
     /// Compute the residuals of logs, identify the missing effects, report the errors before and after.
     Trace(trace::Arguments),
+    /// Compute gain and phase margins of the velocity and position loops of a machine file.
+    Margins(margins::Arguments),
     /// Compare the contour error of the same motions before and after a change with each other and with the prediction.
     Verify(verify::Arguments),
 }
@@ -66,6 +69,7 @@ pub fn run() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
         Command::Compensate(arguments) => compensate::run(&arguments),
+        Command::Margins(arguments) => margins::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
         Command::SelfTest(arguments) => self_test::run(&arguments),
