@@ -70,7 +70,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let machine = Machine::read(&arguments.machine)?;
     let machine = Compensated::read(arguments.compensation.as_deref(), machine)?.machine;
     let axes = axis_margins::of_machine(&machine, &Instruments::of(&machine, 0), limits)
-        .map_err(|error| InputError::new(arguments.machine.display().to_string(), error.to_string()))?;
+        .map_err(|error| InputError::new(&arguments.machine.display().to_string(), error.to_string()))?;
     if let Some(path) = &arguments.json {
         let text = serde_json::to_string_pretty(&json::of(&axes, limits))?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;

@@ -35,16 +35,18 @@ fn the_velocity_loop_of_a_rigid_mass_has_the_margins_of_its_closed_form() {
     assert_eq!(margins.unstable, None);
 }
 
-/// Below the bandwidth of the velocity loop, 38 Hz, the position loop is Kp/s behind delays: the hold and the velocity loop lag
-/// by some ms. At Kp = 2/s the phase is 90° less 2/s times that.
+/// Far below the bandwidth of the velocity loop the position loop is Kp/s behind a delay, and the phase margin is 90° less Kp
+/// times the delay. For a velocity command that rises by a per second, the reading is m·a/Kv below the command, and is half a
+/// tick T late; the hold over n ticks of the position loop lags by (n − 1)·T/2. Delay: m/Kv − T/2 + (n − 1)·T/2.
 #[test]
 fn a_slow_position_loop_has_a_phase_margin_near_90_degrees() {
     let margins = rigid().with_position_gain(2.0).position();
     let (phase, _) = margins.phase_deg.unwrap();
-    // The crossover: Kp = ω. The delays: m/Kv = 4.2 ms of the velocity loop, T/2 of the hold, 0.1 to 0.4 ms of its ticks.
     assert!((phase.hz * std::f64::consts::TAU - 2.0).abs() < 2e-3, "{phase:?}");
     let delay_s = (90.0 - phase.value).to_radians() / 2.0;
-    assert!((4.5e-3..5.3e-3).contains(&delay_s), "{delay_s}");
+    let exact_s = 250.0 / 60_000.0 - 0.5 / 4000.0 + 1.5 / 4000.0;
+    // The phase of a first-order lag differs from that of a delay by (ωτ)²/3 = 2e-5 of itself.
+    assert!((delay_s / exact_s - 1.0).abs() < 1e-4, "{delay_s} {exact_s}");
 }
 
 /// For P control the loop is proportional to Kp: the loop at Kp times the gain margin is at its limit.
