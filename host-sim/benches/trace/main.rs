@@ -1,5 +1,5 @@
-//! Speed of the tracer's parts: a rigid model fitted to 24.8 s of a ball-screw axis at 1 kHz, and the signals of that
-//! log.
+//! Speed of the tracer: a rigid model fitted to 24.8 s of a ball-screw axis at 1 kHz, the signals of that log, and whole
+//! traces of two machines of the self-test.
 //!
 //! With `LOST_MOTION_DATA` the log is a recorded one (EMPS); without it one of the same length from the equation of the
 //! model, with noise.
@@ -12,6 +12,8 @@ use std::path::Path;
 use criterion::{Criterion, criterion_group, criterion_main};
 use files::log::{AxisLog, Log, Unit};
 use model::machine::Machine;
+use self_test::case::Case;
+use self_test::kind::Kind;
 use trace::TraceOptions;
 use trace::fit::axis_model::AxisModel;
 use trace::fit::fit_data::FitData;
@@ -70,5 +72,30 @@ fn rigid(criterion: &mut Criterion) {
     });
 }
 
-criterion_group!(benches, rigid);
+/// Cases of the self-test with seed 1, and effects of each: one of the known kind, and one with a pitch error over the
+/// position beside a backlash and a late channel.
+const CASES: [(Kind, u64, &[&str]); 2] = [
+    (Kind::Textbook, 1, &["squareness", "friction_asymmetry"]),
+    (Kind::Shape, 7, &["pitch_map", "backlash", "latency"]),
+];
+
+/// Five logs of two axes, about 40 s, of which three are fitted: without reading, from the logs to the result.
+fn whole(criterion: &mut Criterion) {
+    let mut group = criterion.benchmark_group("trace of five logs");
+    // A trace takes seconds: the least number of samples, each of one trace.
+    group.sample_size(10);
+    for (kind, number, expected) in CASES {
+        let case = Case::draw_kind(kind, 1, number).unwrap();
+        let trace = || trace::trace(&case.machine, &case.fit, &case.validate, &|_| {}).unwrap();
+        let checked = || {
+            let trace = trace();
+            let names = || trace.axes.iter().flat_map(|axis| &axis.found).map(|found| found.effect.name());
+            assert!(expected.iter().all(|name| names().any(|found| found == *name)));
+            trace
+        };
+        group.bench_function(case.name(), |bench| bench.iter(|| black_box(checked())));
+    }
+}
+
+criterion_group!(benches, rigid, whole);
 criterion_main!(benches);

@@ -64,12 +64,12 @@ mod tests {
     /// The lead of 10 mm with its second harmonic is one table, a belt of 37 mm another, a third period has no place.
     #[test]
     fn harmonics_share_a_table() {
-        let (tables, left_out) =
-            super::tables(vec![wave(0.01, 3e-6), wave(0.005, 1e-6), wave(0.037, 2e-6), wave(0.023, 1e-7)]);
-        assert_eq!((tables.len(), left_out), (2, 1));
-        assert!((tables[0].period_m - 0.01).abs() < 1e-15 && (tables[1].period_m - 0.037).abs() < 1e-15);
+        let (made, left_out) =
+            tables(vec![wave(0.01, 3e-6), wave(0.005, 1e-6), wave(0.037, 2e-6), wave(0.023, 1e-7)]);
+        assert_eq!((made.len(), left_out), (2, 1));
+        assert!((made[0].period_m - 0.01).abs() < 1e-15 && (made[1].period_m - 0.037).abs() < 1e-15);
         // At an eighth of the lead: 3·sin(45°) + 1·sin(90°).
-        assert!((tables[0].values[8] - (3e-6 * 0.5f64.sqrt() + 1e-6)).abs() < 1e-15);
-        assert!((tables[1].values[16] - 2e-6).abs() < 1e-15);
+        assert!((made[0].values[8] - (3e-6 * 0.5f64.sqrt() + 1e-6)).abs() < 1e-15);
+        assert!((made[1].values[16] - 2e-6).abs() < 1e-15);
     }
 }

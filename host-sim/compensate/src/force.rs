@@ -28,7 +28,7 @@ pub fn model(
     }
     let friction = &parameters.friction;
     let stribeck = |excess_n: f64, velocity_mm_s: f64| {
-        (excess_n != 0.0).then(|| Stribeck { excess_n, velocity_m_per_s: 1e-3 * velocity_mm_s })
+        (excess_n != 0.0).then_some(Stribeck { excess_n, velocity_m_per_s: 1e-3 * velocity_mm_s })
     };
     let motor = &parameters.motor_stribeck;
     Some(ForceModel {

@@ -5,16 +5,21 @@
 //! - [`treatment`]: what is done about each effect, or why nothing can be
 //! - [`prediction`]: the contour error of the model with and without a compensation
 //! - [`plan`]: the compensation of a model, without the items that the prediction does not support
+//! - [`round_trip`]: the same motions before and after on a simulated machine, whose controller runs where [`place`] says
+//! - [`alignment`]: logs whose channels are late
 //! - [`file`]: the compensation file; [`json`]: the plan as JSON; [`text`]: for a terminal
 //!
 //! An item is kept only if the simulated model follows the path better with it than without it.
 
+pub mod alignment;
 pub mod cycles;
 pub mod file;
 pub mod force;
 pub mod json;
+pub mod place;
 pub mod plan;
 pub mod prediction;
+pub mod round_trip;
 pub mod servo;
 pub mod tables;
 pub mod text;

@@ -2,17 +2,18 @@
 
 use rayon::prelude::*;
 
+use crate::alignment::aligned;
 use crate::file::{CompensationFile, Refused};
+use crate::place::Place;
 use contour::verification::Prediction;
 use contour::{ContourError, LoggedMotion, NominalPath};
 use files::error::InputError;
 use files::log::Log;
-use link::controller::Format;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
-use plant::simulate::{self, Run, SimulationError};
+use plant::simulate::{Run, SimulationError};
 
 /// A motion that is simulated, and the time on the session clock at which it starts, s.
 #[derive(Clone, Debug)]
@@ -59,12 +60,12 @@ pub fn log(
     machine: &Machine,
     file: &CompensationFile,
     test: &TestMotion,
-    instruments: Instruments,
+    (instruments, place): (Instruments, Place),
 ) -> Result<Log, PredictionError> {
     let machine = &file.applied_to(machine);
     let path = MachinePath::new(&test.motion, machine, &test.source)?;
     let failed = |error| PredictionError::Simulation { motion: test.motion.name.clone(), error };
-    let mut controller = simulate::controller(machine, Format::Fixed, &path.start_m).map_err(failed)?;
+    let mut controller = place.controller(machine, &path.start_m).map_err(failed)?;
     file.set(machine, controller.as_mut())?;
     let run =
         Run { machine, instruments, start_m: &path.start_m, blocks: &path.blocks, start_s: test.start_s };
@@ -86,11 +87,19 @@ pub fn contour_errors(
     tests
         .par_iter()
         .map(|test| {
-            let log = log(machine, file, test, instruments)?;
-            let error = LoggedMotion::of(&log).ok().and_then(|motion| motion.contour_error());
-            error.ok_or_else(|| PredictionError::NoContour { motion: test.motion.name.clone() })
+            let log = log(machine, file, test, (instruments, Place::Host))?;
+            contour_error(&log, machine)
         })
         .collect()
+}
+
+/// Contour error of a log, whose channels are aligned by the model.
+///
+/// # Errors
+/// If the log is too short or has no linear axis.
+pub fn contour_error(log: &Log, model: &Machine) -> Result<ContourError, PredictionError> {
+    let error = LoggedMotion::of(&aligned(log, model)).ok().and_then(|motion| motion.contour_error());
+    error.ok_or_else(|| PredictionError::NoContour { motion: log.source.clone() })
 }
 
 /// Root mean square over the samples of all motions, µm.

@@ -32,8 +32,9 @@ impl ControllerChange {
     #[must_use]
     pub fn to_declared(settings: &Settings, servo: &ServoParameters) -> Self {
         let controller = &settings.controller;
-        let scaled =
-            |declared: Option<f64>, factor: f64| declared.filter(|_| factor != 1.0).map(|d| d / factor);
+        let scaled = |declared: Option<f64>, factor: f64| {
+            declared.filter(|_| (factor - 1.0).abs() > f64::EPSILON).map(|d| d / factor)
+        };
         let feedforward = servo.feedforward.percent;
         Self {
             position_gain_per_s: scaled(controller.position_gain_per_s, servo.mismatch.factor()),

@@ -48,7 +48,7 @@ pub fn of_axis(
         intalk: (tool.intalk.um_s2_per_m != 0.0).then(|| um_s2_per_m(tool.intalk.um_s2_per_m)),
         crosstalk,
         // The effect is declared on the first axis and depends on the second.
-        squareness: (tool.squareness.um_per_m != 0.0).then(|| (1, 1e-6 * tool.squareness.um_per_m)),
+        squareness: (tool.squareness.um_per_m != 0.0).then_some((1, 1e-6 * tool.squareness.um_per_m)),
         straightness,
         drift: tool.drift.as_ref().map(|drift| drift_table(drift, start_s)),
         ..CompensationSettings::default()

@@ -19,23 +19,25 @@ pub enum Treatment {
 /// What is done about an effect.
 #[must_use]
 pub const fn of(effect: &Effect) -> Treatment {
-    use Treatment::{Compensated, Not};
-    match effect {
-        Effect::Backlash(_) => {
-            Compensated("half of the gap is added to the command in the direction of motion")
-        }
+    if let Some(does) = done(effect) {
+        return Treatment::Compensated(does);
+    }
+    let (why, instead) = not_done(effect);
+    Treatment::Not { why, instead }
+}
+
+/// What the controller does about an effect, if it can.
+const fn done(effect: &Effect) -> Option<&'static str> {
+    Some(match effect {
+        Effect::Backlash(_) => "half of the gap is added to the command in the direction of motion",
         Effect::PitchProgressive(_) | Effect::PitchMap(_) => {
-            Compensated("the error over the position is subtracted from the command")
+            "the error over the position is subtracted from the command"
         }
-        Effect::PitchCyclic(_) => Compensated("the periodic error is subtracted from the command"),
+        Effect::PitchCyclic(_) => "the periodic error is subtracted from the command",
         Effect::ResolverDividing(_) | Effect::EncoderEllipticity(_) => {
-            Compensated("the periodic error is subtracted from the motor reading")
+            "the periodic error is subtracted from the motor reading"
         }
-        Effect::Windup(_) => Compensated("the stretch under the modelled force is added to the command"),
-        Effect::ForceWindup(_) => Not {
-            why: "the stretch follows the measured force, for which the model has no masses",
-            instead: "declare the masses and trace again",
-        },
+        Effect::Windup(_) => "the stretch under the modelled force is added to the command",
         Effect::Stribeck(_)
         | Effect::FrictionAsymmetry(_)
         | Effect::FrictionMap(_)
@@ -43,52 +45,80 @@ pub const fn of(effect: &Effect) -> Treatment {
         | Effect::MotorStribeck(_)
         | Effect::Presliding(_)
         | Effect::PreloadVariation(_)
-        | Effect::FrictionRipple(_) => Compensated("its friction is part of the force feed-forward"),
-        Effect::ShearThinning(_) | Effect::FrictionMemory(_) => Not {
-            why: "the force feed-forward has no friction that depends on the past speed or that falls near standstill",
-            instead: "check the lubricant, or move at speeds at which its film carries",
-        },
-        Effect::TorqueRipple(_) => Compensated("the periodic force is subtracted from the force"),
+        | Effect::FrictionRipple(_) => "its friction is part of the force feed-forward",
+        Effect::TorqueRipple(_) => "the periodic force is subtracted from the force",
         Effect::ConstantLoad(_) | Effect::PositionLoad(_) => {
-            Compensated("the load over the position is part of the force feed-forward")
+            "the load over the position is part of the force feed-forward"
         }
-        Effect::ServoMismatch(_) => {
-            Compensated("the setting of Kp is changed so that the drive has the declared one")
-        }
+        Effect::ServoMismatch(_) => "the setting of Kp is changed so that the drive has the declared one",
         Effect::FeedforwardMismatch(_) => {
-            Compensated("the setting of Kf is changed so that the drive has the declared one")
+            "the setting of Kf is changed so that the drive has the declared one"
         }
         Effect::VelocityGainMismatch(_) => {
-            Compensated("the setting of Kv is changed so that the drive has the declared one")
+            "the setting of Kv is changed so that the drive has the declared one"
         }
         Effect::IntegralTimeMismatch(_) => {
-            Compensated("the setting of Ti is changed so that the drive has the declared one")
+            "the setting of Ti is changed so that the drive has the declared one"
         }
-        Effect::VelocityLag(_) => Not {
-            why: "the delay is in the drive's own velocity reading",
-            instead: "reduce the averaging of the velocity in the drive",
-        },
-        Effect::DriveLag(_) => Not {
-            why: "the lag is in the drive's current loop",
-            instead: "tune the current loop of the drive",
-        },
-        Effect::Intalk(_) => Compensated("the displacement by the commanded acceleration is subtracted"),
-        Effect::Crosstalk(_) => {
-            Compensated("the displacement by the other axis's commanded acceleration is subtracted")
-        }
+        Effect::Intalk(_) => "the displacement by the commanded acceleration is subtracted",
+        Effect::Crosstalk(_) => "the displacement by the other axis's commanded acceleration is subtracted",
         Effect::Squareness(_) | Effect::Straightness(_) => {
-            Compensated("the displacement over the other axis's position is subtracted from the command")
+            "the displacement over the other axis's position is subtracted from the command"
         }
-        Effect::ThermalDrift(_) => {
-            Compensated("the drift over the time of the session is subtracted from the command")
+        Effect::ThermalDrift(_) => "the drift over the time of the session is subtracted from the command",
+        Effect::ForceWindup(_)
+        | Effect::ShearThinning(_)
+        | Effect::FrictionMemory(_)
+        | Effect::VelocityLag(_)
+        | Effect::DriveLag(_)
+        | Effect::Latency(_)
+        | Effect::Resonance(_) => return None,
+    })
+}
+
+/// Why the controller cannot compensate an effect, and what to do instead.
+const fn not_done(effect: &Effect) -> (&'static str, &'static str) {
+    match effect {
+        Effect::ForceWindup(_) => (
+            "the stretch follows the measured force, for which the model has no masses",
+            "declare the masses and trace again",
+        ),
+        Effect::ShearThinning(_) | Effect::FrictionMemory(_) => (
+            "the force feed-forward has no friction that falls towards standstill or depends on the past speed",
+            "check the lubricant, or move at speeds at which its film carries",
+        ),
+        Effect::VelocityLag(_) => (
+            "the delay is in the drive's own velocity reading",
+            "reduce the averaging of the velocity in the drive",
+        ),
+        Effect::DriveLag(_) => {
+            ("the lag is in the drive's current loop", "tune the current loop of the drive")
         }
-        Effect::Latency(_) => Not {
-            why: "only the log is late, the machine is not",
-            instead: "read the channels at the same instant, or shift the channel in the log",
-        },
-        Effect::Resonance(_) => Not {
-            why: "the controller does not see the oscillation of the tool",
-            instead: "limit the jerk, or set a moving average of one period of the oscillation (smoothing_s) on all axes",
-        },
+        Effect::Latency(_) => (
+            "only the log is late, the machine is not",
+            "read the channels at the same instant; this program moves the channel back where it evaluates logs",
+        ),
+        Effect::Resonance(_) => (
+            "the controller does not see the oscillation of the tool",
+            "limit the jerk, or set a moving average of one period of the oscillation (smoothing_s) on all axes",
+        ),
+        _ => ("no compensation is known", "remove its cause at the machine"),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use model::effects::{DriveLag, Intalk, Latency};
+
+    #[test]
+    fn an_effect_is_compensated_or_has_its_reason() {
+        let intalk = of(&Effect::Intalk(Intalk::default()));
+        assert!(matches!(intalk, Treatment::Compensated(does) if does.contains("acceleration")));
+        let latency = Latency { channel: model::effects::Channel::Tool, ms: 1.0 };
+        for effect in [Effect::DriveLag(DriveLag::default()), Effect::Latency(latency)] {
+            let Treatment::Not { why, .. } = of(&effect) else { panic!("{effect:?} is compensated") };
+            assert!(why != "no compensation is known");
+        }
     }
 }

@@ -45,6 +45,27 @@ pub fn draw(declared: &Machine, seed: u64) -> Drawn {
     Drawn { truth, axis, effect }
 }
 
+/// Draws the machine's true values and `count` different effects, each with its axis.
+#[must_use]
+pub fn draw_several(declared: &Machine, seed: u64, count: usize) -> (Machine, Vec<(String, Effect)>) {
+    let Drawn { mut truth, axis, effect } = draw(declared, seed);
+    let mut effects = vec![(axis, effect)];
+    for further in 1.. {
+        if effects.len() >= count {
+            break;
+        }
+        // Seeds of the same machine do not meet those of others.
+        let drawn = draw(declared, seed.wrapping_add(further << 32));
+        if effects.iter().all(|(_, known)| known.name() != drawn.effect.name()) {
+            if let Some(axis) = truth.axis.get_mut(&drawn.axis) {
+                axis.effect.push(drawn.effect.clone());
+            }
+            effects.push((drawn.axis, drawn.effect));
+        }
+    }
+    (truth, effects)
+}
+
 fn deviate(mechanics: &mut Mechanics, random: &mut ChaCha8Rng) {
     for value in [
         &mut mechanics.motor_mass_kg,

@@ -1,12 +1,18 @@
-//! The demonstration: a machine with one undeclared effect is simulated, logged and traced.
+//! The demonstration: a machine with one undeclared effect is simulated, logged and traced, then compensated and run again.
 
 mod draw;
+pub mod round_trips;
 
-pub use draw::{Drawn, draw};
+pub use draw::{Drawn, draw, draw_several};
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use compensate::place::Place;
+use compensate::plan::{Plan, Planning};
+use compensate::prediction::{PredictionError, TestMotion};
+use compensate::round_trip::{self, Compared, RealMachine};
+use contour::ContourError;
 use files::error::InputError;
 use files::log::Log;
 use link::controller::Format;
@@ -35,6 +41,17 @@ const VALIDATE: [(&str, f64); 2] = [
     (include_str!("../../motions/demo_corner.toml"), 120.0),
 ];
 
+/// Motions on whose predicted contour error the compensation is chosen: those of the validation.
+const CHOSEN_ON: [&str; 2] =
+    [include_str!("../../motions/demo_ballbar.toml"), include_str!("../../motions/demo_corner.toml")];
+
+/// Motions before and after: one of the logs, and one that was never used.
+const RUN_ON: [&str; 2] =
+    [include_str!("../../motions/demo_ballbar.toml"), include_str!("../../motions/circle.toml")];
+
+/// Time on the session clock at which the compensation is set and the motions are executed again, s.
+const SET_AT_S: f64 = 150.0;
+
 /// Why the demo failed.
 #[derive(Debug, thiserror::Error)]
 pub enum DemoError {
@@ -44,6 +61,9 @@ pub enum DemoError {
     /// The simulated machine did not complete a motion.
     #[error(transparent)]
     Simulation(#[from] SimulationError),
+    /// The compensation cannot be planned or applied.
+    #[error(transparent)]
+    Compensation(#[from] PredictionError),
 }
 
 /// The result of one demonstration.
@@ -54,6 +74,18 @@ pub struct Demo {
     pub drawn: Drawn,
     /// The trace of its logs, from the declared machine alone.
     pub trace: Trace,
+    /// The compensation of the traced model, and the motions before and after it.
+    pub compensated: Compensated,
+}
+
+/// A machine after its compensation.
+pub struct Compensated {
+    /// The compensation.
+    pub plan: Plan,
+    /// The motions before, as predicted, and after.
+    pub motions: Vec<Compared>,
+    /// Where the controller ran with the compensation.
+    pub place: Place,
 }
 
 /// Simulates, logs and traces the machine of a seed; `progress` receives the name of each step as it starts.
@@ -66,7 +98,35 @@ pub fn run(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErro
     progress("running the machine");
     let [fit, validate] = logs(&drawn.truth, seed)?;
     let trace = trace::trace(&declared, &fit, &validate, progress)?;
-    Ok(Demo { seed, drawn, trace })
+    progress("compensating the machine");
+    let compensated = compensated(&trace.better_machine(), &drawn.truth, seed, Place::found())?;
+    Ok(Demo { seed, drawn, trace, compensated })
+}
+
+/// Compensates a machine by its traced model, and executes a motion of its logs and one that was never used before and after.
+///
+/// # Errors
+/// If the model or the machine cannot be simulated, or the compensation is refused.
+pub fn compensated(
+    model: &Machine,
+    truth: &Machine,
+    seed: u64,
+    place: Place,
+) -> Result<Compensated, DemoError> {
+    let instruments = Instruments::typical(seed);
+    let tests = CHOSEN_ON.map(test_motion).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let planning =
+        Planning { model, model_file: "the traced model", tests: &tests, instruments, set_at_s: SET_AT_S };
+    let plan = planning.plan()?;
+    let run_on = RUN_ON.map(test_motion).into_iter().collect::<Result<Vec<_>, _>>()?;
+    let real = RealMachine { machine: truth, instruments, place };
+    let motions = round_trip::compare(real, model, &plan.file, &run_on)?;
+    Ok(Compensated { plan, motions, place })
+}
+
+fn test_motion(text: &str) -> Result<TestMotion, InputError> {
+    let source = "a shipped motion";
+    Ok(TestMotion { motion: Motion::parse(text, source)?, source: source.to_owned(), start_s: SET_AT_S })
 }
 
 /// Logs of a machine on the demonstration's motions: those of the fit, and those of the validation.
@@ -174,6 +234,7 @@ impl Demo {
         if let (Some(source), Value::Object(truth)) = (self.drawn.effect.distinction().source(), &mut truth) {
             truth.insert("source".to_owned(), json!(source));
         }
+        let [before, predicted, after] = round_trip::totals_um(&self.compensated.motions);
         json!({
             "seed": self.seed,
             "undeclared": [truth],
@@ -183,6 +244,23 @@ impl Demo {
                 "after": headline.map(|h| h.after),
                 "noise": headline.map(|h| h.noise),
             },
+            "contour_error_um": {"before": before, "predicted": predicted, "after": after},
+            "motions": self.compensated.motions.iter().map(motion_json).collect::<Vec<_>>(),
+            "compensation": compensate::json::of(&self.compensated.plan),
         })
     }
+}
+
+/// One motion before, as predicted, and after.
+fn motion_json(motion: &Compared) -> Value {
+    let of = |value: fn(&ContourError) -> Option<f64>| {
+        let [before, predicted, after] = motion.errors.each_ref().map(value);
+        json!({"before": before, "predicted": predicted, "after": after})
+    };
+    json!({
+        "name": motion.name,
+        "rms_um": of(|error| Some(error.rms_um)),
+        "max_um": of(|error| Some(error.max_um)),
+        "circular_deviation_um": of(ContourError::circular_um),
+    })
 }

@@ -12,6 +12,7 @@
 //! | `axis_view` | the plotted residuals |
 //! | `residual_plots` | residuals over time and over a `variable` |
 //! | `circle_plots` | a circle, from `contour::circle_fit` and `radial_deviation` |
+//! | [`round_trip`] | motions before, as predicted, and after a compensation |
 //! | [`ranking`] | the candidates of each round |
 
 mod axis_view;
@@ -23,6 +24,7 @@ mod parameters;
 mod radial_deviation;
 pub mod ranking;
 mod residual_plots;
+pub mod round_trip;
 pub mod sentences;
 mod tables;
 pub mod trace_page;

@@ -5,7 +5,8 @@ use std::path::{Path, PathBuf};
 use maud::{Markup, html};
 
 use super::axis_view::AxisView;
-use super::{circle_plots, ranking, residual_plots, sentences, tables};
+use super::round_trip::RoundTripMotion;
+use super::{circle_plots, ranking, residual_plots, round_trip, sentences, tables};
 use contour::logged::LogError;
 use files::output::OutputError;
 use model::effects::Effect;
@@ -27,6 +28,8 @@ pub struct Extra {
     pub truth: Option<Vec<(String, Effect)>>,
     /// Contour errors of the logs.
     pub contour_errors: Vec<LogError>,
+    /// Motions before and after a compensation, with a sentence about them.
+    pub round_trip: (Vec<RoundTripMotion>, String),
 }
 
 /// Writes the page into a folder, which is created if it does not exist, and returns its path.
@@ -49,6 +52,7 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
         (section("Effects found", &found(trace, extra)))
         (section("Residuals before and after", &tables::errors(&trace.axes)))
         (section("Contour error", &tables::contour_errors(&extra.contour_errors)))
+        (section("Before and after the compensation", &round_trip::body(&extra.round_trip.0, &extra.round_trip.1)))
         (section("The circle", &circle_plots::body(trace, &views)))
         (section("The residual of each stage", &residual_plots::body(trace, &views)))
         (section("Candidates tested", &ranking::body(&trace.axes)))

@@ -4,6 +4,7 @@ use std::path::{Path, PathBuf};
 
 use maud::{Markup, html};
 
+use contour::ContourError;
 use contour::circle::CircleError;
 use contour::verification::{Change, VerifiedMotion};
 use files::format::{fixed, signed, significant};
@@ -141,24 +142,30 @@ pub fn figures(motion: &VerifiedMotion) -> [Option<f64>; 9] {
 
 /// The largest circle before and after; empty if the motion has none.
 fn circles(motion: &VerifiedMotion) -> Markup {
-    let largest = |circles: &[CircleError]| -> Option<CircleError> {
-        circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius)).cloned()
+    let errors = [("Before", &motion.before), ("After", &motion.after)];
+    html! {
+        (note(&format!("Measured at the {}.", motion.channel.word())))
+        (on_one_scale(&errors, &motion.axes))
+    }
+}
+
+/// The largest circle of each contour error, beside each other on one scale; empty if one has no circle.
+pub(crate) fn on_one_scale(errors: &[(&str, &ContourError)], axes: &[String]) -> Markup {
+    let largest = |error: &ContourError| -> Option<CircleError> {
+        error.circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius)).cloned()
     };
-    let (Some(before), Some(after)) = (largest(&motion.before.circles), largest(&motion.after.circles))
-    else {
-        return Markup::default();
-    };
-    let points = [&before, &after].into_iter().flat_map(|circle| &circle.laps).flat_map(|lap| &lap.points);
+    let circles: Option<Vec<(&str, CircleError)>> =
+        errors.iter().map(|(title, error)| Some((*title, largest(error)?))).collect();
+    let Some(circles) = circles.filter(|circles| !circles.is_empty()) else { return Markup::default() };
+    let points = circles.iter().flat_map(|(_, circle)| &circle.laps).flat_map(|lap| &lap.points);
     let division_um = division_for(numerics::max_abs(points.map(|point| point.1)));
     html! {
         (note(&format!(
-            "Radial deviation of the {} from the programmed circle of {} mm radius.",
-            motion.channel.word(),
-            significant(1e3 * before.radius, 3)
+            "Radial deviation from the programmed circle of {} mm radius.",
+            significant(1e3 * circles[0].1.radius, 3)
         )))
         div.circles {
-            (picture("Before", &before, division_um, &motion.axes))
-            (picture("After", &after, division_um, &motion.axes))
+            @for (title, circle) in &circles { (picture(title, circle, division_um, axes)) }
         }
         (legend(&[line_entry("cw", "clockwise"), line_entry("ccw", "counter-clockwise")]))
     }

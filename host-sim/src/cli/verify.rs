@@ -7,6 +7,7 @@ use serde_json::json;
 
 use super::outputs::{check_outputs, print};
 use super::progress::Progress;
+use compensate::alignment::aligned;
 use contour::verification::{Change, Predictions, VerifiedMotion, pairs};
 use files::error::InputError;
 use files::log::{Log, Unit};
@@ -77,6 +78,8 @@ fn verified(
     for log in before.iter().chain(&after) {
         check_axes(log, machine)?;
     }
+    let [before, after] =
+        [before, after].map(|logs| -> Vec<Log> { logs.iter().map(|log| aligned(log, machine)).collect() });
     let pairs = pairs(&before, &after)?;
     let motions = before.iter().zip(pairs);
     motions.map(|(log, index)| VerifiedMotion::new(log, &after[index], predictions)).collect()

@@ -272,7 +272,7 @@ options! {
         /// Maximum width of a local defect, as a fraction of the travel.
         ///
         /// Sweep: nothing changes.
-        max_width: f64 = 0.6,
+        max_width: f64 = 0.25,
         /// Minimum fraction of the residual's power before the exclusion that an effect must explain in a scope with an
         /// exclusion. Smaller effects are residuals of the excluded part.
         ///

@@ -11,7 +11,7 @@ use super::round::Round;
 use super::slope_of_map::is_slope_of_map;
 use crate::analysis::residual_analysis::unexplained;
 use crate::fit::axis_model::AxisModel;
-use crate::fit::exclusion::Exclusion;
+use crate::fit::exclusion::{ExcludedPart, Exclusion};
 use crate::fit::fit_data::{FitData, ResidualSeries};
 use crate::fit::intervals::{covariance, half_widths, may_be_zero};
 use crate::fit::least_squares::{self, Fitted};
@@ -346,11 +346,16 @@ fn origin(data: &FitData<'_>, base: &Fitted, scope: &Scope, added: usize) -> Fit
     least_squares::fit(data, &base.model.at_nominal(), scope, 0)
 }
 
-/// The parts of the remaining residuals that are to be excluded.
+/// The parts of the remaining residuals that are to be excluded. A map describes any position: what it leaves is not a defect
+/// that no effect describes.
 fn new_exclusions(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> Vec<Exclusion> {
+    let has_map = fitted.model.found().iter().any(|effect| matches!(effect, Effect::PitchMap(_)));
+    let is_of_map = |exclusion: &Exclusion| {
+        has_map && exclusion.stage == Stage::Table && matches!(exclusion.part, ExcludedPart::Position { .. })
+    };
     let of_stage = |&stage: &Stage| {
         let noise = data.noise(&fitted.model, stage);
         unexplained(data, &fitted.residuals, stage, noise)?.exclusion(data, &fitted.residuals, noise)
     };
-    scope.stages.iter().filter_map(of_stage).collect()
+    scope.stages.iter().filter_map(of_stage).filter(|exclusion| !is_of_map(exclusion)).collect()
 }

@@ -1,0 +1,72 @@
+//! A setting of the controller that is not as declared.
+
+use trace::Trace;
+use trace::verdict::{self, Verdict};
+
+use super::machine::TestMachine;
+use super::reported::{assert_named, context, found, named};
+
+/// Machines with P and HPC, of which the test asserts that.
+const P: u64 = 1;
+const HPC: u64 = 7;
+
+/// Largest error and half width of a mismatch in percent or percentage points. One percentage point of feed-forward changes
+/// the following error at 50 mm/s by 0.01·50/Kp = 10 µm, a thousand times the noise of the encoder.
+const MAX_ERROR: f64 = 0.01;
+
+/// Asserts the percent of an effect that has only this parameter.
+fn assert_percent(trace: &Trace, axis: usize, name: &str, truth: f64) {
+    let found = found(trace, axis, name);
+    let (value, half_width) = (found.effect.values()[0], found.half_widths[0]);
+    let context = format!("{name}: {value} ± {half_width}, truth {truth}");
+    assert!((value - truth).abs() < MAX_ERROR, "{context}");
+    assert!(half_width > 0.0 && half_width < MAX_ERROR, "{context}");
+}
+
+/// Once: "the position gain lies 80.000 % above the declared one" and "7.14 %", the aliases of Kf in steady motion, as the
+/// following error is v·(1 − Kf)/Kp.
+#[test]
+fn a_wrong_feedforward_is_not_a_position_gain() {
+    for (seed, is_hpc) in [(P, false), (HPC, true)] {
+        let [far, near] = [20.0, 2.0];
+        let machine = TestMachine::new(seed)
+            .with_declared(0, "feedforward_percent", |kf| kf - far)
+            .with_declared(1, "feedforward_percent", |kf| kf - near);
+        assert_eq!(machine.drawn.axes[0].servo.hpc, is_hpc);
+        let trace = machine.trace();
+        assert_named(&trace, &[("x", "feedforward_mismatch"), ("y", "feedforward_mismatch")]);
+        for (axis, truth) in [far, near].into_iter().enumerate() {
+            assert_percent(&trace, axis, "feedforward_mismatch", truth);
+        }
+        assert!(verdict::of(&trace) < Verdict::ModelDoesNotFit, "{}", context(&trace));
+    }
+}
+
+/// 80 was the limit of the search.
+#[test]
+fn a_wrong_position_gain_is_not_a_feedforward() {
+    let [far, near] = [80.0, -7.0];
+    let machine = TestMachine::new(HPC)
+        .with_declared(0, "position_gain_per_s", |kp| kp / (1.0 + 0.01 * far))
+        .with_declared(1, "position_gain_per_s", |kp| kp / (1.0 + 0.01 * near));
+    let trace = machine.trace();
+    assert_named(&trace, &[("x", "servo_mismatch"), ("y", "servo_mismatch")]);
+    for (axis, truth) in [far, near].into_iter().enumerate() {
+        assert_percent(&trace, axis, "servo_mismatch", truth);
+    }
+}
+
+/// Once: mismatches at the limits of their search, and a Stribeck velocity of exactly 300 mm/s.
+#[test]
+fn the_machine_file_of_another_machine_has_no_effects() {
+    for (seed, other) in [(1, 11), (3, 13)] {
+        let mut machine = TestMachine::new(seed);
+        machine.drawn.declared = TestMachine::new(other).drawn.declared;
+        let trace = machine.trace();
+        assert_eq!(named(&trace), [], "{}", context(&trace));
+        for axis in &trace.axes {
+            assert_eq!(verdict::of_axis(axis), Verdict::ModelDoesNotFit, "{}", context(&trace));
+        }
+        assert!(trace.better_machine().axis.values().all(|axis| axis.effect.is_empty()));
+    }
+}

@@ -1,0 +1,39 @@
+//! Forces that are no constant load.
+
+use model::effects::Stage;
+use trace::verdict::{self, Verdict};
+
+use super::machine::TestMachine;
+use super::reported::{assert_named, assert_value, context, found};
+
+/// Once a constant load and a slope of the screw.
+#[test]
+fn a_force_that_grows_along_the_travel_is_a_position_load() {
+    let slopes_n_per_m = [2000.0, -1000.0];
+    let mut machine = TestMachine::new(2);
+    for (axis, slope) in slopes_n_per_m.into_iter().enumerate() {
+        machine = machine.with_mechanics(axis, |mechanics| mechanics.load_n_per_m = slope);
+    }
+    let trace = machine.trace();
+    assert_named(&trace, &[("x", "position_load"), ("y", "position_load")]);
+    for (axis, slope) in slopes_n_per_m.into_iter().enumerate() {
+        assert_value(found(&trace, axis, "position_load"), "slope_n_per_m", slope, 10.0);
+    }
+}
+
+/// The zero of a force sensor: once "constant load 1000 N", which makes the closed loop worse, as no such force acts.
+#[test]
+fn an_offset_of_the_logged_force_is_not_a_load() {
+    let offset_n = 1000.0;
+    let trace = TestMachine::new(3).trace_of(|log| {
+        for force_n in log.axes[0].force.as_mut().unwrap() {
+            *force_n += offset_n;
+        }
+    });
+    assert_named(&trace, &[]);
+    assert_eq!(verdict::of_axis(&trace.axes[0]), Verdict::ModelDoesNotFit, "{}", context(&trace));
+    assert!(verdict::of_axis(&trace.axes[1]) < Verdict::ModelDoesNotFit, "{}", context(&trace));
+    // No declared value takes the place of the load: the whole offset remains, to within the friction.
+    let force = trace.axes[0].errors.iter().find(|error| error.stage == Stage::Force).unwrap();
+    assert!((force.after.validate / offset_n - 1.0).abs() < 0.1, "{force:?}");
+}

@@ -1,0 +1,18 @@
+//! Traces that once reported an effect that the machine does not have: none of these names is reported, and what is
+//! reported instead has the true values.
+//!
+//! The logs are those of the second simulator ([`machine`]), except where a test says so. `docs/testing.md` lists each case
+//! with the test that contains it.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod broken_data;
+mod controller;
+mod declared_values;
+mod intervals;
+mod load;
+mod machine;
+mod nothing_to_find;
+mod reported;
+mod screw;
+mod slices;
+mod wave_periods;

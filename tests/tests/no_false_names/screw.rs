@@ -1,0 +1,117 @@
+//! Errors of the screw and gaps that vary along the travel: once a wave or a slope of the screw, or one backlash.
+
+use std::f64::consts::TAU;
+
+use model::effects::Effect;
+use model::effects::PitchMap;
+use self_test::plant::Sinusoid;
+use trace::Trace;
+
+use super::machine::{TestMachine, wave_um};
+use super::reported::{assert_named, assert_value, context, found, named};
+
+/// The pitch map of an axis, and the slope beside it, µm/m.
+fn map_and_slope(trace: &Trace, axis: usize) -> (PitchMap, f64) {
+    let Effect::PitchMap(map) = found(trace, axis, "pitch_map").effect.clone() else {
+        panic!("{}", context(trace))
+    };
+    let effects = trace.axes[axis].found.iter().map(|found| &found.effect);
+    let slopes = effects.filter(|effect| effect.name() == "pitch_progressive");
+    (map, slopes.map(|effect| effect.values()[0]).sum())
+}
+
+/// Largest difference of two lists from their mean difference.
+fn largest_difference(of: impl Iterator<Item = (f64, f64)>) -> f64 {
+    let differences: Vec<f64> = of.map(|(a, b)| a - b).collect();
+    let mean = numerics::mean(differences.iter().copied());
+    numerics::max_abs(differences.iter().map(|difference| difference - mean))
+}
+
+/// Three waves of several µm over 140 and 110 mm of travel.
+#[test]
+fn a_smooth_pitch_error_is_a_map() {
+    let waves = |phase: f64| {
+        vec![wave_um(1.5, 60.0, phase), wave_um(2.5, 110.0, 2.0 * phase), wave_um(4.0, 180.0, 3.0 * phase)]
+    };
+    let phases = [1.0, 2.5];
+    let machine = TestMachine::new(2)
+        .with_mechanics(0, |x| x.screw_waves = waves(phases[0]))
+        .with_mechanics(1, |y| y.screw_waves = waves(phases[1]));
+    let trace = machine.trace();
+    for (axis, phase) in phases.into_iter().enumerate() {
+        let names: Vec<&str> = trace.axes[axis].found.iter().map(|found| found.effect.name()).collect();
+        assert!(
+            names.contains(&"pitch_map")
+                && names.iter().all(|name| ["pitch_map", "pitch_progressive"].contains(name)),
+            "{}",
+            context(&trace)
+        );
+        let (map, slope) = map_and_slope(&trace, axis);
+        assert!(map.error_negative_um.is_none(), "{map:?}");
+        // Of the whole error, only the mean is not determined: it is the zero of the scale.
+        let pairs = map.positions_mm.iter().zip(&map.error_um).map(|(&mm, &um)| {
+            let truth: f64 = waves(phase).iter().map(|wave| 1e6 * wave.at(1e-3 * mm)).sum();
+            (um + 1e-3 * mm * slope, truth)
+        });
+        // A hundredth of the peak-to-peak error of 11 µm; the noise of a reading is 0.05 µm.
+        let largest = largest_difference(pairs);
+        assert!(largest < 0.1, "{largest} {map:?}");
+    }
+}
+
+/// Once a dividing error of the resolver or a torque ripple; the belt once a wave of one lead.
+#[test]
+fn a_second_harmonic_and_a_belt_are_waves_with_their_own_periods() {
+    let (amplitude_um, belt_mm) = (2.5, 37.0);
+    let machine = TestMachine::new(1);
+    let lead_mm = machine.drawn.declared[1].lead_mm;
+    let machine = machine
+        .with_mechanics(0, |x| x.screw_waves = vec![wave_um(amplitude_um, belt_mm, 1.0)])
+        .with_mechanics(1, |y| y.screw_waves = vec![wave_um(amplitude_um, 0.5 * lead_mm, 1.0)]);
+    let trace = machine.trace();
+    assert_named(&trace, &[("x", "pitch_cyclic"), ("y", "pitch_cyclic")]);
+    let [belt, second] = [0, 1].map(|axis| found(&trace, axis, "pitch_cyclic"));
+    for wave in [belt, second] {
+        assert_value(wave, "amplitude_um", amplitude_um, 0.01 * amplitude_um);
+    }
+    // Over 136 mm, the phase at the ends changes by 2π·68/37 for a period that is wrong by its own length.
+    assert_value(belt, "period_mm", belt_mm, 0.01);
+    // An order of the lead is not fitted.
+    assert_eq!(second.effect.values()[1].to_bits(), (0.5 * lead_mm).to_bits());
+}
+
+/// Once one backlash, with most of the residual left.
+#[test]
+fn a_varying_gap_is_a_backlash_and_a_map_with_a_curve_for_each_direction() {
+    let gaps = [(6.0, 0.5, 200.0), (8.0, 0.6, 180.0)];
+    let gap = |(_, variation, period_mm): (f64, f64, f64)| Sinusoid {
+        amplitude: variation,
+        period: 1e-3 * period_mm,
+        phase: 1.0,
+    };
+    let mut machine = TestMachine::new(2);
+    for (axis, of_axis) in gaps.into_iter().enumerate() {
+        machine = machine.with_mechanics(axis, |mechanics| {
+            mechanics.backlash_m = 1e-6 * of_axis.0;
+            mechanics.backlash_wave = gap(of_axis);
+        });
+    }
+    let trace = machine.trace();
+    let expected = ["x", "y"].map(|axis| [(axis, "backlash"), (axis, "pitch_map")]).concat();
+    assert_eq!(named(&trace), expected, "{}", context(&trace));
+    for (axis, (width_um, variation, period_mm)) in gaps.into_iter().enumerate() {
+        let mean_um = found(&trace, axis, "backlash").effect.values()[0];
+        let (map, _) = map_and_slope(&trace, axis);
+        let negative = map.error_negative_um.as_ref().unwrap();
+        let curves = map.error_um.iter().zip(negative);
+        for (mm, (plus, minus)) in map.positions_mm.iter().zip(curves) {
+            let found_um = mean_um + minus - plus;
+            let truth_um = width_um * (1.0 + variation * (TAU * mm / period_mm + 1.0).sin());
+            // A twentieth of the gap; a spline through six knots over three quarters of a wave differs by some percent.
+            assert!(
+                (found_um - truth_um).abs() < 0.05 * width_um,
+                "{axis} {mm}: {found_um} {truth_um} {map:?}"
+            );
+        }
+    }
+}
