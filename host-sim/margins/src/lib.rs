@@ -5,6 +5,7 @@
 //! - [`sampled`]: a linear sampled system from its step function; frequency response, eigenvalues
 //! - [`margin`]: the margins of an open loop
 //! - [`axis_margins`]: the margins of the axes of a machine, the highest position gain with given margins
+//! - [`change`]: whether changed settings leave too little margin
 //! - [`json`], [`text`]: the result
 //!
 //! The open loop of the velocity loop is cut at the force, that of the position loop at the velocity command. Both are exact
@@ -13,6 +14,7 @@
 //! backlash are not linear: the margins are those of each [`Condition`] that the axis can be in, and the smallest counts.
 
 pub mod axis_margins;
+pub mod change;
 pub mod json;
 pub mod linear_axis;
 pub mod margin;

@@ -4,6 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result};
 
+use super::compensation::check_margins;
+use super::margins::LimitArguments;
 use super::outputs::{check_outputs, print};
 use super::progress::Progress;
 use compensate::plan::Planning;
@@ -42,6 +44,8 @@ pub struct Arguments {
     /// Seed of the sensors' noise in the prediction.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    limits: LimitArguments,
 }
 
 /// Runs the command.
@@ -55,6 +59,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if !(arguments.set_at_s >= 0.0 && arguments.set_at_s.is_finite()) {
         return Err(InputError::expected("--set-at-s", "a time of at least 0 s", arguments.set_at_s).into());
     }
+    let limits = arguments.limits.checked()?;
     let model = Machine::read(&arguments.model)?;
     let model_file = arguments.model.display().to_string();
     let tests = test_motions(&arguments.motion, arguments.set_at_s)?;
@@ -69,6 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     progress.show("simulating the motions with and without each compensation");
     let plan = planning.plan().map_err(|error| input_or_failure(error, &model_file))?;
     drop(progress);
+    check_margins(&plan.file, &model_file, &model, limits)?;
     let toml = plan.file.to_toml()?;
     write_whole(&arguments.out, |out| out.write_all(toml.as_bytes()))?;
     if let Some(path) = &arguments.json {

@@ -4,8 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::compensation::Compensated;
 use super::outputs::{check_outputs, print};
+use compensate::CompensationFile;
 use files::error::InputError;
 use files::output::write_whole;
 use margins::{MarginLimits, axis_margins, json, text};
@@ -67,8 +67,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         [&arguments.machine].into_iter().chain(&arguments.compensation).map(PathBuf::as_path).collect();
     check_outputs(&inputs, &[("--json", arguments.json.as_ref())])?;
     let limits = arguments.limits.checked()?;
-    let machine = Machine::read(&arguments.machine)?;
-    let machine = Compensated::read(arguments.compensation.as_deref(), machine)?.machine;
+    let mut machine = Machine::read(&arguments.machine)?;
+    if let Some(path) = &arguments.compensation {
+        machine = CompensationFile::read(path, &machine)?.applied_to(&machine);
+    }
     let axes = axis_margins::of_machine(&machine, &Instruments::of(&machine, 0), limits)
         .map_err(|error| InputError::new(&arguments.machine.display().to_string(), error.to_string()))?;
     if let Some(path) = &arguments.json {

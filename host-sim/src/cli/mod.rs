@@ -14,6 +14,7 @@ mod progress;
 mod record;
 mod reproduce;
 mod self_test;
+mod sensors;
 mod simulate;
 mod stop;
 mod summary;
@@ -49,6 +50,8 @@ enum Command {
     Compare(compare::Arguments),
     /// Repeat published experiments and compare the printed values with ours.
     Reproduce(reproduce::Arguments),
+    /// Close the position loop of one machine by the motor, the table and both: contour error, margins, highest gain.
+    Sensors(sensors::Arguments),
     /// Test the tracer on randomly drawn machines that a second, independent simulator simulates.
     SelfTest(self_test::Arguments),
     /// Compute the residuals of logs, identify the missing effects, report the errors before and after.
@@ -72,6 +75,7 @@ pub fn run() -> ExitCode {
         Command::Margins(arguments) => margins::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Sensors(arguments) => sensors::run(&arguments),
         Command::SelfTest(arguments) => self_test::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
