@@ -35,7 +35,8 @@ pub fn first_too_little(
         if old.settings == new.settings {
             continue;
         }
-        let loops = [("velocity", was.velocity(), is.velocity()), ("position", was.position(), is.position())];
+        let loops =
+            [("velocity", was.velocity(), is.velocity()), ("position", was.position(), is.position())];
         for (loop_name, was, is) in loops {
             if !is.meet(limits) && is_lower(&is, &was) {
                 let MarginLimits { gain_db, phase_deg } = limits;
@@ -43,7 +44,9 @@ pub fn first_too_little(
                     axis: name.clone(),
                     loop_name,
                     found: words(&is),
-                    expected: format!("a gain margin of at least {gain_db} dB and a phase margin of at least {phase_deg}°"),
+                    expected: format!(
+                        "a gain margin of at least {gain_db} dB and a phase margin of at least {phase_deg}°"
+                    ),
                 }));
             }
         }

@@ -7,6 +7,8 @@
 
 pub mod page;
 pub mod row;
+#[cfg(test)]
+mod tests;
 pub mod text;
 pub mod verdict;
 
@@ -23,7 +25,7 @@ use model::axis::{Feedback, Law};
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
-use row::{GainPoint, Row};
+use row::{CrossoverPoint, GainPoint, Row};
 
 const MACHINE: &str = include_str!("machine.toml");
 const MOTIONS: [(&str, &str); 2] =
@@ -34,6 +36,9 @@ const CURVE_POINTS: usize = 8;
 
 /// Lowest position gain of these curves, 1/s.
 const LOWEST_GAIN_PER_S: f64 = 10.0;
+
+/// Time constants of dual feedback whose contour error and highest gain are compared, s.
+const CROSSOVERS_S: [f64; 5] = [0.003, 0.01, 0.03, 0.1, 0.3];
 
 /// Seed of the sensors' noise.
 const SEED: u64 = 1;
@@ -73,6 +78,8 @@ pub struct SensorStudy {
     pub phase_margin_deg: f64,
     /// One row for each loop.
     pub rows: Vec<Row>,
+    /// Dual feedback and P control with other time constants.
+    pub crossovers: Vec<CrossoverPoint>,
 }
 
 /// Runs the study; `progress` is told what is being done.
@@ -99,7 +106,20 @@ pub fn run(progress: &dyn Fn(&str)) -> Result<SensorStudy, SensorsError> {
         gain_margin_db: limits.gain_db,
         phase_margin_deg: limits.phase_deg,
         rows,
+        crossovers: crossovers(&machine, &tests[..1], limits)?,
     })
+}
+
+/// Kf of a law, %, at which a circle has its radius.
+///
+/// With x = s/Kp, a position command is followed as (1 + Kf·x)/(1 + x) by P control, and as (16 + 16·Kf·x)/(x³ + 6x² + 16x + 16) by
+/// HPC. At x = jw the squared magnitude is 1 + (Kf² − 1)·w² and 1 + (Kf² − ¼)·w², to second order.
+#[must_use]
+pub const fn feedforward_percent(law: Law) -> f64 {
+    match law {
+        Law::P => 100.0,
+        Law::Hpc => 50.0,
+    }
 }
 
 /// The machine with its position loops closed by these sensors and this law.
@@ -108,6 +128,7 @@ pub fn with_loop(machine: &Machine, feedback: Feedback, law: Law) -> Machine {
     let mut machine = machine.clone();
     for axis in machine.axis.values_mut() {
         axis.settings.controller.law = Some(law);
+        axis.settings.controller.feedforward_percent = Some(feedforward_percent(law));
         axis.settings.sensors.feedback = feedback;
         if feedback != Feedback::Dual {
             axis.settings.sensors.dual_feedback_time_constant_s = None;
@@ -121,8 +142,7 @@ fn row(machine: &Machine, tests: &[TestMotion], limits: MarginLimits) -> Result<
     let instruments = Instruments::of(machine, SEED);
     let none = without_compensation(machine);
     let before = contour_errors(machine, &none, tests, instruments)?;
-    let planning =
-        Planning { model: machine, model_file: "machine.toml", tests, instruments, set_at_s: 0.0 };
+    let planning = Planning { model: machine, model_file: "machine.toml", tests, instruments, set_at_s: 0.0 };
     let plan = planning.plan()?;
     let after = contour_errors(machine, &plan.file, tests, instruments)?;
     let axes = axis_margins::of_machine(machine, &instruments, limits)?;
@@ -160,4 +180,27 @@ fn curve(
         Ok(GainPoint { position_gain_per_s: gain_per_s, circle_rms_um: errors[0].rms_um })
     };
     (0..CURVE_POINTS).into_par_iter().map(point).collect()
+}
+
+/// Contour error and highest gain of dual feedback over its time constant.
+fn crossovers(
+    machine: &Machine,
+    tests: &[TestMotion],
+    limits: MarginLimits,
+) -> Result<Vec<CrossoverPoint>, SensorsError> {
+    let point = |time_constant_s: f64| {
+        let mut machine = with_loop(machine, Feedback::Dual, Law::P);
+        for axis in machine.axis.values_mut() {
+            axis.settings.sensors.dual_feedback_time_constant_s = Some(time_constant_s);
+        }
+        let instruments = Instruments::of(&machine, SEED);
+        let errors = contour_errors(&machine, &without_compensation(&machine), tests, instruments)?;
+        let axes = axis_margins::of_machine(&machine, &instruments, limits)?;
+        Ok(CrossoverPoint {
+            time_constant_s,
+            circle_rms_um: errors[0].rms_um,
+            highest_position_gain_per_s: highest_gain(&axes),
+        })
+    };
+    CROSSOVERS_S.into_par_iter().map(point).collect()
 }

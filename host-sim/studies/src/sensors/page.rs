@@ -106,7 +106,8 @@ fn chart(study: &SensorStudy, law: &str, name: &str) -> String {
     let inks = [("motor", Ink::Before), ("table", Ink::After), ("dual", Ink::Third)];
     let layer = |(feedback, ink): (&str, Ink)| {
         let points = study.row(feedback, law).map(|row| row.over_gain.iter());
-        let points = points.into_iter().flatten().map(|point| (point.position_gain_per_s, point.circle_rms_um));
+        let points =
+            points.into_iter().flatten().map(|point| (point.position_gain_per_s, point.circle_rms_um));
         Layer { ink, points: points.collect(), is_marked: false }
     };
     let chart = Chart {

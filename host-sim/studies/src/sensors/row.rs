@@ -43,6 +43,17 @@ pub struct GainPoint {
     pub circle_rms_um: f64,
 }
 
+/// Dual feedback with a time constant.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize)]
+pub struct CrossoverPoint {
+    /// Time constant, s.
+    pub time_constant_s: f64,
+    /// Rms on the circle without compensation, µm.
+    pub circle_rms_um: f64,
+    /// Highest Kp with the margins of the study, 1/s; absent: none.
+    pub highest_position_gain_per_s: Option<f64>,
+}
+
 /// One loop.
 #[derive(Clone, Debug, PartialEq, Serialize)]
 pub struct Row {

@@ -26,6 +26,12 @@ pub fn of(study: &SensorStudy) -> String {
         pair("corner greatest")
     ));
     lines.extend(study.rows.iter().map(row));
+    lines.push("\nDual feedback, P control, over its time constant:".to_owned());
+    lines.push(format!("{:>12}{:>18}{:>16}", "constant ms", "circle rms µm", "highest Kp 1/s"));
+    for point in &study.crossovers {
+        let gain = point.highest_position_gain_per_s.map_or("–".to_owned(), |gain| format!("{gain:.1}"));
+        lines.push(format!("{:>12.0}{:>18.2}{gain:>16}", 1e3 * point.time_constant_s, point.circle_rms_um));
+    }
     lines.join("\n")
 }
 

@@ -26,26 +26,32 @@ impl SensorStudy {
     fn verdict(&self, law: &str) -> Option<[String; 2]> {
         let [motor, table, dual] = ["motor", "table", "dual"].map(|feedback| self.row(feedback, law));
         let (motor, table, dual) = (motor?, table?, dual?);
-        let errors = [table, dual, motor].map(|row| row.uncompensated.circle_rms_um);
-        let is_accurate = errors[1] <= AS_ACCURATE * errors[0];
+        let [before, after] = [
+            [table, dual, motor].map(|row| row.uncompensated.circle_rms_um),
+            [table, dual, motor].map(|row| row.compensated.circle_rms_um),
+        ];
+        let is_accurate = |errors: [f64; 3]| errors[1] <= AS_ACCURATE * errors[0];
         let gains = [motor, dual, table].map(|row| row.highest_position_gain_per_s.unwrap_or(0.0));
         let is_high = gains[1] >= AS_HIGH * gains[0];
-        let um = errors.map(|um| significant(um, 3));
+        let has = |is: bool| if is { "has" } else { "does not have" };
+        let um = |errors: [f64; 3]| {
+            let [table, dual, motor] = errors.map(|um| significant(um, 3));
+            format!("{dual} µm rms beside {table} µm (semi-closed: {motor} µm)")
+        };
         let per_s = gains.map(|gain| significant(gain, 3));
         let name = law.to_uppercase();
         Some([
             format!(
-                "{name}: dual feedback {} the accuracy of full-closed control on the circle: {} µm rms beside {} µm \
-                 (semi-closed: {} µm).",
-                if is_accurate { "has" } else { "does not have" },
-                um[1],
-                um[0],
-                um[2]
+                "{name}: dual feedback {} the accuracy of full-closed control on the circle: {}; with compensation it {}: {}.",
+                has(is_accurate(before)),
+                um(before),
+                has(is_accurate(after)),
+                um(after)
             ),
             format!(
                 "{name}: dual feedback {} the margins of semi-closed control: highest Kp {}/s beside {}/s \
                  (full-closed: {}/s).",
-                if is_high { "has" } else { "does not have" },
+                has(is_high),
                 per_s[1],
                 per_s[0],
                 per_s[2]
