@@ -3,6 +3,7 @@
 
 mod accepted;
 mod compare;
+mod margins;
 mod refused;
 mod reproduce;
 mod stopped;

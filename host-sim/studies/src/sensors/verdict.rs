@@ -42,7 +42,7 @@ impl SensorStudy {
         let name = law.to_uppercase();
         Some([
             format!(
-                "{name}: dual feedback {} the accuracy of full-closed control on the circle: {}; with compensation it {}: {}.",
+                "{name}: dual feedback {} the accuracy of full-closed control on the circle: {}; with compensation it {} it: {}.",
                 has(is_accurate(before)),
                 um(before),
                 has(is_accurate(after)),
