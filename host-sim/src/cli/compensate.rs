@@ -3,14 +3,19 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::{Error, Result};
+use serde_json::{Value, json};
 
+use super::compensation::check_margins;
+use super::margins::LimitArguments;
 use super::outputs::{check_outputs, print};
 use super::progress::Progress;
 use compensate::plan::Planning;
 use compensate::prediction::{PredictionError, TestMotion};
-use compensate::{json, text};
+use compensate::{CompensationFile, text};
 use files::error::InputError;
 use files::output::write_whole;
+use margins::MarginLimits;
+use margins::axis_margins::{self, MarginError};
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
@@ -43,6 +48,8 @@ pub struct Arguments {
     /// Seed of the sensors' noise in the prediction.
     #[arg(long, default_value_t = 1)]
     seed: u64,
+    #[command(flatten)]
+    limits: LimitArguments,
 }
 
 /// Runs the command.
@@ -56,6 +63,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     if !(arguments.set_at_s >= 0.0 && arguments.set_at_s.is_finite()) {
         return Err(InputError::expected("--set-at-s", "a time of at least 0 s", arguments.set_at_s).into());
     }
+    let limits = arguments.limits.checked()?;
     let model = Machine::read(&arguments.model)?;
     let model_file = arguments.model.display().to_string();
     let tests = test_motions(&arguments.motion, arguments.set_at_s)?;
@@ -70,13 +78,30 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     progress.show("simulating the motions with and without each compensation");
     let plan = planning.plan().map_err(|error| input_or_failure(error, &model_file))?;
     drop(progress);
+    check_margins(&plan.file, &model_file, &model, limits)?;
     let toml = plan.file.to_toml()?;
     write_whole(&arguments.out, |out| out.write_all(toml.as_bytes()))?;
     if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&json::of(&plan))?;
+        let mut value = compensate::json::of(&plan);
+        value["margins"] = loop_margins(&model, &plan.file, limits).unwrap_or_default();
+        let text = serde_json::to_string_pretty(&value)?;
         write_whole(path, |out| out.write_all(text.as_bytes()))?;
     }
     print(&text::of(&plan))
+}
+
+/// Margins with the settings of the model and with those of the compensation.
+fn loop_margins(
+    model: &Machine,
+    file: &CompensationFile,
+    limits: MarginLimits,
+) -> std::result::Result<Value, MarginError> {
+    let instruments = Instruments::of(model, 0);
+    let of = |machine: &Machine| {
+        let axes = axis_margins::of_machine(machine, &instruments, limits)?;
+        Ok(margins::json::of(&axes, limits))
+    };
+    Ok(json!({"before": of(model)?, "after": of(&file.applied_to(model))?}))
 }
 
 /// The motions of files, or the default ones.

@@ -7,7 +7,10 @@ use anyhow::Result;
 use compensate::CompensationFile;
 use files::error::InputError;
 use link::controller::Controller;
+use margins::MarginLimits;
+use margins::change::first_too_little;
 use model::machine::Machine;
+use plant::instruments::Instruments;
 
 /// A compensation file and the machine with the drive settings that it changes.
 pub struct Compensated {
@@ -24,7 +27,9 @@ impl Compensated {
     pub fn read(path: Option<&Path>, machine: Machine) -> Result<Self, InputError> {
         let Some(path) = path else { return Ok(Self { machine, file: None }) };
         let file = CompensationFile::read(path, &machine)?;
-        Ok(Self { machine: file.applied_to(&machine), file: Some((file, path.display().to_string())) })
+        let source = path.display().to_string();
+        check_margins(&file, &source, &machine, MarginLimits::default())?;
+        Ok(Self { machine: file.applied_to(&machine), file: Some((file, source)) })
     }
 
     /// Sets the compensations of a controller whose drives are off.
@@ -35,5 +40,27 @@ impl Compensated {
         let Some((file, source)) = &self.file else { return Ok(()) };
         file.set(&self.machine, controller)
             .map_err(|refused| InputError::new(source, refused.problem()).at_key(&refused.key()))
+    }
+}
+
+/// Checks that a compensation file leaves the loops of a machine these margins. A machine that lacks the keys that they follow
+/// from cannot be simulated either, and is refused there.
+///
+/// # Errors
+/// The axis whose drive settings take a loop below the limits.
+pub fn check_margins(
+    file: &CompensationFile,
+    source: &str,
+    machine: &Machine,
+    limits: MarginLimits,
+) -> Result<(), InputError> {
+    let instruments = Instruments::of(machine, 0);
+    match first_too_little(machine, &file.applied_to(machine), &instruments, limits) {
+        Ok(Some(refused)) => {
+            let expected = format!("settings that leave the {} loop {}", refused.loop_name, refused.expected);
+            let key = format!("axis.{}.controller", refused.axis);
+            Err(InputError::expected(source, expected, refused.found).at_key(&key))
+        }
+        Ok(None) | Err(_) => Ok(()),
     }
 }

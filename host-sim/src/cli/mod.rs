@@ -8,11 +8,13 @@ mod demo;
 mod friction_map;
 mod input_error;
 mod logged_run;
+mod margins;
 mod outputs;
 mod progress;
 mod record;
 mod reproduce;
 mod self_test;
+mod sensors;
 mod simulate;
 mod stop;
 mod summary;
@@ -48,10 +50,14 @@ enum Command {
     Compare(compare::Arguments),
     /// Repeat published experiments and compare the printed values with ours.
     Reproduce(reproduce::Arguments),
+    /// Close the position loop of one machine by the motor, the table and both: contour error, margins, highest gain.
+    Sensors(sensors::Arguments),
     /// Test the tracer on randomly drawn machines that a second, independent simulator simulates.
     SelfTest(self_test::Arguments),
     /// Compute the residuals of logs, identify the missing effects, report the errors before and after.
     Trace(trace::Arguments),
+    /// Compute gain and phase margins of the velocity and position loops of a machine file.
+    Margins(margins::Arguments),
     /// Compare the contour error of the same motions before and after a change with each other and with the prediction.
     Verify(verify::Arguments),
 }
@@ -66,8 +72,10 @@ pub fn run() -> ExitCode {
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
         Command::Compensate(arguments) => compensate::run(&arguments),
+        Command::Margins(arguments) => margins::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
         Command::Reproduce(arguments) => reproduce::run(&arguments),
+        Command::Sensors(arguments) => sensors::run(&arguments),
         Command::SelfTest(arguments) => self_test::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),

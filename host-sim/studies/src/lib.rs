@@ -1,7 +1,9 @@
 //! Studies on the simulated machine.
 //!
-//! [`reproduce`] repeats published experiments; [`compare`] runs the same motions in fixed point, f32 and f64. Their report
+//! [`reproduce`] repeats published experiments; [`compare`] runs the same motions in fixed point, f32 and f64;
+//! [`sensors`] closes the loop of one machine by the motor, the table and both. Their report
 //! pages are built from the components in [`pages`].
 
 pub mod compare;
 pub mod reproduce;
+pub mod sensors;

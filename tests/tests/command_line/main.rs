@@ -4,6 +4,7 @@
 mod accepted;
 mod compare;
 mod compensate;
+mod margins;
 mod refused;
 mod reproduce;
 mod stopped;

@@ -1,0 +1,41 @@
+//! `lost-motion sensors`: one machine with its position loop closed by the motor, the table and both.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use super::outputs::print;
+use super::progress::Progress;
+use files::output::write_whole;
+use studies::sensors;
+
+/// Arguments of `sensors`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Write the result as JSON.
+    #[arg(long)]
+    json: Option<PathBuf>,
+    /// Write report.html, with the picture, into this folder.
+    #[arg(long)]
+    report: Option<PathBuf>,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A motion that cannot be simulated, output that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let progress = Progress::start();
+    let study = sensors::run(&|what| progress.show(what))?;
+    drop(progress);
+    if let Some(path) = &arguments.json {
+        let text = serde_json::to_string_pretty(&study)?;
+        write_whole(path, |out| out.write_all(text.as_bytes()))?;
+    }
+    let mut output = sensors::text::of(&study);
+    if let Some(folder) = &arguments.report {
+        let path = sensors::page::write(folder, &study)?;
+        output += &format!("\n\nReport: {}", path.display());
+    }
+    print(&output)
+}
