@@ -7,7 +7,7 @@
 //! - [`plan`]: the compensation of a model, without the items that the prediction does not support
 //! - [`round_trip`]: the same motions before and after on a simulated machine, whose controller runs where [`place`] says
 //! - [`alignment`]: logs whose channels are late
-//! - [`file`]: the compensation file; [`json`]: the plan as JSON; [`text`]: for a terminal
+//! - [`mod@file`]: the compensation file; [`json`]: the plan as JSON; [`text`]: for a terminal
 //!
 //! An item is kept only if the simulated model follows the path better with it than without it.
 
