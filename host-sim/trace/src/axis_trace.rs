@@ -65,12 +65,7 @@ pub fn trace(
     let kept = stage.kept_if_nothing_new(&written, axis.model);
     let model = if is_of_another_machine { before.clone() } else { kept };
     found.retain(|_| !is_of_another_machine);
-    let before = match task {
-        Task::Evaluate => stage.as_declared(declared),
-        // If all effects were dropped, both models are the same.
-        Task::Search if model.found().is_empty() => model.clone(),
-        Task::Search => before,
-    };
+    let before = stage.shown_before(task, declared, [before, model.clone()]);
     // "The verdict" and "Beside the residuals".
     let Remainder { errors, unexplained, repeats, tables } =
         remainder([fit_data, validate], [&before, &model], &scopes);
@@ -149,6 +144,16 @@ impl Tracing<'_> {
             return model;
         }
         kept(self.fit_data, written, &model, self.scopes).map_or(model, |(kept, _)| kept)
+    }
+
+    /// The model that "before" shows, from the fitted declared model and the model with effects.
+    fn shown_before(&self, task: Task, declared: &Axis, [before, model]: [AxisModel; 2]) -> AxisModel {
+        match task {
+            Task::Evaluate => self.as_declared(declared),
+            // If all effects were dropped, both models are the same.
+            Task::Search if model.found().is_empty() => model,
+            Task::Search => before,
+        }
     }
 
     /// The values of the machine file; only zeros and instants of the logs are fitted.

@@ -99,28 +99,29 @@ fn a_belt_of_less_than_three_waves_is_a_wave() {
 /// Once one backlash, with most of the residual left, or nothing: a constant gap makes the force of one log worse.
 #[test]
 fn a_varying_gap_is_a_backlash_and_a_map_with_a_curve_for_each_direction() {
-    assert_gaps(2, [(6.0, 0.5, 200.0), (8.0, 0.6, 180.0)]);
-    assert_gaps(1, [(6.0, 0.5, 200.0), (8.0, 0.6, 180.0)]);
+    assert_gaps(2, &[(0, (6.0, 0.5, 200.0)), (1, (8.0, 0.6, 180.0))]);
+    assert_gaps(1, &[(1, (8.0, 0.6, 180.0))]);
 }
 
-/// Asserts that gaps of a width, µm, that vary by a fraction of it with a period, mm, are found on the axes of a machine.
-fn assert_gaps(seed: u64, gaps: [(f64, f64, f64); 2]) {
+/// Asserts that gaps of a width, µm, that vary by a fraction of it with a period, mm, are found on axes of a machine.
+fn assert_gaps(seed: u64, gaps: &[(usize, (f64, f64, f64))]) {
     let gap = |(_, variation, period_mm): (f64, f64, f64)| Sinusoid {
         amplitude: variation,
         period: 1e-3 * period_mm,
         phase: 1.0,
     };
     let mut machine = TestMachine::new(seed);
-    for (axis, of_axis) in gaps.into_iter().enumerate() {
+    for &(axis, of_axis) in gaps {
         machine = machine.with_mechanics(axis, |mechanics| {
             mechanics.backlash_m = 1e-6 * of_axis.0;
             mechanics.backlash_wave = gap(of_axis);
         });
     }
     let trace = machine.trace();
-    let expected = ["x", "y"].map(|axis| [(axis, "backlash"), (axis, "pitch_map")]).concat();
+    let names = |&(axis, _): &(usize, _)| ["backlash", "pitch_map"].map(|name| (["x", "y"][axis], name));
+    let expected: Vec<_> = gaps.iter().flat_map(names).collect();
     assert_eq!(named(&trace), expected, "{}", context(&trace));
-    for (axis, (width_um, variation, period_mm)) in gaps.into_iter().enumerate() {
+    for &(axis, (width_um, variation, period_mm)) in gaps {
         let mean_um = found(&trace, axis, "backlash").effect.values()[0];
         let (map, _) = map_and_slope(&trace, axis);
         let negative = map.error_negative_um.as_ref().unwrap();
