@@ -11,7 +11,6 @@ use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::axis_model::{AxisModel, FreeParameter};
-use super::broyden;
 use super::fit_data::{FitData, ResidualSeries};
 use super::normal_equations::{Block, Column, blocks, normal, stepped};
 use super::scope::Scope;
@@ -23,9 +22,8 @@ const MIN_GAIN: f64 = 1e-4;
 /// Largest number of steps of a fit to the optimum.
 pub const STEPS: usize = 10;
 
-/// After a step that gains less than this fraction of the gain predicted by the normal equations, all derivatives are
-/// computed again.
-const MIN_GAIN_OF_PREDICTED: f64 = 0.25;
+/// Derivatives are reused as long as a step gains more than this fraction of the gain predicted by the normal equations.
+const MIN_GAIN_OF_PREDICTED: f64 = 0.7;
 
 /// Number of dampings that are tried in a step, each ten times the previous one, until the cost decreases.
 const DAMPINGS: usize = 5;
@@ -86,9 +84,9 @@ pub fn fit(data: &FitData<'_>, start: &AxisModel, scope: &Scope, steps: usize) -
 
 /// Fits like [`fit`], with known derivatives with respect to the first parameters, from a point nearby.
 ///
-/// Each derivative requires a simulation. The derivatives with respect to the declared values hardly change during a fit: each
-/// step corrects them ([`broyden`]), and they are computed again only after a step that gains far less than predicted. The
-/// derivatives with respect to the last effect, whose parameters are less well known, are computed in each step.
+/// Each derivative requires a simulation. The derivatives with respect to the declared values hardly change during a fit and
+/// are computed again only after a step that gains less than predicted. The derivatives with respect to the last effect,
+/// whose parameters are less well known, are computed in each step.
 #[must_use]
 pub fn fit_from(
     data: &FitData<'_>,
@@ -127,7 +125,7 @@ struct Point {
     weights: Vec<f64>,
     damping: f64,
     columns: Vec<Column>,
-    /// Whether some of the columns were computed at another point. New ones may lead to a better step.
+    /// Whether some of the columns were computed at another point.
     has_old_columns: bool,
     blocks: Vec<Block>,
 }
@@ -155,31 +153,27 @@ impl Point {
     fn step(&mut self, data: &FitData<'_>, scope: &Scope) -> Gain {
         let parameters = self.model.free_parameters(scope);
         let cost = cost(&self.residuals, &self.weights, &parameters);
-        let (mut curvature, mut gradient) = normal(&self.blocks, &parameters);
+        let (curvature, gradient) = normal(&self.blocks, &parameters);
         for _ in 0..DAMPINGS {
             let moved = stepped(&parameters, &curvature, &gradient, self.damping);
             let candidate = self.model.at(scope, &moved);
             let residuals = data.residuals(&candidate, scope);
             let candidate_cost = self::cost(&residuals, &self.weights, &candidate.free_parameters(scope));
-            let step = DVector::from_iterator(
-                parameters.len(),
-                parameters.iter().zip(&moved).map(|(parameter, moved)| moved - parameter.coordinate.value),
-            );
-            let is_better = candidate_cost < cost;
-            let predicted = (-2.0 * gradient.dot(&step) - step.dot(&(&curvature * &step))) / cost;
-            // Also a step that does not help shows how the residuals depend on the parameters.
-            if is_better || self.has_old_columns {
-                let units: Vec<f64> = parameters.iter().map(|parameter| parameter.coordinate.step).collect();
-                broyden::update(&mut self.columns, &step, &units, [&self.residuals, &residuals]);
-            }
-            if is_better {
+            if candidate_cost < cost {
+                let step = DVector::from_iterator(
+                    parameters.len(),
+                    parameters
+                        .iter()
+                        .zip(&moved)
+                        .map(|(parameter, moved)| moved - parameter.coordinate.value),
+                );
+                let predicted = (-2.0 * gradient.dot(&step) - step.dot(&(&curvature * &step))) / cost;
                 (self.model, self.residuals) = (candidate, residuals);
                 self.damping = (0.1 * self.damping).max(1e-9);
                 return Gain { gained: 1.0 - candidate_cost / cost, predicted };
             }
             if self.has_old_columns {
-                self.blocks = blocks(data, &self.columns, &self.residuals, &self.weights);
-                (curvature, gradient) = normal(&self.blocks, &parameters);
+                break;
             }
             self.damping *= 10.0;
         }

@@ -7,7 +7,6 @@
 //! - [`scope_fit`], [`final_fit`], [`model_bias`]: fits scope by scope, and with the error of the simulation subtracted
 
 pub mod axis_model;
-pub mod broyden;
 pub mod exclusion;
 pub mod final_fit;
 pub mod fit_data;
