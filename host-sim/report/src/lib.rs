@@ -12,10 +12,11 @@
 //! | `axis_view` | the plotted residuals |
 //! | `residual_plots` | residuals over time and over a `variable` |
 //! | `circle_plots` | a circle, from `contour::circle_fit` and `radial_deviation` |
-//! | [`round_trip`] | motions before, as predicted, and after a compensation |
+//! | [`before_after`] | motions before, as predicted, and after a compensation |
 //! | [`ranking`] | the candidates of each round |
 
 mod axis_view;
+pub mod before_after;
 mod caveats;
 mod circle_plots;
 mod data_faults;
@@ -24,7 +25,6 @@ mod parameters;
 mod radial_deviation;
 pub mod ranking;
 mod residual_plots;
-pub mod round_trip;
 pub mod sentences;
 mod tables;
 pub mod trace_page;
