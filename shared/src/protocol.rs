@@ -26,7 +26,10 @@ pub const LONGEST_ORDER: usize = 7680;
 pub const AXES: usize = 2;
 
 /// Identifies the sources of this crate. Messages, control laws and rounding of two programs are the same if it is.
-pub const SOURCES: u64 = include!(concat!(env!("OUT_DIR"), "/sources.rs"));
+pub const SOURCES: u64 = match u64::from_str_radix(env!("SHARED_SOURCES"), 16) {
+    Ok(sources) => sources,
+    Err(_) => panic!("the build script writes hexadecimal digits"),
+};
 
 /// The number format of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

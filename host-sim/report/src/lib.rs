@@ -1,5 +1,5 @@
 //! What a trace found, for people: its page and its sentences. [`friction_map`] is the page of a steady-state friction
-//! map, [`verification_page`] that of motions before and after a change.
+//! map, [`verification_page`] that of motions before and after a change, [`improvement_page`] that of several rounds.
 //!
 //! | file | |
 //! |---|---|
@@ -21,6 +21,7 @@ mod caveats;
 mod circle_plots;
 mod data_faults;
 pub mod friction_map;
+pub mod improvement_page;
 mod parameters;
 mod radial_deviation;
 pub mod ranking;
