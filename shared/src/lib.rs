@@ -8,6 +8,7 @@ pub mod config;
 pub mod control;
 pub mod drive;
 pub mod feedback;
+pub mod homing;
 mod integer;
 pub mod interpolate;
 pub mod machine;
