@@ -17,4 +17,5 @@ pub mod protocol;
 pub mod safety;
 pub mod scalar;
 pub mod session;
+pub mod storage;
 pub mod units;
