@@ -34,6 +34,8 @@ pub struct Path<const N: usize> {
     rate_hz: f64,
     /// Least and greatest command of each axis.
     travel: [[Position; 2]; N],
+    /// Whether a limit switch blocks motion in the negative and in the positive direction.
+    blocked: [[bool; 2]; N],
 }
 
 /// A stop along the path.
@@ -61,6 +63,7 @@ impl<const N: usize> Path<N> {
         planned_end: [Position(0); N],
         rate_hz: 0.0,
         travel: [[Position(i64::MIN), Position(i64::MAX)]; N],
+        blocked: [[false; 2]; N],
     };
 
     /// An empty path at `start` with a command every 1/`rate_hz`.
@@ -84,6 +87,12 @@ impl<const N: usize> Path<N> {
     pub fn reset(&mut self, start: &[Position; N], rate_hz: f64, filters: Filters<N>) {
         self.rest_at(start);
         (self.rate_hz, self.filters, self.travel) = (rate_hz, filters, Self::AT_ZERO.travel);
+        self.blocked = [[false; 2]; N];
+    }
+
+    /// Sets which limit switches are active: blocks that move an axis further onto one are rejected.
+    pub const fn set_blocked(&mut self, blocked: [[bool; 2]; N]) {
+        self.blocked = blocked;
     }
 
     /// Sets the travel (least and greatest command of each axis). Blocks that leave it from now on are rejected; a block that
@@ -98,7 +107,20 @@ impl<const N: usize> Path<N> {
     /// # Errors
     /// The [`PathError`] that names what is wrong; the path is unchanged.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
+        self.push_holding(block, &[false; N])
+    }
+
+    /// [`Path::push`] of a block that must not move the axes in `not_homed`.
+    ///
+    /// # Errors
+    /// [`PathError`], for such an axis [`PathError::NotHomed`]; the path is unchanged.
+    pub fn push_holding(&mut self, block: &Block<N>, not_homed: &[bool; N]) -> Result<(), PathError> {
         let mut planned = PlannedBlock::new(block, self.planned_end, self.rate_hz, &self.filters.rounding)?;
+        for (axis, ([min, max], not_homed)) in (0..).zip(planned.bounds().into_iter().zip(not_homed)) {
+            if *not_homed && min != max {
+                return Err(PathError::NotHomed { axis });
+            }
+        }
         self.check_travel(&planned)?;
         if self.blocks.is_full() {
             return Err(PathError::QueueFull);
@@ -119,10 +141,13 @@ impl<const N: usize> Path<N> {
     }
 
     fn check_travel(&self, block: &PlannedBlock<N>) -> Result<(), PathError> {
-        let axes = block.bounds().into_iter().zip(self.travel).zip(self.planned_end);
-        for (axis, (([min, max], [lower, upper]), start)) in (0..).zip(axes) {
+        let axes = block.bounds().into_iter().zip(self.travel).zip(self.planned_end).zip(self.blocked);
+        for (axis, ((([min, max], [lower, upper]), start), [below, above])) in (0..).zip(axes) {
             if min < lower.min(start) || max > upper.max(start) {
                 return Err(PathError::BeyondTravel { axis });
+            }
+            if below && min < start || above && max > start {
+                return Err(PathError::LimitSwitch { axis });
             }
         }
         Ok(())
@@ -212,6 +237,12 @@ impl<const N: usize> Path<N> {
         let moving = self.started.then_some((self.progress.distance(), self.progress.speed()));
         let (distance, speed) = moving.unwrap_or_default();
         self.braking = Some(Brake { deceleration, speed, distance: i128::from(distance) << FRACTION });
+    }
+
+    /// Whether a stop was started, and the path has not been discarded since.
+    #[must_use]
+    pub const fn is_braking(&self) -> bool {
+        self.braking.is_some()
     }
 
     /// Whether a stop was started and the command is at rest.
