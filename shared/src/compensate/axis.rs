@@ -14,7 +14,7 @@ use super::slew::Slew;
 use super::state::{Correction, SlowTerms, State};
 use super::table::Table;
 use super::talk::Talk;
-use crate::scalar::Scalar;
+use crate::scalar::{Fixed, Scalar};
 use crate::units::Position;
 
 /// The compensations of one axis.
@@ -31,9 +31,9 @@ pub struct AxisCompensation<S: Scalar> {
     pub(super) straightness: Option<(u8, Straightness<S>)>,
     pub(super) ripple: Cycles<S>,
     /// Force feed-forward, with its tables over the position.
-    pub(super) model: Option<Force<S>>,
-    pub(super) load: Option<Table<S>>,
-    pub(super) friction_map: Option<Table<S>>,
+    pub(super) model: Option<Force>,
+    pub(super) load: Option<Table<Fixed>>,
+    pub(super) friction_map: Option<Table<Fixed>>,
     /// Error units per N on the table.
     pub(super) stretch: Option<S::Gain>,
     pub(super) drift: Option<Drift<S>>,
@@ -127,7 +127,7 @@ impl<S: Scalar> AxisCompensation<S> {
             screw = screw + backlash.correction(own);
         }
         if let Some(stretch) = self.stretch.filter(|_| state.is_on(CompensationKind::Stretch)) {
-            screw = screw + S::round(state.model.on_table * stretch);
+            screw = screw + S::round(S::from_fixed(state.model.on_table) * stretch);
         }
         screw
     }
@@ -180,11 +180,11 @@ impl<S: Scalar> AxisCompensation<S> {
                 state.slow.drift = drift.map_or(none, |drift| drift.correction(state.ticks));
             }
             SlowTerm::Load => {
-                state.slow.load = self.load.as_ref().map_or(none, |load| load.at(own.position));
+                state.slow.load = self.load.as_ref().map_or(Fixed::ZERO, |load| load.at(own.position));
             }
             SlowTerm::AdditionalFriction => {
-                let map = self.friction_map.as_ref().map_or(none, |map| map.at(own.position));
-                let cold = self.model.as_ref().map_or(none, |model| model.cold_friction(state.ticks));
+                let map = self.friction_map.as_ref().map_or(Fixed::ZERO, |map| map.at(own.position));
+                let cold = self.model.as_ref().map_or(Fixed::ZERO, |model| model.cold_friction(state.ticks));
                 state.slow.friction = map + cold;
             }
         }
@@ -208,7 +208,7 @@ impl<S: Scalar> AxisCompensation<S> {
     pub(super) fn force(&self, state: &mut State<S>, motor: Position) -> S {
         let mut target = state.pulse_force;
         if self.model.is_some() && state.is_on(CompensationKind::Force) {
-            target = target + state.model.applied;
+            target = target + S::from_fixed(state.model.applied);
         }
         if !self.ripple.is_empty() && state.is_on(CompensationKind::Ripple) {
             target = target - self.ripple.at(motor);

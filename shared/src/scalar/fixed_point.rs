@@ -88,7 +88,7 @@ impl Mul for Fixed {
 ///
 /// One comparison tells whether the upper word is the sign extension of the lower; clamping the 64-bit number takes a
 /// Cortex-M 7 instructions more, and a tick of two axes calls this 26 times.
-fn narrow<const SHIFT: u32>(bits: i64) -> i32 {
+pub(crate) fn narrow<const SHIFT: u32>(bits: i64) -> i32 {
     let rounded = bits.wrapping_add(1 << (SHIFT - 1)) >> SHIFT;
     #[expect(clippy::cast_possible_truncation, reason = "the two words")]
     let (low, high) = (rounded as i32, (rounded >> 32) as i32);
@@ -145,6 +145,10 @@ impl Scalar for Fixed {
         #[expect(clippy::cast_possible_truncation, reason = "no more than the difference")]
         let step = mul_q32(difference, fraction_q32) as i32;
         Self::from_bits(self.to_bits().wrapping_add(step))
+    }
+
+    fn from_fixed(value: Self) -> Self {
+        value
     }
 
     fn widen(self) -> I26F38 {

@@ -1,6 +1,6 @@
 //! Floating-point signals: gain and sum are of the same type.
 
-use super::Scalar;
+use super::{Fixed, Scalar};
 
 macro_rules! float {
     ($float:ty, $name:literal) => {
@@ -74,6 +74,17 @@ macro_rules! float {
 
             fn distance(self) -> i64 {
                 Self::to_distance(self)
+            }
+
+            #[allow(
+                clippy::cast_lossless,
+                clippy::cast_precision_loss,
+                clippy::allow_attributes,
+                reason = "one macro for two types"
+            )]
+            fn from_fixed(value: Fixed) -> $float {
+                const UNIT: $float = 1.0 / (1u64 << 14) as $float;
+                value.to_bits() as $float * UNIT
             }
 
             fn widen(self) -> $float {

@@ -35,6 +35,7 @@ use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 
 pub use fixed_point::Fixed;
+pub(crate) use fixed_point::narrow;
 
 /// A signal that control laws compute with, in the units of [`crate::units`].
 ///
@@ -104,6 +105,8 @@ pub trait Scalar:
     #[must_use]
     fn lerp(self, other: Self, fraction_q32: u32) -> Self;
 
+    /// The signal of a fixed-point one, rounded to the nearest value of the format.
+    fn from_fixed(value: Fixed) -> Self;
     /// The signal as a sum.
     fn widen(self) -> Self::Sum;
     /// The sum as a signal, rounded to nearest, saturated.
