@@ -5,7 +5,8 @@ use core::ops::{Add, Mul, Neg, Sub};
 
 use fixed::types::{I8F24, I18F14, I26F38};
 
-use super::Scalar;
+use super::biquad::{self, Biquad};
+use super::{Scalar, Section};
 use crate::integer::mul_q32;
 
 /// A fixed-point signal: ±131,072 in steps of 2⁻¹⁴. Addition and subtraction saturate.
@@ -95,7 +96,26 @@ pub(crate) fn narrow<const SHIFT: u32>(bits: i64) -> i32 {
     if high == low >> 31 { low } else { i32::MAX ^ (high >> 31) }
 }
 
+impl Section<Fixed> for Biquad {
+    type State = biquad::State;
+
+    const AT_REST: biquad::State = biquad::State::AT_REST;
+
+    fn new(g: f64, k: f64, notch_depth: Option<f64>) -> Self {
+        Self::new(g, k, notch_depth)
+    }
+
+    fn settled(value: Fixed) -> biquad::State {
+        biquad::State::settled(value.to_bits())
+    }
+
+    fn step(&self, state: &mut biquad::State, input: Fixed) -> Fixed {
+        Fixed::from_bits(self.step(state, input.to_bits()))
+    }
+}
+
 impl Scalar for Fixed {
+    type Section = Biquad;
     type Gain = I8F24;
     type Sum = I26F38;
 

@@ -1,10 +1,30 @@
 //! Floating-point signals: gain and sum are of the same type.
 
-use super::{Fixed, Scalar};
+use super::state_variable::{self, StateVariable};
+use super::{Fixed, Scalar, Section};
 
 macro_rules! float {
     ($float:ty, $name:literal) => {
+        impl Section<$float> for StateVariable<$float> {
+            type State = state_variable::State<$float>;
+
+            const AT_REST: Self::State = state_variable::State::AT_REST;
+
+            fn new(g: f64, k: f64, notch_depth: Option<f64>) -> Self {
+                Self::new(g, k, notch_depth)
+            }
+
+            fn settled(value: $float) -> Self::State {
+                state_variable::State::settled(value)
+            }
+
+            fn step(&self, state: &mut Self::State, input: $float) -> $float {
+                self.step(state, input)
+            }
+        }
+
         impl Scalar for $float {
+            type Section = StateVariable<$float>;
             type Gain = $float;
             type Sum = $float;
 

@@ -28,8 +28,10 @@
 //! assert_eq!(Fixed::MAX + Fixed::signal(1.0), Fixed::MAX);
 //! ```
 
+mod biquad;
 mod fixed_point;
 mod float;
+mod state_variable;
 
 use core::fmt::Debug;
 use core::ops::{Add, AddAssign, Mul, Neg, Sub};
@@ -54,6 +56,8 @@ pub trait Scalar:
     + Sync
     + 'static
 {
+    /// A filter of second order, in the form that suits the format.
+    type Section: Section<Self>;
     /// A constant factor.
     type Gain: Copy + Debug + Send + Sync + 'static;
     /// A sum of products.
@@ -121,6 +125,23 @@ pub trait Scalar:
     /// The signal, limited to ±`limit`.
     #[must_use]
     fn clamp_magnitude(self, limit: Self) -> Self;
+}
+
+/// A filter of second order, discretised by the bilinear transform.
+pub trait Section<S>: Copy + Debug + Send + Sync + 'static {
+    /// What it keeps from tick to tick.
+    type State: Copy + Debug + Send + Sync + 'static;
+
+    /// The state settled at an input of zero.
+    const AT_REST: Self::State;
+
+    /// A low-pass filter ω₀²/(s² + kω₀s + ω₀²) with g = tan(πf/rate), or a notch filter 1 − d·kω₀s/(s² + kω₀s + ω₀²) of a
+    /// depth d.
+    fn new(g: f64, k: f64, notch_depth: Option<f64>) -> Self;
+    /// The state settled at a constant input.
+    fn settled(value: S) -> Self::State;
+    /// The output for one input, once per tick.
+    fn step(&self, state: &mut Self::State, input: S) -> S;
 }
 
 #[cfg(test)]
