@@ -10,6 +10,17 @@ pub(crate) fn mul_q32(value: i64, fraction_q32: u32) -> i64 {
     (high.wrapping_mul(i64::from(fraction_q32))).wrapping_add(low.cast_signed())
 }
 
+/// `value·fraction/2^(32 + shift)`, rounded towards −∞, for a shift below 32.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the two words")]
+pub(crate) fn mul_q32_shifted(value: i64, fraction_q32: u32, shift: u32) -> i64 {
+    let product = mul_q32(value, fraction_q32);
+    let (low, high, shift) = (product as u32, (product >> 32) as i32, shift & 31);
+    // A shift by 32 in two steps: there is none in one.
+    let low = (low >> shift) | (((high as u32) << 1) << (31 - shift));
+    (i64::from(high >> shift) << 32) | i64::from(low)
+}
+
 /// `value·fraction/2³²`, rounded towards −∞, by four 32-bit products.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the four 32-bit words")]

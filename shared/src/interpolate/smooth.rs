@@ -8,7 +8,8 @@
 //!
 //! with sinc x = sin x/x. For n ticks of Δ it is sin(nωΔ/2)/(n·sin(ωΔ/2)), and for the lag with the factor α per tick
 //! α/√(1 + (1 − α)² − 2(1 − α)·cos ωΔ). In integer arithmetic, each filter comes to rest exactly at its input: the mean y
-//! with remainder r satisfies n·y + r = Σx exactly, and r is 0 when all x are equal.
+//! with remainder r satisfies n·y + r = Σx exactly, and r is 0 when all x are equal. Two means are one recursion with one
+//! division, by n = n₁·n₂: Σx grows by s per tick, and s by x(t) − x(t − n₁) − x(t − n₂) + x(t − n₁ − n₂).
 //!
 //! # Example
 //!
@@ -28,7 +29,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::{Field, PathError};
-use crate::integer::mul_q32;
+use crate::integer::{mul_q32, mul_q32_shifted};
 use crate::units::Position;
 
 /// Greatest total length of the windows of an axis, ticks: 128 ms at 4 kHz, 4 kB per axis.
@@ -108,25 +109,31 @@ impl CornerRounding {
 pub enum Filter {
     /// No filter.
     Pass,
-    /// A moving mean.
-    Mean(Divisor),
-    /// Two moving means in series, the longer first.
-    Means(Divisor, Divisor),
+    /// A moving mean over a number of ticks.
+    Mean(u16, Divisor),
+    /// Two moving means in series, the longer first, and the product of their ticks.
+    Means([u16; 2], Divisor),
     /// A first-order lag with α, 32 fraction bits.
     Lag(u32),
 }
 
-/// A number of ticks and its reciprocal with 32 fraction bits, rounded up.
+/// A divisor and its reciprocal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Divisor {
-    ticks: u16,
+    value: u32,
+    /// 2^(32 + `shift`)/value, rounded up: 32 bits.
     reciprocal: u32,
+    shift: u32,
 }
 
 impl Divisor {
-    /// From 2 to [`WINDOW`] ticks.
-    fn new(ticks: u16) -> Self {
-        Self { ticks, reciprocal: u32::MAX / u32::from(ticks.max(2)) + 1 }
+    /// From 2 to [`WINDOW`]².
+    fn new(value: u32) -> Self {
+        let value = value.max(2);
+        let shift = (value - 1).ilog2();
+        let reciprocal = (1u64 << (32 + shift)).div_ceil(u64::from(value));
+        #[expect(clippy::cast_possible_truncation, reason = "the value is above 2^shift")]
+        Self { value, reciprocal: reciprocal as u32, shift }
     }
 }
 
@@ -168,8 +175,8 @@ impl Filter {
     fn of(long: u16, short: u16) -> Self {
         match (long, short) {
             (0 | 1, _) => Self::Pass,
-            (_, 0 | 1) => Self::Mean(Divisor::new(long)),
-            _ => Self::Means(Divisor::new(long), Divisor::new(short)),
+            (_, 0 | 1) => Self::Mean(long, Divisor::new(long.into())),
+            _ => Self::Means([long, short], Divisor::new(u32::from(long) * u32::from(short))),
         }
     }
 
@@ -190,8 +197,8 @@ impl Filter {
         };
         match self {
             Self::Pass => CornerRounding::NONE,
-            Self::Mean(long) => means(long.ticks.into(), 0),
-            Self::Means(long, short) => means(long.ticks.into(), short.ticks.into()),
+            Self::Mean(long, _) => means((*long).into(), 0),
+            Self::Means([long, short], _) => means((*long).into(), (*short).into()),
             Self::Lag(alpha) => {
                 let lag = (1u64 << 48) / u64::from((*alpha).max(1));
                 // 1/e = 0.3679
@@ -213,8 +220,8 @@ impl Filter {
     const fn memory(&self) -> u16 {
         match self {
             Self::Pass | Self::Lag(_) => 0,
-            Self::Mean(long) => long.ticks,
-            Self::Means(long, short) => long.ticks + short.ticks,
+            Self::Mean(long, _) => *long,
+            Self::Means([long, short], _) => *long + *short,
         }
     }
 }
@@ -270,51 +277,22 @@ fn ticks(seconds: f64, rate_hz: f64) -> Result<u16, PathError> {
 /// State of the filter of an axis.
 #[derive(Clone, Debug)]
 pub struct State {
-    /// The windows of both means, one after the other.
-    windows: [i64; WINDOW],
-    means: [Mean; 2],
+    /// The last inputs; the next one is written at `next`. Inputs before the last [`State::rest_at`] count as `initial`, so that
+    /// the window need not be written then.
+    window: [i64; WINDOW],
+    next: u16,
+    initial: i64,
+    /// Number of inputs written, up to the length of the window.
+    written: u16,
+    /// Growth of the sum of two means per tick.
+    growth: i64,
+    /// Sum − divisor·output of the means.
+    remainder: i64,
     /// Last output.
     output: i64,
     /// Last input, and the number of ticks for which it has not changed.
     input: i64,
     unchanged_ticks: u16,
-}
-
-/// A moving mean. Its window counts as filled with the initial position, so that it need not be written.
-#[derive(Clone, Copy, Debug)]
-struct Mean {
-    initial: i64,
-    /// Whether every slot of the window has been written.
-    full: bool,
-    next: u16,
-    value: i64,
-    /// Sum of the window − ticks·value.
-    remainder: i64,
-}
-
-impl Mean {
-    const fn at(position: i64) -> Self {
-        Self { initial: position, full: false, next: 0, value: position, remainder: 0 }
-    }
-
-    /// Replaces the oldest value of the window and returns the mean.
-    fn step(&mut self, window: &mut [i64], divisor: Divisor, value: i64) -> i64 {
-        if let Some(slot) = window.get_mut(usize::from(self.next)) {
-            let oldest = if self.full { *slot } else { self.initial };
-            self.remainder = self.remainder.wrapping_add(value.wrapping_sub(oldest));
-            *slot = value;
-        }
-        self.next += 1;
-        if self.next >= divisor.ticks {
-            (self.next, self.full) = (0, true);
-        }
-        // The reciprocal is rounded up: a remainder of n gives 1, one below n gives 0. An excess for a large remainder is
-        // corrected in the next tick, since the remainder itself is exact.
-        let change = mul_q32(self.remainder, divisor.reciprocal);
-        self.value = self.value.wrapping_add(change);
-        self.remainder = self.remainder.wrapping_sub(change.wrapping_mul(i64::from(divisor.ticks)));
-        self.value
-    }
 }
 
 impl State {
@@ -323,17 +301,21 @@ impl State {
     pub const fn at(position: Position) -> Self {
         let position = position.0;
         Self {
-            windows: [0; WINDOW],
-            means: [Mean::at(position); 2],
+            window: [0; WINDOW],
+            next: 0,
+            initial: position,
+            written: 0,
+            growth: 0,
+            remainder: 0,
             output: position,
             input: position,
             unchanged_ticks: u16::MAX,
         }
     }
 
-    /// Rests at another position, without writing the windows.
+    /// Rests at another position, without writing the window.
     pub const fn rest_at(&mut self, position: Position) {
-        self.means = [Mean::at(position.0); 2];
+        (self.initial, self.written, self.growth, self.remainder) = (position.0, 0, 0, 0);
         (self.output, self.input, self.unchanged_ticks) = (position.0, position.0, u16::MAX);
     }
 
@@ -342,23 +324,56 @@ impl State {
         let unchanged = input.0 == self.input;
         self.unchanged_ticks = if unchanged { self.unchanged_ticks.saturating_add(1) } else { 0 };
         self.input = input.0;
-        let [first, second] = &mut self.means;
-        self.output = match *filter {
-            Filter::Pass => input.0,
-            Filter::Mean(long) => first.step(&mut self.windows, long, input.0),
-            Filter::Means(long, short) => {
-                let (head, tail) =
-                    self.windows.split_at_mut_checked(usize::from(long.ticks)).unwrap_or_default();
-                let mean = first.step(head, long, input.0);
-                second.step(tail, short, mean)
+        match filter {
+            Filter::Pass => self.output = input.0,
+            Filter::Mean(long, divisor) => {
+                let growth = input.0.wrapping_sub(self.delayed(*long));
+                self.write(input.0);
+                self.add(growth, divisor);
+            }
+            Filter::Means([long, short], divisor) => {
+                let new = input.0.wrapping_sub(self.delayed(*long));
+                let old = self.delayed(*short).wrapping_sub(self.delayed(*long + *short));
+                self.growth = self.growth.wrapping_add(new.wrapping_sub(old));
+                self.write(input.0);
+                self.add(self.growth, divisor);
             }
             Filter::Lag(alpha) => {
                 let lag = input.0.wrapping_sub(self.output);
                 // Rounded away from zero, so that the lag ends.
-                self.output.wrapping_add(mul_q32(lag, alpha)).wrapping_add(i64::from(lag > 0))
+                self.output = self.output.wrapping_add(mul_q32(lag, *alpha)).wrapping_add(i64::from(lag > 0));
             }
-        };
+        }
         Position(self.output)
+    }
+
+    /// The input of 1 to [`WINDOW`] ticks ago.
+    fn delayed(&self, ticks: u16) -> i64 {
+        if ticks > self.written {
+            return self.initial;
+        }
+        let index = usize::from(self.next.wrapping_sub(ticks)) % WINDOW;
+        self.window.get(index).copied().unwrap_or(self.initial)
+    }
+
+    fn write(&mut self, input: i64) {
+        if let Some(slot) = self.window.get_mut(usize::from(self.next) % WINDOW) {
+            *slot = input;
+        }
+        self.next = self.next.wrapping_add(1);
+        if usize::from(self.written) < WINDOW {
+            self.written += 1;
+        }
+    }
+
+    /// Adds to the sum that the output is a fraction of.
+    fn add(&mut self, growth: i64, divisor: &Divisor) {
+        let remainder = self.remainder.wrapping_add(growth);
+        // The reciprocal is rounded up: a remainder of n gives 1, one below n gives 0. An excess for a large remainder is
+        // corrected in the next tick, since the remainder itself is exact.
+        let change = mul_q32_shifted(remainder, divisor.reciprocal, divisor.shift);
+        self.output = self.output.wrapping_add(change);
+        self.remainder = remainder.wrapping_sub(change.wrapping_mul(i64::from(divisor.value)));
     }
 
     /// Whether the command has reached the input, and stays there while the input does not change.
