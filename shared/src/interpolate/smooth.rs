@@ -16,12 +16,12 @@
 //! A step of the position through a mean over 4 ticks is a ramp of 4 ticks.
 //!
 //! ```
-//! use shared::interpolate::smooth::{Filter, Smoothing, State};
+//! use shared::interpolate::smooth::{Filters, Smoothing, State};
 //! use shared::units::Position;
 //!
-//! let filter = Filter::new(&Smoothing::Trapezoid { time_s: 0.004 }, 1000.0)?;
-//! let mut state = State::at(Position(0));
-//! let outputs = [(); 5].map(|()| state.step(&filter, Position(4000)).0);
+//! let filters = Filters::new(&[Smoothing::Trapezoid { time_s: 0.004 }], 1000.0)?;
+//! let mut state = State::at([Position(0)]);
+//! let outputs = [(); 5].map(|()| state.step(&filters, &[Position(4000)])[0].0);
 //! assert_eq!(outputs, [1000, 2000, 3000, 4000, 4000]);
 //! # Ok::<(), shared::interpolate::PathError>(())
 //! ```
@@ -235,11 +235,21 @@ pub struct Filters<const N: usize> {
     pub rounding: CornerRounding,
     /// Whether any axis has a filter.
     pub active: bool,
+    /// Set if every axis has the same two means.
+    common_means: Option<CommonMeans>,
+}
+
+/// Two means that are the same on every axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct CommonMeans {
+    ticks: [u16; 2],
+    divisor: Divisor,
 }
 
 impl<const N: usize> Filters<N> {
     /// No filters.
-    pub const PASS: Self = Self { axes: [Filter::Pass; N], rounding: CornerRounding::NONE, active: false };
+    pub const PASS: Self =
+        Self { axes: [Filter::Pass; N], rounding: CornerRounding::NONE, active: false, common_means: None };
 
     /// Converts the settings for a command every 1/`rate_hz`.
     ///
@@ -255,6 +265,12 @@ impl<const N: usize> Filters<N> {
         }
         filters.active = filters.axes.iter().any(|filter| *filter != Filter::Pass);
         filters.rounding = rounding.unwrap_or(CornerRounding::NONE);
+        filters.common_means = match filters.axes.first() {
+            Some(first @ &Filter::Means(ticks, divisor)) if filters.axes.iter().all(|axis| axis == first) => {
+                Some(CommonMeans { ticks, divisor })
+            }
+            _ => None,
+        };
         Ok(filters)
     }
 }
@@ -274,96 +290,46 @@ fn ticks(seconds: f64, rate_hz: f64) -> Result<u16, PathError> {
     Ok(ticks as u16)
 }
 
-/// State of the filter of an axis.
+/// State of the filters of all axes.
 #[derive(Clone, Debug)]
-pub struct State {
-    /// The last inputs; the next one is written at `next`. Inputs before the last [`State::rest_at`] count as `initial`, so that
-    /// the window need not be written then.
-    window: [i64; WINDOW],
+pub struct State<const N: usize> {
+    /// The last inputs; the next ones are written at `next`. Inputs before the last [`State::rest_at`] count as those of it, so
+    /// that the window need not be written then.
+    window: [[i64; N]; WINDOW],
     next: u16,
-    initial: i64,
     /// Number of inputs written, up to the length of the window.
     written: u16,
+    /// Number of ticks for which no input has changed.
+    unchanged_ticks: u16,
+    axes: [AxisState; N],
+}
+
+/// State of the filter of an axis.
+#[derive(Clone, Copy, Debug)]
+struct AxisState {
+    /// Input at the last rest.
+    initial: i64,
     /// Growth of the sum of two means per tick.
     growth: i64,
     /// Sum − divisor·output of the means.
     remainder: i64,
     /// Last output.
     output: i64,
-    /// Last input, and the number of ticks for which it has not changed.
+    /// Last input.
     input: i64,
-    unchanged_ticks: u16,
 }
 
-impl State {
-    /// At rest.
-    #[must_use]
-    pub const fn at(position: Position) -> Self {
+impl AxisState {
+    const fn at(position: Position) -> Self {
         let position = position.0;
-        Self {
-            window: [0; WINDOW],
-            next: 0,
-            initial: position,
-            written: 0,
-            growth: 0,
-            remainder: 0,
-            output: position,
-            input: position,
-            unchanged_ticks: u16::MAX,
-        }
+        Self { initial: position, growth: 0, remainder: 0, output: position, input: position }
     }
 
-    /// Rests at another position, without writing the window.
-    pub const fn rest_at(&mut self, position: Position) {
-        (self.initial, self.written, self.growth, self.remainder) = (position.0, 0, 0, 0);
-        (self.output, self.input, self.unchanged_ticks) = (position.0, position.0, u16::MAX);
-    }
-
-    /// The command for a position on the path, once per position tick.
-    pub fn step(&mut self, filter: &Filter, input: Position) -> Position {
-        let unchanged = input.0 == self.input;
-        self.unchanged_ticks = if unchanged { self.unchanged_ticks.saturating_add(1) } else { 0 };
-        self.input = input.0;
-        match filter {
-            Filter::Pass => self.output = input.0,
-            Filter::Mean(long, divisor) => {
-                let growth = input.0.wrapping_sub(self.delayed(*long));
-                self.write(input.0);
-                self.add(growth, divisor);
-            }
-            Filter::Means([long, short], divisor) => {
-                let new = input.0.wrapping_sub(self.delayed(*long));
-                let old = self.delayed(*short).wrapping_sub(self.delayed(*long + *short));
-                self.growth = self.growth.wrapping_add(new.wrapping_sub(old));
-                self.write(input.0);
-                self.add(self.growth, divisor);
-            }
-            Filter::Lag(alpha) => {
-                let lag = input.0.wrapping_sub(self.output);
-                // Rounded away from zero, so that the lag ends.
-                self.output = self.output.wrapping_add(mul_q32(lag, *alpha)).wrapping_add(i64::from(lag > 0));
-            }
-        }
-        Position(self.output)
-    }
-
-    /// The input of 1 to [`WINDOW`] ticks ago.
-    fn delayed(&self, ticks: u16) -> i64 {
-        if ticks > self.written {
-            return self.initial;
-        }
-        let index = usize::from(self.next.wrapping_sub(ticks)) % WINDOW;
-        self.window.get(index).copied().unwrap_or(self.initial)
-    }
-
-    fn write(&mut self, input: i64) {
-        if let Some(slot) = self.window.get_mut(usize::from(self.next) % WINDOW) {
-            *slot = input;
-        }
-        self.next = self.next.wrapping_add(1);
-        if usize::from(self.written) < WINDOW {
-            self.written += 1;
-        }
+    /// Two means: inputs now, after the ticks of each, and after the sum of both.
+    fn add_to_means(&mut self, [now, long, short, both]: [i64; 4], divisor: &Divisor) {
+        let growth = now.wrapping_sub(long).wrapping_sub(short.wrapping_sub(both));
+        self.growth = self.growth.wrapping_add(growth);
+        self.add(self.growth, divisor);
     }
 
     /// Adds to the sum that the output is a fraction of.
@@ -375,10 +341,107 @@ impl State {
         self.output = self.output.wrapping_add(change);
         self.remainder = remainder.wrapping_sub(change.wrapping_mul(i64::from(divisor.value)));
     }
+}
 
-    /// Whether the command has reached the input, and stays there while the input does not change.
+impl<const N: usize> State<N> {
+    /// At rest at zero.
+    pub const AT_ZERO: Self = Self {
+        window: [[0; N]; WINDOW],
+        next: 0,
+        written: 0,
+        unchanged_ticks: u16::MAX,
+        axes: [AxisState::at(Position(0)); N],
+    };
+
+    /// At rest.
     #[must_use]
-    pub const fn is_settled(&self, filter: &Filter) -> bool {
-        self.output == self.input && self.unchanged_ticks >= filter.memory()
+    pub fn at(positions: [Position; N]) -> Self {
+        Self { axes: positions.map(AxisState::at), ..Self::AT_ZERO }
+    }
+
+    /// Rests at other positions, without writing the window.
+    pub fn rest_at(&mut self, positions: &[Position; N]) {
+        (self.axes, self.written, self.unchanged_ticks) = (positions.map(AxisState::at), 0, u16::MAX);
+    }
+
+    /// The commands for positions on the path, once per position tick.
+    pub fn step(&mut self, filters: &Filters<N>, inputs: &[Position; N]) -> [Position; N] {
+        let mut changed = false;
+        for (axis, input) in self.axes.iter_mut().zip(inputs) {
+            changed |= axis.input != input.0;
+            axis.input = input.0;
+        }
+        self.unchanged_ticks = if changed { 0 } else { self.unchanged_ticks.saturating_add(1) };
+        match &filters.common_means {
+            Some(means) if self.written >= means.ticks[0] + means.ticks[1] => self.step_together(means),
+            _ => self.step_each(filters),
+        }
+        if let Some(slot) = self.window.get_mut(Self::index(self.next)) {
+            *slot = inputs.map(|input| input.0);
+        }
+        self.next = self.next.wrapping_add(1);
+        self.axes.map(|axis| Position(axis.output))
+    }
+
+    /// Two means that are the same on every axis, for a window that has been filled.
+    fn step_together(&mut self, means: &CommonMeans) {
+        let [long, short] = means.ticks;
+        let delayed = |ticks| self.window.get(Self::index(self.next.wrapping_sub(ticks)));
+        let (Some(longs), Some(shorts), Some(both)) = (delayed(long), delayed(short), delayed(long + short))
+        else {
+            return;
+        };
+        for (((axis, long), short), both) in self.axes.iter_mut().zip(longs).zip(shorts).zip(both) {
+            axis.add_to_means([axis.input, *long, *short, *both], &means.divisor);
+        }
+    }
+
+    /// Any filters.
+    #[inline(never)]
+    fn step_each(&mut self, filters: &Filters<N>) {
+        for (i, filter) in filters.axes.iter().enumerate() {
+            let delayed = |ticks| self.delayed(i, ticks);
+            let taps = match filter {
+                Filter::Mean(long, _) => [delayed(*long), 0, 0],
+                Filter::Means([long, short], _) => [delayed(*long), delayed(*short), delayed(*long + *short)],
+                Filter::Pass | Filter::Lag(_) => [0; 3],
+            };
+            let Some(axis) = self.axes.get_mut(i) else { return };
+            let ([long, short, both], input) = (taps, axis.input);
+            match filter {
+                Filter::Pass => axis.output = input,
+                Filter::Mean(_, divisor) => axis.add(input.wrapping_sub(long), divisor),
+                Filter::Means(_, divisor) => axis.add_to_means([input, long, short, both], divisor),
+                Filter::Lag(alpha) => {
+                    let lag = input.wrapping_sub(axis.output);
+                    // Rounded away from zero, so that the lag ends.
+                    let change = mul_q32(lag, *alpha).wrapping_add(i64::from(lag > 0));
+                    axis.output = axis.output.wrapping_add(change);
+                }
+            }
+        }
+        self.written = self.written.saturating_add(1);
+    }
+
+    /// The input of an axis 1 to [`WINDOW`] ticks ago.
+    fn delayed(&self, axis: usize, ticks: u16) -> i64 {
+        let written =
+            self.window.get(Self::index(self.next.wrapping_sub(ticks))).filter(|_| ticks <= self.written);
+        let initial = || self.axes.get(axis).map_or(0, |axis| axis.initial);
+        written.and_then(|inputs| inputs.get(axis)).copied().unwrap_or_else(initial)
+    }
+
+    /// Place in the window.
+    fn index(count: u16) -> usize {
+        usize::from(count) % WINDOW
+    }
+
+    /// Whether the commands have reached the inputs, and stay there while these do not change.
+    #[must_use]
+    pub fn is_settled(&self, filters: &Filters<N>) -> bool {
+        self.axes
+            .iter()
+            .zip(&filters.axes)
+            .all(|(axis, filter)| axis.output == axis.input && self.unchanged_ticks >= filter.memory())
     }
 }
