@@ -79,6 +79,7 @@ impl<S: Scalar> AxisState<S> {
 
     /// The position loop, once per command. The correction is added to the command; its part for errors between motor and
     /// scale also to the scale's reading (see [`crate::compensate`]).
+    #[inline(never)]
     pub fn position_tick(
         &mut self,
         config: &AxisConfig<S>,
@@ -105,6 +106,7 @@ impl<S: Scalar> AxisState<S> {
     }
 
     /// The velocity loop, once per tick. `compensation` is added to its force. Returns the force until the next tick.
+    #[inline(never)]
     pub fn velocity_tick(
         &mut self,
         config: &AxisConfig<S>,

@@ -83,6 +83,7 @@ impl<S: Scalar> AxisCompensation<S> {
     }
 
     /// The correction of the command, once per command.
+    #[inline(never)]
     pub(super) fn command<const N: usize>(
         &self,
         state: &mut State<S>,
@@ -143,6 +144,7 @@ impl<S: Scalar> AxisCompensation<S> {
     }
 
     /// Evaluates a slow term: at 1 m/s and 4 kHz with all seven, each of them is evaluated every 1.75 mm.
+    #[inline(never)]
     fn evaluate<'a>(
         &self,
         term: SlowTerm,
@@ -205,6 +207,7 @@ impl<S: Scalar> AxisCompensation<S> {
     }
 
     /// The force to add, once per tick.
+    #[inline(never)]
     pub(super) fn force(&self, state: &mut State<S>, motor: Position) -> S {
         let mut target = state.pulse_force;
         if self.model.is_some() && state.is_on(CompensationKind::Force) {

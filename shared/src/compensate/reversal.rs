@@ -48,7 +48,7 @@ impl<S: Scalar> Reversal<S> {
             *pulse = *pulse - S::round(*pulse * self.decay);
         }
         let one = self.one;
-        let speed_ratio = S::round(own.increment * self.fade).clamp_magnitude(one);
+        let speed_ratio = S::round(S::from_increment(own.increment_units) * self.fade).clamp_magnitude(one);
         let factor = if speed_ratio < S::default() { one + speed_ratio } else { one - speed_ratio };
         S::round(*pulse * factor)
     }

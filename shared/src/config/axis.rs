@@ -184,7 +184,8 @@ fn low_pass_filter<S: Scalar>(low_pass: &LowPass, rate_hz: f64) -> Result<Filter
 fn monitor<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Monitor<S>, ConfigError> {
     let signal = |name, value: f64, unit: f64| {
         let value = positive(name, value)?;
-        Ok(S::signal(ranged(name, value, 0.0, S::SIGNAL_LIMIT * unit)? / unit))
+        // A signal saturates to within 0.2 % of its range, and has to exceed the limit then.
+        Ok(S::signal(ranged(name, value, 0.0, 0.99 * S::SIGNAL_LIMIT * unit)? / unit))
     };
     let ticks = positive("saturation_time_s", settings.saturation_time_s)? / rates.tick;
     let distance = |name, m: Option<f64>, max_m| match m {

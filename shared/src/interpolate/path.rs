@@ -214,6 +214,7 @@ impl<const N: usize> Path<N> {
     }
 
     /// The command of the next tick.
+    #[inline(never)]
     pub fn advance(&mut self) -> [Position; N] {
         match self.braking {
             None => self.follow(),
