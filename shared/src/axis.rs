@@ -15,7 +15,7 @@ use crate::units::{Position, VELOCITY_M_PER_S};
 #[derive(Clone, Copy, Debug)]
 pub struct AxisState<S: Scalar> {
     feedback: dual::State,
-    feedforward: feedforward::State,
+    feedforward: feedforward::State<S>,
     position: position::State<S>,
     velocity: velocity::State<S>,
     notch: filter::State<S>,

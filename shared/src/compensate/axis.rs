@@ -102,11 +102,9 @@ impl<S: Scalar> AxisCompensation<S> {
         self.forces_of_motion(state, own);
         let screw = self.screw_correction(state, own);
         let slow = &state.slow;
-        let mut sum = screw.widen() + slow.scale_pitch.widen() + slow.straightness.widen();
-        sum += slow.drift.widen();
-        sum += slow.intalk * own.acceleration;
+        let mut sum = own.acceleration * slow.intalk;
         if let Some((source, _)) = &self.crosstalk {
-            sum += slow.crosstalk * other(*source).acceleration;
+            sum += other(*source).acceleration * slow.crosstalk;
         }
         if let Some((source, squareness)) =
             self.squareness.as_ref().filter(|_| state.is_on(CompensationKind::Squareness))
@@ -114,7 +112,8 @@ impl<S: Scalar> AxisCompensation<S> {
             sum += squareness.correction(other(*source));
         }
         self.command.step(&mut state.screw, screw);
-        self.command.step(&mut state.command, S::round(sum));
+        let slow_sum = slow.scale_pitch + slow.straightness + slow.drift;
+        self.command.step(&mut state.command, screw + slow_sum + S::round(sum));
         state.correction()
     }
 
@@ -171,11 +170,11 @@ impl<S: Scalar> AxisCompensation<S> {
             }
             SlowTerm::Intalk => {
                 let talk = self.intalk.as_ref().filter(|_| is_on(CompensationKind::Intalk));
-                state.slow.intalk = talk.map_or(none, |talk| talk.correction(own.position));
+                state.slow.intalk = talk.map_or(none, |talk| talk.correction(own.position)).to_gain();
             }
             SlowTerm::Crosstalk => {
                 let talk = self.crosstalk.as_ref().filter(|_| is_on(CompensationKind::Crosstalk));
-                state.slow.crosstalk = talk.map_or(none, |(_, talk)| talk.correction(own.position));
+                state.slow.crosstalk = talk.map_or(none, |(_, talk)| talk.correction(own.position)).to_gain();
             }
             SlowTerm::Drift => {
                 let drift = self.drift.as_ref().filter(|_| is_on(CompensationKind::Drift));
@@ -194,7 +193,7 @@ impl<S: Scalar> AxisCompensation<S> {
 
     /// The motor reading with the error of the resolver corrected, once per tick.
     pub(super) fn reading(&self, state: &mut State<S>, motor: Position) -> Position {
-        state.ticks = state.ticks.saturating_add(1);
+        state.ticks = state.ticks.wrapping_add(1);
         let none = S::default();
         let is_empty = self.dividing.is_empty();
         // A previous correction still has to return to zero.

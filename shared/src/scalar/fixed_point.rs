@@ -121,6 +121,7 @@ impl Scalar for Fixed {
     type Sum = I26F38;
 
     const ZERO: Self = Self(I18F14::ZERO);
+    const ZERO_GAIN: I8F24 = I8F24::ZERO;
     const ZERO_SUM: I26F38 = I26F38::ZERO;
     const NAME: &'static str = "fixed";
     const GAIN_LIMIT: f64 = 128.0;
@@ -172,12 +173,22 @@ impl Scalar for Fixed {
         value
     }
 
+    fn to_gain(self) -> I8F24 {
+        self.0.saturating_to_num()
+    }
+
     fn widen(self) -> I26F38 {
         I26F38::from_bits(i64::from(self.to_bits()) << 24)
     }
 
     fn round(sum: I26F38) -> Self {
         Self::from_bits(narrow::<24>(sum.to_bits()))
+    }
+
+    fn exceeds(self, limit: Self) -> bool {
+        // Both comparisons in one, as unsigned numbers, for a limit that is not negative.
+        let (value, limit) = (self.to_bits(), limit.to_bits().cast_unsigned());
+        value.cast_unsigned().wrapping_add(limit) > limit << 1
     }
 
     fn clamp_magnitude(self, limit: Self) -> Self {

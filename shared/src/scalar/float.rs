@@ -29,6 +29,7 @@ macro_rules! float {
             type Sum = $float;
 
             const ZERO: $float = 0.0;
+            const ZERO_GAIN: $float = 0.0;
             const ZERO_SUM: $float = 0.0;
             const NAME: &'static str = $name;
             const GAIN_LIMIT: f64 = 1e18;
@@ -105,6 +106,10 @@ macro_rules! float {
             fn from_fixed(value: Fixed) -> $float {
                 const UNIT: $float = 1.0 / (1u64 << 14) as $float;
                 value.to_bits() as $float * UNIT
+            }
+
+            fn to_gain(self) -> $float {
+                self
             }
 
             fn widen(self) -> $float {

@@ -74,6 +74,8 @@ pub trait Scalar:
 
     /// The signal 0, usable in constants.
     const ZERO: Self;
+    /// The gain 0, usable in constants.
+    const ZERO_GAIN: Self::Gain;
     /// The sum 0, usable in constants.
     const ZERO_SUM: Self::Sum;
 
@@ -111,12 +113,14 @@ pub trait Scalar:
 
     /// The signal of a fixed-point one, rounded to the nearest value of the format.
     fn from_fixed(value: Fixed) -> Self;
+    /// The signal as a gain; its magnitude must be below [`Scalar::GAIN_LIMIT`], or it saturates.
+    fn to_gain(self) -> Self::Gain;
     /// The signal as a sum.
     fn widen(self) -> Self::Sum;
     /// The sum as a signal, rounded to nearest, saturated.
     fn round(sum: Self::Sum) -> Self;
 
-    /// Whether the magnitude of the signal exceeds `limit`; true for a NaN.
+    /// Whether the magnitude of the signal exceeds `limit`, which is not negative; true for a NaN.
     #[must_use]
     fn exceeds(self, limit: Self) -> bool {
         !(self <= limit && self >= -limit)
