@@ -3,6 +3,7 @@
 #![doc = include_str!("front.md")]
 
 pub mod axis;
+pub mod capture;
 pub mod compensate;
 pub mod config;
 pub mod control;
@@ -10,6 +11,7 @@ pub mod drive;
 pub mod feedback;
 mod integer;
 pub mod interpolate;
+pub mod link;
 pub mod machine;
 pub mod monitor;
 pub mod protocol;

@@ -11,6 +11,6 @@ pub mod status_light;
 
 pub use amplifier::{Amplifier, DriveError, Duty};
 pub use board::Board;
-pub use drive_system::DriveSystem;
+pub use drive_system::{DriveSystem, NotArmed, Tick};
 pub use enable_switch::{EnableSwitch, SwitchEvent};
 pub use status_light::StatusLight;

@@ -4,11 +4,11 @@ use heapless::Deque;
 
 use super::block::Block;
 use super::error::PathError;
+use super::feed_hold::{FeedHold, FeedState};
 use super::fraction::{FRACTION, whole};
 use super::joint::JointLimits;
 use super::planned::{PlannedBlock, Progress};
 use super::profile::Step;
-use super::ramp::TICK;
 use super::smooth::{self, Filters, Smoothing};
 use crate::units::Position;
 
@@ -23,6 +23,9 @@ pub struct Path<const N: usize> {
     progress: Progress,
     started: bool,
     braking: Option<Brake>,
+    feed_hold: FeedHold,
+    /// Changes with every change of the queue, so that a copy of it is known to be out of date.
+    revision: u32,
     /// Position on the path, before the filters.
     position: [Position; N],
     /// Output of the filters.
@@ -54,6 +57,8 @@ impl<const N: usize> Path<N> {
         progress: Progress::NONE,
         started: false,
         braking: None,
+        feed_hold: FeedHold::RUNNING,
+        revision: 0,
         position: [Position(0); N],
         command: [Position(0); N],
         filters: Filters::PASS,
@@ -99,10 +104,11 @@ impl<const N: usize> Path<N> {
     /// The [`PathError`] that names what is wrong; the path is unchanged.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
         let mut planned = PlannedBlock::new(block, self.planned_end, self.rate_hz, &self.filters.rounding)?;
-        self.check_travel(&planned)?;
+        self.check_travel(&planned, self.planned_end)?;
         if self.blocks.is_full() {
             return Err(PathError::QueueFull);
         }
+        self.revision = self.revision.wrapping_add(1);
         let started = usize::from(self.started);
         let waits = self.blocks.len() > started;
         if let Some(last) = self.blocks.back_mut().filter(|_| waits) {
@@ -118,8 +124,18 @@ impl<const N: usize> Path<N> {
         Ok(())
     }
 
-    fn check_travel(&self, block: &PlannedBlock<N>) -> Result<(), PathError> {
-        let axes = block.bounds().into_iter().zip(self.travel).zip(self.planned_end);
+    /// Checks a block as [`Path::push`] does, for a start of its own. Returns its end.
+    ///
+    /// # Errors
+    /// The [`PathError`] that names what is wrong.
+    pub fn check(&self, block: &Block<N>, start: [Position; N]) -> Result<[Position; N], PathError> {
+        let planned = PlannedBlock::new(block, start, self.rate_hz, &self.filters.rounding)?;
+        self.check_travel(&planned, start)?;
+        Ok(planned.end())
+    }
+
+    fn check_travel(&self, block: &PlannedBlock<N>, from: [Position; N]) -> Result<(), PathError> {
+        let axes = block.bounds().into_iter().zip(self.travel).zip(from);
         for (axis, (([min, max], [lower, upper]), start)) in (0..).zip(axes) {
             if min < lower.min(start) || max > upper.max(start) {
                 return Err(PathError::BeyondTravel { axis });
@@ -193,9 +209,9 @@ impl<const N: usize> Path<N> {
 
     /// Discards every block and rests at a position.
     pub fn rest_at(&mut self, position: &[Position; N]) {
-        self.blocks.clear();
-        self.started = false;
+        self.clear_queue();
         self.braking = None;
+        self.feed_hold = FeedHold::RUNNING;
         (self.position, self.command, self.planned_end) = (*position, *position, *position);
         for (state, position) in self.filter_states.iter_mut().zip(position) {
             state.rest_at(*position);
@@ -211,7 +227,73 @@ impl<const N: usize> Path<N> {
         }
         let moving = self.started.then_some((self.progress.distance(), self.progress.speed()));
         let (distance, speed) = moving.unwrap_or_default();
+        let speed = self.feed_hold.scaled(speed);
+        self.revision = self.revision.wrapping_add(1);
         self.braking = Some(Brake { deceleration, speed, distance: i128::from(distance) << FRACTION });
+    }
+
+    fn clear_queue(&mut self) {
+        self.blocks.clear();
+        self.started = false;
+        self.revision = self.revision.wrapping_add(1);
+    }
+
+    /// Decelerates to standstill on the path, which [`Path::resume`] continues. The deceleration (per tick² with 16 fraction
+    /// bits) is added to that of the block.
+    pub fn hold(&mut self, deceleration: u64) {
+        self.feed_hold.hold(self.feed(), deceleration);
+    }
+
+    /// Continues after a [hold](Path::hold), with the same acceleration.
+    pub fn resume(&mut self, acceleration: u64) {
+        self.feed_hold.resume(self.feed(), acceleration);
+    }
+
+    /// Decelerates as [`Path::hold`], then discards the rest of the path. The path can then be used again.
+    pub fn discard(&mut self, deceleration: u64) {
+        self.feed_hold.discard(self.feed(), deceleration);
+        if self.feed_hold.is_to_be_discarded() {
+            self.discard_rest();
+        }
+    }
+
+    /// What the feed hold does.
+    #[must_use]
+    pub const fn feed_state(&self) -> FeedState {
+        self.feed_hold.state()
+    }
+
+    /// Feed of the running block.
+    fn feed(&self) -> Option<u64> {
+        self.blocks.front().filter(|_| self.started).map(PlannedBlock::feed)
+    }
+
+    /// At standstill: ends the path here.
+    #[cold]
+    fn discard_rest(&mut self) {
+        self.clear_queue();
+        self.planned_end = self.position;
+        self.feed_hold = FeedHold::RUNNING;
+    }
+
+    /// Copies what [`Path::push`] needs from another path, so that blocks are planned on the copy while ticks use the
+    /// original.
+    pub fn copy_queue(&mut self, other: &Self) {
+        self.blocks.clone_from(&other.blocks);
+        (self.started, self.revision) = (other.started, other.revision);
+        (self.planned_end, self.travel) = (other.planned_end, other.travel);
+        (self.rate_hz, self.filters) = (other.rate_hz, other.filters);
+    }
+
+    /// Adopts a copy of the queue with one more block. False, with nothing changed, if the queue has changed since it was
+    /// copied. The running block is kept: no block that is appended changes it.
+    pub fn adopt_queue(&mut self, planned: &Self) -> bool {
+        if planned.revision != self.revision.wrapping_add(1) {
+            return false;
+        }
+        self.blocks.clone_from(&planned.blocks);
+        (self.planned_end, self.revision) = (planned.planned_end, planned.revision);
+        true
     }
 
     /// Whether a stop was started and the command is at rest.
@@ -244,6 +326,13 @@ impl<const N: usize> Path<N> {
 
     /// Advances the position on the path by a tick.
     fn follow(&mut self) {
+        let time = self.feed_hold.advance();
+        if time == 0 {
+            if self.feed_hold.is_to_be_discarded() {
+                self.discard_rest();
+            }
+            return;
+        }
         let Some(block) = self.blocks.front() else { return };
         if !self.started {
             if block.entry == 0 && !self.is_settled() {
@@ -251,8 +340,9 @@ impl<const N: usize> Path<N> {
             }
             block.start(&mut self.progress);
             self.started = true;
+            self.revision = self.revision.wrapping_add(1);
         }
-        match block.advance(&mut self.progress, TICK) {
+        match block.advance(&mut self.progress, time) {
             Step::Within(length) => self.position = block.at(length),
             Step::Beyond(remaining) => self.cross_joint(remaining),
         }
@@ -262,6 +352,7 @@ impl<const N: usize> Path<N> {
     #[cold]
     fn cross_joint(&mut self, mut remaining: u64) {
         self.started = false;
+        self.revision = self.revision.wrapping_add(1);
         for _ in 0..QUEUE {
             let Some(ended) = self.blocks.front() else { return };
             self.position = ended.end();
@@ -295,6 +386,7 @@ impl<const N: usize> Path<N> {
                 return brake;
             }
             self.position = block.end();
+            self.revision = self.revision.wrapping_add(1);
             if block.exit == 0 {
                 break;
             }

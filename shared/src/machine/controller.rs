@@ -7,7 +7,8 @@ use super::state::State;
 use crate::compensate::{AxisCompensation, CompensationKind, CompensationSettings};
 use crate::config::{AxisConfig, AxisSettings, ConfigError, Rates};
 use crate::feedback::Reading;
-use crate::interpolate::{Block, PathError};
+use crate::interpolate::feed_hold::FeedState;
+use crate::interpolate::{Block, Path, PathError};
 use crate::safety::{Event, Fault, Power};
 use crate::scalar::Scalar;
 use crate::units::Position;
@@ -92,6 +93,23 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         Ok(())
     }
 
+    /// Replaces the compensation of an axis by one that was converted before, in the time of a copy: the conversion of tables
+    /// takes longer than a tick.
+    ///
+    /// # Errors
+    /// [`MachineError::NoSuchAxis`].
+    pub fn set_compensation(
+        &mut self,
+        axis: usize,
+        compensation: AxisCompensation<S>,
+    ) -> Result<(), MachineError> {
+        if axis >= N || self.config.is_none() {
+            return Err(MachineError::NoSuchAxis);
+        }
+        self.state.compensation.replace(axis, compensation);
+        Ok(())
+    }
+
     /// Switches one compensation of an axis on or off.
     ///
     /// # Errors
@@ -109,6 +127,32 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// # Errors
     /// [`PathError`]; nothing is changed then.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
+        self.accepts_blocks()?;
+        self.state.path.push(block)
+    }
+
+    /// Copies the queue of blocks: [`Path::push`] on the copy and [`Machine::adopt_queue`] append a block without planning it
+    /// within the time of a tick.
+    ///
+    /// # Errors
+    /// [`PathError`] if the machine accepts no blocks.
+    pub fn copy_queue(&self, copy: &mut Path<N>) -> Result<(), PathError> {
+        self.accepts_blocks()?;
+        copy.copy_queue(&self.state.path);
+        Ok(())
+    }
+
+    /// Adopts a copy of the queue with one more block. False, with nothing changed, if the queue has changed since.
+    ///
+    /// # Errors
+    /// [`PathError`] if the machine accepts no blocks.
+    pub fn adopt_queue(&mut self, planned: &Path<N>) -> Result<bool, PathError> {
+        self.accepts_blocks()?;
+        Ok(self.state.path.adopt_queue(planned))
+    }
+
+    /// Whether a block could be appended now.
+    fn accepts_blocks(&self) -> Result<(), PathError> {
         if self.config.is_none() {
             return Err(PathError::NotConfigured);
         }
@@ -116,7 +160,58 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         if stopping || self.state.was_on && !self.state.power.is_on() {
             return Err(PathError::Interrupted);
         }
-        self.state.path.push(block)
+        Ok(())
+    }
+
+    /// Whether every block has ended and the command is at rest.
+    #[must_use]
+    pub fn is_done(&self) -> bool {
+        self.state.path.is_done()
+    }
+
+    /// Feed hold: decelerates along the path with the declared deceleration of a stop. The drives remain on.
+    pub fn hold(&mut self) {
+        if let Some(config) = &self.config {
+            self.state.path.hold(config.stop_deceleration());
+        }
+    }
+
+    /// Continues after [`Machine::hold`].
+    pub fn resume(&mut self) {
+        if let Some(config) = &self.config {
+            self.state.path.resume(config.stop_deceleration());
+        }
+    }
+
+    /// Decelerates as [`Machine::hold`], then discards the rest of the path. The drives remain on.
+    pub fn discard_path(&mut self) {
+        if let Some(config) = &self.config {
+            self.state.path.discard(config.stop_deceleration());
+        }
+    }
+
+    /// What the feed hold does.
+    #[must_use]
+    pub const fn feed_state(&self) -> FeedState {
+        self.state.path.feed_state()
+    }
+
+    /// Whether the last tick ran the position loops.
+    #[must_use]
+    pub fn was_position_tick(&self) -> bool {
+        self.config.as_ref().is_some_and(|config| self.state.is_after_position_tick(config))
+    }
+
+    /// Ticks per position tick; 0 without a configuration.
+    #[must_use]
+    pub fn position_loop_divider(&self) -> u32 {
+        self.config.as_ref().map_or(0, |config| config.rates.position_loop_divider)
+    }
+
+    /// The first warning since the drives were enabled.
+    #[must_use]
+    pub const fn warning(&self) -> Option<Fault> {
+        self.state.warning
     }
 
     /// Whether the queue has room for another block.

@@ -79,6 +79,11 @@ impl<S: Scalar, const N: usize> State<S, N> {
         }
     }
 
+    /// Whether the last tick ran the position loops.
+    pub const fn is_after_position_tick(&self, config: &MachineConfig<S, N>) -> bool {
+        self.was_on && self.until_position_tick + 1 == config.rates.position_loop_divider
+    }
+
     fn raise(&mut self, config: &MachineConfig<S, N>, faults: [FaultSet; N]) {
         if faults.iter().all(|faults| faults.is_empty()) {
             return;
