@@ -24,7 +24,7 @@ impl<const N: usize> Encoder<N> {
     /// Appends a sample. False, with the sample not counted, if the longest one would not fit.
     #[inline]
     pub fn append(&mut self, sample: &Sample<N>, bytes: &mut [u8]) -> bool {
-        if self.writer.groups + N * LONGEST_SAMPLE_NIBBLES > 2 * bytes.len() {
+        if !self.has_room(bytes.len()) {
             return false;
         }
         let writer = &mut self.writer;
@@ -33,6 +33,12 @@ impl<const N: usize> Encoder<N> {
             writer.push(value.wrapping_sub(predicted), bytes).then_some(value)
         });
         written.is_some()
+    }
+
+    /// Whether the longest sample fits a buffer of this many bytes.
+    #[must_use]
+    pub const fn has_room(&self, bytes: usize) -> bool {
+        self.writer.groups + N * LONGEST_SAMPLE_NIBBLES <= 2 * bytes
     }
 
     /// Bytes that have been written.

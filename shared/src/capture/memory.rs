@@ -96,13 +96,9 @@ impl<'m, const N: usize> CaptureMemory<'m, N> {
             self.samples += 1;
         }
         // Known without the next sample, so that a recording that is long enough is complete.
-        if self.samples >= self.max_samples || !self.has_room() {
+        if self.samples >= self.max_samples || !self.encoder.has_room(self.bytes.len()) {
             self.state = CaptureState::Complete;
         }
-    }
-
-    const fn has_room(&self) -> bool {
-        self.encoder.length() + N * super::codec::LONGEST_SAMPLE_NIBBLES / 2 < self.bytes.len()
     }
 
     /// Ends a recording that waits or records; what it has is kept.
