@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::compensation::check_margins;
 use super::margins::LimitArguments;
-use super::outputs::{check_outputs, print};
+use super::outputs::{check_outputs, print, write_json};
 use super::progress::Progress;
 use compensate::plan::Planning;
 use compensate::prediction::{PredictionError, TestMotion};
@@ -81,12 +81,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     check_margins(&plan.file, &model_file, &model, limits)?;
     let toml = plan.file.to_toml()?;
     write_whole(&arguments.out, |out| out.write_all(toml.as_bytes()))?;
-    if let Some(path) = &arguments.json {
-        let mut value = compensate::json::of(&plan);
-        value["margins"] = loop_margins(&model, &plan.file, limits).unwrap_or_default();
-        let text = serde_json::to_string_pretty(&value)?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    let mut json = compensate::json::of(&plan);
+    json["margins"] = loop_margins(&model, &plan.file, limits).unwrap_or_default();
+    write_json(arguments.json.as_ref(), &json)?;
     print(&text::of(&plan))
 }
 

@@ -6,6 +6,7 @@ mod compensate;
 mod compensation;
 mod demo;
 mod friction_map;
+mod improve;
 mod input_error;
 mod logged_run;
 mod margins;
@@ -58,6 +59,8 @@ enum Command {
     Trace(trace::Arguments),
     /// Compute gain and phase margins of the velocity and position loops of a machine file.
     Margins(margins::Arguments),
+    /// Log, trace, compensate and run a simulated machine again, round after round, until nothing more is gained.
+    Improve(improve::Arguments),
     /// Compare the contour error of the same motions before and after a change with each other and with the prediction.
     Verify(verify::Arguments),
 }
@@ -78,6 +81,7 @@ pub fn run() -> ExitCode {
         Command::Sensors(arguments) => sensors::run(&arguments),
         Command::SelfTest(arguments) => self_test::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
+        Command::Improve(arguments) => improve::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     };
     match outcome {
