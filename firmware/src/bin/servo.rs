@@ -14,7 +14,7 @@ use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::{entry, exception};
 use cortex_m_semihosting::debug::{EXIT_FAILURE, EXIT_SUCCESS, exit};
 use firmware::bench::{Bench, IDENTITY, SETTINGS, drive_system};
-use firmware::servo::{Uart, operate};
+use firmware::servo::{END, Uart, operate};
 use firmware::setup::{AXES, TICK_HZ};
 use shared::drive::{Board, Duty};
 use shared::feedback::Reading;
@@ -132,6 +132,9 @@ fn run() -> Option<()> {
         server.poll(&mut port, &mut Idle);
         let mut active = port.bytes > 0;
         if let Some(byte) = bench.read() {
+            if byte == END {
+                exit(EXIT_SUCCESS);
+            }
             let known = with_plant(|plant| operate(plant.bench.inputs(), byte));
             bench.write(&[if known { byte } else { b'?' }]);
             active = true;
@@ -173,7 +176,7 @@ const RECEIVERS: [Interrupt; 2] = [Interrupt(0), Interrupt(2)];
 struct Interrupt(u16);
 
 // SAFETY: the number of an interrupt of this chip.
-unsafe impl cortex_m::interrupt::InterruptNumber for Interrupt {
+unsafe impl interrupt::InterruptNumber for Interrupt {
     fn number(self) -> u16 {
         self.0
     }

@@ -2,6 +2,9 @@
 
 use crate::bench::Inputs;
 
+/// The byte that ends the emulator.
+pub const END: u8 = b'q';
+
 /// Operates an input. Returns whether the byte means one.
 ///
 /// | byte | input |

@@ -8,5 +8,5 @@
 mod bench_port;
 mod uart;
 
-pub use bench_port::operate;
+pub use bench_port::{END, operate};
 pub use uart::Uart;
