@@ -31,6 +31,9 @@ const CAPTURE_BYTES: usize = 80 * 1024;
 /// Ticks without a byte from the link or the bench after which the emulator ends: ten minutes.
 const ABANDONED_TICKS: u64 = 600 * TICK_HZ as u64;
 
+/// Ticks after which an input of the bench has settled: 50 ms, beyond the 20 ms of the enable switch.
+const SETTLED_TICKS: u64 = 1000;
+
 /// The drives, and the machine that they move.
 struct Plant {
     drive: HostedDrive<'static, Fixed, AXES>,
@@ -127,26 +130,33 @@ fn run() -> Option<()> {
     timer.enable_counter();
     timer.enable_interrupt();
     let mut served_at = 0;
+    let (mut confirmed, mut settled_at) = (None, SETTLED_TICKS);
     loop {
         let mut port = Counted { port: &mut link, bytes: 0 };
         server.poll(&mut port, &mut Idle);
         let mut active = port.bytes > 0;
-        if let Some(byte) = bench.read() {
-            if byte == END {
-                exit(EXIT_SUCCESS);
-            }
-            let known = with_plant(|plant| operate(plant.bench.inputs(), byte));
-            bench.write(&[if known { byte } else { b'?' }]);
-            active = true;
-        }
         let now = with_plant(|plant| plant.drive.now());
+        // A switch is operated, and confirmed, when it has been as it was for longer than its settling time.
+        if now >= settled_at {
+            if let Some(byte) = confirmed.take() {
+                bench.write(&[byte]);
+            }
+            if let Some(byte) = bench.read() {
+                if byte == END {
+                    exit(EXIT_SUCCESS);
+                }
+                let known = with_plant(|plant| operate(plant.bench.inputs(), byte));
+                (confirmed, settled_at) = (Some(if known { byte } else { b'?' }), now + SETTLED_TICKS);
+                active = true;
+            }
+        }
         if active {
             served_at = now;
         } else {
             if now - served_at > ABANDONED_TICKS {
                 exit(EXIT_SUCCESS);
             }
-            wait();
+            wait(with_plant(|plant| plant.drive.machine().power().is_on()));
         }
     }
 }
@@ -182,8 +192,16 @@ unsafe impl interrupt::InterruptNumber for Interrupt {
     }
 }
 
-/// Sleeps until a tick or a byte.
-fn wait() {
+/// Instructions between two looks at the ports with the drives on: 8 µs of the emulated clock.
+const PAUSE: u32 = 2000;
+
+/// Lets time pass. With the drives on, by instructions: while a processor sleeps, QEMU takes the time from the host, which skips
+/// ticks when it is late. With the drives off a skipped tick does not matter, and the host has less to do.
+fn wait(drives_on: bool) {
+    if drives_on {
+        cortex_m::asm::delay(PAUSE);
+        return;
+    }
     for receiver in RECEIVERS {
         // SAFETY: the handler only masks the interrupt again.
         unsafe { NVIC::unmask(receiver) };

@@ -17,8 +17,8 @@ use crate::port::Port;
 /// The emulator's program.
 const QEMU: &str = "qemu-system-arm";
 
-/// An instruction takes 4 ns of the emulated clock, so that a tick has 12,500; the clock does not run ahead of the host's.
-const MACHINE: [&str; 4] = ["-machine", "mps2-an386", "-icount", "shift=2,sleep=on"];
+/// An instruction takes 4 ns of the emulated clock, so that a tick has 12,500, and the clock does not run ahead of the host's.
+const MACHINE: [&str; 4] = ["-machine", "mps2-an386", "-icount", "shift=2,align=on"];
 
 /// Environment variable with the folder of sockets and log; without it a folder for each user.
 pub const FOLDER_VARIABLE: &str = "LOST_MOTION_BENCH";

@@ -121,6 +121,18 @@ impl Client {
         }
     }
 
+    /// Receives the stream for a time. A program that sleeps instead lets the line fill up, and the board loses samples.
+    ///
+    /// # Errors
+    /// The failure of the port.
+    pub fn listen(&mut self, time: Duration) -> Result<(), BoardError> {
+        let started = Instant::now();
+        while started.elapsed() < time {
+            self.receive()?;
+        }
+        Ok(())
+    }
+
     /// The next packet of the stream that has been received with the replies.
     pub fn streamed(&mut self) -> Option<StreamPacket> {
         self.streamed.pop_front()
@@ -189,6 +201,7 @@ fn no_welcome() -> Welcome {
         session: 0,
         board: heapless::String::new(),
         software: heapless::String::new(),
+        sources: 0,
         axes: 0,
         rates: Rates { velocity_loop_hz: 0.0, position_loop_divider: 1 },
         times: shared::link::Times::default(),

@@ -1,6 +1,5 @@
 //! Motions, and waiting for their end.
 
-use std::thread;
 use std::time::{Duration, Instant};
 
 use shared::interpolate::Block;
@@ -29,7 +28,7 @@ impl Client {
             let status = self.status()?;
             match status.power {
                 Power::On => return Ok(()),
-                Power::Off if started.elapsed() < ENABLE_TIMEOUT => thread::sleep(POLL),
+                Power::Off if started.elapsed() < ENABLE_TIMEOUT => self.listen(POLL)?,
                 _ => return Err(stopped(&status)),
             }
         }
@@ -73,7 +72,7 @@ impl Client {
             if !goes_on || status.at_rest && status.activity == Activity::Idle {
                 return Ok(status);
             }
-            thread::sleep(POLL);
+            self.listen(POLL)?;
         }
     }
 }

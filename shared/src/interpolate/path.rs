@@ -279,10 +279,19 @@ impl<const N: usize> Path<N> {
     /// Copies what [`Path::push`] needs from another path, so that blocks are planned on the copy while ticks use the
     /// original.
     pub fn copy_queue(&mut self, other: &Self) {
-        self.blocks.clone_from(&other.blocks);
+        self.copy_blocks(other);
         (self.started, self.revision) = (other.started, other.revision);
         (self.planned_end, self.travel) = (other.planned_end, other.travel);
         (self.rate_hz, self.filters) = (other.rate_hz, other.filters);
+    }
+
+    /// Copies the blocks that there are, not the capacity of the queue.
+    fn copy_blocks(&mut self, other: &Self) {
+        self.blocks.clear();
+        for block in &other.blocks {
+            // Both queues have the same capacity.
+            let _ = self.blocks.push_back(*block);
+        }
     }
 
     /// Adopts a copy of the queue with one more block. False, with nothing changed, if the queue has changed since it was
@@ -291,7 +300,7 @@ impl<const N: usize> Path<N> {
         if planned.revision != self.revision.wrapping_add(1) {
             return false;
         }
-        self.blocks.clone_from(&planned.blocks);
+        self.copy_blocks(planned);
         (self.planned_end, self.revision) = (planned.planned_end, planned.revision);
         true
     }

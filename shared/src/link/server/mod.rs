@@ -17,6 +17,7 @@ use super::port::{BytePort, SharedDrive};
 use super::receiver::{LinkCounts, Receiver};
 use super::refusal::Refusal;
 use super::report::{Identity, Welcome};
+use crate::protocol::SOURCES;
 use crate::scalar::Scalar;
 use motion::Motion;
 use upload::Upload;
@@ -159,6 +160,7 @@ impl Requests {
             session,
             board: text(self.identity.board),
             software: text(self.identity.software),
+            sources: SOURCES,
             axes: AXES as u8,
             rates,
             times: self.identity.times,
