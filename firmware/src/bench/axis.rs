@@ -8,7 +8,7 @@
 use shared::feedback::Reading;
 use shared::units::{PER_M, Position};
 
-use super::COUNT;
+use super::{COUNT, INDEX_M, LEAD_M};
 use crate::setup::TICK_HZ;
 
 /// Mass of the motor side, reflected to the table, kg.
@@ -46,19 +46,29 @@ pub struct AxisPlant {
     table_velocity: f32,
     /// The motor as its encoder reads it.
     read_motor: i64,
+    /// Position at power-up, position units: readings count from there.
+    start: i64,
+    /// Turn of the motor from index pulse to index pulse.
+    turn: i64,
+    /// Reading at the last index pulse.
+    index: Option<Position>,
 }
 
 impl AxisPlant {
-    /// At rest at zero.
-    #[expect(clippy::cast_possible_truncation, reason = "a width")]
-    pub fn new(backlash_m: f64) -> Self {
+    /// At rest at a position, with a dead zone of the screw.
+    #[expect(clippy::cast_possible_truncation, reason = "a width, and a position within the travel")]
+    pub fn new(backlash_m: f64, start_m: f64) -> Self {
+        let start = (start_m * PER_M) as i64;
         Self {
             half_gap_m: 0.5 * backlash_m as f32,
-            motor: 0,
-            table: 0,
+            motor: start,
+            table: start,
             motor_velocity: 0.0,
             table_velocity: 0.0,
-            read_motor: 0,
+            read_motor: start,
+            start,
+            turn: turn(start),
+            index: None,
         }
     }
 
@@ -79,6 +89,32 @@ impl AxisPlant {
         if read {
             self.read_motor = self.motor;
         }
+        let turn = turn(self.motor);
+        if turn != self.turn {
+            // Between the two turns: the pulse is at the beginning of the later one.
+            let pulse = turn.max(self.turn) * LEAD + INDEX;
+            (self.turn, self.index) = (turn, Some(self.counted(pulse)));
+        }
+    }
+
+    /// The reading at the index pulse since the last call.
+    pub const fn take_index(&mut self) -> Option<Position> {
+        self.index.take()
+    }
+
+    /// Whether the table is below a position, m.
+    pub fn is_below(&self, m: f64) -> bool {
+        (self.table as f64) < m * PER_M
+    }
+
+    /// Limit switches: whether the table is below the first position or above the second, m.
+    pub fn at_limits(&self, [below, above]: [f64; 2]) -> [bool; 2] {
+        [self.is_below(below), !self.is_below(above)]
+    }
+
+    /// The reading of a position in whole counts from the start.
+    const fn counted(&self, position: i64) -> Position {
+        Position(position.wrapping_sub(self.start).div_euclid(COUNT).wrapping_mul(COUNT))
     }
 
     /// Force of the motor on the table, N.
@@ -101,7 +137,15 @@ impl AxisPlant {
 
     /// Encoder and scale in whole counts.
     pub fn reading(&self) -> Reading {
-        let counts = |position: i64| Position(position.div_euclid(COUNT).wrapping_mul(COUNT));
-        Reading { motor: counts(self.read_motor), table: Some(counts(self.table)) }
+        Reading { motor: self.counted(self.read_motor), table: Some(self.counted(self.table)) }
     }
+}
+
+/// Lead and position of an index pulse, position units.
+const LEAD: i64 = (LEAD_M * PER_M) as i64;
+const INDEX: i64 = (INDEX_M * PER_M) as i64;
+
+/// Number of the turn of the motor, counted from an index pulse.
+const fn turn(position: i64) -> i64 {
+    position.wrapping_sub(INDEX).div_euclid(LEAD)
 }

@@ -7,8 +7,11 @@ mod axis;
 
 use shared::capture::ChannelSteps;
 use shared::config::AxisSettings;
-use shared::drive::{Amplifier, Board, DriveSystem, Duty, EnableSwitch, StatusLight};
+use shared::drive::{
+    Amplifier, AxisInputs, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight, Supply, SupplyLimits,
+};
 use shared::feedback::Reading;
+use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
 use shared::link::message::BoardSettings;
 use shared::link::{Identity, Times};
 use shared::machine::{Machine, MachineConfig};
@@ -26,6 +29,42 @@ pub const COUNT: i64 = 50 * PER_NM;
 
 /// Travel of the axes, m; the limit switches are 5 mm beyond it.
 pub const TRAVEL_M: [f64; 2] = [-0.1, 0.1];
+
+/// Position of the axes at power-up, m: not known to the controller before they are homed.
+const START_M: [f64; AXES] = [-0.0312, 0.0174];
+
+/// Tables beyond this position are on their home switch, m.
+const HOME_SWITCH_M: f64 = -0.09;
+
+/// Distance between the index pulses of the motor encoders, m: a turn of the screw.
+const LEAD_M: f64 = 5e-3;
+
+/// Position of an index pulse, m.
+const INDEX_M: f64 = -0.0917;
+
+/// Distance of the limit switches beyond the travel, m.
+const LIMIT_SWITCH_M: f64 = 5e-3;
+
+/// Supply of the simulated power stages.
+const SUPPLY: Supply = Supply { bus_mv: Some(48_000), temperature_mc: Some(31_000) };
+
+/// What the supply of the power stages may be.
+const SUPPLY_LIMITS: SupplyLimits =
+    SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 56_000, max_temperature_mc: 80_000 };
+
+/// How the axes are homed: towards the switch at their negative end, to the index pulse behind its edge.
+const HOMING: HomingSettings = HomingSettings {
+    direction: Direction::Negative,
+    mark: Mark::MotorIndex { spacing_m: LEAD_M },
+    mark_position_m: INDEX_M,
+    search_speed_m_per_s: 0.05,
+    approach_speed_m_per_s: 0.005,
+    acceleration_m_per_s2: 0.5,
+    search_distance_m: 0.22,
+    back_off_distance_m: 0.012,
+    at_limit: AtLimit::TurnRound,
+    timeout_s: 60.0,
+};
 
 /// PWM counts of full duty.
 const FULL_COUNTS: u16 = 8400;
@@ -52,6 +91,7 @@ pub const IDENTITY: Identity = Identity {
         force_bits: 5,
     },
     times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
+    homing: [Some(HOMING); AXES],
 };
 
 /// The machine with its inputs, operated from the bench and not by the host.
@@ -61,13 +101,13 @@ pub struct Bench {
     /// Forces that act until the next tick, N.
     forces: [f32; AXES],
     enabled: bool,
-    inputs: Inputs,
+    hands: Hands,
 }
 
-/// The inputs of the board.
+/// What a person operates at the machine.
 #[derive(Clone, Copy, Debug, Default)]
 #[expect(clippy::struct_excessive_bools, reason = "switches and wires")]
-pub struct Inputs {
+pub struct Hands {
     /// The enable switch is closed.
     pub enable_switch: bool,
     /// The emergency stop is pressed.
@@ -85,10 +125,10 @@ impl Bench {
     #[must_use]
     pub fn new() -> Self {
         Self {
-            axes: BACKLASH_M.map(AxisPlant::new),
+            axes: core::array::from_fn(|axis| AxisPlant::new(BACKLASH_M[axis], START_M[axis])),
             forces: [0.0; AXES],
             enabled: false,
-            inputs: Inputs {
+            hands: Hands {
                 enable_switch: false,
                 emergency_stop: false,
                 x_encoder_frozen: false,
@@ -98,14 +138,14 @@ impl Bench {
         }
     }
 
-    /// The inputs, for the person at the bench.
-    pub const fn inputs(&mut self) -> &mut Inputs {
-        &mut self.inputs
+    /// What the person at the machine operates.
+    pub const fn hands(&mut self) -> &mut Hands {
+        &mut self.hands
     }
 
     /// Moves the machine by the time of a tick.
     pub fn step(&mut self) {
-        let frozen = self.inputs.x_encoder_frozen;
+        let frozen = self.hands.x_encoder_frozen;
         for (number, (axis, force)) in self.axes.iter_mut().zip(self.forces).enumerate() {
             axis.step(if self.enabled { force } else { 0.0 }, !(frozen && number == 0));
         }
@@ -121,18 +161,29 @@ impl Default for Bench {
 impl Board<AXES> for Bench {
     fn readings(&mut self) -> [Reading; AXES] {
         let [mut x, y] = self.axes.each_ref().map(AxisPlant::reading);
-        if self.inputs.x_scale_lost {
+        if self.hands.x_scale_lost {
             x.table = None;
         }
         [x, y]
     }
 
+    fn inputs(&mut self) -> Inputs<AXES> {
+        let axes = self.axes.each_mut().map(|axis| AxisInputs {
+            limits: axis.at_limits([TRAVEL_M[0] - LIMIT_SWITCH_M, TRAVEL_M[1] + LIMIT_SWITCH_M]),
+            home: axis.is_below(HOME_SWITCH_M),
+            motor_index: axis.take_index(),
+            ..AxisInputs::NONE
+        });
+        Inputs { axes, emergency_stop: self.hands.emergency_stop, supply: SUPPLY }
+    }
+
     fn enable_switch_closed(&mut self) -> bool {
-        self.inputs.enable_switch
+        self.hands.enable_switch
     }
 
     fn hardware_stop_active(&mut self) -> bool {
-        self.inputs.emergency_stop
+        // The emergency stop also cuts the power stages without the processor.
+        self.hands.emergency_stop
     }
 
     fn set_duties(&mut self, duties: [Duty; AXES]) {
@@ -147,7 +198,7 @@ impl Board<AXES> for Bench {
     }
 
     fn set_light(&mut self, lit: bool) {
-        self.inputs.light = lit;
+        self.hands.light = lit;
     }
 
     fn next_tick_due(&mut self) -> bool {
@@ -167,5 +218,8 @@ pub fn drive_system(
     let amplifiers = [Amplifier::new(x, FULL_COUNTS)?, Amplifier::new(y, FULL_COUNTS)?];
     let (switch, light) =
         (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(setup::BLINK_TICKS));
-    Ok(DriveSystem::new(machine, amplifiers, switch, light))
+    for axis in 0..AXES {
+        machine.lose_reference(axis);
+    }
+    Ok(DriveSystem::new(machine, amplifiers, switch, light).with_supply_limits(SUPPLY_LIMITS))
 }

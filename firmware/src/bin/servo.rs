@@ -16,7 +16,7 @@ use cortex_m_semihosting::debug::{EXIT_FAILURE, EXIT_SUCCESS, exit};
 use firmware::bench::{Bench, IDENTITY, SETTINGS, drive_system};
 use firmware::servo::{END, Uart, operate};
 use firmware::setup::{AXES, TICK_HZ};
-use shared::drive::{Board, Duty};
+use shared::drive::{Board, Duty, Inputs};
 use shared::feedback::Reading;
 use shared::link::{BytePort, HostedDrive, Server, SharedDrive};
 use shared::machine::Machine;
@@ -49,6 +49,10 @@ struct Ticking<'a>(&'a mut Bench);
 impl Board<AXES> for Ticking<'_> {
     fn readings(&mut self) -> [Reading; AXES] {
         self.0.readings()
+    }
+
+    fn inputs(&mut self) -> Inputs<AXES> {
+        self.0.inputs()
     }
 
     fn enable_switch_closed(&mut self) -> bool {
@@ -145,7 +149,7 @@ fn run() -> Option<()> {
                 if byte == END {
                     exit(EXIT_SUCCESS);
                 }
-                let known = with_plant(|plant| operate(plant.bench.inputs(), byte));
+                let known = with_plant(|plant| operate(plant.bench.hands(), byte));
                 (confirmed, settled_at) = (Some(if known { byte } else { b'?' }), now + SETTLED_TICKS);
                 active = true;
             }

@@ -1,6 +1,6 @@
 //! The bytes of the bench: what a person does at the machine.
 
-use crate::bench::Inputs;
+use crate::bench::Hands;
 
 /// The byte that ends the emulator.
 pub const END: u8 = b'q';
@@ -13,16 +13,16 @@ pub const END: u8 = b'q';
 /// | `e`, `r` | presses, releases the emergency stop |
 /// | `f`, `t` | freezes the encoder of the x motor, thaws it |
 /// | `l`, `g` | loses the signal of the x scale, gives it back |
-pub fn operate(inputs: &mut Inputs, byte: u8) -> bool {
+pub fn operate(hands: &mut Hands, byte: u8) -> bool {
     let (input, on) = match byte {
-        b'c' => (&mut inputs.enable_switch, true),
-        b'o' => (&mut inputs.enable_switch, false),
-        b'e' => (&mut inputs.emergency_stop, true),
-        b'r' => (&mut inputs.emergency_stop, false),
-        b'f' => (&mut inputs.x_encoder_frozen, true),
-        b't' => (&mut inputs.x_encoder_frozen, false),
-        b'l' => (&mut inputs.x_scale_lost, true),
-        b'g' => (&mut inputs.x_scale_lost, false),
+        b'c' => (&mut hands.enable_switch, true),
+        b'o' => (&mut hands.enable_switch, false),
+        b'e' => (&mut hands.emergency_stop, true),
+        b'r' => (&mut hands.emergency_stop, false),
+        b'f' => (&mut hands.x_encoder_frozen, true),
+        b't' => (&mut hands.x_encoder_frozen, false),
+        b'l' => (&mut hands.x_scale_lost, true),
+        b'g' => (&mut hands.x_scale_lost, false),
         _ => return false,
     };
     *input = on;

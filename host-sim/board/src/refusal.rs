@@ -3,6 +3,7 @@
 use shared::link::Refusal;
 use shared::link::history::HistoryEvent;
 use shared::link::refusal::{SettingProblem, UploadError};
+use shared::link::report::HomingFailure;
 use shared::safety::{Fault, FaultKind};
 
 /// Names of the axes of a board.
@@ -43,6 +44,7 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::DrivesOff => "the drives are off; enable switches them on".into(),
         Refusal::DrivesOn => "the drives are on; disable switches them off".into(),
         Refusal::Moving => "the axes move or are held on a path; stop ends it".into(),
+        Refusal::Homing(failure) => homing(*failure),
         Refusal::NotHeld => "nothing is held".into(),
         Refusal::MotionFull { max } => format!("the motion has more than {max} blocks"),
         Refusal::BlockCount { found } => format!("it has received {found} blocks"),
@@ -76,6 +78,27 @@ fn setting(problem: &SettingProblem) -> String {
     }
 }
 
+/// Why an axis was not homed, in words.
+#[must_use]
+pub fn homing(failure: HomingFailure) -> String {
+    match failure {
+        HomingFailure::Setting => "a setting of the homing is outside its range".into(),
+        HomingFailure::NotReady => "homing needs drives that are on, and axes at rest".into(),
+        HomingFailure::SwitchNotFound => "no home switch within the search distance".into(),
+        HomingFailure::SwitchStuck => "the home switch did not open within the back-off distance".into(),
+        HomingFailure::IndexNotFound => "no index pulse after the home switch".into(),
+        HomingFailure::IndexTooCloseToSwitch => {
+            "the index pulse is too close to the edge of the home switch: move the switch".into()
+        }
+        HomingFailure::LimitSwitch => "a limit switch was reached".into(),
+        HomingFailure::ScaleMissing => "the scale has no signal".into(),
+        HomingFailure::Timeout => "the homing took too long".into(),
+        HomingFailure::Stopped => "it was stopped".into(),
+        HomingFailure::DrivesOff => "the drives went off".into(),
+        HomingFailure::Path(error) => format!("a motion was rejected: {error}"),
+    }
+}
+
 /// A fault in words.
 #[must_use]
 pub fn fault(fault: Fault) -> String {
@@ -83,6 +106,11 @@ pub fn fault(fault: Fault) -> String {
         Fault::Axis { axis, kind } => format!("{}: {}", axis_name(axis), kind_text(kind)),
         Fault::Overrun => "overrun: a tick did not end in time".into(),
         Fault::HardwareStop => "stopped by hardware: emergency stop, or a fault of a power stage".into(),
+        Fault::EmergencyStop => "the emergency stop is pressed".into(),
+        Fault::BusOvervoltage => "the bus voltage is too high".into(),
+        Fault::BusUndervoltage => "the bus voltage is too low".into(),
+        Fault::OverTemperature => "a power stage is too hot".into(),
+        Fault::HostSilent => "the host was silent: drives off".into(),
         Fault::Watchdog => "the previous run ended by a reset of the watchdog".into(),
     }
 }
@@ -96,6 +124,9 @@ const fn kind_text(kind: FaultKind) -> &'static str {
         FaultKind::SoftLimit => "the command has left the travel",
         FaultKind::ScaleLost => "the scale has no signal",
         FaultKind::EncoderFrozen => "the motor reading does not move",
+        FaultKind::DriveFault => "the drive reports a fault",
+        FaultKind::EncoderSignal => "the encoder signal is too weak or too strong",
+        FaultKind::LimitSwitch => "the command moves onto an active limit switch; jog back",
         FaultKind::Displaced => "enabled away from the start of the path",
     }
 }
@@ -107,6 +138,5 @@ pub fn event(event: HistoryEvent) -> String {
         HistoryEvent::Fault(fault) => format!("fault: {}", self::fault(fault)),
         HistoryEvent::Warning(fault) => format!("warning: {}", self::fault(fault)),
         HistoryEvent::HostSilentHold => "the host was silent: path held".into(),
-        HistoryEvent::HostSilentOff => "the host was silent: drives off".into(),
     }
 }

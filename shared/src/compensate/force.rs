@@ -87,6 +87,11 @@ impl<S: Scalar> State<S> {
     pub fn rest_at(&mut self, position: Position) {
         *self = Self { position, ..Self::NEW };
     }
+
+    /// Continues from a shifted origin.
+    pub fn shift(&mut self, command: i64) {
+        self.position += command;
+    }
 }
 
 impl<S: Scalar> Force<S> {

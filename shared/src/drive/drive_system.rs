@@ -3,11 +3,15 @@
 use super::amplifier::{Amplifier, Duty};
 use super::board::Board;
 use super::enable_switch::{EnableSwitch, SwitchEvent};
+use super::inputs::{Inputs, SupplyLimits};
+use super::limit_guard::LimitGuard;
 use super::status_light::StatusLight;
-use crate::feedback::Reading;
+use crate::feedback::{OriginShift, Reading};
+use crate::homing::Homing;
 use crate::machine::{Machine, Output};
-use crate::safety::Fault;
+use crate::safety::{Fault, FaultKind};
 use crate::scalar::Scalar;
+use crate::units::Position;
 
 /// A machine with its power stages, enable switch and status light. The machine, which is large, is borrowed.
 #[derive(Debug)]
@@ -17,6 +21,14 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize> {
     switch: EnableSwitch,
     light: StatusLight,
     enabling: Enabling,
+    supply_limits: SupplyLimits,
+    limit_guard: LimitGuard<N>,
+    /// Origin of each axis, from the position at power-up.
+    pub(super) origins: [OriginShift; N],
+    /// The homing that runs or that ran last, and its axis.
+    pub(super) homing: Option<(usize, Homing)>,
+    inputs: Inputs<N>,
+    readings: [Reading; N],
 }
 
 /// What switches the drives on.
@@ -54,7 +66,19 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
         switch: EnableSwitch,
         light: StatusLight,
     ) -> Self {
-        Self { machine, amplifiers, switch, light, enabling: Enabling::BySwitch }
+        Self {
+            machine,
+            amplifiers,
+            switch,
+            light,
+            supply_limits: SupplyLimits::NONE,
+            limit_guard: LimitGuard::new(),
+            origins: [OriginShift { motor: 0, table: 0 }; N],
+            homing: None,
+            inputs: Inputs::NONE,
+            readings: [Reading { motor: Position(0), table: None }; N],
+            enabling: Enabling::BySwitch,
+        }
     }
 
     /// The same with a host that enables the drives: closing the switch then only permits it.
@@ -82,10 +106,29 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
         matches!(self.enabling, Enabling::ByHost { armed: true })
     }
 
-    /// The machine, to read its state.
+    /// The same with limits of the supply.
+    #[must_use]
+    pub const fn with_supply_limits(mut self, limits: SupplyLimits) -> Self {
+        self.supply_limits = limits;
+        self
+    }
+
+    /// The machine.
     #[must_use]
     pub const fn machine(&self) -> &Machine<S, N> {
         self.machine
+    }
+
+    /// The inputs of the last tick.
+    #[must_use]
+    pub const fn inputs(&self) -> &Inputs<N> {
+        &self.inputs
+    }
+
+    /// The readings of the last tick, from the origins of the axes.
+    #[must_use]
+    pub const fn readings(&self) -> &[Reading; N] {
+        &self.readings
     }
 
     /// The machine, for operations that are not part of a tick: blocks, settings.
@@ -106,9 +149,20 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
             }
             None => {}
         }
-        let readings = board.readings();
-        let output = self.machine.tick(&readings);
+        self.inputs = board.inputs();
+        let from_power_up = board.readings();
+        self.machine.set_limit_switches(self.inputs.axes.map(|axis| axis.limits));
+        self.home_tick(&from_power_up);
+        for ((reading, raw), origin) in self.readings.iter_mut().zip(from_power_up).zip(self.origins) {
+            *reading = raw.shifted(origin);
+        }
+        let was_on = self.machine.power().is_on();
+        let output = self.machine.tick(&self.readings);
         // Before the stages are enabled, so that stopped ones are not.
+        self.check_inputs(&output.commands, was_on);
+        if self.inputs.emergency_stop {
+            self.disarm();
+        }
         if board.hardware_stop_active() {
             self.disarm();
             self.machine.fault(Fault::HardwareStop);
@@ -119,12 +173,52 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
             self.drive(board, &output.forces);
         }
         board.set_light(self.light.is_lit(self.machine.power(), output.warning));
-        Tick { readings, output }
+        Tick { readings: self.readings, output }
     }
 
     const fn disarm(&mut self) {
         if let Enabling::ByHost { armed } = &mut self.enabling {
             *armed = false;
+        }
+    }
+
+    /// Raises the faults of the inputs. Drives that have come on in this tick go off again at once, also by a fault that would stop a
+    /// path.
+    fn check_inputs(&mut self, commands: &[Position; N], was_on: bool) {
+        if self.inputs.emergency_stop {
+            self.machine.fault(Fault::EmergencyStop);
+        }
+        if let Some(fault) = self.supply_limits.fault(&self.inputs.supply) {
+            if self.machine.power().is_on() && !was_on {
+                self.machine.disable();
+                self.machine.inhibit_enable(fault);
+            }
+            self.machine.fault(fault);
+        }
+        let onto_switch = self.limit_guard.moves_onto_switch(&self.inputs.axes, commands);
+        let homing = self.homing.as_ref().filter(|(_, homing)| homing.is_running()).map(|(axis, _)| *axis);
+        for (axis, (input, onto_switch)) in self.inputs.axes.iter().zip(onto_switch).enumerate() {
+            // A homing reacts to the switches itself.
+            let at_limit = onto_switch && homing != Some(axis);
+            let faults = [
+                (FaultKind::DriveFault, input.drive_fault),
+                (FaultKind::EncoderSignal, input.bad_encoder_signal),
+                (FaultKind::LimitSwitch, at_limit),
+            ];
+            for (kind, _) in faults.into_iter().filter(|(_, present)| *present) {
+                #[expect(clippy::cast_possible_truncation, reason = "fewer axes than 256")]
+                self.machine.fault(Fault::Axis { axis: axis as u8, kind });
+            }
+        }
+    }
+
+    /// Continues after the origin of an axis has been shifted.
+    pub(super) fn shift_origin(&mut self, axis: usize, before: [Position; N], shift: OriginShift) {
+        if let (Some(origin), Some(before), Some(after)) =
+            (self.origins.get_mut(axis), before.get(axis), self.machine.command().get(axis))
+        {
+            *origin = origin.then(shift);
+            self.limit_guard.shift(axis, *after - *before);
         }
     }
 
@@ -150,9 +244,8 @@ mod tests {
     use super::*;
     use crate::config::{AxisSettings, Rates};
     use crate::interpolate::Block;
-    use crate::safety::{FaultKind, Power};
+    use crate::safety::Power;
     use crate::scalar::Fixed;
-    use crate::units::Position;
 
     const SETTLING: u32 = 10;
     const BLINK: u32 = 50;

@@ -1,10 +1,13 @@
 //! The path: the queue of planned blocks, look-ahead over their joints, and the position that has been reached.
 
+mod feed;
+mod queue_copy;
+
 use heapless::Deque;
 
 use super::block::Block;
 use super::error::PathError;
-use super::feed_hold::{FeedHold, FeedState};
+use super::feed_hold::FeedHold;
 use super::fraction::{FRACTION, whole};
 use super::joint::JointLimits;
 use super::planned::{PlannedBlock, Progress};
@@ -37,6 +40,8 @@ pub struct Path<const N: usize> {
     rate_hz: f64,
     /// Least and greatest command of each axis.
     travel: [[Position; 2]; N],
+    /// Whether a limit switch blocks motion in the negative and in the positive direction.
+    blocked: [[bool; 2]; N],
 }
 
 /// A stop along the path.
@@ -66,6 +71,7 @@ impl<const N: usize> Path<N> {
         planned_end: [Position(0); N],
         rate_hz: 0.0,
         travel: [[Position(i64::MIN), Position(i64::MAX)]; N],
+        blocked: [[false; 2]; N],
     };
 
     /// An empty path at `start` with a command every 1/`rate_hz`.
@@ -89,6 +95,12 @@ impl<const N: usize> Path<N> {
     pub fn reset(&mut self, start: &[Position; N], rate_hz: f64, filters: Filters<N>) {
         self.rest_at(start);
         (self.rate_hz, self.filters, self.travel) = (rate_hz, filters, Self::AT_ZERO.travel);
+        self.blocked = [[false; 2]; N];
+    }
+
+    /// Sets which limit switches are active: blocks that move an axis further onto one are rejected.
+    pub const fn set_blocked(&mut self, blocked: [[bool; 2]; N]) {
+        self.blocked = blocked;
     }
 
     /// Sets the travel (least and greatest command of each axis). Blocks that leave it from now on are rejected; a block that
@@ -103,8 +115,17 @@ impl<const N: usize> Path<N> {
     /// # Errors
     /// The [`PathError`] that names what is wrong; the path is unchanged.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
+        self.push_holding(block, &[false; N])
+    }
+
+    /// [`Path::push`] of a block that must not move the axes in `not_homed`.
+    ///
+    /// # Errors
+    /// [`PathError`], for such an axis [`PathError::NotHomed`]; the path is unchanged.
+    pub fn push_holding(&mut self, block: &Block<N>, not_homed: &[bool; N]) -> Result<(), PathError> {
         let mut planned = PlannedBlock::new(block, self.planned_end, self.rate_hz, &self.filters.rounding)?;
-        self.check_travel(&planned, self.planned_end)?;
+        let from = self.planned_end;
+        self.check_planned(&planned, from, not_homed)?;
         if self.blocks.is_full() {
             return Err(PathError::QueueFull);
         }
@@ -124,21 +145,43 @@ impl<const N: usize> Path<N> {
         Ok(())
     }
 
-    /// Checks a block as [`Path::push`] does, for a start of its own. Returns its end.
+    /// Checks a block as [`Path::push_holding`] does, for a start of its own. Returns its end.
     ///
     /// # Errors
     /// The [`PathError`] that names what is wrong.
-    pub fn check(&self, block: &Block<N>, start: [Position; N]) -> Result<[Position; N], PathError> {
+    pub fn check(
+        &self,
+        block: &Block<N>,
+        start: [Position; N],
+        not_homed: &[bool; N],
+    ) -> Result<[Position; N], PathError> {
         let planned = PlannedBlock::new(block, start, self.rate_hz, &self.filters.rounding)?;
-        self.check_travel(&planned, start)?;
+        self.check_planned(&planned, start, not_homed)?;
         Ok(planned.end())
     }
 
+    fn check_planned(
+        &self,
+        block: &PlannedBlock<N>,
+        from: [Position; N],
+        not_homed: &[bool; N],
+    ) -> Result<(), PathError> {
+        for (axis, ([min, max], not_homed)) in (0..).zip(block.bounds().into_iter().zip(not_homed)) {
+            if *not_homed && min != max {
+                return Err(PathError::NotHomed { axis });
+            }
+        }
+        self.check_travel(block, from)
+    }
+
     fn check_travel(&self, block: &PlannedBlock<N>, from: [Position; N]) -> Result<(), PathError> {
-        let axes = block.bounds().into_iter().zip(self.travel).zip(from);
-        for (axis, (([min, max], [lower, upper]), start)) in (0..).zip(axes) {
+        let axes = block.bounds().into_iter().zip(self.travel).zip(from).zip(self.blocked);
+        for (axis, ((([min, max], [lower, upper]), start), [below, above])) in (0..).zip(axes) {
             if min < lower.min(start) || max > upper.max(start) {
                 return Err(PathError::BeyondTravel { axis });
+            }
+            if below && min < start || above && max > start {
+                return Err(PathError::LimitSwitch { axis });
             }
         }
         Ok(())
@@ -238,71 +281,10 @@ impl<const N: usize> Path<N> {
         self.revision = self.revision.wrapping_add(1);
     }
 
-    /// Decelerates to standstill on the path, which [`Path::resume`] continues. The deceleration (per tick² with 16 fraction
-    /// bits) is added to that of the block.
-    pub fn hold(&mut self, deceleration: u64) {
-        self.feed_hold.hold(self.feed(), deceleration);
-    }
-
-    /// Continues after a [hold](Path::hold), with the same acceleration.
-    pub fn resume(&mut self, acceleration: u64) {
-        self.feed_hold.resume(self.feed(), acceleration);
-    }
-
-    /// Decelerates as [`Path::hold`], then discards the rest of the path. The path can then be used again.
-    pub fn discard(&mut self, deceleration: u64) {
-        self.feed_hold.discard(self.feed(), deceleration);
-        if self.feed_hold.is_to_be_discarded() {
-            self.discard_rest();
-        }
-    }
-
-    /// What the feed hold does.
+    /// Whether a stop was started, and the path has not been discarded since.
     #[must_use]
-    pub const fn feed_state(&self) -> FeedState {
-        self.feed_hold.state()
-    }
-
-    /// Feed of the running block.
-    fn feed(&self) -> Option<u64> {
-        self.blocks.front().filter(|_| self.started).map(PlannedBlock::feed)
-    }
-
-    /// At standstill: ends the path here.
-    #[cold]
-    fn discard_rest(&mut self) {
-        self.clear_queue();
-        self.planned_end = self.position;
-        self.feed_hold = FeedHold::RUNNING;
-    }
-
-    /// Copies what [`Path::push`] needs from another path, so that blocks are planned on the copy while ticks use the
-    /// original.
-    pub fn copy_queue(&mut self, other: &Self) {
-        self.copy_blocks(other);
-        (self.started, self.revision) = (other.started, other.revision);
-        (self.planned_end, self.travel) = (other.planned_end, other.travel);
-        (self.rate_hz, self.filters) = (other.rate_hz, other.filters);
-    }
-
-    /// Copies the blocks that there are, not the capacity of the queue.
-    fn copy_blocks(&mut self, other: &Self) {
-        self.blocks.clear();
-        for block in &other.blocks {
-            // Both queues have the same capacity.
-            let _ = self.blocks.push_back(*block);
-        }
-    }
-
-    /// Adopts a copy of the queue with one more block. False, with nothing changed, if the queue has changed since it was
-    /// copied. The running block is kept: no block that is appended changes it.
-    pub fn adopt_queue(&mut self, planned: &Self) -> bool {
-        if planned.revision != self.revision.wrapping_add(1) {
-            return false;
-        }
-        self.copy_blocks(planned);
-        (self.planned_end, self.revision) = (planned.planned_end, planned.revision);
-        true
+    pub const fn is_braking(&self) -> bool {
+        self.braking.is_some()
     }
 
     /// Whether a stop was started and the command is at rest.

@@ -4,7 +4,6 @@ use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
 use super::message::HISTORY;
-use super::watch::Silence;
 use crate::safety::{Fault, Power};
 
 /// What has happened.
@@ -16,8 +15,6 @@ pub enum HistoryEvent {
     Warning(Fault),
     /// The host was silent: the path was held.
     HostSilentHold,
-    /// The host was silent: the drives were disabled.
-    HostSilentOff,
 }
 
 /// An entry of the history.
@@ -62,13 +59,9 @@ impl FaultHistory {
         }
     }
 
-    /// Records a reaction to the silence of the host.
-    pub fn silence(&mut self, tick: u64, silence: Silence) {
-        let event = match silence {
-            Silence::Hold => HistoryEvent::HostSilentHold,
-            Silence::Off => HistoryEvent::HostSilentOff,
-        };
-        self.push(tick, event);
+    /// Records that the silence of the host has held the path.
+    pub fn held(&mut self, tick: u64) {
+        self.push(tick, HistoryEvent::HostSilentHold);
     }
 
     #[cold]

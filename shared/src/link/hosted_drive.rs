@@ -2,14 +2,16 @@
 
 use super::history::FaultHistory;
 use super::refusal::Refusal;
-use super::report::{Activity, AxisStatus, Status, Times};
+use super::report::{Activity, AxisStatus, HomingReport, Status, Times};
 use super::stream::StreamQueue;
 use super::watch::{HostWatch, Silence};
 use crate::capture::{CaptureMemory, ChannelSteps, Quantisers};
 use crate::drive::{Board, DriveSystem};
 use crate::feedback::Reading;
+use crate::homing::{HomingError, HomingSettings, HomingStatus};
+use crate::interpolate::{Block, PathError};
 use crate::interpolate::feed_hold::FeedState;
-use crate::machine::{Machine, MachineConfig};
+use crate::machine::{Machine, MachineConfig, Reference};
 use crate::safety::{Fault, Power};
 use crate::scalar::Scalar;
 use crate::units::Position;
@@ -85,7 +87,8 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         }
         self.readings = tick.readings;
         self.forces = if power.is_on() { tick.output.forces } else { [S::ZERO; N] };
-        if !power.is_on() || tick.output.done && self.blocks_left == 0 {
+        let homing = matches!(self.system.homing_status(), Some((_, HomingStatus::Running)));
+        if !power.is_on() || machine.is_at_rest() && self.blocks_left == 0 && !homing {
             (self.activity, self.jog_remaining) = (Activity::Idle, None);
         }
         if !power.is_on() {
@@ -98,13 +101,12 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     fn supervise(&mut self) {
         let machine = self.system.machine_mut();
         match self.watch.tick(machine.power().is_on()) {
-            Some(Silence::Hold) if !machine.is_done() => {
+            Some(Silence::Hold) if !machine.is_at_rest() => {
                 machine.hold();
-                self.history.silence(self.tick, Silence::Hold);
+                self.history.held(self.tick);
             }
             Some(Silence::Off) => {
-                machine.disable();
-                self.history.silence(self.tick, Silence::Off);
+                machine.fault(Fault::HostSilent);
             }
             _ => {}
         }
@@ -190,7 +192,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// [`Refusal::Moving`].
     pub fn is_at_rest(&self) -> Result<(), Refusal> {
         let machine = self.machine();
-        let is_idle = machine.is_done() && self.activity == Activity::Idle;
+        let is_idle = machine.is_at_rest() && self.activity == Activity::Idle;
         if is_idle && machine.feed_state() == FeedState::Running { Ok(()) } else { Err(Refusal::Moving) }
     }
 
@@ -255,6 +257,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// Decelerates and discards the rest of the path and of the motion.
     pub fn stop(&mut self) {
         (self.blocks_left, self.jog_remaining) = (0, None);
+        self.system.stop_homing();
         self.machine_mut().discard_path();
     }
 
@@ -265,7 +268,13 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     pub fn configure(&mut self, config: MachineConfig<S, N>) -> Result<(), Refusal> {
         self.is_off()?;
         let start = self.readings.map(|reading| reading.motor);
+        let references: [_; N] = core::array::from_fn(|axis| self.machine().reference(axis));
         self.machine_mut().configure(config, &start);
+        for (axis, reference) in references.into_iter().enumerate() {
+            if reference != Some(Reference::Homed) {
+                self.machine_mut().lose_reference(axis);
+            }
+        }
         Ok(())
     }
 
@@ -279,6 +288,28 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             Power::Faulted(fault) => Err(Refusal::Faulted(fault)),
             Power::On | Power::Stopping(_) => Err(Refusal::DrivesOn),
         }
+    }
+
+    /// Starts to home an axis.
+    ///
+    /// # Errors
+    /// As [`HostedDrive::can_start`]; [`Refusal::Homing`].
+    pub fn home(&mut self, axis: usize, settings: &HomingSettings) -> Result<(), Refusal> {
+        self.can_start()?;
+        self.system.home(axis, settings).map_err(|error: HomingError| Refusal::Homing(error.into()))?;
+        self.activity = Activity::Homing;
+        Ok(())
+    }
+
+    /// The motion that a homing waits for.
+    #[must_use]
+    pub fn homing_leg(&self) -> Option<Block<N>> {
+        self.system.homing_leg()
+    }
+
+    /// The motion that a homing waited for was appended to the path, or rejected.
+    pub fn homing_leg_planned(&mut self, planned: Result<(), PathError>) {
+        self.system.homing_leg_planned(planned);
     }
 
     /// The recording.
@@ -324,9 +355,15 @@ impl<S: Scalar> HostedDrive<'_, S, { super::message::AXES }> {
                 table: self.readings[axis].table,
                 #[expect(clippy::cast_possible_truncation, reason = "for display")]
                 force_n: self.forces[axis].value() as f32,
-                homed: false,
+                homed: machine.reference(axis) == Some(Reference::Homed),
             }),
-            supply: None,
+            supply: self.system.inputs().supply,
+            homing: match self.system.homing_status() {
+                None => HomingReport::None,
+                Some((_, HomingStatus::Running)) => HomingReport::Running,
+                Some((_, HomingStatus::Homed)) => HomingReport::Homed,
+                Some((_, HomingStatus::Failed(error))) => HomingReport::Failed(error.into()),
+            },
             capture: self.capture.state(),
             lost_samples: self.stream.lost(),
             link,

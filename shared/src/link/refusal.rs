@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+use super::report::HomingFailure;
 use crate::config::ConfigError;
 use crate::interpolate::PathError;
 use crate::machine::MachineError;
@@ -71,6 +72,8 @@ pub enum Refusal {
     DrivesOn,
     /// The axes move, or are held on a path.
     Moving,
+    /// The axis cannot be homed.
+    Homing(HomingFailure),
     /// Nothing is held.
     NotHeld,
     /// The motion has as many blocks as the board holds.
@@ -151,6 +154,7 @@ impl From<MachineError> for Refusal {
     fn from(error: MachineError) -> Self {
         let (axis, error) = match error {
             MachineError::NoSuchAxis => return Self::NoSuchAxis,
+            MachineError::PathRunning => return Self::Moving,
             MachineError::Path(error) => return Self::Path { block: 0, error },
             MachineError::Config { axis, error } => (u8::try_from(axis).unwrap_or(u8::MAX), error),
         };

@@ -6,6 +6,9 @@ use super::message::AXES;
 use super::receiver::LinkCounts;
 use crate::capture::{CaptureState, ChannelSteps};
 use crate::config::Rates;
+use crate::drive::Supply;
+use crate::homing::{HomingError, HomingSettings};
+use crate::interpolate::PathError;
 use crate::interpolate::feed_hold::FeedState;
 use crate::safety::{Fault, Power};
 use crate::units::Position;
@@ -41,6 +44,8 @@ pub struct Identity {
     pub steps: ChannelSteps<AXES>,
     /// Times of the supervision.
     pub times: Times,
+    /// How each axis is homed; `None`: it has no reference.
+    pub homing: [Option<HomingSettings>; AXES],
 }
 
 /// The reply to a hello.
@@ -95,13 +100,54 @@ pub struct AxisStatus {
     pub homed: bool,
 }
 
-/// Supply and temperature.
-#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
-pub struct Supply {
-    /// Voltage of the power stages, V.
-    pub bus_v: f32,
-    /// Temperature of the power stages, °C.
-    pub temperature_c: f32,
+/// The homing that ran last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum HomingReport {
+    /// None has run.
+    None,
+    /// One runs.
+    Running,
+    /// The axis is homed.
+    Homed,
+    /// It has failed.
+    Failed(HomingFailure),
+}
+
+/// Why a homing has failed: [`HomingError`](crate::homing::HomingError) without details.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the names of HomingError")]
+pub enum HomingFailure {
+    Setting,
+    NotReady,
+    SwitchNotFound,
+    SwitchStuck,
+    IndexNotFound,
+    IndexTooCloseToSwitch,
+    LimitSwitch,
+    ScaleMissing,
+    Timeout,
+    Stopped,
+    DrivesOff,
+    Path(PathError),
+}
+
+impl From<HomingError> for HomingFailure {
+    fn from(error: HomingError) -> Self {
+        match error {
+            HomingError::Setting(_) => Self::Setting,
+            HomingError::NotReady => Self::NotReady,
+            HomingError::SwitchNotFound => Self::SwitchNotFound,
+            HomingError::SwitchStuck => Self::SwitchStuck,
+            HomingError::IndexNotFound => Self::IndexNotFound,
+            HomingError::IndexTooCloseToSwitch => Self::IndexTooCloseToSwitch,
+            HomingError::LimitSwitch => Self::LimitSwitch,
+            HomingError::ScaleMissing => Self::ScaleMissing,
+            HomingError::Timeout => Self::Timeout,
+            HomingError::Stopped => Self::Stopped,
+            HomingError::DrivesOff => Self::DrivesOff,
+            HomingError::Path(error) => Self::Path(error),
+        }
+    }
 }
 
 /// The state of a board.
@@ -125,8 +171,10 @@ pub struct Status {
     pub blocks_left: u16,
     /// Axes.
     pub axes: [AxisStatus; AXES],
-    /// Supply, if the board measures it.
-    pub supply: Option<Supply>,
+    /// Supply, as far as the board measures it.
+    pub supply: Supply,
+    /// The homing that ran last.
+    pub homing: HomingReport,
     /// State of the recording.
     pub capture: CaptureState,
     /// Samples of the stream that were lost.

@@ -162,7 +162,8 @@ fn answer(result: Result<(), MachineError>) -> Answer {
     let refusal = match result {
         Ok(()) => return Answer::Ready,
         Err(MachineError::Path(error)) => Refusal::Path(error),
-        Err(MachineError::NoSuchAxis) => Refusal::NoSuchAxis,
+        // No order of this protocol sets an origin.
+        Err(MachineError::NoSuchAxis | MachineError::PathRunning) => Refusal::NoSuchAxis,
         #[expect(clippy::cast_possible_truncation, reason = "the protocol has two axes")]
         Err(MachineError::Config { axis, .. }) => Refusal::Settings { axis: axis as u8 },
     };

@@ -4,6 +4,7 @@
 mod accepted;
 mod compare;
 mod compensate;
+mod improve;
 mod margins;
 mod refused;
 mod reproduce;

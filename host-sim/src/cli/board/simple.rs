@@ -1,12 +1,13 @@
 //! `enable`, `disable`, `clear`, `hold`, `resume`, `stop` and `home`: one request each.
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 
 use super::{PortArguments, axis_number};
 use crate::cli::outputs::print;
 use crate::cli::stop;
-use ::board::Client;
+use ::board::{BoardError, Client, refusal};
 use shared::link::Request;
+use shared::link::report::HomingReport;
 
 /// Arguments of a command that needs nothing but the port.
 #[derive(clap::Args)]
@@ -84,7 +85,15 @@ pub fn home(arguments: &HomeArguments) -> Result<()> {
     client.enable()?;
     client.command(&Request::Home { axis })?;
     wait(&mut client)?;
-    print(&format!("Axis {} is at its reference.", arguments.axis))
+    let status = client.status()?;
+    match status.homing {
+        HomingReport::Homed => {
+            let at_mm = 1e3 * status.axes[usize::from(axis)].command.to_m();
+            print(&format!("{} is homed; it is at {at_mm:.4} mm.", arguments.axis))
+        }
+        HomingReport::Failed(failure) => bail!("{}: not homed: {}", arguments.axis, refusal::homing(failure)),
+        HomingReport::None | HomingReport::Running => Err(BoardError::Unexpected.into()),
+    }
 }
 
 /// Waits until the axes are at rest. An interrupt stops them.

@@ -57,8 +57,11 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
     if let Some(warning) = status.warning {
         lines.push(format!("warning: {}", refusal::fault(warning)));
     }
-    if let Some(supply) = status.supply {
-        lines.push(format!("supply: {:.1} V, {:.0} °C", supply.bus_v, supply.temperature_c));
+    if let Some(mv) = status.supply.bus_mv {
+        lines.push(format!("supply: {:.1} V", f64::from(mv) / 1e3));
+    }
+    if let Some(mc) = status.supply.temperature_mc {
+        lines.push(format!("power stages: {:.0} °C", f64::from(mc) / 1e3));
     }
     lines.push(format!("{:<6}{:>14}{:>14}{:>14}{:>10}  reference", "axis", "command mm", "motor mm", "scale mm", "force N"));
     for (name, axis) in AXIS_NAMES.iter().zip(&status.axes) {

@@ -87,6 +87,7 @@ impl Server {
             }
         }
         self.requests.feed_motion(drive);
+        self.requests.feed_homing(drive);
         if self.out.is_empty() {
             self.requests.stream(drive, &mut self.out);
         }
@@ -200,7 +201,8 @@ impl Requests {
                 Ok(())
             }),
             Request::Jog(jog) => self.jog(jog, drive),
-            Request::Home { .. } | Request::Save => Err(Refusal::NotAvailable),
+            Request::Home { axis } => self.home(*axis, drive),
+            Request::Save => Err(Refusal::NotAvailable),
             Request::NewMotion => self.new_motion(drive),
             Request::AddBlock(block) => self.add_block(block, drive),
             Request::StartMotion { blocks } => self.start_motion(*blocks, drive),

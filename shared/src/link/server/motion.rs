@@ -1,12 +1,13 @@
 //! Motions and jogs.
 
+use super::super::HostedDrive;
 use super::super::message::{AXES, Jog, MOTION_BLOCKS};
 use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::Activity;
 use super::Requests;
 use crate::interpolate::block::Shape;
-use crate::interpolate::{Block, Path};
+use crate::interpolate::{Block, Path, PathError};
 use crate::scalar::Scalar;
 use crate::units::{Position, TRAVEL_LIMIT_M};
 
@@ -38,30 +39,31 @@ impl Motion {
         jog: None,
     };
 
-    /// Plans a block on a copy of the queue and passes it to the path, with `and_then` in the same access.
+    /// Plans a block on a copy of the queue and passes it to the path, with `and_then` in the same access. A relative block also
+    /// moves axes that are not homed.
     fn append<'m, S: Scalar>(
         &mut self,
         block: &Block<AXES>,
-        number: u16,
+        relative: bool,
         drive: &mut impl SharedDrive<'m, S>,
-        and_then: impl Fn(&mut super::super::HostedDrive<'m, S, AXES>),
-    ) -> Result<(), Refusal> {
-        let refused = |error| Refusal::Path { block: number, error };
+        and_then: impl Fn(&mut HostedDrive<'m, S, AXES>),
+    ) -> Result<(), PathError> {
         for _ in 0..ATTEMPTS {
-            drive.with(|drive| drive.machine().copy_queue(&mut self.plan)).map_err(refused)?;
-            self.plan.push(block).map_err(refused)?;
-            let adopted = drive.with(|drive| {
+            let not_homed = drive.with(|drive| drive.machine().copy_queue(&mut self.plan))?;
+            let not_homed = if relative { [false; AXES] } else { not_homed };
+            self.plan.push_holding(block, &not_homed)?;
+            let adopted: Result<bool, PathError> = drive.with(|drive| {
                 let adopted = drive.machine_mut().adopt_queue(&self.plan)?;
                 if adopted {
                     and_then(drive);
                 }
                 Ok(adopted)
             });
-            if adopted.map_err(refused)? {
+            if adopted? {
                 return Ok(());
             }
         }
-        Err(Refusal::Busy)
+        Err(PathError::QueueFull)
     }
 }
 
@@ -89,14 +91,14 @@ impl Requests {
         }
         // A motion that runs is not changed.
         let refused = |error| Refusal::Path { block: number, error };
-        drive.with(|drive| {
+        let not_homed = drive.with(|drive| {
             if drive.activity() == Activity::Motion {
                 return Err(Refusal::Moving);
             }
             drive.machine().copy_queue(&mut self.motion.plan).map_err(refused)
         })?;
         self.check_speed(block, number)?;
-        let end = self.motion.plan.check(block, self.motion.end).map_err(refused)?;
+        let end = self.motion.plan.check(block, self.motion.end, &not_homed).map_err(refused)?;
         // The capacity was checked.
         let _ = self.motion.blocks.push(*block);
         self.motion.end = end;
@@ -146,12 +148,29 @@ impl Requests {
         let count = self.motion.blocks.len();
         let Some(number) = count.checked_sub(usize::from(left)).filter(|_| left > 0) else { return };
         let Some(block) = self.motion.blocks.get(number).copied() else { return };
-        let number = u16::try_from(number).unwrap_or(u16::MAX);
-        match self.motion.append(&block, number, drive, |drive| drive.block_passed()) {
-            Ok(()) | Err(Refusal::Busy) => {}
+        match self.motion.append(&block, false, drive, HostedDrive::block_passed) {
+            Ok(()) | Err(PathError::QueueFull) => {}
             // It was checked, so that this is a stop of the path meanwhile: the rest is discarded.
-            Err(_) => drive.with(super::super::HostedDrive::stop),
+            Err(_) => drive.with(HostedDrive::stop),
         }
+    }
+
+    /// Starts to home an axis.
+    pub(super) fn home<'m, S: Scalar>(
+        &mut self,
+        axis: u8,
+        drive: &mut impl SharedDrive<'m, S>,
+    ) -> Result<(), Refusal> {
+        let settings = self.identity.homing.get(usize::from(axis)).ok_or(Refusal::NoSuchAxis)?;
+        let settings = settings.as_ref().ok_or(Refusal::NotAvailable)?;
+        drive.with(|drive| drive.home(usize::from(axis), settings))
+    }
+
+    /// Plans the next motion of a homing that waits for it.
+    pub(super) fn feed_homing<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) {
+        let Some(leg) = drive.with(|drive| drive.homing_leg()) else { return };
+        let planned = self.motion.append(&leg, true, drive, |_| {});
+        drive.with(|drive| drive.homing_leg_planned(planned));
     }
 
     /// Jogs an axis, or renews the jog.
@@ -161,7 +180,7 @@ impl Requests {
         drive: &mut impl SharedDrive<'m, S>,
     ) -> Result<(), Refusal> {
         let at_speed = jog.distance_m.is_none();
-        if at_speed && self.motion.jog == Some(*jog) && drive.with(super::super::HostedDrive::renew_jog) {
+        if at_speed && self.motion.jog == Some(*jog) && drive.with(HostedDrive::renew_jog) {
             return Ok(());
         }
         let axis = usize::from(jog.axis);
@@ -181,7 +200,8 @@ impl Requests {
         let block = Block::line(to_m, libm::fabs(jog.velocity_m_per_s), jog.acceleration_m_per_s2);
         self.motion.end = start;
         self.check_speed(&block, 0)?;
-        self.motion.append(&block, 0, drive, |drive| drive.start_jog(at_speed))?;
+        let refused = |error| Refusal::Path { block: 0, error };
+        self.motion.append(&block, true, drive, |drive| drive.start_jog(at_speed)).map_err(refused)?;
         self.motion.jog = at_speed.then_some(*jog);
         Ok(())
     }

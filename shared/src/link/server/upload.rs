@@ -5,7 +5,7 @@ use super::super::packet;
 use super::super::port::SharedDrive;
 use super::super::refusal::{Refusal, UploadError};
 use super::Requests;
-use crate::compensate::{AxisCompensation, CompensationSettings};
+use crate::compensate::{AxisCompensation, CompensationSettings, Dependence};
 use crate::machine::{MachineConfig, MachineError};
 use crate::protocol::LONGEST_ORDER;
 use crate::scalar::Scalar;
@@ -105,10 +105,11 @@ fn compensate<'m, S: Scalar>(
     }
     let settings: CompensationSettings =
         packet::message(bytes).map_err(|_| Refusal::Upload(UploadError::Unreadable))?;
+    let dependence = Dependence::of(u8::try_from(axis).unwrap_or(u8::MAX), &settings);
     let compensation = AxisCompensation::<S>::new(&settings, rates, AXES)
         .map_err(|error| MachineError::Config { axis, error })?;
     drive.with(|drive| {
         drive.is_off()?;
-        drive.machine_mut().set_compensation(axis, compensation).map_err(Refusal::from)
+        drive.machine_mut().set_compensation(axis, compensation, dependence).map_err(Refusal::from)
     })
 }
