@@ -79,6 +79,11 @@ impl<S: Scalar, const N: usize> State<S, N> {
         }
     }
 
+    /// Whether the last tick ran the position loops.
+    pub const fn is_after_position_tick(&self, config: &MachineConfig<S, N>) -> bool {
+        self.was_on && self.until_position_tick + 1 == config.rates.position_loop_divider
+    }
+
     /// Continues after the readings of an axis have been shifted, and its command with them, without a step. The path must be
     /// done.
     pub fn shift_origin(&mut self, config: &MachineConfig<S, N>, index: usize, origin: OriginShift) {
