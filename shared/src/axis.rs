@@ -4,6 +4,7 @@ use crate::compensate::Correction;
 use crate::config::AxisConfig;
 use crate::control::bumpless_transfer::BumplessTransfer;
 use crate::control::{feedforward, filter, position, velocity};
+use crate::feedback::OriginShift;
 pub use crate::feedback::Reading;
 use crate::feedback::dual;
 use crate::monitor::{self, MonitorInput};
@@ -56,6 +57,19 @@ impl<S: Scalar> AxisState<S> {
     #[must_use]
     pub const fn corrected(self, correction: i64) -> Self {
         Self { feedforward: self.feedforward.corrected(correction), ..self }
+    }
+
+    /// The same after the readings of motor and table have been shifted by `origin`, and the command with them to `command`: the
+    /// loops continue without a step.
+    #[must_use]
+    pub fn shifted(self, command: Position, command_shift: i64, origin: OriginShift) -> Self {
+        Self {
+            feedback: self.feedback.shifted(origin.motor, origin.table),
+            feedforward: self.feedforward.corrected(command_shift),
+            velocity: self.velocity.shifted(origin.motor),
+            monitor: self.monitor.shifted(command, command_shift, origin.motor),
+            ..self
+        }
     }
 
     /// The velocity command, m/s.

@@ -3,17 +3,21 @@
 #![doc = include_str!("front.md")]
 
 pub mod axis;
+pub mod capture;
 pub mod compensate;
 pub mod config;
 pub mod control;
 pub mod drive;
 pub mod feedback;
+pub mod homing;
 mod integer;
 pub mod interpolate;
+pub mod link;
 pub mod machine;
 pub mod monitor;
 pub mod protocol;
 pub mod safety;
 pub mod scalar;
 pub mod session;
+pub mod storage;
 pub mod units;

@@ -94,6 +94,20 @@ impl<S: Scalar> State<S> {
     }
 }
 
+impl<S: Scalar> State<S> {
+    /// The same after command and motor reading have been shifted by these distances, position units. The soft limits apply
+    /// from the shifted command on.
+    #[must_use]
+    pub fn shifted(self, command: Position, command_shift: i64, motor_shift: i64) -> Self {
+        let [last_command, last_motor] = self.last_motion;
+        Self {
+            allowed_command: command,
+            last_motion: [last_command + command_shift, last_motor + motor_shift],
+            ..self
+        }
+    }
+}
+
 /// A motor reading counts as standing while it has moved by less than 1/64 of [`FrozenEncoder::limit`]: an encoder with one
 /// of its two wires broken toggles between adjacent counts.
 const STANDSTILL_DIVISOR: u64 = 64;

@@ -32,6 +32,14 @@
 //! | encoder frozen: the command has moved, the motor reading has not | every position tick | drives off | a broken wire or a blocked axis: the force would grow without feedback |
 //! | overrun | every tick | drives off | the loops have missed their deadline |
 //! | hardware stop | every tick, by the board | drives off | emergency stop or a fault of a power stage; the hardware has already disabled the stage |
+//! | emergency stop | every tick, by the board | drives off | the hardware has cut the stages, or is about to |
+//! | drive fault | every tick, by the board | drives off | the drive does not follow the force |
+//! | encoder signal: sine and cosine of the motor outside their amplitudes | every tick, by the board | drives off | the reading is wrong, or will be |
+//! | bus over-voltage | every tick, by the board | drives off | braking feeds the bus: without force it rises no further |
+//! | bus under-voltage | every tick, by the board | drives off | the force is not what the loops compute |
+//! | over-temperature | every tick, by the board | stop | there is time for an orderly stop |
+//! | host silent for its declared time | by the connection | stop | nobody supervises the motion |
+//! | limit switch: the command moves further onto it | every tick | stop | the way back stays open |
 //! | watchdog | at start-up, by the board | enable inhibited until acknowledged | the previous run ended by a watchdog reset |
 //! | force saturated for longer than its budget; unsaturated time earns back a quarter | every tick | stop | the axis cannot follow; a lower acceleration helps |
 //! | soft limit: the command moves outwards beyond the travel, or further out than an axis that was enabled outside it | every position tick | stop | only the program is wrong; the way back stays open |
@@ -60,17 +68,26 @@ pub enum FaultKind {
     EncoderFrozen,
     /// The axis was enabled away from the start of the waiting path.
     Displaced,
+    /// The drive reports a fault.
+    DriveFault,
+    /// The signals of the motor encoder or resolver are too weak or too strong to be read.
+    EncoderSignal,
+    /// The command moves further onto an active limit switch.
+    LimitSwitch,
 }
 
 impl FaultKind {
     /// Every kind, the most severe reaction first.
-    pub const ALL: [Self; 8] = [
+    pub const ALL: [Self; 11] = [
         Self::FollowingError,
         Self::Disagreement,
         Self::EncoderStep,
         Self::EncoderFrozen,
+        Self::DriveFault,
+        Self::EncoderSignal,
         Self::ForceSaturated,
         Self::SoftLimit,
+        Self::LimitSwitch,
         Self::ScaleLost,
         Self::Displaced,
     ];
@@ -79,10 +96,13 @@ impl FaultKind {
     #[must_use]
     pub const fn reaction(self) -> Reaction {
         match self {
-            Self::FollowingError | Self::Disagreement | Self::EncoderStep | Self::EncoderFrozen => {
-                Reaction::DriveOff
-            }
-            Self::ForceSaturated | Self::SoftLimit => Reaction::Stop,
+            Self::FollowingError
+            | Self::Disagreement
+            | Self::EncoderStep
+            | Self::EncoderFrozen
+            | Self::DriveFault
+            | Self::EncoderSignal => Reaction::DriveOff,
+            Self::ForceSaturated | Self::SoftLimit | Self::LimitSwitch => Reaction::Stop,
             Self::ScaleLost | Self::Displaced => Reaction::Warn,
         }
     }
@@ -90,7 +110,7 @@ impl FaultKind {
 
 /// The faults of an axis in one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FaultSet(u8);
+pub struct FaultSet(u16);
 
 impl FaultSet {
     /// No fault.
@@ -99,7 +119,7 @@ impl FaultSet {
     /// The set with `kind` added if it is `present`.
     #[must_use]
     pub const fn with(self, kind: FaultKind, present: bool) -> Self {
-        Self(self.0 | (present as u8) << kind as u8)
+        Self(self.0 | (present as u16) << kind as u8)
     }
 
     /// Whether there is no fault.
@@ -130,6 +150,16 @@ pub enum Fault {
     HardwareStop,
     /// The previous run ended by a reset of the watchdog.
     Watchdog,
+    /// The emergency stop is pressed.
+    EmergencyStop,
+    /// The bus voltage is above its limit.
+    BusOvervoltage,
+    /// The bus voltage is below its limit.
+    BusUndervoltage,
+    /// A power stage is too hot.
+    OverTemperature,
+    /// The host that moves the machine has been silent for too long.
+    HostSilent,
 }
 
 /// The reaction to a fault.
@@ -144,11 +174,29 @@ pub enum Reaction {
 }
 
 impl Fault {
+    /// The faults of the whole machine.
+    pub const OF_THE_MACHINE: [Self; 8] = [
+        Self::Overrun,
+        Self::HardwareStop,
+        Self::Watchdog,
+        Self::EmergencyStop,
+        Self::BusOvervoltage,
+        Self::BusUndervoltage,
+        Self::OverTemperature,
+        Self::HostSilent,
+    ];
+
     /// The reaction: see the [module](self).
     #[must_use]
     pub const fn reaction(self) -> Reaction {
         match self {
-            Self::Overrun | Self::HardwareStop | Self::Watchdog => Reaction::DriveOff,
+            Self::Overrun
+            | Self::HardwareStop
+            | Self::Watchdog
+            | Self::EmergencyStop
+            | Self::BusOvervoltage
+            | Self::BusUndervoltage => Reaction::DriveOff,
+            Self::OverTemperature | Self::HostSilent => Reaction::Stop,
             Self::Axis { kind, .. } => kind.reaction(),
         }
     }
@@ -221,8 +269,7 @@ mod tests {
     }
 
     fn faults() -> impl Iterator<Item = Fault> {
-        let others = [Fault::Overrun, Fault::HardwareStop, Fault::Watchdog];
-        FaultKind::ALL.into_iter().map(on).chain(others)
+        FaultKind::ALL.into_iter().map(on).chain(Fault::OF_THE_MACHINE)
     }
 
     #[test]

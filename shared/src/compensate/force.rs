@@ -104,6 +104,11 @@ impl State {
     pub fn rest_at(&mut self, position: Position) {
         *self = Self { position, ..Self::NEW };
     }
+
+    /// Continues from a shifted origin.
+    pub fn shift(&mut self, command: i64) {
+        self.position += command;
+    }
 }
 
 impl Force {

@@ -69,6 +69,14 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         }
     }
 
+    /// Continues after the command of an axis has been shifted by a distance, position units.
+    pub fn shift(&mut self, axis: usize, command: i64) {
+        if let (Some(motion), Some(state)) = (self.motions.get_mut(axis), self.states.get_mut(axis)) {
+            *motion = motion.shifted(command);
+            state.model.shift(command);
+        }
+    }
+
     /// The present corrections of the commands.
     #[must_use]
     pub fn active_corrections(&self) -> [Correction; N] {

@@ -42,6 +42,7 @@ pub mod axis;
 pub mod backlash;
 mod convert;
 pub mod cycles;
+pub mod dependence;
 pub mod drift;
 pub mod force;
 pub mod force_settings;
@@ -62,6 +63,7 @@ pub mod table;
 pub mod talk;
 
 pub use axis::AxisCompensation;
+pub use dependence::Dependence;
 pub use kind::CompensationKind;
 pub use machine::Compensation;
 pub use settings::CompensationSettings;

@@ -38,6 +38,12 @@ impl<S: Scalar> CommandMotion<S> {
         }
     }
 
+    /// The same motion from a shifted origin.
+    #[must_use]
+    pub(super) fn shifted(self, command: i64) -> Self {
+        Self { position: self.position + command, extreme: self.extreme + command, ..self }
+    }
+
     /// Updates the motion with the next command.
     pub fn step(&mut self, position: Position) {
         let increment = position - self.position;

@@ -229,12 +229,19 @@ fn monitor<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Moni
     })
 }
 
+/// The travel of an axis without soft limits: ±[`TRAVEL_LIMIT_M`].
+pub const UNLIMITED: [Position; 2] = {
+    #[expect(clippy::cast_possible_truncation, reason = "a whole number, 1.05e17")]
+    let limit = (TRAVEL_LIMIT_M * PER_M) as i64;
+    [Position(-limit), Position(limit)]
+};
+
 /// Least and greatest command.
 fn travel(travel_m: Option<[f64; 2]>) -> Result<[Position; 2], ConfigError> {
     let name = "travel_m";
     let out_of_range = ConfigError::OutOfRange { name, min: -TRAVEL_LIMIT_M, max: TRAVEL_LIMIT_M };
     let end = |m| Position::from_m(finite(name, m)?).ok_or(out_of_range);
-    let [min_m, max_m] = travel_m.unwrap_or([-TRAVEL_LIMIT_M, TRAVEL_LIMIT_M]);
+    let Some([min_m, max_m]) = travel_m else { return Ok(UNLIMITED) };
     let [min, max] = [end(min_m)?, end(max_m)?];
     if min >= max {
         return Err(ConfigError::NotPositive(name));

@@ -25,6 +25,6 @@ pub(crate) mod check;
 pub mod error;
 pub mod settings;
 
-pub use axis::AxisConfig;
+pub use axis::{AxisConfig, UNLIMITED};
 pub use error::ConfigError;
 pub use settings::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};

@@ -1,12 +1,19 @@
 //! What a board has to provide.
 
 use super::amplifier::Duty;
+use super::inputs::Inputs;
 use crate::feedback::Reading;
 
 /// Sensors, power stages and switches of N axes.
 pub trait Board<const N: usize> {
     /// The present readings of all axes.
     fn readings(&mut self) -> [Reading; N];
+
+    /// The present inputs. A broken wire must read as the active state of a limit switch, a drive fault and an emergency stop.
+    /// Called before [`Board::readings`] in each tick. A board without such inputs keeps the default.
+    fn inputs(&mut self) -> Inputs<N> {
+        Inputs::NONE
+    }
 
     /// Whether the enable switch is closed. A broken wire must read as open.
     fn enable_switch_closed(&mut self) -> bool;

@@ -3,10 +3,15 @@
 use super::amplifier::{Amplifier, Duty};
 use super::board::Board;
 use super::enable_switch::{EnableSwitch, SwitchEvent};
+use super::inputs::{Inputs, SupplyLimits};
+use super::limit_guard::LimitGuard;
 use super::status_light::StatusLight;
-use crate::machine::Machine;
-use crate::safety::Fault;
+use crate::feedback::{OriginShift, Reading};
+use crate::homing::Homing;
+use crate::machine::{Machine, Output};
+use crate::safety::{Fault, FaultKind};
 use crate::scalar::Scalar;
+use crate::units::Position;
 
 /// A machine with its power stages, enable switch and status light. The machine, which is large, is borrowed.
 #[derive(Debug)]
@@ -15,6 +20,41 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize> {
     amplifiers: [Amplifier<S>; N],
     switch: EnableSwitch,
     light: StatusLight,
+    enabling: Enabling,
+    supply_limits: SupplyLimits,
+    limit_guard: LimitGuard<N>,
+    /// Origin of each axis, from the position at power-up.
+    pub(super) origins: [OriginShift; N],
+    /// The homing that runs or that ran last, and its axis.
+    pub(super) homing: Option<(usize, Homing)>,
+    inputs: Inputs<N>,
+    readings: [Reading; N],
+}
+
+/// What switches the drives on.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+enum Enabling {
+    /// The enable switch.
+    BySwitch,
+    /// A host, while the switch permits it: since it was closed as a new edge and until it opens, or the hardware stops the
+    /// drives.
+    ByHost {
+        /// Whether the switch permits it.
+        armed: bool,
+    },
+}
+
+/// A host has asked for an enable that the enable switch does not permit.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct NotArmed;
+
+/// What a tick has read and computed.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Tick<S, const N: usize> {
+    /// Readings of all axes.
+    pub readings: [Reading; N],
+    /// Result of the controller.
+    pub output: Output<S, N>,
 }
 
 impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
@@ -26,7 +66,69 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
         switch: EnableSwitch,
         light: StatusLight,
     ) -> Self {
-        Self { machine, amplifiers, switch, light }
+        Self {
+            machine,
+            amplifiers,
+            switch,
+            light,
+            supply_limits: SupplyLimits::NONE,
+            limit_guard: LimitGuard::new(),
+            origins: [OriginShift { motor: 0, table: 0 }; N],
+            homing: None,
+            inputs: Inputs::NONE,
+            readings: [Reading { motor: Position(0), table: None }; N],
+            enabling: Enabling::BySwitch,
+        }
+    }
+
+    /// The same with a host that enables the drives: closing the switch then only permits it.
+    #[must_use]
+    pub const fn enabled_by_host(self) -> Self {
+        Self { enabling: Enabling::ByHost { armed: false }, ..self }
+    }
+
+    /// Enables the drives at the next tick, for a host. No effect until a fault is acknowledged.
+    ///
+    /// # Errors
+    /// [`NotArmed`] if the switch does not permit it: it is open, has not been opened and closed since the start or since a
+    /// stop by hardware, or enables the drives by itself.
+    pub fn enable_by_host(&mut self) -> Result<(), NotArmed> {
+        if !self.is_armed() {
+            return Err(NotArmed);
+        }
+        self.machine.enable();
+        Ok(())
+    }
+
+    /// Whether the switch permits that a host enables the drives.
+    #[must_use]
+    pub const fn is_armed(&self) -> bool {
+        matches!(self.enabling, Enabling::ByHost { armed: true })
+    }
+
+    /// The same with limits of the supply.
+    #[must_use]
+    pub const fn with_supply_limits(mut self, limits: SupplyLimits) -> Self {
+        self.supply_limits = limits;
+        self
+    }
+
+    /// The machine.
+    #[must_use]
+    pub const fn machine(&self) -> &Machine<S, N> {
+        self.machine
+    }
+
+    /// The inputs of the last tick.
+    #[must_use]
+    pub const fn inputs(&self) -> &Inputs<N> {
+        &self.inputs
+    }
+
+    /// The readings of the last tick, from the origins of the axes.
+    #[must_use]
+    pub const fn readings(&self) -> &[Reading; N] {
+        &self.readings
     }
 
     /// The machine, for operations that are not part of a tick: blocks, settings.
@@ -35,15 +137,34 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
     }
 
     /// One tick, from the sensors to the power stages. It cannot fail; a fault that switches the drives off acts in the same tick.
-    pub fn tick(&mut self, board: &mut impl Board<N>) {
+    pub fn tick(&mut self, board: &mut impl Board<N>) -> Tick<S, N> {
         match self.switch.update(board.enable_switch_closed()) {
-            Some(SwitchEvent::Enable) => self.machine.enable(),
-            Some(SwitchEvent::Disable) => self.machine.disable(),
+            Some(SwitchEvent::Enable) => match &mut self.enabling {
+                Enabling::BySwitch => self.machine.enable(),
+                Enabling::ByHost { armed } => *armed = true,
+            },
+            Some(SwitchEvent::Disable) => {
+                self.disarm();
+                self.machine.disable();
+            }
             None => {}
         }
-        let output = self.machine.tick(&board.readings());
+        self.inputs = board.inputs();
+        let from_power_up = board.readings();
+        self.machine.set_limit_switches(self.inputs.axes.map(|axis| axis.limits));
+        self.home_tick(&from_power_up);
+        for ((reading, raw), origin) in self.readings.iter_mut().zip(from_power_up).zip(self.origins) {
+            *reading = raw.shifted(origin);
+        }
+        let was_on = self.machine.power().is_on();
+        let output = self.machine.tick(&self.readings);
         // Before the stages are enabled, so that stopped ones are not.
+        self.check_inputs(&output.commands, was_on);
+        if self.inputs.emergency_stop {
+            self.disarm();
+        }
         if board.hardware_stop_active() {
+            self.disarm();
             self.machine.fault(Fault::HardwareStop);
         }
         self.drive(board, &output.forces);
@@ -52,6 +173,53 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
             self.drive(board, &output.forces);
         }
         board.set_light(self.light.is_lit(self.machine.power(), output.warning));
+        Tick { readings: self.readings, output }
+    }
+
+    const fn disarm(&mut self) {
+        if let Enabling::ByHost { armed } = &mut self.enabling {
+            *armed = false;
+        }
+    }
+
+    /// Raises the faults of the inputs. Drives that have come on in this tick go off again at once, also by a fault that would stop a
+    /// path.
+    fn check_inputs(&mut self, commands: &[Position; N], was_on: bool) {
+        if self.inputs.emergency_stop {
+            self.machine.fault(Fault::EmergencyStop);
+        }
+        if let Some(fault) = self.supply_limits.fault(&self.inputs.supply) {
+            if self.machine.power().is_on() && !was_on {
+                self.machine.disable();
+                self.machine.inhibit_enable(fault);
+            }
+            self.machine.fault(fault);
+        }
+        let onto_switch = self.limit_guard.moves_onto_switch(&self.inputs.axes, commands);
+        let homing = self.homing.as_ref().filter(|(_, homing)| homing.is_running()).map(|(axis, _)| *axis);
+        for (axis, (input, onto_switch)) in self.inputs.axes.iter().zip(onto_switch).enumerate() {
+            // A homing reacts to the switches itself.
+            let at_limit = onto_switch && homing != Some(axis);
+            let faults = [
+                (FaultKind::DriveFault, input.drive_fault),
+                (FaultKind::EncoderSignal, input.bad_encoder_signal),
+                (FaultKind::LimitSwitch, at_limit),
+            ];
+            for (kind, _) in faults.into_iter().filter(|(_, present)| *present) {
+                #[expect(clippy::cast_possible_truncation, reason = "fewer axes than 256")]
+                self.machine.fault(Fault::Axis { axis: axis as u8, kind });
+            }
+        }
+    }
+
+    /// Continues after the origin of an axis has been shifted.
+    pub(super) fn shift_origin(&mut self, axis: usize, before: [Position; N], shift: OriginShift) {
+        if let (Some(origin), Some(before), Some(after)) =
+            (self.origins.get_mut(axis), before.get(axis), self.machine.command().get(axis))
+        {
+            *origin = origin.then(shift);
+            self.limit_guard.shift(axis, *after - *before);
+        }
     }
 
     /// Passes the forces to the power stages, or disables them.
@@ -75,11 +243,9 @@ mod tests {
 
     use super::*;
     use crate::config::{AxisSettings, Rates};
-    use crate::feedback::Reading;
     use crate::interpolate::Block;
-    use crate::safety::{FaultKind, Power};
+    use crate::safety::Power;
     use crate::scalar::Fixed;
-    use crate::units::Position;
 
     const SETTLING: u32 = 10;
     const BLINK: u32 = 50;
@@ -160,6 +326,38 @@ mod tests {
         assert!(!bench.enabled);
         bench.closed = true;
         run(system, bench, 2 * SETTLING);
+    }
+
+    /// With a host, the closed switch only permits an enable: not before a new edge, and no longer once it is open or the
+    /// hardware has stopped the drives.
+    #[test]
+    fn a_host_enables_only_while_the_switch_permits_it() {
+        let (system, mut bench) = running();
+        let mut system = system.enabled_by_host();
+        // Off by the previous way of enabling: the switch is closed without a new edge.
+        system.machine_mut().disable();
+        run(&mut system, &mut bench, 2 * SETTLING);
+        assert!(!bench.enabled && !system.is_armed());
+        assert_eq!(system.enable_by_host(), Err(NotArmed));
+        close(&mut system, &mut bench);
+        assert!(!bench.enabled && system.is_armed(), "the switch alone enables");
+        assert_eq!(system.enable_by_host(), Ok(()));
+        run(&mut system, &mut bench, 1);
+        assert!(bench.enabled);
+        bench.closed = false;
+        run(&mut system, &mut bench, 1);
+        assert_eq!((bench.enabled, system.enable_by_host()), (false, Err(NotArmed)));
+        close(&mut system, &mut bench);
+        system.enable_by_host().unwrap();
+        run(&mut system, &mut bench, 1);
+        bench.stopped = true;
+        run(&mut system, &mut bench, 1);
+        assert_eq!((bench.enabled, system.enable_by_host()), (false, Err(NotArmed)));
+        // The stop is released and the fault acknowledged, but the switch has not been operated.
+        bench.stopped = false;
+        system.machine_mut().disable();
+        run(&mut system, &mut bench, 3 * SETTLING);
+        assert_eq!((bench.enabled, system.enable_by_host()), (false, Err(NotArmed)));
     }
 
     #[test]

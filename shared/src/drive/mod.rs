@@ -7,10 +7,14 @@ pub mod amplifier;
 pub mod board;
 pub mod drive_system;
 pub mod enable_switch;
+mod homing;
+pub mod inputs;
+pub mod limit_guard;
 pub mod status_light;
 
 pub use amplifier::{Amplifier, DriveError, Duty};
 pub use board::Board;
-pub use drive_system::DriveSystem;
+pub use drive_system::{DriveSystem, NotArmed, Tick};
 pub use enable_switch::{EnableSwitch, SwitchEvent};
+pub use inputs::{AxisInputs, Inputs, Supply, SupplyLimits};
 pub use status_light::StatusLight;

@@ -145,6 +145,12 @@ impl State {
         };
         Self { shift, offset: 0, missing }
     }
+
+    /// The same after the readings of motor and table have been shifted by these distances, position units.
+    #[must_use]
+    pub const fn shifted(self, motor: i64, table: i64) -> Self {
+        Self { shift: self.shift.wrapping_add(table).wrapping_sub(motor), ..self }
+    }
 }
 
 impl<S: Scalar> Feedback<S> {

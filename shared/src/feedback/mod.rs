@@ -15,4 +15,4 @@ pub mod phase;
 mod reading;
 pub mod transducer;
 
-pub use reading::Reading;
+pub use reading::{OriginShift, Reading};

@@ -34,6 +34,16 @@ pub enum PathError {
         /// Axis, counted from 0.
         axis: u8,
     },
+    /// The block moves an axis further onto a limit switch that is active.
+    LimitSwitch {
+        /// Axis, counted from 0.
+        axis: u8,
+    },
+    /// The block moves an axis with soft limits that has not been homed: its positions are unknown.
+    NotHomed {
+        /// Axis, counted from 0.
+        axis: u8,
+    },
 }
 
 /// The number of a block that a [`PathError`] refers to.
@@ -77,6 +87,10 @@ impl core::fmt::Display for PathError {
             Self::TooLong => write!(f, "the block lasts longer than the controller can count"),
             Self::QueueFull => write!(f, "the queue of blocks is full"),
             Self::BeyondTravel { axis } => write!(f, "axis {axis}: the block leads out of the travel"),
+            Self::LimitSwitch { axis } => {
+                write!(f, "axis {axis}: the block leads onto an active limit switch")
+            }
+            Self::NotHomed { axis } => write!(f, "axis {axis}: it has to be homed before a program moves it"),
             Self::NotConfigured => write!(f, "the machine has no settings yet"),
             Self::Interrupted => {
                 write!(f, "the drives have gone off, or stop the path: it is forgotten")

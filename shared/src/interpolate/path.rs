@@ -1,14 +1,17 @@
 //! The path: the queue of planned blocks, look-ahead over their joints, and the position that has been reached.
 
+mod feed;
+mod queue_copy;
+
 use heapless::Deque;
 
 use super::block::Block;
 use super::error::PathError;
+use super::feed_hold::FeedHold;
 use super::fraction::{FRACTION, whole};
 use super::joint::JointLimits;
 use super::planned::{PlannedBlock, Progress};
 use super::profile::Step;
-use super::ramp::TICK;
 use super::smooth::{self, Filters, Smoothing};
 use crate::units::Position;
 
@@ -23,6 +26,9 @@ pub struct Path<const N: usize> {
     progress: Progress,
     started: bool,
     braking: Option<Brake>,
+    feed_hold: FeedHold,
+    /// Changes with every change of the queue, so that a copy of it is known to be out of date.
+    revision: u32,
     /// Position on the path, before the filters.
     position: [Position; N],
     /// Output of the filters.
@@ -34,6 +40,8 @@ pub struct Path<const N: usize> {
     rate_hz: f64,
     /// Least and greatest command of each axis.
     travel: [[Position; 2]; N],
+    /// Whether a limit switch blocks motion in the negative and in the positive direction.
+    blocked: [[bool; 2]; N],
 }
 
 /// A stop along the path.
@@ -54,6 +62,8 @@ impl<const N: usize> Path<N> {
         progress: Progress::NONE,
         started: false,
         braking: None,
+        feed_hold: FeedHold::RUNNING,
+        revision: 0,
         position: [Position(0); N],
         command: [Position(0); N],
         filters: Filters::PASS,
@@ -61,6 +71,7 @@ impl<const N: usize> Path<N> {
         planned_end: [Position(0); N],
         rate_hz: 0.0,
         travel: [[Position(i64::MIN), Position(i64::MAX)]; N],
+        blocked: [[false; 2]; N],
     };
 
     /// An empty path at `start` with a command every 1/`rate_hz`.
@@ -84,6 +95,12 @@ impl<const N: usize> Path<N> {
     pub fn reset(&mut self, start: &[Position; N], rate_hz: f64, filters: Filters<N>) {
         self.rest_at(start);
         (self.rate_hz, self.filters, self.travel) = (rate_hz, filters, Self::AT_ZERO.travel);
+        self.blocked = [[false; 2]; N];
+    }
+
+    /// Sets which limit switches are active: blocks that move an axis further onto one are rejected.
+    pub const fn set_blocked(&mut self, blocked: [[bool; 2]; N]) {
+        self.blocked = blocked;
     }
 
     /// Sets the travel (least and greatest command of each axis). Blocks that leave it from now on are rejected; a block that
@@ -98,11 +115,21 @@ impl<const N: usize> Path<N> {
     /// # Errors
     /// The [`PathError`] that names what is wrong; the path is unchanged.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
+        self.push_holding(block, &[false; N])
+    }
+
+    /// [`Path::push`] of a block that must not move the axes in `not_homed`.
+    ///
+    /// # Errors
+    /// [`PathError`], for such an axis [`PathError::NotHomed`]; the path is unchanged.
+    pub fn push_holding(&mut self, block: &Block<N>, not_homed: &[bool; N]) -> Result<(), PathError> {
         let mut planned = PlannedBlock::new(block, self.planned_end, self.rate_hz, &self.filters.rounding)?;
-        self.check_travel(&planned)?;
+        let from = self.planned_end;
+        self.check_planned(&planned, from, not_homed)?;
         if self.blocks.is_full() {
             return Err(PathError::QueueFull);
         }
+        self.revision = self.revision.wrapping_add(1);
         let started = usize::from(self.started);
         let waits = self.blocks.len() > started;
         if let Some(last) = self.blocks.back_mut().filter(|_| waits) {
@@ -118,11 +145,43 @@ impl<const N: usize> Path<N> {
         Ok(())
     }
 
-    fn check_travel(&self, block: &PlannedBlock<N>) -> Result<(), PathError> {
-        let axes = block.bounds().into_iter().zip(self.travel).zip(self.planned_end);
-        for (axis, (([min, max], [lower, upper]), start)) in (0..).zip(axes) {
+    /// Checks a block as [`Path::push_holding`] does, for a start of its own. Returns its end.
+    ///
+    /// # Errors
+    /// The [`PathError`] that names what is wrong.
+    pub fn check(
+        &self,
+        block: &Block<N>,
+        start: [Position; N],
+        not_homed: &[bool; N],
+    ) -> Result<[Position; N], PathError> {
+        let planned = PlannedBlock::new(block, start, self.rate_hz, &self.filters.rounding)?;
+        self.check_planned(&planned, start, not_homed)?;
+        Ok(planned.end())
+    }
+
+    fn check_planned(
+        &self,
+        block: &PlannedBlock<N>,
+        from: [Position; N],
+        not_homed: &[bool; N],
+    ) -> Result<(), PathError> {
+        for (axis, ([min, max], not_homed)) in (0..).zip(block.bounds().into_iter().zip(not_homed)) {
+            if *not_homed && min != max {
+                return Err(PathError::NotHomed { axis });
+            }
+        }
+        self.check_travel(block, from)
+    }
+
+    fn check_travel(&self, block: &PlannedBlock<N>, from: [Position; N]) -> Result<(), PathError> {
+        let axes = block.bounds().into_iter().zip(self.travel).zip(from).zip(self.blocked);
+        for (axis, ((([min, max], [lower, upper]), start), [below, above])) in (0..).zip(axes) {
             if min < lower.min(start) || max > upper.max(start) {
                 return Err(PathError::BeyondTravel { axis });
+            }
+            if below && min < start || above && max > start {
+                return Err(PathError::LimitSwitch { axis });
             }
         }
         Ok(())
@@ -188,9 +247,9 @@ impl<const N: usize> Path<N> {
 
     /// Discards every block and rests at a position.
     pub fn rest_at(&mut self, position: &[Position; N]) {
-        self.blocks.clear();
-        self.started = false;
+        self.clear_queue();
         self.braking = None;
+        self.feed_hold = FeedHold::RUNNING;
         (self.position, self.command, self.planned_end) = (*position, *position, *position);
         self.filter_state.rest_at(position);
     }
@@ -204,7 +263,21 @@ impl<const N: usize> Path<N> {
         }
         let moving = self.started.then_some((self.progress.distance(), self.progress.speed()));
         let (distance, speed) = moving.unwrap_or_default();
+        let speed = self.feed_hold.scaled(speed);
+        self.revision = self.revision.wrapping_add(1);
         self.braking = Some(Brake { deceleration, speed, distance: i128::from(distance) << FRACTION });
+    }
+
+    fn clear_queue(&mut self) {
+        self.blocks.clear();
+        self.started = false;
+        self.revision = self.revision.wrapping_add(1);
+    }
+
+    /// Whether a stop was started, and the path has not been discarded since.
+    #[must_use]
+    pub const fn is_braking(&self) -> bool {
+        self.braking.is_some()
     }
 
     /// Whether a stop was started and the command is at rest.
@@ -230,6 +303,13 @@ impl<const N: usize> Path<N> {
 
     /// Advances the position on the path by a tick.
     fn follow(&mut self) {
+        let time = self.feed_hold.advance();
+        if time == 0 {
+            if self.feed_hold.is_to_be_discarded() {
+                self.discard_rest();
+            }
+            return;
+        }
         let Some(block) = self.blocks.front() else { return };
         if !self.started {
             if block.entry == 0 && !self.is_settled() {
@@ -237,8 +317,9 @@ impl<const N: usize> Path<N> {
             }
             block.start(&mut self.progress);
             self.started = true;
+            self.revision = self.revision.wrapping_add(1);
         }
-        match block.advance(&mut self.progress, TICK) {
+        match block.advance(&mut self.progress, time) {
             Step::Within(length) => self.position = block.at(length),
             Step::Beyond(remaining) => self.cross_joint(remaining),
         }
@@ -248,6 +329,7 @@ impl<const N: usize> Path<N> {
     #[cold]
     fn cross_joint(&mut self, mut remaining: u64) {
         self.started = false;
+        self.revision = self.revision.wrapping_add(1);
         for _ in 0..QUEUE {
             let Some(ended) = self.blocks.front() else { return };
             self.position = ended.end();
@@ -281,6 +363,7 @@ impl<const N: usize> Path<N> {
                 return brake;
             }
             self.position = block.end();
+            self.revision = self.revision.wrapping_add(1);
             if block.exit == 0 {
                 break;
             }

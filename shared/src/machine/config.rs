@@ -1,7 +1,8 @@
 //! The constants of a machine, in machine units.
 
 use super::error::MachineError;
-use crate::config::{AxisConfig, AxisSettings, Rates, Sensors};
+use super::reference::Reference;
+use crate::config::{AxisConfig, AxisSettings, Rates, Sensors, UNLIMITED};
 use crate::interpolate::Smoothing;
 use crate::interpolate::smooth::Filters;
 use crate::scalar::Scalar;
@@ -11,6 +12,8 @@ use crate::units::Position;
 #[derive(Clone, Debug)]
 pub struct MachineConfig<S: Scalar, const N: usize> {
     pub(super) axes: [AxisConfig<S>; N],
+    /// Declared soft limits. Those of `axes` are unlimited while an axis is not homed.
+    soft_limits: [[Position; 2]; N],
     pub(super) rates: Rates,
     /// Declared sensors of the position loops.
     pub(super) sensors: [Sensors; N],
@@ -34,7 +37,32 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         let smoothing = settings.each_ref().map(|axis| axis.smoothing);
         let filters = Filters::new(&smoothing, rates.position_loop_hz())?;
         let sensors = settings.each_ref().map(|axis| axis.sensors);
-        Ok(Self { axes: core::array::from_fn(|i| axes[i]), rates, sensors, smoothing, filters })
+        let axes: [AxisConfig<S>; N] = core::array::from_fn(|i| axes[i]);
+        let soft_limits = axes.each_ref().map(|axis| axis.monitor.travel);
+        Ok(Self { axes, soft_limits, rates, sensors, smoothing, filters })
+    }
+
+    /// Replaces the constants of an axis.
+    pub(super) fn replace(&mut self, axis: usize, config: AxisConfig<S>, reference: Reference) {
+        if let (Some(slot), Some(soft_limits)) = (self.axes.get_mut(axis), self.soft_limits.get_mut(axis)) {
+            (*slot, *soft_limits) = (config, config.monitor.travel);
+        }
+        self.set_reference(axis, reference);
+    }
+
+    /// Applies the soft limits of an axis that is homed, and no other.
+    pub(super) fn set_reference(&mut self, axis: usize, reference: Reference) {
+        if let (Some(config), Some(soft_limits)) = (self.axes.get_mut(axis), self.soft_limits.get(axis)) {
+            config.monitor.travel = match reference {
+                Reference::Relative => UNLIMITED,
+                Reference::Homed => *soft_limits,
+            };
+        }
+    }
+
+    /// The axes with soft limits.
+    pub(super) fn have_soft_limits(&self) -> [bool; N] {
+        self.soft_limits.map(|travel| travel != UNLIMITED)
     }
 
     /// Least and greatest command of each axis.

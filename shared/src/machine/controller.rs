@@ -1,12 +1,15 @@
 //! The controller of a machine.
 
+mod between_ticks;
+
 use super::config::MachineConfig;
 use super::error::MachineError;
 use super::output::Output;
+use super::reference::{Reference, References};
 use super::state::State;
-use crate::compensate::{AxisCompensation, CompensationKind, CompensationSettings};
+use crate::compensate::{AxisCompensation, CompensationKind, CompensationSettings, Dependence};
 use crate::config::{AxisConfig, AxisSettings, ConfigError, Rates};
-use crate::feedback::Reading;
+use crate::feedback::{OriginShift, Reading};
 use crate::interpolate::{Block, PathError};
 use crate::safety::{Event, Fault, Power};
 use crate::scalar::Scalar;
@@ -21,11 +24,12 @@ pub struct Machine<S: Scalar, const N: usize> {
     /// `None`: not configured; the drives stay off.
     config: Option<MachineConfig<S, N>>,
     state: State<S, N>,
+    references: References<N>,
 }
 
 impl<S: Scalar, const N: usize> Machine<S, N> {
     /// A machine without settings: it rejects blocks and stays off.
-    pub const UNCONFIGURED: Self = Self { config: None, state: State::NEW };
+    pub const UNCONFIGURED: Self = Self { config: None, state: State::NEW, references: References::NEW };
 
     /// A machine at rest at `start`, drives off.
     ///
@@ -43,7 +47,11 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     }
 
     /// Reconfigures the machine in place, at rest at `start`, drives off. Not part of a tick.
+    ///
+    /// `start` is taken as absolute: every axis is homed. A board that does not know the positions of its axes calls
+    /// [`Machine::lose_reference`] afterwards.
     pub fn configure(&mut self, config: MachineConfig<S, N>, start: &[Position; N]) {
+        self.references = References::NEW;
         self.state.reset(&config, start);
         self.config = Some(config);
     }
@@ -57,11 +65,12 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     pub fn change(&mut self, axis: usize, settings: &AxisSettings) -> Result<(), MachineError> {
         let rejected = |error| MachineError::Config { axis, error };
         let config = self.config.as_mut().ok_or(MachineError::NoSuchAxis)?;
-        let (Some(loops), Some(state), Some(smoothing), Some(sensors)) = (
-            config.axes.get_mut(axis),
+        let (Some(loops), Some(state), Some(smoothing), Some(sensors), Some(reference)) = (
+            config.axes.get(axis),
             self.state.axes.get_mut(axis),
             config.smoothing.get(axis),
             config.sensors.get_mut(axis),
+            self.references.of(axis),
         ) else {
             return Err(MachineError::NoSuchAxis);
         };
@@ -73,7 +82,8 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
             return Err(rejected(ConfigError::NotWhileRunning("sensors")));
         }
         state.change(loops, &changed);
-        (*loops, *sensors) = (changed, settings.sensors);
+        *sensors = settings.sensors;
+        config.replace(axis, changed, reference);
         self.state.path.set_travel(config.travel());
         Ok(())
     }
@@ -88,11 +98,14 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         let config = self.config.as_ref().filter(|_| axis < N).ok_or(MachineError::NoSuchAxis)?;
         let compensation = AxisCompensation::new(settings, config.rates, N)
             .map_err(|error| MachineError::Config { axis, error })?;
+        #[expect(clippy::cast_possible_truncation, reason = "fewer axes than 256")]
+        self.references.set_dependence(axis, Dependence::of(axis as u8, settings));
+        self.apply_switches();
         self.state.compensation.replace(axis, compensation);
         Ok(())
     }
 
-    /// Switches one compensation of an axis on or off.
+    /// Switches one compensation of an axis on or off. One that is [held](Machine::is_held) is applied when its axis is homed.
     ///
     /// # Errors
     /// [`MachineError::NoSuchAxis`].
@@ -100,23 +113,158 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         if axis >= N || self.config.is_none() {
             return Err(MachineError::NoSuchAxis);
         }
-        self.state.compensation.switch(axis, kind, on);
+        self.references.switch(axis, kind, on);
+        self.apply_switches();
+        Ok(())
+    }
+
+    /// Switches each compensation by the request of the user and the references of the axes.
+    fn apply_switches(&mut self) {
+        for axis in 0..N {
+            for kind in CompensationKind::ALL {
+                self.state.compensation.switch(axis, kind, self.references.is_applied(axis, kind));
+            }
+        }
+    }
+
+    /// Whether a compensation of an axis is held off until an axis is homed.
+    #[must_use]
+    pub fn is_held(&self, axis: usize, kind: CompensationKind) -> bool {
+        self.references.is_held(axis, kind)
+    }
+
+    /// Whether the positions of an axis are absolute; `None`: no such axis.
+    #[must_use]
+    pub fn reference(&self, axis: usize) -> Option<Reference> {
+        self.references.of(axis)
+    }
+
+    /// Declares the positions of an axis as relative to those at power-up. Its soft limits and what depends on its position are
+    /// held off; corrections return to zero at their limited rates.
+    pub fn lose_reference(&mut self, axis: usize) {
+        self.set_reference(axis, Reference::Relative);
+    }
+
+    fn set_reference(&mut self, axis: usize, reference: Reference) {
+        self.references.set(axis, reference);
+        if let Some(config) = &mut self.config {
+            config.set_reference(axis, reference);
+            self.state.path.set_travel(config.travel());
+        }
+        self.apply_switches();
+    }
+
+    /// Sets the origin of an axis: from the next tick on, its readings are shifted by `shift`. The command is shifted with
+    /// them, so that the loops continue without a step, and the axis is homed.
+    ///
+    /// # Errors
+    /// [`MachineError::PathRunning`] unless the path is done, [`MachineError::NoSuchAxis`]. Nothing is changed then.
+    pub fn set_origin(&mut self, axis: usize, shift: OriginShift) -> Result<(), MachineError> {
+        let config = self.config.as_ref().filter(|_| axis < N).ok_or(MachineError::NoSuchAxis)?;
+        if !self.state.path.is_done() {
+            return Err(MachineError::PathRunning);
+        }
+        self.state.shift_origin(config, axis, shift);
+        self.set_reference(axis, Reference::Homed);
         Ok(())
     }
 
     /// Plans a block and appends it to the queue. Not part of a tick.
     ///
     /// # Errors
-    /// [`PathError`]; nothing is changed then.
+    /// [`PathError`], [`PathError::NotHomed`] for an axis with soft limits that is not homed; nothing is changed then.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
+        let not_homed = self.not_homed()?;
+        self.append(block, &not_homed)
+    }
+
+    /// [`Machine::push`] for a jog or a part of homing, which starts from the present position: also moves axes that are not
+    /// homed.
+    ///
+    /// # Errors
+    /// [`PathError`]; nothing is changed then.
+    pub fn jog(&mut self, block: &Block<N>) -> Result<(), PathError> {
+        self.append(block, &[false; N])
+    }
+
+    fn append(&mut self, block: &Block<N>, not_homed: &[bool; N]) -> Result<(), PathError> {
+        self.accepts_blocks()?;
+        self.state.path.push_holding(block, not_homed)
+    }
+
+    /// The axes with soft limits that are not homed.
+    fn not_homed(&self) -> Result<[bool; N], PathError> {
+        let config = self.config.as_ref().ok_or(PathError::NotConfigured)?;
+        let mut not_homed = config.have_soft_limits();
+        for (axis, not_homed) in not_homed.iter_mut().enumerate() {
+            *not_homed &= self.references.of(axis) == Some(Reference::Relative);
+        }
+        Ok(not_homed)
+    }
+
+    /// Whether a block could be appended now.
+    fn accepts_blocks(&self) -> Result<(), PathError> {
         if self.config.is_none() {
             return Err(PathError::NotConfigured);
         }
-        let stopping = matches!(self.state.power, Power::Stopping(_));
-        if stopping || self.state.was_on && !self.state.power.is_on() {
+        let off = self.state.was_on && !self.state.power.is_on();
+        if off || self.state.path.is_braking() {
             return Err(PathError::Interrupted);
         }
-        self.state.path.push(block)
+        Ok(())
+    }
+
+    /// Decelerates along the path and discards what remains of it. The drives stay on and hold the axes. Blocks are refused
+    /// until the axes have stopped.
+    pub fn halt(&mut self) {
+        if let Some(config) = &self.config
+            && self.state.power.is_on()
+        {
+            self.state.path.brake(config.stop_deceleration());
+        }
+    }
+
+    /// Sets which limit switches are active, at the negative and the positive end of each axis: blocks that move an axis further
+    /// onto one are rejected.
+    pub const fn set_limit_switches(&mut self, active: [[bool; 2]; N]) {
+        self.state.path.set_blocked(active);
+    }
+
+    /// Rates of the loops; `None`: not configured.
+    #[must_use]
+    pub fn rates(&self) -> Option<Rates> {
+        self.config.as_ref().map(|config| config.rates)
+    }
+
+    /// Whether the position loop of an axis uses a linear scale.
+    #[must_use]
+    pub fn uses_scale(&self, axis: usize) -> bool {
+        let config = self.config.as_ref().and_then(|config| config.axes.get(axis));
+        config.is_some_and(|config| config.feedback.uses_scale())
+    }
+
+    /// Whether every block has ended and the command is at rest.
+    #[must_use]
+    pub fn is_at_rest(&self) -> bool {
+        self.state.path.is_done() && !self.state.path.is_braking()
+    }
+
+    /// Whether the last tick ran the position loops.
+    #[must_use]
+    pub fn was_position_tick(&self) -> bool {
+        self.config.as_ref().is_some_and(|config| self.state.is_after_position_tick(config))
+    }
+
+    /// Ticks per position tick; 0 without a configuration.
+    #[must_use]
+    pub fn position_loop_divider(&self) -> u32 {
+        self.config.as_ref().map_or(0, |config| config.rates.position_loop_divider)
+    }
+
+    /// The first warning since the drives were enabled.
+    #[must_use]
+    pub const fn warning(&self) -> Option<Fault> {
+        self.state.warning
     }
 
     /// Whether the queue has room for another block.

@@ -17,6 +17,8 @@ pub enum MachineError {
     Path(PathError),
     /// The machine has no such axis.
     NoSuchAxis,
+    /// Only possible while no path runs.
+    PathRunning,
 }
 
 impl From<PathError> for MachineError {
@@ -30,6 +32,7 @@ impl core::fmt::Display for MachineError {
         match self {
             Self::Config { axis, error } => write!(f, "axis {axis}: {error}"),
             Self::Path(error) => write!(f, "{error}"),
+            Self::PathRunning => write!(f, "only possible while no path runs"),
             Self::NoSuchAxis => write!(f, "the machine has no such axis"),
         }
     }

@@ -7,11 +7,13 @@ mod config;
 mod controller;
 mod error;
 mod output;
+mod reference;
 mod state;
 
 pub use config::MachineConfig;
 pub use controller::Machine;
 pub use error::MachineError;
 pub use output::Output;
+pub use reference::Reference;
 
-pub use crate::feedback::Reading;
+pub use crate::feedback::{OriginShift, Reading};

@@ -5,7 +5,7 @@ use super::output::Output;
 use crate::axis::AxisState;
 use crate::compensate::{Compensation, Correction};
 use crate::config::AxisConfig;
-use crate::feedback::Reading;
+use crate::feedback::{OriginShift, Reading};
 use crate::interpolate::Path;
 use crate::safety::{Event, Fault, FaultKind, FaultSet, Power, Reaction};
 use crate::scalar::Scalar;
@@ -77,6 +77,27 @@ impl<S: Scalar, const N: usize> State<S, N> {
             warning: self.warning,
             done: self.path.is_done(),
         }
+    }
+
+    /// Whether the last tick ran the position loops.
+    pub const fn is_after_position_tick(&self, config: &MachineConfig<S, N>) -> bool {
+        self.was_on && self.until_position_tick + 1 == config.rates.position_loop_divider
+    }
+
+    /// Continues after the readings of an axis have been shifted, and its command with them, without a step. The path must be
+    /// done.
+    pub fn shift_origin(&mut self, config: &MachineConfig<S, N>, index: usize, origin: OriginShift) {
+        let (Some(axis), Some(axis_config)) = (self.axes.get_mut(index), config.axes.get(index)) else {
+            return;
+        };
+        let shift = if axis_config.feedback.uses_scale() { origin.table } else { origin.motor };
+        let mut commands = self.path.command();
+        if let Some(command) = commands.get_mut(index) {
+            *command += shift;
+            *axis = axis.shifted(*command, shift, origin);
+        }
+        self.path.rest_at(&commands);
+        self.compensation.shift(index, shift);
     }
 
     fn raise(&mut self, config: &MachineConfig<S, N>, faults: [FaultSet; N]) {
@@ -194,6 +215,9 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         state.raise(self, faults);
         if state.path.has_stopped() {
             state.power = state.power.after(Event::Stopped);
+            if state.power == Power::On {
+                state.path.rest_at(&state.path.command());
+            }
         }
     }
 

@@ -77,6 +77,11 @@ pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationE
         Fault::Overrun => ("a tick took longer than its period".to_owned(), ""),
         Fault::HardwareStop => ("the power stages were switched off by hardware".to_owned(), ""),
         Fault::Watchdog => ("the board was reset by its watchdog".to_owned(), ""),
+        Fault::EmergencyStop => ("the emergency stop is pressed".to_owned(), ""),
+        Fault::BusOvervoltage => ("the bus voltage is too high".to_owned(), ""),
+        Fault::BusUndervoltage => ("the bus voltage is too low".to_owned(), ""),
+        Fault::OverTemperature => ("a power stage is too hot".to_owned(), ""),
+        Fault::HostSilent => ("the board has not heard from the host".to_owned(), ""),
         Fault::Axis { axis, kind } => match machine.axis.get_index(usize::from(axis)) {
             None => (format!("axis {axis}: {kind:?}"), ""),
             Some((name, axis)) => {
@@ -132,6 +137,9 @@ fn described(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str)
                 "",
             )
         }
+        FaultKind::DriveFault => ("the drive reports a fault".to_owned(), ""),
+        FaultKind::EncoderSignal => ("the signals of the motor encoder are out of range".to_owned(), ""),
+        FaultKind::LimitSwitch => ("a limit switch was reached".to_owned(), ""),
         FaultKind::Displaced => ("the axis is not at the start of its motion".to_owned(), ""),
     }
 }

@@ -1,0 +1,122 @@
+//! Writing the messages of a record.
+
+use crc::{Digest, Table};
+use embedded_storage::nor_flash::NorFlash;
+use serde::Serialize;
+
+use super::error::StorageError;
+use super::header::{CRC, HEADER, Header};
+use super::store::Store;
+
+/// A record that is being written. It becomes valid by [`Writer::commit`]; dropped before, it leaves the old record valid.
+pub struct Writer<'s, F> {
+    store: &'s mut Store<F>,
+    slot: usize,
+    sequence: u32,
+    length: u32,
+    digest: Digest<'static, u32, Table<1>>,
+    /// Bytes that do not fill a word of the flash yet.
+    pending: heapless::Vec<u8, HEADER>,
+}
+
+impl<F> core::fmt::Debug for Writer<'_, F> {
+    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
+        f.debug_struct("Writer")
+            .field("slot", &self.slot)
+            .field("length", &self.length)
+            .finish_non_exhaustive()
+    }
+}
+
+impl<'s, F: NorFlash> Writer<'s, F> {
+    pub(super) fn new(store: &'s mut Store<F>, slot: usize, sequence: u32) -> Self {
+        static TABLE: crc::Crc<u32, Table<1>> = CRC;
+        Self { store, slot, sequence, length: 0, digest: TABLE.digest(), pending: heapless::Vec::new() }
+    }
+
+    /// Appends the bytes of a message.
+    ///
+    /// # Errors
+    /// [`StorageError::MessageTooLong`], [`StorageError::TooLong`], [`StorageError::Flash`]. The record is not to be committed
+    /// then.
+    pub fn bytes(&mut self, message: &[u8]) -> Result<(), StorageError> {
+        self.begin_message(message.len())?;
+        message.iter().try_for_each(|byte| self.push(*byte))
+    }
+
+    /// Appends a message.
+    ///
+    /// # Errors
+    /// As for [`Writer::bytes`].
+    pub fn message(&mut self, message: &impl Serialize) -> Result<(), StorageError> {
+        let length = postcard::serialize_with_flavor(message, postcard::ser_flavors::Size::default());
+        self.begin_message(length.map_err(|_| StorageError::Message)?)?;
+        let mut result = Ok(());
+        let flavor = ToFlash { writer: self, result: &mut result };
+        let serialised = postcard::serialize_with_flavor(message, flavor);
+        result.and_then(|()| serialised.map_err(|_| StorageError::Message))
+    }
+
+    fn begin_message(&mut self, length: usize) -> Result<(), StorageError> {
+        let prefix = u16::try_from(length).map_err(|_| StorageError::MessageTooLong)?;
+        if self.length as usize + 2 + length > self.store.capacity() {
+            return Err(StorageError::TooLong);
+        }
+        prefix.to_le_bytes().iter().try_for_each(|byte| self.push(*byte))
+    }
+
+    fn push(&mut self, byte: u8) -> Result<(), StorageError> {
+        self.digest.update(&[byte]);
+        self.length += 1;
+        self.pending.push(byte).map_err(|_| StorageError::TooLong)?;
+        if self.pending.is_full() { self.flush() } else { Ok(()) }
+    }
+
+    /// Writes the pending bytes, filled up to a whole word with the erased value.
+    fn flush(&mut self) -> Result<(), StorageError> {
+        #[expect(clippy::cast_possible_truncation, reason = "at most 32")]
+        let at = self.store.content_start(self.slot) + self.length - self.pending.len() as u32;
+        while !self.pending.len().is_multiple_of(F::WRITE_SIZE) {
+            self.pending.push(0xff).map_err(|_| StorageError::TooLong)?;
+        }
+        self.store.flash.write(at, &self.pending).map_err(|_| StorageError::Flash)?;
+        self.pending.clear();
+        Ok(())
+    }
+
+    /// Writes the header, which makes the record valid and the newest one, and checks it.
+    ///
+    /// # Errors
+    /// [`StorageError::Flash`], [`StorageError::Verification`].
+    pub fn commit(mut self) -> Result<(), StorageError> {
+        self.flush()?;
+        let Self { store, slot, sequence, length, digest, .. } = self;
+        let header = Header { board: store.board(), sequence, length, content_crc: digest.finalize() };
+        let start = store.start(slot);
+        store.flash.write(start, &header.to_bytes()).map_err(|_| StorageError::Flash)?;
+        match store.record(slot) {
+            Ok(read) if read == header => Ok(()),
+            Ok(_) => Err(StorageError::Verification(super::SlotError::Checksum)),
+            Err(error) => Err(StorageError::Verification(error)),
+        }
+    }
+}
+
+/// Serialises to a writer. Its error is kept beside it, because postcard's has no place for it.
+struct ToFlash<'w, 's, F> {
+    writer: &'w mut Writer<'s, F>,
+    result: &'w mut Result<(), StorageError>,
+}
+
+impl<F: NorFlash> postcard::ser_flavors::Flavor for ToFlash<'_, '_, F> {
+    type Output = ();
+
+    fn try_push(&mut self, byte: u8) -> postcard::Result<()> {
+        *self.result = self.writer.push(byte);
+        self.result.map_err(|_| postcard::Error::SerializeBufferFull)
+    }
+
+    fn finalize(self) -> postcard::Result<()> {
+        Ok(())
+    }
+}

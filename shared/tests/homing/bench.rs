@@ -1,0 +1,195 @@
+//! A simulated axis of 120 mm with a home switch, limit switches, an encoder with an index pulse every 5 mm, and a scale.
+
+use shared::config::{AxisSettings, Rates, Sensors};
+use shared::drive::{Amplifier, AxisInputs, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight};
+use shared::feedback::Reading;
+use shared::homing::{AtLimit, Direction, HomingSettings, HomingStatus, Mark};
+use shared::machine::Machine;
+use shared::scalar::Fixed;
+use shared::units::Position;
+
+pub const TICK_HZ: f64 = 20_000.0;
+const MASS_KG: f64 = 15.0;
+const COULOMB_N: f64 = 10.0;
+const FULL_COUNTS: u16 = 8400;
+const FULL_N: f64 = 400.0;
+/// Encoder and scale, m per count.
+const COUNT_M: f64 = 0.25e-6;
+
+pub const SETTINGS: AxisSettings = AxisSettings {
+    position_gain_per_s: 25.0,
+    feedforward_percent: 100.0,
+    velocity_gain_n_s_per_m: 3000.0,
+    force_limit_n: 200.0,
+    sensors: Sensors::Dual { time_constant_s: 0.02 },
+    following_error_limit_m: 1e-3,
+    travel_m: Some([-0.005, 0.09]),
+    stop_deceleration_m_per_s2: 1.0,
+    ..default_settings()
+};
+
+const fn default_settings() -> AxisSettings {
+    AxisSettings {
+        law: shared::config::Law::P,
+        position_gain_per_s: 25.0,
+        feedforward_percent: 100.0,
+        feedforward_ahead_s: 0.0,
+        velocity_gain_n_s_per_m: 3000.0,
+        velocity_integral_time_s: Some(0.02),
+        velocity_lag_s: 0.0,
+        notch: None,
+        low_pass: None,
+        force_limit_n: 200.0,
+        sensors: Sensors::Motor,
+        smoothing: shared::interpolate::Smoothing::None,
+        scale_fade_time_s: 0.1,
+        following_error_limit_m: 1e-3,
+        scale_disagreement_limit_m: None,
+        fastest_m_per_s: None,
+        frozen_encoder_limit_m: None,
+        saturation_time_s: 1.0,
+        travel_m: None,
+        stop_deceleration_m_per_s2: 1.0,
+    }
+}
+
+/// Towards the negative end, the switch is at 20 to 26 mm of the bench, the index at 24.1 mm.
+pub fn homing() -> HomingSettings {
+    HomingSettings {
+        direction: Direction::Negative,
+        mark: Mark::MotorIndex { spacing_m: 0.005 },
+        mark_position_m: 0.001,
+        search_speed_m_per_s: 0.02,
+        approach_speed_m_per_s: 0.002,
+        acceleration_m_per_s2: 1.0,
+        search_distance_m: 0.12,
+        back_off_distance_m: 0.01,
+        at_limit: AtLimit::TurnRound,
+        timeout_s: 30.0,
+    }
+}
+
+pub struct Bench {
+    /// Place on the bench, m.
+    pub at_m: f64,
+    pub velocity: f64,
+    pub closed: bool,
+    pub index_m: f64,
+    /// Place at power-up, where both counters are zero.
+    start_m: f64,
+    previous_m: f64,
+    duty: Duty,
+    enabled: bool,
+}
+
+impl Bench {
+    pub fn at(at_m: f64) -> Self {
+        Self {
+            at_m,
+            velocity: 0.0,
+            closed: false,
+            index_m: 0.0241,
+            start_m: at_m,
+            previous_m: at_m,
+            duty: Duty::default(),
+            enabled: false,
+        }
+    }
+
+    /// The system of an axis that does not know its position.
+    pub fn system() -> DriveSystem<'static, Fixed, 1> {
+        let rates = Rates { velocity_loop_hz: TICK_HZ, position_loop_divider: 5 };
+        let machine = Box::leak(Box::new(Machine::new(rates, &[SETTINGS], [Position(0)]).unwrap()));
+        machine.lose_reference(0);
+        let amplifiers = [Amplifier::new(FULL_N, FULL_COUNTS).unwrap()];
+        DriveSystem::new(machine, amplifiers, EnableSwitch::new(10), StatusLight::new(5000))
+    }
+
+    pub fn enable(&mut self, system: &mut DriveSystem<'static, Fixed, 1>) {
+        self.closed = false;
+        self.run(system, 20);
+        self.closed = true;
+        self.run(system, 20);
+        assert!(self.enabled);
+    }
+
+    pub fn run(&mut self, system: &mut DriveSystem<'static, Fixed, 1>, ticks: u32) {
+        for _ in 0..ticks {
+            system.tick(self);
+            self.previous_m = self.at_m;
+            let magnitude = FULL_N * f64::from(self.duty.counts) / f64::from(FULL_COUNTS);
+            let force = if self.duty.reverse { -magnitude } else { magnitude };
+            let friction = COULOMB_N * (self.velocity / 1e-4).tanh();
+            self.velocity += (force - friction) / MASS_KG / TICK_HZ;
+            self.at_m += self.velocity / TICK_HZ;
+            assert!((0.0..0.12).contains(&self.at_m), "over the end of the bench: {}", self.at_m);
+        }
+    }
+
+    fn count(&self, m: f64) -> Position {
+        Position::from_m(((m - self.start_m) / COUNT_M).floor() * COUNT_M).unwrap()
+    }
+}
+
+impl Board<1> for Bench {
+    fn inputs(&mut self) -> Inputs<1> {
+        let cell = |m: f64| ((m - self.index_m) / 0.005).floor();
+        let (from, to) = (self.previous_m.min(self.at_m), self.previous_m.max(self.at_m));
+        let index = (cell(from) < cell(to)).then(|| self.count(self.index_m + 0.005 * cell(to)));
+        let axis = AxisInputs {
+            limits: [self.at_m < 0.005, self.at_m > 0.115],
+            home: (0.020..=0.026).contains(&self.at_m),
+            motor_index: index,
+            ..AxisInputs::NONE
+        };
+        Inputs { axes: [axis], ..Inputs::NONE }
+    }
+
+    fn readings(&mut self) -> [Reading; 1] {
+        [Reading { motor: self.count(self.at_m), table: Some(self.count(self.at_m)) }]
+    }
+
+    fn enable_switch_closed(&mut self) -> bool {
+        self.closed
+    }
+
+    fn hardware_stop_active(&mut self) -> bool {
+        false
+    }
+
+    fn set_duties(&mut self, [duty]: [Duty; 1]) {
+        self.duty = duty;
+    }
+
+    fn set_enabled(&mut self, enabled: bool) {
+        self.enabled = enabled;
+    }
+
+    fn set_light(&mut self, _: bool) {}
+
+    fn next_tick_due(&mut self) -> bool {
+        false
+    }
+}
+
+/// Runs a homing to its end.
+pub fn run_homing(
+    bench: &mut Bench,
+    system: &mut DriveSystem<'static, Fixed, 1>,
+    settings: &HomingSettings,
+) -> HomingStatus {
+    system.home(0, settings).unwrap();
+    for _ in 0..40 * 20_000 {
+        bench.run(system, 1);
+        system.plan_homing();
+        match system.homing_status().unwrap() {
+            (_, HomingStatus::Running) => {}
+            (_, ended) => {
+                // To rest.
+                bench.run(system, 4000);
+                return ended;
+            }
+        }
+    }
+    panic!("the homing does not end")
+}
