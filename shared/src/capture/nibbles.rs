@@ -113,7 +113,9 @@ mod tests {
 
     #[test]
     fn small_numbers_take_one_group() {
-        for (value, groups) in [(0, 1), (3, 1), (-4, 1), (4, 2), (31, 2), (-32, 2), (32, 3), (i64::MAX, 22), (i64::MIN, 22)] {
+        for (value, groups) in
+            [(0, 1), (3, 1), (-4, 1), (4, 2), (31, 2), (-32, 2), (32, 3), (i64::MAX, 22), (i64::MIN, 22)]
+        {
             let mut writer = Writer::default();
             assert!(writer.push(value, &mut [0; 16]));
             assert_eq!(writer.groups, groups, "{value}");

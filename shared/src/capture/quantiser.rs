@@ -209,7 +209,8 @@ mod tests {
             assert!((value.unwrap() - expected).abs() < 1e-15);
         }
         assert!((force + 1.5).abs() < 1e-12);
-        let lost = quantisers.sample(&[Position(0)], &[Reading { table: None, ..reading }], &[Fixed::signal(0.0)]);
+        let lost =
+            quantisers.sample(&[Position(0)], &[Reading { table: None, ..reading }], &[Fixed::signal(0.0)]);
         assert_eq!(lost, [[0, 40, NO_READING, 0]]);
         assert_eq!(steps.values(0, &lost[0]).0[2], None);
     }

@@ -181,7 +181,9 @@ impl Requests {
             Request::FaultHistory => {
                 return Reply::FaultHistory(drive.with(|drive| drive.history().newest_first().collect()));
             }
-            Request::Capture => return Reply::Capture(drive.with(|drive| recording::report(drive.capture()))),
+            Request::Capture => {
+                return Reply::Capture(drive.with(|drive| recording::report(drive.capture())));
+            }
             Request::ReadCapture { offset } => return recording::read(drive, *offset),
             // A hello does not get here.
             Request::Hello { .. } => Err(Refusal::Unreadable),

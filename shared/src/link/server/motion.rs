@@ -109,7 +109,8 @@ impl Requests {
     fn check_speed(&self, block: &Block<AXES>, number: u16) -> Result<(), Refusal> {
         let speeds = axis_speeds(block, self.motion.end);
         for ((axis, settings), speed) in (0..).zip(&self.settings.axes).zip(speeds) {
-            let limit_m_per_s = settings.fastest_m_per_s.map_or(f64::INFINITY, |fastest| SPEED_SHARE * fastest);
+            let limit_m_per_s =
+                settings.fastest_m_per_s.map_or(f64::INFINITY, |fastest| SPEED_SHARE * fastest);
             // A feed that is no number is refused when the block is planned.
             if speed > limit_m_per_s {
                 return Err(Refusal::TooFast { block: number, axis, limit_m_per_s });
