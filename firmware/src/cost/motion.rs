@@ -222,21 +222,21 @@ fn quantised(m: f64) -> Position {
 /// A machine with the program queued and the enable requested. `None` if it rejects a setting or a block.
 #[must_use]
 pub fn machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
-    compensated(full_axis(), all_compensations, program)
+    compensated(&full_axis(), all_compensations, program)
 }
 
 /// The same with what there was when the aim of 1600 instructions was set.
 #[must_use]
 pub fn nine_machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
-    compensated(AxisSettings { feedforward_ahead_s: 0.0, ..full_axis() }, nine_compensations, program)
+    compensated(&AxisSettings { feedforward_ahead_s: 0.0, ..full_axis() }, nine_compensations, program)
 }
 
 fn compensated<S: Scalar>(
-    axis: AxisSettings,
+    axis: &AxisSettings,
     compensations: fn(usize) -> CompensationSettings,
     program: &[Block<AXES>],
 ) -> Option<Machine<S, AXES>> {
-    let mut machine = Machine::new(RATES, &[axis; AXES], START).ok()?;
+    let mut machine = Machine::new(RATES, &[*axis; AXES], START).ok()?;
     for axis in 0..AXES {
         machine.compensate(axis, &compensations(axis)).ok()?;
     }
