@@ -7,8 +7,6 @@ mod motion;
 mod recording;
 mod upload;
 
-#[cfg(test)]
-mod tests;
 
 use super::conversation::{Conversation, Verdict};
 use super::message::{AXES, BoardSettings, FromBoard, Reply, Request};
