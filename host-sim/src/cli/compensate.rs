@@ -102,7 +102,7 @@ fn loop_margins(
 }
 
 /// The motions of files, or the default ones.
-fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
+pub fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
     let of = |motion: Motion, source: String| TestMotion { motion, source, start_s };
     if paths.is_empty() {
         return MOTIONS
@@ -114,7 +114,7 @@ fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, Inpu
 }
 
 /// A model that lacks a key, or a setting that the controller refuses, is an error of the input.
-fn input_or_failure(error: PredictionError, model_file: &str) -> Error {
+pub fn input_or_failure(error: PredictionError, model_file: &str) -> Error {
     match error {
         PredictionError::Input(error) => error.into(),
         PredictionError::Simulation { error: SimulationError::Lacks { axis, key }, .. } => {

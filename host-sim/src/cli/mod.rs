@@ -21,6 +21,7 @@ mod simulate;
 mod stop;
 mod summary;
 mod trace;
+mod tune;
 mod verify;
 
 use std::process::ExitCode;
@@ -91,6 +92,8 @@ enum Command {
     Margins(margins::Arguments),
     /// Log, trace, compensate and run a simulated machine again, round after round, until nothing more is gained.
     Improve(improve::Arguments),
+    /// Propose gains, control law, feedback and feed-forward from the plant of a machine file, with their margins.
+    Tune(tune::Arguments),
     /// Compare the contour error of the same motions before and after a change with each other and with the prediction.
     Verify(verify::Arguments),
 }
@@ -130,6 +133,7 @@ pub fn run() -> ExitCode {
         Command::SelfTest(arguments) => self_test::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
         Command::Improve(arguments) => improve::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     };
     match outcome {

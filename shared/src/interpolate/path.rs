@@ -34,7 +34,7 @@ pub struct Path<const N: usize> {
     /// Output of the filters.
     command: [Position; N],
     filters: Filters<N>,
-    filter_states: [smooth::State; N],
+    filter_state: smooth::State<N>,
     /// End of the last block in the queue.
     planned_end: [Position; N],
     rate_hz: f64,
@@ -67,7 +67,7 @@ impl<const N: usize> Path<N> {
         position: [Position(0); N],
         command: [Position(0); N],
         filters: Filters::PASS,
-        filter_states: [const { smooth::State::at(Position(0)) }; N],
+        filter_state: smooth::State::AT_ZERO,
         planned_end: [Position(0); N],
         rate_hz: 0.0,
         travel: [[Position(i64::MIN), Position(i64::MAX)]; N],
@@ -236,12 +236,7 @@ impl<const N: usize> Path<N> {
     }
 
     fn is_settled(&self) -> bool {
-        !self.filters.active
-            || self
-                .filter_states
-                .iter()
-                .zip(&self.filters.axes)
-                .all(|(state, filter)| state.is_settled(filter))
+        !self.filters.active || self.filter_state.is_settled(&self.filters)
     }
 
     /// The last command.
@@ -256,9 +251,7 @@ impl<const N: usize> Path<N> {
         self.braking = None;
         self.feed_hold = FeedHold::RUNNING;
         (self.position, self.command, self.planned_end) = (*position, *position, *position);
-        for (state, position) in self.filter_states.iter_mut().zip(position) {
-            state.rest_at(*position);
-        }
+        self.filter_state.rest_at(position);
     }
 
     /// Starts a stop along the path with a deceleration (per tick² with 16 fraction bits), or that of the block if it is
@@ -294,24 +287,17 @@ impl<const N: usize> Path<N> {
     }
 
     /// The command of the next tick.
+    #[inline(never)]
     pub fn advance(&mut self) -> [Position; N] {
         match self.braking {
             None => self.follow(),
             Some(brake) => self.braking = Some(self.follow_braking(brake)),
         }
-        if self.filters.active {
-            for (((command, state), filter), position) in self
-                .command
-                .iter_mut()
-                .zip(&mut self.filter_states)
-                .zip(&self.filters.axes)
-                .zip(self.position)
-            {
-                *command = state.step(filter, position);
-            }
+        self.command = if self.filters.active {
+            self.filter_state.step(&self.filters, &self.position)
         } else {
-            self.command = self.position;
-        }
+            self.position
+        };
         self.command
     }
 

@@ -9,6 +9,7 @@ mod margins;
 mod refused;
 mod reproduce;
 mod stopped;
+mod tune;
 mod verify;
 mod work_folder;
 mod worked_example;
