@@ -121,8 +121,8 @@ impl AxisPlant {
     fn screw_force(&self) -> f32 {
         let stretch = self.motor.wrapping_sub(self.table) as f32 / UNITS;
         let beyond = stretch - stretch.clamp(-self.half_gap_m, self.half_gap_m);
-        let force = STIFFNESS_N_PER_M * beyond
-            + DAMPING_N_S_PER_M * (self.motor_velocity - self.table_velocity);
+        let force =
+            STIFFNESS_N_PER_M * beyond + DAMPING_N_S_PER_M * (self.motor_velocity - self.table_velocity);
         // A flank can only push.
         if beyond > 0.0 {
             force.max(0.0)

@@ -84,12 +84,7 @@ pub const IDENTITY: Identity = Identity {
     board: "emulated servo board",
     software: env!("CARGO_PKG_VERSION"),
     tick_hz: TICK_HZ,
-    steps: ChannelSteps {
-        command: PER_NM / 16,
-        motor: [COUNT; AXES],
-        table: [COUNT; AXES],
-        force_bits: 5,
-    },
+    steps: ChannelSteps { command: PER_NM / 16, motor: [COUNT; AXES], table: [COUNT; AXES], force_bits: 5 },
     times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
     homing: [Some(HOMING); AXES],
 };
@@ -210,14 +205,11 @@ impl Board<AXES> for Bench {
 ///
 /// # Errors
 /// [`SetupError`] for an invalid value.
-pub fn drive_system(
-    machine: &mut Machine<Fixed, AXES>,
-) -> Result<DriveSystem<'_, Fixed, AXES>, SetupError> {
+pub fn drive_system(machine: &mut Machine<Fixed, AXES>) -> Result<DriveSystem<'_, Fixed, AXES>, SetupError> {
     machine.configure(MachineConfig::new(SETTINGS.rates, &SETTINGS.axes)?, &[Position(0); AXES]);
     let [x, y] = setup::FULL_DUTY_N;
     let amplifiers = [Amplifier::new(x, FULL_COUNTS)?, Amplifier::new(y, FULL_COUNTS)?];
-    let (switch, light) =
-        (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(setup::BLINK_TICKS));
+    let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(setup::BLINK_TICKS));
     for axis in 0..AXES {
         machine.lose_reference(axis);
     }

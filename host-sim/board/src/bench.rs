@@ -74,8 +74,7 @@ impl Bench {
     /// # Errors
     /// [`BoardError`] if the bench does not confirm it.
     pub fn operate(&self, byte: u8) -> Result<(), BoardError> {
-        let mut port =
-            Port::socket(&self.bench_socket()).map_err(|error| self.failed(&error.to_string()))?;
+        let mut port = Port::socket(&self.bench_socket()).map_err(|error| self.failed(&error.to_string()))?;
         port.send(&[byte])?;
         let started = Instant::now();
         let mut reply = [0];

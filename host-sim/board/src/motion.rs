@@ -84,7 +84,9 @@ pub fn stopped(status: &Status) -> BoardError {
         Power::Stopping(fault) | Power::Faulted(fault) => {
             format!("the drives have stopped: {}; clear acknowledges it", refusal::fault(fault))
         }
-        Power::Off => "the drives have gone off: the enable switch was opened, or they were disabled".to_owned(),
+        Power::Off => {
+            "the drives have gone off: the enable switch was opened, or they were disabled".to_owned()
+        }
         Power::On => "the drives are on".to_owned(),
     })
 }

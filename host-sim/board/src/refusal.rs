@@ -22,14 +22,18 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::Version { supported } => {
             format!("its link has version {supported}, this program has {}", shared::link::packet::VERSION)
         }
-        Refusal::Unreadable => "it cannot read the request; check that board and host have the same version".into(),
+        Refusal::Unreadable => {
+            "it cannot read the request; check that board and host have the same version".into()
+        }
         Refusal::Session => "another program has opened a session since".into(),
         Refusal::Sequence { expected } => format!("it expects request {expected}"),
         Refusal::Upload(error) => upload(*error),
         Refusal::Setting { axis, name, problem } => {
             format!("{}: {name}: {}", axis_name(*axis), setting(problem))
         }
-        Refusal::TickRate { board_hz } => format!("velocity_loop_rate_hz: expected {board_hz}, the tick rate of the board"),
+        Refusal::TickRate { board_hz } => {
+            format!("velocity_loop_rate_hz: expected {board_hz}, the tick rate of the board")
+        }
         Refusal::Path { block, error } => format!("block {block}: {error}"),
         Refusal::TooFast { block, axis, limit_m_per_s } => format!(
             "block {block}: {} would exceed {:.0} mm/min (90 % of fastest_mm_per_s)",

@@ -21,7 +21,6 @@ impl Writer {
     pub fn push(&mut self, value: i64, bytes: &mut [u8]) -> bool {
         let mut rest = ((value << 1) ^ (value >> 63)).cast_unsigned();
         loop {
-            #[expect(clippy::cast_possible_truncation, reason = "three bits")]
             let low = (rest & 7) as u8;
             rest >>= 3;
             let group = if rest == 0 { low } else { low | MORE };
@@ -113,7 +112,9 @@ mod tests {
 
     #[test]
     fn small_numbers_take_one_group() {
-        for (value, groups) in [(0, 1), (3, 1), (-4, 1), (4, 2), (31, 2), (-32, 2), (32, 3), (i64::MAX, 22), (i64::MIN, 22)] {
+        for (value, groups) in
+            [(0, 1), (3, 1), (-4, 1), (4, 2), (31, 2), (-32, 2), (32, 3), (i64::MAX, 22), (i64::MIN, 22)]
+        {
             let mut writer = Writer::default();
             assert!(writer.push(value, &mut [0; 16]));
             assert_eq!(writer.groups, groups, "{value}");

@@ -164,7 +164,7 @@ mod steps {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     pub fn serialize<S: Serializer, const N: usize>(steps: &[i64; N], to: S) -> Result<S::Ok, S::Error> {
-        heapless::Vec::<i64, N>::from_iter(steps.iter().copied()).serialize(to)
+        steps.iter().copied().collect::<heapless::Vec<i64, N>>().serialize(to)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>, const N: usize>(from: D) -> Result<[i64; N], D::Error> {
@@ -209,7 +209,8 @@ mod tests {
             assert!((value.unwrap() - expected).abs() < 1e-15);
         }
         assert!((force + 1.5).abs() < 1e-12);
-        let lost = quantisers.sample(&[Position(0)], &[Reading { table: None, ..reading }], &[Fixed::signal(0.0)]);
+        let lost =
+            quantisers.sample(&[Position(0)], &[Reading { table: None, ..reading }], &[Fixed::signal(0.0)]);
         assert_eq!(lost, [[0, 40, NO_READING, 0]]);
         assert_eq!(steps.values(0, &lost[0]).0[2], None);
     }

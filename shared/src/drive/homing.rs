@@ -2,9 +2,7 @@
 
 use super::drive_system::DriveSystem;
 use crate::feedback::Reading;
-use crate::homing::{
-    Homing, HomingAction, HomingError, HomingInput, HomingSettings, HomingStatus,
-};
+use crate::homing::{Homing, HomingAction, HomingError, HomingInput, HomingSettings, HomingStatus};
 use crate::interpolate::{Block, PathError};
 use crate::safety::Power;
 use crate::scalar::Scalar;

@@ -21,8 +21,8 @@
 //! - A motion is checked whole before it starts. A request that is refused changes nothing.
 
 pub mod conversation;
-pub mod hosted_drive;
 pub mod history;
+pub mod hosted_drive;
 pub mod message;
 pub mod packet;
 pub mod port;

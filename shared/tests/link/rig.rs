@@ -188,7 +188,8 @@ impl Rig {
     }
 
     pub fn hello(&mut self, nonce: u32) {
-        let Reply::Welcome(welcome) = self.send(Header { session: 0, sequence: 0 }, &Request::Hello { nonce })
+        let Reply::Welcome(welcome) =
+            self.send(Header { session: 0, sequence: 0 }, &Request::Hello { nonce })
         else {
             panic!("no welcome")
         };

@@ -73,8 +73,11 @@ fn a_wrong_setting_is_refused_by_name_and_changes_nothing() {
     assert_eq!((axis, name.as_str(), problem), (1, "position_gain_per_s", SettingProblem::NotPositive));
     let nan = changed(|settings| settings.axes[0].velocity_gain_n_s_per_m = f64::NAN);
     let refused = upload(&mut rig, UploadKind::Settings, &nan);
-    assert!(matches!(&refused, Reply::Refused(Refusal::Setting { axis: 0, name, .. })
-        if name == "velocity_gain_n_s_per_m"), "{refused:?}");
+    assert!(
+        matches!(&refused, Reply::Refused(Refusal::Setting { axis: 0, name, .. })
+        if name == "velocity_gain_n_s_per_m"),
+        "{refused:?}"
+    );
     let slow = changed(|settings| settings.rates = Rates { velocity_loop_hz: 10_000.0, ..settings.rates });
     let tick_rate = Reply::Refused(Refusal::TickRate { board_hz: 20_000.0 });
     assert_eq!(upload(&mut rig, UploadKind::Settings, &slow), tick_rate);
@@ -127,8 +130,11 @@ fn a_wrong_compensation_is_refused_by_name() {
     assert_eq!(upload(&mut rig, kind(2), &none), Reply::Refused(Refusal::NoSuchAxis));
     let wrong = CompensationSettings { position_bound_m: f64::NAN, ..none.clone() };
     let refused = upload(&mut rig, kind(1), &wrong);
-    assert!(matches!(&refused, Reply::Refused(Refusal::Setting { axis: 1, name, .. })
-        if name == "position_bound_m"), "{refused:?}");
+    assert!(
+        matches!(&refused, Reply::Refused(Refusal::Setting { axis: 1, name, .. })
+        if name == "position_bound_m"),
+        "{refused:?}"
+    );
     assert_eq!(upload(&mut rig, kind(1), &none), Reply::Done);
 }
 

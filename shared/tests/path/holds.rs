@@ -63,10 +63,16 @@ fn a_hold_stays_on_the_path_and_within_the_accelerations() {
             for point in metres(&commands) {
                 assert!(distance_to_path(point) < 1e-9, "{ramps:?} {after}: {point:?}");
             }
-            assert!(greatest(&commands, rate, 1) <= 0.1 * (1.0 + 1e-6) + quantum(rate, 1), "{ramps:?} {after}");
+            assert!(
+                greatest(&commands, rate, 1) <= 0.1 * (1.0 + 1e-6) + quantum(rate, 1),
+                "{ramps:?} {after}"
+            );
             // The block's 1 m/s² along and across the path, and the 2 m/s² of the hold.
             let acceleration = greatest(&commands, rate, 2);
-            assert!(acceleration <= 3.0 * (1.0 + 1e-3) + quantum(rate, 2), "{ramps:?} {after}: {acceleration}");
+            assert!(
+                acceleration <= 3.0 * (1.0 + 1e-3) + quantum(rate, 2),
+                "{ramps:?} {after}: {acceleration}"
+            );
         }
     }
 }

@@ -62,5 +62,11 @@ fn line(status: &Status, tick_hz: f64) -> String {
         format!("{name} {motor:.4} mm, error {error_um:.2} µm, {:.1} N", axis.force_n)
     });
     let axes: Vec<String> = axes.collect();
-    format!("{:.3} s: drives {}; {}; {}", status.tick as f64 / tick_hz, power(status), path(status), axes.join("; "))
+    format!(
+        "{:.3} s: drives {}; {}; {}",
+        status.tick as f64 / tick_hz,
+        power(status),
+        path(status),
+        axes.join("; ")
+    )
 }

@@ -63,9 +63,13 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
     if let Some(mc) = status.supply.temperature_mc {
         lines.push(format!("power stages: {:.0} °C", f64::from(mc) / 1e3));
     }
-    lines.push(format!("{:<6}{:>14}{:>14}{:>14}{:>10}  reference", "axis", "command mm", "motor mm", "scale mm", "force N"));
+    lines.push(format!(
+        "{:<6}{:>14}{:>14}{:>14}{:>10}  reference",
+        "axis", "command mm", "motor mm", "scale mm", "force N"
+    ));
     for (name, axis) in AXIS_NAMES.iter().zip(&status.axes) {
-        let scale = axis.table.map_or_else(|| "no signal".to_owned(), |table| format!("{:.4}", 1e3 * table.to_m()));
+        let scale =
+            axis.table.map_or_else(|| "no signal".to_owned(), |table| format!("{:.4}", 1e3 * table.to_m()));
         let reference = if axis.homed { "homed" } else { "not homed" };
         lines.push(format!(
             "{name:<6}{:>14.4}{:>14.4}{scale:>14}{:>10.1}  {reference}",
