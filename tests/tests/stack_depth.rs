@@ -65,6 +65,15 @@ fn stack_and_static_data_of_the_emulated_core_fit_the_same_ram() {
     assert!(data + stack + RESERVE_BYTES <= RAM_BYTES, "{data} B of static data, {stack} B of stack");
 }
 
+/// The emulated servo board has a recording of half a second in addition, and as much memory as both banks of the chip: 128 KiB
+/// and 64 KiB of core-coupled memory.
+#[test]
+fn stack_and_static_data_of_the_servo_board_fit_both_banks() {
+    const BOTH_BANKS: u32 = 192 * 1024;
+    let (_, _, [data, stack]) = ram_use("servo", 0);
+    assert!(data + stack + RESERVE_BYTES <= BOTH_BANKS, "{data} B of static data, {stack} B of stack");
+}
+
 /// A program by hand at 0x1000, with a function for each slice of halfwords.
 fn by_hand(functions: &[&[u16]]) -> Image {
     let mut image = Image { marks: BTreeMap::from([(0x1000, true)]), ..Image::default() };

@@ -31,6 +31,7 @@ const STEPS: u32 = 4;
 const STEP_S: f32 = 1.0 / (TICK_HZ * STEPS) as f32;
 
 /// Position units in a metre.
+#[expect(clippy::cast_possible_truncation, reason = "rounded to 24 bits")]
 const UNITS: f32 = PER_M as f32;
 
 /// An axis.
@@ -141,8 +142,12 @@ impl AxisPlant {
     }
 }
 
-/// Lead and position of an index pulse, position units.
+/// Lead, position units.
+#[expect(clippy::cast_possible_truncation, reason = "within the travel")]
 const LEAD: i64 = (LEAD_M * PER_M) as i64;
+
+/// Position of an index pulse, position units.
+#[expect(clippy::cast_possible_truncation, reason = "within the travel")]
 const INDEX: i64 = (INDEX_M * PER_M) as i64;
 
 /// Number of the turn of the motor, counted from an index pulse.

@@ -69,6 +69,11 @@ const HOMING: HomingSettings = HomingSettings {
 /// PWM counts of full duty.
 const FULL_COUNTS: u16 = 8400;
 
+/// Force of a PWM count, N.
+#[expect(clippy::cast_possible_truncation, reason = "rounded to 24 bits")]
+const N_PER_COUNT: [f32; AXES] =
+    [setup::FULL_DUTY_N[0] as f32 / FULL_COUNTS as f32, setup::FULL_DUTY_N[1] as f32 / FULL_COUNTS as f32];
+
 /// The settings of the controller at the start.
 pub const SETTINGS: BoardSettings = BoardSettings {
     rates: RATES,
@@ -182,8 +187,8 @@ impl Board<AXES> for Bench {
     }
 
     fn set_duties(&mut self, duties: [Duty; AXES]) {
-        for ((force, duty), full_n) in self.forces.iter_mut().zip(duties).zip(setup::FULL_DUTY_N) {
-            let magnitude = f32::from(duty.counts) * (full_n as f32 / f32::from(FULL_COUNTS));
+        for ((force, duty), n_per_count) in self.forces.iter_mut().zip(duties).zip(N_PER_COUNT) {
+            let magnitude = f32::from(duty.counts) * n_per_count;
             *force = if duty.reverse { -magnitude } else { magnitude };
         }
     }

@@ -37,7 +37,7 @@ fn wrong_frame(rig: &Rig, draws: &mut Draws, requests: &[Request]) -> Vec<u8> {
     let kind = draws.below(6);
     match kind {
         0 => session ^= 1 << draws.below(32),
-        1 => sequence = sequence.wrapping_add(1 + (draws.next() as u32 >> 1)),
+        1 => sequence = sequence.wrapping_add(1 + u32::try_from(draws.next() >> 33).unwrap()),
         _ => {}
     }
     let mut frame = Frame::new();
@@ -125,7 +125,7 @@ fn without_an_enable_no_sequence_of_requests_moves_anything() {
     for _ in 0..FRAMES {
         let request = if draws.below(4) == 0 {
             let bytes = (0..draws.below(380)).map(|_| draws.byte()).collect();
-            Request::Upload { offset: (draws.next() >> 48) as u16 % 1000, bytes }
+            Request::Upload { offset: u16::try_from(draws.below(1000)).unwrap(), bytes }
         } else {
             requests[draws.below(requests.len())].clone()
         };

@@ -43,6 +43,7 @@ pub fn settings() -> BoardSettings {
 
 /// Two masses of 15 kg with 20 N of friction.
 #[derive(Default)]
+#[expect(clippy::struct_excessive_bools, reason = "switches and wires")]
 pub struct TestBench {
     pub position_m: [f64; 2],
     velocity: [f64; 2],
