@@ -117,6 +117,7 @@ fn main() -> ! {
 }
 
 /// Starts the ticks and serves the link. `None` if the board cannot be started.
+#[expect(clippy::large_stack_arrays, reason = "the initial value of a static")]
 fn run() -> Option<()> {
     let machine = cortex_m::singleton!(: Machine<Fixed, AXES> = Machine::UNCONFIGURED)?;
     let capture = cortex_m::singleton!(: [u8; CAPTURE_BYTES] = [0; CAPTURE_BYTES])?;
