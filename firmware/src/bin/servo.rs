@@ -34,6 +34,9 @@ const ABANDONED_TICKS: u64 = 600 * TICK_HZ as u64;
 /// Ticks after which an input of the bench has settled: 50 ms, beyond the 20 ms of the enable switch.
 const SETTLED_TICKS: u64 = 1000;
 
+/// Ticks after the last byte in which the program does not sleep: a second. The drives come on within them.
+const AWAKE_TICKS: u64 = TICK_HZ as u64;
+
 /// The drives, and the machine that they move.
 struct Plant {
     drive: HostedDrive<'static, Fixed, AXES>,
@@ -161,7 +164,7 @@ fn run() -> Option<()> {
             if now - served_at > ABANDONED_TICKS {
                 exit(EXIT_SUCCESS);
             }
-            wait(with_plant(|plant| plant.drive.machine().power().is_on()));
+            wait(now < AWAKE_TICKS + served_at || with_plant(|plant| plant.drive.machine().power().is_on()));
         }
     }
 }
@@ -197,13 +200,14 @@ unsafe impl interrupt::InterruptNumber for Interrupt {
     }
 }
 
-/// Instructions between two looks at the ports with the drives on: 8 µs of the emulated clock.
+/// Instructions between two looks at the ports: 8 µs of the emulated clock.
 const PAUSE: u32 = 2000;
 
-/// Lets time pass. With the drives on, by instructions: while a processor sleeps, QEMU takes the time from the host, which skips
-/// ticks when it is late. With the drives off a skipped tick does not matter, and the host has less to do.
-fn wait(drives_on: bool) {
-    if drives_on {
+/// Lets time pass. Awake, by instructions: while a processor sleeps, QEMU takes the time from the host, which skips ticks when
+/// it is late, and a drive that comes on then would find its next tick due. With the drives off and nobody there, a skipped tick
+/// does not matter, and the host has less to do.
+fn wait(awake: bool) {
+    if awake {
         cortex_m::asm::delay(PAUSE);
         return;
     }

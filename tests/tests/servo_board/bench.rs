@@ -2,13 +2,18 @@
 
 use std::path::{Path, PathBuf};
 use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
 
 /// Variable with the folder of the emulator's sockets (`host-sim/board/src/bench.rs`).
 const FOLDER_VARIABLE: &str = "LOST_MOTION_BENCH";
 
+/// One emulated board at a time: each takes a processor.
+static ONE_BOARD: Mutex<()> = Mutex::new(());
+
 /// A folder in which commands are run, with an emulated board that ends with it.
 pub struct Bench {
     folder: tempfile::TempDir,
+    _one: MutexGuard<'static, ()>,
 }
 
 impl Bench {
@@ -20,8 +25,9 @@ impl Bench {
             return None;
         }
         // The command finds what is built here.
-        tests::firmware::built("servo");
-        Some(Self { folder: tempfile::tempdir().unwrap() })
+        let _ = tests::firmware::built("servo");
+        let one = ONE_BOARD.lock().unwrap_or_else(PoisonError::into_inner);
+        Some(Self { folder: tempfile::tempdir().unwrap(), _one: one })
     }
 
     /// With the enable switch closed.

@@ -18,14 +18,14 @@ fn a_host_cannot_enable_without_the_switch() {
     assert!(status.contains("drives: off; the enable switch has to be closed"), "{status}");
 }
 
-/// A frozen encoder stops a jog; the fault is named, has to be acknowledged, and is in the history.
+/// With a frozen encoder the motor runs away from its reading, and the scale shows it; the fault is named, has to be acknowledged, and is in the history.
 #[test]
 fn a_fault_is_named_and_has_to_be_acknowledged() {
     let Some(bench) = Bench::armed() else { return };
     bench.succeeds("enable --port bench");
     bench.succeeds("bench freeze-encoder");
     let failed = bench.fails(1, "jog --port bench --axis x --by-mm 5");
-    let fault = "x: the motor reading does not move";
+    let fault = "x: motor and scale disagree";
     assert!(failed.contains(fault), "{failed}");
     bench.succeeds("bench thaw-encoder");
     let refused = bench.fails(1, "jog --port bench --axis y --by-mm 5");

@@ -16,7 +16,7 @@ use files::error::InputError;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::machine_path::MachinePath;
-use shared::interpolate::Block;
+use shared::interpolate::{Block, PathError};
 use shared::link::message::{AXES, MOTION_BLOCKS, Request};
 use shared::link::refusal::Refusal;
 
@@ -177,6 +177,8 @@ fn refused(error: BoardError, motion_file: &str) -> anyhow::Error {
 
 fn refused_at(error: BoardError, motion_file: &str, key: impl Fn(u16) -> String) -> anyhow::Error {
     match &error {
+        // Not a fault of the file.
+        BoardError::Refused(Refusal::Path { error: PathError::NotHomed { .. }, .. }) => error.into(),
         BoardError::Refused(Refusal::Path { block, .. } | Refusal::TooFast { block, .. }) => {
             InputError::new(motion_file, error.to_string()).at_key(&key(*block)).into()
         }
