@@ -28,6 +28,9 @@ const CLOCK_HZ: u32 = 25_000_000;
 /// Memory for a recording, bytes: half a second of both axes at 20 kHz.
 const CAPTURE_BYTES: usize = 80 * 1024;
 
+/// The server at the start: a constant, so that it is not assembled on the stack.
+const SERVER: Server = Server::new(IDENTITY, SETTINGS);
+
 /// Ticks without a byte from the link or the bench after which the emulator ends: ten minutes.
 const ABANDONED_TICKS: u64 = 600 * TICK_HZ as u64;
 
@@ -124,7 +127,7 @@ fn main() -> ! {
 fn run() -> Option<()> {
     let machine = cortex_m::singleton!(: Machine<Fixed, AXES> = Machine::UNCONFIGURED)?;
     let capture = cortex_m::singleton!(: [u8; CAPTURE_BYTES] = [0; CAPTURE_BYTES])?;
-    let server = cortex_m::singleton!(: Server = Server::new(IDENTITY, SETTINGS))?;
+    let server = cortex_m::singleton!(: Server = SERVER)?;
     let system = drive_system(machine).ok()?;
     let drive = HostedDrive::new(system, TICK_HZ, IDENTITY.times, &IDENTITY.steps, capture);
     let plant = Plant { drive, bench: Bench::new() };
