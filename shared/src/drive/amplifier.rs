@@ -28,6 +28,10 @@ pub enum DriveError {
     FullScale,
     /// The PWM has no counts.
     NoPwm,
+    /// The counts of an analogue output are not in the range of its converter.
+    Counts,
+    /// A step is not from 0.1 nm to 1 mm, or a tick has none.
+    Step,
 }
 
 impl core::fmt::Display for DriveError {
@@ -35,6 +39,8 @@ impl core::fmt::Display for DriveError {
         match self {
             Self::FullScale => write!(f, "force at full duty: expected 1e-3 to 131000 N"),
             Self::NoPwm => write!(f, "PWM: expected at least one count"),
+            Self::Counts => write!(f, "analogue output: expected a span above 0, and a zero in the range"),
+            Self::Step => write!(f, "step: expected 1e-10 to 1e-3 m, and at least one in a tick"),
         }
     }
 }

@@ -4,8 +4,8 @@ use super::amplifier::Duty;
 use super::inputs::Inputs;
 use crate::feedback::Reading;
 
-/// Sensors, power stages and switches of N axes.
-pub trait Board<const N: usize> {
+/// Sensors, drives and switches of N axes, with drives that take a `Signal` ([`super::output`]).
+pub trait Board<const N: usize, Signal = Duty> {
     /// The present readings of all axes.
     fn readings(&mut self) -> [Reading; N];
 
@@ -22,8 +22,8 @@ pub trait Board<const N: usize> {
     /// persists.
     fn hardware_stop_active(&mut self) -> bool;
 
-    /// Sets duty and direction of every axis. Both take effect in the same PWM period, the next one.
-    fn set_duties(&mut self, duties: [Duty; N]);
+    /// Sets the input of every drive. Pulse and direction take effect in the same PWM period, the next one.
+    fn set_duties(&mut self, duties: [Signal; N]);
 
     /// Enables or disables the power stages. They are enabled in every state with force, including a stop along the path
     /// ([`Power::is_on`](crate::safety::Power::is_on)).

@@ -1,10 +1,12 @@
 //! The controller with its power stages, enable switch and status light.
 
-use super::amplifier::{Amplifier, Duty};
+use super::amplifier::Amplifier;
 use super::board::Board;
 use super::enable_switch::{EnableSwitch, SwitchEvent};
+use super::first_motion::FirstMotion;
 use super::inputs::{Inputs, SupplyLimits};
 use super::limit_guard::LimitGuard;
+use super::output::{Demand, DriveOutput};
 use super::status_light::StatusLight;
 use crate::feedback::{OriginShift, Reading};
 use crate::homing::Homing;
@@ -15,12 +17,14 @@ use crate::units::Position;
 
 /// A machine with its power stages, enable switch and status light. The machine, which is large, is borrowed.
 #[derive(Debug)]
-pub struct DriveSystem<'m, S: Scalar, const N: usize> {
+pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     machine: &'m mut Machine<S, N>,
-    amplifiers: [Amplifier<S>; N],
+    pub(super) outputs: [O; N],
     switch: EnableSwitch,
     light: StatusLight,
     enabling: Enabling,
+    /// The direction check that runs or that ran last.
+    pub(super) first_motion: Option<FirstMotion<S, N>>,
     supply_limits: SupplyLimits,
     limit_guard: LimitGuard<N>,
     /// Origin of each axis, from the position at power-up.
@@ -57,24 +61,25 @@ pub struct Tick<S, const N: usize> {
     pub output: Output<S, N>,
 }
 
-impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
+impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> {
     /// Drives off until the switch is opened and closed.
     #[must_use]
     pub const fn new(
         machine: &'m mut Machine<S, N>,
-        amplifiers: [Amplifier<S>; N],
+        outputs: [O; N],
         switch: EnableSwitch,
         light: StatusLight,
     ) -> Self {
         Self {
             machine,
-            amplifiers,
+            outputs,
             switch,
             light,
             supply_limits: SupplyLimits::NONE,
             limit_guard: LimitGuard::new(),
             origins: [OriginShift { motor: 0, table: 0 }; N],
             homing: None,
+            first_motion: None,
             inputs: Inputs::NONE,
             readings: [Reading { motor: Position(0), table: None }; N],
             enabling: Enabling::BySwitch,
@@ -83,7 +88,7 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
 
     /// The same with a host that enables the drives: closing the switch then only permits it.
     #[must_use]
-    pub const fn enabled_by_host(self) -> Self {
+    pub fn enabled_by_host(self) -> Self {
         Self { enabling: Enabling::ByHost { armed: false }, ..self }
     }
 
@@ -137,8 +142,23 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
     }
 
     /// One tick, from the sensors to the power stages. It cannot fail; a fault that switches the drives off acts in the same tick.
-    pub fn tick(&mut self, board: &mut impl Board<N>) -> Tick<S, N> {
-        match self.switch.update(board.enable_switch_closed()) {
+    pub fn tick(&mut self, board: &mut impl Board<N, O::Signal>) -> Tick<S, N> {
+        let event = self.switch.update(board.enable_switch_closed());
+        self.inputs = board.inputs();
+        let from_power_up = board.readings();
+        self.machine.set_limit_switches(self.inputs.axes.map(|axis| axis.limits));
+        self.home_tick(&from_power_up);
+        for ((reading, raw), origin) in self.readings.iter_mut().zip(from_power_up).zip(self.origins) {
+            *reading = raw.shifted(origin);
+        }
+        if self.is_checking() {
+            self.disarm();
+            let readings = self.readings;
+            let output = self.check_tick(board, event, &readings);
+            board.set_light(self.light.is_lit(self.machine.power(), None));
+            return Tick { readings, output };
+        }
+        match event {
             Some(SwitchEvent::Enable) => match &mut self.enabling {
                 Enabling::BySwitch => self.machine.enable(),
                 Enabling::ByHost { armed } => *armed = true,
@@ -148,13 +168,6 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
                 self.machine.disable();
             }
             None => {}
-        }
-        self.inputs = board.inputs();
-        let from_power_up = board.readings();
-        self.machine.set_limit_switches(self.inputs.axes.map(|axis| axis.limits));
-        self.home_tick(&from_power_up);
-        for ((reading, raw), origin) in self.readings.iter_mut().zip(from_power_up).zip(self.origins) {
-            *reading = raw.shifted(origin);
         }
         let was_on = self.machine.power().is_on();
         let output = self.machine.tick(&self.readings);
@@ -182,13 +195,18 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
         }
     }
 
+    /// The fault of the supply.
+    pub(super) const fn supply_fault(&self) -> Option<Fault> {
+        self.supply_limits.fault(&self.inputs.supply)
+    }
+
     /// Raises the faults of the inputs. Drives that have come on in this tick go off again at once, also by a fault that would stop a
     /// path.
     fn check_inputs(&mut self, commands: &[Position; N], was_on: bool) {
         if self.inputs.emergency_stop {
             self.machine.fault(Fault::EmergencyStop);
         }
-        if let Some(fault) = self.supply_limits.fault(&self.inputs.supply) {
+        if let Some(fault) = self.supply_fault() {
             if self.machine.power().is_on() && !was_on {
                 self.machine.disable();
                 self.machine.inhibit_enable(fault);
@@ -222,17 +240,29 @@ impl<'m, S: Scalar, const N: usize> DriveSystem<'m, S, N> {
         }
     }
 
-    /// Passes the forces to the power stages, or disables them.
-    fn drive(&self, board: &mut impl Board<N>, forces: &[S; N]) {
+    /// Passes the forces of the machine to the drives, or disables them.
+    fn drive(&mut self, board: &mut impl Board<N, O::Signal>, forces: &[S; N]) {
         let on = self.machine.power().is_on();
-        let mut duties = [Duty::default(); N];
-        for ((duty, amplifier), force) in duties.iter_mut().zip(&self.amplifiers).zip(forces) {
-            if on {
-                *duty = amplifier.duty(*force);
-            }
+        self.pass_on(board, on.then_some(forces));
+    }
+
+    /// Passes forces to the drives; `None` disables them.
+    pub(super) fn pass_on(&mut self, board: &mut impl Board<N, O::Signal>, forces: Option<&[S; N]>) {
+        let commands = self.machine.corrected_command();
+        let mut demands = [Demand { force: S::ZERO, command: Position(0) }; N];
+        for (((demand, force), command), origin) in
+            demands.iter_mut().zip(forces.unwrap_or(&[S::ZERO; N])).zip(commands).zip(self.origins)
+        {
+            *demand = Demand { force: *force, command: command - origin.motor };
         }
-        board.set_duties(duties);
-        board.set_enabled(on);
+        let mut demands = demands.iter();
+        let signals =
+            self.outputs.each_mut().map(|output| match demands.next().filter(|_| forces.is_some()) {
+                Some(demand) => output.signal(demand),
+                None => output.off(),
+            });
+        board.set_duties(signals);
+        board.set_enabled(forces.is_some());
     }
 }
 
@@ -241,6 +271,7 @@ mod tests {
     extern crate std;
     use std::boxed::Box;
 
+    use super::super::amplifier::Duty;
     use super::*;
     use crate::config::{AxisSettings, Rates};
     use crate::interpolate::Block;

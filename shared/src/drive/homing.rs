@@ -1,6 +1,7 @@
 //! Homing of an axis of the drive system: the sequence of [`crate::homing`] with the machine, its switches and its origin.
 
 use super::drive_system::DriveSystem;
+use super::output::DriveOutput;
 use crate::feedback::Reading;
 use crate::homing::{Homing, HomingAction, HomingError, HomingInput, HomingSettings, HomingStatus};
 use crate::interpolate::{Block, PathError};
@@ -8,7 +9,7 @@ use crate::safety::Power;
 use crate::scalar::Scalar;
 use crate::units::Position;
 
-impl<S: Scalar, const N: usize> DriveSystem<'_, S, N> {
+impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     /// Starts to home an axis, which loses its present reference. [`DriveSystem::plan_homing`] has to be called
     /// until it has ended. Not part of a tick.
     ///
@@ -18,7 +19,11 @@ impl<S: Scalar, const N: usize> DriveSystem<'_, S, N> {
     pub fn home(&mut self, axis: usize, settings: &HomingSettings) -> Result<(), HomingError> {
         let rates = self.machine().rates().filter(|_| axis < N).ok_or(HomingError::NotReady)?;
         let is_homing = self.homing.as_ref().is_some_and(|(_, homing)| homing.is_running());
-        if is_homing || self.machine().power() != Power::On || !self.machine().is_at_rest() {
+        if is_homing
+            || self.is_checking()
+            || self.machine().power() != Power::On
+            || !self.machine().is_at_rest()
+        {
             return Err(HomingError::NotReady);
         }
         let homing = Homing::new(settings, rates.velocity_loop_hz, self.machine().uses_scale(axis))?;

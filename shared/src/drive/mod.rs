@@ -4,17 +4,26 @@
 //! decision is made in this module, so that it can be tested on a host.
 
 pub mod amplifier;
+pub mod analog;
+pub mod any_output;
 pub mod board;
+pub mod direction_check;
 pub mod drive_system;
 pub mod enable_switch;
+mod first_motion;
 mod homing;
 pub mod inputs;
 pub mod limit_guard;
+pub mod output;
+pub mod pins;
 pub mod status_light;
+pub mod step;
 
 pub use amplifier::{Amplifier, DriveError, Duty};
+pub use any_output::{AnyOutput, DriveSettings, DriveSignal};
 pub use board::Board;
 pub use drive_system::{DriveSystem, NotArmed, Tick};
 pub use enable_switch::{EnableSwitch, SwitchEvent};
 pub use inputs::{AxisInputs, Inputs, Supply, SupplyLimits};
+pub use output::{Demand, DriveOutput};
 pub use status_light::StatusLight;

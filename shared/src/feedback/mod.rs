@@ -4,6 +4,7 @@
 //! |---|---|---|
 //! | [`phase`] | sine and cosine samples, or a counter | a phase: the position within a cycle |
 //! | [`transducer`] | phases of a resolver or a linear scale | a position |
+//! | [`resolver`] | samples of a converter | a position, and whether the signals are good |
 //! | [`encoder`] | a 16-bit quadrature counter | a position |
 //! | [`dual`] | motor and table positions | the feedback of the position loop |
 //! | [`fade`] | the offset of a scale that has returned | the same, decaying to zero |
@@ -13,6 +14,7 @@ pub mod encoder;
 pub mod fade;
 pub mod phase;
 mod reading;
+pub mod resolver;
 pub mod transducer;
 
 pub use reading::{OriginShift, Reading};

@@ -236,6 +236,12 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         self.config.as_ref().map(|config| config.rates)
     }
 
+    /// Force limit of an axis, N; `None`: no such axis.
+    #[must_use]
+    pub fn force_limit_n(&self, axis: usize) -> Option<f64> {
+        self.config.as_ref()?.axes.get(axis).map(|config| config.velocity.force_limit.value())
+    }
+
     /// Whether the position loop of an axis uses a linear scale.
     #[must_use]
     pub fn uses_scale(&self, axis: usize) -> bool {
@@ -308,6 +314,16 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     #[must_use]
     pub const fn command(&self) -> [Position; N] {
         self.state.path.command()
+    }
+
+    /// The present command with its corrections, which the position loops follow.
+    #[must_use]
+    pub fn corrected_command(&self) -> [Position; N] {
+        let mut commands = self.state.path.command();
+        for (command, correction) in commands.iter_mut().zip(self.state.compensation.active_corrections()) {
+            *command += correction.total;
+        }
+        commands
     }
 
     /// One tick: the velocity loops, and path and position loops when they are due.

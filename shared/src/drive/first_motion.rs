@@ -1,0 +1,111 @@
+//! The direction check of a drive system: the force of [`DirectionCheck`] instead of the machine's.
+
+use super::board::Board;
+use super::direction_check::{DirectionCheck, DirectionCheckError, DirectionCheckSettings, DirectionResult};
+use super::drive_system::DriveSystem;
+use super::enable_switch::SwitchEvent;
+use super::output::DriveOutput;
+use crate::feedback::Reading;
+use crate::machine::Output;
+use crate::safety::Power;
+use crate::scalar::Scalar;
+
+/// A check with the force of its axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstMotion<S, const N: usize> {
+    pub check: DirectionCheck<N>,
+    force: S,
+}
+
+impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
+    /// Prepares a direction check of an axis. It starts when the enable switch is next closed (after it was open), which does
+    /// not close the loops then; opening the switch ends it. Not part of a tick.
+    ///
+    /// # Errors
+    /// [`DirectionCheckError::NotReady`] unless the drives are off without a fault and neither check nor homing runs,
+    /// [`DirectionCheckError::StepDrive`], [`DirectionCheckError::Setting`]. Nothing is changed then.
+    pub fn check_direction(
+        &mut self,
+        axis: usize,
+        settings: &DirectionCheckSettings,
+    ) -> Result<(), DirectionCheckError> {
+        let rates = self.machine().rates().filter(|_| axis < N).ok_or(DirectionCheckError::NotReady)?;
+        let is_homing = self.homing.as_ref().is_some_and(|(_, homing)| homing.is_running());
+        if self.machine().power() != Power::Off || is_homing || self.is_checking() {
+            return Err(DirectionCheckError::NotReady);
+        }
+        if !self.outputs.get(axis).is_some_and(DriveOutput::follows_force) {
+            return Err(DirectionCheckError::StepDrive);
+        }
+        let limit_n = self.machine().force_limit_n(axis).unwrap_or(0.0);
+        if !(settings.force_n > 0.0 && settings.force_n <= limit_n) {
+            return Err(DirectionCheckError::Setting("force_n"));
+        }
+        let check = DirectionCheck::new(axis, settings, rates.velocity_loop_hz)?;
+        self.first_motion = Some(FirstMotion { check, force: S::signal(settings.force_n) });
+        Ok(())
+    }
+
+    /// The axis of the direction check that runs or that ran last, and its result once it has ended.
+    #[must_use]
+    pub fn direction_check(&self) -> Option<(usize, Option<DirectionResult>)> {
+        self.first_motion.as_ref().map(|first| (first.check.axis(), first.check.result()))
+    }
+
+    /// Whether a direction check waits for the enable switch or pushes. The loops stay open.
+    #[must_use]
+    pub fn is_checking(&self) -> bool {
+        self.first_motion.as_ref().is_some_and(|first| first.check.result().is_none())
+    }
+
+    /// Ends a direction check. No effect if none runs.
+    pub fn stop_direction_check(&mut self) {
+        if let Some(first) = &mut self.first_motion {
+            first.check.abort();
+        }
+    }
+
+    /// A tick of a direction check instead of one of the machine, which stays off and follows the axes.
+    pub(super) fn check_tick(
+        &mut self,
+        board: &mut impl Board<N, O::Signal>,
+        event: Option<SwitchEvent>,
+        readings: &[Reading; N],
+    ) -> Output<S, N> {
+        // Withdraws an enable by a host, too.
+        self.machine_mut().disable();
+        let output = self.machine_mut().tick(readings);
+        let hardware_stop = board.hardware_stop_active();
+        let has_fault = self.has_input_fault() || hardware_stop;
+        let Some(FirstMotion { check, force }) = &mut self.first_motion else { return output };
+        match event {
+            Some(SwitchEvent::Enable) => check.start(readings),
+            Some(SwitchEvent::Disable) if check.is_pushing() => check.abort(),
+            Some(SwitchEvent::Disable) | None => {}
+        }
+        if has_fault && check.is_pushing() {
+            check.abort();
+        }
+        check.tick(readings);
+        let mut forces = [S::ZERO; N];
+        if let Some(axis) = forces.get_mut(check.axis()) {
+            *axis = *force;
+        }
+        let pushing = check.is_pushing();
+        self.pass_on(board, pushing.then_some(&forces));
+        if board.next_tick_due() {
+            self.stop_direction_check();
+            self.pass_on(board, None);
+        }
+        output
+    }
+
+    /// Whether an input forbids to push the axis of the check.
+    fn has_input_fault(&self) -> bool {
+        let inputs = self.inputs();
+        let axis = self.first_motion.as_ref().and_then(|first| inputs.axes.get(first.check.axis()));
+        let at_limit = axis.is_some_and(|axis| axis.limits != [false; 2]);
+        let on_axis = inputs.axes.iter().any(|axis| axis.drive_fault || axis.bad_encoder_signal);
+        inputs.emergency_stop || on_axis || at_limit || self.supply_fault().is_some()
+    }
+}

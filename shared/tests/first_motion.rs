@@ -1,0 +1,237 @@
+//! The direction check on a simulated bench of two axes, with both signs of force, encoder and scale.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+use shared::config::{AxisSettings, Rates};
+use shared::drive::direction_check::{DirectionCheckError, DirectionCheckSettings, DirectionResult};
+use shared::drive::{Amplifier, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight};
+use shared::feedback::Reading;
+use shared::machine::Machine;
+use shared::safety::Power;
+use shared::scalar::Fixed;
+use shared::units::Position;
+
+const TICK_HZ: f64 = 20_000.0;
+const MASS_KG: f64 = 15.0;
+const FULL_N: f64 = 400.0;
+
+/// 30 N for at most 200 ms. Against 20 N of friction, 0.2 mm take √(2·0.2 mm/(10 N/15 kg)) = 24 ms.
+const CHECK: DirectionCheckSettings = DirectionCheckSettings { force_n: 30.0, time_s: 0.2, detect_m: 0.2e-3 };
+
+struct Bench {
+    at_m: [f64; 2],
+    velocity: [f64; 2],
+    /// Which axis each drive moves, and the signs of force, motor reading and scale.
+    drives: [usize; 2],
+    force_sign: f64,
+    motor_sign: f64,
+    scale_sign: Option<f64>,
+    friction_n: f64,
+    duties: [Duty; 2],
+    enabled: bool,
+    enabled_ticks: u32,
+    closed: bool,
+    inputs: Inputs<2>,
+}
+
+impl Board<2> for Bench {
+    fn inputs(&mut self) -> Inputs<2> {
+        self.inputs
+    }
+
+    fn readings(&mut self) -> [Reading; 2] {
+        self.at_m.map(|m| Reading {
+            motor: Position::from_m(self.motor_sign * m).unwrap(),
+            table: self.scale_sign.and_then(|sign| Position::from_m(sign * m)),
+        })
+    }
+
+    fn enable_switch_closed(&mut self) -> bool {
+        self.closed
+    }
+
+    fn hardware_stop_active(&mut self) -> bool {
+        false
+    }
+
+    fn set_duties(&mut self, duties: [Duty; 2]) {
+        self.duties = duties;
+    }
+
+    fn set_enabled(&mut self, enabled: bool) {
+        self.enabled = enabled;
+    }
+
+    fn set_light(&mut self, _: bool) {}
+
+    fn next_tick_due(&mut self) -> bool {
+        false
+    }
+}
+
+type System = DriveSystem<'static, Fixed, 2>;
+
+fn bench() -> (System, Bench) {
+    let rates = Rates { velocity_loop_hz: TICK_HZ, position_loop_divider: 5 };
+    let settings = AxisSettings { force_limit_n: 200.0, ..AxisSettings::default() };
+    let machine = Box::leak(Box::new(Machine::new(rates, &[settings; 2], [Position(0); 2]).unwrap()));
+    let amplifiers = [Amplifier::new(FULL_N, 8400).unwrap(); 2];
+    let system = DriveSystem::new(machine, amplifiers, EnableSwitch::new(2), StatusLight::new(50));
+    let bench = Bench {
+        at_m: [0.01, -0.02],
+        velocity: [0.0; 2],
+        drives: [0, 1],
+        force_sign: 1.0,
+        motor_sign: 1.0,
+        scale_sign: None,
+        friction_n: 20.0,
+        duties: [Duty::default(); 2],
+        enabled: false,
+        enabled_ticks: 0,
+        closed: false,
+        inputs: Inputs::NONE,
+    };
+    (system, bench)
+}
+
+impl Bench {
+    fn run(&mut self, system: &mut System, ticks: u32) {
+        for _ in 0..ticks {
+            system.tick(self);
+            self.enabled_ticks += u32::from(self.enabled);
+            for (Duty { reverse, counts }, axis) in self.duties.into_iter().zip(self.drives) {
+                let magnitude = if self.enabled { FULL_N * f64::from(counts) / 8400.0 } else { 0.0 };
+                let force = self.force_sign * if reverse { -magnitude } else { magnitude };
+                assert!(magnitude <= CHECK.force_n + 0.05, "a force of {magnitude} N");
+                let friction = self.friction_n * (self.velocity[axis] / 1e-4).tanh();
+                self.velocity[axis] += (force - friction) / MASS_KG / TICK_HZ;
+                self.at_m[axis] += self.velocity[axis] / TICK_HZ;
+            }
+        }
+    }
+
+    /// Runs a check of X to its end and to rest. Returns the result and the greatest motion of an axis.
+    fn check(&mut self, system: &mut System) -> (DirectionResult, f64) {
+        let start_m = self.at_m;
+        system.check_direction(0, &CHECK).unwrap();
+        self.closed = false;
+        self.run(system, 10);
+        assert!(system.is_checking() && !self.enabled, "it waits for the switch");
+        self.closed = true;
+        self.run(system, 8000);
+        assert!(!self.enabled && self.velocity.iter().all(|v| v.abs() < 1e-6));
+        let moved = self.at_m.iter().zip(start_m).map(|(m, start)| (m - start).abs());
+        let (axis, result) = system.direction_check().unwrap();
+        assert_eq!(axis, 0);
+        (result.unwrap(), moved.fold(0.0, f64::max))
+    }
+}
+
+/// Both signs of each of force, encoder and scale. The motion is at least 0.2 mm, and at most what the axis coasts beyond it:
+/// ½·v²·m/20 N with v² = 2·0.2 mm·10 N/15 kg, another 0.1 mm.
+#[test]
+fn the_result_names_the_sign_that_is_wrong() {
+    for force_sign in [1.0, -1.0] {
+        for motor_sign in [1.0, -1.0] {
+            for scale_sign in [None, Some(1.0), Some(-1.0)] {
+                let (mut system, mut bench) = bench();
+                (bench.force_sign, bench.motor_sign, bench.scale_sign) = (force_sign, motor_sign, scale_sign);
+                let (result, moved_m) = bench.check(&mut system);
+                let forwards = force_sign * motor_sign > 0.0;
+                let expected = match scale_sign {
+                    _ if !forwards => DirectionResult::Reversed,
+                    Some(sign) if sign * force_sign < 0.0 => DirectionResult::ScaleReversed,
+                    _ => DirectionResult::Ok,
+                };
+                assert_eq!(result, expected, "force {force_sign}, motor {motor_sign}, {scale_sign:?}");
+                assert!((0.2e-3..0.31e-3).contains(&moved_m), "{moved_m} m");
+            }
+        }
+    }
+}
+
+#[test]
+fn exchanged_plugs_a_closed_brake_and_a_dead_scale_are_named() {
+    let (mut system, mut exchanged) = bench();
+    exchanged.drives = [1, 0];
+    assert_eq!(exchanged.check(&mut system).0, DirectionResult::WrongAxis(1));
+    let (mut system, mut braked) = bench();
+    braked.friction_n = 40.0;
+    let (result, moved_m) = braked.check(&mut system);
+    assert_eq!(result, DirectionResult::NoMotion);
+    assert!(moved_m < 0.2e-3);
+    // 200 ms, and the tick in which the time is over.
+    assert!((4000..=4002).contains(&braked.enabled_ticks), "{}", braked.enabled_ticks);
+    // A scale that does not move with its axis: four times 0.2 mm, and half as much to coast.
+    let (mut system, mut dead) = bench();
+    dead.scale_sign = Some(0.0);
+    let (result, moved_m) = dead.check(&mut system);
+    assert_eq!(result, DirectionResult::ScaleWithoutMotion);
+    assert!((0.8e-3..1.21e-3).contains(&moved_m), "{moved_m}");
+}
+
+/// The loops stay open until the check has ended and the switch has been opened and closed again; then the axes hold where they
+/// stand.
+#[test]
+fn the_next_enable_holds_the_axes_where_they_stand() {
+    let (mut system, mut bench) = bench();
+    system.check_direction(0, &CHECK).unwrap();
+    // An enable by a host has no effect meanwhile.
+    system.machine_mut().enable();
+    bench.run(&mut system, 10);
+    assert_eq!((system.machine().power(), bench.enabled), (Power::Off, false));
+    assert_eq!(system.check_direction(1, &CHECK), Err(DirectionCheckError::NotReady));
+    bench.closed = true;
+    bench.run(&mut system, 8000);
+    assert_eq!(system.direction_check(), Some((0, Some(DirectionResult::Ok))));
+    assert_eq!((system.machine().power(), bench.enabled), (Power::Off, false));
+    let at_m = bench.at_m;
+    bench.closed = false;
+    bench.run(&mut system, 10);
+    bench.closed = true;
+    bench.run(&mut system, 2000);
+    assert_eq!((system.machine().power(), bench.enabled), (Power::On, true));
+    for (now, before) in bench.at_m.into_iter().zip(at_m) {
+        assert!((now - before).abs() < 1e-9);
+    }
+    assert_eq!(system.check_direction(0, &CHECK), Err(DirectionCheckError::NotReady));
+}
+
+/// Opening the switch, an emergency stop, a drive fault or a limit switch end the force in the same tick.
+#[test]
+fn a_check_is_aborted_at_once() {
+    let abort: [fn(&mut Bench); 4] = [
+        |bench| bench.closed = false,
+        |bench| bench.inputs.emergency_stop = true,
+        |bench| bench.inputs.axes[1].drive_fault = true,
+        |bench| bench.inputs.axes[0].limits = [false, true],
+    ];
+    for (row, abort) in abort.into_iter().enumerate() {
+        let (mut system, mut bench) = bench();
+        system.check_direction(0, &CHECK).unwrap();
+        bench.run(&mut system, 10);
+        bench.closed = true;
+        bench.run(&mut system, 50);
+        assert!(bench.enabled);
+        abort(&mut bench);
+        bench.run(&mut system, 1);
+        assert!(!bench.enabled, "row {row}");
+        assert_eq!(system.direction_check(), Some((0, Some(DirectionResult::Aborted))), "row {row}");
+    }
+}
+
+#[test]
+fn settings_out_of_range_are_refused() {
+    let (mut system, _) = bench();
+    let mut refused = |axis, settings: DirectionCheckSettings| system.check_direction(axis, &settings).err();
+    let named = |name| Some(DirectionCheckError::Setting(name));
+    assert_eq!(refused(2, CHECK), Some(DirectionCheckError::NotReady));
+    for force_n in [0.0, -1.0, 201.0, f64::NAN] {
+        assert_eq!(refused(0, DirectionCheckSettings { force_n, ..CHECK }), named("force_n"));
+    }
+    for time_s in [0.0, 1.1, f64::NAN] {
+        assert_eq!(refused(0, DirectionCheckSettings { time_s, ..CHECK }), named("time_s"));
+    }
+    for detect_m in [0.0, 6e-3, f64::NAN] {
+        assert_eq!(refused(0, DirectionCheckSettings { detect_m, ..CHECK }), named("detect_m"));
+    }
+}
