@@ -4,7 +4,7 @@ use std::collections::VecDeque;
 
 use shared::capture::ChannelSteps;
 use shared::config::{AxisSettings, Rates};
-use shared::drive::{Amplifier, Board, DriveSystem, Duty, EnableSwitch, StatusLight};
+use shared::drive::{Amplifier, AnyOutput, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, StatusLight};
 use shared::feedback::Reading;
 use shared::link::message::{BoardSettings, FromBoard, Reply, Request};
 use shared::link::packet::{self, Frame, Header};
@@ -72,7 +72,7 @@ impl TestBench {
     }
 }
 
-impl Board<2> for TestBench {
+impl Board<2, DriveSignal> for TestBench {
     fn readings(&mut self) -> [Reading; 2] {
         self.position_m.map(|m| {
             let position = Self::counted(m);
@@ -88,8 +88,9 @@ impl Board<2> for TestBench {
         self.stopped
     }
 
-    fn set_duties(&mut self, duties: [Duty; 2]) {
-        self.forces_n = duties.map(|Duty { reverse, counts }| {
+    fn set_duties(&mut self, signals: [DriveSignal; 2]) {
+        self.forces_n = signals.map(|signal| {
+            let DriveSignal::Pwm(Duty { reverse, counts }) = signal else { return 0.0 };
             FULL_N * f64::from(counts) / f64::from(FULL_COUNTS) * if reverse { -1.0 } else { 1.0 }
         });
     }
@@ -144,7 +145,7 @@ impl Rig {
         let machine = Box::leak(Box::new(
             Machine::<Fixed, 2>::new(settings.rates, &settings.axes, [Position(0); 2]).unwrap(),
         ));
-        let amplifiers = [FULL_N; 2].map(|n| Amplifier::new(n, FULL_COUNTS).unwrap());
+        let amplifiers = [FULL_N; 2].map(|n| AnyOutput::Pwm(Amplifier::new(n, FULL_COUNTS).unwrap()));
         let system = DriveSystem::new(machine, amplifiers, EnableSwitch::new(400), StatusLight::new(5000));
         let memory = vec![0; CAPTURE_BYTES].leak();
         let identity = Identity {
