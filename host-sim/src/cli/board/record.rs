@@ -13,6 +13,7 @@ use ::board::refusal::AXIS_NAMES;
 use ::board::samples::{self, AxisSample};
 use ::board::{BoardError, Client};
 use files::error::InputError;
+use link::controller::PathBlock;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::machine_path::MachinePath;
@@ -63,7 +64,7 @@ pub fn run(recording: &Recording<'_>) -> Result<()> {
     // The same check as for an upload: two axes with the keys of a controller.
     upload::settings(machine, recording.machine_file)?;
     let path = MachinePath::new(motion, machine, motion_file)?;
-    let blocks: Vec<Block<AXES>> = path.blocks.iter().filter_map(|block| block.for_axes()).collect();
+    let blocks: Vec<Block<AXES>> = path.blocks.iter().filter_map(PathBlock::for_axes).collect();
     if blocks.len() > MOTION_BLOCKS {
         let expected = format!("at most {MOTION_BLOCKS} blocks, which the board holds");
         return Err(InputError::expected(motion_file, expected, blocks.len()).at_key("block").into());
