@@ -70,6 +70,11 @@ const HOMING: HomingSettings = HomingSettings {
 /// PWM counts of full duty.
 const FULL_COUNTS: u16 = 8400;
 
+/// Force of a PWM count, N.
+#[expect(clippy::cast_possible_truncation, reason = "rounded to 24 bits")]
+const N_PER_COUNT: [f32; AXES] =
+    [setup::FULL_DUTY_N[0] as f32 / FULL_COUNTS as f32, setup::FULL_DUTY_N[1] as f32 / FULL_COUNTS as f32];
+
 /// The settings of the controller at the start.
 pub const SETTINGS: BoardSettings = BoardSettings {
     rates: RATES,
@@ -183,10 +188,10 @@ impl Board<AXES, DriveSignal> for Bench {
     }
 
     fn set_duties(&mut self, signals: [DriveSignal; AXES]) {
-        for ((force, signal), full_n) in self.forces.iter_mut().zip(signals).zip(setup::FULL_DUTY_N) {
+        for ((force, signal), n_per_count) in self.forces.iter_mut().zip(signals).zip(N_PER_COUNT) {
             // The drives of the bench have PWM and direction.
             let duty = if let DriveSignal::Pwm(duty) = signal { duty } else { Duty::default() };
-            let magnitude = f32::from(duty.counts) * (full_n as f32 / f32::from(FULL_COUNTS));
+            let magnitude = f32::from(duty.counts) * n_per_count;
             *force = if duty.reverse { -magnitude } else { magnitude };
         }
     }

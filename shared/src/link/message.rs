@@ -158,7 +158,6 @@ pub enum Request {
 
 /// The reply to a request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(clippy::large_enum_variant, reason = "one reply at a time, and nothing to allocate it from")]
 pub enum Reply {
     /// A session is open.
     Welcome(Welcome),
@@ -178,7 +177,6 @@ pub enum Reply {
 
 /// What a board sends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(clippy::large_enum_variant, reason = "one message at a time, and nothing to allocate it from")]
 pub enum FromBoard {
     /// The reply to a request, with its sequence number.
     Reply(Reply),

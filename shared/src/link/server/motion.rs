@@ -87,7 +87,7 @@ impl Requests {
     ) -> Result<(), Refusal> {
         let number = u16::try_from(self.motion.blocks.len()).unwrap_or(u16::MAX);
         if self.motion.blocks.is_full() {
-            return Err(Refusal::MotionFull { max: MOTION_BLOCKS as u16 });
+            return Err(Refusal::MotionFull { max: number });
         }
         // A motion that runs is not changed.
         let refused = |error| Refusal::Path { block: number, error };
@@ -190,12 +190,11 @@ impl Requests {
         let mut to_m = start.map(Position::to_m);
         let [least_m, greatest_m] = settings.travel_m.unwrap_or([-TRAVEL_LIMIT_M, TRAVEL_LIMIT_M]);
         if let Some(coordinate) = to_m.get_mut(axis) {
-            *coordinate = match jog.distance_m {
-                Some(distance_m) => *coordinate + distance_m,
-                None => {
-                    let travel_m = libm::copysign(Jog::MAX_TRAVEL_M, jog.velocity_m_per_s);
-                    (*coordinate + travel_m).max(least_m).min(greatest_m)
-                }
+            *coordinate = if let Some(distance_m) = jog.distance_m {
+                *coordinate + distance_m
+            } else {
+                let travel_m = libm::copysign(Jog::MAX_TRAVEL_M, jog.velocity_m_per_s);
+                (*coordinate + travel_m).max(least_m).min(greatest_m)
             };
         }
         let block = Block::line(to_m, libm::fabs(jog.velocity_m_per_s), jog.acceleration_m_per_s2);

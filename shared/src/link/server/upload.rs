@@ -13,6 +13,10 @@ use crate::scalar::Scalar;
 /// Greatest number of bytes of an upload: a compensation with every table at its capacity.
 const CAPACITY: usize = LONGEST_ORDER;
 
+/// The same for messages.
+#[expect(clippy::cast_possible_truncation, reason = "7680")]
+const MAX_BYTES: u16 = CAPACITY as u16;
+
 /// An upload that is not complete or not applied yet.
 #[derive(Debug)]
 pub(super) struct Upload {
@@ -28,7 +32,7 @@ impl Upload {
             return Err(Refusal::Upload(UploadError::OutOfOrder { expected: self.length() }));
         }
         if usize::from(offset) + part.len() > CAPACITY {
-            return Err(Refusal::Upload(UploadError::TooLong { max: CAPACITY as u16 }));
+            return Err(Refusal::Upload(UploadError::TooLong { max: MAX_BYTES }));
         }
         if offset == 0 {
             self.bytes.clear();
