@@ -82,6 +82,8 @@ pub enum Order {
     Tick([Reading; AXES]),
     /// End the run.
     End,
+    /// Raise a fault, for tests of the reactions.
+    Fault(Fault),
 }
 
 /// A message from board to host, one per order.

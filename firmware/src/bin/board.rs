@@ -9,9 +9,9 @@ use firmware::board::drives_off;
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
 mod app {
-    use firmware::board::Hardware;
-    use firmware::setup::AXES;
-    use shared::drive::DriveSystem;
+    use firmware::board::uart::{Queues, UartInterrupt};
+    use firmware::board::{Hardware, Idle, Parts};
+    use firmware::setup::{AXES, BoardDrives};
     use shared::machine::Machine;
     use shared::scalar::Fixed;
 
@@ -21,14 +21,20 @@ mod app {
     #[local]
     struct Local {
         hardware: Hardware,
-        system: DriveSystem<'static, Fixed, AXES>,
+        system: BoardDrives<'static>,
+        uart: UartInterrupt,
+        _idle: Idle,
     }
 
-    #[init(local = [machine: Machine<Fixed, AXES> = Machine::UNCONFIGURED])]
+    #[init(local = [
+        machine: Machine<Fixed, AXES> = Machine::UNCONFIGURED,
+        queues: Queues = [const { heapless::spsc::Queue::new() }; 2],
+    ])]
     fn init(context: init::Context) -> (Shared, Local) {
-        let (hardware, system) = Hardware::new(context.device, context.local.machine)
+        let init::LocalResources { machine, queues, .. } = context.local;
+        let Parts { hardware, system, idle, uart } = Parts::new(context.device, machine, queues)
             .expect("the values are verified by a test on the host");
-        (Shared {}, Local { hardware, system })
+        (Shared {}, Local { hardware, system, uart, _idle: idle })
     }
 
     #[task(binds = TIM2, local = [hardware, system])]
@@ -36,6 +42,12 @@ mod app {
         let tick::LocalResources { hardware, system, .. } = context.local;
         hardware.begin_tick();
         system.tick(hardware);
+    }
+
+    /// Above the tick: a byte arrives every 10 µs.
+    #[task(binds = USART3, priority = 2, local = [uart])]
+    fn serial(context: serial::Context) {
+        context.local.uart.service();
     }
 }
 

@@ -1,15 +1,23 @@
-//! A model of the inputs of the board as a function of the tick: the enable switch and the encoder of X.
+//! A model of the inputs of the board as a function of the tick: the enable switch, the encoder of X, closed safety contacts, and
+//! a supply within its limits.
 //!
 //! Each access halts the emulator while its clock runs on, so that every tick of TIM2 would be late. Therefore the
 //! first tick disables its interrupt, and each tick pends the next one after it has read its inputs.
 
-use firmware::setup::SWITCH_SETTLING_TICKS;
+use firmware::setup::{BUS_MV_PER_COUNT, SWITCH_SETTLING_TICKS, TEMPERATURE_MC};
 
 use super::device::Device;
 
 /// Input data of port B; bit 15 is the switch, high: closed.
 const GPIOB_IDR: u32 = 0x4002_0410;
 const SWITCH: u32 = 1 << 15;
+
+/// Limit switches (1, 5, 9, 13), drive faults (2, 3) and stop (12), high: closed, not active.
+const SAFETY_CONTACTS: u32 = 1 << 1 | 1 << 5 | 1 << 9 | 1 << 13 | 1 << 2 | 1 << 3 | 1 << 12;
+
+/// Third injected results of ADC1 and ADC2: bus voltage and temperature (RM0090, 13.13.14), for 48 V and 25 °C.
+const ADC1_JDR3: u32 = 0x4001_2044;
+const ADC2_JDR3: u32 = 0x4001_2144;
 
 /// Counters of TIM3 and TIM4, the encoders of X and Y.
 const TIM3_CNT: u32 = 0x4000_0424;
@@ -36,6 +44,14 @@ pub struct Inputs {
     ticks: u32,
     /// Pending stores of the core: address and value.
     stores: Vec<(u32, u32)>,
+    /// Safety contacts that are open: bits of port B.
+    pub open: u32,
+}
+
+/// Counts of a converter.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 4095")]
+fn counts(exact: f64) -> u32 {
+    exact.round().clamp(0.0, 4095.0) as u32
 }
 
 impl Inputs {
@@ -47,7 +63,7 @@ impl Inputs {
 
 impl Device for Inputs {
     fn registers(&self) -> &[u32] {
-        &[GPIOB_IDR, TIM3_CNT, TIM4_CNT]
+        &[GPIOB_IDR, TIM3_CNT, TIM4_CNT, ADC1_JDR3, ADC2_JDR3]
     }
 
     fn read(&mut self, address: u32) -> u32 {
@@ -56,7 +72,7 @@ impl Device for Inputs {
                 self.ticks += 1;
                 let first = self.ticks == 1;
                 self.stores.extend(first.then_some((TIM2_DIER, 0)));
-                if self.ticks < CLOSED { 0 } else { SWITCH }
+                SAFETY_CONTACTS & !self.open | if self.ticks < CLOSED { 0 } else { SWITCH }
             }
             TIM3_CNT => self.ticks.saturating_sub(PUSHED).min(COUNTS),
             TIM4_CNT => {
@@ -64,6 +80,8 @@ impl Device for Inputs {
                 self.stores.extend((self.ticks > 0).then_some((NVIC_ISPR0, TIM2_PENDING)));
                 0
             }
+            ADC1_JDR3 => counts(48_000.0 / BUS_MV_PER_COUNT),
+            ADC2_JDR3 => counts((25_000.0 - TEMPERATURE_MC[1]) / TEMPERATURE_MC[0]),
             _ => panic!("{address:#x} is not watched"),
         }
     }

@@ -56,8 +56,18 @@ pub fn tick_rate_is_as_set_up(chip: &mut Chip, accesses: &[Access]) {
 
 /// Offset and bit of the clock enable of each device (RM0090, 7.3.10 to 7.3.14). Without its clock a device ignores
 /// writes.
-const CLOCK_OF: [(&str, u32, u32); 4] =
-    [("GPIOA", 0x30, 0), ("GPIOB", 0x30, 1), ("GPIOC", 0x30, 2), ("timer[1]", 0x44, 0)];
+const CLOCK_OF: [(&str, u32, u32); 6] = [
+    ("GPIOA", 0x30, 0),
+    ("GPIOB", 0x30, 1),
+    ("GPIOC", 0x30, 2),
+    ("timer[1]", 0x44, 0),
+    ("timer[8]", 0x44, 1),
+    ("DAC", 0x40, 29),
+];
+
+/// Clock enables of the devices that QEMU models, so that their accesses are not in the log: TIM2 to TIM5, USART3; ADC1, ADC2.
+const CLOCKS_OF_MODELLED: [(u32, u32); 7] =
+    [(0x40, 0), (0x40, 1), (0x40, 2), (0x40, 3), (0x40, 18), (0x44, 8), (0x44, 9)];
 
 /// The clock of each device was enabled before its first access.
 pub fn every_device_has_a_clock(accesses: &[Access]) {
@@ -69,11 +79,10 @@ pub fn every_device_has_a_clock(accesses: &[Access]) {
         };
         assert!(accesses[..first].iter().any(clocked), "{device} is used without its clock");
     }
-    // TIM2 to TIM4 are modelled, so that their accesses are not in the log.
-    for bit in 0..3 {
+    for (offset, bit) in CLOCKS_OF_MODELLED {
         let enables = |access: &Access| access.written.is_some_and(|value| value >> bit & 1 == 1);
-        let clocked = accesses.iter().any(|a| a.device == "RCC" && a.offset == 0x40 && enables(a));
-        assert!(clocked, "TIM{} without its clock", bit + 2);
+        let clocked = accesses.iter().any(|a| a.device == "RCC" && a.offset == offset && enables(a));
+        assert!(clocked, "bit {bit} of RCC + {offset:#x} is never set");
     }
 }
 
@@ -162,9 +171,9 @@ pub fn drives_come_on_and_push_back(accesses: &[Access]) {
         at_standstill - 1.0 <= last && last <= 1.04 * at_standstill + 1.0,
         "{last} counts, expected {at_standstill}"
     );
-    // PC6 is high for a negative force.
-    let directions = written(accesses, "GPIOC", 0x18).filter(|bits| bits & 0x0040_0040 != 0);
-    assert_eq!(directions.last(), Some(1 << 6));
+    // PC10 is high for a negative force.
+    let directions = written(accesses, "GPIOC", 0x18).filter(|bits| bits & 0x0400_0400 != 0);
+    assert_eq!(directions.last(), Some(1 << 10));
     // Y is at standstill at zero: its duty is exactly zero.
     assert!(counts(0x38).all(|counts| counts == 0));
 }
