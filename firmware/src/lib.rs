@@ -5,13 +5,17 @@
 //! |---|---|---|
 //! | `board` | STM32F405 with two drives | `cargo board` |
 //! | `emulated` | QEMU's `mps2-an386`, in step with a host | `cargo emulated` |
+//! | `servo` | the same, as a servo board with its own ticks, a link, and a simulated machine | `cargo servo` |
 //! | `cost` | the same, without a host: counts the instructions of each part of a tick | `cargo cost` |
 #![no_std]
 
+pub mod bench;
 #[cfg(feature = "board")]
 pub mod board;
 #[cfg(feature = "cost")]
 pub mod cost;
 #[cfg(feature = "emulated")]
 pub mod emulated;
+#[cfg(feature = "servo")]
+pub mod servo;
 pub mod setup;

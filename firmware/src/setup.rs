@@ -3,6 +3,7 @@
 //! Two screws of 5 mm lead with 5000-line encoders on their motors; 15 kg equivalent mass per axis. The values must be
 //! accepted by [`MachineConfig::new`] and [`AnyOutput::new`], which is verified by a test on the host.
 
+use shared::capture::ChannelSteps;
 use shared::config::{AxisSettings, Law, Rates, Sensors};
 use shared::drive::{
     AnyOutput, DriveError, DriveSettings, DriveSystem, EnableSwitch, StatusLight, SupplyLimits,
@@ -10,10 +11,12 @@ use shared::drive::{
 use shared::feedback::resolver::ResolverSettings;
 use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
 use shared::interpolate::Smoothing;
+use shared::link::message::BoardSettings;
+use shared::link::report::{Identity, Times};
 use shared::machine::{Machine, MachineConfig, MachineError};
 use shared::safety::Fault;
 use shared::scalar::Fixed;
-use shared::units::Position;
+use shared::units::{PER_NM, Position};
 
 /// Axes of the board.
 pub const AXES: usize = 2;
@@ -61,8 +64,6 @@ pub struct AxisTable {
     pub limit_switches: bool,
     /// Whether the fault output of the drive is connected.
     pub drive_fault: bool,
-    /// How the axis is homed.
-    pub homing: HomingSettings,
 }
 
 /// The homing of both axes: towards the negative end, on the index pulse of the motor encoder, one per turn.
@@ -88,11 +89,26 @@ pub static TABLE: [AxisTable; AXES] = {
             drive: DriveSettings::Pwm { full_duty_n: FULL_DUTY_N[index] },
             limit_switches: true,
             drive_fault: true,
-            homing: HOMING,
         }
     }
     [axis(0), axis(1)]
 };
+
+/// A count of the finer sensor of each axis, position units: the steps of recordings.
+const COUNTS: [i64; AXES] = [250 * PER_NM; AXES];
+
+/// What the board says about itself.
+pub const IDENTITY: Identity = Identity {
+    board: "STM32F405, two drives",
+    software: env!("CARGO_PKG_VERSION"),
+    tick_hz: TICK_HZ,
+    steps: ChannelSteps { command: PER_NM / 16, motor: COUNTS, table: COUNTS, force_bits: 5 },
+    times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
+    homing: [Some(HOMING); AXES],
+};
+
+/// The settings that the link reports until others are uploaded.
+pub const LINK_SETTINGS: BoardSettings = BoardSettings { rates: RATES, axes: SETTINGS };
 
 /// Limits of the supply, for drives at 48 V.
 pub const SUPPLY_LIMITS: SupplyLimits =

@@ -16,7 +16,7 @@ use crate::units::{Position, VELOCITY_M_PER_S};
 #[derive(Clone, Copy, Debug)]
 pub struct AxisState<S: Scalar> {
     feedback: dual::State,
-    feedforward: feedforward::State,
+    feedforward: feedforward::State<S>,
     position: position::State<S>,
     velocity: velocity::State<S>,
     notch: filter::State<S>,
@@ -93,6 +93,7 @@ impl<S: Scalar> AxisState<S> {
 
     /// The position loop, once per command. The correction is added to the command; its part for errors between motor and
     /// scale also to the scale's reading (see [`crate::compensate`]).
+    #[inline(never)]
     pub fn position_tick(
         &mut self,
         config: &AxisConfig<S>,
@@ -119,6 +120,7 @@ impl<S: Scalar> AxisState<S> {
     }
 
     /// The velocity loop, once per tick. `compensation` is added to its force. Returns the force until the next tick.
+    #[inline(never)]
     pub fn velocity_tick(
         &mut self,
         config: &AxisConfig<S>,

@@ -10,6 +10,17 @@ pub(crate) fn mul_q32(value: i64, fraction_q32: u32) -> i64 {
     (high.wrapping_mul(i64::from(fraction_q32))).wrapping_add(low.cast_signed())
 }
 
+/// `value·fraction/2^(32 + shift)`, rounded towards −∞, for a shift below 32.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the two words")]
+pub(crate) fn mul_q32_shifted(value: i64, fraction_q32: u32, shift: u32) -> i64 {
+    let product = mul_q32(value, fraction_q32);
+    let (low, high, shift) = (product as u32, (product >> 32) as i32, shift & 31);
+    // A shift by 32 in two steps: there is none in one.
+    let low = (low >> shift) | (((high as u32) << 1) << (31 - shift));
+    (i64::from(high >> shift) << 32) | i64::from(low)
+}
+
 /// `value·fraction/2³²`, rounded towards −∞, by four 32-bit products.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the four 32-bit words")]
@@ -38,4 +49,44 @@ pub(crate) const fn mul_high(a: i64, b: i64) -> i64 {
     let (a_high, a_low) = ((a >> 32) as i32 as i64, a as u32 as i64);
     let (b_high, b_low) = ((b >> 32) as i32 as i64, b as u32 as i64);
     a_high * b_high + ((a_high * b_low) >> 32) + ((a_low * b_high) >> 32)
+}
+
+/// `value·2^−shift`, at most `u32::MAX`, for a shift below 32.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "the two words")]
+pub(crate) const fn shifted(value: u64, shift: u32) -> u32 {
+    let (low, high, shift) = (value as u32, (value >> 32) as u32, shift & 31);
+    if high >> shift != 0 {
+        return u32::MAX;
+    }
+    // A shift by 32 in two steps: there is none in one.
+    (low >> shift) | ((high << 1) << (31 - shift))
+}
+
+/// `value·2^−shift`, rounded towards −∞, saturated to 32 bits, for a shift below 32.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the two words")]
+pub(crate) const fn shifted_signed(value: i64, shift: u32) -> i32 {
+    let (low, high, shift) = (value as u32, (value >> 32) as i32, shift & 31);
+    let shifted = ((low >> shift) | (((high as u32) << 1) << (31 - shift))) as i32;
+    if high >> shift == shifted >> 31 { shifted } else { i32::MAX ^ (high >> 31) }
+}
+
+/// `a·b/2³²`, rounded towards 0 (`UMULL`).
+#[must_use]
+pub(crate) const fn mul_high_u32(a: u32, b: u32) -> u32 {
+    ((a as u64 * b as u64) >> 32) as u32
+}
+
+/// `a·b/2³²`, rounded towards −∞ (`SMMUL`).
+#[must_use]
+pub(crate) const fn mul_high_i32(a: i32, b: i32) -> i32 {
+    ((a as i64 * b as i64) >> 32) as i32
+}
+
+/// Linear interpolation between two numbers whose difference has 32 bits, to two units.
+#[must_use]
+pub(crate) const fn interpolated_q31(from: i32, to: i32, fraction_q32: u32) -> i32 {
+    let half = mul_high_i32(to.wrapping_sub(from), (fraction_q32 >> 1).cast_signed());
+    from.wrapping_add(half << 1)
 }

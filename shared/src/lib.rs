@@ -3,6 +3,7 @@
 #![doc = include_str!("front.md")]
 
 pub mod axis;
+pub mod capture;
 pub mod compensate;
 pub mod config;
 pub mod control;
@@ -11,6 +12,7 @@ pub mod feedback;
 pub mod homing;
 mod integer;
 pub mod interpolate;
+pub mod link;
 pub mod machine;
 pub mod monitor;
 pub mod protocol;

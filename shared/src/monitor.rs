@@ -50,10 +50,22 @@ pub struct Monitor<S: Scalar> {
 pub struct FrozenEncoder<S: Scalar> {
     /// Travel of the command, position units.
     pub limit: u64,
+    /// A motor reading that has moved by less counts as standing, position units: see [`FrozenEncoder::new`].
+    standstill: u64,
     /// ∓ the same travel as an integral of the velocity command, error units.
     pub integral_limits: [S::Sum; 2],
     /// Error units per velocity unit and position tick.
     pub per_tick: S::Gain,
+}
+
+impl<S: Scalar> FrozenEncoder<S> {
+    /// For a travel in position units, the same as an error signal, and error units per velocity unit and position tick.
+    #[must_use]
+    pub fn new(limit: u64, error: S, per_tick: S::Gain) -> Self {
+        let error = error.widen();
+        let integral_limits = [S::ZERO_SUM - error, error];
+        Self { limit, standstill: limit / STANDSTILL_DIVISOR, integral_limits, per_tick }
+    }
 }
 
 /// State of the monitoring of an axis.
@@ -141,6 +153,11 @@ impl<S: Scalar> Monitor<S> {
     /// inwards; the limit follows it.
     fn leaves_travel(&self, state: &mut State<S>, command: Position) -> bool {
         let [min, max] = self.travel;
+        // The usual case.
+        if command >= min && command <= max {
+            state.allowed_command = command;
+            return false;
+        }
         let [min, max] = [min.min(state.allowed_command), max.max(state.allowed_command)];
         let leaves = command < min - SOFT_LIMIT_TOLERANCE || command > max + SOFT_LIMIT_TOLERANCE;
         if !leaves {
@@ -153,7 +170,7 @@ impl<S: Scalar> Monitor<S> {
     fn is_frozen(&self, state: &mut State<S>, input: &MonitorInput<S>) -> bool {
         let Some(frozen) = &self.frozen_encoder else { return false };
         let [command, motor] = state.last_motion;
-        if (input.motor - motor).unsigned_abs() > frozen.limit / STANDSTILL_DIVISOR {
+        if (input.motor - motor).unsigned_abs() > frozen.standstill {
             (state.last_motion, state.velocity_integral) = ([input.command, input.motor], S::ZERO_SUM);
             return false;
         }

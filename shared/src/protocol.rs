@@ -25,6 +25,12 @@ pub const LONGEST_ORDER: usize = 7680;
 /// Number of axes of the protocol.
 pub const AXES: usize = 2;
 
+/// Identifies the sources of this crate. Messages, control laws and rounding of two programs are the same if it is.
+pub const SOURCES: u64 = match u64::from_str_radix(env!("SHARED_SOURCES"), 16) {
+    Ok(sources) => sources,
+    Err(_) => panic!("the build script writes hexadecimal digits"),
+};
+
 /// The number format of the board.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum Format {
@@ -84,6 +90,8 @@ pub enum Order {
     End,
     /// Raise a fault, for tests of the reactions.
     Fault(Fault),
+    /// Tell the version of the board's program. Answered by [`Answer::Sources`].
+    Identify,
 }
 
 /// A message from board to host, one per order.
@@ -95,6 +103,8 @@ pub enum Answer {
     Refused(Refusal),
     /// Result of a tick.
     Tick(TickResult),
+    /// [`SOURCES`] of the board's program.
+    Sources(u64),
 }
 
 /// Why an order was rejected. The host runs the same code and can report details.

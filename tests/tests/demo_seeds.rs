@@ -7,7 +7,7 @@ const SEEDS: [u64; 10] = [2, 3, 4, 6, 8, 9, 10, 16, 19, 22];
 fn the_undeclared_effects_of_ten_seeds_are_found() {
     let mut kinds = std::collections::BTreeSet::new();
     for seed in SEEDS {
-        let demo = demo::run(seed, &|_| {}).unwrap();
+        let demo = demo::traced(seed, &|_| {}).unwrap();
         assert!(demo.is_named(), "seed {seed}: {} {:?}", demo.drawn.axis, demo.drawn.effect);
         kinds.insert(demo.drawn.effect.name());
 

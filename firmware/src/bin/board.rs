@@ -9,21 +9,24 @@ use firmware::board::drives_off;
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
 mod app {
-    use firmware::board::uart::{Queues, UartInterrupt};
-    use firmware::board::{Hardware, Idle, Parts};
-    use firmware::setup::{AXES, BoardDrives};
+    use firmware::board::link::{Drive, Locked};
+    use firmware::board::uart::{Queues, Uart, UartInterrupt};
+    use firmware::board::{Hardware, Parts};
+    use firmware::setup::{AXES, IDENTITY, LINK_SETTINGS};
+    use shared::link::Server;
     use shared::machine::Machine;
     use shared::scalar::Fixed;
 
     #[shared]
-    struct Shared {}
+    struct Shared {
+        drive: Drive,
+    }
 
     #[local]
     struct Local {
         hardware: Hardware,
-        system: BoardDrives<'static>,
-        uart: UartInterrupt,
-        _idle: Idle,
+        interrupt: UartInterrupt,
+        uart: Uart,
     }
 
     #[init(local = [
@@ -32,22 +35,32 @@ mod app {
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources { machine, queues, .. } = context.local;
-        let Parts { hardware, system, idle, uart } = Parts::new(context.device, machine, queues)
+        let Parts { hardware, drive, uart, interrupt } = Parts::new(context.device, machine, queues)
             .expect("the values are verified by a test on the host");
-        (Shared {}, Local { hardware, system, uart, _idle: idle })
+        (Shared { drive }, Local { hardware, interrupt, uart })
     }
 
-    #[task(binds = TIM2, local = [hardware, system])]
-    fn tick(context: tick::Context) {
-        let tick::LocalResources { hardware, system, .. } = context.local;
+    /// Serves the link between ticks.
+    #[idle(local = [uart, server: Server = Server::new(IDENTITY, LINK_SETTINGS)], shared = [drive])]
+    fn idle(context: idle::Context) -> ! {
+        let idle::LocalResources { uart, server, .. } = context.local;
+        let mut drive = Locked(context.shared.drive);
+        loop {
+            server.poll(uart, &mut drive);
+        }
+    }
+
+    #[task(binds = TIM2, priority = 1, local = [hardware], shared = [drive])]
+    fn tick(mut context: tick::Context) {
+        let hardware = context.local.hardware;
         hardware.begin_tick();
-        system.tick(hardware);
+        context.shared.drive.lock(|drive| drive.tick(hardware));
     }
 
     /// Above the tick: a byte arrives every 10 µs.
-    #[task(binds = USART3, priority = 2, local = [uart])]
+    #[task(binds = USART3, priority = 2, local = [interrupt])]
     fn serial(context: serial::Context) {
-        context.local.uart.service();
+        context.local.interrupt.service();
     }
 }
 

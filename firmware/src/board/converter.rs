@@ -11,7 +11,7 @@ use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 use crate::setup::AXES;
 
 /// Bus voltage and temperature; sine and cosine of X, of Y. Their types prove that they are analogue.
-pub type ConverterPins = (PC0<Analog>, PC1<Analog>, PC2<Analog>, PC3<Analog>, PC4<Analog>, PC5<Analog>);
+pub type ConverterPins = ((PC0<Analog>, PC1<Analog>), (PC2<Analog>, PC3<Analog>), (PC4<Analog>, PC5<Analog>));
 
 /// Both converters.
 pub struct Converters {

@@ -4,6 +4,7 @@ mod clock;
 mod converter;
 mod dac;
 pub mod flash;
+pub mod link;
 mod quadrature;
 mod sensors;
 mod stage;
@@ -14,14 +15,16 @@ pub mod uart;
 use shared::axis::Reading;
 use shared::drive::step::StepCounter;
 use shared::drive::{AxisInputs, Board, DriveSettings, DriveSignal, Inputs, LinearInput, StepOutput, Supply};
+use shared::link::HostedDrive;
+use shared::link::report::Identity;
 use shared::machine::Machine;
 use shared::scalar::Fixed;
 use stm32f4xx_hal::gpio::{Output, PC13, PinState, Pull};
-use stm32f4xx_hal::pac::{FLASH, Peripherals};
+use stm32f4xx_hal::pac::Peripherals;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-use crate::setup::{self, AXES, AxisTable, BoardDrives, SetupError};
+use crate::setup::{self, AXES, AxisTable, SetupError};
 use converter::{Conversions, Converters};
 use dac::AnalogOutputs;
 use sensors::{Sensors, Timers};
@@ -47,24 +50,16 @@ pub struct Hardware {
     conversions: Conversions,
 }
 
-/// What is not used by the tick.
-pub struct Idle {
-    /// Serial port of the link.
-    pub uart: uart::Uart,
-    /// Flash with the stored settings.
-    pub flash: FLASH,
-}
-
 /// The parts of the board that run independently of each other.
 pub struct Parts {
     /// For the tick.
     pub hardware: Hardware,
-    /// The controller.
-    pub system: BoardDrives<'static>,
-    /// For the time between ticks.
-    pub idle: Idle,
-    /// For the interrupt of the serial port.
-    pub uart: uart::UartInterrupt,
+    /// The controller, for the tick and the server of the link.
+    pub drive: link::Drive,
+    /// Serial port of the link, for the server.
+    pub uart: uart::Uart,
+    /// The same, for its interrupt.
+    pub interrupt: uart::UartInterrupt,
 }
 
 impl Parts {
@@ -108,23 +103,21 @@ impl Parts {
             a.pa0 => 2, a.pa1 => 2, a.pa2 => 2,
             c.pc6 => 3, c.pc7 => 3, c.pc8 => 3,
         }
-        let converter_pins = (
-            c.pc0.into_analog(),
-            c.pc1.into_analog(),
-            c.pc2.into_analog(),
-            c.pc3.into_analog(),
-            c.pc4.into_analog(),
-            c.pc5.into_analog(),
-        );
-        let converters =
-            Converters::new(device.ADC1, device.ADC2, &device.ADC_COMMON, converter_pins, &mut rcc);
+        let supply_pins = (c.pc0.into_analog(), c.pc1.into_analog());
+        let x_pins = (c.pc2.into_analog(), c.pc3.into_analog());
+        let pins = (supply_pins, x_pins, (c.pc4.into_analog(), c.pc5.into_analog()));
+        let converters = Converters::new(device.ADC1, device.ADC2, &device.ADC_COMMON, pins, &mut rcc);
         let timers = Timers { x: device.TIM3, y: device.TIM4, x_scale: device.TIM5, y_scale: device.TIM8 };
         let sensors = Sensors::new(table, timers, &mut rcc)?;
         switches::set_up((b.pb1, b.pb2, b.pb3, b.pb5, b.pb9, b.pb13, b.pb15), (c.pc9, c.pc12));
         let uart_pins = (b.pb10.into_alternate(), b.pb11.into_alternate());
-        let (port, uart) = uart::start(device.USART3, uart_pins, queues, &mut rcc);
+        let (uart, interrupt) = uart::start(device.USART3, uart_pins, queues, &mut rcc);
 
         let system = setup::drive_system(machine, stages.full_counts(), previous_fault)?;
+        let Identity { tick_hz, times, steps, .. } = &setup::IDENTITY;
+        // SAFETY: the peripherals exist once.
+        let capture = unsafe { link::capture_memory() };
+        let drive = HostedDrive::new(system, *tick_hz, *times, steps, capture);
         let tick_timer = TickTimer::new(device.TIM2, &mut rcc);
         // 10 ms, at least a hundred ticks: without ticks the watchdog resets the chip, and the stages with it.
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
@@ -145,7 +138,7 @@ impl Parts {
             switches: Switches::default(),
             conversions: Conversions::default(),
         };
-        Ok(Self { hardware, system, idle: Idle { uart: port, flash: device.FLASH }, uart })
+        Ok(Self { hardware, drive, uart, interrupt })
     }
 }
 

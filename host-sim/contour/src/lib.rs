@@ -7,11 +7,13 @@
 //! - [`reversal_spike`]: peaks where an axis reverses
 //! - [`corner`]: overshoot and rounding
 //! - [`circle_fit`]: finds a circle in a command
+//! - [`verification`], [`comparison`]: the error before and after a change
 //! - [`text`], [`json`]: the figures for a terminal, and for a file
 
 pub mod circle;
 pub mod circle_fit;
 pub mod circular_test;
+pub mod comparison;
 pub mod corner;
 pub mod evaluation;
 pub mod json;

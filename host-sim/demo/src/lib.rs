@@ -68,14 +68,20 @@ pub enum DemoError {
 
 /// The result of one demonstration.
 pub struct Demo {
+    /// The machine and its trace.
+    pub traced: Traced,
+    /// The compensation of the traced model, and the motions before and after it.
+    pub compensated: Compensated,
+}
+
+/// A machine with one undeclared effect, and the trace of its logs.
+pub struct Traced {
     /// Seed of the machine, its effect and the noise.
     pub seed: u64,
     /// The true machine and its undeclared effect.
     pub drawn: Drawn,
     /// The trace of its logs, from the declared machine alone.
     pub trace: Trace,
-    /// The compensation of the traced model, and the motions before and after it.
-    pub compensated: Compensated,
 }
 
 /// A machine after its compensation.
@@ -88,19 +94,29 @@ pub struct Compensated {
     pub place: Place,
 }
 
+/// Simulates, logs, traces and compensates the machine of a seed, and executes motions before and after; `progress` receives the
+/// name of each step as it starts.
+///
+/// # Errors
+/// If a shipped file is invalid, the simulated machine does not complete a motion, or the compensation is refused.
+pub fn run(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
+    let traced = traced(seed, progress)?;
+    progress("compensating the machine");
+    let compensated = compensated(&traced.trace.better_machine(), &traced.drawn.truth, seed, Place::found())?;
+    Ok(Demo { traced, compensated })
+}
+
 /// Simulates, logs and traces the machine of a seed; `progress` receives the name of each step as it starts.
 ///
 /// # Errors
 /// If a shipped file is invalid or the simulated machine does not complete a motion.
-pub fn run(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
+pub fn traced(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Traced, DemoError> {
     let declared = Machine::parse(MACHINE, "machines/demo.toml")?;
     let drawn = draw(&declared, seed);
     progress("running the machine");
     let [fit, validate] = logs(&drawn.truth, seed)?;
     let trace = trace::trace(&declared, &fit, &validate, progress)?;
-    progress("compensating the machine");
-    let compensated = compensated(&trace.better_machine(), &drawn.truth, seed, Place::found())?;
-    Ok(Demo { seed, drawn, trace, compensated })
+    Ok(Traced { seed, drawn, trace })
 }
 
 /// Compensates a machine by its traced model, and executes a motion of its logs and one that was never used before and after.
@@ -177,7 +193,7 @@ pub struct Headline {
     pub noise: f64,
 }
 
-impl Demo {
+impl Traced {
     /// Trace of the axis with the undeclared effect.
     #[must_use]
     pub fn axis(&self) -> Option<&AxisTrace> {
@@ -214,39 +230,41 @@ impl Demo {
             .collect();
         found == [(self.drawn.axis.as_str(), self.drawn.effect.name())]
     }
+}
 
+impl Demo {
     /// The JSON of `demo --json`.
     #[must_use]
     pub fn json(&self) -> Value {
-        let headline = self.headline();
-        let parameters: serde_json::Map<String, Value> = self
-            .drawn
-            .effect
+        let Self { traced, compensated } = self;
+        let headline = traced.headline();
+        let effect = &traced.drawn.effect;
+        let parameters: serde_json::Map<String, Value> = effect
             .parameters()
             .into_iter()
             .map(|(name, value)| (name.to_owned(), json!({"value": value})))
             .collect();
         let mut truth = json!({
-            "name": self.drawn.effect.name(),
-            "axis": self.drawn.axis,
+            "name": effect.name(),
+            "axis": traced.drawn.axis,
             "parameters": parameters,
         });
-        if let (Some(source), Value::Object(truth)) = (self.drawn.effect.distinction().source(), &mut truth) {
+        if let (Some(source), Value::Object(truth)) = (effect.distinction().source(), &mut truth) {
             truth.insert("source".to_owned(), json!(source));
         }
-        let [before, predicted, after] = round_trip::totals_um(&self.compensated.motions);
+        let [before, predicted, after] = round_trip::totals_um(&compensated.motions);
         json!({
-            "seed": self.seed,
+            "seed": traced.seed,
             "undeclared": [truth],
-            "found": trace::json::effects(&self.trace),
+            "found": trace::json::effects(&traced.trace),
             "residual_um": {
                 "before": headline.map(|h| h.before),
                 "after": headline.map(|h| h.after),
                 "noise": headline.map(|h| h.noise),
             },
             "contour_error_um": {"before": before, "predicted": predicted, "after": after},
-            "motions": self.compensated.motions.iter().map(motion_json).collect::<Vec<_>>(),
-            "compensation": compensate::json::of(&self.compensated.plan),
+            "motions": compensated.motions.iter().map(motion_json).collect::<Vec<_>>(),
+            "compensation": compensate::json::of(&compensated.plan),
         })
     }
 }

@@ -1,5 +1,7 @@
 //! Round trips of many machines: logged, traced, compensated, run again.
 
+use std::sync::atomic::{AtomicUsize, Ordering};
+
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
@@ -34,6 +36,18 @@ impl RoundTrip {
         self.contour_um[0] / self.contour_um[2]
     }
 
+    /// As JSON.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let [before, predicted, after] = self.contour_um;
+        json!({
+            "seed": self.seed,
+            "effects": self.effects,
+            "found": self.found,
+            "contour_error_um": {"before": before, "predicted": predicted, "after": after},
+        })
+    }
+
     /// Relative difference of the measured error from the predicted one.
     #[must_use]
     pub fn prediction_error(&self) -> f64 {
@@ -42,7 +56,7 @@ impl RoundTrip {
 }
 
 /// Executes the round trips of `count` machines with one to three effects, from the first seed on. With `has_feedforward`, the
-/// velocity feed-forward of the machine is already set.
+/// velocity feed-forward of the machine is already set. `done` receives the number of finished machines.
 ///
 /// # Errors
 /// If a machine cannot be simulated, traced or compensated.
@@ -50,7 +64,7 @@ pub fn round_trips(
     first_seed: u64,
     count: u64,
     has_feedforward: bool,
-    done: &(dyn Fn() + Sync),
+    done: &(dyn Fn(usize) + Sync),
 ) -> Result<Vec<RoundTrip>, DemoError> {
     let mut declared = Machine::parse(MACHINE, "machines/demo.toml")?;
     if has_feedforward {
@@ -59,6 +73,7 @@ pub fn round_trips(
             axis.settings.controller.feedforward_ahead_s = Some(SET.1);
         }
     }
+    let finished = AtomicUsize::new(0);
     (0..count)
         .into_par_iter()
         .map(|number| {
@@ -71,7 +86,7 @@ pub fn round_trips(
             let found = trace.axes.iter().flat_map(|axis| {
                 axis.found.iter().map(|found| format!("{}: {}", axis.axis, found.effect.name()))
             });
-            done();
+            done(1 + finished.fetch_add(1, Ordering::Relaxed));
             Ok(RoundTrip {
                 seed,
                 effects: effects.iter().map(|(axis, effect)| format!("{axis}: {}", effect.name())).collect(),

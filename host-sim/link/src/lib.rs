@@ -21,8 +21,8 @@ use files::error::quoted;
 /// the maximum time for an answer.
 ///
 /// # Errors
-/// [`ControllerError::Port`] if there is no such port; [`ControllerError::Link`] if the program or the emulator is missing
-/// or does not start.
+/// [`ControllerError::Port`] if there is no such port; [`ControllerError::Link`] if the program or the emulator is missing,
+/// does not start, or has another version than this program.
 pub fn open(port: &str, timeout: Duration) -> Result<Emulator, ControllerError> {
     let program = match port.split_once(':') {
         None if port == "emulated" => emulator::default_program(),
@@ -34,7 +34,9 @@ pub fn open(port: &str, timeout: Duration) -> Result<Emulator, ControllerError> 
             )));
         }
     };
-    Emulator::start(&program, timeout).map_err(ControllerError::Link)
+    let mut emulator = Emulator::start(&program, timeout).map_err(ControllerError::Link)?;
+    remote::identify(&mut emulator)?;
+    Ok(emulator)
 }
 
 #[cfg(test)]

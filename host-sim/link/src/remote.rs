@@ -6,7 +6,7 @@ use shared::config::{AxisSettings, Rates};
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
 use shared::protocol::{
-    self, AXES, Answer, FRAME, LONGEST_ORDER, Order, PART, Part, Refusal, Setup, TickResult,
+    self, AXES, Answer, FRAME, LONGEST_ORDER, Order, PART, Part, Refusal, SOURCES, Setup, TickResult,
 };
 use shared::scalar::{Fixed, Scalar};
 use shared::units::Position;
@@ -25,6 +25,23 @@ pub trait Connection {
     /// # Errors
     /// The failure of the connection, in one line.
     fn exchange(&mut self, frame: &mut Frame) -> Result<(), String>;
+}
+
+/// Checks that the program at the other end was built from the same sources as this one.
+///
+/// # Errors
+/// [`ControllerError::Link`] if it was not, or the connection fails.
+pub fn identify(connection: &mut impl Connection) -> Result<(), ControllerError> {
+    let mut frame = [0; FRAME];
+    protocol::encode(&Order::Identify, &mut frame).map_err(|error| unexpected(&error))?;
+    connection.exchange(&mut frame).map_err(ControllerError::Link)?;
+    match protocol::decode(&frame) {
+        Ok(Answer::Sources(SOURCES)) => Ok(()),
+        _ => Err(ControllerError::Link(
+            "the program of the emulated core has another version than this one: build it with `cargo emulated`"
+                .to_owned(),
+        )),
+    }
 }
 
 /// The controller of a machine of one or two axes at the other end of a connection.
@@ -388,5 +405,24 @@ mod tests {
                 .err();
         let Some(ControllerError::Link(message)) = error else { panic!("{error:?}") };
         assert!(message.contains("unexpected answer") && !message.contains('\n'), "{message}");
+    }
+
+    /// Answers every frame by the same answer.
+    struct Other(Answer);
+
+    impl Connection for Other {
+        fn exchange(&mut self, frame: &mut Frame) -> Result<(), String> {
+            protocol::encode(&self.0, frame).map_err(|error| error.to_string())
+        }
+    }
+
+    #[test]
+    fn a_program_of_another_version_is_refused() {
+        assert!(identify(&mut Direct::default()).is_ok());
+        // A version that does not know the order answers that it cannot read it.
+        for answer in [Answer::Sources(SOURCES ^ 1), Answer::Refused(Refusal::Unreadable), Answer::Ready] {
+            let message = identify(&mut Other(answer)).unwrap_err().to_string();
+            assert!(message.contains("build it with `cargo emulated`"), "{message}");
+        }
     }
 }

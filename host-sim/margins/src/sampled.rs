@@ -1,6 +1,7 @@
 //! A linear sampled system with one input and one output: x ← A·x + b·u, y = c·x.
 
-use nalgebra::{Complex, DMatrix, DVector, RowDVector};
+use nalgebra::linalg::balancing::balance_parlett_reinsch;
+use nalgebra::{Complex, DMatrix, DVector, RowDVector, Schur};
 
 /// A sampled system; its output does not depend on the input of the same sample.
 #[derive(Clone, Debug)]
@@ -42,12 +43,27 @@ impl Sampled {
     /// Eigenvalues of A.
     #[must_use]
     pub fn poles(&self) -> Vec<Complex<f64>> {
-        self.a.complex_eigenvalues().iter().copied().collect()
+        eigenvalues(&self.a)
     }
 
     /// Eigenvalues of the closed loop u = −y.
     #[must_use]
     pub fn closed_loop_poles(&self) -> Vec<Complex<f64>> {
-        (&self.a - &self.b * &self.c).complex_eigenvalues().iter().copied().collect()
+        eigenvalues(&(&self.a - &self.b * &self.c))
     }
+}
+
+/// Eigenvalues of a matrix. The states have units from metres to newtons: the matrix is balanced first. If the iteration does not
+/// converge at a tolerance, a larger one is tried; an infinite eigenvalue, of an unstable system, stands for a matrix without any.
+fn eigenvalues(matrix: &DMatrix<f64>) -> Vec<Complex<f64>> {
+    const TOLERANCES: [f64; 3] = [f64::EPSILON, 1e-13, 1e-11];
+    const MAX_ITERATIONS: usize = 1000;
+    let mut balanced = matrix.clone();
+    balance_parlett_reinsch(&mut balanced);
+    let schur =
+        TOLERANCES.iter().find_map(|tolerance| Schur::try_new(balanced.clone(), *tolerance, MAX_ITERATIONS));
+    schur.map_or_else(
+        || vec![Complex::new(f64::INFINITY, 0.0)],
+        |schur| schur.complex_eigenvalues().iter().copied().collect(),
+    )
 }

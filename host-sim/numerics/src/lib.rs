@@ -4,6 +4,7 @@
 //! - [`averages`]: mean, root mean square, standard deviation, median, quantile
 //! - [`bins`]: mean of one variable over equal bins of another
 //! - [`noise`]: standard normal deviates
+//! - [`resample`]: a sampled signal, delayed
 //! - [`spectrum`]: power spectrum
 //! - [`distributions`]: F test, Student's t, Wilson's interval of a probability
 //!
@@ -16,6 +17,7 @@ pub mod bins;
 pub mod distributions;
 pub mod extremes;
 pub mod noise;
+pub mod resample;
 pub mod spectrum;
 
 pub use averages::{mean, mean_and_deviation, median, quantile, rms, rms_reduction_percent};

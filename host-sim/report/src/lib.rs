@@ -1,5 +1,5 @@
 //! What a trace found, for people: its page and its sentences. [`friction_map`] is the page of a steady-state friction
-//! map, [`verification_page`] that of motions before and after a change.
+//! map, [`verification_page`] that of motions before and after a change, [`improvement_page`] that of several rounds.
 //!
 //! | file | |
 //! |---|---|
@@ -12,19 +12,20 @@
 //! | `axis_view` | the plotted residuals |
 //! | `residual_plots` | residuals over time and over a `variable` |
 //! | `circle_plots` | a circle, from `contour::circle_fit` and `radial_deviation` |
-//! | [`round_trip`] | motions before, as predicted, and after a compensation |
+//! | [`before_after`] | motions before, as predicted, and after a compensation |
 //! | [`ranking`] | the candidates of each round |
 
 mod axis_view;
+pub mod before_after;
 mod caveats;
 mod circle_plots;
 mod data_faults;
 pub mod friction_map;
+pub mod improvement_page;
 mod parameters;
 mod radial_deviation;
 pub mod ranking;
 mod residual_plots;
-pub mod round_trip;
 pub mod sentences;
 mod tables;
 pub mod trace_page;

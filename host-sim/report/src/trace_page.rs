@@ -5,8 +5,8 @@ use std::path::{Path, PathBuf};
 use maud::{Markup, html};
 
 use super::axis_view::AxisView;
-use super::round_trip::RoundTripMotion;
-use super::{circle_plots, ranking, residual_plots, round_trip, sentences, tables};
+use super::before_after::{self, RoundTripMotion};
+use super::{circle_plots, ranking, residual_plots, sentences, tables};
 use contour::logged::LogError;
 use files::output::OutputError;
 use model::effects::Effect;
@@ -52,7 +52,7 @@ pub fn html(trace: &Trace, extra: &Extra) -> String {
         (section("Effects found", &found(trace, extra)))
         (section("Residuals before and after", &tables::errors(&trace.axes)))
         (section("Contour error", &tables::contour_errors(&extra.contour_errors)))
-        (section("Before and after the compensation", &round_trip::body(&extra.round_trip.0, &extra.round_trip.1)))
+        (section("Before and after the compensation", &before_after::round_trip(&extra.round_trip.0, &extra.round_trip.1)))
         (section("The circle", &circle_plots::body(trace, &views)))
         (section("The residual of each stage", &residual_plots::body(trace, &views)))
         (section("Candidates tested", &ranking::body(&trace.axes)))

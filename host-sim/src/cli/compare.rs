@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::outputs::print;
+use super::outputs::{print, write_json};
 use super::progress::Progress;
 use files::error::InputError;
-use files::output::write_whole;
 use link::controller::Format;
 use link::emulator::{self, DEFAULT_TIMEOUT, Emulator};
 use studies::compare::motion::Motion;
@@ -51,10 +50,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let mut comparison = compare::run(&options, &|what| progress.show(what))?;
     drop(progress);
     comparison.not_counted = not_counted;
-    if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&comparison)?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    write_json(arguments.json.as_ref(), &comparison)?;
     let mut output = summary(&comparison);
     if let Some(folder) = &arguments.report {
         let path = compare::page::write(folder, &comparison, &sentences(&comparison))?;

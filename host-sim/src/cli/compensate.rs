@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::compensation::check_margins;
 use super::margins::LimitArguments;
-use super::outputs::{check_outputs, print};
+use super::outputs::{check_outputs, print, write_json};
 use super::progress::Progress;
 use compensate::plan::Planning;
 use compensate::prediction::{PredictionError, TestMotion};
@@ -81,12 +81,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     check_margins(&plan.file, &model_file, &model, limits)?;
     let toml = plan.file.to_toml()?;
     write_whole(&arguments.out, |out| out.write_all(toml.as_bytes()))?;
-    if let Some(path) = &arguments.json {
-        let mut value = compensate::json::of(&plan);
-        value["margins"] = loop_margins(&model, &plan.file, limits).unwrap_or_default();
-        let text = serde_json::to_string_pretty(&value)?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    let mut json = compensate::json::of(&plan);
+    json["margins"] = loop_margins(&model, &plan.file, limits).unwrap_or_default();
+    write_json(arguments.json.as_ref(), &json)?;
     print(&text::of(&plan))
 }
 
@@ -105,7 +102,7 @@ fn loop_margins(
 }
 
 /// The motions of files, or the default ones.
-fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
+pub fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, InputError> {
     let of = |motion: Motion, source: String| TestMotion { motion, source, start_s };
     if paths.is_empty() {
         return MOTIONS
@@ -117,7 +114,7 @@ fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, Inpu
 }
 
 /// A model that lacks a key, or a setting that the controller refuses, is an error of the input.
-fn input_or_failure(error: PredictionError, model_file: &str) -> Error {
+pub fn input_or_failure(error: PredictionError, model_file: &str) -> Error {
     match error {
         PredictionError::Input(error) => error.into(),
         PredictionError::Simulation { error: SimulationError::Lacks { axis, key }, .. } => {

@@ -6,16 +6,15 @@ use anyhow::Result;
 
 use serde_json::json;
 
-use super::outputs::print;
+use super::outputs::{print, write_json};
 use super::progress::Progress;
 use super::summary;
 use compensate::round_trip::{Compared, totals_um};
-use contour::ContourError;
+use contour::comparison::{self, Comparison};
 use demo::round_trips::{Figures, MAX_PREDICTION_ERROR, RoundTrip};
-use demo::{self, Demo};
+use demo::{self, Demo, Traced};
 use files::error::InputError;
-use files::output::write_whole;
-use report::round_trip::RoundTripMotion;
+use report::before_after::RoundTripMotion;
 use report::trace_page::{self, Extra};
 use trace::stages::stage_names;
 
@@ -50,25 +49,25 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let progress = Progress::start();
     let demo = demo::run(arguments.seed, &|what| progress.show(what))?;
     drop(progress);
-    if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&demo.json())?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    write_json(arguments.json.as_ref(), &demo.json())?;
+    let traced = &demo.traced;
     let extra = Extra {
-        title: format!("Lost motion of the demo machine, seed {}", demo.seed),
-        lead: vec![INTRODUCTION.to_owned(), headline(&demo)],
-        truth: Some(vec![(demo.drawn.axis.clone(), demo.drawn.effect.clone())]),
+        title: format!("Lost motion of the demo machine, seed {}", traced.seed),
+        lead: vec![INTRODUCTION.to_owned(), headline(traced)],
+        truth: Some(vec![(traced.drawn.axis.clone(), traced.drawn.effect.clone())]),
         round_trip: (round_trip_motions(&demo), compensated(&demo)),
         ..Extra::default()
     };
-    let path = trace_page::write(&arguments.report, &demo.trace, &extra)?;
+    let path = trace_page::write(&arguments.report, &demo.traced.trace, &extra)?;
+    let rows: Vec<Comparison> =
+        demo.compensated.motions.iter().map(|motion| Comparison::new(&motion.name, &motion.errors)).collect();
     print(&format!(
         "{INTRODUCTION}\n\n{}\n\n{}\n{}\n\n{}\n\n{}\n\nReport: {}",
-        summary::of_trace(&demo.trace),
-        headline(&demo),
-        reveal(&demo),
+        summary::of_trace(&traced.trace),
+        headline(traced),
+        reveal(traced),
         compensated(&demo),
-        table(&demo),
+        comparison::text(&rows),
         path.display()
     ))
 }
@@ -83,23 +82,6 @@ fn compensated(demo: &Demo) -> String {
     )
 }
 
-fn table(demo: &Demo) -> String {
-    let mut lines = vec![
-        format!("{:<16}{:>27}{:>27}{:>27}", "contour error, µm", "rms", "greatest", "circular deviation G"),
-        format!("{:<16}{}", "motion", format!("{:>9}{:>9}{:>9}", "before", "predict.", "after").repeat(3)),
-    ];
-    let cell = |value: Option<f64>| value.map_or(format!("{:>9}", "–"), |um| format!("{um:>9.2}"));
-    for motion in &demo.compensated.motions {
-        let of = |value: fn(&ContourError) -> Option<f64>| {
-            motion.errors.iter().map(value).map(cell).collect::<String>()
-        };
-        let [rms, max, circular] =
-            [of(|error| Some(error.rms_um)), of(|error| Some(error.max_um)), of(ContourError::circular_um)];
-        lines.push(format!("{:<16}{rms}{max}{circular}", motion.name));
-    }
-    lines.join("\n")
-}
-
 fn round_trip_motions(demo: &Demo) -> Vec<RoundTripMotion> {
     let one = |motion: &Compared| RoundTripMotion {
         name: motion.name.clone(),
@@ -111,26 +93,16 @@ fn round_trip_motions(demo: &Demo) -> Vec<RoundTripMotion> {
 
 /// The round trips of many machines.
 fn round_trips(arguments: &Arguments, count: u64) -> Result<()> {
-    let progress = Progress::start();
+    let progress = Progress::with_bar(count);
     progress.show("logging, tracing, compensating and running the machines again");
-    let trips = demo::round_trips::round_trips(arguments.seed, count, arguments.feedforward_set, &|| ())?;
+    let done = |machines| progress.set_done(machines);
+    let trips = demo::round_trips::round_trips(arguments.seed, count, arguments.feedforward_set, &done)?;
     drop(progress);
     let Some(figures) = Figures::of(&trips) else {
         return Err(InputError::expected("--machines", "at least 1", count).into());
     };
-    if let Some(path) = &arguments.json {
-        let machine = |trip: &RoundTrip| {
-            let [before, predicted, after] = trip.contour_um;
-            json!({
-                "seed": trip.seed, "effects": trip.effects, "found": trip.found,
-                "contour_error_um": {"before": before, "predicted": predicted, "after": after},
-            })
-        };
-        let value =
-            json!({"summary": figures.json(), "machines": trips.iter().map(machine).collect::<Vec<_>>()});
-        let text = serde_json::to_string_pretty(&value)?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    let machines: Vec<_> = trips.iter().map(RoundTrip::json).collect();
+    write_json(arguments.json.as_ref(), &json!({"summary": figures.json(), "machines": machines}))?;
     print(&round_trip_text(&trips, &figures))
 }
 
@@ -172,12 +144,12 @@ const INTRODUCTION: &str = "A simulated two-axis machine executed circles, a mot
                             Its logs were traced with its declared model.";
 
 /// The residual before and after, on held-out motions.
-fn headline(demo: &Demo) -> String {
-    let Some(h) = demo.headline() else { return "No residual could be evaluated.".to_owned() };
+fn headline(traced: &Traced) -> String {
+    let Some(h) = traced.headline() else { return "No residual could be evaluated.".to_owned() };
     format!(
         "On held-out motions, the {} residual of {} changed from {:.3} to {:.3} µm; the sensor noise is {:.3} µm.",
         stage_names(&[h.stage]),
-        demo.drawn.axis,
+        traced.drawn.axis,
         h.before,
         h.after,
         h.noise
@@ -185,8 +157,8 @@ fn headline(demo: &Demo) -> String {
 }
 
 /// The true effect, which the tracer did not know, and whether it was identified.
-fn reveal(demo: &Demo) -> String {
-    let verdict = if demo.is_named() { "identified" } else { "not identified" };
-    let truth = demo.drawn.effect.sentence(&[], false);
-    format!("True effect (seed {}): {}: {truth} ({verdict}).", demo.seed, demo.drawn.axis)
+fn reveal(traced: &Traced) -> String {
+    let verdict = if traced.is_named() { "identified" } else { "not identified" };
+    let truth = traced.drawn.effect.sentence(&[], false);
+    format!("True effect (seed {}): {}: {truth} ({verdict}).", traced.seed, traced.drawn.axis)
 }

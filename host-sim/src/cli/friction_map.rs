@@ -4,9 +4,8 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::outputs::{check_outputs, print};
+use super::outputs::{check_outputs, print, write_json};
 use files::error::InputError;
-use files::output::write_whole;
 use friction_map::json::json;
 use friction_map::residual_analysis::analyse;
 use friction_map::{FrictionMap, explain};
@@ -25,10 +24,7 @@ pub fn run(path: &Path, json_path: Option<&PathBuf>, folder: Option<&PathBuf>) -
         InputError::expected(&map.source, expected, "none")
     })?;
     let residual = analyse(&map, &explanation.selection.fitted.law);
-    if let Some(path) = json_path {
-        let text = serde_json::to_string_pretty(&json(&map, &explanation, residual.as_ref()))?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    write_json(json_path, &json(&map, &explanation, residual.as_ref()))?;
     let mut lines = sentences(&map, &explanation);
     lines.push(String::new());
     lines.extend(error_table(&map, &explanation));

@@ -4,10 +4,9 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::outputs::{check_outputs, print};
+use super::outputs::{check_outputs, print, write_json};
 use compensate::CompensationFile;
 use files::error::InputError;
-use files::output::write_whole;
 use margins::{MarginLimits, axis_margins, json, text};
 use model::machine::Machine;
 use plant::instruments::Instruments;
@@ -73,9 +72,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let axes = axis_margins::of_machine(&machine, &Instruments::of(&machine, 0), limits)
         .map_err(|error| InputError::new(&arguments.machine.display().to_string(), error.to_string()))?;
-    if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&json::of(&axes, limits))?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    write_json(arguments.json.as_ref(), &json::of(&axes, limits))?;
     print(&text::of(&axes, limits))
 }

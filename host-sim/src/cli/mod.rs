@@ -1,11 +1,13 @@
 //! The command line: arguments, results on stdout, progress on stderr, exit codes.
 
 mod batch;
+mod board;
 mod compare;
 mod compensate;
 mod compensation;
 mod demo;
 mod friction_map;
+mod improve;
 mod input_error;
 mod logged_run;
 mod margins;
@@ -19,6 +21,7 @@ mod simulate;
 mod stop;
 mod summary;
 mod trace;
+mod tune;
 mod verify;
 
 use std::process::ExitCode;
@@ -26,6 +29,7 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use files::error::InputError;
+use shared::link::Request;
 use stop::Stopped;
 
 /// Identifies effects of a machine that are missing from its declared model.
@@ -42,8 +46,36 @@ enum Command {
     Demo(demo::Arguments),
     /// Run a motion on a simulated machine in closed loop and log it.
     Simulate(simulate::Arguments),
-    /// Run a motion with the controller on the emulated core and log it; boards on a serial port are not supported yet.
+    /// Run a motion with the controller on the emulated core, or on a servo board, and log it.
     Record(record::Arguments),
+    /// List the serial ports, and the emulated servo board.
+    Ports,
+    /// What a servo board is and does, with its last faults.
+    Status(board::status::Arguments),
+    /// Send the settings of a machine file, and a compensation, to a servo board.
+    Upload(board::upload::Arguments),
+    /// Switch the drives of a servo board on.
+    Enable(board::simple::Arguments),
+    /// Switch the drives of a servo board off at once.
+    Disable(board::simple::Arguments),
+    /// Acknowledge a fault of a servo board.
+    Clear(board::simple::Arguments),
+    /// Move one axis of a servo board.
+    Jog(board::jog::Arguments),
+    /// Move an axis of a servo board to its reference.
+    Home(board::simple::HomeArguments),
+    /// Feed hold: decelerate along the path, which `resume` continues.
+    Hold(board::simple::Arguments),
+    /// Continue the path after a hold, and wait for its end.
+    Resume(board::simple::Arguments),
+    /// Decelerate along the path and discard the rest of it.
+    Stop(board::simple::Arguments),
+    /// Print a line about a servo board again and again.
+    Monitor(board::monitor::Arguments),
+    /// Record every tick in the memory of a servo board and write the log.
+    Capture(board::capture::Arguments),
+    /// Operate the switches of the simulated machine of the emulated servo board.
+    Bench(board::bench::Arguments),
     /// Turn the effects of a model into the compensation that the controller applies, and predict the contour error.
     Compensate(compensate::Arguments),
     /// Run the same motions in fixed point, f32, f64 and with f32 positions, and compare errors and cost.
@@ -58,6 +90,10 @@ enum Command {
     Trace(trace::Arguments),
     /// Compute gain and phase margins of the velocity and position loops of a machine file.
     Margins(margins::Arguments),
+    /// Log, trace, compensate and run a simulated machine again, round after round, until nothing more is gained.
+    Improve(improve::Arguments),
+    /// Propose gains, control law, feedback and feed-forward from the plant of a machine file, with their margins.
+    Tune(tune::Arguments),
     /// Compare the contour error of the same motions before and after a change with each other and with the prediction.
     Verify(verify::Arguments),
 }
@@ -71,6 +107,24 @@ pub fn run() -> ExitCode {
         Command::Demo(arguments) => demo::run(&arguments),
         Command::Simulate(arguments) => simulate::run(&arguments),
         Command::Record(arguments) => record::run(&arguments),
+        Command::Ports => board::ports::run(),
+        Command::Status(arguments) => board::status::run(&arguments),
+        Command::Upload(arguments) => board::upload::run(&arguments),
+        Command::Enable(arguments) => board::simple::enable(&arguments),
+        Command::Disable(arguments) => {
+            board::simple::send(&arguments, &Request::Disable, "The drives are off.")
+        }
+        Command::Clear(arguments) => {
+            board::simple::send(&arguments, &Request::Clear, "The fault is acknowledged.")
+        }
+        Command::Jog(arguments) => board::jog::run(&arguments),
+        Command::Home(arguments) => board::simple::home(&arguments),
+        Command::Hold(arguments) => board::simple::send(&arguments, &Request::Hold, "The path is held."),
+        Command::Resume(arguments) => board::simple::resume(&arguments),
+        Command::Stop(arguments) => board::simple::stop(&arguments),
+        Command::Monitor(arguments) => board::monitor::run(&arguments),
+        Command::Capture(arguments) => board::capture::run(&arguments),
+        Command::Bench(arguments) => board::bench::run(&arguments),
         Command::Compensate(arguments) => compensate::run(&arguments),
         Command::Margins(arguments) => margins::run(&arguments),
         Command::Compare(arguments) => compare::run(&arguments),
@@ -78,6 +132,8 @@ pub fn run() -> ExitCode {
         Command::Sensors(arguments) => sensors::run(&arguments),
         Command::SelfTest(arguments) => self_test::run(&arguments),
         Command::Trace(arguments) => trace::run(&arguments),
+        Command::Improve(arguments) => improve::run(&arguments),
+        Command::Tune(arguments) => tune::run(&arguments),
         Command::Verify(arguments) => verify::run(&arguments),
     };
     match outcome {

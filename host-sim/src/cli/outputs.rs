@@ -3,7 +3,10 @@
 use std::io::{ErrorKind, Write, stdout};
 use std::path::{Path, PathBuf};
 
+use serde::Serialize;
+
 use files::error::{InputError, quoted};
+use files::output::write_whole;
 
 /// Checks that no output overwrites an input or another output. `outputs` are the flags and their paths.
 pub fn check_outputs(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> Result<(), InputError> {
@@ -22,6 +25,16 @@ pub fn check_outputs(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> 
         taken.push(path);
     }
     Ok(())
+}
+
+/// Writes a result as JSON, if a path is given.
+///
+/// # Errors
+/// If the file cannot be written.
+pub fn write_json(path: Option<&PathBuf>, value: &impl Serialize) -> anyhow::Result<()> {
+    let Some(path) = path else { return Ok(()) };
+    let text = serde_json::to_string_pretty(value)?;
+    Ok(write_whole(path, |out| out.write_all(text.as_bytes()))?)
 }
 
 /// Prints the result on stdout. A closed pipe is not an error: all files have been written before.

@@ -6,6 +6,7 @@ use std::time::Duration;
 
 use anyhow::Result;
 
+use super::board;
 use super::compensation::Compensated;
 use super::input_error::Inputs;
 use super::logged_run;
@@ -29,7 +30,8 @@ const MAX_TIMEOUT_S: f64 = 3600.0;
 /// Arguments of `record`.
 #[derive(clap::Args)]
 pub struct Arguments {
-    /// `emulated`, or `emulated:PATH` of its program.
+    /// `emulated`, or `emulated:PATH` of its program: the controller on an emulated core, with the machine simulated here.
+    /// `bench`, a serial port or a socket: a servo board with its own machine.
     #[arg(long)]
     port: String,
     /// Machine file; default: the demo machine.
@@ -58,6 +60,9 @@ pub struct Arguments {
 /// Invalid input, a failed connection, a fault of the loop, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let timeout = timeout(arguments.timeout_s)?;
+    if !is_core(&arguments.port) {
+        return on_board(arguments);
+    }
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
     let files = [machine_path, &arguments.motion].into_iter().chain(arguments.compensation.as_deref());
     check_outputs(&files.collect::<Vec<_>>(), &[("--out", Some(&arguments.out))])?;
@@ -96,6 +101,37 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         statistics.summary(),
         costs.summary()
     ))
+}
+
+/// Whether a port is the emulated core, whose machine is simulated here.
+fn is_core(port: &str) -> bool {
+    port == "emulated" || port.starts_with("emulated:")
+}
+
+/// Runs the motion on a servo board.
+fn on_board(arguments: &Arguments) -> Result<()> {
+    if arguments.compensation.is_some() {
+        let problem = "a board keeps its compensation: send it with `upload` before";
+        return Err(InputError::new("--compensation", problem).into());
+    }
+    let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
+    check_outputs(&[machine_path, &arguments.motion], &[("--out", Some(&arguments.out))])?;
+    let (machine, machine_file) = match &arguments.machine {
+        Some(path) => (Machine::read(path)?, path.display().to_string()),
+        None => (
+            Machine::parse(board::record::BENCH_MACHINE, board::record::BENCH_MACHINE_FILE)?,
+            board::record::BENCH_MACHINE_FILE.to_owned(),
+        ),
+    };
+    board::record::run(&board::record::Recording {
+        port: &arguments.port,
+        timeout_s: arguments.timeout_s,
+        machine: &machine,
+        machine_file: &machine_file,
+        motion: &Motion::read(&arguments.motion)?,
+        motion_file: &arguments.motion.display().to_string(),
+        out: &arguments.out,
+    })
 }
 
 /// Connects to the controller at a port and sets it up for a machine.

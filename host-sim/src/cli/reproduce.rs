@@ -4,10 +4,9 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::outputs::print;
+use super::outputs::{print, write_json};
 use super::progress::Progress;
 use files::format::significant;
-use files::output::write_whole;
 use studies::reproduce::{self, Reproduction};
 
 /// Arguments of `reproduce`.
@@ -29,10 +28,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let progress = Progress::start();
     let reproduction = reproduce::run(&|what| progress.show(what))?;
     drop(progress);
-    if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&reproduction)?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    write_json(arguments.json.as_ref(), &reproduction)?;
     let mut output = summary(&reproduction);
     if let Some(folder) = &arguments.report {
         let path = reproduce::page::write(folder, &reproduction, &sentence(&reproduction))?;

@@ -3,13 +3,12 @@
 use std::path::{Path, PathBuf};
 
 use anyhow::Result;
-use serde_json::Value;
 
 use super::batch::{Batch, Results, Show};
-use super::outputs::{check_outputs, print};
+use super::outputs::{check_outputs, print, write_json};
 use super::stop::{self, Stopped};
 use files::error::InputError;
-use files::output::{remove_unfinished, write_whole};
+use files::output::remove_unfinished;
 use numerics::quantile;
 use self_test::case::Case;
 use self_test::detection::{Detection, SizedCase, detect};
@@ -127,7 +126,10 @@ fn run_case(arguments: &Arguments, (kind, number): (Kind, u64), show: Show<'_>) 
 fn write_kinds(arguments: &Arguments, results: &Results<Option<Outcome>>) -> Result<()> {
     let outcomes: Vec<Outcome> = results.done.iter().flatten().cloned().collect();
     let summary = Summary::new(&outcomes);
-    write_json(arguments, || self_test::json(arguments.seed, arguments.cases, &outcomes, &summary))?;
+    write_json(
+        arguments.json.as_ref(),
+        &self_test::json(arguments.seed, arguments.cases, &outcomes, &summary),
+    )?;
     let sentences = text_summary::sentences(arguments.seed, &summary);
     let tables = text_summary::tables(&outcomes, &summary);
     let page = |folder: &Path| self_test::page::write(folder, &sentences, &outcomes, &summary);
@@ -149,21 +151,14 @@ fn run_detection(arguments: &Arguments) -> Result<()> {
         format!("{found} of {} found; ", done.len())
     })?;
     let curve = Curve::new(&results.done);
-    write_json(arguments, || detection_curve::json(seed, arguments.cases, &results.done, &curve))?;
+    let json = detection_curve::json(seed, arguments.cases, &results.done, &curve);
+    write_json(arguments.json.as_ref(), &json)?;
     let sentences = detection_text::sentences(seed, &results.done, &curve);
     let tables = detection_text::tables(&results.done, &curve);
     let page = |folder: &Path| detection_text::write_page(folder, &sentences, &results.done, &curve);
     let report = arguments.report.as_deref().map(page).transpose()?;
     print_summary(arguments, &[&sentences.join("\n"), &tables], &results.seconds, report)?;
     ended(&results)
-}
-
-fn write_json(arguments: &Arguments, json: impl Fn() -> Value) -> Result<()> {
-    if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&json())?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
-    Ok(())
 }
 
 fn print_summary(

@@ -4,9 +4,8 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::outputs::print;
+use super::outputs::{print, write_json};
 use super::progress::Progress;
-use files::output::write_whole;
 use studies::sensors;
 
 /// Arguments of `sensors`.
@@ -28,10 +27,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let progress = Progress::start();
     let study = sensors::run(&|what| progress.show(what))?;
     drop(progress);
-    if let Some(path) = &arguments.json {
-        let text = serde_json::to_string_pretty(&study)?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    write_json(arguments.json.as_ref(), &study)?;
     let mut output = sensors::text::of(&study);
     if let Some(folder) = &arguments.report {
         let path = sensors::page::write(folder, &study)?;

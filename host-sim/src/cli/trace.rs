@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::outputs::{check_outputs, print};
+use super::outputs::{check_outputs, print, write_json};
 use super::progress::Progress;
 use super::{friction_map, summary};
 use contour::logged::LogError;
@@ -99,14 +99,9 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     if let Some(path) = &arguments.propose {
         output += propose(&trace, path)?;
     }
-    if let Some(path) = &arguments.json {
-        let mut json = trace::json::of(&trace, arguments.empirical);
-        if let Some(json) = json.as_object_mut() {
-            json.insert("contour".to_owned(), contour::json::of_logs(&contour_errors));
-        }
-        let text = serde_json::to_string_pretty(&json)?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    let mut json = trace::json::of(&trace, arguments.empirical);
+    json["contour"] = contour::json::of_logs(&contour_errors);
+    write_json(arguments.json.as_ref(), &json)?;
     if let Some(path) = &arguments.model {
         write_whole(path, |out| out.write_all(trace.better_machine().to_toml().as_bytes()))?;
     }

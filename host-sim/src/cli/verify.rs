@@ -5,15 +5,15 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use serde_json::json;
 
-use super::outputs::{check_outputs, print};
+use super::outputs::{check_outputs, print, write_json};
 use super::progress::Progress;
 use compensate::alignment::aligned;
+use contour::comparison;
 use contour::verification::{Change, Predictions, VerifiedMotion, pairs};
 use files::error::InputError;
 use files::log::{Log, Unit};
-use files::output::write_whole;
 use model::machine::Machine;
-use report::verification_page::{self, figures, remarks, summary};
+use report::verification_page::{self, remarks, summary};
 
 /// Arguments of `verify`.
 #[derive(clap::Args)]
@@ -51,11 +51,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let machine = Machine::read(&arguments.machine)?;
     let predictions = arguments.predicted.as_deref().map(Predictions::read).transpose()?.unwrap_or_default();
     let motions = verified(arguments, &machine, &predictions)?;
-    if let Some(path) = &arguments.json {
-        let all: Vec<_> = motions.iter().map(VerifiedMotion::json).collect();
-        let text = serde_json::to_string_pretty(&json!({"motions": all}))?;
-        write_whole(path, |out| out.write_all(text.as_bytes()))?;
-    }
+    let all: Vec<_> = motions.iter().map(VerifiedMotion::json).collect();
+    write_json(arguments.json.as_ref(), &json!({"motions": all}))?;
     let mut output = text(&motions, arguments.predicted.is_some());
     if let Some(folder) = &arguments.report {
         let path = verification_page::write(folder, &machine.name, &motions)?;
@@ -103,13 +100,8 @@ fn text(motions: &[VerifiedMotion], has_predictions: bool) -> String {
     let mut lines = vec![
         summary(motions),
         String::new(),
-        format!("{:<20}{:>30}{:>30}{:>30}", "motion", "rms µm", "greatest µm", "circular deviation G µm"),
-        format!("{:<20}{}", "", format!("{:>10}{:>10}{:>10}", "before", "predicted", "after").repeat(3)),
+        comparison::text(&motions.iter().map(VerifiedMotion::comparison).collect::<Vec<_>>()),
     ];
-    let cell = |value: Option<f64>| value.map_or(format!("{:>10}", "–"), |um| format!("{um:>10.3}"));
-    lines.extend(
-        motions.iter().map(|motion| format!("{:<20}{}", motion.name, figures(motion).map(cell).concat())),
-    );
     let mut remarks = remarks(motions);
     if has_predictions {
         let missing = motions.iter().filter(|motion| motion.predicted.is_none());

@@ -14,7 +14,7 @@ use super::slew::Slew;
 use super::state::{Correction, SlowTerms, State};
 use super::table::Table;
 use super::talk::Talk;
-use crate::scalar::Scalar;
+use crate::scalar::{Fixed, Scalar};
 use crate::units::Position;
 
 /// The compensations of one axis.
@@ -31,9 +31,9 @@ pub struct AxisCompensation<S: Scalar> {
     pub(super) straightness: Option<(u8, Straightness<S>)>,
     pub(super) ripple: Cycles<S>,
     /// Force feed-forward, with its tables over the position.
-    pub(super) model: Option<Force<S>>,
-    pub(super) load: Option<Table<S>>,
-    pub(super) friction_map: Option<Table<S>>,
+    pub(super) model: Option<Force>,
+    pub(super) load: Option<Table<Fixed>>,
+    pub(super) friction_map: Option<Table<Fixed>>,
     /// Error units per N on the table.
     pub(super) stretch: Option<S::Gain>,
     pub(super) drift: Option<Drift<S>>,
@@ -83,6 +83,7 @@ impl<S: Scalar> AxisCompensation<S> {
     }
 
     /// The correction of the command, once per command.
+    #[inline(never)]
     pub(super) fn command<const N: usize>(
         &self,
         state: &mut State<S>,
@@ -101,11 +102,9 @@ impl<S: Scalar> AxisCompensation<S> {
         self.forces_of_motion(state, own);
         let screw = self.screw_correction(state, own);
         let slow = &state.slow;
-        let mut sum = screw.widen() + slow.scale_pitch.widen() + slow.straightness.widen();
-        sum += slow.drift.widen();
-        sum += slow.intalk * own.acceleration;
+        let mut sum = own.acceleration * slow.intalk;
         if let Some((source, _)) = &self.crosstalk {
-            sum += slow.crosstalk * other(*source).acceleration;
+            sum += other(*source).acceleration * slow.crosstalk;
         }
         if let Some((source, squareness)) =
             self.squareness.as_ref().filter(|_| state.is_on(CompensationKind::Squareness))
@@ -113,7 +112,8 @@ impl<S: Scalar> AxisCompensation<S> {
             sum += squareness.correction(other(*source));
         }
         self.command.step(&mut state.screw, screw);
-        self.command.step(&mut state.command, S::round(sum));
+        let slow_sum = slow.scale_pitch + slow.straightness + slow.drift;
+        self.command.step(&mut state.command, screw + slow_sum + S::round(sum));
         state.correction()
     }
 
@@ -127,7 +127,7 @@ impl<S: Scalar> AxisCompensation<S> {
             screw = screw + backlash.correction(own);
         }
         if let Some(stretch) = self.stretch.filter(|_| state.is_on(CompensationKind::Stretch)) {
-            screw = screw + S::round(state.model.on_table * stretch);
+            screw = screw + S::round(S::from_fixed(state.model.on_table) * stretch);
         }
         screw
     }
@@ -143,6 +143,7 @@ impl<S: Scalar> AxisCompensation<S> {
     }
 
     /// Evaluates a slow term: at 1 m/s and 4 kHz with all seven, each of them is evaluated every 1.75 mm.
+    #[inline(never)]
     fn evaluate<'a>(
         &self,
         term: SlowTerm,
@@ -169,22 +170,22 @@ impl<S: Scalar> AxisCompensation<S> {
             }
             SlowTerm::Intalk => {
                 let talk = self.intalk.as_ref().filter(|_| is_on(CompensationKind::Intalk));
-                state.slow.intalk = talk.map_or(none, |talk| talk.correction(own.position));
+                state.slow.intalk = talk.map_or(none, |talk| talk.correction(own.position)).to_gain();
             }
             SlowTerm::Crosstalk => {
                 let talk = self.crosstalk.as_ref().filter(|_| is_on(CompensationKind::Crosstalk));
-                state.slow.crosstalk = talk.map_or(none, |(_, talk)| talk.correction(own.position));
+                state.slow.crosstalk = talk.map_or(none, |(_, talk)| talk.correction(own.position)).to_gain();
             }
             SlowTerm::Drift => {
                 let drift = self.drift.as_ref().filter(|_| is_on(CompensationKind::Drift));
                 state.slow.drift = drift.map_or(none, |drift| drift.correction(state.ticks));
             }
             SlowTerm::Load => {
-                state.slow.load = self.load.as_ref().map_or(none, |load| load.at(own.position));
+                state.slow.load = self.load.as_ref().map_or(Fixed::ZERO, |load| load.at(own.position));
             }
             SlowTerm::AdditionalFriction => {
-                let map = self.friction_map.as_ref().map_or(none, |map| map.at(own.position));
-                let cold = self.model.as_ref().map_or(none, |model| model.cold_friction(state.ticks));
+                let map = self.friction_map.as_ref().map_or(Fixed::ZERO, |map| map.at(own.position));
+                let cold = self.model.as_ref().map_or(Fixed::ZERO, |model| model.cold_friction(state.ticks));
                 state.slow.friction = map + cold;
             }
         }
@@ -192,7 +193,7 @@ impl<S: Scalar> AxisCompensation<S> {
 
     /// The motor reading with the error of the resolver corrected, once per tick.
     pub(super) fn reading(&self, state: &mut State<S>, motor: Position) -> Position {
-        state.ticks = state.ticks.saturating_add(1);
+        state.ticks = state.ticks.wrapping_add(1);
         let none = S::default();
         let is_empty = self.dividing.is_empty();
         // A previous correction still has to return to zero.
@@ -205,10 +206,11 @@ impl<S: Scalar> AxisCompensation<S> {
     }
 
     /// The force to add, once per tick.
+    #[inline(never)]
     pub(super) fn force(&self, state: &mut State<S>, motor: Position) -> S {
         let mut target = state.pulse_force;
         if self.model.is_some() && state.is_on(CompensationKind::Force) {
-            target = target + state.model.applied;
+            target = target + S::from_fixed(state.model.applied);
         }
         if !self.ripple.is_empty() && state.is_on(CompensationKind::Ripple) {
             target = target - self.ripple.at(motor);

@@ -14,7 +14,7 @@ use super::table::{Table, ValueRange};
 use super::talk::Talk;
 use crate::config::check::{gain, positive, ranged};
 use crate::config::{ConfigError, Rates};
-use crate::scalar::Scalar;
+use crate::scalar::{Fixed, Scalar};
 use crate::units::LENGTH_M;
 
 /// Bounds of the corrections in SI, and the rates of their ticks.
@@ -169,12 +169,15 @@ impl<S: Scalar> AxisCompensation<S> {
                 None => Ok(()),
             };
         };
-        self.model = Some(Force::new(model, [limits.rate_hz, limits.tick_hz], limits.bound_n)?);
+        // The model is in fixed point in every number format.
+        let bound_n = limits.bound_n.min(Fixed::SIGNAL_LIMIT);
+        let forces = ValueRange { unit: 1.0, bound: bound_n };
+        self.model = Some(Force::new(model, [limits.rate_hz, limits.tick_hz], bound_n)?);
         if let Some(load) = &model.load {
-            self.load = Some(Table::new("load", load, limits.forces())?);
+            self.load = Some(Table::new("load", load, forces)?);
         }
         if let Some(map) = &model.friction.map {
-            self.friction_map = Some(Table::new("friction_map", map, limits.forces())?);
+            self.friction_map = Some(Table::new("friction_map", map, forces)?);
         }
         if let Some(m_per_n) = settings.stretch_m_per_n {
             self.stretch = Some(gain::<S>("stretch_m_per_n", m_per_n, 1.0 / LENGTH_M)?);

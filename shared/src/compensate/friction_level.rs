@@ -1,28 +1,9 @@
 //! A friction level over the speed, g(v) = coulomb + excess·exp(−(v/vₛ)²).
 
 use super::force_settings::Stribeck;
-use super::octave_curve::OctaveCurve;
 use super::presliding::Presliding;
 use crate::config::ConfigError;
 use crate::config::check::{positive, ranged};
-use crate::scalar::Scalar;
-
-/// A friction g(v), N.
-#[derive(Clone, Copy, Debug)]
-pub struct Level<S: Scalar> {
-    /// The greatest, N.
-    pub greatest: S,
-    /// As a fraction of the greatest, over the speed; `None`: constant.
-    fraction: Option<OctaveCurve>,
-}
-
-impl<S: Scalar> Level<S> {
-    /// g at a speed (position units per position tick) as a fraction of the greatest, 32 fraction bits.
-    #[must_use]
-    pub fn fraction_q32(&self, speed: u64) -> u32 {
-        self.fraction.as_ref().map_or(u32::MAX, |fraction| fraction.at(speed))
-    }
-}
 
 /// A friction level in SI: coulomb + excess·exp(−(v/vₛ)²).
 #[derive(Clone, Copy)]
@@ -51,7 +32,8 @@ impl Friction {
         Ok(Self { coulomb_n, excess_n, width: velocity * units_per_m_s })
     }
 
-    fn greatest_n(&self) -> f64 {
+    /// The greatest g, N.
+    pub fn greatest_n(&self) -> f64 {
         self.coulomb_n + self.excess_n.max(0.0)
     }
 
@@ -64,22 +46,27 @@ impl Friction {
         if self.least_n() > 0.0 { (self.greatest_n() / self.least_n()).min(1e4) } else { 1.0 }
     }
 
+    /// vₛ in position units per position tick; `None`: g is constant.
+    pub fn width(&self) -> Option<f64> {
+        (self.excess_n != 0.0).then_some(self.width)
+    }
+
     fn at_n(&self, speed: f64) -> f64 {
         self.coulomb_n + self.excess_n * libm::exp(-(speed / self.width) * (speed / self.width))
     }
 
-    /// The level in machine units.
-    pub fn level<S: Scalar>(&self) -> Level<S> {
-        let (greatest_n, varies) = (self.greatest_n(), self.excess_n != 0.0);
-        let curve = || OctaveCurve::new(4.0 * self.width, |speed| self.at_n(speed) / greatest_n);
-        Level { greatest: S::signal(greatest_n), fraction: varies.then(curve) }
+    /// g over the greatest g at a speed in position units per position tick.
+    pub fn over_greatest(&self, speed: f64) -> f64 {
+        if self.greatest_n() > 0.0 { self.at_n(speed) / self.greatest_n() } else { 0.0 }
+    }
+
+    /// The least g over g at a speed.
+    pub fn least_over_level(&self, speed: f64) -> f64 {
+        self.least_n() / self.at_n(speed)
     }
 
     /// The bristles with this level.
     pub fn presliding(&self, stiffness_n_per_m: f64) -> Result<Presliding, ConfigError> {
-        let least_n = positive("coulomb_n", self.least_n())?;
-        let varies = self.excess_n != 0.0;
-        let curve = || OctaveCurve::new(4.0 * self.width, |speed| least_n / self.at_n(speed));
-        Presliding::new(stiffness_n_per_m, least_n, varies.then(curve))
+        Presliding::new(stiffness_n_per_m, positive("coulomb_n", self.least_n())?)
     }
 }

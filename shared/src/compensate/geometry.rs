@@ -24,8 +24,8 @@ fn position_signal<S: Scalar>(position: Position) -> S {
 /// Squareness k.
 #[derive(Clone, Copy, Debug)]
 pub struct Squareness<S: Scalar> {
-    /// Error units per position unit of [`POSITION_M`].
-    k: S::Gain,
+    /// −k, error units per position unit of [`POSITION_M`].
+    minus_k: S::Gain,
 }
 
 impl<S: Scalar> Squareness<S> {
@@ -34,13 +34,13 @@ impl<S: Scalar> Squareness<S> {
     /// # Errors
     /// [`ConfigError`] with `squareness`.
     pub fn new(m_per_m: f64) -> Result<Self, ConfigError> {
-        Ok(Self { k: gain::<S>("squareness", m_per_m, POSITION_M / LENGTH_M)? })
+        Ok(Self { minus_k: gain::<S>("squareness", -m_per_m, POSITION_M / LENGTH_M)? })
     }
 
     /// Correction of the command, error units: −k·y.
     #[must_use]
     pub fn correction(&self, other: &CommandMotion<S>) -> S::Sum {
-        S::Sum::default() - position_signal::<S>(other.position) * self.k
+        position_signal::<S>(other.position) * self.minus_k
     }
 }
 

@@ -98,35 +98,36 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// The corrections of the commands, once per command.
     pub fn commands(&mut self, commands: &[Position; N]) -> [Correction; N] {
-        let mut corrections = [Correction::NONE; N];
-        // Also without a compensation, so that one that is set during motion starts from the motion of the axes.
-        for (motion, command) in self.motions.iter_mut().zip(commands) {
-            motion.step(*command);
-        }
-        if self.any {
-            for (i, ((correction, axis), state)) in
-                corrections.iter_mut().zip(&self.axes).zip(&mut self.states).enumerate()
-            {
-                if let Some(axis) = axis {
-                    *correction = axis.command(state, i, &self.motions);
-                }
-            }
-        }
-        corrections
+        self.advance(commands);
+        core::array::from_fn(|axis| self.command(axis))
     }
 
     /// The forces to add, once per tick.
     pub fn forces(&mut self, readings: &[Reading; N]) -> [S; N] {
-        let mut forces = [S::default(); N];
-        if self.any {
-            for (((force, axis), state), reading) in
-                forces.iter_mut().zip(&self.axes).zip(&mut self.states).zip(readings)
-            {
-                if let Some(axis) = axis {
-                    *force = axis.force(state, reading.motor);
-                }
-            }
+        core::array::from_fn(|axis| readings.get(axis).map_or(S::ZERO, |reading| self.force(axis, reading)))
+    }
+
+    /// Updates the motion of the commands, once per command, also without a compensation, so that one that is set during
+    /// motion starts from the motion of the axes.
+    pub fn advance(&mut self, commands: &[Position; N]) {
+        for (motion, command) in self.motions.iter_mut().zip(commands) {
+            motion.step(*command);
         }
-        forces
+    }
+
+    /// The correction of the command of an axis, once after each [`Compensation::advance`].
+    pub fn command(&mut self, axis: usize) -> Correction {
+        match (self.axes.get(axis), self.states.get_mut(axis)) {
+            (Some(Some(compensation)), Some(state)) => compensation.command(state, axis, &self.motions),
+            _ => Correction::NONE,
+        }
+    }
+
+    /// The force to add to that of an axis, once per tick.
+    pub fn force(&mut self, axis: usize, reading: &Reading) -> S {
+        match (self.axes.get(axis), self.states.get_mut(axis)) {
+            (Some(Some(compensation)), Some(state)) => compensation.force(state, reading.motor),
+            _ => S::ZERO,
+        }
     }
 }

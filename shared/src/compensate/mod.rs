@@ -57,6 +57,7 @@ pub mod presliding;
 pub mod reversal;
 pub mod settings;
 pub mod slew;
+pub mod speed_curves;
 pub mod state;
 pub mod table;
 pub mod talk;

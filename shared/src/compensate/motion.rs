@@ -8,8 +8,6 @@ use crate::units::{PER_NM, Position};
 pub struct CommandMotion<S: Scalar> {
     /// Command.
     pub position: Position,
-    /// Change of the command per tick, increment units.
-    pub increment: S,
     /// Change of the increment per tick, increment units.
     pub acceleration: S,
     /// Whether the last direction of travel was positive. A command at rest, or one that moves back by less than
@@ -32,7 +30,6 @@ impl<S: Scalar> CommandMotion<S> {
     pub const fn at(position: Position) -> Self {
         Self {
             position,
-            increment: S::ZERO,
             acceleration: S::ZERO,
             forward: true,
             reversed: false,
@@ -51,7 +48,6 @@ impl<S: Scalar> CommandMotion<S> {
     pub fn step(&mut self, position: Position) {
         let increment = position - self.position;
         self.acceleration = S::from_increment(increment.wrapping_sub(self.increment_units));
-        self.increment = S::from_increment(increment);
         (self.position, self.increment_units) = (position, increment);
         let from_extreme = position - self.extreme;
         self.reversed = false;

@@ -10,7 +10,7 @@ use super::settings;
 use crate::config::ConfigError;
 use crate::config::check::{gain, positive, ranged};
 use crate::scalar::Scalar;
-use crate::units::INCREMENT_M;
+use crate::units::{INCREMENT_M, PER_M};
 
 /// Constants of the pulse.
 #[derive(Clone, Copy, Debug)]
@@ -22,6 +22,8 @@ pub struct Reversal<S: Scalar> {
     fade: S::Gain,
     /// The signal 1.
     one: S,
+    /// v₀, position units per position tick: there is no force at this speed and above.
+    zero_from: u64,
 }
 
 impl<S: Scalar> Reversal<S> {
@@ -37,6 +39,8 @@ impl<S: Scalar> Reversal<S> {
             decay: gain::<S>("reversal_decay_s", -libm::expm1(-1.0 / (decay * rate_hz)), 1.0)?,
             fade: gain::<S>("reversal_fade_m_per_s", rate_hz / fade, INCREMENT_M)?,
             one: S::signal(1.0),
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
+            zero_from: libm::ceil(fade / rate_hz * PER_M) as u64,
         })
     }
 
@@ -47,8 +51,11 @@ impl<S: Scalar> Reversal<S> {
         } else {
             *pulse = *pulse - S::round(*pulse * self.decay);
         }
+        if own.increment_units.unsigned_abs() >= self.zero_from {
+            return S::ZERO;
+        }
         let one = self.one;
-        let speed_ratio = S::round(own.increment * self.fade).clamp_magnitude(one);
+        let speed_ratio = S::round(S::from_increment(own.increment_units) * self.fade).clamp_magnitude(one);
         let factor = if speed_ratio < S::default() { one + speed_ratio } else { one - speed_ratio };
         S::round(*pulse * factor)
     }

@@ -39,8 +39,14 @@ impl<S: Scalar> Slew<S> {
 
     /// One tick towards a target. A NaN leaves the value unchanged.
     pub fn step(&self, value: &mut S, target: S) -> S {
+        // The usual case, in fewer instructions.
+        if !target.exceeds(self.bound) && !(target - *value).exceeds(self.per_tick) {
+            *value = target;
+            return target;
+        }
         let step = (target.clamp_magnitude(self.bound) - *value).clamp_magnitude(self.per_tick);
-        if !step.exceeds(self.per_tick) {
+        // Of a NaN the order is not known.
+        if step.partial_cmp(&self.per_tick).is_some() {
             *value = *value + step;
         }
         *value

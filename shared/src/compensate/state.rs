@@ -3,7 +3,7 @@
 use super::force;
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
-use crate::scalar::Scalar;
+use crate::scalar::{Fixed, Scalar};
 
 /// The correction of a command, position units.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
@@ -34,7 +34,7 @@ pub struct State<S: Scalar> {
     pub(super) pulse: S,
     pub(super) pulse_force: S,
     /// Force feed-forward.
-    pub(super) model: force::State<S>,
+    pub(super) model: force::State,
     pub(super) slow: SlowTerms<S>,
     /// Time since the compensation was set, ticks.
     pub(super) ticks: u64,
@@ -50,11 +50,11 @@ pub(super) struct SlowTerms<S: Scalar> {
     pub screw_pitch: S,
     pub scale_pitch: S,
     pub straightness: S,
-    pub intalk: S,
-    pub crosstalk: S,
+    pub intalk: S::Gain,
+    pub crosstalk: S::Gain,
     pub drift: S,
-    pub load: S,
-    pub friction: S,
+    pub load: Fixed,
+    pub friction: Fixed,
 }
 
 impl<S: Scalar> SlowTerms<S> {
@@ -64,11 +64,11 @@ impl<S: Scalar> SlowTerms<S> {
         screw_pitch: S::ZERO,
         scale_pitch: S::ZERO,
         straightness: S::ZERO,
-        intalk: S::ZERO,
-        crosstalk: S::ZERO,
+        intalk: S::ZERO_GAIN,
+        crosstalk: S::ZERO_GAIN,
         drift: S::ZERO,
-        load: S::ZERO,
-        friction: S::ZERO,
+        load: Fixed::ZERO,
+        friction: Fixed::ZERO,
     };
 }
 

@@ -22,6 +22,7 @@
 
 use super::settings::{self, POINTS, Points};
 use crate::config::ConfigError;
+use crate::integer::shifted;
 use crate::scalar::Scalar;
 use crate::units::{PER_M, Position, TRAVEL_LIMIT_M};
 
@@ -88,9 +89,8 @@ impl<S: Scalar> Table<S> {
     /// The value at a position.
     #[must_use]
     pub fn at(&self, position: Position) -> S {
-        let distance = (position - self.start) >> self.shift;
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to the span")]
-        let distance = distance.clamp(0, i64::from(self.span)) as u32;
+        let distance = (position - self.start).max(0).cast_unsigned();
+        let distance = shifted(distance, self.shift).min(self.span);
         interpolate(&self.values, (u64::from(distance) * u64::from(self.per_unit)) >> 23)
     }
 }

@@ -86,21 +86,13 @@ impl<S: Scalar> AxisConfig<S> {
         let rates = LoopRates::new(rates)?;
         let kp = positive("position_gain_per_s", settings.position_gain_per_s)?;
         let position_gain = resolved_gain::<S>("position_gain_per_s", kp, LENGTH_M / VELOCITY_M_PER_S)?;
-        let percent = ranged("feedforward_percent", settings.feedforward_percent, 0.0, 200.0)?;
-        let longest_s = MAX_AHEAD * rates.position_tick;
-        let ahead_s = ranged("feedforward_ahead_s", settings.feedforward_ahead_s, 0.0, longest_s)?;
+        let feedforward = feedforward(settings, kp, &rates)?;
         let velocity = velocity_control(settings, &rates)?;
         let feedback = feedback(settings, &rates)?;
-        let lead_per_increment = rates.position_rate / (100.0 * kp) * INCREMENT_M / LENGTH_M;
         let deceleration = settings.stop_deceleration_m_per_s2 / (rates.position_rate * rates.position_rate);
         Ok(Self {
             feedback,
-            feedforward: Feedforward {
-                gain: gain::<S>("feedforward_percent", percent, lead_per_increment)?,
-                ahead: (ahead_s > 0.0)
-                    .then(|| gain::<S>("feedforward_ahead_s", ahead_s, rates.position_rate))
-                    .transpose()?,
-            },
+            feedforward,
             position: PositionControl {
                 gain: position_gain,
                 hpc: matches!(settings.law, Law::Hpc).then(|| Hpc::new(kp / rates.position_rate)),
@@ -114,6 +106,26 @@ impl<S: Scalar> AxisConfig<S> {
             stop_deceleration: per_tick("stop_deceleration_m_per_s2", deceleration)?,
         })
     }
+}
+
+/// The feed-forward for a position gain kp.
+fn feedforward<S: Scalar>(
+    settings: &AxisSettings,
+    kp: f64,
+    rates: &LoopRates,
+) -> Result<Feedforward<S>, ConfigError> {
+    let percent = ranged("feedforward_percent", settings.feedforward_percent, 0.0, 200.0)?;
+    let unit = rates.position_rate / (100.0 * kp) * INCREMENT_M / LENGTH_M;
+    gain::<S>("feedforward_percent", percent, unit)?;
+    let lead = percent * unit;
+    // The sum of the two terms is a gain.
+    let longest = MAX_AHEAD.min(0.999 * S::GAIN_LIMIT / lead - 1.0) * rates.position_tick;
+    let ahead = ranged("feedforward_ahead_s", settings.feedforward_ahead_s, 0.0, longest.max(0.0))?;
+    let previous = lead * ahead * rates.position_rate;
+    Ok(Feedforward {
+        present: S::gain(lead + previous),
+        previous: (previous > 0.0).then(|| S::gain(previous)),
+    })
 }
 
 fn velocity_control<S: Scalar>(
@@ -184,7 +196,8 @@ fn low_pass_filter<S: Scalar>(low_pass: &LowPass, rate_hz: f64) -> Result<Filter
 fn monitor<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Monitor<S>, ConfigError> {
     let signal = |name, value: f64, unit: f64| {
         let value = positive(name, value)?;
-        Ok(S::signal(ranged(name, value, 0.0, S::SIGNAL_LIMIT * unit)? / unit))
+        // A signal saturates to within 0.2 % of its range, and has to exceed the limit then.
+        Ok(S::signal(ranged(name, value, 0.0, 0.99 * S::SIGNAL_LIMIT * unit)? / unit))
     };
     let ticks = positive("saturation_time_s", settings.saturation_time_s)? / rates.tick;
     let distance = |name, m: Option<f64>, max_m| match m {
@@ -194,9 +207,8 @@ fn monitor<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Moni
     };
     let max_frozen_m = settings.following_error_limit_m.min(TRAVEL_LIMIT_M);
     let frozen_encoder = |limit: u64| {
-        let integral_limit = S::signal(limit as f64 / PER_M / LENGTH_M).widen();
         let per_tick = S::gain(VELOCITY_M_PER_S / LENGTH_M * rates.position_tick);
-        FrozenEncoder { limit, integral_limits: [S::ZERO_SUM - integral_limit, integral_limit], per_tick }
+        FrozenEncoder::new(limit, S::signal(limit as f64 / PER_M / LENGTH_M), per_tick)
     };
     Ok(Monitor {
         following_error: signal("following_error_limit_m", settings.following_error_limit_m, LENGTH_M)?,

@@ -29,24 +29,24 @@ use crate::units::Position;
 /// Constants of the feed-forward.
 #[derive(Clone, Copy, Debug)]
 pub struct Feedforward<S: Scalar> {
-    /// (Kf/Kp)/tick, error units per increment unit.
-    pub gain: S::Gain,
-    /// Time ahead of the command over the position tick; `None`: none.
-    pub ahead: Option<S::Gain>,
+    /// Factor of the present increment, (Kf/Kp)/tick·(1 + T/tick), error units per increment unit.
+    pub present: S::Gain,
+    /// Factor of the previous increment, which is subtracted, (Kf/Kp)/tick·T/tick; `None`: T is 0.
+    pub previous: Option<S::Gain>,
 }
 
-/// The previous command and its increment, position units.
+/// The previous command, and its increment in increment units.
 #[derive(Clone, Copy, Debug)]
-pub struct State {
+pub struct State<S> {
     last: Position,
-    last_increment: i64,
+    last_increment: S,
 }
 
-impl State {
+impl<S: Scalar> State<S> {
     /// At rest at a command.
     #[must_use]
     pub const fn at(command: Position) -> Self {
-        Self { last: command, last_increment: 0 }
+        Self { last: command, last_increment: S::ZERO }
     }
 
     /// The same when a correction (position units) is already added to the command.
@@ -58,15 +58,14 @@ impl State {
 
 impl<S: Scalar> Feedforward<S> {
     /// The lead (Kf/Kp)·d(command)/dt to add to the following error, error units.
-    pub fn lead(&self, state: &mut State, command: Position) -> S {
-        let distance = command - state.last;
-        let mut increment = S::from_increment(distance);
-        if let Some(ahead) = self.ahead {
-            increment =
-                increment + S::round(S::from_increment(distance.wrapping_sub(state.last_increment)) * ahead);
+    pub fn lead(&self, state: &mut State<S>, command: Position) -> S {
+        let increment = S::from_increment(command - state.last);
+        let mut lead = increment * self.present;
+        if let Some(previous) = self.previous {
+            lead = lead - state.last_increment * previous;
         }
-        (state.last, state.last_increment) = (command, distance);
-        S::round(increment * self.gain)
+        (state.last, state.last_increment) = (command, increment);
+        S::round(lead)
     }
 }
 

@@ -6,6 +6,7 @@ use super::drive_system::DriveSystem;
 use super::enable_switch::SwitchEvent;
 use super::output::DriveOutput;
 use crate::feedback::Reading;
+use crate::machine::Output;
 use crate::safety::Power;
 use crate::scalar::Scalar;
 
@@ -41,6 +42,8 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
             return Err(DirectionCheckError::Setting("force_n"));
         }
         let check = DirectionCheck::new(axis, settings, rates.velocity_loop_hz)?;
+        // After the check a host needs a new edge of the switch.
+        self.disarm();
         self.first_motion = Some(FirstMotion { check, force: S::signal(settings.force_n) });
         Ok(())
     }
@@ -70,13 +73,13 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         board: &mut impl Board<N, O::Signal>,
         event: Option<SwitchEvent>,
         readings: &[Reading; N],
-    ) {
+    ) -> Output<S, N> {
         // Withdraws an enable by a host, too.
         self.machine_mut().disable();
-        let _ = self.machine_mut().tick(readings);
+        let output = self.machine_mut().tick(readings);
         let hardware_stop = board.hardware_stop_active();
         let has_fault = self.has_input_fault() || hardware_stop;
-        let Some(FirstMotion { check, force }) = &mut self.first_motion else { return };
+        let Some(FirstMotion { check, force }) = &mut self.first_motion else { return output };
         match event {
             Some(SwitchEvent::Enable) => check.start(readings),
             Some(SwitchEvent::Disable) if check.is_pushing() => check.abort(),
@@ -96,6 +99,7 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
             self.stop_direction_check();
             self.pass_on(board, None);
         }
+        output
     }
 
     /// Whether an input forbids to push the axis of the check.

@@ -3,9 +3,7 @@
 use super::drive_system::DriveSystem;
 use super::output::DriveOutput;
 use crate::feedback::Reading;
-use crate::homing::{
-    Homing, HomingAction, HomingError, HomingInput, HomingSettings, HomingStatus, LegMotion,
-};
+use crate::homing::{Homing, HomingAction, HomingError, HomingInput, HomingSettings, HomingStatus};
 use crate::interpolate::{Block, PathError};
 use crate::safety::Power;
 use crate::scalar::Scalar;
@@ -50,23 +48,29 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
 
     /// Plans the motion that a homing waits for. To be called regularly, not in a tick: planning takes longer than one.
     pub fn plan_homing(&mut self) {
-        let Some((axis, leg)) =
-            self.homing.as_ref().and_then(|(axis, homing)| Some((*axis, homing.leg_to_plan()?)))
-        else {
-            return;
-        };
-        let planned = self.push_leg(axis, leg);
-        if let Some((_, homing)) = &mut self.homing {
-            homing.leg_planned(planned);
+        if let Some(leg) = self.homing_leg() {
+            let planned = self.machine_mut().jog(&leg);
+            self.homing_leg_planned(planned);
         }
     }
 
-    fn push_leg(&mut self, axis: usize, leg: LegMotion) -> Result<(), PathError> {
+    /// The motion that a homing waits for, to be planned elsewhere; [`DriveSystem::homing_leg_planned`] has to follow.
+    #[must_use]
+    pub fn homing_leg(&self) -> Option<Block<N>> {
+        let (axis, homing) = self.homing.as_ref()?;
+        let leg = homing.leg_to_plan()?;
         let mut to_m = self.machine().command().map(Position::to_m);
-        if let Some(to_m) = to_m.get_mut(axis) {
+        if let Some(to_m) = to_m.get_mut(*axis) {
             *to_m += leg.distance_m;
         }
-        self.machine_mut().jog(&Block::line(to_m, leg.speed_m_per_s, leg.acceleration_m_per_s2))
+        Some(Block::line(to_m, leg.speed_m_per_s, leg.acceleration_m_per_s2))
+    }
+
+    /// The motion of [`DriveSystem::homing_leg`] was appended to the path, or rejected by it.
+    pub fn homing_leg_planned(&mut self, planned: Result<(), PathError>) {
+        if let Some((_, homing)) = &mut self.homing {
+            homing.leg_planned(planned);
+        }
     }
 
     /// The part of a homing in a tick, before the machine's.

@@ -176,18 +176,23 @@ impl<S: Scalar> Feedback<S> {
             Self::Table { fade } | Self::Dual { fade, .. } => fade,
         };
         let feedback = motor + state.shift;
-        if let Some(table) = table {
-            state.offset = if state.missing { table - feedback } else { fade.step(state.offset) };
-            // Second phase detector.
-            let difference = (table - feedback).wrapping_sub(state.offset);
-            let step = match self {
-                Self::Dual { fraction, .. } => S::to_distance(S::from_distance(difference) * *fraction),
-                _ => difference,
-            };
-            state.shift = state.shift.wrapping_add(step);
+        let Some(table) = table else {
+            state.missing = true;
+            return feedback;
+        };
+        // Second phase detector.
+        let mut difference = table - feedback;
+        if state.missing || state.offset != 0 {
+            state.offset = if state.missing { difference } else { fade.step(state.offset) };
+            state.missing = false;
+            difference = difference.wrapping_sub(state.offset);
         }
-        state.missing = table.is_none();
-        motor + state.shift
+        let step = match self {
+            Self::Dual { fraction, .. } => S::to_distance(S::from_distance(difference) * *fraction),
+            _ => difference,
+        };
+        state.shift = state.shift.wrapping_add(step);
+        feedback + step
     }
 
     /// How the last call of [`Feedback::position`] used the scale.

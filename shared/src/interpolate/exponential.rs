@@ -40,15 +40,19 @@ impl Exponential {
         Ok(Self { length: i128::from(length) << 64, feed, last_step: wide_mul_q32(feed, alpha), alpha })
     }
 
-    /// Advances by a tick. Returns the distance in position units, and whether the curve has ended.
-    pub fn advance(&self, progress: &mut Progress) -> (i64, bool) {
+    /// Advances by a time up to a tick (32 fraction bits). Returns the distance in position units, and whether the curve has
+    /// ended. In a fraction t of a tick, target and distance move by the fraction t of their steps.
+    pub fn advance(&self, progress: &mut Progress, time: u64) -> (i64, bool) {
         if !core::mem::replace(&mut progress.started, true) {
             return (0, false);
         }
-        progress.target = (progress.target + self.feed).min(self.length);
+        // A whole tick has no fraction.
+        let part = u32::try_from(time).ok();
+        let of = |step: i128| part.map_or(step, |part| wide_mul_q32(step, part));
+        progress.target = (progress.target + of(self.feed)).min(self.length);
         let lag = progress.target - progress.distance;
-        let lands = progress.target == self.length && lag <= self.last_step;
-        progress.step = if lands { lag } else { wide_mul_q32(lag, self.alpha) };
+        let lands = progress.target == self.length && lag <= of(self.last_step);
+        progress.step = if lands { lag } else { of(wide_mul_q32(lag, self.alpha)) };
         progress.distance += progress.step;
         (whole(progress.distance), lag == 0)
     }
@@ -87,6 +91,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::interpolate::ramp::TICK;
 
     proptest! {
         /// Rounding changes a difference of distances by up to 1 and a second difference by up to 2. After the target has
@@ -103,7 +108,7 @@ mod tests {
             let mut progress = Progress::NONE;
             let mut distances = std::vec![0, 0];
             while {
-                let (distance, ended) = curve.advance(&mut progress);
+                let (distance, ended) = curve.advance(&mut progress, TICK);
                 distances.push(distance);
                 !ended
             } {}
@@ -126,9 +131,9 @@ mod tests {
         let curve = Exponential::plan(1 << 50, &limits).unwrap();
         let mut progress = Progress::NONE;
         // The first tick is at rest.
-        assert_eq!(curve.advance(&mut progress), (0, false));
+        assert_eq!(curve.advance(&mut progress, TICK), (0, false));
         for n in 1..5000 {
-            let _ = curve.advance(&mut progress);
+            let _ = curve.advance(&mut progress, TICK);
             let exact = feed as f64 * (1.0 - libm::pow(0.999, f64::from(n)));
             // α is rounded to 2⁻³².
             assert!((progress.speed() as f64 / 65_536.0 - exact).abs() < 1e-3 * exact.max(1.0));

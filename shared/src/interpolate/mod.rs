@@ -37,6 +37,7 @@ pub mod arc;
 pub mod block;
 pub mod error;
 pub mod exponential;
+pub mod feed_hold;
 mod fraction;
 pub mod joint;
 pub mod limits;

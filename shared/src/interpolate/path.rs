@@ -1,14 +1,17 @@
 //! The path: the queue of planned blocks, look-ahead over their joints, and the position that has been reached.
 
+mod feed;
+mod queue_copy;
+
 use heapless::Deque;
 
 use super::block::Block;
 use super::error::PathError;
+use super::feed_hold::FeedHold;
 use super::fraction::{FRACTION, whole};
 use super::joint::JointLimits;
 use super::planned::{PlannedBlock, Progress};
 use super::profile::Step;
-use super::ramp::TICK;
 use super::smooth::{self, Filters, Smoothing};
 use crate::units::Position;
 
@@ -23,12 +26,15 @@ pub struct Path<const N: usize> {
     progress: Progress,
     started: bool,
     braking: Option<Brake>,
+    feed_hold: FeedHold,
+    /// Changes with every change of the queue, so that a copy of it is known to be out of date.
+    revision: u32,
     /// Position on the path, before the filters.
     position: [Position; N],
     /// Output of the filters.
     command: [Position; N],
     filters: Filters<N>,
-    filter_states: [smooth::State; N],
+    filter_state: smooth::State<N>,
     /// End of the last block in the queue.
     planned_end: [Position; N],
     rate_hz: f64,
@@ -56,10 +62,12 @@ impl<const N: usize> Path<N> {
         progress: Progress::NONE,
         started: false,
         braking: None,
+        feed_hold: FeedHold::RUNNING,
+        revision: 0,
         position: [Position(0); N],
         command: [Position(0); N],
         filters: Filters::PASS,
-        filter_states: [const { smooth::State::at(Position(0)) }; N],
+        filter_state: smooth::State::AT_ZERO,
         planned_end: [Position(0); N],
         rate_hz: 0.0,
         travel: [[Position(i64::MIN), Position(i64::MAX)]; N],
@@ -116,15 +124,12 @@ impl<const N: usize> Path<N> {
     /// [`PathError`], for such an axis [`PathError::NotHomed`]; the path is unchanged.
     pub fn push_holding(&mut self, block: &Block<N>, not_homed: &[bool; N]) -> Result<(), PathError> {
         let mut planned = PlannedBlock::new(block, self.planned_end, self.rate_hz, &self.filters.rounding)?;
-        for (axis, ([min, max], not_homed)) in (0..).zip(planned.bounds().into_iter().zip(not_homed)) {
-            if *not_homed && min != max {
-                return Err(PathError::NotHomed { axis });
-            }
-        }
-        self.check_travel(&planned)?;
+        let from = self.planned_end;
+        self.check_planned(&planned, from, not_homed)?;
         if self.blocks.is_full() {
             return Err(PathError::QueueFull);
         }
+        self.revision = self.revision.wrapping_add(1);
         let started = usize::from(self.started);
         let waits = self.blocks.len() > started;
         if let Some(last) = self.blocks.back_mut().filter(|_| waits) {
@@ -140,8 +145,37 @@ impl<const N: usize> Path<N> {
         Ok(())
     }
 
-    fn check_travel(&self, block: &PlannedBlock<N>) -> Result<(), PathError> {
-        let axes = block.bounds().into_iter().zip(self.travel).zip(self.planned_end).zip(self.blocked);
+    /// Checks a block as [`Path::push_holding`] does, for a start of its own. Returns its end.
+    ///
+    /// # Errors
+    /// The [`PathError`] that names what is wrong.
+    pub fn check(
+        &self,
+        block: &Block<N>,
+        start: [Position; N],
+        not_homed: &[bool; N],
+    ) -> Result<[Position; N], PathError> {
+        let planned = PlannedBlock::new(block, start, self.rate_hz, &self.filters.rounding)?;
+        self.check_planned(&planned, start, not_homed)?;
+        Ok(planned.end())
+    }
+
+    fn check_planned(
+        &self,
+        block: &PlannedBlock<N>,
+        from: [Position; N],
+        not_homed: &[bool; N],
+    ) -> Result<(), PathError> {
+        for (axis, ([min, max], not_homed)) in (0..).zip(block.bounds().into_iter().zip(not_homed)) {
+            if *not_homed && min != max {
+                return Err(PathError::NotHomed { axis });
+            }
+        }
+        self.check_travel(block, from)
+    }
+
+    fn check_travel(&self, block: &PlannedBlock<N>, from: [Position; N]) -> Result<(), PathError> {
+        let axes = block.bounds().into_iter().zip(self.travel).zip(from).zip(self.blocked);
         for (axis, ((([min, max], [lower, upper]), start), [below, above])) in (0..).zip(axes) {
             if min < lower.min(start) || max > upper.max(start) {
                 return Err(PathError::BeyondTravel { axis });
@@ -202,12 +236,7 @@ impl<const N: usize> Path<N> {
     }
 
     fn is_settled(&self) -> bool {
-        !self.filters.active
-            || self
-                .filter_states
-                .iter()
-                .zip(&self.filters.axes)
-                .all(|(state, filter)| state.is_settled(filter))
+        !self.filters.active || self.filter_state.is_settled(&self.filters)
     }
 
     /// The last command.
@@ -218,13 +247,11 @@ impl<const N: usize> Path<N> {
 
     /// Discards every block and rests at a position.
     pub fn rest_at(&mut self, position: &[Position; N]) {
-        self.blocks.clear();
-        self.started = false;
+        self.clear_queue();
         self.braking = None;
+        self.feed_hold = FeedHold::RUNNING;
         (self.position, self.command, self.planned_end) = (*position, *position, *position);
-        for (state, position) in self.filter_states.iter_mut().zip(position) {
-            state.rest_at(*position);
-        }
+        self.filter_state.rest_at(position);
     }
 
     /// Starts a stop along the path with a deceleration (per tick² with 16 fraction bits), or that of the block if it is
@@ -236,7 +263,15 @@ impl<const N: usize> Path<N> {
         }
         let moving = self.started.then_some((self.progress.distance(), self.progress.speed()));
         let (distance, speed) = moving.unwrap_or_default();
+        let speed = self.feed_hold.scaled(speed);
+        self.revision = self.revision.wrapping_add(1);
         self.braking = Some(Brake { deceleration, speed, distance: i128::from(distance) << FRACTION });
+    }
+
+    fn clear_queue(&mut self) {
+        self.blocks.clear();
+        self.started = false;
+        self.revision = self.revision.wrapping_add(1);
     }
 
     /// Whether a stop was started, and the path has not been discarded since.
@@ -252,29 +287,29 @@ impl<const N: usize> Path<N> {
     }
 
     /// The command of the next tick.
+    #[inline(never)]
     pub fn advance(&mut self) -> [Position; N] {
         match self.braking {
             None => self.follow(),
             Some(brake) => self.braking = Some(self.follow_braking(brake)),
         }
-        if self.filters.active {
-            for (((command, state), filter), position) in self
-                .command
-                .iter_mut()
-                .zip(&mut self.filter_states)
-                .zip(&self.filters.axes)
-                .zip(self.position)
-            {
-                *command = state.step(filter, position);
-            }
+        self.command = if self.filters.active {
+            self.filter_state.step(&self.filters, &self.position)
         } else {
-            self.command = self.position;
-        }
+            self.position
+        };
         self.command
     }
 
     /// Advances the position on the path by a tick.
     fn follow(&mut self) {
+        let time = self.feed_hold.advance();
+        if time == 0 {
+            if self.feed_hold.is_to_be_discarded() {
+                self.discard_rest();
+            }
+            return;
+        }
         let Some(block) = self.blocks.front() else { return };
         if !self.started {
             if block.entry == 0 && !self.is_settled() {
@@ -282,8 +317,9 @@ impl<const N: usize> Path<N> {
             }
             block.start(&mut self.progress);
             self.started = true;
+            self.revision = self.revision.wrapping_add(1);
         }
-        match block.advance(&mut self.progress, TICK) {
+        match block.advance(&mut self.progress, time) {
             Step::Within(length) => self.position = block.at(length),
             Step::Beyond(remaining) => self.cross_joint(remaining),
         }
@@ -293,6 +329,7 @@ impl<const N: usize> Path<N> {
     #[cold]
     fn cross_joint(&mut self, mut remaining: u64) {
         self.started = false;
+        self.revision = self.revision.wrapping_add(1);
         for _ in 0..QUEUE {
             let Some(ended) = self.blocks.front() else { return };
             self.position = ended.end();
@@ -326,6 +363,7 @@ impl<const N: usize> Path<N> {
                 return brake;
             }
             self.position = block.end();
+            self.revision = self.revision.wrapping_add(1);
             if block.exit == 0 {
                 break;
             }

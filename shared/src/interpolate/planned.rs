@@ -228,6 +228,12 @@ impl<const N: usize> PlannedBlock<N> {
         self.limits.acceleration
     }
 
+    /// Greatest speed along the path, per tick with 16 fraction bits.
+    #[must_use]
+    pub const fn feed(&self) -> u64 {
+        self.limits.feed
+    }
+
     /// End point.
     #[must_use]
     pub const fn end(&self) -> [Position; N] {
@@ -265,7 +271,7 @@ impl<const N: usize> PlannedBlock<N> {
     pub fn advance(&self, progress: &mut Progress, time: u64) -> Step {
         match &self.timing {
             Timing::Profile(profile) => profile.advance(&mut progress.profile, time),
-            Timing::Exponential(curve) => match curve.advance(&mut progress.lag) {
+            Timing::Exponential(curve) => match curve.advance(&mut progress.lag, time) {
                 (_, true) => Step::Beyond(0),
                 (length, false) => Step::Within(length),
             },

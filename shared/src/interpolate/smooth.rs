@@ -8,19 +8,20 @@
 //!
 //! with sinc x = sin x/x. For n ticks of Δ it is sin(nωΔ/2)/(n·sin(ωΔ/2)), and for the lag with the factor α per tick
 //! α/√(1 + (1 − α)² − 2(1 − α)·cos ωΔ). In integer arithmetic, each filter comes to rest exactly at its input: the mean y
-//! with remainder r satisfies n·y + r = Σx exactly, and r is 0 when all x are equal.
+//! with remainder r satisfies n·y + r = Σx exactly, and r is 0 when all x are equal. Two means are one recursion with one
+//! division, by n = n₁·n₂: Σx grows by s per tick, and s by x(t) − x(t − n₁) − x(t − n₂) + x(t − n₁ − n₂).
 //!
 //! # Example
 //!
 //! A step of the position through a mean over 4 ticks is a ramp of 4 ticks.
 //!
 //! ```
-//! use shared::interpolate::smooth::{Filter, Smoothing, State};
+//! use shared::interpolate::smooth::{Filters, Smoothing, State};
 //! use shared::units::Position;
 //!
-//! let filter = Filter::new(&Smoothing::Trapezoid { time_s: 0.004 }, 1000.0)?;
-//! let mut state = State::at(Position(0));
-//! let outputs = [(); 5].map(|()| state.step(&filter, Position(4000)).0);
+//! let filters = Filters::new(&[Smoothing::Trapezoid { time_s: 0.004 }], 1000.0)?;
+//! let mut state = State::at([Position(0)]);
+//! let outputs = [(); 5].map(|()| state.step(&filters, &[Position(4000)])[0].0);
 //! assert_eq!(outputs, [1000, 2000, 3000, 4000, 4000]);
 //! # Ok::<(), shared::interpolate::PathError>(())
 //! ```
@@ -28,7 +29,7 @@
 use serde::{Deserialize, Serialize};
 
 use super::error::{Field, PathError};
-use crate::integer::mul_q32;
+use crate::integer::{mul_q32, mul_q32_shifted};
 use crate::units::Position;
 
 /// Greatest total length of the windows of an axis, ticks: 128 ms at 4 kHz, 4 kB per axis.
@@ -108,25 +109,31 @@ impl CornerRounding {
 pub enum Filter {
     /// No filter.
     Pass,
-    /// A moving mean.
-    Mean(Divisor),
-    /// Two moving means in series, the longer first.
-    Means(Divisor, Divisor),
+    /// A moving mean over a number of ticks.
+    Mean(u16, Divisor),
+    /// Two moving means in series, the longer first, and the product of their ticks.
+    Means([u16; 2], Divisor),
     /// A first-order lag with α, 32 fraction bits.
     Lag(u32),
 }
 
-/// A number of ticks and its reciprocal with 32 fraction bits, rounded up.
+/// A divisor and its reciprocal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Divisor {
-    ticks: u16,
+    value: u32,
+    /// 2^(32 + `shift`)/value, rounded up: 32 bits.
     reciprocal: u32,
+    shift: u32,
 }
 
 impl Divisor {
-    /// From 2 to [`WINDOW`] ticks.
-    fn new(ticks: u16) -> Self {
-        Self { ticks, reciprocal: u32::MAX / u32::from(ticks.max(2)) + 1 }
+    /// From 2 to [`WINDOW`]².
+    fn new(value: u32) -> Self {
+        let value = value.max(2);
+        let shift = (value - 1).ilog2();
+        let reciprocal = (1u64 << (32 + shift)).div_ceil(u64::from(value));
+        #[expect(clippy::cast_possible_truncation, reason = "the value is above 2^shift")]
+        Self { value, reciprocal: reciprocal as u32, shift }
     }
 }
 
@@ -168,8 +175,8 @@ impl Filter {
     fn of(long: u16, short: u16) -> Self {
         match (long, short) {
             (0 | 1, _) => Self::Pass,
-            (_, 0 | 1) => Self::Mean(Divisor::new(long)),
-            _ => Self::Means(Divisor::new(long), Divisor::new(short)),
+            (_, 0 | 1) => Self::Mean(long, Divisor::new(long.into())),
+            _ => Self::Means([long, short], Divisor::new(u32::from(long) * u32::from(short))),
         }
     }
 
@@ -190,8 +197,8 @@ impl Filter {
         };
         match self {
             Self::Pass => CornerRounding::NONE,
-            Self::Mean(long) => means(long.ticks.into(), 0),
-            Self::Means(long, short) => means(long.ticks.into(), short.ticks.into()),
+            Self::Mean(long, _) => means((*long).into(), 0),
+            Self::Means([long, short], _) => means((*long).into(), (*short).into()),
             Self::Lag(alpha) => {
                 let lag = (1u64 << 48) / u64::from((*alpha).max(1));
                 // 1/e = 0.3679
@@ -213,8 +220,8 @@ impl Filter {
     const fn memory(&self) -> u16 {
         match self {
             Self::Pass | Self::Lag(_) => 0,
-            Self::Mean(long) => long.ticks,
-            Self::Means(long, short) => long.ticks + short.ticks,
+            Self::Mean(long, _) => *long,
+            Self::Means([long, short], _) => *long + *short,
         }
     }
 }
@@ -228,11 +235,21 @@ pub struct Filters<const N: usize> {
     pub rounding: CornerRounding,
     /// Whether any axis has a filter.
     pub active: bool,
+    /// Set if every axis has the same two means.
+    common_means: Option<CommonMeans>,
+}
+
+/// Two means that are the same on every axis.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+struct CommonMeans {
+    ticks: [u16; 2],
+    divisor: Divisor,
 }
 
 impl<const N: usize> Filters<N> {
     /// No filters.
-    pub const PASS: Self = Self { axes: [Filter::Pass; N], rounding: CornerRounding::NONE, active: false };
+    pub const PASS: Self =
+        Self { axes: [Filter::Pass; N], rounding: CornerRounding::NONE, active: false, common_means: None };
 
     /// Converts the settings for a command every 1/`rate_hz`.
     ///
@@ -248,6 +265,12 @@ impl<const N: usize> Filters<N> {
         }
         filters.active = filters.axes.iter().any(|filter| *filter != Filter::Pass);
         filters.rounding = rounding.unwrap_or(CornerRounding::NONE);
+        filters.common_means = match filters.axes.first() {
+            Some(first @ &Filter::Means(ticks, divisor)) if filters.axes.iter().all(|axis| axis == first) => {
+                Some(CommonMeans { ticks, divisor })
+            }
+            _ => None,
+        };
         Ok(filters)
     }
 }
@@ -267,103 +290,158 @@ fn ticks(seconds: f64, rate_hz: f64) -> Result<u16, PathError> {
     Ok(ticks as u16)
 }
 
-/// State of the filter of an axis.
+/// State of the filters of all axes.
 #[derive(Clone, Debug)]
-pub struct State {
-    /// The windows of both means, one after the other.
-    windows: [i64; WINDOW],
-    means: [Mean; 2],
+pub struct State<const N: usize> {
+    /// The last inputs; the next ones are written at `next`. Inputs before the last [`State::rest_at`] count as those of it, so
+    /// that the window need not be written then.
+    window: [[i64; N]; WINDOW],
+    next: u16,
+    /// Number of inputs written, up to the length of the window.
+    written: u16,
+    /// Number of ticks for which no input has changed.
+    unchanged_ticks: u16,
+    axes: [AxisState; N],
+}
+
+/// State of the filter of an axis.
+#[derive(Clone, Copy, Debug)]
+struct AxisState {
+    /// Input at the last rest.
+    initial: i64,
+    /// Growth of the sum of two means per tick.
+    growth: i64,
+    /// Sum − divisor·output of the means.
+    remainder: i64,
     /// Last output.
     output: i64,
-    /// Last input, and the number of ticks for which it has not changed.
+    /// Last input.
     input: i64,
-    unchanged_ticks: u16,
 }
 
-/// A moving mean. Its window counts as filled with the initial position, so that it need not be written.
-#[derive(Clone, Copy, Debug)]
-struct Mean {
-    initial: i64,
-    /// Whether every slot of the window has been written.
-    full: bool,
-    next: u16,
-    value: i64,
-    /// Sum of the window − ticks·value.
-    remainder: i64,
-}
-
-impl Mean {
-    const fn at(position: i64) -> Self {
-        Self { initial: position, full: false, next: 0, value: position, remainder: 0 }
+impl AxisState {
+    const fn at(position: Position) -> Self {
+        let position = position.0;
+        Self { initial: position, growth: 0, remainder: 0, output: position, input: position }
     }
 
-    /// Replaces the oldest value of the window and returns the mean.
-    fn step(&mut self, window: &mut [i64], divisor: Divisor, value: i64) -> i64 {
-        if let Some(slot) = window.get_mut(usize::from(self.next)) {
-            let oldest = if self.full { *slot } else { self.initial };
-            self.remainder = self.remainder.wrapping_add(value.wrapping_sub(oldest));
-            *slot = value;
-        }
-        self.next += 1;
-        if self.next >= divisor.ticks {
-            (self.next, self.full) = (0, true);
-        }
+    /// Two means: inputs now, after the ticks of each, and after the sum of both.
+    fn add_to_means(&mut self, [now, long, short, both]: [i64; 4], divisor: &Divisor) {
+        let growth = now.wrapping_sub(long).wrapping_sub(short.wrapping_sub(both));
+        self.growth = self.growth.wrapping_add(growth);
+        self.add(self.growth, divisor);
+    }
+
+    /// Adds to the sum that the output is a fraction of.
+    fn add(&mut self, growth: i64, divisor: &Divisor) {
+        let remainder = self.remainder.wrapping_add(growth);
         // The reciprocal is rounded up: a remainder of n gives 1, one below n gives 0. An excess for a large remainder is
         // corrected in the next tick, since the remainder itself is exact.
-        let change = mul_q32(self.remainder, divisor.reciprocal);
-        self.value = self.value.wrapping_add(change);
-        self.remainder = self.remainder.wrapping_sub(change.wrapping_mul(i64::from(divisor.ticks)));
-        self.value
+        let change = mul_q32_shifted(remainder, divisor.reciprocal, divisor.shift);
+        self.output = self.output.wrapping_add(change);
+        self.remainder = remainder.wrapping_sub(change.wrapping_mul(i64::from(divisor.value)));
     }
 }
 
-impl State {
+impl<const N: usize> State<N> {
+    /// At rest at zero.
+    pub const AT_ZERO: Self = Self {
+        window: [[0; N]; WINDOW],
+        next: 0,
+        written: 0,
+        unchanged_ticks: u16::MAX,
+        axes: [AxisState::at(Position(0)); N],
+    };
+
     /// At rest.
     #[must_use]
-    pub const fn at(position: Position) -> Self {
-        let position = position.0;
-        Self {
-            windows: [0; WINDOW],
-            means: [Mean::at(position); 2],
-            output: position,
-            input: position,
-            unchanged_ticks: u16::MAX,
+    pub fn at(positions: [Position; N]) -> Self {
+        Self { axes: positions.map(AxisState::at), ..Self::AT_ZERO }
+    }
+
+    /// Rests at other positions, without writing the window.
+    pub fn rest_at(&mut self, positions: &[Position; N]) {
+        (self.axes, self.written, self.unchanged_ticks) = (positions.map(AxisState::at), 0, u16::MAX);
+    }
+
+    /// The commands for positions on the path, once per position tick.
+    pub fn step(&mut self, filters: &Filters<N>, inputs: &[Position; N]) -> [Position; N] {
+        let mut changed = false;
+        for (axis, input) in self.axes.iter_mut().zip(inputs) {
+            changed |= axis.input != input.0;
+            axis.input = input.0;
+        }
+        self.unchanged_ticks = if changed { 0 } else { self.unchanged_ticks.saturating_add(1) };
+        match &filters.common_means {
+            Some(means) if self.written >= means.ticks[0] + means.ticks[1] => self.step_together(means),
+            _ => self.step_each(filters),
+        }
+        if let Some(slot) = self.window.get_mut(Self::index(self.next)) {
+            *slot = inputs.map(|input| input.0);
+        }
+        self.next = self.next.wrapping_add(1);
+        self.axes.map(|axis| Position(axis.output))
+    }
+
+    /// Two means that are the same on every axis, for a window that has been filled.
+    fn step_together(&mut self, means: &CommonMeans) {
+        let [long, short] = means.ticks;
+        let delayed = |ticks| self.window.get(Self::index(self.next.wrapping_sub(ticks)));
+        let (Some(longs), Some(shorts), Some(both)) = (delayed(long), delayed(short), delayed(long + short))
+        else {
+            return;
+        };
+        for (((axis, long), short), both) in self.axes.iter_mut().zip(longs).zip(shorts).zip(both) {
+            axis.add_to_means([axis.input, *long, *short, *both], &means.divisor);
         }
     }
 
-    /// Rests at another position, without writing the windows.
-    pub const fn rest_at(&mut self, position: Position) {
-        self.means = [Mean::at(position.0); 2];
-        (self.output, self.input, self.unchanged_ticks) = (position.0, position.0, u16::MAX);
+    /// Any filters.
+    #[inline(never)]
+    fn step_each(&mut self, filters: &Filters<N>) {
+        for (i, filter) in filters.axes.iter().enumerate() {
+            let delayed = |ticks| self.delayed(i, ticks);
+            let taps = match filter {
+                Filter::Mean(long, _) => [delayed(*long), 0, 0],
+                Filter::Means([long, short], _) => [delayed(*long), delayed(*short), delayed(*long + *short)],
+                Filter::Pass | Filter::Lag(_) => [0; 3],
+            };
+            let Some(axis) = self.axes.get_mut(i) else { return };
+            let ([long, short, both], input) = (taps, axis.input);
+            match filter {
+                Filter::Pass => axis.output = input,
+                Filter::Mean(_, divisor) => axis.add(input.wrapping_sub(long), divisor),
+                Filter::Means(_, divisor) => axis.add_to_means([input, long, short, both], divisor),
+                Filter::Lag(alpha) => {
+                    let lag = input.wrapping_sub(axis.output);
+                    // Rounded away from zero, so that the lag ends.
+                    let change = mul_q32(lag, *alpha).wrapping_add(i64::from(lag > 0));
+                    axis.output = axis.output.wrapping_add(change);
+                }
+            }
+        }
+        self.written = self.written.saturating_add(1);
     }
 
-    /// The command for a position on the path, once per position tick.
-    pub fn step(&mut self, filter: &Filter, input: Position) -> Position {
-        let unchanged = input.0 == self.input;
-        self.unchanged_ticks = if unchanged { self.unchanged_ticks.saturating_add(1) } else { 0 };
-        self.input = input.0;
-        let [first, second] = &mut self.means;
-        self.output = match *filter {
-            Filter::Pass => input.0,
-            Filter::Mean(long) => first.step(&mut self.windows, long, input.0),
-            Filter::Means(long, short) => {
-                let (head, tail) =
-                    self.windows.split_at_mut_checked(usize::from(long.ticks)).unwrap_or_default();
-                let mean = first.step(head, long, input.0);
-                second.step(tail, short, mean)
-            }
-            Filter::Lag(alpha) => {
-                let lag = input.0.wrapping_sub(self.output);
-                // Rounded away from zero, so that the lag ends.
-                self.output.wrapping_add(mul_q32(lag, alpha)).wrapping_add(i64::from(lag > 0))
-            }
-        };
-        Position(self.output)
+    /// The input of an axis 1 to [`WINDOW`] ticks ago.
+    fn delayed(&self, axis: usize, ticks: u16) -> i64 {
+        let written =
+            self.window.get(Self::index(self.next.wrapping_sub(ticks))).filter(|_| ticks <= self.written);
+        let initial = || self.axes.get(axis).map_or(0, |axis| axis.initial);
+        written.and_then(|inputs| inputs.get(axis)).copied().unwrap_or_else(initial)
     }
 
-    /// Whether the command has reached the input, and stays there while the input does not change.
+    /// Place in the window.
+    fn index(count: u16) -> usize {
+        usize::from(count) % WINDOW
+    }
+
+    /// Whether the commands have reached the inputs, and stay there while these do not change.
     #[must_use]
-    pub const fn is_settled(&self, filter: &Filter) -> bool {
-        self.output == self.input && self.unchanged_ticks >= filter.memory()
+    pub fn is_settled(&self, filters: &Filters<N>) -> bool {
+        self.axes
+            .iter()
+            .zip(&filters.axes)
+            .all(|(axis, filter)| axis.output == axis.input && self.unchanged_ticks >= filter.memory())
     }
 }

@@ -1,5 +1,7 @@
 //! The controller of a machine.
 
+mod between_ticks;
+
 use super::config::MachineConfig;
 use super::error::MachineError;
 use super::output::Output;
@@ -172,11 +174,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     /// # Errors
     /// [`PathError`], [`PathError::NotHomed`] for an axis with soft limits that is not homed; nothing is changed then.
     pub fn push(&mut self, block: &Block<N>) -> Result<(), PathError> {
-        let config = self.config.as_ref().ok_or(PathError::NotConfigured)?;
-        let mut not_homed = config.have_soft_limits();
-        for (axis, not_homed) in not_homed.iter_mut().enumerate() {
-            *not_homed &= self.references.of(axis) == Some(Reference::Relative);
-        }
+        let not_homed = self.not_homed()?;
         self.append(block, &not_homed)
     }
 
@@ -190,6 +188,22 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     }
 
     fn append(&mut self, block: &Block<N>, not_homed: &[bool; N]) -> Result<(), PathError> {
+        self.accepts_blocks()?;
+        self.state.path.push_holding(block, not_homed)
+    }
+
+    /// The axes with soft limits that are not homed.
+    fn not_homed(&self) -> Result<[bool; N], PathError> {
+        let config = self.config.as_ref().ok_or(PathError::NotConfigured)?;
+        let mut not_homed = config.have_soft_limits();
+        for (axis, not_homed) in not_homed.iter_mut().enumerate() {
+            *not_homed &= self.references.of(axis) == Some(Reference::Relative);
+        }
+        Ok(not_homed)
+    }
+
+    /// Whether a block could be appended now.
+    fn accepts_blocks(&self) -> Result<(), PathError> {
         if self.config.is_none() {
             return Err(PathError::NotConfigured);
         }
@@ -197,7 +211,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         if off || self.state.path.is_braking() {
             return Err(PathError::Interrupted);
         }
-        self.state.path.push_holding(block, not_homed)
+        Ok(())
     }
 
     /// Decelerates along the path and discards what remains of it. The drives stay on and hold the axes. Blocks are refused
@@ -239,6 +253,24 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     #[must_use]
     pub fn is_at_rest(&self) -> bool {
         self.state.path.is_done() && !self.state.path.is_braking()
+    }
+
+    /// Whether the last tick ran the position loops.
+    #[must_use]
+    pub fn was_position_tick(&self) -> bool {
+        self.config.as_ref().is_some_and(|config| self.state.is_after_position_tick(config))
+    }
+
+    /// Ticks per position tick; 0 without a configuration.
+    #[must_use]
+    pub fn position_loop_divider(&self) -> u32 {
+        self.config.as_ref().map_or(0, |config| config.rates.position_loop_divider)
+    }
+
+    /// The first warning since the drives were enabled.
+    #[must_use]
+    pub const fn warning(&self) -> Option<Fault> {
+        self.state.warning
     }
 
     /// Whether the queue has room for another block.

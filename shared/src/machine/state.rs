@@ -79,6 +79,11 @@ impl<S: Scalar, const N: usize> State<S, N> {
         }
     }
 
+    /// Whether the last tick ran the position loops.
+    pub const fn is_after_position_tick(&self, config: &MachineConfig<S, N>) -> bool {
+        self.was_on && self.until_position_tick + 1 == config.rates.position_loop_divider
+    }
+
     /// Continues after the readings of an axis have been shifted, and its command with them, without a step. The path must be
     /// done.
     pub fn shift_origin(&mut self, config: &MachineConfig<S, N>, index: usize, origin: OriginShift) {
@@ -96,9 +101,14 @@ impl<S: Scalar, const N: usize> State<S, N> {
     }
 
     fn raise(&mut self, config: &MachineConfig<S, N>, faults: [FaultSet; N]) {
-        if faults.iter().all(|faults| faults.is_empty()) {
-            return;
+        if faults.iter().any(|faults| !faults.is_empty()) {
+            self.raise_each(config, &faults);
         }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn raise_each(&mut self, config: &MachineConfig<S, N>, faults: &[FaultSet; N]) {
         for (axis, faults) in (0..).zip(faults) {
             for kind in faults.iter() {
                 self.fault(config, Fault::Axis { axis, kind });
@@ -194,16 +204,12 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     /// The next command, its corrections, and the position loops.
     fn position_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         let commands = state.path.advance();
-        let corrections = state.compensation.commands(&commands);
+        state.compensation.advance(&commands);
         let mut faults = [FaultSet::NONE; N];
-        for (((((faults, axis), config), command), correction), reading) in faults
-            .iter_mut()
-            .zip(&mut state.axes)
-            .zip(&self.axes)
-            .zip(commands)
-            .zip(corrections)
-            .zip(readings)
+        for (i, ((((faults, axis), config), command), reading)) in
+            faults.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(commands).zip(readings).enumerate()
         {
+            let correction = state.compensation.command(i);
             *faults = axis.position_tick(config, command, correction, *reading);
         }
         state.raise(self, faults);
@@ -217,16 +223,11 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
 
     /// The velocity loops, with the forces of the compensations.
     fn velocity_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) -> [S; N] {
-        let compensation = state.compensation.forces(readings);
         let (mut forces, mut faults) = ([S::ZERO; N], [FaultSet::NONE; N]);
-        for (((((force, faults), axis), config), reading), compensation) in forces
-            .iter_mut()
-            .zip(&mut faults)
-            .zip(&mut state.axes)
-            .zip(&self.axes)
-            .zip(readings)
-            .zip(compensation)
+        for (i, ((((force, faults), axis), config), reading)) in
+            forces.iter_mut().zip(&mut faults).zip(&mut state.axes).zip(&self.axes).zip(readings).enumerate()
         {
+            let compensation = state.compensation.force(i, reading);
             (*force, *faults) = axis.velocity_tick(config, *reading, compensation);
         }
         state.raise(self, faults);

@@ -1,14 +1,35 @@
 //! Floating-point signals: gain and sum are of the same type.
 
-use super::Scalar;
+use super::state_variable::{self, StateVariable};
+use super::{Fixed, Scalar, Section};
 
 macro_rules! float {
     ($float:ty, $name:literal) => {
+        impl Section<$float> for StateVariable<$float> {
+            type State = state_variable::State<$float>;
+
+            const AT_REST: Self::State = state_variable::State::AT_REST;
+
+            fn new(g: f64, k: f64, notch_depth: Option<f64>) -> Self {
+                Self::new(g, k, notch_depth)
+            }
+
+            fn settled(value: $float) -> Self::State {
+                state_variable::State::settled(value)
+            }
+
+            fn step(&self, state: &mut Self::State, input: $float) -> $float {
+                self.step(state, input)
+            }
+        }
+
         impl Scalar for $float {
+            type Section = StateVariable<$float>;
             type Gain = $float;
             type Sum = $float;
 
             const ZERO: $float = 0.0;
+            const ZERO_GAIN: $float = 0.0;
             const ZERO_SUM: $float = 0.0;
             const NAME: &'static str = $name;
             const GAIN_LIMIT: f64 = 1e18;
@@ -74,6 +95,21 @@ macro_rules! float {
 
             fn distance(self) -> i64 {
                 Self::to_distance(self)
+            }
+
+            #[allow(
+                clippy::cast_lossless,
+                clippy::cast_precision_loss,
+                clippy::allow_attributes,
+                reason = "one macro for two types"
+            )]
+            fn from_fixed(value: Fixed) -> $float {
+                const UNIT: $float = 1.0 / (1u64 << 14) as $float;
+                value.to_bits() as $float * UNIT
+            }
+
+            fn to_gain(self) -> $float {
+                self
             }
 
             fn widen(self) -> $float {

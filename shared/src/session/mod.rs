@@ -6,7 +6,7 @@ mod tests;
 use crate::feedback::Reading;
 use crate::machine::{Machine, MachineConfig, MachineError, Output};
 use crate::protocol::{
-    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, Part, Refusal, Setup, TickResult, decode,
+    AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, Part, Refusal, SOURCES, Setup, TickResult, decode,
 };
 use crate::scalar::{Fixed, Scalar};
 
@@ -95,6 +95,7 @@ impl SessionMachine {
     fn execute(&mut self, order: &Order, meter: &mut impl Meter) -> Option<Answer> {
         Some(match (order, self) {
             (Order::End, _) => return None,
+            (Order::Identify, _) => Answer::Sources(SOURCES),
             (Order::Setup(setup), machine) => machine.set_up(setup),
             (_, Self::Empty) => Answer::Refused(Refusal::NotSetUp),
             (order, Self::Fixed(machine)) => execute(machine, order, meter),
@@ -155,7 +156,9 @@ fn execute<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &mut
             })
         }
         // Handled by the session.
-        Order::Part(_) | Order::Setup(_) | Order::End => Answer::Refused(Refusal::Unreadable),
+        Order::Part(_) | Order::Setup(_) | Order::Identify | Order::End => {
+            Answer::Refused(Refusal::Unreadable)
+        }
     }
 }
 

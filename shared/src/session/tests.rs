@@ -60,6 +60,13 @@ fn every_number_format_answers_orders() {
 }
 
 #[test]
+fn the_version_is_told_before_a_setup() {
+    let mut session = Session::default();
+    assert_eq!(answer_to(&mut session, &Order::Identify), Some(Answer::Sources(SOURCES)));
+    assert_eq!(answer_to(&mut session, &Order::Enable), Some(Answer::Refused(Refusal::NotSetUp)));
+}
+
+#[test]
 fn a_refusal_states_its_reason() {
     let mut session = Session::default();
     let refusal_for = |refusal| Some(Answer::Refused(refusal));

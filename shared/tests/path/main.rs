@@ -2,12 +2,14 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod filters;
+mod holds;
 mod joints;
 mod stops;
 
 use std::f64::consts::{E, TAU};
 
 use proptest::prelude::*;
+use shared::interpolate::feed_hold::FeedState;
 use shared::interpolate::{Block, Path, Ramps, Smoothing};
 use shared::units::{PER_M, Position};
 

@@ -2,7 +2,8 @@
 //! a supply within its limits.
 //!
 //! Each access halts the emulator while its clock runs on, so that every tick of TIM2 would be late. Therefore the
-//! first tick disables its interrupt, and each tick pends the next one after it has read its inputs.
+//! first tick disables its interrupt, and the test pends the next one when the idle loop has run for some time after the
+//! inputs were read.
 
 use firmware::setup::{BUS_MV_PER_COUNT, SWITCH_SETTLING_TICKS, TEMPERATURE_MC};
 
@@ -26,8 +27,11 @@ const TIM4_CNT: u32 = 0x4000_0824;
 /// First tick with the switch closed: the switch has been open for longer than its settling time.
 pub const CLOSED: u32 = SWITCH_SETTLING_TICKS + 50;
 
+/// First tick in which the switch permits an enable by a host.
+pub const ARMED: u32 = CLOSED + SWITCH_SETTLING_TICKS;
+
 /// First tick with X displaced; the drives are on.
-pub const PUSHED: u32 = CLOSED + SWITCH_SETTLING_TICKS + 50;
+pub const PUSHED: u32 = ARMED + 200;
 
 /// Counts by which X is displaced, one a tick: 5 mm/s.
 pub const COUNTS: u32 = 20;
@@ -44,6 +48,8 @@ pub struct Inputs {
     ticks: u32,
     /// Pending stores of the core: address and value.
     stores: Vec<(u32, u32)>,
+    /// Whether a tick has read its inputs, and the next one was not pended yet.
+    ticked: bool,
     /// Safety contacts that are open: bits of port B.
     pub open: u32,
 }
@@ -55,6 +61,11 @@ fn counts(exact: f64) -> u32 {
 }
 
 impl Inputs {
+    /// The store that pends the next tick, if one has read its inputs.
+    pub fn next_tick(&mut self) -> Option<(u32, u32)> {
+        std::mem::take(&mut self.ticked).then_some((NVIC_ISPR0, TIM2_PENDING))
+    }
+
     /// Takes the stores that the core has to execute before it continues: address and value.
     pub fn stores(&mut self) -> Vec<(u32, u32)> {
         std::mem::take(&mut self.stores)
@@ -77,7 +88,7 @@ impl Device for Inputs {
             TIM3_CNT => self.ticks.saturating_sub(PUSHED).min(COUNTS),
             TIM4_CNT => {
                 // The start-up reads it once, before the first tick.
-                self.stores.extend((self.ticks > 0).then_some((NVIC_ISPR0, TIM2_PENDING)));
+                self.ticked |= self.ticks > 0;
                 0
             }
             ADC1_JDR3 => counts(48_000.0 / BUS_MV_PER_COUNT),

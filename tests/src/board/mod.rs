@@ -15,7 +15,7 @@ pub mod inputs;
 pub mod log;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -23,7 +23,7 @@ use crate::chip::image::Image;
 use crate::chip::memory::{Offset, Word, word};
 use crate::chip::vectors::Vectors;
 use crate::chip::walk::is_panic;
-use crate::firmware::{FLASH, RAM, TICK};
+use crate::firmware::{FLASH, RAM, SERIAL, TICK};
 use crate::gdb::{GdbError, Halt, PC, Target, Watch, XPSR};
 use tempfile::TempDir;
 
@@ -34,7 +34,10 @@ use inputs::Inputs;
 use log::Log;
 
 /// Timeout of a run: a thousand ticks take four seconds on a slow machine.
-const TIMEOUT: Duration = Duration::from_secs(40);
+const TIMEOUT: Duration = Duration::from_secs(90);
+
+/// Time that the idle loop gets between ticks where the test models the inputs.
+const IDLE: Duration = Duration::from_millis(2);
 
 /// Interval between readings of the log.
 const POLL: Duration = Duration::from_millis(50);
@@ -86,7 +89,9 @@ impl Chip {
         let mut command = Command::new("qemu-system-arm");
         command
             .args(["-machine", "netduinoplus2", "-icount", "shift=0,sleep=off", "-display", "none"])
-            .args(["-monitor", "none", "-serial", "none", "-S", "-gdb", "stdio"])
+            .args(["-monitor", "none", "-serial", "null", "-serial", "null", "-serial"])
+            .arg(format!("unix:{},server=on,wait=off", folder.path().join("serial").display()))
+            .args(["-S", "-gdb", "stdio"])
             .args(["-d", "int,unimp,guest_errors", "-D"])
             .arg(&log.0)
             .arg("-kernel")
@@ -108,7 +113,8 @@ impl Chip {
             self.target.watch(Watch::Write, address)?;
         }
         let tick = self.vectors.handler(TICK);
-        let handlers = self.vectors.exceptions().into_iter().filter(|&handler| handler != tick);
+        let serial = self.vectors.handler(SERIAL);
+        let handlers = self.vectors.exceptions().into_iter().filter(|&at| at != tick && at != serial);
         for address in handlers.chain(self.image.named(is_panic)) {
             self.target.watch(Watch::Run, address)?;
         }
@@ -123,11 +129,12 @@ impl Chip {
         let start = Instant::now();
         let mut polled = start;
         self.target.run()?;
+        let wait = if self.inputs.is_some() { IDLE } else { POLL };
         loop {
-            let halted = self.target.halted(POLL)?;
+            let halted = self.target.halted(wait)?;
             if polled.elapsed() >= POLL {
                 polled = Instant::now();
-                if self.log.exceptions().len() >= ticks {
+                if self.ticks() >= ticks {
                     return halted
                         .map_or_else(|| self.target.stop().map(drop), |_| Ok(()))
                         .map(|()| End::Ticked);
@@ -144,9 +151,28 @@ impl Chip {
                     let (_, function) = self.image.function_at(at).unwrap();
                     return Ok(End::Entered(function.names[0].clone()));
                 }
-                None => {}
+                None => {
+                    if let Some((address, value)) = self.inputs.as_mut().and_then(Inputs::next_tick) {
+                        // The idle loop accesses no watched register.
+                        self.target.stop()?;
+                        self.store(address, value)?;
+                        self.target.run()?;
+                    }
+                }
             }
         }
+    }
+
+    /// Number of ticks that have begun.
+    #[must_use]
+    pub fn ticks(&self) -> usize {
+        self.log.exceptions().into_iter().filter(|number| *number == TICK).count()
+    }
+
+    /// Path of the socket at USART3.
+    #[must_use]
+    pub fn serial(&self) -> PathBuf {
+        self.folder.path().join("serial")
     }
 
     /// Performs the access to a watched register at which the target has halted, and skips its instruction.

@@ -4,10 +4,12 @@
 mod accepted;
 mod compare;
 mod compensate;
+mod improve;
 mod margins;
 mod refused;
 mod reproduce;
 mod stopped;
+mod tune;
 mod verify;
 mod work_folder;
 mod worked_example;

@@ -10,19 +10,7 @@ mod sensors;
 mod servo;
 mod theory;
 
-/// One test per effect, under its name, and the list of these names.
-macro_rules! tested {
-    ($($module:ident: $($name:ident),+;)+) => {
-        $($(
-            #[test]
-            fn $name() {
-                $module::$name();
-            }
-        )+)+
-
-        const TESTED: &[&str] = &[$($(stringify!($name)),+),+];
-    };
-}
+use tests::tested;
 
 tested! {
     geometry: backlash, pitch_progressive, pitch_map, pitch_cyclic, resolver_dividing, encoder_ellipticity, windup, intalk,

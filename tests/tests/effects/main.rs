@@ -14,19 +14,7 @@ mod screw;
 mod servo;
 mod tool;
 
-/// One test per effect, under its name, and the list of these names.
-macro_rules! tested {
-    ($($module:ident: $($name:ident),+;)+) => {
-        $($(
-            #[test]
-            fn $name() {
-                $module::$name();
-            }
-        )+)+
-
-        const TESTED: &[&str] = &[$($(stringify!($name)),+),+];
-    };
-}
+use tests::tested;
 
 tested! {
     screw: backlash, pitch_progressive, pitch_cyclic, resolver_dividing, encoder_ellipticity, pitch_map, windup;

@@ -10,6 +10,7 @@ pub use significance::{is_better, is_worse, rms_standard_error_um};
 
 use serde_json::{Value, json};
 
+use super::comparison::Comparison;
 use super::evaluation::ContourError;
 use super::logged::{LoggedMotion, POSITIONS, has, log_name};
 use files::error::InputError;
@@ -93,6 +94,24 @@ impl VerifiedMotion {
     #[must_use]
     pub fn circular_um(&self) -> Option<[f64; 2]> {
         Some([self.before.circular_um()?, self.after.circular_um()?])
+    }
+
+    /// The row of the table.
+    #[must_use]
+    pub fn comparison(&self) -> Comparison {
+        let predicted = self.predicted.as_ref();
+        let circular = match self.circular_um() {
+            Some([before, after]) => [Some(before), predicted.and_then(|p| p.circular_after_um), Some(after)],
+            None => [None; 3],
+        };
+        Comparison {
+            name: self.name.clone(),
+            figures: [
+                [Some(self.before.rms_um), predicted.map(|p| p.after_um), Some(self.after.rms_um)],
+                [Some(self.before.max_um), predicted.and_then(|p| p.max_after_um), Some(self.after.max_um)],
+                circular,
+            ],
+        }
     }
 
     /// The entry of `verify --json`.

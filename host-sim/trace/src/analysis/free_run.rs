@@ -8,9 +8,9 @@ use serde::Serialize;
 
 use crate::input::signals::AxisSignals;
 use crate::prediction::initial_state::steady_motion;
-use crate::prediction::resample::delayed_linear;
 use model::effects::{Channel, Effect};
 use model::machine::Axis;
+use numerics::resample::delayed_linear;
 use plant::mechanics::Stepper;
 use plant::parameters::AxisParameters;
 

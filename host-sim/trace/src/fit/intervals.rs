@@ -67,11 +67,8 @@ pub fn covariance(data: &FitData<'_>, fitted: &Fitted) -> Covariance {
 fn bias_gradient(data: &FitData<'_>, fitted: &Fitted) -> DVector<f64> {
     let mut gradient = DVector::zeros(fitted.parameters.len());
     for (index, series) in fitted.residuals.iter().enumerate() {
-        let Some(bias) = data.bias_of(series) else { continue };
-        let weight = fitted.weights[index].powi(2);
-        for (sum, column) in gradient.iter_mut().zip(&fitted.columns) {
-            let products = column[index].values.iter().zip(&bias.values).map(|(slope, error)| slope * error);
-            *sum += weight * products.sum::<f64>();
+        if let Some(bias) = data.bias_of(series) {
+            fitted.add_gradient(&mut gradient, index, &bias.values.iter().copied());
         }
     }
     gradient
@@ -80,14 +77,8 @@ fn bias_gradient(data: &FitData<'_>, fitted: &Fitted) -> DVector<f64> {
 impl Covariance {
     /// Number of parameters.
     #[must_use]
-    pub fn len(&self) -> usize {
+    pub fn parameters(&self) -> usize {
         self.bias_shift.len()
-    }
-
-    /// Whether there is no parameter.
-    #[must_use]
-    pub fn is_empty(&self) -> bool {
-        self.len() == 0
     }
 
     /// Covariance of some of the parameters, with the uncertain error of the tracer's own simulation as one more deviation.

@@ -52,6 +52,21 @@ impl Fitted {
         self.blocks.iter().filter(|block| block.stage == stage).map(|block| block.squares).sum()
     }
 
+    /// Adds Jᵀ·W·e of an error e of one series of the residuals, by its index, to a gradient.
+    pub fn add_gradient(
+        &self,
+        gradient: &mut DVector<f64>,
+        series: usize,
+        error: &(impl Iterator<Item = f64> + Clone),
+    ) {
+        let weight = self.weights[series].powi(2);
+        for (sum, column) in gradient.iter_mut().zip(&self.columns) {
+            let products =
+                column[series].values.iter().zip(error.clone()).map(|(slope, error)| slope * error);
+            *sum += weight * products.sum::<f64>();
+        }
+    }
+
     /// The derivatives that remain valid without a found effect of a model, by its index in [`AxisModel::found`]. None if
     /// the effect replaced a trim of timing, as the fit then has no derivative with respect to the trim.
     #[must_use]

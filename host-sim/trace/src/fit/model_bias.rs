@@ -13,8 +13,8 @@ use super::scope::Scope;
 use super::tool_bias;
 use crate::input::signals::{AxisSignals, Signals};
 use crate::input::smoothing::Smooth;
-use crate::prediction::resample::{delayed_cubic, delayed_linear};
 use model::effects::{Channel, Stage};
+use numerics::resample::{delayed_cubic, delayed_linear};
 
 /// The error in the driven stages or in the tool stage of all scopes.
 #[must_use]

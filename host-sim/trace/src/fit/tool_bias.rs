@@ -11,8 +11,8 @@ use super::fit_data::FitData;
 use crate::input::signals::Signals;
 use crate::input::smoothing::Smooth;
 use crate::prediction::closed_loop::ClosedLoopRun;
-use crate::prediction::resample::delayed_cubic;
 use model::effects::Channel;
+use numerics::resample::delayed_cubic;
 use plant::tool_point::{self, Tables};
 
 /// Whether an effect of the tool depends on an acceleration; the error is zero otherwise.

@@ -48,7 +48,7 @@ fn shifts(
     let from = &earlier.fitted_scope;
     let parameters = model.free_parameters(from);
     let before = covariance(data, &earlier.fitted);
-    if before.len() != parameters.len() {
+    if before.parameters() != parameters.len() {
         return Vec::new();
     }
     // The later fit determines the mass of the motor itself. Zeros and instants of the channels do not change the motor.
@@ -71,12 +71,8 @@ fn shifts(
         let moved = data.residuals(&model.at(from, &moved), scope);
         let mut gradient = DVector::zeros(fitted.parameters.len());
         for (index, (series, moved)) in residuals.iter().zip(&moved).enumerate() {
-            let weight = fitted.weights[index].powi(2);
-            for (sum, column) in gradient.iter_mut().zip(&fitted.columns) {
-                let changes = moved.values.iter().zip(&series.values).map(|(moved, value)| moved - value);
-                *sum += weight
-                    * column[index].values.iter().zip(changes).map(|(slope, dr)| slope * dr).sum::<f64>();
-            }
+            let changes = moved.values.iter().zip(&series.values).map(|(moved, value)| moved - value);
+            fitted.add_gradient(&mut gradient, index, &changes);
         }
         own.shift_by(&gradient)
     };

@@ -1,10 +1,10 @@
 //! The table and force stages: linear scale and drive force, predicted from the measured motor.
 
 use super::force_sampling::ForceSampling;
-use super::resample::{delayed_cubic, delayed_linear};
 use crate::input::motor_path::MotorPath;
 use crate::input::smoothing::Smooth;
 use model::effects::Channel;
+use numerics::resample::{delayed_cubic, delayed_linear};
 use plant::driven::{DrivenStep, DrivenTable, ScrewMotion};
 use plant::parameters::AxisParameters;
 

@@ -8,5 +8,5 @@ pub mod driven;
 pub mod force_sampling;
 pub mod force_windup;
 pub mod initial_state;
-pub mod resample;
+pub mod resonant_response;
 pub mod tool;

@@ -1,9 +1,10 @@
 //! The tool stage: the tool-point probe, predicted from the measured tables.
 
-use super::resample::{delayed_cubic, resonant_response};
+use super::resonant_response::resonant_response;
 use crate::input::signals::{AxisSignals, Signals};
 use crate::input::smoothing::Smooth;
 use model::effects::Channel;
+use numerics::resample::delayed_cubic;
 use plant::parameters::AxisParameters;
 use plant::tool_point::{self, Tables};
 

@@ -153,15 +153,32 @@ impl Profile {
         if time == TICK && progress.remaining >= TICK {
             progress.remaining -= TICK;
             progress.whole_tick(progress.segment == CRUISE);
+            if progress.remaining < TICK {
+                self.prepare_segment_end(progress);
+            }
             return Step::Within(progress.distance());
         }
         self.across_segments(progress, time)
     }
 
+    /// Computes the end of a segment that ends within the next tick, so that the work is spread over two ticks.
+    #[cold]
+    fn prepare_segment_end(&self, progress: &mut Progress) {
+        let mut motion = progress.motion();
+        motion.advance(self.jerk_sixth(progress.segment), progress.remaining);
+        progress.segment_end = Some(motion);
+    }
+
     /// Advances by a time in which a segment ends, or by a fraction of a tick.
     #[cold]
     fn across_segments(&self, progress: &mut Progress, mut time: u64) -> Step {
-        let mut motion = progress.motion();
+        let mut motion = match progress.segment_end.take() {
+            Some(end) if time >= progress.remaining => {
+                time -= core::mem::take(&mut progress.remaining);
+                end
+            }
+            _ => progress.motion(),
+        };
         // At most all segments end within a tick.
         for _ in 0..SEGMENTS {
             let elapsed = time.min(progress.remaining);

@@ -18,6 +18,8 @@ pub struct Progress {
     /// Time to the end of the segment, ticks with 32 fraction bits.
     pub(super) remaining: u64,
     pub(super) segment: u8,
+    /// Motion at the end of the segment, if that is within the next tick and has been computed.
+    pub(super) segment_end: Option<Motion>,
 }
 
 impl Progress {
@@ -29,6 +31,7 @@ impl Progress {
         third_difference: 0,
         remaining: 0,
         segment: 0,
+        segment_end: None,
     };
 
     /// Distance from the start, whole position units.
@@ -58,6 +61,7 @@ impl Progress {
         self.first_difference = motion.velocity + (motion.acceleration >> 1) + jerk_sixth;
         self.third_difference = 6 * jerk_sixth;
         self.second_difference = motion.acceleration + self.third_difference;
+        self.segment_end = None;
     }
 
     /// The inverse of [`Progress::set`].
@@ -77,7 +81,7 @@ impl Progress {
 const SIXTH_Q32: u32 = 715_827_883;
 
 /// Distance, speed and acceleration at one time, per tick with 64 fraction bits.
-#[derive(Clone, Copy, Debug)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub(super) struct Motion {
     pub(super) distance: i128,
     pub(super) velocity: i128,

@@ -1,0 +1,151 @@
+//! One axis of the simulated machine: a motor and a table, coupled by a screw with a dead zone.
+//!
+//! m₁·dv₁/dt = force − F, m₂·dv₂/dt = F − b·v₂ − friction, F = k·(e ∓ w/2) + c·(v₁ − v₂) outside of the dead zone w of the
+//! difference e = x₁ − x₂, and 0 within. Coulomb friction stops the table within a step, and holds it.
+//!
+//! Velocities are f32, positions are integers: a step of 12.5 µs at 1 mm/s is 12 nm, which an f32 position would lose.
+
+use shared::feedback::Reading;
+use shared::units::{PER_M, Position};
+
+use super::{COUNT, INDEX_M, LEAD_M};
+use crate::setup::TICK_HZ;
+
+/// Mass of the motor side, reflected to the table, kg.
+pub const MOTOR_MASS_KG: f32 = 6.0;
+/// Mass of the table, kg.
+pub const TABLE_MASS_KG: f32 = 9.0;
+/// Stiffness of the screw, N/m.
+pub const STIFFNESS_N_PER_M: f32 = 50e6;
+/// Damping of the screw, N·s/m.
+pub const DAMPING_N_S_PER_M: f32 = 5000.0;
+/// Coulomb friction of the table, N.
+pub const COULOMB_N: f32 = 20.0;
+/// Viscous friction of the table, N·s/m.
+pub const VISCOUS_N_S_PER_M: f32 = 100.0;
+
+/// Steps per tick.
+const STEPS: u32 = 4;
+
+/// Time of a step, s. The resonance has 3700 rad/s: ω·h = 0.05.
+const STEP_S: f32 = 1.0 / (TICK_HZ * STEPS) as f32;
+
+/// Position units in a metre.
+const UNITS: f32 = PER_M as f32;
+
+/// An axis.
+#[derive(Clone, Copy, Debug)]
+pub struct AxisPlant {
+    /// Half of the dead zone, m.
+    half_gap_m: f32,
+    /// Motor and table, position units.
+    motor: i64,
+    table: i64,
+    /// Velocities, m/s.
+    motor_velocity: f32,
+    table_velocity: f32,
+    /// The motor as its encoder reads it.
+    read_motor: i64,
+    /// Position at power-up, position units: readings count from there.
+    start: i64,
+    /// Turn of the motor from index pulse to index pulse.
+    turn: i64,
+    /// Reading at the last index pulse.
+    index: Option<Position>,
+}
+
+impl AxisPlant {
+    /// At rest at a position, with a dead zone of the screw.
+    #[expect(clippy::cast_possible_truncation, reason = "a width, and a position within the travel")]
+    pub fn new(backlash_m: f64, start_m: f64) -> Self {
+        let start = (start_m * PER_M) as i64;
+        Self {
+            half_gap_m: 0.5 * backlash_m as f32,
+            motor: start,
+            table: start,
+            motor_velocity: 0.0,
+            table_velocity: 0.0,
+            read_motor: start,
+            start,
+            turn: turn(start),
+            index: None,
+        }
+    }
+
+    /// Moves by the time of a tick under a force (N) on the motor. A frozen encoder is not read.
+    pub fn step(&mut self, force_n: f32, read: bool) {
+        for _ in 0..STEPS {
+            let screw_n = self.screw_force();
+            self.motor_velocity += STEP_S / MOTOR_MASS_KG * (force_n - screw_n);
+            let moving = screw_n - VISCOUS_N_S_PER_M * self.table_velocity;
+            let free = self.table_velocity + STEP_S / TABLE_MASS_KG * moving;
+            let friction = STEP_S / TABLE_MASS_KG * COULOMB_N;
+            self.table_velocity = free - free.clamp(-friction, friction);
+            #[expect(clippy::cast_possible_truncation, reason = "a position unit")]
+            let way = |velocity: f32| (velocity * (STEP_S * UNITS)) as i64;
+            self.motor = self.motor.wrapping_add(way(self.motor_velocity));
+            self.table = self.table.wrapping_add(way(self.table_velocity));
+        }
+        if read {
+            self.read_motor = self.motor;
+        }
+        let turn = turn(self.motor);
+        if turn != self.turn {
+            // Between the two turns: the pulse is at the beginning of the later one.
+            let pulse = turn.max(self.turn) * LEAD + INDEX;
+            (self.turn, self.index) = (turn, Some(self.counted(pulse)));
+        }
+    }
+
+    /// The reading at the index pulse since the last call.
+    pub const fn take_index(&mut self) -> Option<Position> {
+        self.index.take()
+    }
+
+    /// Whether the table is below a position, m.
+    pub fn is_below(&self, m: f64) -> bool {
+        (self.table as f64) < m * PER_M
+    }
+
+    /// Limit switches: whether the table is below the first position or above the second, m.
+    pub fn at_limits(&self, [below, above]: [f64; 2]) -> [bool; 2] {
+        [self.is_below(below), !self.is_below(above)]
+    }
+
+    /// The reading of a position in whole counts from the start.
+    const fn counted(&self, position: i64) -> Position {
+        Position(position.wrapping_sub(self.start).div_euclid(COUNT).wrapping_mul(COUNT))
+    }
+
+    /// Force of the motor on the table, N.
+    fn screw_force(&self) -> f32 {
+        let stretch = self.motor.wrapping_sub(self.table) as f32 / UNITS;
+        let beyond = stretch - stretch.clamp(-self.half_gap_m, self.half_gap_m);
+        let force =
+            STIFFNESS_N_PER_M * beyond + DAMPING_N_S_PER_M * (self.motor_velocity - self.table_velocity);
+        // A flank can only push.
+        if beyond > 0.0 {
+            force.max(0.0)
+        } else if beyond < 0.0 {
+            force.min(0.0)
+        } else if self.half_gap_m > 0.0 {
+            0.0
+        } else {
+            force
+        }
+    }
+
+    /// Encoder and scale in whole counts.
+    pub fn reading(&self) -> Reading {
+        Reading { motor: self.counted(self.read_motor), table: Some(self.counted(self.table)) }
+    }
+}
+
+/// Lead and position of an index pulse, position units.
+const LEAD: i64 = (LEAD_M * PER_M) as i64;
+const INDEX: i64 = (INDEX_M * PER_M) as i64;
+
+/// Number of the turn of the motor, counted from an index pulse.
+const fn turn(position: i64) -> i64 {
+    position.wrapping_sub(INDEX).div_euclid(LEAD)
+}

@@ -1,0 +1,217 @@
+//! The simulated machine of the emulated servo board: two axes behind the same trait as the pins of a real board.
+//!
+//! `host-sim/machines/bench.toml` declares this machine. What it does not declare is the backlash of the x screw
+//! ([`BACKLASH_M`]): the tracer finds it in the logs of the board.
+
+mod axis;
+
+use shared::capture::ChannelSteps;
+use shared::config::AxisSettings;
+use shared::drive::{
+    Amplifier, AxisInputs, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight, Supply, SupplyLimits,
+};
+use shared::feedback::Reading;
+use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
+use shared::link::message::BoardSettings;
+use shared::link::{Identity, Times};
+use shared::machine::{Machine, MachineConfig};
+use shared::scalar::Fixed;
+use shared::units::{PER_NM, Position};
+
+use crate::setup::{self, AXES, RATES, SWITCH_SETTLING_TICKS, SetupError, TICK_HZ};
+use axis::AxisPlant;
+
+/// Width of the dead zone between screw and table, m. Not declared in the machine file.
+pub const BACKLASH_M: [f64; AXES] = [14e-6, 0.0];
+
+/// A count of the motor encoders and of the linear scales, position units: 50 nm.
+pub const COUNT: i64 = 50 * PER_NM;
+
+/// Travel of the axes, m; the limit switches are 5 mm beyond it.
+pub const TRAVEL_M: [f64; 2] = [-0.1, 0.1];
+
+/// Position of the axes at power-up, m: not known to the controller before they are homed.
+const START_M: [f64; AXES] = [-0.0312, 0.0174];
+
+/// Tables beyond this position are on their home switch, m.
+const HOME_SWITCH_M: f64 = -0.09;
+
+/// Distance between the index pulses of the motor encoders, m: a turn of the screw.
+const LEAD_M: f64 = 5e-3;
+
+/// Position of an index pulse, m.
+const INDEX_M: f64 = -0.0917;
+
+/// Distance of the limit switches beyond the travel, m.
+const LIMIT_SWITCH_M: f64 = 5e-3;
+
+/// Supply of the simulated power stages.
+const SUPPLY: Supply = Supply { bus_mv: Some(48_000), temperature_mc: Some(31_000) };
+
+/// What the supply of the power stages may be.
+const SUPPLY_LIMITS: SupplyLimits =
+    SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 56_000, max_temperature_mc: 80_000 };
+
+/// How the axes are homed: towards the switch at their negative end, to the index pulse behind its edge.
+const HOMING: HomingSettings = HomingSettings {
+    direction: Direction::Negative,
+    mark: Mark::MotorIndex { spacing_m: LEAD_M },
+    mark_position_m: INDEX_M,
+    search_speed_m_per_s: 0.05,
+    approach_speed_m_per_s: 0.005,
+    acceleration_m_per_s2: 0.5,
+    search_distance_m: 0.22,
+    back_off_distance_m: 0.012,
+    at_limit: AtLimit::TurnRound,
+    timeout_s: 60.0,
+};
+
+/// PWM counts of full duty.
+const FULL_COUNTS: u16 = 8400;
+
+/// The settings of the controller at the start.
+pub const SETTINGS: BoardSettings = BoardSettings {
+    rates: RATES,
+    axes: [AxisSettings {
+        travel_m: Some(TRAVEL_M),
+        scale_disagreement_limit_m: Some(0.5e-3),
+        ..setup::SETTINGS[0]
+    }; AXES],
+};
+
+/// What the board says about itself.
+pub const IDENTITY: Identity = Identity {
+    board: "emulated servo board",
+    software: env!("CARGO_PKG_VERSION"),
+    tick_hz: TICK_HZ,
+    steps: ChannelSteps { command: PER_NM / 16, motor: [COUNT; AXES], table: [COUNT; AXES], force_bits: 5 },
+    times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
+    homing: [Some(HOMING); AXES],
+};
+
+/// The machine with its inputs, operated from the bench and not by the host.
+#[derive(Debug)]
+pub struct Bench {
+    axes: [AxisPlant; AXES],
+    /// Forces that act until the next tick, N.
+    forces: [f32; AXES],
+    enabled: bool,
+    hands: Hands,
+}
+
+/// What a person operates at the machine.
+#[derive(Clone, Copy, Debug, Default)]
+#[expect(clippy::struct_excessive_bools, reason = "switches and wires")]
+pub struct Hands {
+    /// The enable switch is closed.
+    pub enable_switch: bool,
+    /// The emergency stop is pressed.
+    pub emergency_stop: bool,
+    /// The encoder of the x motor is frozen.
+    pub x_encoder_frozen: bool,
+    /// The signal of the x scale is lost.
+    pub x_scale_lost: bool,
+    /// The status light is lit.
+    pub light: bool,
+}
+
+impl Bench {
+    /// Axes at zero, switch open.
+    #[must_use]
+    pub fn new() -> Self {
+        Self {
+            axes: core::array::from_fn(|axis| AxisPlant::new(BACKLASH_M[axis], START_M[axis])),
+            forces: [0.0; AXES],
+            enabled: false,
+            hands: Hands {
+                enable_switch: false,
+                emergency_stop: false,
+                x_encoder_frozen: false,
+                x_scale_lost: false,
+                light: false,
+            },
+        }
+    }
+
+    /// What the person at the machine operates.
+    pub const fn hands(&mut self) -> &mut Hands {
+        &mut self.hands
+    }
+
+    /// Moves the machine by the time of a tick.
+    pub fn step(&mut self) {
+        let frozen = self.hands.x_encoder_frozen;
+        for (number, (axis, force)) in self.axes.iter_mut().zip(self.forces).enumerate() {
+            axis.step(if self.enabled { force } else { 0.0 }, !(frozen && number == 0));
+        }
+    }
+}
+
+impl Default for Bench {
+    fn default() -> Self {
+        Self::new()
+    }
+}
+
+impl Board<AXES> for Bench {
+    fn readings(&mut self) -> [Reading; AXES] {
+        let [mut x, y] = self.axes.each_ref().map(AxisPlant::reading);
+        if self.hands.x_scale_lost {
+            x.table = None;
+        }
+        [x, y]
+    }
+
+    fn inputs(&mut self) -> Inputs<AXES> {
+        let axes = self.axes.each_mut().map(|axis| AxisInputs {
+            limits: axis.at_limits([TRAVEL_M[0] - LIMIT_SWITCH_M, TRAVEL_M[1] + LIMIT_SWITCH_M]),
+            home: axis.is_below(HOME_SWITCH_M),
+            motor_index: axis.take_index(),
+            ..AxisInputs::NONE
+        });
+        Inputs { axes, emergency_stop: self.hands.emergency_stop, supply: SUPPLY }
+    }
+
+    fn enable_switch_closed(&mut self) -> bool {
+        self.hands.enable_switch
+    }
+
+    fn hardware_stop_active(&mut self) -> bool {
+        // The emergency stop also cuts the power stages without the processor.
+        self.hands.emergency_stop
+    }
+
+    fn set_duties(&mut self, duties: [Duty; AXES]) {
+        for ((force, duty), full_n) in self.forces.iter_mut().zip(duties).zip(setup::FULL_DUTY_N) {
+            let magnitude = f32::from(duty.counts) * (full_n as f32 / f32::from(FULL_COUNTS));
+            *force = if duty.reverse { -magnitude } else { magnitude };
+        }
+    }
+
+    fn set_enabled(&mut self, enabled: bool) {
+        self.enabled = enabled;
+    }
+
+    fn set_light(&mut self, lit: bool) {
+        self.hands.light = lit;
+    }
+
+    fn next_tick_due(&mut self) -> bool {
+        false
+    }
+}
+
+/// The drive system of the bench, drives off. The machine is configured in place.
+///
+/// # Errors
+/// [`SetupError`] for an invalid value.
+pub fn drive_system(machine: &mut Machine<Fixed, AXES>) -> Result<DriveSystem<'_, Fixed, AXES>, SetupError> {
+    machine.configure(MachineConfig::new(SETTINGS.rates, &SETTINGS.axes)?, &[Position(0); AXES]);
+    let [x, y] = setup::FULL_DUTY_N;
+    let amplifiers = [Amplifier::new(x, FULL_COUNTS)?, Amplifier::new(y, FULL_COUNTS)?];
+    let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(setup::BLINK_TICKS));
+    for axis in 0..AXES {
+        machine.lose_reference(axis);
+    }
+    Ok(DriveSystem::new(machine, amplifiers, switch, light).with_supply_limits(SUPPLY_LIMITS))
+}

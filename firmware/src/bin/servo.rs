@@ -1,0 +1,237 @@
+//! A servo board on an emulated Cortex-M4F: its system timer runs the tick 20,000 times a second, its idle loop serves the
+//! link. The machine is simulated ([`firmware::bench`]).
+//!
+//! `docs/board.md` describes how it is used, `docs/firmware.md` how it is started.
+#![no_std]
+#![no_main]
+
+use core::cell::RefCell;
+use core::panic::PanicInfo;
+
+use cortex_m::interrupt::{self, Mutex};
+use cortex_m::peripheral::syst::SystClkSource;
+use cortex_m::peripheral::{NVIC, SCB};
+use cortex_m_rt::{entry, exception};
+use cortex_m_semihosting::debug::{EXIT_FAILURE, EXIT_SUCCESS, exit};
+use firmware::bench::{Bench, IDENTITY, SETTINGS, drive_system};
+use firmware::servo::{END, Uart, operate};
+use firmware::setup::{AXES, TICK_HZ};
+use shared::drive::{Amplifier, Board, Duty, Inputs};
+use shared::feedback::Reading;
+use shared::link::{BytePort, HostedDrive, Server, SharedDrive};
+use shared::machine::Machine;
+use shared::scalar::Fixed;
+
+/// Clock of the system timer, Hz.
+const CLOCK_HZ: u32 = 25_000_000;
+
+/// Memory for a recording, bytes: half a second of both axes at 20 kHz.
+const CAPTURE_BYTES: usize = 80 * 1024;
+
+/// Ticks without a byte from the link or the bench after which the emulator ends: ten minutes.
+const ABANDONED_TICKS: u64 = 600 * TICK_HZ as u64;
+
+/// Ticks after which an input of the bench has settled: 50 ms, beyond the 20 ms of the enable switch.
+const SETTLED_TICKS: u64 = 1000;
+
+/// The drives, and the machine that they move.
+struct Plant {
+    drive: HostedDrive<'static, Fixed, AXES>,
+    bench: Bench,
+}
+
+/// Used by the tick and, between ticks, by the idle loop.
+static PLANT: Mutex<RefCell<Option<Plant>>> = Mutex::new(RefCell::new(None));
+
+/// The bench as a board whose next tick is due when the system timer has expired again.
+struct Ticking<'a>(&'a mut Bench);
+
+impl Board<AXES> for Ticking<'_> {
+    fn readings(&mut self) -> [Reading; AXES] {
+        self.0.readings()
+    }
+
+    fn inputs(&mut self) -> Inputs<AXES> {
+        self.0.inputs()
+    }
+
+    fn enable_switch_closed(&mut self) -> bool {
+        self.0.enable_switch_closed()
+    }
+
+    fn hardware_stop_active(&mut self) -> bool {
+        self.0.hardware_stop_active()
+    }
+
+    fn set_duties(&mut self, duties: [Duty; AXES]) {
+        self.0.set_duties(duties);
+    }
+
+    fn set_enabled(&mut self, enabled: bool) {
+        self.0.set_enabled(enabled);
+    }
+
+    fn set_light(&mut self, lit: bool) {
+        self.0.set_light(lit);
+    }
+
+    fn next_tick_due(&mut self) -> bool {
+        SCB::is_pendst_pending()
+    }
+}
+
+#[exception]
+fn SysTick() {
+    interrupt::free(|section| {
+        // Borrowed nowhere else: the idle loop borrows it with interrupts disabled.
+        if let Ok(mut plant) = PLANT.borrow(section).try_borrow_mut()
+            && let Some(Plant { drive, bench }) = plant.as_mut()
+        {
+            bench.step();
+            drive.tick(&mut Ticking(bench));
+        }
+    });
+}
+
+/// The drives, for the server.
+struct Idle;
+
+impl SharedDrive<'static, Fixed> for Idle {
+    type Output = Amplifier<Fixed>;
+
+    fn with<R>(&mut self, access: impl FnOnce(&mut HostedDrive<'static, Fixed, AXES>) -> R) -> R {
+        with_plant(|plant| access(&mut plant.drive))
+    }
+}
+
+fn with_plant<R>(access: impl FnOnce(&mut Plant) -> R) -> R {
+    interrupt::free(|section| {
+        let mut plant = PLANT.borrow(section).borrow_mut();
+        access(plant.as_mut().expect("set before the idle loop"))
+    })
+}
+
+#[entry]
+fn main() -> ! {
+    let _ = run();
+    exit(EXIT_FAILURE);
+    stop()
+}
+
+/// Starts the ticks and serves the link. `None` if the board cannot be started.
+fn run() -> Option<()> {
+    let machine = cortex_m::singleton!(: Machine<Fixed, AXES> = Machine::UNCONFIGURED)?;
+    let capture = cortex_m::singleton!(: [u8; CAPTURE_BYTES] = [0; CAPTURE_BYTES])?;
+    let server = cortex_m::singleton!(: Server = Server::new(IDENTITY, SETTINGS))?;
+    let system = drive_system(machine).ok()?;
+    let drive = HostedDrive::new(system, TICK_HZ, IDENTITY.times, &IDENTITY.steps, capture);
+    let plant = Plant { drive, bench: Bench::new() };
+    interrupt::free(|section| PLANT.borrow(section).replace(Some(plant)));
+    // SAFETY: called once.
+    let (mut link, mut bench) = unsafe { (Uart::link(), Uart::bench()) };
+    let mut timer = cortex_m::Peripherals::take()?.SYST;
+    timer.set_clock_source(SystClkSource::Core);
+    timer.set_reload(CLOCK_HZ / TICK_HZ - 1);
+    timer.clear_current();
+    timer.enable_counter();
+    timer.enable_interrupt();
+    let mut served_at = 0;
+    let (mut confirmed, mut settled_at) = (None, SETTLED_TICKS);
+    loop {
+        let mut port = Counted { port: &mut link, bytes: 0 };
+        server.poll(&mut port, &mut Idle);
+        let mut active = port.bytes > 0;
+        let now = with_plant(|plant| plant.drive.now());
+        // A switch is operated, and confirmed, when it has been as it was for longer than its settling time.
+        if now >= settled_at {
+            if let Some(byte) = confirmed.take() {
+                bench.write(&[byte]);
+            }
+            if let Some(byte) = bench.read() {
+                if byte == END {
+                    exit(EXIT_SUCCESS);
+                }
+                let known = with_plant(|plant| operate(plant.bench.hands(), byte));
+                (confirmed, settled_at) = (Some(if known { byte } else { b'?' }), now + SETTLED_TICKS);
+                active = true;
+            }
+        }
+        if active {
+            served_at = now;
+        } else {
+            if now - served_at > ABANDONED_TICKS {
+                exit(EXIT_SUCCESS);
+            }
+            wait(with_plant(|plant| plant.drive.machine().power().is_on()));
+        }
+    }
+}
+
+/// Counts the bytes that are received.
+struct Counted<'a> {
+    port: &'a mut Uart,
+    bytes: usize,
+}
+
+impl BytePort for Counted<'_> {
+    fn read(&mut self) -> Option<u8> {
+        let byte = self.port.read();
+        self.bytes += usize::from(byte.is_some());
+        byte
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> usize {
+        self.port.write(bytes)
+    }
+}
+
+/// Interrupts of the receivers of UART0 and UART1.
+const RECEIVERS: [Interrupt; 2] = [Interrupt(0), Interrupt(2)];
+
+#[derive(Clone, Copy)]
+struct Interrupt(u16);
+
+// SAFETY: the number of an interrupt of this chip.
+unsafe impl interrupt::InterruptNumber for Interrupt {
+    fn number(self) -> u16 {
+        self.0
+    }
+}
+
+/// Instructions between two looks at the ports with the drives on: 8 µs of the emulated clock.
+const PAUSE: u32 = 2000;
+
+/// Lets time pass. With the drives on, by instructions: while a processor sleeps, QEMU takes the time from the host, which skips
+/// ticks when it is late. With the drives off a skipped tick does not matter, and the host has less to do.
+fn wait(drives_on: bool) {
+    if drives_on {
+        cortex_m::asm::delay(PAUSE);
+        return;
+    }
+    for receiver in RECEIVERS {
+        // SAFETY: the handler only masks the interrupt again.
+        unsafe { NVIC::unmask(receiver) };
+    }
+    cortex_m::asm::wfi();
+}
+
+/// A byte has been received: the idle loop reads it.
+#[exception]
+unsafe fn DefaultHandler(_: i16) {
+    for receiver in RECEIVERS {
+        NVIC::mask(receiver);
+    }
+}
+
+#[panic_handler]
+fn panic(_: &PanicInfo) -> ! {
+    exit(EXIT_FAILURE);
+    stop()
+}
+
+/// Not reached: the emulator has ended.
+fn stop() -> ! {
+    loop {
+        cortex_m::asm::wfi();
+    }
+}

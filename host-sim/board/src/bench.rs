@@ -1,0 +1,190 @@
+//! The emulated servo board: QEMU in the background, with a socket for the link and one for the bench.
+//!
+//! It is started by the first command that uses it, and lives on between commands like a board on a desk. It ends by itself after
+//! ten minutes without a byte, or by [`Bench::operate`] with [`END`].
+
+use std::fs::{self, File};
+use std::io;
+use std::os::unix::process::CommandExt;
+use std::path::{Path, PathBuf};
+use std::process::{Command, Stdio};
+use std::thread;
+use std::time::{Duration, Instant};
+
+use crate::client::BoardError;
+use crate::port::Port;
+
+/// The emulator's program.
+const QEMU: &str = "qemu-system-arm";
+
+/// An instruction takes 4 ns of the emulated clock, so that a tick has 12,500, and the clock does not run ahead of the host's.
+const MACHINE: [&str; 4] = ["-machine", "mps2-an386", "-icount", "shift=2,align=on"];
+
+/// Environment variable with the folder of sockets and log; without it a folder for each user.
+pub const FOLDER_VARIABLE: &str = "LOST_MOTION_BENCH";
+
+/// The byte that ends the emulator.
+pub const END: u8 = b'q';
+
+/// Longest wait for the emulator's sockets.
+const START_TIMEOUT: Duration = Duration::from_secs(20);
+
+/// Longest wait for the bench to confirm a byte.
+const CONFIRM_TIMEOUT: Duration = Duration::from_secs(5);
+
+/// The emulated servo board.
+#[derive(Clone, Debug)]
+pub struct Bench {
+    folder: PathBuf,
+}
+
+impl Bench {
+    /// The board, started if it does not run.
+    ///
+    /// # Errors
+    /// [`BoardError::Port`] if QEMU or the board's program is missing, or does not start.
+    pub fn start() -> Result<Self, BoardError> {
+        let bench = Self { folder: folder() };
+        fs::create_dir_all(&bench.folder).map_err(|error| bench.failed(&error.to_string()))?;
+        // One command starts it, and others wait for that.
+        let lock = File::create(bench.folder.join("lock")).and_then(|file| file.lock().map(|()| file));
+        let _lock = lock.map_err(|error| bench.failed(&error.to_string()))?;
+        if Port::socket(&bench.bench_socket()).is_err() {
+            bench.spawn(&program()?)?;
+        }
+        Ok(bench)
+    }
+
+    /// Whether the board runs.
+    #[must_use]
+    pub fn is_running() -> bool {
+        Port::socket(&Self { folder: folder() }.bench_socket()).is_ok()
+    }
+
+    /// A connection to the link of the board.
+    ///
+    /// # Errors
+    /// [`BoardError::Port`].
+    pub fn link(&self) -> Result<Port, BoardError> {
+        Port::socket(&self.link_socket()).map_err(|error| self.failed(&error.to_string()))
+    }
+
+    /// Operates a switch of the simulated machine: see `firmware/src/servo/bench_port.rs`.
+    ///
+    /// # Errors
+    /// [`BoardError`] if the bench does not confirm it.
+    pub fn operate(&self, byte: u8) -> Result<(), BoardError> {
+        let mut port = Port::socket(&self.bench_socket()).map_err(|error| self.failed(&error.to_string()))?;
+        port.send(&[byte])?;
+        let started = Instant::now();
+        let mut reply = [0];
+        while started.elapsed() < CONFIRM_TIMEOUT {
+            match port.receive(&mut reply) {
+                Ok(1) if reply[0] == byte => return Ok(()),
+                Ok(1) => return Err(BoardError::Unexpected),
+                Ok(_) => {}
+                // The emulator has ended.
+                Err(_) if byte == END => return Ok(()),
+                Err(error) => return Err(error.into()),
+            }
+        }
+        Err(BoardError::Silent { seconds: CONFIRM_TIMEOUT.as_secs_f64() })
+    }
+
+    fn link_socket(&self) -> PathBuf {
+        self.folder.join("link")
+    }
+
+    fn bench_socket(&self) -> PathBuf {
+        self.folder.join("bench")
+    }
+
+    fn spawn(&self, program: &Path) -> Result<(), BoardError> {
+        let socket = |path: PathBuf| format!("unix:{},server=on,wait=off", path.display());
+        let log = File::create(self.folder.join("log")).map_err(|error| self.failed(&error.to_string()))?;
+        let child = Command::new(QEMU)
+            .args(MACHINE)
+            .args(["-display", "none", "-monitor", "none", "-no-reboot"])
+            .args(["-semihosting-config", "enable=on,target=native"])
+            .args(["-serial", &socket(self.link_socket()), "-serial", &socket(self.bench_socket())])
+            .arg("-kernel")
+            .arg(program)
+            .stdin(Stdio::null())
+            .stdout(Stdio::null())
+            .stderr(log)
+            // Not ended with the terminal of this command.
+            .process_group(0)
+            .spawn();
+        let mut child = child.map_err(|error| {
+            self.failed(&match error.kind() {
+                io::ErrorKind::NotFound => {
+                    format!("{QEMU} is not installed (Debian package qemu-system-arm)")
+                }
+                _ => format!("{QEMU} cannot be started: {error}"),
+            })
+        })?;
+        let started = Instant::now();
+        while started.elapsed() < START_TIMEOUT {
+            if Port::socket(&self.bench_socket()).is_ok() && self.link_socket().exists() {
+                return Ok(());
+            }
+            if let Ok(Some(_)) = child.try_wait() {
+                break;
+            }
+            thread::sleep(Duration::from_millis(20));
+        }
+        let log = fs::read_to_string(self.folder.join("log")).unwrap_or_default();
+        Err(self.failed(&format!("{QEMU} has ended: {}", log.lines().last().unwrap_or("without a message"))))
+    }
+
+    fn failed(&self, problem: &str) -> BoardError {
+        BoardError::Port(format!("bench ({}): {problem}", self.folder.display()))
+    }
+}
+
+fn folder() -> PathBuf {
+    if let Some(folder) = std::env::var_os(FOLDER_VARIABLE) {
+        return folder.into();
+    }
+    if let Some(folder) = std::env::var_os("XDG_RUNTIME_DIR") {
+        return Path::new(&folder).join("lost-motion-bench");
+    }
+    let user = std::env::var("USER").unwrap_or_else(|_| "user".to_owned());
+    std::env::temp_dir().join(format!("lost-motion-bench-{user}"))
+}
+
+/// The program of the board: beside this program, or in the target folder of its workspace, where it is built if it is missing
+/// and cargo is installed.
+fn program() -> Result<PathBuf, BoardError> {
+    const NAME: &str = "thumbv7em-none-eabihf/firmware/servo";
+    let this_program = std::env::current_exe().ok();
+    let beside = this_program.iter().filter_map(|program| Some(program.parent()?.join("servo")));
+    let targets = this_program.iter().flat_map(|program| program.ancestors().skip(1)).map(|up| up.join(NAME));
+    let workspace = workspace();
+    let built = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
+    let built = built.join(NAME);
+    let candidates = beside.chain(targets).chain(std::iter::once(built.clone()));
+    if let Some(found) = candidates.into_iter().find(|path| path.is_file()) {
+        return Ok(found);
+    }
+    let missing = |problem: &str| {
+        BoardError::Port(format!("bench: the program of the emulated board is missing, and {problem}"))
+    };
+    if !workspace.join("firmware/Cargo.toml").is_file() {
+        return Err(missing("there are no sources to build it from: build it with `cargo servo`"));
+    }
+    eprintln!("building the program of the emulated board (once)");
+    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
+    let output = Command::new(cargo).arg("servo").current_dir(&workspace).stdin(Stdio::null()).output();
+    match output {
+        Ok(output) if output.status.success() && built.is_file() => Ok(built),
+        Ok(_) => Err(missing("`cargo servo` fails (is the target thumbv7em-none-eabihf installed?)")),
+        Err(_) => Err(missing("cargo is not installed to build it: `cargo servo`")),
+    }
+}
+
+/// The folder of the workspace that this program was built from.
+fn workspace() -> PathBuf {
+    const THIS_CRATE: &str = env!("CARGO_MANIFEST_DIR");
+    PathBuf::from(THIS_CRATE.strip_suffix("host-sim/board").unwrap_or(THIS_CRATE))
+}

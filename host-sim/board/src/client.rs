@@ -1,0 +1,211 @@
+//! Requests and their replies.
+
+use std::collections::VecDeque;
+use std::time::{Duration, Instant, SystemTime, UNIX_EPOCH};
+
+use shared::link::message::{FromBoard, Reply, Request};
+use shared::link::packet::{self, Frame, Header};
+use shared::link::stream::StreamPacket;
+use shared::link::{Receiver, Refusal, Status, Welcome};
+
+use crate::port::Port;
+use crate::refusal;
+
+/// Repetitions of a request whose reply does not arrive.
+const REPETITIONS: u32 = 3;
+
+/// Why a board does not do what it was asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum BoardError {
+    /// The port cannot be opened, or the emulated board not started.
+    #[error("port {0}")]
+    Port(String),
+    /// The port has failed.
+    #[error("link: {0}")]
+    Link(#[from] std::io::Error),
+    /// There is no reply.
+    #[error(
+        "link: no reply within {seconds} s; check that the board runs and that no other program uses the port"
+    )]
+    Silent {
+        /// Time that was waited for.
+        seconds: f64,
+    },
+    /// The board refuses the request.
+    #[error("the board refuses it: {}", refusal::text(.0))]
+    Refused(Refusal),
+    /// The reply is not one to this request.
+    #[error("link: unexpected reply; check that board and host have the same version")]
+    Unexpected,
+    /// The drives have gone off.
+    #[error("{0}")]
+    Stopped(String),
+    /// The message is longer than a packet.
+    #[error("link: the request is too long")]
+    TooLong,
+}
+
+/// A session with a board.
+#[derive(Debug)]
+pub struct Client {
+    port: Port,
+    receiver: Box<Receiver>,
+    session: u32,
+    sequence: u32,
+    timeout: Duration,
+    welcome: Welcome,
+    streamed: VecDeque<StreamPacket>,
+}
+
+impl Client {
+    /// Opens a session. `timeout` is the longest wait for a reply.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn connect(port: Port, timeout: Duration) -> Result<Self, BoardError> {
+        let now = SystemTime::now().duration_since(UNIX_EPOCH).unwrap_or_default();
+        let nonce = now.subsec_nanos() ^ std::process::id().rotate_left(16);
+        let mut client = Self {
+            port,
+            receiver: Box::new(Receiver::NEW),
+            session: 0,
+            sequence: 0,
+            timeout,
+            welcome: no_welcome(),
+            streamed: VecDeque::new(),
+        };
+        // Ends whatever an earlier program has left on the line.
+        client.port.send(&[0])?;
+        let Reply::Welcome(welcome) = client.exchange(&Request::Hello { nonce })? else {
+            return Err(BoardError::Unexpected);
+        };
+        client.session = welcome.session;
+        client.welcome = welcome;
+        Ok(client)
+    }
+
+    /// What the board is.
+    #[must_use]
+    pub const fn welcome(&self) -> &Welcome {
+        &self.welcome
+    }
+
+    /// Sends a request and returns its reply.
+    ///
+    /// # Errors
+    /// [`BoardError`], a refusal included.
+    pub fn request(&mut self, request: &Request) -> Result<Reply, BoardError> {
+        self.sequence = self.sequence.wrapping_add(1);
+        self.exchange(request)
+    }
+
+    /// Sends a request whose reply is [`Reply::Done`].
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn command(&mut self, request: &Request) -> Result<(), BoardError> {
+        match self.request(request)? {
+            Reply::Done => Ok(()),
+            _ => Err(BoardError::Unexpected),
+        }
+    }
+
+    /// The state of the board.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn status(&mut self) -> Result<Status, BoardError> {
+        match self.request(&Request::Status)? {
+            Reply::Status(status) => Ok(status),
+            _ => Err(BoardError::Unexpected),
+        }
+    }
+
+    /// Receives the stream for a time. A program that sleeps instead lets the line fill up, and the board loses samples.
+    ///
+    /// # Errors
+    /// The failure of the port.
+    pub fn listen(&mut self, time: Duration) -> Result<(), BoardError> {
+        let started = Instant::now();
+        while started.elapsed() < time {
+            self.receive()?;
+        }
+        Ok(())
+    }
+
+    /// The next packet of the stream that has been received with the replies.
+    pub fn streamed(&mut self) -> Option<StreamPacket> {
+        self.streamed.pop_front()
+    }
+
+    /// Sends the request with the present sequence number, and again if there is no reply.
+    fn exchange(&mut self, request: &Request) -> Result<Reply, BoardError> {
+        let mut frame = Frame::new();
+        let header = Header { session: self.session, sequence: self.sequence };
+        packet::encode(header, request, &mut frame).map_err(|_| BoardError::TooLong)?;
+        for _ in 0..=REPETITIONS {
+            self.port.send(&frame)?;
+            if let Some(reply) = self.wait_for_reply(header.sequence)? {
+                return match reply {
+                    Reply::Refused(refusal) => Err(BoardError::Refused(refusal)),
+                    reply => Ok(reply),
+                };
+            }
+        }
+        Err(BoardError::Silent { seconds: self.timeout.as_secs_f64() * f64::from(REPETITIONS + 1) })
+    }
+
+    /// The reply with a sequence number; `None` after the timeout.
+    fn wait_for_reply(&mut self, sequence: u32) -> Result<Option<Reply>, BoardError> {
+        let started = Instant::now();
+        while started.elapsed() < self.timeout {
+            if let Some((header, reply)) = self.receive()?
+                && (header.sequence == sequence || is_version(&reply))
+            {
+                return Ok(Some(reply));
+            }
+        }
+        Ok(None)
+    }
+
+    /// Takes what has arrived. Keeps packets of the stream; returns the last reply.
+    fn receive(&mut self) -> Result<Option<(Header, Reply)>, BoardError> {
+        let mut bytes = [0; 1024];
+        let received = self.port.receive(&mut bytes)?;
+        let mut last = None;
+        for byte in &bytes[..received] {
+            // What is damaged is repeated after the timeout.
+            let Some(Ok(packet)) = self.receiver.push(*byte) else { continue };
+            match packet::message::<FromBoard>(packet.message) {
+                Ok(FromBoard::Reply(reply)) => last = Some((packet.header, reply)),
+                Ok(FromBoard::Stream(samples)) if packet.header.session == self.session => {
+                    self.streamed.push_back(samples);
+                }
+                Ok(FromBoard::Stream(_)) | Err(_) => {}
+            }
+        }
+        Ok(last)
+    }
+}
+
+/// Whether a reply says that the board has another version: it has no sequence number.
+fn is_version(reply: &Reply) -> bool {
+    matches!(reply, Reply::Refused(Refusal::Version { .. }))
+}
+
+/// Before the hello.
+fn no_welcome() -> Welcome {
+    use shared::capture::ChannelSteps;
+    use shared::config::Rates;
+    Welcome {
+        session: 0,
+        board: heapless::String::new(),
+        software: heapless::String::new(),
+        sources: 0,
+        axes: 0,
+        rates: Rates { velocity_loop_hz: 0.0, position_loop_divider: 1 },
+        times: shared::link::Times::default(),
+        steps: ChannelSteps { command: 1, motor: [1; 2], table: [1; 2], force_bits: 0 },
+        capture_bytes: 0,
+    }
+}

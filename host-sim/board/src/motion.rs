@@ -1,0 +1,92 @@
+//! Motions, and waiting for their end.
+
+use std::time::{Duration, Instant};
+
+use shared::interpolate::Block;
+use shared::link::message::{AXES, Request};
+use shared::link::report::{Activity, Status};
+use shared::safety::Power;
+
+use crate::client::{BoardError, Client};
+use crate::refusal;
+
+/// Time between two requests while axes move: far less than the silence that holds them.
+pub const POLL: Duration = Duration::from_millis(50);
+
+/// Longest wait for drives that have been enabled.
+const ENABLE_TIMEOUT: Duration = Duration::from_secs(5);
+
+impl Client {
+    /// Enables the drives if they are off, and waits until they are on.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn enable(&mut self) -> Result<(), BoardError> {
+        self.command(&Request::Enable)?;
+        let started = Instant::now();
+        loop {
+            let status = self.status()?;
+            match status.power {
+                Power::On => return Ok(()),
+                Power::Off if started.elapsed() < ENABLE_TIMEOUT => self.listen(POLL)?,
+                _ => return Err(stopped(&status)),
+            }
+        }
+    }
+
+    /// Sends a motion; the board checks each block. It does not start yet.
+    ///
+    /// # Errors
+    /// [`BoardError`]; a block that the board refuses with its number.
+    pub fn send_motion(&mut self, blocks: &[Block<AXES>]) -> Result<(), BoardError> {
+        self.command(&Request::NewMotion)?;
+        for block in blocks {
+            self.command(&Request::AddBlock(*block))?;
+        }
+        Ok(())
+    }
+
+    /// Starts the motion that was sent.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn start_motion(&mut self, blocks: usize) -> Result<(), BoardError> {
+        let blocks = u16::try_from(blocks).map_err(|_| BoardError::TooLong)?;
+        self.command(&Request::StartMotion { blocks })
+    }
+
+    /// Waits until nothing moves. `each` gets the state at every request and ends the wait by returning false.
+    ///
+    /// # Errors
+    /// [`BoardError::Stopped`] if the drives have gone off; any other.
+    pub fn wait(
+        &mut self,
+        mut each: impl FnMut(&mut Self, &Status) -> Result<bool, BoardError>,
+    ) -> Result<Status, BoardError> {
+        loop {
+            let status = self.status()?;
+            let goes_on = each(self, &status)?;
+            if status.power != Power::On {
+                return Err(stopped(&status));
+            }
+            if !goes_on || status.at_rest && status.activity == Activity::Idle {
+                return Ok(status);
+            }
+            self.listen(POLL)?;
+        }
+    }
+}
+
+/// The error for drives that are not on.
+#[must_use]
+pub fn stopped(status: &Status) -> BoardError {
+    BoardError::Stopped(match status.power {
+        Power::Stopping(fault) | Power::Faulted(fault) => {
+            format!("the drives have stopped: {}; clear acknowledges it", refusal::fault(fault))
+        }
+        Power::Off => {
+            "the drives have gone off: the enable switch was opened, or they were disabled".to_owned()
+        }
+        Power::On => "the drives are on".to_owned(),
+    })
+}

@@ -1,0 +1,110 @@
+//! Ports by their names.
+
+use std::io::{self, Read, Write};
+use std::os::unix::fs::FileTypeExt;
+use std::os::unix::net::UnixStream;
+use std::path::Path;
+use std::time::Duration;
+
+use files::error::quoted;
+
+use crate::bench::Bench;
+use crate::client::BoardError;
+
+/// Bits per second of a serial port. USB ignores it.
+const BAUD: u32 = 921_600;
+
+/// Longest wait of a single read.
+const READ_TIMEOUT: Duration = Duration::from_millis(20);
+
+/// Bytes in both directions.
+trait ByteStream: Read + Write + Send {}
+
+impl<T: Read + Write + Send> ByteStream for T {}
+
+/// An open port.
+pub struct Port(Box<dyn ByteStream>);
+
+impl std::fmt::Debug for Port {
+    fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
+        f.write_str("Port")
+    }
+}
+
+impl Port {
+    /// A socket.
+    ///
+    /// # Errors
+    /// If nothing listens there.
+    pub fn socket(path: &Path) -> io::Result<Self> {
+        let stream = UnixStream::connect(path)?;
+        stream.set_read_timeout(Some(READ_TIMEOUT))?;
+        Ok(Self(Box::new(stream)))
+    }
+
+    fn serial(path: &str) -> serialport::Result<Self> {
+        // Opened for this program only.
+        let port = serialport::new(path, BAUD).timeout(READ_TIMEOUT).open()?;
+        Ok(Self(Box::new(port)))
+    }
+
+    /// Sends bytes.
+    ///
+    /// # Errors
+    /// The failure of the port.
+    pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
+        self.0.write_all(bytes)?;
+        self.0.flush()
+    }
+
+    /// Receives what has arrived; waits at most 20 ms. 0: nothing has.
+    ///
+    /// # Errors
+    /// The failure of the port, or its end.
+    pub fn receive(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
+        match self.0.read(bytes) {
+            Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
+            Err(error)
+                if matches!(
+                    error.kind(),
+                    io::ErrorKind::WouldBlock | io::ErrorKind::TimedOut | io::ErrorKind::Interrupted
+                ) =>
+            {
+                Ok(0)
+            }
+            other => other,
+        }
+    }
+}
+
+/// Opens a port: `bench` or `emulated` for the emulated servo board, which is started if it does not run; the path of a
+/// socket; otherwise the name of a serial port.
+///
+/// # Errors
+/// [`BoardError::Port`] in one line.
+pub fn open(name: &str) -> Result<Port, BoardError> {
+    if is_bench(name) {
+        return Bench::start()?.link();
+    }
+    let failed = |problem: String| BoardError::Port(format!("{}: {problem}", quoted(name)));
+    let is_socket = std::fs::metadata(name).is_ok_and(|file| file.file_type().is_socket());
+    if is_socket {
+        return Port::socket(Path::new(name)).map_err(|error| failed(error.to_string()));
+    }
+    Port::serial(name).map_err(|error| {
+        failed(format!("{error}; expected bench (the emulated board) or one of: {}", list().join(", ")))
+    })
+}
+
+/// Whether a name is that of the emulated servo board.
+#[must_use]
+pub fn is_bench(name: &str) -> bool {
+    name == "bench" || name == "emulated"
+}
+
+/// The names of the serial ports of this computer, and of the emulated board.
+#[must_use]
+pub fn list() -> Vec<String> {
+    let ports = serialport::available_ports().unwrap_or_default();
+    std::iter::once("bench".to_owned()).chain(ports.into_iter().map(|port| port.port_name)).collect()
+}

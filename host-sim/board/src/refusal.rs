@@ -1,0 +1,146 @@
+//! Refusals, faults and events in words, each with what helps.
+
+use shared::link::Refusal;
+use shared::link::history::HistoryEvent;
+use shared::link::refusal::{SettingProblem, UploadError};
+use shared::link::report::HomingFailure;
+use shared::safety::{Fault, FaultKind};
+
+/// Names of the axes of a board.
+pub const AXIS_NAMES: [&str; 2] = ["x", "y"];
+
+/// The name of an axis.
+#[must_use]
+pub fn axis_name(axis: u8) -> String {
+    AXIS_NAMES.get(usize::from(axis)).map_or_else(|| format!("axis {axis}"), |name| (*name).to_owned())
+}
+
+/// A refusal in one line.
+#[must_use]
+pub fn text(refusal: &Refusal) -> String {
+    match refusal {
+        Refusal::Version { supported } => {
+            format!("its link has version {supported}, this program has {}", shared::link::packet::VERSION)
+        }
+        Refusal::Unreadable => {
+            "it cannot read the request; check that board and host have the same version".into()
+        }
+        Refusal::Session => "another program has opened a session since".into(),
+        Refusal::Sequence { expected } => format!("it expects request {expected}"),
+        Refusal::Upload(error) => upload(*error),
+        Refusal::Setting { axis, name, problem } => {
+            format!("{}: {name}: {}", axis_name(*axis), setting(problem))
+        }
+        Refusal::TickRate { board_hz } => {
+            format!("velocity_loop_rate_hz: expected {board_hz}, the tick rate of the board")
+        }
+        Refusal::Path { block, error } => format!("block {block}: {error}"),
+        Refusal::TooFast { block, axis, limit_m_per_s } => format!(
+            "block {block}: {} would exceed {:.0} mm/min (90 % of fastest_mm_per_s)",
+            axis_name(*axis),
+            60e3 * limit_m_per_s
+        ),
+        Refusal::NoSuchAxis => "it has no such axis".into(),
+        Refusal::NotArmed => {
+            "the enable switch is open, or was closed before the last stop: open it, then close it".into()
+        }
+        Refusal::Faulted(fault) => format!("{}; clear acknowledges it", self::fault(*fault)),
+        Refusal::DrivesOff => "the drives are off; enable switches them on".into(),
+        Refusal::DrivesOn => "the drives are on; disable switches them off".into(),
+        Refusal::Moving => "the axes move or are held on a path; stop ends it".into(),
+        Refusal::Homing(failure) => homing(*failure),
+        Refusal::NotHeld => "nothing is held".into(),
+        Refusal::MotionFull { max } => format!("the motion has more than {max} blocks"),
+        Refusal::BlockCount { found } => format!("it has received {found} blocks"),
+        Refusal::Displaced => "the axes have moved since the motion was checked".into(),
+        Refusal::NoCapture => "there is no complete recording".into(),
+        Refusal::NotAvailable => "this board does not have this function".into(),
+        Refusal::Storage => "the flash has not kept what was written".into(),
+        Refusal::Busy => "the path changes too fast; try again".into(),
+    }
+}
+
+fn upload(error: UploadError) -> String {
+    match error {
+        UploadError::OutOfOrder { expected } => format!("upload: it expects byte {expected}"),
+        UploadError::TooLong { max } => format!("upload: more than {max} bytes"),
+        UploadError::Length { found } => format!("upload: it has {found} bytes"),
+        UploadError::Checksum => "upload: wrong checksum".into(),
+        UploadError::Unreadable => {
+            "upload: it cannot read the settings; check that board and host have the same version".into()
+        }
+    }
+}
+
+fn setting(problem: &SettingProblem) -> String {
+    match problem {
+        SettingProblem::NotFinite => "expected a finite number".into(),
+        SettingProblem::NotPositive => "expected a number above 0".into(),
+        SettingProblem::NotWhileRunning => "cannot be changed now".into(),
+        SettingProblem::Requires { other } => format!("expected together with {other}, which is missing"),
+        SettingProblem::OutOfRange { min, max } => format!("expected a number from {min} to {max}"),
+    }
+}
+
+/// Why an axis was not homed, in words.
+#[must_use]
+pub fn homing(failure: HomingFailure) -> String {
+    match failure {
+        HomingFailure::Setting => "a setting of the homing is outside its range".into(),
+        HomingFailure::NotReady => "homing needs drives that are on, and axes at rest".into(),
+        HomingFailure::SwitchNotFound => "no home switch within the search distance".into(),
+        HomingFailure::SwitchStuck => "the home switch did not open within the back-off distance".into(),
+        HomingFailure::IndexNotFound => "no index pulse after the home switch".into(),
+        HomingFailure::IndexTooCloseToSwitch => {
+            "the index pulse is too close to the edge of the home switch: move the switch".into()
+        }
+        HomingFailure::LimitSwitch => "a limit switch was reached".into(),
+        HomingFailure::ScaleMissing => "the scale has no signal".into(),
+        HomingFailure::Timeout => "the homing took too long".into(),
+        HomingFailure::Stopped => "it was stopped".into(),
+        HomingFailure::DrivesOff => "the drives went off".into(),
+        HomingFailure::Path(error) => format!("a motion was rejected: {error}"),
+    }
+}
+
+/// A fault in words.
+#[must_use]
+pub fn fault(fault: Fault) -> String {
+    match fault {
+        Fault::Axis { axis, kind } => format!("{}: {}", axis_name(axis), kind_text(kind)),
+        Fault::Overrun => "overrun: a tick did not end in time".into(),
+        Fault::HardwareStop => "stopped by hardware: emergency stop, or a fault of a power stage".into(),
+        Fault::EmergencyStop => "the emergency stop is pressed".into(),
+        Fault::BusOvervoltage => "the bus voltage is too high".into(),
+        Fault::BusUndervoltage => "the bus voltage is too low".into(),
+        Fault::OverTemperature => "a power stage is too hot".into(),
+        Fault::HostSilent => "the host was silent: drives off".into(),
+        Fault::Watchdog => "the previous run ended by a reset of the watchdog".into(),
+    }
+}
+
+const fn kind_text(kind: FaultKind) -> &'static str {
+    match kind {
+        FaultKind::FollowingError => "following error beyond its limit",
+        FaultKind::Disagreement => "motor and scale disagree",
+        FaultKind::EncoderStep => "the motor reading has jumped",
+        FaultKind::ForceSaturated => "the force was at its limit for too long",
+        FaultKind::SoftLimit => "the command has left the travel",
+        FaultKind::ScaleLost => "the scale has no signal",
+        FaultKind::EncoderFrozen => "the motor reading does not move",
+        FaultKind::DriveFault => "the drive reports a fault",
+        FaultKind::EncoderSignal => "the encoder signal is too weak or too strong",
+        FaultKind::LimitSwitch => "the command moves onto an active limit switch; jog back",
+        FaultKind::Displaced => "enabled away from the start of the path",
+    }
+}
+
+/// An event of the history in words.
+#[must_use]
+pub fn event(event: HistoryEvent) -> String {
+    match event {
+        HistoryEvent::Fault(fault) => format!("fault: {}", self::fault(fault)),
+        HistoryEvent::Warning(fault) => format!("warning: {}", self::fault(fault)),
+        HistoryEvent::HostSilentHold => "the host was silent: path held".into(),
+    }
+}

@@ -1,0 +1,58 @@
+//! Uploads and recordings, which are longer than a packet.
+
+use serde::Serialize;
+use shared::link::message::{AXES, PART, Reply, Request, UploadKind};
+use shared::link::packet;
+use shared::link::report::CaptureReport;
+
+use crate::client::{BoardError, Client};
+use crate::samples::{self, AxisSample};
+
+/// Greatest number of bytes of an upload.
+const CAPACITY: usize = shared::protocol::LONGEST_ORDER;
+
+impl Client {
+    /// Sends settings or a compensation; the board checks and applies them as a whole.
+    ///
+    /// # Errors
+    /// [`BoardError`], a setting that the board refuses included.
+    pub fn upload(&mut self, kind: UploadKind, contents: &impl Serialize) -> Result<(), BoardError> {
+        let mut buffer = vec![0; CAPACITY];
+        let bytes = postcard::to_slice(contents, &mut buffer).map_err(|_| BoardError::TooLong)?;
+        let length = u16::try_from(bytes.len()).map_err(|_| BoardError::TooLong)?;
+        for (part, offset) in bytes.chunks(PART).zip((0u16..).step_by(PART)) {
+            let bytes = heapless::Vec::from_slice(part).map_err(|_| BoardError::TooLong)?;
+            self.command(&Request::Upload { offset, bytes })?;
+        }
+        self.command(&Request::Apply { kind, length, checksum: packet::checksum(bytes) })
+    }
+
+    /// The state of the recording.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn capture_report(&mut self) -> Result<CaptureReport, BoardError> {
+        match self.request(&Request::Capture)? {
+            Reply::Capture(report) => Ok(report),
+            _ => Err(BoardError::Unexpected),
+        }
+    }
+
+    /// Reads a complete recording.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn read_capture(&mut self) -> Result<Vec<[AxisSample; AXES]>, BoardError> {
+        let report = self.capture_report()?;
+        let mut bytes: Vec<u8> = Vec::new();
+        while bytes.len() < report.bytes as usize {
+            let offset = u32::try_from(bytes.len()).map_err(|_| BoardError::TooLong)?;
+            match self.request(&Request::ReadCapture { offset })? {
+                Reply::Bytes(part) if !part.is_empty() => bytes.extend_from_slice(&part),
+                _ => return Err(BoardError::Unexpected),
+            }
+        }
+        let steps = self.welcome().steps;
+        samples::decode(&steps, report.period, report.samples, &bytes).map_err(|_| BoardError::Unexpected)
+    }
+}

@@ -1,0 +1,140 @@
+//! The whole way, again and again: a machine is logged, its logs are traced, the model found is compensated, and the motions are
+//! executed again, until nothing more is gained.
+//!
+//! - [`round`]: one round, and when its compensation is kept
+//! - [`retrace`]: what is traced in the logs of a compensated machine
+//! - [`outcome`]: the rounds as sentences, table and JSON
+
+pub mod outcome;
+pub mod retrace;
+pub mod round;
+
+use rayon::prelude::*;
+
+use compensate::file::CompensationFile;
+use compensate::prediction::{self, PredictionError, TestMotion, contour_error};
+use compensate::round_trip::RealMachine;
+use contour::ContourError;
+use files::error::InputError;
+use files::log::Log;
+use margins::MarginLimits;
+use model::machine::Machine;
+use plant::instruments::Instruments;
+
+use outcome::{Improvement, Stop};
+use retrace::Logs;
+use round::Round;
+
+/// Why a machine cannot be improved.
+#[derive(Debug, thiserror::Error)]
+pub enum ImproveError {
+    /// A log cannot be traced.
+    #[error(transparent)]
+    Input(#[from] InputError),
+    /// A motion cannot be executed, or the controller refuses the compensation.
+    #[error(transparent)]
+    Run(#[from] PredictionError),
+}
+
+/// What is improved, and on which motions.
+#[derive(Clone, Copy)]
+pub struct Improving<'a> {
+    /// The declared machine.
+    pub declared: &'a Machine,
+    /// The machine that executes the motions.
+    pub real: RealMachine<'a>,
+    /// Motions whose logs are fitted.
+    pub fit: &'a [TestMotion],
+    /// Motions whose contour error counts. Their logs are held out of every fit.
+    pub judged: &'a [TestMotion],
+    /// Margins that the loops must keep.
+    pub limits: MarginLimits,
+}
+
+impl Improving<'_> {
+    /// Executes at most `max_rounds` rounds. `progress` receives each step as it starts.
+    ///
+    /// # Errors
+    /// If a motion cannot be executed, or its log cannot be traced.
+    pub fn improve(
+        &self,
+        max_rounds: usize,
+        progress: &(dyn Fn(&str) + Sync),
+    ) -> Result<Improvement, ImproveError> {
+        let none = CompensationFile { machine: self.declared.name.clone(), ..CompensationFile::default() };
+        progress("round 1: running the machine");
+        let mut logs = Logs::new(self.run(self.fit, &none, 0)?, self.run(self.judged, &none, 0)?);
+        let mut rounds: Vec<Round> = Vec::new();
+        let first = errors(&logs.judged, self.declared)?;
+        let mut before = first.clone();
+        let mut model = self.declared.clone();
+        let mut stop = Stop::Rounds;
+        for number in 1..=max_rounds {
+            let show = |what: &str| progress(&format!("round {number}: {what}"));
+            let trace = logs.trace(&model, number > 1, &show)?;
+            let traced = retrace::with_loops_of(&trace.better_machine(), self.declared);
+            show("planning the compensation");
+            let plan = self.plan(&traced)?;
+            if !round::keeps_margins(&plan.file, self.declared, self.limits) {
+                stop = Stop::Margins;
+                break;
+            }
+            show("running the machine with its compensation");
+            let seed = 1000 * number as u64;
+            logs.judged = self.run(self.judged, &plan.file, seed)?;
+            let predicted =
+                prediction::contour_errors(&traced, &plan.file, self.judged, self.real.instruments)?;
+            let after = errors(&logs.judged, &traced)?;
+            let round = Round { trace, model: traced, plan, before, predicted, after };
+            let is_kept = round.is_kept();
+            before = if is_kept { round.after.clone() } else { round.before.clone() };
+            model = round.model.clone();
+            rounds.push(round);
+            if !is_kept {
+                stop = Stop::NothingGained;
+                break;
+            }
+            if number < max_rounds {
+                show("logging the compensated machine");
+                logs.fit.extend(self.run(self.fit, &rounds[number - 1].plan.file, seed + 500)?);
+            }
+        }
+        Ok(Improvement { motions: names(self.judged), first, rounds, stop })
+    }
+
+    /// The compensation of a model.
+    fn plan(&self, model: &Machine) -> Result<compensate::plan::Plan, PredictionError> {
+        let set_at_s = self.judged.iter().map(|test| test.start_s).fold(0.0, f64::max);
+        let planning = compensate::plan::Planning {
+            model,
+            model_file: "the traced model",
+            tests: self.judged,
+            instruments: self.real.instruments,
+            set_at_s,
+        };
+        planning.plan()
+    }
+
+    /// The logs of motions with a compensation; each run has other noise.
+    fn run(
+        &self,
+        motions: &[TestMotion],
+        file: &CompensationFile,
+        seed: u64,
+    ) -> Result<Vec<Log>, PredictionError> {
+        let RealMachine { machine, instruments, place } = self.real;
+        let one = |(number, test): (usize, &TestMotion)| {
+            let instruments = Instruments { seed: instruments.seed + seed + number as u64, ..instruments };
+            prediction::log(machine, file, test, (instruments, place))
+        };
+        motions.par_iter().enumerate().map(one).collect()
+    }
+}
+
+fn errors(logs: &[Log], model: &Machine) -> Result<Vec<ContourError>, PredictionError> {
+    logs.iter().map(|log| contour_error(log, model)).collect()
+}
+
+fn names(motions: &[TestMotion]) -> Vec<String> {
+    motions.iter().map(|test| test.motion.name.clone()).collect()
+}

@@ -1,0 +1,62 @@
+//! One round, and when its compensation is kept.
+
+use compensate::file::CompensationFile;
+use compensate::plan::Plan;
+use compensate::prediction::total_rms_um;
+use contour::ContourError;
+use contour::verification::{is_better, is_worse};
+use margins::MarginLimits;
+use margins::change::first_too_little;
+use model::machine::Machine;
+use plant::instruments::Instruments;
+use trace::Trace;
+
+/// One round: what was traced, and the motions before, as predicted, and after.
+pub struct Round {
+    /// The trace of all logs so far.
+    pub trace: Trace,
+    /// The traced machine.
+    pub model: Machine,
+    /// Its compensation.
+    pub plan: Plan,
+    /// Contour error of each motion with the compensation kept so far.
+    pub before: Vec<ContourError>,
+    /// The same with this round's compensation, as predicted.
+    pub predicted: Vec<ContourError>,
+    /// The same as measured.
+    pub after: Vec<ContourError>,
+}
+
+impl Round {
+    /// Whether the compensation is kept: at least one motion became better by more than chance, and none became worse.
+    #[must_use]
+    pub fn is_kept(&self) -> bool {
+        let is = |changed: fn(&ContourError, &ContourError) -> bool| {
+            self.before.iter().zip(&self.after).any(|(before, after)| changed(before, after))
+        };
+        is(is_better) && !is(is_worse)
+    }
+
+    /// Rms over all motions before, as predicted, and after, µm.
+    #[must_use]
+    pub fn totals_um(&self) -> [f64; 3] {
+        [&self.before, &self.predicted, &self.after].map(|errors| total_rms_um(errors))
+    }
+
+    /// The effects of the traced model that were found in this round, as `axis: name`.
+    #[must_use]
+    pub fn found(&self) -> Vec<String> {
+        let of_axis = |axis: &trace::outcome::AxisTrace| -> Vec<String> {
+            axis.found.iter().map(|found| format!("{}: {}", axis.axis, found.effect.name())).collect()
+        };
+        self.trace.axes.iter().flat_map(of_axis).collect()
+    }
+}
+
+/// Whether a compensation leaves the loops of a machine their margins. A machine without the keys that the margins follow from
+/// has none to keep.
+#[must_use]
+pub fn keeps_margins(file: &CompensationFile, machine: &Machine, limits: MarginLimits) -> bool {
+    let instruments = Instruments::of(machine, 0);
+    !matches!(first_too_little(machine, &file.applied_to(machine), &instruments, limits), Ok(Some(_)))
+}

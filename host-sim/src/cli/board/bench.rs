@@ -1,0 +1,59 @@
+//! `lost-motion bench`: the hands at the simulated machine of the emulated board.
+
+use anyhow::Result;
+use clap::ValueEnum;
+
+use crate::cli::outputs::print;
+use ::board::bench::{Bench, END};
+
+/// What is done at the machine.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum Action {
+    /// Close the enable switch.
+    CloseSwitch,
+    /// Open the enable switch.
+    OpenSwitch,
+    /// Press the emergency stop.
+    PressStop,
+    /// Release the emergency stop.
+    ReleaseStop,
+    /// The encoder of the x motor freezes.
+    FreezeEncoder,
+    /// The encoder of the x motor works again.
+    ThawEncoder,
+    /// The x scale loses its signal.
+    LoseScale,
+    /// The x scale has its signal again.
+    RestoreScale,
+    /// End the emulator.
+    End,
+}
+
+/// Arguments of `bench`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// What is done at the machine.
+    action: Action,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// An emulator that cannot be started.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let (byte, done) = match arguments.action {
+        Action::CloseSwitch => (b'c', "The enable switch is closed."),
+        Action::OpenSwitch => (b'o', "The enable switch is open."),
+        Action::PressStop => (b'e', "The emergency stop is pressed."),
+        Action::ReleaseStop => (b'r', "The emergency stop is released."),
+        Action::FreezeEncoder => (b'f', "The encoder of x is frozen."),
+        Action::ThawEncoder => (b't', "The encoder of x works."),
+        Action::LoseScale => (b'l', "The scale of x has no signal."),
+        Action::RestoreScale => (b'g', "The scale of x has its signal."),
+        Action::End => (END, "The emulator has ended."),
+    };
+    if !(byte == END && !Bench::is_running()) {
+        Bench::start()?.operate(byte)?;
+    }
+    print(done)
+}

@@ -1,0 +1,135 @@
+//! `lost-motion capture`: every tick of both axes, from the memory of the board.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::Result;
+use clap::ValueEnum;
+
+use super::PortArguments;
+use crate::cli::outputs::{check_outputs, print};
+use crate::cli::stop;
+use ::board::motion::POLL;
+use ::board::refusal::AXIS_NAMES;
+use ::board::samples::AxisSample;
+use files::error::InputError;
+use files::log::{AxisLog, Channel, Log, Unit, write_rows};
+use shared::capture::{CaptureState, Trigger};
+use shared::link::Request;
+use shared::link::message::AXES;
+
+/// Arguments of `capture`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    port: PortArguments,
+    /// What to do; without it, arm, wait and read.
+    #[arg(long, value_enum)]
+    only: Option<Step>,
+    /// When the recording starts.
+    #[arg(long, value_enum, default_value = "motion")]
+    trigger: When,
+    /// Duration.
+    #[arg(long, value_name = "SECONDS", default_value_t = 0.5)]
+    seconds: f64,
+    /// Log to write (CSV, or .csv.gz).
+    #[arg(long, required_unless_present = "only")]
+    out: Option<PathBuf>,
+}
+
+/// A part of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, ValueEnum)]
+pub enum Step {
+    /// Arm it and return.
+    Arm,
+    /// Read one that is complete.
+    Read,
+}
+
+/// When the recording starts.
+#[derive(Clone, Copy, Debug, ValueEnum)]
+pub enum When {
+    /// At once.
+    Now,
+    /// With the next motion.
+    Motion,
+}
+
+/// Longest recording that can be asked for, s.
+const MAX_S: f64 = 3600.0;
+
+/// Runs the command.
+///
+/// # Errors
+/// Invalid arguments, a board that cannot be reached, output that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    if !(arguments.seconds > 0.0 && arguments.seconds <= MAX_S) {
+        let expected = format!("seconds above 0 and up to {MAX_S}");
+        return Err(InputError::expected("--seconds", expected, arguments.seconds).into());
+    }
+    check_outputs(&[], &[("--out", arguments.out.as_ref())])?;
+    let mut client = arguments.port.connect()?;
+    let tick_hz = client.welcome().rates.velocity_loop_hz;
+    if arguments.only != Some(Step::Read) {
+        let trigger = match arguments.trigger {
+            When::Now => Trigger::Now,
+            When::Motion => Trigger::Motion,
+        };
+        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 3600 s")]
+        let samples = (arguments.seconds * tick_hz).round() as u32;
+        client.command(&Request::Arm { trigger, samples })?;
+        if arguments.only == Some(Step::Arm) {
+            return print("The recording is armed.");
+        }
+        stop::write_partial_result();
+        while client.capture_report()?.state != CaptureState::Complete {
+            if stop::is_interrupted() {
+                client.command(&Request::EndCapture)?;
+                return Err(stop::Stopped { done: 0, asked: 1, what: "recordings" }.into());
+            }
+            client.listen(POLL)?;
+        }
+    }
+    let Some(out) = &arguments.out else {
+        return Err(InputError::expected("--out", "a log to write", "none").into());
+    };
+    let bytes = client.capture_report()?.bytes;
+    let samples = client.read_capture()?;
+    let has_scale = write_log(out, 1.0 / tick_hz, &samples)?;
+    let missing = if has_scale { "" } else { " Without the scales: a signal was missing." };
+    print(&format!(
+        "{} samples at {tick_hz} Hz in {}, {bytes} bytes in the memory of the board.{missing}",
+        samples.len(),
+        out.display()
+    ))
+}
+
+/// Writes a log. The scales are left out if a signal was missing. Returns whether they are in it.
+pub fn write_log(out: &Path, sample_time_s: f64, samples: &[[AxisSample; AXES]]) -> Result<bool> {
+    let has_scale = samples.iter().flatten().all(|axis| axis.table_m.is_some());
+    let axis = |name: &&str| {
+        let mut axis = AxisLog::new(*name, Unit::Millimetre);
+        for channel in [Channel::Command, Channel::Motor, Channel::Table, Channel::Force] {
+            if channel != Channel::Table || has_scale {
+                *axis.channel_mut(channel) = Some(Vec::new());
+            }
+        }
+        axis
+    };
+    let head = Log {
+        source: "board".to_owned(),
+        start_s: 0.0,
+        sample_time_s,
+        axes: AXIS_NAMES.iter().map(axis).collect(),
+    };
+    write_rows(out, &head, |rows| {
+        for sample in samples {
+            rows.row(sample.iter().flat_map(|axis| {
+                let table = axis.table_m.filter(|_| has_scale).map(|m| 1e3 * m);
+                let positions = [Some(1e3 * axis.command_m), Some(1e3 * axis.motor_m), table];
+                positions.into_iter().chain([Some(axis.force_n)]).flatten()
+            }))?;
+        }
+        Ok(())
+    })?;
+    Ok(has_scale)
+}

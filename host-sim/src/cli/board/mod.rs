@@ -1,0 +1,79 @@
+//! Commands for a servo board.
+
+pub mod bench;
+pub mod capture;
+pub mod jog;
+pub mod monitor;
+pub mod ports;
+pub mod record;
+pub mod simple;
+pub mod status;
+pub mod upload;
+
+use std::time::Duration;
+
+use anyhow::Result;
+
+use ::board::{BoardError, Client};
+use files::error::InputError;
+
+/// Maximum of `--timeout-s`.
+const MAX_TIMEOUT_S: f64 = 3600.0;
+
+/// The port of a board.
+#[derive(clap::Args)]
+pub struct PortArguments {
+    /// `bench` (or `emulated`): the emulated servo board, which is started if it does not run; otherwise a serial port
+    /// (`ports` lists them) or a socket.
+    #[arg(long)]
+    port: String,
+    /// Timeout for a reply of the board, s.
+    #[arg(long, value_name = "SECONDS", default_value_t = 2.0)]
+    timeout_s: f64,
+}
+
+impl PortArguments {
+    /// Opens a session with the board.
+    ///
+    /// # Errors
+    /// An invalid argument, a port that cannot be opened, a board that does not answer.
+    pub fn connect(&self) -> Result<Client> {
+        connect(&self.port, self.timeout_s)
+    }
+}
+
+/// Opens a session with the board at a port.
+///
+/// # Errors
+/// See [`PortArguments::connect`].
+pub fn connect(port: &str, timeout_s: f64) -> Result<Client> {
+    if !(timeout_s > 0.0 && timeout_s <= MAX_TIMEOUT_S) {
+        let expected = format!("seconds above 0 and up to {MAX_TIMEOUT_S}");
+        return Err(InputError::expected("--timeout-s", expected, timeout_s).into());
+    }
+    let is_bench = board::port::is_bench(port);
+    let port = board::open(port).map_err(|error| match error {
+        BoardError::Port(problem) => InputError::new("--port", problem).into(),
+        error => anyhow::Error::from(error),
+    })?;
+    let client = Client::connect(port, Duration::from_secs_f64(timeout_s))?;
+    if is_bench && client.welcome().sources != shared::protocol::SOURCES {
+        let problem = "the emulated board runs a program of other sources: end it (`bench end`) and build it again \
+                       (`cargo servo`)";
+        return Err(InputError::new("--port", problem).into());
+    }
+    Ok(client)
+}
+
+/// The number of an axis by its name.
+///
+/// # Errors
+/// If the board has no such axis.
+pub fn axis_number(name: &str) -> Result<u8, InputError> {
+    let names = board::refusal::AXIS_NAMES;
+    names
+        .iter()
+        .position(|known| *known == name)
+        .and_then(|number| u8::try_from(number).ok())
+        .ok_or_else(|| InputError::expected("--axis", names.join(" or "), files::error::quoted(name)))
+}

@@ -1,0 +1,13 @@
+//! `lost-motion ports`.
+
+use anyhow::Result;
+
+use crate::cli::outputs::print;
+
+/// Lists the serial ports of this computer and the emulated board.
+///
+/// # Errors
+/// Output that cannot be written.
+pub fn run() -> Result<()> {
+    print(&board::port::list().join("\n"))
+}

@@ -1,0 +1,116 @@
+//! `enable`, `disable`, `clear`, `hold`, `resume`, `stop` and `home`: one request each.
+
+use anyhow::{Result, bail};
+
+use super::{PortArguments, axis_number};
+use crate::cli::outputs::print;
+use crate::cli::stop;
+use ::board::{BoardError, Client, refusal};
+use shared::link::Request;
+use shared::link::report::HomingReport;
+
+/// Arguments of a command that needs nothing but the port.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    port: PortArguments,
+}
+
+/// Arguments of `home`.
+#[derive(clap::Args)]
+pub struct HomeArguments {
+    #[command(flatten)]
+    port: PortArguments,
+    /// Axis.
+    #[arg(long)]
+    axis: String,
+}
+
+/// Enables the drives and waits until they are on.
+///
+/// # Errors
+/// A board that cannot be reached or refuses it.
+pub fn enable(arguments: &Arguments) -> Result<()> {
+    let mut client = arguments.port.connect()?;
+    client.enable()?;
+    let off_ms = client.welcome().times.off_ms;
+    print(&format!(
+        "The drives are on. Without a further command they go off after {} s.",
+        f64::from(off_ms) / 1e3
+    ))
+}
+
+/// Sends a request that is done at once.
+///
+/// # Errors
+/// A board that cannot be reached or refuses it.
+pub fn send(arguments: &Arguments, request: &Request, done: &str) -> Result<()> {
+    arguments.port.connect()?.command(request)?;
+    print(done)
+}
+
+/// Stops the path and waits until the axes are at rest.
+///
+/// # Errors
+/// A board that cannot be reached.
+pub fn stop(arguments: &Arguments) -> Result<()> {
+    let mut client = arguments.port.connect()?;
+    client.command(&Request::Stop)?;
+    if client.status()?.power.is_on() {
+        client.wait(|_, _| Ok(true))?;
+    }
+    print("The axes are at rest; the rest of the path is discarded.")
+}
+
+/// Continues a path that is held, and waits for its end.
+///
+/// # Errors
+/// A board that cannot be reached or refuses it.
+pub fn resume(arguments: &Arguments) -> Result<()> {
+    let mut client = arguments.port.connect()?;
+    stop::write_partial_result();
+    client.command(&Request::Resume)?;
+    wait(&mut client)?;
+    print("The path has ended.")
+}
+
+/// Moves an axis to its reference and waits for the end.
+///
+/// # Errors
+/// A board that cannot be reached or refuses it, an axis that it does not have.
+pub fn home(arguments: &HomeArguments) -> Result<()> {
+    let axis = axis_number(&arguments.axis)?;
+    let mut client = arguments.port.connect()?;
+    stop::write_partial_result();
+    client.enable()?;
+    client.command(&Request::Home { axis })?;
+    wait(&mut client)?;
+    let status = client.status()?;
+    match status.homing {
+        HomingReport::Homed => {
+            let at_mm = 1e3 * status.axes[usize::from(axis)].command.to_m();
+            print(&format!("{} is homed; it is at {at_mm:.4} mm.", arguments.axis))
+        }
+        HomingReport::Failed(failure) => bail!("{}: not homed: {}", arguments.axis, refusal::homing(failure)),
+        HomingReport::None | HomingReport::Running => Err(BoardError::Unexpected.into()),
+    }
+}
+
+/// Waits until the axes are at rest. An interrupt stops them.
+///
+/// # Errors
+/// Drives that have gone off, an interrupt.
+pub fn wait(client: &mut Client) -> Result<()> {
+    let mut interrupted = false;
+    client.wait(|client, _| {
+        if stop::is_interrupted() && !interrupted {
+            interrupted = true;
+            client.command(&Request::Stop)?;
+        }
+        Ok(true)
+    })?;
+    if interrupted {
+        return Err(stop::Stopped { done: 0, asked: 1, what: "motions; the axes have been stopped" }.into());
+    }
+    Ok(())
+}

@@ -1,0 +1,115 @@
+//! `lost-motion status`: what a board is and does.
+
+use anyhow::Result;
+
+use super::PortArguments;
+use crate::cli::outputs::print;
+use ::board::refusal::{self, AXIS_NAMES};
+use shared::interpolate::feed_hold::FeedState;
+use shared::link::message::{Reply, Request};
+use shared::link::report::Activity;
+use shared::link::{Status, Welcome};
+use shared::safety::Power;
+
+/// Arguments of `status`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    port: PortArguments,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// A board that cannot be reached.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let mut client = arguments.port.connect()?;
+    let status = client.status()?;
+    let mut lines = describe(client.welcome(), &status);
+    if let Reply::FaultHistory(entries) = client.request(&Request::FaultHistory)? {
+        let tick_hz = client.welcome().rates.velocity_loop_hz;
+        for entry in &entries {
+            let ago_s = status.tick.saturating_sub(entry.tick) as f64 / tick_hz;
+            lines.push(format!("{ago_s:>10.1} s ago: {}", refusal::event(entry.event)));
+        }
+    }
+    print(&lines.join("\n"))
+}
+
+/// The lines about a board, without its history.
+fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
+    let times = &welcome.times;
+    let mut lines = vec![
+        format!("{}, version {}", welcome.board, welcome.software),
+        format!(
+            "{} axes, {} ticks per second, a position command every {} ticks",
+            welcome.axes, welcome.rates.velocity_loop_hz, welcome.rates.position_loop_divider
+        ),
+        format!(
+            "host silent: path held after {} s, drives off after {} s; a jog at a speed ends after {} s",
+            f64::from(times.hold_ms) / 1e3,
+            f64::from(times.off_ms) / 1e3,
+            f64::from(times.jog_ms) / 1e3
+        ),
+        format!("drives: {}", power(status)),
+        format!("path: {}", path(status)),
+    ];
+    if let Some(warning) = status.warning {
+        lines.push(format!("warning: {}", refusal::fault(warning)));
+    }
+    if let Some(mv) = status.supply.bus_mv {
+        lines.push(format!("supply: {:.1} V", f64::from(mv) / 1e3));
+    }
+    if let Some(mc) = status.supply.temperature_mc {
+        lines.push(format!("power stages: {:.0} °C", f64::from(mc) / 1e3));
+    }
+    lines.push(format!(
+        "{:<6}{:>14}{:>14}{:>14}{:>10}  reference",
+        "axis", "command mm", "motor mm", "scale mm", "force N"
+    ));
+    for (name, axis) in AXIS_NAMES.iter().zip(&status.axes) {
+        let scale =
+            axis.table.map_or_else(|| "no signal".to_owned(), |table| format!("{:.4}", 1e3 * table.to_m()));
+        let reference = if axis.homed { "homed" } else { "not homed" };
+        lines.push(format!(
+            "{name:<6}{:>14.4}{:>14.4}{scale:>14}{:>10.1}  {reference}",
+            1e3 * axis.command.to_m(),
+            1e3 * axis.motor.to_m(),
+            axis.force_n
+        ));
+    }
+    let link = &status.link;
+    lines.push(format!(
+        "link: {} packets; refused: {} too long, {} too short, {} wrong encoding, {} wrong checksum, {} other version",
+        link.packets, link.too_long, link.too_short, link.encoding, link.checksum, link.version
+    ));
+    lines
+}
+
+/// The power state in words.
+pub fn power(status: &Status) -> String {
+    match status.power {
+        Power::Off if status.armed => "off; the enable switch permits an enable".to_owned(),
+        Power::Off => "off; the enable switch has to be closed (if it is: opened and closed)".to_owned(),
+        Power::On => "on".to_owned(),
+        Power::Stopping(fault) => format!("on, stopping: {}", refusal::fault(fault)),
+        Power::Faulted(fault) => format!("off by a fault: {}", refusal::fault(fault)),
+    }
+}
+
+/// What the path does, in words.
+pub fn path(status: &Status) -> String {
+    let what = match status.activity {
+        Activity::Idle => "at rest",
+        Activity::Motion => "motion",
+        Activity::Jog => "jog",
+        Activity::Homing => "homing",
+    };
+    match status.feed {
+        FeedState::Running => what.to_owned(),
+        FeedState::Holding => format!("{what}, being held"),
+        FeedState::Held => format!("{what}, held"),
+        FeedState::Resuming => format!("{what}, resuming"),
+        FeedState::Discarding => format!("{what}, stopping"),
+    }
+}

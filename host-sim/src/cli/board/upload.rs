@@ -1,0 +1,113 @@
+//! `lost-motion upload`: settings of a machine file and a compensation.
+
+use std::path::PathBuf;
+
+use anyhow::Result;
+
+use super::PortArguments;
+use crate::cli::compensation::check_margins;
+use crate::cli::outputs::print;
+use ::board::{BoardError, Client};
+use compensate::CompensationFile;
+use files::error::{InputError, quoted};
+use margins::MarginLimits;
+use model::machine::Machine;
+use model::servo::{self, ServoParameters};
+use shared::config::AxisSettings;
+use shared::link::message::{AXES, BoardSettings, Request, UploadKind};
+use shared::link::refusal::Refusal;
+
+/// Arguments of `upload`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    #[command(flatten)]
+    port: PortArguments,
+    /// Machine file: the controller's keys become the settings of the board.
+    #[arg(long, alias = "settings")]
+    machine: PathBuf,
+    /// Compensation file, as `compensate` writes it.
+    #[arg(long)]
+    compensation: Option<PathBuf>,
+    /// Save it to the flash of the board.
+    #[arg(long)]
+    save: bool,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Invalid input, a board that cannot be reached, a setting that it refuses.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let mut machine = Machine::read(&arguments.machine)?;
+    let compensation = match &arguments.compensation {
+        Some(path) => {
+            let file = CompensationFile::read(path, &machine)?;
+            check_margins(&file, &path.display().to_string(), &machine, MarginLimits::default())?;
+            machine = file.applied_to(&machine);
+            Some((file, path.display().to_string()))
+        }
+        None => None,
+    };
+    let source = arguments.machine.display().to_string();
+    let settings = settings(&machine, &source)?;
+    let mut client = arguments.port.connect()?;
+    client.upload(UploadKind::Settings, &settings).map_err(|error| refused(error, &source))?;
+    let mut done = format!("The board has the settings of {source}");
+    if let Some((file, source)) = &compensation {
+        send_compensation(&mut client, &machine, file, source)?;
+        done += &format!(" and the compensation of {source}");
+    }
+    if arguments.save {
+        client.command(&Request::Save)?;
+        done += ", and has saved them";
+    }
+    print(&format!("{done}."))
+}
+
+/// The settings of the board from a machine file.
+///
+/// # Errors
+/// A machine with another number of axes, a key that is missing.
+pub fn settings(machine: &Machine, source: &str) -> Result<BoardSettings, InputError> {
+    let axes = machine.axis.iter().map(|(name, axis)| {
+        servo::settings(&axis.settings, &ServoParameters::of(&axis.effect)).map_err(|key| {
+            InputError::expected(source, "this key, which a controller requires", "none")
+                .at_key(&format!("axis.{name}.{key}"))
+        })
+    });
+    let axes: Vec<AxisSettings> = axes.collect::<Result<_, _>>()?;
+    let count = axes.len();
+    let axes: [AxisSettings; AXES] = axes.try_into().map_err(|_| {
+        InputError::expected(source, format!("{AXES} axes, as the board has"), count).at_key("axis")
+    })?;
+    Ok(BoardSettings { rates: machine.rates(), axes })
+}
+
+/// Sends the compensation of every axis; an axis without one gets an empty one.
+fn send_compensation(
+    client: &mut Client,
+    machine: &Machine,
+    file: &CompensationFile,
+    source: &str,
+) -> Result<()> {
+    for (number, name) in (0u8..).zip(machine.axis.keys()) {
+        let settings = file.axis.get(name).map(|axis| axis.compensation.clone()).unwrap_or_default();
+        client
+            .upload(UploadKind::Compensation { axis: number }, &settings)
+            .map_err(|error| refused(error, source))?;
+    }
+    Ok(())
+}
+
+/// A setting that the board refuses is an error of the file.
+fn refused(error: BoardError, source: &str) -> anyhow::Error {
+    match &error {
+        BoardError::Refused(Refusal::Setting { .. } | Refusal::TickRate { .. }) => {
+            InputError::new(source, error.to_string()).into()
+        }
+        BoardError::Refused(Refusal::NoSuchAxis) => {
+            InputError::expected(source, format!("{AXES} axes"), quoted("more")).into()
+        }
+        _ => error.into(),
+    }
+}

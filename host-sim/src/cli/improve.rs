@@ -1,0 +1,143 @@
+//! `lost-motion improve`: log, trace, compensate and run again, until nothing more is gained.
+
+use std::path::{Path, PathBuf};
+
+use anyhow::{Error, Result};
+
+use super::margins::LimitArguments;
+use super::outputs::{check_outputs, print, write_json};
+use super::progress::Progress;
+use compensate::place::Place;
+use compensate::prediction::TestMotion;
+use compensate::round_trip::RealMachine;
+use files::error::InputError;
+use files::output::write_whole;
+use improve::outcome::Improvement;
+use improve::{ImproveError, Improving};
+use model::machine::Machine;
+use model::motion::Motion;
+use plant::instruments::Instruments;
+use report::before_after::RoundTripMotion;
+use report::improvement_page;
+
+/// Time on the session clock between the starts of two motions, s.
+const MOTION_EVERY_S: f64 = 60.0;
+
+/// Names of the files in the folder of `--out`.
+const FILES: [&str; 3] = ["model.toml", "compensation.toml", "improvement.json"];
+
+/// Arguments of `improve`.
+#[derive(clap::Args)]
+pub struct Arguments {
+    /// Machine file with the declared model.
+    #[arg(long)]
+    machine: PathBuf,
+    /// Machine file with the effects of the machine that is simulated and improved.
+    #[arg(long)]
+    plant: PathBuf,
+    /// Motion that is logged for the trace; may be given several times.
+    #[arg(long, required = true)]
+    fit: Vec<PathBuf>,
+    /// Motion whose contour error is to become smaller, and whose log is held out of the fits; may be given several times.
+    #[arg(long, required = true)]
+    motion: Vec<PathBuf>,
+    /// Greatest number of rounds.
+    #[arg(long, value_name = "N", default_value_t = 4, value_parser = clap::value_parser!(u8).range(1..=20))]
+    rounds: u8,
+    /// Folder for model.toml, compensation.toml and improvement.json of the last round that is kept, and report.html; it is created.
+    #[arg(long)]
+    out: PathBuf,
+    /// Run the controller on the emulated core.
+    #[arg(long)]
+    emulated: bool,
+    /// Seed of the sensors' noise.
+    #[arg(long, default_value_t = 1)]
+    seed: u64,
+    #[command(flatten)]
+    limits: LimitArguments,
+}
+
+/// Runs the command.
+///
+/// # Errors
+/// Invalid input, a motion that cannot be executed, output that cannot be written.
+pub fn run(arguments: &Arguments) -> Result<()> {
+    let outputs = FILES.map(|name| arguments.out.join(name));
+    let page = pages::file_in(Some(&arguments.out));
+    let motions = arguments.fit.iter().chain(&arguments.motion);
+    let inputs: Vec<&Path> =
+        [&arguments.machine, &arguments.plant].into_iter().chain(motions).map(PathBuf::as_path).collect();
+    let flags: Vec<(&str, Option<&PathBuf>)> =
+        outputs.iter().chain(&page).map(|path| ("--out", Some(path))).collect();
+    check_outputs(&inputs, &flags)?;
+    let limits = arguments.limits.checked()?;
+    let (declared, plant) = (Machine::read(&arguments.machine)?, Machine::read(&arguments.plant)?);
+    check_plant(&declared, &plant, &arguments.plant)?;
+    let (fit, judged) = motions_of(arguments)?;
+    let real = RealMachine {
+        machine: &plant,
+        instruments: Instruments::of(&plant, arguments.seed),
+        place: if arguments.emulated { Place::EmulatedCore } else { Place::Host },
+    };
+    let improving = Improving { declared: &declared, real, fit: &fit, judged: &judged, limits };
+    let progress = Progress::start();
+    let improvement =
+        improving.improve(usize::from(arguments.rounds), &|what| progress.show(what)).map_err(|error| {
+            match error {
+                ImproveError::Input(error) => Error::from(error),
+                ImproveError::Run(error) => Error::from(error),
+            }
+        })?;
+    drop(progress);
+    let page = write(arguments, &declared, &improvement)?;
+    print(&format!("{}\n\nReport: {}", improvement.text(), page.display()))
+}
+
+/// Checks that the machine that runs has the name and the axes of the declared one.
+fn check_plant(declared: &Machine, plant: &Machine, file: &Path) -> Result<(), InputError> {
+    let file = file.display().to_string();
+    if declared.name != plant.name {
+        let expected = format!("the machine {}", declared.name);
+        return Err(InputError::expected(&file, expected, &plant.name).at_key("name"));
+    }
+    let names = |machine: &Machine| machine.axis.keys().cloned().collect::<Vec<_>>().join(", ");
+    if names(declared) != names(plant) {
+        let expected = format!("the axes {}", names(declared));
+        return Err(InputError::expected(&file, expected, names(plant)).at_key("axis"));
+    }
+    Ok(())
+}
+
+/// The motions of the fit, one after the other on the session clock, and those that are judged, all at the time at which the
+/// compensation is set, after them.
+fn motions_of(arguments: &Arguments) -> Result<(Vec<TestMotion>, Vec<TestMotion>), InputError> {
+    let read = |path: &PathBuf, start_s: f64| {
+        let source = path.display().to_string();
+        Ok(TestMotion { motion: Motion::read(path)?, source, start_s })
+    };
+    let fit = arguments.fit.iter().zip(0u32..);
+    let fit: Vec<TestMotion> =
+        fit.map(|(path, number)| read(path, MOTION_EVERY_S * f64::from(number))).collect::<Result<_, _>>()?;
+    let set_at_s = MOTION_EVERY_S * fit.len() as f64;
+    let judged = arguments.motion.iter().map(|path| read(path, set_at_s)).collect::<Result<_, _>>()?;
+    Ok((fit, judged))
+}
+
+/// Writes model, compensation and figures of the round that is kept, and the page of all rounds.
+fn write(arguments: &Arguments, declared: &Machine, improvement: &Improvement) -> Result<PathBuf> {
+    let axes: Vec<String> = declared.axis.keys().cloned().collect();
+    let motions: Vec<RoundTripMotion> = improvement
+        .comparisons()
+        .into_iter()
+        .map(|(name, errors)| RoundTripMotion { name: name.to_owned(), axes: axes.clone(), errors })
+        .collect();
+    let page = improvement_page::write(&arguments.out, &declared.name, &improvement.sentences(), &motions)?;
+    let [model, compensation, json] = FILES.map(|name| arguments.out.join(name));
+    if let Some(kept) = improvement.kept() {
+        write_whole(&model, |out| out.write_all(kept.model.to_toml().as_bytes()))?;
+        let toml = kept.plan.file.to_toml()?;
+        write_whole(&compensation, |out| out.write_all(toml.as_bytes()))?;
+    }
+    write_json(Some(&json), &improvement.json())?;
+    Ok(page)
+}

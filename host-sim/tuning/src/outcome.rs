@@ -1,0 +1,176 @@
+//! The proposal as text and JSON.
+
+use serde_json::{Value, json};
+
+use super::candidate::Candidate;
+use margins::axis_margins::{AxisMargins, LoopMargins};
+use margins::{MarginLimits, json};
+use model::axis::Settings;
+use model::machine::Machine;
+
+/// Lines of the table of position loops.
+const SHOWN: usize = 8;
+
+/// Settings with their margins and the contour error.
+#[derive(Clone, Debug)]
+pub struct Tried {
+    /// The position loop; `None`: as declared.
+    pub candidate: Option<Candidate>,
+    /// The machine with the settings.
+    pub machine: Machine,
+    /// The margins of its axes.
+    pub margins: Vec<AxisMargins>,
+    /// Rms of the simulated contour error over all motions, µm; infinite: a loop is unstable.
+    pub contour_um: f64,
+}
+
+/// The settings that were tried, the best one first.
+#[derive(Clone, Debug)]
+pub struct Proposal {
+    /// As declared.
+    pub declared: Tried,
+    /// Position loops on the fastest velocity loops, the smallest contour error first.
+    pub tried: Vec<Tried>,
+    /// Margins that each has.
+    pub limits: MarginLimits,
+}
+
+impl Proposal {
+    /// The best settings, if they are better than the declared ones.
+    #[must_use]
+    pub fn best(&self) -> Option<&Tried> {
+        self.tried.first().filter(|best| best.contour_um < self.declared.contour_um)
+    }
+
+    /// A sentence, the settings of each axis, and the position loops that were tried.
+    #[must_use]
+    pub fn text(&self) -> String {
+        let declared_um = self.declared.contour_um;
+        let MarginLimits { gain_db, phase_deg } = self.limits;
+        let Some(best) = self.best() else {
+            return format!(
+                "No settings with margins of {gain_db} dB and {phase_deg}° have a smaller simulated contour error than the \
+                 declared ones, {declared_um:.2} µm rms."
+            );
+        };
+        let mut lines = vec![
+            format!(
+                "With margins of at least {gain_db} dB and {phase_deg}°, the simulated contour error changes from \
+                 {declared_um:.2} to {:.2} µm rms.",
+                best.contour_um
+            ),
+            String::new(),
+            format!(
+                "{:<10}{:>6}{:>10}{:>10}{:>8}{:>12}{:>10}{:>9}{:>20}{:>20}",
+                "",
+                "law",
+                "feedback",
+                "Kp 1/s",
+                "Kf %",
+                "Kv N·s/m",
+                "Ti ms",
+                "notch Hz",
+                "velocity loop",
+                "position loop"
+            ),
+        ];
+        for (word, tried) in [("declared", &self.declared), ("proposed", best)] {
+            let axes = tried.machine.axis.iter().zip(&tried.margins);
+            lines.extend(axes.map(|((name, axis), margins)| {
+                format!("{:<10}{}", format!("{word} {name}"), settings_row(&axis.settings, margins))
+            }));
+        }
+        lines.extend([
+            String::new(),
+            format!(
+                "{:>6}{:>10}{:>8}{:>10}{:>10}{:>16}",
+                "law", "feedback", "Kf %", "ahead", "Kp 1/s", "contour µm rms"
+            ),
+        ]);
+        lines.extend(self.tried.iter().take(SHOWN).filter_map(candidate_row));
+        if self.tried.len() > SHOWN {
+            lines.push(format!("and {} others, with larger errors", self.tried.len() - SHOWN));
+        }
+        lines.join("\n")
+    }
+
+    /// The JSON of `tune`.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let tried = |tried: &Tried| {
+            let settings = tried.machine.axis.iter().map(|(name, axis)| {
+                let Settings { controller, filters, sensors, .. } = &axis.settings;
+                let values = json!({
+                    "position_gain_per_s": controller.position_gain_per_s,
+                    "feedforward_percent": controller.feedforward_percent,
+                    "feedforward_ahead_s": controller.feedforward_ahead_s,
+                    "velocity_gain_n_s_per_m": controller.velocity_gain_n_s_per_m,
+                    "velocity_integral_time_s": controller.velocity_integral_time_s,
+                    "notch_frequency_hz": filters.notch_frequency_hz,
+                    "dual_feedback_time_constant_s": sensors.dual_feedback_time_constant_s,
+                });
+                (name.clone(), values)
+            });
+            let words = tried.candidate.map(|candidate| candidate.words());
+            json!({
+                "controller": words.map(|[law, _]| law.to_lowercase()),
+                "feedback": words.map(|[_, feedback]| feedback),
+                "axis": settings.collect::<serde_json::Map<_, _>>(),
+                "margins": json::of(&tried.margins, self.limits),
+                "contour_error_um": tried.contour_um.is_finite().then_some(tried.contour_um),
+            })
+        };
+        json!({
+            "declared": tried(&self.declared),
+            "proposed": self.best().map(tried),
+            "tried": self.tried.iter().map(tried).collect::<Vec<_>>(),
+        })
+    }
+}
+
+fn settings_row(settings: &Settings, margins: &AxisMargins) -> String {
+    let Settings { controller, filters, sensors, .. } = settings;
+    let number = |value: Option<f64>, width: usize, decimals: usize| {
+        value.map_or(format!("{:>width$}", "–"), |value| format!("{value:>width$.decimals$}"))
+    };
+    let law = controller.law.map_or("–", |law| match law {
+        model::axis::Law::P => "P",
+        model::axis::Law::Hpc => "HPC",
+    });
+    let feedback = format!("{:?}", sensors.feedback).to_lowercase();
+    format!(
+        "{law:>6}{feedback:>10}{}{}{}{}{}{:>20}{:>20}",
+        number(controller.position_gain_per_s, 10, 1),
+        number(controller.feedforward_percent, 8, 0),
+        number(controller.velocity_gain_n_s_per_m, 12, 0),
+        number(controller.velocity_integral_time_s.map(|s| 1e3 * s), 10, 1),
+        number(filters.notch_frequency_hz, 9, 0),
+        loop_words(&margins.velocity),
+        loop_words(&margins.position),
+    )
+}
+
+fn loop_words(margins: &LoopMargins) -> String {
+    if margins.unstable.is_some() {
+        return "unstable".to_owned();
+    }
+    let gain = margins.gain_db.map_or("–".to_owned(), |(at, _)| format!("{:.1} dB", at.value));
+    let phase = margins.phase_deg.map_or("–".to_owned(), |(at, _)| format!("{:.0}°", at.value));
+    format!("{gain}, {phase}")
+}
+
+fn candidate_row(tried: &Tried) -> Option<String> {
+    let candidate = tried.candidate?;
+    let [law, feedback] = candidate.words();
+    let gain = tried.machine.axis.values().next()?.settings.controller.position_gain_per_s?;
+    Some(format!(
+        "{law:>6}{feedback:>10}{:>8.0}{:>10}{gain:>10.1}{:>16.3}",
+        candidate.feedforward_percent,
+        if candidate.ahead_ticks > 0.0 {
+            format!("{} tick", candidate.ahead_ticks)
+        } else {
+            "–".to_owned()
+        },
+        tried.contour_um
+    ))
+}

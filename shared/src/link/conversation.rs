@@ -1,0 +1,123 @@
+//! Which request is new, repeated, old or of another session.
+//!
+//! A host repeats a request whose reply it has not received. The board executes it once: a repetition gets the reply that was
+//! given. A request of an earlier session, an old one, and one behind a gap are refused.
+
+use super::packet::Packet;
+use super::refusal::Refusal;
+
+/// What is to be done with a request.
+#[derive(Clone, Debug, PartialEq)]
+pub enum Verdict {
+    /// Execute it and keep the reply.
+    Execute,
+    /// Send the kept reply again.
+    Repeat,
+    /// Refuse it. The kept reply remains.
+    Refuse(Refusal),
+}
+
+/// The state of the session.
+#[derive(Clone, Copy, Debug)]
+pub struct Conversation {
+    /// Number of the session; 0: none yet.
+    session: u32,
+    /// Number of the hello that opened it.
+    nonce: u32,
+    /// Number and checksum of the last request that was executed.
+    last: u32,
+    checksum: u32,
+}
+
+impl Conversation {
+    /// No session.
+    pub const NEW: Self = Self { session: 0, nonce: 0, last: 0, checksum: 0 };
+
+    /// Number of the session; 0: none yet.
+    #[must_use]
+    pub const fn session(&self) -> u32 {
+        self.session
+    }
+
+    /// Opens a session, or confirms the one that the same hello has opened. `entropy` is a number that differs from run to run,
+    /// so that a session of a previous run is not continued.
+    pub const fn hello(&mut self, nonce: u32, entropy: u32) -> u32 {
+        if self.session != 0 && self.nonce == nonce && self.last == 0 {
+            return self.session;
+        }
+        // An odd factor keeps different numbers different.
+        let mixed = self.session.wrapping_add(1) ^ nonce.rotate_left(13) ^ entropy.wrapping_mul(0x9e37_79b9);
+        self.session = if mixed == 0 || mixed == self.session { self.session.wrapping_add(1) } else { mixed };
+        if self.session == 0 {
+            self.session = 1;
+        }
+        (self.nonce, self.last, self.checksum) = (nonce, 0, 0);
+        self.session
+    }
+
+    /// Judges a request other than a hello.
+    #[must_use]
+    pub fn judge(&self, packet: &Packet<'_>) -> Verdict {
+        if self.session == 0 || packet.header.session != self.session {
+            return Verdict::Refuse(Refusal::Session);
+        }
+        let expected = self.last.wrapping_add(1);
+        if packet.header.sequence == expected {
+            Verdict::Execute
+        } else if self.last != 0 && packet.header.sequence == self.last && packet.checksum == self.checksum {
+            Verdict::Repeat
+        } else {
+            Verdict::Refuse(Refusal::Sequence { expected })
+        }
+    }
+
+    /// A request has been executed.
+    pub const fn executed(&mut self, packet: &Packet<'_>) {
+        (self.last, self.checksum) = (packet.header.sequence, packet.checksum);
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::super::packet::Header;
+    use super::*;
+
+    const fn packet(session: u32, sequence: u32, checksum: u32) -> Packet<'static> {
+        Packet { header: Header { session, sequence }, message: &[], checksum }
+    }
+
+    #[test]
+    fn a_request_is_executed_once_and_in_order() {
+        let mut conversation = Conversation::NEW;
+        assert_eq!(conversation.judge(&packet(0, 1, 5)), Verdict::Refuse(Refusal::Session));
+        let session = conversation.hello(77, 1);
+        let expect = |conversation: &Conversation, sequence, checksum, verdict| {
+            assert_eq!(conversation.judge(&packet(session, sequence, checksum)), verdict);
+        };
+        let wrong = |expected| Verdict::Refuse(Refusal::Sequence { expected });
+        expect(&conversation, 0, 0, wrong(1));
+        expect(&conversation, 2, 5, wrong(1));
+        expect(&conversation, 1, 5, Verdict::Execute);
+        conversation.executed(&packet(session, 1, 5));
+        expect(&conversation, 1, 5, Verdict::Repeat);
+        // The number of the last request with other contents is no repetition.
+        expect(&conversation, 1, 6, wrong(2));
+        expect(&conversation, 3, 7, wrong(2));
+        conversation.executed(&packet(session, 2, 7));
+        expect(&conversation, 1, 5, wrong(3));
+        assert_eq!(conversation.judge(&packet(session ^ 1, 3, 8)), Verdict::Refuse(Refusal::Session));
+    }
+
+    #[test]
+    fn a_repeated_hello_opens_no_further_session_until_a_request_was_executed() {
+        let mut conversation = Conversation::NEW;
+        let session = conversation.hello(77, 1);
+        assert_eq!(conversation.hello(77, 9), session);
+        conversation.executed(&packet(session, 1, 5));
+        let other = conversation.hello(77, 9);
+        assert_ne!(other, session);
+        assert_eq!(conversation.judge(&packet(session, 2, 5)), Verdict::Refuse(Refusal::Session));
+        assert_eq!(conversation.judge(&packet(other, 1, 5)), Verdict::Execute);
+        assert_ne!(conversation.hello(78, 9), other);
+    }
+}

@@ -1,0 +1,372 @@
+//! Drives under the control of a host: what runs in every tick.
+
+use super::history::FaultHistory;
+use super::refusal::Refusal;
+use super::report::{Activity, AxisStatus, HomingReport, Status, Times};
+use super::stream::StreamQueue;
+use super::watch::{HostWatch, Silence};
+use crate::capture::{CaptureMemory, ChannelSteps, Quantisers};
+use crate::drive::{Amplifier, Board, DriveOutput, DriveSystem};
+use crate::feedback::Reading;
+use crate::homing::{HomingError, HomingSettings, HomingStatus};
+use crate::interpolate::feed_hold::FeedState;
+use crate::interpolate::{Block, PathError};
+use crate::machine::{Machine, MachineConfig, Reference};
+use crate::safety::{Fault, Power};
+use crate::scalar::Scalar;
+use crate::units::Position;
+
+/// A drive system with the supervision of its host, a recording and a stream.
+#[derive(Debug)]
+pub struct HostedDrive<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
+    system: DriveSystem<'m, S, N, O>,
+    watch: HostWatch,
+    activity: Activity,
+    /// Blocks of the motion that have not been passed to the path yet.
+    blocks_left: u16,
+    jog_ticks: u32,
+    /// Ticks until a jog at a speed ends.
+    jog_remaining: Option<u32>,
+    capture: CaptureMemory<'m, N>,
+    stream: StreamQueue<N>,
+    quantisers: Quantisers<N>,
+    history: FaultHistory,
+    tick: u64,
+    readings: [Reading; N],
+    /// Forces since the last tick.
+    forces: [S; N],
+}
+
+impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> HostedDrive<'m, S, N, O> {
+    /// Drives off, without a host, with a memory for recordings.
+    #[must_use]
+    pub fn new(
+        system: DriveSystem<'m, S, N, O>,
+        tick_hz: u32,
+        times: Times,
+        steps: &ChannelSteps<N>,
+        capture: &'m mut [u8],
+    ) -> Self {
+        let ticks = |ms: u16| (u32::from(ms) * (tick_hz / 100) / 10).max(1);
+        Self {
+            system: system.enabled_by_host(),
+            watch: HostWatch::new(ticks(times.hold_ms), ticks(times.off_ms)),
+            activity: Activity::Idle,
+            blocks_left: 0,
+            jog_ticks: ticks(times.jog_ms),
+            jog_remaining: None,
+            capture: CaptureMemory::new(capture),
+            stream: StreamQueue::OFF,
+            quantisers: Quantisers::new(steps),
+            history: FaultHistory::EMPTY,
+            tick: 0,
+            readings: [Reading { motor: Position(0), table: None }; N],
+            forces: [S::ZERO; N],
+        }
+    }
+
+    /// One tick. It cannot fail.
+    pub fn tick(&mut self, board: &mut impl Board<N, O::Signal>) {
+        self.supervise();
+        let tick = self.system.tick(board);
+        let machine = self.system.machine();
+        let power = machine.power();
+        self.history.update(self.tick, power, machine.warning());
+        let aligned = !power.is_on() || machine.was_position_tick();
+        let captured = self.capture.takes(self.tick, !tick.output.done, aligned);
+        let streamed = self.stream.takes(self.tick, aligned);
+        if captured || streamed {
+            // The forces that acted during the tick that ends with these readings.
+            let sample = self.quantisers.sample(&tick.output.commands, &tick.readings, &self.forces);
+            if captured {
+                self.capture.append(&sample);
+            }
+            if streamed {
+                self.stream.append(&sample);
+            }
+        }
+        self.readings = tick.readings;
+        self.forces = if power.is_on() { tick.output.forces } else { [S::ZERO; N] };
+        let homing = matches!(self.system.homing_status(), Some((_, HomingStatus::Running)));
+        if !power.is_on() || machine.is_at_rest() && self.blocks_left == 0 && !homing {
+            (self.activity, self.jog_remaining) = (Activity::Idle, None);
+        }
+        if !power.is_on() {
+            self.blocks_left = 0;
+        }
+        self.tick += 1;
+    }
+
+    /// Reacts to the silence of the host, and to a jog that was not renewed.
+    fn supervise(&mut self) {
+        let machine = self.system.machine_mut();
+        match self.watch.tick(machine.power().is_on()) {
+            Some(Silence::Hold) if !machine.is_at_rest() => {
+                machine.hold();
+                self.history.held(self.tick);
+            }
+            Some(Silence::Off) => {
+                machine.fault(Fault::HostSilent);
+            }
+            _ => {}
+        }
+        match &mut self.jog_remaining {
+            Some(0) => {
+                self.system.machine_mut().discard_path();
+                self.jog_remaining = None;
+            }
+            Some(remaining) => *remaining -= 1,
+            None => {}
+        }
+    }
+
+    /// A request of the present session has been received.
+    pub const fn heard(&mut self) {
+        self.watch.heard();
+    }
+
+    /// Ticks since the start.
+    #[must_use]
+    pub const fn now(&self) -> u64 {
+        self.tick
+    }
+
+    /// The machine.
+    #[must_use]
+    pub const fn machine(&self) -> &Machine<S, N> {
+        self.system.machine()
+    }
+
+    /// The machine, for blocks and compensations.
+    pub const fn machine_mut(&mut self) -> &mut Machine<S, N> {
+        self.system.machine_mut()
+    }
+
+    /// Enables the drives with the next tick; no effect if they are on.
+    ///
+    /// # Errors
+    /// [`Refusal::Faulted`], [`Refusal::NotArmed`].
+    pub fn enable(&mut self) -> Result<(), Refusal> {
+        match self.machine().power() {
+            Power::On => Ok(()),
+            Power::Stopping(fault) | Power::Faulted(fault) => Err(Refusal::Faulted(fault)),
+            Power::Off => self.system.enable_by_host().map_err(|_| Refusal::NotArmed),
+        }
+    }
+
+    /// Disables the drives. A fault remains until it is acknowledged.
+    pub fn disable(&mut self) {
+        if !matches!(self.machine().power(), Power::Faulted(_)) {
+            self.machine_mut().disable();
+        }
+    }
+
+    /// Acknowledges a fault.
+    ///
+    /// # Errors
+    /// [`Refusal::DrivesOn`].
+    pub fn clear(&mut self) -> Result<(), Refusal> {
+        if self.machine().power().is_on() {
+            return Err(Refusal::DrivesOn);
+        }
+        self.machine_mut().disable();
+        Ok(())
+    }
+
+    /// Whether a motion or a jog could start.
+    ///
+    /// # Errors
+    /// [`Refusal::DrivesOff`], [`Refusal::Faulted`], [`Refusal::Moving`].
+    pub fn can_start(&self) -> Result<(), Refusal> {
+        match self.machine().power() {
+            Power::On => {}
+            Power::Off => return Err(Refusal::DrivesOff),
+            Power::Stopping(fault) | Power::Faulted(fault) => return Err(Refusal::Faulted(fault)),
+        }
+        self.is_at_rest()
+    }
+
+    /// Whether nothing moves.
+    ///
+    /// # Errors
+    /// [`Refusal::Moving`].
+    pub fn is_at_rest(&self) -> Result<(), Refusal> {
+        let machine = self.machine();
+        let is_idle = machine.is_at_rest() && self.activity == Activity::Idle;
+        if is_idle && machine.feed_state() == FeedState::Running { Ok(()) } else { Err(Refusal::Moving) }
+    }
+
+    /// Starts a motion of a number of blocks, which the server passes to the path.
+    pub const fn start_motion(&mut self, blocks: u16) {
+        (self.activity, self.blocks_left) = (Activity::Motion, blocks);
+    }
+
+    /// The activity that a block, which has just been appended, belongs to. A jog at a speed needs renewals.
+    pub fn start_jog(&mut self, at_speed: bool) {
+        self.activity = Activity::Jog;
+        self.jog_remaining = at_speed.then_some(self.jog_ticks);
+    }
+
+    /// Renews a jog at a speed. False if none runs.
+    pub const fn renew_jog(&mut self) -> bool {
+        if let Some(remaining) = &mut self.jog_remaining {
+            *remaining = self.jog_ticks;
+            return true;
+        }
+        false
+    }
+
+    /// What the axes do.
+    #[must_use]
+    pub const fn activity(&self) -> Activity {
+        self.activity
+    }
+
+    /// Blocks of the motion that have not been passed to the path yet.
+    #[must_use]
+    pub const fn blocks_left(&self) -> u16 {
+        self.blocks_left
+    }
+
+    /// A block of the motion has been passed to the path.
+    pub const fn block_passed(&mut self) {
+        self.blocks_left = self.blocks_left.saturating_sub(1);
+    }
+
+    /// Holds the path.
+    pub fn hold(&mut self) {
+        if self.is_at_rest().is_err() {
+            self.machine_mut().hold();
+        }
+    }
+
+    /// Continues after a hold.
+    ///
+    /// # Errors
+    /// [`Refusal::NotHeld`].
+    pub fn resume(&mut self) -> Result<(), Refusal> {
+        match self.machine().feed_state() {
+            FeedState::Holding | FeedState::Held => {
+                self.machine_mut().resume();
+                Ok(())
+            }
+            _ => Err(Refusal::NotHeld),
+        }
+    }
+
+    /// Decelerates and discards the rest of the path and of the motion.
+    pub fn stop(&mut self) {
+        (self.blocks_left, self.jog_remaining) = (0, None);
+        self.system.stop_homing();
+        self.machine_mut().discard_path();
+    }
+
+    /// Replaces the settings, at the present positions of the motors.
+    ///
+    /// # Errors
+    /// [`Refusal::DrivesOn`], [`Refusal::Faulted`].
+    pub fn configure(&mut self, config: MachineConfig<S, N>) -> Result<(), Refusal> {
+        self.is_off()?;
+        let start = self.readings.map(|reading| reading.motor);
+        let references: [_; N] = core::array::from_fn(|axis| self.machine().reference(axis));
+        self.machine_mut().configure(config, &start);
+        for (axis, reference) in references.into_iter().enumerate() {
+            if reference != Some(Reference::Homed) {
+                self.machine_mut().lose_reference(axis);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the drives are off without a fault.
+    ///
+    /// # Errors
+    /// [`Refusal::DrivesOn`], [`Refusal::Faulted`].
+    pub const fn is_off(&self) -> Result<(), Refusal> {
+        match self.machine().power() {
+            Power::Off => Ok(()),
+            Power::Faulted(fault) => Err(Refusal::Faulted(fault)),
+            Power::On | Power::Stopping(_) => Err(Refusal::DrivesOn),
+        }
+    }
+
+    /// Starts to home an axis.
+    ///
+    /// # Errors
+    /// As [`HostedDrive::can_start`]; [`Refusal::Homing`].
+    pub fn home(&mut self, axis: usize, settings: &HomingSettings) -> Result<(), Refusal> {
+        self.can_start()?;
+        self.system.home(axis, settings).map_err(|error: HomingError| Refusal::Homing(error.into()))?;
+        self.activity = Activity::Homing;
+        Ok(())
+    }
+
+    /// The motion that a homing waits for.
+    #[must_use]
+    pub fn homing_leg(&self) -> Option<Block<N>> {
+        self.system.homing_leg()
+    }
+
+    /// The motion that a homing waited for was appended to the path, or rejected.
+    pub fn homing_leg_planned(&mut self, planned: Result<(), PathError>) {
+        self.system.homing_leg_planned(planned);
+    }
+
+    /// The recording.
+    pub const fn capture(&mut self) -> &mut CaptureMemory<'m, N> {
+        &mut self.capture
+    }
+
+    /// The stream.
+    pub const fn stream(&mut self) -> &mut StreamQueue<N> {
+        &mut self.stream
+    }
+
+    /// The last faults and warnings.
+    #[must_use]
+    pub const fn history(&self) -> &FaultHistory {
+        &self.history
+    }
+
+    /// A fault of the board itself.
+    pub fn fault(&mut self, fault: Fault) {
+        self.machine_mut().fault(fault);
+    }
+}
+
+impl<S: Scalar, O: DriveOutput<S>> HostedDrive<'_, S, { super::message::AXES }, O> {
+    /// The state, with the counters of the link as they are given.
+    #[must_use]
+    pub fn status(&self, link: super::receiver::LinkCounts) -> Status {
+        let machine = self.machine();
+        let command = machine.command();
+        Status {
+            tick: self.tick,
+            power: machine.power(),
+            warning: machine.warning(),
+            armed: self.system.is_armed(),
+            activity: self.activity,
+            feed: machine.feed_state(),
+            at_rest: self.is_at_rest().is_ok(),
+            blocks_left: self.blocks_left,
+            axes: core::array::from_fn(|axis| AxisStatus {
+                command: command[axis],
+                motor: self.readings[axis].motor,
+                table: self.readings[axis].table,
+                #[expect(clippy::cast_possible_truncation, reason = "for display")]
+                force_n: self.forces[axis].value() as f32,
+                homed: machine.reference(axis) == Some(Reference::Homed),
+            }),
+            supply: self.system.inputs().supply,
+            homing: match self.system.homing_status() {
+                None => HomingReport::None,
+                Some((_, HomingStatus::Running)) => HomingReport::Running,
+                Some((_, HomingStatus::Homed)) => HomingReport::Homed,
+                Some((_, HomingStatus::Failed(error))) => HomingReport::Failed(error.into()),
+            },
+            capture: self.capture.state(),
+            lost_samples: self.stream.lost(),
+            link,
+        }
+    }
+}

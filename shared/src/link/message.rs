@@ -1,0 +1,187 @@
+//! Requests of a host, and what a board sends.
+
+use serde::{Deserialize, Serialize};
+
+use super::history::HistoryEntry;
+use super::refusal::Refusal;
+use super::report::{CaptureReport, Status, Welcome};
+use super::stream::StreamPacket;
+use crate::capture::Trigger;
+use crate::compensate::CompensationKind;
+use crate::config::{AxisSettings, Rates};
+use crate::interpolate::Block;
+pub use crate::protocol::AXES;
+
+/// Greatest number of bytes of an upload in a request.
+pub const PART: usize = 384;
+
+/// Greatest number of bytes of a recording in a reply.
+pub const READ: usize = 384;
+
+/// Greatest number of blocks of a motion.
+pub const MOTION_BLOCKS: usize = 64;
+
+/// Entries of the fault history in a reply.
+pub const HISTORY: usize = 16;
+
+/// The settings of the controller on a board.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct BoardSettings {
+    /// Rates of the loops; the tick rate has to be that of the board.
+    pub rates: Rates,
+    /// Axes.
+    pub axes: [AxisSettings; AXES],
+}
+
+/// What an upload is.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum UploadKind {
+    /// [`BoardSettings`]. Any compensation is discarded with the previous settings.
+    Settings,
+    /// [`CompensationSettings`](crate::compensate::CompensationSettings) of an axis.
+    Compensation {
+        /// Axis.
+        axis: u8,
+    },
+}
+
+/// A jog of one axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Jog {
+    /// Axis.
+    pub axis: u8,
+    /// Signed distance, m; `None`: at a speed until it is not renewed, at most [`Jog::MAX_TRAVEL_M`].
+    pub distance_m: Option<f64>,
+    /// Signed speed, m/s. For a distance its magnitude counts.
+    pub velocity_m_per_s: f64,
+    /// Acceleration, m/s².
+    pub acceleration_m_per_s2: f64,
+}
+
+impl Jog {
+    /// Greatest travel of a jog at a speed, m.
+    pub const MAX_TRAVEL_M: f64 = 1.0;
+}
+
+/// A request of a host.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "one request at a time, and nothing to allocate it from")]
+pub enum Request {
+    /// Opens a session. Its packet needs no session and no sequence number. A repetition with the same number, before any other
+    /// request, opens no further session.
+    Hello {
+        /// Any number, another one for each session.
+        nonce: u32,
+    },
+    /// The state of the board.
+    Status,
+    /// The last faults and warnings.
+    FaultHistory,
+    /// Enables the drives. The enable switch must permit it.
+    Enable,
+    /// Disables the drives at once.
+    Disable,
+    /// Acknowledges a fault.
+    Clear,
+    /// Feed hold: decelerates along the path, drives on.
+    Hold,
+    /// Continues after a hold.
+    Resume,
+    /// Decelerates along the path and discards the rest of it, drives on.
+    Stop,
+    /// Jogs an axis. An unchanged jog at a speed is a renewal.
+    Jog(Jog),
+    /// Moves an axis to its reference.
+    Home {
+        /// Axis.
+        axis: u8,
+    },
+    /// Discards the blocks of a motion that has not been started.
+    NewMotion,
+    /// Appends a block to the motion. The whole motion is checked: each block, its travel and its speed, from the present
+    /// command or the end of the block before.
+    AddBlock(Block<AXES>),
+    /// Starts the motion.
+    StartMotion {
+        /// Number of blocks that it has to have.
+        blocks: u16,
+    },
+    /// A part of an upload.
+    Upload {
+        /// Bytes before this part; 0 starts a new upload.
+        offset: u16,
+        /// The part.
+        bytes: heapless::Vec<u8, PART>,
+    },
+    /// Checks the upload as a whole and applies it, with the drives off.
+    Apply {
+        /// What it is.
+        kind: UploadKind,
+        /// Number of bytes.
+        length: u16,
+        /// Their CRC-32.
+        checksum: u32,
+    },
+    /// Switches a compensation of an axis on or off.
+    Switch {
+        /// Axis.
+        axis: u8,
+        /// Compensation.
+        kind: CompensationKind,
+        /// On.
+        on: bool,
+    },
+    /// Saves settings and compensation to flash.
+    Save,
+    /// Arms a recording of every tick.
+    Arm {
+        /// When it starts.
+        trigger: Trigger,
+        /// Number of samples.
+        samples: u32,
+    },
+    /// Ends a recording.
+    EndCapture,
+    /// The state of the recording.
+    Capture,
+    /// Bytes of a recording that is complete.
+    ReadCapture {
+        /// First byte.
+        offset: u32,
+    },
+    /// Streams every n-th tick; 0 ends it.
+    Stream {
+        /// Ticks per sample.
+        decimation: u32,
+    },
+}
+
+/// The reply to a request.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "one reply at a time, and nothing to allocate it from")]
+pub enum Reply {
+    /// A session is open.
+    Welcome(Welcome),
+    /// Executed.
+    Done,
+    /// Refused; nothing has changed.
+    Refused(Refusal),
+    /// The state of the board.
+    Status(Status),
+    /// The last faults and warnings, the newest first.
+    FaultHistory(heapless::Vec<HistoryEntry, HISTORY>),
+    /// The state of the recording.
+    Capture(CaptureReport),
+    /// Bytes of a recording; none behind its end.
+    Bytes(heapless::Vec<u8, READ>),
+}
+
+/// What a board sends.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[expect(clippy::large_enum_variant, reason = "one message at a time, and nothing to allocate it from")]
+pub enum FromBoard {
+    /// The reply to a request, with its sequence number.
+    Reply(Reply),
+    /// Samples of the stream.
+    Stream(StreamPacket),
+}

@@ -1,0 +1,43 @@
+//! The link between a host and a servo board that runs its own ticks.
+//!
+//! The host sends one [`Request`] at a time and gets one [`Reply`]; a board that streams also sends samples by itself.
+//!
+//! | module | contents |
+//! |---|---|
+//! | [`packet`] | a message in bytes: version, session, sequence number, CRC-32, COBS |
+//! | [`receiver`] | bytes to packets; whatever cannot be one is counted by its kind |
+//! | [`message`], [`refusal`], [`report`] | requests and replies |
+//! | [`conversation`] | which request is new, repeated, old or of another session |
+//! | [`hosted_drive`] | the part that runs in the tick: drives, silence of the host, jog, recording, history of faults |
+//! | [`server`] | the part that runs between ticks: executes requests |
+//! | [`port`] | what a board provides: bytes, and access to the part in the tick |
+//!
+//! # Rules
+//!
+//! - The enable switch of the board permits an enable; a request enables. A host cannot enable drives whose switch is open,
+//!   and the switch alone enables nothing.
+//! - A host that is silent while the drives are on stops the path after [`Times::hold_ms`] and the drives after
+//!   [`Times::off_ms`]. A jog at a speed ends after [`Times::jog_ms`] unless it is renewed.
+//! - A motion is checked whole before it starts. A request that is refused changes nothing.
+
+pub mod conversation;
+pub mod history;
+pub mod hosted_drive;
+pub mod message;
+pub mod packet;
+pub mod port;
+pub mod receiver;
+pub mod refusal;
+pub mod report;
+pub mod server;
+pub mod stream;
+pub mod watch;
+
+pub use hosted_drive::HostedDrive;
+pub use message::{FromBoard, Reply, Request};
+pub use packet::{Frame, Header, PacketError};
+pub use port::{BytePort, SharedDrive};
+pub use receiver::{LinkCounts, Receiver};
+pub use refusal::Refusal;
+pub use report::{Identity, Status, Times, Welcome};
+pub use server::Server;

@@ -1,0 +1,174 @@
+//! Why a request is refused.
+
+use serde::{Deserialize, Serialize};
+
+use super::report::HomingFailure;
+use crate::config::ConfigError;
+use crate::interpolate::PathError;
+use crate::machine::MachineError;
+use crate::safety::Fault;
+
+/// The name of a setting.
+pub type SettingName = heapless::String<32>;
+
+/// Why a request is refused. Nothing has changed.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum Refusal {
+    /// The packet has another version.
+    Version {
+        /// The version of this board.
+        supported: u8,
+    },
+    /// The bytes are not a request.
+    Unreadable,
+    /// The session is not the present one: the request is of an earlier session, or there was no [`Hello`](super::Request::Hello).
+    Session,
+    /// The sequence number is old, or numbers before it are missing.
+    Sequence {
+        /// The number that is expected next.
+        expected: u32,
+    },
+    /// An upload is wrong.
+    Upload(UploadError),
+    /// A setting is wrong.
+    Setting {
+        /// Axis.
+        axis: u8,
+        /// Name of the setting.
+        name: SettingName,
+        /// What is wrong with it.
+        problem: SettingProblem,
+    },
+    /// The tick rate of the settings is not that of the board.
+    TickRate {
+        /// Tick rate of the board, Hz.
+        board_hz: f64,
+    },
+    /// A block of the motion, or a jog, cannot be planned.
+    Path {
+        /// Block, counted from 0.
+        block: u16,
+        /// What is wrong with it.
+        error: PathError,
+    },
+    /// A block of the motion, or a jog, is faster than an axis may be.
+    TooFast {
+        /// Block, counted from 0.
+        block: u16,
+        /// Axis.
+        axis: u8,
+        /// Greatest speed, m/s.
+        limit_m_per_s: f64,
+    },
+    /// There is no such axis.
+    NoSuchAxis,
+    /// The enable switch does not permit an enable: it is open, or has to be opened and closed again.
+    NotArmed,
+    /// A fault has to be acknowledged first.
+    Faulted(Fault),
+    /// The drives are off.
+    DrivesOff,
+    /// The drives are on.
+    DrivesOn,
+    /// The axes move, or are held on a path.
+    Moving,
+    /// The axis cannot be homed.
+    Homing(HomingFailure),
+    /// Nothing is held.
+    NotHeld,
+    /// The motion has as many blocks as the board holds.
+    MotionFull {
+        /// Greatest number of blocks.
+        max: u16,
+    },
+    /// The motion has another number of blocks.
+    BlockCount {
+        /// Number of blocks that the board has.
+        found: u16,
+    },
+    /// The axes are no longer at the position for which the motion was checked.
+    Displaced,
+    /// There is no complete recording.
+    NoCapture,
+    /// This board has no such function.
+    NotAvailable,
+    /// The flash has not kept what was written.
+    Storage,
+    /// The path changed too fast to append a block; the request can be repeated.
+    Busy,
+}
+
+/// What is wrong with an upload.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum UploadError {
+    /// A part is missing before this one, or it was received before.
+    OutOfOrder {
+        /// The offset that is expected.
+        expected: u16,
+    },
+    /// Longer than the board holds.
+    TooLong {
+        /// Greatest number of bytes.
+        max: u16,
+    },
+    /// The upload has another number of bytes.
+    Length {
+        /// Number of bytes that the board has.
+        found: u16,
+    },
+    /// The checksum is wrong.
+    Checksum,
+    /// The bytes are not such a message.
+    Unreadable,
+}
+
+/// What is wrong with a setting.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub enum SettingProblem {
+    /// Not a finite number.
+    NotFinite,
+    /// Must be greater than zero.
+    NotPositive,
+    /// Cannot be changed now.
+    NotWhileRunning,
+    /// Requires another setting.
+    Requires {
+        /// The missing setting.
+        other: SettingName,
+    },
+    /// Outside its range.
+    OutOfRange {
+        /// Least value.
+        min: f64,
+        /// Greatest value.
+        max: f64,
+    },
+}
+
+/// A name, cut to its capacity.
+fn name(name: &str) -> SettingName {
+    name.chars().take(32).filter(char::is_ascii).collect()
+}
+
+impl From<MachineError> for Refusal {
+    fn from(error: MachineError) -> Self {
+        let (axis, error) = match error {
+            MachineError::NoSuchAxis => return Self::NoSuchAxis,
+            MachineError::PathRunning => return Self::Moving,
+            MachineError::Path(error) => return Self::Path { block: 0, error },
+            MachineError::Config { axis, error } => (u8::try_from(axis).unwrap_or(u8::MAX), error),
+        };
+        let (setting, problem) = match error {
+            ConfigError::NotFinite(setting) => (setting, SettingProblem::NotFinite),
+            ConfigError::NotPositive(setting) => (setting, SettingProblem::NotPositive),
+            ConfigError::NotWhileRunning(setting) => (setting, SettingProblem::NotWhileRunning),
+            ConfigError::Requires { name: setting, other } => {
+                (setting, SettingProblem::Requires { other: name(other) })
+            }
+            ConfigError::OutOfRange { name: setting, min, max } => {
+                (setting, SettingProblem::OutOfRange { min, max })
+            }
+        };
+        Self::Setting { axis, name: name(setting), problem }
+    }
+}

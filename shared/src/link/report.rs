@@ -1,0 +1,199 @@
+//! What a board tells about itself.
+
+use serde::{Deserialize, Serialize};
+
+use super::message::AXES;
+use super::receiver::LinkCounts;
+use crate::capture::{CaptureState, ChannelSteps};
+use crate::config::Rates;
+use crate::drive::Supply;
+use crate::homing::{HomingError, HomingSettings};
+use crate::interpolate::PathError;
+use crate::interpolate::feed_hold::FeedState;
+use crate::safety::{Fault, Power};
+use crate::units::Position;
+
+/// Declared times of the supervision.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct Times {
+    /// Silence of the host after which the path is held, ms.
+    pub hold_ms: u16,
+    /// Silence of the host after which the drives are disabled, ms.
+    pub off_ms: u16,
+    /// Time after which a jog at a speed that was not renewed decelerates, ms.
+    pub jog_ms: u16,
+}
+
+impl Default for Times {
+    /// 0.5 s, 10 s and 0.3 s.
+    fn default() -> Self {
+        Self { hold_ms: 500, off_ms: 10_000, jog_ms: 300 }
+    }
+}
+
+/// What a board is: constants of its program.
+#[derive(Clone, Copy, Debug)]
+pub struct Identity {
+    /// Name of the board.
+    pub board: &'static str,
+    /// Version of its program.
+    pub software: &'static str,
+    /// Tick rate, Hz.
+    pub tick_hz: u32,
+    /// Steps of the recorded channels.
+    pub steps: ChannelSteps<AXES>,
+    /// Times of the supervision.
+    pub times: Times,
+    /// How each axis is homed; `None`: it has no reference.
+    pub homing: [Option<HomingSettings>; AXES],
+}
+
+/// The reply to a hello.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Welcome {
+    /// Number of the session.
+    pub session: u32,
+    /// Name of the board.
+    pub board: heapless::String<32>,
+    /// Version of its program.
+    pub software: heapless::String<16>,
+    /// The sources of its program: [`SOURCES`](crate::protocol::SOURCES).
+    pub sources: u64,
+    /// Number of axes.
+    pub axes: u8,
+    /// Rates of the loops.
+    pub rates: Rates,
+    /// Times of the supervision.
+    pub times: Times,
+    /// Steps of the recorded channels.
+    pub steps: ChannelSteps<AXES>,
+    /// Memory for a recording, bytes.
+    pub capture_bytes: u32,
+}
+
+/// What the axes do.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum Activity {
+    /// At rest.
+    #[default]
+    Idle,
+    /// A motion of the host runs.
+    Motion,
+    /// A jog runs.
+    Jog,
+    /// An axis moves to its reference.
+    Homing,
+}
+
+/// An axis.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct AxisStatus {
+    /// Command.
+    pub command: Position,
+    /// Motor reading.
+    pub motor: Position,
+    /// Reading of the linear scale.
+    pub table: Option<Position>,
+    /// Force of the last tick, N.
+    pub force_n: f32,
+    /// Whether the position refers to the reference of the axis.
+    pub homed: bool,
+}
+
+/// The homing that ran last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum HomingReport {
+    /// None has run.
+    None,
+    /// One runs.
+    Running,
+    /// The axis is homed.
+    Homed,
+    /// It has failed.
+    Failed(HomingFailure),
+}
+
+/// Why a homing has failed: [`HomingError`](crate::homing::HomingError) without details.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+#[expect(missing_docs, reason = "the names of HomingError")]
+pub enum HomingFailure {
+    Setting,
+    NotReady,
+    SwitchNotFound,
+    SwitchStuck,
+    IndexNotFound,
+    IndexTooCloseToSwitch,
+    LimitSwitch,
+    ScaleMissing,
+    Timeout,
+    Stopped,
+    DrivesOff,
+    Path(PathError),
+}
+
+impl From<HomingError> for HomingFailure {
+    fn from(error: HomingError) -> Self {
+        match error {
+            HomingError::Setting(_) => Self::Setting,
+            HomingError::NotReady => Self::NotReady,
+            HomingError::SwitchNotFound => Self::SwitchNotFound,
+            HomingError::SwitchStuck => Self::SwitchStuck,
+            HomingError::IndexNotFound => Self::IndexNotFound,
+            HomingError::IndexTooCloseToSwitch => Self::IndexTooCloseToSwitch,
+            HomingError::LimitSwitch => Self::LimitSwitch,
+            HomingError::ScaleMissing => Self::ScaleMissing,
+            HomingError::Timeout => Self::Timeout,
+            HomingError::Stopped => Self::Stopped,
+            HomingError::DrivesOff => Self::DrivesOff,
+            HomingError::Path(error) => Self::Path(error),
+        }
+    }
+}
+
+/// The state of a board.
+#[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+pub struct Status {
+    /// Ticks since the start.
+    pub tick: u64,
+    /// Power state of the drives.
+    pub power: Power,
+    /// The first warning since the drives were enabled.
+    pub warning: Option<Fault>,
+    /// Whether the enable switch permits an enable.
+    pub armed: bool,
+    /// What the axes do.
+    pub activity: Activity,
+    /// What the feed hold does.
+    pub feed: FeedState,
+    /// Whether the command is at rest and no block is left.
+    pub at_rest: bool,
+    /// Blocks of the motion that have not been passed to the path yet.
+    pub blocks_left: u16,
+    /// Axes.
+    pub axes: [AxisStatus; AXES],
+    /// Supply, as far as the board measures it.
+    pub supply: Supply,
+    /// The homing that ran last.
+    pub homing: HomingReport,
+    /// State of the recording.
+    pub capture: CaptureState,
+    /// Samples of the stream that were lost.
+    pub lost_samples: u32,
+    /// What the link has received.
+    pub link: LinkCounts,
+}
+
+/// The state of a recording.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub struct CaptureReport {
+    /// What it does.
+    pub state: CaptureState,
+    /// Number of samples.
+    pub samples: u32,
+    /// Number of bytes.
+    pub bytes: u32,
+    /// Samples per position tick, which a decoder needs.
+    pub period: u32,
+    /// The tick of the first sample.
+    pub start: u64,
+}

@@ -1,0 +1,241 @@
+//! Executes the requests of a host, between ticks.
+//!
+//! A request that takes long, such as the conversion of a table or the planning of a block, is computed outside of
+//! [`SharedDrive::with`]: ticks go on meanwhile.
+
+mod motion;
+mod recording;
+mod upload;
+
+#[cfg(test)]
+mod tests;
+
+use super::conversation::{Conversation, Verdict};
+use super::message::{AXES, BoardSettings, FromBoard, Reply, Request};
+use super::packet::{self, Frame, Header, Packet, PacketError, VERSION};
+use super::port::{BytePort, SharedDrive};
+use super::receiver::{LinkCounts, Receiver};
+use super::refusal::Refusal;
+use super::report::{Identity, Welcome};
+use crate::protocol::SOURCES;
+use crate::scalar::Scalar;
+use motion::Motion;
+use upload::Upload;
+
+/// Greatest number of bytes that are taken in one call.
+const BYTES_PER_POLL: usize = 64;
+
+/// The server of one host. It is large: a static on a chip.
+#[derive(Debug)]
+pub struct Server {
+    receiver: Receiver,
+    requests: Requests,
+    /// Bytes that wait to be sent, and how many of them have been.
+    out: Frame,
+    sent: usize,
+}
+
+/// The state of the requests.
+#[derive(Debug)]
+struct Requests {
+    identity: Identity,
+    conversation: Conversation,
+    /// The reply to the last request that was executed.
+    kept: Frame,
+    settings: BoardSettings,
+    upload: Upload,
+    motion: Motion,
+    /// Number of the next packet of the stream, and the tick of the last one.
+    stream_packets: u32,
+    streamed_at: u64,
+}
+
+impl Server {
+    /// Without a session. `settings` are those that the machine is configured with.
+    #[must_use]
+    pub const fn new(identity: Identity, settings: BoardSettings) -> Self {
+        Self {
+            receiver: Receiver::NEW,
+            requests: Requests {
+                identity,
+                conversation: Conversation::NEW,
+                kept: Frame::new(),
+                settings,
+                upload: Upload::EMPTY,
+                motion: Motion::EMPTY,
+                stream_packets: 0,
+                streamed_at: 0,
+            },
+            out: Frame::new(),
+            sent: 0,
+        }
+    }
+
+    /// Takes what the port has received, executes at most one request, sends replies and the stream. To be called again and
+    /// again; it never waits.
+    pub fn poll<'m, S: Scalar>(&mut self, port: &mut impl BytePort, drive: &mut impl SharedDrive<'m, S>) {
+        self.flush(port);
+        for _ in 0..BYTES_PER_POLL {
+            // A reply is sent before the next request is read.
+            if !self.out.is_empty() {
+                break;
+            }
+            let Some(byte) = port.read() else { break };
+            let counts = self.receiver.counts();
+            if let Some(received) = self.receiver.push(byte) {
+                self.requests.receive(received, counts, drive, &mut self.out);
+            }
+        }
+        self.requests.feed_motion(drive);
+        self.requests.feed_homing(drive);
+        if self.out.is_empty() {
+            self.requests.stream(drive, &mut self.out);
+        }
+        self.flush(port);
+    }
+
+    fn flush(&mut self, port: &mut impl BytePort) {
+        if let Some(rest) = self.out.get(self.sent..).filter(|rest| !rest.is_empty()) {
+            self.sent += port.write(rest);
+        }
+        if self.sent >= self.out.len() {
+            self.out.clear();
+            self.sent = 0;
+        }
+    }
+}
+
+impl Requests {
+    /// Answers what was received. Bytes that are no packet are only counted: they may be noise.
+    fn receive<'m, S: Scalar>(
+        &mut self,
+        received: Result<Packet<'_>, PacketError>,
+        counts: LinkCounts,
+        drive: &mut impl SharedDrive<'m, S>,
+        out: &mut Frame,
+    ) {
+        let packet = match received {
+            Ok(packet) => packet,
+            Err(PacketError::Version { .. }) => {
+                let refusal = Reply::Refused(Refusal::Version { supported: VERSION });
+                send(Header { session: 0, sequence: 0 }, refusal, out);
+                return;
+            }
+            Err(_) => return,
+        };
+        let request = packet::message::<Request>(packet.message);
+        if let Ok(Request::Hello { nonce }) = request {
+            let reply = self.hello(nonce, drive);
+            let session = self.conversation.session();
+            send(Header { session, sequence: packet.header.sequence }, reply, out);
+            return;
+        }
+        match self.conversation.judge(&packet) {
+            Verdict::Execute => {
+                drive.with(|drive| drive.heard());
+                let reply = match request {
+                    Ok(request) => self.execute(&request, counts, drive),
+                    Err(_) => Reply::Refused(Refusal::Unreadable),
+                };
+                send(packet.header, reply, out);
+                self.conversation.executed(&packet);
+                self.kept.clone_from(out);
+            }
+            Verdict::Repeat => {
+                drive.with(|drive| drive.heard());
+                out.clone_from(&self.kept);
+            }
+            Verdict::Refuse(refusal) => send(packet.header, Reply::Refused(refusal), out),
+        }
+    }
+
+    /// Opens a session. The stream of the previous one ends.
+    fn hello<'m, S: Scalar>(&mut self, nonce: u32, drive: &mut impl SharedDrive<'m, S>) -> Reply {
+        let (now, rates, capture_bytes) = drive.with(|drive| {
+            drive.stream().start(0);
+            (drive.now(), self.settings.rates, drive.capture().capacity())
+        });
+        #[expect(clippy::cast_possible_truncation, reason = "the low half differs from run to run")]
+        let session = self.conversation.hello(nonce, now as u32);
+        Reply::Welcome(Welcome {
+            session,
+            board: text(self.identity.board),
+            software: text(self.identity.software),
+            sources: SOURCES,
+            axes: AXES as u8,
+            rates,
+            times: self.identity.times,
+            steps: self.identity.steps,
+            capture_bytes: u32::try_from(capture_bytes).unwrap_or(u32::MAX),
+        })
+    }
+
+    fn execute<'m, S: Scalar>(
+        &mut self,
+        request: &Request,
+        counts: LinkCounts,
+        drive: &mut impl SharedDrive<'m, S>,
+    ) -> Reply {
+        let done = match request {
+            Request::Status => return Reply::Status(drive.with(|drive| drive.status(counts))),
+            Request::FaultHistory => {
+                return Reply::FaultHistory(drive.with(|drive| drive.history().newest_first().collect()));
+            }
+            Request::Capture => {
+                return Reply::Capture(drive.with(|drive| recording::report(drive.capture())));
+            }
+            Request::ReadCapture { offset } => return recording::read(drive, *offset),
+            // A hello does not get here.
+            Request::Hello { .. } => Err(Refusal::Unreadable),
+            Request::Enable => drive.with(super::hosted_drive::HostedDrive::enable),
+            Request::Disable => drive.with(|drive| {
+                drive.disable();
+                Ok(())
+            }),
+            Request::Clear => drive.with(super::hosted_drive::HostedDrive::clear),
+            Request::Hold => drive.with(|drive| {
+                drive.hold();
+                Ok(())
+            }),
+            Request::Resume => drive.with(super::hosted_drive::HostedDrive::resume),
+            Request::Stop => drive.with(|drive| {
+                drive.stop();
+                Ok(())
+            }),
+            Request::Jog(jog) => self.jog(jog, drive),
+            Request::Home { axis } => self.home(*axis, drive),
+            Request::Save => Err(Refusal::NotAvailable),
+            Request::NewMotion => self.new_motion(drive),
+            Request::AddBlock(block) => self.add_block(block, drive),
+            Request::StartMotion { blocks } => self.start_motion(*blocks, drive),
+            Request::Upload { offset, bytes } => self.upload.append(*offset, bytes),
+            Request::Apply { kind, length, checksum } => self.apply(*kind, *length, *checksum, drive),
+            Request::Switch { axis, kind, on } => drive.with(|drive| {
+                drive.machine_mut().switch(usize::from(*axis), *kind, *on).map_err(Refusal::from)
+            }),
+            Request::Arm { trigger, samples } => recording::arm(drive, *trigger, *samples),
+            Request::EndCapture => drive.with(|drive| {
+                drive.capture().end();
+                Ok(())
+            }),
+            Request::Stream { decimation } => drive.with(|drive| {
+                drive.stream().start(*decimation);
+                Ok(())
+            }),
+        };
+        done.map_or_else(Reply::Refused, |()| Reply::Done)
+    }
+}
+
+/// Writes a reply to `out`.
+fn send(header: Header, reply: Reply, out: &mut Frame) {
+    // Every reply fits: a test encodes the longest ones.
+    if packet::encode(header, &FromBoard::Reply(reply), out).is_err() {
+        out.clear();
+    }
+}
+
+/// A text, cut to its capacity.
+fn text<const L: usize>(text: &str) -> heapless::String<L> {
+    text.chars().filter(char::is_ascii).take(L).collect()
+}

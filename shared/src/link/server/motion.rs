@@ -1,0 +1,235 @@
+//! Motions and jogs.
+
+use super::super::HostedDrive;
+use super::super::message::{AXES, Jog, MOTION_BLOCKS};
+use super::super::port::SharedDrive;
+use super::super::refusal::Refusal;
+use super::super::report::Activity;
+use super::Requests;
+use crate::interpolate::block::Shape;
+use crate::interpolate::{Block, Path, PathError};
+use crate::scalar::Scalar;
+use crate::units::{Position, TRAVEL_LIMIT_M};
+
+/// Greatest speed of a block over the speed at which a reading becomes a fault.
+const SPEED_SHARE: f64 = 0.9;
+
+/// Attempts to append a block while the path goes on to its next block.
+const ATTEMPTS: usize = 4;
+
+/// A motion that the host has sent.
+#[derive(Debug)]
+pub(super) struct Motion {
+    blocks: heapless::Vec<Block<AXES>, MOTION_BLOCKS>,
+    /// Where it starts, and where its last block ends.
+    start: [Position; AXES],
+    end: [Position; AXES],
+    /// A copy of the queue of the path, on which blocks are planned.
+    plan: Path<AXES>,
+    /// The jog at a speed that runs.
+    jog: Option<Jog>,
+}
+
+impl Motion {
+    pub(super) const EMPTY: Self = Self {
+        blocks: heapless::Vec::new(),
+        start: [Position(0); AXES],
+        end: [Position(0); AXES],
+        plan: Path::AT_ZERO,
+        jog: None,
+    };
+
+    /// Plans a block on a copy of the queue and passes it to the path, with `and_then` in the same access. A relative block also
+    /// moves axes that are not homed.
+    fn append<'m, S: Scalar, D: SharedDrive<'m, S>>(
+        &mut self,
+        block: &Block<AXES>,
+        relative: bool,
+        drive: &mut D,
+        and_then: impl Fn(&mut HostedDrive<'m, S, AXES, D::Output>),
+    ) -> Result<(), PathError> {
+        for _ in 0..ATTEMPTS {
+            let not_homed = drive.with(|drive| drive.machine().copy_queue(&mut self.plan))?;
+            let not_homed = if relative { [false; AXES] } else { not_homed };
+            self.plan.push_holding(block, &not_homed)?;
+            let adopted: Result<bool, PathError> = drive.with(|drive| {
+                let adopted = drive.machine_mut().adopt_queue(&self.plan)?;
+                if adopted {
+                    and_then(drive);
+                }
+                Ok(adopted)
+            });
+            if adopted? {
+                return Ok(());
+            }
+        }
+        Err(PathError::QueueFull)
+    }
+}
+
+impl Requests {
+    /// Discards the blocks. The next motion starts from the present command.
+    pub(super) fn new_motion<'m, S: Scalar>(
+        &mut self,
+        drive: &mut impl SharedDrive<'m, S>,
+    ) -> Result<(), Refusal> {
+        let start = drive.with(|drive| drive.is_at_rest().map(|()| drive.machine().command()))?;
+        self.motion.blocks.clear();
+        (self.motion.start, self.motion.end) = (start, start);
+        Ok(())
+    }
+
+    /// Checks a block behind the previous ones and keeps it.
+    pub(super) fn add_block<'m, S: Scalar>(
+        &mut self,
+        block: &Block<AXES>,
+        drive: &mut impl SharedDrive<'m, S>,
+    ) -> Result<(), Refusal> {
+        let number = u16::try_from(self.motion.blocks.len()).unwrap_or(u16::MAX);
+        if self.motion.blocks.is_full() {
+            return Err(Refusal::MotionFull { max: MOTION_BLOCKS as u16 });
+        }
+        // A motion that runs is not changed.
+        let refused = |error| Refusal::Path { block: number, error };
+        let not_homed = drive.with(|drive| {
+            if drive.activity() == Activity::Motion {
+                return Err(Refusal::Moving);
+            }
+            drive.machine().copy_queue(&mut self.motion.plan).map_err(refused)
+        })?;
+        self.check_speed(block, number)?;
+        let end = self.motion.plan.check(block, self.motion.end, &not_homed).map_err(refused)?;
+        // The capacity was checked.
+        let _ = self.motion.blocks.push(*block);
+        self.motion.end = end;
+        Ok(())
+    }
+
+    /// Refuses a block in which an axis is as fast as a motor can be.
+    fn check_speed(&self, block: &Block<AXES>, number: u16) -> Result<(), Refusal> {
+        let speeds = axis_speeds(block, self.motion.end);
+        for ((axis, settings), speed) in (0..).zip(&self.settings.axes).zip(speeds) {
+            let limit_m_per_s =
+                settings.fastest_m_per_s.map_or(f64::INFINITY, |fastest| SPEED_SHARE * fastest);
+            // A feed that is no number is refused when the block is planned.
+            if speed > limit_m_per_s {
+                return Err(Refusal::TooFast { block: number, axis, limit_m_per_s });
+            }
+        }
+        Ok(())
+    }
+
+    /// Starts the motion; its blocks are passed to the path one by one.
+    pub(super) fn start_motion<'m, S: Scalar>(
+        &mut self,
+        blocks: u16,
+        drive: &mut impl SharedDrive<'m, S>,
+    ) -> Result<(), Refusal> {
+        let found = u16::try_from(self.motion.blocks.len()).unwrap_or(u16::MAX);
+        if blocks != found || found == 0 {
+            return Err(Refusal::BlockCount { found });
+        }
+        let start = self.motion.start;
+        drive.with(|drive| {
+            drive.can_start()?;
+            if drive.machine().command() != start {
+                return Err(Refusal::Displaced);
+            }
+            drive.start_motion(found);
+            Ok(())
+        })
+    }
+
+    /// Passes the next block of a motion that runs to the path.
+    pub(super) fn feed_motion<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) {
+        let left = drive.with(|drive| {
+            let runs = drive.activity() == Activity::Motion && drive.machine().has_room();
+            if runs { drive.blocks_left() } else { 0 }
+        });
+        let count = self.motion.blocks.len();
+        let Some(number) = count.checked_sub(usize::from(left)).filter(|_| left > 0) else { return };
+        let Some(block) = self.motion.blocks.get(number).copied() else { return };
+        match self.motion.append(&block, false, drive, HostedDrive::block_passed) {
+            Ok(()) | Err(PathError::QueueFull) => {}
+            // It was checked, so that this is a stop of the path meanwhile: the rest is discarded.
+            Err(_) => drive.with(HostedDrive::stop),
+        }
+    }
+
+    /// Starts to home an axis.
+    pub(super) fn home<'m, S: Scalar>(
+        &mut self,
+        axis: u8,
+        drive: &mut impl SharedDrive<'m, S>,
+    ) -> Result<(), Refusal> {
+        let settings = self.identity.homing.get(usize::from(axis)).ok_or(Refusal::NoSuchAxis)?;
+        let settings = settings.as_ref().ok_or(Refusal::NotAvailable)?;
+        drive.with(|drive| drive.home(usize::from(axis), settings))
+    }
+
+    /// Plans the next motion of a homing that waits for it.
+    pub(super) fn feed_homing<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) {
+        let Some(leg) = drive.with(|drive| drive.homing_leg()) else { return };
+        let planned = self.motion.append(&leg, true, drive, |_| {});
+        drive.with(|drive| drive.homing_leg_planned(planned));
+    }
+
+    /// Jogs an axis, or renews the jog.
+    pub(super) fn jog<'m, S: Scalar>(
+        &mut self,
+        jog: &Jog,
+        drive: &mut impl SharedDrive<'m, S>,
+    ) -> Result<(), Refusal> {
+        let at_speed = jog.distance_m.is_none();
+        if at_speed && self.motion.jog == Some(*jog) && drive.with(HostedDrive::renew_jog) {
+            return Ok(());
+        }
+        let axis = usize::from(jog.axis);
+        let settings = self.settings.axes.get(axis).ok_or(Refusal::NoSuchAxis)?;
+        let start = drive.with(|drive| drive.can_start().map(|()| drive.machine().command()))?;
+        let mut to_m = start.map(Position::to_m);
+        let [least_m, greatest_m] = settings.travel_m.unwrap_or([-TRAVEL_LIMIT_M, TRAVEL_LIMIT_M]);
+        if let Some(coordinate) = to_m.get_mut(axis) {
+            *coordinate = match jog.distance_m {
+                Some(distance_m) => *coordinate + distance_m,
+                None => {
+                    let travel_m = libm::copysign(Jog::MAX_TRAVEL_M, jog.velocity_m_per_s);
+                    (*coordinate + travel_m).max(least_m).min(greatest_m)
+                }
+            };
+        }
+        let block = Block::line(to_m, libm::fabs(jog.velocity_m_per_s), jog.acceleration_m_per_s2);
+        self.motion.end = start;
+        self.check_speed(&block, 0)?;
+        let refused = |error| Refusal::Path { block: 0, error };
+        self.motion.append(&block, true, drive, |drive| drive.start_jog(at_speed)).map_err(refused)?;
+        self.motion.jog = at_speed.then_some(*jog);
+        Ok(())
+    }
+}
+
+/// The greatest speed of each axis in a block that starts at a position, m/s.
+fn axis_speeds(block: &Block<AXES>, start: [Position; AXES]) -> [f64; AXES] {
+    let mut speeds = [0.0; AXES];
+    match block.shape {
+        Shape::Dwell { .. } => {}
+        Shape::Line { to_m } => {
+            let mut way = to_m;
+            for (way, start) in way.iter_mut().zip(start) {
+                *way -= start.to_m();
+            }
+            let length = libm::sqrt(way.iter().map(|way| way * way).sum());
+            if length > 0.0 {
+                speeds = way.map(|way| libm::fabs(way) / length * block.feed_m_per_s);
+            }
+        }
+        Shape::Arc { plane, .. } | Shape::ArcTo { plane, .. } => {
+            for axis in plane {
+                if let Some(speed) = speeds.get_mut(usize::from(axis)) {
+                    *speed = block.feed_m_per_s;
+                }
+            }
+        }
+    }
+    speeds
+}

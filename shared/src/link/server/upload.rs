@@ -1,0 +1,115 @@
+//! Uploads: collected in parts, checked as a whole, then applied or refused.
+
+use super::super::message::{AXES, BoardSettings, UploadKind};
+use super::super::packet;
+use super::super::port::SharedDrive;
+use super::super::refusal::{Refusal, UploadError};
+use super::Requests;
+use crate::compensate::{AxisCompensation, CompensationSettings, Dependence};
+use crate::machine::{MachineConfig, MachineError};
+use crate::protocol::LONGEST_ORDER;
+use crate::scalar::Scalar;
+
+/// Greatest number of bytes of an upload: a compensation with every table at its capacity.
+const CAPACITY: usize = LONGEST_ORDER;
+
+/// An upload that is not complete or not applied yet.
+#[derive(Debug)]
+pub(super) struct Upload {
+    bytes: heapless::Vec<u8, CAPACITY>,
+}
+
+impl Upload {
+    pub(super) const EMPTY: Self = Self { bytes: heapless::Vec::new() };
+
+    /// Appends a part.
+    pub(super) fn append(&mut self, offset: u16, part: &[u8]) -> Result<(), Refusal> {
+        if offset != 0 && usize::from(offset) != self.bytes.len() {
+            return Err(Refusal::Upload(UploadError::OutOfOrder { expected: self.length() }));
+        }
+        if usize::from(offset) + part.len() > CAPACITY {
+            return Err(Refusal::Upload(UploadError::TooLong { max: CAPACITY as u16 }));
+        }
+        if offset == 0 {
+            self.bytes.clear();
+        }
+        // The length was checked.
+        let _ = self.bytes.extend_from_slice(part);
+        Ok(())
+    }
+
+    fn length(&self) -> u16 {
+        u16::try_from(self.bytes.len()).unwrap_or(u16::MAX)
+    }
+
+    /// The bytes, if they are those that are meant.
+    fn checked(&self, length: u16, checksum: u32) -> Result<&[u8], Refusal> {
+        let found = self.length();
+        if found != length {
+            return Err(Refusal::Upload(UploadError::Length { found }));
+        }
+        if packet::checksum(&self.bytes) != checksum {
+            return Err(Refusal::Upload(UploadError::Checksum));
+        }
+        Ok(&self.bytes)
+    }
+}
+
+impl Requests {
+    /// Checks the upload and applies it.
+    pub(super) fn apply<'m, S: Scalar>(
+        &mut self,
+        kind: UploadKind,
+        length: u16,
+        checksum: u32,
+        drive: &mut impl SharedDrive<'m, S>,
+    ) -> Result<(), Refusal> {
+        drive.with(|drive| drive.is_off())?;
+        let bytes = self.upload.checked(length, checksum)?;
+        match kind {
+            UploadKind::Settings => {
+                let settings = settings(bytes, self.identity.tick_hz)?;
+                let config = MachineConfig::<S, AXES>::new(settings.rates, &settings.axes)?;
+                drive.with(|drive| drive.configure(config))?;
+                self.settings = settings;
+            }
+            UploadKind::Compensation { axis } => {
+                compensate(bytes, usize::from(axis), self.settings.rates, drive)?;
+            }
+        }
+        Ok(())
+    }
+}
+
+fn settings(bytes: &[u8], tick_hz: u32) -> Result<BoardSettings, Refusal> {
+    let settings: BoardSettings =
+        packet::message(bytes).map_err(|_| Refusal::Upload(UploadError::Unreadable))?;
+    let board_hz = f64::from(tick_hz);
+    // Exact: the ticks of the board are what the gains are converted for.
+    if settings.rates.velocity_loop_hz.to_bits() != board_hz.to_bits() {
+        return Err(Refusal::TickRate { board_hz });
+    }
+    Ok(settings)
+}
+
+// Tables are large: not inlined, they are on the stack only here.
+#[inline(never)]
+fn compensate<'m, S: Scalar>(
+    bytes: &[u8],
+    axis: usize,
+    rates: crate::config::Rates,
+    drive: &mut impl SharedDrive<'m, S>,
+) -> Result<(), Refusal> {
+    if axis >= AXES {
+        return Err(Refusal::NoSuchAxis);
+    }
+    let settings: CompensationSettings =
+        packet::message(bytes).map_err(|_| Refusal::Upload(UploadError::Unreadable))?;
+    let dependence = Dependence::of(u8::try_from(axis).unwrap_or(u8::MAX), &settings);
+    let compensation = AxisCompensation::<S>::new(&settings, rates, AXES)
+        .map_err(|error| MachineError::Config { axis, error })?;
+    drive.with(|drive| {
+        drive.is_off()?;
+        drive.machine_mut().set_compensation(axis, compensation, dependence).map_err(Refusal::from)
+    })
+}

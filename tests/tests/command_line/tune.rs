@@ -1,0 +1,36 @@
+//! `tune`: settings from the plant of a machine file.
+
+use super::work_folder::{MACHINE, MOTION, WorkFolder};
+
+const TUNE: &str = "tune --machine machine.toml --motion motion.toml --out tuned.toml --json tuned.json \
+                    --min-gain-margin-db 10 --min-phase-margin-deg 45";
+
+/// The written machine has the margins that were asked for, and its settings are those of the JSON.
+#[test]
+fn the_proposed_machine_has_the_margins() {
+    let folder = WorkFolder::with(&[("machine.toml", MACHINE), ("motion.toml", MOTION)]);
+    let stdout = folder.succeeds(TUNE);
+    assert!(stdout.contains("With margins of at least 10 dB and 45°"), "{stdout}");
+    let margins = folder.succeeds(
+        "margins --machine tuned.toml --min-gain-margin-db 10 --min-phase-margin-deg 45 --json m.json",
+    );
+    assert!(margins.contains("x: both loops have margins of at least 10 dB and 45°"), "{margins}");
+    assert!(margins.contains("y: both loops have margins of at least 10 dB and 45°"), "{margins}");
+    let of = |name: &str| -> serde_json::Value { serde_json::from_str(&folder.read(name)).unwrap() };
+    let proposed = of("tuned.json")["proposed"].clone();
+    let [before, after] =
+        [&of("tuned.json")["declared"], &proposed].map(|tried| tried["contour_error_um"].as_f64().unwrap());
+    assert!(after > 0.0 && after < before, "{before} to {after}");
+    let machine = folder.read("tuned.toml");
+    let gain = proposed["axis"]["x"]["position_gain_per_s"].as_f64().unwrap();
+    assert!(machine.contains(&format!("position_gain_per_s = {gain}")), "{machine}");
+}
+
+#[test]
+fn a_machine_without_a_mass_is_refused_by_its_key() {
+    let without = MACHINE.replace("table_mass_kg", "# table_mass_kg");
+    let folder = WorkFolder::with(&[("machine.toml", &without), ("motion.toml", &MOTION.to_owned())]);
+    let error = folder.fails(TUNE, 2);
+    assert!(error.contains("machine.toml") && error.contains("table_mass_kg"), "{error}");
+    assert!(!folder.path().join("tuned.toml").exists());
+}
