@@ -137,6 +137,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             *reading = raw.shifted(origin);
         }
         if self.is_checking() {
+            self.disarm();
             let readings = self.readings;
             let output = self.check_tick(board, event, &readings);
             board.set_light(self.light.is_lit(self.machine.power(), None));

@@ -110,7 +110,7 @@ mod tests {
         #[test]
         fn a_packet_after_garbage_is_received(garbage in proptest::collection::vec(any::<u8>(), 0..1500)) {
             let mut receiver = Receiver::NEW;
-            prop_assert_eq!(received(&mut receiver, &garbage), []);
+            prop_assert!(received(&mut receiver, &garbage).is_empty());
             receiver.push(0);
             prop_assert_eq!(received(&mut receiver, &frame(5)), [5]);
         }
