@@ -8,7 +8,8 @@ mod axis;
 use shared::capture::ChannelSteps;
 use shared::config::AxisSettings;
 use shared::drive::{
-    Amplifier, AxisInputs, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight, Supply, SupplyLimits,
+    Amplifier, AnyOutput, AxisInputs, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, Inputs,
+    StatusLight, Supply, SupplyLimits,
 };
 use shared::feedback::Reading;
 use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
@@ -153,7 +154,7 @@ impl Default for Bench {
     }
 }
 
-impl Board<AXES> for Bench {
+impl Board<AXES, DriveSignal> for Bench {
     fn readings(&mut self) -> [Reading; AXES] {
         let [mut x, y] = self.axes.each_ref().map(AxisPlant::reading);
         if self.hands.x_scale_lost {
@@ -181,8 +182,10 @@ impl Board<AXES> for Bench {
         self.hands.emergency_stop
     }
 
-    fn set_duties(&mut self, duties: [Duty; AXES]) {
-        for ((force, duty), full_n) in self.forces.iter_mut().zip(duties).zip(setup::FULL_DUTY_N) {
+    fn set_duties(&mut self, signals: [DriveSignal; AXES]) {
+        for ((force, signal), full_n) in self.forces.iter_mut().zip(signals).zip(setup::FULL_DUTY_N) {
+            // The drives of the bench have PWM and direction.
+            let duty = if let DriveSignal::Pwm(duty) = signal { duty } else { Duty::default() };
             let magnitude = f32::from(duty.counts) * (full_n as f32 / f32::from(FULL_COUNTS));
             *force = if duty.reverse { -magnitude } else { magnitude };
         }
@@ -205,13 +208,16 @@ impl Board<AXES> for Bench {
 ///
 /// # Errors
 /// [`SetupError`] for an invalid value.
-pub fn drive_system(machine: &mut Machine<Fixed, AXES>) -> Result<DriveSystem<'_, Fixed, AXES>, SetupError> {
+pub fn drive_system(
+    machine: &mut Machine<Fixed, AXES>,
+) -> Result<DriveSystem<'_, Fixed, AXES, AnyOutput<Fixed>>, SetupError> {
     machine.configure(MachineConfig::new(SETTINGS.rates, &SETTINGS.axes)?, &[Position(0); AXES]);
     let [x, y] = setup::FULL_DUTY_N;
-    let amplifiers = [Amplifier::new(x, FULL_COUNTS)?, Amplifier::new(y, FULL_COUNTS)?];
+    let output = |full_duty_n| Amplifier::new(full_duty_n, FULL_COUNTS).map(AnyOutput::Pwm);
+    let outputs = [output(x)?, output(y)?];
     let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(setup::BLINK_TICKS));
     for axis in 0..AXES {
         machine.lose_reference(axis);
     }
-    Ok(DriveSystem::new(machine, amplifiers, switch, light).with_supply_limits(SUPPLY_LIMITS))
+    Ok(DriveSystem::new(machine, outputs, switch, light).with_supply_limits(SUPPLY_LIMITS))
 }

@@ -16,7 +16,7 @@ use cortex_m_semihosting::debug::{EXIT_FAILURE, EXIT_SUCCESS, exit};
 use firmware::bench::{Bench, IDENTITY, SETTINGS, drive_system};
 use firmware::servo::{END, Uart, operate};
 use firmware::setup::{AXES, TICK_HZ};
-use shared::drive::{Amplifier, Board, Duty, Inputs};
+use shared::drive::{Board, DriveSignal, Inputs};
 use shared::feedback::Reading;
 use shared::link::{BytePort, HostedDrive, Server, SharedDrive};
 use shared::machine::Machine;
@@ -46,7 +46,7 @@ static PLANT: Mutex<RefCell<Option<Plant>>> = Mutex::new(RefCell::new(None));
 /// The bench as a board whose next tick is due when the system timer has expired again.
 struct Ticking<'a>(&'a mut Bench);
 
-impl Board<AXES> for Ticking<'_> {
+impl Board<AXES, DriveSignal> for Ticking<'_> {
     fn readings(&mut self) -> [Reading; AXES] {
         self.0.readings()
     }
@@ -63,7 +63,7 @@ impl Board<AXES> for Ticking<'_> {
         self.0.hardware_stop_active()
     }
 
-    fn set_duties(&mut self, duties: [Duty; AXES]) {
+    fn set_duties(&mut self, duties: [DriveSignal; AXES]) {
         self.0.set_duties(duties);
     }
 
@@ -97,8 +97,6 @@ fn SysTick() {
 struct Idle;
 
 impl SharedDrive<'static, Fixed> for Idle {
-    type Output = Amplifier<Fixed>;
-
     fn with<R>(&mut self, access: impl FnOnce(&mut HostedDrive<'static, Fixed, AXES>) -> R) -> R {
         with_plant(|plant| access(&mut plant.drive))
     }

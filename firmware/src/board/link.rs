@@ -3,7 +3,6 @@
 use core::mem::MaybeUninit;
 
 use rtic::Mutex;
-use shared::drive::AnyOutput;
 use shared::link::{BytePort, HostedDrive, SharedDrive};
 use shared::scalar::Fixed;
 
@@ -30,14 +29,12 @@ pub unsafe fn capture_memory() -> &'static mut [u8] {
 }
 
 /// The drives under the control of a host.
-pub type Drive = HostedDrive<'static, Fixed, AXES, AnyOutput<Fixed>>;
+pub type Drive = HostedDrive<'static, Fixed, AXES>;
 
 /// The drives behind a lock, which holds off the ticks.
 pub struct Locked<M>(pub M);
 
 impl<M: Mutex<T = Drive>> SharedDrive<'static, Fixed> for Locked<M> {
-    type Output = AnyOutput<Fixed>;
-
     fn with<R>(&mut self, access: impl FnOnce(&mut Drive) -> R) -> R {
         self.0.lock(access)
     }

@@ -6,7 +6,7 @@ use super::report::{Activity, AxisStatus, HomingReport, Status, Times};
 use super::stream::StreamQueue;
 use super::watch::{HostWatch, Silence};
 use crate::capture::{CaptureMemory, ChannelSteps, Quantisers};
-use crate::drive::{Amplifier, Board, DriveOutput, DriveSystem};
+use crate::drive::{AnyOutput, Board, DriveSignal, DriveSystem};
 use crate::feedback::Reading;
 use crate::homing::{HomingError, HomingSettings, HomingStatus};
 use crate::interpolate::feed_hold::FeedState;
@@ -18,8 +18,8 @@ use crate::units::Position;
 
 /// A drive system with the supervision of its host, a recording and a stream.
 #[derive(Debug)]
-pub struct HostedDrive<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
-    system: DriveSystem<'m, S, N, O>,
+pub struct HostedDrive<'m, S: Scalar, const N: usize> {
+    system: DriveSystem<'m, S, N, AnyOutput<S>>,
     watch: HostWatch,
     activity: Activity,
     /// Blocks of the motion that have not been passed to the path yet.
@@ -37,11 +37,11 @@ pub struct HostedDrive<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     forces: [S; N],
 }
 
-impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> HostedDrive<'m, S, N, O> {
+impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     /// Drives off, without a host, with a memory for recordings.
     #[must_use]
     pub fn new(
-        system: DriveSystem<'m, S, N, O>,
+        system: DriveSystem<'m, S, N, AnyOutput<S>>,
         tick_hz: u32,
         times: Times,
         steps: &ChannelSteps<N>,
@@ -66,7 +66,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> HostedDrive<'m, S, N, O> 
     }
 
     /// One tick. It cannot fail.
-    pub fn tick(&mut self, board: &mut impl Board<N, O::Signal>) {
+    pub fn tick(&mut self, board: &mut impl Board<N, DriveSignal>) {
         self.supervise();
         let tick = self.system.tick(board);
         let machine = self.system.machine();
@@ -334,7 +334,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> HostedDrive<'m, S, N, O> 
     }
 }
 
-impl<S: Scalar, O: DriveOutput<S>> HostedDrive<'_, S, { super::message::AXES }, O> {
+impl<S: Scalar> HostedDrive<'_, S, { super::message::AXES }> {
     /// The state, with the counters of the link as they are given.
     #[must_use]
     pub fn status(&self, link: super::receiver::LinkCounts) -> Status {

@@ -2,7 +2,6 @@
 
 use super::hosted_drive::HostedDrive;
 use super::message::AXES;
-use crate::drive::DriveOutput;
 use crate::scalar::Scalar;
 
 /// A serial port that never waits.
@@ -16,17 +15,12 @@ pub trait BytePort {
 
 /// Access to the drives, which the tick uses at any time.
 pub trait SharedDrive<'m, S: Scalar> {
-    /// The outputs to the drives.
-    type Output: DriveOutput<S>;
-
     /// Runs `access` while no tick runs. It has to be short: ticks wait for it.
-    fn with<R>(&mut self, access: impl FnOnce(&mut HostedDrive<'m, S, AXES, Self::Output>) -> R) -> R;
+    fn with<R>(&mut self, access: impl FnOnce(&mut HostedDrive<'m, S, AXES>) -> R) -> R;
 }
 
 /// Without ticks beside it: on a host.
-impl<'m, S: Scalar, O: DriveOutput<S>> SharedDrive<'m, S> for HostedDrive<'m, S, AXES, O> {
-    type Output = O;
-
+impl<'m, S: Scalar> SharedDrive<'m, S> for HostedDrive<'m, S, AXES> {
     fn with<R>(&mut self, access: impl FnOnce(&mut Self) -> R) -> R {
         access(self)
     }

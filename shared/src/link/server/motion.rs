@@ -41,12 +41,12 @@ impl Motion {
 
     /// Plans a block on a copy of the queue and passes it to the path, with `and_then` in the same access. A relative block also
     /// moves axes that are not homed.
-    fn append<'m, S: Scalar, D: SharedDrive<'m, S>>(
+    fn append<'m, S: Scalar>(
         &mut self,
         block: &Block<AXES>,
         relative: bool,
-        drive: &mut D,
-        and_then: impl Fn(&mut HostedDrive<'m, S, AXES, D::Output>),
+        drive: &mut impl SharedDrive<'m, S>,
+        and_then: impl Fn(&mut HostedDrive<'m, S, AXES>),
     ) -> Result<(), PathError> {
         for _ in 0..ATTEMPTS {
             let not_homed = drive.with(|drive| drive.machine().copy_queue(&mut self.plan))?;

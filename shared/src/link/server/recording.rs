@@ -10,7 +10,6 @@ use super::super::stream::StreamPacket;
 use super::Requests;
 use crate::capture::prediction::MAX_PERIOD;
 use crate::capture::{CaptureMemory, CaptureState, Trigger};
-use crate::drive::DriveOutput;
 use crate::scalar::Scalar;
 
 /// Samples that are waited for before a packet is sent.
@@ -54,7 +53,7 @@ pub(super) fn arm<'m, S: Scalar>(
 }
 
 /// Samples per position tick of a recording of every `decimation`-th tick.
-fn period<S: Scalar, O: DriveOutput<S>>(drive: &HostedDrive<'_, S, AXES, O>, decimation: u32) -> u32 {
+fn period<S: Scalar>(drive: &HostedDrive<'_, S, AXES>, decimation: u32) -> u32 {
     let divider = drive.machine().position_loop_divider();
     let period = divider.checked_div(decimation).unwrap_or(0);
     let is_whole = period * decimation == divider && period as usize <= MAX_PERIOD;
