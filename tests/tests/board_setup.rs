@@ -160,7 +160,9 @@ fn a_frozen_encoder_switches_the_power_stages_off() {
     let mut test_machine = TestMachine::new();
     test_machine.closed = false;
     let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
-    (0..1000).for_each(|_| system.tick(&mut test_machine));
+    for _ in 0..1000 {
+        system.tick(&mut test_machine);
+    }
     system.machine_mut().push(&CIRCLE).unwrap();
     test_machine.closed = true;
     let mut ticks = 0;
@@ -191,7 +193,9 @@ fn after_a_watchdog_reset_an_enable_of_the_board_needs_an_acknowledgement() {
     let mut system = drive_system(&mut machine, FULL_COUNTS, Some(Fault::Watchdog)).unwrap();
     let mut run = |test_machine: &mut TestMachine, closed, ticks| {
         test_machine.closed = closed;
-        (0..ticks).for_each(|_| system.tick(test_machine));
+        for _ in 0..ticks {
+            system.tick(test_machine);
+        }
         (test_machine.enabled, test_machine.lit)
     };
     assert_eq!(run(&mut test_machine, false, 1000), (false, true));

@@ -1,7 +1,5 @@
 //! The link of the board: the drives behind RTIC's lock, and the serial port as the port of the server.
 
-use core::mem::MaybeUninit;
-
 use rtic::Mutex;
 use shared::link::{BytePort, HostedDrive, SharedDrive};
 use shared::scalar::Fixed;
@@ -9,22 +7,22 @@ use shared::scalar::Fixed;
 use super::uart::Uart;
 use crate::setup::AXES;
 
-/// Memory for a recording: the core-coupled memory, which only the processor can access and nothing else uses.
-const CAPTURE_BYTES: usize = 64 * 1024;
+/// The core-coupled memory, which only the processor can access: 64 KiB (RM0090, 2.3.1). The program is linked without it.
+const CORE_COUPLED: usize = 0x1000_0000;
+const CORE_COUPLED_BYTES: usize = 64 * 1024;
 
-#[unsafe(link_section = ".ccm")]
-static mut CAPTURE: MaybeUninit<[u8; CAPTURE_BYTES]> = MaybeUninit::uninit();
-
-/// The memory for a recording, filled with zeros.
+/// The memory for a recording. It is not accessed before one is made.
 ///
 /// # Safety
 /// To be called once.
 pub unsafe fn capture_memory() -> &'static mut [u8] {
-    let start = (&raw mut CAPTURE).cast::<u8>();
-    // SAFETY: the memory of a static; by the condition of this function there is no other reference to it. Zeros are bytes.
+    // SAFETY: RAM of the chip outside of what the linker uses, with some content; by the condition of this function there is no
+    // other reference to it.
     unsafe {
-        start.write_bytes(0, CAPTURE_BYTES);
-        core::slice::from_raw_parts_mut(start, CAPTURE_BYTES)
+        core::slice::from_raw_parts_mut(
+            core::ptr::with_exposed_provenance_mut(CORE_COUPLED),
+            CORE_COUPLED_BYTES,
+        )
     }
 }
 

@@ -101,7 +101,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         #[expect(clippy::cast_possible_truncation, reason = "fewer axes than 256")]
         self.references.set_dependence(axis, Dependence::of(axis as u8, settings));
         self.apply_switches();
-        self.state.compensation.replace(axis, compensation);
+        self.state.compensation.replace(axis, &compensation);
         Ok(())
     }
 

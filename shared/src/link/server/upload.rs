@@ -110,6 +110,6 @@ fn compensate<'m, S: Scalar>(
         .map_err(|error| MachineError::Config { axis, error })?;
     drive.with(|drive| {
         drive.is_off()?;
-        drive.machine_mut().set_compensation(axis, compensation, dependence).map_err(Refusal::from)
+        drive.machine_mut().set_compensation(axis, &compensation, dependence).map_err(Refusal::from)
     })
 }
