@@ -13,7 +13,7 @@ mod app {
     use firmware::board::uart::{Queues, Uart, UartInterrupt};
     use firmware::board::{Hardware, Parts};
     use firmware::setup::{AXES, IDENTITY, LINK_SETTINGS};
-    use shared::link::Server;
+    use shared::link::{Server, SharedDrive};
     use shared::machine::Machine;
     use shared::scalar::Fixed;
 
@@ -40,13 +40,19 @@ mod app {
         (Shared { drive }, Local { hardware, interrupt, uart })
     }
 
+    /// One round of the idle loop. A function of its own, which the test on the emulated chip counts.
+    #[inline(never)]
+    fn serve(server: &mut Server, uart: &mut Uart, drive: &mut impl SharedDrive<'static, Fixed>) {
+        server.poll(uart, drive);
+    }
+
     /// Serves the link between ticks.
     #[idle(local = [uart, server: Server = Server::new(IDENTITY, LINK_SETTINGS)], shared = [drive])]
     fn idle(context: idle::Context) -> ! {
         let idle::LocalResources { uart, server, .. } = context.local;
         let mut drive = Locked(context.shared.drive);
         loop {
-            server.poll(uart, &mut drive);
+            serve(server, uart, &mut drive);
         }
     }
 

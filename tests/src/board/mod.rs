@@ -36,8 +36,11 @@ use log::Log;
 /// Timeout of a run: a thousand ticks take four seconds on a slow machine.
 const TIMEOUT: Duration = Duration::from_secs(90);
 
-/// Time that the idle loop gets between ticks where the test models the inputs.
-const IDLE: Duration = Duration::from_millis(2);
+/// Rounds of the idle loop between ticks where the test models the inputs.
+const ROUNDS: u32 = 3;
+
+/// Function of the idle loop: each round calls it once. A part of its mangled name.
+const IDLE_ROUND: &str = "3app5serve";
 
 /// Interval between readings of the log.
 const POLL: Duration = Duration::from_millis(50);
@@ -67,6 +70,10 @@ pub struct Chip {
     pub log: Log,
     /// For the log and the emulator's messages.
     folder: TempDir,
+    /// Address of the function of the idle loop.
+    idle_round: Vec<u32>,
+    /// Rounds of the idle loop since the last tick that was pended.
+    rounds: u32,
 }
 
 /// How a run ended.
@@ -98,7 +105,17 @@ impl Chip {
             .arg(program)
             .stderr(fs::File::create(folder.path().join("errors")).unwrap());
         let target = Target::start(&mut command).unwrap();
-        let mut chip = Self { image, vectors, target, clocks: Clocks::new(), inputs, log, folder };
+        let mut chip = Self {
+            image,
+            vectors,
+            target,
+            clocks: Clocks::new(),
+            inputs,
+            log,
+            folder,
+            idle_round: Vec::new(),
+            rounds: 0,
+        };
         chip.prepare().unwrap();
         chip
     }
@@ -115,7 +132,9 @@ impl Chip {
         let tick = self.vectors.handler(TICK);
         let serial = self.vectors.handler(SERIAL);
         let handlers = self.vectors.exceptions().into_iter().filter(|&at| at != tick && at != serial);
-        for address in handlers.chain(self.image.named(is_panic)) {
+        self.idle_round = self.image.named(|name| name.contains(IDLE_ROUND));
+        let idle = self.inputs.iter().flat_map(|_| self.idle_round.clone()).collect::<Vec<_>>();
+        for address in handlers.chain(self.image.named(is_panic)).chain(idle) {
             self.target.watch(Watch::Run, address)?;
         }
         Ok(())
@@ -129,9 +148,8 @@ impl Chip {
         let start = Instant::now();
         let mut polled = start;
         self.target.run()?;
-        let wait = if self.inputs.is_some() { IDLE } else { POLL };
         loop {
-            let halted = self.target.halted(wait)?;
+            let halted = self.target.halted(POLL)?;
             if polled.elapsed() >= POLL {
                 polled = Instant::now();
                 if self.ticks() >= ticks {
@@ -148,17 +166,23 @@ impl Chip {
                 }
                 Some(Halt::Here) => {
                     let at = self.target.register(PC)?;
+                    if self.idle_round.contains(&at) {
+                        // A whole round has passed between two halts: then the next tick may begin.
+                        self.target.step()?;
+                        self.rounds += 1;
+                        if self.rounds >= ROUNDS
+                            && let Some((address, value)) = self.inputs.as_mut().and_then(Inputs::next_tick)
+                        {
+                            self.rounds = 0;
+                            self.store(address, value)?;
+                        }
+                        self.target.run()?;
+                        continue;
+                    }
                     let (_, function) = self.image.function_at(at).unwrap();
                     return Ok(End::Entered(function.names[0].clone()));
                 }
-                None => {
-                    if let Some((address, value)) = self.inputs.as_mut().and_then(Inputs::next_tick) {
-                        // The idle loop accesses no watched register.
-                        self.target.stop()?;
-                        self.store(address, value)?;
-                        self.target.run()?;
-                    }
-                }
+                None => {}
             }
         }
     }
