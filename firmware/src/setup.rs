@@ -1,15 +1,22 @@
 //! The data of the machine on the board: all that has to be changed for another machine.
 //!
 //! Two screws of 5 mm lead with 5000-line encoders on their motors; 15 kg equivalent mass per axis. The values must be
-//! accepted by [`MachineConfig::new`] and [`Amplifier::new`], which is verified by a test on the host.
+//! accepted by [`MachineConfig::new`] and [`AnyOutput::new`], which is verified by a test on the host.
 
+use shared::capture::ChannelSteps;
 use shared::config::{AxisSettings, Law, Rates, Sensors};
-use shared::drive::{Amplifier, DriveError, DriveSystem, EnableSwitch, StatusLight};
+use shared::drive::{
+    AnyOutput, DriveError, DriveSettings, DriveSystem, EnableSwitch, StatusLight, SupplyLimits,
+};
+use shared::feedback::resolver::ResolverSettings;
+use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
 use shared::interpolate::Smoothing;
+use shared::link::message::BoardSettings;
+use shared::link::report::{Identity, Times};
 use shared::machine::{Machine, MachineConfig, MachineError};
 use shared::safety::Fault;
 use shared::scalar::Fixed;
-use shared::units::Position;
+use shared::units::{PER_NM, Position};
 
 /// Axes of the board.
 pub const AXES: usize = 2;
@@ -31,6 +38,87 @@ pub const METRES_PER_COUNT: [f64; AXES] = [5e-3 / 20_000.0; AXES];
 
 /// Force at full duty, N. Negative if a positive duty produces a negative force.
 pub const FULL_DUTY_N: [f64; AXES] = [400.0; AXES];
+
+/// The sensor of a motor.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum MotorSensor {
+    /// Quadrature encoder: m of table travel per count, negative if the counter decreases in the positive direction.
+    Encoder {
+        /// Travel per count, m.
+        metres_per_count: f64,
+    },
+    /// Resolver or sine encoder on the converters.
+    Resolver(ResolverSettings),
+}
+
+/// What is connected to an axis of the board.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct AxisTable {
+    /// Sensor of the motor. With a step drive the steps are counted instead.
+    pub motor: MotorSensor,
+    /// Linear scale: m per count, signed as for the motor; `None`: there is none.
+    pub scale_m_per_count: Option<f64>,
+    /// Drive.
+    pub drive: DriveSettings,
+    /// Whether both limit switches are connected.
+    pub limit_switches: bool,
+    /// Whether the fault output of the drive is connected.
+    pub drive_fault: bool,
+}
+
+/// The homing of both axes: towards the negative end, on the index pulse of the motor encoder, one per turn.
+const HOMING: HomingSettings = HomingSettings {
+    direction: Direction::Negative,
+    mark: Mark::MotorIndex { spacing_m: 5e-3 },
+    mark_position_m: 0.0,
+    search_speed_m_per_s: 0.02,
+    approach_speed_m_per_s: 2e-3,
+    acceleration_m_per_s2: 0.5,
+    search_distance_m: 0.4,
+    back_off_distance_m: 0.02,
+    at_limit: AtLimit::TurnRound,
+    timeout_s: 60.0,
+};
+
+/// What is connected to the board.
+pub static TABLE: [AxisTable; AXES] = {
+    const fn axis(index: usize) -> AxisTable {
+        AxisTable {
+            motor: MotorSensor::Encoder { metres_per_count: METRES_PER_COUNT[index] },
+            scale_m_per_count: Some(0.5e-6),
+            drive: DriveSettings::Pwm { full_duty_n: FULL_DUTY_N[index] },
+            limit_switches: true,
+            drive_fault: true,
+        }
+    }
+    [axis(0), axis(1)]
+};
+
+/// A count of the finer sensor of each axis, position units: the steps of recordings.
+const COUNTS: [i64; AXES] = [250 * PER_NM; AXES];
+
+/// What the board says about itself.
+pub const IDENTITY: Identity = Identity {
+    board: "STM32F405, two drives",
+    software: env!("CARGO_PKG_VERSION"),
+    tick_hz: TICK_HZ,
+    steps: ChannelSteps { command: PER_NM / 16, motor: COUNTS, table: COUNTS, force_bits: 5 },
+    times: Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 },
+    homing: [Some(HOMING); AXES],
+};
+
+/// The settings that the link reports until others are uploaded.
+pub const LINK_SETTINGS: BoardSettings = BoardSettings { rates: RATES, axes: SETTINGS };
+
+/// Limits of the supply, for drives at 48 V.
+pub const SUPPLY_LIMITS: SupplyLimits =
+    SupplyLimits { min_bus_mv: 36_000, max_bus_mv: 60_000, max_temperature_mc: 80_000 };
+
+/// Bus voltage in mV per count of 12 bits: 3.3 V behind a divider of 100 kΩ and 4.7 kΩ.
+pub const BUS_MV_PER_COUNT: f64 = 3300.0 / 4096.0 * (100.0 + 4.7) / 4.7;
+
+/// Temperature in m°C per count, and at 0 counts: a sensor of 10 mV/K with 500 mV at 0 °C.
+pub const TEMPERATURE_MC: [f64; 2] = [3300.0 / 4096.0 * 100.0, -50_000.0];
 
 /// Debounce time of the enable switch, ticks: 20 ms.
 pub const SWITCH_SETTLING_TICKS: u32 = 400;
@@ -72,8 +160,10 @@ pub enum SetupError {
     Machine(MachineError),
     /// Power stage.
     Drive(DriveError),
-    /// Metres per count.
+    /// Metres per count, or a resolver.
     Encoder,
+    /// Scale of a converter input.
+    Converter,
 }
 
 impl From<MachineError> for SetupError {
@@ -88,8 +178,11 @@ impl From<DriveError> for SetupError {
     }
 }
 
+/// The drive system of the board: a step drive gets at most one step in a tick.
+pub type BoardDrives<'m> = DriveSystem<'m, Fixed, AXES, AnyOutput<Fixed>>;
+
 /// The drive system without a path, drives off, for power stages with `full_counts` PWM counts. When enabled, it holds the axes
-/// at their positions. A `previous_fault`, which ended the previous run, has to be acknowledged first.
+/// at their positions. No axis is homed: positions are those since power-up. A `previous_fault`, which ended the previous run, has to be acknowledged first.
 ///
 /// The machine is configured in place: it is too large for the stack.
 ///
@@ -99,13 +192,15 @@ pub fn drive_system(
     machine: &mut Machine<Fixed, AXES>,
     full_counts: u16,
     previous_fault: Option<Fault>,
-) -> Result<DriveSystem<'_, Fixed, AXES>, SetupError> {
+) -> Result<BoardDrives<'_>, SetupError> {
     machine.configure(MachineConfig::new(RATES, &SETTINGS)?, &[Position(0); AXES]);
     if let Some(fault) = previous_fault {
         machine.inhibit_enable(fault);
     }
-    let [x, y] = FULL_DUTY_N;
-    let amplifiers = [Amplifier::new(x, full_counts)?, Amplifier::new(y, full_counts)?];
+    (0..AXES).for_each(|axis| machine.lose_reference(axis));
+    // Read at run time, so that what is built and tested has every alternative of the table.
+    let [x, y] = core::hint::black_box(&TABLE);
+    let outputs = [AnyOutput::new(&x.drive, full_counts, 1)?, AnyOutput::new(&y.drive, full_counts, 1)?];
     let (switch, light) = (EnableSwitch::new(SWITCH_SETTLING_TICKS), StatusLight::new(BLINK_TICKS));
-    Ok(DriveSystem::new(machine, amplifiers, switch, light))
+    Ok(DriveSystem::new(machine, outputs, switch, light).with_supply_limits(SUPPLY_LIMITS))
 }

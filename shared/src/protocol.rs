@@ -88,6 +88,8 @@ pub enum Order {
     Tick([Reading; AXES]),
     /// End the run.
     End,
+    /// Raise a fault, for tests of the reactions.
+    Fault(Fault),
     /// Tell the version of the board's program. Answered by [`Answer::Sources`].
     Identify,
 }

@@ -12,6 +12,9 @@ pub const FLASH: u32 = 0x0800_0000;
 /// Exception number of the tick: 16 exceptions of the core precede the interrupts, and TIM2 is interrupt 28.
 pub const TICK: usize = 16 + 28;
 
+/// Exception number of the serial port of the link: USART3 is interrupt 39.
+pub const SERIAL: usize = 16 + 39;
+
 /// Main RAM of an STM32F405 (data sheet DS8626, memory map): 128 KiB.
 pub const RAM: Range<u32> = 0x2000_0000..0x2002_0000;
 

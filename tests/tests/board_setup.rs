@@ -1,14 +1,13 @@
 //! The settings of the board are accepted. With them a simulated machine of two masses holds, moves and stops.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use firmware::setup::{AXES, METRES_PER_COUNT, SETTINGS, TICK_HZ, drive_system};
+use firmware::setup::{AXES, BoardDrives, METRES_PER_COUNT, SETTINGS, TICK_HZ, drive_system};
 use shared::axis::Reading;
-use shared::drive::{Board, DriveSystem, Duty};
+use shared::drive::{Board, DriveSignal, Duty};
 use shared::feedback::encoder::Encoder;
 use shared::interpolate::Block;
 use shared::machine::Machine;
 use shared::safety::{Fault, FaultKind, Power};
-use shared::scalar::Fixed;
 
 /// PWM counts on the board: 168 MHz / 20 kHz.
 const FULL_COUNTS: u16 = 8400;
@@ -48,7 +47,7 @@ impl TestMachine {
     }
 }
 
-impl Board<AXES> for TestMachine {
+impl Board<AXES, DriveSignal> for TestMachine {
     fn readings(&mut self) -> [Reading; AXES] {
         core::array::from_fn(|axis| Reading {
             motor: self.counters[axis].read(self.count(axis)),
@@ -64,8 +63,11 @@ impl Board<AXES> for TestMachine {
         false
     }
 
-    fn set_duties(&mut self, duties: [Duty; AXES]) {
-        self.duties = duties;
+    fn set_duties(&mut self, signals: [DriveSignal; AXES]) {
+        self.duties = signals.map(|signal| match signal {
+            DriveSignal::Pwm(duty) => duty,
+            DriveSignal::Analog(_) | DriveSignal::Steps(_) => panic!("the table has drives with PWM"),
+        });
     }
 
     fn set_enabled(&mut self, enabled: bool) {
@@ -105,17 +107,16 @@ fn the_board_holds_when_it_is_enabled_and_follows_its_path() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
     let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
-    let run =
-        |system: &mut DriveSystem<'_, Fixed, AXES>, test_machine: &mut TestMachine, milliseconds: u32| {
-            let mut max_error = 0f64;
-            for _ in 0..milliseconds * (TICK_HZ / 1000) {
-                system.tick(test_machine);
-                test_machine.step();
-                let [x, y] = test_machine.position_m;
-                max_error = max_error.max(((x + 0.01).hypot(y) - 0.01).abs());
-            }
-            max_error
-        };
+    let run = |system: &mut BoardDrives<'_>, test_machine: &mut TestMachine, milliseconds: u32| {
+        let mut max_error = 0f64;
+        for _ in 0..milliseconds * (TICK_HZ / 1000) {
+            system.tick(test_machine);
+            test_machine.step();
+            let [x, y] = test_machine.position_m;
+            max_error = max_error.max(((x + 0.01).hypot(y) - 0.01).abs());
+        }
+        max_error
+    };
     run(&mut system, &mut test_machine, 500);
     assert_eq!((test_machine.enabled, test_machine.position_m), (false, [0.0; AXES]));
     test_machine.closed = false;
@@ -159,7 +160,9 @@ fn a_frozen_encoder_switches_the_power_stages_off() {
     let mut test_machine = TestMachine::new();
     test_machine.closed = false;
     let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
-    (0..1000).for_each(|_| system.tick(&mut test_machine));
+    for _ in 0..1000 {
+        system.tick(&mut test_machine);
+    }
     system.machine_mut().push(&CIRCLE).unwrap();
     test_machine.closed = true;
     let mut ticks = 0;
@@ -190,7 +193,9 @@ fn after_a_watchdog_reset_an_enable_of_the_board_needs_an_acknowledgement() {
     let mut system = drive_system(&mut machine, FULL_COUNTS, Some(Fault::Watchdog)).unwrap();
     let mut run = |test_machine: &mut TestMachine, closed, ticks| {
         test_machine.closed = closed;
-        (0..ticks).for_each(|_| system.tick(test_machine));
+        for _ in 0..ticks {
+            system.tick(test_machine);
+        }
         (test_machine.enabled, test_machine.lit)
     };
     assert_eq!(run(&mut test_machine, false, 1000), (false, true));

@@ -17,6 +17,12 @@ const RAM_BYTES: u32 = RAM.end - RAM.start;
 /// Free RAM that must remain, bytes: an eighth of the RAM, because later compilers may inline differently.
 const RESERVE_BYTES: u32 = RAM_BYTES / 8;
 
+/// Start of the sectors for settings, from the start of the flash (`firmware/src/board/flash.rs`).
+const SETTINGS_OFFSET: u32 = 0xc_0000;
+
+/// Greatest size of the program, bytes.
+const FLASH_BUDGET_BYTES: u32 = 384 * 1024;
+
 /// Lower bound of the tick: saved registers (r4 to r11, lr, d8 to d15) and forces and duties of two axes. A lower result
 /// means that the analysis is incomplete.
 const MIN_TICK_BYTES: u32 = 100;
@@ -56,6 +62,30 @@ fn stack_and_static_data_of_the_board_fit_its_ram() {
     assert!(inside.contains(&vectors.initial_sp));
     let floor = vectors.stack_floor(&image, &RAM);
     assert!(stack + RESERVE_BYTES <= vectors.initial_sp - floor, "{stack} B above {floor:#x}");
+}
+
+/// The program and the initial values of its data end before the sectors for the settings, and within their budget: half of what
+/// is there, because the link and its server share it.
+#[test]
+fn the_program_of_the_board_leaves_the_sectors_for_settings_alone() {
+    let file = fs::read(tests::firmware::built("board")).expect("cargo has just built it");
+    let elf =
+        object::read::elf::ElfFile32::<object::Endianness>::parse(file.as_slice()).expect("an ELF file");
+    let end = object::Object::segments(&elf)
+        .map(|segment| segment.elf_program_header())
+        .map(|header| {
+            use object::read::elf::ProgramHeader;
+            let endian = object::Endianness::Little;
+            (header.p_paddr(endian), header.p_filesz(endian))
+        })
+        // What is in flash has bytes in the file; memory without initial values has none.
+        .filter(|(_, bytes)| *bytes > 0)
+        .map(|(start, bytes)| start + bytes)
+        .max()
+        .expect("a segment");
+    println!("{} B of flash", end - FLASH);
+    assert!(end - FLASH > 64 * 1024, "less than the controller alone");
+    assert!(end - FLASH <= FLASH_BUDGET_BYTES && FLASH + SETTINGS_OFFSET >= end, "{end:#x}");
 }
 
 /// The tests on the emulated core replace tests on the board, so its program must fit the same RAM.

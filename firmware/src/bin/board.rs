@@ -9,33 +9,64 @@ use firmware::board::drives_off;
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
 mod app {
-    use firmware::board::Hardware;
-    use firmware::setup::AXES;
-    use shared::drive::DriveSystem;
+    use firmware::board::link::{Drive, Locked};
+    use firmware::board::uart::{Queues, Uart, UartInterrupt};
+    use firmware::board::{Hardware, Parts};
+    use firmware::setup::{AXES, IDENTITY, LINK_SETTINGS};
+    use shared::link::{Server, SharedDrive};
     use shared::machine::Machine;
     use shared::scalar::Fixed;
 
     #[shared]
-    struct Shared {}
+    struct Shared {
+        drive: Drive,
+    }
 
     #[local]
     struct Local {
         hardware: Hardware,
-        system: DriveSystem<'static, Fixed, AXES>,
+        interrupt: UartInterrupt,
+        uart: Uart,
     }
 
-    #[init(local = [machine: Machine<Fixed, AXES> = Machine::UNCONFIGURED])]
+    #[init(local = [
+        machine: Machine<Fixed, AXES> = Machine::UNCONFIGURED,
+        queues: Queues = [const { heapless::spsc::Queue::new() }; 2],
+    ])]
     fn init(context: init::Context) -> (Shared, Local) {
-        let (hardware, system) = Hardware::new(context.device, context.local.machine)
+        let init::LocalResources { machine, queues, .. } = context.local;
+        let Parts { hardware, drive, uart, interrupt } = Parts::new(context.device, machine, queues)
             .expect("the values are verified by a test on the host");
-        (Shared {}, Local { hardware, system })
+        (Shared { drive }, Local { hardware, interrupt, uart })
     }
 
-    #[task(binds = TIM2, local = [hardware, system])]
-    fn tick(context: tick::Context) {
-        let tick::LocalResources { hardware, system, .. } = context.local;
+    /// One round of the idle loop. A function of its own, which the test on the emulated chip counts.
+    #[inline(never)]
+    fn serve(server: &mut Server, uart: &mut Uart, drive: &mut impl SharedDrive<'static, Fixed>) {
+        server.poll(uart, drive);
+    }
+
+    /// Serves the link between ticks.
+    #[idle(local = [uart, server: Server = Server::new(IDENTITY, LINK_SETTINGS)], shared = [drive])]
+    fn idle(context: idle::Context) -> ! {
+        let idle::LocalResources { uart, server, .. } = context.local;
+        let mut drive = Locked(context.shared.drive);
+        loop {
+            serve(server, uart, &mut drive);
+        }
+    }
+
+    #[task(binds = TIM2, priority = 1, local = [hardware], shared = [drive])]
+    fn tick(mut context: tick::Context) {
+        let hardware = context.local.hardware;
         hardware.begin_tick();
-        system.tick(hardware);
+        context.shared.drive.lock(|drive| drive.tick(hardware));
+    }
+
+    /// Above the tick: a byte arrives every 10 µs.
+    #[task(binds = USART3, priority = 2, local = [interrupt])]
+    fn serial(context: serial::Context) {
+        context.local.interrupt.service();
     }
 }
 

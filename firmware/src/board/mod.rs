@@ -1,36 +1,68 @@
 //! An STM32F405 with two drives. The wiring table is in `docs/firmware.md`.
 
 mod clock;
+mod converter;
+mod dac;
+pub mod flash;
+pub mod link;
 mod quadrature;
+mod sensors;
 mod stage;
+mod switches;
 mod tick;
+pub mod uart;
 
 use shared::axis::Reading;
-use shared::drive::{Board, DriveSystem, Duty};
+use shared::drive::step::StepCounter;
+use shared::drive::{AxisInputs, Board, DriveSettings, DriveSignal, Inputs, LinearInput, StepOutput, Supply};
+use shared::link::HostedDrive;
+use shared::link::report::Identity;
 use shared::machine::Machine;
 use shared::scalar::Fixed;
-use stm32f4xx_hal::gpio::{Input, Output, PB15, PC13, PinState, Pull};
-use stm32f4xx_hal::pac::{Peripherals, TIM3, TIM4};
+use stm32f4xx_hal::gpio::{Output, PC13, PinState, Pull};
+use stm32f4xx_hal::pac::Peripherals;
 use stm32f4xx_hal::prelude::*;
 use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
-use crate::setup::{self, AXES, SetupError};
-use quadrature::Quadrature;
+use crate::setup::{self, AXES, AxisTable, SetupError};
+use converter::{Conversions, Converters};
+use dac::AnalogOutputs;
+use sensors::{Sensors, Timers};
 use stage::{Pins, Stages};
+use switches::Switches;
 use tick::TickTimer;
 
 /// The pins and timers of a tick.
 pub struct Hardware {
-    x: Quadrature<TIM3>,
-    y: Quadrature<TIM4>,
+    table: &'static [AxisTable; AXES],
+    sensors: Sensors,
+    converters: Converters,
+    bus: LinearInput,
+    temperature: LinearInput,
     stages: Stages,
-    enable_switch: PB15<Input>,
+    /// Steps of the axes with step drives.
+    steps: [Option<StepCounter>; AXES],
     fault_light: PC13<Output>,
     tick_timer: TickTimer,
     watchdog: IndependentWatchdog,
+    /// Inputs of the present tick.
+    switches: Switches,
+    conversions: Conversions,
 }
 
-impl Hardware {
+/// The parts of the board that run independently of each other.
+pub struct Parts {
+    /// For the tick.
+    pub hardware: Hardware,
+    /// The controller, for the tick and the server of the link.
+    pub drive: link::Drive,
+    /// Serial port of the link, for the server.
+    pub uart: uart::Uart,
+    /// The same, for its interrupt.
+    pub interrupt: uart::UartInterrupt,
+}
+
+impl Parts {
     /// Initialises clocks, pins and timers, configures the machine, and starts the ticks with the drives off.
     ///
     /// # Errors
@@ -38,7 +70,10 @@ impl Hardware {
     pub fn new(
         device: Peripherals,
         machine: &'static mut Machine<Fixed, AXES>,
-    ) -> Result<(Self, DriveSystem<'static, Fixed, AXES>), SetupError> {
+        queues: &'static mut uart::Queues,
+    ) -> Result<Self, SetupError> {
+        // Read at run time, so that what is built and tested has every alternative of the table.
+        let table = core::hint::black_box(&setup::TABLE);
         let mut rcc = device.RCC.constrain();
         // The stages are disabled first, before the wait for the crystal.
         let b = device.GPIOB.split(&mut rcc);
@@ -47,66 +82,142 @@ impl Hardware {
 
         let mut rcc = clock::set_up(rcc);
         let (a, c) = (device.GPIOA.split(&mut rcc), device.GPIOC.split(&mut rcc));
+        let analog = (a.pa4.into_analog(), a.pa5.into_analog());
+        let analog = AnalogOutputs::new(device.DAC, analog, table.map(zero_volts), &mut rcc);
         let pins =
-            Pins { enable, directions: (c.pc6.into_push_pull_output(), c.pc7.into_push_pull_output()) };
+            Pins { enable, directions: (c.pc10.into_push_pull_output(), c.pc11.into_push_pull_output()) };
         // With the pull-down, a broken wire stops the drives.
         let stop = b.pb12.into_alternate().internal_resistor(Pull::Down);
         let timer_pins = (a.pa8.into_alternate(), a.pa9.into_alternate(), stop);
-        let stages = Stages::new(device.TIM1, pins, timer_pins, &mut rcc);
+        let stages = Stages::new(device.TIM1, pins, timer_pins, analog, &mut rcc);
 
         // Pull-ups: an open input does not float.
-        let _ = (
-            a.pa6.into_alternate::<2>().internal_resistor(Pull::Up),
-            a.pa7.into_alternate::<2>().internal_resistor(Pull::Up),
-            b.pb6.into_alternate::<2>().internal_resistor(Pull::Up),
-            b.pb7.into_alternate::<2>().internal_resistor(Pull::Up),
-        );
-        let [x, y] = setup::METRES_PER_COUNT;
-        let (x, y) = (Quadrature::new(device.TIM3, x, &mut rcc)?, Quadrature::new(device.TIM4, y, &mut rcc)?);
+        macro_rules! counter_inputs {
+            ($($pin:expr => $function:literal,)*) => {
+                let _ = ($($pin.into_alternate::<$function>().internal_resistor(Pull::Up),)*);
+            };
+        }
+        counter_inputs! {
+            a.pa6 => 2, a.pa7 => 2, b.pb0 => 2,
+            b.pb6 => 2, b.pb7 => 2, b.pb8 => 2,
+            a.pa0 => 2, a.pa1 => 2, a.pa2 => 2,
+            c.pc6 => 3, c.pc7 => 3, c.pc8 => 3,
+        }
+        let supply_pins = (c.pc0.into_analog(), c.pc1.into_analog());
+        let x_pins = (c.pc2.into_analog(), c.pc3.into_analog());
+        let pins = (supply_pins, x_pins, (c.pc4.into_analog(), c.pc5.into_analog()));
+        let converters = Converters::new(device.ADC1, device.ADC2, &device.ADC_COMMON, pins, &mut rcc);
+        let timers = Timers { x: device.TIM3, y: device.TIM4, x_scale: device.TIM5, y_scale: device.TIM8 };
+        let sensors = Sensors::new(table, timers, &mut rcc)?;
+        switches::set_up((b.pb1, b.pb2, b.pb3, b.pb5, b.pb9, b.pb13, b.pb15), (c.pc9, c.pc12));
+        let uart_pins = (b.pb10.into_alternate(), b.pb11.into_alternate());
+        let (uart, interrupt) = uart::start(device.USART3, uart_pins, queues, &mut rcc);
 
         let system = setup::drive_system(machine, stages.full_counts(), previous_fault)?;
-
+        let Identity { tick_hz, times, steps, .. } = &setup::IDENTITY;
+        // SAFETY: the peripherals exist once.
+        let capture = unsafe { link::capture_memory() };
+        let drive = HostedDrive::new(system, *tick_hz, *times, steps, capture);
         let tick_timer = TickTimer::new(device.TIM2, &mut rcc);
         // 10 ms, at least a hundred ticks: without ticks the watchdog resets the chip, and the stages with it.
         let mut watchdog = IndependentWatchdog::new(device.IWDG);
         watchdog.start(10.millis());
 
-        let hardware = Self {
-            x,
-            y,
+        let linear = |[slope, offset]: [f64; 2]| LinearInput::new(slope, offset).ok_or(SetupError::Converter);
+        let hardware = Hardware {
+            table,
+            sensors,
+            converters,
+            bus: linear([setup::BUS_MV_PER_COUNT, 0.0])?,
+            temperature: linear(setup::TEMPERATURE_MC)?,
             stages,
-            // With the pull-down, a broken wire reads as open.
-            enable_switch: b.pb15.into_pull_down_input(),
+            steps: table.map(step_counter),
             fault_light: c.pc13.into_push_pull_output_in_state(PinState::High),
             tick_timer,
             watchdog,
+            switches: Switches::default(),
+            conversions: Conversions::default(),
         };
-        Ok((hardware, system))
+        Ok(Self { hardware, drive, uart, interrupt })
     }
+}
 
+/// Counts of the converter for 0 V.
+const fn zero_volts(axis: AxisTable) -> u16 {
+    match axis.drive {
+        DriveSettings::Analog(settings) => settings.zero,
+        DriveSettings::Pwm { .. } | DriveSettings::Steps { .. } => 2048,
+    }
+}
+
+/// The counter of a step drive.
+fn step_counter(axis: AxisTable) -> Option<StepCounter> {
+    match axis.drive {
+        DriveSettings::Steps { step_m } => StepOutput::new(step_m, 1).ok().map(|output| output.counter()),
+        DriveSettings::Pwm { .. } | DriveSettings::Analog(_) => None,
+    }
+}
+
+impl Hardware {
     /// The first step of a tick, at the start of the PWM period.
     pub fn begin_tick(&mut self) {
         self.stages.begin_period();
         self.tick_timer.acknowledge();
         self.watchdog.feed();
+        self.switches = Switches::read();
+        self.conversions = self.converters.read();
+        self.sensors.read(&self.conversions);
+    }
+
+    fn axis_inputs(&mut self, axis: usize) -> AxisInputs {
+        let Some(table) = self.table.get(axis) else { return AxisInputs::NONE };
+        AxisInputs {
+            motor_index: self.sensors.motor_index(axis),
+            scale_index: self.sensors.scale_index(axis),
+            bad_encoder_signal: !self.sensors.is_good(axis),
+            ..self.switches.axis(axis, table)
+        }
     }
 }
 
-impl Board<AXES> for Hardware {
+impl Board<AXES, DriveSignal> for Hardware {
+    fn inputs(&mut self) -> Inputs<AXES> {
+        let Conversions { bus, temperature, .. } = self.conversions;
+        Inputs {
+            axes: core::array::from_fn(|axis| self.axis_inputs(axis)),
+            emergency_stop: self.switches.is_stopped(),
+            supply: Supply {
+                bus_mv: Some(self.bus.value(bus).max(0).cast_unsigned()),
+                temperature_mc: Some(self.temperature.value(temperature)),
+            },
+        }
+    }
+
     fn readings(&mut self) -> [Reading; AXES] {
-        [self.x.position(), self.y.position()].map(|motor| Reading { motor, table: None })
+        let mut readings = self.sensors.readings();
+        for (reading, steps) in readings.iter_mut().zip(&self.steps) {
+            if let Some(steps) = steps {
+                reading.motor = steps.position();
+            }
+        }
+        readings
     }
 
     fn enable_switch_closed(&mut self) -> bool {
-        self.enable_switch.is_high()
+        self.switches.enable_switch_closed()
     }
 
     fn hardware_stop_active(&mut self) -> bool {
         self.stages.are_stopped()
     }
 
-    fn set_duties(&mut self, duties: [Duty; AXES]) {
-        self.stages.set(duties);
+    fn set_duties(&mut self, signals: [DriveSignal; AXES]) {
+        for (signal, counter) in signals.iter().zip(&mut self.steps) {
+            if let (DriveSignal::Steps(steps), Some(counter)) = (signal, counter) {
+                counter.add(*steps);
+            }
+        }
+        self.stages.set(signals);
     }
 
     fn set_enabled(&mut self, enabled: bool) {

@@ -6,11 +6,17 @@
 //! The pulse is at the end of the period (PWM mode 2), and a direction pin is set in the first microsecond of the period in
 //! which its duty takes effect: direction and pulse match for any duty.
 
-use shared::drive::Duty;
-use stm32f4xx_hal::gpio::{Alternate, Output, PA8, PA9, PB12, PB14, PC6, PC7};
+use core::convert::Infallible;
+
+use embedded_hal::digital::{ErrorType as DigitalError, OutputPin};
+use embedded_hal::pwm::{ErrorType as PwmError, SetDutyCycle};
+use shared::drive::pins::{PwmDirection, SignalPort};
+use shared::drive::{DriveSignal, Duty};
+use stm32f4xx_hal::gpio::{Alternate, Output, PA8, PA9, PB12, PB14, PC10, PC11};
 use stm32f4xx_hal::pac::{self, TIM1};
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
 
+use super::dac::AnalogOutputs;
 use crate::setup::{self, AXES};
 
 /// The pins that are switched by the program.
@@ -18,17 +24,60 @@ pub struct Pins {
     /// Enable input of both stages, active high.
     pub enable: PB14<Output>,
     /// High for a negative force.
-    pub directions: (PC6<Output>, PC7<Output>),
+    pub directions: (PC10<Output>, PC11<Output>),
 }
 
 /// The pins of the timer: two PWM outputs, and the break input, which stops the PWM in hardware while it is low. Their types
 /// prove that they are assigned to the timer.
 pub type TimerPins = (PA8<Alternate<1>>, PA9<Alternate<1>>, PB12<Alternate<1>>);
 
+/// A PWM output of the timer. The pulse is at the end of the period.
+struct Channel<'a> {
+    timer: &'a TIM1,
+    axis: usize,
+    full_counts: u16,
+}
+
+impl PwmError for Channel<'_> {
+    type Error = Infallible;
+}
+
+impl SetDutyCycle for Channel<'_> {
+    fn max_duty_cycle(&self) -> u16 {
+        self.full_counts
+    }
+
+    fn set_duty_cycle(&mut self, duty: u16) -> Result<(), Infallible> {
+        let compare = if self.axis == 0 { self.timer.ccr1() } else { self.timer.ccr2() };
+        compare.write(|w| w.ccr().set(self.full_counts.saturating_sub(duty)));
+        Ok(())
+    }
+}
+
+/// The direction of the next period.
+struct NextDirection<'a>(&'a mut bool);
+
+impl DigitalError for NextDirection<'_> {
+    type Error = Infallible;
+}
+
+impl OutputPin for NextDirection<'_> {
+    fn set_low(&mut self) -> Result<(), Infallible> {
+        *self.0 = false;
+        Ok(())
+    }
+
+    fn set_high(&mut self) -> Result<(), Infallible> {
+        *self.0 = true;
+        Ok(())
+    }
+}
+
 /// Both power stages.
 pub struct Stages {
     timer: TIM1,
     pins: Pins,
+    analog: AnalogOutputs,
     full_counts: u16,
     enabled: bool,
     /// Directions of the duties that take effect in the next period.
@@ -40,7 +89,13 @@ impl Stages {
     ///
     /// # Panics
     /// If a PWM period is not 1 to 65,535 counts. Clock and PWM frequency are constants.
-    pub fn new(timer: TIM1, pins: Pins, _timer_pins: TimerPins, rcc: &mut Rcc) -> Self {
+    pub fn new(
+        timer: TIM1,
+        pins: Pins,
+        _timer_pins: TimerPins,
+        analog: AnalogOutputs,
+        rcc: &mut Rcc,
+    ) -> Self {
         TIM1::enable(rcc);
         TIM1::reset(rcc);
         let period = rcc.clocks.timclk2().raw() / setup::PWM_HZ;
@@ -66,7 +121,7 @@ impl Stages {
         timer.egr().write(|w| w.ug().set_bit());
         timer.sr().write(|w| w.uif().clear_bit().bif().clear_bit());
         timer.cr1().write(|w| w.arpe().set_bit().cen().set_bit());
-        Self { timer, pins, full_counts, enabled: false, reverse: [false; AXES] }
+        Self { timer, pins, analog, full_counts, enabled: false, reverse: [false; AXES] }
     }
 
     /// PWM counts of full duty.
@@ -81,11 +136,21 @@ impl Stages {
         self.pins.directions.1.set_state(y.into());
     }
 
-    /// Sets duties and directions for the next period; the compare registers are buffered.
-    pub fn set(&mut self, [x, y]: [Duty; AXES]) {
-        self.timer.ccr1().write(|w| w.ccr().set(self.full_counts - x.counts.min(self.full_counts)));
-        self.timer.ccr2().write(|w| w.ccr().set(self.full_counts - y.counts.min(self.full_counts)));
-        self.reverse = [x.reverse, y.reverse];
+    /// Sets the inputs of the drives. Pulses and directions are those of the next period, because the compare registers are
+    /// buffered; an analogue output changes at once.
+    pub fn set(&mut self, signals: [DriveSignal; AXES]) {
+        for (axis, (signal, reverse)) in signals.into_iter().zip(&mut self.reverse).enumerate() {
+            let pwm = Channel { timer: &self.timer, axis, full_counts: self.full_counts };
+            let mut pulse = PwmDirection { pwm, direction: NextDirection(reverse) };
+            let Ok(()) = match signal {
+                DriveSignal::Pwm(duty) => pulse.set(duty),
+                DriveSignal::Steps(steps) => pulse.set(steps),
+                DriveSignal::Analog(counts) => {
+                    self.analog.set(axis, counts);
+                    pulse.set(Duty::default())
+                }
+            };
+        }
     }
 
     /// Enables or disables the stages immediately.

@@ -43,7 +43,7 @@ pub fn of_the_path(counter: &mut Counter) -> Option<()> {
 fn compensation<S: Scalar>() -> Option<Compensation<S, AXES>> {
     let mut all = Compensation::none(START);
     for axis in 0..AXES {
-        all.replace(axis, AxisCompensation::new(&motion::all_compensations(axis), RATES, AXES).ok()?);
+        all.replace(axis, &AxisCompensation::new(&motion::all_compensations(axis), RATES, AXES).ok()?);
     }
     Some(all)
 }
@@ -51,7 +51,7 @@ fn compensation<S: Scalar>() -> Option<Compensation<S, AXES>> {
 /// One compensation on the first axis.
 fn alone<S: Scalar>(settings: &CompensationSettings) -> Option<Compensation<S, AXES>> {
     let mut all = Compensation::none(START);
-    all.replace(0, AxisCompensation::new(settings, RATES, AXES).ok()?);
+    all.replace(0, &AxisCompensation::new(settings, RATES, AXES).ok()?);
     Some(all)
 }
 

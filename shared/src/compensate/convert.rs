@@ -80,6 +80,19 @@ impl<S: Scalar> AxisCompensation<S> {
     /// [`ConfigError`] for the first setting that is not finite, exceeds its bound or the range of the number format `S`, or
     /// requires another one.
     pub fn new(settings: &CompensationSettings, rates: Rates, axes: usize) -> Result<Self, ConfigError> {
+        Self::convert_for(settings, rates, axes, Self::clone)
+    }
+
+    /// [`AxisCompensation::new`] without a copy: passes the converted settings on where they are. They are large.
+    ///
+    /// # Errors
+    /// [`ConfigError`]; `then` is not called.
+    pub fn convert_for<R>(
+        settings: &CompensationSettings,
+        rates: Rates,
+        axes: usize,
+        then: impl FnOnce(&Self) -> R,
+    ) -> Result<R, ConfigError> {
         let limits = Limits::new::<S>(settings, rates)?;
         let mut converted = Self {
             pitch: None,
@@ -107,7 +120,7 @@ impl<S: Scalar> AxisCompensation<S> {
         converted.convert_motor(settings, &limits)?;
         converted.convert_model(settings, &limits)?;
         converted.list_slow_terms();
-        Ok(converted)
+        Ok(then(&converted))
     }
 
     /// Errors between motor and scale, except for the stretch.

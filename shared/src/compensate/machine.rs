@@ -44,9 +44,11 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     }
 
     /// Replaces the compensation of an axis. Its corrections change over at their limited rates.
-    pub fn replace(&mut self, axis: usize, compensation: AxisCompensation<S>) {
+    // Tables are large: not inlined, the copy is not on the stack while they are converted.
+    #[inline(never)]
+    pub fn replace(&mut self, axis: usize, compensation: &AxisCompensation<S>) {
         if let Some(slot) = self.axes.get_mut(axis) {
-            *slot = Some(compensation);
+            *slot = Some(compensation.clone());
             self.any = true;
         }
         if let (Some(Some(compensation)), Some(state)) = (self.axes.get(axis), self.states.get_mut(axis)) {

@@ -42,6 +42,8 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
             return Err(DirectionCheckError::Setting("force_n"));
         }
         let check = DirectionCheck::new(axis, settings, rates.velocity_loop_hz)?;
+        // After the check a host needs a new edge of the switch.
+        self.disarm();
         self.first_motion = Some(FirstMotion { check, force: S::signal(settings.force_n) });
         Ok(())
     }

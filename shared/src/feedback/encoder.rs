@@ -40,6 +40,13 @@ impl Encoder {
     pub fn read(&mut self, raw: u16) -> Position {
         self.0.read(Phase::from_counter(raw))
     }
+
+    /// The position at which the counter had a value, such as at an index pulse, less than half its range from the last reading.
+    #[must_use]
+    pub fn position_at(&self, raw: u16) -> Position {
+        let mut at = *self;
+        at.read(raw)
+    }
 }
 
 #[cfg(test)]
@@ -53,6 +60,15 @@ mod tests {
         assert_eq!(encoder.read(65_535).0, 5 * 52_428_800);
         assert_eq!(encoder.read(4).0, 10 * 52_428_800);
         assert_eq!(encoder.read(65_526).0, -4 * 52_428_800);
+    }
+
+    /// An earlier value of the counter, also before a wrap; the reading continues as if it had not been asked for.
+    #[test]
+    fn the_position_of_an_earlier_count_changes_nothing() {
+        let mut encoder = Encoder::new(50e-9, 65_530).unwrap();
+        assert_eq!(encoder.read(4).0, 10 * 52_428_800);
+        assert_eq!(encoder.position_at(65_533).0, 3 * 52_428_800);
+        assert_eq!(encoder.read(5).0, 11 * 52_428_800);
     }
 
     #[test]

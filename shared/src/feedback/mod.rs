@@ -5,10 +5,12 @@
 //! | [`phase`] | sine and cosine samples, or a counter | a phase: the position within a cycle |
 //! | [`transducer`] | phases of a resolver or a linear scale | a position |
 //! | [`resolver`] | samples of a converter | a position, and whether the signals are good |
+//! | [`counter`] | a 32-bit quadrature counter | a position |
 //! | [`encoder`] | a 16-bit quadrature counter | a position |
 //! | [`dual`] | motor and table positions | the feedback of the position loop |
 //! | [`fade`] | the offset of a scale that has returned | the same, decaying to zero |
 
+pub mod counter;
 pub mod dual;
 pub mod encoder;
 pub mod fade;

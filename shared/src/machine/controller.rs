@@ -96,13 +96,14 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     #[inline(never)]
     pub fn compensate(&mut self, axis: usize, settings: &CompensationSettings) -> Result<(), MachineError> {
         let config = self.config.as_ref().filter(|_| axis < N).ok_or(MachineError::NoSuchAxis)?;
-        let compensation = AxisCompensation::new(settings, config.rates, N)
-            .map_err(|error| MachineError::Config { axis, error })?;
-        #[expect(clippy::cast_possible_truncation, reason = "fewer axes than 256")]
-        self.references.set_dependence(axis, Dependence::of(axis as u8, settings));
-        self.apply_switches();
-        self.state.compensation.replace(axis, compensation);
-        Ok(())
+        let rates = config.rates;
+        AxisCompensation::convert_for(settings, rates, N, |compensation| {
+            #[expect(clippy::cast_possible_truncation, reason = "fewer axes than 256")]
+            self.references.set_dependence(axis, Dependence::of(axis as u8, settings));
+            self.apply_switches();
+            self.state.compensation.replace(axis, compensation);
+        })
+        .map_err(|error| MachineError::Config { axis, error })
     }
 
     /// Switches one compensation of an axis on or off. One that is [held](Machine::is_held) is applied when its axis is homed.

@@ -138,6 +138,10 @@ fn execute<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &mut
             machine.disable();
             Answer::Ready
         }
+        Order::Fault(fault) => {
+            machine.fault(*fault);
+            Answer::Ready
+        }
         Order::Tick(readings) => {
             meter.start();
             let output = tick(machine, readings);

@@ -79,8 +79,8 @@ fn stays_within_rate_and_bound<S: Scalar>(
         let from = positions;
         match action {
             0..=12 => bench.all.switch(0, CompensationKind::ALL[usize::from(action)], action % 2 == 0),
-            13 => bench.all.replace(0, AxisCompensation::new(other, RATES, 2).unwrap()),
-            14 => bench.all.replace(0, AxisCompensation::new(one, RATES, 2).unwrap()),
+            13 => bench.all.replace(0, &AxisCompensation::new(other, RATES, 2).unwrap()),
+            14 => bench.all.replace(0, &AxisCompensation::new(one, RATES, 2).unwrap()),
             _ => CompensationKind::ALL.into_iter().for_each(|item| bench.all.switch(0, item, true)),
         }
         for k in 1..=200 {
@@ -137,7 +137,7 @@ fn a_removed_compensation_fades_out() {
     }
     let before = bench.added;
     assert!(before[1][0].abs() > 1e-6 && before[2][0].abs() > 1.0, "{before:?}");
-    bench.all.replace(0, AxisCompensation::new(&none, RATES, 2).unwrap());
+    bench.all.replace(0, &AxisCompensation::new(&none, RATES, 2).unwrap());
     let mut last = before;
     for _ in 0..40_000 {
         bench.tick([0.001, 0.0], [0.001, 0.0]);

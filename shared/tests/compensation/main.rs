@@ -45,7 +45,7 @@ impl<S: Scalar> Bench<S> {
     fn new(settings: [&CompensationSettings; 2]) -> Self {
         let mut all = Compensation::none([position(0.0); 2]);
         for (axis, settings) in settings.into_iter().enumerate() {
-            all.replace(axis, AxisCompensation::new(settings, RATES, 2).unwrap());
+            all.replace(axis, &AxisCompensation::new(settings, RATES, 2).unwrap());
         }
         Self { all, added: [[0.0; 2]; 3] }
     }

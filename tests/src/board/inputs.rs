@@ -1,15 +1,24 @@
-//! A model of the inputs of the board as a function of the tick: the enable switch and the encoder of X.
+//! A model of the inputs of the board as a function of the tick: the enable switch, the encoder of X, closed safety contacts, and
+//! a supply within its limits.
 //!
 //! Each access halts the emulator while its clock runs on, so that every tick of TIM2 would be late. Therefore the
-//! first tick disables its interrupt, and each tick pends the next one after it has read its inputs.
+//! first tick disables its interrupt, and the test pends the next one when the idle loop has run for some time after the
+//! inputs were read.
 
-use firmware::setup::SWITCH_SETTLING_TICKS;
+use firmware::setup::{BUS_MV_PER_COUNT, SWITCH_SETTLING_TICKS, TEMPERATURE_MC};
 
 use super::device::Device;
 
 /// Input data of port B; bit 15 is the switch, high: closed.
 const GPIOB_IDR: u32 = 0x4002_0410;
 const SWITCH: u32 = 1 << 15;
+
+/// Limit switches (1, 5, 9, 13), drive faults (2, 3) and stop (12), high: closed, not active.
+const SAFETY_CONTACTS: u32 = 1 << 1 | 1 << 5 | 1 << 9 | 1 << 13 | 1 << 2 | 1 << 3 | 1 << 12;
+
+/// Third injected results of ADC1 and ADC2: bus voltage and temperature (RM0090, 13.13.14), for 48 V and 25 °C.
+const ADC1_JDR3: u32 = 0x4001_2044;
+const ADC2_JDR3: u32 = 0x4001_2144;
 
 /// Counters of TIM3 and TIM4, the encoders of X and Y.
 const TIM3_CNT: u32 = 0x4000_0424;
@@ -18,8 +27,11 @@ const TIM4_CNT: u32 = 0x4000_0824;
 /// First tick with the switch closed: the switch has been open for longer than its settling time.
 pub const CLOSED: u32 = SWITCH_SETTLING_TICKS + 50;
 
+/// First tick in which the switch permits an enable by a host.
+pub const ARMED: u32 = CLOSED + SWITCH_SETTLING_TICKS;
+
 /// First tick with X displaced; the drives are on.
-pub const PUSHED: u32 = CLOSED + SWITCH_SETTLING_TICKS + 50;
+pub const PUSHED: u32 = ARMED + 200;
 
 /// Counts by which X is displaced, one a tick: 5 mm/s.
 pub const COUNTS: u32 = 20;
@@ -36,9 +48,24 @@ pub struct Inputs {
     ticks: u32,
     /// Pending stores of the core: address and value.
     stores: Vec<(u32, u32)>,
+    /// Whether a tick has read its inputs, and the next one was not pended yet.
+    ticked: bool,
+    /// Safety contacts that are open: bits of port B.
+    pub open: u32,
+}
+
+/// Counts of a converter.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 4095")]
+fn counts(exact: f64) -> u32 {
+    exact.round().clamp(0.0, 4095.0) as u32
 }
 
 impl Inputs {
+    /// The store that pends the next tick, if one has read its inputs.
+    pub fn next_tick(&mut self) -> Option<(u32, u32)> {
+        std::mem::take(&mut self.ticked).then_some((NVIC_ISPR0, TIM2_PENDING))
+    }
+
     /// Takes the stores that the core has to execute before it continues: address and value.
     pub fn stores(&mut self) -> Vec<(u32, u32)> {
         std::mem::take(&mut self.stores)
@@ -47,7 +74,7 @@ impl Inputs {
 
 impl Device for Inputs {
     fn registers(&self) -> &[u32] {
-        &[GPIOB_IDR, TIM3_CNT, TIM4_CNT]
+        &[GPIOB_IDR, TIM3_CNT, TIM4_CNT, ADC1_JDR3, ADC2_JDR3]
     }
 
     fn read(&mut self, address: u32) -> u32 {
@@ -56,14 +83,16 @@ impl Device for Inputs {
                 self.ticks += 1;
                 let first = self.ticks == 1;
                 self.stores.extend(first.then_some((TIM2_DIER, 0)));
-                if self.ticks < CLOSED { 0 } else { SWITCH }
+                SAFETY_CONTACTS & !self.open | if self.ticks < CLOSED { 0 } else { SWITCH }
             }
             TIM3_CNT => self.ticks.saturating_sub(PUSHED).min(COUNTS),
             TIM4_CNT => {
                 // The start-up reads it once, before the first tick.
-                self.stores.extend((self.ticks > 0).then_some((NVIC_ISPR0, TIM2_PENDING)));
+                self.ticked |= self.ticks > 0;
                 0
             }
+            ADC1_JDR3 => counts(48_000.0 / BUS_MV_PER_COUNT),
+            ADC2_JDR3 => counts((25_000.0 - TEMPERATURE_MC[1]) / TEMPERATURE_MC[0]),
             _ => panic!("{address:#x} is not watched"),
         }
     }

@@ -15,7 +15,7 @@ pub mod inputs;
 pub mod log;
 
 use std::fs;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 use std::process::Command;
 use std::time::{Duration, Instant};
 
@@ -23,7 +23,7 @@ use crate::chip::image::Image;
 use crate::chip::memory::{Offset, Word, word};
 use crate::chip::vectors::Vectors;
 use crate::chip::walk::is_panic;
-use crate::firmware::{FLASH, RAM, TICK};
+use crate::firmware::{FLASH, RAM, SERIAL, TICK};
 use crate::gdb::{GdbError, Halt, PC, Target, Watch, XPSR};
 use tempfile::TempDir;
 
@@ -34,7 +34,13 @@ use inputs::Inputs;
 use log::Log;
 
 /// Timeout of a run: a thousand ticks take four seconds on a slow machine.
-const TIMEOUT: Duration = Duration::from_secs(40);
+const TIMEOUT: Duration = Duration::from_secs(90);
+
+/// Rounds of the idle loop between ticks where the test models the inputs.
+const ROUNDS: u32 = 3;
+
+/// Function of the idle loop: each round calls it once. A part of its mangled name.
+const IDLE_ROUND: &str = "3app5serve";
 
 /// Interval between readings of the log.
 const POLL: Duration = Duration::from_millis(50);
@@ -64,6 +70,10 @@ pub struct Chip {
     pub log: Log,
     /// For the log and the emulator's messages.
     folder: TempDir,
+    /// Address of the function of the idle loop.
+    idle_round: Vec<u32>,
+    /// Rounds of the idle loop since the last tick that was pended.
+    rounds: u32,
 }
 
 /// How a run ended.
@@ -86,14 +96,26 @@ impl Chip {
         let mut command = Command::new("qemu-system-arm");
         command
             .args(["-machine", "netduinoplus2", "-icount", "shift=0,sleep=off", "-display", "none"])
-            .args(["-monitor", "none", "-serial", "none", "-S", "-gdb", "stdio"])
+            .args(["-monitor", "none", "-serial", "null", "-serial", "null", "-serial"])
+            .arg(format!("unix:{},server=on,wait=off", folder.path().join("serial").display()))
+            .args(["-S", "-gdb", "stdio"])
             .args(["-d", "int,unimp,guest_errors", "-D"])
             .arg(&log.0)
             .arg("-kernel")
             .arg(program)
             .stderr(fs::File::create(folder.path().join("errors")).unwrap());
         let target = Target::start(&mut command).unwrap();
-        let mut chip = Self { image, vectors, target, clocks: Clocks::new(), inputs, log, folder };
+        let mut chip = Self {
+            image,
+            vectors,
+            target,
+            clocks: Clocks::new(),
+            inputs,
+            log,
+            folder,
+            idle_round: Vec::new(),
+            rounds: 0,
+        };
         chip.prepare().unwrap();
         chip
     }
@@ -108,8 +130,11 @@ impl Chip {
             self.target.watch(Watch::Write, address)?;
         }
         let tick = self.vectors.handler(TICK);
-        let handlers = self.vectors.exceptions().into_iter().filter(|&handler| handler != tick);
-        for address in handlers.chain(self.image.named(is_panic)) {
+        let serial = self.vectors.handler(SERIAL);
+        let handlers = self.vectors.exceptions().into_iter().filter(|&at| at != tick && at != serial);
+        self.idle_round = self.image.named(|name| name.contains(IDLE_ROUND));
+        let idle = self.inputs.iter().flat_map(|_| self.idle_round.clone()).collect::<Vec<_>>();
+        for address in handlers.chain(self.image.named(is_panic)).chain(idle) {
             self.target.watch(Watch::Run, address)?;
         }
         Ok(())
@@ -127,7 +152,7 @@ impl Chip {
             let halted = self.target.halted(POLL)?;
             if polled.elapsed() >= POLL {
                 polled = Instant::now();
-                if self.log.exceptions().len() >= ticks {
+                if self.ticks() >= ticks {
                     return halted
                         .map_or_else(|| self.target.stop().map(drop), |_| Ok(()))
                         .map(|()| End::Ticked);
@@ -141,12 +166,37 @@ impl Chip {
                 }
                 Some(Halt::Here) => {
                     let at = self.target.register(PC)?;
+                    if self.idle_round.contains(&at) {
+                        // A whole round has passed between two halts: then the next tick may begin.
+                        self.target.step()?;
+                        self.rounds += 1;
+                        if self.rounds >= ROUNDS
+                            && let Some((address, value)) = self.inputs.as_mut().and_then(Inputs::next_tick)
+                        {
+                            self.rounds = 0;
+                            self.store(address, value)?;
+                        }
+                        self.target.run()?;
+                        continue;
+                    }
                     let (_, function) = self.image.function_at(at).unwrap();
                     return Ok(End::Entered(function.names[0].clone()));
                 }
                 None => {}
             }
         }
+    }
+
+    /// Number of ticks that have begun.
+    #[must_use]
+    pub fn ticks(&self) -> usize {
+        self.log.exceptions().into_iter().filter(|number| *number == TICK).count()
+    }
+
+    /// Path of the socket at USART3.
+    #[must_use]
+    pub fn serial(&self) -> PathBuf {
+        self.folder.path().join("serial")
     }
 
     /// Performs the access to a watched register at which the target has halted, and skips its instruction.

@@ -1,13 +1,13 @@
 //! Checks after a run.
 
-use firmware::setup::{CRYSTAL_HZ, FULL_DUTY_N, METRES_PER_COUNT, SETTINGS, SWITCH_SETTLING_TICKS, TICK_HZ};
+use firmware::setup::{CRYSTAL_HZ, FULL_DUTY_N, METRES_PER_COUNT, SETTINGS, TICK_HZ};
 use shared::config::AxisSettings;
 use tests::chip::vectors::EXCEPTION_FRAME;
 use tests::firmware::{SELF_CALLS, TICK};
 use tests::gdb::{SP, XPSR};
 
 use tests::board::Chip;
-use tests::board::inputs::{CLOSED, COUNTS};
+use tests::board::inputs::{ARMED, COUNTS, PUSHED};
 use tests::board::log::{Access, written};
 
 /// TIM2 (RM0090, 18.4).
@@ -56,8 +56,18 @@ pub fn tick_rate_is_as_set_up(chip: &mut Chip, accesses: &[Access]) {
 
 /// Offset and bit of the clock enable of each device (RM0090, 7.3.10 to 7.3.14). Without its clock a device ignores
 /// writes.
-const CLOCK_OF: [(&str, u32, u32); 4] =
-    [("GPIOA", 0x30, 0), ("GPIOB", 0x30, 1), ("GPIOC", 0x30, 2), ("timer[1]", 0x44, 0)];
+const CLOCK_OF: [(&str, u32, u32); 6] = [
+    ("GPIOA", 0x30, 0),
+    ("GPIOB", 0x30, 1),
+    ("GPIOC", 0x30, 2),
+    ("timer[1]", 0x44, 0),
+    ("timer[8]", 0x44, 1),
+    ("DAC", 0x40, 29),
+];
+
+/// Clock enables of the devices that QEMU models, so that their accesses are not in the log: TIM2 to TIM5, USART3; ADC1, ADC2.
+const CLOCKS_OF_MODELLED: [(u32, u32); 7] =
+    [(0x40, 0), (0x40, 1), (0x40, 2), (0x40, 3), (0x40, 18), (0x44, 8), (0x44, 9)];
 
 /// The clock of each device was enabled before its first access.
 pub fn every_device_has_a_clock(accesses: &[Access]) {
@@ -69,11 +79,10 @@ pub fn every_device_has_a_clock(accesses: &[Access]) {
         };
         assert!(accesses[..first].iter().any(clocked), "{device} is used without its clock");
     }
-    // TIM2 to TIM4 are modelled, so that their accesses are not in the log.
-    for bit in 0..3 {
+    for (offset, bit) in CLOCKS_OF_MODELLED {
         let enables = |access: &Access| access.written.is_some_and(|value| value >> bit & 1 == 1);
-        let clocked = accesses.iter().any(|a| a.device == "RCC" && a.offset == 0x40 && enables(a));
-        assert!(clocked, "TIM{} without its clock", bit + 2);
+        let clocked = accesses.iter().any(|a| a.device == "RCC" && a.offset == offset && enables(a));
+        assert!(clocked, "bit {bit} of RCC + {offset:#x} is never set");
     }
 }
 
@@ -124,8 +133,8 @@ pub fn drives_stay_off_and_the_watchdog_is_fed(accesses: &[Access], ticks: usize
     assert!(key(0xaaaa) >= ticks, "fed {} times in {ticks} ticks", key(0xaaaa));
 }
 
-/// PB14 and the main output of the PWM are switched on once, when the switch has been closed for its settling time. X is
-/// displaced in the positive direction by one count per tick. The force on it is:
+/// PB14 and the main output of the PWM are switched on once, when the switch has been closed for its settling time and the host
+/// has enabled the drives. X is displaced in the positive direction by one count per tick. The force on it is:
 /// - while it moves at v: Kv·v, and at most the force at standstill in addition;
 /// - at standstill at a distance d: Kv·Kp·d by the position loop and Kv/Ti·d by the integral part, which grows by
 ///   Kv/Ti·Kp·d·t: 4 % of the sum in the 3 ms of the motion and after it. The duty is rounded to a count.
@@ -139,7 +148,7 @@ pub fn drives_come_on_and_push_back(accesses: &[Access]) {
     let on = accesses.iter().position(high).unwrap();
     // The watchdog is fed once by its start, and in each tick before the power stages are enabled.
     let fed = accesses[..on].iter().filter(|access| access.written == Some(0xaaaa)).count();
-    assert_eq!(fed, 1 + (CLOSED + SWITCH_SETTLING_TICKS) as usize, "the first tick with the drives on");
+    assert!((ARMED as usize..PUSHED as usize).contains(&fed), "{fed} ticks before the drives are on");
 
     let AxisSettings { position_gain_per_s, velocity_gain_n_s_per_m, velocity_integral_time_s, .. } =
         SETTINGS[0];
@@ -162,9 +171,9 @@ pub fn drives_come_on_and_push_back(accesses: &[Access]) {
         at_standstill - 1.0 <= last && last <= 1.04 * at_standstill + 1.0,
         "{last} counts, expected {at_standstill}"
     );
-    // PC6 is high for a negative force.
-    let directions = written(accesses, "GPIOC", 0x18).filter(|bits| bits & 0x0040_0040 != 0);
-    assert_eq!(directions.last(), Some(1 << 6));
+    // PC10 is high for a negative force.
+    let directions = written(accesses, "GPIOC", 0x18).filter(|bits| bits & 0x0400_0400 != 0);
+    assert_eq!(directions.last(), Some(1 << 10));
     // Y is at standstill at zero: its duty is exactly zero.
     assert!(counts(0x38).all(|counts| counts == 0));
 }

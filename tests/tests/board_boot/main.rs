@@ -2,20 +2,25 @@
 //!
 //! The first run leaves the enable switch open. The period between its ticks is not that of the chip, since QEMU's
 //! timer adds the time since power-up when it is started; the tick rate is computed from the registers of timers and
-//! clocks instead. The second run closes the loops: it models the switch and the encoder counters and pends each tick
-//! itself.
+//! clocks instead. The other runs close the loops: they model switches, supply and encoder counters and pend each tick, and a host
+//! at the serial port speaks the protocol of the link.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod checks;
+mod host;
 
-use tests::firmware::{RAM, TICK, built};
+use firmware::setup::{IDENTITY, RATES};
+use shared::link::{Refusal, Reply, Request};
+use shared::safety::Power;
+use tests::firmware::{RAM, SERIAL, TICK, built};
 use tests::gdb::SP;
 
 use checks::{
     drives_come_on_and_push_back, drives_stay_off_and_the_watchdog_is_fed, every_device_has_a_clock,
     power_stages, stack_depth_is_as_computed, tick_rate_is_as_set_up,
 };
-use tests::board::inputs::{COUNTS, Inputs, PUSHED};
+use host::Host;
+use tests::board::inputs::{ARMED, CLOSED, COUNTS, Inputs, PUSHED};
 use tests::board::{Chip, End};
 
 /// Number of ticks.
@@ -45,15 +50,61 @@ fn the_flashed_program_starts_and_ticks_a_thousand_times_without_an_exception() 
     drives_stay_off_and_the_watchdog_is_fed(&accesses, exceptions.len() - 1);
 }
 
-/// With switch and encoders: a closing edge of the switch enables the drives, and a displaced axis is pushed back.
-#[test]
-fn a_closing_switch_enables_the_drives_which_push_back() {
+/// Runs until the drives are on: the switch closes, and a host at the serial port says hello and enables the drives.
+fn enabled_by_a_host() -> (Chip, Host) {
     let mut chip = Chip::start(&built("board"), Some(Inputs::default()));
+    let mut host = Host::connect(&chip);
+    host.send(&Request::Hello { nonce: 77 });
+    assert_eq!(chip.run(CLOSED as usize), Ok(End::Ticked), "{}", chip.diagnostics());
+    let Some(Reply::Welcome(welcome)) = host.reply() else { panic!("no welcome; {}", chip.diagnostics()) };
+    assert_eq!((welcome.axes, welcome.rates, welcome.board.as_str()), (2, RATES, IDENTITY.board));
+    // Before the switch has settled, an enable is refused.
+    host.send(&Request::Enable);
+    assert_eq!(chip.run(CLOSED as usize + 40), Ok(End::Ticked), "{}", chip.diagnostics());
+    assert_eq!(host.reply(), Some(Reply::Refused(Refusal::NotArmed)));
+    assert_eq!(chip.run(ARMED as usize + 20), Ok(End::Ticked), "{}", chip.diagnostics());
+    assert_eq!(power_stages(&chip.log.accesses()), [false, false]);
+    host.send(&Request::Enable);
+    assert_eq!(chip.run(PUSHED as usize), Ok(End::Ticked), "{}", chip.diagnostics());
+    assert_eq!(host.reply(), Some(Reply::Done));
+    assert_eq!(power_stages(&chip.log.accesses()), [true, true]);
+    (chip, host)
+}
+
+/// With switch, encoders and a host at the serial port: the program that is flashed takes commands, the drives come on, and a
+/// displaced axis is pushed back. The status tells where it is.
+#[test]
+fn a_host_at_the_serial_port_enables_the_drives_which_push_back() {
+    let (mut chip, mut host) = enabled_by_a_host();
     let end = chip.run((PUSHED + 2 * COUNTS) as usize + 1);
     assert_eq!(end, Ok(End::Ticked), "{}", chip.diagnostics());
-    assert!(chip.log.exceptions().iter().all(|&number| number == TICK));
+    assert!(chip.log.exceptions().iter().all(|&number| number == TICK || number == SERIAL));
     stack_depth_is_as_computed(&mut chip);
     drives_come_on_and_push_back(&chip.log.accesses());
+    let ticks = chip.ticks();
+    host.send(&Request::Status);
+    assert_eq!(chip.run(ticks + 40), Ok(End::Ticked), "{}", chip.diagnostics());
+    let Some(Reply::Status(status)) = host.reply() else { panic!("no status") };
+    assert_eq!(status.power, Power::On);
+    host.send(&Request::Disable);
+    assert_eq!(chip.run(ticks + 80), Ok(End::Ticked), "{}", chip.diagnostics());
+    assert_eq!((host.reply(), power_stages(&chip.log.accesses())), (Some(Reply::Done), [false, false]));
+}
+
+/// Each safety contact that opens, and the stop, switches the drives off in the next tick; a limit switch does not while nothing
+/// moves onto it.
+#[test]
+fn an_open_safety_contact_switches_the_drives_off() {
+    // Drive faults of X and Y, the stop; the limit switch at the positive end of X.
+    for (bit, off) in [(2, true), (3, true), (12, true), (5, false)] {
+        let (mut chip, _host) = enabled_by_a_host();
+        if let Some(inputs) = &mut chip.inputs {
+            inputs.open = 1 << bit;
+        }
+        let ticks = chip.ticks();
+        assert_eq!(chip.run(ticks + 3), Ok(End::Ticked), "{}", chip.diagnostics());
+        assert_eq!(power_stages(&chip.log.accesses()), [!off; 2], "bit {bit}");
+    }
 }
 
 /// A hard fault or a failing crystal (NMI) while the drives are on: enable pin and PWM are switched off and stay off.
@@ -62,9 +113,7 @@ fn a_hard_fault_or_nmi_switches_the_power_stages_off() {
     const NMI: usize = 2;
     const HARD_FAULT: usize = 3;
     for exception in [NMI, HARD_FAULT] {
-        let mut chip = Chip::start(&built("board"), Some(Inputs::default()));
-        assert_eq!(chip.run(PUSHED as usize), Ok(End::Ticked), "{}", chip.diagnostics());
-        assert_eq!(power_stages(&chip.log.accesses()), [true, true]);
+        let (mut chip, _host) = enabled_by_a_host();
         // Several rounds of the handler's loop.
         chip.enter_handler(exception, 100).unwrap();
         assert_eq!(power_stages(&chip.log.accesses()), [false, false]);

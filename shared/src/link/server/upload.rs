@@ -6,6 +6,7 @@ use super::super::port::SharedDrive;
 use super::super::refusal::{Refusal, UploadError};
 use super::Requests;
 use crate::compensate::{AxisCompensation, CompensationSettings, Dependence};
+use crate::config::Rates;
 use crate::machine::{MachineConfig, MachineError};
 use crate::protocol::LONGEST_ORDER;
 use crate::scalar::Scalar;
@@ -96,24 +97,42 @@ fn settings(bytes: &[u8], tick_hz: u32) -> Result<BoardSettings, Refusal> {
     Ok(settings)
 }
 
-// Tables are large: not inlined, they are on the stack only here.
+// Tables are large. Each of the following functions is not inlined, and borrows from the result of the one that it calls: one
+// copy of the settings and one of the converted tables are on the stack at a time.
 #[inline(never)]
 fn compensate<'m, S: Scalar>(
     bytes: &[u8],
     axis: usize,
-    rates: crate::config::Rates,
+    rates: Rates,
     drive: &mut impl SharedDrive<'m, S>,
 ) -> Result<(), Refusal> {
     if axis >= AXES {
         return Err(Refusal::NoSuchAxis);
     }
-    let settings: CompensationSettings =
-        packet::message(bytes).map_err(|_| Refusal::Upload(UploadError::Unreadable))?;
-    let dependence = Dependence::of(u8::try_from(axis).unwrap_or(u8::MAX), &settings);
-    let compensation = AxisCompensation::<S>::new(&settings, rates, AXES)
-        .map_err(|error| MachineError::Config { axis, error })?;
-    drive.with(|drive| {
-        drive.is_off()?;
-        drive.machine_mut().set_compensation(axis, compensation, dependence).map_err(Refusal::from)
-    })
+    match compensation_settings(bytes) {
+        Ok(settings) => convert_and_set(&settings, axis, rates, drive),
+        Err(_) => Err(Refusal::Upload(UploadError::Unreadable)),
+    }
+}
+
+#[inline(never)]
+fn compensation_settings(bytes: &[u8]) -> postcard::Result<CompensationSettings> {
+    packet::message(bytes)
+}
+
+#[inline(never)]
+fn convert_and_set<'m, S: Scalar>(
+    settings: &CompensationSettings,
+    axis: usize,
+    rates: Rates,
+    drive: &mut impl SharedDrive<'m, S>,
+) -> Result<(), Refusal> {
+    let dependence = Dependence::of(u8::try_from(axis).unwrap_or(u8::MAX), settings);
+    let set = AxisCompensation::<S>::convert_for(settings, rates, AXES, |compensation| {
+        drive.with(|drive| {
+            drive.is_off()?;
+            drive.machine_mut().set_compensation(axis, compensation, dependence).map_err(Refusal::from)
+        })
+    });
+    set.unwrap_or_else(|error| Err(MachineError::Config { axis, error }.into()))
 }

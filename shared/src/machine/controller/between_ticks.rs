@@ -63,7 +63,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     pub fn set_compensation(
         &mut self,
         axis: usize,
-        compensation: AxisCompensation<S>,
+        compensation: &AxisCompensation<S>,
         dependence: Dependence,
     ) -> Result<(), MachineError> {
         if axis >= N || self.config.is_none() {

@@ -1,0 +1,49 @@
+//! The two channels of the converter for ±10 V outputs.
+
+use core::convert::Infallible;
+
+use shared::drive::pins::Dac;
+use stm32f4xx_hal::gpio::{Analog, PA4, PA5};
+use stm32f4xx_hal::pac::DAC;
+use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
+
+use crate::setup::AXES;
+
+/// Both channels.
+pub struct AnalogOutputs(DAC);
+
+impl AnalogOutputs {
+    /// Starts both channels at the given counts, which are to be 0 V behind the stages.
+    pub fn new(dac: DAC, _pins: (PA4<Analog>, PA5<Analog>), zero: [u16; AXES], rcc: &mut Rcc) -> Self {
+        DAC::enable(rcc);
+        DAC::reset(rcc);
+        let mut outputs = Self(dac);
+        for (axis, counts) in zero.into_iter().enumerate() {
+            outputs.set(axis, counts);
+        }
+        // Without a trigger, so that a value takes effect one bus cycle after it is written.
+        outputs.0.cr().write(|w| w.en1().set_bit().en2().set_bit());
+        outputs
+    }
+
+    /// Sets the channel of an axis.
+    pub fn set(&mut self, axis: usize, counts: u16) {
+        // The trait's error is impossible.
+        let Ok(()) = Channel(&self.0, axis).set_counts(counts);
+    }
+}
+
+/// One channel.
+struct Channel<'a>(&'a DAC, usize);
+
+impl Dac for Channel<'_> {
+    type Error = Infallible;
+
+    fn set_counts(&mut self, counts: u16) -> Result<(), Infallible> {
+        let counts = counts.min(4095);
+        let register = if self.1 == 0 { self.0.dhr12r1() } else { self.0.dhr12r2() };
+        // SAFETY: twelve bits.
+        register.write(|w| unsafe { w.daccdhr().bits(counts) });
+        Ok(())
+    }
+}

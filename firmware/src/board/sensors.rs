@@ -1,0 +1,132 @@
+//! The position sensors of both axes, by the table of the board.
+
+use shared::axis::Reading;
+use shared::feedback::resolver::Resolver;
+use shared::units::Position;
+use stm32f4xx_hal::pac::{TIM3, TIM4, TIM5, TIM8};
+use stm32f4xx_hal::rcc::Rcc;
+
+use super::converter::Conversions;
+use super::quadrature::{EncoderTimer, LongQuadrature, Quadrature};
+use crate::setup::{AXES, AxisTable, MotorSensor, SetupError};
+
+/// The timers of motor encoders and scales.
+pub struct Timers {
+    /// Motor encoder of X.
+    pub x: TIM3,
+    /// Motor encoder of Y.
+    pub y: TIM4,
+    /// Scale of X.
+    pub x_scale: TIM5,
+    /// Scale of Y.
+    pub y_scale: TIM8,
+}
+
+/// The sensor of a motor. A resolver is started by its first samples.
+enum Motor<Timer> {
+    Encoder(Quadrature<Timer>),
+    Resolver(Resolver, bool),
+}
+
+impl<Timer: EncoderTimer<Count = u16>> Motor<Timer> {
+    fn new(timer: Timer, sensor: &MotorSensor, rcc: &mut Rcc) -> Result<Self, SetupError> {
+        match sensor {
+            MotorSensor::Encoder { metres_per_count } => {
+                Quadrature::new(timer, *metres_per_count, rcc).map(Self::Encoder)
+            }
+            MotorSensor::Resolver(settings) => {
+                // Position zero is at phase zero of its cycle.
+                let samples = settings.offset_counts.map(i16::unsigned_abs);
+                let resolver = Resolver::new(settings, samples).ok_or(SetupError::Encoder)?;
+                Ok(Self::Resolver(resolver, false))
+            }
+        }
+    }
+
+    fn read(&mut self, samples: [u16; 2]) -> Position {
+        match self {
+            Self::Encoder(encoder) => encoder.position(),
+            Self::Resolver(resolver, is_good) => {
+                let sample = resolver.read(samples);
+                *is_good = sample.is_good;
+                sample.position
+            }
+        }
+    }
+
+    fn take_index(&mut self) -> Option<Position> {
+        match self {
+            Self::Encoder(encoder) => encoder.take_index(),
+            // A resolver is absolute within its cycle; it has no pulse.
+            Self::Resolver(..) => None,
+        }
+    }
+
+    const fn is_good(&self) -> bool {
+        match self {
+            Self::Encoder(_) => true,
+            Self::Resolver(_, is_good) => *is_good,
+        }
+    }
+}
+
+/// The sensors of both axes, read once in a tick.
+pub struct Sensors {
+    x: Motor<TIM3>,
+    y: Motor<TIM4>,
+    x_scale: Option<LongQuadrature<TIM5>>,
+    y_scale: Option<Quadrature<TIM8>>,
+    readings: [Reading; AXES],
+}
+
+impl Sensors {
+    /// Starts the counters, with position zero at the present position.
+    ///
+    /// # Errors
+    /// [`SetupError::Encoder`] for a count or a resolver of the table.
+    pub fn new(table: &[AxisTable; AXES], timers: Timers, rcc: &mut Rcc) -> Result<Self, SetupError> {
+        let [x, y] = table;
+        let x_scale = x.scale_m_per_count.map(|metres| LongQuadrature::new(timers.x_scale, metres, rcc));
+        let y_scale = y.scale_m_per_count.map(|metres| Quadrature::new(timers.y_scale, metres, rcc));
+        Ok(Self {
+            x: Motor::new(timers.x, &x.motor, rcc)?,
+            y: Motor::new(timers.y, &y.motor, rcc)?,
+            x_scale: x_scale.transpose()?,
+            y_scale: y_scale.transpose()?,
+            readings: [Reading { motor: Position(0), table: None }; AXES],
+        })
+    }
+
+    /// Reads all sensors.
+    pub fn read(&mut self, conversions: &Conversions) {
+        let [x, y] = conversions.resolvers;
+        self.readings = [
+            Reading { motor: self.x.read(x), table: self.x_scale.as_ref().map(LongQuadrature::position) },
+            Reading { motor: self.y.read(y), table: self.y_scale.as_mut().map(Quadrature::position) },
+        ];
+    }
+
+    /// The readings of this tick.
+    pub const fn readings(&self) -> [Reading; AXES] {
+        self.readings
+    }
+
+    /// The motor reading at an index pulse since the last tick.
+    pub fn motor_index(&mut self, axis: usize) -> Option<Position> {
+        if axis == 0 { self.x.take_index() } else { self.y.take_index() }
+    }
+
+    /// The scale reading at an index pulse since the last tick.
+    pub fn scale_index(&mut self, axis: usize) -> Option<Position> {
+        if axis == 0 {
+            self.x_scale.as_ref().and_then(LongQuadrature::take_index)
+        } else {
+            self.y_scale.as_mut().and_then(Quadrature::take_index)
+        }
+    }
+
+    /// Whether the signals of the motor's sensor are good.
+    pub const fn is_good(&self, axis: usize) -> bool {
+        if axis == 0 { self.x.is_good() } else { self.y.is_good() }
+    }
+}
