@@ -6,10 +6,18 @@
 //! Velocities are f32, positions are integers: a step of 12.5 µs at 1 mm/s is 12 nm, which an f32 position would lose.
 
 use shared::feedback::Reading;
-use shared::units::{PER_M, Position};
+use shared::units::{PER_M, PER_NM, Position};
 
-use super::{COUNT, INDEX_M, LEAD_M};
 use crate::setup::TICK_HZ;
+
+/// A count of the motor encoders and of the linear scales, position units: 50 nm.
+pub const COUNT: i64 = 50 * PER_NM;
+
+/// Distance between the index pulses of the motor encoders, m: a turn of the screw.
+pub const LEAD_M: f64 = 5e-3;
+
+/// Position of an index pulse, m.
+pub const INDEX_M: f64 = -0.0917;
 
 /// Mass of the motor side, reflected to the table, kg.
 pub const MOTOR_MASS_KG: f32 = 6.0;

@@ -20,13 +20,11 @@ use shared::scalar::Fixed;
 use shared::units::{PER_NM, Position};
 
 use crate::setup::{self, AXES, RATES, SWITCH_SETTLING_TICKS, SetupError, TICK_HZ};
-use axis::AxisPlant;
+pub use axis::COUNT;
+use axis::{AxisPlant, INDEX_M, LEAD_M};
 
 /// Width of the dead zone between screw and table, m. Not declared in the machine file.
 pub const BACKLASH_M: [f64; AXES] = [14e-6, 0.0];
-
-/// A count of the motor encoders and of the linear scales, position units: 50 nm.
-pub const COUNT: i64 = 50 * PER_NM;
 
 /// Travel of the axes, m; the limit switches are 5 mm beyond it.
 pub const TRAVEL_M: [f64; 2] = [-0.1, 0.1];
@@ -36,12 +34,6 @@ const START_M: [f64; AXES] = [-0.0312, 0.0174];
 
 /// Tables beyond this position are on their home switch, m.
 const HOME_SWITCH_M: f64 = -0.09;
-
-/// Distance between the index pulses of the motor encoders, m: a turn of the screw.
-const LEAD_M: f64 = 5e-3;
-
-/// Position of an index pulse, m.
-const INDEX_M: f64 = -0.0917;
 
 /// Distance of the limit switches beyond the travel, m.
 const LIMIT_SWITCH_M: f64 = 5e-3;

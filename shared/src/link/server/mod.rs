@@ -5,6 +5,7 @@
 
 mod motion;
 mod recording;
+mod state;
 mod upload;
 
 use super::HostedDrive;
@@ -17,8 +18,7 @@ use super::refusal::Refusal;
 use super::report::{Identity, Welcome};
 use crate::protocol::SOURCES;
 use crate::scalar::Scalar;
-use motion::Motion;
-use upload::Upload;
+use state::{Motion, Requests, Upload};
 
 /// Number of axes, for messages.
 #[expect(clippy::cast_possible_truncation, reason = "2")]
@@ -35,21 +35,6 @@ pub struct Server {
     /// Bytes that wait to be sent, and how many of them have been.
     out: Frame,
     sent: usize,
-}
-
-/// The state of the requests.
-#[derive(Debug)]
-struct Requests {
-    identity: Identity,
-    conversation: Conversation,
-    /// The reply to the last request that was executed.
-    kept: Frame,
-    settings: BoardSettings,
-    upload: Upload,
-    motion: Motion,
-    /// Number of the next packet of the stream, and the tick of the last one.
-    stream_packets: u32,
-    streamed_at: u64,
 }
 
 impl Server {

@@ -4,29 +4,17 @@ use super::super::message::{AXES, BoardSettings, UploadKind};
 use super::super::packet;
 use super::super::port::SharedDrive;
 use super::super::refusal::{Refusal, UploadError};
-use super::Requests;
+use super::state::{CAPACITY, Requests, Upload};
 use crate::compensate::{AxisCompensation, CompensationSettings, Dependence};
 use crate::config::Rates;
 use crate::machine::{MachineConfig, MachineError};
-use crate::protocol::LONGEST_ORDER;
 use crate::scalar::Scalar;
 
-/// Greatest number of bytes of an upload: a compensation with every table at its capacity.
-const CAPACITY: usize = LONGEST_ORDER;
-
-/// The same for messages.
+/// Greatest number of bytes of an upload, for messages.
 #[expect(clippy::cast_possible_truncation, reason = "7680")]
 const MAX_BYTES: u16 = CAPACITY as u16;
 
-/// An upload that is not complete or not applied yet.
-#[derive(Debug)]
-pub(super) struct Upload {
-    bytes: heapless::Vec<u8, CAPACITY>,
-}
-
 impl Upload {
-    pub(super) const EMPTY: Self = Self { bytes: heapless::Vec::new() };
-
     /// Appends a part.
     pub(super) fn append(&mut self, offset: u16, part: &[u8]) -> Result<(), Refusal> {
         if offset != 0 && usize::from(offset) != self.bytes.len() {
