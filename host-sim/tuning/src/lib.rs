@@ -3,42 +3,29 @@
 //!
 //! - [`velocity_loop`]: the fastest velocity loop of an axis
 //! - [`candidate`]: the position loops that are tried
+//! - [`error`]: why there is no proposal
 //! - [`outcome`]: the proposal as text and JSON
 
 pub mod candidate;
+pub mod error;
 pub mod outcome;
 pub mod velocity_loop;
 
 #[cfg(test)]
 mod tests;
 
+pub use error::TuningError;
+
 use rayon::prelude::*;
 
 use candidate::Candidate;
 use compensate::file::CompensationFile;
-use compensate::prediction::{PredictionError, TestMotion, contour_errors, total_rms_um};
+use compensate::prediction::{TestMotion, contour_errors, total_rms_um};
+use margins::MarginLimits;
 use margins::axis_margins::{self, AxisMargins};
-use margins::{MarginError, MarginLimits};
 use model::machine::Machine;
 use outcome::{Proposal, Tried};
 use plant::instruments::Instruments;
-
-/// Why no settings can be proposed.
-#[derive(Debug, thiserror::Error)]
-pub enum TuningError {
-    /// The machine file lacks what the margins follow from.
-    #[error(transparent)]
-    Margins(#[from] MarginError),
-    /// The machine cannot be simulated.
-    #[error(transparent)]
-    Simulation(#[from] PredictionError),
-    /// No velocity loop of an axis has the margins.
-    #[error("axis {axis}: no gain of the velocity loop has the margins")]
-    NoVelocityLoop {
-        /// Name of the axis.
-        axis: String,
-    },
-}
 
 /// What is tuned, and for what.
 #[derive(Clone, Copy)]

@@ -5,7 +5,7 @@
 
 use std::f64::consts::TAU;
 
-use super::TuningError;
+use super::error::TuningError;
 use margins::axis_margins::AxisLoops;
 use margins::{MarginError, MarginLimits};
 use model::axis::{Filters, Settings};

@@ -2,9 +2,9 @@
 
 use super::amplifier::Amplifier;
 use super::board::Board;
+use super::direction_check::DirectionCheck;
 use super::enable_switch::{EnableSwitch, SwitchEvent};
 use super::enabling::{Enabling, NotArmed};
-use super::first_motion::FirstMotion;
 use super::inputs::{Inputs, SupplyLimits};
 use super::limit_guard::LimitGuard;
 use super::output::{Demand, DriveOutput};
@@ -15,6 +15,13 @@ use crate::machine::{Machine, Output};
 use crate::safety::{Fault, FaultKind};
 use crate::scalar::Scalar;
 use crate::units::Position;
+
+/// A direction check with the force of its axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct FirstMotion<S, const N: usize> {
+    pub check: DirectionCheck<N>,
+    pub force: S,
+}
 
 /// A machine with its power stages, enable switch and status light. The machine, which is large, is borrowed.
 #[derive(Debug)]

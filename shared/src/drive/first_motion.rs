@@ -2,20 +2,13 @@
 
 use super::board::Board;
 use super::direction_check::{DirectionCheck, DirectionCheckError, DirectionCheckSettings, DirectionResult};
-use super::drive_system::DriveSystem;
+use super::drive_system::{DriveSystem, FirstMotion};
 use super::enable_switch::SwitchEvent;
 use super::output::DriveOutput;
 use crate::feedback::Reading;
 use crate::machine::Output;
 use crate::safety::Power;
 use crate::scalar::Scalar;
-
-/// A check with the force of its axis.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct FirstMotion<S, const N: usize> {
-    pub check: DirectionCheck<N>,
-    force: S,
-}
 
 impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
     /// Prepares a direction check of an axis. It starts when the enable switch is next closed (after it was open), which does

@@ -3,9 +3,9 @@
 use embedded_storage::nor_flash::NorFlash;
 use serde::Deserialize;
 
-use super::error::StorageError;
+use super::error::{SlotError, StorageError};
 use super::header::Header;
-use super::store::Store;
+use super::store::{Store, newest_of};
 
 /// The messages of a valid record, one after the other.
 #[derive(Clone, Copy, Debug)]
@@ -15,8 +15,24 @@ pub struct Reader {
     sequence: u32,
 }
 
+impl<F: NorFlash> Store<F> {
+    /// The newest valid record.
+    ///
+    /// # Errors
+    /// [`StorageError::NoRecord`] with the reason for each slot.
+    pub fn newest(&mut self) -> Result<Reader, StorageError> {
+        let records = self.records();
+        match newest_of(records) {
+            Some((slot, header)) => Ok(Reader::new(self.content_start(slot), header)),
+            None => {
+                Err(StorageError::NoRecord(records.map(|record| record.err().unwrap_or(SlotError::NoRecord))))
+            }
+        }
+    }
+}
+
 impl Reader {
-    pub(super) const fn new(start: u32, header: Header) -> Self {
+    const fn new(start: u32, header: Header) -> Self {
         Self { at: start, end: start + header.length, sequence: header.sequence }
     }
 

@@ -4,8 +4,6 @@ use embedded_storage::nor_flash::NorFlash;
 
 use super::error::{SlotError, StorageError};
 use super::header::{CRC, HEADER, Header};
-use super::reader::Reader;
-use super::writer::Writer;
 
 /// Where the two slots are, bytes from the start of the flash.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -20,7 +18,7 @@ pub struct Slots {
 #[derive(Debug)]
 pub struct Store<F> {
     pub(super) flash: F,
-    slots: Slots,
+    pub(super) slots: Slots,
     board: u32,
 }
 
@@ -50,36 +48,9 @@ impl<F: NorFlash> Store<F> {
         self.slots.length as usize - HEADER
     }
 
-    /// The newest valid record.
-    ///
-    /// # Errors
-    /// [`StorageError::NoRecord`] with the reason for each slot.
-    pub fn newest(&mut self) -> Result<Reader, StorageError> {
-        let records = self.records();
-        match newest_of(records) {
-            Some((slot, header)) => Ok(Reader::new(self.content_start(slot), header)),
-            None => {
-                Err(StorageError::NoRecord(records.map(|record| record.err().unwrap_or(SlotError::NoRecord))))
-            }
-        }
-    }
-
     /// For each slot, why its record cannot be used; `None` if it is valid.
     pub fn refused(&mut self) -> [Option<SlotError>; 2] {
         self.records().map(Result::err)
-    }
-
-    /// Erases the slot that does not hold the newest record, and starts a new one in it.
-    ///
-    /// # Errors
-    /// [`StorageError::Flash`].
-    pub fn writer(&mut self) -> Result<Writer<'_, F>, StorageError> {
-        let newest = newest_of(self.records());
-        let (slot, sequence) =
-            newest.map_or((0, 1), |(slot, header)| (1 - slot, header.sequence.wrapping_add(1)));
-        let start = self.start(slot);
-        self.flash.erase(start, start + self.slots.length).map_err(|_| StorageError::Flash)?;
-        Ok(Writer::new(self, slot, sequence))
     }
 
     pub(super) const fn start(&self, slot: usize) -> u32 {
@@ -97,7 +68,7 @@ impl<F: NorFlash> Store<F> {
         self.board
     }
 
-    fn records(&mut self) -> [Result<Header, SlotError>; 2] {
+    pub(super) fn records(&mut self) -> [Result<Header, SlotError>; 2] {
         [self.record(0), self.record(1)]
     }
 
@@ -130,7 +101,7 @@ impl<F: NorFlash> Store<F> {
 }
 
 /// The valid record with the greater sequence number, which wraps.
-fn newest_of(records: [Result<Header, SlotError>; 2]) -> Option<(usize, Header)> {
+pub(super) fn newest_of(records: [Result<Header, SlotError>; 2]) -> Option<(usize, Header)> {
     match records.map(Result::ok) {
         [Some(first), Some(second)] => {
             let second_is_newer = second.sequence.wrapping_sub(first.sequence).cast_signed() > 0;

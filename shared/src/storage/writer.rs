@@ -6,7 +6,7 @@ use serde::Serialize;
 
 use super::error::StorageError;
 use super::header::{CRC, HEADER, Header};
-use super::store::Store;
+use super::store::{Store, newest_of};
 
 /// A record that is being written. It becomes valid by [`Writer::commit`]; dropped before, it leaves the old record valid.
 pub struct Writer<'s, F> {
@@ -28,8 +28,23 @@ impl<F> core::fmt::Debug for Writer<'_, F> {
     }
 }
 
+impl<F: NorFlash> Store<F> {
+    /// Erases the slot that does not hold the newest record, and starts a new one in it.
+    ///
+    /// # Errors
+    /// [`StorageError::Flash`].
+    pub fn writer(&mut self) -> Result<Writer<'_, F>, StorageError> {
+        let newest = newest_of(self.records());
+        let (slot, sequence) =
+            newest.map_or((0, 1), |(slot, header)| (1 - slot, header.sequence.wrapping_add(1)));
+        let start = self.start(slot);
+        self.flash.erase(start, start + self.slots.length).map_err(|_| StorageError::Flash)?;
+        Ok(Writer::new(self, slot, sequence))
+    }
+}
+
 impl<'s, F: NorFlash> Writer<'s, F> {
-    pub(super) fn new(store: &'s mut Store<F>, slot: usize, sequence: u32) -> Self {
+    fn new(store: &'s mut Store<F>, slot: usize, sequence: u32) -> Self {
         static TABLE: crc::Crc<u32, Table<1>> = CRC;
         Self { store, slot, sequence, length: 0, digest: TABLE.digest(), pending: heapless::Vec::new() }
     }
