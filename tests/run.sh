@@ -38,7 +38,7 @@ cargo fmt --all --check
 
 step "lints"
 cargo clippy --workspace --exclude firmware --all-targets -- -D warnings
-for program in board emulated cost; do
+for program in board emulated servo cost; do
   cargo clippy --package firmware --bin "$program" --features "$program" --target "$target" -- -D warnings
 done
 
@@ -50,6 +50,7 @@ RUSTDOCFLAGS="-D warnings -A rustdoc::private_intra_doc_links" \
 step "programs of the chip"
 cargo board
 cargo emulated
+cargo servo
 
 step "tests"
 if [ -z "${LOST_MOTION_DATA:-}" ]; then

@@ -65,10 +65,10 @@ pub(crate) const fn shifted(value: u64, shift: u32) -> u32 {
 
 /// `value·2^−shift`, rounded towards −∞, saturated to 32 bits, for a shift below 32.
 #[must_use]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the two words")]
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the words")]
 pub(crate) const fn shifted_signed(value: i64, shift: u32) -> i32 {
     let (low, high, shift) = (value as u32, (value >> 32) as i32, shift & 31);
-    let shifted = ((low >> shift) | (((high as u32) << 1) << (31 - shift))) as i32;
+    let shifted = ((low >> shift) | ((high.cast_unsigned() << 1) << (31 - shift))).cast_signed();
     if high >> shift == shifted >> 31 { shifted } else { i32::MAX ^ (high >> 31) }
 }
 

@@ -61,6 +61,16 @@ fn the_ticks_of_the_emulated_core_cannot_panic() {
     }
 }
 
+/// The tick of the emulated servo board: the simulated machine, the loops, the supervision of the host, recording and stream.
+#[test]
+fn the_tick_of_the_servo_board_cannot_panic() {
+    /// The exception of the system timer.
+    const SYSTEM_TIMER: usize = 15;
+    let image = program("servo");
+    let tick = Vectors::read(&image, 0).handler(SYSTEM_TIMER);
+    assert_panic_free(&image, &walk(&image, &[tick]), 5, 2500);
+}
+
 /// Machine code by hand at 0x1000: a tick with a tail call of a function that calls a panic.
 #[test]
 fn a_panic_behind_a_tail_call_is_found_and_data_is_not_decoded() {

@@ -95,6 +95,15 @@ fn stack_and_static_data_of_the_emulated_core_fit_the_same_ram() {
     assert!(data + stack + RESERVE_BYTES <= RAM_BYTES, "{data} B of static data, {stack} B of stack");
 }
 
+/// The emulated servo board has the memory of its linker script. The chip of the board has 192 KiB in both banks, which a recording
+/// of half a second and the conversion of a compensation on the stack exceed together.
+#[test]
+fn stack_and_static_data_of_the_servo_board_fit_its_memory() {
+    const SERVO_RAM: u32 = 256 * 1024;
+    let (_, _, [data, stack]) = ram_use("servo", 0);
+    assert!(data + stack + RESERVE_BYTES <= SERVO_RAM, "{data} B of static data, {stack} B of stack");
+}
+
 /// A program by hand at 0x1000, with a function for each slice of halfwords.
 fn by_hand(functions: &[&[u16]]) -> Image {
     let mut image = Image { marks: BTreeMap::from([(0x1000, true)]), ..Image::default() };

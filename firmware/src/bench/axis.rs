@@ -6,10 +6,18 @@
 //! Velocities are f32, positions are integers: a step of 12.5 µs at 1 mm/s is 12 nm, which an f32 position would lose.
 
 use shared::feedback::Reading;
-use shared::units::{PER_M, Position};
+use shared::units::{PER_M, PER_NM, Position};
 
-use super::{COUNT, INDEX_M, LEAD_M};
 use crate::setup::TICK_HZ;
+
+/// A count of the motor encoders and of the linear scales, position units: 50 nm.
+pub const COUNT: i64 = 50 * PER_NM;
+
+/// Distance between the index pulses of the motor encoders, m: a turn of the screw.
+pub const LEAD_M: f64 = 5e-3;
+
+/// Position of an index pulse, m.
+pub const INDEX_M: f64 = -0.0917;
 
 /// Mass of the motor side, reflected to the table, kg.
 pub const MOTOR_MASS_KG: f32 = 6.0;
@@ -31,6 +39,7 @@ const STEPS: u32 = 4;
 const STEP_S: f32 = 1.0 / (TICK_HZ * STEPS) as f32;
 
 /// Position units in a metre.
+#[expect(clippy::cast_possible_truncation, reason = "rounded to 24 bits")]
 const UNITS: f32 = PER_M as f32;
 
 /// An axis.
@@ -80,7 +89,7 @@ impl AxisPlant {
             let moving = screw_n - VISCOUS_N_S_PER_M * self.table_velocity;
             let free = self.table_velocity + STEP_S / TABLE_MASS_KG * moving;
             let friction = STEP_S / TABLE_MASS_KG * COULOMB_N;
-            self.table_velocity = free - free.clamp(-friction, friction);
+            self.table_velocity = free - within(free, friction);
             #[expect(clippy::cast_possible_truncation, reason = "a position unit")]
             let way = |velocity: f32| (velocity * (STEP_S * UNITS)) as i64;
             self.motor = self.motor.wrapping_add(way(self.motor_velocity));
@@ -120,7 +129,7 @@ impl AxisPlant {
     /// Force of the motor on the table, N.
     fn screw_force(&self) -> f32 {
         let stretch = self.motor.wrapping_sub(self.table) as f32 / UNITS;
-        let beyond = stretch - stretch.clamp(-self.half_gap_m, self.half_gap_m);
+        let beyond = stretch - within(stretch, self.half_gap_m);
         let force =
             STIFFNESS_N_PER_M * beyond + DAMPING_N_S_PER_M * (self.motor_velocity - self.table_velocity);
         // A flank can only push.
@@ -141,9 +150,18 @@ impl AxisPlant {
     }
 }
 
-/// Lead and position of an index pulse, position units.
+/// Lead, position units.
+#[expect(clippy::cast_possible_truncation, reason = "within the travel")]
 const LEAD: i64 = (LEAD_M * PER_M) as i64;
+
+/// Position of an index pulse, position units.
+#[expect(clippy::cast_possible_truncation, reason = "within the travel")]
 const INDEX: i64 = (INDEX_M * PER_M) as i64;
+
+/// A value limited to ± `limit`; `clamp` could panic.
+const fn within(value: f32, limit: f32) -> f32 {
+    value.max(-limit).min(limit)
+}
 
 /// Number of the turn of the motor, counted from an index pulse.
 const fn turn(position: i64) -> i64 {

@@ -20,13 +20,11 @@ use shared::scalar::Fixed;
 use shared::units::{PER_NM, Position};
 
 use crate::setup::{self, AXES, RATES, SWITCH_SETTLING_TICKS, SetupError, TICK_HZ};
-use axis::AxisPlant;
+pub use axis::COUNT;
+use axis::{AxisPlant, INDEX_M, LEAD_M};
 
 /// Width of the dead zone between screw and table, m. Not declared in the machine file.
 pub const BACKLASH_M: [f64; AXES] = [14e-6, 0.0];
-
-/// A count of the motor encoders and of the linear scales, position units: 50 nm.
-pub const COUNT: i64 = 50 * PER_NM;
 
 /// Travel of the axes, m; the limit switches are 5 mm beyond it.
 pub const TRAVEL_M: [f64; 2] = [-0.1, 0.1];
@@ -36,12 +34,6 @@ const START_M: [f64; AXES] = [-0.0312, 0.0174];
 
 /// Tables beyond this position are on their home switch, m.
 const HOME_SWITCH_M: f64 = -0.09;
-
-/// Distance between the index pulses of the motor encoders, m: a turn of the screw.
-const LEAD_M: f64 = 5e-3;
-
-/// Position of an index pulse, m.
-const INDEX_M: f64 = -0.0917;
 
 /// Distance of the limit switches beyond the travel, m.
 const LIMIT_SWITCH_M: f64 = 5e-3;
@@ -69,6 +61,11 @@ const HOMING: HomingSettings = HomingSettings {
 
 /// PWM counts of full duty.
 const FULL_COUNTS: u16 = 8400;
+
+/// Force of a PWM count, N.
+#[expect(clippy::cast_possible_truncation, reason = "rounded to 24 bits")]
+const N_PER_COUNT: [f32; AXES] =
+    [setup::FULL_DUTY_N[0] as f32 / FULL_COUNTS as f32, setup::FULL_DUTY_N[1] as f32 / FULL_COUNTS as f32];
 
 /// The settings of the controller at the start.
 pub const SETTINGS: BoardSettings = BoardSettings {
@@ -183,10 +180,10 @@ impl Board<AXES, DriveSignal> for Bench {
     }
 
     fn set_duties(&mut self, signals: [DriveSignal; AXES]) {
-        for ((force, signal), full_n) in self.forces.iter_mut().zip(signals).zip(setup::FULL_DUTY_N) {
+        for ((force, signal), n_per_count) in self.forces.iter_mut().zip(signals).zip(N_PER_COUNT) {
             // The drives of the bench have PWM and direction.
             let duty = if let DriveSignal::Pwm(duty) = signal { duty } else { Duty::default() };
-            let magnitude = f32::from(duty.counts) * (full_n as f32 / f32::from(FULL_COUNTS));
+            let magnitude = f32::from(duty.counts) * n_per_count;
             *force = if duty.reverse { -magnitude } else { magnitude };
         }
     }

@@ -28,11 +28,17 @@ const CLOCK_HZ: u32 = 25_000_000;
 /// Memory for a recording, bytes: half a second of both axes at 20 kHz.
 const CAPTURE_BYTES: usize = 80 * 1024;
 
+/// The server at the start: a constant, so that it is not assembled on the stack.
+const SERVER: Server = Server::new(IDENTITY, SETTINGS);
+
 /// Ticks without a byte from the link or the bench after which the emulator ends: ten minutes.
 const ABANDONED_TICKS: u64 = 600 * TICK_HZ as u64;
 
 /// Ticks after which an input of the bench has settled: 50 ms, beyond the 20 ms of the enable switch.
 const SETTLED_TICKS: u64 = 1000;
+
+/// Ticks after the last byte in which the program does not sleep: a second. The drives come on within them.
+const AWAKE_TICKS: u64 = TICK_HZ as u64;
 
 /// The drives, and the machine that they move.
 struct Plant {
@@ -117,10 +123,11 @@ fn main() -> ! {
 }
 
 /// Starts the ticks and serves the link. `None` if the board cannot be started.
+#[expect(clippy::large_stack_arrays, reason = "the initial value of a static")]
 fn run() -> Option<()> {
     let machine = cortex_m::singleton!(: Machine<Fixed, AXES> = Machine::UNCONFIGURED)?;
     let capture = cortex_m::singleton!(: [u8; CAPTURE_BYTES] = [0; CAPTURE_BYTES])?;
-    let server = cortex_m::singleton!(: Server = Server::new(IDENTITY, SETTINGS))?;
+    let server = cortex_m::singleton!(: Server = SERVER)?;
     let system = drive_system(machine).ok()?;
     let drive = HostedDrive::new(system, TICK_HZ, IDENTITY.times, &IDENTITY.steps, capture);
     let plant = Plant { drive, bench: Bench::new() };
@@ -160,7 +167,7 @@ fn run() -> Option<()> {
             if now - served_at > ABANDONED_TICKS {
                 exit(EXIT_SUCCESS);
             }
-            wait(with_plant(|plant| plant.drive.machine().power().is_on()));
+            wait(now < AWAKE_TICKS + served_at || with_plant(|plant| plant.drive.machine().power().is_on()));
         }
     }
 }
@@ -196,13 +203,14 @@ unsafe impl interrupt::InterruptNumber for Interrupt {
     }
 }
 
-/// Instructions between two looks at the ports with the drives on: 8 µs of the emulated clock.
+/// Instructions between two looks at the ports: 8 µs of the emulated clock.
 const PAUSE: u32 = 2000;
 
-/// Lets time pass. With the drives on, by instructions: while a processor sleeps, QEMU takes the time from the host, which skips
-/// ticks when it is late. With the drives off a skipped tick does not matter, and the host has less to do.
-fn wait(drives_on: bool) {
-    if drives_on {
+/// Lets time pass. Awake, by instructions: while a processor sleeps, QEMU takes the time from the host, which skips ticks when
+/// it is late, and a drive that comes on then would find its next tick due. With the drives off and nobody there, a skipped tick
+/// does not matter, and the host has less to do.
+fn wait(awake: bool) {
+    if awake {
         cortex_m::asm::delay(PAUSE);
         return;
     }

@@ -15,6 +15,7 @@ const CORE_COUPLED_BYTES: usize = 64 * 1024;
 ///
 /// # Safety
 /// To be called once.
+#[must_use]
 pub unsafe fn capture_memory() -> &'static mut [u8] {
     // SAFETY: RAM of the chip outside of what the linker uses, with some content; by the condition of this function there is no
     // other reference to it.

@@ -104,6 +104,21 @@ pub fn all_compensations(axis: usize) -> CompensationSettings {
     }
 }
 
+/// The nine compensations that there were when the aim of 1600 instructions was set, with one period each.
+#[must_use]
+pub fn nine_compensations(axis: usize) -> CompensationSettings {
+    let all = all_compensations(axis);
+    CompensationSettings {
+        dividing: all.dividing.into_iter().take(1).collect(),
+        ripple: all.ripple.into_iter().take(1).collect(),
+        screw: Default::default(),
+        force: None,
+        stretch_m_per_n: None,
+        drift: None,
+        ..all
+    }
+}
+
 /// Compensations of a single axis whose cost is a row of its own; the first one compensates nothing.
 #[must_use]
 pub fn single_compensations() -> [(&'static str, CompensationSettings); 6] {
@@ -207,9 +222,23 @@ fn quantised(m: f64) -> Position {
 /// A machine with the program queued and the enable requested. `None` if it rejects a setting or a block.
 #[must_use]
 pub fn machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
-    let mut machine = Machine::new(RATES, &[full_axis(); AXES], START).ok()?;
+    compensated(&full_axis(), all_compensations, program)
+}
+
+/// The same with what there was when the aim of 1600 instructions was set.
+#[must_use]
+pub fn nine_machine<S: Scalar>(program: &[Block<AXES>]) -> Option<Machine<S, AXES>> {
+    compensated(&AxisSettings { feedforward_ahead_s: 0.0, ..full_axis() }, nine_compensations, program)
+}
+
+fn compensated<S: Scalar>(
+    axis: &AxisSettings,
+    compensations: fn(usize) -> CompensationSettings,
+    program: &[Block<AXES>],
+) -> Option<Machine<S, AXES>> {
+    let mut machine = Machine::new(RATES, &[*axis; AXES], START).ok()?;
     for axis in 0..AXES {
-        machine.compensate(axis, &all_compensations(axis)).ok()?;
+        machine.compensate(axis, &compensations(axis)).ok()?;
     }
     ready(machine, program)
 }

@@ -124,6 +124,9 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     let mut plain = motion::plain_machine::<S>(&PROGRAM)?;
     plain.tick(&first.readings);
     part.of("tick of two axes, path and loops", others, plain, |machine, tick| machine.tick(&tick.readings));
+    let mut nine = motion::nine_machine::<S>(&PROGRAM)?;
+    nine.tick(&first.readings);
+    part.of("tick, nine compensations", others, nine, |machine, tick| machine.tick(&tick.readings));
     let mut moving = motion::machine::<S>(&PROGRAM)?;
     moving.tick(&first.readings);
     part.of("tick of two axes, all on", others, moving, |machine, tick| machine.tick(&tick.readings));

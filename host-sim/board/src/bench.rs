@@ -11,7 +11,7 @@ use std::process::{Command, Stdio};
 use std::thread;
 use std::time::{Duration, Instant};
 
-use crate::client::BoardError;
+use crate::error::BoardError;
 use crate::port::Port;
 
 /// The emulator's program.

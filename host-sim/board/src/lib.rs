@@ -1,6 +1,7 @@
 //! A servo board at the end of a byte stream: the host's side of [`shared::link`].
 //!
-//! - [`port`]: serial ports and sockets by their names
+//! - [`port`]: an open serial port or socket
+//! - [`mod@open`]: ports by their names
 //! - [`bench`]: the emulated servo board, which lives on between commands, and the switches of its machine
 //! - [`client`]: requests with their replies, repeated where they are lost
 //! - [`transfer`]: uploads and recordings in parts
@@ -10,11 +11,15 @@
 
 pub mod bench;
 pub mod client;
+pub mod error;
 pub mod motion;
+pub mod open;
 pub mod port;
 pub mod refusal;
 pub mod samples;
 pub mod transfer;
 
-pub use client::{BoardError, Client};
-pub use port::{Port, open};
+pub use client::Client;
+pub use error::BoardError;
+pub use open::open;
+pub use port::Port;

@@ -7,7 +7,8 @@ use shared::link::message::{AXES, Request};
 use shared::link::report::{Activity, Status};
 use shared::safety::Power;
 
-use crate::client::{BoardError, Client};
+use crate::client::Client;
+use crate::error::BoardError;
 use crate::refusal;
 
 /// Time between two requests while axes move: far less than the silence that holds them.

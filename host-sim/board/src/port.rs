@@ -1,15 +1,9 @@
-//! Ports by their names.
+//! An open port.
 
 use std::io::{self, Read, Write};
-use std::os::unix::fs::FileTypeExt;
 use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
-
-use files::error::quoted;
-
-use crate::bench::Bench;
-use crate::client::BoardError;
 
 /// Bits per second of a serial port. USB ignores it.
 const BAUD: u32 = 921_600;
@@ -42,7 +36,11 @@ impl Port {
         Ok(Self(Box::new(stream)))
     }
 
-    fn serial(path: &str) -> serialport::Result<Self> {
+    /// A serial port.
+    ///
+    /// # Errors
+    /// If it cannot be opened.
+    pub fn serial(path: &str) -> serialport::Result<Self> {
         // Opened for this program only.
         let port = serialport::new(path, BAUD).timeout(READ_TIMEOUT).open()?;
         Ok(Self(Box::new(port)))
@@ -75,36 +73,4 @@ impl Port {
             other => other,
         }
     }
-}
-
-/// Opens a port: `bench` or `emulated` for the emulated servo board, which is started if it does not run; the path of a
-/// socket; otherwise the name of a serial port.
-///
-/// # Errors
-/// [`BoardError::Port`] in one line.
-pub fn open(name: &str) -> Result<Port, BoardError> {
-    if is_bench(name) {
-        return Bench::start()?.link();
-    }
-    let failed = |problem: String| BoardError::Port(format!("{}: {problem}", quoted(name)));
-    let is_socket = std::fs::metadata(name).is_ok_and(|file| file.file_type().is_socket());
-    if is_socket {
-        return Port::socket(Path::new(name)).map_err(|error| failed(error.to_string()));
-    }
-    Port::serial(name).map_err(|error| {
-        failed(format!("{error}; expected bench (the emulated board) or one of: {}", list().join(", ")))
-    })
-}
-
-/// Whether a name is that of the emulated servo board.
-#[must_use]
-pub fn is_bench(name: &str) -> bool {
-    name == "bench" || name == "emulated"
-}
-
-/// The names of the serial ports of this computer, and of the emulated board.
-#[must_use]
-pub fn list() -> Vec<String> {
-    let ports = serialport::available_ports().unwrap_or_default();
-    std::iter::once("bench".to_owned()).chain(ports.into_iter().map(|port| port.port_name)).collect()
 }

@@ -5,7 +5,8 @@ use shared::link::message::{AXES, PART, Reply, Request, UploadKind};
 use shared::link::packet;
 use shared::link::report::CaptureReport;
 
-use crate::client::{BoardError, Client};
+use crate::client::Client;
+use crate::error::BoardError;
 use crate::samples::{self, AxisSample};
 
 /// Greatest number of bytes of an upload.

@@ -169,7 +169,7 @@ mod tests {
         let mut memory = CaptureMemory::<1>::new(&mut bytes);
         memory.arm(Trigger::Now, u32::MAX, 1);
         assert!(memory.takes(9, false, true));
-        let value = |k: i64| [[k * k * 1_000_003, -k * 77_777, k % 7 << 40, k]];
+        let value = |k: i64| [[k * k * 1_000_003, -k * 77_777, (k % 7) << 40, k]];
         let mut given = 0;
         while memory.state() == CaptureState::Recording {
             memory.append(&value(given));

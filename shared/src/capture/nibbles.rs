@@ -21,7 +21,6 @@ impl Writer {
     pub fn push(&mut self, value: i64, bytes: &mut [u8]) -> bool {
         let mut rest = ((value << 1) ^ (value >> 63)).cast_unsigned();
         loop {
-            #[expect(clippy::cast_possible_truncation, reason = "three bits")]
             let low = (rest & 7) as u8;
             rest >>= 3;
             let group = if rest == 0 { low } else { low | MORE };

@@ -164,7 +164,7 @@ mod steps {
     use serde::{Deserialize, Deserializer, Serialize, Serializer};
 
     pub fn serialize<S: Serializer, const N: usize>(steps: &[i64; N], to: S) -> Result<S::Ok, S::Error> {
-        heapless::Vec::<i64, N>::from_iter(steps.iter().copied()).serialize(to)
+        steps.iter().copied().collect::<heapless::Vec<i64, N>>().serialize(to)
     }
 
     pub fn deserialize<'de, D: Deserializer<'de>, const N: usize>(from: D) -> Result<[i64; N], D::Error> {

@@ -264,9 +264,10 @@ fn curves(motor: Friction, table: Friction, presliding: bool, sign_width: f64) -
     SpeedCurves::new(4.0 * greatest, |speed| {
         let sign = libm::tanh(speed / sign_width);
         let motor = motor.over_greatest(speed) * sign;
-        match presliding {
-            true => [table.over_greatest(speed), table.least_over_level(speed), motor],
-            false => [table.over_greatest(speed) * sign, sign, motor],
+        if presliding {
+            [table.over_greatest(speed), table.least_over_level(speed), motor]
+        } else {
+            [table.over_greatest(speed) * sign, sign, motor]
         }
     })
 }

@@ -3,8 +3,10 @@
 use heapless::Deque;
 use serde::{Deserialize, Serialize};
 
-use super::message::HISTORY;
 use crate::safety::{Fault, Power};
+
+/// Number of entries.
+pub const HISTORY: usize = 16;
 
 /// What has happened.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]

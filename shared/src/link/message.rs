@@ -2,6 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
+pub use super::history::HISTORY;
 use super::history::HistoryEntry;
 use super::refusal::Refusal;
 use super::report::{CaptureReport, Status, Welcome};
@@ -20,9 +21,6 @@ pub const READ: usize = 384;
 
 /// Greatest number of blocks of a motion.
 pub const MOTION_BLOCKS: usize = 64;
-
-/// Entries of the fault history in a reply.
-pub const HISTORY: usize = 16;
 
 /// The settings of the controller on a board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -158,7 +156,6 @@ pub enum Request {
 
 /// The reply to a request.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(clippy::large_enum_variant, reason = "one reply at a time, and nothing to allocate it from")]
 pub enum Reply {
     /// A session is open.
     Welcome(Welcome),
@@ -178,7 +175,6 @@ pub enum Reply {
 
 /// What a board sends.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
-#[expect(clippy::large_enum_variant, reason = "one message at a time, and nothing to allocate it from")]
 pub enum FromBoard {
     /// The reply to a request, with its sequence number.
     Reply(Reply),

@@ -208,7 +208,7 @@ mod tests {
 
     #[test]
     fn a_message_that_is_too_long_is_refused() {
-        let message = |bytes| heapless::Vec::<u8, 600>::from_iter(core::iter::repeat_n(1, bytes));
+        let message = |bytes| core::iter::repeat_n(1, bytes).collect::<heapless::Vec<u8, 600>>();
         let mut frame = Frame::new();
         // Two bytes are the length in postcard.
         assert_eq!(encode(HEAD, &message(MAX_MESSAGE - 2), &mut frame), Ok(()));

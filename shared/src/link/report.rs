@@ -179,7 +179,7 @@ pub struct Status {
     pub capture: CaptureState,
     /// Samples of the stream that were lost.
     pub lost_samples: u32,
-    /// What the link has received.
+    /// What the link has received before this request.
     pub link: LinkCounts,
 }
 

@@ -22,33 +22,33 @@ pub enum Silence {
 /// Counts the ticks since the last packet of the host.
 #[derive(Clone, Copy, Debug)]
 pub struct HostWatch {
-    hold_ticks: u32,
-    off_ticks: u32,
-    silent_ticks: u32,
+    hold_after: u32,
+    off_after: u32,
+    silent: u32,
 }
 
 impl HostWatch {
     /// The silences after which the path is held and the drives are disabled, ticks.
     #[must_use]
-    pub const fn new(hold_ticks: u32, off_ticks: u32) -> Self {
-        Self { hold_ticks, off_ticks, silent_ticks: 0 }
+    pub const fn new(hold_after: u32, off_after: u32) -> Self {
+        Self { hold_after, off_after, silent: 0 }
     }
 
     /// A packet of the present session has been received.
     pub const fn heard(&mut self) {
-        self.silent_ticks = 0;
+        self.silent = 0;
     }
 
     /// Once per tick. Drives that are off are not supervised.
     pub const fn tick(&mut self, drives_on: bool) -> Option<Silence> {
         if !drives_on {
-            self.silent_ticks = 0;
+            self.silent = 0;
             return None;
         }
-        self.silent_ticks = self.silent_ticks.saturating_add(1);
-        if self.silent_ticks == self.off_ticks {
+        self.silent = self.silent.saturating_add(1);
+        if self.silent == self.off_after {
             Some(Silence::Off)
-        } else if self.silent_ticks == self.hold_ticks {
+        } else if self.silent == self.hold_after {
             Some(Silence::Hold)
         } else {
             None

@@ -52,7 +52,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Action::RestoreScale => (b'g', "The scale of x has its signal."),
         Action::End => (END, "The emulator has ended."),
     };
-    if !(byte == END && !Bench::is_running()) {
+    if byte != END || Bench::is_running() {
         Bench::start()?.operate(byte)?;
     }
     print(done)

@@ -92,6 +92,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let Some(out) = &arguments.out else {
         return Err(InputError::expected("--out", "a log to write", "none").into());
     };
+    while client.capture_report()?.state == CaptureState::Recording {
+        client.listen(POLL)?;
+    }
     let bytes = client.capture_report()?.bytes;
     let samples = client.read_capture()?;
     let has_scale = write_log(out, 1.0 / tick_hz, &samples)?;

@@ -51,7 +51,7 @@ pub fn connect(port: &str, timeout_s: f64) -> Result<Client> {
         let expected = format!("seconds above 0 and up to {MAX_TIMEOUT_S}");
         return Err(InputError::expected("--timeout-s", expected, timeout_s).into());
     }
-    let is_bench = board::port::is_bench(port);
+    let is_bench = board::open::is_bench(port);
     let port = board::open(port).map_err(|error| match error {
         BoardError::Port(problem) => InputError::new("--port", problem).into(),
         error => anyhow::Error::from(error),

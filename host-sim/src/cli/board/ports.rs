@@ -9,5 +9,5 @@ use crate::cli::outputs::print;
 /// # Errors
 /// Output that cannot be written.
 pub fn run() -> Result<()> {
-    print(&board::port::list().join("\n"))
+    print(&board::open::list().join("\n"))
 }

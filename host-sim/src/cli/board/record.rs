@@ -13,10 +13,11 @@ use ::board::refusal::AXIS_NAMES;
 use ::board::samples::{self, AxisSample};
 use ::board::{BoardError, Client};
 use files::error::InputError;
+use link::controller::PathBlock;
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::machine_path::MachinePath;
-use shared::interpolate::Block;
+use shared::interpolate::{Block, PathError};
 use shared::link::message::{AXES, MOTION_BLOCKS, Request};
 use shared::link::refusal::Refusal;
 
@@ -63,7 +64,7 @@ pub fn run(recording: &Recording<'_>) -> Result<()> {
     // The same check as for an upload: two axes with the keys of a controller.
     upload::settings(machine, recording.machine_file)?;
     let path = MachinePath::new(motion, machine, motion_file)?;
-    let blocks: Vec<Block<AXES>> = path.blocks.iter().filter_map(|block| block.for_axes()).collect();
+    let blocks: Vec<Block<AXES>> = path.blocks.iter().filter_map(PathBlock::for_axes).collect();
     if blocks.len() > MOTION_BLOCKS {
         let expected = format!("at most {MOTION_BLOCKS} blocks, which the board holds");
         return Err(InputError::expected(motion_file, expected, blocks.len()).at_key("block").into());
@@ -177,6 +178,8 @@ fn refused(error: BoardError, motion_file: &str) -> anyhow::Error {
 
 fn refused_at(error: BoardError, motion_file: &str, key: impl Fn(u16) -> String) -> anyhow::Error {
     match &error {
+        // Not a fault of the file.
+        BoardError::Refused(Refusal::Path { error: PathError::NotHomed { .. }, .. }) => error.into(),
         BoardError::Refused(Refusal::Path { block, .. } | Refusal::TooFast { block, .. }) => {
             InputError::new(motion_file, error.to_string()).at_key(&key(*block)).into()
         }

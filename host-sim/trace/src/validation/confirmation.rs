@@ -69,6 +69,12 @@ pub fn confirm(
         }
         progress(&format!("{name}: testing what was found on the validation logs"));
         let reported = reported(fit_data, validate, &axis);
+        // The reported intervals contain what earlier fits leave uncertain, too.
+        if let Some(one) = reported.iter().find(|one| one.found.may_be_zero()) {
+            progress(&format!("{name}: the interval of {} contains zero", one.found.effect.name()));
+            axis = axis.without(fit_data, one.index);
+            continue;
+        }
         let losses = reported.iter().filter_map(|one| Some((one.loss?, one)));
         // First each effect is tested as it was added, without the later ones; then by removing only this effect.
         if let Some((_, one)) = losses.min_by(|a, b| a.0.total_cmp(&b.0)) {

@@ -2,8 +2,9 @@
 
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
-use crate::fit::intervals::{covariance, half_widths};
-use crate::fit::least_squares;
+use crate::fit::intervals::{Covariance, covariance, half_widths};
+use crate::fit::least_squares::{self, Fitted};
+use crate::fit::scope::Scope;
 use crate::fit::scope_fit::ScopeFit;
 use crate::fit::total_mass;
 use crate::fit::upstream::covariance_after;
@@ -63,21 +64,23 @@ impl FittedAxis {
     /// subtracted.
     #[must_use]
     pub fn half_widths(&self, data: &FitData<'_>, index: usize) -> Vec<f64> {
-        let effect = &self.model.found()[index];
-        let fit = self.fits.iter().find(|fit| fit.scope.holds(effect));
-        fit.map_or_else(Vec::new, |ScopeFit { fitted_scope, fitted, .. }| {
-            half_widths(effect, &covariance(data, fitted), fitted.model.indices_of(fitted_scope, index))
-        })
+        self.half_widths_by(index, |_, fitted| covariance(data, fitted))
     }
 
     /// The same, with the uncertainty of what an earlier fit determined: see [`crate::fit::upstream`].
     #[must_use]
     pub fn full_half_widths(&self, data: &FitData<'_>, index: usize) -> Vec<f64> {
+        self.half_widths_by(index, |scope, fitted| {
+            covariance_after(data, &self.fits, &self.model, (scope, fitted))
+        })
+    }
+
+    fn half_widths_by(&self, index: usize, covariance: impl Fn(&Scope, &Fitted) -> Covariance) -> Vec<f64> {
         let effect = &self.model.found()[index];
         let fit = self.fits.iter().find(|fit| fit.scope.holds(effect));
         fit.map_or_else(Vec::new, |ScopeFit { fitted_scope, fitted, .. }| {
-            let covariance = covariance_after(data, &self.fits, &self.model, (fitted_scope, fitted));
-            half_widths(effect, &covariance, fitted.model.indices_of(fitted_scope, index))
+            let indices = fitted.model.indices_of(fitted_scope, index);
+            half_widths(effect, &covariance(fitted_scope, fitted), indices)
         })
     }
 }

@@ -26,4 +26,11 @@ impl FoundEffect {
     pub fn validate_reduction_percent(&self) -> f64 {
         100.0 * (1.0 - self.after.validate / self.before.validate.max(f64::MIN_POSITIVE))
     }
+
+    /// Whether the interval of its size contains zero.
+    #[must_use]
+    pub fn may_be_zero(&self) -> bool {
+        let size = self.effect.values().first().copied().unwrap_or(0.0);
+        self.half_widths.first().is_some_and(|half_width| size.abs() <= *half_width)
+    }
 }

@@ -163,6 +163,7 @@ impl Profile {
 
     /// Computes the end of a segment that ends within the next tick, so that the work is spread over two ticks.
     #[cold]
+    #[inline(never)]
     fn prepare_segment_end(&self, progress: &mut Progress) {
         let mut motion = progress.motion();
         motion.advance(self.jerk_sixth(progress.segment), progress.remaining);

@@ -5,11 +5,10 @@
 
 mod motion;
 mod recording;
+mod state;
 mod upload;
 
-#[cfg(test)]
-mod tests;
-
+use super::HostedDrive;
 use super::conversation::{Conversation, Verdict};
 use super::message::{AXES, BoardSettings, FromBoard, Reply, Request};
 use super::packet::{self, Frame, Header, Packet, PacketError, VERSION};
@@ -19,8 +18,11 @@ use super::refusal::Refusal;
 use super::report::{Identity, Welcome};
 use crate::protocol::SOURCES;
 use crate::scalar::Scalar;
-use motion::Motion;
-use upload::Upload;
+use state::{Motion, Requests, Upload};
+
+/// Number of axes, for messages.
+#[expect(clippy::cast_possible_truncation, reason = "2")]
+const AXIS_COUNT: u8 = AXES as u8;
 
 /// Greatest number of bytes that are taken in one call.
 const BYTES_PER_POLL: usize = 64;
@@ -33,21 +35,6 @@ pub struct Server {
     /// Bytes that wait to be sent, and how many of them have been.
     out: Frame,
     sent: usize,
-}
-
-/// The state of the requests.
-#[derive(Debug)]
-struct Requests {
-    identity: Identity,
-    conversation: Conversation,
-    /// The reply to the last request that was executed.
-    kept: Frame,
-    settings: BoardSettings,
-    upload: Upload,
-    motion: Motion,
-    /// Number of the next packet of the stream, and the tick of the last one.
-    stream_packets: u32,
-    streamed_at: u64,
 }
 
 impl Server {
@@ -132,7 +119,7 @@ impl Requests {
         }
         match self.conversation.judge(&packet) {
             Verdict::Execute => {
-                drive.with(|drive| drive.heard());
+                drive.with(HostedDrive::heard);
                 let reply = match request {
                     Ok(request) => self.execute(&request, counts, drive),
                     Err(_) => Reply::Refused(Refusal::Unreadable),
@@ -142,7 +129,7 @@ impl Requests {
                 self.kept.clone_from(out);
             }
             Verdict::Repeat => {
-                drive.with(|drive| drive.heard());
+                drive.with(HostedDrive::heard);
                 out.clone_from(&self.kept);
             }
             Verdict::Refuse(refusal) => send(packet.header, Reply::Refused(refusal), out),
@@ -162,7 +149,7 @@ impl Requests {
             board: text(self.identity.board),
             software: text(self.identity.software),
             sources: SOURCES,
-            axes: AXES as u8,
+            axes: AXIS_COUNT,
             rates,
             times: self.identity.times,
             steps: self.identity.steps,
@@ -187,17 +174,17 @@ impl Requests {
             Request::ReadCapture { offset } => return recording::read(drive, *offset),
             // A hello does not get here.
             Request::Hello { .. } => Err(Refusal::Unreadable),
-            Request::Enable => drive.with(super::hosted_drive::HostedDrive::enable),
+            Request::Enable => drive.with(HostedDrive::enable),
             Request::Disable => drive.with(|drive| {
                 drive.disable();
                 Ok(())
             }),
-            Request::Clear => drive.with(super::hosted_drive::HostedDrive::clear),
+            Request::Clear => drive.with(HostedDrive::clear),
             Request::Hold => drive.with(|drive| {
                 drive.hold();
                 Ok(())
             }),
-            Request::Resume => drive.with(super::hosted_drive::HostedDrive::resume),
+            Request::Resume => drive.with(HostedDrive::resume),
             Request::Stop => drive.with(|drive| {
                 drive.stop();
                 Ok(())

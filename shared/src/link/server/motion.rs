@@ -1,13 +1,13 @@
 //! Motions and jogs.
 
 use super::super::HostedDrive;
-use super::super::message::{AXES, Jog, MOTION_BLOCKS};
+use super::super::message::{AXES, Jog};
 use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::Activity;
-use super::Requests;
+use super::state::{Motion, Requests};
 use crate::interpolate::block::Shape;
-use crate::interpolate::{Block, Path, PathError};
+use crate::interpolate::{Block, PathError};
 use crate::scalar::Scalar;
 use crate::units::{Position, TRAVEL_LIMIT_M};
 
@@ -17,28 +17,7 @@ const SPEED_SHARE: f64 = 0.9;
 /// Attempts to append a block while the path goes on to its next block.
 const ATTEMPTS: usize = 4;
 
-/// A motion that the host has sent.
-#[derive(Debug)]
-pub(super) struct Motion {
-    blocks: heapless::Vec<Block<AXES>, MOTION_BLOCKS>,
-    /// Where it starts, and where its last block ends.
-    start: [Position; AXES],
-    end: [Position; AXES],
-    /// A copy of the queue of the path, on which blocks are planned.
-    plan: Path<AXES>,
-    /// The jog at a speed that runs.
-    jog: Option<Jog>,
-}
-
 impl Motion {
-    pub(super) const EMPTY: Self = Self {
-        blocks: heapless::Vec::new(),
-        start: [Position(0); AXES],
-        end: [Position(0); AXES],
-        plan: Path::AT_ZERO,
-        jog: None,
-    };
-
     /// Plans a block on a copy of the queue and passes it to the path, with `and_then` in the same access. A relative block also
     /// moves axes that are not homed.
     fn append<'m, S: Scalar>(
@@ -87,7 +66,7 @@ impl Requests {
     ) -> Result<(), Refusal> {
         let number = u16::try_from(self.motion.blocks.len()).unwrap_or(u16::MAX);
         if self.motion.blocks.is_full() {
-            return Err(Refusal::MotionFull { max: MOTION_BLOCKS as u16 });
+            return Err(Refusal::MotionFull { max: number });
         }
         // A motion that runs is not changed.
         let refused = |error| Refusal::Path { block: number, error };
@@ -190,12 +169,11 @@ impl Requests {
         let mut to_m = start.map(Position::to_m);
         let [least_m, greatest_m] = settings.travel_m.unwrap_or([-TRAVEL_LIMIT_M, TRAVEL_LIMIT_M]);
         if let Some(coordinate) = to_m.get_mut(axis) {
-            *coordinate = match jog.distance_m {
-                Some(distance_m) => *coordinate + distance_m,
-                None => {
-                    let travel_m = libm::copysign(Jog::MAX_TRAVEL_M, jog.velocity_m_per_s);
-                    (*coordinate + travel_m).max(least_m).min(greatest_m)
-                }
+            *coordinate = if let Some(distance_m) = jog.distance_m {
+                *coordinate + distance_m
+            } else {
+                let travel_m = libm::copysign(Jog::MAX_TRAVEL_M, jog.velocity_m_per_s);
+                (*coordinate + travel_m).max(least_m).min(greatest_m)
             };
         }
         let block = Block::line(to_m, libm::fabs(jog.velocity_m_per_s), jog.acceleration_m_per_s2);

@@ -7,7 +7,7 @@ use super::super::port::SharedDrive;
 use super::super::refusal::Refusal;
 use super::super::report::CaptureReport;
 use super::super::stream::StreamPacket;
-use super::Requests;
+use super::state::Requests;
 use crate::capture::prediction::MAX_PERIOD;
 use crate::capture::{CaptureMemory, CaptureState, Trigger};
 use crate::scalar::Scalar;

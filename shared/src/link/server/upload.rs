@@ -4,32 +4,24 @@ use super::super::message::{AXES, BoardSettings, UploadKind};
 use super::super::packet;
 use super::super::port::SharedDrive;
 use super::super::refusal::{Refusal, UploadError};
-use super::Requests;
+use super::state::{CAPACITY, Requests, Upload};
 use crate::compensate::{AxisCompensation, CompensationSettings, Dependence};
 use crate::config::Rates;
 use crate::machine::{MachineConfig, MachineError};
-use crate::protocol::LONGEST_ORDER;
 use crate::scalar::Scalar;
 
-/// Greatest number of bytes of an upload: a compensation with every table at its capacity.
-const CAPACITY: usize = LONGEST_ORDER;
-
-/// An upload that is not complete or not applied yet.
-#[derive(Debug)]
-pub(super) struct Upload {
-    bytes: heapless::Vec<u8, CAPACITY>,
-}
+/// Greatest number of bytes of an upload, for messages.
+#[expect(clippy::cast_possible_truncation, reason = "7680")]
+const MAX_BYTES: u16 = CAPACITY as u16;
 
 impl Upload {
-    pub(super) const EMPTY: Self = Self { bytes: heapless::Vec::new() };
-
     /// Appends a part.
     pub(super) fn append(&mut self, offset: u16, part: &[u8]) -> Result<(), Refusal> {
         if offset != 0 && usize::from(offset) != self.bytes.len() {
             return Err(Refusal::Upload(UploadError::OutOfOrder { expected: self.length() }));
         }
         if usize::from(offset) + part.len() > CAPACITY {
-            return Err(Refusal::Upload(UploadError::TooLong { max: CAPACITY as u16 }));
+            return Err(Refusal::Upload(UploadError::TooLong { max: MAX_BYTES }));
         }
         if offset == 0 {
             self.bytes.clear();

@@ -1,0 +1,36 @@
+//! Errors of a board and its link.
+
+use shared::link::Refusal;
+
+use crate::refusal;
+
+/// Why a board does not do what it was asked for.
+#[derive(Debug, thiserror::Error)]
+pub enum BoardError {
+    /// The port cannot be opened, or the emulated board not started.
+    #[error("port {0}")]
+    Port(String),
+    /// The port has failed.
+    #[error("link: {0}")]
+    Link(#[from] std::io::Error),
+    /// There is no reply.
+    #[error(
+        "link: no reply within {seconds} s; check that the board runs and that no other program uses the port"
+    )]
+    Silent {
+        /// Time that was waited for.
+        seconds: f64,
+    },
+    /// The board refuses the request.
+    #[error("the board refuses it: {}", refusal::text(.0))]
+    Refused(Refusal),
+    /// The reply is not one to this request.
+    #[error("link: unexpected reply; check that board and host have the same version")]
+    Unexpected,
+    /// The drives have gone off.
+    #[error("{0}")]
+    Stopped(String),
+    /// The message is longer than a packet.
+    #[error("link: the request is too long")]
+    TooLong,
+}

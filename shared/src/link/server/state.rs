@@ -1,0 +1,60 @@
+//! What a server keeps between requests.
+
+use super::super::conversation::Conversation;
+use super::super::message::{AXES, BoardSettings, Jog, MOTION_BLOCKS};
+use super::super::packet::Frame;
+use super::super::report::Identity;
+use crate::interpolate::{Block, Path};
+use crate::protocol::LONGEST_ORDER;
+use crate::units::Position;
+
+/// Greatest number of bytes of an upload: a compensation with every table at its capacity.
+pub(super) const CAPACITY: usize = LONGEST_ORDER;
+
+/// The state of the requests.
+#[derive(Debug)]
+pub(super) struct Requests {
+    pub(super) identity: Identity,
+    pub(super) conversation: Conversation,
+    /// The reply to the last request that was executed.
+    pub(super) kept: Frame,
+    pub(super) settings: BoardSettings,
+    pub(super) upload: Upload,
+    pub(super) motion: Motion,
+    /// Number of the next packet of the stream, and the tick of the last one.
+    pub(super) stream_packets: u32,
+    pub(super) streamed_at: u64,
+}
+
+/// A motion that the host has sent.
+#[derive(Debug)]
+pub(super) struct Motion {
+    pub(super) blocks: heapless::Vec<Block<AXES>, MOTION_BLOCKS>,
+    /// Where it starts, and where its last block ends.
+    pub(super) start: [Position; AXES],
+    pub(super) end: [Position; AXES],
+    /// A copy of the queue of the path, on which blocks are planned.
+    pub(super) plan: Path<AXES>,
+    /// The jog at a speed that runs.
+    pub(super) jog: Option<Jog>,
+}
+
+impl Motion {
+    pub(super) const EMPTY: Self = Self {
+        blocks: heapless::Vec::new(),
+        start: [Position(0); AXES],
+        end: [Position(0); AXES],
+        plan: Path::AT_ZERO,
+        jog: None,
+    };
+}
+
+/// An upload that is not complete or not applied yet.
+#[derive(Debug)]
+pub(super) struct Upload {
+    pub(super) bytes: heapless::Vec<u8, CAPACITY>,
+}
+
+impl Upload {
+    pub(super) const EMPTY: Self = Self { bytes: heapless::Vec::new() };
+}

@@ -1,0 +1,180 @@
+//! Motions: refused before they start, run as planned, held and stopped.
+
+use shared::interpolate::feed_hold::FeedState;
+use shared::interpolate::{Block, PathError};
+use shared::link::Refusal;
+use shared::link::message::{Jog, MOTION_BLOCKS, Reply, Request};
+use shared::link::report::Activity;
+use shared::safety::Power;
+use shared::units::Position;
+
+use super::rig::Rig;
+use super::{jog_at, jog_by, start};
+
+/// The command, m.
+fn at_m(rig: &Rig) -> [f64; 2] {
+    rig.drive.machine().command().map(Position::to_m)
+}
+
+/// Whether the command is exactly at a point.
+fn is_at(rig: &Rig, point_m: [f64; 2]) -> bool {
+    rig.drive.machine().command() == point_m.map(|m| Position::from_m(m).unwrap())
+}
+
+/// Runs with a status request every 50 ms until nothing moves.
+fn finish(rig: &mut Rig) {
+    for _ in 0..1000 {
+        rig.run(1000);
+        if rig.status().at_rest {
+            return;
+        }
+    }
+    panic!("never at rest: {:?}", rig.status());
+}
+
+#[test]
+fn a_motion_ends_at_its_last_point_and_follows_its_circle() {
+    let mut rig = Rig::enabled();
+    let circle = Block::arc([0, 1], [-0.01, 0.0], 1.0, 0.03, 0.5);
+    start(&mut rig, &[Block::dwell(0.01), circle, Block::line([0.002, 0.003], 0.03, 0.5)]);
+    assert_eq!(rig.status().activity, Activity::Motion);
+    let mut farthest = 0f64;
+    for _ in 0..40 {
+        rig.run(1000);
+        let [x, y] = rig.bench.position_m;
+        if rig.status().blocks_left == 0 && x < -0.001 {
+            farthest = farthest.max(((x + 0.01).hypot(y) - 0.01).abs());
+        }
+    }
+    finish(&mut rig);
+    assert!(is_at(&rig, [0.002, 0.003]));
+    assert_eq!(rig.status().activity, Activity::Idle);
+    // Kv·(friction 20 N)/Kp is passed at each reversal: below the limit of the following error.
+    assert!(farthest > 0.0 && farthest < 0.5e-3, "{farthest}");
+}
+
+/// The third block leaves the travel: the whole motion is refused, and nothing has moved.
+#[test]
+fn a_motion_beyond_the_travel_is_refused_before_it_starts() {
+    let mut rig = Rig::enabled();
+    assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
+    for x in [0.05, -0.05] {
+        assert_eq!(rig.request(&Request::AddBlock(Block::line([x, 0.0], 0.03, 0.5))), Reply::Done);
+    }
+    let error = PathError::BeyondTravel { axis: 1 };
+    let out = Request::AddBlock(Block::line([0.0, 0.101], 0.03, 0.5));
+    assert_eq!(rig.refusal(&out), Refusal::Path { block: 2, error });
+    assert_eq!(rig.refusal(&Request::StartMotion { blocks: 3 }), Refusal::BlockCount { found: 2 });
+    rig.run(2000);
+    assert!(is_at(&rig, [0.0, 0.0]));
+}
+
+/// Of 150 mm/s, at which a reading becomes a fault, 90 % are allowed, for each axis on its own.
+#[test]
+fn a_motion_that_is_too_fast_is_refused_before_it_starts() {
+    let mut rig = Rig::enabled();
+    assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
+    let add = |rig: &mut Rig, block| rig.request(&Request::AddBlock(block));
+    let limit_m_per_s = 0.9 * 0.15;
+    let too_fast = |block, axis| Reply::Refused(Refusal::TooFast { block, axis, limit_m_per_s });
+    assert_eq!(add(&mut rig, Block::line([0.0, 0.05], 0.136, 0.5)), too_fast(0, 1));
+    assert_eq!(add(&mut rig, Block::line([0.0, 0.05], 0.134, 0.5)), Reply::Done);
+    // At 45° each axis has 0.707 of the feed.
+    assert_eq!(add(&mut rig, Block::line([0.05, 0.0], 0.19, 0.5)), Reply::Done);
+    assert_eq!(add(&mut rig, Block::line([0.0, 0.05], 0.192, 0.5)), too_fast(2, 0));
+    assert_eq!(add(&mut rig, Block::arc([0, 1], [0.0, 0.0], 0.1, 0.136, 0.5)), too_fast(2, 0));
+}
+
+#[test]
+fn a_motion_longer_than_the_board_holds_is_refused() {
+    let mut rig = Rig::enabled();
+    assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
+    for k in 0..MOTION_BLOCKS {
+        let x = if k.is_multiple_of(2) { 0.01 } else { 0.0 };
+        assert_eq!(rig.request(&Request::AddBlock(Block::line([x, 0.0], 0.1, 2.0))), Reply::Done);
+    }
+    let full = Refusal::MotionFull { max: 64 };
+    assert_eq!(rig.refusal(&Request::AddBlock(Block::line([0.02, 0.0], 0.1, 2.0))), full);
+    assert_eq!(rig.request(&Request::StartMotion { blocks: 64 }), Reply::Done);
+    finish(&mut rig);
+    assert!(is_at(&rig, [0.0, 0.0]));
+}
+
+#[test]
+fn nothing_starts_with_the_drives_off_or_while_something_moves() {
+    let mut rig = Rig::new();
+    assert_eq!(rig.refusal(&jog_by(1e-3)), Refusal::DrivesOff);
+    assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
+    assert_eq!(rig.request(&Request::AddBlock(Block::line([0.01, 0.0], 0.03, 0.5))), Reply::Done);
+    assert_eq!(rig.refusal(&Request::StartMotion { blocks: 1 }), Refusal::DrivesOff);
+    rig.close_switch();
+    assert_eq!(rig.request(&Request::Enable), Reply::Done);
+    rig.run(2);
+    assert_eq!(rig.request(&jog_by(1e-3)), Reply::Done);
+    assert_eq!(rig.refusal(&jog_by(1e-3)), Refusal::Moving);
+    assert_eq!(rig.refusal(&Request::NewMotion), Refusal::Moving);
+    assert_eq!(rig.refusal(&Request::StartMotion { blocks: 1 }), Refusal::Moving);
+    finish(&mut rig);
+    // The motion was checked from another position.
+    assert_eq!(rig.refusal(&Request::StartMotion { blocks: 1 }), Refusal::Displaced);
+}
+
+#[test]
+fn a_held_motion_is_resumed_and_ends_at_its_last_point() {
+    let mut rig = Rig::enabled();
+    start(&mut rig, &[Block::line([0.03, 0.0], 0.03, 0.5), Block::line([0.03, 0.02], 0.03, 0.5)]);
+    rig.run(8000);
+    assert_eq!(rig.request(&Request::Hold), Reply::Done);
+    rig.run(600);
+    let held = at_m(&rig);
+    assert!(held[0] > 0.009 && held[0] < 0.014, "{held:?}");
+    assert_eq!(rig.status().feed, FeedState::Held);
+    rig.run(5000);
+    assert!(is_at(&rig, held) && rig.status().activity == Activity::Motion);
+    // Held is not at rest: nothing else starts.
+    assert_eq!(rig.refusal(&jog_by(1e-3)), Refusal::Moving);
+    assert_eq!(rig.request(&Request::Resume), Reply::Done);
+    assert_eq!(rig.refusal(&Request::Resume), Refusal::NotHeld);
+    finish(&mut rig);
+    assert!(is_at(&rig, [0.03, 0.02]));
+}
+
+#[test]
+fn a_stopped_motion_is_discarded_with_the_drives_on() {
+    let mut rig = Rig::enabled();
+    start(&mut rig, &[Block::line([0.03, 0.0], 0.03, 0.5), Block::line([0.03, 0.02], 0.03, 0.5)]);
+    rig.run(8000);
+    assert_eq!(rig.request(&Request::Stop), Reply::Done);
+    // 30 mm/s at 2 m/s² take 15 ms and 0.225 mm.
+    rig.run(600);
+    let status = rig.status();
+    assert_eq!((status.power, status.at_rest, status.blocks_left), (Power::On, true, 0));
+    let stopped = at_m(&rig);
+    assert!(stopped[0] < 0.013 && stopped[1] == 0.0, "{stopped:?}");
+    rig.run(5000);
+    assert!(is_at(&rig, stopped));
+    assert_eq!(rig.request(&jog_by(-1e-3)), Reply::Done);
+}
+
+/// A jog at a speed ends at the travel; a jog beyond it is refused; another jog needs the end of this one.
+#[test]
+fn jogs_stay_within_the_travel() {
+    let mut rig = Rig::enabled();
+    let error = PathError::BeyondTravel { axis: 0 };
+    assert_eq!(rig.refusal(&jog_by(0.11)), Refusal::Path { block: 0, error });
+    for _ in 0..40 {
+        assert_eq!(rig.request(&jog_at(0.03)), Reply::Done);
+        rig.run(2000);
+        if rig.status().at_rest {
+            break;
+        }
+        assert_eq!(rig.refusal(&jog_at(-0.03)), Refusal::Moving);
+    }
+    assert!(is_at(&rig, [0.1, 0.0]));
+    let other = Jog { axis: 2, distance_m: Some(1.0), velocity_m_per_s: 0.1, acceleration_m_per_s2: 1.0 };
+    assert_eq!(rig.refusal(&Request::Jog(other)), Refusal::NoSuchAxis);
+    let standing = Jog { axis: 1, velocity_m_per_s: 0.0, ..other };
+    assert!(matches!(rig.refusal(&Request::Jog(standing)), Refusal::Path { .. }));
+    let nan = Jog { axis: 1, distance_m: Some(f64::NAN), ..other };
+    assert!(matches!(rig.refusal(&Request::Jog(nan)), Refusal::Path { .. }));
+}

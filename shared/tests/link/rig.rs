@@ -1,0 +1,284 @@
+//! A server with drives on a simulated bench of two masses, and a host that speaks to it.
+
+use std::collections::VecDeque;
+
+use shared::capture::ChannelSteps;
+use shared::config::{AxisSettings, Rates};
+use shared::drive::{Amplifier, AnyOutput, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, StatusLight};
+use shared::feedback::Reading;
+use shared::link::message::{BoardSettings, FromBoard, Reply, Request};
+use shared::link::packet::{self, Frame, Header};
+use shared::link::stream::StreamPacket;
+use shared::link::{BytePort, HostedDrive, Identity, Receiver, Refusal, Server, Status, Times};
+use shared::machine::Machine;
+use shared::safety::Power;
+use shared::scalar::Fixed;
+use shared::units::{PER_NM, Position};
+
+pub const TICK_HZ: u32 = 20_000;
+/// 50 nm per count.
+pub const COUNT: i64 = 50 * PER_NM;
+pub const TIMES: Times = Times { hold_ms: 500, off_ms: 10_000, jog_ms: 300 };
+pub const STEPS: ChannelSteps<2> =
+    ChannelSteps { command: PER_NM / 16, motor: [COUNT; 2], table: [COUNT; 2], force_bits: 5 };
+/// 80 KiB, as on the emulated board.
+pub const CAPTURE_BYTES: usize = 80 * 1024;
+
+const FULL_COUNTS: u16 = 8400;
+const FULL_N: f64 = 400.0;
+
+pub fn settings() -> BoardSettings {
+    let axis = AxisSettings {
+        position_gain_per_s: 25.0,
+        feedforward_percent: 100.0,
+        velocity_gain_n_s_per_m: 3000.0,
+        force_limit_n: 200.0,
+        fastest_m_per_s: Some(0.15),
+        travel_m: Some([-0.1, 0.1]),
+        following_error_limit_m: 1e-3,
+        ..AxisSettings::default()
+    };
+    BoardSettings { rates: Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 }, axes: [axis; 2] }
+}
+
+/// Two masses of 15 kg with 20 N of friction.
+#[derive(Default)]
+#[expect(clippy::struct_excessive_bools, reason = "switches and wires")]
+pub struct TestBench {
+    pub position_m: [f64; 2],
+    velocity: [f64; 2],
+    forces_n: [f64; 2],
+    pub enabled: bool,
+    pub switch_closed: bool,
+    pub stopped: bool,
+    pub scale_lost: bool,
+}
+
+impl TestBench {
+    fn step(&mut self) {
+        let tick_s = 1.0 / f64::from(TICK_HZ);
+        for axis in 0..2 {
+            let force = if self.enabled { self.forces_n[axis] } else { 0.0 };
+            let free = self.velocity[axis] + force / 15.0 * tick_s;
+            let friction = 20.0 / 15.0 * tick_s;
+            self.velocity[axis] = free - free.clamp(-friction, friction);
+            self.position_m[axis] += self.velocity[axis] * tick_s;
+        }
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "counts")]
+    fn counted(m: f64) -> Position {
+        Position((m / 50e-9).floor() as i64 * COUNT)
+    }
+}
+
+impl Board<2, DriveSignal> for TestBench {
+    fn readings(&mut self) -> [Reading; 2] {
+        self.position_m.map(|m| {
+            let position = Self::counted(m);
+            Reading { motor: position, table: (!self.scale_lost).then_some(position) }
+        })
+    }
+
+    fn enable_switch_closed(&mut self) -> bool {
+        self.switch_closed
+    }
+
+    fn hardware_stop_active(&mut self) -> bool {
+        self.stopped
+    }
+
+    fn set_duties(&mut self, signals: [DriveSignal; 2]) {
+        self.forces_n = signals.map(|signal| {
+            let DriveSignal::Pwm(Duty { reverse, counts }) = signal else { return 0.0 };
+            FULL_N * f64::from(counts) / f64::from(FULL_COUNTS) * if reverse { -1.0 } else { 1.0 }
+        });
+    }
+
+    fn set_enabled(&mut self, enabled: bool) {
+        self.enabled = enabled;
+    }
+
+    fn set_light(&mut self, _: bool) {}
+
+    fn next_tick_due(&mut self) -> bool {
+        false
+    }
+}
+
+/// The line between host and board.
+#[derive(Default)]
+pub struct Line {
+    pub to_board: VecDeque<u8>,
+    pub to_host: Vec<u8>,
+}
+
+impl BytePort for Line {
+    fn read(&mut self) -> Option<u8> {
+        self.to_board.pop_front()
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> usize {
+        self.to_host.extend_from_slice(bytes);
+        bytes.len()
+    }
+}
+
+pub struct Rig {
+    pub server: Box<Server>,
+    pub drive: HostedDrive<'static, Fixed, 2>,
+    pub bench: TestBench,
+    pub line: Line,
+    receiver: Receiver,
+    pub session: u32,
+    pub sequence: u32,
+    pub streamed: Vec<StreamPacket>,
+    /// The readings of each tick, oldest first, while `log` is set.
+    pub logged: Vec<[Reading; 2]>,
+    pub log: bool,
+}
+
+impl Rig {
+    /// With a session, the enable switch open.
+    pub fn new() -> Self {
+        let settings = settings();
+        let machine = Box::leak(Box::new(
+            Machine::<Fixed, 2>::new(settings.rates, &settings.axes, [Position(0); 2]).unwrap(),
+        ));
+        let amplifiers = [FULL_N; 2].map(|n| AnyOutput::Pwm(Amplifier::new(n, FULL_COUNTS).unwrap()));
+        let system = DriveSystem::new(machine, amplifiers, EnableSwitch::new(400), StatusLight::new(5000));
+        let memory = vec![0; CAPTURE_BYTES].leak();
+        let identity = Identity {
+            board: "test bench",
+            software: "0",
+            tick_hz: TICK_HZ,
+            steps: STEPS,
+            times: TIMES,
+            homing: [None; 2],
+        };
+        let mut rig = Self {
+            server: Box::new(Server::new(identity, settings)),
+            drive: HostedDrive::new(system, TICK_HZ, TIMES, &STEPS, memory),
+            bench: TestBench::default(),
+            line: Line::default(),
+            receiver: Receiver::NEW,
+            session: 0,
+            sequence: 0,
+            streamed: Vec::new(),
+            logged: Vec::new(),
+            log: false,
+        };
+        rig.hello(1);
+        rig
+    }
+
+    /// With the drives on.
+    pub fn enabled() -> Self {
+        let mut rig = Self::new();
+        rig.close_switch();
+        assert_eq!(rig.request(&Request::Enable), Reply::Done);
+        rig.run(10);
+        assert_eq!(rig.status().power, Power::On);
+        rig
+    }
+
+    pub fn close_switch(&mut self) {
+        self.bench.switch_closed = false;
+        self.run(1000);
+        self.bench.switch_closed = true;
+        self.run(1000);
+    }
+
+    pub fn hello(&mut self, nonce: u32) {
+        let Reply::Welcome(welcome) =
+            self.send(Header { session: 0, sequence: 0 }, &Request::Hello { nonce })
+        else {
+            panic!("no welcome")
+        };
+        (self.session, self.sequence) = (welcome.session, 0);
+    }
+
+    pub fn run(&mut self, ticks: u32) {
+        for _ in 0..ticks {
+            self.bench.step();
+            if self.log {
+                let readings = self.bench.readings();
+                self.logged.push(readings);
+            }
+            self.drive.tick(&mut self.bench);
+            self.server.poll(&mut self.line, &mut self.drive);
+        }
+    }
+
+    /// Sends the next request and returns its reply.
+    pub fn request(&mut self, request: &Request) -> Reply {
+        self.sequence += 1;
+        self.send(Header { session: self.session, sequence: self.sequence }, request)
+    }
+
+    pub fn refusal(&mut self, request: &Request) -> Refusal {
+        match self.request(request) {
+            Reply::Refused(refusal) => refusal,
+            reply => panic!("{reply:?}"),
+        }
+    }
+
+    pub fn status(&mut self) -> Status {
+        match self.request(&Request::Status) {
+            Reply::Status(status) => status,
+            reply => panic!("{reply:?}"),
+        }
+    }
+
+    /// Sends a request with any header.
+    pub fn send(&mut self, header: Header, request: &Request) -> Reply {
+        let mut frame = Frame::new();
+        packet::encode(header, request, &mut frame).unwrap();
+        self.send_bytes(&frame).pop().expect("a reply")
+    }
+
+    /// Sends bytes; ticks go on until the board has taken them. Returns the replies.
+    pub fn send_bytes(&mut self, bytes: &[u8]) -> Vec<Reply> {
+        self.line.to_board.extend(bytes);
+        while !self.line.to_board.is_empty() {
+            self.run(1);
+        }
+        self.run(1);
+        self.replies()
+    }
+
+    /// Replies that have arrived; keeps the packets of the stream.
+    pub fn replies(&mut self) -> Vec<Reply> {
+        let bytes = std::mem::take(&mut self.line.to_host);
+        let mut replies = Vec::new();
+        for byte in bytes {
+            let Some(packet) = self.receiver.push(byte) else { continue };
+            match packet::message(packet.unwrap().message).unwrap() {
+                FromBoard::Reply(reply) => replies.push(reply),
+                FromBoard::Stream(samples) => self.streamed.push(samples),
+            }
+        }
+        replies
+    }
+}
+
+/// Pseudo-random numbers (xorshift64*, Vigna 2016), the same in every run.
+pub struct Draws(pub u64);
+
+impl Draws {
+    pub fn next(&mut self) -> u64 {
+        self.0 ^= self.0 >> 12;
+        self.0 ^= self.0 << 25;
+        self.0 ^= self.0 >> 27;
+        self.0.wrapping_mul(0x2545_f491_4f6c_dd1d)
+    }
+
+    pub fn below(&mut self, end: usize) -> usize {
+        usize::try_from(self.next() >> 33).unwrap() % end
+    }
+
+    #[expect(clippy::cast_possible_truncation, reason = "a byte")]
+    pub fn byte(&mut self) -> u8 {
+        (self.next() >> 40) as u8
+    }
+}

@@ -1,0 +1,161 @@
+//! Uploads of settings and compensation.
+
+use serde::Serialize;
+use shared::compensate::CompensationSettings;
+use shared::config::Rates;
+use shared::link::message::{BoardSettings, PART, Reply, Request, UploadKind};
+use shared::link::packet;
+use shared::link::refusal::{SettingProblem, UploadError};
+use shared::link::{Refusal, Status};
+use shared::protocol::LONGEST_ORDER;
+
+use super::jog_by;
+use super::rig::{Rig, settings};
+
+fn bytes_of(contents: &impl Serialize) -> Vec<u8> {
+    let mut buffer = [0; LONGEST_ORDER];
+    postcard::to_slice(contents, &mut buffer).unwrap().to_vec()
+}
+
+/// Sends all parts. Returns the request that applies them.
+fn stage(rig: &mut Rig, kind: UploadKind, bytes: &[u8]) -> Request {
+    for (part, offset) in bytes.chunks(PART).zip((0u16..).step_by(PART)) {
+        let bytes = heapless::Vec::from_slice(part).unwrap();
+        assert_eq!(rig.request(&Request::Upload { offset, bytes }), Reply::Done);
+    }
+    let length = u16::try_from(bytes.len()).unwrap();
+    Request::Apply { kind, length, checksum: packet::checksum(bytes) }
+}
+
+fn upload(rig: &mut Rig, kind: UploadKind, contents: &impl Serialize) -> Reply {
+    let apply = stage(rig, kind, &bytes_of(contents));
+    rig.request(&apply)
+}
+
+fn changed(change: impl Fn(&mut BoardSettings)) -> BoardSettings {
+    let mut settings = settings();
+    change(&mut settings);
+    settings
+}
+
+/// What the status says about the machine, without its clock and counters.
+fn state(rig: &mut Rig) -> Status {
+    Status { tick: 0, link: Default::default(), ..rig.status() }
+}
+
+/// New settings act: with a travel of ±10 mm a jog of 20 mm is refused.
+#[test]
+fn settings_are_applied() {
+    let mut rig = Rig::new();
+    let narrow = changed(|settings| settings.axes[0].travel_m = Some([-0.01, 0.01]));
+    assert_eq!(upload(&mut rig, UploadKind::Settings, &narrow), Reply::Done);
+    rig.close_switch();
+    assert_eq!(rig.request(&Request::Enable), Reply::Done);
+    rig.run(2);
+    assert!(matches!(rig.refusal(&jog_by(0.02)), Refusal::Path { .. }));
+    assert_eq!(rig.request(&jog_by(0.009)), Reply::Done);
+}
+
+/// A wrong setting is refused by axis and name, and the settings from before still act.
+#[test]
+fn a_wrong_setting_is_refused_by_name_and_changes_nothing() {
+    let mut rig = Rig::new();
+    let before = state(&mut rig);
+    let wrong = changed(|settings| {
+        settings.axes[0].travel_m = Some([-0.01, 0.01]);
+        settings.axes[1].position_gain_per_s = -1.0;
+    });
+    let Reply::Refused(Refusal::Setting { axis, name, problem }) =
+        upload(&mut rig, UploadKind::Settings, &wrong)
+    else {
+        panic!("not refused")
+    };
+    assert_eq!((axis, name.as_str(), problem), (1, "position_gain_per_s", SettingProblem::NotPositive));
+    let nan = changed(|settings| settings.axes[0].velocity_gain_n_s_per_m = f64::NAN);
+    let refused = upload(&mut rig, UploadKind::Settings, &nan);
+    assert!(
+        matches!(&refused, Reply::Refused(Refusal::Setting { axis: 0, name, .. })
+        if name == "velocity_gain_n_s_per_m"),
+        "{refused:?}"
+    );
+    let slow = changed(|settings| settings.rates = Rates { velocity_loop_hz: 10_000.0, ..settings.rates });
+    let tick_rate = Reply::Refused(Refusal::TickRate { board_hz: 20_000.0 });
+    assert_eq!(upload(&mut rig, UploadKind::Settings, &slow), tick_rate);
+    assert_eq!(state(&mut rig), before);
+    rig.close_switch();
+    assert_eq!(rig.request(&Request::Enable), Reply::Done);
+    rig.run(2);
+    assert_eq!(rig.request(&jog_by(0.02)), Reply::Done);
+}
+
+#[test]
+fn nothing_is_applied_while_the_drives_are_on() {
+    let mut rig = Rig::enabled();
+    assert_eq!(upload(&mut rig, UploadKind::Settings, &settings()), Reply::Refused(Refusal::DrivesOn));
+    let kind = UploadKind::Compensation { axis: 0 };
+    let none = CompensationSettings::default();
+    assert_eq!(upload(&mut rig, kind, &none), Reply::Refused(Refusal::DrivesOn));
+}
+
+#[test]
+fn an_incomplete_or_damaged_upload_is_refused_by_name() {
+    let mut rig = Rig::new();
+    let bytes = bytes_of(&settings());
+    let refused = |error| Reply::Refused(Refusal::Upload(error));
+    let Request::Apply { kind, length, checksum } = stage(&mut rig, UploadKind::Settings, &bytes) else {
+        panic!()
+    };
+    let wrong = Request::Apply { kind, length, checksum: checksum ^ 1 };
+    assert_eq!(rig.request(&wrong), refused(UploadError::Checksum));
+    let shorter = Request::Apply { kind, length: length - 1, checksum };
+    assert_eq!(rig.request(&shorter), refused(UploadError::Length { found: length }));
+    let part = || heapless::Vec::from_slice(&[1, 2, 3]).unwrap();
+    let gap = Request::Upload { offset: length + 1, bytes: part() };
+    assert_eq!(rig.request(&gap), refused(UploadError::OutOfOrder { expected: length }));
+    // None of them has changed what is there.
+    assert_eq!(rig.request(&Request::Apply { kind, length, checksum }), Reply::Done);
+    let beyond = stage(&mut rig, UploadKind::Settings, &vec![7; LONGEST_ORDER]);
+    let end = u16::try_from(LONGEST_ORDER).unwrap();
+    let more = Request::Upload { offset: end, bytes: part() };
+    assert_eq!(rig.request(&more), refused(UploadError::TooLong { max: end }));
+    assert_eq!(rig.request(&beyond), refused(UploadError::Unreadable));
+}
+
+/// A compensation of an axis that is not there, and one whose bound is no number.
+#[test]
+fn a_wrong_compensation_is_refused_by_name() {
+    let mut rig = Rig::new();
+    let none = CompensationSettings::default();
+    let kind = |axis| UploadKind::Compensation { axis };
+    assert_eq!(upload(&mut rig, kind(2), &none), Reply::Refused(Refusal::NoSuchAxis));
+    let wrong = CompensationSettings { position_bound_m: f64::NAN, ..none.clone() };
+    let refused = upload(&mut rig, kind(1), &wrong);
+    assert!(
+        matches!(&refused, Reply::Refused(Refusal::Setting { axis: 1, name, .. })
+        if name == "position_bound_m"),
+        "{refused:?}"
+    );
+    assert_eq!(upload(&mut rig, kind(1), &none), Reply::Done);
+}
+
+/// A compensation acts: with a backlash of 100 µm the motor is ahead by half of it, less what the friction of 20 N holds.
+#[test]
+fn a_compensation_is_applied() {
+    let offset_um = |backlash_width_m| {
+        let mut rig = Rig::new();
+        let compensation = CompensationSettings { backlash_width_m, ..CompensationSettings::default() };
+        let kind = UploadKind::Compensation { axis: 0 };
+        assert_eq!(upload(&mut rig, kind, &compensation), Reply::Done);
+        rig.close_switch();
+        assert_eq!(rig.request(&Request::Enable), Reply::Done);
+        rig.run(2);
+        assert_eq!(rig.request(&jog_by(0.01)), Reply::Done);
+        for _ in 0..20 {
+            rig.run(2000);
+            assert!(rig.status().power.is_on());
+        }
+        1e6 * (rig.bench.position_m[0] - 0.01)
+    };
+    let (without, with) = (offset_um(None), offset_um(Some(100e-6)));
+    assert!((with - without - 50.0).abs() < 5.0, "{without} {with}");
+}

@@ -1,0 +1,102 @@
+//! An emulated board of its own for each test.
+
+use std::path::{Path, PathBuf};
+use std::process::{Child, Command, Output, Stdio};
+use std::sync::{Mutex, MutexGuard, PoisonError};
+
+/// Variable with the folder of the emulator's sockets (`host-sim/board/src/bench.rs`).
+const FOLDER_VARIABLE: &str = "LOST_MOTION_BENCH";
+
+/// One emulated board at a time: each takes a processor.
+static ONE_BOARD: Mutex<()> = Mutex::new(());
+
+/// Repetitions of a recording that has lost samples.
+const REPETITIONS: usize = 5;
+
+/// Whether a recording has failed because samples were lost.
+fn is_lossy(output: &Output) -> bool {
+    String::from_utf8_lossy(&output.stderr).contains("samples were lost on the link")
+}
+
+/// A folder in which commands are run, with an emulated board that ends with it.
+pub struct Bench {
+    folder: tempfile::TempDir,
+    _one: MutexGuard<'static, ()>,
+}
+
+impl Bench {
+    /// A board, not started yet; `None`, with a message, if QEMU is not installed.
+    pub fn new() -> Option<Self> {
+        let installed = Command::new("qemu-system-arm").arg("--version").stdout(Stdio::null()).status();
+        if !installed.is_ok_and(|status| status.success()) {
+            eprintln!("qemu-system-arm is not installed: skipped");
+            return None;
+        }
+        // The command finds what is built here.
+        let _ = tests::firmware::built("servo");
+        let one = ONE_BOARD.lock().unwrap_or_else(PoisonError::into_inner);
+        Some(Self { folder: tempfile::tempdir().unwrap(), _one: one })
+    }
+
+    /// With the enable switch closed.
+    pub fn armed() -> Option<Self> {
+        let bench = Self::new()?;
+        bench.succeeds("bench close-switch");
+        Some(bench)
+    }
+
+    pub fn path(&self) -> &Path {
+        self.folder.path()
+    }
+
+    /// A file of the repository.
+    pub fn file(name: &str) -> PathBuf {
+        Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name(name)
+    }
+
+    fn command(&self, arguments: &str) -> Command {
+        let mut command = Command::new(tests::program::lost_motion());
+        command.args(arguments.split_whitespace()).current_dir(self.path());
+        // A short path: those of sockets are limited to 107 bytes.
+        command.env(FOLDER_VARIABLE, self.path().join("run"));
+        command
+    }
+
+    pub fn run(&self, arguments: &str) -> Output {
+        self.command(arguments).output().unwrap()
+    }
+
+    /// Starts a command without waiting for its end.
+    pub fn start(&self, arguments: &str) -> Child {
+        self.command(arguments).stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap()
+    }
+
+    /// Runs a command that has to succeed. Returns its output. A recording whose samples the link has lost, because this computer
+    /// has not run the program for 20 ms, is repeated as its user would do.
+    pub fn succeeds(&self, arguments: &str) -> String {
+        let mut output = self.run(arguments);
+        for _ in 0..REPETITIONS {
+            if output.status.success() || !is_lossy(&output) {
+                break;
+            }
+            output = self.run(arguments);
+        }
+        assert!(output.status.success(), "{arguments}: {}", String::from_utf8_lossy(&output.stderr));
+        String::from_utf8(output.stdout).unwrap()
+    }
+
+    /// Runs a command that has to fail with an exit code. Returns its only line of diagnostics.
+    pub fn fails(&self, code: i32, arguments: &str) -> String {
+        let output = self.run(arguments);
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(code), "{arguments}: {message}");
+        assert_eq!(message.lines().count(), 1, "{arguments}: {message}");
+        message.trim().to_owned()
+    }
+}
+
+impl Drop for Bench {
+    fn drop(&mut self) {
+        let _ = self.run("bench end");
+    }
+}

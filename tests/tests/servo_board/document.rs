@@ -1,0 +1,75 @@
+//! The steps of `docs/board.md`: the commands are run, and what the page shows of their output is compared. `BLESS=1` writes the
+//! outputs again.
+
+use std::fs;
+use std::path::{Path, PathBuf};
+
+use super::bench::Bench;
+
+fn document() -> PathBuf {
+    Path::new(env!("CARGO_MANIFEST_DIR")).with_file_name("docs").join("board.md")
+}
+
+/// Words are equal; numbers within 5 % or 0.05: the host decides when it asks.
+fn is_same(found: &str, shown: &str) -> bool {
+    let words = |text: &str| text.split_whitespace().map(str::to_owned).collect::<Vec<_>>();
+    let (found, shown) = (words(found), words(shown));
+    let same = |(a, b): (&String, &String)| match (a.parse::<f64>(), b.parse::<f64>()) {
+        (Ok(a), Ok(b)) => (a - b).abs() <= 0.05 + 0.05 * b.abs(),
+        _ => a == b,
+    };
+    found.len() == shown.len() && found.iter().zip(&shown).all(same)
+}
+
+/// Blocks `sh` are commands that succeed, blocks `sh refused` commands that fail; a block `text` behind them is the output of
+/// the last command.
+#[test]
+fn every_step_of_the_page_does_what_it_shows() {
+    let Some(bench) = Bench::new() else { return };
+    let text = fs::read_to_string(document()).unwrap();
+    for folder in ["machines", "motions"] {
+        let from = Bench::file("host-sim").join(folder);
+        let to = bench.path().join("host-sim").join(folder);
+        fs::create_dir_all(&to).unwrap();
+        for name in fs::read_dir(from).unwrap().map(|entry| entry.unwrap()) {
+            fs::copy(name.path(), to.join(name.file_name())).unwrap();
+        }
+    }
+    let blesses = std::env::var_os("BLESS").is_some();
+    let (mut written, mut output, mut commands) = (Vec::new(), String::new(), 0);
+    for (index, part) in text.split("```").enumerate() {
+        let Some((language, block)) = part.split_once('\n').filter(|_| index % 2 == 1) else {
+            written.push(part.to_owned());
+            continue;
+        };
+        let mut shown = block.to_owned();
+        match language {
+            "sh" | "sh refused" => {
+                for command in block.replace("\\\n", " ").lines() {
+                    let arguments = command.strip_prefix("lost-motion ").expect("only this program is run");
+                    output = match language {
+                        "sh" => bench.succeeds(arguments),
+                        _ => bench.fails(1, arguments),
+                    };
+                    commands += 1;
+                }
+            }
+            "text" if blesses => shown = trimmed(&output),
+            "text" => {
+                let found = trimmed(&output);
+                assert!(is_same(&found, &shown), "found:\n{found}\nin docs/board.md:\n{shown}");
+            }
+            _ => {}
+        }
+        written.push(format!("{language}\n{shown}"));
+    }
+    assert!(commands >= 20, "{commands}");
+    if blesses {
+        fs::write(document(), written.join("```")).unwrap();
+    }
+}
+
+/// The output without blanks at the ends of its lines.
+fn trimmed(stdout: &str) -> String {
+    stdout.lines().fold(String::new(), |text, line| text + line.trim_end() + "\n")
+}

@@ -1,0 +1,80 @@
+//! Drives: who may switch them on, what switches them off, and what a host that goes away leaves behind.
+
+use std::thread::sleep;
+use std::time::Duration;
+
+use super::bench::Bench;
+
+#[test]
+fn a_host_cannot_enable_without_the_switch() {
+    let Some(bench) = Bench::new() else { return };
+    let refused = bench.fails(1, "enable --port bench");
+    assert!(refused.contains("the enable switch is open"), "{refused}");
+    bench.succeeds("bench close-switch");
+    assert!(bench.succeeds("status --port bench").contains("the enable switch permits an enable"));
+    bench.succeeds("enable --port bench");
+    bench.succeeds("bench open-switch");
+    let status = bench.succeeds("status --port bench");
+    assert!(status.contains("drives: off; the enable switch has to be closed"), "{status}");
+}
+
+/// With a frozen encoder the motor runs away from its reading, and the scale shows it; the fault is named, has to be acknowledged, and is in the history.
+#[test]
+fn a_fault_is_named_and_has_to_be_acknowledged() {
+    let Some(bench) = Bench::armed() else { return };
+    bench.succeeds("enable --port bench");
+    bench.succeeds("bench freeze-encoder");
+    let failed = bench.fails(1, "jog --port bench --axis x --by-mm 5");
+    let fault = "x: motor and scale disagree";
+    assert!(failed.contains(fault), "{failed}");
+    bench.succeeds("bench thaw-encoder");
+    let refused = bench.fails(1, "jog --port bench --axis y --by-mm 5");
+    assert!(refused.contains("clear acknowledges it"), "{refused}");
+    let status = bench.succeeds("status --port bench");
+    assert!(status.contains(&format!("off by a fault: {fault}")), "{status}");
+    assert!(status.contains(&format!("s ago: fault: {fault}")), "{status}");
+    bench.succeeds("clear --port bench");
+    bench.succeeds("jog --port bench --axis y --by-mm 1");
+}
+
+/// The program that jogs is killed: the board holds the path by itself, and another program resumes it to its end.
+#[test]
+fn a_killed_host_leaves_a_held_path_that_can_be_resumed() {
+    let Some(bench) = Bench::armed() else { return };
+    let mut jog = bench.start("jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
+    // Of 6 s of motion.
+    sleep(Duration::from_secs(2));
+    jog.kill().unwrap();
+    jog.wait().unwrap();
+    sleep(Duration::from_secs(2));
+    let status = bench.succeeds("status --port bench");
+    assert!(status.contains("path: jog, held") && status.contains("drives: on"), "{status}");
+    assert!(status.contains("the host was silent: path held"), "{status}");
+    bench.succeeds("resume --port bench");
+    let status = bench.succeeds("status --port bench");
+    let x: Vec<&str> =
+        status.lines().find(|line| line.starts_with("x ")).unwrap().split_whitespace().collect();
+    assert_eq!(x[1], "60.0000", "{status}");
+}
+
+/// Settings that the controller refuses: by file, axis and name, with exit code 2, and the board keeps its own.
+#[test]
+fn a_wrong_setting_is_refused_by_name() {
+    let Some(bench) = Bench::new() else { return };
+    let machine = std::fs::read_to_string(Bench::file("host-sim/machines/bench.toml")).unwrap();
+    let wrong = machine.replacen("velocity_loop_rate_hz = 20000.0", "velocity_loop_rate_hz = 16000.0", 1);
+    std::fs::write(bench.path().join("wrong.toml"), wrong).unwrap();
+    let refused = bench.fails(2, "upload --port bench --machine wrong.toml");
+    assert!(refused.contains("wrong.toml") && refused.contains("expected 20000"), "{refused}");
+    std::fs::write(bench.path().join("machine.toml"), machine).unwrap();
+    bench.succeeds("upload --port bench --machine machine.toml");
+}
+
+#[test]
+fn a_port_that_does_not_exist_is_an_input_error() {
+    let Some(bench) = Bench::new() else { return };
+    let refused = bench.fails(2, "status --port /dev/there-is-no-such-port");
+    assert!(refused.contains("expected bench (the emulated board) or one of"), "{refused}");
+    let refused = bench.fails(2, "jog --port bench --axis z --by-mm 1");
+    assert!(refused.contains("expected x or y"), "{refused}");
+}

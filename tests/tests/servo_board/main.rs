@@ -1,0 +1,9 @@
+//! The commands for a servo board, on the emulated board: QEMU runs its program with its own ticks.
+//!
+//! Without `qemu-system-arm` the tests are skipped with a message.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod bench;
+mod document;
+mod drives;
+mod logs;
