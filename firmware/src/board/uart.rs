@@ -86,13 +86,13 @@ impl UartInterrupt {
                 self.lost = self.lost.saturating_add(1);
             }
         }
-        if status.txe().bit_is_set() {
-            if let Some(byte) = self.waiting.dequeue() {
-                // SAFETY: eight data bits.
-                self.uart.dr().write(|w| unsafe { w.dr().bits(u16::from(byte)) });
-            }
-            let more = self.waiting.ready();
-            self.uart.cr1().modify(|_, w| w.txeie().bit(more));
+        // One or two bytes: the port has a data and a shift register. (An emulated port takes all.)
+        while self.uart.sr().read().txe().bit_is_set() {
+            let Some(byte) = self.waiting.dequeue() else { break };
+            // SAFETY: eight data bits.
+            self.uart.dr().write(|w| unsafe { w.dr().bits(u16::from(byte)) });
         }
+        let more = self.waiting.ready();
+        self.uart.cr1().modify(|_, w| w.txeie().bit(more));
     }
 }
