@@ -2,7 +2,7 @@
 //!
 //! - [`port`]: an open serial port or socket
 //! - [`mod@open`]: ports by their names
-//! - [`bench`]: the emulated servo board, which lives on between commands, and the switches of its machine
+//! - [`mod@bench`]: the emulated servo board, which lives on between commands, and the switches of its machine
 //! - [`client`]: requests with their replies, repeated where they are lost
 //! - [`transfer`]: uploads and recordings in parts
 //! - [`motion`]: motions, and waiting for their end

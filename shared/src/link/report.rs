@@ -113,7 +113,7 @@ pub enum HomingReport {
     Failed(HomingFailure),
 }
 
-/// Why a homing has failed: [`HomingError`](crate::homing::HomingError) without details.
+/// Why a homing has failed: [`HomingError`] without details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names of HomingError")]
 pub enum HomingFailure {

@@ -26,12 +26,11 @@ impl Host {
 
     /// Sends a request; a hello opens a session. The board takes it while it runs.
     pub fn send(&mut self, request: &Request) {
-        let header = match request {
-            Request::Hello { .. } => Header { session: 0, sequence: 0 },
-            _ => {
-                self.sequence += 1;
-                Header { session: self.session, sequence: self.sequence }
-            }
+        let header = if let Request::Hello { .. } = request {
+            Header { session: 0, sequence: 0 }
+        } else {
+            self.sequence += 1;
+            Header { session: self.session, sequence: self.sequence }
         };
         let mut frame = Frame::new();
         packet::encode(header, request, &mut frame).unwrap();
