@@ -24,7 +24,7 @@ pub fn open(name: &str) -> Result<Port, BoardError> {
         return Port::socket(Path::new(name)).map_err(|error| failed(error.to_string()));
     }
     Port::serial(name).map_err(|error| {
-        failed(format!("{error}; expected bench (the emulated board) or one of: {}", list().join(", ")))
+        failed(format!("{error}; expected emulated, bench, or one of: {}", list().join(", ")))
     })
 }
 

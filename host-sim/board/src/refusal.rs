@@ -1,8 +1,9 @@
 //! Refusals, faults and events in words, each with what helps.
 
+use shared::drive::direction_check::DirectionResult;
 use shared::link::Refusal;
 use shared::link::history::HistoryEvent;
-use shared::link::refusal::{SettingProblem, UploadError};
+use shared::link::refusal::{DirectionProblem, SettingProblem, UploadError};
 use shared::link::report::HomingFailure;
 use shared::safety::{Fault, FaultKind};
 
@@ -49,6 +50,7 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::DrivesOn => "the drives are on; disable switches them off".into(),
         Refusal::Moving => "the axes move or are held on a path; stop ends it".into(),
         Refusal::Homing(failure) => homing(*failure),
+        Refusal::Direction(problem) => direction_problem(*problem).into(),
         Refusal::NotHeld => "nothing is held".into(),
         Refusal::MotionFull { max } => format!("the motion has more than {max} blocks"),
         Refusal::BlockCount { found } => format!("it has received {found} blocks"),
@@ -79,6 +81,46 @@ fn setting(problem: &SettingProblem) -> String {
         SettingProblem::NotWhileRunning => "cannot be changed now".into(),
         SettingProblem::Requires { other } => format!("expected together with {other}, which is missing"),
         SettingProblem::OutOfRange { min, max } => format!("expected a number from {min} to {max}"),
+    }
+}
+
+const fn direction_problem(problem: DirectionProblem) -> &'static str {
+    match problem {
+        DirectionProblem::NotReady => {
+            "a direction check needs drives that are off without a fault, and no other check or homing"
+        }
+        DirectionProblem::StepDrive => "a drive with step and direction inputs has no force to check",
+        DirectionProblem::Force => "the force has to be positive and at most the force limit of the axis",
+        DirectionProblem::Setting => "expected a time of at most 1 s and a distance of at most 5 mm",
+    }
+}
+
+/// The result of a direction check in words.
+#[must_use]
+pub fn direction(axis: u8, result: DirectionResult) -> String {
+    let axis = axis_name(axis);
+    match result {
+        DirectionResult::Ok => format!("{axis}: force, motor encoder and scale have the same direction"),
+        DirectionResult::Reversed => format!(
+            "{axis}: a positive force moves the motor encoder in the negative direction: change the sign of the force or that \
+             of the encoder"
+        ),
+        DirectionResult::ScaleReversed => {
+            format!(
+                "{axis}: motor encoder and scale move in opposite directions: change the sign of the scale"
+            )
+        }
+        DirectionResult::ScaleWithoutMotion => {
+            format!("{axis}: the motor has moved, the scale has not: check its plug and the coupling")
+        }
+        DirectionResult::WrongAxis(other) => {
+            format!("{axis}: {} has moved instead: two plugs are exchanged", axis_name(other))
+        }
+        DirectionResult::NoMotion => format!(
+            "{axis}: nothing has moved: the force is too small, the brake is closed, the drive is not ready, or an encoder is \
+             not connected"
+        ),
+        DirectionResult::Aborted => format!("{axis}: ended by a fault, or by the enable switch"),
     }
 }
 

@@ -62,6 +62,8 @@ enum Command {
     Clear(board::simple::Arguments),
     /// Move one axis of a servo board.
     Jog(board::jog::Arguments),
+    /// Push an axis of a servo board with a small force, loops open, and tell whether it moves the right way.
+    CheckDirection(board::direction::Arguments),
     /// Move an axis of a servo board to its reference.
     Home(board::simple::HomeArguments),
     /// Feed hold: decelerate along the path, which `resume` continues.
@@ -118,6 +120,7 @@ pub fn run() -> ExitCode {
             board::simple::send(&arguments, &Request::Clear, "The fault is acknowledged.")
         }
         Command::Jog(arguments) => board::jog::run(&arguments),
+        Command::CheckDirection(arguments) => board::direction::run(&arguments),
         Command::Home(arguments) => board::simple::home(&arguments),
         Command::Hold(arguments) => board::simple::send(&arguments, &Request::Hold, "The path is held."),
         Command::Resume(arguments) => board::simple::resume(&arguments),

@@ -17,11 +17,13 @@
 //! The distance is bounded: the force ends when motor and scale have moved by `detect_m`, or the motor by four times that while
 //! the scale stands; the axis then coasts until friction stops it. A vertical axis must not be checked in this way: its brake stays open.
 
+use serde::{Deserialize, Serialize};
+
 use crate::feedback::Reading;
 use crate::units::{PER_M, Position};
 
 /// How an axis is checked.
-#[derive(Clone, Copy, Debug, PartialEq)]
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub struct DirectionCheckSettings {
     /// Force, N; positive.
     pub force_n: f64,
@@ -32,7 +34,7 @@ pub struct DirectionCheckSettings {
 }
 
 /// The result of a direction check.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 pub enum DirectionResult {
     /// Force, motor reading and scale have the same direction.
     Ok,

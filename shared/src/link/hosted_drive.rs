@@ -2,10 +2,11 @@
 
 use super::history::FaultHistory;
 use super::refusal::Refusal;
-use super::report::{Activity, AxisStatus, HomingReport, Status, Times};
+use super::report::{Activity, AxisStatus, DirectionReport, HomingReport, Status, Times};
 use super::stream::StreamQueue;
 use super::watch::{HostWatch, Silence};
 use crate::capture::{CaptureMemory, ChannelSteps, Quantisers};
+use crate::drive::direction_check::DirectionCheckSettings;
 use crate::drive::{AnyOutput, Board, DriveSignal, DriveSystem};
 use crate::feedback::Reading;
 use crate::homing::{HomingError, HomingSettings, HomingStatus};
@@ -258,6 +259,7 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     pub fn stop(&mut self) {
         (self.blocks_left, self.jog_remaining) = (0, None);
         self.system.stop_homing();
+        self.system.stop_direction_check();
         self.machine_mut().discard_path();
     }
 
@@ -299,6 +301,17 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         self.system.home(axis, settings).map_err(|error: HomingError| Refusal::Homing(error.into()))?;
         self.activity = Activity::Homing;
         Ok(())
+    }
+
+    /// Prepares a check of the direction of an axis.
+    ///
+    /// # Errors
+    /// [`Refusal::Direction`], [`Refusal::NoSuchAxis`].
+    pub fn check_direction(&mut self, axis: usize, settings: &DirectionCheckSettings) -> Result<(), Refusal> {
+        if axis >= N {
+            return Err(Refusal::NoSuchAxis);
+        }
+        Ok(self.system.check_direction(axis, settings)?)
     }
 
     /// The motion that a homing waits for.
@@ -364,9 +377,19 @@ impl<S: Scalar> HostedDrive<'_, S, { super::message::AXES }> {
                 Some((_, HomingStatus::Homed)) => HomingReport::Homed,
                 Some((_, HomingStatus::Failed(error))) => HomingReport::Failed(error.into()),
             },
+            direction: match self.system.direction_check() {
+                None => DirectionReport::None,
+                Some((axis, None)) => DirectionReport::Running { axis: number(axis) },
+                Some((axis, Some(result))) => DirectionReport::Ended { axis: number(axis), result },
+            },
             capture: self.capture.state(),
             lost_samples: self.stream.lost(),
             link,
         }
     }
+}
+
+/// The number of an axis in a message.
+fn number(axis: usize) -> u8 {
+    u8::try_from(axis).unwrap_or(u8::MAX)
 }

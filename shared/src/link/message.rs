@@ -10,6 +10,7 @@ use super::stream::StreamPacket;
 use crate::capture::Trigger;
 use crate::compensate::CompensationKind;
 use crate::config::{AxisSettings, Rates};
+use crate::drive::direction_check::DirectionCheckSettings;
 use crate::interpolate::Block;
 pub use crate::protocol::AXES;
 
@@ -93,6 +94,14 @@ pub enum Request {
     Home {
         /// Axis.
         axis: u8,
+    },
+    /// Prepares a check of the direction of an axis with a small force, drives off: it starts when the enable switch is next
+    /// closed, after it was open.
+    CheckDirection {
+        /// Axis.
+        axis: u8,
+        /// How it is checked.
+        settings: DirectionCheckSettings,
     },
     /// Discards the blocks of a motion that has not been started.
     NewMotion,

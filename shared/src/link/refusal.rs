@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use super::report::HomingFailure;
 use crate::config::ConfigError;
+use crate::drive::direction_check::DirectionCheckError;
 use crate::interpolate::PathError;
 use crate::machine::MachineError;
 use crate::safety::Fault;
@@ -74,6 +75,8 @@ pub enum Refusal {
     Moving,
     /// The axis cannot be homed.
     Homing(HomingFailure),
+    /// The direction of the axis cannot be checked.
+    Direction(DirectionProblem),
     /// Nothing is held.
     NotHeld,
     /// The motion has as many blocks as the board holds.
@@ -96,6 +99,19 @@ pub enum Refusal {
     Storage,
     /// The path changed too fast to append a block; the request can be repeated.
     Busy,
+}
+
+/// Why the direction of an axis cannot be checked.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DirectionProblem {
+    /// The drives are on, a fault is not acknowledged, or a homing or another check runs.
+    NotReady,
+    /// A drive with step and direction inputs has no force to check.
+    StepDrive,
+    /// The force is not positive, or greater than the force limit of the axis.
+    Force,
+    /// The time or the distance is outside its range.
+    Setting,
 }
 
 /// What is wrong with an upload.
@@ -148,6 +164,17 @@ pub enum SettingProblem {
 /// A name, cut to its capacity.
 fn name(name: &str) -> SettingName {
     name.chars().take(32).filter(char::is_ascii).collect()
+}
+
+impl From<DirectionCheckError> for Refusal {
+    fn from(error: DirectionCheckError) -> Self {
+        Self::Direction(match error {
+            DirectionCheckError::NotReady => DirectionProblem::NotReady,
+            DirectionCheckError::StepDrive => DirectionProblem::StepDrive,
+            DirectionCheckError::Setting("force_n") => DirectionProblem::Force,
+            DirectionCheckError::Setting(_) => DirectionProblem::Setting,
+        })
+    }
 }
 
 impl From<MachineError> for Refusal {

@@ -7,6 +7,7 @@ use super::receiver::LinkCounts;
 use crate::capture::{CaptureState, ChannelSteps};
 use crate::config::Rates;
 use crate::drive::Supply;
+use crate::drive::direction_check::DirectionResult;
 use crate::homing::{HomingError, HomingSettings};
 use crate::interpolate::PathError;
 use crate::interpolate::feed_hold::FeedState;
@@ -113,6 +114,25 @@ pub enum HomingReport {
     Failed(HomingFailure),
 }
 
+/// The direction check that ran last.
+#[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
+pub enum DirectionReport {
+    /// None has run.
+    None,
+    /// One waits for the enable switch, or pushes.
+    Running {
+        /// Axis.
+        axis: u8,
+    },
+    /// It has ended.
+    Ended {
+        /// Axis.
+        axis: u8,
+        /// Its result.
+        result: DirectionResult,
+    },
+}
+
 /// Why a homing has failed: [`HomingError`] without details.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize, Deserialize)]
 #[expect(missing_docs, reason = "the names of HomingError")]
@@ -175,6 +195,8 @@ pub struct Status {
     pub supply: Supply,
     /// The homing that ran last.
     pub homing: HomingReport,
+    /// The direction check that ran last.
+    pub direction: DirectionReport,
     /// State of the recording.
     pub capture: CaptureState,
     /// Samples of the stream that were lost.

@@ -2,6 +2,7 @@
 //! malicious.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+mod direction;
 mod garbage;
 mod motions;
 mod order;

@@ -250,7 +250,7 @@ fn machines_that_cannot_be_controlled() {
             "machine.toml",
             with(MACHINE, "lead_mm = 10.0", "lead_mm = 10.0\nfastest_mm_per_s = 1e12"),
             &[
-                "machine.toml: axis.x.fastest_mm_per_s: expected a number from 0 to 8389 in this number format",
+                "machine.toml: axis.x.fastest_mm_per_s: expected a number from 0 to 8305 in this number format",
             ],
         ),
     ]);
@@ -314,9 +314,13 @@ fn motions() {
 
 #[test]
 fn ports() {
-    for port in ["/dev/ttyUSB0", "emulator", "emulated:"] {
-        let command = with(RECORD, "emulated", port);
-        refuse([bad(&command, "other.txt", "", &["--port: expected emulated or emulated:PROGRAM"])]);
+    const SERIAL: &[&str] = &["--port: ", "expected emulated, bench, or one of: "];
+    for (port, expected) in [
+        ("/dev/ttyUSB0", SERIAL),
+        ("emulator", SERIAL),
+        ("emulated:", &["--port: expected emulated or emulated:PROGRAM"]),
+    ] {
+        refuse([bad(&with(RECORD, "emulated", port), "other.txt", "", expected)]);
     }
 }
 

@@ -74,7 +74,7 @@ fn a_wrong_setting_is_refused_by_name() {
 fn a_port_that_does_not_exist_is_an_input_error() {
     let Some(bench) = Bench::new() else { return };
     let refused = bench.fails(2, "status --port /dev/there-is-no-such-port");
-    assert!(refused.contains("expected bench (the emulated board) or one of"), "{refused}");
+    assert!(refused.contains("expected emulated, bench, or one of"), "{refused}");
     let refused = bench.fails(2, "jog --port bench --axis z --by-mm 1");
     assert!(refused.contains("expected x or y"), "{refused}");
 }

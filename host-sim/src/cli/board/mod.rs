@@ -2,6 +2,7 @@
 
 pub mod bench;
 pub mod capture;
+pub mod direction;
 pub mod jog;
 pub mod monitor;
 pub mod ports;

@@ -7,7 +7,7 @@ use crate::cli::outputs::print;
 use ::board::refusal::{self, AXIS_NAMES};
 use shared::interpolate::feed_hold::FeedState;
 use shared::link::message::{Reply, Request};
-use shared::link::report::Activity;
+use shared::link::report::{Activity, DirectionReport};
 use shared::link::{Status, Welcome};
 use shared::safety::Power;
 
@@ -77,6 +77,16 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
             1e3 * axis.motor.to_m(),
             axis.force_n
         ));
+    }
+    match status.direction {
+        DirectionReport::None => {}
+        DirectionReport::Running { axis } => lines.push(format!(
+            "direction check of {}: waits until the enable switch is closed, after it was open",
+            refusal::axis_name(axis)
+        )),
+        DirectionReport::Ended { axis, result } => {
+            lines.push(format!("direction check of {}", refusal::direction(axis, result)));
+        }
     }
     let link = &status.link;
     lines.push(format!(

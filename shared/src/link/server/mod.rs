@@ -190,6 +190,9 @@ impl Requests {
                 Ok(())
             }),
             Request::Jog(jog) => self.jog(jog, drive),
+            Request::CheckDirection { axis, settings } => {
+                drive.with(|drive| drive.check_direction(usize::from(*axis), settings))
+            }
             Request::Home { axis } => self.home(*axis, drive),
             Request::Save => Err(Refusal::NotAvailable),
             Request::NewMotion => self.new_motion(drive),
