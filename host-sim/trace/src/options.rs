@@ -184,8 +184,6 @@ options! {
         ///
         /// Sweep: values in all cases. ×0.5: one more interval contains the truth.
         drive_trim: f64 = 0.15,
-        /// Largest time constant of the drive's force that is not reported, ms: a current loop of 1 kHz has 0.16 ms.
-        drive_lag_trim_ms: f64 = 0.15,
         /// Standard deviation of the prior of these errors, as a fraction of their maximum.
         ///
         /// Sweep: values in all cases.

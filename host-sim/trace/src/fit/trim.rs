@@ -25,7 +25,7 @@ pub enum Instant {
     Force,
     /// Age of the velocity in the velocity loop.
     Speed,
-    /// Action of the drive's force, relative to the reading of the sensors. Late: a first-order lag of the force.
+    /// Action of the drive's force, relative to the reading of the sensors.
     Drive,
     /// Step of the filter of high-order control; zero: exact discretization.
     Filter,
@@ -76,7 +76,8 @@ impl Instant {
             // Force and position have different bounds: a force is a mean over an interval, a position belongs to an instant.
             Self::Force => [-options.force_trim * sample_s, options.force_trim * sample_s],
             Self::Speed => [0.0, options.velocity_trim * tick_s],
-            Self::Drive => [-options.drive_trim * tick_s, 1e-3 * options.drive_lag_trim_ms],
+            // Early only: a drive that acts late is described by the age of the velocity.
+            Self::Drive => [-options.drive_trim * tick_s, 0.0],
             Self::Filter => [0.0, options.position_trim * sample_s],
         }
     }
@@ -131,14 +132,11 @@ impl Trims {
         let coordinate = |instant: Instant| {
             let [lower, upper] = instant.bounds_s(rates, options).map(|s| 1e3 * s);
             let bound = upper.max(-lower);
-            // The effect is the lag itself; that the force acts early is not part of it.
-            let is_lag = |effect: &Effect| instant == Instant::Drive && matches!(effect, Effect::DriveLag(_));
-            let upper = if axis.effect.iter().any(is_lag) { 0.0 } else { upper };
             let step = 0.02 * bound;
             let coordinate = if axis.effect.iter().any(|effect| instant.is_replaced_by(effect)) {
                 Coordinate::between(0.0, step, 0.0, 0.0)
             } else {
-                Coordinate::between((1e3 * self.late_s[instant as usize]).min(upper), step, lower, upper)
+                Coordinate::between(1e3 * self.late_s[instant as usize], step, lower, upper)
             };
             (instant, coordinate, options.trim_prior * bound)
         };
