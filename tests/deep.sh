@@ -4,6 +4,7 @@
 #   tests/deep.sh                      all of them
 #   tests/deep.sh mutants [PART…]      do the tests of `shared` fail when its source is changed? docs/testing.md
 #   tests/deep.sh miri [MODULE…]       tests/miri.sh
+#   tests/deep.sh properties [SEEDS]   the property tests with this many new seeds (100): the usual run has a fixed one
 #
 # A PART is a module of shared/src: control, drive, safety, session, monitor. A file that is done is not repeated as long
 # as neither source nor tests change, so that an interrupted run can be continued; FRESH=1 starts again. Installs
@@ -106,8 +107,20 @@ mutants() {
   return $survivors
 }
 
+# Runs the property tests of `shared` and of the crates of `host-sim`, each time with other random cases.
+properties() {
+  local seed base=${BASE_SEED:-$(date +%s)}
+  cargo test --release --workspace --exclude firmware --exclude tests --lib --no-run
+  for ((seed = base; seed < base + $1; seed++)); do
+    PROPTEST_RNG_SEED=$seed cargo test --release --quiet --workspace --exclude firmware --exclude tests --lib ||
+      { echo "failed with PROPTEST_RNG_SEED=$seed" >&2; return 1; }
+  done
+  echo "property tests: $1 seeds from $base on"
+}
+
 case ${1:-all} in
 all)
+  properties 100
   mutants "${parts[@]}"
   step "Miri"
   tests/miri.sh
@@ -121,8 +134,11 @@ miri)
   shift
   tests/miri.sh "$@"
   ;;
+properties)
+  properties "${2:-100}"
+  ;;
 *)
-  echo "$1: expected mutants or miri" >&2
+  echo "$1: expected mutants, miri or properties" >&2
   exit 2
   ;;
 esac

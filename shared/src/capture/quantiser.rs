@@ -75,7 +75,7 @@ impl<const N: usize> ChannelSteps<N> {
 #[derive(Clone, Copy, Debug)]
 struct Quantiser {
     step: i64,
-    /// 2^`shift`/step, 30 to 31 bits, for distances without their lowest bits.
+    /// 2^(`shift` + [`COARSE`])/step, at most 2³⁰, for distances without their lowest bits.
     reciprocal: i64,
     shift: u32,
     /// Last value, and its position.
@@ -86,12 +86,14 @@ struct Quantiser {
 impl Quantiser {
     fn new(step: i64) -> Self {
         let step = step.clamp(MIN_STEP, MAX_STEP);
-        // 2^(30 + log₂ step)/step is from 2²⁹ to 2³⁰.
-        let bits = 30 + step.ilog2();
+        // 2^(30 + log₂ step)/step is from 2²⁹ to 2³⁰: multiplied by 31 bits and a sign, it fits. From a step of 2³² on, the
+        // dividend is the limit; the distances of the fast way are then below 2¹¹ steps, and need fewer bits.
+        let bits = (30 + step.ilog2()).min(62);
         Self { step, reciprocal: (1i64 << bits) / step, shift: bits - COARSE, value: 0, at: 0 }
     }
 
-    /// The nearest whole number of steps: exact for a position that is one, but for a hundredth of a step.
+    /// The nearest whole number of steps. The distance is short of its low bits, by at most 1/16 step, and the reciprocal is
+    /// rounded down, by at most 1/8 step after a jump of 8 mm: a position within 5/16 step of a whole number gives that number.
     #[inline]
     fn value(&mut self, position: Position) -> i64 {
         let coarse = position.0.wrapping_sub(self.at) >> COARSE;
@@ -180,12 +182,32 @@ mod tests {
     use super::*;
     use crate::scalar::Fixed;
 
+    /// From 1/16 nm to 1 mm, each power of two equally often.
+    fn steps_of_any_size() -> impl Strategy<Value = i64> {
+        (MIN_STEP.ilog2()..=MAX_STEP.ilog2(), 0..i64::MAX)
+            .prop_map(|(log2, fraction)| ((1 << log2) + fraction % (1i64 << log2)).clamp(MIN_STEP, MAX_STEP))
+    }
+
+    /// Steps at which the reciprocal changes its number of bits.
+    #[test]
+    fn counts_of_every_power_of_two_are_recorded_exactly() {
+        for log2 in MIN_STEP.ilog2()..=MAX_STEP.ilog2() {
+            for step in [(1i64 << log2) - 1, 1 << log2, (1 << log2) + 1] {
+                let step = step.clamp(MIN_STEP, MAX_STEP);
+                let mut quantiser = Quantiser::new(step);
+                for count in [1, -1, 1024, 3, 2000, -100, 0] {
+                    assert_eq!(quantiser.value(Position(count * step)), count, "step {step}");
+                }
+            }
+        }
+    }
+
     proptest! {
         /// A position that is a whole number of counts, but for the rounding of a unit, is recorded as that number, however far
         /// it has jumped; any other to the nearest count.
         #[test]
         fn counts_are_recorded_exactly(
-            step in MIN_STEP..MAX_STEP, counts in proptest::collection::vec(-1_000_000i64..1_000_000, 1..20), off in -1i64..=1,
+            step in steps_of_any_size(), counts in proptest::collection::vec(-1_000_000i64..1_000_000, 1..20), off in -1i64..=1,
         ) {
             let mut quantiser = Quantiser::new(step);
             for count in counts {
