@@ -58,6 +58,7 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::NoCapture => "there is no complete recording".into(),
         Refusal::NotAvailable => "this board does not have this function".into(),
         Refusal::Storage => "the flash has not kept what was written".into(),
+        Refusal::NothingToSave => "there is nothing to save: no settings were uploaded for it".into(),
         Refusal::Busy => "the path changes too fast; try again".into(),
     }
 }
@@ -158,6 +159,9 @@ pub fn fault(fault: Fault) -> String {
         Fault::OverTemperature => "a power stage is too hot".into(),
         Fault::HostSilent => "the host was silent: drives off".into(),
         Fault::Watchdog => "the previous run ended by a reset of the watchdog".into(),
+        Fault::StoredSettings => {
+            "the settings in flash cannot be used; those of the program apply until others are uploaded".into()
+        }
     }
 }
 

@@ -106,9 +106,9 @@ fn save<F: NorFlash>(flash: F, content: &[Vec<u8>]) -> Result<(), StorageError> 
     let mut store = Store::new(flash, SLOTS, BOARD).unwrap();
     let mut writer = store.writer()?;
     for message in content {
-        writer.bytes(message)?;
+        writer.bytes(&mut store, message)?;
     }
-    writer.commit()
+    writer.commit(&mut store).map(drop)
 }
 
 fn load<F: NorFlash>(flash: F) -> Result<Vec<Vec<u8>>, StorageError> {
@@ -275,9 +275,9 @@ fn content_that_is_too_long_is_refused() {
 fn a_message_of_another_type_is_refused() {
     let mut store = Store::new(Memory::<4>::erased(), SLOTS, BOARD).unwrap();
     let mut writer = store.writer().unwrap();
-    writer.message(&(7u32, "name")).unwrap();
-    writer.message(&[0.5f32; 3]).unwrap();
-    writer.commit().unwrap();
+    writer.message(&mut store, &(7u32, "name")).unwrap();
+    writer.message(&mut store, &[0.5f32; 3]).unwrap();
+    writer.commit(&mut store).unwrap();
     let mut reader = store.newest().unwrap();
     let (mut small, mut buffer) = ([0; 3], [0; 64]);
     assert_eq!(reader.bytes(&mut store, &mut small), Err(StorageError::MessageTooLong));
@@ -330,10 +330,10 @@ fn the_version_is_that_of_the_stored_types() {
         Store::new(MemoryFlash::<4096, 2048, 4>::erased(), Slots { starts: [0, 2048], length: 2048 }, BOARD)
             .unwrap();
     let mut writer = store.writer().unwrap();
-    writer.message(&rates).unwrap();
-    writer.message(&axis).unwrap();
-    writer.message(&compensation).unwrap();
-    writer.commit().unwrap();
+    writer.message(&mut store, &rates).unwrap();
+    writer.message(&mut store, &axis).unwrap();
+    writer.message(&mut store, &compensation).unwrap();
+    writer.commit(&mut store).unwrap();
     let (mut reader, mut buffer) = (store.newest().unwrap(), [0; 2048]);
     assert_eq!(reader.message::<Rates, _>(&mut store, &mut buffer), Ok(rates));
     assert_eq!(reader.message::<AxisSettings, _>(&mut store, &mut buffer), Ok(axis));
