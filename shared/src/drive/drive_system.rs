@@ -263,7 +263,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
                 Some(demand) => output.signal(demand),
                 None => output.off(),
             });
-        board.set_duties(signals);
+        board.set_signals(signals);
         self.stages_enabled = forces.is_some();
         board.set_enabled(self.stages_enabled);
     }

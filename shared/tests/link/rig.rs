@@ -68,7 +68,7 @@ pub struct TestBench {
 }
 
 impl TestBench {
-    fn step(&mut self) {
+    pub fn step(&mut self) {
         let tick_s = 1.0 / f64::from(TICK_HZ);
         for axis in 0..2 {
             let force = if self.enabled { self.forces_n[axis] } else { 0.0 };
@@ -101,7 +101,7 @@ impl Board<2, DriveSignal> for TestBench {
         self.stopped
     }
 
-    fn set_duties(&mut self, signals: [DriveSignal; 2]) {
+    fn set_signals(&mut self, signals: [DriveSignal; 2]) {
         self.forces_n = signals.map(|signal| {
             let DriveSignal::Pwm(Duty { reverse, counts }) = signal else { return 0.0 };
             FULL_N * f64::from(counts) / f64::from(FULL_COUNTS) * if reverse { -1.0 } else { 1.0 }
