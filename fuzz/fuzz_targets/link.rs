@@ -37,6 +37,8 @@ struct Board<'m> {
     /// An enable, or a direction check, was confirmed since the power stages were last on.
     permitted: bool,
     was_on: bool,
+    /// The axes stood still in the last tick: axes that coast go on.
+    stood: bool,
 }
 
 impl Board<'_> {
@@ -65,10 +67,11 @@ impl Board<'_> {
             } else {
                 if self.was_on {
                     (self.permitted, self.was_on) = (false, false);
-                } else if !checking {
+                } else if self.stood {
                     assert_eq!(self.bench.position_m, before, "a motion with the drives off");
                 }
             }
+            self.stood = self.bench.position_m == before && !self.bench.enabled;
             self.poll();
         }
     }
@@ -194,14 +197,21 @@ impl Board<'_> {
 fuzz_target!(|data: &[u8]| {
     let settings = settings();
     let mut machine = Box::new(
-        Machine::<Fixed, 2>::new(settings.rates, &settings.axes, [Position(0); 2]).expect("they are accepted"),
+        Machine::<Fixed, 2>::new(settings.rates, &settings.axes, [Position(0); 2])
+            .expect("they are accepted"),
     );
     let amplifiers = [400.0; 2].map(|n| AnyOutput::Pwm(Amplifier::new(n, 8400).expect("accepted")));
     let switch = EnableSwitch::new(SETTLING);
     let system = DriveSystem::new(&mut machine, amplifiers, switch, StatusLight::new(5000));
     let mut recording = [0; 2048];
-    let identity =
-        Identity { board: "fuzz", software: "0", tick_hz: TICK_HZ, steps: STEPS, times: TIMES, homing: [None; 2] };
+    let identity = Identity {
+        board: "fuzz",
+        software: "0",
+        tick_hz: TICK_HZ,
+        steps: STEPS,
+        times: TIMES,
+        homing: [None; 2],
+    };
     let slots = Slots { starts: [0, SLOT], length: SLOT };
     let mut board = Board {
         server: Box::new(Server::new(identity, settings)),
@@ -213,6 +223,7 @@ fuzz_target!(|data: &[u8]| {
         header: Header { session: 0, sequence: 0 },
         permitted: false,
         was_on: false,
+        stood: true,
     };
     board.server.load(&mut board.drive, &mut board.memory, None);
     board.ticks(1);

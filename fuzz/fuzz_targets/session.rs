@@ -27,7 +27,10 @@ fuzz_target!(|data: &[u8]| {
         enabled |= matches!(decode::<Order>(&frame), Ok(Order::Enable | Order::Part(_)));
         let Some(answer) = session.answer(&frame, &mut NoMeter) else { return };
         if let Answer::Tick(result) = answer {
-            assert!(enabled || !result.power.is_on() && result.force_bits == [0; 2], "a force without an enable");
+            assert!(
+                enabled || !result.power.is_on() && result.force_bits == [0; 2],
+                "a force without an enable"
+            );
         }
     }
 });

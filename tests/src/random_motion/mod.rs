@@ -11,6 +11,7 @@ mod plant;
 mod settings;
 
 use shared::compensate::CompensationKind;
+use shared::config::AxisSettings;
 use shared::interpolate::Block;
 use shared::protocol::{
     AXES, Answer, FRAME, Format, LONGEST_ORDER, Order, PART, Part, Setup, TickResult, decode, encode,
@@ -69,7 +70,8 @@ struct Run<'a> {
     draws: Draws,
     outcome: Outcome,
     digest: u64,
-    force_limit_n: [f64; AXES],
+    /// The present settings.
+    axes: [AxisSettings; AXES],
     last_injected: Option<Fault>,
 }
 
@@ -81,7 +83,7 @@ pub fn run(motion: &Motion, end: Exchange<'_>) -> Outcome {
         draws: Draws::new(motion.seed),
         outcome: Outcome::default(),
         digest: 0xcbf2_9ce4_8422_2325,
-        force_limit_n: [0.0; AXES],
+        axes: [AxisSettings::default(); AXES],
         last_injected: None,
     };
     run.set_up(motion);
@@ -143,7 +145,7 @@ impl Run<'_> {
     fn set_up(&mut self, motion: &Motion) {
         let rates = settings::rates(&mut self.draws);
         let axes = [0, 1].map(|_| settings::axis(&mut self.draws, motion.gain_error));
-        self.force_limit_n = axes.map(|axis| axis.force_limit_n);
+        self.axes = axes;
         let start = [Position(0); AXES];
         let set_up = self.send(&Order::Setup(Setup { format: motion.format, rates, axes, start }));
         assert_eq!(set_up, Answer::Ready, "{axes:?}");
@@ -182,11 +184,16 @@ impl Run<'_> {
             self.count(0, &Order::Switch(axis, kind, on));
         }
         if self.draws.one_in(200) {
-            let (axis, settings) = (self.draws.axis(), settings::axis(&mut self.draws, motion.gain_error));
-            let order = Order::Change(axis, settings);
-            if self.send(&order) == Answer::Ready {
+            let axis = self.draws.axis();
+            let present = self.axes[usize::from(axis)];
+            // Another filter behind the path is refused, another sensor with the drives on.
+            let (smoothing, sensors) = (present.smoothing, present.sensors);
+            let changed = settings::axis(&mut self.draws, motion.gain_error);
+            let settings =
+                if self.draws.one_in(8) { changed } else { AxisSettings { smoothing, sensors, ..changed } };
+            if self.send(&Order::Change(axis, settings)) == Answer::Ready {
                 self.outcome.orders[1] += 1;
-                self.force_limit_n[usize::from(axis)] = settings.force_limit_n;
+                self.axes[usize::from(axis)] = settings;
             }
         }
         for (number, order, one_in) in
@@ -216,7 +223,7 @@ impl Run<'_> {
     fn note(&mut self, result: &TickResult, before: Power, plant: &Plant, format: Format) {
         if result.power.is_on() {
             self.outcome.on += 1;
-            let limits = result.force_bits.iter().zip(self.force_limit_n);
+            let limits = result.force_bits.iter().zip(self.axes.map(|axis| axis.force_limit_n));
             let at_limit = |(bits, limit): (&u64, f64)| force_n(*bits, format).abs() > 0.999 * limit;
             self.outcome.saturated += usize::from(limits.into_iter().any(at_limit));
             self.outcome.without_scale += usize::from(plant.is_without_scale());

@@ -95,8 +95,8 @@ pub fn compensation(draws: &mut Draws, other: u8) -> CompensationSettings {
         force,
         stretch_m_per_n: draws.maybe(|_| 1e-8).filter(|_| can_stretch),
         drift: draws.maybe(|draws| TimePoints {
-            start_s: -0.01,
-            spacing_s: draws.between(0.005, 0.02),
+            start_s: -0.05,
+            spacing_s: draws.between(0.05, 0.2),
             values: values(draws, 2e-6),
         }),
         ..CompensationSettings::default()

@@ -66,6 +66,8 @@ fn a_silent_host_holds_the_path_and_then_switches_the_drives_off() {
     // 10 mm/s for 0.5 s, and at least one and at most ten times the few ms between jog and status.
     let at_m = status.axes[0].command.to_m();
     assert!(at_m > 4.8e-3 && at_m < 15e-3, "{at_m}");
+    // One host at a time.
+    drop(client);
     // It does not go on by itself.
     let refused = bench.fails(1, "resume --port bench");
     assert!(refused.contains("nothing is held"), "{refused}");
