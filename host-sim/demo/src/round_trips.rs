@@ -5,10 +5,16 @@ use std::sync::atomic::{AtomicUsize, Ordering};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
-use super::{DemoError, MACHINE, compensated, draw_several, logs};
+use super::second_machine::SecondMachine;
+use super::{Compensated, DemoError, MACHINE, compensated, draw_several, logs};
+use compensate::limits::{Limit, Limits};
 use compensate::place::Place;
-use compensate::round_trip::totals_um;
+use compensate::round_trip::{RealMachine, SimulatedMachine, totals_um};
 use model::machine::Machine;
+use plant::instruments::Instruments;
+use self_test::case::Case;
+use self_test::truth::Truth;
+use trace::Trace;
 
 /// How far the measured error may be from the predicted one, as a fraction.
 pub const MAX_PREDICTION_ERROR: f64 = 0.15;
@@ -27,6 +33,8 @@ pub struct RoundTrip {
     pub found: Vec<String>,
     /// Contour error before, as predicted, and after, µm rms over all motions.
     pub contour_um: [f64; 3],
+    /// What limits the error that is left.
+    pub limits: Limits,
 }
 
 impl RoundTrip {
@@ -45,6 +53,7 @@ impl RoundTrip {
             "effects": self.effects,
             "found": self.found,
             "contour_error_um": {"before": before, "predicted": predicted, "after": after},
+            "limits": self.limits.json(),
         })
     }
 
@@ -55,17 +64,49 @@ impl RoundTrip {
     }
 }
 
-/// Executes the round trips of `count` machines with one to three effects, from the first seed on. With `has_feedforward`, the
-/// velocity feed-forward of the machine is already set. `done` receives the number of finished machines.
+/// Which machines make the round trip.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Machines {
+    /// Those of the demonstration.
+    Demo,
+    /// The same; their velocity feed-forward is already set.
+    DemoWithFeedforward,
+    /// Those of the self-test, simulated by its second simulator. Its own controller makes the logs that are traced.
+    SelfTest,
+}
+
+/// Executes the round trips of `count` machines with one to three effects of the catalogue, from the first seed on. `done` receives
+/// the number of finished machines.
 ///
 /// # Errors
 /// If a machine cannot be simulated, traced or compensated.
 pub fn round_trips(
+    machines: Machines,
     first_seed: u64,
     count: u64,
-    has_feedforward: bool,
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Vec<RoundTrip>, DemoError> {
+    let finished = AtomicUsize::new(0);
+    let seeds: Vec<u64> = match machines {
+        Machines::Demo | Machines::DemoWithFeedforward => (first_seed..first_seed + count).collect(),
+        Machines::SelfTest => {
+            (first_seed..).filter(|seed| is_like_demo(*seed)).take(count as usize).collect()
+        }
+    };
+    let one = |(number, seed): (usize, u64)| {
+        let trip = match machines {
+            Machines::Demo => of_demo(&declared(false)?, seed, 1 + number % 3),
+            Machines::DemoWithFeedforward => of_demo(&declared(true)?, seed, 1 + number % 3),
+            Machines::SelfTest => of_self_test(seed),
+        };
+        done(1 + finished.fetch_add(1, Ordering::Relaxed));
+        trip
+    };
+    seeds.into_par_iter().enumerate().map(one).collect()
+}
+
+/// The declared machine of the demonstration.
+fn declared(has_feedforward: bool) -> Result<Machine, DemoError> {
     let mut declared = Machine::parse(MACHINE, "machines/demo.toml")?;
     if has_feedforward {
         for axis in declared.axis.values_mut() {
@@ -73,28 +114,45 @@ pub fn round_trips(
             axis.settings.controller.feedforward_ahead_s = Some(SET.1);
         }
     }
-    let finished = AtomicUsize::new(0);
-    (0..count)
-        .into_par_iter()
-        .map(|number| {
-            let seed = first_seed + number;
-            let effects = 1 + (number % 3) as usize;
-            let (truth, effects) = draw_several(&declared, seed, effects);
-            let [fit, validate] = logs(&truth, seed)?;
-            let trace = trace::trace(&declared, &fit, &validate, &|_| ())?;
-            let compensated = compensated(&trace.better_machine(), &truth, seed, Place::Host)?;
-            let found = trace.axes.iter().flat_map(|axis| {
-                axis.found.iter().map(|found| format!("{}: {}", axis.axis, found.effect.name()))
-            });
-            done(1 + finished.fetch_add(1, Ordering::Relaxed));
-            Ok(RoundTrip {
-                seed,
-                effects: effects.iter().map(|(axis, effect)| format!("{axis}: {}", effect.name())).collect(),
-                found: found.collect(),
-                contour_um: totals_um(&compensated.motions),
-            })
-        })
-        .collect()
+    Ok(declared)
+}
+
+/// The round trip of a machine of the demonstration with this number of effects.
+fn of_demo(declared: &Machine, seed: u64, effects: usize) -> Result<RoundTrip, DemoError> {
+    let (truth, effects) = draw_several(declared, seed, effects);
+    let [fit, validate] = logs(&truth, seed)?;
+    let trace = trace::trace(declared, &fit, &validate, &|_| ())?;
+    let effects = effects.iter().map(|(axis, effect)| format!("{axis}: {}", effect.name())).collect();
+    let instruments = Instruments::typical(seed);
+    let real = SimulatedMachine { machine: &truth, instruments, place: Place::Host };
+    round_trip(seed, effects, &trace, &real)
+}
+
+/// Seed of the cases of the self-test that make round trips; the seed of a machine is the number of its case.
+const SELF_TEST_SEED: u64 = 1;
+
+/// Whether a case of the self-test has one to three effects, all of them of the catalogue.
+fn is_like_demo(number: u64) -> bool {
+    let effects = Case::undeclared(SELF_TEST_SEED, number);
+    (1..=3).contains(&effects.len()) && !effects.iter().any(Truth::is_outside)
+}
+
+/// The round trip of the machine of a case of the self-test.
+fn of_self_test(number: u64) -> Result<RoundTrip, DemoError> {
+    let case = Case::draw(SELF_TEST_SEED, number)?;
+    let trace = trace::trace(&case.machine, &case.fit, &case.validate, &|_| ())?;
+    let effects = case.truths.iter().map(|truth| format!("{}: {}", truth.axis, truth.name)).collect();
+    round_trip(number, effects, &trace, &SecondMachine::of(&case, number))
+}
+
+fn round_trip(
+    seed: u64,
+    effects: Vec<String>,
+    trace: &Trace,
+    real: &dyn RealMachine,
+) -> Result<RoundTrip, DemoError> {
+    let Compensated { motions, limits, .. } = compensated(&trace.better_machine(), real, seed, Place::Host)?;
+    Ok(RoundTrip { seed, effects, found: trace.found_names(), contour_um: totals_um(&motions), limits })
 }
 
 /// The figures of many round trips.
@@ -110,6 +168,8 @@ pub struct Figures {
     pub min_ratio: f64,
     /// Fraction of machines whose measured error is within [`MAX_PREDICTION_ERROR`] of the predicted one.
     pub predicted: f64,
+    /// On how many machines each of [`Limit::ALL`] is the largest part of what is left.
+    pub limited_by: [usize; 4],
 }
 
 impl Figures {
@@ -125,18 +185,26 @@ impl Figures {
             ninth_ratio: *ratios.get(ratios.len() / 10)?,
             min_ratio: *ratios.first()?,
             predicted: predicted as f64 / trips.len() as f64,
+            limited_by: Limit::ALL
+                .map(|limit| trips.iter().filter(|trip| trip.limits.largest() == limit).count()),
         })
     }
 
     /// As JSON.
     #[must_use]
     pub fn json(&self) -> Value {
+        let limited_by: serde_json::Map<String, Value> = Limit::ALL
+            .iter()
+            .zip(self.limited_by)
+            .map(|(limit, machines)| (limit.word().to_owned(), json!(machines)))
+            .collect();
         json!({
             "machines": self.count,
             "median_ratio": self.median_ratio,
             "ratio_of_nine_in_ten": self.ninth_ratio,
             "min_ratio": self.min_ratio,
             "predicted_within_15_percent": self.predicted,
+            "limited_by": limited_by,
         })
     }
 }

@@ -13,13 +13,12 @@ use rayon::prelude::*;
 
 use compensate::file::CompensationFile;
 use compensate::prediction::{self, PredictionError, TestMotion, contour_error};
-use compensate::round_trip::RealMachine;
+use compensate::round_trip::{RealMachine, Sensing, SimulatedMachine};
 use contour::ContourError;
 use files::error::InputError;
 use files::log::Log;
 use margins::MarginLimits;
 use model::machine::Machine;
-use plant::instruments::Instruments;
 
 use outcome::{Improvement, Stop};
 use retrace::Logs;
@@ -42,7 +41,7 @@ pub struct Improving<'a> {
     /// The declared machine.
     pub declared: &'a Machine,
     /// The machine that executes the motions.
-    pub real: RealMachine<'a>,
+    pub real: SimulatedMachine<'a>,
     /// Motions whose logs are fitted.
     pub fit: &'a [TestMotion],
     /// Motions whose contour error counts. Their logs are held out of every fit.
@@ -122,10 +121,8 @@ impl Improving<'_> {
         file: &CompensationFile,
         seed: u64,
     ) -> Result<Vec<Log>, PredictionError> {
-        let RealMachine { machine, instruments, place } = self.real;
         let one = |(number, test): (usize, &TestMotion)| {
-            let instruments = Instruments { seed: instruments.seed + seed + number as u64, ..instruments };
-            prediction::log(machine, file, test, (instruments, place))
+            self.real.log(file, test, seed + number as u64, Sensing::Installed)
         };
         motions.par_iter().enumerate().map(one).collect()
     }
