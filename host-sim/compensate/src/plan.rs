@@ -134,7 +134,7 @@ impl Planning<'_> {
     /// # Errors
     /// If the model cannot be simulated on a motion, or the controller refuses a setting.
     pub fn plan(&self) -> Result<Plan, PredictionError> {
-        let before = self.errors(&self.without_compensation())?;
+        let before = self.errors(&CompensationFile::none(self.model))?;
         let (mut best_um, mut choice) = self.start()?;
         let without = loop {
             let without = self.without_each(&choice)?;
@@ -204,10 +204,6 @@ impl Planning<'_> {
         contour_errors(self.model, file, self.tests, self.instruments)
     }
 
-    fn without_compensation(&self) -> CompensationFile {
-        CompensationFile { machine: self.model.name.clone(), ..CompensationFile::default() }
-    }
-
     /// All parts that the model gives reason for.
     fn parts(&self) -> Vec<Part> {
         let mut parts = Vec::new();
@@ -233,7 +229,7 @@ impl Planning<'_> {
 
     /// The compensation without the parts that are off.
     fn file(&self, choice: &Choice) -> Result<CompensationFile, PredictionError> {
-        let mut file = self.without_compensation();
+        let mut file = CompensationFile::none(self.model);
         file.provenance = Provenance {
             model: self.model_file.to_owned(),
             program: format!("lost-motion {}", env!("CARGO_PKG_VERSION")),

@@ -94,24 +94,23 @@ pub fn with_sensing(instruments: Instruments, sensing: Sensing) -> Instruments {
     }
 }
 
-/// Executes each motion on a machine without and with a compensation, and on the model with it.
+/// Executes each motion on a machine with one compensation and with another, and on the model with the other one.
 ///
 /// # Errors
 /// If a motion cannot be simulated.
 pub fn compare(
     real: &dyn RealMachine,
     (model, instruments): (&Machine, Instruments),
-    file: &CompensationFile,
+    [file_before, file]: [&CompensationFile; 2],
     tests: &[TestMotion],
 ) -> Result<Vec<Compared>, PredictionError> {
-    let none = CompensationFile { machine: file.machine.clone(), ..CompensationFile::default() };
     tests
         .par_iter()
         .enumerate()
         .map(|(number, test)| {
             let first = 1000 + 3 * number as u64;
             let instruments = Instruments { seed: instruments.seed + first + 1, ..instruments };
-            let before = real.log(&none, test, first, Sensing::Installed)?;
+            let before = real.log(file_before, test, first, Sensing::Installed)?;
             let predicted = prediction::log(model, file, test, (instruments, Place::Host))?;
             let after = real.log(file, test, first + 2, Sensing::Installed)?;
             let of = |log| contour_error(log, model);

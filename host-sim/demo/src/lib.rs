@@ -9,11 +9,13 @@ pub use draw::{Drawn, draw, draw_several};
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use compensate::file::CompensationFile;
 use compensate::limits::Limits;
 use compensate::place::Place;
 use compensate::plan::{Plan, Planning};
 use compensate::prediction::{PredictionError, TestMotion};
 use compensate::round_trip::{self, Compared, RealMachine, SimulatedMachine};
+use contour::logged::LogError;
 use files::error::InputError;
 use files::log::Log;
 use link::controller::Format;
@@ -83,6 +85,8 @@ pub struct Traced {
     pub drawn: Drawn,
     /// The trace of its logs, from the declared machine alone.
     pub trace: Trace,
+    /// The contour errors of its logs.
+    pub contour_errors: Vec<LogError>,
 }
 
 /// A machine after its compensation.
@@ -107,7 +111,9 @@ pub fn run(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErro
     progress("compensating the machine");
     let instruments = Instruments::typical(seed);
     let real = SimulatedMachine { machine: &traced.drawn.truth, instruments, place: Place::found() };
-    let compensated = compensated(&traced.trace.better_machine(), &real, seed, real.place)?;
+    let model = traced.trace.better_machine();
+    let before = CompensationFile::none(&model);
+    let compensated = compensated(&model, (&real, &before), seed, real.place)?;
     Ok(Demo { traced, compensated })
 }
 
@@ -121,16 +127,18 @@ pub fn traced(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Traced, Dem
     progress("running the machine");
     let [fit, validate] = logs(&drawn.truth, seed)?;
     let trace = trace::trace(&declared, &fit, &validate, progress)?;
-    Ok(Traced { seed, drawn, trace })
+    let contour_errors = LogError::all(fit.iter().chain(&validate));
+    Ok(Traced { seed, drawn, trace, contour_errors })
 }
 
-/// Compensates a machine by its traced model, and executes a motion of its logs and one that was never used before and after.
+/// Compensates a machine by its traced model, and executes a motion of its logs and one that was never used with the settings that
+/// it has before, and with its compensation.
 ///
 /// # Errors
 /// If the model or the machine cannot be simulated, or the compensation is refused.
 pub fn compensated(
     model: &Machine,
-    real: &dyn RealMachine,
+    (real, before): (&dyn RealMachine, &CompensationFile),
     seed: u64,
     place: Place,
 ) -> Result<Compensated, DemoError> {
@@ -140,7 +148,7 @@ pub fn compensated(
         Planning { model, model_file: "the traced model", tests: &tests, instruments, set_at_s: SET_AT_S };
     let plan = planning.plan()?;
     let run_on = RUN_ON.map(test_motion).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let motions = round_trip::compare(real, (model, instruments), &plan.file, &run_on)?;
+    let motions = round_trip::compare(real, (model, instruments), [before, &plan.file], &run_on)?;
     let [_, _, after_um] = round_trip::totals_um(&motions);
     let limits = Limits::measure(real, (model, instruments), &plan.file, &run_on, after_um)?;
     Ok(Compensated { plan, motions, limits, place })

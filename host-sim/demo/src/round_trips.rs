@@ -7,9 +7,12 @@ use serde_json::{Value, json};
 
 use super::second_machine::SecondMachine;
 use super::{Compensated, DemoError, MACHINE, compensated, draw_several, logs};
+use compensate::file::{AxisCompensation, CompensationFile};
 use compensate::limits::{Limit, Limits};
 use compensate::place::Place;
 use compensate::round_trip::{RealMachine, SimulatedMachine, totals_um};
+use compensate::servo::ControllerChange;
+use model::axis::Law;
 use model::machine::Machine;
 use plant::instruments::Instruments;
 use self_test::case::Case;
@@ -19,8 +22,8 @@ use trace::Trace;
 /// How far the measured error may be from the predicted one, as a fraction.
 pub const MAX_PREDICTION_ERROR: f64 = 0.15;
 
-/// Velocity feed-forward that is set before the machine is logged: that of published comparisons.
-const SET: (f64, f64) = (100.0, 1.25e-3);
+/// Velocity feed-forward that is already set, as in published comparisons: Kf, %, and time ahead of the command, s.
+pub const FEEDFORWARD: (f64, f64) = (100.0, 1.25e-3);
 
 /// The round trip of one machine.
 #[derive(Clone, Debug)]
@@ -66,12 +69,19 @@ impl RoundTrip {
 
 /// Which machines make the round trip.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub enum Machines {
-    /// Those of the demonstration.
-    Demo,
-    /// The same; their velocity feed-forward is already set.
-    DemoWithFeedforward,
-    /// Those of the self-test, simulated by its second simulator. Its own controller makes the logs that are traced.
+pub struct Machines {
+    /// Who simulates them.
+    pub simulator: Simulator,
+    /// Whether they have [`FEEDFORWARD`] before the compensation.
+    pub has_feedforward: bool,
+}
+
+/// Who simulates the machines.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Simulator {
+    /// The plant of this program: machines of the demonstration, logged with the feed-forward that they have.
+    Plant,
+    /// The second simulator: machines of the self-test, logged with its own controller and the feed-forward of each machine.
     SelfTest,
 }
 
@@ -87,17 +97,16 @@ pub fn round_trips(
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Vec<RoundTrip>, DemoError> {
     let finished = AtomicUsize::new(0);
-    let seeds: Vec<u64> = match machines {
-        Machines::Demo | Machines::DemoWithFeedforward => (first_seed..first_seed + count).collect(),
-        Machines::SelfTest => {
-            (first_seed..).filter(|seed| is_like_demo(*seed)).take(count as usize).collect()
+    let seeds: Vec<u64> = match machines.simulator {
+        Simulator::Plant => (first_seed..).zip(0..count).map(|(seed, _)| seed).collect(),
+        Simulator::SelfTest => {
+            (first_seed..).filter(|seed| is_like_demo(*seed)).zip(0..count).map(|(seed, _)| seed).collect()
         }
     };
     let one = |(number, seed): (usize, u64)| {
-        let trip = match machines {
-            Machines::Demo => of_demo(&declared(false)?, seed, 1 + number % 3),
-            Machines::DemoWithFeedforward => of_demo(&declared(true)?, seed, 1 + number % 3),
-            Machines::SelfTest => of_self_test(seed),
+        let trip = match machines.simulator {
+            Simulator::Plant => of_demo(&declared(machines.has_feedforward)?, seed, 1 + number % 3),
+            Simulator::SelfTest => of_self_test(seed, machines.has_feedforward),
         };
         done(1 + finished.fetch_add(1, Ordering::Relaxed));
         trip
@@ -105,13 +114,16 @@ pub fn round_trips(
     seeds.into_par_iter().enumerate().map(one).collect()
 }
 
-/// The declared machine of the demonstration.
-fn declared(has_feedforward: bool) -> Result<Machine, DemoError> {
+/// The declared machine of the demonstration, as it is or with [`FEEDFORWARD`].
+///
+/// # Errors
+/// If its file is invalid.
+pub fn declared(has_feedforward: bool) -> Result<Machine, DemoError> {
     let mut declared = Machine::parse(MACHINE, "machines/demo.toml")?;
     if has_feedforward {
         for axis in declared.axis.values_mut() {
-            axis.settings.controller.feedforward_percent = Some(SET.0);
-            axis.settings.controller.feedforward_ahead_s = Some(SET.1);
+            axis.settings.controller.feedforward_percent = Some(FEEDFORWARD.0);
+            axis.settings.controller.feedforward_ahead_s = Some(FEEDFORWARD.1);
         }
     }
     Ok(declared)
@@ -125,7 +137,7 @@ fn of_demo(declared: &Machine, seed: u64, effects: usize) -> Result<RoundTrip, D
     let effects = effects.iter().map(|(axis, effect)| format!("{axis}: {}", effect.name())).collect();
     let instruments = Instruments::typical(seed);
     let real = SimulatedMachine { machine: &truth, instruments, place: Place::Host };
-    round_trip(seed, effects, &trace, &real)
+    round_trip(seed, effects, &trace, (&real, &CompensationFile::none(declared)))
 }
 
 /// Seed of the cases of the self-test that make round trips; the seed of a machine is the number of its case.
@@ -138,18 +150,30 @@ fn is_like_demo(number: u64) -> bool {
 }
 
 /// The round trip of the machine of a case of the self-test.
-fn of_self_test(number: u64) -> Result<RoundTrip, DemoError> {
+fn of_self_test(number: u64, has_feedforward: bool) -> Result<RoundTrip, DemoError> {
     let case = Case::draw(SELF_TEST_SEED, number)?;
     let trace = trace::trace(&case.machine, &case.fit, &case.validate, &|_| ())?;
     let effects = case.truths.iter().map(|truth| format!("{}: {}", truth.axis, truth.name)).collect();
-    round_trip(number, effects, &trace, &SecondMachine::of(&case, number))
+    let mut before = CompensationFile::none(&case.machine);
+    if has_feedforward {
+        let (percent, ahead_s) = FEEDFORWARD;
+        let controller = ControllerChange {
+            law: Some(Law::P),
+            feedforward_percent: Some(percent),
+            feedforward_ahead_s: Some(ahead_s),
+            ..ControllerChange::default()
+        };
+        let axis = AxisCompensation { controller, ..AxisCompensation::default() };
+        before.axis = case.machine.axis.keys().map(|name| (name.clone(), axis.clone())).collect();
+    }
+    round_trip(number, effects, &trace, (&SecondMachine::of(&case, number), &before))
 }
 
 fn round_trip(
     seed: u64,
     effects: Vec<String>,
     trace: &Trace,
-    real: &dyn RealMachine,
+    real: (&dyn RealMachine, &CompensationFile),
 ) -> Result<RoundTrip, DemoError> {
     let Compensated { motions, limits, .. } = compensated(&trace.better_machine(), real, seed, Place::Host)?;
     Ok(RoundTrip { seed, effects, found: trace.found_names(), contour_um: totals_um(&motions), limits })

@@ -1,12 +1,13 @@
 //! A machine of the self-test makes a round trip: the second simulator, which shares no code with the plant, executes the motions.
 
 use compensate::limits::Limit;
-use demo::round_trips::{MAX_PREDICTION_ERROR, Machines, round_trips};
+use demo::round_trips::{MAX_PREDICTION_ERROR, Machines, Simulator, round_trips};
 
 #[test]
 fn a_machine_of_the_second_simulator_becomes_better_as_predicted() {
     // Its effects: an error of the resolver and a ripple of the force on x.
-    let trips = round_trips(Machines::SelfTest, 4, 1, &|_| ()).unwrap();
+    let machines = Machines { simulator: Simulator::SelfTest, has_feedforward: true };
+    let trips = round_trips(machines, 4, 1, &|_| ()).unwrap();
     let [trip] = &trips[..] else { panic!("{trips:?}") };
     assert_eq!(trip.effects, ["x: resolver_dividing", "x: torque_ripple"]);
     assert_eq!(trip.found, trip.effects);

@@ -60,7 +60,7 @@ impl Improving<'_> {
         max_rounds: usize,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Improvement, ImproveError> {
-        let none = CompensationFile { machine: self.declared.name.clone(), ..CompensationFile::default() };
+        let none = CompensationFile::none(self.declared);
         progress("round 1: running the machine");
         let mut logs = Logs::new(self.run(self.fit, &none, 0)?, self.run(self.judged, &none, 0)?);
         let mut rounds: Vec<Round> = Vec::new();

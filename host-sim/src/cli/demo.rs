@@ -12,7 +12,7 @@ use super::summary;
 use compensate::limits::Limit;
 use compensate::round_trip::{Compared, totals_um};
 use contour::comparison::{self, Comparison};
-use demo::round_trips::{Figures, MAX_PREDICTION_ERROR, Machines, RoundTrip};
+use demo::round_trips::{Figures, MAX_PREDICTION_ERROR, Machines, RoundTrip, Simulator};
 use demo::{self, Demo, Traced};
 use files::error::InputError;
 use report::before_after::RoundTripMotion;
@@ -34,11 +34,11 @@ pub struct Arguments {
     /// Instead of one machine, the round trips of this many machines with one to three effects, from the seed on: a table.
     #[arg(long, value_name = "COUNT")]
     machines: Option<u64>,
-    /// With --machines: the velocity feed-forward of the machines is already set.
+    /// With --machines: the velocity feed-forward is already 100 % before the compensation.
     #[arg(long, requires = "machines")]
     feedforward_set: bool,
     /// With --machines: machines of the self-test, simulated by its second simulator, which shares no code with the first one.
-    #[arg(long, requires = "machines", conflicts_with = "feedforward_set")]
+    #[arg(long, requires = "machines")]
     second_simulator: bool,
 }
 
@@ -59,7 +59,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         title: format!("Lost motion of the demo machine, seed {}", traced.seed),
         lead: vec![INTRODUCTION.to_owned(), headline(traced)],
         truth: Some(vec![(traced.drawn.axis.clone(), traced.drawn.effect.clone())]),
-        round_trip: (round_trip_motions(&demo), compensated(&demo)),
+        contour_errors: traced.contour_errors.clone(),
+        round_trip: (round_trip_motions(&demo), round_trip_lead(&demo)),
         ..Extra::default()
     };
     let path = trace_page::write(&arguments.report, &demo.traced.trace, &extra)?;
@@ -86,6 +87,11 @@ fn compensated(demo: &Demo) -> String {
     )
 }
 
+/// What the compensation gained, and what limits the error that is left.
+fn round_trip_lead(demo: &Demo) -> String {
+    format!("{} {}", compensated(demo), demo.compensated.limits.sentence())
+}
+
 fn round_trip_motions(demo: &Demo) -> Vec<RoundTripMotion> {
     let one = |motion: &Compared| RoundTripMotion {
         name: motion.name.clone(),
@@ -100,11 +106,8 @@ fn round_trips(arguments: &Arguments, count: u64) -> Result<()> {
     let progress = Progress::with_bar(count);
     progress.show("logging, tracing, compensating and running the machines again");
     let done = |machines| progress.set_done(machines);
-    let machines = match (arguments.feedforward_set, arguments.second_simulator) {
-        (_, true) => Machines::SelfTest,
-        (true, false) => Machines::DemoWithFeedforward,
-        (false, false) => Machines::Demo,
-    };
+    let simulator = if arguments.second_simulator { Simulator::SelfTest } else { Simulator::Plant };
+    let machines = Machines { simulator, has_feedforward: arguments.feedforward_set };
     let trips = demo::round_trips::round_trips(machines, arguments.seed, count, &done)?;
     drop(progress);
     let Some(figures) = Figures::of(&trips) else {
