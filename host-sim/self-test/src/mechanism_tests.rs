@@ -9,7 +9,7 @@ use super::machine::Axis;
 use super::motion::{Pace, Segment, sampled};
 use super::plant::{Mechanics, Sinusoid, State};
 use super::sensors::Sensors;
-use super::servo::{SAMPLE_S, Settings};
+use super::servo::SAMPLE_S;
 use super::simulation;
 use super::tests::{SPEED_MM_PER_S, axis, line, mechanics};
 use files::log::{Channel, Log};
