@@ -38,6 +38,7 @@
 //! the motor. When c is switched on with dual feedback, the table moves by c and returns with the time constant of the
 //! feedback.
 
+mod active;
 pub mod axis;
 pub mod backlash;
 mod convert;

@@ -1,22 +1,23 @@
 //! The state of the compensations of an axis.
 
+use super::active::Active;
 use super::force;
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
 use crate::scalar::{Fixed, Scalar};
 
-/// The correction of a command, position units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Correction {
+/// The correction of a command, error units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Correction<S> {
     /// The whole correction, which is added to the command.
-    pub total: i64,
+    pub total: S,
     /// The part of it that makes up for errors between motor and scale, which is also added to the scale's reading.
-    pub screw: i64,
+    pub screw: S,
 }
 
-impl Correction {
+impl<S: Scalar> Correction<S> {
     /// No correction.
-    pub const NONE: Self = Self { total: 0, screw: 0 };
+    pub const NONE: Self = Self { total: S::ZERO, screw: S::ZERO };
 }
 
 /// State of the compensations of an axis.
@@ -38,6 +39,7 @@ pub struct State<S: Scalar> {
     pub(super) slow: SlowTerms<S>,
     /// Time since the compensation was set, ticks.
     pub(super) ticks: u64,
+    pub(super) active: Active<S>,
     /// One bit per kind that is switched off.
     off: u16,
 }
@@ -84,22 +86,23 @@ impl<S: Scalar> State<S> {
         model: force::State::NEW,
         slow: SlowTerms::NONE,
         ticks: 0,
+        active: Active::NONE,
         off: 0,
     };
 
-    /// Switches one compensation on or off. Initially all are on.
+    /// Switches one compensation on or off. Initially all are on. [`Active`] has to be listed again afterwards.
     pub const fn switch(&mut self, item: CompensationKind, on: bool) {
         let bit = 1 << item as u16;
         self.off = if on { self.off & !bit } else { self.off | bit };
     }
 
-    pub(super) const fn is_on(&self, item: CompensationKind) -> bool {
+    pub(super) const fn is_switched_on(&self, item: CompensationKind) -> bool {
         self.off & (1 << item as u16) == 0
     }
 
     /// The present correction of the command.
-    pub(super) fn correction(&self) -> Correction {
-        Correction { total: self.command.distance(), screw: self.screw.distance() }
+    pub(super) const fn correction(&self) -> Correction<S> {
+        Correction { total: self.command, screw: self.screw }
     }
 
     /// The axis is at rest with the drives off: there is no force, and when they come on it starts from zero.

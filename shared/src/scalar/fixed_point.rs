@@ -7,7 +7,8 @@ use fixed::types::{I8F24, I18F14, I26F38};
 
 use super::biquad::{self, Biquad};
 use super::{Scalar, Section};
-use crate::integer::mul_q32;
+use crate::integer::interpolated_q31;
+use crate::units::Position;
 
 /// A fixed-point signal: ±131,072 in steps of 2⁻¹⁴. Addition and subtraction saturate.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -121,6 +122,7 @@ impl Scalar for Fixed {
     type Sum = I26F38;
 
     const ZERO: Self = Self(I18F14::ZERO);
+    const GREATEST: Self = Self::MAX;
     const ZERO_GAIN: I8F24 = I8F24::ZERO;
     const ZERO_SUM: I26F38 = I26F38::ZERO;
     const NAME: &'static str = "fixed";
@@ -153,20 +155,23 @@ impl Scalar for Fixed {
         Self::from_bits(narrow::<10>(distance))
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "32 bits within ±144 m")]
+    fn from_position(position: Position) -> Self {
+        Self::from_bits((position.0 >> 26) as i32)
+    }
+
     fn to_distance(sum: I26F38) -> i64 {
         sum.to_bits().wrapping_add(1 << 7) >> 8
     }
 
     fn distance(self) -> i64 {
-        i64::from(self.to_bits()) << 16
+        // The two words: one shift each, which an addition includes.
+        let bits = self.to_bits();
+        (i64::from(bits >> 16) << 32) | i64::from((bits << 16).cast_unsigned())
     }
 
     fn lerp(self, other: Self, fraction_q32: u32) -> Self {
-        // The result lies between two 32-bit numbers: no saturation is needed.
-        let difference = i64::from(other.to_bits()).wrapping_sub(i64::from(self.to_bits()));
-        #[expect(clippy::cast_possible_truncation, reason = "no more than the difference")]
-        let step = mul_q32(difference, fraction_q32) as i32;
-        Self::from_bits(self.to_bits().wrapping_add(step))
+        Self::from_bits(interpolated_q31(self.to_bits(), other.to_bits(), fraction_q32))
     }
 
     fn from_fixed(value: Self) -> Self {
@@ -189,6 +194,10 @@ impl Scalar for Fixed {
         // Both comparisons in one, as unsigned numbers, for a limit that is not negative.
         let (value, limit) = (self.to_bits(), limit.to_bits().cast_unsigned());
         value.cast_unsigned().wrapping_add(limit) > limit << 1
+    }
+
+    fn product(self, other: Self) -> Self {
+        Self::from_bits(narrow::<14>(i64::from(self.to_bits()).wrapping_mul(i64::from(other.to_bits()))))
     }
 
     fn clamp_magnitude(self, limit: Self) -> Self {
