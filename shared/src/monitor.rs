@@ -153,8 +153,8 @@ impl<S: Scalar> Monitor<S> {
     }
 
     /// The faults that follow from the input alone.
-    #[cold]
-    #[inline(never)]
+    // Inlined: the input is in registers then.
+    #[inline(always)]
     fn faults(&self, input: &MonitorInput<S>) -> FaultSet {
         FaultSet::NONE
             .with(FaultKind::FollowingError, input.following_error.exceeds(self.following_error))

@@ -102,6 +102,9 @@ impl<S: Scalar> Table<S> {
 }
 
 impl<S: Scalar> PeriodicTable<S> {
+    /// Zero everywhere.
+    pub const ZERO: Self = Self { values: [S::ZERO; POINTS + 1], per_unit: 0 };
+
     /// Converts the points of a period in SI, the first at position zero.
     ///
     /// # Errors

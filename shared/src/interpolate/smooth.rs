@@ -235,6 +235,8 @@ pub struct Filters<const N: usize> {
     pub rounding: CornerRounding,
     /// Whether any axis has a filter.
     pub active: bool,
+    /// Ticks after which no output depends on older inputs.
+    memory: u16,
     /// Set if every axis has the same two means.
     common_means: Option<CommonMeans>,
 }
@@ -249,7 +251,13 @@ struct CommonMeans {
 impl<const N: usize> Filters<N> {
     /// No filters.
     pub const PASS: Self =
-        Self { axes: [Filter::Pass; N], rounding: CornerRounding::NONE, active: false, common_means: None };
+        Self {
+            axes: [Filter::Pass; N],
+            rounding: CornerRounding::NONE,
+            active: false,
+            memory: 0,
+            common_means: None,
+        };
 
     /// Converts the settings for a command every 1/`rate_hz`.
     ///
@@ -264,6 +272,7 @@ impl<const N: usize> Filters<N> {
             rounding = Some(rounding.map_or(own, |other| other.worst_of(own)));
         }
         filters.active = filters.axes.iter().any(|filter| *filter != Filter::Pass);
+        filters.memory = filters.axes.iter().map(Filter::memory).max().unwrap_or(0);
         filters.rounding = rounding.unwrap_or(CornerRounding::NONE);
         filters.common_means = match filters.axes.first() {
             Some(first @ &Filter::Means(ticks, divisor)) if filters.axes.iter().all(|axis| axis == first) => {
@@ -449,10 +458,7 @@ impl<const N: usize> State<N> {
     /// Whether the commands have reached the inputs, and stay there while these do not change.
     #[must_use]
     pub fn is_settled(&self, filters: &Filters<N>) -> bool {
-        self.axes
-            .iter()
-            .zip(&self.outputs)
-            .zip(&filters.axes)
-            .all(|((axis, output), filter)| output.0 == axis.input && self.unchanged_ticks >= filter.memory())
+        self.unchanged_ticks >= filters.memory
+            && self.axes.iter().zip(&self.outputs).all(|(axis, output)| output.0 == axis.input)
     }
 }

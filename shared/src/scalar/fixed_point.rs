@@ -7,7 +7,7 @@ use fixed::types::{I8F24, I18F14, I26F38};
 
 use super::biquad::{self, Biquad};
 use super::{Scalar, Section};
-use crate::integer::interpolated_q31;
+use crate::integer::mul_high_i32;
 use crate::units::Position;
 
 /// A fixed-point signal: ±131,072 in steps of 2⁻¹⁴. Addition and subtraction saturate.
@@ -171,7 +171,11 @@ impl Scalar for Fixed {
     }
 
     fn lerp(self, other: Self, fraction_q32: u32) -> Self {
-        Self::from_bits(interpolated_q31(self.to_bits(), other.to_bits(), fraction_q32))
+        // From the middle of both: the fraction less a half is a signed number (`SMMLA`).
+        let difference = other.to_bits().wrapping_sub(self.to_bits());
+        let middle = self.to_bits().wrapping_add(difference >> 1);
+        let from_middle = (fraction_q32 ^ (1 << 31)).cast_signed();
+        Self::from_bits(middle.wrapping_add(mul_high_i32(difference, from_middle)))
     }
 
     fn from_fixed(value: Self) -> Self {
