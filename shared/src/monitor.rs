@@ -139,43 +139,41 @@ impl<S: Scalar> Monitor<S> {
     #[inline]
     pub fn position(&self, state: &mut State<S>, input: &MonitorInput<S>) -> FaultSet {
         let frozen = self.is_frozen(state, input);
-        let outside = self.leaves_travel(state, input.command);
-        // The usual case, without a set.
-        if !(frozen
-            || outside
-            || input.following_error.exceeds(self.following_error)
-            || self.disagree(input)
-            || input.uses_scale && input.table.is_none())
+        let [min, max] = self.travel;
+        // The usual case. An overflow of a difference gives the other sign.
+        if !frozen
+            && (input.command - min) | (max - input.command) >= 0
+            && !input.following_error.exceeds(self.following_error)
+            && !self.disagree(input)
+            && !Self::is_lost(input)
         {
+            state.allowed_command = input.command;
             return FaultSet::NONE;
         }
-        self.faults(input).with(FaultKind::EncoderFrozen, frozen).with(FaultKind::SoftLimit, outside)
-    }
-
-    /// The faults that follow from the input alone.
-    // Inlined: the input is in registers then.
-    #[inline(always)]
-    fn faults(&self, input: &MonitorInput<S>) -> FaultSet {
         FaultSet::NONE
             .with(FaultKind::FollowingError, input.following_error.exceeds(self.following_error))
             .with(FaultKind::Disagreement, self.disagree(input))
-            .with(FaultKind::ScaleLost, input.uses_scale && input.table.is_none())
+            .with(FaultKind::EncoderFrozen, frozen)
+            .with(FaultKind::SoftLimit, self.leaves_travel(state, input.command))
+            .with(FaultKind::ScaleLost, Self::is_lost(input))
     }
 
     /// Whether scale and motor disagree.
+    #[inline]
     fn disagree(&self, input: &MonitorInput<S>) -> bool {
         input.table.is_some_and(|table| (table - input.motor).unsigned_abs() > self.disagreement)
+    }
+
+    /// Whether the scale of the loop has no reading.
+    #[inline]
+    const fn is_lost(input: &MonitorInput<S>) -> bool {
+        input.uses_scale && input.table.is_none()
     }
 
     /// Whether the command moves outwards beyond the travel. An axis that was enabled outside its travel may stay and move
     /// inwards; the limit follows it.
     fn leaves_travel(&self, state: &mut State<S>, command: Position) -> bool {
         let [min, max] = self.travel;
-        // The usual case.
-        if command >= min && command <= max {
-            state.allowed_command = command;
-            return false;
-        }
         let [min, max] = [min.min(state.allowed_command), max.max(state.allowed_command)];
         let leaves = command < min - SOFT_LIMIT_TOLERANCE || command > max + SOFT_LIMIT_TOLERANCE;
         if !leaves {

@@ -122,15 +122,18 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
             motion.step(*command);
         }
         self.turn = if self.turn + 1 < N { self.turn + 1 } else { 0 };
+        let turn = self.turn;
+        if let (Some(true), Some(compensation), Some(state)) =
+            (self.is_set.get(turn), self.axes.get(turn), self.states.get_mut(turn))
+        {
+            compensation.next_slow_term(state, turn, &self.motions);
+        }
     }
 
     /// The correction of the command of an axis, once after each [`Compensation::advance`].
     pub fn command(&mut self, axis: usize) -> Correction<S> {
         match (self.is_set.get(axis), self.axes.get(axis), self.states.get_mut(axis)) {
             (Some(true), Some(compensation), Some(state)) => {
-                if axis == self.turn {
-                    compensation.next_slow_term(state, axis, &self.motions);
-                }
                 compensation.command(state, axis, &self.motions)
             }
             _ => Correction::NONE,
