@@ -42,13 +42,56 @@ pub(crate) fn mul_shift<const SHIFT: u32>(a: i64, b: i64) -> i64 {
     scaled
 }
 
-/// `a·b/2⁶⁴`, too small by up to two units: the product of the low halves is omitted.
+/// A number as two signed words: value = 2³²·upper + lower.
+///
+/// With both signed, a product of two words is one instruction (`SMULL`, `SMLAL`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Words {
+    upper: i32,
+    lower: i32,
+}
+
+impl Words {
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "the words")]
+    pub(crate) const fn of(value: i64) -> Self {
+        Self { upper: (value.wrapping_add(1 << 31) >> 32) as i32, lower: value as i32 }
+    }
+
+    /// Upper and cross terms of the product with `other`, 2⁶⁴ and 2³².
+    fn product(self, other: Self) -> [i64; 2] {
+        let word = |a: i32, b: i32| i64::from(a) * i64::from(b);
+        [
+            word(self.upper, other.upper),
+            word(self.upper, other.lower).wrapping_add(word(self.lower, other.upper)),
+        ]
+    }
+
+    /// `a·b + c·d` over 2⁶⁴, off by up to a unit and a half, for magnitudes up to 2⁶¹.
+    #[must_use]
+    pub(crate) fn sum_of_products(a: Self, b: Self, c: Self, d: Self) -> i64 {
+        let ([upper, cross], [more_upper, more_cross]) = (a.product(b), c.product(d));
+        upper.wrapping_add(more_upper).wrapping_add(cross.wrapping_add(more_cross) >> 32)
+    }
+}
+
+/// `a·b/2⁶⁴`, off by up to 1.25 units, for magnitudes up to 2⁶³ − 2³¹: the product of the lower words is omitted.
 #[must_use]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the halves")]
-pub(crate) const fn mul_high(a: i64, b: i64) -> i64 {
-    let (a_high, a_low) = ((a >> 32) as i32 as i64, a as u32 as i64);
-    let (b_high, b_low) = ((b >> 32) as i32 as i64, b as u32 as i64);
-    a_high * b_high + ((a_high * b_low) >> 32) + ((a_low * b_high) >> 32)
+pub(crate) fn mul_high(a: i64, b: i64) -> i64 {
+    let [upper, cross] = Words::of(a).product(Words::of(b));
+    upper.wrapping_add(cross >> 32)
+}
+
+/// `a·b/2^shift` modulo 2⁶⁴, for a shift from 32 to 63.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "the words")]
+pub(crate) fn shifted_product(a: u64, b: u64, shift: u32) -> u64 {
+    let product = u128::from(a) * u128::from(b);
+    let (low, middle, high) = ((product >> 32) as u32, (product >> 64) as u32, (product >> 96) as u32);
+    let shift = shift & 31;
+    // A shift by 32 in two steps: there is none in one.
+    let shifted = |low: u32, high: u32| (low >> shift) | ((high << 1) << (31 - shift));
+    u64::from(shifted(low, middle)) | u64::from(shifted(middle, high)) << 32
 }
 
 /// `value·2^−shift`, at most `u32::MAX`, for a shift below 32.

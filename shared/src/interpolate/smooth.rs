@@ -308,6 +308,8 @@ pub struct State<const N: usize> {
     next: u16,
     /// Number of inputs written, up to the length of the window.
     written: u16,
+    /// Whether every filter has all the inputs that it depends on.
+    is_filled: bool,
     /// Number of ticks for which no input has changed.
     unchanged_ticks: u16,
     axes: [AxisState; N],
@@ -358,6 +360,7 @@ impl<const N: usize> State<N> {
         window: [[0; N]; WINDOW],
         next: 0,
         written: 0,
+        is_filled: false,
         unchanged_ticks: u16::MAX,
         axes: [AxisState::at(Position(0)); N],
         outputs: [Position(0); N],
@@ -371,8 +374,8 @@ impl<const N: usize> State<N> {
 
     /// Rests at other positions, without writing the window.
     pub fn rest_at(&mut self, positions: &[Position; N]) {
-        (self.axes, self.written, self.unchanged_ticks) = (positions.map(AxisState::at), 0, u16::MAX);
-        self.outputs = *positions;
+        (self.axes, self.outputs) = (positions.map(AxisState::at), *positions);
+        (self.written, self.is_filled, self.unchanged_ticks) = (0, false, u16::MAX);
     }
 
     /// The last commands.
@@ -390,7 +393,7 @@ impl<const N: usize> State<N> {
         }
         self.unchanged_ticks = if changed { 0 } else { self.unchanged_ticks.saturating_add(1) };
         match &filters.common_means {
-            Some(means) if self.written >= means.ticks[0] + means.ticks[1] => self.step_together(means),
+            Some(means) if self.is_filled => self.step_together(means),
             _ => self.step_each(filters),
         }
         if let Some(slot) = self.window.get_mut(Self::index(self.next)) {
@@ -440,6 +443,7 @@ impl<const N: usize> State<N> {
             }
         }
         self.written = self.written.saturating_add(1);
+        self.is_filled = self.written >= filters.memory;
     }
 
     /// The input of an axis 1 to [`WINDOW`] ticks ago.
