@@ -75,6 +75,15 @@ impl Words {
     }
 }
 
+/// `a·b/2⁶²`, rounded once, to nearest, for a below 2⁶¹ and b up to 2⁶² in magnitude.
+#[must_use]
+pub(crate) fn mul_62(a: i64, b: i64) -> i64 {
+    let (a, b) = (Words::of(a << 2), Words::of(b));
+    let [upper, cross] = a.product(b);
+    let below = (i64::from(a.lower) * i64::from(b.lower)) >> 32;
+    upper.wrapping_add(cross.wrapping_add(below).wrapping_add(1 << 31) >> 32)
+}
+
 /// `a·b/2⁶⁴`, off by up to 1.25 units, for magnitudes up to 2⁶³ − 2³¹: the product of the lower words is omitted.
 #[must_use]
 pub(crate) fn mul_high(a: i64, b: i64) -> i64 {

@@ -268,6 +268,8 @@ impl<const N: usize> PlannedBlock<N> {
     }
 
     /// Advances by a time up to a tick, 32 fraction bits.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call in every tick")]
     pub fn advance(&self, progress: &mut Progress, time: u64) -> Step {
         match &self.timing {
             Timing::Profile(profile) => profile.advance(&mut progress.profile, time),

@@ -5,10 +5,21 @@ use crate::interpolate::fraction::{speed, whole};
 
 /// Progress along a curve.
 ///
+/// The end of a segment is computed in the tick before it, so that the work is spread over two ticks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    pub(super) place: Place,
+    /// Whether `segment_end` is the motion at the end of the segment, which is within the next tick.
+    pub(super) has_segment_end: bool,
+    pub(super) segment_end: Motion,
+}
+
+/// A place on a curve.
+///
 /// Within a segment the distance after n ticks is a cubic in n, so its third difference is constant: three additions
 /// advance it by a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
+pub(super) struct Place {
     /// Distance from the start, position units with 64 fraction bits, and its differences over the next tick.
     pub(super) distance: i128,
     first_difference: i128,
@@ -18,35 +29,39 @@ pub struct Progress {
     /// Time to the end of the segment, ticks with 32 fraction bits.
     pub(super) remaining: u64,
     pub(super) segment: u8,
-    /// Motion at the end of the segment, if that is within the next tick and has been computed.
-    pub(super) segment_end: Option<Motion>,
 }
 
 impl Progress {
     /// At rest at zero, not started.
     pub const NONE: Self = Self {
-        distance: 0,
-        first_difference: 0,
-        second_difference: 0,
-        third_difference: 0,
-        remaining: 0,
-        segment: 0,
-        segment_end: None,
+        place: Place {
+            distance: 0,
+            first_difference: 0,
+            second_difference: 0,
+            third_difference: 0,
+            remaining: 0,
+            segment: 0,
+        },
+        has_segment_end: false,
+        segment_end: Motion { distance: 0, velocity: 0, acceleration: 0 },
     };
 
     /// Distance from the start, whole position units.
     #[must_use]
     pub const fn distance(&self) -> i64 {
-        whole(self.distance)
+        whole(self.place.distance)
     }
 
     /// Distance over the next tick, position units with 16 fraction bits.
     #[must_use]
     pub const fn speed(&self) -> u64 {
-        speed(self.first_difference)
+        speed(self.place.first_difference)
     }
+}
 
+impl Place {
     /// Advances by a whole tick within a segment.
+    #[inline]
     pub(super) fn whole_tick(&mut self, cruise: bool) {
         self.distance += self.first_difference;
         if !cruise {
@@ -61,10 +76,9 @@ impl Progress {
         self.first_difference = motion.velocity + (motion.acceleration >> 1) + jerk_sixth;
         self.third_difference = 6 * jerk_sixth;
         self.second_difference = motion.acceleration + self.third_difference;
-        self.segment_end = None;
     }
 
-    /// The inverse of [`Progress::set`].
+    /// The inverse of [`Place::set`].
     pub(super) fn motion(&self) -> Motion {
         let acceleration = self.second_difference - self.third_difference;
         // The jerk is six times an integer: the product with 1/6 is too small by less than one.
