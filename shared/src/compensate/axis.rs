@@ -53,6 +53,14 @@ pub struct AxisCompensation<S: Scalar> {
     pub(super) drift: Option<Drift<S>>,
 }
 
+/// What slow terms depend on.
+#[derive(Clone, Copy)]
+pub(super) struct Inputs<'a, S: Scalar, const N: usize> {
+    pub motions: &'a [CommandMotion<S>; N],
+    /// Ticks of the machine.
+    pub clock: u64,
+}
+
 /// Number of slow terms.
 const SLOW_TERMS: usize = 7;
 
@@ -135,18 +143,12 @@ impl<S: Scalar> AxisCompensation<S> {
 
     /// Evaluates all slow terms, and starts the force model with the present motion: for a compensation that has just been
     /// set. Not part of a tick.
-    pub(super) fn start<const N: usize>(
-        &self,
-        state: &mut State<S>,
-        axis: usize,
-        motions: &[CommandMotion<S>; N],
-    ) {
-        let Some(own) = motions.get(axis) else { return };
-        state.slow = SlowTerms::NONE;
+    pub(super) fn start<const N: usize>(&self, state: &mut State<S>, axis: usize, inputs: Inputs<'_, S, N>) {
+        (state.slow, state.set_at) = (SlowTerms::NONE, inputs.clock);
         for term in &self.slow {
-            self.evaluate(*term, state, own, motions);
+            self.evaluate(*term, state, axis, inputs);
         }
-        if let Some(model) = &self.model {
+        if let (Some(model), Some(own)) = (&self.model, inputs.motions.get(axis)) {
             model.start(&mut state.model, own);
         }
     }
@@ -156,12 +158,12 @@ impl<S: Scalar> AxisCompensation<S> {
         &self,
         state: &mut State<S>,
         axis: usize,
-        motions: &[CommandMotion<S>; N],
+        inputs: Inputs<'_, S, N>,
     ) {
-        if let (Some(term), Some(own)) = (self.slow.get(usize::from(state.slow.next)), motions.get(axis)) {
+        if let Some(term) = self.slow.get(usize::from(state.slow.next)) {
             let next = state.slow.next.wrapping_add(1);
             state.slow.next = if usize::from(next) < self.slow.len() { next } else { 0 };
-            self.evaluate(*term, state, own, motions);
+            self.evaluate(*term, state, axis, inputs);
         }
     }
 
@@ -184,7 +186,7 @@ impl<S: Scalar> AxisCompensation<S> {
         if let Some(other) = motions.get(usize::from(self.squareness_source)) {
             sum += S::from_position(other.position) * state.active.squareness;
         }
-        let tool = slow.scale_pitch + slow.straightness + slow.drift + S::round(sum);
+        let tool = slow.tool + S::round(sum);
         self.command.step(&mut state.screw, screw);
         self.command.step(&mut state.command, screw + tool);
         state.correction()
@@ -195,8 +197,10 @@ impl<S: Scalar> AxisCompensation<S> {
     fn screw_correction(&self, state: &State<S>, own: &CommandMotion<S>) -> S {
         let active = &state.active;
         let backlash = if own.forward { active.half_backlash } else { -active.half_backlash };
-        let stretch = S::round(S::from_fixed(state.model.on_table) * active.stretch);
-        let mut screw = state.slow.screw_pitch + backlash + stretch;
+        let mut screw = state.slow.screw_pitch + backlash;
+        if active.has_model() {
+            screw = screw + S::round(S::from_fixed(state.model.on_table) * active.stretch);
+        }
         if active.has(CompensationKind::Screw) {
             screw = screw - self.screw.at(own.position);
         }
@@ -225,10 +229,12 @@ impl<S: Scalar> AxisCompensation<S> {
         &self,
         term: SlowTerm,
         state: &mut State<S>,
-        own: &CommandMotion<S>,
-        motions: &[CommandMotion<S>; N],
+        axis: usize,
+        Inputs { motions, clock }: Inputs<'_, S, N>,
     ) {
+        let Some(own) = motions.get(axis) else { return };
         let active = &state.active;
+        let ticks = clock.wrapping_sub(state.set_at);
         match term {
             SlowTerm::Pitch => {
                 let pitch = self.pitch.as_ref().filter(|_| active.has(CompensationKind::Pitch));
@@ -237,6 +243,7 @@ impl<S: Scalar> AxisCompensation<S> {
                     Some(PitchSource::Scale) => state.slow.scale_pitch = correction,
                     _ => state.slow.screw_pitch = correction,
                 }
+                state.slow.add_up();
             }
             SlowTerm::Straightness => {
                 let shape = self.straightness.as_ref().filter(|_| active.has(CompensationKind::Straightness));
@@ -244,6 +251,7 @@ impl<S: Scalar> AxisCompensation<S> {
                     shape.correction(motions.get(usize::from(*source)).unwrap_or(own))
                 };
                 state.slow.straightness = shape.map_or(S::ZERO, correction);
+                state.slow.add_up();
             }
             SlowTerm::Intalk => {
                 let talk = self.intalk.as_ref().filter(|_| active.has(CompensationKind::Intalk));
@@ -255,14 +263,15 @@ impl<S: Scalar> AxisCompensation<S> {
             }
             SlowTerm::Drift => {
                 let drift = self.drift.as_ref().filter(|_| active.has(CompensationKind::Drift));
-                state.slow.drift = drift.map_or(S::ZERO, |drift| drift.correction(state.ticks));
+                state.slow.drift = drift.map_or(S::ZERO, |drift| drift.correction(ticks));
+                state.slow.add_up();
             }
             SlowTerm::Load => {
                 state.slow.load = self.load.as_ref().map_or(Fixed::ZERO, |load| load.at(own.position));
             }
             SlowTerm::AdditionalFriction => {
                 let map = self.friction_map.as_ref().map_or(Fixed::ZERO, |map| map.at(own.position));
-                let cold = self.model.as_ref().map_or(Fixed::ZERO, |model| model.cold_friction(state.ticks));
+                let cold = self.model.as_ref().map_or(Fixed::ZERO, |model| model.cold_friction(ticks));
                 state.slow.friction = map + cold;
             }
         }
@@ -271,7 +280,6 @@ impl<S: Scalar> AxisCompensation<S> {
     /// The motor reading with the error of the resolver corrected, once per tick.
     #[inline]
     pub(super) fn reading(&self, state: &mut State<S>, motor: Position) -> Position {
-        state.ticks = state.ticks.wrapping_add(1);
         let mut error = S::ZERO;
         if state.active.has(CompensationKind::Dividing) {
             error = self.dividing.at(motor);

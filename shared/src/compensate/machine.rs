@@ -1,6 +1,6 @@
 //! The compensations of all axes of a machine.
 
-use super::axis::AxisCompensation;
+use super::axis::{AxisCompensation, Inputs};
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
 use super::state::{Correction, State};
@@ -8,12 +8,19 @@ use crate::feedback::Reading;
 use crate::scalar::Scalar;
 use crate::units::Position;
 
+/// Ticks for which slow terms may wait: two are at the end of a segment of a speed ramp, four if a short segment follows.
+pub const MAX_WAIT: u8 = 4;
+
 /// The compensations of all axes, with their state.
 #[derive(Clone, Debug)]
 pub struct Compensation<S: Scalar, const N: usize> {
     axes: [AxisCompensation<S>; N],
     states: [State<S>; N],
     motions: [CommandMotion<S>; N],
+    /// Ticks.
+    clock: u64,
+    /// Ticks for which the slow terms have waited.
+    waited: u8,
     /// The axis whose slow terms are next.
     turn: usize,
     /// Whether a compensation has been set, for each axis.
@@ -26,6 +33,8 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         axes: [const { AxisCompensation::NONE }; N],
         states: [State::NEW; N],
         motions: [CommandMotion::at(Position(0)); N],
+        clock: 0,
+        waited: 0,
         turn: 0,
         is_set: [false; N],
     };
@@ -53,8 +62,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         if let (Some(slot), Some(state)) = (self.axes.get_mut(axis), self.states.get_mut(axis)) {
             slot.clone_from(compensation);
             slot.activate(state);
-            state.ticks = 0;
-            slot.start(state, axis, &self.motions);
+            slot.start(state, axis, Inputs { motions: &self.motions, clock: self.clock });
         }
         if let Some(is_set) = self.is_set.get_mut(axis) {
             *is_set = true;
@@ -93,6 +101,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// The readings with the errors of the resolvers corrected, once per tick.
     pub fn readings(&mut self, readings: &[Reading; N]) -> [Reading; N] {
+        self.clock = self.clock.wrapping_add(1);
         let mut corrected = *readings;
         for (((reading, axis), state), is_set) in
             corrected.iter_mut().zip(&self.axes).zip(&mut self.states).zip(&self.is_set)
@@ -106,7 +115,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// The corrections of the commands, once per command.
     pub fn commands(&mut self, commands: &[Position; N]) -> [Correction<S>; N] {
-        self.advance(commands);
+        self.advance(commands, false);
         core::array::from_fn(|axis| self.command(axis))
     }
 
@@ -116,17 +125,24 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     }
 
     /// Updates the motion of the commands, once per command, also without a compensation, so that one that is set during
-    /// motion starts from the motion of the axes.
-    pub fn advance(&mut self, commands: &[Position; N]) {
+    /// motion starts from the motion of the axes. If this tick takes longer than others, slow terms wait, for up to
+    /// [`MAX_WAIT`] ticks.
+    pub fn advance(&mut self, commands: &[Position; N], is_long_tick: bool) {
         for (motion, command) in self.motions.iter_mut().zip(commands) {
             motion.step(*command);
         }
+        if is_long_tick && self.waited < MAX_WAIT {
+            self.waited += 1;
+            return;
+        }
+        self.waited = 0;
         self.turn = if self.turn + 1 < N { self.turn + 1 } else { 0 };
         let turn = self.turn;
         if let (Some(true), Some(compensation), Some(state)) =
             (self.is_set.get(turn), self.axes.get(turn), self.states.get_mut(turn))
         {
-            compensation.next_slow_term(state, turn, &self.motions);
+            let inputs = Inputs { motions: &self.motions, clock: self.clock };
+            compensation.next_slow_term(state, turn, inputs);
         }
     }
 

@@ -37,8 +37,8 @@ pub struct State<S: Scalar> {
     /// Force feed-forward.
     pub(super) model: force::State,
     pub(super) slow: SlowTerms<S>,
-    /// Time since the compensation was set, ticks.
-    pub(super) ticks: u64,
+    /// Ticks of the machine when the compensation was set.
+    pub(super) set_at: u64,
     pub(super) active: Active<S>,
     /// One bit per kind that is switched off.
     off: u16,
@@ -52,6 +52,8 @@ pub(super) struct SlowTerms<S: Scalar> {
     pub screw_pitch: S,
     pub scale_pitch: S,
     pub straightness: S,
+    /// Sum of the corrections for errors beyond the scale.
+    pub tool: S,
     pub intalk: S::Gain,
     pub crosstalk: S::Gain,
     pub drift: S,
@@ -66,12 +68,20 @@ impl<S: Scalar> SlowTerms<S> {
         screw_pitch: S::ZERO,
         scale_pitch: S::ZERO,
         straightness: S::ZERO,
+        tool: S::ZERO,
         intalk: S::ZERO_GAIN,
         crosstalk: S::ZERO_GAIN,
         drift: S::ZERO,
         load: Fixed::ZERO,
         friction: Fixed::ZERO,
     };
+}
+
+impl<S: Scalar> SlowTerms<S> {
+    /// To be called when one of the terms of the sum has changed.
+    pub fn add_up(&mut self) {
+        self.tool = self.scale_pitch + self.straightness + self.drift;
+    }
 }
 
 impl<S: Scalar> State<S> {
@@ -85,7 +95,7 @@ impl<S: Scalar> State<S> {
         pulse_force: S::ZERO,
         model: force::State::NEW,
         slow: SlowTerms::NONE,
-        ticks: 0,
+        set_at: 0,
         active: Active::NONE,
         off: 0,
     };

@@ -290,6 +290,13 @@ impl<const N: usize> Path<N> {
         self.command()
     }
 
+    /// Whether a command since the last call was at the end of a segment of a speed ramp, which takes longer than others: the time
+    /// for work that can wait.
+    #[inline]
+    pub const fn take_segment_end(&mut self) -> bool {
+        self.progress.take_segment_end()
+    }
+
     /// Advances by a tick.
     #[inline(never)]
     fn step(&mut self) {

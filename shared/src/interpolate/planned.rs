@@ -296,6 +296,11 @@ impl Progress {
     pub const NONE: Self =
         Self { profile: profile::Progress::NONE, lag: exponential::Progress::NONE, exponential: false };
 
+    /// See [`profile::Progress::take_segment_end`].
+    pub const fn take_segment_end(&mut self) -> bool {
+        self.profile.take_segment_end()
+    }
+
     /// Path length from the start of the block, position units.
     #[must_use]
     pub const fn distance(&self) -> i64 {

@@ -205,7 +205,8 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     /// The next command, its corrections, and the position loops.
     fn position_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         let commands = state.path.advance();
-        state.compensation.advance(&commands);
+        let is_at_segment_end = state.path.take_segment_end();
+        state.compensation.advance(&commands, is_at_segment_end);
         let mut faults = [FaultSet::NONE; N];
         for (i, ((((faults, axis), config), command), reading)) in
             faults.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(commands).zip(readings).enumerate()

@@ -183,7 +183,8 @@ impl Scalar for Fixed {
     }
 
     fn to_gain(self) -> I8F24 {
-        self.0.saturating_to_num()
+        // From 14 to 24 fraction bits (`SSAT`).
+        I8F24::from_bits(self.to_bits().clamp(-(1 << 21), (1 << 21) - 1) << 10)
     }
 
     fn widen(self) -> I26F38 {

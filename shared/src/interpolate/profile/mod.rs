@@ -17,7 +17,7 @@ mod tests;
 
 pub use motion::Progress;
 
-use motion::{Motion, Place};
+use motion::{Motion, Place, SegmentEnd};
 
 use super::error::PathError;
 use super::fraction::whole;
@@ -145,9 +145,19 @@ impl Profile {
     /// Sets a progress to the start of the curve.
     pub fn start(&self, progress: &mut Progress) {
         let place = &mut progress.place;
-        let [remaining, ..] = self.durations;
-        (place.segment, place.remaining) = (0, remaining);
-        place.set(&Motion { distance: 0, velocity: self.entry, acceleration: 0 }, self.jerk_sixth(0));
+        let mut motion = Motion { distance: 0, velocity: self.entry, acceleration: 0 };
+        // The first segment that takes time, or the last.
+        let mut segment = 0;
+        for duration in &self.durations {
+            place.remaining = *duration;
+            if *duration > 0 || segment + 1 == SEGMENTS {
+                break;
+            }
+            segment += 1;
+            self.enter(&mut motion, segment);
+        }
+        place.segment = segment;
+        place.set(&motion, self.jerk_sixth(segment));
         progress.has_segment_end = false;
     }
 
@@ -171,34 +181,46 @@ impl Profile {
     #[cold]
     #[inline(never)]
     fn leave_segment(&self, progress: &mut Progress, time: u64) -> Step {
-        let (place, motion) = (&mut progress.place, &mut progress.segment_end);
-        let has_segment_end = core::mem::take(&mut progress.has_segment_end);
-        if !has_segment_end || time < place.remaining {
+        progress.was_at_segment_end = true;
+        let place = &mut progress.place;
+        let SegmentEnd { motion, segment, time: until } = &mut progress.segment_end;
+        if !core::mem::take(&mut progress.has_segment_end) || time < *until {
             *motion = place.motion();
             return self.across_segments(motion, time, place);
         }
-        let (next, time) = (place.segment + 1, time - place.remaining);
-        if let Some(duration) = self.durations.get(usize::from(next)).filter(|duration| **duration > time) {
-            // The usual case: the tick ends in the next segment.
-            self.enter(motion, next);
-            let jerk_sixth = self.jerk_sixth(next);
-            motion.advance(jerk_sixth, time);
-            place.set(motion, jerk_sixth);
-            (place.segment, place.remaining) = (next, duration - time);
-            return Step::Within(progress.distance());
-        }
-        place.remaining = 0;
-        self.across_segments(motion, time, place)
+        let (next, time) = (*segment + 1, time - *until);
+        let Some(duration) = self.durations.get(usize::from(next)) else {
+            (place.segment, place.remaining) = (*segment, 0);
+            place.set(motion, 0);
+            return Step::Beyond(time);
+        };
+        self.enter(motion, next);
+        let jerk_sixth = self.jerk_sixth(next);
+        motion.advance(jerk_sixth, time);
+        place.set(motion, jerk_sixth);
+        (place.segment, place.remaining) = (next, duration - time);
+        Step::Within(progress.distance())
     }
 
-    /// Computes the end of a segment that ends within the next tick.
+    /// Computes the end of a segment that ends within the next tick, and of those after it that do.
     #[cold]
     #[inline(never)]
     fn look_ahead(&self, progress: &mut Progress) {
         let place = &progress.place;
-        progress.segment_end = place.motion();
-        progress.segment_end.advance(self.jerk_sixth(place.segment), place.remaining);
-        progress.has_segment_end = true;
+        let SegmentEnd { motion, segment, time } = &mut progress.segment_end;
+        (*motion, *segment, *time) = (place.motion(), place.segment, place.remaining);
+        motion.advance(self.jerk_sixth(*segment), *time);
+        while let Some(&duration) = self.durations.get(usize::from(*segment) + 1)
+            && duration <= TICK - *time
+        {
+            *segment += 1;
+            self.enter(motion, *segment);
+            if duration > 0 {
+                motion.advance(self.jerk_sixth(*segment), duration);
+            }
+            *time += duration;
+        }
+        (progress.has_segment_end, progress.was_at_segment_end) = (true, true);
     }
 
     /// Advances a motion at a place by a time in which segments may end, and the place with it.
@@ -207,7 +229,9 @@ impl Profile {
         // At most all segments end within a tick.
         for _ in 0..SEGMENTS {
             let elapsed = time.min(place.remaining);
-            motion.advance(self.jerk_sixth(place.segment), elapsed);
+            if elapsed > 0 {
+                motion.advance(self.jerk_sixth(place.segment), elapsed);
+            }
             place.remaining -= elapsed;
             time -= elapsed;
             if place.remaining > 0 {

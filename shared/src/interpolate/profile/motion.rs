@@ -9,9 +9,20 @@ use crate::interpolate::fraction::{speed, whole};
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Progress {
     pub(super) place: Place,
-    /// Whether `segment_end` is the motion at the end of the segment, which is within the next tick.
     pub(super) has_segment_end: bool,
-    pub(super) segment_end: Motion,
+    /// Whether the last tick computed or crossed the end of a segment.
+    pub(super) was_at_segment_end: bool,
+    /// Written where it is: a copy would take as long as its computation.
+    pub(super) segment_end: SegmentEnd,
+}
+
+/// The end of the last segment that ends within the next tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SegmentEnd {
+    pub(super) motion: Motion,
+    pub(super) segment: u8,
+    /// Time until then, up to a tick, 32 fraction bits.
+    pub(super) time: u64,
 }
 
 /// A place on a curve.
@@ -43,13 +54,23 @@ impl Progress {
             segment: 0,
         },
         has_segment_end: false,
-        segment_end: Motion { distance: 0, velocity: 0, acceleration: 0 },
+        was_at_segment_end: false,
+        segment_end: SegmentEnd {
+            motion: Motion { distance: 0, velocity: 0, acceleration: 0 },
+            segment: 0,
+            time: 0,
+        },
     };
 
     /// Distance from the start, whole position units.
     #[must_use]
     pub const fn distance(&self) -> i64 {
         whole(self.place.distance)
+    }
+
+    /// Whether a tick since the last call computed or crossed the end of a segment, which takes longer than others.
+    pub const fn take_segment_end(&mut self) -> bool {
+        core::mem::replace(&mut self.was_at_segment_end, false)
     }
 
     /// Distance over the next tick, position units with 16 fraction bits.
