@@ -131,7 +131,8 @@ impl<S: Scalar> AxisCompensation<S> {
         if let Some(stretch) = self.stretch.filter(|_| active.has(CompensationKind::Stretch)) {
             active.stretch = stretch;
         }
-        if let Some(squareness) = self.squareness.as_ref().filter(|_| active.has(CompensationKind::Squareness))
+        if let Some(squareness) =
+            self.squareness.as_ref().filter(|_| active.has(CompensationKind::Squareness))
         {
             active.squareness = squareness.minus_k();
         }

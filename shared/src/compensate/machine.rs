@@ -149,9 +149,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     /// The correction of the command of an axis, once after each [`Compensation::advance`].
     pub fn command(&mut self, axis: usize) -> Correction<S> {
         match (self.is_set.get(axis), self.axes.get(axis), self.states.get_mut(axis)) {
-            (Some(true), Some(compensation), Some(state)) => {
-                compensation.command(state, axis, &self.motions)
-            }
+            (Some(true), Some(compensation), Some(state)) => compensation.command(state, axis, &self.motions),
             _ => Correction::NONE,
         }
     }

@@ -127,9 +127,8 @@ impl<S: Scalar> PeriodicTable<S> {
             *value = from + (to - from) * fraction;
         }
         let values = signals(name, &resampled, range)?;
-        if let [first, .., last] = resampled {
-            check_difference::<S>(name, first - last, range.unit)?;
-        }
+        let [first, .., last] = resampled;
+        check_difference::<S>(name, first - last, range.unit)?;
         let units = cycle.period_m * PER_M / 4096.0;
         if !(units >= 1.0 && cycle.period_m < TRAVEL_LIMIT_M) {
             return Err(ConfigError::OutOfRange { name, min: 4096.0 / PER_M, max: TRAVEL_LIMIT_M });
@@ -143,7 +142,6 @@ impl<S: Scalar> PeriodicTable<S> {
     #[must_use]
     pub fn at(&self, position: Position) -> S {
         let periods = (position.0 >> 12).cast_unsigned().wrapping_mul(self.per_unit);
-        #[expect(clippy::cast_possible_truncation, reason = "32 bits")]
         let phase = (periods >> 32) as u32;
         interpolate(&self.values, (phase >> (32 - POINTS_LOG2)) as usize, phase << POINTS_LOG2)
     }

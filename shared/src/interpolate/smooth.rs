@@ -250,14 +250,13 @@ struct CommonMeans {
 
 impl<const N: usize> Filters<N> {
     /// No filters.
-    pub const PASS: Self =
-        Self {
-            axes: [Filter::Pass; N],
-            rounding: CornerRounding::NONE,
-            active: false,
-            memory: 0,
-            common_means: None,
-        };
+    pub const PASS: Self = Self {
+        axes: [Filter::Pass; N],
+        rounding: CornerRounding::NONE,
+        active: false,
+        memory: 0,
+        common_means: None,
+    };
 
     /// Converts the settings for a command every 1/`rate_hz`.
     ///
