@@ -142,3 +142,70 @@ pub(crate) const fn interpolated_q31(from: i32, to: i32, fraction_q32: u32) -> i
     let half = mul_high_i32(to.wrapping_sub(from), (fraction_q32 >> 1).cast_signed());
     from.wrapping_add(half << 1)
 }
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The distance of a result from a·b + c·d over 2^shift, in units.
+    fn off(result: i64, [a, b, c, d]: [i64; 4], shift: i32) -> f64 {
+        let exact = i128::from(a) * i128::from(b) + i128::from(c) * i128::from(d);
+        let off = (i128::from(result) << shift) - exact;
+        off as f64 / f64::from(shift).exp2()
+    }
+
+    fn below(bits: u32) -> std::ops::Range<i64> {
+        -(1 << bits)..1 << bits
+    }
+
+    proptest! {
+        /// The product of the lower words is omitted, at most 2⁻² units, and the rest is rounded towards −∞.
+        #[test]
+        fn the_upper_part_of_a_product_is_near(a in below(62), b in below(62)) {
+            let off = off(mul_high(a, b), [a, b, 0, 0], 64);
+            prop_assert!((-1.25..=0.25).contains(&off), "{off}");
+        }
+
+        #[test]
+        fn a_sum_of_products_is_rounded_once(a in below(61), b in below(61), c in below(61), d in below(61)) {
+            let result = Words::sum_of_products(Words::of(a), Words::of(b), Words::of(c), Words::of(d));
+            let off = off(result, [a, b, c, d], 64);
+            prop_assert!((-1.5..=0.5).contains(&off), "{off}");
+        }
+
+        /// Rounded to nearest but for 2⁻³² of a unit, the part of the lower words that is omitted.
+        #[test]
+        fn a_product_with_a_direction_is_rounded_to_nearest(a in below(61), b in below(62)) {
+            let off = off(mul_62(a, b), [a, b, 0, 0], 62);
+            prop_assert!(off.abs() <= 0.5 + 1e-9, "{off}");
+        }
+
+        #[test]
+        fn a_shifted_product_is_that_of_128_bits(a: u64, b: u64, shift in 32u32..64) {
+            #[expect(clippy::cast_possible_truncation, reason = "modulo 2⁶⁴")]
+            let exact = ((u128::from(a) * u128::from(b)) >> shift) as u64;
+            prop_assert_eq!(shifted_product(a, b, shift), exact);
+        }
+
+        #[test]
+        fn words_are_their_number(value in below(62)) {
+            let words = Words::of(value);
+            prop_assert_eq!((i64::from(words.upper) << 32) + i64::from(words.lower), value);
+        }
+    }
+
+    /// 1 and −1 as a sine or cosine: a rotation by quarter turns is exact.
+    #[test]
+    fn a_product_with_one_is_exact() {
+        for a in [1i64 << 4, -(1 << 4), 12_345_678_901_234 << 4, i64::MAX >> 3 & !15] {
+            for one in [1i64 << 62, -(1 << 62)] {
+                assert_eq!(mul_high(a, one), if one > 0 { a >> 2 } else { -(a >> 2) });
+                assert_eq!(mul_62(a >> 4, one), if one > 0 { a >> 4 } else { -(a >> 4) });
+            }
+        }
+    }
+}

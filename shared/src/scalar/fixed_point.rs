@@ -217,6 +217,43 @@ mod tests {
     use super::*;
 
     proptest! {
+        /// Linear interpolation is exact but for the rounding of half a difference and of a product, each towards −∞, and exact
+        /// at the first of equal numbers.
+        #[test]
+        fn interpolation_is_linear(from in -(1i32 << 30)..1 << 30, to in -(1i32 << 30)..1 << 30, fraction: u32) {
+            let between = Fixed::from_bits(from).lerp(Fixed::from_bits(to), fraction);
+            let exact = f64::from(from) + (f64::from(to) - f64::from(from)) * f64::from(fraction) / 4_294_967_296.0;
+            let off = f64::from(between.to_bits()) - exact;
+            prop_assert!((-1.5..=1e-6).contains(&off), "{off}");
+            prop_assert_eq!(Fixed::from_bits(from).lerp(Fixed::from_bits(from), fraction), Fixed::from_bits(from));
+        }
+
+        /// Half a step of 2⁻¹⁴.
+        #[test]
+        fn a_product_of_signals_is_rounded_once(a in -300.0..300.0f64, b in -200.0..200.0f64) {
+            let (a, b) = (Fixed::signal(a), Fixed::signal(b));
+            let off = Scalar::value(a.product(b)) - Scalar::value(a) * Scalar::value(b);
+            prop_assert!(off.abs() <= 0.5 / 16_384.0 + 1e-9, "{off}");
+        }
+
+        /// 64 nm, over the whole travel of ±100 m.
+        #[test]
+        fn a_position_is_exact_to_its_step(m in -100.0..100.0f64) {
+            let position = Position::from_m(m).unwrap();
+            let off = position.to_m() - Scalar::value(Fixed::from_position(position)) * crate::units::SCALED_POSITION_M;
+            prop_assert!((-1e-12..66e-9).contains(&off), "{off}");
+        }
+
+        /// A gain has the range of 7 bits and a sign; beyond it the gain saturates.
+        #[test]
+        fn a_signal_becomes_a_gain(bits: i32) {
+            let gain = Scalar::to_gain(Fixed::from_bits(bits)).to_bits();
+            let exact = i64::from(bits) << 10;
+            let clamped = exact.clamp(-(1 << 31), (1 << 31) - 1);
+            let tolerance = if exact == clamped { 0 } else { 1023 };
+            prop_assert!((i64::from(gain) - clamped).abs() <= tolerance, "{gain}");
+        }
+
         /// Within the range of 32 bits the number is exact; beyond it, within 255 steps of the end: over the whole range, and
         /// around both ends.
         #[test]

@@ -9,6 +9,7 @@ mod cancels;
 mod force;
 mod refused;
 mod sensors;
+mod waits;
 
 use std::f64::consts::TAU;
 
