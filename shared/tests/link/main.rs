@@ -8,6 +8,7 @@ mod motions;
 mod order;
 mod recordings;
 mod rig;
+mod saving;
 mod silence;
 mod uploads;
 
