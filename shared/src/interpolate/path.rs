@@ -31,8 +31,6 @@ pub struct Path<const N: usize> {
     revision: u32,
     /// Position on the path, before the filters.
     position: [Position; N],
-    /// Output of the filters.
-    command: [Position; N],
     filters: Filters<N>,
     filter_state: smooth::State<N>,
     /// End of the last block in the queue.
@@ -65,7 +63,6 @@ impl<const N: usize> Path<N> {
         feed_hold: FeedHold::RUNNING,
         revision: 0,
         position: [Position(0); N],
-        command: [Position(0); N],
         filters: Filters::PASS,
         filter_state: smooth::State::AT_ZERO,
         planned_end: [Position(0); N],
@@ -242,7 +239,7 @@ impl<const N: usize> Path<N> {
     /// The last command.
     #[must_use]
     pub const fn command(&self) -> [Position; N] {
-        self.command
+        if self.filters.active { *self.filter_state.outputs() } else { self.position }
     }
 
     /// Discards every block and rests at a position.
@@ -250,7 +247,7 @@ impl<const N: usize> Path<N> {
         self.clear_queue();
         self.braking = None;
         self.feed_hold = FeedHold::RUNNING;
-        (self.position, self.command, self.planned_end) = (*position, *position, *position);
+        (self.position, self.planned_end) = (*position, *position);
         self.filter_state.rest_at(position);
     }
 
@@ -287,18 +284,29 @@ impl<const N: usize> Path<N> {
     }
 
     /// The command of the next tick.
-    #[inline(never)]
+    #[inline]
     pub fn advance(&mut self) -> [Position; N] {
+        self.step();
+        self.command()
+    }
+
+    /// Whether a command since the last call was at the end of a segment of a speed ramp, which takes longer than others: the time
+    /// for work that can wait.
+    #[inline]
+    pub const fn take_segment_end(&mut self) -> bool {
+        self.progress.take_segment_end()
+    }
+
+    /// Advances by a tick.
+    #[inline(never)]
+    fn step(&mut self) {
         match self.braking {
             None => self.follow(),
             Some(brake) => self.braking = Some(self.follow_braking(brake)),
         }
-        self.command = if self.filters.active {
-            self.filter_state.step(&self.filters, &self.position)
-        } else {
-            self.position
-        };
-        self.command
+        if self.filters.active {
+            self.filter_state.step(&self.filters, &self.position);
+        }
     }
 
     /// Advances the position on the path by a tick.

@@ -235,6 +235,8 @@ pub struct Filters<const N: usize> {
     pub rounding: CornerRounding,
     /// Whether any axis has a filter.
     pub active: bool,
+    /// Ticks after which no output depends on older inputs.
+    memory: u16,
     /// Set if every axis has the same two means.
     common_means: Option<CommonMeans>,
 }
@@ -248,8 +250,13 @@ struct CommonMeans {
 
 impl<const N: usize> Filters<N> {
     /// No filters.
-    pub const PASS: Self =
-        Self { axes: [Filter::Pass; N], rounding: CornerRounding::NONE, active: false, common_means: None };
+    pub const PASS: Self = Self {
+        axes: [Filter::Pass; N],
+        rounding: CornerRounding::NONE,
+        active: false,
+        memory: 0,
+        common_means: None,
+    };
 
     /// Converts the settings for a command every 1/`rate_hz`.
     ///
@@ -264,6 +271,7 @@ impl<const N: usize> Filters<N> {
             rounding = Some(rounding.map_or(own, |other| other.worst_of(own)));
         }
         filters.active = filters.axes.iter().any(|filter| *filter != Filter::Pass);
+        filters.memory = filters.axes.iter().map(Filter::memory).max().unwrap_or(0);
         filters.rounding = rounding.unwrap_or(CornerRounding::NONE);
         filters.common_means = match filters.axes.first() {
             Some(first @ &Filter::Means(ticks, divisor)) if filters.axes.iter().all(|axis| axis == first) => {
@@ -299,9 +307,13 @@ pub struct State<const N: usize> {
     next: u16,
     /// Number of inputs written, up to the length of the window.
     written: u16,
+    /// Whether every filter has all the inputs that it depends on.
+    is_filled: bool,
     /// Number of ticks for which no input has changed.
     unchanged_ticks: u16,
     axes: [AxisState; N],
+    /// Last outputs.
+    outputs: [Position; N],
 }
 
 /// State of the filter of an axis.
@@ -313,8 +325,6 @@ struct AxisState {
     growth: i64,
     /// Sum − divisor·output of the means.
     remainder: i64,
-    /// Last output.
-    output: i64,
     /// Last input.
     input: i64,
 }
@@ -322,23 +332,23 @@ struct AxisState {
 impl AxisState {
     const fn at(position: Position) -> Self {
         let position = position.0;
-        Self { initial: position, growth: 0, remainder: 0, output: position, input: position }
+        Self { initial: position, growth: 0, remainder: 0, input: position }
     }
 
     /// Two means: inputs now, after the ticks of each, and after the sum of both.
-    fn add_to_means(&mut self, [now, long, short, both]: [i64; 4], divisor: &Divisor) {
+    fn add_to_means(&mut self, output: &mut Position, [now, long, short, both]: [i64; 4], divisor: &Divisor) {
         let growth = now.wrapping_sub(long).wrapping_sub(short.wrapping_sub(both));
         self.growth = self.growth.wrapping_add(growth);
-        self.add(self.growth, divisor);
+        self.add(output, self.growth, divisor);
     }
 
     /// Adds to the sum that the output is a fraction of.
-    fn add(&mut self, growth: i64, divisor: &Divisor) {
+    fn add(&mut self, output: &mut Position, growth: i64, divisor: &Divisor) {
         let remainder = self.remainder.wrapping_add(growth);
         // The reciprocal is rounded up: a remainder of n gives 1, one below n gives 0. An excess for a large remainder is
         // corrected in the next tick, since the remainder itself is exact.
         let change = mul_q32_shifted(remainder, divisor.reciprocal, divisor.shift);
-        self.output = self.output.wrapping_add(change);
+        *output += change;
         self.remainder = remainder.wrapping_sub(change.wrapping_mul(i64::from(divisor.value)));
     }
 }
@@ -349,19 +359,28 @@ impl<const N: usize> State<N> {
         window: [[0; N]; WINDOW],
         next: 0,
         written: 0,
+        is_filled: false,
         unchanged_ticks: u16::MAX,
         axes: [AxisState::at(Position(0)); N],
+        outputs: [Position(0); N],
     };
 
     /// At rest.
     #[must_use]
     pub fn at(positions: [Position; N]) -> Self {
-        Self { axes: positions.map(AxisState::at), ..Self::AT_ZERO }
+        Self { axes: positions.map(AxisState::at), outputs: positions, ..Self::AT_ZERO }
     }
 
     /// Rests at other positions, without writing the window.
     pub fn rest_at(&mut self, positions: &[Position; N]) {
-        (self.axes, self.written, self.unchanged_ticks) = (positions.map(AxisState::at), 0, u16::MAX);
+        (self.axes, self.outputs) = (positions.map(AxisState::at), *positions);
+        (self.written, self.is_filled, self.unchanged_ticks) = (0, false, u16::MAX);
+    }
+
+    /// The last commands.
+    #[must_use]
+    pub const fn outputs(&self) -> &[Position; N] {
+        &self.outputs
     }
 
     /// The commands for positions on the path, once per position tick.
@@ -373,14 +392,14 @@ impl<const N: usize> State<N> {
         }
         self.unchanged_ticks = if changed { 0 } else { self.unchanged_ticks.saturating_add(1) };
         match &filters.common_means {
-            Some(means) if self.written >= means.ticks[0] + means.ticks[1] => self.step_together(means),
+            Some(means) if self.is_filled => self.step_together(means),
             _ => self.step_each(filters),
         }
         if let Some(slot) = self.window.get_mut(Self::index(self.next)) {
             *slot = inputs.map(|input| input.0);
         }
         self.next = self.next.wrapping_add(1);
-        self.axes.map(|axis| Position(axis.output))
+        self.outputs
     }
 
     /// Two means that are the same on every axis, for a window that has been filled.
@@ -391,8 +410,10 @@ impl<const N: usize> State<N> {
         else {
             return;
         };
-        for (((axis, long), short), both) in self.axes.iter_mut().zip(longs).zip(shorts).zip(both) {
-            axis.add_to_means([axis.input, *long, *short, *both], &means.divisor);
+        for ((((axis, output), long), short), both) in
+            self.axes.iter_mut().zip(&mut self.outputs).zip(longs).zip(shorts).zip(both)
+        {
+            axis.add_to_means(output, [axis.input, *long, *short, *both], &means.divisor);
         }
     }
 
@@ -406,21 +427,22 @@ impl<const N: usize> State<N> {
                 Filter::Means([long, short], _) => [delayed(*long), delayed(*short), delayed(*long + *short)],
                 Filter::Pass | Filter::Lag(_) => [0; 3],
             };
-            let Some(axis) = self.axes.get_mut(i) else { return };
+            let (Some(axis), Some(output)) = (self.axes.get_mut(i), self.outputs.get_mut(i)) else { return };
             let ([long, short, both], input) = (taps, axis.input);
             match filter {
-                Filter::Pass => axis.output = input,
-                Filter::Mean(_, divisor) => axis.add(input.wrapping_sub(long), divisor),
-                Filter::Means(_, divisor) => axis.add_to_means([input, long, short, both], divisor),
+                Filter::Pass => *output = Position(input),
+                Filter::Mean(_, divisor) => axis.add(output, input.wrapping_sub(long), divisor),
+                Filter::Means(_, divisor) => axis.add_to_means(output, [input, long, short, both], divisor),
                 Filter::Lag(alpha) => {
-                    let lag = input.wrapping_sub(axis.output);
+                    let lag = Position(input) - *output;
                     // Rounded away from zero, so that the lag ends.
                     let change = mul_q32(lag, *alpha).wrapping_add(i64::from(lag > 0));
-                    axis.output = axis.output.wrapping_add(change);
+                    *output += change;
                 }
             }
         }
         self.written = self.written.saturating_add(1);
+        self.is_filled = self.written >= filters.memory;
     }
 
     /// The input of an axis 1 to [`WINDOW`] ticks ago.
@@ -439,9 +461,7 @@ impl<const N: usize> State<N> {
     /// Whether the commands have reached the inputs, and stay there while these do not change.
     #[must_use]
     pub fn is_settled(&self, filters: &Filters<N>) -> bool {
-        self.axes
-            .iter()
-            .zip(&filters.axes)
-            .all(|(axis, filter)| axis.output == axis.input && self.unchanged_ticks >= filter.memory())
+        self.unchanged_ticks >= filters.memory
+            && self.axes.iter().zip(&self.outputs).all(|(axis, output)| output.0 == axis.input)
     }
 }

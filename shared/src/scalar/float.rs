@@ -2,6 +2,7 @@
 
 use super::state_variable::{self, StateVariable};
 use super::{Fixed, Scalar, Section};
+use crate::units::Position;
 
 macro_rules! float {
     ($float:ty, $name:literal) => {
@@ -29,6 +30,7 @@ macro_rules! float {
             type Sum = $float;
 
             const ZERO: $float = 0.0;
+            const GREATEST: $float = <$float>::MAX;
             const ZERO_GAIN: $float = 0.0;
             const ZERO_SUM: $float = 0.0;
             const NAME: &'static str = $name;
@@ -73,6 +75,11 @@ macro_rules! float {
             fn from_increment(distance: i64) -> $float {
                 const UNIT: $float = 1.0 / (1u64 << 24) as $float;
                 distance as $float * UNIT
+            }
+
+            fn from_position(position: Position) -> $float {
+                const UNIT: $float = 1.0 / (1u64 << 40) as $float;
+                position.0 as $float * UNIT
             }
 
             #[expect(clippy::cast_possible_truncation, reason = "`as` saturates, as specified")]
