@@ -12,7 +12,8 @@ use super::fraction::{FRACTION, whole};
 use super::joint::JointLimits;
 use super::planned::{PlannedBlock, Progress};
 use super::profile::Step;
-use super::smooth::{self, Filters, Smoothing};
+use super::smooth::state::State as FilterState;
+use super::smooth::{Filters, Smoothing};
 use crate::units::Position;
 
 /// Capacity of the queue in blocks, including the one that is running.
@@ -32,7 +33,7 @@ pub struct Path<const N: usize> {
     /// Position on the path, before the filters.
     position: [Position; N],
     filters: Filters<N>,
-    filter_state: smooth::State<N>,
+    filter_state: FilterState<N>,
     /// End of the last block in the queue.
     planned_end: [Position; N],
     rate_hz: f64,
@@ -64,7 +65,7 @@ impl<const N: usize> Path<N> {
         revision: 0,
         position: [Position(0); N],
         filters: Filters::PASS,
-        filter_state: smooth::State::AT_ZERO,
+        filter_state: FilterState::AT_ZERO,
         planned_end: [Position(0); N],
         rate_hz: 0.0,
         travel: [[Position(i64::MIN), Position(i64::MAX)]; N],

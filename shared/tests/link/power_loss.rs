@@ -1,4 +1,4 @@
-//! A flash that fails, or loses its power, during a save by a host.
+//! A save that is interrupted by a loss of power, or by a flash that fails.
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};
 use shared::link::Refusal;
