@@ -119,6 +119,7 @@ fn run(
     let [fit_logs, validate_logs] = [&fit, &validate].map(|logs| {
         let mut signals = prepared(logs, machine, &names, first.as_deref(), options);
         data_faults::excluded::mark(&excluded, &names, &mut signals);
+        signals.iter_mut().for_each(|log| log.estimate_noise_without_faults(&options.samples));
         signals
     });
     let machine = machine.clone();
