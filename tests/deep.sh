@@ -5,6 +5,8 @@
 #   tests/deep.sh mutants [PART…]      do the tests of `shared` fail when its source is changed? docs/testing.md
 #   tests/deep.sh miri [MODULE…]       tests/miri.sh
 #   tests/deep.sh properties [SEEDS]   the property tests with this many new seeds (100): the usual run has a fixed one
+#   tests/deep.sh bits                 a million ticks of random motions, host against emulated core, fixed point and f32
+#   tests/deep.sh fuzz [SECONDS]       fuzzing of the link and of the lock-step protocol (600), with cargo-fuzz and nightly
 #
 # A PART is a module of shared/src: control, drive, safety, session, monitor. A file that is done is not repeated as long
 # as neither source nor tests change, so that an interrupted run can be continued; FRESH=1 starts again. Installs
@@ -118,9 +120,27 @@ properties() {
   echo "property tests: $1 seeds from $base on"
 }
 
+# A million ticks of random motions to the last bit.
+bits() { cargo test --release --package tests --test random_motions -- --ignored --nocapture; }
+
+# Fuzzing, half of the time for each target. The corpus is kept in fuzz/corpus for the next run.
+fuzz() {
+  command -v cargo-fuzz >/dev/null || cargo install cargo-fuzz --locked
+  rustup toolchain list | grep -q '^nightly' || rustup toolchain install nightly --profile minimal
+  local target
+  for target in link session; do
+    step "fuzz $target"
+    mkdir -p "fuzz/corpus/$target"
+    cargo +nightly fuzz run --fuzz-dir fuzz "$target" "fuzz/corpus/$target" "fuzz/seeds/$target" -- -max_total_time=$(($1 / 2)) -max_len=4096 \
+      -print_final_stats=1 -rss_limit_mb=1024
+  done
+}
+
 case ${1:-all} in
 all)
   properties 100
+  bits
+  fuzz 600
   mutants "${parts[@]}"
   step "Miri"
   tests/miri.sh
@@ -137,8 +157,14 @@ miri)
 properties)
   properties "${2:-100}"
   ;;
+bits)
+  bits
+  ;;
+fuzz)
+  fuzz "${2:-600}"
+  ;;
 *)
-  echo "$1: expected mutants, miri or properties" >&2
+  echo "$1: expected mutants, miri, properties, bits or fuzz" >&2
   exit 2
   ;;
 esac

@@ -16,6 +16,8 @@ pub mod board;
 pub mod cost;
 #[cfg(feature = "emulated")]
 pub mod emulated;
+#[cfg(any(feature = "emulated", feature = "servo"))]
+pub mod emulator;
 #[cfg(feature = "servo")]
 pub mod servo;
 pub mod setup;

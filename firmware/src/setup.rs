@@ -14,7 +14,6 @@ use shared::interpolate::Smoothing;
 use shared::link::message::BoardSettings;
 use shared::link::report::{Identity, Times};
 use shared::machine::{Machine, MachineConfig, MachineError};
-use shared::safety::Fault;
 use shared::scalar::Fixed;
 use shared::units::{PER_NM, Position};
 
@@ -182,7 +181,7 @@ impl From<DriveError> for SetupError {
 pub type BoardDrives<'m> = DriveSystem<'m, Fixed, AXES, AnyOutput<Fixed>>;
 
 /// The drive system without a path, drives off, for power stages with `full_counts` PWM counts. When enabled, it holds the axes
-/// at their positions. No axis is homed: positions are those since power-up. A `previous_fault`, which ended the previous run, has to be acknowledged first.
+/// at their positions. No axis is homed: positions are those since power-up.
 ///
 /// The machine is configured in place: it is too large for the stack.
 ///
@@ -191,12 +190,8 @@ pub type BoardDrives<'m> = DriveSystem<'m, Fixed, AXES, AnyOutput<Fixed>>;
 pub fn drive_system(
     machine: &mut Machine<Fixed, AXES>,
     full_counts: u16,
-    previous_fault: Option<Fault>,
 ) -> Result<BoardDrives<'_>, SetupError> {
     machine.configure(MachineConfig::new(RATES, &SETTINGS)?, &[Position(0); AXES]);
-    if let Some(fault) = previous_fault {
-        machine.inhibit_enable(fault);
-    }
     (0..AXES).for_each(|axis| machine.lose_reference(axis));
     // Read at run time, so that what is built and tested has every alternative of the table.
     let [x, y] = core::hint::black_box(&TABLE);

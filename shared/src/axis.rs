@@ -98,11 +98,11 @@ impl<S: Scalar> AxisState<S> {
         &mut self,
         config: &AxisConfig<S>,
         command: Position,
-        correction: Correction,
+        correction: Correction<S>,
         reading: Reading,
     ) -> FaultSet {
-        let corrected = command + correction.total;
-        let scale = reading.table.map(|table| table + correction.screw);
+        let corrected = command + correction.total.distance();
+        let scale = reading.table.map(|table| table + correction.screw.distance());
         let feedback = config.feedback.position(&mut self.feedback, reading.motor, scale);
         let following_error = S::from_distance(corrected - feedback);
         let lead = config.feedforward.lead(&mut self.feedforward, corrected);
@@ -129,7 +129,8 @@ impl<S: Scalar> AxisState<S> {
     ) -> (S, FaultSet) {
         let pi = config.velocity.pi_output(&mut self.velocity, self.velocity_command, reading.motor);
         let mut filtered = pi.force;
-        if core::mem::take(&mut self.settle_filters) {
+        if self.settle_filters {
+            self.settle_filters = false;
             (self.notch, self.low_pass) =
                 (filter::State::settled(filtered), filter::State::settled(filtered));
         }

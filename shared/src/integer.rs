@@ -42,13 +42,65 @@ pub(crate) fn mul_shift<const SHIFT: u32>(a: i64, b: i64) -> i64 {
     scaled
 }
 
-/// `a·b/2⁶⁴`, too small by up to two units: the product of the low halves is omitted.
+/// A number as two signed words: value = 2³²·upper + lower.
+///
+/// With both signed, a product of two words is one instruction (`SMULL`, `SMLAL`).
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(crate) struct Words {
+    upper: i32,
+    lower: i32,
+}
+
+impl Words {
+    #[must_use]
+    #[expect(clippy::cast_possible_truncation, reason = "the words")]
+    pub(crate) const fn of(value: i64) -> Self {
+        Self { upper: (value.wrapping_add(1 << 31) >> 32) as i32, lower: value as i32 }
+    }
+
+    /// Upper and cross terms of the product with `other`, 2⁶⁴ and 2³².
+    fn product(self, other: Self) -> [i64; 2] {
+        let word = |a: i32, b: i32| i64::from(a) * i64::from(b);
+        [
+            word(self.upper, other.upper),
+            word(self.upper, other.lower).wrapping_add(word(self.lower, other.upper)),
+        ]
+    }
+
+    /// `a·b + c·d` over 2⁶⁴, off by up to a unit and a half, for magnitudes up to 2⁶¹.
+    #[must_use]
+    pub(crate) fn sum_of_products(a: Self, b: Self, c: Self, d: Self) -> i64 {
+        let ([upper, cross], [more_upper, more_cross]) = (a.product(b), c.product(d));
+        upper.wrapping_add(more_upper).wrapping_add(cross.wrapping_add(more_cross) >> 32)
+    }
+}
+
+/// `a·b/2⁶²`, rounded once, to nearest, for a below 2⁶¹ and b up to 2⁶² in magnitude.
 #[must_use]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the halves")]
-pub(crate) const fn mul_high(a: i64, b: i64) -> i64 {
-    let (a_high, a_low) = ((a >> 32) as i32 as i64, a as u32 as i64);
-    let (b_high, b_low) = ((b >> 32) as i32 as i64, b as u32 as i64);
-    a_high * b_high + ((a_high * b_low) >> 32) + ((a_low * b_high) >> 32)
+pub(crate) fn mul_62(a: i64, b: i64) -> i64 {
+    let (a, b) = (Words::of(a << 2), Words::of(b));
+    let [upper, cross] = a.product(b);
+    let below = (i64::from(a.lower) * i64::from(b.lower)) >> 32;
+    upper.wrapping_add(cross.wrapping_add(below).wrapping_add(1 << 31) >> 32)
+}
+
+/// `a·b/2⁶⁴`, off by up to 1.25 units, for magnitudes up to 2⁶³ − 2³¹: the product of the lower words is omitted.
+#[must_use]
+pub(crate) fn mul_high(a: i64, b: i64) -> i64 {
+    let [upper, cross] = Words::of(a).product(Words::of(b));
+    upper.wrapping_add(cross >> 32)
+}
+
+/// `a·b/2^shift` modulo 2⁶⁴, for a shift from 32 to 63.
+#[must_use]
+#[expect(clippy::cast_possible_truncation, reason = "the words")]
+pub(crate) fn shifted_product(a: u64, b: u64, shift: u32) -> u64 {
+    let product = u128::from(a) * u128::from(b);
+    let (low, middle, high) = ((product >> 32) as u32, (product >> 64) as u32, (product >> 96) as u32);
+    let shift = shift & 31;
+    // A shift by 32 in two steps: there is none in one.
+    let shifted = |low: u32, high: u32| (low >> shift) | ((high << 1) << (31 - shift));
+    u64::from(shifted(low, middle)) | u64::from(shifted(middle, high)) << 32
 }
 
 /// `value·2^−shift`, at most `u32::MAX`, for a shift below 32.
@@ -89,4 +141,71 @@ pub(crate) const fn mul_high_i32(a: i32, b: i32) -> i32 {
 pub(crate) const fn interpolated_q31(from: i32, to: i32, fraction_q32: u32) -> i32 {
     let half = mul_high_i32(to.wrapping_sub(from), (fraction_q32 >> 1).cast_signed());
     from.wrapping_add(half << 1)
+}
+
+#[cfg(test)]
+mod tests {
+    extern crate std;
+
+    use proptest::prelude::*;
+
+    use super::*;
+
+    /// The distance of a result from a·b + c·d over 2^shift, in units.
+    fn off(result: i64, [a, b, c, d]: [i64; 4], shift: i32) -> f64 {
+        let exact = i128::from(a) * i128::from(b) + i128::from(c) * i128::from(d);
+        let off = (i128::from(result) << shift) - exact;
+        off as f64 / f64::from(shift).exp2()
+    }
+
+    fn below(bits: u32) -> std::ops::Range<i64> {
+        -(1 << bits)..1 << bits
+    }
+
+    proptest! {
+        /// The product of the lower words is omitted, at most 2⁻² units, and the rest is rounded towards −∞.
+        #[test]
+        fn the_upper_part_of_a_product_is_near(a in below(62), b in below(62)) {
+            let off = off(mul_high(a, b), [a, b, 0, 0], 64);
+            prop_assert!((-1.25..=0.25).contains(&off), "{off}");
+        }
+
+        #[test]
+        fn a_sum_of_products_is_rounded_once(a in below(61), b in below(61), c in below(61), d in below(61)) {
+            let result = Words::sum_of_products(Words::of(a), Words::of(b), Words::of(c), Words::of(d));
+            let off = off(result, [a, b, c, d], 64);
+            prop_assert!((-1.5..=0.5).contains(&off), "{off}");
+        }
+
+        /// Rounded to nearest but for 2⁻³² of a unit, the part of the lower words that is omitted.
+        #[test]
+        fn a_product_with_a_direction_is_rounded_to_nearest(a in below(61), b in below(62)) {
+            let off = off(mul_62(a, b), [a, b, 0, 0], 62);
+            prop_assert!(off.abs() <= 0.5 + 1e-9, "{off}");
+        }
+
+        #[test]
+        fn a_shifted_product_is_that_of_128_bits(a: u64, b: u64, shift in 32u32..64) {
+            #[expect(clippy::cast_possible_truncation, reason = "modulo 2⁶⁴")]
+            let exact = ((u128::from(a) * u128::from(b)) >> shift) as u64;
+            prop_assert_eq!(shifted_product(a, b, shift), exact);
+        }
+
+        #[test]
+        fn words_are_their_number(value in below(62)) {
+            let words = Words::of(value);
+            prop_assert_eq!((i64::from(words.upper) << 32) + i64::from(words.lower), value);
+        }
+    }
+
+    /// 1 and −1 as a sine or cosine: a rotation by quarter turns is exact.
+    #[test]
+    fn a_product_with_one_is_exact() {
+        for a in [1i64 << 4, -(1 << 4), 12_345_678_901_234 << 4, i64::MAX >> 3 & !15] {
+            for one in [1i64 << 62, -(1 << 62)] {
+                assert_eq!(mul_high(a, one), if one > 0 { a >> 2 } else { -(a >> 2) });
+                assert_eq!(mul_62(a >> 4, one), if one > 0 { a >> 4 } else { -(a >> 4) });
+            }
+        }
+    }
 }

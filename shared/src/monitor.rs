@@ -28,8 +28,8 @@ use crate::units::{PER_NM, Position};
 pub struct Monitor<S: Scalar> {
     /// Greatest following error (command − feedback), error units.
     pub following_error: S,
-    /// Greatest difference between scale and motor, position units; `None`: not monitored.
-    pub disagreement: Option<u64>,
+    /// Greatest difference between scale and motor, position units; `u64::MAX`: not monitored.
+    pub disagreement: u64,
     /// Greatest motion of the motor reading per tick, increment units; `None`: not monitored.
     pub encoder_step: Option<S>,
     /// Detection of a frozen motor encoder; `None`: not monitored.
@@ -136,28 +136,44 @@ pub struct MonitorInput<S> {
 impl<S: Scalar> Monitor<S> {
     /// The faults of a position tick.
     #[must_use]
+    #[inline]
     pub fn position(&self, state: &mut State<S>, input: &MonitorInput<S>) -> FaultSet {
-        let disagree = match (input.table, self.disagreement) {
-            (Some(table), Some(limit)) => (table - input.motor).unsigned_abs() > limit,
-            _ => false,
-        };
+        let frozen = self.is_frozen(state, input);
+        let [min, max] = self.travel;
+        // The usual case. An overflow of a difference gives the other sign.
+        if !frozen
+            && (input.command - min) | (max - input.command) >= 0
+            && !input.following_error.exceeds(self.following_error)
+            && !self.disagree(input)
+            && !Self::is_lost(input)
+        {
+            state.allowed_command = input.command;
+            return FaultSet::NONE;
+        }
         FaultSet::NONE
             .with(FaultKind::FollowingError, input.following_error.exceeds(self.following_error))
-            .with(FaultKind::Disagreement, disagree)
-            .with(FaultKind::EncoderFrozen, self.is_frozen(state, input))
+            .with(FaultKind::Disagreement, self.disagree(input))
+            .with(FaultKind::EncoderFrozen, frozen)
             .with(FaultKind::SoftLimit, self.leaves_travel(state, input.command))
-            .with(FaultKind::ScaleLost, input.uses_scale && input.table.is_none())
+            .with(FaultKind::ScaleLost, Self::is_lost(input))
+    }
+
+    /// Whether scale and motor disagree.
+    #[inline]
+    fn disagree(&self, input: &MonitorInput<S>) -> bool {
+        input.table.is_some_and(|table| (table - input.motor).unsigned_abs() > self.disagreement)
+    }
+
+    /// Whether the scale of the loop has no reading.
+    #[inline]
+    const fn is_lost(input: &MonitorInput<S>) -> bool {
+        input.uses_scale && input.table.is_none()
     }
 
     /// Whether the command moves outwards beyond the travel. An axis that was enabled outside its travel may stay and move
     /// inwards; the limit follows it.
     fn leaves_travel(&self, state: &mut State<S>, command: Position) -> bool {
         let [min, max] = self.travel;
-        // The usual case.
-        if command >= min && command <= max {
-            state.allowed_command = command;
-            return false;
-        }
         let [min, max] = [min.min(state.allowed_command), max.max(state.allowed_command)];
         let leaves = command < min - SOFT_LIMIT_TOLERANCE || command > max + SOFT_LIMIT_TOLERANCE;
         if !leaves {
@@ -184,16 +200,27 @@ impl<S: Scalar> Monitor<S> {
 
     /// The faults of a tick, from the motion of the motor since the previous tick and whether the force is at its limit.
     #[must_use]
+    #[inline]
     pub fn velocity(&self, state: &mut State<S>, increment: S, saturated: bool) -> FaultSet {
+        let too_far = self.encoder_step.is_some_and(|max| increment.exceeds(max));
+        // The usual case.
+        if !(saturated || too_far || state.saturated_quarters != 0) {
+            return FaultSet::NONE;
+        }
+        FaultSet::NONE
+            .with(FaultKind::EncoderStep, too_far)
+            .with(FaultKind::ForceSaturated, self.is_saturated_too_long(state, saturated))
+    }
+
+    /// Counts the saturated time. Whether it exceeds its budget.
+    #[inline(never)]
+    fn is_saturated_too_long(&self, state: &mut State<S>, saturated: bool) -> bool {
         // An unstable loop drives the force from limit to limit: an unsaturated tick in between must not reset the count.
         state.saturated_quarters = if saturated {
             state.saturated_quarters.saturating_add(4)
         } else {
             state.saturated_quarters.saturating_sub(1)
         };
-        let too_long = saturated && state.saturated_quarters / 4 > self.saturation_budget_ticks;
-        FaultSet::NONE
-            .with(FaultKind::EncoderStep, self.encoder_step.is_some_and(|max| increment.exceeds(max)))
-            .with(FaultKind::ForceSaturated, too_long)
+        saturated && state.saturated_quarters / 4 > self.saturation_budget_ticks
     }
 }

@@ -92,6 +92,12 @@ pub enum Order {
     Fault(Fault),
     /// Tell the version of the board's program. Answered by [`Answer::Sources`].
     Identify,
+    /// Feed hold: decelerate along the path, drives on.
+    Hold,
+    /// Continue after a hold.
+    Resume,
+    /// Decelerate along the path and discard the rest of it, drives on.
+    Stop,
 }
 
 /// A message from board to host, one per order.

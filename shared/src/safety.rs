@@ -41,6 +41,7 @@
 //! | host silent for its declared time | by the connection | stop | nobody supervises the motion |
 //! | limit switch: the command moves further onto it | every tick | stop | the way back stays open |
 //! | watchdog | at start-up, by the board | enable inhibited until acknowledged | the previous run ended by a watchdog reset |
+//! | stored settings: the flash holds settings that cannot be used | at start-up, by the board | enable inhibited until acknowledged | the settings are those of the program instead |
 //! | force saturated for longer than its budget; unsaturated time earns back a quarter | every tick | stop | the axis cannot follow; a lower acceleration helps |
 //! | soft limit: the command moves outwards beyond the travel, or further out than an axis that was enabled outside it | every position tick | stop | only the program is wrong; the way back stays open |
 //! | scale lost | every position tick | warn | the axis continues on its motor encoder, without a step |
@@ -160,6 +161,8 @@ pub enum Fault {
     OverTemperature,
     /// The host that moves the machine has been silent for too long.
     HostSilent,
+    /// The flash holds settings that cannot be used.
+    StoredSettings,
 }
 
 /// The reaction to a fault.
@@ -175,7 +178,7 @@ pub enum Reaction {
 
 impl Fault {
     /// The faults of the whole machine.
-    pub const OF_THE_MACHINE: [Self; 8] = [
+    pub const OF_THE_MACHINE: [Self; 9] = [
         Self::Overrun,
         Self::HardwareStop,
         Self::Watchdog,
@@ -184,6 +187,7 @@ impl Fault {
         Self::BusUndervoltage,
         Self::OverTemperature,
         Self::HostSilent,
+        Self::StoredSettings,
     ];
 
     /// The reaction: see the [module](self).
@@ -193,6 +197,7 @@ impl Fault {
             Self::Overrun
             | Self::HardwareStop
             | Self::Watchdog
+            | Self::StoredSettings
             | Self::EmergencyStop
             | Self::BusOvervoltage
             | Self::BusUndervoltage => Reaction::DriveOff,

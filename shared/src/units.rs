@@ -6,6 +6,7 @@
 //! | error, distance | 1.024 µm = 2³⁰ position units | a fixed-point signal then resolves 1/16 nm and holds ±134 mm |
 //! | increment per tick | 16 nm = 2²⁴ position units | resolves 2⁻¹⁰ nm, holds ±2.1 mm a tick |
 //! | velocity | 16.384 µm/s | resolves 1 nm/s, holds ±2.147 m/s |
+//! | position as a signal | 1.05 mm = 2⁴⁰ position units | resolves 64 nm, holds ±137 m |
 //! | force | 1 N | resolves 61 µN, holds ±131 kN |
 //!
 //! Resolution and range are those of the fixed-point signal ([`crate::scalar::Fixed`]).
@@ -27,6 +28,9 @@ pub const INCREMENT_M: f64 = 16e-9;
 
 /// Metres in one unit of error or distance.
 pub const LENGTH_M: f64 = 1.024e-6;
+
+/// Metres in one unit of a position as a signal, 2⁴⁰ position units.
+pub const SCALED_POSITION_M: f64 = 1024.0 * LENGTH_M;
 
 /// Greatest magnitude of an accepted position, m. Far inside the range of i64, so that sums and squares of differences
 /// are exact.

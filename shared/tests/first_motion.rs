@@ -53,7 +53,7 @@ impl Board<2> for Bench {
         false
     }
 
-    fn set_duties(&mut self, duties: [Duty; 2]) {
+    fn set_signals(&mut self, duties: [Duty; 2]) {
         self.duties = duties;
     }
 

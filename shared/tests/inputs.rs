@@ -43,7 +43,7 @@ impl Board<2> for Bench {
         self.stopped
     }
 
-    fn set_duties(&mut self, duties: [Duty; 2]) {
+    fn set_signals(&mut self, duties: [Duty; 2]) {
         self.duties = duties;
     }
 

@@ -118,7 +118,10 @@ fn matches_the_machine<S: Scalar>(format: Format) {
             1 => Some(Order::Enable),
             500 => Some(Order::Change(1, stiffer)),
             1000 => Some(Order::Compensate(0, compensation.clone())),
+            1500 => Some(Order::Hold),
             2500 => Some(Order::Switch(0, CompensationKind::Pitch, false)),
+            2700 => Some(Order::Resume),
+            3500 => Some(Order::Stop),
             _ => None,
         };
         if let Some(order) = order {
@@ -126,6 +129,9 @@ fn matches_the_machine<S: Scalar>(format: Format) {
             match order {
                 Order::Block(block) => machine.push(&block).unwrap(),
                 Order::Enable => machine.enable(),
+                Order::Hold => machine.hold(),
+                Order::Resume => machine.resume(),
+                Order::Stop => machine.discard_path(),
                 Order::Change(axis, settings) => machine.change(axis.into(), &settings).unwrap(),
                 Order::Compensate(axis, settings) => machine.compensate(axis.into(), &settings).unwrap(),
                 Order::Switch(axis, item, on) => machine.switch(axis.into(), item, on).unwrap(),

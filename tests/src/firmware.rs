@@ -9,6 +9,9 @@ use crate::chip::depth::SelfCall;
 /// Address of the program of an STM32F405, which begins with its vector table.
 pub const FLASH: u32 = 0x0800_0000;
 
+/// The slots for settings in its flash (`firmware/src/board/flash.rs`).
+pub const SETTINGS_SLOTS: [u32; 2] = [FLASH + 0xc_0000, FLASH + 0xe_0000];
+
 /// Exception number of the tick: 16 exceptions of the core precede the interrupts, and TIM2 is interrupt 28.
 pub const TICK: usize = 16 + 28;
 

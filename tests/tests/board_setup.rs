@@ -63,7 +63,7 @@ impl Board<AXES, DriveSignal> for TestMachine {
         false
     }
 
-    fn set_duties(&mut self, signals: [DriveSignal; AXES]) {
+    fn set_signals(&mut self, signals: [DriveSignal; AXES]) {
         self.duties = signals.map(|signal| match signal {
             DriveSignal::Pwm(duty) => duty,
             DriveSignal::Analog(_) | DriveSignal::Steps(_) => panic!("the table has drives with PWM"),
@@ -106,7 +106,7 @@ const CIRCLE: Block<AXES> = Block::arc([0, 1], [-0.01, 0.0], 2.0, 2.0 / 60.0, 0.
 fn the_board_holds_when_it_is_enabled_and_follows_its_path() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
-    let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
+    let mut system = drive_system(&mut machine, FULL_COUNTS).unwrap();
     let run = |system: &mut BoardDrives<'_>, test_machine: &mut TestMachine, milliseconds: u32| {
         let mut max_error = 0f64;
         for _ in 0..milliseconds * (TICK_HZ / 1000) {
@@ -159,7 +159,7 @@ fn a_frozen_encoder_switches_the_power_stages_off() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
     test_machine.closed = false;
-    let mut system = drive_system(&mut machine, FULL_COUNTS, None).unwrap();
+    let mut system = drive_system(&mut machine, FULL_COUNTS).unwrap();
     for _ in 0..1000 {
         system.tick(&mut test_machine);
     }
@@ -190,7 +190,8 @@ fn after_a_watchdog_reset_an_enable_of_the_board_needs_an_acknowledgement() {
     let mut machine = Machine::UNCONFIGURED;
     let mut test_machine = TestMachine::new();
     test_machine.closed = false;
-    let mut system = drive_system(&mut machine, FULL_COUNTS, Some(Fault::Watchdog)).unwrap();
+    let mut system = drive_system(&mut machine, FULL_COUNTS).unwrap();
+    system.machine_mut().inhibit_enable(Fault::Watchdog);
     let mut run = |test_machine: &mut TestMachine, closed, ticks| {
         test_machine.closed = closed;
         for _ in 0..ticks {

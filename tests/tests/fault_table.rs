@@ -38,10 +38,11 @@ const OF_AN_AXIS: [(FaultKind, Does); 11] = [
 ];
 
 /// Faults of the machine.
-const OF_THE_MACHINE: [(Fault, Does); 8] = [
+const OF_THE_MACHINE: [(Fault, Does); 9] = [
     (Fault::Overrun, Does::Off),
     (Fault::HardwareStop, Does::Off),
     (Fault::Watchdog, Does::Off),
+    (Fault::StoredSettings, Does::Off),
     (Fault::EmergencyStop, Does::Off),
     (Fault::BusOvervoltage, Does::Off),
     (Fault::BusUndervoltage, Does::Off),
@@ -188,7 +189,7 @@ impl Side {
             }
         }
         println!("{cases} cases");
-        assert_eq!(cases, 5 * (2 * 11 + 8));
+        assert_eq!(cases, 5 * (2 * 11 + 9));
     }
 }
 

@@ -9,16 +9,13 @@ use std::fs;
 use tests::chip::depth::{Depths, Obstacle, SelfCall};
 use tests::chip::image::{Function, Image, Section};
 use tests::chip::vectors::{EXCEPTION_FRAME, Vectors};
-use tests::firmware::{FLASH, RAM, SELF_CALLS, TICK};
+use tests::firmware::{FLASH, RAM, SELF_CALLS, SETTINGS_SLOTS, TICK};
 
 /// Bytes of the main RAM of the chip.
 const RAM_BYTES: u32 = RAM.end - RAM.start;
 
 /// Free RAM that must remain, bytes: an eighth of the RAM, because later compilers may inline differently.
 const RESERVE_BYTES: u32 = RAM_BYTES / 8;
-
-/// Start of the sectors for settings, from the start of the flash (`firmware/src/board/flash.rs`).
-const SETTINGS_OFFSET: u32 = 0xc_0000;
 
 /// Greatest size of the program, bytes.
 const FLASH_BUDGET_BYTES: u32 = 384 * 1024;
@@ -85,7 +82,7 @@ fn the_program_of_the_board_leaves_the_sectors_for_settings_alone() {
         .expect("a segment");
     println!("{} B of flash", end - FLASH);
     assert!(end - FLASH > 64 * 1024, "less than the controller alone");
-    assert!(end - FLASH <= FLASH_BUDGET_BYTES && FLASH + SETTINGS_OFFSET >= end, "{end:#x}");
+    assert!(end - FLASH <= FLASH_BUDGET_BYTES && SETTINGS_SLOTS[0] >= end, "{end:#x}");
 }
 
 /// The tests on the emulated core replace tests on the board, so its program must fit the same RAM.

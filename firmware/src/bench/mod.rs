@@ -179,7 +179,7 @@ impl Board<AXES, DriveSignal> for Bench {
         self.hands.emergency_stop
     }
 
-    fn set_duties(&mut self, signals: [DriveSignal; AXES]) {
+    fn set_signals(&mut self, signals: [DriveSignal; AXES]) {
         for ((force, signal), n_per_count) in self.forces.iter_mut().zip(signals).zip(N_PER_COUNT) {
             // The drives of the bench have PWM and direction.
             let duty = if let DriveSignal::Pwm(duty) = signal { duty } else { Duty::default() };

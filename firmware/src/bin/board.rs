@@ -9,17 +9,23 @@ use firmware::board::drives_off;
 
 #[rtic::app(device = stm32f4xx_hal::pac)]
 mod app {
+    use firmware::board::flash::{SettingsFlash, settings_memory};
     use firmware::board::link::{Drive, Locked};
     use firmware::board::uart::{Queues, Uart, UartInterrupt};
+    use firmware::board::watchdog::Watchdog;
     use firmware::board::{Hardware, Parts};
     use firmware::setup::{AXES, IDENTITY, LINK_SETTINGS};
-    use shared::link::{Server, SharedDrive};
+    use rtic::Mutex;
+    use shared::link::{Server, SettingsMemory, SharedDrive};
     use shared::machine::Machine;
+    use shared::safety::Fault;
     use shared::scalar::Fixed;
+    use stm32f4xx_hal::pac::FLASH;
 
     #[shared]
     struct Shared {
         drive: Drive,
+        watchdog: Watchdog,
     }
 
     #[local]
@@ -27,6 +33,8 @@ mod app {
         hardware: Hardware,
         interrupt: UartInterrupt,
         uart: Uart,
+        /// Taken by the idle loop, with the fault that ended the previous run.
+        start: Option<(FLASH, Option<Fault>)>,
     }
 
     #[init(local = [
@@ -35,32 +43,48 @@ mod app {
     ])]
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources { machine, queues, .. } = context.local;
-        let Parts { hardware, drive, uart, interrupt } = Parts::new(context.device, machine, queues)
-            .expect("the values are verified by a test on the host");
-        (Shared { drive }, Local { hardware, interrupt, uart })
+        let parts = Parts::new(context.device, machine, queues);
+        let Parts { hardware, drive, uart, interrupt, watchdog, flash, previous_fault } =
+            parts.expect("the values are verified by a test on the host");
+        let start = Some((flash, previous_fault));
+        (Shared { drive, watchdog }, Local { hardware, interrupt, uart, start })
     }
 
     /// One round of the idle loop. A function of its own, which the test on the emulated chip counts.
     #[inline(never)]
-    fn serve(server: &mut Server, uart: &mut Uart, drive: &mut impl SharedDrive<'static, Fixed>) {
-        server.poll(uart, drive);
+    fn serve<W: Mutex<T = Watchdog>>(
+        server: &mut Server,
+        uart: &mut Uart,
+        drive: &mut impl SharedDrive<'static, Fixed>,
+        memory: &mut SettingsMemory<SettingsFlash<W>>,
+    ) {
+        server.poll(uart, drive, memory);
     }
 
-    /// Serves the link between ticks.
-    #[idle(local = [uart, server: Server = Server::new(IDENTITY, LINK_SETTINGS)], shared = [drive])]
+    /// Loads the settings, then serves the link, between ticks.
+    #[idle(
+        local = [uart, start, server: Server = Server::new(IDENTITY, LINK_SETTINGS)],
+        shared = [drive, watchdog]
+    )]
     fn idle(context: idle::Context) -> ! {
-        let idle::LocalResources { uart, server, .. } = context.local;
-        let mut drive = Locked(context.shared.drive);
+        let idle::LocalResources { uart, start, server, .. } = context.local;
+        let idle::SharedResources { drive, watchdog, .. } = context.shared;
+        let mut drive = Locked(drive);
+        let (flash, previous_fault) = start.take().expect("set by init");
+        let mut memory = settings_memory(flash, watchdog);
+        server.load(&mut drive, &mut memory, previous_fault);
         loop {
-            serve(server, uart, &mut drive);
+            serve(server, uart, &mut drive, &mut memory);
         }
     }
 
-    #[task(binds = TIM2, priority = 1, local = [hardware], shared = [drive])]
-    fn tick(mut context: tick::Context) {
+    #[task(binds = TIM2, priority = 1, local = [hardware], shared = [drive, watchdog])]
+    fn tick(context: tick::Context) {
         let hardware = context.local.hardware;
+        let tick::SharedResources { mut drive, mut watchdog, .. } = context.shared;
         hardware.begin_tick();
-        context.shared.drive.lock(|drive| drive.tick(hardware));
+        watchdog.lock(Watchdog::feed);
+        drive.lock(|drive| drive.tick(hardware));
     }
 
     /// Above the tick: a byte arrives every 10 µs.

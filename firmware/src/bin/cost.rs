@@ -2,21 +2,16 @@
 #![no_std]
 #![no_main]
 
-use core::panic::PanicInfo;
-
 use cortex_m_rt::entry;
-use cortex_m_semihosting::debug::{EXIT_FAILURE, EXIT_SUCCESS, exit};
-use cortex_m_semihosting::hprintln;
 use firmware::cost::count::Counter;
 use firmware::cost::parts::{of_the_path, of_the_tick};
 use firmware::emulated::InstructionMeter;
+use firmware::emulator::end;
 use shared::scalar::Fixed;
 
 #[entry]
 fn main() -> ! {
-    let ended = run();
-    exit(if ended.is_some() { EXIT_SUCCESS } else { EXIT_FAILURE });
-    stop()
+    end(run().is_some())
 }
 
 /// Prints the table. `None` if the machine rejects its settings or does not complete the motion.
@@ -28,18 +23,4 @@ fn run() -> Option<()> {
     of_the_tick::<Fixed>(&mut counter)?;
     of_the_tick::<f32>(&mut counter)?;
     of_the_tick::<f64>(&mut counter)
-}
-
-#[panic_handler]
-fn panic(info: &PanicInfo) -> ! {
-    hprintln!("{}", info);
-    exit(EXIT_FAILURE);
-    stop()
-}
-
-/// Not reached: the emulator has ended.
-fn stop() -> ! {
-    loop {
-        cortex_m::asm::wfi();
-    }
 }

@@ -4,19 +4,15 @@
 #![no_std]
 #![no_main]
 
-use core::panic::PanicInfo;
-
 use cortex_m_rt::entry;
-use cortex_m_semihosting::debug::{EXIT_FAILURE, EXIT_SUCCESS, exit};
 use firmware::emulated::{Host, InstructionMeter};
+use firmware::emulator::end;
 use shared::protocol::{FRAME, encode};
 use shared::session::Session;
 
 #[entry]
 fn main() -> ! {
-    let ended = run();
-    exit(if ended.is_some() { EXIT_SUCCESS } else { EXIT_FAILURE });
-    stop()
+    end(run().is_some())
 }
 
 /// Answers orders until the host ends the run. `None` if the connection is lost before.
@@ -32,18 +28,5 @@ fn run() -> Option<()> {
         };
         encode(&answer, &mut frame).ok()?;
         host.send(&frame)?;
-    }
-}
-
-#[panic_handler]
-fn panic(_: &PanicInfo) -> ! {
-    exit(EXIT_FAILURE);
-    stop()
-}
-
-/// Not reached: the emulator has ended.
-fn stop() -> ! {
-    loop {
-        cortex_m::asm::wfi();
     }
 }

@@ -6,15 +6,14 @@
 #![no_main]
 
 use core::cell::RefCell;
-use core::panic::PanicInfo;
 
 use cortex_m::interrupt::{self, Mutex};
 use cortex_m::peripheral::syst::SystClkSource;
 use cortex_m::peripheral::{NVIC, SCB};
 use cortex_m_rt::{entry, exception};
-use cortex_m_semihosting::debug::{EXIT_FAILURE, EXIT_SUCCESS, exit};
 use firmware::bench::{Bench, IDENTITY, SETTINGS, drive_system};
-use firmware::servo::{END, Uart, operate};
+use firmware::emulator::end;
+use firmware::servo::{END, Uart, operate, settings_memory};
 use firmware::setup::{AXES, TICK_HZ};
 use shared::drive::{Board, DriveSignal, Inputs};
 use shared::feedback::Reading;
@@ -69,8 +68,8 @@ impl Board<AXES, DriveSignal> for Ticking<'_> {
         self.0.hardware_stop_active()
     }
 
-    fn set_duties(&mut self, duties: [DriveSignal; AXES]) {
-        self.0.set_duties(duties);
+    fn set_signals(&mut self, signals: [DriveSignal; AXES]) {
+        self.0.set_signals(signals);
     }
 
     fn set_enabled(&mut self, enabled: bool) {
@@ -118,8 +117,7 @@ fn with_plant<R>(access: impl FnOnce(&mut Plant) -> R) -> R {
 #[entry]
 fn main() -> ! {
     let _ = run();
-    exit(EXIT_FAILURE);
-    stop()
+    end(false)
 }
 
 /// Starts the ticks and serves the link. `None` if the board cannot be started.
@@ -128,6 +126,7 @@ fn run() -> Option<()> {
     let machine = cortex_m::singleton!(: Machine<Fixed, AXES> = Machine::UNCONFIGURED)?;
     let capture = cortex_m::singleton!(: [u8; CAPTURE_BYTES] = [0; CAPTURE_BYTES])?;
     let server = cortex_m::singleton!(: Server = SERVER)?;
+    let mut memory = settings_memory()?;
     let system = drive_system(machine).ok()?;
     let drive = HostedDrive::new(system, TICK_HZ, IDENTITY.times, &IDENTITY.steps, capture);
     let plant = Plant { drive, bench: Bench::new() };
@@ -140,11 +139,12 @@ fn run() -> Option<()> {
     timer.clear_current();
     timer.enable_counter();
     timer.enable_interrupt();
+    server.load(&mut Idle, &mut memory, None);
     let mut served_at = 0;
     let (mut confirmed, mut settled_at) = (None, SETTLED_TICKS);
     loop {
         let mut port = Counted { port: &mut link, bytes: 0 };
-        server.poll(&mut port, &mut Idle);
+        server.poll(&mut port, &mut Idle, &mut memory);
         let mut active = port.bytes > 0;
         let now = with_plant(|plant| plant.drive.now());
         // A switch is operated, and confirmed, when it has been as it was for longer than its settling time.
@@ -154,7 +154,7 @@ fn run() -> Option<()> {
             }
             if let Some(byte) = bench.read() {
                 if byte == END {
-                    exit(EXIT_SUCCESS);
+                    end(true);
                 }
                 let known = with_plant(|plant| operate(plant.bench.hands(), byte));
                 (confirmed, settled_at) = (Some(if known { byte } else { b'?' }), now + SETTLED_TICKS);
@@ -165,7 +165,7 @@ fn run() -> Option<()> {
             served_at = now;
         } else {
             if now - served_at > ABANDONED_TICKS {
-                exit(EXIT_SUCCESS);
+                end(true);
             }
             wait(now < AWAKE_TICKS + served_at || with_plant(|plant| plant.drive.machine().power().is_on()));
         }
@@ -226,18 +226,5 @@ fn wait(awake: bool) {
 unsafe fn DefaultHandler(_: i16) {
     for receiver in RECEIVERS {
         NVIC::mask(receiver);
-    }
-}
-
-#[panic_handler]
-fn panic(_: &PanicInfo) -> ! {
-    exit(EXIT_FAILURE);
-    stop()
-}
-
-/// Not reached: the emulator has ended.
-fn stop() -> ! {
-    loop {
-        cortex_m::asm::wfi();
     }
 }

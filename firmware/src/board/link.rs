@@ -1,10 +1,9 @@
-//! The link of the board: the drives behind RTIC's lock, and the serial port as the port of the server.
+//! The link of the board: the drives behind RTIC's lock, and the memory for recordings.
 
 use rtic::Mutex;
-use shared::link::{BytePort, HostedDrive, SharedDrive};
+use shared::link::{HostedDrive, SharedDrive};
 use shared::scalar::Fixed;
 
-use super::uart::Uart;
 use crate::setup::AXES;
 
 /// The core-coupled memory, which only the processor can access: 64 KiB (RM0090, 2.3.1). The program is linked without it.
@@ -36,15 +35,5 @@ pub struct Locked<M>(pub M);
 impl<M: Mutex<T = Drive>> SharedDrive<'static, Fixed> for Locked<M> {
     fn with<R>(&mut self, access: impl FnOnce(&mut Drive) -> R) -> R {
         self.0.lock(access)
-    }
-}
-
-impl BytePort for Uart {
-    fn read(&mut self) -> Option<u8> {
-        Self::read(self)
-    }
-
-    fn write(&mut self, bytes: &[u8]) -> usize {
-        Self::write(self, bytes)
     }
 }

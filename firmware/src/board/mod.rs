@@ -11,6 +11,7 @@ mod stage;
 mod switches;
 mod tick;
 pub mod uart;
+pub mod watchdog;
 
 use shared::axis::Reading;
 use shared::drive::step::StepCounter;
@@ -18,11 +19,11 @@ use shared::drive::{AxisInputs, Board, DriveSettings, DriveSignal, Inputs, Linea
 use shared::link::HostedDrive;
 use shared::link::report::Identity;
 use shared::machine::Machine;
+use shared::safety::Fault;
 use shared::scalar::Fixed;
 use stm32f4xx_hal::gpio::{Output, PC13, PinState, Pull};
-use stm32f4xx_hal::pac::Peripherals;
+use stm32f4xx_hal::pac::{FLASH, Peripherals};
 use stm32f4xx_hal::prelude::*;
-use stm32f4xx_hal::watchdog::IndependentWatchdog;
 
 use crate::setup::{self, AXES, AxisTable, SetupError};
 use converter::{Conversions, Converters};
@@ -31,6 +32,7 @@ use sensors::{Sensors, Timers};
 use stage::{Pins, Stages};
 use switches::Switches;
 use tick::TickTimer;
+use watchdog::Watchdog;
 
 /// The pins and timers of a tick.
 pub struct Hardware {
@@ -44,7 +46,6 @@ pub struct Hardware {
     steps: [Option<StepCounter>; AXES],
     fault_light: PC13<Output>,
     tick_timer: TickTimer,
-    watchdog: IndependentWatchdog,
     /// Inputs of the present tick.
     switches: Switches,
     conversions: Conversions,
@@ -60,6 +61,12 @@ pub struct Parts {
     pub uart: uart::Uart,
     /// The same, for its interrupt.
     pub interrupt: uart::UartInterrupt,
+    /// Fed by each tick.
+    pub watchdog: Watchdog,
+    /// For the settings.
+    pub flash: FLASH,
+    /// The fault that ended the previous run.
+    pub previous_fault: Option<Fault>,
 }
 
 impl Parts {
@@ -113,15 +120,13 @@ impl Parts {
         let uart_pins = (b.pb10.into_alternate(), b.pb11.into_alternate());
         let (uart, interrupt) = uart::start(device.USART3, uart_pins, queues, &mut rcc);
 
-        let system = setup::drive_system(machine, stages.full_counts(), previous_fault)?;
+        let system = setup::drive_system(machine, stages.full_counts())?;
         let Identity { tick_hz, times, steps, .. } = &setup::IDENTITY;
         // SAFETY: the peripherals exist once.
         let capture = unsafe { link::capture_memory() };
         let drive = HostedDrive::new(system, *tick_hz, *times, steps, capture);
         let tick_timer = TickTimer::new(device.TIM2, &mut rcc);
-        // 10 ms, at least a hundred ticks: without ticks the watchdog resets the chip, and the stages with it.
-        let mut watchdog = IndependentWatchdog::new(device.IWDG);
-        watchdog.start(10.millis());
+        let watchdog = Watchdog::start(device.IWDG);
 
         let linear = |[slope, offset]: [f64; 2]| LinearInput::new(slope, offset).ok_or(SetupError::Converter);
         let hardware = Hardware {
@@ -134,11 +139,10 @@ impl Parts {
             steps: table.map(step_counter),
             fault_light: c.pc13.into_push_pull_output_in_state(PinState::High),
             tick_timer,
-            watchdog,
             switches: Switches::default(),
             conversions: Conversions::default(),
         };
-        Ok(Self { hardware, drive, uart, interrupt })
+        Ok(Self { hardware, drive, uart, interrupt, watchdog, flash: device.FLASH, previous_fault })
     }
 }
 
@@ -163,7 +167,6 @@ impl Hardware {
     pub fn begin_tick(&mut self) {
         self.stages.begin_period();
         self.tick_timer.acknowledge();
-        self.watchdog.feed();
         self.switches = Switches::read();
         self.conversions = self.converters.read();
         self.sensors.read(&self.conversions);
@@ -211,7 +214,7 @@ impl Board<AXES, DriveSignal> for Hardware {
         self.stages.are_stopped()
     }
 
-    fn set_duties(&mut self, signals: [DriveSignal; AXES]) {
+    fn set_signals(&mut self, signals: [DriveSignal; AXES]) {
         for (signal, counter) in signals.iter().zip(&mut self.steps) {
             if let (DriveSignal::Steps(steps), Some(counter)) = (signal, counter) {
                 counter.add(*steps);

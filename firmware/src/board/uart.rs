@@ -4,6 +4,7 @@
 //! a byte arrives every 10 µs, and the port holds one.
 
 use heapless::spsc::{Consumer, Producer, Queue};
+use shared::link::BytePort;
 use stm32f4xx_hal::gpio::{Alternate, PB10, PB11};
 use stm32f4xx_hal::pac::USART3;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
@@ -54,14 +55,12 @@ pub fn start(
     (port, UartInterrupt { uart, received: to_host_loop, waiting: from_loop, lost: 0 })
 }
 
-impl Uart {
-    /// The next byte that has been received.
-    pub fn read(&mut self) -> Option<u8> {
+impl BytePort for Uart {
+    fn read(&mut self) -> Option<u8> {
         self.received.dequeue()
     }
 
-    /// Sends as many of the bytes as can be taken now. Returns their number.
-    pub fn write(&mut self, bytes: &[u8]) -> usize {
+    fn write(&mut self, bytes: &[u8]) -> usize {
         let taken = bytes.iter().take_while(|byte| self.waiting.enqueue(**byte).is_ok()).count();
         if taken > 0 {
             // The interrupt sends the first byte.

@@ -1,4 +1,4 @@
-//! The environment of the emulated servo board: two serial ports, the system timer, and the emulator.
+//! The environment of the emulated servo board: two serial ports, a flash in a file, the system timer, and the emulator.
 //!
 //! | port | for |
 //! |---|---|
@@ -6,7 +6,9 @@
 //! | UART1 | the bench: a byte operates a switch of the simulated machine. A real board has hands and wires instead |
 
 mod bench_port;
+mod flash;
 mod uart;
 
 pub use bench_port::{END, operate};
+pub use flash::{FileFlash, settings_memory};
 pub use uart::Uart;

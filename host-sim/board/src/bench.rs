@@ -26,6 +26,13 @@ pub const FOLDER_VARIABLE: &str = "LOST_MOTION_BENCH";
 /// The byte that ends the emulator.
 pub const END: u8 = b'q';
 
+/// Names of the sockets in the folder.
+const LINK: &str = "link";
+const BENCH: &str = "bench";
+
+/// File of the flash in the folder (`firmware/src/servo/flash.rs`).
+const FLASH: &str = "flash";
+
 /// Longest wait for the emulator's sockets.
 const START_TIMEOUT: Duration = Duration::from_secs(20);
 
@@ -50,7 +57,8 @@ impl Bench {
         let lock = File::create(bench.folder.join("lock")).and_then(|file| file.lock().map(|()| file));
         let _lock = lock.map_err(|error| bench.failed(&error.to_string()))?;
         if Port::socket(&bench.bench_socket()).is_err() {
-            bench.spawn(&program()?)?;
+            let program = fs::canonicalize(program()?).map_err(|error| bench.failed(&error.to_string()))?;
+            bench.spawn(&program)?;
         }
         Ok(bench)
     }
@@ -59,6 +67,18 @@ impl Bench {
     #[must_use]
     pub fn is_running() -> bool {
         Port::socket(&Self { folder: folder() }.bench_socket()).is_ok()
+    }
+
+    /// Erases the flash of the board, which must not run: what was saved is lost.
+    ///
+    /// # Errors
+    /// [`BoardError::Port`] if the file cannot be removed.
+    pub fn erase_flash() -> Result<(), BoardError> {
+        let bench = Self { folder: folder() };
+        match fs::remove_file(bench.folder.join(FLASH)) {
+            Err(error) if error.kind() != io::ErrorKind::NotFound => Err(bench.failed(&error.to_string())),
+            _ => Ok(()),
+        }
     }
 
     /// A connection to the link of the board.
@@ -92,23 +112,25 @@ impl Bench {
     }
 
     fn link_socket(&self) -> PathBuf {
-        self.folder.join("link")
+        self.folder.join(LINK)
     }
 
     fn bench_socket(&self) -> PathBuf {
-        self.folder.join("bench")
+        self.folder.join(BENCH)
     }
 
     fn spawn(&self, program: &Path) -> Result<(), BoardError> {
-        let socket = |path: PathBuf| format!("unix:{},server=on,wait=off", path.display());
+        let socket = |name: &str| format!("unix:{name},server=on,wait=off");
         let log = File::create(self.folder.join("log")).map_err(|error| self.failed(&error.to_string()))?;
         let child = Command::new(QEMU)
             .args(MACHINE)
             .args(["-display", "none", "-monitor", "none", "-no-reboot"])
             .args(["-semihosting-config", "enable=on,target=native"])
-            .args(["-serial", &socket(self.link_socket()), "-serial", &socket(self.bench_socket())])
+            .args(["-serial", &socket(LINK), "-serial", &socket(BENCH)])
             .arg("-kernel")
             .arg(program)
+            // Its sockets, and the file of its flash.
+            .current_dir(&self.folder)
             .stdin(Stdio::null())
             .stdout(Stdio::null())
             .stderr(log)

@@ -79,6 +79,17 @@ impl Client {
         }
     }
 
+    /// Sends a request whose reply is [`Reply::Done`] and may take longer than others.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn command_within(&mut self, request: &Request, timeout: Duration) -> Result<(), BoardError> {
+        let usual = std::mem::replace(&mut self.timeout, timeout);
+        let result = self.command(request);
+        self.timeout = usual;
+        result
+    }
+
     /// The state of the board.
     ///
     /// # Errors

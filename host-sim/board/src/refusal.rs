@@ -4,7 +4,7 @@ use shared::drive::direction_check::DirectionResult;
 use shared::link::Refusal;
 use shared::link::history::HistoryEvent;
 use shared::link::refusal::{DirectionProblem, SettingProblem, UploadError};
-use shared::link::report::HomingFailure;
+use shared::link::report::{HomingFailure, SettingsReport, SettingsSource, StoredRecord};
 use shared::safety::{Fault, FaultKind};
 
 /// Names of the axes of a board.
@@ -58,6 +58,7 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::NoCapture => "there is no complete recording".into(),
         Refusal::NotAvailable => "this board does not have this function".into(),
         Refusal::Storage => "the flash has not kept what was written".into(),
+        Refusal::NothingToSave => "there is nothing to save: no settings were uploaded for it".into(),
         Refusal::Busy => "the path changes too fast; try again".into(),
     }
 }
@@ -158,7 +159,30 @@ pub fn fault(fault: Fault) -> String {
         Fault::OverTemperature => "a power stage is too hot".into(),
         Fault::HostSilent => "the host was silent: drives off".into(),
         Fault::Watchdog => "the previous run ended by a reset of the watchdog".into(),
+        Fault::StoredSettings => {
+            "the settings in flash cannot be used; those of the program apply until others are uploaded"
+                .into()
+        }
     }
+}
+
+/// Where the settings of a board are from, and what its flash holds.
+#[must_use]
+pub fn settings(report: &SettingsReport) -> String {
+    let source = match report.source {
+        SettingsSource::Program => "of its program",
+        SettingsSource::Record => "saved",
+        SettingsSource::Upload => "uploaded, not saved",
+    };
+    let stored = match report.stored {
+        StoredRecord::None => "nothing is saved in flash".to_owned(),
+        StoredRecord::Valid(number) => format!("save {number} is in flash"),
+        StoredRecord::Invalid([first, second]) => {
+            format!("nothing in flash can be used (first slot: {first}; second slot: {second})")
+        }
+        StoredRecord::Refused(number) => format!("save {number} in flash is not accepted"),
+    };
+    format!("{source}; {stored}")
 }
 
 const fn kind_text(kind: FaultKind) -> &'static str {

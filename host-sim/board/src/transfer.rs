@@ -1,5 +1,7 @@
 //! Uploads and recordings, which are longer than a packet.
 
+use std::time::Duration;
+
 use serde::Serialize;
 use shared::link::message::{AXES, PART, Reply, Request, UploadKind};
 use shared::link::packet;
@@ -8,6 +10,9 @@ use shared::link::report::CaptureReport;
 use crate::client::Client;
 use crate::error::BoardError;
 use crate::samples::{self, AxisSample};
+
+/// Longest wait while the flash is erased: at most 4 s on an STM32F405.
+const ERASE_TIMEOUT: Duration = Duration::from_secs(10);
 
 /// Greatest number of bytes of an upload.
 const CAPACITY: usize = shared::protocol::LONGEST_ORDER;
@@ -26,6 +31,14 @@ impl Client {
             self.command(&Request::Upload { offset, bytes })?;
         }
         self.command(&Request::Apply { kind, length, checksum: packet::checksum(bytes) })
+    }
+
+    /// Erases a record in the flash of the board: what is uploaded from here on is written to it. The drives have to be off.
+    ///
+    /// # Errors
+    /// [`BoardError`].
+    pub fn begin_save(&mut self) -> Result<(), BoardError> {
+        self.command_within(&Request::BeginSave, ERASE_TIMEOUT)
     }
 
     /// The state of the recording.

@@ -56,6 +56,12 @@ pub struct AxisCompensation {
 }
 
 impl CompensationFile {
+    /// The file of a machine that compensates nothing.
+    #[must_use]
+    pub fn none(machine: &Machine) -> Self {
+        Self { machine: machine.name.clone(), ..Self::default() }
+    }
+
     /// Reads a compensation file for a machine.
     ///
     /// # Errors

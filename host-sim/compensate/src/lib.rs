@@ -6,6 +6,7 @@
 //! - [`prediction`]: the contour error of the model with and without a compensation
 //! - [`plan`]: the compensation of a model, without the items that the prediction does not support
 //! - [`round_trip`]: the same motions before and after on a simulated machine, whose controller runs where [`place`] says
+//! - [`limits`]: what limits the error that is left: noise, resolution, bandwidth, or what the model does not describe
 //! - [`alignment`]: logs whose channels are late
 //! - [`mod@file`]: the compensation file; [`json`]: the plan as JSON; [`text`]: for a terminal
 //!
@@ -16,6 +17,7 @@ pub mod cycles;
 pub mod file;
 pub mod force;
 pub mod json;
+pub mod limits;
 pub mod place;
 pub mod plan;
 pub mod prediction;

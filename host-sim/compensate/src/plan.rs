@@ -12,6 +12,7 @@ use crate::servo::ControllerChange;
 use crate::treatment::{self, Treatment};
 use crate::{force, tables};
 use contour::ContourError;
+use model::axis::Law;
 use model::effects::Effect;
 use model::machine::Machine;
 use plant::instruments::Instruments;
@@ -45,6 +46,8 @@ pub enum Part {
     Stretch(usize),
     /// Velocity feed-forward of 100 % on all axes.
     Feedforward,
+    /// P control in place of HPC on all axes: HPC filters the feed-forward, too, and overshoots with 100 % of it.
+    Law,
 }
 
 /// Times by which the velocity feed-forward is ahead of the command that are tried, position ticks. Its backward difference is
@@ -131,27 +134,26 @@ impl Planning<'_> {
     /// # Errors
     /// If the model cannot be simulated on a motion, or the controller refuses a setting.
     pub fn plan(&self) -> Result<Plan, PredictionError> {
-        let before = self.errors(&self.without_compensation())?;
-        let mut choice = self.best_ahead()?;
-        let mut best_um = self.rms_um(&choice)?;
-        loop {
+        let before = self.errors(&CompensationFile::none(self.model))?;
+        let (mut best_um, mut choice) = self.start()?;
+        let without = loop {
             let without = self.without_each(&choice)?;
-            let Some((part, rms_um)) = without.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) else { break };
-            if rms_um > best_um * (1.0 - MIN_LOSS) {
-                break;
+            match without.iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
+                Some((part, rms_um)) if *rms_um <= best_um * (1.0 - MIN_LOSS) => {
+                    best_um = *rms_um;
+                    choice.off.insert(part.clone());
+                }
+                _ => break without,
             }
-            best_um = rms_um;
-            choice.off.insert(part);
-        }
+        };
         let idle = self.without_effect(&choice)?;
         choice.off.extend(idle.iter().cloned());
         let mut file = self.file(&choice)?;
         let after = self.errors(&file)?;
         file.predicted = prediction::predictions(self.model, self.tests, [&before, &after], BOUND_PERCENT)?;
         let after_um = total_rms_um(&after);
-        let without = self.without_each(&choice)?;
-        let items =
-            without.into_iter().map(|(part, before_um)| self.item(&part, before_um, after_um)).collect();
+        let without = without.into_iter().filter(|(part, _)| choice.has(part));
+        let items = without.map(|(part, before_um)| self.item(&part, before_um, after_um)).collect();
         Ok(Plan { file, items, not_compensated: self.not_compensated(&choice.off, &idle) })
     }
 
@@ -168,16 +170,22 @@ impl Planning<'_> {
         Ok(idle)
     }
 
-    /// All parts, with the best time of the velocity feed-forward.
-    fn best_ahead(&self) -> Result<Choice, PredictionError> {
+    /// All parts, with the best time of the velocity feed-forward and the better control law, and the contour error, µm rms.
+    fn start(&self) -> Result<(f64, Choice), PredictionError> {
         let tick_s = 1.0 / self.model.rates().position_loop_hz();
-        let tried = AHEAD_TICKS.into_par_iter().map(|ticks| {
-            let choice = Choice { ahead_s: ticks * tick_s, ..Choice::default() };
-            Ok((self.rms_um(&choice)?, choice))
-        });
+        let laws = if self.parts().contains(&Part::Law) {
+            vec![BTreeSet::new(), BTreeSet::from([Part::Law])]
+        } else {
+            vec![BTreeSet::new()]
+        };
+        let choices = laws
+            .iter()
+            .flat_map(|off| AHEAD_TICKS.map(|ticks| Choice { off: off.clone(), ahead_s: ticks * tick_s }));
+        let choices: Vec<Choice> = choices.collect();
+        let tried = choices.into_par_iter().map(|choice| Ok((self.rms_um(&choice)?, choice)));
         let tried: Vec<(f64, Choice)> = tried.collect::<Result<_, PredictionError>>()?;
         let best = tried.into_iter().min_by(|a, b| a.0.total_cmp(&b.0));
-        Ok(best.map(|(_, choice)| choice).unwrap_or_default())
+        Ok(best.unwrap_or((f64::INFINITY, Choice::default())))
     }
 
     /// Rms of the contour error over all motions, µm.
@@ -194,10 +202,6 @@ impl Planning<'_> {
 
     fn errors(&self, file: &CompensationFile) -> Result<Vec<ContourError>, PredictionError> {
         contour_errors(self.model, file, self.tests, self.instruments)
-    }
-
-    fn without_compensation(&self) -> CompensationFile {
-        CompensationFile { machine: self.model.name.clone(), ..CompensationFile::default() }
     }
 
     /// All parts that the model gives reason for.
@@ -217,12 +221,15 @@ impl Planning<'_> {
         if self.model.axis.values().any(|axis| is_below(axis.settings.controller.feedforward_percent)) {
             parts.push(Part::Feedforward);
         }
+        if self.model.axis.values().any(|axis| axis.settings.controller.law == Some(Law::Hpc)) {
+            parts.push(Part::Law);
+        }
         parts
     }
 
     /// The compensation without the parts that are off.
     fn file(&self, choice: &Choice) -> Result<CompensationFile, PredictionError> {
-        let mut file = self.without_compensation();
+        let mut file = CompensationFile::none(self.model);
         file.provenance = Provenance {
             model: self.model_file.to_owned(),
             program: format!("lost-motion {}", env!("CARGO_PKG_VERSION")),
@@ -262,6 +269,8 @@ impl Planning<'_> {
             controller.feedforward_ahead_s = (choice.ahead_s > 0.0).then_some(choice.ahead_s);
             axis.settings.controller.feedforward_percent = Some(100.0);
         }
+        let is_hpc = axis.settings.controller.law == Some(Law::Hpc);
+        controller.law = (is_hpc && choice.has(&Part::Law)).then_some(Law::P);
         let (mut compensation, _) = tables::of_axis(&parameters, &names, travel_m, self.set_at_s);
         (compensation.ripple, _) = force::ripple(&parameters);
         let force = force::model(&parameters, &axis.settings, travel_m, self.set_at_s);
@@ -309,6 +318,7 @@ impl Planning<'_> {
             Part::Force(index) => ("force_feedforward".to_owned(), axis(index)),
             Part::Stretch(index) => ("stretch".to_owned(), axis(index)),
             Part::Feedforward => ("velocity_feedforward".to_owned(), String::new()),
+            Part::Law => ("control_law".to_owned(), String::new()),
         }
     }
 
@@ -324,6 +334,7 @@ impl Planning<'_> {
             }
             Part::Stretch(_) => "the stretch of the drive under the modelled force is added to the command",
             Part::Feedforward => "Kf is set to 100 % on all axes",
+            Part::Law => "P control takes the place of HPC, which filters the feed-forward, too",
         };
         Item { effect, axis, does: does.to_owned(), before_um, after_um }
     }

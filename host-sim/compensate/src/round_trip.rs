@@ -6,9 +6,11 @@ use crate::file::CompensationFile;
 use crate::place::Place;
 use crate::prediction::{self, PredictionError, TestMotion, contour_error, total_rms_um};
 use contour::ContourError;
+use contour::comparison::Comparison;
 use files::log::Log;
 use model::machine::Machine;
 use plant::instruments::Instruments;
+use plant::sensors::Sensor;
 
 /// A motion before, as predicted, and after.
 #[derive(Clone, Debug)]
@@ -21,38 +23,96 @@ pub struct Compared {
     pub errors: [ContourError; 3],
 }
 
+impl Compared {
+    /// Its figures.
+    #[must_use]
+    pub fn comparison(&self) -> Comparison {
+        Comparison::new(&self.name, &self.errors)
+    }
+}
+
+/// The sensors of a run.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub enum Sensing {
+    /// As they are.
+    Installed,
+    /// Without noise, with their resolution.
+    Noiseless,
+    /// Without noise, and not quantised.
+    Ideal,
+}
+
 /// A machine on which motions are executed.
+pub trait RealMachine: Sync {
+    /// Log of a motion with a compensation. `run` selects the noise of the sensors: each run has other noise.
+    ///
+    /// # Errors
+    /// If the motion does not fit the machine, the controller refuses the compensation, or the machine does not complete the
+    /// motion.
+    fn log(
+        &self,
+        file: &CompensationFile,
+        test: &TestMotion,
+        run: u64,
+        sensing: Sensing,
+    ) -> Result<Log, PredictionError>;
+}
+
+/// A machine of the simulator of this program.
 #[derive(Clone, Copy, Debug)]
-pub struct RealMachine<'a> {
+pub struct SimulatedMachine<'a> {
     /// The machine with all its effects.
     pub machine: &'a Machine,
     /// Its sensors and drives.
     pub instruments: Instruments,
-    /// Where its controller runs with the compensation.
+    /// Where its controller runs with a compensation; without one, it runs in this process, with the same bits.
     pub place: Place,
 }
 
-/// Executes each motion on a machine without and with a compensation, and on the model with it. The noise of the sensors differs
-/// from run to run.
+impl RealMachine for SimulatedMachine<'_> {
+    fn log(
+        &self,
+        file: &CompensationFile,
+        test: &TestMotion,
+        run: u64,
+        sensing: Sensing,
+    ) -> Result<Log, PredictionError> {
+        let instruments = with_sensing(self.instruments, sensing);
+        let instruments = Instruments { seed: instruments.seed + run, ..instruments };
+        let place = if file.axis.is_empty() { Place::Host } else { self.place };
+        prediction::log(self.machine, file, test, (instruments, place))
+    }
+}
+
+/// Instruments with other sensors.
+#[must_use]
+pub fn with_sensing(instruments: Instruments, sensing: Sensing) -> Instruments {
+    match sensing {
+        Sensing::Installed => instruments,
+        Sensing::Noiseless => instruments.with_sensors(|sensor| Sensor { noise: 0.0, ..sensor }),
+        Sensing::Ideal => instruments.with_sensors(|_| Sensor::default()),
+    }
+}
+
+/// Executes each motion on a machine with one compensation and with another, and on the model with the other one.
 ///
 /// # Errors
 /// If a motion cannot be simulated.
 pub fn compare(
-    real: RealMachine<'_>,
-    model: &Machine,
-    file: &CompensationFile,
+    real: &dyn RealMachine,
+    (model, instruments): (&Machine, Instruments),
+    [file_before, file]: [&CompensationFile; 2],
     tests: &[TestMotion],
 ) -> Result<Vec<Compared>, PredictionError> {
-    let none = CompensationFile { machine: file.machine.clone(), ..CompensationFile::default() };
-    let seeded = |offset: u64| Instruments { seed: real.instruments.seed + offset, ..real.instruments };
     tests
         .par_iter()
         .enumerate()
         .map(|(number, test)| {
             let first = 1000 + 3 * number as u64;
-            let before = prediction::log(real.machine, &none, test, (seeded(first), Place::Host))?;
-            let predicted = prediction::log(model, file, test, (seeded(first + 1), Place::Host))?;
-            let after = prediction::log(real.machine, file, test, (seeded(first + 2), real.place))?;
+            let instruments = Instruments { seed: instruments.seed + first + 1, ..instruments };
+            let before = real.log(file_before, test, first, Sensing::Installed)?;
+            let predicted = prediction::log(model, file, test, (instruments, Place::Host))?;
+            let after = real.log(file, test, first + 2, Sensing::Installed)?;
             let of = |log| contour_error(log, model);
             let errors = [of(&before)?, of(&predicted)?, of(&after)?];
             Ok(Compared { name: test.motion.name.clone(), logs: [before, predicted, after], errors })

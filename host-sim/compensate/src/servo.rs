@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use model::axis::Settings;
+use model::axis::{Law, Settings};
 use model::servo::ServoParameters;
 
 /// Longest time of the feed-forward ahead of the command, position ticks: that of the controller.
@@ -11,6 +11,9 @@ const MOST_AHEAD_TICKS: f64 = 8.0;
 /// Settings of a drive that replace those of the machine file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
 pub struct ControllerChange {
+    /// Control law of the position loop.
+    #[serde(default, rename = "controller", skip_serializing_if = "Option::is_none")]
+    pub law: Option<Law>,
     /// Kp, 1/s.
     #[serde(default, skip_serializing_if = "Option::is_none")]
     pub position_gain_per_s: Option<f64>,
@@ -40,6 +43,7 @@ impl ControllerChange {
         };
         let feedforward = servo.feedforward.percent;
         Self {
+            law: None,
             position_gain_per_s: scaled(controller.position_gain_per_s, servo.mismatch.factor()),
             feedforward_percent: (feedforward != 0.0)
                 .then(|| (controller.feedforward_percent.unwrap_or(0.0) - feedforward).max(0.0)),
@@ -88,6 +92,7 @@ impl ControllerChange {
     /// Changes the settings.
     pub fn apply(&self, settings: &mut Settings) {
         let controller = &mut settings.controller;
+        controller.law = self.law.or(controller.law);
         let pairs = [
             (&mut controller.position_gain_per_s, self.position_gain_per_s),
             (&mut controller.feedforward_percent, self.feedforward_percent),

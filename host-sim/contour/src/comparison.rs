@@ -1,5 +1,7 @@
 //! Contour errors before, as predicted, and after a change, as a table of figures.
 
+use serde_json::{Value, json};
+
 use crate::ContourError;
 
 /// The quantities of a row: each before, predicted and after, µm.
@@ -28,6 +30,19 @@ impl Comparison {
                 of(ContourError::circular_um),
             ],
         }
+    }
+
+    /// As JSON.
+    #[must_use]
+    pub fn json(&self) -> Value {
+        let of = |[before, predicted, after]: [Option<f64>; 3]| json!({"before": before, "predicted": predicted, "after": after});
+        let [rms, max, circular] = self.figures;
+        json!({
+            "name": self.name,
+            "rms_um": of(rms),
+            "max_um": of(max),
+            "circular_deviation_um": of(circular),
+        })
     }
 }
 

@@ -2,17 +2,20 @@
 
 mod draw;
 pub mod round_trips;
+pub mod second_machine;
 
 pub use draw::{Drawn, draw, draw_several};
 
 use rayon::prelude::*;
 use serde_json::{Value, json};
 
+use compensate::file::CompensationFile;
+use compensate::limits::Limits;
 use compensate::place::Place;
 use compensate::plan::{Plan, Planning};
 use compensate::prediction::{PredictionError, TestMotion};
-use compensate::round_trip::{self, Compared, RealMachine};
-use contour::ContourError;
+use compensate::round_trip::{self, Compared, RealMachine, SimulatedMachine};
+use contour::logged::LogError;
 use files::error::InputError;
 use files::log::Log;
 use link::controller::Format;
@@ -82,6 +85,8 @@ pub struct Traced {
     pub drawn: Drawn,
     /// The trace of its logs, from the declared machine alone.
     pub trace: Trace,
+    /// The contour errors of its logs.
+    pub contour_errors: Vec<LogError>,
 }
 
 /// A machine after its compensation.
@@ -90,6 +95,8 @@ pub struct Compensated {
     pub plan: Plan,
     /// The motions before, as predicted, and after.
     pub motions: Vec<Compared>,
+    /// What limits the error that is left.
+    pub limits: Limits,
     /// Where the controller ran with the compensation.
     pub place: Place,
 }
@@ -102,7 +109,11 @@ pub struct Compensated {
 pub fn run(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoError> {
     let traced = traced(seed, progress)?;
     progress("compensating the machine");
-    let compensated = compensated(&traced.trace.better_machine(), &traced.drawn.truth, seed, Place::found())?;
+    let instruments = Instruments::typical(seed);
+    let real = SimulatedMachine { machine: &traced.drawn.truth, instruments, place: Place::found() };
+    let model = traced.trace.better_machine();
+    let before = CompensationFile::none(&model);
+    let compensated = compensated(&model, (&real, &before), seed, real.place)?;
     Ok(Demo { traced, compensated })
 }
 
@@ -116,16 +127,18 @@ pub fn traced(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Traced, Dem
     progress("running the machine");
     let [fit, validate] = logs(&drawn.truth, seed)?;
     let trace = trace::trace(&declared, &fit, &validate, progress)?;
-    Ok(Traced { seed, drawn, trace })
+    let contour_errors = LogError::all(fit.iter().chain(&validate));
+    Ok(Traced { seed, drawn, trace, contour_errors })
 }
 
-/// Compensates a machine by its traced model, and executes a motion of its logs and one that was never used before and after.
+/// Compensates a machine by its traced model, and executes a motion of its logs and one that was never used with the settings that
+/// it has before, and with its compensation.
 ///
 /// # Errors
 /// If the model or the machine cannot be simulated, or the compensation is refused.
 pub fn compensated(
     model: &Machine,
-    truth: &Machine,
+    (real, before): (&dyn RealMachine, &CompensationFile),
     seed: u64,
     place: Place,
 ) -> Result<Compensated, DemoError> {
@@ -135,9 +148,10 @@ pub fn compensated(
         Planning { model, model_file: "the traced model", tests: &tests, instruments, set_at_s: SET_AT_S };
     let plan = planning.plan()?;
     let run_on = RUN_ON.map(test_motion).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let real = RealMachine { machine: truth, instruments, place };
-    let motions = round_trip::compare(real, model, &plan.file, &run_on)?;
-    Ok(Compensated { plan, motions, place })
+    let motions = round_trip::compare(real, (model, instruments), [before, &plan.file], &run_on)?;
+    let [_, _, after_um] = round_trip::totals_um(&motions);
+    let limits = Limits::measure(real, (model, instruments), &plan.file, &run_on, after_um)?;
+    Ok(Compensated { plan, motions, limits, place })
 }
 
 fn test_motion(text: &str) -> Result<TestMotion, InputError> {
@@ -222,13 +236,7 @@ impl Traced {
     /// Whether the trace found exactly the undeclared effect, on its axis.
     #[must_use]
     pub fn is_named(&self) -> bool {
-        let found: Vec<(&str, &str)> = self
-            .trace
-            .axes
-            .iter()
-            .flat_map(|axis| axis.found.iter().map(|found| (axis.axis.as_str(), found.effect.name())))
-            .collect();
-        found == [(self.drawn.axis.as_str(), self.drawn.effect.name())]
+        self.trace.found_names() == [format!("{}: {}", self.drawn.axis, self.drawn.effect.name())]
     }
 }
 
@@ -263,22 +271,9 @@ impl Demo {
                 "noise": headline.map(|h| h.noise),
             },
             "contour_error_um": {"before": before, "predicted": predicted, "after": after},
-            "motions": compensated.motions.iter().map(motion_json).collect::<Vec<_>>(),
+            "limits": compensated.limits.json(),
+            "motions": compensated.motions.iter().map(|motion| motion.comparison().json()).collect::<Vec<_>>(),
             "compensation": compensate::json::of(&compensated.plan),
         })
     }
-}
-
-/// One motion before, as predicted, and after.
-fn motion_json(motion: &Compared) -> Value {
-    let of = |value: fn(&ContourError) -> Option<f64>| {
-        let [before, predicted, after] = motion.errors.each_ref().map(value);
-        json!({"before": before, "predicted": predicted, "after": after})
-    };
-    json!({
-        "name": motion.name,
-        "rms_um": of(|error| Some(error.rms_um)),
-        "max_um": of(|error| Some(error.max_um)),
-        "circular_deviation_um": of(ContourError::circular_um),
-    })
 }

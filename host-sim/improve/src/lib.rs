@@ -13,13 +13,12 @@ use rayon::prelude::*;
 
 use compensate::file::CompensationFile;
 use compensate::prediction::{self, PredictionError, TestMotion, contour_error};
-use compensate::round_trip::RealMachine;
+use compensate::round_trip::{RealMachine, Sensing, SimulatedMachine};
 use contour::ContourError;
 use files::error::InputError;
 use files::log::Log;
 use margins::MarginLimits;
 use model::machine::Machine;
-use plant::instruments::Instruments;
 
 use outcome::{Improvement, Stop};
 use retrace::Logs;
@@ -42,7 +41,7 @@ pub struct Improving<'a> {
     /// The declared machine.
     pub declared: &'a Machine,
     /// The machine that executes the motions.
-    pub real: RealMachine<'a>,
+    pub real: SimulatedMachine<'a>,
     /// Motions whose logs are fitted.
     pub fit: &'a [TestMotion],
     /// Motions whose contour error counts. Their logs are held out of every fit.
@@ -61,7 +60,7 @@ impl Improving<'_> {
         max_rounds: usize,
         progress: &(dyn Fn(&str) + Sync),
     ) -> Result<Improvement, ImproveError> {
-        let none = CompensationFile { machine: self.declared.name.clone(), ..CompensationFile::default() };
+        let none = CompensationFile::none(self.declared);
         progress("round 1: running the machine");
         let mut logs = Logs::new(self.run(self.fit, &none, 0)?, self.run(self.judged, &none, 0)?);
         let mut rounds: Vec<Round> = Vec::new();
@@ -122,10 +121,8 @@ impl Improving<'_> {
         file: &CompensationFile,
         seed: u64,
     ) -> Result<Vec<Log>, PredictionError> {
-        let RealMachine { machine, instruments, place } = self.real;
         let one = |(number, test): (usize, &TestMotion)| {
-            let instruments = Instruments { seed: instruments.seed + seed + number as u64, ..instruments };
-            prediction::log(machine, file, test, (instruments, place))
+            self.real.log(file, test, seed + number as u64, Sensing::Installed)
         };
         motions.par_iter().enumerate().map(one).collect()
     }

@@ -88,10 +88,7 @@ impl Improvement {
         lines.extend((1..).zip(&self.rounds).map(|(number, round)| {
             let [before, predicted, after] = round.totals_um();
             let kept = if round.is_kept() { "yes" } else { "no" };
-            let found = match round.found() {
-                found if found.is_empty() => "nothing new".to_owned(),
-                found => found.join(", "),
-            };
+            let found = round.found_words();
             format!("{number:>5}{before:>12.3}{predicted:>12.3}{after:>12.3}{kept:>8}  {found}")
         }));
         lines.extend([String::new(), self.stop.words().to_owned()]);
@@ -119,10 +116,7 @@ impl Improvement {
     pub fn sentences(&self) -> Vec<String> {
         let round = |(number, round): (u32, &Round)| {
             let [before, predicted, after] = round.totals_um();
-            let found = match round.found() {
-                found if found.is_empty() => "nothing new".to_owned(),
-                found => found.join(", "),
-            };
+            let found = round.found_words();
             let kept = if round.is_kept() { "kept" } else { "not kept" };
             format!(
                 "Round {number}: found {found}; {before:.3} µm rms before, {predicted:.3} µm predicted, {after:.3} µm after \
@@ -156,20 +150,12 @@ impl Improvement {
 
     fn motions_json(&self, round: &Round) -> Vec<Value> {
         let errors = round.before.iter().zip(&round.predicted).zip(&round.after);
-        self.motions
-            .iter()
-            .zip(errors)
-            .map(|(name, ((before, predicted), after))| {
-                let of = |value: fn(&ContourError) -> Option<f64>| {
-                    json!({"before": value(before), "predicted": value(predicted), "after": value(after)})
-                };
-                json!({
-                    "name": name,
-                    "rms_um": of(|error| Some(error.rms_um)),
-                    "max_um": of(|error| Some(error.max_um)),
-                    "circular_deviation_um": of(ContourError::circular_um),
-                })
-            })
-            .collect()
+        let one = |(name, ((before, predicted), after)): (
+            &String,
+            ((&ContourError, &ContourError), &ContourError),
+        )| {
+            Comparison::new(name, &[before.clone(), predicted.clone(), after.clone()]).json()
+        };
+        self.motions.iter().zip(errors).map(one).collect()
     }
 }

@@ -43,13 +43,13 @@ impl Round {
         [&self.before, &self.predicted, &self.after].map(|errors| total_rms_um(errors))
     }
 
-    /// The effects of the traced model that were found in this round, as `axis: name`.
+    /// The effects found in this round, as `axis: name`.
     #[must_use]
-    pub fn found(&self) -> Vec<String> {
-        let of_axis = |axis: &trace::outcome::AxisTrace| -> Vec<String> {
-            axis.found.iter().map(|found| format!("{}: {}", axis.axis, found.effect.name())).collect()
-        };
-        self.trace.axes.iter().flat_map(of_axis).collect()
+    pub fn found_words(&self) -> String {
+        match self.trace.found_names() {
+            found if found.is_empty() => "nothing new".to_owned(),
+            found => found.join(", "),
+        }
     }
 }
 

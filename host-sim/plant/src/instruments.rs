@@ -61,4 +61,16 @@ impl Instruments {
             seed,
         }
     }
+
+    /// The same with every sensor changed.
+    #[must_use]
+    pub fn with_sensors(self, change: impl Fn(Sensor) -> Sensor) -> Self {
+        Self {
+            motor: change(self.motor),
+            table: change(self.table),
+            tool: change(self.tool),
+            force: change(self.force),
+            ..self
+        }
+    }
 }

@@ -11,6 +11,7 @@ use serde_json::{Value, json};
 use super::draw::{Drawn, Motion};
 use super::effect_draw::{draw_beside, draw_textbook};
 use super::kind::Kind;
+use super::machine::Axis;
 use super::truth::Truth;
 use super::{draw, effect, extra, fault, motion, simulation};
 use files::error::InputError;
@@ -34,6 +35,8 @@ pub struct Case {
     pub machine_text: String,
     /// The declared machine.
     pub machine: Machine,
+    /// The true values of its axes.
+    pub axes: [Axis; 2],
     /// The undeclared effects.
     pub truths: Vec<Truth>,
     /// What else is in the machine or its logs.
@@ -58,23 +61,19 @@ impl Case {
     /// # Errors
     /// As [`Self::draw`].
     pub fn draw_kind(kind: Kind, seed: u64, number: u64) -> Result<Self, InputError> {
+        let Session { drawn, motions, truths, mut extras } = Session::draw(kind, seed, number);
         let stream = |purpose| stream(kind.index(), seed, number, purpose);
-        let mut random = stream(Purpose::Machine);
-        let deviations = if kind == Kind::Offspec { draw::BEYOND_TOLERANCE } else { draw::WITHIN_TOLERANCE };
-        let mut drawn = draw::machine(&deviations, &mut random);
-        let mut session = draw::session(&mut random);
-        let (truths, mut extras) = undeclared(kind, &mut drawn, &mut random);
-        if kind == Kind::Jerk {
-            let averaged_samples = random.random_range(AVERAGED_SAMPLES);
-            for motion in &mut session {
-                motion.pace.averaged_samples = averaged_samples;
-            }
-        }
-        let mut logs = run_session(&drawn, &session, |log| stream(Purpose::Log(log)));
+        let mut logs = run_session(&drawn, &motions, |log| stream(Purpose::Log(log)));
         if kind == Kind::Slip {
             extras.extend(fault::draw(&mut logs, &mut stream(Purpose::Fault)));
         }
         Ok(Self { extras, ..Self::new((kind, number), &drawn, truths, logs)? })
+    }
+
+    /// The undeclared effects of a case of the textbook kind, without simulating it.
+    #[must_use]
+    pub fn undeclared(seed: u64, number: u64) -> Vec<Truth> {
+        Session::draw(Kind::Textbook, seed, number).truths
     }
 
     /// A case from its parts, without extras.
@@ -91,7 +90,8 @@ impl Case {
         );
         let machine = Machine::parse(&machine_text, &name)?;
         let (fit, validate) = logs.into_iter().partition(|log| log.source.starts_with("fit"));
-        Ok(Self { kind, number, machine_text, machine, truths, extras: Vec::new(), fit, validate })
+        let axes = drawn.axes.clone();
+        Ok(Self { kind, number, machine_text, machine, axes, truths, extras: Vec::new(), fit, validate })
     }
 
     /// Its name, which is also that of its folder.
@@ -127,6 +127,31 @@ impl Case {
         }
         let names: Vec<_> = self.extras.iter().map(|extra| [extra.name, extra.axis]).collect();
         json!({"effects": effects, "extra": names, "extra_parameters": of(&self.extras)})
+    }
+}
+
+/// What is drawn of a case before it is simulated.
+struct Session {
+    drawn: Drawn,
+    motions: [Motion; 5],
+    truths: Vec<Truth>,
+    extras: Vec<Truth>,
+}
+
+impl Session {
+    fn draw(kind: Kind, seed: u64, number: u64) -> Self {
+        let mut random = stream(kind.index(), seed, number, Purpose::Machine);
+        let deviations = if kind == Kind::Offspec { draw::BEYOND_TOLERANCE } else { draw::WITHIN_TOLERANCE };
+        let mut drawn = draw::machine(&deviations, &mut random);
+        let mut motions = draw::session(&mut random);
+        let (truths, extras) = undeclared(kind, &mut drawn, &mut random);
+        if kind == Kind::Jerk {
+            let averaged_samples = random.random_range(AVERAGED_SAMPLES);
+            for motion in &mut motions {
+                motion.pace.averaged_samples = averaged_samples;
+            }
+        }
+        Self { drawn, motions, truths, extras }
     }
 }
 

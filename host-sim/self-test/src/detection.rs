@@ -10,11 +10,11 @@ use rand_chacha::ChaCha8Rng;
 use super::case::{Case, Purpose, run_session, stream};
 use super::draw::{self, Drawn, Motion};
 use super::kind::Kind;
+use super::machine::AXES;
 use super::score::Outcome;
 use super::sensors::Sensors;
-use super::simulation::AXES;
 use super::truth::{NAMES, Truth, axis_index};
-use super::{effect, simulation::Axis};
+use super::{effect, machine::Axis};
 use files::error::InputError;
 use files::log::{AxisLog, Log};
 

@@ -3,10 +3,10 @@
 use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
+use super::machine::{AXES, Axis};
 use super::motion::{Pace, Segment};
 use super::plant::Mechanics;
 use super::servo::Settings;
-use super::simulation::{AXES, Axis};
 
 /// Largest relative differences between declared and true values, in the order of [`MechanicalValues`].
 pub type Deviations = [f64; 7];

@@ -6,8 +6,8 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::draw::{Drawn, one_of};
+use super::machine::{AXES, Axis};
 use super::plant::{LocalDefect, Sinusoid};
-use super::simulation::{AXES, Axis};
 use super::truth::{CONTROLLER, OUTSIDE, Truth, axis_index};
 
 /// Draws the size of one of [`super::truth::NAMES`] on an axis. It is within about a factor of two of that in the blind

@@ -6,7 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::draw::{Drawn, one_of};
 use super::effect;
 use super::kind::Kind;
-use super::simulation::AXES;
+use super::machine::AXES;
 use super::truth::{NAMES, Truth, axis_index};
 
 /// Probabilities of no, one, two and three effects.

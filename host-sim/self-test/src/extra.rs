@@ -8,9 +8,9 @@ use rand_chacha::ChaCha8Rng;
 use super::draw::{Drawn, one_of};
 use super::effect::sinusoid_um;
 use super::kind::Kind;
+use super::machine::AXES;
 use super::plant::{Mechanics, Sinusoid};
 use super::sensors::Sensors;
-use super::simulation::AXES;
 use super::truth::Truth;
 
 /// Resolution of the encoder of the kind `coarse` in the control loops, m.

@@ -4,7 +4,7 @@ use rand::RngExt;
 use rand_chacha::ChaCha8Rng;
 
 use super::draw::one_of;
-use super::simulation::AXES;
+use super::machine::AXES;
 use super::truth::Truth;
 use files::log::{AxisLog, Log};
 

@@ -1,13 +1,13 @@
 //! Tests the tracer on machines that are drawn at random and simulated by a second, independent simulator.
 //!
-//! [`plant`], [`servo`] and [`simulation`] are this simulator, in plain f64. They share no code with the crate `plant`,
+//! [`plant`], [`machine`], [`servo`] and [`simulation`] are this simulator, in plain f64. They share no code with the crate `plant`,
 //! the effects of `model` and the controller in `shared`, none of which this crate depends on. The tracer is thus tested
 //! on data that its own model did not generate.
 //!
 //! | step | module |
 //! |---|---|
 //! | draw a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`effect_draw`], [`extra`] |
-//! | simulate it | [`simulation`], [`plant`], [`servo`], [`sensors`], [`fault`] |
+//! | simulate it | [`simulation`], [`machine`], [`plant`], [`servo`], [`sensors`], [`fault`] |
 //! | one machine with its logs | [`case`] |
 //! | compare a trace with the true effects | [`score`], [`outside`] |
 //! | statistics of all cases | [`summary`], [`confusion`] |
@@ -28,6 +28,7 @@ pub mod extra;
 pub mod fault;
 pub mod kind;
 mod kind_table;
+pub mod machine;
 pub mod motion;
 pub mod outside;
 pub mod page;

@@ -5,11 +5,12 @@ use std::f64::consts::TAU;
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 
+use super::machine::Axis;
 use super::motion::{Pace, Segment, sampled};
-use super::plant::{Mechanics, STEP_S, Sinusoid, State};
+use super::plant::{Mechanics, Sinusoid, State};
 use super::sensors::Sensors;
-use super::servo::{SAMPLE_S, Settings};
-use super::simulation::{self, Axis};
+use super::servo::SAMPLE_S;
+use super::simulation;
 use super::tests::{SPEED_MM_PER_S, axis, line, mechanics};
 use files::log::{Channel, Log};
 
@@ -148,30 +149,6 @@ fn friction_of_the_motor_near_standstill_loads_the_motor_but_not_the_spring() {
     // The spring carries the friction of the table only.
     let stretch_m = (150.0 + 900.0 * state.table_m_per_s) / 200e6;
     assert!((state.motor_m - state.table_m - stretch_m).abs() < 1e-9);
-}
-
-#[test]
-fn a_lag_of_the_drive_delays_a_step_of_force_by_its_time_constant() {
-    use super::servo::{STEPS_PER_VELOCITY_TICK, Servo};
-    let lag_s = 0.4e-3;
-    let settings = Settings {
-        position_gain_per_s: 1.0,
-        velocity_gain_n_s_per_m: 1e4,
-        integral_s: 1e9,
-        limit_n: 1e6,
-        lag_s,
-        ..Settings::default()
-    };
-    let mut servo = Servo::new(settings, 0.0, 0.0);
-    servo.position_tick(0.05, 0.0, 0.0);
-    servo.velocity_tick(0.0);
-    let commanded_n = servo.force_n();
-    assert!((commanded_n - 500.0).abs() < 1e-3, "{commanded_n}");
-    for step in 1..=4 * STEPS_PER_VELOCITY_TICK {
-        let expected_n = commanded_n * -(-f64::from(step) * STEP_S / lag_s).exp_m1();
-        let acting_n = servo.acting_n();
-        assert!((acting_n - expected_n).abs() < 1e-9 * commanded_n, "{step}: {acting_n} {expected_n}");
-    }
 }
 
 #[test]

@@ -14,7 +14,7 @@ pub struct Sensor {
 
 impl Sensor {
     /// Its reading of a value, mm or N.
-    pub(super) fn read(self, value: f64, random: &mut ChaCha8Rng) -> f64 {
+    pub fn read(self, value: f64, random: &mut ChaCha8Rng) -> f64 {
         rounded(value + self.noise * box_muller(random), self.steps_per_unit)
     }
 

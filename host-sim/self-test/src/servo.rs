@@ -14,7 +14,7 @@ const VELOCITY_TICK_S: f64 = 0.25e-3;
 /// k1 and k2 of the HPC filter; see [`Servo::filtered`].
 const HPC: [f64; 2] = [8.0 / 3.0, 6.0];
 
-/// Settings of one drive, SI units.
+/// Settings of one drive, SI units. The lag is that of its power stage, [`super::machine`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
     /// Whether the HPC filter is in front of the position gain.
@@ -47,7 +47,6 @@ pub struct Servo {
     dual_m: f64,
     integral_m: f64,
     force_n: f64,
-    acting_n: f64,
 }
 
 impl Servo {
@@ -64,7 +63,6 @@ impl Servo {
             dual_m: 0.0,
             integral_m: 0.0,
             force_n: 0.0,
-            acting_n: 0.0,
         }
     }
 
@@ -72,18 +70,6 @@ impl Servo {
     #[must_use]
     pub fn force_n(&self) -> f64 {
         self.force_n
-    }
-
-    /// Force on the motor over the next step of the plant, N: a first-order lag of the commanded force, exact for a
-    /// constant command.
-    pub fn acting_n(&mut self) -> f64 {
-        if self.settings.lag_s == 0.0 {
-            return self.force_n;
-        }
-        // The mean of the lag over the step differs from its value at the end by less than h/(2·lag).
-        let kept = (-STEP_S / self.settings.lag_s).exp();
-        self.acting_n = self.force_n + kept * (self.acting_n - self.force_n);
-        self.acting_n
     }
 
     /// Tick of the position loop: e = command + (Kf/Kp)·d(command)/dt − feedback.

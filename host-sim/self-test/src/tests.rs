@@ -5,10 +5,11 @@ use rand_chacha::ChaCha8Rng;
 
 use super::case::Case;
 use super::kind::Kind;
+use super::machine::Axis;
 use super::motion::{Pace, Segment, sampled};
 use super::plant::{Mechanics, STEP_S, State};
 use super::servo::Settings;
-use super::simulation::{self, Axis};
+use super::simulation;
 use super::summary::Summary;
 use super::*;
 use files::log::{Channel, Log};

@@ -2,7 +2,7 @@
 
 use serde_json::{Map, Value, json};
 
-use super::simulation::AXES;
+use super::machine::AXES;
 
 /// The effects that are drawn, with equal probability.
 pub const NAMES: [&str; 17] = [

@@ -9,9 +9,10 @@ use serde_json::json;
 use super::outputs::{print, write_json};
 use super::progress::Progress;
 use super::summary;
+use compensate::limits::Limit;
 use compensate::round_trip::{Compared, totals_um};
 use contour::comparison::{self, Comparison};
-use demo::round_trips::{Figures, MAX_PREDICTION_ERROR, RoundTrip};
+use demo::round_trips::{Figures, MAX_PREDICTION_ERROR, Machines, RoundTrip, Simulator};
 use demo::{self, Demo, Traced};
 use files::error::InputError;
 use report::before_after::RoundTripMotion;
@@ -33,9 +34,12 @@ pub struct Arguments {
     /// Instead of one machine, the round trips of this many machines with one to three effects, from the seed on: a table.
     #[arg(long, value_name = "COUNT")]
     machines: Option<u64>,
-    /// With --machines: the velocity feed-forward of the machines is already set.
+    /// With --machines: the velocity feed-forward is already 100 % before the compensation.
     #[arg(long, requires = "machines")]
     feedforward_set: bool,
+    /// With --machines: machines of the self-test, simulated by its second simulator, which shares no code with the first one.
+    #[arg(long, requires = "machines")]
+    second_simulator: bool,
 }
 
 /// Runs the command.
@@ -55,19 +59,19 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         title: format!("Lost motion of the demo machine, seed {}", traced.seed),
         lead: vec![INTRODUCTION.to_owned(), headline(traced)],
         truth: Some(vec![(traced.drawn.axis.clone(), traced.drawn.effect.clone())]),
-        round_trip: (round_trip_motions(&demo), compensated(&demo)),
-        ..Extra::default()
+        contour_errors: traced.contour_errors.clone(),
+        round_trip: (round_trip_motions(&demo), round_trip_lead(&demo)),
     };
     let path = trace_page::write(&arguments.report, &demo.traced.trace, &extra)?;
-    let rows: Vec<Comparison> =
-        demo.compensated.motions.iter().map(|motion| Comparison::new(&motion.name, &motion.errors)).collect();
+    let rows: Vec<Comparison> = demo.compensated.motions.iter().map(Compared::comparison).collect();
     print(&format!(
-        "{INTRODUCTION}\n\n{}\n\n{}\n{}\n\n{}\n\n{}\n\nReport: {}",
+        "{INTRODUCTION}\n\n{}\n\n{}\n{}\n\n{}\n\n{}\n\n{}\n\nReport: {}",
         summary::of_trace(&traced.trace),
         headline(traced),
         reveal(traced),
         compensated(&demo),
         comparison::text(&rows),
+        demo.compensated.limits.sentence(),
         path.display()
     ))
 }
@@ -80,6 +84,11 @@ fn compensated(demo: &Demo) -> String {
          ({predicted:.2} µm were predicted); the controller ran {}.",
         demo.compensated.place.words()
     )
+}
+
+/// What the compensation gained, and what limits the error that is left.
+fn round_trip_lead(demo: &Demo) -> String {
+    format!("{} {}", compensated(demo), demo.compensated.limits.sentence())
 }
 
 fn round_trip_motions(demo: &Demo) -> Vec<RoundTripMotion> {
@@ -96,7 +105,9 @@ fn round_trips(arguments: &Arguments, count: u64) -> Result<()> {
     let progress = Progress::with_bar(count);
     progress.show("logging, tracing, compensating and running the machines again");
     let done = |machines| progress.set_done(machines);
-    let trips = demo::round_trips::round_trips(arguments.seed, count, arguments.feedforward_set, &done)?;
+    let simulator = if arguments.second_simulator { Simulator::SelfTest } else { Simulator::Plant };
+    let machines = Machines { simulator, has_feedforward: arguments.feedforward_set };
+    let trips = demo::round_trips::round_trips(machines, arguments.seed, count, &done)?;
     drop(progress);
     let Some(figures) = Figures::of(&trips) else {
         return Err(InputError::expected("--machines", "at least 1", count).into());
@@ -118,8 +129,12 @@ fn round_trip_text(trips: &[RoundTrip], figures: &Figures) -> String {
             100.0 * MAX_PREDICTION_ERROR,
             100.0 * figures.predicted
         ),
+        limited_by(figures),
         String::new(),
-        format!("{:>6}{:>10}{:>11}{:>9}{:>8}  effects", "seed", "before µm", "predicted", "after", "ratio"),
+        format!(
+            "{:>6}{:>10}{:>11}{:>9}{:>8}  {:<12}effects",
+            "seed", "before µm", "predicted", "after", "ratio", "limit"
+        ),
     ];
     lines.extend(trips.iter().map(|trip| {
         let [before, predicted, after] = trip.contour_um;
@@ -132,12 +147,21 @@ fn round_trip_text(trips: &[RoundTrip], figures: &Figures) -> String {
         };
         let effects = trip.effects.join(", ");
         format!(
-            "{:>6}{before:>10.3}{predicted:>11.3}{after:>9.3}{:>8.1}  {effects}{found}",
+            "{:>6}{before:>10.3}{predicted:>11.3}{after:>9.3}{:>8.1}  {:<12}{effects}{found}",
             trip.seed,
-            trip.ratio()
+            trip.ratio(),
+            trip.limits.largest().word()
         )
     }));
     lines.join("\n")
+}
+
+/// On how many machines each part of what is left is the largest.
+fn limited_by(figures: &Figures) -> String {
+    let parts = Limit::ALL.iter().zip(figures.limited_by).filter(|(_, machines)| *machines > 0);
+    let parts: Vec<String> =
+        parts.map(|(limit, machines)| format!("{} on {machines}", limit.word())).collect();
+    format!("The largest part of what is left is due to: {} (docs/compensation.md).", parts.join(", "))
 }
 
 const INTRODUCTION: &str = "A simulated two-axis machine executed circles, a motion over its travel and a corner. \

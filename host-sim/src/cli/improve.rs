@@ -9,7 +9,7 @@ use super::outputs::{check_outputs, print, write_json};
 use super::progress::Progress;
 use compensate::place::Place;
 use compensate::prediction::TestMotion;
-use compensate::round_trip::RealMachine;
+use compensate::round_trip::SimulatedMachine;
 use files::error::InputError;
 use files::output::write_whole;
 use improve::outcome::Improvement;
@@ -74,7 +74,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let (declared, plant) = (Machine::read(&arguments.machine)?, Machine::read(&arguments.plant)?);
     check_plant(&declared, &plant, &arguments.plant)?;
     let (fit, judged) = motions_of(arguments)?;
-    let real = RealMachine {
+    let real = SimulatedMachine {
         machine: &plant,
         instruments: Instruments::of(&plant, arguments.seed),
         place: if arguments.emulated { Place::EmulatedCore } else { Place::Host },

@@ -65,7 +65,7 @@ enum Command {
     /// Push an axis of a servo board with a small force, loops open, and tell whether it moves the right way.
     CheckDirection(board::direction::Arguments),
     /// Move an axis of a servo board to its reference.
-    Home(board::simple::HomeArguments),
+    Home(board::AxisArguments),
     /// Feed hold: decelerate along the path, which `resume` continues.
     Hold(board::simple::Arguments),
     /// Continue the path after a hold, and wait for its end.

@@ -109,6 +109,18 @@ pub struct StageError {
 }
 
 impl Trace {
+    /// The effects found, as `axis: name`.
+    #[must_use]
+    pub fn found_names(&self) -> Vec<String> {
+        let of = |axis: &AxisTrace| {
+            axis.found
+                .iter()
+                .map(|found| format!("{}: {}", axis.axis, found.effect.name()))
+                .collect::<Vec<_>>()
+        };
+        self.axes.iter().flat_map(of).collect()
+    }
+
     /// The machine with fitted values and with the effects found.
     #[must_use]
     pub fn better_machine(&self) -> Machine {

@@ -98,19 +98,4 @@ impl Candidate {
             machine
         }))
     }
-
-    /// The law and the sensors, for a table.
-    #[must_use]
-    pub fn words(&self) -> [&'static str; 2] {
-        let law = match self.law {
-            Law::P => "P",
-            Law::Hpc => "HPC",
-        };
-        let feedback = match self.feedback {
-            Feedback::Motor => "motor",
-            Feedback::Table => "table",
-            Feedback::Dual => "dual",
-        };
-        [law, feedback]
-    }
 }

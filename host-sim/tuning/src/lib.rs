@@ -60,7 +60,7 @@ impl Tuning<'_> {
 
     /// Margins and contour error of a machine with its settings.
     fn tried(&self, machine: Machine, candidate: Option<Candidate>) -> Result<Tried, TuningError> {
-        let none = CompensationFile { machine: machine.name.clone(), ..CompensationFile::default() };
+        let none = CompensationFile::none(&machine);
         let margins: Vec<AxisMargins> = axis_margins::of_machine(&machine, &self.instruments, self.limits)?;
         // An unstable loop stops at a fault: its contour error is that of no motion.
         let is_stable =

@@ -5,7 +5,7 @@ use serde_json::{Value, json};
 use super::candidate::Candidate;
 use margins::axis_margins::{AxisMargins, LoopMargins};
 use margins::{MarginLimits, json};
-use model::axis::Settings;
+use model::axis::{Law, Settings};
 use model::machine::Machine;
 
 /// Lines of the table of position loops.
@@ -111,10 +111,9 @@ impl Proposal {
                 });
                 (name.clone(), values)
             });
-            let words = tried.candidate.map(|candidate| candidate.words());
             json!({
-                "controller": words.map(|[law, _]| law.to_lowercase()),
-                "feedback": words.map(|[_, feedback]| feedback),
+                "controller": tried.candidate.map(|candidate| candidate.law),
+                "feedback": tried.candidate.map(|candidate| candidate.feedback),
                 "axis": settings.collect::<serde_json::Map<_, _>>(),
                 "margins": json::of(&tried.margins, self.limits),
                 "contour_error_um": tried.contour_um.is_finite().then_some(tried.contour_um),
@@ -133,11 +132,8 @@ fn settings_row(settings: &Settings, margins: &AxisMargins) -> String {
     let number = |value: Option<f64>, width: usize, decimals: usize| {
         value.map_or(format!("{:>width$}", "–"), |value| format!("{value:>width$.decimals$}"))
     };
-    let law = controller.law.map_or("–", |law| match law {
-        model::axis::Law::P => "P",
-        model::axis::Law::Hpc => "HPC",
-    });
-    let feedback = format!("{:?}", sensors.feedback).to_lowercase();
+    let law = controller.law.map_or("–", Law::word);
+    let feedback = sensors.feedback.word();
     format!(
         "{law:>6}{feedback:>10}{}{}{}{}{}{:>20}{:>20}",
         number(controller.position_gain_per_s, 10, 1),
@@ -161,7 +157,7 @@ fn loop_words(margins: &LoopMargins) -> String {
 
 fn candidate_row(tried: &Tried) -> Option<String> {
     let candidate = tried.candidate?;
-    let [law, feedback] = candidate.words();
+    let [law, feedback] = [candidate.law.word(), candidate.feedback.word()];
     let gain = tried.machine.axis.values().next()?.settings.controller.position_gain_per_s?;
     Some(format!(
         "{law:>6}{feedback:>10}{:>8.0}{:>10}{gain:>10.1}{:>16.3}",

@@ -1,5 +1,6 @@
 //! The compensations of one axis: what they compute in a tick.
 
+use super::active::Active;
 use super::backlash::Backlash;
 use super::cycles::Cycles;
 use super::drift::Drift;
@@ -18,33 +19,46 @@ use crate::scalar::{Fixed, Scalar};
 use crate::units::Position;
 
 /// The compensations of one axis.
+// In this order: one instruction reaches the first 4 KiB, and the tables of the slow terms are read in turn.
+#[repr(C)]
 #[derive(Clone, Debug)]
 pub struct AxisCompensation<S: Scalar> {
-    pub(super) pitch: Option<Pitch<S>>,
-    pub(super) backlash: Option<Backlash<S>>,
-    pub(super) screw: Cycles<S>,
-    pub(super) dividing: Cycles<S>,
-    pub(super) reversal: Option<Reversal<S>>,
-    pub(super) intalk: Option<Talk<S>>,
-    pub(super) crosstalk: Option<(u8, Talk<S>)>,
-    pub(super) squareness: Option<(u8, Squareness<S>)>,
-    pub(super) straightness: Option<(u8, Straightness<S>)>,
-    pub(super) ripple: Cycles<S>,
-    /// Force feed-forward, with its tables over the position.
-    pub(super) model: Option<Force>,
-    pub(super) load: Option<Table<Fixed>>,
-    pub(super) friction_map: Option<Table<Fixed>>,
-    /// Error units per N on the table.
-    pub(super) stretch: Option<S::Gain>,
-    pub(super) drift: Option<Drift<S>>,
-    /// The slow terms that there are.
-    pub(super) slow: heapless::Vec<SlowTerm, SLOW_TERMS>,
     /// Of the command, per position tick.
     pub(super) command: Slew<S>,
     /// Of the motor reading, per tick.
     pub(super) reading: Slew<S>,
     /// Of the force, per tick.
     pub(super) force: Slew<S>,
+    /// The axes that the cross-talk and the squareness come from.
+    pub(super) crosstalk_source: u8,
+    pub(super) squareness_source: u8,
+    /// The slow terms that there are.
+    pub(super) slow: heapless::Vec<SlowTerm, SLOW_TERMS>,
+    pub(super) reversal: Option<Reversal<S>>,
+    pub(super) dividing: Cycles<S>,
+    pub(super) ripple: Cycles<S>,
+    pub(super) screw: Cycles<S>,
+    /// Force feed-forward, with its tables over the position.
+    pub(super) model: Option<Force>,
+    pub(super) backlash: Option<Backlash<S>>,
+    /// Error units per N on the table.
+    pub(super) stretch: Option<S::Gain>,
+    pub(super) squareness: Option<Squareness<S>>,
+    pub(super) pitch: Option<Pitch<S>>,
+    pub(super) intalk: Option<Talk<S>>,
+    pub(super) crosstalk: Option<Talk<S>>,
+    pub(super) straightness: Option<(u8, Straightness<S>)>,
+    pub(super) load: Option<Table<Fixed>>,
+    pub(super) friction_map: Option<Table<Fixed>>,
+    pub(super) drift: Option<Drift<S>>,
+}
+
+/// What slow terms depend on.
+#[derive(Clone, Copy)]
+pub(super) struct Inputs<'a, S: Scalar, const N: usize> {
+    pub motions: &'a [CommandMotion<S>; N],
+    /// Ticks of the machine.
+    pub clock: u64,
 }
 
 /// Number of slow terms.
@@ -63,22 +77,94 @@ pub(super) enum SlowTerm {
 }
 
 impl<S: Scalar> AxisCompensation<S> {
+    /// No compensation. A correction that is left returns to zero in one tick.
+    pub const NONE: Self = Self {
+        command: Slew::UNLIMITED,
+        reading: Slew::UNLIMITED,
+        force: Slew::UNLIMITED,
+        crosstalk_source: 0,
+        squareness_source: 0,
+        slow: heapless::Vec::new(),
+        reversal: None,
+        dividing: Cycles::NONE,
+        ripple: Cycles::NONE,
+        screw: Cycles::NONE,
+        model: None,
+        backlash: None,
+        stretch: None,
+        squareness: None,
+        pitch: None,
+        intalk: None,
+        crosstalk: None,
+        straightness: None,
+        load: None,
+        friction_map: None,
+        drift: None,
+    };
+
+    /// Whether there is a compensation of a kind.
+    const fn has(&self, kind: CompensationKind) -> bool {
+        match kind {
+            CompensationKind::Pitch => self.pitch.is_some(),
+            CompensationKind::Backlash => self.backlash.is_some(),
+            CompensationKind::Dividing => !self.dividing.is_empty(),
+            CompensationKind::Reversal => self.reversal.is_some(),
+            CompensationKind::Intalk => self.intalk.is_some(),
+            CompensationKind::Crosstalk => self.crosstalk.is_some(),
+            CompensationKind::Squareness => self.squareness.is_some(),
+            CompensationKind::Straightness => self.straightness.is_some(),
+            CompensationKind::Ripple => !self.ripple.is_empty(),
+            CompensationKind::Screw => !self.screw.is_empty(),
+            CompensationKind::Force => self.model.is_some(),
+            CompensationKind::Stretch => self.stretch.is_some(),
+            CompensationKind::Drift => self.drift.is_some(),
+        }
+    }
+
+    /// Lists what a tick computes. To be called when a compensation is set or switched.
+    pub(super) fn activate(&self, state: &mut State<S>) {
+        let mut active =
+            Active::listed(self.model.is_some(), |kind| self.has(kind) && state.is_switched_on(kind));
+        if let Some(backlash) = self.backlash.as_ref().filter(|_| active.has(CompensationKind::Backlash)) {
+            active.half_backlash = backlash.half();
+        }
+        if let Some(stretch) = self.stretch.filter(|_| active.has(CompensationKind::Stretch)) {
+            active.stretch = stretch;
+        }
+        if let Some(squareness) =
+            self.squareness.as_ref().filter(|_| active.has(CompensationKind::Squareness))
+        {
+            active.squareness = squareness.minus_k();
+        }
+        if !active.has(CompensationKind::Reversal) {
+            (state.pulse, state.pulse_force) = (S::ZERO, S::ZERO);
+        }
+        state.active = active;
+    }
+
     /// Evaluates all slow terms, and starts the force model with the present motion: for a compensation that has just been
     /// set. Not part of a tick.
-    pub(super) fn start<const N: usize>(
+    pub(super) fn start<const N: usize>(&self, state: &mut State<S>, axis: usize, inputs: Inputs<'_, S, N>) {
+        (state.slow, state.set_at) = (SlowTerms::NONE, inputs.clock);
+        for term in &self.slow {
+            self.evaluate(*term, state, axis, inputs);
+        }
+        if let (Some(model), Some(own)) = (&self.model, inputs.motions.get(axis)) {
+            model.start(&mut state.model, own);
+        }
+    }
+
+    /// Evaluates the next of the slow terms.
+    pub(super) fn next_slow_term<const N: usize>(
         &self,
         state: &mut State<S>,
         axis: usize,
-        motions: &[CommandMotion<S>; N],
+        inputs: Inputs<'_, S, N>,
     ) {
-        let Some(own) = motions.get(axis) else { return };
-        let other = |axis: u8| motions.get(usize::from(axis)).unwrap_or(own);
-        (state.ticks, state.slow) = (0, SlowTerms::NONE);
-        for term in &self.slow {
-            self.evaluate(*term, state, own, other);
-        }
-        if let Some(model) = &self.model {
-            model.start(&mut state.model, own);
+        if let Some(term) = self.slow.get(usize::from(state.slow.next)) {
+            let next = state.slow.next.wrapping_add(1);
+            state.slow.next = if usize::from(next) < self.slow.len() { next } else { 0 };
+            self.evaluate(*term, state, axis, inputs);
         }
     }
 
@@ -89,119 +175,119 @@ impl<S: Scalar> AxisCompensation<S> {
         state: &mut State<S>,
         axis: usize,
         motions: &[CommandMotion<S>; N],
-    ) -> Correction {
+    ) -> Correction<S> {
         let Some(own) = motions.get(axis) else { return Correction::NONE };
-        let other = |axis: u8| motions.get(usize::from(axis)).unwrap_or(own);
-        if let Some(term) = self.slow.get(usize::from(state.slow.next)) {
-            let next = usize::from(state.slow.next) + 1;
-            #[expect(clippy::cast_possible_truncation, reason = "at most 7")]
-            let next = if next < self.slow.len() { next as u8 } else { 0 };
-            state.slow.next = next;
-            self.evaluate(*term, state, own, other);
-        }
+        let acceleration_of =
+            |axis: u8| motions.get(usize::from(axis)).map_or(S::ZERO, |motion| motion.acceleration);
         self.forces_of_motion(state, own);
         let screw = self.screw_correction(state, own);
         let slow = &state.slow;
-        let mut sum = own.acceleration * slow.intalk;
-        if let Some((source, _)) = &self.crosstalk {
-            sum += other(*source).acceleration * slow.crosstalk;
+        let mut sum =
+            own.acceleration * slow.intalk + acceleration_of(self.crosstalk_source) * slow.crosstalk;
+        if let Some(other) = motions.get(usize::from(self.squareness_source)) {
+            sum += S::from_position(other.position) * state.active.squareness;
         }
-        if let Some((source, squareness)) =
-            self.squareness.as_ref().filter(|_| state.is_on(CompensationKind::Squareness))
-        {
-            sum += squareness.correction(other(*source));
-        }
+        let tool = slow.tool + S::round(sum);
         self.command.step(&mut state.screw, screw);
-        let slow_sum = slow.scale_pitch + slow.straightness + slow.drift;
-        self.command.step(&mut state.command, screw + slow_sum + S::round(sum));
+        self.command.step(&mut state.command, screw + tool);
         state.correction()
     }
 
     /// The correction for errors between motor and scale, error units, before bound and rate.
+    #[inline]
     fn screw_correction(&self, state: &State<S>, own: &CommandMotion<S>) -> S {
-        let mut screw = state.slow.screw_pitch;
-        if !self.screw.is_empty() && state.is_on(CompensationKind::Screw) {
+        let active = &state.active;
+        let backlash = if own.forward { active.half_backlash } else { -active.half_backlash };
+        let mut screw = state.slow.screw_pitch + backlash;
+        if active.has_model() {
+            screw = screw + S::round(S::from_fixed(state.model.on_table) * active.stretch);
+        }
+        if active.has(CompensationKind::Screw) {
             screw = screw - self.screw.at(own.position);
-        }
-        if let Some(backlash) = self.backlash.as_ref().filter(|_| state.is_on(CompensationKind::Backlash)) {
-            screw = screw + backlash.correction(own);
-        }
-        if let Some(stretch) = self.stretch.filter(|_| state.is_on(CompensationKind::Stretch)) {
-            screw = screw + S::round(S::from_fixed(state.model.on_table) * stretch);
         }
         screw
     }
 
     /// The forces that depend on the commanded motion: the pulse at a reversal, and the feed-forward.
+    #[inline]
     fn forces_of_motion(&self, state: &mut State<S>, own: &CommandMotion<S>) {
-        let pulse = self.reversal.as_ref().map(|reversal| reversal.force(&mut state.pulse, own));
-        state.pulse_force = pulse.filter(|_| state.is_on(CompensationKind::Reversal)).unwrap_or_default();
-        if let Some(model) = &self.model {
+        if state.active.has(CompensationKind::Reversal)
+            && let Some(reversal) = &self.reversal
+        {
+            state.pulse_force = reversal.force(&mut state.pulse, own);
+        }
+        if state.active.has_model()
+            && let Some(model) = &self.model
+        {
             let (load, friction) = (state.slow.load, state.slow.friction);
             model.update(&mut state.model, own.position, Surroundings { load, friction });
         }
     }
 
-    /// Evaluates a slow term: at 1 m/s and 4 kHz with all seven, each of them is evaluated every 1.75 mm.
+    /// Evaluates a slow term: at 1 m/s and 4 kHz with all seven on two axes, each of them is evaluated every 3.5 mm.
     #[inline(never)]
-    fn evaluate<'a>(
+    fn evaluate<const N: usize>(
         &self,
         term: SlowTerm,
         state: &mut State<S>,
-        own: &'a CommandMotion<S>,
-        other: impl Fn(u8) -> &'a CommandMotion<S>,
+        axis: usize,
+        Inputs { motions, clock }: Inputs<'_, S, N>,
     ) {
-        let none = S::default();
-        let is_on = |kind| state.is_on(kind);
+        let Some(own) = motions.get(axis) else { return };
+        let active = &state.active;
+        let ticks = clock.wrapping_sub(state.set_at);
         match term {
             SlowTerm::Pitch => {
-                let pitch = self.pitch.as_ref().filter(|_| is_on(CompensationKind::Pitch));
-                let correction = pitch.map_or(none, |pitch| pitch.correction(own));
-                let of = self.pitch.as_ref().map(Pitch::source);
-                match of {
+                let pitch = self.pitch.as_ref().filter(|_| active.has(CompensationKind::Pitch));
+                let correction = pitch.map_or(S::ZERO, |pitch| pitch.correction(own));
+                match self.pitch.as_ref().map(Pitch::source) {
                     Some(PitchSource::Scale) => state.slow.scale_pitch = correction,
                     _ => state.slow.screw_pitch = correction,
                 }
+                state.slow.add_up();
             }
             SlowTerm::Straightness => {
-                let shape = self.straightness.as_ref().filter(|_| is_on(CompensationKind::Straightness));
-                state.slow.straightness =
-                    shape.map_or(none, |(source, shape)| shape.correction(other(*source)));
+                let shape = self.straightness.as_ref().filter(|_| active.has(CompensationKind::Straightness));
+                let correction = |(source, shape): &(u8, Straightness<S>)| {
+                    shape.correction(motions.get(usize::from(*source)).unwrap_or(own))
+                };
+                state.slow.straightness = shape.map_or(S::ZERO, correction);
+                state.slow.add_up();
             }
             SlowTerm::Intalk => {
-                let talk = self.intalk.as_ref().filter(|_| is_on(CompensationKind::Intalk));
-                state.slow.intalk = talk.map_or(none, |talk| talk.correction(own.position)).to_gain();
+                let talk = self.intalk.as_ref().filter(|_| active.has(CompensationKind::Intalk));
+                state.slow.intalk = talk.map_or(S::ZERO, |talk| talk.correction(own.position)).to_gain();
             }
             SlowTerm::Crosstalk => {
-                let talk = self.crosstalk.as_ref().filter(|_| is_on(CompensationKind::Crosstalk));
-                state.slow.crosstalk = talk.map_or(none, |(_, talk)| talk.correction(own.position)).to_gain();
+                let talk = self.crosstalk.as_ref().filter(|_| active.has(CompensationKind::Crosstalk));
+                state.slow.crosstalk = talk.map_or(S::ZERO, |talk| talk.correction(own.position)).to_gain();
             }
             SlowTerm::Drift => {
-                let drift = self.drift.as_ref().filter(|_| is_on(CompensationKind::Drift));
-                state.slow.drift = drift.map_or(none, |drift| drift.correction(state.ticks));
+                let drift = self.drift.as_ref().filter(|_| active.has(CompensationKind::Drift));
+                state.slow.drift = drift.map_or(S::ZERO, |drift| drift.correction(ticks));
+                state.slow.add_up();
             }
             SlowTerm::Load => {
                 state.slow.load = self.load.as_ref().map_or(Fixed::ZERO, |load| load.at(own.position));
             }
             SlowTerm::AdditionalFriction => {
                 let map = self.friction_map.as_ref().map_or(Fixed::ZERO, |map| map.at(own.position));
-                let cold = self.model.as_ref().map_or(Fixed::ZERO, |model| model.cold_friction(state.ticks));
+                let cold = self.model.as_ref().map_or(Fixed::ZERO, |model| model.cold_friction(ticks));
                 state.slow.friction = map + cold;
             }
         }
     }
 
     /// The motor reading with the error of the resolver corrected, once per tick.
+    #[inline]
     pub(super) fn reading(&self, state: &mut State<S>, motor: Position) -> Position {
-        state.ticks = state.ticks.wrapping_add(1);
-        let none = S::default();
-        let is_empty = self.dividing.is_empty();
-        // A previous correction still has to return to zero.
-        if is_empty && state.reading == none {
+        let mut error = S::ZERO;
+        if state.active.has(CompensationKind::Dividing) {
+            error = self.dividing.at(motor);
+        } else if state.reading == error {
+            // A previous correction has returned to zero.
             return motor;
         }
-        let is_on = !is_empty && state.is_on(CompensationKind::Dividing);
-        let error = if is_on { self.dividing.at(motor) } else { none };
         motor - self.reading.step(&mut state.reading, error).distance()
     }
 
@@ -209,10 +295,10 @@ impl<S: Scalar> AxisCompensation<S> {
     #[inline(never)]
     pub(super) fn force(&self, state: &mut State<S>, motor: Position) -> S {
         let mut target = state.pulse_force;
-        if self.model.is_some() && state.is_on(CompensationKind::Force) {
+        if state.active.has(CompensationKind::Force) {
             target = target + S::from_fixed(state.model.applied);
         }
-        if !self.ripple.is_empty() && state.is_on(CompensationKind::Ripple) {
+        if state.active.has(CompensationKind::Ripple) {
             target = target - self.ripple.at(motor);
         }
         self.force.step(&mut state.force, target)

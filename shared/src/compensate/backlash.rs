@@ -2,7 +2,6 @@
 //!
 //! The command is moved by ±half the width in the direction of travel.
 
-use super::motion::CommandMotion;
 use crate::config::ConfigError;
 use crate::scalar::Scalar;
 use crate::units::LENGTH_M;
@@ -23,9 +22,10 @@ impl<S: Scalar> Backlash<S> {
         Ok(Self { half: S::signal(width / 2.0 / LENGTH_M) })
     }
 
-    /// Correction of the command, error units.
+    /// Half the width, error units: the correction of the command for travel in the positive direction, and its negative for
+    /// the other.
     #[must_use]
-    pub fn correction(&self, own: &CommandMotion<S>) -> S {
-        if own.forward { self.half } else { -self.half }
+    pub const fn half(&self) -> S {
+        self.half
     }
 }

@@ -95,25 +95,10 @@ impl<S: Scalar> AxisCompensation<S> {
     ) -> Result<R, ConfigError> {
         let limits = Limits::new::<S>(settings, rates)?;
         let mut converted = Self {
-            pitch: None,
-            backlash: None,
-            screw: Cycles::NONE,
-            dividing: Cycles::NONE,
-            reversal: None,
-            intalk: None,
-            crosstalk: None,
-            squareness: None,
-            straightness: None,
-            ripple: Cycles::NONE,
-            model: None,
-            load: None,
-            friction_map: None,
-            stretch: None,
-            drift: None,
-            slow: heapless::Vec::new(),
             command: limits.position(settings.position_rate_m_per_s, limits.rate_hz)?,
             reading: limits.position(settings.position_rate_m_per_s, limits.tick_hz)?,
             force: limits.force(settings.force_rate_n_per_s)?,
+            ..Self::NONE
         };
         converted.convert_screw(settings, &limits)?;
         converted.convert_tool(settings, &limits, axes)?;
@@ -146,11 +131,12 @@ impl<S: Scalar> AxisCompensation<S> {
             self.intalk = Some(Talk::new("intalk", talk, rate_hz)?);
         }
         if let Some((axis, talk)) = &settings.crosstalk {
-            self.crosstalk =
-                Some((source("crosstalk", *axis, axes)?, Talk::new("crosstalk", talk, rate_hz)?));
+            self.crosstalk_source = source("crosstalk", *axis, axes)?;
+            self.crosstalk = Some(Talk::new("crosstalk", talk, rate_hz)?);
         }
         if let Some((axis, k)) = settings.squareness {
-            self.squareness = Some((source("squareness", axis, axes)?, Squareness::new(k)?));
+            self.squareness_source = source("squareness", axis, axes)?;
+            self.squareness = Some(Squareness::new(k)?);
         }
         if let Some((axis, shape)) = &settings.straightness {
             let axis = source("straightness", *axis, axes)?;

@@ -6,40 +6,43 @@ use crate::config::ConfigError;
 use crate::scalar::Scalar;
 use crate::units::Position;
 
-/// One table per period; the empty ones are last.
+/// One table per period.
 #[derive(Clone, Copy, Debug)]
-pub struct Cycles<S: Scalar>([Option<PeriodicTable<S>>; CYCLES]);
+pub struct Cycles<S: Scalar> {
+    count: usize,
+    /// Those beyond the count are zero.
+    tables: [PeriodicTable<S>; CYCLES],
+}
 
 impl<S: Scalar> Cycles<S> {
     /// No table.
-    pub const NONE: Self = Self([None; CYCLES]);
+    pub const NONE: Self = Self { count: 0, tables: [PeriodicTable::ZERO; CYCLES] };
 
     /// Converts settings.
     ///
     /// # Errors
     /// [`ConfigError`] with `name`, as [`PeriodicTable::new`].
     pub fn new(name: &'static str, settings: &[Cycle], range: ValueRange) -> Result<Self, ConfigError> {
-        let mut tables = [None; CYCLES];
-        for (table, cycle) in tables.iter_mut().zip(settings) {
-            *table = Some(PeriodicTable::new(name, cycle, range)?);
+        let mut cycles = Self::NONE;
+        for (table, cycle) in cycles.tables.iter_mut().zip(settings) {
+            *table = PeriodicTable::new(name, cycle, range)?;
+            cycles.count += 1;
         }
-        Ok(Self(tables))
+        Ok(cycles)
     }
 
     /// Whether there is no table.
     #[must_use]
     pub const fn is_empty(&self) -> bool {
-        self.0[0].is_none()
+        self.count == 0
     }
 
     /// The sum at a position.
     #[must_use]
+    #[inline]
     pub fn at(&self, position: Position) -> S {
-        let [first, second] = self.0.each_ref().map(|table| table.as_ref().map(|table| table.at(position)));
-        match (first, second) {
-            (Some(first), Some(second)) => first + second,
-            (Some(first), None) => first,
-            _ => S::ZERO,
-        }
+        let [first, second] = &self.tables;
+        let sum = first.at(position);
+        if self.count > 1 { sum + second.at(position) } else { sum }
     }
 }

@@ -6,7 +6,7 @@ use super::table::{Table, ValueRange};
 use crate::config::ConfigError;
 use crate::config::check::gain;
 use crate::scalar::Scalar;
-use crate::units::{LENGTH_M, Position};
+use crate::units::{LENGTH_M, Position, SCALED_POSITION_M};
 
 /// Unit of a position as a signal, m: ±8.5 m in steps of 4 nm.
 const POSITION_M: f64 = 64.0 * LENGTH_M;
@@ -24,7 +24,7 @@ fn position_signal<S: Scalar>(position: Position) -> S {
 /// Squareness k.
 #[derive(Clone, Copy, Debug)]
 pub struct Squareness<S: Scalar> {
-    /// −k, error units per position unit of [`POSITION_M`].
+    /// −k, error units per unit of [`Scalar::from_position`].
     minus_k: S::Gain,
 }
 
@@ -34,13 +34,13 @@ impl<S: Scalar> Squareness<S> {
     /// # Errors
     /// [`ConfigError`] with `squareness`.
     pub fn new(m_per_m: f64) -> Result<Self, ConfigError> {
-        Ok(Self { minus_k: gain::<S>("squareness", -m_per_m, POSITION_M / LENGTH_M)? })
+        Ok(Self { minus_k: gain::<S>("squareness", -m_per_m, SCALED_POSITION_M / LENGTH_M)? })
     }
 
-    /// Correction of the command, error units: −k·y.
+    /// −k: the correction of the command is −k·y, error units, for y in units of [`Scalar::from_position`].
     #[must_use]
-    pub fn correction(&self, other: &CommandMotion<S>) -> S::Sum {
-        position_signal::<S>(other.position) * self.minus_k
+    pub const fn minus_k(&self) -> S::Gain {
+        self.minus_k
     }
 }
 
@@ -95,19 +95,19 @@ mod tests {
     fn off_nm<S: Scalar>(y: f64, k: f64, k2: f64) -> [f64; 2] {
         let other = CommandMotion::<S>::at(Position::from_m(y).unwrap());
         let nm = |correction: S| correction.value() * LENGTH_M * 1e9;
-        let square = Squareness::<S>::new(k).unwrap().correction(&other);
+        let square = S::from_position(other.position) * Squareness::<S>::new(k).unwrap().minus_k();
         let straight = Straightness::<S>::new(&settings::Straightness::Quadratic(k2), 1.0).unwrap();
         [nm(S::round(square)) + k * y * 1e9, nm(straight.correction(&other)) + k2 * y * y * 1e9]
     }
 
     proptest! {
-        /// Up to 100 µm/m and 10 µm/m² at ±2 m in fixed point. Squareness, 200 µm: the gain of 0.0064 is rounded by 2⁻²⁵, 0.9 nm;
+        /// Up to 100 µm/m and 10 µm/m² at ±2 m in fixed point. Squareness, 200 µm: the gain of 0.1 is rounded by 2⁻²⁵, 0.06 nm;
         /// the rounding of result and position is below 0.04 nm. Straightness, 40 µm: the gain of 0.0025 is rounded by 2⁻²⁵,
         /// 0.5 nm; y in steps of 1 µm enters twice.
         #[test]
         fn the_corrections_match_their_equations(y in -2.0..2.0f64, k in -1e-4..1e-4f64, k2 in -1e-5..1e-5f64) {
             let [square, straight] = off_nm::<Fixed>(y, k, k2);
-            prop_assert!(square.abs() < 1.0 && straight.abs() < 2.0, "{square} {straight}");
+            prop_assert!(square.abs() < 0.1 && straight.abs() < 2.0, "{square} {straight}");
             let [square, straight] = off_nm::<f32>(y, k, k2);
             prop_assert!(square.abs() < 0.1 && straight.abs() < 0.1, "{square} {straight}");
             let [square, straight] = off_nm::<f64>(y, k, k2);

@@ -1,6 +1,6 @@
 //! The compensations of all axes of a machine.
 
-use super::axis::AxisCompensation;
+use super::axis::{AxisCompensation, Inputs};
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
 use super::state::{Correction, State};
@@ -8,23 +8,35 @@ use crate::feedback::Reading;
 use crate::scalar::Scalar;
 use crate::units::Position;
 
+/// Ticks for which slow terms may wait: two are at the end of a segment of a speed ramp, four if a short segment follows.
+pub const MAX_WAIT: u8 = 4;
+
 /// The compensations of all axes, with their state.
 #[derive(Clone, Debug)]
 pub struct Compensation<S: Scalar, const N: usize> {
-    axes: [Option<AxisCompensation<S>>; N],
+    axes: [AxisCompensation<S>; N],
     states: [State<S>; N],
     motions: [CommandMotion<S>; N],
-    /// Whether any axis has a compensation.
-    any: bool,
+    /// Ticks.
+    clock: u64,
+    /// Ticks for which the slow terms have waited.
+    waited: u8,
+    /// The axis whose slow terms are next.
+    turn: usize,
+    /// Whether a compensation has been set, for each axis.
+    is_set: [bool; N],
 }
 
 impl<S: Scalar, const N: usize> Compensation<S, N> {
     /// No compensation, axes at zero.
     pub const NONE: Self = Self {
-        axes: [const { None }; N],
+        axes: [const { AxisCompensation::NONE }; N],
         states: [State::NEW; N],
         motions: [CommandMotion::at(Position(0)); N],
-        any: false,
+        clock: 0,
+        waited: 0,
+        turn: 0,
+        is_set: [false; N],
     };
 
     /// No compensation, axes at `start`.
@@ -36,30 +48,32 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     /// Resets to no compensation, axes at `start`, in place: tables are large.
     pub fn reset(&mut self, start: &[Position; N]) {
         for axis in &mut self.axes {
-            *axis = None;
+            *axis = AxisCompensation::NONE;
         }
         self.states = [State::NEW; N];
         self.motions = start.map(CommandMotion::at);
-        self.any = false;
+        self.is_set = [false; N];
     }
 
     /// Replaces the compensation of an axis. Its corrections change over at their limited rates.
     // Tables are large: not inlined, the copy is not on the stack while they are converted.
     #[inline(never)]
     pub fn replace(&mut self, axis: usize, compensation: &AxisCompensation<S>) {
-        if let Some(slot) = self.axes.get_mut(axis) {
-            *slot = Some(compensation.clone());
-            self.any = true;
+        if let (Some(slot), Some(state)) = (self.axes.get_mut(axis), self.states.get_mut(axis)) {
+            slot.clone_from(compensation);
+            slot.activate(state);
+            slot.start(state, axis, Inputs { motions: &self.motions, clock: self.clock });
         }
-        if let (Some(Some(compensation)), Some(state)) = (self.axes.get(axis), self.states.get_mut(axis)) {
-            compensation.start(state, axis, &self.motions);
+        if let Some(is_set) = self.is_set.get_mut(axis) {
+            *is_set = true;
         }
     }
 
     /// Switches one compensation of an axis on or off.
     pub fn switch(&mut self, axis: usize, item: CompensationKind, on: bool) {
-        if let Some(state) = self.states.get_mut(axis) {
+        if let (Some(compensation), Some(state)) = (self.axes.get(axis), self.states.get_mut(axis)) {
             state.switch(item, on);
+            compensation.activate(state);
         }
     }
 
@@ -81,26 +95,27 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// The present corrections of the commands.
     #[must_use]
-    pub fn active_corrections(&self) -> [Correction; N] {
-        if self.any { self.states.each_ref().map(State::correction) } else { [Correction::NONE; N] }
+    pub fn active_corrections(&self) -> [Correction<S>; N] {
+        self.states.each_ref().map(State::correction)
     }
 
     /// The readings with the errors of the resolvers corrected, once per tick.
     pub fn readings(&mut self, readings: &[Reading; N]) -> [Reading; N] {
+        self.clock = self.clock.wrapping_add(1);
         let mut corrected = *readings;
-        if self.any {
-            for ((reading, axis), state) in corrected.iter_mut().zip(&self.axes).zip(&mut self.states) {
-                if let Some(axis) = axis {
-                    reading.motor = axis.reading(state, reading.motor);
-                }
+        for (((reading, axis), state), is_set) in
+            corrected.iter_mut().zip(&self.axes).zip(&mut self.states).zip(&self.is_set)
+        {
+            if *is_set {
+                reading.motor = axis.reading(state, reading.motor);
             }
         }
         corrected
     }
 
     /// The corrections of the commands, once per command.
-    pub fn commands(&mut self, commands: &[Position; N]) -> [Correction; N] {
-        self.advance(commands);
+    pub fn commands(&mut self, commands: &[Position; N]) -> [Correction<S>; N] {
+        self.advance(commands, false);
         core::array::from_fn(|axis| self.command(axis))
     }
 
@@ -110,25 +125,39 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     }
 
     /// Updates the motion of the commands, once per command, also without a compensation, so that one that is set during
-    /// motion starts from the motion of the axes.
-    pub fn advance(&mut self, commands: &[Position; N]) {
+    /// motion starts from the motion of the axes. If this tick takes longer than others, slow terms wait, for up to
+    /// [`MAX_WAIT`] ticks.
+    pub fn advance(&mut self, commands: &[Position; N], is_long_tick: bool) {
         for (motion, command) in self.motions.iter_mut().zip(commands) {
             motion.step(*command);
+        }
+        if is_long_tick && self.waited < MAX_WAIT {
+            self.waited += 1;
+            return;
+        }
+        self.waited = 0;
+        self.turn = if self.turn + 1 < N { self.turn + 1 } else { 0 };
+        let turn = self.turn;
+        if let (Some(true), Some(compensation), Some(state)) =
+            (self.is_set.get(turn), self.axes.get(turn), self.states.get_mut(turn))
+        {
+            let inputs = Inputs { motions: &self.motions, clock: self.clock };
+            compensation.next_slow_term(state, turn, inputs);
         }
     }
 
     /// The correction of the command of an axis, once after each [`Compensation::advance`].
-    pub fn command(&mut self, axis: usize) -> Correction {
-        match (self.axes.get(axis), self.states.get_mut(axis)) {
-            (Some(Some(compensation)), Some(state)) => compensation.command(state, axis, &self.motions),
+    pub fn command(&mut self, axis: usize) -> Correction<S> {
+        match (self.is_set.get(axis), self.axes.get(axis), self.states.get_mut(axis)) {
+            (Some(true), Some(compensation), Some(state)) => compensation.command(state, axis, &self.motions),
             _ => Correction::NONE,
         }
     }
 
     /// The force to add to that of an axis, once per tick.
     pub fn force(&mut self, axis: usize, reading: &Reading) -> S {
-        match (self.axes.get(axis), self.states.get_mut(axis)) {
-            (Some(Some(compensation)), Some(state)) => compensation.force(state, reading.motor),
+        match (self.is_set.get(axis), self.axes.get(axis), self.states.get_mut(axis)) {
+            (Some(true), Some(compensation), Some(state)) => compensation.force(state, reading.motor),
             _ => S::ZERO,
         }
     }

@@ -18,8 +18,8 @@
 //!
 //! Corrections of the command are computed from the command, which has no noise, and added up; so are those of the force.
 //! Each sum, and the correction of the reading, passes a slew-rate limiter ([`slew`]), so that nothing jumps when a
-//! compensation is switched or replaced, or the axis reverses. Tables over the travel change slowly: of those that an axis
-//! has, one is evaluated with each command, in turn.
+//! compensation is switched or replaced, or the axis reverses. Tables over the travel change slowly: one table of the
+//! machine is evaluated with each command, axis by axis and in turn.
 //!
 //! # With a scale in the loop
 //!
@@ -38,6 +38,7 @@
 //! the motor. When c is switched on with dual feedback, the table moves by c and returns with the time constant of the
 //! feedback.
 
+mod active;
 pub mod axis;
 pub mod backlash;
 mod convert;

@@ -21,7 +21,7 @@ use crate::integer::mul_q32;
 const OCTAVES: u32 = 8;
 
 /// Points per octave, as a power of two: 8.
-const POINTS_LOG2: u32 = 3;
+pub(super) const POINTS_LOG2: u32 = 3;
 
 /// Bits of a magnitude within the curve.
 const BITS: u32 = 26;
@@ -31,6 +31,15 @@ const LOWEST: u32 = BITS - OCTAVES;
 
 /// The point at zero, those of the octaves, and that at the end.
 const COUNT: usize = 2 + (OCTAVES << POINTS_LOG2) as usize;
+
+/// Where a point is, in units of the lowest bit. Point 0 is at zero, and point 1 at the end of the linear part, 2^`lowest`; from
+/// there on, each octave has 2^[`POINTS_LOG2`] equal steps.
+pub(super) fn point(index: usize, lowest: u32) -> f64 {
+    let Some(index) = index.checked_sub(1) else { return 0.0 };
+    let (octave, step) = (index >> POINTS_LOG2, index & ((1 << POINTS_LOG2) - 1));
+    let steps = libm::exp2(-f64::from(POINTS_LOG2)) * step as f64;
+    libm::exp2(f64::from(lowest) + octave as f64) * (1.0 + steps)
+}
 
 /// Values from 0 to 1 with 32 fraction bits.
 #[derive(Clone, Copy, Debug)]
@@ -48,20 +57,12 @@ impl OctaveCurve {
         let end_bits = libm::ceil(libm::log2(end)).clamp(f64::from(OCTAVES), 62.0) as u32;
         let unit = libm::exp2(f64::from(end_bits) - f64::from(BITS));
         let values = core::array::from_fn(|index| {
-            let fraction = value(Self::point(index) * unit).clamp(0.0, 1.0);
+            let fraction = value(point(index, LOWEST) * unit).clamp(0.0, 1.0);
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates below 1")]
             let fraction_q32 = (fraction * 4_294_967_296.0) as u32;
             fraction_q32
         });
         Self { values, end_bits }
-    }
-
-    /// The magnitude of a point, in units of the lowest of [`BITS`] bits.
-    fn point(index: usize) -> f64 {
-        let Some(index) = index.checked_sub(1) else { return 0.0 };
-        let (octave, step) = (index >> POINTS_LOG2, index & ((1 << POINTS_LOG2) - 1));
-        let steps = libm::exp2(-f64::from(POINTS_LOG2)) * step as f64;
-        libm::exp2(f64::from(LOWEST) + octave as f64) * (1.0 + steps)
     }
 
     /// The value at a magnitude, with 32 fraction bits.

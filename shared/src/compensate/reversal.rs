@@ -51,13 +51,13 @@ impl<S: Scalar> Reversal<S> {
         } else {
             *pulse = *pulse - S::round(*pulse * self.decay);
         }
-        if own.increment_units.unsigned_abs() >= self.zero_from {
+        let speed = own.increment_units.unsigned_abs();
+        if speed >= self.zero_from {
             return S::ZERO;
         }
-        let one = self.one;
-        let speed_ratio = S::round(S::from_increment(own.increment_units) * self.fade).clamp_magnitude(one);
-        let factor = if speed_ratio < S::default() { one + speed_ratio } else { one - speed_ratio };
-        S::round(*pulse * factor)
+        // Below the greatest speed: within the range of the number, and not above 1 but for rounding.
+        let speed_ratio = S::round(S::from_increment(speed.cast_signed()) * self.fade);
+        pulse.product(self.one - speed_ratio)
     }
 }
 

@@ -24,6 +24,9 @@ pub struct Slew<S: Scalar> {
 }
 
 impl<S: Scalar> Slew<S> {
+    /// Neither bound nor rate limit.
+    pub const UNLIMITED: Self = Self { bound: S::GREATEST, per_tick: S::GREATEST };
+
     /// A rate per second as a change of `rate/unit` per tick. Rejected if the format does not hold it to 1 %.
     ///
     /// # Errors

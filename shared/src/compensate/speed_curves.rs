@@ -15,13 +15,11 @@
 //! assert!((tanh - 0.7f64.tanh()).abs() < 2e-3 && (exp - (-0.7f64).exp()).abs() < 2e-3);
 //! ```
 
+use super::octave_curve::{POINTS_LOG2, point};
 use crate::integer::{interpolated_q31, shifted};
 
 /// Octaves between the linear part at zero and the end.
 const OCTAVES: u32 = 24;
-
-/// Points per octave, as a power of two: 8.
-const POINTS_LOG2: u32 = 3;
 
 /// Bits of a speed within the grid.
 const BITS: u32 = 32;
@@ -49,21 +47,13 @@ impl<const K: usize> SpeedCurves<K> {
         let shift = (libm::ceil(libm::log2(end)) - f64::from(BITS)).clamp(0.0, 30.0) as u32;
         let unit = libm::exp2(f64::from(shift));
         let values = core::array::from_fn(|index| {
-            values(Self::point(index) * unit).map(|value| {
+            values(point(index, LOWEST) * unit).map(|value| {
                 #[expect(clippy::cast_possible_truncation, reason = "saturates at 1")]
                 let q31 = libm::rint(value.clamp(0.0, 1.0) * 2_147_483_648.0) as i32;
                 q31
             })
         });
         Self { values, shift }
-    }
-
-    /// The speed of a point, in units of the lowest of [`BITS`] bits.
-    fn point(index: usize) -> f64 {
-        let Some(index) = index.checked_sub(1) else { return 0.0 };
-        let (octave, step) = (index >> POINTS_LOG2, index & ((1 << POINTS_LOG2) - 1));
-        let steps = libm::exp2(-f64::from(POINTS_LOG2)) * step as f64;
-        libm::exp2(f64::from(LOWEST) + octave as f64) * (1.0 + steps)
     }
 
     /// The values at a speed, 31 fraction bits.

@@ -1,22 +1,23 @@
 //! The state of the compensations of an axis.
 
+use super::active::Active;
 use super::force;
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
 use crate::scalar::{Fixed, Scalar};
 
-/// The correction of a command, position units.
-#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
-pub struct Correction {
+/// The correction of a command, error units.
+#[derive(Clone, Copy, Debug, Default, PartialEq)]
+pub struct Correction<S> {
     /// The whole correction, which is added to the command.
-    pub total: i64,
+    pub total: S,
     /// The part of it that makes up for errors between motor and scale, which is also added to the scale's reading.
-    pub screw: i64,
+    pub screw: S,
 }
 
-impl Correction {
+impl<S: Scalar> Correction<S> {
     /// No correction.
-    pub const NONE: Self = Self { total: 0, screw: 0 };
+    pub const NONE: Self = Self { total: S::ZERO, screw: S::ZERO };
 }
 
 /// State of the compensations of an axis.
@@ -36,8 +37,9 @@ pub struct State<S: Scalar> {
     /// Force feed-forward.
     pub(super) model: force::State,
     pub(super) slow: SlowTerms<S>,
-    /// Time since the compensation was set, ticks.
-    pub(super) ticks: u64,
+    /// Ticks of the machine when the compensation was set.
+    pub(super) set_at: u64,
+    pub(super) active: Active<S>,
     /// One bit per kind that is switched off.
     off: u16,
 }
@@ -50,6 +52,8 @@ pub(super) struct SlowTerms<S: Scalar> {
     pub screw_pitch: S,
     pub scale_pitch: S,
     pub straightness: S,
+    /// Sum of the corrections for errors beyond the scale.
+    pub tool: S,
     pub intalk: S::Gain,
     pub crosstalk: S::Gain,
     pub drift: S,
@@ -64,12 +68,20 @@ impl<S: Scalar> SlowTerms<S> {
         screw_pitch: S::ZERO,
         scale_pitch: S::ZERO,
         straightness: S::ZERO,
+        tool: S::ZERO,
         intalk: S::ZERO_GAIN,
         crosstalk: S::ZERO_GAIN,
         drift: S::ZERO,
         load: Fixed::ZERO,
         friction: Fixed::ZERO,
     };
+}
+
+impl<S: Scalar> SlowTerms<S> {
+    /// To be called when one of the terms of the sum has changed.
+    pub fn add_up(&mut self) {
+        self.tool = self.scale_pitch + self.straightness + self.drift;
+    }
 }
 
 impl<S: Scalar> State<S> {
@@ -83,23 +95,24 @@ impl<S: Scalar> State<S> {
         pulse_force: S::ZERO,
         model: force::State::NEW,
         slow: SlowTerms::NONE,
-        ticks: 0,
+        set_at: 0,
+        active: Active::NONE,
         off: 0,
     };
 
-    /// Switches one compensation on or off. Initially all are on.
+    /// Switches one compensation on or off. Initially all are on. [`Active`] has to be listed again afterwards.
     pub const fn switch(&mut self, item: CompensationKind, on: bool) {
         let bit = 1 << item as u16;
         self.off = if on { self.off & !bit } else { self.off | bit };
     }
 
-    pub(super) const fn is_on(&self, item: CompensationKind) -> bool {
+    pub(super) const fn is_switched_on(&self, item: CompensationKind) -> bool {
         self.off & (1 << item as u16) == 0
     }
 
     /// The present correction of the command.
-    pub(super) fn correction(&self) -> Correction {
-        Correction { total: self.command.distance(), screw: self.screw.distance() }
+    pub(super) const fn correction(&self) -> Correction<S> {
+        Correction { total: self.command, screw: self.screw }
     }
 
     /// The axis is at rest with the drives off: there is no force, and when they come on it starts from zero.

@@ -26,6 +26,9 @@ use crate::integer::shifted;
 use crate::scalar::Scalar;
 use crate::units::{PER_M, Position, TRAVEL_LIMIT_M};
 
+/// [`POINTS`] is two to this power.
+const POINTS_LOG2: u32 = POINTS.ilog2();
+
 /// Unit and range of the values of a table.
 #[derive(Clone, Copy, Debug)]
 pub struct ValueRange {
@@ -61,7 +64,7 @@ impl<S: Scalar> Table<S> {
     ///
     /// # Errors
     /// [`ConfigError`] with `name`: fewer than 2 points, a travel that is not from 1.1 µm to 100 m, or a value that is not
-    /// finite or exceeds the bound.
+    /// finite or exceeds the bound, or neighbours that differ by the range of the number format (131 kN).
     pub fn new(name: &'static str, points: &Points, range: ValueRange) -> Result<Self, ConfigError> {
         let count = points.values.len();
         if count < 2 {
@@ -91,11 +94,17 @@ impl<S: Scalar> Table<S> {
     pub fn at(&self, position: Position) -> S {
         let distance = (position - self.start).max(0).cast_unsigned();
         let distance = shifted(distance, self.shift).min(self.span);
-        interpolate(&self.values, (u64::from(distance) * u64::from(self.per_unit)) >> 23)
+        let index = (u64::from(distance) * u64::from(self.per_unit)) >> 23;
+        #[expect(clippy::cast_possible_truncation, reason = "at most 64 and its fraction")]
+        let (whole, fraction_q32) = ((index >> 32) as usize, index as u32);
+        interpolate(&self.values, whole, fraction_q32)
     }
 }
 
 impl<S: Scalar> PeriodicTable<S> {
+    /// Zero everywhere.
+    pub const ZERO: Self = Self { values: [S::ZERO; POINTS + 1], per_unit: 0 };
+
     /// Converts the points of a period in SI, the first at position zero.
     ///
     /// # Errors
@@ -118,6 +127,8 @@ impl<S: Scalar> PeriodicTable<S> {
             *value = from + (to - from) * fraction;
         }
         let values = signals(name, &resampled, range)?;
+        let [first, .., last] = resampled;
+        check_difference::<S>(name, first - last, range.unit)?;
         let units = cycle.period_m * PER_M / 4096.0;
         if !(units >= 1.0 && cycle.period_m < TRAVEL_LIMIT_M) {
             return Err(ConfigError::OutOfRange { name, min: 4096.0 / PER_M, max: TRAVEL_LIMIT_M });
@@ -131,7 +142,18 @@ impl<S: Scalar> PeriodicTable<S> {
     #[must_use]
     pub fn at(&self, position: Position) -> S {
         let periods = (position.0 >> 12).cast_unsigned().wrapping_mul(self.per_unit);
-        interpolate(&self.values, (periods >> 32) * POINTS as u64)
+        let phase = (periods >> 32) as u32;
+        interpolate(&self.values, (phase >> (32 - POINTS_LOG2)) as usize, phase << POINTS_LOG2)
+    }
+}
+
+/// The range of a difference of neighbours: see [`Scalar::lerp`].
+fn check_difference<S: Scalar>(name: &'static str, difference: f64, unit: f64) -> Result<(), ConfigError> {
+    let max = S::SIGNAL_LIMIT * unit;
+    if difference.abs() < max {
+        Ok(())
+    } else {
+        Err(ConfigError::OutOfRange { name, min: -max / 2.0, max: max / 2.0 })
     }
 }
 
@@ -154,6 +176,9 @@ fn signals<S: Scalar>(
         }
         *value = S::signal(point / unit);
     }
+    for (point, next) in points.iter().zip(points.iter().skip(1)) {
+        check_difference::<S>(name, next - point, unit)?;
+    }
     // After the last point: the first one for a full (periodic) table; else the last one, which gets the weight 0.
     let next = if points.len() == POINTS { values.first() } else { values.get(points.len() - 1) };
     let next = next.copied().unwrap_or_default();
@@ -163,13 +188,12 @@ fn signals<S: Scalar>(
     Ok(values)
 }
 
-/// The value at an index with 32 fraction bits.
-fn interpolate<S: Scalar>(values: &[S; POINTS + 1], index: u64) -> S {
-    #[expect(clippy::cast_possible_truncation, reason = "at most 64 and its fraction")]
-    let (whole, fraction) = ((index >> 32) as usize & (POINTS - 1), index as u32);
+/// The value between two points.
+#[inline]
+fn interpolate<S: Scalar>(values: &[S; POINTS + 1], whole: usize, fraction_q32: u32) -> S {
+    let whole = whole & (POINTS - 1);
     let at = |i: usize| values.get(i).copied().unwrap_or_default();
-    let (from, to) = (at(whole), at(whole + 1));
-    from.lerp(to, fraction)
+    at(whole).lerp(at(whole + 1), fraction_q32)
 }
 
 #[cfg(test)]

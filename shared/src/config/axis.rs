@@ -216,7 +216,8 @@ fn monitor<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Moni
             "scale_disagreement_limit_m",
             settings.scale_disagreement_limit_m,
             TRAVEL_LIMIT_M,
-        )?,
+        )?
+        .unwrap_or(u64::MAX),
         frozen_encoder: distance("frozen_encoder_limit_m", settings.frozen_encoder_limit_m, max_frozen_m)?
             .map(frozen_encoder),
         encoder_step: match settings.fastest_m_per_s {

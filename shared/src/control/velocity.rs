@@ -108,6 +108,11 @@ impl<S: Scalar> VelocityControl<S> {
     /// Limits the force after filters and compensation; also returns whether the limit is active. Stores the new integral,
     /// except if the limit is active and the velocity error has the sign of the force (anti-windup).
     pub fn limit(&self, state: &mut State<S>, pi: &PiOutput<S>, unlimited: S) -> (S, bool) {
+        // The usual case.
+        if !unlimited.exceeds(self.force_limit) {
+            state.integral = pi.integral;
+            return (unlimited, false);
+        }
         let force = unlimited.clamp_magnitude(self.force_limit);
         let zero = S::default();
         let limited = force != unlimited;

@@ -23,7 +23,7 @@ pub trait Board<const N: usize, Signal = Duty> {
     fn hardware_stop_active(&mut self) -> bool;
 
     /// Sets the input of every drive. Pulse and direction take effect in the same PWM period, the next one.
-    fn set_duties(&mut self, duties: [Signal; N]);
+    fn set_signals(&mut self, signals: [Signal; N]);
 
     /// Enables or disables the power stages. They are enabled in every state with force, including a stop along the path
     /// ([`Power::is_on`](crate::safety::Power::is_on)).

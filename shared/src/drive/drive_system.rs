@@ -41,6 +41,8 @@ pub struct DriveSystem<'m, S: Scalar, const N: usize, O = Amplifier<S>> {
     pub(super) homing: Option<(usize, Homing)>,
     inputs: Inputs<N>,
     readings: [Reading; N],
+    /// Whether the last tick has enabled the power stages.
+    stages_enabled: bool,
 }
 
 /// What a tick has read and computed.
@@ -74,6 +76,7 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
             inputs: Inputs::NONE,
             readings: [Reading { motor: Position(0), table: None }; N],
             enabling: Enabling::BySwitch,
+            stages_enabled: false,
         }
     }
 
@@ -101,6 +104,13 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
     #[must_use]
     pub const fn is_armed(&self) -> bool {
         matches!(self.enabling, Enabling::ByHost { armed: true })
+    }
+
+    /// Whether the last tick has enabled the power stages: they remain so until the next one, also if the drives have been disabled
+    /// since.
+    #[must_use]
+    pub const fn are_stages_enabled(&self) -> bool {
+        self.stages_enabled
     }
 
     /// The same with limits of the supply.
@@ -253,8 +263,9 @@ impl<'m, S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'m, S, N, O> 
                 Some(demand) => output.signal(demand),
                 None => output.off(),
             });
-        board.set_duties(signals);
-        board.set_enabled(forces.is_some());
+        board.set_signals(signals);
+        self.stages_enabled = forces.is_some();
+        board.set_enabled(self.stages_enabled);
     }
 }
 

@@ -132,18 +132,28 @@ pub struct State {
     shift: i64,
     /// Offset that is subtracted from the table reading since its return, position units.
     offset: i64,
-    missing: bool,
+    scale: Scale,
+}
+
+/// The scale of a loop that uses one.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+enum Scale {
+    #[default]
+    Used,
+    /// With the offset.
+    FadingIn,
+    Missing,
 }
 
 impl State {
     /// Settled at the difference of two readings.
     #[must_use]
     pub const fn settled(motor: Position, table: Option<Position>) -> Self {
-        let (shift, missing) = match table {
-            Some(table) => (table.0.wrapping_sub(motor.0), false),
-            None => (0, true),
+        let (shift, scale) = match table {
+            Some(table) => (table.0.wrapping_sub(motor.0), Scale::Used),
+            None => (0, Scale::Missing),
         };
-        Self { shift, offset: 0, missing }
+        Self { shift, offset: 0, scale }
     }
 
     /// The same after the readings of motor and table have been shifted by these distances, position units.
@@ -171,21 +181,18 @@ impl<S: Scalar> Feedback<S> {
 
     /// The feedback position, once per position tick.
     pub fn position(&self, state: &mut State, motor: Position, table: Option<Position>) -> Position {
-        let fade = match self {
-            Self::Motor => return motor,
-            Self::Table { fade } | Self::Dual { fade, .. } => fade,
-        };
+        if let Self::Motor = self {
+            return motor;
+        }
         let feedback = motor + state.shift;
         let Some(table) = table else {
-            state.missing = true;
+            state.scale = Scale::Missing;
             return feedback;
         };
         // Second phase detector.
         let mut difference = table - feedback;
-        if state.missing || state.offset != 0 {
-            state.offset = if state.missing { difference } else { fade.step(state.offset) };
-            state.missing = false;
-            difference = difference.wrapping_sub(state.offset);
+        if state.scale != Scale::Used {
+            difference = self.fade_in(state, difference);
         }
         let step = match self {
             Self::Dual { fraction, .. } => S::to_distance(S::from_distance(difference) * *fraction),
@@ -195,14 +202,28 @@ impl<S: Scalar> Feedback<S> {
         feedback + step
     }
 
+    /// The difference for a scale that has returned.
+    #[cold]
+    #[inline(never)]
+    fn fade_in(&self, state: &mut State, difference: i64) -> i64 {
+        state.offset = match self {
+            Self::Table { fade } | Self::Dual { fade, .. } if state.scale == Scale::FadingIn => {
+                fade.step(state.offset)
+            }
+            _ => difference,
+        };
+        state.scale = if state.offset == 0 { Scale::Used } else { Scale::FadingIn };
+        difference.wrapping_sub(state.offset)
+    }
+
     /// How the last call of [`Feedback::position`] used the scale.
     #[must_use]
     pub const fn scale_status(&self, state: &State) -> ScaleStatus {
-        match (self, state) {
+        match (self, state.scale) {
             (Self::Motor, _) => ScaleStatus::NotUsed,
-            (_, State { missing: true, .. }) => ScaleStatus::Missing,
-            (_, State { offset: 0, .. }) => ScaleStatus::Used,
-            _ => ScaleStatus::FadingIn,
+            (_, Scale::Missing) => ScaleStatus::Missing,
+            (_, Scale::Used) => ScaleStatus::Used,
+            (_, Scale::FadingIn) => ScaleStatus::FadingIn,
         }
     }
 }

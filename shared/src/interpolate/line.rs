@@ -1,7 +1,7 @@
 //! A straight line through N axes.
 
 use super::error::PathError;
-use crate::integer::mul_shift;
+use crate::integer::mul_62;
 use crate::units::Position;
 
 /// A line as a function of path length.
@@ -71,7 +71,7 @@ impl<const N: usize> Line<N> {
     pub fn at(&self, length: i64) -> [Position; N] {
         let mut point = self.start;
         for (position, direction) in point.iter_mut().zip(&self.direction) {
-            *position += mul_shift::<62>(length, *direction);
+            *position += mul_62(length, *direction);
         }
         point
     }

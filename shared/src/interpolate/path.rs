@@ -12,7 +12,8 @@ use super::fraction::{FRACTION, whole};
 use super::joint::JointLimits;
 use super::planned::{PlannedBlock, Progress};
 use super::profile::Step;
-use super::smooth::{self, Filters, Smoothing};
+use super::smooth::state::State as FilterState;
+use super::smooth::{Filters, Smoothing};
 use crate::units::Position;
 
 /// Capacity of the queue in blocks, including the one that is running.
@@ -31,10 +32,8 @@ pub struct Path<const N: usize> {
     revision: u32,
     /// Position on the path, before the filters.
     position: [Position; N],
-    /// Output of the filters.
-    command: [Position; N],
     filters: Filters<N>,
-    filter_state: smooth::State<N>,
+    filter_state: FilterState<N>,
     /// End of the last block in the queue.
     planned_end: [Position; N],
     rate_hz: f64,
@@ -65,9 +64,8 @@ impl<const N: usize> Path<N> {
         feed_hold: FeedHold::RUNNING,
         revision: 0,
         position: [Position(0); N],
-        command: [Position(0); N],
         filters: Filters::PASS,
-        filter_state: smooth::State::AT_ZERO,
+        filter_state: FilterState::AT_ZERO,
         planned_end: [Position(0); N],
         rate_hz: 0.0,
         travel: [[Position(i64::MIN), Position(i64::MAX)]; N],
@@ -242,7 +240,7 @@ impl<const N: usize> Path<N> {
     /// The last command.
     #[must_use]
     pub const fn command(&self) -> [Position; N] {
-        self.command
+        if self.filters.active { *self.filter_state.outputs() } else { self.position }
     }
 
     /// Discards every block and rests at a position.
@@ -250,7 +248,7 @@ impl<const N: usize> Path<N> {
         self.clear_queue();
         self.braking = None;
         self.feed_hold = FeedHold::RUNNING;
-        (self.position, self.command, self.planned_end) = (*position, *position, *position);
+        (self.position, self.planned_end) = (*position, *position);
         self.filter_state.rest_at(position);
     }
 
@@ -287,18 +285,29 @@ impl<const N: usize> Path<N> {
     }
 
     /// The command of the next tick.
-    #[inline(never)]
+    #[inline]
     pub fn advance(&mut self) -> [Position; N] {
+        self.step();
+        self.command()
+    }
+
+    /// Whether a command since the last call was at the end of a segment of a speed ramp, which takes longer than others: the time
+    /// for work that can wait.
+    #[inline]
+    pub const fn take_segment_end(&mut self) -> bool {
+        self.progress.take_segment_end()
+    }
+
+    /// Advances by a tick.
+    #[inline(never)]
+    fn step(&mut self) {
         match self.braking {
             None => self.follow(),
             Some(brake) => self.braking = Some(self.follow_braking(brake)),
         }
-        self.command = if self.filters.active {
-            self.filter_state.step(&self.filters, &self.position)
-        } else {
-            self.position
-        };
-        self.command
+        if self.filters.active {
+            self.filter_state.step(&self.filters, &self.position);
+        }
     }
 
     /// Advances the position on the path by a tick.

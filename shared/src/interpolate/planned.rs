@@ -268,6 +268,8 @@ impl<const N: usize> PlannedBlock<N> {
     }
 
     /// Advances by a time up to a tick, 32 fraction bits.
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call in every tick")]
     pub fn advance(&self, progress: &mut Progress, time: u64) -> Step {
         match &self.timing {
             Timing::Profile(profile) => profile.advance(&mut progress.profile, time),
@@ -293,6 +295,11 @@ impl Progress {
     /// Not started.
     pub const NONE: Self =
         Self { profile: profile::Progress::NONE, lag: exponential::Progress::NONE, exponential: false };
+
+    /// See [`profile::Progress::take_segment_end`].
+    pub const fn take_segment_end(&mut self) -> bool {
+        self.profile.take_segment_end()
+    }
 
     /// Path length from the start of the block, position units.
     #[must_use]

@@ -66,6 +66,11 @@ impl FaultHistory {
         self.push(tick, HistoryEvent::HostSilentHold);
     }
 
+    /// Records a fault beside the one that the power state shows.
+    pub fn fault(&mut self, tick: u64, fault: Fault) {
+        self.push(tick, HistoryEvent::Fault(fault));
+    }
+
     #[cold]
     fn push(&mut self, tick: u64, event: HistoryEvent) {
         if self.entries.is_full() {

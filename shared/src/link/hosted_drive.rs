@@ -1,8 +1,11 @@
 //! Drives under the control of a host: what runs in every tick.
 
+mod settings;
+mod status;
+
 use super::history::FaultHistory;
 use super::refusal::Refusal;
-use super::report::{Activity, AxisStatus, DirectionReport, HomingReport, Status, Times};
+use super::report::{Activity, Times};
 use super::stream::StreamQueue;
 use super::watch::{HostWatch, Silence};
 use crate::capture::{CaptureMemory, ChannelSteps, Quantisers};
@@ -12,7 +15,7 @@ use crate::feedback::Reading;
 use crate::homing::{HomingError, HomingSettings, HomingStatus};
 use crate::interpolate::feed_hold::FeedState;
 use crate::interpolate::{Block, PathError};
-use crate::machine::{Machine, MachineConfig, Reference};
+use crate::machine::Machine;
 use crate::safety::{Fault, Power};
 use crate::scalar::Scalar;
 use crate::units::Position;
@@ -263,35 +266,6 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         self.machine_mut().discard_path();
     }
 
-    /// Replaces the settings, at the present positions of the motors.
-    ///
-    /// # Errors
-    /// [`Refusal::DrivesOn`], [`Refusal::Faulted`].
-    pub fn configure(&mut self, config: MachineConfig<S, N>) -> Result<(), Refusal> {
-        self.is_off()?;
-        let start = self.readings.map(|reading| reading.motor);
-        let references: [_; N] = core::array::from_fn(|axis| self.machine().reference(axis));
-        self.machine_mut().configure(config, &start);
-        for (axis, reference) in references.into_iter().enumerate() {
-            if reference != Some(Reference::Homed) {
-                self.machine_mut().lose_reference(axis);
-            }
-        }
-        Ok(())
-    }
-
-    /// Whether the drives are off without a fault.
-    ///
-    /// # Errors
-    /// [`Refusal::DrivesOn`], [`Refusal::Faulted`].
-    pub const fn is_off(&self) -> Result<(), Refusal> {
-        match self.machine().power() {
-            Power::Off => Ok(()),
-            Power::Faulted(fault) => Err(Refusal::Faulted(fault)),
-            Power::On | Power::Stopping(_) => Err(Refusal::DrivesOn),
-        }
-    }
-
     /// Starts to home an axis.
     ///
     /// # Errors
@@ -345,51 +319,4 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
     pub fn fault(&mut self, fault: Fault) {
         self.machine_mut().fault(fault);
     }
-}
-
-impl<S: Scalar> HostedDrive<'_, S, { super::message::AXES }> {
-    /// The state, with the counters of the link as they are given.
-    #[must_use]
-    pub fn status(&self, link: super::receiver::LinkCounts) -> Status {
-        let machine = self.machine();
-        let command = machine.command();
-        Status {
-            tick: self.tick,
-            power: machine.power(),
-            warning: machine.warning(),
-            armed: self.system.is_armed(),
-            activity: self.activity,
-            feed: machine.feed_state(),
-            at_rest: self.is_at_rest().is_ok(),
-            blocks_left: self.blocks_left,
-            axes: core::array::from_fn(|axis| AxisStatus {
-                command: command[axis],
-                motor: self.readings[axis].motor,
-                table: self.readings[axis].table,
-                #[expect(clippy::cast_possible_truncation, reason = "for display")]
-                force_n: self.forces[axis].value() as f32,
-                homed: machine.reference(axis) == Some(Reference::Homed),
-            }),
-            supply: self.system.inputs().supply,
-            homing: match self.system.homing_status() {
-                None => HomingReport::None,
-                Some((_, HomingStatus::Running)) => HomingReport::Running,
-                Some((_, HomingStatus::Homed)) => HomingReport::Homed,
-                Some((_, HomingStatus::Failed(error))) => HomingReport::Failed(error.into()),
-            },
-            direction: match self.system.direction_check() {
-                None => DirectionReport::None,
-                Some((axis, None)) => DirectionReport::Running { axis: number(axis) },
-                Some((axis, Some(result))) => DirectionReport::Ended { axis: number(axis), result },
-            },
-            capture: self.capture.state(),
-            lost_samples: self.stream.lost(),
-            link,
-        }
-    }
-}
-
-/// The number of an axis in a message.
-fn number(axis: usize) -> u8 {
-    u8::try_from(axis).unwrap_or(u8::MAX)
 }

@@ -138,7 +138,7 @@ pub enum Request {
         /// On.
         on: bool,
     },
-    /// Saves settings and compensation to flash.
+    /// Makes what was uploaded since [`Request::BeginSave`] the settings of the next start.
     Save,
     /// Arms a recording of every tick.
     Arm {
@@ -161,6 +161,10 @@ pub enum Request {
         /// Ticks per sample.
         decimation: u32,
     },
+    /// Erases the older of the two records in flash, with the drives off. Each upload that is applied from here on is also written
+    /// to it, until [`Request::Save`]; a refused one, or another session, discards it. The axes lose their references: while
+    /// the flash is erased, for some seconds, the program stands still.
+    BeginSave,
 }
 
 /// The reply to a request.

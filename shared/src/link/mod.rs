@@ -10,6 +10,7 @@
 //! | [`conversation`] | which request is new, repeated, old or of another session |
 //! | [`hosted_drive`] | the part that runs in the tick: drives, silence of the host, jog, recording, history of faults |
 //! | [`server`] | the part that runs between ticks: executes requests |
+//! | [`settings_memory`] | what was uploaded, in flash |
 //! | [`port`] | what a board provides: bytes, and access to the part in the tick |
 //!
 //! # Rules
@@ -30,6 +31,7 @@ pub mod receiver;
 pub mod refusal;
 pub mod report;
 pub mod server;
+pub mod settings_memory;
 pub mod stream;
 pub mod watch;
 
@@ -41,3 +43,4 @@ pub use receiver::{LinkCounts, Receiver};
 pub use refusal::Refusal;
 pub use report::{Identity, Status, Times, Welcome};
 pub use server::Server;
+pub use settings_memory::SettingsMemory;

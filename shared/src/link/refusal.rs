@@ -99,6 +99,8 @@ pub enum Refusal {
     Storage,
     /// The path changed too fast to append a block; the request can be repeated.
     Busy,
+    /// No settings were uploaded since the last [`BeginSave`](super::Request::BeginSave), or an upload was refused since.
+    NothingToSave,
 }
 
 /// Why the direction of an axis cannot be checked.

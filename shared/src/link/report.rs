@@ -12,6 +12,7 @@ use crate::homing::{HomingError, HomingSettings};
 use crate::interpolate::PathError;
 use crate::interpolate::feed_hold::FeedState;
 use crate::safety::{Fault, Power};
+use crate::storage::SlotError;
 use crate::units::Position;
 
 /// Declared times of the supervision.
@@ -170,6 +171,46 @@ impl From<HomingError> for HomingFailure {
     }
 }
 
+/// Where the settings that a board uses are from.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum SettingsSource {
+    /// From its program.
+    #[default]
+    Program,
+    /// From the newest record in its flash: loaded at the start, or saved since.
+    Record,
+    /// Uploaded, and not saved.
+    Upload,
+}
+
+/// What the flash of a board holds.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum StoredRecord {
+    /// Nothing was ever saved.
+    #[default]
+    None,
+    /// A valid record, with the number of its save.
+    Valid(u32),
+    /// Neither slot has a valid record: the reason for each.
+    Invalid([SlotError; 2]),
+    /// A valid record with an upload that is not accepted.
+    Refused(u32),
+}
+
+/// The settings of a board.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub struct SettingsReport {
+    /// Those that it uses.
+    pub source: SettingsSource,
+    /// Those that its flash holds.
+    pub stored: StoredRecord,
+}
+
+impl SettingsReport {
+    /// Those of the program; nothing is known of the flash.
+    pub const PROGRAM: Self = Self { source: SettingsSource::Program, stored: StoredRecord::None };
+}
+
 /// The state of a board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
@@ -201,6 +242,8 @@ pub struct Status {
     pub capture: CaptureState,
     /// Samples of the stream that were lost.
     pub lost_samples: u32,
+    /// Where the settings are from, and what the flash holds.
+    pub settings: SettingsReport,
     /// What the link has received before this request.
     pub link: LinkCounts,
 }

@@ -322,7 +322,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     pub fn corrected_command(&self) -> [Position; N] {
         let mut commands = self.state.path.command();
         for (command, correction) in commands.iter_mut().zip(self.state.compensation.active_corrections()) {
-            *command += correction.total;
+            *command += correction.total.distance();
         }
         commands
     }

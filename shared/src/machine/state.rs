@@ -118,8 +118,8 @@ impl<S: Scalar, const N: usize> State<S, N> {
 }
 
 /// The readings as the position loop uses them: the scale's with the correction for errors between motor and scale.
-fn with_screw(reading: Reading, correction: Correction) -> Reading {
-    Reading { table: reading.table.map(|table| table + correction.screw), ..reading }
+fn with_screw<S: Scalar>(reading: Reading, correction: Correction<S>) -> Reading {
+    Reading { table: reading.table.map(|table| table + correction.screw.distance()), ..reading }
 }
 
 impl<S: Scalar, const N: usize> MachineConfig<S, N> {
@@ -164,7 +164,8 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
         for (((axis, command), reading), correction) in
             state.axes.iter_mut().zip(state.path.command()).zip(readings).zip(corrections)
         {
-            *axis = AxisState::at_rest(command, with_screw(*reading, correction)).corrected(correction.total);
+            *axis = AxisState::at_rest(command, with_screw(*reading, correction))
+                .corrected(correction.total.distance());
         }
         state.until_position_tick = 0;
         state.power = state.power.after(Event::Enable);
@@ -196,7 +197,7 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
             commands.iter_mut().zip(&self.axes).zip(readings).zip(corrections)
         {
             let Reading { motor, table } = with_screw(*reading, correction);
-            *command = config.feedback.settled(motor, table) - correction.total;
+            *command = config.feedback.settled(motor, table) - correction.total.distance();
         }
         commands
     }
@@ -204,7 +205,8 @@ impl<S: Scalar, const N: usize> MachineConfig<S, N> {
     /// The next command, its corrections, and the position loops.
     fn position_tick(&self, state: &mut State<S, N>, readings: &[Reading; N]) {
         let commands = state.path.advance();
-        state.compensation.advance(&commands);
+        let is_at_segment_end = state.path.take_segment_end();
+        state.compensation.advance(&commands, is_at_segment_end);
         let mut faults = [FaultSet::NONE; N];
         for (i, ((((faults, axis), config), command), reading)) in
             faults.iter_mut().zip(&mut state.axes).zip(&self.axes).zip(commands).zip(readings).enumerate()

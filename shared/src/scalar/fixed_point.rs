@@ -7,7 +7,8 @@ use fixed::types::{I8F24, I18F14, I26F38};
 
 use super::biquad::{self, Biquad};
 use super::{Scalar, Section};
-use crate::integer::mul_q32;
+use crate::integer::mul_high_i32;
+use crate::units::Position;
 
 /// A fixed-point signal: ±131,072 in steps of 2⁻¹⁴. Addition and subtraction saturate.
 #[derive(Clone, Copy, Default, PartialEq, Eq, PartialOrd, Ord)]
@@ -121,6 +122,7 @@ impl Scalar for Fixed {
     type Sum = I26F38;
 
     const ZERO: Self = Self(I18F14::ZERO);
+    const GREATEST: Self = Self::MAX;
     const ZERO_GAIN: I8F24 = I8F24::ZERO;
     const ZERO_SUM: I26F38 = I26F38::ZERO;
     const NAME: &'static str = "fixed";
@@ -153,20 +155,27 @@ impl Scalar for Fixed {
         Self::from_bits(narrow::<10>(distance))
     }
 
+    #[expect(clippy::cast_possible_truncation, reason = "32 bits within ±144 m")]
+    fn from_position(position: Position) -> Self {
+        Self::from_bits((position.0 >> 26) as i32)
+    }
+
     fn to_distance(sum: I26F38) -> i64 {
         sum.to_bits().wrapping_add(1 << 7) >> 8
     }
 
     fn distance(self) -> i64 {
-        i64::from(self.to_bits()) << 16
+        // The two words: one shift each, which an addition includes.
+        let bits = self.to_bits();
+        (i64::from(bits >> 16) << 32) | i64::from((bits << 16).cast_unsigned())
     }
 
     fn lerp(self, other: Self, fraction_q32: u32) -> Self {
-        // The result lies between two 32-bit numbers: no saturation is needed.
-        let difference = i64::from(other.to_bits()).wrapping_sub(i64::from(self.to_bits()));
-        #[expect(clippy::cast_possible_truncation, reason = "no more than the difference")]
-        let step = mul_q32(difference, fraction_q32) as i32;
-        Self::from_bits(self.to_bits().wrapping_add(step))
+        // From the middle of both: the fraction less a half is a signed number (`SMMLA`).
+        let difference = other.to_bits().wrapping_sub(self.to_bits());
+        let middle = self.to_bits().wrapping_add(difference >> 1);
+        let from_middle = (fraction_q32 ^ (1 << 31)).cast_signed();
+        Self::from_bits(middle.wrapping_add(mul_high_i32(difference, from_middle)))
     }
 
     fn from_fixed(value: Self) -> Self {
@@ -174,7 +183,8 @@ impl Scalar for Fixed {
     }
 
     fn to_gain(self) -> I8F24 {
-        self.0.saturating_to_num()
+        // From 14 to 24 fraction bits (`SSAT`).
+        I8F24::from_bits(self.to_bits().clamp(-(1 << 21), (1 << 21) - 1) << 10)
     }
 
     fn widen(self) -> I26F38 {
@@ -191,6 +201,10 @@ impl Scalar for Fixed {
         value.cast_unsigned().wrapping_add(limit) > limit << 1
     }
 
+    fn product(self, other: Self) -> Self {
+        Self::from_bits(narrow::<14>(i64::from(self.to_bits()).wrapping_mul(i64::from(other.to_bits()))))
+    }
+
     fn clamp_magnitude(self, limit: Self) -> Self {
         Self(self.0.min(limit.0).max(-limit.0))
     }
@@ -203,6 +217,43 @@ mod tests {
     use super::*;
 
     proptest! {
+        /// Linear interpolation is exact but for the rounding of half a difference and of a product, each towards −∞, and exact
+        /// at the first of equal numbers.
+        #[test]
+        fn interpolation_is_linear(from in -(1i32 << 30)..1 << 30, to in -(1i32 << 30)..1 << 30, fraction: u32) {
+            let between = Fixed::from_bits(from).lerp(Fixed::from_bits(to), fraction);
+            let exact = f64::from(from) + (f64::from(to) - f64::from(from)) * f64::from(fraction) / 4_294_967_296.0;
+            let off = f64::from(between.to_bits()) - exact;
+            prop_assert!((-1.5..=1e-6).contains(&off), "{off}");
+            prop_assert_eq!(Fixed::from_bits(from).lerp(Fixed::from_bits(from), fraction), Fixed::from_bits(from));
+        }
+
+        /// Half a step of 2⁻¹⁴.
+        #[test]
+        fn a_product_of_signals_is_rounded_once(a in -300.0..300.0f64, b in -200.0..200.0f64) {
+            let (a, b) = (Fixed::signal(a), Fixed::signal(b));
+            let off = Scalar::value(a.product(b)) - Scalar::value(a) * Scalar::value(b);
+            prop_assert!(off.abs() <= 0.5 / 16_384.0 + 1e-9, "{off}");
+        }
+
+        /// 64 nm, over the whole travel of ±100 m.
+        #[test]
+        fn a_position_is_exact_to_its_step(m in -100.0..100.0f64) {
+            let position = Position::from_m(m).unwrap();
+            let off = position.to_m() - Scalar::value(Fixed::from_position(position)) * crate::units::SCALED_POSITION_M;
+            prop_assert!((-1e-12..66e-9).contains(&off), "{off}");
+        }
+
+        /// A gain has the range of 7 bits and a sign; beyond it the gain saturates.
+        #[test]
+        fn a_signal_becomes_a_gain(bits: i32) {
+            let gain = Scalar::to_gain(Fixed::from_bits(bits)).to_bits();
+            let exact = i64::from(bits) << 10;
+            let clamped = exact.clamp(-(1 << 31), (1 << 31) - 1);
+            let tolerance = if exact == clamped { 0 } else { 1023 };
+            prop_assert!((i64::from(gain) - clamped).abs() <= tolerance, "{gain}");
+        }
+
         /// Within the range of 32 bits the number is exact; beyond it, within 255 steps of the end: over the whole range, and
         /// around both ends.
         #[test]

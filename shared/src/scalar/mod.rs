@@ -39,6 +39,8 @@ use core::ops::{Add, AddAssign, Mul, Neg, Sub};
 pub use fixed_point::Fixed;
 pub(crate) use fixed_point::narrow;
 
+use crate::units::Position;
+
 /// A signal that control laws compute with, in the units of [`crate::units`].
 ///
 /// Operators: signal ± signal (saturated), signal × gain and signal × signal (both a sum).
@@ -74,6 +76,8 @@ pub trait Scalar:
 
     /// The signal 0, usable in constants.
     const ZERO: Self;
+    /// The greatest signal, usable in constants.
+    const GREATEST: Self;
     /// The gain 0, usable in constants.
     const ZERO_GAIN: Self::Gain;
     /// The sum 0, usable in constants.
@@ -103,11 +107,15 @@ pub trait Scalar:
     fn from_distance(distance: i64) -> Self;
     /// A distance in position units as an increment per tick (unit 16 nm), rounded, saturated.
     fn from_increment(distance: i64) -> Self;
+    /// A position in units of [`SCALED_POSITION_M`](crate::units::SCALED_POSITION_M), rounded towards −∞; exact to 64 nm within
+    /// the travel of [`TRAVEL_LIMIT_M`](crate::units::TRAVEL_LIMIT_M).
+    fn from_position(position: Position) -> Self;
     /// A sum of error signals as a distance in position units, rounded.
     fn to_distance(sum: Self::Sum) -> i64;
     /// An error signal as a distance in position units.
     fn distance(self) -> i64;
-    /// Linear interpolation from `self` to `other`; `fraction_q32` has 32 fraction bits.
+    /// Linear interpolation from `self` to `other`; `fraction_q32` has 32 fraction bits. The difference must be below
+    /// [`Scalar::SIGNAL_LIMIT`]. In fixed point the result is too small by up to two steps.
     #[must_use]
     fn lerp(self, other: Self, fraction_q32: u32) -> Self;
 
@@ -124,6 +132,12 @@ pub trait Scalar:
     #[must_use]
     fn exceeds(self, limit: Self) -> bool {
         !(self <= limit && self >= -limit)
+    }
+
+    /// The product of two signals, rounded; its magnitude must be below half of [`Scalar::SIGNAL_LIMIT`], or it saturates.
+    #[must_use]
+    fn product(self, other: Self) -> Self {
+        Self::round(self * other)
     }
 
     /// The signal, limited to ±`limit`.

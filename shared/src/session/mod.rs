@@ -142,6 +142,18 @@ fn execute<S: Scalar>(machine: &mut Machine<S, AXES>, order: &Order, meter: &mut
             machine.fault(*fault);
             Answer::Ready
         }
+        Order::Hold => {
+            machine.hold();
+            Answer::Ready
+        }
+        Order::Resume => {
+            machine.resume();
+            Answer::Ready
+        }
+        Order::Stop => {
+            machine.discard_path();
+            Answer::Ready
+        }
         Order::Tick(readings) => {
             meter.start();
             let output = tick(machine, readings);

@@ -31,8 +31,8 @@
 //! let flash = MemoryFlash::<1024, 256, 4>::erased();
 //! let mut store = Store::new(flash, Slots { starts: [0, 512], length: 512 }, 0x4051).unwrap();
 //! let mut writer = store.writer().unwrap();
-//! writer.message(&[1.5f64, -0.25]).unwrap();
-//! writer.commit().unwrap();
+//! writer.message(&mut store, &[1.5f64, -0.25]).unwrap();
+//! writer.commit(&mut store).unwrap();
 //!
 //! let mut buffer = [0; 64];
 //! let mut reader = store.newest().unwrap();

@@ -42,6 +42,11 @@ impl<F: NorFlash> Store<F> {
         }
     }
 
+    /// The flash.
+    pub const fn flash_mut(&mut self) -> &mut F {
+        &mut self.flash
+    }
+
     /// Greatest length of the content, bytes, including two for each message.
     #[must_use]
     pub const fn capacity(&self) -> usize {

@@ -106,9 +106,9 @@ fn save<F: NorFlash>(flash: F, content: &[Vec<u8>]) -> Result<(), StorageError> 
     let mut store = Store::new(flash, SLOTS, BOARD).unwrap();
     let mut writer = store.writer()?;
     for message in content {
-        writer.bytes(message)?;
+        writer.bytes(&mut store, message)?;
     }
-    writer.commit()
+    writer.commit(&mut store).map(drop)
 }
 
 fn load<F: NorFlash>(flash: F) -> Result<Vec<Vec<u8>>, StorageError> {
@@ -275,9 +275,9 @@ fn content_that_is_too_long_is_refused() {
 fn a_message_of_another_type_is_refused() {
     let mut store = Store::new(Memory::<4>::erased(), SLOTS, BOARD).unwrap();
     let mut writer = store.writer().unwrap();
-    writer.message(&(7u32, "name")).unwrap();
-    writer.message(&[0.5f32; 3]).unwrap();
-    writer.commit().unwrap();
+    writer.message(&mut store, &(7u32, "name")).unwrap();
+    writer.message(&mut store, &[0.5f32; 3]).unwrap();
+    writer.commit(&mut store).unwrap();
     let mut reader = store.newest().unwrap();
     let (mut small, mut buffer) = ([0; 3], [0; 64]);
     assert_eq!(reader.bytes(&mut store, &mut small), Err(StorageError::MessageTooLong));
@@ -313,6 +313,7 @@ fn the_version_is_that_of_the_stored_types() {
     use crate::compensate::CompensationSettings;
     use crate::compensate::settings::{Cycle, ForceModel, Reversal};
     use crate::config::{AxisSettings, Notch, Rates, Sensors};
+    use crate::link::message::UploadKind;
     let axis = AxisSettings {
         sensors: Sensors::Dual { time_constant_s: 0.25 },
         notch: Some(Notch { frequency_hz: 300.0, width_hz: 60.0, depth: 0.5 }),
@@ -330,15 +331,18 @@ fn the_version_is_that_of_the_stored_types() {
         Store::new(MemoryFlash::<4096, 2048, 4>::erased(), Slots { starts: [0, 2048], length: 2048 }, BOARD)
             .unwrap();
     let mut writer = store.writer().unwrap();
-    writer.message(&rates).unwrap();
-    writer.message(&axis).unwrap();
-    writer.message(&compensation).unwrap();
-    writer.commit().unwrap();
+    writer.message(&mut store, &rates).unwrap();
+    writer.message(&mut store, &axis).unwrap();
+    writer.message(&mut store, &compensation).unwrap();
+    for kind in [UploadKind::Settings, UploadKind::Compensation { axis: 1 }] {
+        writer.message(&mut store, &kind).unwrap();
+    }
+    writer.commit(&mut store).unwrap();
     let (mut reader, mut buffer) = (store.newest().unwrap(), [0; 2048]);
     assert_eq!(reader.message::<Rates, _>(&mut store, &mut buffer), Ok(rates));
     assert_eq!(reader.message::<AxisSettings, _>(&mut store, &mut buffer), Ok(axis));
     assert_eq!(reader.message::<CompensationSettings, _>(&mut store, &mut buffer), Ok(compensation));
     let header = &store.flash.bytes_mut()[..32];
     let checksum = u32::from_le_bytes([header[20], header[21], header[22], header[23]]);
-    assert_eq!((VERSION, checksum), (1, 0xe473_7932));
+    assert_eq!((VERSION, checksum), (1, 0x0bb0_b994));
 }

@@ -9,6 +9,7 @@ mod cancels;
 mod force;
 mod refused;
 mod sensors;
+mod waits;
 
 use std::f64::consts::TAU;
 
@@ -56,7 +57,7 @@ impl<S: Scalar> Bench<S> {
         let commands = self.all.commands(&command_m.map(position));
         let forces = self.all.forces(&readings);
         for axis in 0..2 {
-            self.added[0][axis] = commands[axis].total as f64 / PER_M;
+            self.added[0][axis] = commands[axis].total.distance() as f64 / PER_M;
             self.added[1][axis] = (readings[axis].motor - raw[axis].motor) as f64 / PER_M;
             self.added[2][axis] = forces[axis].value();
         }

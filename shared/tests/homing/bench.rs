@@ -157,7 +157,7 @@ impl Board<1> for Bench {
         false
     }
 
-    fn set_duties(&mut self, [duty]: [Duty; 1]) {
+    fn set_signals(&mut self, [duty]: [Duty; 1]) {
         self.duty = duty;
     }
 

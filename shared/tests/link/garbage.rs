@@ -76,9 +76,9 @@ fn garbage_is_never_accepted_and_nothing_moves() {
         let bytes = wrong_frame(&rig, &mut draws, &requests);
         rig.line.to_board.extend(&bytes);
         while !rig.line.to_board.is_empty() {
-            rig.server.poll(&mut rig.line, &mut rig.drive);
+            rig.poll();
         }
-        rig.server.poll(&mut rig.line, &mut rig.drive);
+        rig.poll();
         rig.run(1);
         for reply in rig.replies() {
             // Whole frames of another session or number are answered, with the number that is expected.

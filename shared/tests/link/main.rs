@@ -6,8 +6,10 @@ mod direction;
 mod garbage;
 mod motions;
 mod order;
+mod power_loss;
 mod recordings;
 mod rig;
+mod saving;
 mod silence;
 mod uploads;
 

@@ -2,6 +2,7 @@
 
 use std::collections::VecDeque;
 
+use embedded_storage::nor_flash::NorFlash;
 use shared::capture::ChannelSteps;
 use shared::config::{AxisSettings, Rates};
 use shared::drive::{Amplifier, AnyOutput, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, StatusLight};
@@ -9,10 +10,14 @@ use shared::feedback::Reading;
 use shared::link::message::{BoardSettings, FromBoard, Reply, Request};
 use shared::link::packet::{self, Frame, Header};
 use shared::link::stream::StreamPacket;
-use shared::link::{BytePort, HostedDrive, Identity, Receiver, Refusal, Server, Status, Times};
+use shared::link::{
+    BytePort, HostedDrive, Identity, Receiver, Refusal, Server, SettingsMemory, Status, Times,
+};
 use shared::machine::Machine;
-use shared::safety::Power;
+use shared::safety::{Fault, Power};
 use shared::scalar::Fixed;
+use shared::storage::memory::MemoryFlash;
+use shared::storage::{Slots, Store};
 use shared::units::{PER_NM, Position};
 
 pub const TICK_HZ: u32 = 20_000;
@@ -23,6 +28,14 @@ pub const STEPS: ChannelSteps<2> =
     ChannelSteps { command: PER_NM / 16, motor: [COUNT; 2], table: [COUNT; 2], force_bits: 5 };
 /// 80 KiB, as on the emulated board.
 pub const CAPTURE_BYTES: usize = 80 * 1024;
+
+/// Length of a slot, bytes: settings and a compensation of each axis.
+pub const SLOT: u32 = 4096;
+/// Identity of the board in its flash.
+pub const BOARD: u32 = 0x4051_0002;
+
+/// A flash of two slots with words of 4 bytes.
+pub type Memory = MemoryFlash<8192, 1024, 4>;
 
 const FULL_COUNTS: u16 = 8400;
 const FULL_N: f64 = 400.0;
@@ -55,7 +68,7 @@ pub struct TestBench {
 }
 
 impl TestBench {
-    fn step(&mut self) {
+    pub fn step(&mut self) {
         let tick_s = 1.0 / f64::from(TICK_HZ);
         for axis in 0..2 {
             let force = if self.enabled { self.forces_n[axis] } else { 0.0 };
@@ -88,7 +101,7 @@ impl Board<2, DriveSignal> for TestBench {
         self.stopped
     }
 
-    fn set_duties(&mut self, signals: [DriveSignal; 2]) {
+    fn set_signals(&mut self, signals: [DriveSignal; 2]) {
         self.forces_n = signals.map(|signal| {
             let DriveSignal::Pwm(Duty { reverse, counts }) = signal else { return 0.0 };
             FULL_N * f64::from(counts) / f64::from(FULL_COUNTS) * if reverse { -1.0 } else { 1.0 }
@@ -124,7 +137,8 @@ impl BytePort for Line {
     }
 }
 
-pub struct Rig {
+pub struct Rig<F = Memory> {
+    pub memory: SettingsMemory<F>,
     pub server: Box<Server>,
     pub drive: HostedDrive<'static, Fixed, 2>,
     pub bench: TestBench,
@@ -139,8 +153,30 @@ pub struct Rig {
 }
 
 impl Rig {
-    /// With a session, the enable switch open.
+    /// With a session, the enable switch open, and nothing in the flash.
     pub fn new() -> Self {
+        Self::with_flash(Memory::erased())
+    }
+
+    /// With the drives on.
+    pub fn enabled() -> Self {
+        let mut rig = Self::new();
+        rig.close_switch();
+        assert_eq!(rig.request(&Request::Enable), Reply::Done);
+        rig.run(10);
+        assert_eq!(rig.status().power, Power::On);
+        rig
+    }
+}
+
+impl<F: NorFlash> Rig<F> {
+    /// A start of the board with a flash. With a session, the enable switch open.
+    pub fn with_flash(flash: F) -> Self {
+        Self::started(flash, None)
+    }
+
+    /// The same after a run that was ended by a fault.
+    pub fn started(flash: F, previous_fault: Option<Fault>) -> Self {
         let settings = settings();
         let machine = Box::leak(Box::new(
             Machine::<Fixed, 2>::new(settings.rates, &settings.axes, [Position(0); 2]).unwrap(),
@@ -156,7 +192,9 @@ impl Rig {
             times: TIMES,
             homing: [None; 2],
         };
+        let slots = Slots { starts: [0, SLOT], length: SLOT };
         let mut rig = Self {
+            memory: SettingsMemory::new(Store::new(flash, slots, BOARD).unwrap()),
             server: Box::new(Server::new(identity, settings)),
             drive: HostedDrive::new(system, TICK_HZ, TIMES, &STEPS, memory),
             bench: TestBench::default(),
@@ -168,17 +206,8 @@ impl Rig {
             logged: Vec::new(),
             log: false,
         };
+        rig.server.load(&mut rig.drive, &mut rig.memory, previous_fault);
         rig.hello(1);
-        rig
-    }
-
-    /// With the drives on.
-    pub fn enabled() -> Self {
-        let mut rig = Self::new();
-        rig.close_switch();
-        assert_eq!(rig.request(&Request::Enable), Reply::Done);
-        rig.run(10);
-        assert_eq!(rig.status().power, Power::On);
         rig
     }
 
@@ -206,8 +235,12 @@ impl Rig {
                 self.logged.push(readings);
             }
             self.drive.tick(&mut self.bench);
-            self.server.poll(&mut self.line, &mut self.drive);
+            self.poll();
         }
+    }
+
+    pub fn poll(&mut self) {
+        self.server.poll(&mut self.line, &mut self.drive, &mut self.memory);
     }
 
     /// Sends the next request and returns its reply.

@@ -1,5 +1,6 @@
 //! Uploads of settings and compensation.
 
+use embedded_storage::nor_flash::NorFlash;
 use serde::Serialize;
 use shared::compensate::CompensationSettings;
 use shared::config::Rates;
@@ -12,13 +13,13 @@ use shared::protocol::LONGEST_ORDER;
 use super::jog_by;
 use super::rig::{Rig, settings};
 
-fn bytes_of(contents: &impl Serialize) -> Vec<u8> {
+pub fn bytes_of(contents: &impl Serialize) -> Vec<u8> {
     let mut buffer = [0; LONGEST_ORDER];
     postcard::to_slice(contents, &mut buffer).unwrap().to_vec()
 }
 
 /// Sends all parts. Returns the request that applies them.
-fn stage(rig: &mut Rig, kind: UploadKind, bytes: &[u8]) -> Request {
+fn stage<F: NorFlash>(rig: &mut Rig<F>, kind: UploadKind, bytes: &[u8]) -> Request {
     for (part, offset) in bytes.chunks(PART).zip((0u16..).step_by(PART)) {
         let bytes = heapless::Vec::from_slice(part).unwrap();
         assert_eq!(rig.request(&Request::Upload { offset, bytes }), Reply::Done);
@@ -27,7 +28,7 @@ fn stage(rig: &mut Rig, kind: UploadKind, bytes: &[u8]) -> Request {
     Request::Apply { kind, length, checksum: packet::checksum(bytes) }
 }
 
-fn upload(rig: &mut Rig, kind: UploadKind, contents: &impl Serialize) -> Reply {
+pub fn upload<F: NorFlash>(rig: &mut Rig<F>, kind: UploadKind, contents: &impl Serialize) -> Reply {
     let apply = stage(rig, kind, &bytes_of(contents));
     rig.request(&apply)
 }

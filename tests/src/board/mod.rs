@@ -23,7 +23,7 @@ use crate::chip::image::Image;
 use crate::chip::memory::{Offset, Word, word};
 use crate::chip::vectors::Vectors;
 use crate::chip::walk::is_panic;
-use crate::firmware::{FLASH, RAM, SERIAL, TICK};
+use crate::firmware::{FLASH, RAM, SERIAL, SETTINGS_SLOTS, TICK};
 use crate::gdb::{GdbError, Halt, PC, Target, Watch, XPSR};
 use tempfile::TempDir;
 
@@ -124,6 +124,10 @@ impl Chip {
     fn prepare(&mut self) -> Result<(), GdbError> {
         let (floor, top) = (self.floor(), self.vectors.initial_sp);
         self.target.set_memory(floor, &vec![PATTERN; (top - floor) as usize])?;
+        // Erased, where QEMU leaves zeros.
+        for slot in SETTINGS_SLOTS {
+            self.target.set_memory(slot, &[0xff; 64])?;
+        }
         let inputs = self.inputs.iter().flat_map(Device::registers);
         for &address in self.clocks.registers().iter().chain(inputs) {
             self.target.watch(Watch::Read, address)?;

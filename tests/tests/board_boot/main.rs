@@ -8,6 +8,7 @@
 
 mod checks;
 mod host;
+mod stored;
 
 use firmware::setup::{IDENTITY, RATES};
 use shared::link::{Refusal, Reply, Request};

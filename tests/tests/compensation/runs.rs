@@ -169,7 +169,7 @@ impl Comparison {
 const START_S: f64 = 0.6;
 
 /// Rms of the difference of two tool paths along the radius, µm.
-fn radial_difference_um(log: &Log, other: &Log) -> f64 {
+pub fn radial_difference_um(log: &Log, other: &Log) -> f64 {
     let radial = |log: &Log| -> Vec<f64> {
         let channel = |axis: &str, channel| log.axis(axis).unwrap().channel(channel).unwrap();
         let (x, y) = (channel("x", Channel::Command), channel("y", Channel::Command));

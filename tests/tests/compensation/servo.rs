@@ -3,7 +3,9 @@
 
 use compensate::CompensationFile;
 
-use super::runs::{Comparison, PLAIN, machine, plan, usual, with};
+use super::runs::{
+    Comparison, PLAIN, SPEED_MM_S, changed, log, machine, plan, radial_difference_um, usual, with,
+};
 use super::theory::{LOOP, Loop, Point, Side, radial_rms_um};
 
 /// The settings that a plan gives the x axis for an effect, and nothing else. They make the drive that of the machine without
@@ -56,4 +58,31 @@ pub fn velocity_gain_mismatch() {
 pub fn integral_time_mismatch() {
     let other = Loop { integral_time_s: 1.5 * LOOP.integral_time_s, ..LOOP };
     other_loop("name = \"integral_time_mismatch\"\npercent = 50.0", other);
+}
+
+/// With Kf = 100 %, HPC enlarges a circle: the response is N·(Kp + s)/(s·D + Kp·N) with N = k1·k2·Kp² and D = s² + k2·Kp·s + N.
+/// P has the response 1. The plan changes the law, and says what that is worth.
+#[test]
+fn p_takes_the_place_of_hpc() {
+    let (radius_um, omega, kp, k1, k2) = (20e3, SPEED_MM_S / 20.0, 50.0, 8.0 / 3.0, 6.0);
+    let n = k1 * k2 * kp * kp;
+    let denominator = (kp * n - k2 * kp * omega * omega).hypot(omega * (n - omega * omega));
+    let enlarged_um = radius_um * (n * kp.hypot(omega) / denominator - 1.0);
+    let machine = machine(&changed(PLAIN, "controller = \"p\"", "controller = \"hpc\""));
+    let plan = plan(&machine, &usual());
+    let mut hpc = plan.file.clone();
+    for axis in hpc.axis.values_mut() {
+        axis.controller.law = None;
+    }
+    let [with_p, with_hpc] = [&plan.file, &hpc].map(|file| log(&machine, file, &usual()));
+    let ratio = radial_difference_um(&with_hpc, &with_p) / enlarged_um;
+    // A ninth of the time is at rest or in ramps, where the circle is less enlarged: √(8/9) = 0.94.
+    assert!((0.87..1.0).contains(&ratio), "{ratio}");
+    let item = plan.items.iter().find(|item| item.effect == "control_law").unwrap();
+    assert!(item.after_um < 0.1 * item.before_um, "{item:?}");
+    for axis in plan.file.axis.values() {
+        assert_eq!(axis.controller.law, Some(model::axis::Law::P));
+    }
+    let text = plan.file.to_toml().unwrap();
+    assert!(text.contains("[axis.x.controller]\ncontroller = \"p\"\n"), "{text}");
 }

@@ -72,11 +72,7 @@ fn the_lag_of_a_current_loop_is_no_position_gain() {
 /// one", on a machine whose masses, friction and stiffness are some percent off.
 #[test]
 fn an_effect_whose_interval_contains_zero_is_not_reported() {
-    let mut declared = model::machine::Machine::parse(model::examples::DEMO_MACHINE, "demo.toml").unwrap();
-    for axis in declared.axis.values_mut() {
-        axis.settings.controller.feedforward_percent = Some(100.0);
-        axis.settings.controller.feedforward_ahead_s = Some(1.25e-3);
-    }
+    let declared = demo::round_trips::declared(true).unwrap();
     let mut truth = declared.clone();
     truth.axis["x"].settings.mechanics.table_mass_kg = Some(164.0);
     truth.axis["x"].settings.mechanics.coulomb_n = Some(186.0);

@@ -7,3 +7,5 @@ mod bench;
 mod document;
 mod drives;
 mod logs;
+mod settings;
+mod silence;

@@ -23,6 +23,17 @@ pub enum Law {
     Hpc,
 }
 
+impl Law {
+    /// Its usual name.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::P => "P",
+            Self::Hpc => "HPC",
+        }
+    }
+}
+
 /// Position feedback of the controller.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
 #[serde(rename_all = "snake_case")]
@@ -34,6 +45,18 @@ pub enum Feedback {
     Table,
     /// Motor reading + low-pass(table − motor).
     Dual,
+}
+
+impl Feedback {
+    /// Its name in a machine file.
+    #[must_use]
+    pub const fn word(self) -> &'static str {
+        match self {
+            Self::Motor => "motor",
+            Self::Table => "table",
+            Self::Dual => "dual",
+        }
+    }
 }
 
 /// A key of an `[axis.NAME]` table.

@@ -77,6 +77,7 @@ pub(super) fn fault(machine: &Machine, fault: Fault, time_s: f64) -> SimulationE
         Fault::Overrun => ("a tick took longer than its period".to_owned(), ""),
         Fault::HardwareStop => ("the power stages were switched off by hardware".to_owned(), ""),
         Fault::Watchdog => ("the board was reset by its watchdog".to_owned(), ""),
+        Fault::StoredSettings => ("the settings in the flash of the board cannot be used".to_owned(), ""),
         Fault::EmergencyStop => ("the emergency stop is pressed".to_owned(), ""),
         Fault::BusOvervoltage => ("the bus voltage is too high".to_owned(), ""),
         Fault::BusUndervoltage => ("the bus voltage is too low".to_owned(), ""),

@@ -25,8 +25,10 @@ pub enum Action {
     LoseScale,
     /// The x scale has its signal again.
     RestoreScale,
-    /// End the emulator.
+    /// End the emulator, as a board without supply: what was saved is kept in its flash.
     End,
+    /// End the emulator and erase its flash: the next start is that of a new board.
+    EraseFlash,
 }
 
 /// Arguments of `bench`.
@@ -51,9 +53,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Action::LoseScale => (b'l', "The scale of x has no signal."),
         Action::RestoreScale => (b'g', "The scale of x has its signal."),
         Action::End => (END, "The emulator has ended."),
+        Action::EraseFlash => (END, "The emulator has ended, and its flash is erased."),
     };
     if byte != END || Bench::is_running() {
         Bench::start()?.operate(byte)?;
+    }
+    if matches!(arguments.action, Action::EraseFlash) {
+        Bench::erase_flash()?;
     }
     print(done)
 }

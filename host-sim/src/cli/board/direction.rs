@@ -5,7 +5,7 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 
-use super::{PortArguments, axis_number};
+use super::AxisArguments;
 use crate::cli::outputs::print;
 use crate::cli::progress::Progress;
 use crate::cli::stop;
@@ -21,10 +21,7 @@ const POLL: Duration = Duration::from_millis(50);
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    port: PortArguments,
-    /// Axis.
-    #[arg(long)]
-    axis: String,
+    axis: AxisArguments,
     /// Force, N: slightly more than the friction of the axis.
     #[arg(long)]
     force_n: f64,
@@ -44,8 +41,8 @@ pub struct Arguments {
 /// # Errors
 /// A board that cannot be reached or refuses it, a result other than ok.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let axis = axis_number(&arguments.axis)?;
-    let mut client = arguments.port.connect()?;
+    let axis = arguments.axis.number()?;
+    let mut client = arguments.axis.port.connect()?;
     let settings = DirectionCheckSettings {
         force_n: arguments.force_n,
         time_s: arguments.time_s,

@@ -4,7 +4,7 @@ use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
-use super::{PortArguments, axis_number, simple};
+use super::{AxisArguments, simple};
 use crate::cli::outputs::print;
 use crate::cli::stop;
 use ::board::motion::POLL;
@@ -19,10 +19,7 @@ const MAX_S: f64 = 3600.0;
 #[derive(clap::Args)]
 pub struct Arguments {
     #[command(flatten)]
-    port: PortArguments,
-    /// Axis.
-    #[arg(long)]
-    axis: String,
+    axis: AxisArguments,
     /// Signed distance.
     #[arg(long, value_name = "MM", allow_negative_numbers = true, conflicts_with = "for_s")]
     by_mm: Option<f64>,
@@ -45,7 +42,7 @@ pub struct Arguments {
 /// # Errors
 /// Invalid arguments, a board that cannot be reached or refuses the jog, an interrupt.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let axis = axis_number(&arguments.axis)?;
+    let axis = arguments.axis.number()?;
     let duration = match arguments.for_s {
         Some(seconds) if seconds > 0.0 && seconds <= MAX_S => Some(Duration::from_secs_f64(seconds)),
         Some(seconds) => {
@@ -60,7 +57,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         velocity_m_per_s: arguments.speed_mm_per_min / 60e3,
         acceleration_m_per_s2: arguments.acceleration_m_per_s2,
     };
-    let mut client = arguments.port.connect()?;
+    let mut client = arguments.axis.port.connect()?;
     client.enable()?;
     stop::write_partial_result();
     client.command(&Request::Jog(jog))?;
@@ -78,5 +75,5 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     simple::wait(&mut client)?;
     let status = client.status()?;
     let at = &status.axes[usize::from(axis)];
-    print(&format!("{} is at {:.4} mm.", arguments.axis, 1e3 * at.command.to_m()))
+    print(&format!("{} is at {:.4} mm.", arguments.axis.axis, 1e3 * at.command.to_m()))
 }

@@ -66,15 +66,29 @@ pub fn connect(port: &str, timeout_s: f64) -> Result<Client> {
     Ok(client)
 }
 
-/// The number of an axis by its name.
-///
-/// # Errors
-/// If the board has no such axis.
-pub fn axis_number(name: &str) -> Result<u8, InputError> {
-    let names = board::refusal::AXIS_NAMES;
-    names
-        .iter()
-        .position(|known| *known == name)
-        .and_then(|number| u8::try_from(number).ok())
-        .ok_or_else(|| InputError::expected("--axis", names.join(" or "), files::error::quoted(name)))
+/// The port of a board, and one of its axes.
+#[derive(clap::Args)]
+pub struct AxisArguments {
+    #[command(flatten)]
+    port: PortArguments,
+    /// Axis.
+    #[arg(long)]
+    axis: String,
+}
+
+impl AxisArguments {
+    /// The number of the axis.
+    ///
+    /// # Errors
+    /// If the board has no such axis.
+    pub fn number(&self) -> Result<u8, InputError> {
+        let names = board::refusal::AXIS_NAMES;
+        names
+            .iter()
+            .position(|known| *known == self.axis)
+            .and_then(|number| u8::try_from(number).ok())
+            .ok_or_else(|| {
+                InputError::expected("--axis", names.join(" or "), files::error::quoted(&self.axis))
+            })
+    }
 }

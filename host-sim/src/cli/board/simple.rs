@@ -2,7 +2,7 @@
 
 use anyhow::{Result, bail};
 
-use super::{PortArguments, axis_number};
+use super::{AxisArguments, PortArguments};
 use crate::cli::outputs::print;
 use crate::cli::stop;
 use ::board::{BoardError, Client, refusal};
@@ -14,16 +14,6 @@ use shared::link::report::HomingReport;
 pub struct Arguments {
     #[command(flatten)]
     port: PortArguments,
-}
-
-/// Arguments of `home`.
-#[derive(clap::Args)]
-pub struct HomeArguments {
-    #[command(flatten)]
-    port: PortArguments,
-    /// Axis.
-    #[arg(long)]
-    axis: String,
 }
 
 /// Enables the drives and waits until they are on.
@@ -78,8 +68,8 @@ pub fn resume(arguments: &Arguments) -> Result<()> {
 ///
 /// # Errors
 /// A board that cannot be reached or refuses it, an axis that it does not have.
-pub fn home(arguments: &HomeArguments) -> Result<()> {
-    let axis = axis_number(&arguments.axis)?;
+pub fn home(arguments: &AxisArguments) -> Result<()> {
+    let axis = arguments.number()?;
     let mut client = arguments.port.connect()?;
     stop::write_partial_result();
     client.enable()?;

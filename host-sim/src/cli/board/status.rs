@@ -53,6 +53,7 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
         ),
         format!("drives: {}", power(status)),
         format!("path: {}", path(status)),
+        format!("settings: {}", refusal::settings(&status.settings)),
     ];
     if let Some(warning) = status.warning {
         lines.push(format!("warning: {}", refusal::fault(warning)));

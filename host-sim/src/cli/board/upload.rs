@@ -28,7 +28,7 @@ pub struct Arguments {
     /// Compensation file, as `compensate` writes it.
     #[arg(long)]
     compensation: Option<PathBuf>,
-    /// Save it to the flash of the board.
+    /// Save it to the flash of the board, for its next starts. The axes have to be homed again.
     #[arg(long)]
     save: bool,
 }
@@ -51,6 +51,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let source = arguments.machine.display().to_string();
     let settings = settings(&machine, &source)?;
     let mut client = arguments.port.connect()?;
+    if arguments.save {
+        client.begin_save()?;
+    }
     client.upload(UploadKind::Settings, &settings).map_err(|error| refused(error, &source))?;
     let mut done = format!("The board has the settings of {source}");
     if let Some((file, source)) = &compensation {
@@ -59,7 +62,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     if arguments.save {
         client.command(&Request::Save)?;
-        done += ", and has saved them";
+        done += ", and has saved them: the axes have to be homed again";
     }
     print(&format!("{done}."))
 }

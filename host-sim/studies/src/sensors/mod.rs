@@ -140,7 +140,7 @@ pub fn with_loop(machine: &Machine, feedback: Feedback, law: Law) -> Machine {
 /// The row of a machine.
 fn row(machine: &Machine, tests: &[TestMotion], limits: MarginLimits) -> Result<Row, SensorsError> {
     let instruments = Instruments::of(machine, SEED);
-    let none = without_compensation(machine);
+    let none = CompensationFile::none(machine);
     let before = contour_errors(machine, &none, tests, instruments)?;
     let planning = Planning { model: machine, model_file: "machine.toml", tests, instruments, set_at_s: 0.0 };
     let plan = planning.plan()?;
@@ -149,10 +149,6 @@ fn row(machine: &Machine, tests: &[TestMotion], limits: MarginLimits) -> Result<
     let highest = highest_gain(&axes);
     let over_gain = curve(machine, &tests[..1], highest.unwrap_or(LOWEST_GAIN_PER_S))?;
     Ok(Row::new(machine, &axes, highest, [&before, &after]).with_curve(over_gain))
-}
-
-fn without_compensation(machine: &Machine) -> CompensationFile {
-    CompensationFile { machine: machine.name.clone(), ..CompensationFile::default() }
 }
 
 /// The highest position gain that all axes can have, 1/s.
@@ -176,7 +172,7 @@ fn curve(
             axis.settings.controller.position_gain_per_s = Some(gain_per_s);
         }
         let instruments = Instruments::of(&machine, SEED);
-        let errors = contour_errors(&machine, &without_compensation(&machine), tests, instruments)?;
+        let errors = contour_errors(&machine, &CompensationFile::none(&machine), tests, instruments)?;
         Ok(GainPoint { position_gain_per_s: gain_per_s, circle_rms_um: errors[0].rms_um })
     };
     (0..CURVE_POINTS).into_par_iter().map(point).collect()
@@ -194,7 +190,7 @@ fn crossovers(
             axis.settings.sensors.dual_feedback_time_constant_s = Some(time_constant_s);
         }
         let instruments = Instruments::of(&machine, SEED);
-        let errors = contour_errors(&machine, &without_compensation(&machine), tests, instruments)?;
+        let errors = contour_errors(&machine, &CompensationFile::none(&machine), tests, instruments)?;
         let axes = axis_margins::of_machine(&machine, &instruments, limits)?;
         Ok(CrossoverPoint {
             time_constant_s,

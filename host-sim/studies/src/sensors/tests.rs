@@ -61,7 +61,7 @@ fn the_scale_takes_away_most_of_the_contour_error() {
     let [motor, table, dual] = of_sensors(|feedback| {
         let machine = machine(feedback, Law::P);
         let instruments = Instruments::of(&machine, SEED);
-        let none = without_compensation(&machine);
+        let none = CompensationFile::none(&machine);
         contour_errors(&machine, &none, std::slice::from_ref(&test), instruments).unwrap()[0].rms_um
     });
     // Half of 6 to 8 µm of backlash; and less than that with all pitch errors, 60 µm/m·15 mm + 2 µm, added in phase.

@@ -37,7 +37,7 @@ impl Board<1> for Bench {
         self.stopped
     }
 
-    fn set_duties(&mut self, [duty]: [Duty; 1]) {
+    fn set_signals(&mut self, [duty]: [Duty; 1]) {
         self.duty = duty;
     }
 

@@ -13,7 +13,7 @@ use end_correction::EndCorrection;
 
 use super::error::{Field, PathError};
 use super::turn::{ONE, sin_cos};
-use crate::integer::{mul_high, mul_shift};
+use crate::integer::{Words, mul_shift, shifted_product};
 use crate::units::{PER_M, PER_NM, Position, TRAVEL_LIMIT_M};
 
 /// 2π with 61 fraction bits.
@@ -44,7 +44,7 @@ pub struct Arc<const N: usize> {
     centre: [Position; 2],
     /// Start − centre, position units.
     radius: [i64; 2],
-    /// Turns per position unit with `phase_shift` + 64 fraction bits. It has 63 or 64 significant bits, so that the phase at
+    /// Turns per position unit with `phase_shift` + 64 fraction bits. It has 64 significant bits, so that the phase at
     /// the end of the longest arc has a relative error of 2⁻⁶¹.
     phase_per_unit: u64,
     phase_shift: u32,
@@ -160,8 +160,9 @@ impl<const N: usize> Arc<N> {
         }
         // 2πR, with R below 2⁵⁹, is below 2⁶².
         let circumference = (curvature_radius * TAU_Q61) >> 61;
-        // 2^(shift + 64)/circumference has 63 or 64 bits. With the least radius the shift is at least 31.
-        let phase_shift = circumference.ilog2() - 1;
+        // 2^(shift + 64)/circumference has 64 bits. With the least radius the shift is at least 32.
+        let phase_shift = circumference.ilog2();
+        let phase_per_unit = ((1u128 << (phase_shift + 64)) / circumference).min(u128::from(u64::MAX));
         #[expect(clippy::cast_possible_truncation, reason = "see above")]
         Ok(Self {
             start,
@@ -169,7 +170,7 @@ impl<const N: usize> Arc<N> {
             plane,
             centre,
             radius,
-            phase_per_unit: ((1u128 << (phase_shift + 64)) / circumference) as u64,
+            phase_per_unit: phase_per_unit as u64,
             phase_shift,
             clockwise: false,
             length: circumference as i64,
@@ -265,10 +266,7 @@ impl<const N: usize> Arc<N> {
 
     /// The phase at a path length, 2⁶⁴ per turn, without whole turns.
     fn phase_at(&self, length: i64) -> u64 {
-        let phase = (u128::from(length.unsigned_abs()) * u128::from(self.phase_per_unit)) >> self.phase_shift;
-        #[expect(clippy::cast_possible_truncation, reason = "whole turns drop out")]
-        let phase = phase as u64;
-        phase
+        shifted_product(length.cast_unsigned(), self.phase_per_unit, self.phase_shift)
     }
 
     /// Sine and cosine of a phase, signed by the direction of the arc.
@@ -278,21 +276,30 @@ impl<const N: usize> Arc<N> {
 
     /// The start point rotated about the centre by a phase (2⁶⁴ per turn).
     fn rotated(&self, phase: u64) -> [Position; N] {
-        let (sine, cosine) = self.sin_cos(phase);
-        // Two more fraction bits, so that the sum of the products is within a unit.
-        let [dx, dy] = self.radius.map(|r| r << 4);
-        let rounded = |quarters: i64| (quarters + 2) >> 2;
-        let x = self.centre[0] + rounded(mul_high(dx, cosine) - mul_high(dy, sine));
-        let y = self.centre[1] + rounded(mul_high(dx, sine) + mul_high(dy, cosine));
         let mut point = self.start;
         // `plan` has checked the plane; `get_mut` compiles to no panic.
-        if let Some(position) = point.get_mut(self.plane[0]) {
-            *position = x;
-        }
-        if let Some(position) = point.get_mut(self.plane[1]) {
-            *position = y;
+        for (axis, coordinate) in self.plane.into_iter().zip(self.rotated_in_plane(phase)) {
+            if let Some(position) = point.get_mut(axis) {
+                *position = coordinate;
+            }
         }
         point
+    }
+
+    /// The two coordinates of [`Arc::rotated`].
+    // Not inlined: the compiler would move a part of the products behind a test of the plane, and not see there that their
+    // factors are words.
+    #[inline(never)]
+    fn rotated_in_plane(&self, phase: u64) -> [Position; 2] {
+        let (sine, cosine) = self.sin_cos(phase);
+        // Two more fraction bits, so that the sum of the products is within a unit.
+        let [dx, dy] = self.radius.map(|r| Words::of(r << 4));
+        let (minus_sine, sine, cosine) = (Words::of(-sine), Words::of(sine), Words::of(cosine));
+        let rounded = |quarters: i64| (quarters + 2) >> 2;
+        [
+            self.centre[0] + rounded(Words::sum_of_products(dx, cosine, dy, minus_sine)),
+            self.centre[1] + rounded(Words::sum_of_products(dx, sine, dy, cosine)),
+        ]
     }
 }
 

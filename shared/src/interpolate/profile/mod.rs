@@ -17,9 +17,10 @@ mod tests;
 
 pub use motion::Progress;
 
-use motion::Motion;
+use motion::{Motion, Place, SegmentEnd};
 
 use super::error::PathError;
+use super::fraction::whole;
 use super::limits::Limits;
 use super::ramp::{MAX_TICKS, Ramp, TICK, peak};
 
@@ -143,68 +144,120 @@ impl Profile {
 
     /// Sets a progress to the start of the curve.
     pub fn start(&self, progress: &mut Progress) {
-        let [remaining, ..] = self.durations;
-        (progress.segment, progress.remaining) = (0, remaining);
-        progress.set(&Motion { distance: 0, velocity: self.entry, acceleration: 0 }, self.jerk_sixth(0));
+        let place = &mut progress.place;
+        let mut motion = Motion { distance: 0, velocity: self.entry, acceleration: 0 };
+        // The first segment that takes time, or the last.
+        let mut segment = 0;
+        for duration in &self.durations {
+            place.remaining = *duration;
+            if *duration > 0 || segment + 1 == SEGMENTS {
+                break;
+            }
+            segment += 1;
+            self.enter(&mut motion, segment);
+        }
+        place.segment = segment;
+        place.set(&motion, self.jerk_sixth(segment));
+        progress.has_segment_end = false;
     }
 
     /// Advances by a time up to [`TICK`].
+    #[inline(always)]
+    #[expect(clippy::inline_always, reason = "a call in every tick")]
     pub fn advance(&self, progress: &mut Progress, time: u64) -> Step {
-        if time == TICK && progress.remaining >= TICK {
-            progress.remaining -= TICK;
-            progress.whole_tick(progress.segment == CRUISE);
-            if progress.remaining < TICK {
-                self.prepare_segment_end(progress);
-            }
-            return Step::Within(progress.distance());
+        let place = &mut progress.place;
+        if time != TICK || place.remaining < TICK {
+            return self.leave_segment(progress, time);
         }
-        self.across_segments(progress, time)
-    }
-
-    /// Computes the end of a segment that ends within the next tick, so that the work is spread over two ticks.
-    #[cold]
-    #[inline(never)]
-    fn prepare_segment_end(&self, progress: &mut Progress) {
-        let mut motion = progress.motion();
-        motion.advance(self.jerk_sixth(progress.segment), progress.remaining);
-        progress.segment_end = Some(motion);
+        place.remaining -= TICK;
+        place.whole_tick(place.segment == CRUISE);
+        if place.remaining < TICK {
+            self.look_ahead(progress);
+        }
+        Step::Within(progress.distance())
     }
 
     /// Advances by a time in which a segment ends, or by a fraction of a tick.
     #[cold]
-    fn across_segments(&self, progress: &mut Progress, mut time: u64) -> Step {
-        let mut motion = match progress.segment_end.take() {
-            Some(end) if time >= progress.remaining => {
-                time -= core::mem::take(&mut progress.remaining);
-                end
-            }
-            _ => progress.motion(),
+    #[inline(never)]
+    fn leave_segment(&self, progress: &mut Progress, time: u64) -> Step {
+        progress.was_at_segment_end = true;
+        let place = &mut progress.place;
+        let SegmentEnd { motion, segment, time: until } = &mut progress.segment_end;
+        if !core::mem::take(&mut progress.has_segment_end) || time < *until {
+            *motion = place.motion();
+            return self.across_segments(motion, time, place);
+        }
+        let (next, time) = (*segment + 1, time - *until);
+        let Some(duration) = self.durations.get(usize::from(next)) else {
+            (place.segment, place.remaining) = (*segment, 0);
+            place.set(motion, 0);
+            return Step::Beyond(time);
         };
+        self.enter(motion, next);
+        let jerk_sixth = self.jerk_sixth(next);
+        motion.advance(jerk_sixth, time);
+        place.set(motion, jerk_sixth);
+        (place.segment, place.remaining) = (next, duration - time);
+        Step::Within(progress.distance())
+    }
+
+    /// Computes the end of a segment that ends within the next tick, and of those after it that do.
+    #[cold]
+    #[inline(never)]
+    fn look_ahead(&self, progress: &mut Progress) {
+        let place = &progress.place;
+        let SegmentEnd { motion, segment, time } = &mut progress.segment_end;
+        (*motion, *segment, *time) = (place.motion(), place.segment, place.remaining);
+        motion.advance(self.jerk_sixth(*segment), *time);
+        while let Some(&duration) = self.durations.get(usize::from(*segment) + 1)
+            && duration <= TICK - *time
+        {
+            *segment += 1;
+            self.enter(motion, *segment);
+            if duration > 0 {
+                motion.advance(self.jerk_sixth(*segment), duration);
+            }
+            *time += duration;
+        }
+        (progress.has_segment_end, progress.was_at_segment_end) = (true, true);
+    }
+
+    /// Advances a motion at a place by a time in which segments may end, and the place with it.
+    #[inline(never)]
+    fn across_segments(&self, motion: &mut Motion, mut time: u64, place: &mut Place) -> Step {
         // At most all segments end within a tick.
         for _ in 0..SEGMENTS {
-            let elapsed = time.min(progress.remaining);
-            motion.advance(self.jerk_sixth(progress.segment), elapsed);
-            progress.remaining -= elapsed;
+            let elapsed = time.min(place.remaining);
+            if elapsed > 0 {
+                motion.advance(self.jerk_sixth(place.segment), elapsed);
+            }
+            place.remaining -= elapsed;
             time -= elapsed;
-            if progress.remaining > 0 {
+            if place.remaining > 0 {
                 break;
             }
-            if progress.segment + 1 >= SEGMENTS {
-                progress.set(&motion, 0);
+            if place.segment + 1 >= SEGMENTS {
+                place.set(motion, 0);
                 return Step::Beyond(time);
             }
-            progress.segment += 1;
-            progress.remaining = self.durations.get(usize::from(progress.segment)).copied().unwrap_or(0);
-            match progress.segment {
-                // The jerk has reached these values but for rounding; without a jerk limit they jump here.
-                1 => motion.acceleration = self.up.acceleration,
-                CRUISE => (motion.velocity, motion.acceleration) = (self.cruise_speed, 0),
-                5 => motion.acceleration = self.down.acceleration,
-                _ => {}
-            }
+            place.segment += 1;
+            place.remaining = self.durations.get(usize::from(place.segment)).copied().unwrap_or(0);
+            self.enter(motion, place.segment);
         }
-        progress.set(&motion, self.jerk_sixth(progress.segment));
-        Step::Within(progress.distance())
+        place.set(motion, self.jerk_sixth(place.segment));
+        Step::Within(whole(motion.distance))
+    }
+
+    /// Sets what is known at the start of a segment.
+    const fn enter(&self, motion: &mut Motion, segment: u8) {
+        match segment {
+            // The jerk has reached these values but for rounding; without a jerk limit they jump here.
+            1 => motion.acceleration = self.up.acceleration,
+            CRUISE => (motion.velocity, motion.acceleration) = (self.cruise_speed, 0),
+            5 => motion.acceleration = self.down.acceleration,
+            _ => {}
+        }
     }
 
     const fn jerk_sixth(&self, segment: u8) -> i128 {

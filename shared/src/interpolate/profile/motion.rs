@@ -5,10 +5,32 @@ use crate::interpolate::fraction::{speed, whole};
 
 /// Progress along a curve.
 ///
+/// The end of a segment is computed in the tick before it, so that the work is spread over two ticks.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Progress {
+    pub(super) place: Place,
+    pub(super) has_segment_end: bool,
+    /// Whether the last tick computed or crossed the end of a segment.
+    pub(super) was_at_segment_end: bool,
+    /// Written where it is: a copy would take as long as its computation.
+    pub(super) segment_end: SegmentEnd,
+}
+
+/// The end of the last segment that ends within the next tick.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub(super) struct SegmentEnd {
+    pub(super) motion: Motion,
+    pub(super) segment: u8,
+    /// Time until then, up to a tick, 32 fraction bits.
+    pub(super) time: u64,
+}
+
+/// A place on a curve.
+///
 /// Within a segment the distance after n ticks is a cubic in n, so its third difference is constant: three additions
 /// advance it by a tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct Progress {
+pub(super) struct Place {
     /// Distance from the start, position units with 64 fraction bits, and its differences over the next tick.
     pub(super) distance: i128,
     first_difference: i128,
@@ -18,35 +40,49 @@ pub struct Progress {
     /// Time to the end of the segment, ticks with 32 fraction bits.
     pub(super) remaining: u64,
     pub(super) segment: u8,
-    /// Motion at the end of the segment, if that is within the next tick and has been computed.
-    pub(super) segment_end: Option<Motion>,
 }
 
 impl Progress {
     /// At rest at zero, not started.
     pub const NONE: Self = Self {
-        distance: 0,
-        first_difference: 0,
-        second_difference: 0,
-        third_difference: 0,
-        remaining: 0,
-        segment: 0,
-        segment_end: None,
+        place: Place {
+            distance: 0,
+            first_difference: 0,
+            second_difference: 0,
+            third_difference: 0,
+            remaining: 0,
+            segment: 0,
+        },
+        has_segment_end: false,
+        was_at_segment_end: false,
+        segment_end: SegmentEnd {
+            motion: Motion { distance: 0, velocity: 0, acceleration: 0 },
+            segment: 0,
+            time: 0,
+        },
     };
 
     /// Distance from the start, whole position units.
     #[must_use]
     pub const fn distance(&self) -> i64 {
-        whole(self.distance)
+        whole(self.place.distance)
+    }
+
+    /// Whether a tick since the last call computed or crossed the end of a segment, which takes longer than others.
+    pub const fn take_segment_end(&mut self) -> bool {
+        core::mem::replace(&mut self.was_at_segment_end, false)
     }
 
     /// Distance over the next tick, position units with 16 fraction bits.
     #[must_use]
     pub const fn speed(&self) -> u64 {
-        speed(self.first_difference)
+        speed(self.place.first_difference)
     }
+}
 
+impl Place {
     /// Advances by a whole tick within a segment.
+    #[inline]
     pub(super) fn whole_tick(&mut self, cruise: bool) {
         self.distance += self.first_difference;
         if !cruise {
@@ -61,10 +97,9 @@ impl Progress {
         self.first_difference = motion.velocity + (motion.acceleration >> 1) + jerk_sixth;
         self.third_difference = 6 * jerk_sixth;
         self.second_difference = motion.acceleration + self.third_difference;
-        self.segment_end = None;
     }
 
-    /// The inverse of [`Progress::set`].
+    /// The inverse of [`Place::set`].
     pub(super) fn motion(&self) -> Motion {
         let acceleration = self.second_difference - self.third_difference;
         // The jerk is six times an integer: the product with 1/6 is too small by less than one.

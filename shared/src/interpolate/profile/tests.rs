@@ -21,7 +21,7 @@ fn run(profile: &Profile, late: u64) -> Vec<i128> {
     let mut distances = Vec::new();
     let mut time = TICK - late;
     while let Step::Within(_) = profile.advance(&mut progress, time) {
-        distances.push(progress.distance);
+        distances.push(progress.place.distance);
         time = TICK;
     }
     distances.push(i128::from(profile.length) << 64);
@@ -85,7 +85,7 @@ proptest! {
         }
         let mut progress = started(&profile);
         while let Step::Within(_) = profile.advance(&mut progress, TICK) {}
-        let off = (progress.distance - (i128::from(length) << 64)) as f64 / ONE;
+        let off = (progress.place.distance - (i128::from(length) << 64)) as f64 / ONE;
         prop_assert!(off.abs() < 16.0, "{off} units from the end");
     }
 

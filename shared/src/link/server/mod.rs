@@ -5,6 +5,7 @@
 
 mod motion;
 mod recording;
+mod saving;
 mod state;
 mod upload;
 
@@ -15,10 +16,14 @@ use super::packet::{self, Frame, Header, Packet, PacketError, VERSION};
 use super::port::{BytePort, SharedDrive};
 use super::receiver::{LinkCounts, Receiver};
 use super::refusal::Refusal;
-use super::report::{Identity, Welcome};
+use super::report::{Identity, SettingsReport, Welcome};
+use super::settings_memory::SettingsMemory;
 use crate::protocol::SOURCES;
+use crate::safety::Fault;
 use crate::scalar::Scalar;
-use state::{Motion, Requests, Upload};
+use embedded_storage::nor_flash::NorFlash;
+use saving::begin_save;
+use state::{Access, Motion, Requests, Upload};
 
 /// Number of axes, for messages.
 #[expect(clippy::cast_possible_truncation, reason = "2")]
@@ -48,6 +53,7 @@ impl Server {
                 conversation: Conversation::NEW,
                 kept: Frame::new(),
                 settings,
+                report: SettingsReport::PROGRAM,
                 upload: Upload::EMPTY,
                 motion: Motion::EMPTY,
                 stream_packets: 0,
@@ -58,9 +64,29 @@ impl Server {
         }
     }
 
+    /// Applies the settings in flash. To be called once, before the first [`Server::poll`]; ticks may run, with the drives off. A
+    /// flash whose settings cannot be used is a fault ([`Fault::StoredSettings`]) that has to be acknowledged, as the fault that
+    /// ended the previous run; the settings of the program remain then.
+    pub fn load<'m, S: Scalar, F: NorFlash>(
+        &mut self,
+        drive: &mut impl SharedDrive<'m, S>,
+        memory: &mut SettingsMemory<F>,
+        previous_fault: Option<Fault>,
+    ) {
+        self.requests.load(&mut Access { drive, memory });
+        if let Some(fault) = previous_fault {
+            drive.with(|drive| drive.inhibit_enable(fault));
+        }
+    }
+
     /// Takes what the port has received, executes at most one request, sends replies and the stream. To be called again and
-    /// again; it never waits.
-    pub fn poll<'m, S: Scalar>(&mut self, port: &mut impl BytePort, drive: &mut impl SharedDrive<'m, S>) {
+    /// again. It waits for the flash only, with the drives off.
+    pub fn poll<'m, S: Scalar, F: NorFlash>(
+        &mut self,
+        port: &mut impl BytePort,
+        drive: &mut impl SharedDrive<'m, S>,
+        memory: &mut SettingsMemory<F>,
+    ) {
         self.flush(port);
         for _ in 0..BYTES_PER_POLL {
             // A reply is sent before the next request is read.
@@ -70,7 +96,7 @@ impl Server {
             let Some(byte) = port.read() else { break };
             let counts = self.receiver.counts();
             if let Some(received) = self.receiver.push(byte) {
-                self.requests.receive(received, counts, drive, &mut self.out);
+                self.requests.receive(received, counts, &mut Access { drive, memory }, &mut self.out);
             }
         }
         self.requests.feed_motion(drive);
@@ -94,11 +120,11 @@ impl Server {
 
 impl Requests {
     /// Answers what was received. Bytes that are no packet are only counted: they may be noise.
-    fn receive<'m, S: Scalar>(
+    fn receive<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
         &mut self,
         received: Result<Packet<'_>, PacketError>,
         counts: LinkCounts,
-        drive: &mut impl SharedDrive<'m, S>,
+        access: &mut Access<'_, D, F>,
         out: &mut Frame,
     ) {
         let packet = match received {
@@ -112,16 +138,17 @@ impl Requests {
         };
         let request = packet::message::<Request>(packet.message);
         if let Ok(Request::Hello { nonce }) = request {
-            let reply = self.hello(nonce, drive);
+            access.memory.discard();
+            let reply = self.hello(nonce, access.drive);
             let session = self.conversation.session();
             send(Header { session, sequence: packet.header.sequence }, reply, out);
             return;
         }
         match self.conversation.judge(&packet) {
             Verdict::Execute => {
-                drive.with(HostedDrive::heard);
+                access.drive.with(HostedDrive::heard);
                 let reply = match request {
-                    Ok(request) => self.execute(&request, counts, drive),
+                    Ok(request) => self.execute(&request, counts, access),
                     Err(_) => Reply::Refused(Refusal::Unreadable),
                 };
                 send(packet.header, reply, out);
@@ -129,7 +156,7 @@ impl Requests {
                 self.kept.clone_from(out);
             }
             Verdict::Repeat => {
-                drive.with(HostedDrive::heard);
+                access.drive.with(HostedDrive::heard);
                 out.clone_from(&self.kept);
             }
             Verdict::Refuse(refusal) => send(packet.header, Reply::Refused(refusal), out),
@@ -137,6 +164,7 @@ impl Requests {
     }
 
     /// Opens a session. The stream of the previous one ends.
+    #[inline(never)]
     fn hello<'m, S: Scalar>(&mut self, nonce: u32, drive: &mut impl SharedDrive<'m, S>) -> Reply {
         let (now, rates, capture_bytes) = drive.with(|drive| {
             drive.stream().start(0);
@@ -157,14 +185,34 @@ impl Requests {
         })
     }
 
-    fn execute<'m, S: Scalar>(
+    fn execute<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
+        &mut self,
+        request: &Request,
+        counts: LinkCounts,
+        access: &mut Access<'_, D, F>,
+    ) -> Reply {
+        let done = match request {
+            Request::BeginSave => begin_save(access),
+            Request::Save => self.save(access),
+            Request::Apply { kind, length, checksum } => self.apply(*kind, *length, *checksum, access),
+            _ => return self.execute_without_flash(request, counts, access.drive),
+        };
+        done.map_or_else(Reply::Refused, |()| Reply::Done)
+    }
+
+    // Not inlined, as the functions below: their messages are not on the stack while a compensation is converted.
+    #[inline(never)]
+    fn execute_without_flash<'m, S: Scalar>(
         &mut self,
         request: &Request,
         counts: LinkCounts,
         drive: &mut impl SharedDrive<'m, S>,
     ) -> Reply {
         let done = match request {
-            Request::Status => return Reply::Status(drive.with(|drive| drive.status(counts))),
+            Request::Status => {
+                let report = self.report;
+                return Reply::Status(drive.with(|drive| drive.status(counts, report)));
+            }
             Request::FaultHistory => {
                 return Reply::FaultHistory(drive.with(|drive| drive.history().newest_first().collect()));
             }
@@ -172,8 +220,10 @@ impl Requests {
                 return Reply::Capture(drive.with(|drive| recording::report(drive.capture())));
             }
             Request::ReadCapture { offset } => return recording::read(drive, *offset),
-            // A hello does not get here.
-            Request::Hello { .. } => Err(Refusal::Unreadable),
+            // They do not get here.
+            Request::Hello { .. } | Request::BeginSave | Request::Save | Request::Apply { .. } => {
+                Err(Refusal::Unreadable)
+            }
             Request::Enable => drive.with(HostedDrive::enable),
             Request::Disable => drive.with(|drive| {
                 drive.disable();
@@ -194,12 +244,10 @@ impl Requests {
                 drive.with(|drive| drive.check_direction(usize::from(*axis), settings))
             }
             Request::Home { axis } => self.home(*axis, drive),
-            Request::Save => Err(Refusal::NotAvailable),
             Request::NewMotion => self.new_motion(drive),
             Request::AddBlock(block) => self.add_block(block, drive),
             Request::StartMotion { blocks } => self.start_motion(*blocks, drive),
             Request::Upload { offset, bytes } => self.upload.append(*offset, bytes),
-            Request::Apply { kind, length, checksum } => self.apply(*kind, *length, *checksum, drive),
             Request::Switch { axis, kind, on } => drive.with(|drive| {
                 drive.machine_mut().switch(usize::from(*axis), *kind, *on).map_err(Refusal::from)
             }),
@@ -218,6 +266,7 @@ impl Requests {
 }
 
 /// Writes a reply to `out`.
+#[inline(never)]
 fn send(header: Header, reply: Reply, out: &mut Frame) {
     // Every reply fits: a test encodes the longest ones.
     if packet::encode(header, &FromBoard::Reply(reply), out).is_err() {

@@ -3,7 +3,8 @@
 use super::super::conversation::Conversation;
 use super::super::message::{AXES, BoardSettings, Jog, MOTION_BLOCKS};
 use super::super::packet::Frame;
-use super::super::report::Identity;
+use super::super::report::{Identity, SettingsReport};
+use super::super::settings_memory::SettingsMemory;
 use crate::interpolate::{Block, Path};
 use crate::protocol::LONGEST_ORDER;
 use crate::units::Position;
@@ -19,6 +20,8 @@ pub(super) struct Requests {
     /// The reply to the last request that was executed.
     pub(super) kept: Frame,
     pub(super) settings: BoardSettings,
+    /// Where they are from, and what the flash holds.
+    pub(super) report: SettingsReport,
     pub(super) upload: Upload,
     pub(super) motion: Motion,
     /// Number of the next packet of the stream, and the tick of the last one.
@@ -57,4 +60,11 @@ pub(super) struct Upload {
 
 impl Upload {
     pub(super) const EMPTY: Self = Self { bytes: heapless::Vec::new() };
+}
+
+/// What the requests act on.
+#[derive(Debug)]
+pub(super) struct Access<'a, D, F> {
+    pub(super) drive: &'a mut D,
+    pub(super) memory: &'a mut SettingsMemory<F>,
 }

@@ -4,11 +4,13 @@ use super::super::message::{AXES, BoardSettings, UploadKind};
 use super::super::packet;
 use super::super::port::SharedDrive;
 use super::super::refusal::{Refusal, UploadError};
-use super::state::{CAPACITY, Requests, Upload};
+use super::super::report::SettingsSource;
+use super::state::{Access, CAPACITY, Requests, Upload};
 use crate::compensate::{AxisCompensation, CompensationSettings, Dependence};
 use crate::config::Rates;
 use crate::machine::{MachineConfig, MachineError};
 use crate::scalar::Scalar;
+use embedded_storage::nor_flash::NorFlash;
 
 /// Greatest number of bytes of an upload, for messages.
 #[expect(clippy::cast_possible_truncation, reason = "7680")]
@@ -49,27 +51,60 @@ impl Upload {
 }
 
 impl Requests {
-    /// Checks the upload and applies it.
-    pub(super) fn apply<'m, S: Scalar>(
+    /// Checks the upload and applies it. If a record is being written, the upload is written to it first, so that nothing has changed
+    /// if the flash fails; an upload that is refused discards the record.
+    pub(super) fn apply<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
         &mut self,
         kind: UploadKind,
         length: u16,
         checksum: u32,
+        access: &mut Access<'_, D, F>,
+    ) -> Result<(), Refusal> {
+        access.drive.with(|drive| drive.is_off())?;
+        let bytes = self.upload.checked(length, checksum)?;
+        let Access { drive, memory } = access;
+        if memory.is_open() {
+            drive.with(|drive| drive.without_ticks(|| memory.append(kind, bytes)))?;
+        }
+        let applied = self.apply_upload(kind, *drive);
+        match applied {
+            Ok(()) => self.report.source = SettingsSource::Upload,
+            Err(_) => memory.discard(),
+        }
+        applied
+    }
+
+    /// Applies the bytes of the upload.
+    pub(super) fn apply_upload<'m, S: Scalar>(
+        &mut self,
+        kind: UploadKind,
         drive: &mut impl SharedDrive<'m, S>,
     ) -> Result<(), Refusal> {
-        drive.with(|drive| drive.is_off())?;
-        let bytes = self.upload.checked(length, checksum)?;
         match kind {
-            UploadKind::Settings => {
-                let settings = settings(bytes, self.identity.tick_hz)?;
-                let config = MachineConfig::<S, AXES>::new(settings.rates, &settings.axes)?;
-                drive.with(|drive| drive.configure(config))?;
-                self.settings = settings;
-            }
+            UploadKind::Settings => self.apply_settings(drive),
             UploadKind::Compensation { axis } => {
-                compensate(bytes, usize::from(axis), self.settings.rates, drive)?;
+                compensate(&self.upload.bytes, usize::from(axis), self.settings.rates, drive)
             }
         }
+    }
+
+    // Not inlined, as the other functions with copies of settings: they are not on the stack while a compensation is converted.
+    #[inline(never)]
+    fn apply_settings<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) -> Result<(), Refusal> {
+        let settings = settings(&self.upload.bytes, self.identity.tick_hz)?;
+        self.configure(settings, drive)
+    }
+
+    /// Replaces the settings; every compensation is discarded.
+    #[inline(never)]
+    pub(super) fn configure<'m, S: Scalar>(
+        &mut self,
+        settings: BoardSettings,
+        drive: &mut impl SharedDrive<'m, S>,
+    ) -> Result<(), Refusal> {
+        let config = MachineConfig::<S, AXES>::new(settings.rates, &settings.axes)?;
+        drive.with(|drive| drive.configure(config))?;
+        self.settings = settings;
         Ok(())
     }
 }

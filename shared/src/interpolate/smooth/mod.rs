@@ -16,7 +16,8 @@
 //! A step of the position through a mean over 4 ticks is a ramp of 4 ticks.
 //!
 //! ```
-//! use shared::interpolate::smooth::{Filters, Smoothing, State};
+//! use shared::interpolate::smooth::state::State;
+//! use shared::interpolate::smooth::{Filters, Smoothing};
 //! use shared::units::Position;
 //!
 //! let filters = Filters::new(&[Smoothing::Trapezoid { time_s: 0.004 }], 1000.0)?;
@@ -26,11 +27,11 @@
 //! # Ok::<(), shared::interpolate::PathError>(())
 //! ```
 
+pub mod state;
+
 use serde::{Deserialize, Serialize};
 
 use super::error::{Field, PathError};
-use crate::integer::{mul_q32, mul_q32_shifted};
-use crate::units::Position;
 
 /// Greatest total length of the windows of an axis, ticks: 128 ms at 4 kHz, 4 kB per axis.
 pub const WINDOW: usize = 512;
@@ -235,6 +236,8 @@ pub struct Filters<const N: usize> {
     pub rounding: CornerRounding,
     /// Whether any axis has a filter.
     pub active: bool,
+    /// Ticks after which no output depends on older inputs.
+    memory: u16,
     /// Set if every axis has the same two means.
     common_means: Option<CommonMeans>,
 }
@@ -248,8 +251,13 @@ struct CommonMeans {
 
 impl<const N: usize> Filters<N> {
     /// No filters.
-    pub const PASS: Self =
-        Self { axes: [Filter::Pass; N], rounding: CornerRounding::NONE, active: false, common_means: None };
+    pub const PASS: Self = Self {
+        axes: [Filter::Pass; N],
+        rounding: CornerRounding::NONE,
+        active: false,
+        memory: 0,
+        common_means: None,
+    };
 
     /// Converts the settings for a command every 1/`rate_hz`.
     ///
@@ -264,6 +272,7 @@ impl<const N: usize> Filters<N> {
             rounding = Some(rounding.map_or(own, |other| other.worst_of(own)));
         }
         filters.active = filters.axes.iter().any(|filter| *filter != Filter::Pass);
+        filters.memory = filters.axes.iter().map(Filter::memory).max().unwrap_or(0);
         filters.rounding = rounding.unwrap_or(CornerRounding::NONE);
         filters.common_means = match filters.axes.first() {
             Some(first @ &Filter::Means(ticks, divisor)) if filters.axes.iter().all(|axis| axis == first) => {
@@ -288,160 +297,4 @@ fn ticks(seconds: f64, rate_hz: f64) -> Result<u16, PathError> {
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 512")]
     Ok(ticks as u16)
-}
-
-/// State of the filters of all axes.
-#[derive(Clone, Debug)]
-pub struct State<const N: usize> {
-    /// The last inputs; the next ones are written at `next`. Inputs before the last [`State::rest_at`] count as those of it, so
-    /// that the window need not be written then.
-    window: [[i64; N]; WINDOW],
-    next: u16,
-    /// Number of inputs written, up to the length of the window.
-    written: u16,
-    /// Number of ticks for which no input has changed.
-    unchanged_ticks: u16,
-    axes: [AxisState; N],
-}
-
-/// State of the filter of an axis.
-#[derive(Clone, Copy, Debug)]
-struct AxisState {
-    /// Input at the last rest.
-    initial: i64,
-    /// Growth of the sum of two means per tick.
-    growth: i64,
-    /// Sum − divisor·output of the means.
-    remainder: i64,
-    /// Last output.
-    output: i64,
-    /// Last input.
-    input: i64,
-}
-
-impl AxisState {
-    const fn at(position: Position) -> Self {
-        let position = position.0;
-        Self { initial: position, growth: 0, remainder: 0, output: position, input: position }
-    }
-
-    /// Two means: inputs now, after the ticks of each, and after the sum of both.
-    fn add_to_means(&mut self, [now, long, short, both]: [i64; 4], divisor: &Divisor) {
-        let growth = now.wrapping_sub(long).wrapping_sub(short.wrapping_sub(both));
-        self.growth = self.growth.wrapping_add(growth);
-        self.add(self.growth, divisor);
-    }
-
-    /// Adds to the sum that the output is a fraction of.
-    fn add(&mut self, growth: i64, divisor: &Divisor) {
-        let remainder = self.remainder.wrapping_add(growth);
-        // The reciprocal is rounded up: a remainder of n gives 1, one below n gives 0. An excess for a large remainder is
-        // corrected in the next tick, since the remainder itself is exact.
-        let change = mul_q32_shifted(remainder, divisor.reciprocal, divisor.shift);
-        self.output = self.output.wrapping_add(change);
-        self.remainder = remainder.wrapping_sub(change.wrapping_mul(i64::from(divisor.value)));
-    }
-}
-
-impl<const N: usize> State<N> {
-    /// At rest at zero.
-    pub const AT_ZERO: Self = Self {
-        window: [[0; N]; WINDOW],
-        next: 0,
-        written: 0,
-        unchanged_ticks: u16::MAX,
-        axes: [AxisState::at(Position(0)); N],
-    };
-
-    /// At rest.
-    #[must_use]
-    pub fn at(positions: [Position; N]) -> Self {
-        Self { axes: positions.map(AxisState::at), ..Self::AT_ZERO }
-    }
-
-    /// Rests at other positions, without writing the window.
-    pub fn rest_at(&mut self, positions: &[Position; N]) {
-        (self.axes, self.written, self.unchanged_ticks) = (positions.map(AxisState::at), 0, u16::MAX);
-    }
-
-    /// The commands for positions on the path, once per position tick.
-    pub fn step(&mut self, filters: &Filters<N>, inputs: &[Position; N]) -> [Position; N] {
-        let mut changed = false;
-        for (axis, input) in self.axes.iter_mut().zip(inputs) {
-            changed |= axis.input != input.0;
-            axis.input = input.0;
-        }
-        self.unchanged_ticks = if changed { 0 } else { self.unchanged_ticks.saturating_add(1) };
-        match &filters.common_means {
-            Some(means) if self.written >= means.ticks[0] + means.ticks[1] => self.step_together(means),
-            _ => self.step_each(filters),
-        }
-        if let Some(slot) = self.window.get_mut(Self::index(self.next)) {
-            *slot = inputs.map(|input| input.0);
-        }
-        self.next = self.next.wrapping_add(1);
-        self.axes.map(|axis| Position(axis.output))
-    }
-
-    /// Two means that are the same on every axis, for a window that has been filled.
-    fn step_together(&mut self, means: &CommonMeans) {
-        let [long, short] = means.ticks;
-        let delayed = |ticks| self.window.get(Self::index(self.next.wrapping_sub(ticks)));
-        let (Some(longs), Some(shorts), Some(both)) = (delayed(long), delayed(short), delayed(long + short))
-        else {
-            return;
-        };
-        for (((axis, long), short), both) in self.axes.iter_mut().zip(longs).zip(shorts).zip(both) {
-            axis.add_to_means([axis.input, *long, *short, *both], &means.divisor);
-        }
-    }
-
-    /// Any filters.
-    #[inline(never)]
-    fn step_each(&mut self, filters: &Filters<N>) {
-        for (i, filter) in filters.axes.iter().enumerate() {
-            let delayed = |ticks| self.delayed(i, ticks);
-            let taps = match filter {
-                Filter::Mean(long, _) => [delayed(*long), 0, 0],
-                Filter::Means([long, short], _) => [delayed(*long), delayed(*short), delayed(*long + *short)],
-                Filter::Pass | Filter::Lag(_) => [0; 3],
-            };
-            let Some(axis) = self.axes.get_mut(i) else { return };
-            let ([long, short, both], input) = (taps, axis.input);
-            match filter {
-                Filter::Pass => axis.output = input,
-                Filter::Mean(_, divisor) => axis.add(input.wrapping_sub(long), divisor),
-                Filter::Means(_, divisor) => axis.add_to_means([input, long, short, both], divisor),
-                Filter::Lag(alpha) => {
-                    let lag = input.wrapping_sub(axis.output);
-                    // Rounded away from zero, so that the lag ends.
-                    let change = mul_q32(lag, *alpha).wrapping_add(i64::from(lag > 0));
-                    axis.output = axis.output.wrapping_add(change);
-                }
-            }
-        }
-        self.written = self.written.saturating_add(1);
-    }
-
-    /// The input of an axis 1 to [`WINDOW`] ticks ago.
-    fn delayed(&self, axis: usize, ticks: u16) -> i64 {
-        let written =
-            self.window.get(Self::index(self.next.wrapping_sub(ticks))).filter(|_| ticks <= self.written);
-        let initial = || self.axes.get(axis).map_or(0, |axis| axis.initial);
-        written.and_then(|inputs| inputs.get(axis)).copied().unwrap_or_else(initial)
-    }
-
-    /// Place in the window.
-    fn index(count: u16) -> usize {
-        usize::from(count) % WINDOW
-    }
-
-    /// Whether the commands have reached the inputs, and stay there while these do not change.
-    #[must_use]
-    pub fn is_settled(&self, filters: &Filters<N>) -> bool {
-        self.axes
-            .iter()
-            .zip(&filters.axes)
-            .all(|(axis, filter)| axis.output == axis.input && self.unchanged_ticks >= filter.memory())
-    }
 }

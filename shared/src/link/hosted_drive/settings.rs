@@ -1,0 +1,68 @@
+//! Changes of settings with the drives off.
+
+use super::HostedDrive;
+use crate::link::refusal::Refusal;
+use crate::machine::{MachineConfig, Reference};
+use crate::safety::{Fault, Power};
+use crate::scalar::Scalar;
+
+impl<S: Scalar, const N: usize> HostedDrive<'_, S, N> {
+    /// Replaces the settings, at the present positions of the motors.
+    ///
+    /// # Errors
+    /// [`Refusal::DrivesOn`], [`Refusal::Faulted`].
+    pub fn configure(&mut self, config: MachineConfig<S, N>) -> Result<(), Refusal> {
+        self.is_off()?;
+        let start = self.readings.map(|reading| reading.motor);
+        let references: [_; N] = core::array::from_fn(|axis| self.machine().reference(axis));
+        self.machine_mut().configure(config, &start);
+        for (axis, reference) in references.into_iter().enumerate() {
+            if reference != Some(Reference::Homed) {
+                self.machine_mut().lose_reference(axis);
+            }
+        }
+        Ok(())
+    }
+
+    /// Whether the drives are off without a fault.
+    ///
+    /// # Errors
+    /// [`Refusal::DrivesOn`], [`Refusal::Faulted`].
+    pub const fn is_off(&self) -> Result<(), Refusal> {
+        match self.machine().power() {
+            Power::Off => Ok(()),
+            Power::Faulted(fault) => Err(Refusal::Faulted(fault)),
+            Power::On | Power::Stopping(_) => Err(Refusal::DrivesOn),
+        }
+    }
+
+    /// Accesses the flash that holds the program: no tick runs until `access` has ended, so that the power stages have to be off.
+    /// Positions of counters that wrap may be lost meanwhile: every axis loses its reference.
+    ///
+    /// # Errors
+    /// Those of [`HostedDrive::is_off`] and of the access; [`Refusal::DrivesOn`] until a tick has switched the power stages off;
+    /// [`Refusal::Moving`] while a direction check waits for the enable switch or pushes an axis.
+    pub fn without_ticks<R>(&mut self, access: impl FnOnce() -> Result<R, Refusal>) -> Result<R, Refusal> {
+        self.is_off()?;
+        if self.system.is_checking() {
+            return Err(Refusal::Moving);
+        }
+        if self.system.are_stages_enabled() {
+            return Err(Refusal::DrivesOn);
+        }
+        // One that waits for the next tick: the drives stay off.
+        self.machine_mut().disable();
+        let result = access();
+        (0..N).for_each(|axis| self.machine_mut().lose_reference(axis));
+        result
+    }
+
+    /// Reports a fault that was found at the start, drives off: it has to be acknowledged before an enable. A second one is only
+    /// recorded.
+    pub fn inhibit_enable(&mut self, fault: Fault) {
+        if let Power::Faulted(_) = self.machine().power() {
+            self.history.fault(self.tick, fault);
+        }
+        self.machine_mut().inhibit_enable(fault);
+    }
+}

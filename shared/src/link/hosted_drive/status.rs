@@ -1,0 +1,57 @@
+//! The state of the drives, for a host.
+
+use super::HostedDrive;
+use crate::homing::HomingStatus;
+use crate::link::message::AXES;
+use crate::link::receiver::LinkCounts;
+use crate::link::report::{AxisStatus, DirectionReport, HomingReport, SettingsReport, Status};
+use crate::machine::Reference;
+use crate::scalar::Scalar;
+
+impl<S: Scalar> HostedDrive<'_, S, AXES> {
+    /// The state, with what the server knows beside it.
+    #[must_use]
+    pub fn status(&self, link: LinkCounts, settings: SettingsReport) -> Status {
+        let machine = self.machine();
+        let command = machine.command();
+        Status {
+            tick: self.tick,
+            power: machine.power(),
+            warning: machine.warning(),
+            armed: self.system.is_armed(),
+            activity: self.activity,
+            feed: machine.feed_state(),
+            at_rest: self.is_at_rest().is_ok(),
+            blocks_left: self.blocks_left,
+            axes: core::array::from_fn(|axis| AxisStatus {
+                command: command[axis],
+                motor: self.readings[axis].motor,
+                table: self.readings[axis].table,
+                #[expect(clippy::cast_possible_truncation, reason = "for display")]
+                force_n: self.forces[axis].value() as f32,
+                homed: machine.reference(axis) == Some(Reference::Homed),
+            }),
+            supply: self.system.inputs().supply,
+            homing: match self.system.homing_status() {
+                None => HomingReport::None,
+                Some((_, HomingStatus::Running)) => HomingReport::Running,
+                Some((_, HomingStatus::Homed)) => HomingReport::Homed,
+                Some((_, HomingStatus::Failed(error))) => HomingReport::Failed(error.into()),
+            },
+            direction: match self.system.direction_check() {
+                None => DirectionReport::None,
+                Some((axis, None)) => DirectionReport::Running { axis: number(axis) },
+                Some((axis, Some(result))) => DirectionReport::Ended { axis: number(axis), result },
+            },
+            capture: self.capture.state(),
+            lost_samples: self.stream.lost(),
+            settings,
+            link,
+        }
+    }
+}
+
+/// The number of an axis in a message.
+fn number(axis: usize) -> u8 {
+    u8::try_from(axis).unwrap_or(u8::MAX)
+}

@@ -1,0 +1,72 @@
+//! Settings in the flash of the emulated chip. QEMU has no flash controller: what is loaded is tested here, saving is tested on the
+//! host (`shared/tests/link/saving.rs`) and on the emulated servo board (`servo_board`).
+
+use firmware::setup::LINK_SETTINGS;
+use shared::config::Rates;
+use shared::link::message::{BoardSettings, UploadKind};
+use shared::link::report::{SettingsReport, SettingsSource, StoredRecord};
+use shared::link::{Reply, Request};
+use shared::safety::{Fault, Power};
+use shared::storage::memory::MemoryFlash;
+use shared::storage::{SlotError, Slots, Store};
+use tests::board::{Chip, End};
+use tests::firmware::{SETTINGS_SLOTS, built};
+
+use super::host::Host;
+
+/// Identity of the board in a record (`firmware/src/board/flash.rs`).
+const BOARD: u32 = 0x4051_0002;
+
+/// Length of the slots here: the settings of two axes.
+const SLOT: usize = 2048;
+
+/// Ticks per position command in the record; the program has 5.
+const DIVIDER: u32 = 4;
+
+/// A slot with a record.
+fn record() -> Vec<u8> {
+    let mut flash = MemoryFlash::<{ 2 * SLOT }, SLOT, 1>::erased();
+    let length = u32::try_from(SLOT).unwrap();
+    let mut store = Store::new(&mut flash, Slots { starts: [0, length], length }, BOARD).unwrap();
+    let rates = Rates { position_loop_divider: DIVIDER, ..LINK_SETTINGS.rates };
+    let mut writer = store.writer().unwrap();
+    writer.message(&mut store, &UploadKind::Settings).unwrap();
+    writer.message(&mut store, &BoardSettings { rates, ..LINK_SETTINGS }).unwrap();
+    assert_eq!(writer.commit(&mut store), Ok(1));
+    flash.bytes_mut()[..SLOT].to_vec()
+}
+
+/// Starts the board with a content of its second slot; returns the ticks per position command, power and settings.
+fn started_with(slot: &[u8]) -> (u32, Power, SettingsReport) {
+    let mut chip = Chip::start(&built("board"), None);
+    chip.target.set_memory(SETTINGS_SLOTS[1], slot).unwrap();
+    let mut host = Host::connect(&chip);
+    assert_eq!(chip.run(40), Ok(End::Ticked), "{}", chip.diagnostics());
+    host.send(&Request::Hello { nonce: 78 });
+    assert_eq!(chip.run(120), Ok(End::Ticked), "{}", chip.diagnostics());
+    let Some(Reply::Welcome(welcome)) = host.reply() else { panic!("no welcome; {}", chip.diagnostics()) };
+    host.send(&Request::Status);
+    let ticks = chip.ticks();
+    assert_eq!(chip.run(ticks + 100), Ok(End::Ticked), "{}", chip.diagnostics());
+    let Some(Reply::Status(status)) = host.reply() else { panic!("no status; {}", chip.diagnostics()) };
+    assert!(!chip.log.text().contains("Invalid"), "{}", chip.diagnostics());
+    (welcome.rates.position_loop_divider, status.power, status.settings)
+}
+
+#[test]
+fn the_program_that_is_flashed_loads_the_record_in_its_flash() {
+    let (divider, power, settings) = started_with(&record());
+    let expected = SettingsReport { source: SettingsSource::Record, stored: StoredRecord::Valid(1) };
+    assert_eq!((divider, power, settings), (DIVIDER, Power::Off, expected));
+}
+
+#[test]
+fn a_damaged_record_in_the_flash_is_a_fault_and_the_settings_are_those_of_the_program() {
+    let mut damaged = record();
+    damaged[100] ^= 8;
+    let (divider, power, settings) = started_with(&damaged);
+    let stored = StoredRecord::Invalid([SlotError::Empty, SlotError::Checksum]);
+    let expected = SettingsReport { source: SettingsSource::Program, stored };
+    assert_eq!(divider, LINK_SETTINGS.rates.position_loop_divider);
+    assert_eq!((power, settings), (Power::Faulted(Fault::StoredSettings), expected));
+}
