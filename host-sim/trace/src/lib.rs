@@ -119,7 +119,9 @@ fn run(
     let [fit_logs, validate_logs] = [&fit, &validate].map(|logs| {
         let mut signals = prepared(logs, machine, &names, first.as_deref(), options);
         data_faults::excluded::mark(&excluded, &names, &mut signals);
-        signals.iter_mut().for_each(|log| log.estimate_noise_without_faults(&options.samples));
+        for log in &mut signals {
+            log.estimate_noise_without_faults(&options.samples);
+        }
         signals
     });
     let machine = machine.clone();

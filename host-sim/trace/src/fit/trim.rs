@@ -224,6 +224,9 @@ mod tests {
             let rates = Rates { velocity_loop_hz: 1.0 / tick_s, position_loop_divider: 1 };
             Instant::Drive.bounds_s(rates, &ModelOptions::default())[1]
         };
-        assert_eq!([0.59e-3, 0.61e-3].map(upper_s), [0.15e-3, 0.0]);
+        assert_eq!(
+            [0.59e-3, 0.61e-3].map(|tick_s| upper_s(tick_s).to_bits()),
+            [0.15e-3_f64, 0.0].map(f64::to_bits)
+        );
     }
 }

@@ -163,7 +163,9 @@ impl AxisSignals {
         let channels =
             [(&mut self.table, table), (&mut self.tool, tool), (&mut self.force, force)].into_iter();
         for (channel, faulty) in channels.filter(|(_, faulty)| !faulty.is_empty()) {
-            channel.iter_mut().for_each(|channel| channel.estimate_noise_without(faulty));
+            if let Some(channel) = channel {
+                channel.estimate_noise_without(faulty);
+            }
         }
         if let (Some(channel), false) = (&mut self.motor, motor.is_empty()) {
             channel.estimate_noise_without(motor);
