@@ -193,7 +193,7 @@ impl Board<'_> {
     }
 }
 
-/// An input is a sequence of actions: a tag, a length, bytes.
+// An input is a sequence of actions: a tag, a length, bytes.
 fuzz_target!(|data: &[u8]| {
     let settings = settings();
     let mut machine = Box::new(

@@ -7,7 +7,7 @@ use shared::protocol::{Answer, FRAME, Format, Order, Setup, decode, encode};
 use shared::session::{NoMeter, Session};
 use shared::units::Position;
 
-/// An input is a number format, then frames: each with its length, and ticks between them.
+// An input is a number format, then frames: each with its length, and ticks between them.
 fuzz_target!(|data: &[u8]| {
     let Some((format, mut rest)) = data.split_first() else { return };
     let format = [Format::Fixed, Format::F32, Format::F64][usize::from(format % 3)];

@@ -13,12 +13,9 @@ use shared::protocol::{Format, encode};
 use shared::session::{NoMeter, Session};
 use tests::random_motion::{Motion, Outcome, faults, run};
 
-/// Number of motions, and the ticks of each.
+/// Number of motions, and the ticks of each. Their seeds are 1, 2 and so on.
 const MOTIONS: u64 = 200;
 const TICKS: usize = 1000;
-
-/// The seeds are consecutive numbers from here.
-const FIRST_SEED: u64 = 1;
 
 /// Motions that are also run without optimisation.
 const UNOPTIMISED: u64 = 40;
@@ -75,8 +72,7 @@ fn assert_covers(outcomes: &[Outcome], ticks: usize) {
 
 fn same_on_host_and_core(format: Format) {
     let mut core = core();
-    let motions =
-        (FIRST_SEED..FIRST_SEED + MOTIONS).map(|seed| Motion { seed, format, ticks: TICKS, gain_error: 0.0 });
+    let motions = (1..=MOTIONS).map(|seed| Motion { seed, format, ticks: TICKS, gain_error: 0.0 });
     let outcomes: Vec<Outcome> = motions.map(|motion| compare(&mut core, &motion)).collect();
     assert_covers(&outcomes, TICKS);
 }
@@ -108,7 +104,7 @@ fn a_million_ticks_are_the_same_on_host_and_core() {
 #[test]
 fn random_motions_are_the_same_without_optimisation() {
     let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
-    let arguments = [FIRST_SEED.to_string(), UNOPTIMISED.to_string(), TICKS.to_string()];
+    let arguments = [1.to_string(), UNOPTIMISED.to_string(), TICKS.to_string()];
     let output = Command::new(env!("CARGO"))
         .args([
             "run",
@@ -141,7 +137,7 @@ fn random_motions_are_the_same_without_optimisation() {
 fn a_gain_that_differs_by_a_millionth_is_noticed() {
     for format in [Format::Fixed, Format::F32] {
         let (mut noticed, mut moved) = (0, 0);
-        for seed in FIRST_SEED..FIRST_SEED + 50 {
+        for seed in 1..=50 {
             let exact = Motion { seed, format, ticks: TICKS, gain_error: 0.0 };
             let outcome = on_host(&exact);
             moved += usize::from(outcome.on > 100);

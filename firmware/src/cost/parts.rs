@@ -4,6 +4,7 @@ use core::array::from_fn;
 use core::hint::black_box;
 
 use shared::axis::AxisState;
+use shared::capture::{CaptureMemory, ChannelSteps, Quantisers, Trigger};
 use shared::compensate::{AxisCompensation, Compensation, CompensationSettings, Correction};
 use shared::config::{AxisConfig, AxisSettings, Law};
 use shared::control::{feedforward, filter, position, velocity};
@@ -121,6 +122,20 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     let (notch, low_pass) = (all.notch.as_ref()?, all.low_pass.as_ref()?);
     part.of("notch", &errors, filter::State::default(), |state, &x| notch.step(state, x));
     part.of("low-pass", &errors, filter::State::default(), |state, &x| low_pass.step(state, x));
+    // Counts of 0.25 µm and 50 nm; the memory takes all ticks.
+    let steps = ChannelSteps::of_counts([0.25e-6; AXES], [50e-9; AXES], 5);
+    let mut bytes = [0; 32 * TICKS];
+    let mut memory = CaptureMemory::new(&mut bytes);
+    memory.arm(Trigger::Now, u32::MAX, RATES.position_loop_divider);
+    memory.takes(0, true, true);
+    part.of(
+        "recording of two axes",
+        others,
+        (Quantisers::new(&steps), memory),
+        |(quantisers, memory), tick| {
+            memory.append(&quantisers.sample(&tick.output.commands, &tick.readings, &tick.output.forces));
+        },
+    );
     let mut plain = motion::plain_machine::<S>(&PROGRAM)?;
     plain.tick(&first.readings);
     part.of("tick of two axes, path and loops", others, plain, |machine, tick| machine.tick(&tick.readings));

@@ -6,6 +6,7 @@ mod direction;
 mod garbage;
 mod motions;
 mod order;
+mod power_loss;
 mod recordings;
 mod rig;
 mod saving;

@@ -1,6 +1,6 @@
 //! Random numbers from a seed.
 
-/// Pseudo-random numbers (SplitMix64, Steele 2014), the same in every run.
+/// Pseudo-random numbers (`SplitMix64`, Steele 2014), the same in every run.
 pub struct Draws(u64);
 
 impl Draws {

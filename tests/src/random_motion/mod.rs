@@ -44,8 +44,9 @@ pub struct Motion {
 pub struct Outcome {
     /// A checksum of every answer up to and including each tick: forces, commands, states and refusals.
     pub digests: Vec<u64>,
-    /// Ticks with the drives on, and of these with a force at its limit.
+    /// Ticks with the drives on.
     pub on: usize,
+    /// Ticks with the drives on and a force at its limit.
     pub saturated: usize,
     /// Ticks with the drives on and without a reading of a scale.
     pub without_scale: usize,
@@ -196,10 +197,14 @@ impl Run<'_> {
                 self.axes[usize::from(axis)] = settings;
             }
         }
-        for (number, order, one_in) in
-            [(2, Order::Hold, 150), (3, Order::Resume, 80), (4, Order::Stop, 400), (5, Order::Disable, 500)]
-        {
+        for (number, one_in) in [(2, 150), (3, 80), (4, 400), (5, 500)] {
             if self.draws.one_in(one_in) {
+                let order = match number {
+                    2 => Order::Hold,
+                    3 => Order::Resume,
+                    4 => Order::Stop,
+                    _ => Order::Disable,
+                };
                 self.count(number, &order);
             }
         }

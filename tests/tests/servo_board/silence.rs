@@ -15,7 +15,7 @@ use super::bench::Bench;
 const DECIMATION: u32 = 200;
 
 /// Longest wait, of a computer on which the emulated board is slower than real time.
-const TIMEOUT: Duration = Duration::from_secs(240);
+const TIMEOUT: Duration = Duration::from_mins(4);
 
 /// A jog of 150 mm at 10 mm/s, longer than the board waits.
 const JOG: Jog = Jog { axis: 0, distance_m: Some(0.15), velocity_m_per_s: 0.01, acceleration_m_per_s2: 0.5 };

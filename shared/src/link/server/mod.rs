@@ -164,6 +164,7 @@ impl Requests {
     }
 
     /// Opens a session. The stream of the previous one ends.
+    #[inline(never)]
     fn hello<'m, S: Scalar>(&mut self, nonce: u32, drive: &mut impl SharedDrive<'m, S>) -> Reply {
         let (now, rates, capture_bytes) = drive.with(|drive| {
             drive.stream().start(0);
@@ -199,6 +200,8 @@ impl Requests {
         done.map_or_else(Reply::Refused, |()| Reply::Done)
     }
 
+    // Not inlined, as the functions below: their messages are not on the stack while a compensation is converted.
+    #[inline(never)]
     fn execute_without_flash<'m, S: Scalar>(
         &mut self,
         request: &Request,
@@ -263,6 +266,7 @@ impl Requests {
 }
 
 /// Writes a reply to `out`.
+#[inline(never)]
 fn send(header: Header, reply: Reply, out: &mut Frame) {
     // Every reply fits: a test encodes the longest ones.
     if packet::encode(header, &FromBoard::Reply(reply), out).is_err() {

@@ -31,6 +31,8 @@ impl Requests {
     }
 
     /// Applies the newest record, all of it or, with a fault, nothing.
+    // Not inlined: its copy of the settings is not to stay on the stack of the idle loop.
+    #[inline(never)]
     pub(super) fn load<'m, S: Scalar, D: SharedDrive<'m, S>, F: NorFlash>(
         &mut self,
         access: &mut Access<'_, D, F>,

@@ -81,17 +81,22 @@ impl Requests {
         drive: &mut impl SharedDrive<'m, S>,
     ) -> Result<(), Refusal> {
         match kind {
-            UploadKind::Settings => {
-                let settings = settings(&self.upload.bytes, self.identity.tick_hz)?;
-                self.configure(settings, drive)
-            }
+            UploadKind::Settings => self.apply_settings(drive),
             UploadKind::Compensation { axis } => {
                 compensate(&self.upload.bytes, usize::from(axis), self.settings.rates, drive)
             }
         }
     }
 
+    // Not inlined, as the other functions with copies of settings: they are not on the stack while a compensation is converted.
+    #[inline(never)]
+    fn apply_settings<'m, S: Scalar>(&mut self, drive: &mut impl SharedDrive<'m, S>) -> Result<(), Refusal> {
+        let settings = settings(&self.upload.bytes, self.identity.tick_hz)?;
+        self.configure(settings, drive)
+    }
+
     /// Replaces the settings; every compensation is discarded.
+    #[inline(never)]
     pub(super) fn configure<'m, S: Scalar>(
         &mut self,
         settings: BoardSettings,
