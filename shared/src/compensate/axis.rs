@@ -96,7 +96,7 @@ impl SlowList {
         }
     }
 
-    fn get(&self, place: u8) -> Option<SlowTerm> {
+    fn get(self, place: u8) -> Option<SlowTerm> {
         self.terms.get(usize::from(place)).copied().filter(|_| place < self.count)
     }
 }
