@@ -21,7 +21,8 @@ use crate::units::Position;
 /// The compensations of one axis.
 // In this order: one instruction reaches the first 4 KiB, and the tables of the slow terms are read in turn.
 #[repr(C)]
-#[derive(Clone, Debug)]
+// Its copy needs no stack.
+#[derive(Clone, Copy, Debug)]
 pub struct AxisCompensation<S: Scalar> {
     /// Of the command, per position tick.
     pub(super) command: Slew<S>,
@@ -33,7 +34,7 @@ pub struct AxisCompensation<S: Scalar> {
     pub(super) crosstalk_source: u8,
     pub(super) squareness_source: u8,
     /// The slow terms that there are.
-    pub(super) slow: heapless::Vec<SlowTerm, SLOW_TERMS>,
+    pub(super) slow: SlowList,
     pub(super) reversal: Option<Reversal<S>>,
     pub(super) dividing: Cycles<S>,
     pub(super) ripple: Cycles<S>,
@@ -76,15 +77,39 @@ pub(super) enum SlowTerm {
     AdditionalFriction,
 }
 
+/// The slow terms of an axis.
+#[derive(Clone, Copy, Debug)]
+pub(super) struct SlowList {
+    count: u8,
+    /// Those from the count on are not used.
+    terms: [SlowTerm; SLOW_TERMS],
+}
+
+impl SlowList {
+    const EMPTY: Self = Self { count: 0, terms: [SlowTerm::Pitch; SLOW_TERMS] };
+
+    /// Adds a term; each of them once.
+    pub fn push(&mut self, term: SlowTerm) {
+        if let Some(slot) = self.terms.get_mut(usize::from(self.count)) {
+            *slot = term;
+            self.count += 1;
+        }
+    }
+
+    fn get(self, place: u8) -> Option<SlowTerm> {
+        self.terms.get(usize::from(place)).copied().filter(|_| place < self.count)
+    }
+}
+
 impl<S: Scalar> AxisCompensation<S> {
-    /// No compensation. A correction that is left returns to zero in one tick.
+    /// No compensation.
     pub const NONE: Self = Self {
-        command: Slew::UNLIMITED,
-        reading: Slew::UNLIMITED,
-        force: Slew::UNLIMITED,
+        command: Slew::ZERO,
+        reading: Slew::ZERO,
+        force: Slew::ZERO,
         crosstalk_source: 0,
         squareness_source: 0,
-        slow: heapless::Vec::new(),
+        slow: SlowList::EMPTY,
         reversal: None,
         dividing: Cycles::NONE,
         ripple: Cycles::NONE,
@@ -146,8 +171,8 @@ impl<S: Scalar> AxisCompensation<S> {
     /// set. Not part of a tick.
     pub(super) fn start<const N: usize>(&self, state: &mut State<S>, axis: usize, inputs: Inputs<'_, S, N>) {
         (state.slow, state.set_at) = (SlowTerms::NONE, inputs.clock);
-        for term in &self.slow {
-            self.evaluate(*term, state, axis, inputs);
+        for term in (0..self.slow.count).filter_map(|place| self.slow.get(place)) {
+            self.evaluate(term, state, axis, inputs);
         }
         if let (Some(model), Some(own)) = (&self.model, inputs.motions.get(axis)) {
             model.start(&mut state.model, own);
@@ -161,10 +186,10 @@ impl<S: Scalar> AxisCompensation<S> {
         axis: usize,
         inputs: Inputs<'_, S, N>,
     ) {
-        if let Some(term) = self.slow.get(usize::from(state.slow.next)) {
+        if let Some(term) = self.slow.get(state.slow.next) {
             let next = state.slow.next.wrapping_add(1);
-            state.slow.next = if usize::from(next) < self.slow.len() { next } else { 0 };
-            self.evaluate(*term, state, axis, inputs);
+            state.slow.next = if next < self.slow.count { next } else { 0 };
+            self.evaluate(term, state, axis, inputs);
         }
     }
 

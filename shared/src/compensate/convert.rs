@@ -195,7 +195,8 @@ impl<S: Scalar> AxisCompensation<S> {
             (SlowTerm::Load, self.load.is_some()),
             (SlowTerm::AdditionalFriction, self.friction_map.is_some() || warms_up),
         ];
-        // The capacity is the number of terms.
-        self.slow = present.into_iter().filter(|(_, is)| *is).map(|(term, _)| term).collect();
+        for (term, _) in present.into_iter().filter(|(_, is)| *is) {
+            self.slow.push(term);
+        }
     }
 }

@@ -47,9 +47,6 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// Resets to no compensation, axes at `start`, in place: tables are large.
     pub fn reset(&mut self, start: &[Position; N]) {
-        for axis in &mut self.axes {
-            *axis = AxisCompensation::NONE;
-        }
         self.states = [State::NEW; N];
         self.motions = start.map(CommandMotion::at);
         self.is_set = [false; N];
@@ -60,7 +57,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     #[inline(never)]
     pub fn replace(&mut self, axis: usize, compensation: &AxisCompensation<S>) {
         if let (Some(slot), Some(state)) = (self.axes.get_mut(axis), self.states.get_mut(axis)) {
-            slot.clone_from(compensation);
+            *slot = *compensation;
             slot.activate(state);
             slot.start(state, axis, Inputs { motions: &self.motions, clock: self.clock });
         }
@@ -71,8 +68,9 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// Switches one compensation of an axis on or off.
     pub fn switch(&mut self, axis: usize, item: CompensationKind, on: bool) {
-        if let (Some(compensation), Some(state)) = (self.axes.get(axis), self.states.get_mut(axis)) {
-            state.switch(item, on);
+        let Some(state) = self.states.get_mut(axis) else { return };
+        state.switch(item, on);
+        if let (Some(true), Some(compensation)) = (self.is_set.get(axis), self.axes.get(axis)) {
             compensation.activate(state);
         }
     }

@@ -24,8 +24,8 @@ pub struct Slew<S: Scalar> {
 }
 
 impl<S: Scalar> Slew<S> {
-    /// Neither bound nor rate limit.
-    pub const UNLIMITED: Self = Self { bound: S::GREATEST, per_tick: S::GREATEST };
+    /// Stays at zero.
+    pub const ZERO: Self = Self { bound: S::ZERO, per_tick: S::ZERO };
 
     /// A rate per second as a change of `rate/unit` per tick. Rejected if the format does not hold it to 1 %.
     ///

@@ -122,7 +122,6 @@ impl Scalar for Fixed {
     type Sum = I26F38;
 
     const ZERO: Self = Self(I18F14::ZERO);
-    const GREATEST: Self = Self::MAX;
     const ZERO_GAIN: I8F24 = I8F24::ZERO;
     const ZERO_SUM: I26F38 = I26F38::ZERO;
     const NAME: &'static str = "fixed";

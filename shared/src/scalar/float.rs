@@ -30,7 +30,6 @@ macro_rules! float {
             type Sum = $float;
 
             const ZERO: $float = 0.0;
-            const GREATEST: $float = <$float>::MAX;
             const ZERO_GAIN: $float = 0.0;
             const ZERO_SUM: $float = 0.0;
             const NAME: &'static str = $name;

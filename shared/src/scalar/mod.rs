@@ -76,8 +76,6 @@ pub trait Scalar:
 
     /// The signal 0, usable in constants.
     const ZERO: Self;
-    /// The greatest signal, usable in constants.
-    const GREATEST: Self;
     /// The gain 0, usable in constants.
     const ZERO_GAIN: Self::Gain;
     /// The sum 0, usable in constants.

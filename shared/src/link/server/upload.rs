@@ -132,8 +132,8 @@ fn compensate<'m, S: Scalar>(
     if axis >= AXES {
         return Err(Refusal::NoSuchAxis);
     }
-    match compensation_settings(bytes) {
-        Ok(settings) => convert_and_set(&settings, axis, rates, drive),
+    match &compensation_settings(bytes) {
+        Ok(settings) => convert_and_set(settings, axis, rates, drive),
         Err(_) => Err(Refusal::Upload(UploadError::Unreadable)),
     }
 }
