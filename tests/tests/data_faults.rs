@@ -100,7 +100,9 @@ fn a_corrected_fault_leaves_the_result_of_the_sound_logs() {
     for (kind, channel, change) in cases {
         let trace = traced(changed(change));
         assert_eq!(named(&trace), [("x".to_owned(), Some(channel), kind)]);
-        assert_eq!(verdict::of(&trace), verdict::of(&sound), "{kind:?}");
+        let errors = [&trace, &sound]
+            .map(|trace| [Stage::Motor, Stage::Table, Stage::Force].map(|stage| residual(trace, stage)));
+        assert_eq!(verdict::of(&trace), verdict::of(&sound), "{kind:?}: {errors:?}");
         assert!(trace.axes.iter().all(|axis| axis.found.is_empty()), "{kind:?}: {:?}", trace.axes[0].found);
         for stage in [Stage::Motor, Stage::Table, Stage::Force] {
             let pairs = residual(&trace, stage).into_iter().zip(residual(&sound, stage));

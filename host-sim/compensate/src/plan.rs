@@ -2,6 +2,7 @@
 //! error larger is left out again.
 
 use std::collections::BTreeSet;
+use std::f64::consts::PI;
 
 use rayon::prelude::*;
 use shared::compensate::CompensationSettings;
@@ -268,6 +269,14 @@ impl Planning<'_> {
             controller.feedforward_percent = Some(full.clamp(0.0, 200.0));
             controller.feedforward_ahead_s = (choice.ahead_s > 0.0).then_some(choice.ahead_s);
             axis.settings.controller.feedforward_percent = Some(100.0);
+        }
+        if let (Some(resonance), Some(gain_per_s)) =
+            (&parameters.tool.resonance, axis.settings.controller.position_gain_per_s)
+        {
+            controller.add_lead(
+                gain_per_s * resonance.damping_ratio / (PI * resonance.frequency_hz),
+                &axis.settings,
+            );
         }
         let is_hpc = axis.settings.controller.law == Some(Law::Hpc);
         controller.law = (is_hpc && choice.has(&Part::Law)).then_some(Law::P);

@@ -56,6 +56,12 @@ impl ControllerChange {
         }
     }
 
+    /// Adds a part of the velocity to the feed-forward, so that the axis leads by the time of that part over Kp.
+    pub fn add_lead(&mut self, part: f64, settings: &Settings) {
+        let percent = self.feedforward_percent.or(settings.controller.feedforward_percent).unwrap_or(0.0);
+        self.feedforward_percent = Some((percent + 100.0 * part).clamp(0.0, 200.0));
+    }
+
     /// The first key whose value no drive has, and what is expected of it; `position_tick_s` is the period of the position loop.
     #[must_use]
     pub fn refused(&self, position_tick_s: f64) -> Option<(&'static str, String)> {

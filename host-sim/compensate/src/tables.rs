@@ -1,5 +1,7 @@
 //! Errors of screw and tool as compensation settings.
 
+use std::f64::consts::TAU;
+
 use shared::compensate::CompensationSettings;
 use shared::compensate::settings::{POINTS, Pitch, PitchSource, Points, Straightness, Talk, TimePoints};
 
@@ -39,13 +41,16 @@ pub fn of_axis(
         .straightness
         .first()
         .and_then(|bow| Some((source(&bow.source)?, Straightness::Quadratic(1e-6 * bow.um_per_m2))));
+    // A tool that oscillates also lags behind the table by its acceleration over ω².
+    let intalk_um_s2_per_m = tool.intalk.um_s2_per_m
+        - tool.resonance.as_ref().map_or(0.0, |tool| 1e6 / (TAU * tool.frequency_hz).powi(2));
     let settings = CompensationSettings {
         pitch: pitch(screw, travel_m),
         backlash_width_m: (screw.gap_map.is_empty() && screw.backlash.width_um > 0.0)
             .then_some(1e-6 * screw.backlash.width_um),
         screw: screw_cycles,
         dividing,
-        intalk: (tool.intalk.um_s2_per_m != 0.0).then(|| um_s2_per_m(tool.intalk.um_s2_per_m)),
+        intalk: (intalk_um_s2_per_m != 0.0).then(|| um_s2_per_m(intalk_um_s2_per_m)),
         crosstalk,
         // The effect is declared on the first axis and depends on the second.
         squareness: (tool.squareness.um_per_m != 0.0).then_some((1, 1e-6 * tool.squareness.um_per_m)),

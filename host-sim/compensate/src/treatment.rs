@@ -65,14 +65,16 @@ const fn done(effect: &Effect) -> Option<&'static str> {
         Effect::Squareness(_) | Effect::Straightness(_) => {
             "the displacement over the other axis's position is subtracted from the command"
         }
+        Effect::Resonance(_) => {
+            "the command leads by the lag of the tool, 2·ζ/ω (Kf) and 1/ω² per commanded acceleration"
+        }
         Effect::ThermalDrift(_) => "the drift over the time of the session is subtracted from the command",
         Effect::ForceWindup(_)
         | Effect::ShearThinning(_)
         | Effect::FrictionMemory(_)
         | Effect::VelocityLag(_)
         | Effect::DriveLag(_)
-        | Effect::Latency(_)
-        | Effect::Resonance(_) => return None,
+        | Effect::Latency(_) => return None,
     })
 }
 
@@ -97,10 +99,6 @@ const fn not_done(effect: &Effect) -> (&'static str, &'static str) {
         Effect::Latency(_) => (
             "only the log is late, the machine is not",
             "read the channels at the same instant; this program moves the channel back where it evaluates logs",
-        ),
-        Effect::Resonance(_) => (
-            "the controller does not see the oscillation of the tool",
-            "limit the jerk, or set a moving average of one period of the oscillation (smoothing_s) on all axes",
         ),
         _ => ("no compensation is known", "remove its cause at the machine"),
     }

@@ -30,7 +30,8 @@ pub struct ServoParameters {
     pub drive_lag: Option<DriveLag>,
     /// Delay of the velocity reading.
     pub lag: VelocityLag,
-    /// Delay of the force relative to the reading of the sensors, s; negative: the sensors are read later.
+    /// When the force acts relative to the reading of the sensors, s; negative: the sensors are read later; positive: time
+    /// constant of a first-order lag, without a [`Self::drive_lag`].
     pub drive_late_s: f64,
     /// Semi-implicit step of the controller's filter, s; 0: exact discretization.
     pub filter_step_s: f64,

@@ -3,6 +3,9 @@
 /// 97.5 % quantile of the standard normal distribution.
 const Z_975: f64 = 1.96;
 
+/// Largest magnitude of Student's t that is computed.
+const MAX_T: f64 = 1e9;
+
 /// Logarithm of the gamma function for x > 0: Lanczos' approximation with g = 7, relative error below 1e-13.
 fn ln_gamma(x: f64) -> f64 {
     const C: [f64; 8] = [
@@ -66,12 +69,23 @@ pub fn f_test_p_value(f: f64, k: usize, n: usize) -> f64 {
 /// standard errors.
 #[must_use]
 pub fn student_t_975(n: usize) -> f64 {
+    student_t_beyond(0.05, n)
+}
+
+/// The magnitude that Student's t with `n` degrees of freedom (at least 1) exceeds with this probability, both tails together.
+#[must_use]
+pub fn student_t_beyond(probability: f64, n: usize) -> f64 {
     let n = n.max(1);
-    let (mut low, mut high) = (1.9, 13.0);
+    // t² is F distributed with 1 and n degrees of freedom.
+    let is_below = |t: f64| f_test_p_value(t * t, 1, n) > probability;
+    let mut high = 1.0;
+    while is_below(high) && high < MAX_T {
+        high *= 2.0;
+    }
+    let mut low = 0.0;
     for _ in 0..60 {
         let middle = 0.5 * (low + high);
-        // t² is F distributed with 1 and n degrees of freedom; the probability of both tails of t together is 5 %.
-        if f_test_p_value(middle * middle, 1, n) > 0.05 { low = middle } else { high = middle }
+        if is_below(middle) { low = middle } else { high = middle }
     }
     0.5 * (low + high)
 }
@@ -101,6 +115,10 @@ mod tests {
         for (n, t) in [(1, 12.706), (5, 2.571), (10, 2.228), (27, 2.052), (120, 1.980)] {
             assert!((student_t_975(n) - t).abs() < 6e-4, "{n}: {}", student_t_975(n));
         }
+        // With one degree of freedom, t is Cauchy distributed: tan(½π·(1 − p)); 0.1 % with 23 degrees of freedom: 3.768.
+        let cauchy = (0.5 * std::f64::consts::PI * (1.0 - 0.002)).tan();
+        assert!((student_t_beyond(0.002, 1) / cauchy - 1.0).abs() < 1e-6);
+        assert!((student_t_beyond(0.001, 23) - 3.768).abs() < 6e-4);
         for (k, n, f) in [(1, 10, 10.04), (2, 26, 5.53), (2, 5, 13.27), (3, 60, 4.13)] {
             assert!((f_test_p_value(f, k, n) - 0.01).abs() < 5e-5, "{k} {n}");
         }

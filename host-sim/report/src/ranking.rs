@@ -166,9 +166,8 @@ fn verdict_of_added(axis: &AxisTrace, candidate: &Candidate) -> &'static str {
 
 /// Which condition of support a candidate misses.
 fn verdict_of_unsupported(candidate: &Candidate, best: &Comparison, options: &SearchOptions) -> String {
-    let is_supported = |c: &Comparison| {
-        c.reduction >= options.min_reduction && c.t >= options.min_t && c.folds_better == FOLDS
-    };
+    let is_supported =
+        |c: &Comparison| c.reduction >= options.min_reduction && c.t >= c.min_t && c.folds_better == FOLDS;
     if best.reduction <= 0.0 {
         "increases the residual".to_owned()
     } else if best.reduction < options.min_reduction {
@@ -179,6 +178,6 @@ fn verdict_of_unsupported(candidate: &Candidate, best: &Comparison, options: &Se
     } else if best.folds_better < FOLDS {
         format!("better in only {} of {FOLDS} parts of the logs", best.folds_better)
     } else {
-        format!("not significant: {} standard errors, below {}", fixed(best.t, 1), fixed(options.min_t, 1))
+        format!("not significant: {} standard errors, below {}", fixed(best.t, 1), fixed(best.min_t, 1))
     }
 }

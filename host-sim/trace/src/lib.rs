@@ -119,6 +119,9 @@ fn run(
     let [fit_logs, validate_logs] = [&fit, &validate].map(|logs| {
         let mut signals = prepared(logs, machine, &names, first.as_deref(), options);
         data_faults::excluded::mark(&excluded, &names, &mut signals);
+        for log in &mut signals {
+            log.estimate_noise_without_faults(&options.samples);
+        }
         signals
     });
     let machine = machine.clone();

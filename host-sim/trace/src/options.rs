@@ -13,12 +13,13 @@
 //!   measured data (`tests/tests/measured_data.rs`: the axis EMPS, a robot, a lead screw) and on corrupted logs
 //!   (`tests/tests/corrupted.rs`). A test is named if it fails.
 //!
-//! The options of [`FaultOptions`] have no such line yet: they were not halved and doubled. They decide before any fit what is
-//! broken, not which effects are found.
+//! Options without such a line were not halved and doubled, as those of [`FaultOptions`], which decide before any fit.
 
 mod declaration;
+mod significance;
 
 use declaration::{Scale, options};
+pub use significance::BLOCKS;
 
 options! {
     /// Which logs are accepted.
@@ -143,6 +144,9 @@ options! {
         ///
         /// Sweep: values in 11 cases. ×2: one more interval misses the truth.
         max_standstill_noise: f64 = 4.0,
+        /// Travel, µm or mdeg, after which the friction of an axis that moved at the start of a log is that of sliding: ten times
+        /// the distance Fc/σ0 of a guide with 200 N and 40 N/µm.
+        min_sliding_um: f64 = 50.0,
         /// Number of samples over which a command must be constant to show that the controller was just switched on.
         ///
         /// Sweep: values in one case. Measured data: nothing changes.
@@ -184,6 +188,8 @@ options! {
         ///
         /// Sweep: values in all cases. ×0.5: one more interval contains the truth.
         drive_trim: f64 = 0.15,
+        /// Largest time constant of the drive's force that is not reported, ms: a current loop of 1 kHz has 0.16 ms.
+        drive_lag_trim_ms: f64 = 0.15,
         /// Standard deviation of the prior of these errors, as a fraction of their maximum.
         ///
         /// Sweep: values in all cases.
@@ -221,6 +227,12 @@ options! {
         /// Sweep: ×0.5: `the_trace_of_emps_matches_the_readme` and the unit test of `force_windup` fail; ×2:
         /// `the_trace_of_emps_matches_the_readme` and `the_robot_has_latency_and_windup` fail.
         min_t: f64 = 3.5,
+        /// Smallest gain in log-likelihood of all samples of a stage together, on held-out data: the noise alone hardly gives
+        /// any of the thirty candidates of a round as much. Only logs of a few seconds come near it.
+        min_evidence: f64 = 15.0,
+        /// Smallest length of a block, s: 3/Kp of a position gain of 30 1/s, over which the residual of a loop is correlated. A
+        /// log too short for 24 blocks has fewer, which must show more: [`Self::min_t_of`].
+        min_block_s: f64 = 0.1,
         /// Smallest size of an effect, in half widths of its confidence interval. An effect that is significant by its gain
         /// is many half widths large; one of a few half widths follows a chance shape of the residual.
         min_size: f64 = 1.5,

@@ -4,7 +4,7 @@
 use std::f64::consts::TAU;
 
 use super::runs::{Comparison, PLAIN, SPEED_MM_S, circle, motion};
-use super::theory::{radial_rms_at_um, radial_rms_um};
+use super::theory::{Point, radial_rms_at_um, radial_rms_um};
 
 /// Half of the width on each side.
 pub fn backlash() {
@@ -75,6 +75,19 @@ pub fn intalk() {
 pub fn crosstalk() {
     let expected_um = radial_rms_at_um(2e-3 * SPEED_MM_S, |p| 8.0 * p.ay_m_per_s2());
     talk("name = \"crosstalk\"\nsource = \"y\"\num_s2_per_m = 8.0", 90.0, expected_um);
+}
+
+/// A tool on a spring, damped against the ground: it lags by 2·ζ/ω of the velocity and by 1/ω² of the acceleration. The ramps
+/// make it oscillate, which remains.
+pub fn resonance() {
+    let (omega, damping_ratio) = (60.0 * TAU, 0.1);
+    let lag_m = |p: Point| 2.0 * damping_ratio / omega * p.v_m_per_s() + p.ax_m_per_s2() / omega.powi(2);
+    let expected_um = radial_rms_um(|p| -1e6 * lag_m(p));
+    Comparison::of("name = \"resonance\"\nfrequency_hz = 60.0\ndamping_ratio = 0.1").assert(
+        expected_um,
+        0.15,
+        0.9,
+    );
 }
 
 pub fn squareness() {

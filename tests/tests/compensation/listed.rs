@@ -29,11 +29,10 @@ fn each_compensated_effect_of_the_catalogue_is_tested() {
 }
 
 /// All effects that a simulation has and that are not compensated, on one machine.
-const NOT_COMPENSATED: [&str; 6] = [
+const NOT_COMPENSATED: [&str; 5] = [
     "name = \"drive_lag\"\nms = 0.4",
     "name = \"velocity_lag\"\nms = 0.2",
     "name = \"latency\"\nchannel = \"table\"\nms = 1.0",
-    "name = \"resonance\"\nfrequency_hz = 60.0\ndamping_ratio = 0.05",
     "name = \"shear_thinning\"\nforce_n = 20.0\nvelocity_mm_s = 5.0",
     "name = \"friction_memory\"\nviscous_n_s_per_m = 200.0\ntime_constant_s = 0.1",
 ];

@@ -1,9 +1,11 @@
-//! Slices of a log of a machine without undeclared effects: 8 of 173 named an effect.
+//! Slices of a log of a machine without undeclared effects. Once 8 of 173 named an effect.
 
 use std::path::Path;
 
 use files::log::Log;
 use model::machine::Machine;
+use rand::{RngExt, SeedableRng};
+use rand_chacha::ChaCha8Rng;
 use tests::cases;
 use trace::trace;
 
@@ -29,6 +31,56 @@ fn assert_nothing_is_named(machine: &Machine, log: &Log, first_row: usize, rows:
     let slice = log.slice(first_row..first_row + rows);
     let trace = trace(machine, &[slice], &[], &|_| {}).unwrap();
     assert_named(&trace, &[]);
+}
+
+/// Lengths of the slices of a sweep, samples of 1 ms.
+const LENGTHS: [usize; 3] = [700, 1_500, 4_000];
+
+/// Slices of logs at random places, the lengths in turn, that name an effect without a rival: log, first row and length. In
+/// steady motion a following error may be that of any setting of the controller; then all of them are named.
+fn named_slices(
+    machine: &Machine,
+    logs: &[Log],
+    slices_per_log: usize,
+    seed: u64,
+) -> Vec<(String, usize, usize)> {
+    let place = |(number, log): (usize, &Log)| {
+        let mut random = ChaCha8Rng::seed_from_u64(seed);
+        random.set_stream(number as u64);
+        let mut slice = |index: usize| {
+            let rows = LENGTHS[index % LENGTHS.len()].min(log.len());
+            (number, random.random_range(0..=log.len() - rows), rows)
+        };
+        (0..slices_per_log).map(&mut slice).collect::<Vec<_>>()
+    };
+    let places: Vec<(usize, usize, usize)> = logs.iter().enumerate().flat_map(place).collect();
+    let names = |&(number, first_row, rows): &(usize, usize, usize)| {
+        let log = &logs[number];
+        let trace = trace(machine, &[log.slice(first_row..first_row + rows)], &[], &|_| {}).unwrap();
+        let mut found = trace.axes.iter().flat_map(|axis| &axis.found);
+        let is_named = found.any(|found| found.rivals.is_empty());
+        is_named.then(|| (log.source.clone(), first_row, rows))
+    };
+    places.iter().filter_map(names).collect()
+}
+
+/// A slice that cannot bear its blocks, whose first samples have an unknown friction, or whose last quarter contradicts it
+/// decides nothing.
+#[test]
+fn random_slices_of_simulated_logs_without_effects_have_none() {
+    let machine = TestMachine::new(1);
+    let [fit, validate] = machine.logs();
+    assert_eq!(named_slices(&machine.file(), &[fit, validate].concat(), 12, 1), []);
+}
+
+/// The same of the first blind case.
+#[test]
+fn random_slices_of_a_log_without_effects_have_none() {
+    let Some(folders) = cases::folders() else { return };
+    let machine = Machine::read(&folders[0].join("machine.toml")).unwrap();
+    let paths = [cases::logs(&folders[0], "fit_"), cases::logs(&folders[0], "validate_")].concat();
+    let logs: Vec<Log> = paths.iter().map(|path| Log::read(path).unwrap()).collect();
+    assert_eq!(named_slices(&machine, &logs, 24, 2), []);
 }
 
 /// An arc of the second simulator: once −83 ± 26 N/m.

@@ -92,13 +92,25 @@ impl<'a> FitData<'a> {
         samples.min(log.len() / 4)
     }
 
+    /// Smallest number of samples of a block of a log.
+    #[must_use]
+    pub fn shortest_block(&self, log: usize) -> usize {
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "a fraction of a second of samples"
+        )]
+        let samples = (self.options.search.min_block_s / self.logs[log].sample_s).round() as usize;
+        samples.max(1)
+    }
+
     /// Whether a sample of a stage of a log counts. Samples count after the settling, outside exclusions; in the table and
     /// force stages, which depend on friction, only in motion; in the force stage only below the force limit. Samples that a
     /// fault of the data spoils do not count.
     pub fn counting(&self, stage: Stage, log: usize) -> impl Fn(usize) -> bool {
-        let settling = self.settling(log);
         let signals = self.signals(log);
         let depends_on_friction = matches!(stage, Stage::Table | Stage::Force);
+        let settling = self.settling(log).max(if depends_on_friction { signals.sliding_from } else { 0 });
         let standstill = if depends_on_friction { &signals.standstill[..] } else { &[] };
         let saturated = if stage == Stage::Force { &signals.saturated[..] } else { &[] };
         let faulty = signals.faulty(stage);

@@ -192,6 +192,7 @@ mod tests {
             stage: Stage::Motor,
             log,
             number,
+            fold: 0,
             weight: 1.0,
             samples: if number == 0 { 0 } else { 100 },
             squares: 1.0,

@@ -75,7 +75,7 @@ impl Fitted {
         if !scope.holds(effect) {
             return self.columns.clone();
         }
-        if matches!(effect, Effect::Latency(_) | Effect::VelocityLag(_)) {
+        if matches!(effect, Effect::Latency(_) | Effect::VelocityLag(_) | Effect::DriveLag(_)) {
             return Vec::new();
         }
         let indices = model.indices_of(scope, index);

@@ -8,10 +8,8 @@ use rayon::prelude::*;
 
 use super::axis_model::FreeParameter;
 use super::fit_data::{FitData, ResidualSeries};
+pub use crate::options::BLOCKS;
 use model::effects::Stage;
-
-/// Number of blocks of each log. Standard errors are computed from the scatter of the blocks.
-pub const BLOCKS: usize = 24;
 
 /// Number of folds of the cross-validation, each of consecutive blocks; a divisor of [`BLOCKS`].
 pub const FOLDS: usize = 3;
@@ -25,6 +23,8 @@ pub struct Block {
     pub log: usize,
     /// Index within the log, 0 to [`BLOCKS`] − 1.
     pub number: usize,
+    /// Index of the fold that the block belongs to.
+    pub fold: usize,
     /// Weight of the residuals.
     pub weight: f64,
     /// Number of samples that count.
@@ -37,18 +37,12 @@ pub struct Block {
     pub curvature: DMatrix<f64>,
 }
 
-impl Block {
-    /// Index of the fold that the block belongs to.
-    #[must_use]
-    pub const fn fold(&self) -> usize {
-        self.number * FOLDS / BLOCKS
-    }
-}
-
-/// Ranges of samples of the blocks of a log with this number of samples.
-pub fn block_ranges(samples: usize) -> impl Iterator<Item = Range<usize>> {
-    let length = samples.div_ceil(BLOCKS).max(1);
-    (0..samples).step_by(length).map(move |start| start..(start + length).min(samples))
+/// Ranges of samples of the blocks of a log with this number of samples: [`BLOCKS`], or fewer of the shortest length.
+#[must_use]
+pub fn block_ranges(samples: usize, shortest: usize) -> Vec<Range<usize>> {
+    let count = (samples / shortest.max(1)).clamp(1, BLOCKS);
+    let length = samples.div_ceil(count).max(1);
+    (0..samples).step_by(length).map(move |start| start..(start + length).min(samples)).collect()
 }
 
 /// Derivatives of all residuals with respect to one free parameter. Shared by fits that start from the same point.
@@ -67,7 +61,9 @@ pub fn blocks(
         let weight = weights[index] * weights[index];
         let counts = data.counting(series.stage, series.log);
         let mut blocks = Vec::with_capacity(BLOCKS);
-        for (number, range) in block_ranges(series.values.len()).enumerate() {
+        let ranges = block_ranges(series.values.len(), data.shortest_block(series.log));
+        let count = ranges.len();
+        for (number, range) in ranges.into_iter().enumerate() {
             let residual = &series.values[range.clone()];
             let slices: Vec<&[f64]> =
                 columns.iter().map(|column| &column[index].values[range.clone()]).collect();
@@ -85,6 +81,7 @@ pub fn blocks(
                 stage: series.stage,
                 log: series.log,
                 number,
+                fold: number * FOLDS / count,
                 weight: weights[index],
                 samples: range.filter(|&i| counts(i)).count(),
                 squares: weight * dot(residual, residual),

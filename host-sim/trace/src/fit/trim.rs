@@ -25,7 +25,7 @@ pub enum Instant {
     Force,
     /// Age of the velocity in the velocity loop.
     Speed,
-    /// Action of the drive's force, relative to the reading of the sensors.
+    /// Action of the drive's force, relative to the reading of the sensors. Late: a first-order lag of the force.
     Drive,
     /// Step of the filter of high-order control; zero: exact discretization.
     Filter,
@@ -76,8 +76,7 @@ impl Instant {
             // Force and position have different bounds: a force is a mean over an interval, a position belongs to an instant.
             Self::Force => [-options.force_trim * sample_s, options.force_trim * sample_s],
             Self::Speed => [0.0, options.velocity_trim * tick_s],
-            // Early only: a drive that acts late is described by the age of the velocity.
-            Self::Drive => [-options.drive_trim * tick_s, 0.0],
+            Self::Drive => [-options.drive_trim * tick_s, longest_drive_lag_s(tick_s, options)],
             Self::Filter => [0.0, options.position_trim * sample_s],
         }
     }
@@ -94,6 +93,13 @@ impl Instant {
             _ => false,
         }
     }
+}
+
+/// Largest time constant of the drive's force that is fitted, s. With a long tick the age of the velocity may be as large: both
+/// delay the reaction of the loop, no log tells them apart, and only the age is fitted.
+fn longest_drive_lag_s(tick_s: f64, options: &ModelOptions) -> f64 {
+    let lag_s = 1e-3 * options.drive_lag_trim_ms;
+    if options.velocity_trim * tick_s < lag_s { lag_s } else { 0.0 }
 }
 
 impl Trims {
@@ -132,11 +138,14 @@ impl Trims {
         let coordinate = |instant: Instant| {
             let [lower, upper] = instant.bounds_s(rates, options).map(|s| 1e3 * s);
             let bound = upper.max(-lower);
+            // The effect is the lag itself; that the force acts early is not part of it.
+            let is_lag = |effect: &Effect| instant == Instant::Drive && matches!(effect, Effect::DriveLag(_));
+            let upper = if axis.effect.iter().any(is_lag) { 0.0 } else { upper };
             let step = 0.02 * bound;
             let coordinate = if axis.effect.iter().any(|effect| instant.is_replaced_by(effect)) {
                 Coordinate::between(0.0, step, 0.0, 0.0)
             } else {
-                Coordinate::between(1e3 * self.late_s[instant as usize], step, lower, upper)
+                Coordinate::between((1e3 * self.late_s[instant as usize]).min(upper), step, lower, upper)
             };
             (instant, coordinate, options.trim_prior * bound)
         };
@@ -176,7 +185,7 @@ impl Trims {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::effects::VelocityLag;
+    use model::effects::{DriveLag, VelocityLag};
 
     const RATES: Rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 4 };
 
@@ -191,11 +200,14 @@ mod tests {
             let trimmed = trims.coordinates(&stages, &axis, RATES, &ModelOptions::default());
             trimmed.into_iter().map(|(instant, c, _)| (instant, c.value, c.upper)).collect::<Vec<_>>()
         };
-        // Upper bounds: a tenth of 1 ms; a quarter of 0.25 ms; zero, as the drive may only be early.
-        let [tool, drive] = [(Instant::Tool, 0.0, 0.1), (Instant::Drive, 0.0, 0.0)];
+        // Upper bounds: a tenth of 1 ms; a quarter of 0.25 ms; the lag of a current loop.
+        let [tool, drive] = [(Instant::Tool, 0.0, 0.1), (Instant::Drive, 0.0, 0.15)];
         assert_eq!(of(&[], Law::P), [tool, (Instant::Speed, 0.05, 0.0625), drive]);
         let lag = [Effect::VelocityLag(VelocityLag { ms: 0.1 })];
         assert_eq!(of(&lag, Law::P), [tool, (Instant::Speed, 0.0, 0.0), drive]);
+        // The effect is the lag itself; only an early action remains beside it.
+        let drive_lag = [Effect::DriveLag(DriveLag { ms: 0.4 })];
+        assert_eq!(of(&drive_lag, Law::P)[2], (Instant::Drive, 0.0, 0.0));
         // Only high-order control has a filter.
         assert_eq!(of(&lag, Law::Hpc)[3], (Instant::Filter, 0.0, 0.1));
         let mut parameters = AxisParameters::default();
@@ -203,5 +215,18 @@ mod tests {
         // 0.1 ms of the effect, or 0.15 ms with the trim if no effect replaces the trim.
         assert!((trims.applied(parameters.clone(), &lag).servo.lag.ms - 0.1).abs() < 1e-12);
         assert!((trims.applied(parameters, &[]).servo.lag.ms - 0.15).abs() < 1e-12);
+    }
+
+    /// A quarter of a tick of 0.6 ms is 0.15 ms.
+    #[test]
+    fn the_lag_of_the_drive_is_fitted_only_if_it_may_exceed_the_age_of_the_velocity() {
+        let upper_s = |tick_s: f64| {
+            let rates = Rates { velocity_loop_hz: 1.0 / tick_s, position_loop_divider: 1 };
+            Instant::Drive.bounds_s(rates, &ModelOptions::default())[1]
+        };
+        assert_eq!(
+            [0.59e-3, 0.61e-3].map(|tick_s| upper_s(tick_s).to_bits()),
+            [0.15e-3_f64, 0.0].map(f64::to_bits)
+        );
     }
 }

@@ -29,6 +29,8 @@ pub struct AxisSignals {
     /// Whether each sample is within a standstill. Friction at standstill depends on how the axis came to rest and on the
     /// creep caused by sensor noise, which no model of the motion predicts.
     pub standstill: Vec<bool>,
+    /// First sample from which the state of the friction is that of sliding; 0 if the log starts in a standstill.
+    pub sliding_from: usize,
     /// Whether the force of each sample is at its limit; empty if none is.
     pub saturated: Vec<bool>,
     /// Whether a fault of the data spoils each sample, by stage in the order of [`Stage`]; empty if none does.
@@ -77,6 +79,13 @@ impl Signals {
         }
     }
 
+    /// Estimates the noise of the channels again, without the samples that a fault of the data spoils.
+    pub fn estimate_noise_without_faults(&mut self, options: &SampleOptions) {
+        for axis in &mut self.axes {
+            axis.estimate_noise_without_faults(self.sample_s, options);
+        }
+    }
+
     /// Number of samples.
     #[must_use]
     pub fn len(&self) -> usize {
@@ -101,6 +110,7 @@ impl AxisSignals {
             table: None,
             tool: None,
             standstill: Vec::new(),
+            sliding_from: 0,
             saturated: Vec::new(),
             faulty: [const { Vec::new() }; 4],
             force: None,
@@ -120,6 +130,9 @@ impl AxisSignals {
             unit: Some(axis.unit),
             command: metres(&axis.command),
             motor_path: motor.as_ref().map(|motor| MotorPath::new(motor, options.play_noise, sample_s)),
+            sliding_from: motor
+                .as_ref()
+                .map_or(0, |motor| sliding_from(motor, &standstill, sample_s, options)),
             motor,
             standstill,
             saturated: Vec::new(),
@@ -142,6 +155,22 @@ impl AxisSignals {
         let flags = &mut self.faulty[stage as usize];
         flags.resize(count, false);
         flags[samples].fill(true);
+    }
+
+    fn estimate_noise_without_faults(&mut self, sample_s: f64, options: &SampleOptions) {
+        let [motor, table, tool, force] =
+            [Stage::Motor, Stage::Table, Stage::Tool, Stage::Force].map(|stage| &self.faulty[stage as usize]);
+        let channels =
+            [(&mut self.table, table), (&mut self.tool, tool), (&mut self.force, force)].into_iter();
+        for (channel, faulty) in channels.filter(|(_, faulty)| !faulty.is_empty()) {
+            if let Some(channel) = channel {
+                channel.estimate_noise_without(faulty);
+            }
+        }
+        if let (Some(channel), false) = (&mut self.motor, motor.is_empty()) {
+            channel.estimate_noise_without(motor);
+            self.motor_path = Some(MotorPath::new(channel, options.play_noise, sample_s));
+        }
     }
 
     /// The same axis with [`Self::motor_path`] recomputed for this standard deviation of the encoder noise, m.
@@ -177,6 +206,25 @@ impl AxisSignals {
         let smooth = smooth.into_iter().flatten().map(|smooth| smooth.raw.len());
         self.command.as_ref().map(Vec::len).into_iter().chain(smooth).next()
     }
+}
+
+/// The first sample by which an axis that moves at the start of its log has travelled far enough for its friction to be that
+/// of sliding: how far the bristles are deflected at the start is not known. At most the settling time, which only a log of
+/// less than four times that time does not leave out anyway.
+fn sliding_from(motor: &Smooth, standstill: &[bool], sample_s: f64, options: &SampleOptions) -> usize {
+    if standstill.first().is_none_or(|&at_rest| at_rest) {
+        return 0;
+    }
+    let travel_m = numerics::peak_to_peak(motor.position.iter().copied());
+    let far_m = (1e-6 * options.min_sliding_um).min(0.1 * travel_m);
+    let [mut least, mut most] = [motor.position[0]; 2];
+    let has_slid = |&position: &f64| {
+        (least, most) = (least.min(position), most.max(position));
+        most - least >= far_m
+    };
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0.3 s of samples")]
+    let latest = (options.settling_s / sample_s) as usize;
+    motor.position.iter().take(latest).position(has_slid).unwrap_or(latest.min(motor.position.len()))
 }
 
 /// Whether each sample is within a standstill.

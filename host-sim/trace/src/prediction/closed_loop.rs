@@ -94,7 +94,8 @@ pub fn closed_loop(
         return None;
     }
     let step_s = tick_s / f64::from(substeps);
-    let stepper = Stepper::new(parameters, parameters.servo.drive_time_constant_s(0.0), step_s);
+    let stepper =
+        Stepper::new(parameters, parameters.servo.drive_time_constant_s(drive_late_s.max(0.0)), step_s);
     let mut tool = ToolOscillation::new(parameters, step_s);
     let position = |m: f64| Position::from_m(m).unwrap_or_default();
 
@@ -103,15 +104,9 @@ pub fn closed_loop(
     let true_motor_m = motor - parameters.resolver_error_m(motor);
     let mut motion = steady_motion(parameters, true_motor_m, velocity, time_s);
     motion.table_m = table_m.unwrap_or(motion.table_m);
-    // A delay of the force relative to the reading of the sensors is equivalent to an earlier reading.
-    let read = |motion: &AxisMotion| {
-        let motor_m = motion.motor_m - drive_late_s * motion.motor_m_per_s;
-        let table_m = motion.table_m - drive_late_s * motion.table_m_per_s;
-        Reading {
-            motor: position(motor_m + parameters.resolver_error_m(motor_m)),
-            table: Some(position(table_m + table_zero_m)),
-        }
-    };
+    // A force that acts early, relative to the reading of the sensors, is equivalent to a later reading.
+    let early_s = (-drive_late_s).max(0.0);
+    let read = |motion: &AxisMotion| reading_after(motion, early_s, parameters, table_zero_m);
     let before = |m: f64, velocity: f64| position(m - velocity * tick_s);
     let command_before = position(first - (second - first));
     let known_table_m = if is_settled { motion.table_m + table_zero_m } else { motor };
@@ -142,6 +137,22 @@ pub fn closed_loop(
         }
     }
     Some(result)
+}
+
+/// The readings of the sensors some time after a motion was as given. The scale has its zero at `table_zero_m`.
+fn reading_after(
+    motion: &AxisMotion,
+    seconds: f64,
+    parameters: &AxisParameters,
+    table_zero_m: f64,
+) -> Reading {
+    let position = |m: f64| Position::from_m(m).unwrap_or_default();
+    let motor_m = motion.motor_m + seconds * motion.motor_m_per_s;
+    let table_m = motion.table_m + seconds * motion.table_m_per_s;
+    Reading {
+        motor: position(motor_m + parameters.resolver_error_m(motor_m)),
+        table: Some(position(table_m + table_zero_m)),
+    }
 }
 
 #[cfg(test)]

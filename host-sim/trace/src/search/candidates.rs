@@ -13,7 +13,7 @@ use crate::fit::limits::{self, ParameterAtLimit};
 use crate::fit::normal_equations::{Column, FOLDS, blocks, normal, stepped};
 use crate::fit::scope::Scope;
 use crate::options::SearchOptions;
-use model::effects::Effect;
+use model::effects::{Effect, KINDS, Stage};
 
 /// Largest number of steps of a candidate's fit.
 const STEPS: usize = 6;
@@ -47,19 +47,21 @@ impl Candidate {
     /// does a stage lose more than a small fraction of the total gain.
     #[must_use]
     pub fn stands_out(&self, options: &SearchOptions) -> bool {
-        self.helps(options, options.min_t)
+        self.helps(options, |c| c.t >= c.min_t)
     }
 
     /// The same as [`Self::is_supported`] without the test of significance.
     #[must_use]
     pub fn is_consistent(&self, options: &SearchOptions) -> bool {
-        self.limit.is_none() && self.helps(options, 0.0)
+        self.limit.is_none() && self.helps(options, |c| c.t >= 0.0)
     }
 
-    fn helps(&self, options: &SearchOptions, min_t: f64) -> bool {
+    fn helps(&self, options: &SearchOptions, is_significant: impl Fn(&Comparison) -> bool) -> bool {
         let is_better = |c: &Comparison| {
-            c.reduction.min(c.fitted_reduction) >= options.min_reduction
-                && c.t >= min_t
+            is_shown_in(&self.effect, c.stage)
+                && c.reduction.min(c.fitted_reduction) >= options.min_reduction
+                && c.evidence >= options.min_evidence
+                && is_significant(c)
                 && c.folds_better == FOLDS
         };
         let loss = |c: &Comparison| 0.5 * (1.0 - c.worst_log.min(0.0)).ln();
@@ -68,6 +70,13 @@ impl Candidate {
             && self.comparison.iter().any(is_better)
             && self.comparison.iter().all(|c| loss(c) < tolerable)
     }
+}
+
+/// Whether a gain in a stage may show the effect. An error of a position that only the table shows changes the force as well,
+/// by the acceleration that follows the error: a wave of nanometres would explain any short piece of a force.
+fn is_shown_in(effect: &Effect, stage: Stage) -> bool {
+    let mut kinds = KINDS.iter().filter(|kind| kind.name == effect.name());
+    stage == Stage::Table || kinds.any(|kind| kind.shown_in != [Stage::Table])
 }
 
 /// The fits that candidates are compared with and start from.

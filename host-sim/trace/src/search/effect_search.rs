@@ -6,6 +6,7 @@ use super::candidates::{Candidate, Reference, rank};
 use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
 use super::map_refinement::with_finer_map;
+use super::map_remainder::{is_remainder_of_map, is_wave_of_own_period};
 use super::mass_check::takes_place_of_mass;
 use super::residual_shape::shape;
 use super::round::Round;
@@ -226,13 +227,15 @@ impl EffectSearch<'_> {
         })
     }
 
-    /// Drops effects whose size or shape is too uncertain, see [`may_be_zero`] and [`has_unknown_shape`].
+    /// Drops effects whose size or shape is too uncertain, see [`may_be_zero`], [`has_unknown_shape`] and
+    /// [`is_remainder_of_map`].
     fn drop_uncertain(&self, data: &FitData<'_>, full: Fitted, scope: &Scope) -> Fitted {
         dropping(full, scope, |full, index| {
             let effect = &full.model.found()[index];
             let half = half_widths(effect, &covariance(data, full), full.model.indices_of(scope, index));
-            let is_uncertain =
-                may_be_zero(effect, &half, &data.options.search) || has_unknown_shape(effect, &half);
+            let is_uncertain = may_be_zero(effect, &half, &data.options.search)
+                || has_unknown_shape(effect, &half)
+                || is_remainder_of_map(effect, full.model.found());
             is_uncertain.then(|| {
                 (self.progress)(&format!("{}: {} is too uncertain", data.name(), effect.name()));
                 least_squares::fit_without(data, full, scope, index)
@@ -283,7 +286,7 @@ fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effe
     guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
     if model.found().iter().any(|effect| matches!(effect, Effect::PitchMap(_))) {
         // Between its knots a map deviates from the screw, in waves of a few knots.
-        guesses.retain(|effect| !is_wave_of_screw(effect, model.axis.settings.mechanics.lead_mm));
+        guesses.retain(|effect| !is_wave_of_own_period(effect, model.axis.settings.mechanics.lead_mm));
     }
     guesses
 }
@@ -293,15 +296,6 @@ fn is_gross(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> bool {
     let is_gross =
         |&stage: &Stage| data.rms(&fitted.residuals, stage) > data.max_described(&fitted.model, stage);
     scope.stages.iter().any(is_gross)
-}
-
-/// Whether an effect is a periodic error of the screw whose period is no whole fraction of the lead.
-fn is_wave_of_screw(effect: &Effect, lead_mm: Option<f64>) -> bool {
-    let Effect::PitchCyclic(wave) = effect else { return false };
-    lead_mm.is_none_or(|lead_mm| {
-        let order = lead_mm / wave.period_mm;
-        (order - order.round()).abs() > 1e-6 * order
-    })
 }
 
 /// Drops each effect of a scope for which `better` returns a fit without it.

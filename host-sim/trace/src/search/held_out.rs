@@ -10,6 +10,9 @@ use crate::fit::normal_equations::{FOLDS, normal, stepped};
 use crate::options::SearchOptions;
 use model::effects::Stage;
 
+/// Share of the samples of a filtered residual whose noise is independent: Σw² of the cubic filter over 11 samples.
+const INDEPENDENT: f64 = 0.2;
+
 /// Σr² of one block of one stage, unweighted (µm² or N²), for the fit without the fold of this block.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Score {
@@ -36,7 +39,7 @@ pub fn scores(fitted: &Fitted) -> Vec<Score> {
     );
     let steps: Vec<DVector<f64>> = (0..FOLDS)
         .map(|fold| {
-            let others = fitted.blocks.iter().filter(|block| block.fold() != fold);
+            let others = fitted.blocks.iter().filter(|block| block.fold != fold);
             let (curvature, gradient) = normal(others, &fitted.parameters);
             DVector::from_vec(stepped(&fitted.parameters, &curvature, &gradient, 1e-6)) - &values
         })
@@ -45,13 +48,13 @@ pub fn scores(fitted: &Fitted) -> Vec<Score> {
         .blocks
         .iter()
         .map(|block| {
-            let step = &steps[block.fold()];
+            let step = &steps[block.fold];
             let squares =
                 block.squares + 2.0 * block.gradient.dot(step) + step.dot(&(&block.curvature * step));
             Score {
                 stage: block.stage,
                 log: block.log,
-                fold: block.fold(),
+                fold: block.fold,
                 squares: squares.max(0.0) / (block.weight * block.weight),
                 fitted_squares: block.squares / (block.weight * block.weight),
                 samples: block.samples,
@@ -76,6 +79,10 @@ pub struct Comparison {
     /// Logarithms are used because an effect may change a few blocks a hundred times as much as the others, which would make
     /// the mean of Σr² uncertain.
     pub t: f64,
+    /// Smallest [`Self::t`] that is significant with this number of blocks.
+    pub min_t: f64,
+    /// Gain in log-likelihood of all samples together, each filtered one of [`INDEPENDENT`] counted.
+    pub evidence: f64,
     /// Folds in which the second model is better.
     pub folds_better: usize,
     /// Smallest reduction of any log.
@@ -149,6 +156,8 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage, options: &Sear
         reduction: reductions.iter().sum(),
         fitted_reduction: used().map(fitted_reduction).sum(),
         t: mean / (variance / n).sqrt().max(f64::MIN_POSITIVE),
+        min_t: options.min_t_of(gains.len()),
+        evidence: INDEPENDENT * used().map(gain_of).sum::<f64>() * total,
         folds_better: (0..FOLDS).filter(|&fold| in_fold(fold).sum::<f64>() > 0.0).count(),
         worst_log: numerics::min(used().map(|l| 1.0 - l.after / l.before.max(f64::MIN_POSITIVE))).min(1.0),
         gain: used().map(gain_of).sum(),

@@ -11,6 +11,7 @@ pub mod effect_search;
 pub mod held_out;
 pub mod loop_check;
 pub mod map_refinement;
+pub mod map_remainder;
 pub mod mass_check;
 pub mod position_spectrum;
 pub mod residual_samples;

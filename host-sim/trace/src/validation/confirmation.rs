@@ -10,6 +10,7 @@ use crate::fit::least_squares;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::Scope;
 use crate::fit::scope_fit::{Progress, ScopeFit};
+use crate::search::map_remainder::is_remainder_of_map;
 use crate::search::round::{Round, refused_at_limit};
 use crate::search::slope_of_map::is_slope_of_map;
 use model::effects::{Effect, Stage};
@@ -57,6 +58,7 @@ pub fn confirm(
             let half_widths = axis.half_widths(fit_data, index);
             may_be_zero(effect, &half_widths, options)
                 || has_unknown_shape(effect, &half_widths)
+                || is_remainder_of_map(effect, axis.model.found())
                 || !effect.exceeds_tolerance(nominal, fit_data.rates)
         };
         if let Some(index) = (0..axis.model.found().len()).find(is_not_shown) {

@@ -46,7 +46,8 @@ fn cells(data: &FitData<'_>, [without, with]: [&[ResidualSeries]; 2]) -> Vec<Cel
     let mut cells = Vec::new();
     for (before, after) in without.iter().zip(with) {
         let counts = data.counting(before.stage, before.log);
-        for (block, range) in block_ranges(before.values.len()).enumerate() {
+        let ranges = block_ranges(before.values.len(), 1);
+        for (block, range) in ranges.into_iter().enumerate() {
             let squares =
                 [before, after].map(|series| series.values[range.clone()].iter().map(|r| r * r).sum::<f64>());
             let samples = range.filter(|&i| counts(i)).count();
