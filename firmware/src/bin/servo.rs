@@ -140,6 +140,10 @@ fn run() -> Option<()> {
     timer.enable_counter();
     timer.enable_interrupt();
     server.load(&mut Idle, &mut memory, None);
+    // A host may have sent its requests before: the first reply has readings of a tick.
+    while with_plant(|plant| plant.drive.now()) == 0 {
+        cortex_m::asm::delay(PAUSE);
+    }
     let mut served_at = 0;
     let (mut confirmed, mut settled_at) = (None, SETTLED_TICKS);
     loop {

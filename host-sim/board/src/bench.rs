@@ -103,10 +103,20 @@ impl Bench {
                 Ok(1) if reply[0] == byte => return Ok(()),
                 Ok(1) => return Err(BoardError::Unexpected),
                 Ok(_) => {}
-                // The emulator has ended.
-                Err(_) if byte == END => return Ok(()),
+                Err(_) if byte == END => return self.wait_for_the_end(started),
                 Err(error) => return Err(error.into()),
             }
+        }
+        Err(BoardError::Silent { seconds: CONFIRM_TIMEOUT.as_secs_f64() })
+    }
+
+    /// Waits until the process of the emulator has ended, after its connections: until then its sockets can be connected to.
+    fn wait_for_the_end(&self, started: Instant) -> Result<(), BoardError> {
+        while started.elapsed() < CONFIRM_TIMEOUT {
+            if Port::socket(&self.bench_socket()).is_err() {
+                return Ok(());
+            }
+            thread::sleep(Duration::from_millis(20));
         }
         Err(BoardError::Silent { seconds: CONFIRM_TIMEOUT.as_secs_f64() })
     }
