@@ -122,20 +122,7 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     let (notch, low_pass) = (all.notch.as_ref()?, all.low_pass.as_ref()?);
     part.of("notch", &errors, filter::State::default(), |state, &x| notch.step(state, x));
     part.of("low-pass", &errors, filter::State::default(), |state, &x| low_pass.step(state, x));
-    // Counts of 0.25 µm and 50 nm; the memory takes all ticks.
-    let steps = ChannelSteps::of_counts([0.25e-6; AXES], [50e-9; AXES], 5);
-    let mut bytes = [0; 32 * TICKS];
-    let mut memory = CaptureMemory::new(&mut bytes);
-    memory.arm(Trigger::Now, u32::MAX, RATES.position_loop_divider);
-    memory.takes(0, true, true);
-    part.of(
-        "recording of two axes",
-        others,
-        (Quantisers::new(&steps), memory),
-        |(quantisers, memory), tick| {
-            memory.append(&quantisers.sample(&tick.output.commands, &tick.readings, &tick.output.forces));
-        },
-    );
+    recording(&mut part, others);
     let mut plain = motion::plain_machine::<S>(&PROGRAM)?;
     plain.tick(&first.readings);
     part.of("tick of two axes, path and loops", others, plain, |machine, tick| machine.tick(&tick.readings));
@@ -146,6 +133,23 @@ pub fn of_the_tick<S: Scalar>(counter: &mut Counter) -> Option<()> {
     moving.tick(&first.readings);
     part.of("tick of two axes, all on", others, moving, |machine, tick| machine.tick(&tick.readings));
     Some(())
+}
+
+/// Recording of all channels: counts of 0.25 µm and 50 nm, and a memory for all ticks.
+fn recording<S: Scalar>(part: &mut Parts<'_>, ticks: &[Tick<S>]) {
+    let steps = ChannelSteps::of_counts([0.25e-6; AXES], [50e-9; AXES], 5);
+    let mut bytes = [0; 32 * TICKS];
+    let mut memory = CaptureMemory::new(&mut bytes);
+    memory.arm(Trigger::Now, u32::MAX, RATES.position_loop_divider);
+    memory.takes(0, true, true);
+    part.of(
+        "recording of two axes",
+        ticks,
+        (Quantisers::new(&steps), memory),
+        |(quantisers, memory), tick| {
+            memory.append(&quantisers.sample(&tick.output.commands, &tick.readings, &tick.output.forces));
+        },
+    );
 }
 
 /// The parts in one number format.
