@@ -96,7 +96,8 @@ impl SlowList {
         }
     }
 
-    fn get(self, place: u8) -> Option<SlowTerm> {
+    #[expect(clippy::trivially_copy_pass_by_ref, reason = "read where it is: 5 instructions less in a tick")]
+    fn get(&self, place: u8) -> Option<SlowTerm> {
         self.terms.get(usize::from(place)).copied().filter(|_| place < self.count)
     }
 }
