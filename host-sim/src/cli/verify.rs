@@ -50,7 +50,11 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     check_outputs(&inputs, &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
     let machine = Machine::read(&arguments.machine)?;
     let predictions = arguments.predicted.as_deref().map(Predictions::read).transpose()?.unwrap_or_default();
+    check_machine(arguments.predicted.as_deref(), &predictions, &machine)?;
     let motions = verified(arguments, &machine, &predictions)?;
+    if let Some(file) = &arguments.predicted {
+        check_predictions(file, &predictions, &motions)?;
+    }
     let all: Vec<_> = motions.iter().map(VerifiedMotion::json).collect();
     write_json(arguments.json.as_ref(), &json!({"motions": all}))?;
     let mut output = text(&motions, arguments.predicted.is_some());
@@ -60,6 +64,37 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     print(&output)?;
     failure(&motions)
+}
+
+/// Checks that the predictions are those of this machine.
+fn check_machine(
+    file: Option<&Path>,
+    predictions: &Predictions,
+    machine: &Machine,
+) -> Result<(), InputError> {
+    match (file, &predictions.machine) {
+        (Some(file), Some(name)) if *name != machine.name => {
+            let expected = format!("a compensation of the machine {}", machine.name);
+            Err(InputError::expected(&file.display().to_string(), expected, name).at_key("machine"))
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks that at least one motion has a prediction: without one, nothing would be compared.
+fn check_predictions(
+    file: &Path,
+    predictions: &Predictions,
+    motions: &[VerifiedMotion],
+) -> Result<(), InputError> {
+    if motions.iter().any(|motion| motion.predicted.is_some()) {
+        return Ok(());
+    }
+    let logged: Vec<&str> = motions.iter().map(|motion| motion.name.as_str()).collect();
+    let predicted: Vec<&str> = predictions.predicted.iter().map(|entry| entry.motion.as_str()).collect();
+    let found = if predicted.is_empty() { "none".to_owned() } else { predicted.join(", ") };
+    let expected = format!("a prediction of {}", logged.join(" or "));
+    Err(InputError::expected(&file.display().to_string(), expected, found).at_key("predicted"))
 }
 
 /// The motions of all pairs of logs.

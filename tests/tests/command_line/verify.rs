@@ -163,8 +163,12 @@ fn a_prediction_is_checked_within_its_bound() {
         assert_eq!(error, "lost-motion: the contour error is not as predicted: circle\n");
     }
     predict(after / 2.0, "small_circle");
-    let stdout = folder.succeeds(&arguments);
-    assert!(stdout.contains("circle_with: the compensation file has no prediction."), "{stdout}");
+    let error = folder.fails(&arguments, 2);
+    assert!(error.contains("expected a prediction of circle_with, found small_circle"), "{error}");
+    let text = fs::read_to_string(folder.path().join("c.toml")).unwrap();
+    fs::write(folder.path().join("c.toml"), format!("machine = \"another\"\n{text}")).unwrap();
+    let error = folder.fails(&arguments, 2);
+    assert!(error.contains("machine: expected a compensation of the machine"), "{error}");
 }
 
 #[test]

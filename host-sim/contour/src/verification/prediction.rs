@@ -17,6 +17,8 @@ const SIDES: [&str; 6] = ["before", "after", "uncompensated", "compensated", "wi
 /// Entries `[[predicted]]` of a compensation file; the rest of the file is not read.
 #[derive(Clone, Debug, Default, PartialEq, Deserialize)]
 pub struct Predictions {
+    /// Name of the machine to which the file belongs.
+    pub machine: Option<String>,
     /// The entries.
     #[serde(default)]
     pub predicted: Vec<Prediction>,
@@ -83,18 +85,21 @@ impl Predictions {
     /// The entry for a motion with logs of these names and a path of this length.
     ///
     /// The name of a log is its file name without folder and extension, and without a word such as `before` or `after`
-    /// at either end. Blanks, hyphens and underscores are alike.
+    /// at either end. Blanks, hyphens and underscores are alike. Logs whose names are nothing but such words have the only entry
+    /// with a path of their length.
     #[must_use]
     pub fn of_motion(&self, logs: [&str; 2], length_mm: f64) -> Option<&Prediction> {
         let names = logs.map(|log| without_side(&plain(&log_name(log))));
-        self.predicted.iter().find(|entry| {
+        let is_length = |mm: f64| (mm - length_mm).abs() <= MAX_LENGTH_FRACTION * length_mm;
+        let named = self.predicted.iter().find(|entry| {
             let motion = plain(&log_name(&entry.motion));
             let is_named = names.contains(&motion) || names.contains(&without_side(&motion));
-            let is_as_long = entry
-                .path_length_mm
-                .is_none_or(|mm| (mm - length_mm).abs() <= MAX_LENGTH_FRACTION * length_mm);
-            is_named && is_as_long
-        })
+            is_named && entry.path_length_mm.is_none_or(is_length)
+        });
+        let unnamed = names.iter().all(|name| SIDES.contains(&name.as_str()));
+        let mut as_long =
+            self.predicted.iter().filter(|entry| unnamed && entry.path_length_mm.is_some_and(is_length));
+        named.or_else(|| as_long.next().filter(|_| as_long.next().is_none()))
     }
 }
 
