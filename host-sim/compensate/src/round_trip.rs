@@ -65,7 +65,8 @@ pub struct SimulatedMachine<'a> {
     pub machine: &'a Machine,
     /// Its sensors and drives.
     pub instruments: Instruments,
-    /// Where its controller runs with a compensation; without one, it runs in this process, with the same bits.
+    /// Where its controller runs with a compensation and the sensors as they are; otherwise it runs in this process, with the same
+    /// bits.
     pub place: Place,
 }
 
@@ -79,7 +80,8 @@ impl RealMachine for SimulatedMachine<'_> {
     ) -> Result<Log, PredictionError> {
         let instruments = with_sensing(self.instruments, sensing);
         let instruments = Instruments { seed: instruments.seed + run, ..instruments };
-        let place = if file.axis.is_empty() { Place::Host } else { self.place };
+        let is_plain = file.axis.is_empty() || sensing != Sensing::Installed;
+        let place = if is_plain { Place::Host } else { self.place };
         prediction::log(self.machine, file, test, (instruments, place))
     }
 }
