@@ -10,17 +10,17 @@
 mod rig;
 
 use libfuzzer_sys::fuzz_target;
-use rig::{BOARD, Line, Memory, SLOT, STEPS, TICK_HZ, TIMES, TestBench, settings};
+use rig::{BOARD, IDENTITY, Line, Memory, SLOTS, STEPS, TICK_HZ, TIMES, TestBench, settings};
 use shared::drive::{Amplifier, AnyOutput, DriveSystem, EnableSwitch, StatusLight};
 use shared::interpolate::Block;
 use shared::link::message::{FromBoard, Jog, Reply, Request, UploadKind};
 use shared::link::packet::{self, Frame, Header};
 use shared::link::report::{DirectionReport, SettingsReport};
-use shared::link::{HostedDrive, Identity, LinkCounts, Receiver, Server, SettingsMemory, Status};
+use shared::link::{HostedDrive, LinkCounts, Receiver, Server, SettingsMemory, Status};
 use shared::machine::Machine;
 use shared::protocol::LONGEST_ORDER;
 use shared::scalar::Fixed;
-use shared::storage::{Slots, Store};
+use shared::storage::Store;
 use shared::units::Position;
 
 /// Settling time of the enable switch, ticks.
@@ -204,19 +204,10 @@ fuzz_target!(|data: &[u8]| {
     let switch = EnableSwitch::new(SETTLING);
     let system = DriveSystem::new(&mut machine, amplifiers, switch, StatusLight::new(5000));
     let mut recording = [0; 2048];
-    let identity = Identity {
-        board: "fuzz",
-        software: "0",
-        tick_hz: TICK_HZ,
-        steps: STEPS,
-        times: TIMES,
-        homing: [None; 2],
-    };
-    let slots = Slots { starts: [0, SLOT], length: SLOT };
     let mut board = Board {
-        server: Box::new(Server::new(identity, settings)),
+        server: Box::new(Server::new(IDENTITY, settings)),
         drive: HostedDrive::new(system, TICK_HZ, TIMES, &STEPS, &mut recording),
-        memory: SettingsMemory::new(Store::new(Memory::erased(), slots, BOARD).expect("they fit")),
+        memory: SettingsMemory::new(Store::new(Memory::erased(), SLOTS, BOARD).expect("they fit")),
         bench: TestBench::default(),
         line: Line::default(),
         receiver: Receiver::NEW,

@@ -13,7 +13,8 @@ use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
-use plant::simulate::{Run, SimulationError};
+use plant::machine_sim::MachineSim;
+use plant::simulate::{ClosedLoop, Plant, SimulationError};
 
 /// A motion that is simulated, and the time on the session clock at which it starts, s.
 #[derive(Clone, Debug)]
@@ -62,14 +63,30 @@ pub fn log(
     test: &TestMotion,
     (instruments, place): (Instruments, Place),
 ) -> Result<Log, PredictionError> {
+    let plant = |machine: &Machine, start_m: &[f64]| {
+        Ok(MachineSim::new(machine, instruments, start_m)?.starting_at(test.start_s))
+    };
+    log_of_plant((machine, plant), file, test, place)
+}
+
+/// The same of any plant: `plant` makes it from the machine with the settings of the compensation, at rest at its start, m.
+///
+/// # Errors
+/// As [`log`].
+pub fn log_of_plant<P: Plant>(
+    (machine, plant): (&Machine, impl FnOnce(&Machine, &[f64]) -> Result<P, SimulationError>),
+    file: &CompensationFile,
+    test: &TestMotion,
+    place: Place,
+) -> Result<Log, PredictionError> {
     let machine = &file.applied_to(machine);
     let path = MachinePath::new(&test.motion, machine, &test.source)?;
     let failed = |error| PredictionError::Simulation { motion: test.motion.name.clone(), error };
     let mut controller = place.controller(machine, &path.start_m).map_err(failed)?;
     file.set(machine, controller.as_mut())?;
-    let run =
-        Run { machine, instruments, start_m: &path.start_m, blocks: &path.blocks, start_s: test.start_s };
-    let mut log = run.log(controller.as_mut(), |_, _, _| {}).map_err(failed)?;
+    let mut plant = plant(machine, &path.start_m).map_err(failed)?;
+    let closed_loop = ClosedLoop { machine, blocks: &path.blocks, start_s: test.start_s };
+    let mut log = closed_loop.log(&mut plant, controller.as_mut(), |_, _, _| {}).map_err(failed)?;
     log.source.clone_from(&test.motion.name);
     Ok(log)
 }

@@ -75,6 +75,8 @@ pub struct Demo {
     pub traced: Traced,
     /// The compensation of the traced model, and the motions before and after it.
     pub compensated: Compensated,
+    /// Where the controller ran with the compensation.
+    pub place: Place,
 }
 
 /// A machine with one undeclared effect, and the trace of its logs.
@@ -97,8 +99,6 @@ pub struct Compensated {
     pub motions: Vec<Compared>,
     /// What limits the error that is left.
     pub limits: Limits,
-    /// Where the controller ran with the compensation.
-    pub place: Place,
 }
 
 /// Simulates, logs, traces and compensates the machine of a seed, and executes motions before and after; `progress` receives the
@@ -113,8 +113,9 @@ pub fn run(seed: u64, progress: &(dyn Fn(&str) + Sync)) -> Result<Demo, DemoErro
     let real = SimulatedMachine { machine: &traced.drawn.truth, instruments, place: Place::found() };
     let model = traced.trace.better_machine();
     let before = CompensationFile::none(&model);
-    let compensated = compensated(&model, (&real, &before), seed, real.place)?;
-    Ok(Demo { traced, compensated })
+    let compensated = compensated(&model, (&real, &before), seed)?;
+    let place = real.place;
+    Ok(Demo { traced, compensated, place })
 }
 
 /// Simulates, logs and traces the machine of a seed; `progress` receives the name of each step as it starts.
@@ -140,7 +141,6 @@ pub fn compensated(
     model: &Machine,
     (real, before): (&dyn RealMachine, &CompensationFile),
     seed: u64,
-    place: Place,
 ) -> Result<Compensated, DemoError> {
     let instruments = Instruments::typical(seed);
     let tests = CHOSEN_ON.map(test_motion).into_iter().collect::<Result<Vec<_>, _>>()?;
@@ -151,7 +151,7 @@ pub fn compensated(
     let motions = round_trip::compare(real, (model, instruments), [before, &plan.file], &run_on)?;
     let [_, _, after_um] = round_trip::totals_um(&motions);
     let limits = Limits::measure(real, (model, instruments), &plan.file, &run_on, after_um)?;
-    Ok(Compensated { plan, motions, limits, place })
+    Ok(Compensated { plan, motions, limits })
 }
 
 fn test_motion(text: &str) -> Result<TestMotion, InputError> {
@@ -244,7 +244,7 @@ impl Demo {
     /// The JSON of `demo --json`.
     #[must_use]
     pub fn json(&self) -> Value {
-        let Self { traced, compensated } = self;
+        let Self { traced, compensated, .. } = self;
         let headline = traced.headline();
         let effect = &traced.drawn.effect;
         let parameters: serde_json::Map<String, Value> = effect

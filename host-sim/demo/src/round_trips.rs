@@ -97,12 +97,8 @@ pub fn round_trips(
     done: &(dyn Fn(usize) + Sync),
 ) -> Result<Vec<RoundTrip>, DemoError> {
     let finished = AtomicUsize::new(0);
-    let seeds: Vec<u64> = match machines.simulator {
-        Simulator::Plant => (first_seed..).zip(0..count).map(|(seed, _)| seed).collect(),
-        Simulator::SelfTest => {
-            (first_seed..).filter(|seed| is_like_demo(*seed)).zip(0..count).map(|(seed, _)| seed).collect()
-        }
-    };
+    let is_taken = |seed: &u64| machines.simulator == Simulator::Plant || is_like_demo(*seed);
+    let seeds: Vec<u64> = (first_seed..).filter(is_taken).zip(0..count).map(|(seed, _)| seed).collect();
     let one = |(number, seed): (usize, u64)| {
         let trip = match machines.simulator {
             Simulator::Plant => of_demo(&declared(machines.has_feedforward)?, seed, 1 + number % 3),
@@ -175,7 +171,7 @@ fn round_trip(
     trace: &Trace,
     real: (&dyn RealMachine, &CompensationFile),
 ) -> Result<RoundTrip, DemoError> {
-    let Compensated { motions, limits, .. } = compensated(&trace.better_machine(), real, seed, Place::Host)?;
+    let Compensated { motions, limits, .. } = compensated(&trace.better_machine(), real, seed)?;
     Ok(RoundTrip { seed, effects, found: trace.found_names(), contour_um: totals_um(&motions), limits })
 }
 

@@ -3,17 +3,15 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use shared::axis::Reading;
-use shared::units::Position;
 
 use compensate::file::CompensationFile;
-use compensate::prediction::{PredictionError, TestMotion};
+use compensate::place::Place;
+use compensate::prediction::{self, PredictionError, TestMotion};
 use compensate::round_trip::{RealMachine, Sensing};
 use files::log::Log;
-use link::controller::Format;
 use model::machine::Machine;
-use plant::machine_path::MachinePath;
-use plant::machine_sim::Measurement;
-use plant::simulate::{self, ClosedLoop, Plant};
+use plant::machine_sim::{Measurement, position};
+use plant::simulate::Plant;
 use self_test::case::Case;
 use self_test::machine::{Axis, TwoAxes};
 use self_test::sensors::{Sensor, Sensors};
@@ -65,23 +63,17 @@ impl RealMachine for SecondMachine {
         run: u64,
         sensing: Sensing,
     ) -> Result<Log, PredictionError> {
-        let machine = &file.applied_to(&self.machine);
-        let path = MachinePath::new(&test.motion, machine, &test.source)?;
-        let failed = |error| PredictionError::Simulation { motion: test.motion.name.clone(), error };
-        let mut controller = simulate::controller(machine, Format::Fixed, &path.start_m).map_err(failed)?;
-        file.set(machine, controller.as_mut())?;
         let axes = self.with_sensing(sensing);
-        let start_m = [0, 1].map(|i| path.start_m.get(i).copied().unwrap_or(0.0));
-        let mut plant = Running {
-            axes: TwoAxes::new(&axes, start_m, test.start_s),
-            sensors: axes.each_ref().map(|axis| axis.sensors),
-            forces_n: [0.0; 2],
-            random: ChaCha8Rng::seed_from_u64(self.seed + run),
+        let plant = |_: &Machine, start_m: &[f64]| {
+            let start_m = [0, 1].map(|i| start_m.get(i).copied().unwrap_or(0.0));
+            Ok(Running {
+                axes: TwoAxes::new(&axes, start_m, test.start_s),
+                sensors: axes.each_ref().map(|axis| axis.sensors),
+                forces_n: [0.0; 2],
+                random: ChaCha8Rng::seed_from_u64(self.seed + run),
+            })
         };
-        let closed_loop = ClosedLoop { machine, blocks: &path.blocks, start_s: test.start_s };
-        let mut log = closed_loop.log(&mut plant, controller.as_mut(), |_, _, _| {}).map_err(failed)?;
-        log.source.clone_from(&test.motion.name);
-        Ok(log)
+        prediction::log_of_plant((&self.machine, plant), file, test, Place::Host)
     }
 }
 
@@ -96,8 +88,6 @@ struct Running<'a> {
 
 impl Plant for Running<'_> {
     fn read(&mut self, readings: &mut [Reading]) {
-        // A position outside the number format occurs only in an unstable loop; the following error then ends the run.
-        let position = |m: f64| Position::from_m(m).unwrap_or(Position(i64::MAX / 4));
         let (motors_m, tables_m) = (self.axes.readings_m(), self.axes.tables_m());
         for ((reading, motor_m), table_m) in readings.iter_mut().zip(motors_m).zip(tables_m) {
             *reading = Reading { motor: position(motor_m), table: Some(position(table_m)) };

@@ -17,6 +17,13 @@ use model::bodies::StructureError;
 use model::effects::Channel;
 use model::machine::Machine;
 
+/// The position that a controller reads. One outside the number format occurs only in an unstable loop; the following error then
+/// ends the run.
+#[must_use]
+pub fn position(m: f64) -> Position {
+    Position::from_m(m).unwrap_or(Position(i64::MAX / 4))
+}
+
 /// What is logged of one axis besides command and motor, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
@@ -128,8 +135,6 @@ impl MachineSim {
     /// Reads motor encoder and linear scale of each axis, with noise, quantisation and latency. To be called once a
     /// tick.
     pub fn read(&mut self, readings: &mut [Reading]) {
-        // A position outside the number format occurs only in an unstable loop; the following error then ends the run.
-        let position = |m: f64| Position::from_m(m).unwrap_or(Position(i64::MAX / 4));
         for (axis, reading) in self.axes.iter_mut().zip(readings) {
             let AxisMotion { motor_m, motor_m_per_s, table_m, table_m_per_s, .. } = axis.motion;
             let delayed = |delay: &mut Option<Delay>, position_m, velocity| match delay {

@@ -82,7 +82,7 @@ fn compensated(demo: &Demo) -> String {
     format!(
         "Compensated by the traced model, the contour error at the tool changed from {before:.2} to {after:.2} µm rms \
          ({predicted:.2} µm were predicted); the controller ran {}.",
-        demo.compensated.place.words()
+        demo.place.words()
     )
 }
 

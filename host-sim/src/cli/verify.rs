@@ -49,8 +49,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let page = pages::file_in(arguments.report.as_ref());
     check_outputs(&inputs, &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
     let machine = Machine::read(&arguments.machine)?;
-    let predictions = arguments.predicted.as_deref().map(Predictions::read).transpose()?.unwrap_or_default();
-    check_machine(arguments.predicted.as_deref(), &predictions, &machine)?;
+    let predictions = match &arguments.predicted {
+        Some(file) => predictions_of(file, &machine)?,
+        None => Predictions::default(),
+    };
     let motions = verified(arguments, &machine, &predictions)?;
     if let Some(file) = &arguments.predicted {
         check_predictions(file, &predictions, &motions)?;
@@ -66,18 +68,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     failure(&motions)
 }
 
-/// Checks that the predictions are those of this machine.
-fn check_machine(
-    file: Option<&Path>,
-    predictions: &Predictions,
-    machine: &Machine,
-) -> Result<(), InputError> {
-    match (file, &predictions.machine) {
-        (Some(file), Some(name)) if *name != machine.name => {
+/// The predictions of a compensation file of this machine.
+fn predictions_of(file: &Path, machine: &Machine) -> Result<Predictions, InputError> {
+    let predictions = Predictions::read(file)?;
+    match &predictions.machine {
+        Some(name) if *name != machine.name => {
             let expected = format!("a compensation of the machine {}", machine.name);
             Err(InputError::expected(&file.display().to_string(), expected, name).at_key("machine"))
         }
-        _ => Ok(()),
+        _ => Ok(predictions),
     }
 }
 

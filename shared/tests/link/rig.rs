@@ -33,6 +33,17 @@ pub const CAPTURE_BYTES: usize = 80 * 1024;
 pub const SLOT: u32 = 4096;
 /// Identity of the board in its flash.
 pub const BOARD: u32 = 0x4051_0002;
+/// The two slots of the flash.
+pub const SLOTS: Slots = Slots { starts: [0, SLOT], length: SLOT };
+/// What a board tells of itself.
+pub const IDENTITY: Identity = Identity {
+    board: "test bench",
+    software: "0",
+    tick_hz: TICK_HZ,
+    steps: STEPS,
+    times: TIMES,
+    homing: [None; 2],
+};
 
 /// A flash of two slots with words of 4 bytes.
 pub type Memory = MemoryFlash<8192, 1024, 4>;
@@ -184,18 +195,9 @@ impl<F: NorFlash> Rig<F> {
         let amplifiers = [FULL_N; 2].map(|n| AnyOutput::Pwm(Amplifier::new(n, FULL_COUNTS).unwrap()));
         let system = DriveSystem::new(machine, amplifiers, EnableSwitch::new(400), StatusLight::new(5000));
         let memory = vec![0; CAPTURE_BYTES].leak();
-        let identity = Identity {
-            board: "test bench",
-            software: "0",
-            tick_hz: TICK_HZ,
-            steps: STEPS,
-            times: TIMES,
-            homing: [None; 2],
-        };
-        let slots = Slots { starts: [0, SLOT], length: SLOT };
         let mut rig = Self {
-            memory: SettingsMemory::new(Store::new(flash, slots, BOARD).unwrap()),
-            server: Box::new(Server::new(identity, settings)),
+            memory: SettingsMemory::new(Store::new(flash, SLOTS, BOARD).unwrap()),
+            server: Box::new(Server::new(IDENTITY, settings)),
             drive: HostedDrive::new(system, TICK_HZ, TIMES, &STEPS, memory),
             bench: TestBench::default(),
             line: Line::default(),

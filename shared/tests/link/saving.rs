@@ -10,10 +10,10 @@ use shared::link::history::HistoryEvent;
 use shared::link::message::{BoardSettings, Reply, Request, UploadKind};
 use shared::link::report::{SettingsReport, SettingsSource, StoredRecord};
 use shared::safety::{Fault, Power};
-use shared::storage::{SlotError, Slots, Store};
+use shared::storage::{SlotError, Store};
 
 use super::jog_by;
-use super::rig::{BOARD, Memory, Rig, SLOT, settings};
+use super::rig::{BOARD, Memory, Rig, SLOT, SLOTS, settings};
 use super::uploads::{bytes_of, upload};
 
 /// Settings that differ from those of the program: the axes lag behind the command.
@@ -257,7 +257,7 @@ fn a_reset_by_the_watchdog_keeps_the_saved_settings_and_needs_an_acknowledgement
 #[test]
 fn a_record_that_is_not_accepted_leaves_the_settings_of_the_program() {
     let mut flash = Memory::erased();
-    let mut store = Store::new(&mut flash, Slots { starts: [0, SLOT], length: SLOT }, BOARD).unwrap();
+    let mut store = Store::new(&mut flash, SLOTS, BOARD).unwrap();
     let mut writer = store.writer().unwrap();
     let mut wrong = compensation(1);
     wrong.position_bound_m = 1.0;

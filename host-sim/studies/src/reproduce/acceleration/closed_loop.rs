@@ -17,6 +17,7 @@ use super::machines::{Gains, Instruments};
 use crate::reproduce::study::ReproduceError;
 use link::controller::ControllerError;
 use model::bodies::{Assembly, Structure};
+use plant::machine_sim::position;
 use plant::multibody::{AxisForces, Multibody};
 use plant::simulate::SimulationError;
 
@@ -168,11 +169,6 @@ fn axis_settings(gains: Gains, effective_kg: f64) -> AxisSettings {
         force_limit_n: FORCE_LIMIT_N,
         ..AxisSettings::default()
     }
-}
-
-/// A position beyond the number format occurs only in an unstable loop; the following-error limit then ends the run.
-fn position(m: f64) -> Position {
-    Position::from_m(m).unwrap_or(Position(i64::MAX / 4))
 }
 
 fn rejected(error: MachineError) -> ReproduceError {
