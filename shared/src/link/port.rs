@@ -2,6 +2,7 @@
 
 use super::hosted_drive::HostedDrive;
 use super::message::AXES;
+use super::report::UsbState;
 use crate::scalar::Scalar;
 
 /// A serial port that never waits.
@@ -11,6 +12,11 @@ pub trait BytePort {
 
     /// Sends as many of the bytes as can be taken now. Returns their number.
     fn write(&mut self, bytes: &[u8]) -> usize;
+
+    /// The USB port of the board, for its status.
+    fn usb(&self) -> UsbState {
+        UsbState::None
+    }
 }
 
 /// Access to the drives, which the tick uses at any time.
