@@ -5,6 +5,9 @@ use super::message::AXES;
 use super::report::UsbState;
 use crate::scalar::Scalar;
 
+/// Bits per second of a serial port; 8 data bits, no parity, one stop bit. USB ignores it.
+pub const BAUD: u32 = 1_000_000;
+
 /// A serial port that never waits.
 pub trait BytePort {
     /// The next byte that has been received.
@@ -16,6 +19,20 @@ pub trait BytePort {
     /// The USB port of the board, for its status.
     fn usb(&self) -> UsbState {
         UsbState::None
+    }
+}
+
+impl<P: BytePort> BytePort for &mut P {
+    fn read(&mut self) -> Option<u8> {
+        (**self).read()
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> usize {
+        (**self).write(bytes)
+    }
+
+    fn usb(&self) -> UsbState {
+        (**self).usb()
     }
 }
 

@@ -201,7 +201,10 @@ fn the_other_port_is_no_sign_of_life() {
     assert_eq!(ticks_to(true), alone);
     // The last request was received within the 20 ticks of its exchange.
     let expected = |time: u16| ms(time) - 20..=ms(time) + 1;
-    assert!(expected(TIMES.hold_ms).contains(&alone.0) && expected(TIMES.off_ms).contains(&alone.1), "{alone:?}");
+    assert!(
+        expected(TIMES.hold_ms).contains(&alone.0) && expected(TIMES.off_ms).contains(&alone.1),
+        "{alone:?}"
+    );
 }
 
 /// A session at the other port continues nothing, and its hello alone keeps nothing on.

@@ -7,7 +7,7 @@ use crate::cli::outputs::print;
 use ::board::refusal::{self, AXIS_NAMES};
 use shared::interpolate::feed_hold::FeedState;
 use shared::link::message::{Reply, Request};
-use shared::link::report::{Activity, DirectionReport};
+use shared::link::report::{Activity, DirectionReport, UsbState};
 use shared::link::{Status, Welcome};
 use shared::safety::Power;
 
@@ -88,6 +88,14 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
         DirectionReport::Ended { axis, result } => {
             lines.push(format!("direction check of {}", refusal::direction(axis, result)));
         }
+    }
+    match status.usb {
+        UsbState::None => {}
+        UsbState::NotAnswering => {
+            lines.push("usb: its core did not answer at the start; not used".to_owned())
+        }
+        UsbState::Detached => lines.push("usb: no host".to_owned()),
+        UsbState::Attached => lines.push("usb: connected to a host".to_owned()),
     }
     let link = &status.link;
     lines.push(format!(
