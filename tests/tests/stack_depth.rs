@@ -181,7 +181,6 @@ fn methods_of_a_trait_object_are_called_through_its_table() {
     let caller: &[u16] = &[0xb510, 0x4798, 0xbd10]; // push of 8, blx r3, pop
     let method: &[u16] = &[0xb5f0, 0xbdf0]; // push and pop of 20
     let mut image = by_hand(&[caller, LEAF, method, LEAF]);
-    image.marks.insert(0x2000, false);
     // No drop; 12 bytes, aligned to 4; two methods: f1 and f2. Behind it a constant.
     let words = [0u32, 12, 4, 0x1007, 0x1009, 0x55];
     let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();

@@ -6,7 +6,7 @@
 
 use std::collections::BTreeSet;
 
-use super::image::Image;
+use super::image::{Image, Section};
 
 /// Functions whose calls through registers are calls of the methods of a trait.
 #[derive(Clone, Copy, Debug)]
@@ -41,18 +41,19 @@ impl VirtualCalls {
     }
 }
 
-/// Stretches of constants that are addresses of functions, word by word.
+/// Stretches of addresses of functions, word by word, in the sections without code.
 fn tables(image: &Image) -> Vec<Vec<u32>> {
+    let has_code = |section: &&Section| {
+        let end = section.address + u32::try_from(section.bytes.len()).expect("32 bit");
+        image.functions.range(section.address..end).next().is_some()
+    };
     let mut tables = Vec::new();
-    for section in &image.sections {
-        let words = section.bytes.chunks_exact(4).enumerate().filter_map(|(index, word)| {
-            let address = section.address + 4 * u32::try_from(index).ok()?;
-            Some((address, u32::from_le_bytes(word.try_into().ok()?)))
-        });
+    for section in image.sections.iter().filter(|section| !has_code(section)) {
         let mut table = Vec::new();
-        for (address, word) in words {
+        for word in section.bytes.chunks_exact(4) {
+            let word = u32::from_le_bytes(word.try_into().expect("four"));
             // The lowest bit marks Thumb code.
-            if word & 1 == 1 && image.functions.contains_key(&(word & !1)) && !image.is_code(address) {
+            if word & 1 == 1 && image.functions.contains_key(&(word & !1)) {
                 table.push(word & !1);
             } else if !table.is_empty() {
                 tables.push(std::mem::take(&mut table));
