@@ -21,9 +21,14 @@ use crate::usb_port::{CdcPort, UsbIdentity};
 /// Product numbers of the cores whose VBUS sensing is switched off by NOVBUSSENS (RM0090, 34.16.2): STM32F405 and STM32F42x.
 const CORES: [u32; 2] = [0x1100, 0x1200];
 
-/// Greatest number of reads of a register that is waited for: at least 0.2 ms. A reset takes three cycles of the 48 MHz clock (RM0090,
-/// 34.16.2, CSRST).
-const READS: u32 = 10_000;
+/// Greatest number of reads of a register that is waited for, and processor cycles between them: 1 ms. A reset takes three cycles of
+/// the 48 MHz clock (RM0090, 34.16.2, CSRST).
+const READS: u32 = 1000;
+const CYCLES: u32 = 168;
+
+/// Bits of the reset register: the bus side is idle; a reset of the core, which the core clears.
+const AHBIDL: u32 = 1 << 31;
+const CSRST: u32 = 1;
 
 /// Words of the endpoints that receive: 64 bytes each for control and data.
 const ENDPOINT_WORDS: usize = 32;
@@ -87,13 +92,21 @@ pub fn start(
 
 /// Whether the core is there and ends a reset. The driver waits for the same without a limit.
 fn answers(core: &OTG_FS_GLOBAL) -> bool {
-    let is_idle = || core.grstctl().read().ahbidl().bit_is_set();
-    let has_ended = || core.grstctl().read().csrst().bit_is_clear();
-    if !CORES.contains(&core.cid().read().bits()) || !(0..READS).any(|_| is_idle()) {
+    if !CORES.contains(&core.cid().read().bits()) || !within_time(core, AHBIDL, AHBIDL) {
         return false;
     }
     core.grstctl().modify(|_, w| w.csrst().set_bit());
-    (0..READS).any(|_| has_ended())
+    within_time(core, CSRST, 0)
+}
+
+/// Waits until bits of the reset register have a value. False if they do not.
+// Not inlined: a test replaces its reads.
+#[inline(never)]
+fn within_time(core: &OTG_FS_GLOBAL, bits: u32, value: u32) -> bool {
+    (0..READS).any(|_| {
+        cortex_m::asm::delay(CYCLES);
+        core.grstctl().read().bits() & bits == value
+    })
 }
 
 /// The unique number of the chip in hexadecimal digits.
