@@ -24,13 +24,11 @@ const _: () = assert!(size_of::<usb::Memory>() <= USB_BYTES && align_of::<usb::M
 /// To be called once.
 #[must_use]
 pub unsafe fn core_coupled_memory() -> (&'static mut [u8], &'static mut MaybeUninit<usb::Memory>) {
-    let start = core::ptr::with_exposed_provenance_mut::<u8>(CORE_COUPLED);
+    let capture = core::ptr::with_exposed_provenance_mut(CORE_COUPLED);
+    let usb = core::ptr::with_exposed_provenance_mut(CORE_COUPLED + CAPTURE_BYTES);
     // SAFETY: RAM of the chip outside of what the linker uses, with some content, in two parts; by the condition of this function
     // there is no other reference to it. The second part is aligned to 1024 bytes.
-    unsafe {
-        let capture = core::slice::from_raw_parts_mut(start, CAPTURE_BYTES);
-        (capture, &mut *start.add(CAPTURE_BYTES).cast::<MaybeUninit<usb::Memory>>())
-    }
+    unsafe { (core::slice::from_raw_parts_mut(capture, CAPTURE_BYTES), &mut *usb) }
 }
 
 /// The drives under the control of a host.

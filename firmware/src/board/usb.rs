@@ -1,4 +1,4 @@
-//! The USB port of the link: OTG_FS as a full-speed device on PA11 and PA12, without an interrupt and without VBUS sensing.
+//! The USB port of the link: `OTG_FS` as a full-speed device on PA11 and PA12, without an interrupt and without VBUS sensing.
 //!
 //! VBUS sensing is at PA9, which is the PWM of Y: synopsys-usb-otg sets NOVBUSSENS for the cores in [`CORES`].
 //!
@@ -18,7 +18,7 @@ use super::uart::Uart;
 use crate::setup;
 use crate::usb_port::{CdcPort, UsbIdentity};
 
-/// Product numbers of the cores whose VBUS sensing is switched off by NOVBUSSENS (RM0090, 34.16.2): STM32F405 and STM32F42x.
+/// Product numbers of the cores whose VBUS sensing is switched off by NOVBUSSENS (RM0090, 34.16.2): STM32F405 and STM32F429.
 const CORES: [u32; 2] = [0x1100, 0x1200];
 
 /// Greatest number of reads of a register that is waited for, and processor cycles between them: 1 ms. A reset takes three cycles of
@@ -49,7 +49,6 @@ pub type Core = (OTG_FS_GLOBAL, OTG_FS_DEVICE, OTG_FS_PWRCLK);
 pub type UsbPins = (PA11<Alternate<10>>, PA12<Alternate<10>>);
 
 /// What belongs to the port.
-#[expect(missing_debug_implementations, reason = "types of other crates have none")]
 pub struct Memory {
     endpoints: [u32; ENDPOINT_WORDS],
     allocator: Option<UsbBusAllocator<Bus>>,
