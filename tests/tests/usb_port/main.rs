@@ -282,7 +282,10 @@ fn a_cable_that_is_pulled_leaves_the_link_to_the_serial_port() {
     board.hello(1);
     assert_eq!(board.request(&Request::Stream { decimation: 1 }), Reply::Done);
     board.bus.wires().events.push_back(Event::Suspend);
+    board.run(1);
+    board.bus.wires().ready.clear();
     board.run(u32::from(TIMES.hold_ms) * TICK_HZ / 1000 + 1);
+    assert_eq!(board.bus.wires().ready.get(&DATA_IN), None, "sent to a host that is not there");
     let mut frame = Frame::new();
     packet::encode(Header { session: 0, sequence: 0 }, &Request::Hello { nonce: 3 }, &mut frame).unwrap();
     board.ports.uart().to_board.extend(&frame);
