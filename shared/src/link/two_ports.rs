@@ -24,8 +24,8 @@ use super::report::UsbState;
 /// Greatest number of bytes that are taken in one call.
 const BYTES_PER_CALL: usize = 64;
 
-/// Greatest length of the frame of a hello (header, variant and number of up to 6 bytes, checksum, COBS, zero), with a zero before.
-const HELLO: usize = 1 + cobs::max_encoding_length(9 + 6 + 4) + 1;
+/// Greatest length of the frame of a hello with a zero before it: header (9), variant and number (6), checksum (4), COBS (1), zeros (2).
+const HELLO: usize = 22;
 
 /// A port.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
