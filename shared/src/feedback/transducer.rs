@@ -180,13 +180,12 @@ mod tests {
         /// The remainder of the nearest integer is at most half of the denominator, whatever the signs.
         #[test]
         fn a_ratio_is_rounded_to_the_nearest_integer(numerator in -1_000_000i128..1_000_000, denominator in -1000i128..1000) {
-            match nearest(numerator, denominator) {
-                Some(quotient) => {
-                    let remainder = numerator - i128::from(quotient) * denominator;
-                    prop_assert!(2 * remainder.abs() <= denominator.abs(), "{}", remainder);
-                }
-                None => prop_assert_eq!(denominator, 0),
-            }
+            let Some(quotient) = nearest(numerator, denominator) else {
+                prop_assert_eq!(denominator, 0);
+                return Ok(());
+            };
+            let remainder = numerator - i128::from(quotient) * denominator;
+            prop_assert!(2 * remainder.abs() <= denominator.abs(), "{}", remainder);
         }
 
         /// However far the axis has moved without a signal, the position is as if the signal had never been lost.
