@@ -150,7 +150,8 @@ mod tests {
             let mut text = lines(count).into_bytes();
             text[64 * (line - 1) + 7] = byte;
             let message = segments(&text).unwrap_err().to_string();
-            let expected = format!("t.csv: line {line}: expected a CSV text in UTF-8, found byte 0x{byte:02X}");
+            let expected =
+                format!("t.csv: line {line}: expected a CSV text in UTF-8, found byte 0x{byte:02X}");
             assert_eq!(message, expected);
         }
         // A character whose second byte is missing at the end of the text.

@@ -141,7 +141,8 @@ impl<'a> Table<'a> {
         let start = start.min(text.len());
         let blank = text[start..].iter().take_while(|byte| b"\r\n".contains(byte)).count();
         let (from, line) = self.counted;
-        let line = line + line_at(&text[from.min(start + blank)..], start + blank - from.min(start + blank)) - 1;
+        let line =
+            line + line_at(&text[from.min(start + blank)..], start + blank - from.min(start + blank)) - 1;
         self.counted = (start + blank, line);
         line
     }

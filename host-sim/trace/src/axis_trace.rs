@@ -7,6 +7,7 @@ use crate::analysis::residual_analysis::{UnexplainedResidual, unexplained};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::final_fit::{FinalFit, final_fit, kept};
 use crate::fit::fit_data::{FitAndValidationRms, FitData};
+use crate::fit::fitted_scope::FittedScope;
 use crate::fit::least_squares::{self, Fitted};
 use crate::fit::model_bias::first_fit;
 use crate::fit::scope::Scope;
@@ -19,7 +20,7 @@ use crate::search::ambiguity::Ambiguity;
 use crate::search::effect_search::EffectSearch;
 use crate::search::round::Round;
 use crate::stages::stage_names;
-use crate::task::Task;
+use crate::task::{Request, Task};
 use crate::validation::confirmation::{Confirmed, confirm};
 use crate::validation::declared_value::declared_values;
 use crate::validation::fitted_axis::FittedAxis;
@@ -28,15 +29,17 @@ use crate::validation::misfit::{Evidence, is_of_another_machine};
 use files::log::Unit;
 use model::effects::{Effect, Neighbours, Stage};
 use model::machine::Axis;
+use model::residual_table::ResidualTable;
 
 /// Traces or evaluates one axis. `progress` is called with a message for each step.
 #[must_use]
 pub fn trace(
     declared: &Axis,
     [fit_data, validate]: [&FitData<'_>; 2],
-    task: Task,
+    request: Request,
     progress: &Progress<'_>,
 ) -> AxisTrace {
+    let task = request.task;
     let (scopes, not_testable) = scopes(declared, fit_data);
     let written = AxisModel::new(declared, fit_data.rates, fit_data.options.model);
     let stage = Tracing { fit_data, scopes: &scopes, progress };
@@ -58,6 +61,7 @@ pub fn trace(
     let axis = FittedAxis { declared: before.clone(), model, fits };
     let Confirmed { axis, mut found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
+    let fitted_scopes = FittedScope::of(&axis.fits);
     let declared_values = declared_values([fit_data, validate], &axis);
     let evidence =
         Evidence { models: [&before, &axis.model], values: &declared_values, refused: refused.len() };
@@ -67,8 +71,15 @@ pub fn trace(
     found.retain(|_| !is_of_another_machine);
     let before = stage.shown_before(task, declared, [before, model.clone()]);
     // "The verdict" and "Beside the residuals".
-    let Remainder { errors, unexplained, repeats, tables } =
-        remainder([fit_data, validate], [&before, &model], &scopes);
+    let mut remains = remainder([fit_data, validate], [&before, &model], &scopes);
+    let mut model = model;
+    let confirmed: Vec<ResidualTable> = remains.tables.iter().filter_map(Empirical::confirmed).collect();
+    if request.tables && !confirmed.is_empty() {
+        model = model.with_further_tables(&confirmed);
+        let tables = std::mem::take(&mut remains.tables);
+        remains = Remainder { tables, ..remainder([fit_data, validate], [&before, &model], &scopes) };
+    }
+    let Remainder { errors, unexplained, repeats, tables } = remains;
     let free_runs = free_runs_of(validate, [&before, &model]);
     let ambiguities = named_ambiguities(&rounds, &mut found);
     AxisTrace {
@@ -90,6 +101,8 @@ pub fn trace(
         declared: before,
         model,
         scopes,
+        fitted_scopes,
+        subtracts_bias: !fit_data.bias.is_empty(),
         not_testable,
         found,
         refused,
@@ -193,6 +206,7 @@ impl Tracing<'_> {
             fits.push(fit);
         }
         fit_jointly(self.fit_data, &mut model, &mut fits, self.scopes, self.progress);
+        search.rounds.iter_mut().for_each(Round::forget_data);
         (model, fits, search.rounds)
     }
 

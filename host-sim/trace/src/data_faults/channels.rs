@@ -1,5 +1,7 @@
 //! The position channels of an axis: their references, their accuracy, and the stages that use them.
 
+use std::borrow::Cow;
+
 use files::log::{AxisLog, Channel};
 use model::effects::Stage;
 
@@ -50,9 +52,27 @@ pub fn stages(axis: &AxisLog, channel: Channel) -> &'static [Stage] {
 /// repeated readings counted once, if that is less, as the difference after a repeated reading is that of two samples.
 #[must_use]
 pub fn noise(values: &[f64]) -> f64 {
+    let values = thinned(values);
     let mut changed = values.to_vec();
     changed.dedup();
-    median_noise(values).min(median_noise(&changed))
+    median_noise(&values).min(median_noise(&changed))
+}
+
+/// Length from which a channel is regarded in stretches where it is compared as a whole.
+const LONG: usize = 400_000;
+/// Number and length of these stretches.
+const STRETCHES: [usize; 2] = [8, 32_768];
+
+/// The values of a channel, or of a long one evenly spaced stretches: medians and quantiles of differences hardly depend on which
+/// part of a log they are from, and the few differences across two stretches do not affect them.
+#[must_use]
+pub fn thinned(values: &[f64]) -> Cow<'_, [f64]> {
+    if values.len() < LONG {
+        return Cow::Borrowed(values);
+    }
+    let [count, length] = STRETCHES;
+    let start = |i: usize| i * (values.len() - length) / (count - 1);
+    Cow::Owned((0..count).flat_map(|i| &values[start(i)..start(i) + length]).copied().collect())
 }
 
 fn median_noise(values: &[f64]) -> f64 {
