@@ -1,6 +1,7 @@
 //! The position channels of an axis: their references, their accuracy, and the stages that use them.
 
 use std::borrow::Cow;
+use std::ops::Range;
 
 use files::log::{AxisLog, Channel};
 use model::effects::Stage;
@@ -70,9 +71,18 @@ pub fn thinned(values: &[f64]) -> Cow<'_, [f64]> {
     if values.len() < LONG {
         return Cow::Borrowed(values);
     }
+    Cow::Owned(stretches(values.len()).into_iter().flat_map(|range| &values[range]).copied().collect())
+}
+
+/// The stretches in which a channel with this number of samples is regarded; one of all samples if it is short.
+#[must_use]
+pub fn stretches(samples: usize) -> Vec<Range<usize>> {
+    if samples < LONG {
+        return vec![0..samples];
+    }
     let [count, length] = STRETCHES;
-    let start = |i: usize| i * (values.len() - length) / (count - 1);
-    Cow::Owned((0..count).flat_map(|i| &values[start(i)..start(i) + length]).copied().collect())
+    let start = |i: usize| i * (samples - length) / (count - 1);
+    (0..count).map(|i| start(i)..start(i) + length).collect()
 }
 
 fn median_noise(values: &[f64]) -> f64 {
