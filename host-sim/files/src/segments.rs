@@ -65,7 +65,7 @@ impl<'a> Segments<'a> {
     ///
     /// # Errors
     /// If the input cannot be read, or is not a text in UTF-8.
-    pub fn next(&mut self) -> Result<Option<Vec<u8>>, InputError> {
+    pub fn next_segment(&mut self) -> Result<Option<Vec<u8>>, InputError> {
         let mut text = std::mem::take(&mut self.rest);
         loop {
             let wanted = SEGMENT as u64;
@@ -84,7 +84,7 @@ impl<'a> Segments<'a> {
             return Ok(None);
         }
         let first = self.line == 1 && text.starts_with(BYTE_ORDER_MARK);
-        self.line = line_at(&text, text.len()) - 1 + self.line;
+        self.line += line_at(&text, text.len()) - 1;
         if first {
             text.drain(..BYTE_ORDER_MARK.len());
         }
@@ -128,7 +128,7 @@ mod tests {
     fn segments(text: &[u8]) -> Result<Vec<Vec<u8>>, InputError> {
         let mut segments = Segments::new(Box::new(text), "t.csv");
         let mut all = Vec::new();
-        while let Some(next) = segments.next()? {
+        while let Some(next) = segments.next_segment()? {
             all.push(next);
         }
         Ok(all)

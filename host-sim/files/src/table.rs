@@ -55,7 +55,7 @@ impl<'a> Table<'a> {
 
     fn new(input: Box<dyn Read + 'a>, source: &'a str) -> Result<Self, InputError> {
         let mut segments = Segments::new(input, source);
-        let Some(first) = segments.next()?.filter(|text| !text.trim_ascii().is_empty()) else {
+        let Some(first) = segments.next_segment()?.filter(|text| !text.trim_ascii().is_empty()) else {
             return Err(InputError::expected(source, "a header line", "an empty file"));
         };
         let mut table = Self {
@@ -128,7 +128,7 @@ impl<'a> Table<'a> {
             }
             let end = self.reader.get_ref().get_ref().len();
             let line = self.line_at(end);
-            let Some(next) = self.segments.next()? else { return Ok(false) };
+            let Some(next) = self.segments.next_segment()? else { return Ok(false) };
             self.reader = reader(next);
             self.counted = (0, line);
         }

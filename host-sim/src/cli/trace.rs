@@ -82,12 +82,13 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let progress = Progress::start();
     progress.show("reading the logs");
     let (fit, validate) = (read(&arguments.fit)?, read(&arguments.validate)?);
+    // Before the trace, which leaves memory in pieces that a path cannot use.
+    let contour_errors = LogError::all(fit.iter().chain(&validate));
     let show = |what: &str| progress.show(what);
     let task = if arguments.evaluate { Task::Evaluate } else { Task::Search };
     let request = Request { task, tables: arguments.empirical };
     let trace = trace::requested(&machine, [&fit, &validate], request, &show)?;
     drop(progress);
-    let contour_errors = LogError::all(fit.iter().chain(&validate));
     let mut output = summary::of_trace(&trace);
     if !contour_errors.is_empty() {
         output += &format!("\n\n{}", contour::text::of_logs(&contour_errors));

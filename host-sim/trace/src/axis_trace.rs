@@ -71,14 +71,7 @@ pub fn trace(
     found.retain(|_| !is_of_another_machine);
     let before = stage.shown_before(task, declared, [before, model.clone()]);
     // "The verdict" and "Beside the residuals".
-    let mut remains = remainder([fit_data, validate], [&before, &model], &scopes);
-    let mut model = model;
-    let confirmed: Vec<ResidualTable> = remains.tables.iter().filter_map(Empirical::confirmed).collect();
-    if request.tables && !confirmed.is_empty() {
-        model = model.with_further_tables(&confirmed);
-        let tables = std::mem::take(&mut remains.tables);
-        remains = Remainder { tables, ..remainder([fit_data, validate], [&before, &model], &scopes) };
-    }
+    let (model, remains) = stage.with_tables(request, validate, [&before, &model]);
     let Remainder { errors, unexplained, repeats, tables } = remains;
     let free_runs = free_runs_of(validate, [&before, &model]);
     let ambiguities = named_ambiguities(&rounds, &mut found);
@@ -178,6 +171,26 @@ impl Tracing<'_> {
             model = least_squares::fit(self.fit_data, &model, scope, least_squares::STEPS).model;
         }
         model
+    }
+
+    /// What remains of the residuals under both models. If requested, what the logs confirm of it is added to the second model as
+    /// tables, and what remains is that beside the tables.
+    fn with_tables(
+        &self,
+        request: Request,
+        validate: &FitData<'_>,
+        models: [&AxisModel; 2],
+    ) -> (AxisModel, Remainder) {
+        let data = [self.fit_data, validate];
+        let [before, model] = models;
+        let remains = remainder(data, models, self.scopes);
+        let confirmed: Vec<ResidualTable> = remains.tables.iter().filter_map(Empirical::confirmed).collect();
+        if !request.tables || confirmed.is_empty() {
+            return (model.clone(), remains);
+        }
+        let model = model.with_further_tables(&confirmed);
+        let beside = remainder(data, [before, &model], self.scopes);
+        (model, Remainder { tables: remains.tables, ..beside })
     }
 
     /// Searches for effects, scope by scope, unless the task is to evaluate; then fits all parameters to force and motor

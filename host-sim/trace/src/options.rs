@@ -35,7 +35,7 @@ options! {
         /// Sweep: the unit test of a long log fails with either; the cases are shorter.
         max_samples: usize = 204_000,
         /// Number of samples of longer logs in which effects are searched for, those that are held out included.
-        searched_samples: usize = 40_000,
+        searched_samples: usize = 48_000,
         /// Minimum number of samples of a log.
         ///
         /// Sweep: nothing changes.

@@ -78,7 +78,7 @@ pub fn thinned(values: &[f64]) -> Cow<'_, [f64]> {
 #[must_use]
 pub fn stretches(samples: usize) -> Vec<Range<usize>> {
     if samples < LONG {
-        return vec![0..samples];
+        return std::iter::once(0..samples).collect();
     }
     let [count, length] = STRETCHES;
     let start = |i: usize| i * (samples - length) / (count - 1);

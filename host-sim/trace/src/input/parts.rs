@@ -11,7 +11,7 @@ use crate::options::AdmissionOptions;
 use files::log::{AxisLog, Channel, Log};
 
 /// Number of sections of all long logs of a set together.
-const SECTIONS: usize = 16;
+const SECTIONS: usize = 8;
 /// Largest number of samples of a piece of a whole log.
 const PIECE: usize = 30_000;
 /// Shortest lead-in, s: 30 time constants 1/Kp of a position gain of 30 1/s.

@@ -52,7 +52,8 @@ impl AxisTrace {
     /// trace wrote it and nothing new was found.
     #[must_use]
     pub fn may_be_refined(&self) -> bool {
-        !self.is_of_another_machine && !(self.model.found().is_empty() && self.model.was_fitted())
+        let has_nothing_new = self.model.found().is_empty() && self.model.was_fitted();
+        !(self.is_of_another_machine || has_nothing_new)
     }
 
     /// One step of the parameters of a scope, unless it would move a parameter of an effect to a limit of its range.

@@ -55,7 +55,7 @@ fn a_long_log_is_fitted_and_evaluated_as_a_whole() {
     let count = u32::try_from(options.admission.max_samples).unwrap() + 60_000;
     let [long, other] = [log("long.csv", count, 1, 0..0), log("other.csv", 30_000, 2, 0..0)];
     let traced = trace(&machine, std::slice::from_ref(&long), &[other], &|_| {}).unwrap();
-    assert!(traced.notes[0].contains("effects are searched for in 16 stretches"), "{:?}", traced.notes);
+    assert!(traced.notes[0].contains("effects are searched for in 8 stretches"), "{:?}", traced.notes);
     let axis = &traced.axes[0];
     let [found] = &axis.found[..] else { panic!("{:?}", axis.found) };
 
