@@ -75,18 +75,22 @@ fn a_table_is_found_written_and_read_again() {
     let model = first.better_machine();
     let [table] = &model.axis["x"].empirical[..] else { panic!("{:?}", model.axis["x"].empirical) };
     assert_eq!((table.channel, table.variable), (TableChannel::Tool, TableVariable::PositionMm));
-    // 32 points over the travel of ±50 mm are 3.2 mm apart: linear between them, the hump is flattened by up to
-    // (3.2 mm)²/8·6 µm/(6 mm)² = 0.21 µm, and the mean over the samples of a point by as much again. The zero of the tool, which
-    // was fitted without the table, takes up the mean of the hump: at most its area by the travel, 6·6·√(2π)/100 = 0.9 µm.
+    // Between points h apart, linear interpolation flattens the hump by up to h²/8·6 µm/(6 mm)², and the mean over the samples of a
+    // point, each distributed to two points, by h²/12·6 µm/(6 mm)². The zero of the tool, which was fitted without the table, takes up
+    // the mean of the hump: at most its area by the travel, 6·6·√(2π)/100 = 0.9 µm.
+    let spacing_mm = table.at[1] - table.at[0];
+    let flattened_um = (1.0 / 8.0 + 1.0 / 12.0) * spacing_mm.powi(2) * HEIGHT_UM / WIDTH_MM.powi(2);
+    assert!((2.0..7.0).contains(&spacing_mm) && flattened_um < 0.25 * HEIGHT_UM, "{spacing_mm}");
     let off = |mm: f64| table.value(mm) - hump_um(mm);
     let zero_um = off(-40.0);
     assert!((-1.0..0.1).contains(&zero_um), "{zero_um}");
     for mm in [-20.0, 0.0, 6.0, 12.0, 18.0, 30.0] {
-        assert!((off(mm) - zero_um).abs() < 0.45, "{mm}: {} {}", table.value(mm), hump_um(mm));
+        let difference_um = (off(mm) - zero_um).abs();
+        assert!(difference_um < flattened_um + 0.1, "{mm}: {} {}", table.value(mm), hump_um(mm));
     }
-    // Of the hump, a twentieth may remain, on data that were not fitted as well.
+    // What remains is the hump flattened by a fifth, and the noise.
     let (before, after) = (of_tool(&without).after, of_tool(&first).after);
-    assert!(after.fit < 0.2 * before.fit && after.validate < 0.2 * before.validate, "{before:?} {after:?}");
+    assert!(after.fit < 0.3 * before.fit && after.validate < 0.3 * before.validate, "{before:?} {after:?}");
 
     let again = Machine::parse(&model.to_toml(), "model.toml").unwrap();
     assert_eq!(again, model);

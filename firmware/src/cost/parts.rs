@@ -5,7 +5,7 @@ use core::hint::black_box;
 
 use shared::axis::AxisState;
 use shared::capture::{CaptureMemory, ChannelSteps, Quantisers, Trigger};
-use shared::compensate::{AxisCompensation, Compensation, CompensationSettings, Correction};
+use shared::compensate::{AxisCompensation, AxisOf, Compensation, CompensationSettings, Correction};
 use shared::config::{AxisConfig, AxisSettings, Law};
 use shared::control::{feedforward, filter, position, velocity};
 use shared::feedback::dual;
@@ -44,7 +44,11 @@ pub fn of_the_path(counter: &mut Counter) -> Option<()> {
 fn compensation<S: Scalar>() -> Option<Compensation<S, AXES>> {
     let mut all = Compensation::none(START);
     for axis in 0..AXES {
-        all.replace(axis, &AxisCompensation::new(&motion::all_compensations(axis), RATES, AXES).ok()?);
+        all.replace(
+            axis,
+            &AxisCompensation::new(&motion::all_compensations(axis), RATES, AxisOf { axis, axes: AXES })
+                .ok()?,
+        );
     }
     Some(all)
 }
@@ -52,7 +56,7 @@ fn compensation<S: Scalar>() -> Option<Compensation<S, AXES>> {
 /// One compensation on the first axis.
 fn alone<S: Scalar>(settings: &CompensationSettings) -> Option<Compensation<S, AXES>> {
     let mut all = Compensation::none(START);
-    all.replace(0, &AxisCompensation::new(settings, RATES, AXES).ok()?);
+    all.replace(0, &AxisCompensation::new(settings, RATES, AxisOf { axis: 0, axes: AXES }).ok()?);
     Some(all)
 }
 

@@ -82,6 +82,8 @@ fn setting(problem: &SettingProblem) -> String {
         SettingProblem::NotWhileRunning => "cannot be changed now".into(),
         SettingProblem::Requires { other } => format!("expected together with {other}, which is missing"),
         SettingProblem::OutOfRange { min, max } => format!("expected a number from {min} to {max}"),
+        SettingProblem::Count { max } => format!("expected 2 to {max} values"),
+        SettingProblem::NotAnotherAxis => "expected the number of another axis".into(),
     }
 }
 

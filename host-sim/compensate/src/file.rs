@@ -1,23 +1,27 @@
 //! The compensation file.
 
+#[cfg(test)]
+mod tests;
+
 use std::path::Path;
 
 use indexmap::IndexMap;
 use serde::{Deserialize, Serialize};
-use shared::compensate::CompensationSettings;
-use shared::compensate::settings::{CYCLES, POINTS};
+use shared::compensate::{self, AxisOf, CompensationSettings};
 use shared::config::ConfigError;
 use shared::machine::MachineError;
+use shared::scalar::Fixed;
 
 use crate::servo::ControllerChange;
 use contour::verification::Prediction;
-use files::document::read_text;
+use files::document::{Document, read_text};
 use files::error::InputError;
 use link::controller::{Controller, ControllerError};
 use model::machine::Machine;
 
 /// A compensation file: for each axis the settings of the controller's compensations, in SI, and changes of its gains.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct CompensationFile {
     /// Name of the machine to which it belongs.
     pub machine: String,
@@ -34,6 +38,7 @@ pub struct CompensationFile {
 
 /// Where a compensation comes from.
 #[derive(Clone, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Provenance {
     /// The model.
     pub model: String,
@@ -46,6 +51,7 @@ pub struct Provenance {
 
 /// The compensation of one axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct AxisCompensation {
     /// Settings of the drive.
     #[serde(default, skip_serializing_if = "ControllerChange::is_empty")]
@@ -53,6 +59,36 @@ pub struct AxisCompensation {
     /// Settings of the compensations.
     #[serde(default)]
     pub compensation: CompensationSettings,
+}
+
+impl AxisCompensation {
+    /// Checks the values of an axis of a machine.
+    fn check(&self, document: &Document<'_>, name: &str, machine: &Machine) -> Result<(), InputError> {
+        if let Some((key, expected)) = self.controller.refused(1.0 / machine.rates().position_loop_hz()) {
+            return Err(document.refuse(&format!("axis.{name}.controller.{key}"), &expected));
+        }
+        match self.refused(name, machine) {
+            Some(error) => {
+                let key = format!("axis.{name}.compensation.{}", error.name());
+                Err(document.refuse(&key, &expected(&error)))
+            }
+            None => Ok(()),
+        }
+    }
+
+    /// The setting of a compensation that the controller of a machine refuses in fixed point.
+    fn refused(&self, name: &str, machine: &Machine) -> Option<ConfigError> {
+        let axis = machine.axis.get_index_of(name)?;
+        let place = AxisOf { axis, axes: machine.axis.len() };
+        compensate::AxisCompensation::<Fixed>::new(&self.compensation, machine.rates(), place).err()
+    }
+}
+
+/// What was expected of a setting.
+fn expected(error: &ConfigError) -> String {
+    let text = error.to_string();
+    let problem = text.strip_prefix(error.name()).unwrap_or(&text);
+    problem.trim_start_matches(": expected ").to_owned()
 }
 
 impl CompensationFile {
@@ -65,7 +101,8 @@ impl CompensationFile {
     /// Reads a compensation file for a machine.
     ///
     /// # Errors
-    /// If it cannot be read, has an unknown key or a value that is not possible, or belongs to another machine.
+    /// If it cannot be read, has an unknown key or a value that is not possible, or belongs to another machine. What the
+    /// controller is set to has to be possible in fixed point.
     pub fn read(path: &Path, machine: &Machine) -> Result<Self, InputError> {
         Self::parse(&read_text(path)?, &path.display().to_string(), machine)
     }
@@ -75,47 +112,31 @@ impl CompensationFile {
     /// # Errors
     /// As [`CompensationFile::read`].
     pub fn parse(text: &str, source: &str, machine: &Machine) -> Result<Self, InputError> {
-        let at = |error: &toml::de::Error| {
-            let line = error.span().map_or(1, |span| 1 + text[..span.start].matches('\n').count());
-            let problem = match error.message() {
-                message if message.starts_with("invalid length") => {
-                    format!(
-                        "expected tables of at most {POINTS} values and at most {CYCLES} periods: {message}"
-                    )
-                }
-                message => message.to_owned(),
-            };
-            InputError::new(source, problem).at_line(line)
-        };
-        let deserializer = toml::Deserializer::parse(text).map_err(|error| at(&error))?;
-        let mut unknown = None;
-        let file: Self = serde_ignored::deserialize(deserializer, |path| {
-            // A value that may be absent is a level of its own, "?".
-            unknown.get_or_insert(path.to_string().replace(".?", ""));
-        })
-        .map_err(|error| at(&error))?;
-        if let Some(key) = unknown {
-            let problem =
-                "expected a key of a compensation file (docs/compensation.md), found an unknown one";
-            return Err(InputError::new(source, problem).at_key(&key));
-        }
-        if file.machine != machine.name {
-            let expected = format!("a compensation of machine {}", machine.name);
-            return Err(InputError::expected(source, expected, &file.machine).at_key("machine"));
-        }
-        if let Some(name) = file.axis.keys().find(|name| !machine.axis.contains_key(*name)) {
-            let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
-            let expected = format!("an axis of the machine ({})", names.join(", "));
-            return Err(InputError::expected(source, expected, name).at_key(&format!("axis.{name}")));
-        }
-        let tick_s = 1.0 / machine.rates().position_loop_hz();
+        let document = Document::parse(text, source)?;
+        let file: Self = document.deserialize()?;
+        file.check_place(&document, machine)?;
         for (name, axis) in &file.axis {
-            if let Some((key, expected)) = axis.controller.refused(tick_s) {
-                let key = format!("axis.{name}.controller.{key}");
-                return Err(InputError::new(source, format!("expected {expected}")).at_key(&key));
+            axis.check(&document, name, machine)?;
+        }
+        for (index, prediction) in file.predicted.iter().enumerate() {
+            if let Some(key) = prediction.refused() {
+                return Err(document.refuse(&format!("predicted[{index}].{key}"), "a number of at least 0"));
             }
         }
         Ok(file)
+    }
+
+    /// Checks that the file belongs to a machine.
+    fn check_place(&self, document: &Document<'_>, machine: &Machine) -> Result<(), InputError> {
+        if self.machine != machine.name {
+            return Err(document.refuse("machine", &format!("a compensation of machine {}", machine.name)));
+        }
+        if let Some(name) = self.axis.keys().find(|name| !machine.axis.contains_key(*name)) {
+            let names: Vec<&str> = machine.axis.keys().map(String::as_str).collect();
+            let problem = format!("unknown axis, expected an axis of the machine ({})", names.join(", "));
+            return Err(document.error_at(&format!("axis.{name}"), &problem));
+        }
+        Ok(())
     }
 
     /// The file as text.
@@ -136,6 +157,17 @@ impl CompensationFile {
             }
         }
         machine
+    }
+
+    /// The first setting of a compensation that the controller of the machine refuses in fixed point.
+    #[must_use]
+    pub fn refused(&self, machine: &Machine) -> Option<Refused> {
+        self.axis.iter().find_map(|(name, axis)| {
+            let error = axis.refused(name, machine)?;
+            let axis = machine.axis.get_index_of(name)?;
+            let error = ControllerError::Refused(MachineError::Config { axis, error });
+            Some(Refused { axis: name.clone(), error })
+        })
     }
 
     /// Sets the compensations of a controller of the machine.
@@ -168,18 +200,20 @@ impl Refused {
     /// The setting in a compensation file.
     #[must_use]
     pub fn key(&self) -> String {
-        let table = format!("axis.{}.compensation", self.axis);
-        match self.config().map(ToString::to_string) {
-            Some(text) => text.split_once(": ").map_or(table.clone(), |(name, _)| format!("{table}.{name}")),
-            None => table,
-        }
+        format!("axis.{}.compensation{}", self.axis, if self.setting().is_empty() { "" } else { "." })
+            + self.setting()
+    }
+
+    /// The setting within the compensation of the axis; empty if the controller does not name it.
+    #[must_use]
+    pub fn setting(&self) -> &'static str {
+        self.config().map_or("", ConfigError::name)
     }
 
     /// What was expected.
     #[must_use]
     pub fn problem(&self) -> String {
-        let text = self.config().map_or_else(|| self.error.to_string(), ConfigError::to_string);
-        text.split_once(": ").map_or(text.clone(), |(_, problem)| problem.to_owned())
+        self.config().map_or_else(|| self.error.to_string(), |error| format!("expected {}", expected(error)))
     }
 
     const fn config(&self) -> Option<&ConfigError> {

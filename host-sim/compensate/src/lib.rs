@@ -5,6 +5,7 @@
 //! - [`treatment`]: what is done about each effect, or why nothing can be
 //! - [`prediction`]: the contour error of the model with and without a compensation
 //! - [`plan`]: the compensation of a model, without the items that the prediction does not support
+//! - `capacity`: what of a model is beyond what the controller can compensate
 //! - [`round_trip`]: the same motions before and after on a simulated machine, whose controller runs where [`place`] says
 //! - [`limits`]: what limits the error that is left: noise, resolution, bandwidth, or what the model does not describe
 //! - [`alignment`]: logs whose channels are late
@@ -13,6 +14,7 @@
 //! An item is kept only if the simulated model follows the path better with it than without it.
 
 pub mod alignment;
+mod capacity;
 pub mod cycles;
 pub mod file;
 pub mod force;

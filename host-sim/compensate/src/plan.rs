@@ -57,7 +57,7 @@ const AHEAD_TICKS: [f64; 7] = [0.0, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0];
 
 /// What of the possible compensation is used.
 #[derive(Clone, Debug, Default)]
-struct Choice {
+pub(crate) struct Choice {
     off: BTreeSet<Part>,
     /// Time by which the velocity feed-forward is ahead of the command, s.
     ahead_s: f64,
@@ -68,7 +68,7 @@ impl Choice {
         !self.off.contains(part)
     }
 
-    fn without(&self, part: &Part) -> Self {
+    pub(crate) fn without(&self, part: &Part) -> Self {
         let mut choice = self.clone();
         choice.off.insert(part.clone());
         choice
@@ -135,6 +135,7 @@ impl Planning<'_> {
     /// # Errors
     /// If the model cannot be simulated on a motion, or the controller refuses a setting.
     pub fn plan(&self) -> Result<Plan, PredictionError> {
+        self.check_capacity()?;
         let before = self.errors(&CompensationFile::none(self.model))?;
         let (mut best_um, mut choice) = self.start()?;
         let without = loop {
@@ -206,7 +207,7 @@ impl Planning<'_> {
     }
 
     /// All parts that the model gives reason for.
-    fn parts(&self) -> Vec<Part> {
+    pub(crate) fn parts(&self) -> Vec<Part> {
         let mut parts = Vec::new();
         for (index, axis) in self.model.axis.values().enumerate() {
             let is_compensated =
@@ -229,7 +230,7 @@ impl Planning<'_> {
     }
 
     /// The compensation without the parts that are off.
-    fn file(&self, choice: &Choice) -> Result<CompensationFile, PredictionError> {
+    pub(crate) fn file(&self, choice: &Choice) -> Result<CompensationFile, PredictionError> {
         let mut file = CompensationFile::none(self.model);
         file.provenance = Provenance {
             model: self.model_file.to_owned(),
@@ -318,7 +319,7 @@ impl Planning<'_> {
     }
 
     /// Names of effect and axis of a part.
-    fn names(&self, part: &Part) -> (String, String) {
+    pub(crate) fn names(&self, part: &Part) -> (String, String) {
         let axis = |index: usize| self.model.axis.get_index(index).map_or("", |(name, _)| name).to_owned();
         match *part {
             Part::Effect(index, effect) => {

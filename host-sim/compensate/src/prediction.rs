@@ -44,6 +44,14 @@ pub enum PredictionError {
     /// The controller refuses the compensation.
     #[error(transparent)]
     Refused(#[from] Refused),
+    /// The controller refuses the compensation of a part of the model.
+    #[error("axis {}: the compensation of {part} is beyond what the controller takes: {refused}", refused.axis)]
+    Beyond {
+        /// Name of the effect or part.
+        part: String,
+        /// What is refused.
+        refused: Refused,
+    },
     /// A log has no contour error.
     #[error("{motion}: the motion is too short, or has no linear axis")]
     NoContour {

@@ -10,6 +10,7 @@ const MOST_AHEAD_TICKS: f64 = 8.0;
 
 /// Settings of a drive that replace those of the machine file.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct ControllerChange {
     /// Control law of the position loop.
     #[serde(default, rename = "controller", skip_serializing_if = "Option::is_none")]

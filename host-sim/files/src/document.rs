@@ -165,6 +165,11 @@ impl<'a> Document<'a> {
         let Some((problem, expected)) = message.split_once(", expected ") else {
             return self.refuse(key, &format!("a valid value ({message})"));
         };
+        if let (Some(length), "a sequence") = (problem.strip_prefix("invalid length "), expected) {
+            // A list with a capacity is refused at its first element beyond it.
+            let most = length.parse::<usize>().map_or(0, |length| length.saturating_sub(1));
+            return self.refuse(key, &format!("an array of at most {most}"));
+        }
         let expected = type_name(expected);
         match between(problem, "unknown field `", "`") {
             Some(name) => {
@@ -224,7 +229,10 @@ fn type_name(expected: &str) -> String {
         "a sequence" => "an array".to_owned(),
         "a map" => "a table".to_owned(),
         other if other.starts_with("struct ") || other.contains("enum ") => "a table".to_owned(),
-        other => other.replace('`', ""),
+        other => match other.strip_prefix("a tuple of size ") {
+            Some(size) => format!("an array of {size}"),
+            None => other.replace('`', ""),
+        },
     }
 }
 

@@ -38,6 +38,27 @@ pub fn write_whole(
     written.map_err(|cause| OutputError { path: path.to_owned(), cause })
 }
 
+/// Checks that there is a folder for a file that will be written.
+///
+/// # Errors
+/// If there is none.
+pub fn check_folder(path: &Path) -> Result<(), OutputError> {
+    folder_of(path).map(drop).map_err(|cause| OutputError { path: path.to_owned(), cause })
+}
+
+/// The folder of a file.
+fn folder_of(path: &Path) -> io::Result<&Path> {
+    let folder = match path.parent() {
+        Some(folder) if !folder.as_os_str().is_empty() => folder,
+        _ => Path::new("."),
+    };
+    if folder.is_dir() {
+        Ok(folder)
+    } else {
+        Err(io::Error::other(format!("there is no folder {}", folder.display())))
+    }
+}
+
 fn write_in_place(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> io::Result<()> {
     let mut buffer = BufWriter::new(File::options().write(true).open(path)?);
     fill(&mut buffer)?;
@@ -85,13 +106,7 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
 
 /// A temporary file in the folder of `path`, so that renaming does not cross file systems.
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
-    if !folder.is_dir() {
-        return Err(io::Error::other(format!("there is no folder {}", folder.display())));
-    }
+    let folder = folder_of(path)?;
     let mut builder = Builder::new();
     builder.prefix(".lost-motion-");
     set_permissions(&mut builder);

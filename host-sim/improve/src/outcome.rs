@@ -104,7 +104,8 @@ impl Improvement {
     #[must_use]
     pub fn sentence(&self) -> String {
         let [before, after] = [&self.first[..], self.last()].map(total_rms_um);
-        let rounds = match self.rounds.len() {
+        let rounds = match self.rounds.iter().filter(|round| round.is_kept()).count() {
+            0 => return format!("The contour error stays at {before:.2} µm rms: no compensation is kept."),
             1 => "1 round".to_owned(),
             count => format!("{count} rounds"),
         };

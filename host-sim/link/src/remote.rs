@@ -1,7 +1,7 @@
 //! A controller at the other end of a connection that answers each frame with one frame.
 
 use shared::axis::Reading;
-use shared::compensate::{AxisCompensation, CompensationSettings};
+use shared::compensate::{AxisCompensation, AxisOf, CompensationSettings};
 use shared::config::{AxisSettings, Rates};
 use shared::interpolate::PathError;
 use shared::machine::MachineError;
@@ -155,10 +155,11 @@ impl<C: Connection> Controller for Remote<C> {
             return Err(MachineError::NoSuchAxis.into());
         }
         // The answer of the other end does not name the setting. It has two axes, also for a machine of one.
+        let place = AxisOf { axis, axes: self.axes };
         let checked = match self.format {
-            Format::Fixed => AxisCompensation::<Fixed>::new(settings, self.rates, self.axes).err(),
-            Format::F32 => AxisCompensation::<f32>::new(settings, self.rates, self.axes).err(),
-            Format::F64 => AxisCompensation::<f64>::new(settings, self.rates, self.axes).err(),
+            Format::Fixed => AxisCompensation::<Fixed>::new(settings, self.rates, place).err(),
+            Format::F32 => AxisCompensation::<f32>::new(settings, self.rates, place).err(),
+            Format::F64 => AxisCompensation::<f64>::new(settings, self.rates, place).err(),
         };
         if let Some(error) = checked {
             return Err(MachineError::Config { axis, error }.into());

@@ -104,6 +104,14 @@ pub struct AxisLoops {
     feedback: Feedback,
 }
 
+impl AxisMargins {
+    /// Whether both loops have these margins.
+    #[must_use]
+    pub fn meet(&self, limits: MarginLimits) -> bool {
+        self.velocity.meet(limits) && self.position.meet(limits)
+    }
+}
+
 impl AxisLoops {
     /// The loops of all axes of a machine, in the order of its file.
     ///

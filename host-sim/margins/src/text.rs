@@ -27,7 +27,7 @@ fn sentence(axis: &AxisMargins, limits: MarginLimits) -> String {
     let present = match (axis.velocity.unstable, axis.position.unstable) {
         (Some(condition), _) => format!("the velocity loop is unstable ({})", condition.name()),
         (None, Some(condition)) => format!("the position loop is unstable ({})", condition.name()),
-        (None, None) if axis.velocity.meet(limits) && axis.position.meet(limits) => {
+        (None, None) if axis.meet(limits) => {
             format!("both loops have margins of at least {asked}")
         }
         (None, None) => format!("a loop has margins below {asked}"),

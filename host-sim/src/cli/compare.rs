@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::outputs::{print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use files::error::InputError;
 use link::controller::Format;
@@ -44,6 +44,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let expected = format!("a number of hours above 0, at most {MAX_HOURS}");
         return Err(InputError::expected("--hours", expected, arguments.hours).into());
     }
+    check_outputs(&[], &[Output::File("--json", arguments.json.as_ref())])?;
     let (emulator, not_counted) = emulator(arguments)?;
     let progress = Progress::start();
     let options = Options { hours: arguments.hours, emulator };

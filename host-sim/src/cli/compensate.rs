@@ -7,7 +7,7 @@ use serde_json::{Value, json};
 
 use super::compensation::check_margins;
 use super::margins::LimitArguments;
-use super::outputs::{check_outputs, print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use compensate::plan::Planning;
 use compensate::prediction::{PredictionError, TestMotion};
@@ -15,7 +15,7 @@ use compensate::{CompensationFile, text};
 use files::error::InputError;
 use files::output::write_whole;
 use margins::MarginLimits;
-use margins::axis_margins::{self, MarginError};
+use margins::axis_margins::{self, AxisMargins, MarginError};
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
@@ -59,7 +59,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<&Path> =
         [&arguments.model].into_iter().chain(&arguments.motion).map(PathBuf::as_path).collect();
-    check_outputs(&inputs, &[("--out", Some(&arguments.out)), ("--json", arguments.json.as_ref())])?;
+    check_outputs(
+        &inputs,
+        &[Output::File("--out", Some(&arguments.out)), Output::File("--json", arguments.json.as_ref())],
+    )?;
     if !(arguments.set_at_s >= 0.0 && arguments.set_at_s.is_finite()) {
         return Err(InputError::expected("--set-at-s", "a time of at least 0 s", arguments.set_at_s).into());
     }
@@ -82,23 +85,49 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let toml = plan.file.to_toml()?;
     write_whole(&arguments.out, |out| out.write_all(toml.as_bytes()))?;
     let mut json = compensate::json::of(&plan);
-    json["margins"] = loop_margins(&model, &plan.file, limits).unwrap_or_default();
+    let margins = LoopsBeforeAfter::of(&model, &plan.file, limits).ok();
+    json["margins"] = margins.as_ref().map(|margins| margins.json(limits)).unwrap_or_default();
     write_json(arguments.json.as_ref(), &json)?;
-    print(&text::of(&plan))
+    let remarks = margins.map(|margins| margins.remarks(limits)).unwrap_or_default();
+    print(&[vec![text::of(&plan)], remarks].concat().join("\n\n"))
 }
 
 /// Margins with the settings of the model and with those of the compensation.
-fn loop_margins(
-    model: &Machine,
-    file: &CompensationFile,
-    limits: MarginLimits,
-) -> std::result::Result<Value, MarginError> {
-    let instruments = Instruments::of(model, 0);
-    let of = |machine: &Machine| {
-        let axes = axis_margins::of_machine(machine, &instruments, limits)?;
-        Ok(margins::json::of(&axes, limits))
-    };
-    Ok(json!({"before": of(model)?, "after": of(&file.applied_to(model))?}))
+struct LoopsBeforeAfter {
+    before: Vec<AxisMargins>,
+    after: Vec<AxisMargins>,
+}
+
+impl LoopsBeforeAfter {
+    fn of(
+        model: &Machine,
+        file: &CompensationFile,
+        limits: MarginLimits,
+    ) -> std::result::Result<Self, MarginError> {
+        let instruments = Instruments::of(model, 0);
+        Ok(Self {
+            before: axis_margins::of_machine(model, &instruments, limits)?,
+            after: axis_margins::of_machine(&file.applied_to(model), &instruments, limits)?,
+        })
+    }
+
+    fn json(&self, limits: MarginLimits) -> Value {
+        let [before, after] = [&self.before, &self.after].map(|axes| margins::json::of(axes, limits));
+        json!({"before": before, "after": after})
+    }
+
+    /// The axes whose loops do not have the margins, as they did not before.
+    fn remarks(&self, limits: MarginLimits) -> Vec<String> {
+        let MarginLimits { gain_db, phase_deg } = limits;
+        let below = self.after.iter().filter(|axis| !axis.meet(limits));
+        let remark = |axis: &AxisMargins| {
+            format!(
+                "{}: a loop has margins below {gain_db} dB and {phase_deg}°, as without the compensation, which makes none lower.",
+                axis.axis
+            )
+        };
+        below.map(remark).collect()
+    }
 }
 
 /// The motions of files, or the default ones.
@@ -120,6 +149,14 @@ pub fn input_or_failure(error: PredictionError, model_file: &str) -> Error {
         PredictionError::Simulation { error: SimulationError::Lacks { axis, key }, .. } => {
             let expected = "this key, which the prediction of the contour error requires";
             InputError::expected(model_file, expected, "none").at_key(&format!("axis.{axis}.{key}")).into()
+        }
+        PredictionError::Beyond { part, refused } => {
+            let problem = format!(
+                "the compensation of {part} is beyond what the controller takes: {}: {}",
+                refused.setting(),
+                refused.problem()
+            );
+            InputError::new(model_file, problem).at_key(&format!("axis.{}", refused.axis)).into()
         }
         error => InputError::new(model_file, error.to_string()).into(),
     }

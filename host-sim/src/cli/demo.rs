@@ -6,7 +6,7 @@ use anyhow::Result;
 
 use serde_json::json;
 
-use super::outputs::{print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use super::summary;
 use compensate::limits::Limit;
@@ -47,6 +47,7 @@ pub struct Arguments {
 /// # Errors
 /// If the simulated machine does not run, or an output cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    check_outputs(&[], &[Output::File("--json", arguments.json.as_ref())])?;
     if let Some(count) = arguments.machines {
         return round_trips(arguments, count);
     }
@@ -117,18 +118,31 @@ fn round_trips(arguments: &Arguments, count: u64) -> Result<()> {
     print(&round_trip_text(&trips, &figures))
 }
 
+/// The ratios of the machines and how many of the predictions hold.
+fn round_trip_sentence(figures: &Figures) -> String {
+    let within = 100.0 * MAX_PREDICTION_ERROR;
+    if figures.count == 1 {
+        let is_within = if figures.predicted > 0.5 { "is" } else { "is not" };
+        return format!(
+            "Contour error of 1 machine before over after the compensation: {:.2}; the error after it {is_within} within \
+             {within:.0} % of the prediction.",
+            figures.min_ratio
+        );
+    }
+    format!(
+        "Contour error of {} machines before over after the compensation: {:.1} in the median, at least {:.1} in nine of ten, \
+         at least {:.2} in all; within {within:.0} % of the prediction in {:.0} % of them.",
+        figures.count,
+        figures.median_ratio,
+        figures.ninth_ratio,
+        figures.min_ratio,
+        100.0 * figures.predicted
+    )
+}
+
 fn round_trip_text(trips: &[RoundTrip], figures: &Figures) -> String {
     let mut lines = vec![
-        format!(
-            "Contour error of {} machines before over after the compensation: {:.1} in the median, at least {:.1} in nine of \
-             ten, at least {:.2} in all; within {:.0} % of the prediction in {:.0} % of them.",
-            figures.count,
-            figures.median_ratio,
-            figures.ninth_ratio,
-            figures.min_ratio,
-            100.0 * MAX_PREDICTION_ERROR,
-            100.0 * figures.predicted
-        ),
+        round_trip_sentence(figures),
         limited_by(figures),
         String::new(),
         format!(

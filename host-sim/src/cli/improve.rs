@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Error, Result};
 
 use super::margins::LimitArguments;
-use super::outputs::{check_outputs, print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use compensate::place::Place;
 use compensate::prediction::TestMotion;
@@ -67,9 +67,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let motions = arguments.fit.iter().chain(&arguments.motion);
     let inputs: Vec<&Path> =
         [&arguments.machine, &arguments.plant].into_iter().chain(motions).map(PathBuf::as_path).collect();
-    let flags: Vec<(&str, Option<&PathBuf>)> =
-        outputs.iter().chain(&page).map(|path| ("--out", Some(path))).collect();
-    check_outputs(&inputs, &flags)?;
+    let files = outputs.iter().chain(&page).map(|path| Output::InNewFolder("--out", Some(path)));
+    check_outputs(&inputs, &files.collect::<Vec<_>>())?;
     let limits = arguments.limits.checked()?;
     let (declared, plant) = (Machine::read(&arguments.machine)?, Machine::read(&arguments.plant)?);
     check_plant(&declared, &plant, &arguments.plant)?;

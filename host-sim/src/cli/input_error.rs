@@ -69,13 +69,9 @@ impl Inputs<'_> {
     }
 
     fn setting_error(&self, axis: usize, error: &ConfigError) -> InputError {
-        let (ConfigError::NotFinite(name)
-        | ConfigError::NotPositive(name)
-        | ConfigError::NotWhileRunning(name)
-        | ConfigError::Requires { name, .. }
-        | ConfigError::OutOfRange { name, .. }) = error;
+        let name = error.name();
         // Keys of the machine file with another unit or name, and the factor to the unit of the file.
-        let (key, factor) = match *name {
+        let (key, factor) = match name {
             "velocity_loop_hz" => ("velocity_loop_rate_hz", 1.0),
             "fastest_m_per_s" => ("fastest_mm_per_s", 1e3),
             "following_error_limit_m" => ("following_error_limit_mm", 1e3),

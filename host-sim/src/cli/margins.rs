@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::outputs::{check_outputs, print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use compensate::CompensationFile;
 use files::error::InputError;
 use margins::{MarginLimits, axis_margins, json, text};
@@ -64,7 +64,7 @@ impl LimitArguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<&Path> =
         [&arguments.machine].into_iter().chain(&arguments.compensation).map(PathBuf::as_path).collect();
-    check_outputs(&inputs, &[("--json", arguments.json.as_ref())])?;
+    check_outputs(&inputs, &[Output::File("--json", arguments.json.as_ref())])?;
     let limits = arguments.limits.checked()?;
     let mut machine = Machine::read(&arguments.machine)?;
     if let Some(path) = &arguments.compensation {

@@ -6,21 +6,37 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use files::error::{InputError, quoted};
-use files::output::write_whole;
+use files::output::{check_folder, write_whole};
 
-/// Checks that no output overwrites an input or another output. `outputs` are the flags and their paths.
-pub fn check_outputs(inputs: &[&Path], outputs: &[(&str, Option<&PathBuf>)]) -> Result<(), InputError> {
+/// An output: its flag, and its path if it is given.
+#[derive(Clone, Copy, Debug)]
+pub enum Output<'a> {
+    /// A file in a folder that exists.
+    File(&'a str, Option<&'a PathBuf>),
+    /// A file in a folder that is created with it.
+    InNewFolder(&'a str, Option<&'a PathBuf>),
+}
+
+/// Checks, before anything is computed, that every output has a folder and that none overwrites an input or another output.
+///
+/// # Errors
+/// The first output that cannot be written.
+pub fn check_outputs(inputs: &[&Path], outputs: &[Output<'_>]) -> anyhow::Result<()> {
     let canonical = |path: &Path| {
         let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
         let in_folder = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
         path.canonicalize().ok().or_else(in_folder).filter(|path| !path.exists() || path.is_file())
     };
     let mut taken: Vec<PathBuf> = inputs.iter().filter_map(|path| canonical(path)).collect();
-    for (flag, path) in outputs {
+    for output in outputs {
+        let (Output::File(flag, path) | Output::InNewFolder(flag, path)) = output;
+        if let Output::File(_, Some(path)) = output {
+            check_folder(path)?;
+        }
         let Some(path) = path.and_then(|path| canonical(path)) else { continue };
         if taken.contains(&path) {
             let expected = "a file that is neither an input nor another output";
-            return Err(InputError::expected(flag, expected, quoted(&path.display().to_string())));
+            return Err(InputError::expected(flag, expected, quoted(&path.display().to_string())).into());
         }
         taken.push(path);
     }

@@ -10,7 +10,7 @@ use super::board;
 use super::compensation::Compensated;
 use super::input_error::Inputs;
 use super::logged_run;
-use super::outputs::{check_outputs, print};
+use super::outputs::{Output, check_outputs, print};
 use files::error::InputError;
 use link::controller::Format;
 use link::emulator::{DEFAULT_TIMEOUT, Emulator};
@@ -65,7 +65,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
     let files = [machine_path, &arguments.motion].into_iter().chain(arguments.compensation.as_deref());
-    check_outputs(&files.collect::<Vec<_>>(), &[("--out", Some(&arguments.out))])?;
+    check_outputs(&files.collect::<Vec<_>>(), &[Output::File("--out", Some(&arguments.out))])?;
     let machine = match &arguments.machine {
         Some(path) => Machine::read(path)?,
         None => Machine::parse(demo::MACHINE, DEMO_MACHINE)?,
@@ -115,7 +115,7 @@ fn on_board(arguments: &Arguments) -> Result<()> {
         return Err(InputError::new("--compensation", problem).into());
     }
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);
-    check_outputs(&[machine_path, &arguments.motion], &[("--out", Some(&arguments.out))])?;
+    check_outputs(&[machine_path, &arguments.motion], &[Output::File("--out", Some(&arguments.out))])?;
     let (machine, machine_file) = match &arguments.machine {
         Some(path) => (Machine::read(path)?, path.display().to_string()),
         None => (

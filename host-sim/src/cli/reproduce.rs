@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::outputs::{print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use files::format::significant;
 use studies::reproduce::{self, Reproduction};
@@ -25,6 +25,7 @@ pub struct Arguments {
 /// # Errors
 /// An experiment that cannot be run, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    check_outputs(&[], &[Output::File("--json", arguments.json.as_ref())])?;
     let progress = Progress::start();
     let reproduction = reproduce::run(&|what| progress.show(what))?;
     drop(progress);

@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::Result;
 
 use super::batch::{Batch, Results, Show};
-use super::outputs::{check_outputs, print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use super::stop::{self, Stopped};
 use files::error::InputError;
 use files::output::remove_unfinished;
@@ -74,7 +74,10 @@ fn check(arguments: &Arguments) -> Result<()> {
         seen.push(kind);
     }
     let page = pages::file_in(arguments.report.as_ref());
-    check_outputs(&[], &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
+    check_outputs(
+        &[],
+        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
+    )?;
     Ok(())
 }
 

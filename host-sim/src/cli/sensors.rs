@@ -4,7 +4,7 @@ use std::path::PathBuf;
 
 use anyhow::Result;
 
-use super::outputs::{print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use studies::sensors;
 
@@ -24,6 +24,7 @@ pub struct Arguments {
 /// # Errors
 /// A motion that cannot be simulated, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
+    check_outputs(&[], &[Output::File("--json", arguments.json.as_ref())])?;
     let progress = Progress::start();
     let study = sensors::run(&|what| progress.show(what))?;
     drop(progress);

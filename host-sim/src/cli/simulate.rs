@@ -7,7 +7,7 @@ use anyhow::Result;
 use super::compensation::Compensated;
 use super::input_error::Inputs;
 use super::logged_run;
-use super::outputs::{check_outputs, print};
+use super::outputs::{Output, check_outputs, print};
 use link::controller::Format;
 use model::machine::Machine;
 use model::motion::Motion;
@@ -67,7 +67,7 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let files = [&arguments.machine, &arguments.motion].into_iter().chain(&arguments.compensation);
     let files: Vec<&Path> = files.map(PathBuf::as_path).collect();
-    check_outputs(&files, &[("--out", Some(&arguments.out))])?;
+    check_outputs(&files, &[Output::File("--out", Some(&arguments.out))])?;
     let machine = Machine::read(&arguments.machine)?;
     let compensated = Compensated::read(arguments.compensation.as_deref(), machine)?;
     let machine = &compensated.machine;

@@ -4,7 +4,7 @@ use std::path::{Path, PathBuf};
 
 use anyhow::Result;
 
-use super::outputs::{check_outputs, print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use super::{friction_map, summary};
 use contour::logged::LogError;
@@ -71,10 +71,10 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let inputs: Vec<&Path> = logs.map(PathBuf::as_path).chain([machine]).collect();
     let page = pages::file_in(arguments.report.as_ref());
     let outputs = [
-        ("--json", arguments.json.as_ref()),
-        ("--model", arguments.model.as_ref()),
-        ("--propose", arguments.propose.as_ref()),
-        ("--report", page.as_ref()),
+        Output::File("--json", arguments.json.as_ref()),
+        Output::File("--model", arguments.model.as_ref()),
+        Output::File("--propose", arguments.propose.as_ref()),
+        Output::InNewFolder("--report", page.as_ref()),
     ];
     check_outputs(&inputs, &outputs)?;
     let machine = Machine::read(machine)?;

@@ -6,7 +6,7 @@ use anyhow::{Error, Result};
 
 use super::compensate::{input_or_failure, test_motions};
 use super::margins::LimitArguments;
-use super::outputs::{check_outputs, print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use files::error::InputError;
 use files::output::write_whole;
@@ -40,7 +40,10 @@ pub struct Arguments {
 pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<&Path> =
         [&arguments.machine].into_iter().chain(&arguments.motion).map(PathBuf::as_path).collect();
-    check_outputs(&inputs, &[("--out", arguments.out.as_ref()), ("--json", arguments.json.as_ref())])?;
+    check_outputs(
+        &inputs,
+        &[Output::File("--out", arguments.out.as_ref()), Output::File("--json", arguments.json.as_ref())],
+    )?;
     let limits = arguments.limits.checked()?;
     let machine = Machine::read(&arguments.machine)?;
     let tests = test_motions(&arguments.motion, 0.0)?;

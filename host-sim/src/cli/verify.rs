@@ -5,8 +5,9 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use serde_json::json;
 
-use super::outputs::{check_outputs, print, write_json};
+use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
+use compensate::CompensationFile;
 use compensate::alignment::aligned;
 use contour::comparison;
 use contour::verification::{Change, Predictions, VerifiedMotion, pairs};
@@ -47,10 +48,13 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let inputs: Vec<&Path> =
         logs.chain(&arguments.predicted).chain([&arguments.machine]).map(PathBuf::as_path).collect();
     let page = pages::file_in(arguments.report.as_ref());
-    check_outputs(&inputs, &[("--json", arguments.json.as_ref()), ("--report", page.as_ref())])?;
+    check_outputs(
+        &inputs,
+        &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
+    )?;
     let machine = Machine::read(&arguments.machine)?;
     let predictions = match &arguments.predicted {
-        Some(file) => predictions_of(file, &machine)?,
+        Some(file) => Predictions(CompensationFile::read(file, &machine)?.predicted),
         None => Predictions::default(),
     };
     let motions = verified(arguments, &machine, &predictions)?;
@@ -68,18 +72,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     failure(&motions)
 }
 
-/// The predictions of a compensation file of this machine.
-fn predictions_of(file: &Path, machine: &Machine) -> Result<Predictions, InputError> {
-    let predictions = Predictions::read(file)?;
-    match &predictions.machine {
-        Some(name) if *name != machine.name => {
-            let expected = format!("a compensation of the machine {}", machine.name);
-            Err(InputError::expected(&file.display().to_string(), expected, name).at_key("machine"))
-        }
-        _ => Ok(predictions),
-    }
-}
-
 /// Checks that at least one motion has a prediction: without one, nothing would be compared.
 fn check_predictions(
     file: &Path,
@@ -90,7 +82,7 @@ fn check_predictions(
         return Ok(());
     }
     let logged: Vec<&str> = motions.iter().map(|motion| motion.name.as_str()).collect();
-    let predicted: Vec<&str> = predictions.predicted.iter().map(|entry| entry.motion.as_str()).collect();
+    let predicted: Vec<&str> = predictions.0.iter().map(|entry| entry.motion.as_str()).collect();
     let found = if predicted.is_empty() { "none".to_owned() } else { predicted.join(", ") };
     let expected = format!("a prediction of {}", logged.join(" or "));
     Err(InputError::expected(&file.display().to_string(), expected, found).at_key("predicted"))

@@ -5,6 +5,7 @@ use crate::analysis::free_run::{FreeRun, free_runs};
 use crate::analysis::repeatability::{Repeatability, repeatability};
 use crate::analysis::residual_analysis::{UnexplainedResidual, unexplained};
 use crate::fit::axis_model::AxisModel;
+use crate::fit::exclusion::Exclusion;
 use crate::fit::final_fit::{FinalFit, final_fit, kept};
 use crate::fit::fit_data::{FitAndValidationRms, FitData};
 use crate::fit::fitted_scope::FittedScope;
@@ -63,6 +64,7 @@ pub fn trace(
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
     let fitted_scopes = FittedScope::of(&axis.fits);
     let declared_values = declared_values([fit_data, validate], &axis);
+    let exclusions = exclusions_of(&axis.fits);
     let evidence =
         Evidence { models: [&before, &axis.model], values: &declared_values, refused: refused.len() };
     let is_of_another_machine = is_of_another_machine(fit_data, evidence, &scopes);
@@ -71,7 +73,7 @@ pub fn trace(
     found.retain(|_| !is_of_another_machine);
     let before = stage.shown_before(task, declared, [before, model.clone()]);
     // "The verdict" and "Beside the residuals".
-    let (model, remains) = stage.with_tables(request, validate, [&before, &model]);
+    let (model, remains) = stage.with_tables(request, validate, [&before, &model], &exclusions);
     let Remainder { errors, unexplained, repeats, tables } = remains;
     let free_runs = free_runs_of(validate, [&before, &model]);
     let ambiguities = named_ambiguities(&rounds, &mut found);
@@ -180,16 +182,17 @@ impl Tracing<'_> {
         request: Request,
         validate: &FitData<'_>,
         models: [&AxisModel; 2],
+        exclusions: &[Exclusion],
     ) -> (AxisModel, Remainder) {
         let data = [self.fit_data, validate];
         let [before, model] = models;
-        let remains = remainder(data, models, self.scopes);
+        let remains = remainder(data, models, self.scopes, exclusions);
         let confirmed: Vec<ResidualTable> = remains.tables.iter().filter_map(Empirical::confirmed).collect();
         if !request.tables || confirmed.is_empty() {
             return (model.clone(), remains);
         }
         let model = model.with_further_tables(&confirmed);
-        let beside = remainder(data, [before, &model], self.scopes);
+        let beside = remainder(data, [before, &model], self.scopes, exclusions);
         (model, Remainder { tables: remains.tables, ..beside })
     }
 
@@ -248,11 +251,14 @@ fn remainder(
     [fit_data, validate]: [&FitData<'_>; 2],
     [before, model]: [&AxisModel; 2],
     scopes: &[Scope],
+    exclusions: &[Exclusion],
 ) -> Remainder {
     let mut remainder = Remainder::default();
     for scope in scopes {
         let [fit_before, fit_after] = [before, model].map(|model| fit_data.residuals(model, scope));
         let [held_out_before, held_out_after] = [before, model].map(|model| validate.residuals(model, scope));
+        let [fit_beside, held_out_beside] =
+            [fit_data, validate].map(|data| FitData { exclusions, ..*data }.residuals(model, scope));
         for &stage in &scope.stages {
             let noise = fit_data.noise(model, stage);
             let pair = |fitted, held_out| FitAndValidationRms {
@@ -263,6 +269,7 @@ fn remainder(
                 stage,
                 before: pair(&fit_before, &held_out_before),
                 after: pair(&fit_after, &held_out_after),
+                beside_exclusions: pair(&fit_beside, &held_out_beside),
                 noise,
                 max_described: fit_data.options.verdict.max_described(noise),
             });
@@ -276,6 +283,13 @@ fn remainder(
         }
     }
     remainder
+}
+
+/// The exclusions of all fits. A local defect of the table also moves the motor, if the loop is closed by the table, too.
+fn exclusions_of(fits: &[ScopeFit]) -> Vec<Exclusion> {
+    let all = || fits.iter().flat_map(|fit| fit.exclusions.iter().copied());
+    let of_motor = all().filter(|exclusion| exclusion.bump(Stage::Table).is_some());
+    all().chain(of_motor.map(|exclusion| Exclusion { stage: Stage::Motor, ..exclusion })).collect()
 }
 
 /// Names of the effects that are declared or were tried.

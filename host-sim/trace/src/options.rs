@@ -287,6 +287,12 @@ options! {
         ///
         /// Sweep: nothing changes.
         max_width: f64 = 0.25,
+        /// A local defect is subtracted as a bump if the bump explains at least this fraction of the mean residual over the
+        /// position that is left beside a straight line.
+        min_bump_fraction: f64 = 0.9,
+        /// A map of the screw is a local defect if a bump explains at least this fraction of what the map describes beside a
+        /// straight line.
+        min_map_bump_fraction: f64 = 0.97,
         /// Minimum fraction of the residual's power before the exclusion that an effect must explain in a scope with an
         /// exclusion. Smaller effects are residuals of the excluded part.
         ///

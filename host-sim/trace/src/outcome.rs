@@ -108,6 +108,8 @@ pub struct StageError {
     pub before: FitAndValidationRms,
     /// Residual of the model with the effects found.
     pub after: FitAndValidationRms,
+    /// Residual of the model with the effects found, without the vibrations and local defects that are reported apart.
+    pub beside_exclusions: FitAndValidationRms,
     /// Noise of the sensors, which no model can remove.
     pub noise: f64,
     /// Largest residual of a model that describes its logs.

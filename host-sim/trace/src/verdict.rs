@@ -44,14 +44,14 @@ pub fn of_axis(axis: &AxisTrace) -> Verdict {
 /// Whether the model does not describe a stage of the fitted logs.
 #[must_use]
 pub fn is_gross(error: &StageError) -> bool {
-    error.after.fit > error.max_described
+    error.beside_exclusions.fit > error.max_described
 }
 
 /// Whether the model does not describe a stage of the validation logs. As their motion may differ from that of the fitted
 /// logs, this does not show that the model describes another machine.
 #[must_use]
 pub fn is_gross_held_out(error: &StageError) -> bool {
-    error.after.validate > error.max_described
+    error.beside_exclusions.validate > error.max_described
 }
 
 #[cfg(test)]
@@ -64,7 +64,7 @@ mod tests {
     fn error(fit: f64, validate: f64, noise: f64) -> StageError {
         let [before, after] = [FitAndValidationRms { fit, validate }; 2];
         let max_described = VerdictOptions::default().max_described(noise);
-        StageError { stage: Stage::Table, before, after, noise, max_described }
+        StageError { stage: Stage::Table, before, after, beside_exclusions: after, noise, max_described }
     }
 
     #[test]

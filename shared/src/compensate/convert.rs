@@ -6,6 +6,7 @@ use super::cycles::Cycles;
 use super::drift::Drift;
 use super::force::Force;
 use super::geometry::{Squareness, Straightness};
+use super::names::{DIVIDING, RIPPLE, SCREW, points_names};
 use super::pitch::Pitch;
 use super::reversal::Reversal;
 use super::settings::CompensationSettings;
@@ -62,25 +63,34 @@ impl Limits {
     }
 }
 
-/// Another axis of a machine with `axes` axes.
-fn source(name: &'static str, axis: u8, axes: usize) -> Result<u8, ConfigError> {
-    if usize::from(axis) < axes {
-        Ok(axis)
+/// An axis of a machine.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct AxisOf {
+    /// Number of the axis, counted from 0.
+    pub axis: usize,
+    /// Number of axes of the machine.
+    pub axes: usize,
+}
+
+/// Another axis of the machine.
+fn another(name: &'static str, other: u8, AxisOf { axis, axes }: AxisOf) -> Result<u8, ConfigError> {
+    if usize::from(other) < axes && usize::from(other) != axis {
+        Ok(other)
     } else {
-        Err(ConfigError::OutOfRange { name, min: 0.0, max: axes as f64 - 1.0 })
+        Err(ConfigError::NotAnotherAxis { name, axes: u8::try_from(axes).unwrap_or(u8::MAX) })
     }
 }
 
 // Tables are large, and each of these functions keeps several of them on its stack: not inlined, so that these are not there
 // all at once.
 impl<S: Scalar> AxisCompensation<S> {
-    /// Checks and converts the settings of an axis of a machine with `axes` axes.
+    /// Checks and converts the settings of an axis.
     ///
     /// # Errors
     /// [`ConfigError`] for the first setting that is not finite, exceeds its bound or the range of the number format `S`, or
     /// requires another one.
-    pub fn new(settings: &CompensationSettings, rates: Rates, axes: usize) -> Result<Self, ConfigError> {
-        Self::convert_for(settings, rates, axes, Self::clone)
+    pub fn new(settings: &CompensationSettings, rates: Rates, place: AxisOf) -> Result<Self, ConfigError> {
+        Self::convert_for(settings, rates, place, Self::clone)
     }
 
     /// [`AxisCompensation::new`] without a copy: passes the converted settings on where they are. They are large.
@@ -90,7 +100,7 @@ impl<S: Scalar> AxisCompensation<S> {
     pub fn convert_for<R>(
         settings: &CompensationSettings,
         rates: Rates,
-        axes: usize,
+        place: AxisOf,
         then: impl FnOnce(&Self) -> R,
     ) -> Result<R, ConfigError> {
         let limits = Limits::new::<S>(settings, rates)?;
@@ -101,7 +111,7 @@ impl<S: Scalar> AxisCompensation<S> {
             ..Self::NONE
         };
         converted.convert_screw(settings, &limits)?;
-        converted.convert_tool(settings, &limits, axes)?;
+        converted.convert_tool(settings, &limits, place)?;
         converted.convert_motor(settings, &limits)?;
         converted.convert_model(settings, &limits)?;
         converted.list_slow_terms();
@@ -114,7 +124,7 @@ impl<S: Scalar> AxisCompensation<S> {
         let bound_m = limits.bound_m;
         self.pitch = settings.pitch.as_ref().map(|pitch| Pitch::new(pitch, bound_m)).transpose()?;
         self.backlash = settings.backlash_width_m.map(|width| Backlash::new(width, bound_m)).transpose()?;
-        self.screw = Cycles::new("screw", &settings.screw, limits.lengths())?;
+        self.screw = Cycles::new(&SCREW, &settings.screw, limits.lengths())?;
         Ok(())
     }
 
@@ -124,22 +134,26 @@ impl<S: Scalar> AxisCompensation<S> {
         &mut self,
         settings: &CompensationSettings,
         limits: &Limits,
-        axes: usize,
+        place: AxisOf,
     ) -> Result<(), ConfigError> {
         let &Limits { bound_m, rate_hz, tick_hz, .. } = limits;
         if let Some(talk) = &settings.intalk {
-            self.intalk = Some(Talk::new("intalk", talk, rate_hz)?);
+            self.intalk = Some(Talk::new(("intalk.Constant", &points_names!("intalk.Over")), talk, rate_hz)?);
         }
         if let Some((axis, talk)) = &settings.crosstalk {
-            self.crosstalk_source = source("crosstalk", *axis, axes)?;
-            self.crosstalk = Some(Talk::new("crosstalk", talk, rate_hz)?);
+            self.crosstalk_source = another("crosstalk[0]", *axis, place)?;
+            self.crosstalk = Some(Talk::new(
+                ("crosstalk[1].Constant", &points_names!("crosstalk[1].Over")),
+                talk,
+                rate_hz,
+            )?);
         }
         if let Some((axis, k)) = settings.squareness {
-            self.squareness_source = source("squareness", axis, axes)?;
+            self.squareness_source = another("squareness[0]", axis, place)?;
             self.squareness = Some(Squareness::new(k)?);
         }
         if let Some((axis, shape)) = &settings.straightness {
-            let axis = source("straightness", *axis, axes)?;
+            let axis = another("straightness[0]", *axis, place)?;
             self.straightness = Some((axis, Straightness::new(shape, bound_m)?));
         }
         if let Some(drift) = &settings.drift {
@@ -151,8 +165,8 @@ impl<S: Scalar> AxisCompensation<S> {
     /// Errors of the motor: its reading, its ripple, and the pulse at a reversal.
     #[inline(never)]
     fn convert_motor(&mut self, settings: &CompensationSettings, limits: &Limits) -> Result<(), ConfigError> {
-        self.dividing = Cycles::new("dividing", &settings.dividing, limits.lengths())?;
-        self.ripple = Cycles::new("ripple", &settings.ripple, limits.forces())?;
+        self.dividing = Cycles::new(&DIVIDING, &settings.dividing, limits.lengths())?;
+        self.ripple = Cycles::new(&RIPPLE, &settings.ripple, limits.forces())?;
         if let Some(reversal) = &settings.reversal {
             self.reversal = Some(Reversal::new(reversal, limits.rate_hz, limits.bound_n)?);
         }
@@ -173,10 +187,10 @@ impl<S: Scalar> AxisCompensation<S> {
         let forces = ValueRange { unit: 1.0, bound: bound_n };
         self.model = Some(Force::new(model, [limits.rate_hz, limits.tick_hz], bound_n)?);
         if let Some(load) = &model.load {
-            self.load = Some(Table::new("load", load, forces)?);
+            self.load = Some(Table::new(&points_names!("force.load"), load, forces)?);
         }
         if let Some(map) = &model.friction.map {
-            self.friction_map = Some(Table::new("friction_map", map, forces)?);
+            self.friction_map = Some(Table::new(&points_names!("force.friction.map"), map, forces)?);
         }
         if let Some(m_per_n) = settings.stretch_m_per_n {
             self.stretch = Some(gain::<S>("stretch_m_per_n", m_per_n, 1.0 / LENGTH_M)?);

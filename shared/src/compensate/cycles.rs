@@ -1,5 +1,6 @@
 //! Periodic errors: up to two periodic tables, added up.
 
+use super::names::CycleNames;
 use super::settings::{CYCLES, Cycle};
 use super::table::{PeriodicTable, ValueRange};
 use crate::config::ConfigError;
@@ -21,11 +22,15 @@ impl<S: Scalar> Cycles<S> {
     /// Converts settings.
     ///
     /// # Errors
-    /// [`ConfigError`] with `name`, as [`PeriodicTable::new`].
-    pub fn new(name: &'static str, settings: &[Cycle], range: ValueRange) -> Result<Self, ConfigError> {
+    /// [`ConfigError`] with one of `names`, as [`PeriodicTable::new`].
+    pub fn new(
+        names: &[CycleNames; CYCLES],
+        settings: &[Cycle],
+        range: ValueRange,
+    ) -> Result<Self, ConfigError> {
         let mut cycles = Self::NONE;
-        for (table, cycle) in cycles.tables.iter_mut().zip(settings) {
-            *table = PeriodicTable::new(name, cycle, range)?;
+        for ((table, cycle), names) in cycles.tables.iter_mut().zip(settings).zip(names) {
+            *table = PeriodicTable::new(names, cycle, range)?;
             cycles.count += 1;
         }
         Ok(cycles)

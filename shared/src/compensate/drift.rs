@@ -3,11 +3,12 @@
 //! Time is a count of ticks, an integer, which does not lose precision in a long session. A [`Table`] is used for the values,
 //! with one nanometre on its position axis for one tick: 100 m are then 10¹¹ ticks, 57 days at 20 kHz.
 
+use super::names::DRIFT;
 use super::settings::{Points, TimePoints};
 use super::table::{Table, ValueRange};
 use crate::config::ConfigError;
 use crate::scalar::Scalar;
-use crate::units::{LENGTH_M, PER_NM, Position, TRAVEL_LIMIT_M};
+use crate::units::{LENGTH_M, PER_NM, Position};
 
 /// Metres on the axis of the table per tick.
 const M_PER_TICK: f64 = 1e-9;
@@ -23,7 +24,7 @@ impl<S: Scalar> Drift<S> {
     /// From settings, for ticks every 1/`tick_hz`.
     ///
     /// # Errors
-    /// [`ConfigError`] with `drift`: as [`Table::new`]; the values have to cover from 1100 to 10¹¹ ticks.
+    /// [`ConfigError`] with a setting of `drift`: as [`Table::new`]; the values have to cover from 1100 to 10¹¹ ticks.
     pub fn new(settings: &TimePoints, tick_hz: f64, bound_m: f64) -> Result<Self, ConfigError> {
         let axis_m_per_s = tick_hz * M_PER_TICK;
         let points = Points {
@@ -32,13 +33,13 @@ impl<S: Scalar> Drift<S> {
             values: settings.values.clone(),
         };
         let seconds = |error| match error {
-            ConfigError::OutOfRange { name, min: 0.0, max } if max >= TRAVEL_LIMIT_M => {
-                ConfigError::OutOfRange { name, min: 0.0, max: TRAVEL_LIMIT_M / axis_m_per_s }
+            ConfigError::OutOfRange { name, min, max } if [DRIFT.start, DRIFT.spacing].contains(&name) => {
+                ConfigError::OutOfRange { name, min: min / axis_m_per_s, max: max / axis_m_per_s }
             }
             other => other,
         };
         let range = ValueRange { unit: LENGTH_M, bound: bound_m };
-        Ok(Self(Table::new("drift", &points, range).map_err(seconds)?))
+        Ok(Self(Table::new(&DRIFT, &points, range).map_err(seconds)?))
     }
 
     /// Correction of the command, error units: − the displacement after a number of ticks.
@@ -106,10 +107,13 @@ mod tests {
             Drift::<Fixed>::new(&TimePoints { start_s, spacing_s, values }, 20_000.0, 1e-3).err()
         };
         assert_eq!(new(-100.0, 10.0), None);
-        for (start_s, spacing_s) in [(0.0, 1e9), (0.0, 0.0), (0.0, -1.0), (1e9, 1.0), (f64::NAN, 1.0)] {
+        // 100 m of the table are 10¹¹ ticks, 5·10⁶ s.
+        let of_spacing = [(0.0, 1e9), (0.0, 0.0), (0.0, -1.0)].map(|times| (times, "drift.spacing_s"));
+        let of_start = [(1e9, 1.0), (f64::NAN, 1.0)].map(|times| (times, "drift.start_s"));
+        for ((start_s, spacing_s), setting) in of_spacing.into_iter().chain(of_start) {
             let error = new(start_s, spacing_s);
             assert!(
-                matches!(error, Some(ConfigError::OutOfRange { name: "drift", max, .. }) if max > 4.9e6 && max < 5.1e6),
+                matches!(error, Some(ConfigError::OutOfRange { name, max, .. }) if name == setting && max > 4.9e6 && max < 5.1e6),
                 "{error:?}"
             );
         }

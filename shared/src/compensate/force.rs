@@ -15,6 +15,7 @@
 use super::force_settings::{ForceModel, FrictionWarmUp, TableFriction};
 use super::friction_level::Friction;
 use super::motion::CommandMotion;
+use super::names::stribeck_names;
 use super::octave_curve::OctaveCurve;
 use super::presliding::{Presliding, upper};
 use super::speed_curves::SpeedCurves;
@@ -119,19 +120,19 @@ impl Force {
     pub fn new(model: &ForceModel, [rate_hz, tick_hz]: [f64; 2], bound_n: f64) -> Result<Self, ConfigError> {
         let TableFriction { viscous_n_s_per_m, half_difference_n_s_per_m, warm_up, .. } = model.friction;
         let not_negative = |name, value| ranged(name, value, 0.0, f64::MAX);
-        let lag_ticks = ranged("force_lag_s", model.lag_s, 0.0, MAX_LAG_S)? * rate_hz;
+        let lag_ticks = ranged("force.lag_s", model.lag_s, 0.0, MAX_LAG_S)? * rate_hz;
         let unit = INCREMENT_M * rate_hz * rate_hz;
         let bits = libm::floor(libm::log2(Fixed::SIGNAL_LIMIT * unit / MAX_ACCELERATION_M_PER_S2))
             .clamp(0.0, MAX_ACCELERATION_BITS);
         let (force, unit) = (mass_gains(model, unit / libm::exp2(bits))?, INCREMENT_M * rate_hz);
         // Half the range of a gain, so that no sum of products overflows.
         gain::<Fixed>(
-            "viscous_n_s_per_m",
-            not_negative("viscous_n_s_per_m", viscous_n_s_per_m)?,
+            "force.friction.viscous_n_s_per_m",
+            not_negative("force.friction.viscous_n_s_per_m", viscous_n_s_per_m)?,
             2.0 * unit,
         )?;
         let sum = viscous_n_s_per_m + half_difference_n_s_per_m.abs();
-        gain::<Fixed>("half_difference_n_s_per_m", sum, 2.0 * unit)?;
+        gain::<Fixed>("force.friction.half_difference_n_s_per_m", sum, 2.0 * unit)?;
         let viscous = [-1.0, 1.0].map(|sign| viscous_n_s_per_m + sign * half_difference_n_s_per_m);
         let [motor, table] = frictions(model, bound_n, PER_M / rate_hz)?;
         let stiffness = model.friction.presliding_stiffness_n_per_m;
@@ -239,9 +240,9 @@ fn mass_gains(model: &ForceModel, unit: f64) -> Result<[i32; 3], ConfigError> {
         // Half the range of a gain, so that no sum of products overflows.
         gain::<Fixed>(name, ranged(name, value, 0.0, f64::MAX)?, 2.0 * unit)
     };
-    checked("table_mass_kg", model.table_mass_kg)?;
-    checked("motor_mass_kg", model.motor_mass_kg)?;
-    let share = ranged("force_share", model.share, 0.0, 1.0)?;
+    checked("force.table_mass_kg", model.table_mass_kg)?;
+    checked("force.motor_mass_kg", model.motor_mass_kg)?;
+    let share = ranged("force.share", model.share, 0.0, 1.0)?;
     let gains = [model.table_mass_kg * unit, share * model.motor_mass_kg * unit, share];
     Ok(gains.map(|value| Fixed::gain(value).to_bits()))
 }
@@ -249,11 +250,13 @@ fn mass_gains(model: &ForceModel, unit: f64) -> Result<[i32; 3], ConfigError> {
 /// The friction of motor and table, for `units_per_m_s` position units per position tick.
 fn frictions(model: &ForceModel, bound_n: f64, units_per_m_s: f64) -> Result<[Friction; 2], ConfigError> {
     let bound = |name, value| ranged(name, value, 0.0, bound_n);
-    let motor_coulomb = bound("motor_coulomb_n", model.motor_coulomb_n)?;
-    let table_coulomb = bound("coulomb_n", model.friction.coulomb_n)?;
+    let motor_coulomb = bound("force.motor_coulomb_n", model.motor_coulomb_n)?;
+    let table_coulomb = bound("force.friction.coulomb_n", model.friction.coulomb_n)?;
+    let motor_stribeck = (model.motor_stribeck, stribeck_names!("force.motor_stribeck"));
+    let table_stribeck = (model.friction.stribeck, stribeck_names!("force.friction.stribeck"));
     Ok([
-        Friction::new(motor_coulomb, model.motor_stribeck, bound_n, units_per_m_s)?,
-        Friction::new(table_coulomb, model.friction.stribeck, bound_n, units_per_m_s)?,
+        Friction::new(motor_coulomb, motor_stribeck, bound_n, units_per_m_s)?,
+        Friction::new(table_coulomb, table_stribeck, bound_n, units_per_m_s)?,
     ])
 }
 
@@ -274,7 +277,7 @@ fn curves(motor: Friction, table: Friction, presliding: bool, sign_width: f64) -
 
 /// Additional friction of a cold machine, and what remains of it over the ticks of the velocity loop.
 fn cold(warm_up: &FrictionWarmUp, tick_hz: f64, bound_n: f64) -> Result<(Fixed, OctaveCurve), ConfigError> {
-    let force = ranged("warm_up_force_n", warm_up.force_n, -bound_n, bound_n)?;
-    let ticks = positive("warm_up_time_constant_s", warm_up.time_constant_s)? * tick_hz;
+    let force = ranged("force.friction.warm_up.force_n", warm_up.force_n, -bound_n, bound_n)?;
+    let ticks = positive("force.friction.warm_up.time_constant_s", warm_up.time_constant_s)? * tick_hz;
     Ok((Fixed::signal(force), OctaveCurve::new(8.0 * ticks, |elapsed| libm::exp(-elapsed / ticks))))
 }

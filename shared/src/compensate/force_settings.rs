@@ -13,6 +13,7 @@ use super::settings::Points;
 /// motor:  F   = share·(motor_mass·a + motor friction(v) + F_t)
 /// ```
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct ForceModel {
     /// Mass on the motor's side, kg.
     pub motor_mass_kg: f64,
@@ -51,6 +52,7 @@ impl Default for ForceModel {
 
 /// Friction of the table.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct TableFriction {
     /// Coulomb friction, N. Above 0 where presliding or a rise towards standstill is set.
     pub coulomb_n: f64,
@@ -71,6 +73,7 @@ pub struct TableFriction {
 
 /// Rise of friction towards standstill: excess·exp(−(v/velocity)²).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Stribeck {
     /// Friction at standstill above Coulomb friction, N; negative where it is below.
     pub excess_n: f64,
@@ -80,6 +83,7 @@ pub struct Stribeck {
 
 /// Additional friction `force·exp(−t/time_constant)`, with the time t since this setting.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct FrictionWarmUp {
     /// Additional friction when the compensation is set, N.
     pub force_n: f64,

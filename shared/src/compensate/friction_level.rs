@@ -1,6 +1,7 @@
 //! A friction level over the speed, g(v) = coulomb + excess·exp(−(v/vₛ)²).
 
 use super::force_settings::Stribeck;
+use super::names::StribeckNames;
 use super::presliding::Presliding;
 use crate::config::ConfigError;
 use crate::config::check::{positive, ranged};
@@ -18,17 +19,17 @@ impl Friction {
     /// Checks settings; `units_per_m_s` are position units per position tick.
     pub fn new(
         coulomb_n: f64,
-        stribeck: Option<Stribeck>,
+        (stribeck, names): (Option<Stribeck>, StribeckNames),
         bound_n: f64,
         units_per_m_s: f64,
     ) -> Result<Self, ConfigError> {
         let Some(Stribeck { excess_n, velocity_m_per_s }) = stribeck else {
             return Ok(Self { coulomb_n, excess_n: 0.0, width: 1.0 });
         };
-        let velocity = positive("stribeck_velocity_m_per_s", velocity_m_per_s)?;
-        let velocity = ranged("stribeck_velocity_m_per_s", velocity, 1e-6, 10.0)?;
+        let velocity = positive(names.velocity, velocity_m_per_s)?;
+        let velocity = ranged(names.velocity, velocity, 1e-6, 10.0)?;
         // Friction is positive at standstill.
-        let excess_n = ranged("stribeck_excess_n", excess_n, -coulomb_n, bound_n)?;
+        let excess_n = ranged(names.excess, excess_n, -coulomb_n, bound_n)?;
         Ok(Self { coulomb_n, excess_n, width: velocity * units_per_m_s })
     }
 
@@ -67,6 +68,6 @@ impl Friction {
 
     /// The bristles with this level.
     pub fn presliding(&self, stiffness_n_per_m: f64) -> Result<Presliding, ConfigError> {
-        Presliding::new(stiffness_n_per_m, positive("coulomb_n", self.least_n())?)
+        Presliding::new(stiffness_n_per_m, positive("force.friction.coulomb_n", self.least_n())?)
     }
 }

@@ -1,6 +1,7 @@
 //! Squareness and straightness: the tool is displaced by k·y, or by a function of y, where y is the position of another axis.
 
 use super::motion::CommandMotion;
+use super::names::points_names;
 use super::settings;
 use super::table::{Table, ValueRange};
 use crate::config::ConfigError;
@@ -32,9 +33,9 @@ impl<S: Scalar> Squareness<S> {
     /// From m/m.
     ///
     /// # Errors
-    /// [`ConfigError`] with `squareness`.
+    /// [`ConfigError`] with `squareness[1]`.
     pub fn new(m_per_m: f64) -> Result<Self, ConfigError> {
-        Ok(Self { minus_k: gain::<S>("squareness", -m_per_m, SCALED_POSITION_M / LENGTH_M)? })
+        Ok(Self { minus_k: gain::<S>("squareness[1]", -m_per_m, SCALED_POSITION_M / LENGTH_M)? })
     }
 
     /// −k: the correction of the command is −k·y, error units, for y in units of [`Scalar::from_position`].
@@ -57,16 +58,17 @@ impl<S: Scalar> Straightness<S> {
     /// From settings in m/m² or m.
     ///
     /// # Errors
-    /// [`ConfigError`] with `straightness`.
+    /// [`ConfigError`] with a setting of `straightness[1]`.
     pub fn new(settings: &settings::Straightness, bound_m: f64) -> Result<Self, ConfigError> {
         Ok(match settings {
             settings::Straightness::Quadratic(m_per_m2) => Self::Quadratic(
-                gain::<S>("straightness", *m_per_m2, SQUARED_M * SQUARED_M / LENGTH_M)?,
+                gain::<S>("straightness[1].Quadratic", *m_per_m2, SQUARED_M * SQUARED_M / LENGTH_M)?,
                 S::gain(POSITION_M / SQUARED_M),
                 S::signal(MAX_SQUARED_M / SQUARED_M),
             ),
             settings::Straightness::Over(points) => {
-                Self::Over(Table::new("straightness", points, ValueRange { unit: LENGTH_M, bound: bound_m })?)
+                let names = points_names!("straightness[1].Over");
+                Self::Over(Table::new(&names, points, ValueRange { unit: LENGTH_M, bound: bound_m })?)
             }
         })
     }

@@ -52,6 +52,7 @@ pub mod geometry;
 pub mod kind;
 pub mod machine;
 pub mod motion;
+pub mod names;
 pub mod octave_curve;
 pub mod pitch;
 pub mod presliding;
@@ -64,6 +65,7 @@ pub mod table;
 pub mod talk;
 
 pub use axis::AxisCompensation;
+pub use convert::AxisOf;
 pub use dependence::Dependence;
 pub use kind::CompensationKind;
 pub use machine::Compensation;

@@ -1,7 +1,8 @@
 //! Pitch error over the travel: the screw moves the table too far, or the scale reads too much.
 
 use super::motion::CommandMotion;
-use super::settings::{self, PitchSource, Points};
+use super::names::points_names;
+use super::settings::{self, PitchSource};
 use super::table::{Table, ValueRange};
 use crate::config::ConfigError;
 use crate::scalar::Scalar;
@@ -19,13 +20,16 @@ impl<S: Scalar> Pitch<S> {
     /// From settings in m.
     ///
     /// # Errors
-    /// [`ConfigError`] with `pitch`.
+    /// [`ConfigError`] with a setting of `pitch`.
     pub fn new(settings: &settings::Pitch, bound_m: f64) -> Result<Self, ConfigError> {
         let range = ValueRange { unit: LENGTH_M, bound: bound_m };
-        let table = |points: &Points| Table::new("pitch", points, range);
         Ok(Self {
-            forward: table(&settings.forward)?,
-            backward: settings.backward.as_ref().map(table).transpose()?,
+            forward: Table::new(&points_names!("pitch.forward"), &settings.forward, range)?,
+            backward: settings
+                .backward
+                .as_ref()
+                .map(|points| Table::new(&points_names!("pitch.backward"), points, range))
+                .transpose()?,
             source: settings.of,
         })
     }

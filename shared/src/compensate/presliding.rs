@@ -38,11 +38,15 @@ impl Presliding {
     /// From σ₀ (N/m) and the least g (N).
     ///
     /// # Errors
-    /// [`ConfigError`] with `presliding_stiffness_n_per_m` if g/σ₀ is not from 8 nm to 8 mm.
+    /// [`ConfigError`] with `force.friction.presliding_stiffness_n_per_m` if g/σ₀ is not from 8 nm to 8 mm.
     pub fn new(stiffness_n_per_m: f64, least_n: f64) -> Result<Self, ConfigError> {
         let [near, far] = DISTANCE_M;
-        let stiffness =
-            ranged("presliding_stiffness_n_per_m", stiffness_n_per_m, least_n / far, least_n / near)?;
+        let stiffness = ranged(
+            "force.friction.presliding_stiffness_n_per_m",
+            stiffness_n_per_m,
+            least_n / far,
+            least_n / near,
+        )?;
         let units = least_n / stiffness * PER_M;
         let max_distance = units * MAX_EXPONENT;
         let excess_bits = libm::ceil(libm::log2(max_distance)) - 32.0;
@@ -169,7 +173,7 @@ mod tests {
             assert!(
                 matches!(
                     stiffness(n_per_m),
-                    Some(ConfigError::OutOfRange { name: "presliding_stiffness_n_per_m", .. })
+                    Some(ConfigError::OutOfRange { name: "force.friction.presliding_stiffness_n_per_m", .. })
                 ),
                 "{n_per_m}"
             );

@@ -32,12 +32,12 @@ impl<S: Scalar> Reversal<S> {
     /// # Errors
     /// [`ConfigError`] with `reversal_force_n`, `reversal_decay_s` or `reversal_fade_m_per_s`.
     pub fn new(settings: &settings::Reversal, rate_hz: f64, bound_n: f64) -> Result<Self, ConfigError> {
-        let decay = positive("reversal_decay_s", settings.decay_s)?;
-        let fade = positive("reversal_fade_m_per_s", settings.fade_m_per_s)?;
+        let decay = positive("reversal.decay_s", settings.decay_s)?;
+        let fade = positive("reversal.fade_m_per_s", settings.fade_m_per_s)?;
         Ok(Self {
-            force: S::signal(ranged("reversal_force_n", settings.force_n, -bound_n, bound_n)?),
-            decay: gain::<S>("reversal_decay_s", -libm::expm1(-1.0 / (decay * rate_hz)), 1.0)?,
-            fade: gain::<S>("reversal_fade_m_per_s", rate_hz / fade, INCREMENT_M)?,
+            force: S::signal(ranged("reversal.force_n", settings.force_n, -bound_n, bound_n)?),
+            decay: gain::<S>("reversal.decay_s", -libm::expm1(-1.0 / (decay * rate_hz)), 1.0)?,
+            fade: gain::<S>("reversal.fade_m_per_s", rate_hz / fade, INCREMENT_M)?,
             one: S::signal(1.0),
             #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
             zero_from: libm::ceil(fade / rate_hz * PER_M) as u64,

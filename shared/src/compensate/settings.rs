@@ -15,6 +15,7 @@ pub const CYCLES: usize = 2;
 
 /// Compensation of one axis. The default compensates nothing.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(default, deny_unknown_fields)]
 pub struct CompensationSettings {
     /// Pitch error of screw or scale over the travel.
     pub pitch: Option<Pitch>,
@@ -79,6 +80,7 @@ impl Default for CompensationSettings {
 
 /// Evenly spaced values over a travel.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Points {
     /// Position of the first value, m.
     pub start_m: f64,
@@ -92,6 +94,7 @@ pub struct Points {
 /// last the value is kept. The clock of an axis starts at 0 whenever its compensation is replaced, and also runs while the
 /// drives are off.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct TimePoints {
     /// Time of the first value, s; negative where the values began before the setting.
     pub start_s: f64,
@@ -112,6 +115,7 @@ pub enum PitchSource {
 
 /// Pitch error, m.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Pitch {
     /// Source of the error.
     pub of: PitchSource,
@@ -123,6 +127,7 @@ pub struct Pitch {
 
 /// Evenly spaced values over a period; the first at position zero.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Cycle {
     /// Length of the period, m.
     pub period_m: f64,
@@ -141,6 +146,7 @@ impl Cycle {
 
 /// A force pulse at each reversal: sign(v)·force·e^(−t/decay)·max(0, 1 − |v|/fade).
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
 pub struct Reversal {
     /// Force at the reversal, N.
     pub force_n: f64,

@@ -6,13 +6,15 @@
 //! # Example
 //!
 //! ```
+//! use shared::compensate::names::PointsNames;
 //! use shared::compensate::settings::Points;
 //! use shared::compensate::table::{Table, ValueRange};
 //! use shared::units::Position;
 //!
 //! let values = [0.0, 10.0, 30.0].into_iter().collect();
 //! let points = Points { start_m: 0.1, spacing_m: 0.01, values };
-//! let table = Table::<f64>::new("example", &points, ValueRange { unit: 1.0, bound: 100.0 })?;
+//! let names = PointsNames { start: "start_m", spacing: "spacing_m", values: "values" };
+//! let table = Table::<f64>::new(&names, &points, ValueRange { unit: 1.0, bound: 100.0 })?;
 //! let at = |m| table.at(Position::from_m(m).unwrap());
 //! assert!((at(0.115) - 20.0).abs() < 1e-5);
 //! assert_eq!(at(0.0), 0.0);
@@ -20,6 +22,7 @@
 //! # Ok::<(), shared::config::ConfigError>(())
 //! ```
 
+use super::names::{CycleNames, PointsNames};
 use super::settings::{self, POINTS, Points};
 use crate::config::ConfigError;
 use crate::integer::shifted;
@@ -63,27 +66,30 @@ impl<S: Scalar> Table<S> {
     /// Converts points in SI.
     ///
     /// # Errors
-    /// [`ConfigError`] with `name`: fewer than 2 points, a travel that is not from 1.1 µm to 100 m, or a value that is not
+    /// [`ConfigError`] with one of `names`: fewer than 2 points, a travel that is not from 1.1 µm to 100 m, or a value that is not
     /// finite or exceeds the bound, or neighbours that differ by the range of the number format (131 kN).
-    pub fn new(name: &'static str, points: &Points, range: ValueRange) -> Result<Self, ConfigError> {
+    pub fn new(names: &PointsNames, points: &Points, range: ValueRange) -> Result<Self, ConfigError> {
+        let values = signals(names.values, &points.values, range)?;
         let count = points.values.len();
-        if count < 2 {
-            return Err(ConfigError::NotPositive(name));
-        }
-        let values = signals(name, &points.values, range)?;
-        let length = points.spacing_m * (count - 1) as f64;
-        let out_of_range = ConfigError::OutOfRange { name, min: 0.0, max: TRAVEL_LIMIT_M };
+        let spaces = (count - 1) as f64;
+        let length = points.spacing_m * spaces;
         // A travel below 2³⁰ units, 1 µm, would not have 30 bits.
-        if !(1.1e-6..TRAVEL_LIMIT_M).contains(&length) {
-            return Err(out_of_range);
+        let travel_m = 1.1e-6..TRAVEL_LIMIT_M;
+        if !travel_m.contains(&length) {
+            let (min, max) = (travel_m.start / spaces, travel_m.end / spaces);
+            return Err(ConfigError::OutOfRange { name: names.spacing, min, max });
         }
-        let start = Position::from_m(points.start_m).ok_or(out_of_range)?;
+        let start = Position::from_m(points.start_m).ok_or(ConfigError::OutOfRange {
+            name: names.start,
+            min: -TRAVEL_LIMIT_M,
+            max: TRAVEL_LIMIT_M,
+        })?;
         let units = length * PER_M;
         // 30 bits of the span: a nanometre on a metre.
         let shift = (libm::log2(units) - 29.0).max(0.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 27, and 31 bits")]
         let (shift, span) = (shift as u32, (units / libm::exp2(libm::floor(shift))) as u32);
-        let per_unit = libm::floor((count - 1) as f64 / f64::from(span.max(1)) * 36_028_797_018_963_968.0);
+        let per_unit = libm::floor(spaces / f64::from(span.max(1)) * 36_028_797_018_963_968.0);
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
         let per_unit = per_unit as u32;
         Ok(Self { values, start, span, shift, per_unit })
@@ -108,14 +114,12 @@ impl<S: Scalar> PeriodicTable<S> {
     /// Converts the points of a period in SI, the first at position zero.
     ///
     /// # Errors
-    /// [`ConfigError`] with `name`: not 2 to [`POINTS`] points, a period that is not from 2¹² position units (3.9 pm) to
+    /// [`ConfigError`] with one of `names`: not 2 to [`POINTS`] points, a period that is not from 2¹² position units (3.9 pm) to
     /// 100 m, or a value that is not finite or exceeds the bound.
-    pub fn new(name: &'static str, cycle: &settings::Cycle, range: ValueRange) -> Result<Self, ConfigError> {
+    pub fn new(names: &CycleNames, cycle: &settings::Cycle, range: ValueRange) -> Result<Self, ConfigError> {
         let points = &cycle.values;
         let count = points.len();
-        if !(2..=POINTS).contains(&count) {
-            return Err(ConfigError::OutOfRange { name, min: 2.0, max: POINTS as f64 });
-        }
+        check_count(names.values, count)?;
         // Resampled to POINTS points, so that the phase is the index.
         let mut resampled = [0.0; POINTS];
         for (k, value) in resampled.iter_mut().enumerate() {
@@ -126,11 +130,12 @@ impl<S: Scalar> PeriodicTable<S> {
                 [whole % count, (whole + 1) % count].map(|i| points.get(i).copied().unwrap_or(0.0));
             *value = from + (to - from) * fraction;
         }
-        let values = signals(name, &resampled, range)?;
+        let values = signals(names.values, &resampled, range)?;
         let [first, .., last] = resampled;
-        check_difference::<S>(name, first - last, range.unit)?;
+        check_difference::<S>(names.values, first - last, range.unit)?;
         let units = cycle.period_m * PER_M / 4096.0;
         if !(units >= 1.0 && cycle.period_m < TRAVEL_LIMIT_M) {
+            let name = names.period;
             return Err(ConfigError::OutOfRange { name, min: 4096.0 / PER_M, max: TRAVEL_LIMIT_M });
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates at one unit")]
@@ -157,14 +162,19 @@ fn check_difference<S: Scalar>(name: &'static str, difference: f64, unit: f64) -
     }
 }
 
+/// The number of values of a table.
+fn check_count(name: &'static str, count: usize) -> Result<(), ConfigError> {
+    #[expect(clippy::cast_possible_truncation, reason = "64")]
+    let max = POINTS as u16;
+    if (2..=POINTS).contains(&count) { Ok(()) } else { Err(ConfigError::Count { name, max }) }
+}
+
 fn signals<S: Scalar>(
     name: &'static str,
     points: &[f64],
     range: ValueRange,
 ) -> Result<[S; POINTS + 1], ConfigError> {
-    if points.len() > POINTS {
-        return Err(ConfigError::OutOfRange { name, min: 2.0, max: POINTS as f64 });
-    }
+    check_count(name, points.len())?;
     let ValueRange { unit, bound } = range;
     let mut values = [S::default(); POINTS + 1];
     for (value, &point) in values.iter_mut().zip(points) {
@@ -203,6 +213,7 @@ mod tests {
     use proptest::prelude::*;
 
     use super::*;
+    use crate::compensate::names::{SCREW, points_names};
     use crate::scalar::Fixed;
 
     fn position(m: f64) -> Position {
@@ -216,12 +227,12 @@ mod tests {
         bound: f64,
     ) -> Result<Table<S>, ConfigError> {
         let points = Points { start_m, spacing_m, values: points.iter().copied().collect() };
-        Table::new("pitch", &points, ValueRange { unit: 1.0, bound })
+        Table::new(&points_names!("pitch"), &points, ValueRange { unit: 1.0, bound })
     }
 
     fn harmonic(amplitude: f64, phase_rad: f64, period_m: f64) -> PeriodicTable<Fixed> {
         let cycle = settings::Cycle::harmonic(amplitude, period_m, phase_rad);
-        PeriodicTable::new("cycle", &cycle, ValueRange { unit: 1.0, bound: amplitude }).unwrap()
+        PeriodicTable::new(&SCREW[0], &cycle, ValueRange { unit: 1.0, bound: amplitude }).unwrap()
     }
 
     /// Distance from linear interpolation at a fraction of the travel, from one spacing before its start to one after its
@@ -275,12 +286,15 @@ mod tests {
     #[test]
     fn rejected_tables_are_named() {
         let new = |points: &[f64], spacing| table::<Fixed>(0.0, spacing, points, 10.0).unwrap_err();
-        assert_eq!(new(&[1.0], 0.1), ConfigError::NotPositive("pitch"));
-        assert_eq!(new(&[1.0, f64::NAN], 0.1), ConfigError::NotFinite("pitch"));
-        assert!(matches!(new(&[1.0, 11.0], 0.1), ConfigError::OutOfRange { name: "pitch", .. }));
-        assert!(matches!(new(&[1.0, 2.0], 0.0), ConfigError::OutOfRange { name: "pitch", .. }));
-        let too_many =
-            signals::<Fixed>("pitch", &[0.0; 65], ValueRange { unit: 1.0, bound: 10.0 }).unwrap_err();
-        assert!(matches!(too_many, ConfigError::OutOfRange { name: "pitch", .. }));
+        let name = "pitch.values";
+        assert_eq!(new(&[1.0], 0.1), ConfigError::Count { name, max: 64 });
+        assert_eq!(new(&[1.0, f64::NAN], 0.1), ConfigError::NotFinite(name));
+        assert_eq!(new(&[1.0, 11.0], 0.1), ConfigError::OutOfRange { name, min: -10.0, max: 10.0 });
+        let spacing = ConfigError::OutOfRange { name: "pitch.spacing_m", min: 1.1e-6, max: TRAVEL_LIMIT_M };
+        assert_eq!(new(&[1.0, 2.0], 0.0), spacing);
+        let start = table::<Fixed>(101.0, 0.1, &[1.0, 2.0], 10.0).unwrap_err();
+        assert!(matches!(start, ConfigError::OutOfRange { name: "pitch.start_m", .. }));
+        let too_many = signals::<Fixed>(name, &[0.0; 65], ValueRange { unit: 1.0, bound: 10.0 }).unwrap_err();
+        assert_eq!(too_many, ConfigError::Count { name, max: 64 });
     }
 }

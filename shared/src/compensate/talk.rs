@@ -1,6 +1,7 @@
 //! In-talk and cross-talk: the tool is displaced by a coefficient times the acceleration of its own axis or of another one,
 //! because drives do not act at the centre of gravity of the bodies that they move (Nguyen, Weikert, Wegener).
 
+use super::names::PointsNames;
 use super::settings;
 use super::table::{Table, ValueRange};
 use crate::config::ConfigError;
@@ -17,19 +18,23 @@ pub enum Talk<S: Scalar> {
 }
 
 impl<S: Scalar> Talk<S> {
-    /// From settings in m·s²/m, for a command every 1/`rate_hz`.
+    /// From settings in m·s²/m, for a command every 1/`rate_hz`. With the names of the constant and of the table.
     ///
     /// # Errors
-    /// [`ConfigError`] with `name` and the range of the number format.
-    pub fn new(name: &'static str, settings: &settings::Talk, rate_hz: f64) -> Result<Self, ConfigError> {
+    /// [`ConfigError`] with one of the names and the range of the number format.
+    pub fn new(
+        (constant, table): (&'static str, &PointsNames),
+        settings: &settings::Talk,
+        rate_hz: f64,
+    ) -> Result<Self, ConfigError> {
         let unit = LENGTH_M / (INCREMENT_M * rate_hz * rate_hz);
         let max = unit * S::GAIN_LIMIT.min(1e9);
         Ok(match settings {
             settings::Talk::Constant(value) => {
-                Self::Constant(S::signal(crate::config::check::ranged(name, *value, -max, max)? / unit))
+                Self::Constant(S::signal(crate::config::check::ranged(constant, *value, -max, max)? / unit))
             }
             settings::Talk::Over(points) => {
-                Self::Over(Table::new(name, points, ValueRange { unit, bound: max })?)
+                Self::Over(Table::new(table, points, ValueRange { unit, bound: max })?)
             }
         })
     }
@@ -48,12 +53,15 @@ impl<S: Scalar> Talk<S> {
 mod tests {
     use super::*;
     use crate::compensate::motion::CommandMotion;
+    use crate::compensate::names::points_names;
     use crate::scalar::Fixed;
+
+    const NAMES: (&str, &PointsNames) = ("intalk.Constant", &points_names!("intalk.Over"));
 
     /// Greatest error of −c·a for c = 1.5 µm·s²/m on a sine of 2 mm at 8 Hz: a is at most 5.05 m/s², the correction 7.6 µm.
     fn worst_nm<S: Scalar>() -> f64 {
         let (rate, radius, omega, c) = (4000.0, 2e-3, core::f64::consts::TAU * 8.0, 1.5e-6);
-        let talk = Talk::<S>::new("intalk", &settings::Talk::Constant(c), rate).unwrap();
+        let talk = Talk::<S>::new(NAMES, &settings::Talk::Constant(c), rate).unwrap();
         let at = |k: i32| radius * (omega * f64::from(k) / rate).sin();
         let position = |k| Position::from_m(at(k)).unwrap();
         let mut motion = CommandMotion::<S>::at(position(0));

@@ -25,6 +25,37 @@ pub enum ConfigError {
         /// Greatest value, in the unit of the setting.
         max: f64,
     },
+    /// Too few values of a table, or too many.
+    Count {
+        /// Setting.
+        name: &'static str,
+        /// Greatest number of values.
+        max: u16,
+    },
+    /// The number of an axis that is not another axis of the machine.
+    NotAnotherAxis {
+        /// Setting.
+        name: &'static str,
+        /// Number of axes of the machine.
+        axes: u8,
+    },
+}
+
+impl ConfigError {
+    /// The name of the setting; for a compensation the path within
+    /// [`CompensationSettings`](crate::compensate::CompensationSettings), as `force.load.values`.
+    #[must_use]
+    pub const fn name(&self) -> &'static str {
+        match self {
+            Self::NotFinite(name)
+            | Self::NotPositive(name)
+            | Self::NotWhileRunning(name)
+            | Self::Requires { name, .. }
+            | Self::OutOfRange { name, .. }
+            | Self::Count { name, .. }
+            | Self::NotAnotherAxis { name, .. } => name,
+        }
+    }
 }
 
 impl core::fmt::Display for ConfigError {
@@ -40,8 +71,11 @@ impl core::fmt::Display for ConfigError {
                 write!(f, "{name}: expected a number from ")?;
                 write_number(f, *min)?;
                 f.write_str(" to ")?;
-                write_number(f, *max)?;
-                f.write_str(" in this number format")
+                write_number(f, *max)
+            }
+            Self::Count { name, max } => write!(f, "{name}: expected 2 to {max} values"),
+            Self::NotAnotherAxis { name, axes } => {
+                write!(f, "{name}: expected the number of another axis, of {axes} counted from 0")
             }
         }
     }
@@ -71,14 +105,8 @@ mod tests {
     #[test]
     fn a_range_is_printed_with_four_digits() {
         let message = |min, max| ConfigError::OutOfRange { name: "a", min, max }.to_string();
-        assert_eq!(message(0.0, 2048.0), "a: expected a number from 0 to 2048 in this number format");
-        assert_eq!(
-            message(-0.123_456, 7_812_499.9),
-            "a: expected a number from -0.1235 to 7812000 in this number format"
-        );
-        assert_eq!(
-            message(4.768_37e-5, 1e18),
-            "a: expected a number from 4.768e-5 to 1.000e18 in this number format"
-        );
+        assert_eq!(message(0.0, 2048.0), "a: expected a number from 0 to 2048");
+        assert_eq!(message(-0.123_456, 7_812_499.9), "a: expected a number from -0.1235 to 7812000");
+        assert_eq!(message(4.768_37e-5, 1e18), "a: expected a number from 4.768e-5 to 1.000e18");
     }
 }

@@ -10,7 +10,7 @@ use crate::machine::MachineError;
 use crate::safety::Fault;
 
 /// The name of a setting.
-pub type SettingName = heapless::String<32>;
+pub type SettingName = heapless::String<48>;
 
 /// Why a request is refused. Nothing has changed.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
@@ -152,7 +152,7 @@ pub enum SettingProblem {
     /// Requires another setting.
     Requires {
         /// The missing setting.
-        other: SettingName,
+        other: heapless::String<16>,
     },
     /// Outside its range.
     OutOfRange {
@@ -161,11 +161,18 @@ pub enum SettingProblem {
         /// Greatest value.
         max: f64,
     },
+    /// Too few values of a table, or too many.
+    Count {
+        /// Greatest number of values.
+        max: u16,
+    },
+    /// The number of an axis that is not another axis.
+    NotAnotherAxis,
 }
 
 /// A name, cut to its capacity.
-fn name(name: &str) -> SettingName {
-    name.chars().take(32).filter(char::is_ascii).collect()
+fn name<const CAPACITY: usize>(name: &str) -> heapless::String<CAPACITY> {
+    name.chars().filter(char::is_ascii).take(CAPACITY).collect()
 }
 
 impl From<DirectionCheckError> for Refusal {
@@ -197,6 +204,8 @@ impl From<MachineError> for Refusal {
             ConfigError::OutOfRange { name: setting, min, max } => {
                 (setting, SettingProblem::OutOfRange { min, max })
             }
+            ConfigError::Count { name: setting, max } => (setting, SettingProblem::Count { max }),
+            ConfigError::NotAnotherAxis { name: setting, .. } => (setting, SettingProblem::NotAnotherAxis),
         };
         Self::Setting { axis, name: name(setting), problem }
     }

@@ -7,7 +7,7 @@ use super::error::MachineError;
 use super::output::Output;
 use super::reference::{Reference, References};
 use super::state::State;
-use crate::compensate::{AxisCompensation, CompensationKind, CompensationSettings, Dependence};
+use crate::compensate::{AxisCompensation, AxisOf, CompensationKind, CompensationSettings, Dependence};
 use crate::config::{AxisConfig, AxisSettings, ConfigError, Rates};
 use crate::feedback::{OriginShift, Reading};
 use crate::interpolate::{Block, PathError};
@@ -97,7 +97,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
     pub fn compensate(&mut self, axis: usize, settings: &CompensationSettings) -> Result<(), MachineError> {
         let config = self.config.as_ref().filter(|_| axis < N).ok_or(MachineError::NoSuchAxis)?;
         let rates = config.rates;
-        AxisCompensation::convert_for(settings, rates, N, |compensation| {
+        AxisCompensation::convert_for(settings, rates, AxisOf { axis, axes: N }, |compensation| {
             #[expect(clippy::cast_possible_truncation, reason = "fewer axes than 256")]
             self.references.set_dependence(axis, Dependence::of(axis as u8, settings));
             self.apply_switches();

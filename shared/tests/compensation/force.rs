@@ -260,7 +260,7 @@ fn a_model_that_is_set_again_in_motion_goes_on() {
             // 0.05 m/s: a steady motion after 0.2 s of acceleration.
             let x = if t < 0.2 { 0.125 * t * t } else { 0.005 + 0.05 * (t - 0.2) };
             if k == 3000 {
-                bench.all.replace(0, &AxisCompensation::new(&settings, RATES, 2).unwrap());
+                bench.all.replace(0, &AxisCompensation::new(&settings, RATES, FIRST_AXIS).unwrap());
             }
             for bench in [&mut bench, &mut untouched] {
                 bench.tick([x, 0.0], [x, 0.0]);

@@ -18,7 +18,7 @@ use shared::compensate::settings::{
     Cycle, ForceModel, FrictionWarmUp, Pitch, PitchSource, Points, Reversal, Straightness, Stribeck,
     TableFriction, Talk, TimePoints,
 };
-use shared::compensate::{AxisCompensation, Compensation, CompensationKind, CompensationSettings};
+use shared::compensate::{AxisCompensation, AxisOf, Compensation, CompensationKind, CompensationSettings};
 use shared::config::{ConfigError, Rates};
 use shared::machine::Reading;
 use shared::scalar::{Fixed, Scalar};
@@ -26,6 +26,8 @@ use shared::units::{PER_M, Position};
 
 const RATES: Rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 1 };
 const RATE_HZ: f64 = 4000.0;
+/// The first of two axes.
+const FIRST_AXIS: AxisOf = AxisOf { axis: 0, axes: 2 };
 
 fn position(m: f64) -> Position {
     Position::from_m(m).unwrap()
@@ -46,7 +48,7 @@ impl<S: Scalar> Bench<S> {
     fn new(settings: [&CompensationSettings; 2]) -> Self {
         let mut all = Compensation::none([position(0.0); 2]);
         for (axis, settings) in settings.into_iter().enumerate() {
-            all.replace(axis, &AxisCompensation::new(settings, RATES, 2).unwrap());
+            all.replace(axis, &AxisCompensation::new(settings, RATES, AxisOf { axis, axes: 2 }).unwrap());
         }
         Self { all, added: [[0.0; 2]; 3] }
     }

@@ -14,7 +14,7 @@ fn ticks_to_correction(axis: usize, is_long_tick: bool) -> usize {
     };
     let mut all = Compensation::<Fixed, 2>::none([position(0.0); 2]);
     for axis in 0..2 {
-        all.replace(axis, &AxisCompensation::new(&settings, RATES, 2).unwrap());
+        all.replace(axis, &AxisCompensation::new(&settings, RATES, AxisOf { axis, axes: 2 }).unwrap());
     }
     let stepped = [position(0.1); 2];
     let ticks = (1..100).find(|_| {

@@ -105,48 +105,49 @@ fn compensations_that_do_not_fit_are_refused() {
     let long = with_pitch(|values| values.iter().copied().chain([0.0]).collect());
     let nan = with_pitch(|values| values.iter().map(|_| f64::NAN).collect()).replace("NaN", "nan");
     let text = compensation();
-    let has = "c.toml: axis.x.compensation.";
+    let has = "axis.x.compensation.";
     for (content, messages) in [
         (
             with(text, "machine = \"demo\"", "machine = \"mill\""),
-            ["machine: expected a compensation of machine demo", "found mill"],
+            ["c.toml: line 1: machine: expected a compensation of machine demo", "found \"mill\""],
         ),
         (
             with(text, "[axis.y.", "[axis.z."),
-            ["c.toml: axis.z: expected an axis of the machine (x, y)", "found z"],
+            ["axis.z: unknown axis, expected an axis of the machine (x, y)", "c.toml: line "],
         ),
         (
             with(text, "share = 1.0", "share = 1.0\nstroke_m = 1.0"),
-            ["c.toml: axis.x.compensation.force.stroke_m", "expected a key"],
+            [has, "force.stroke_m: unknown key, expected one of "],
         ),
-        (long, ["c.toml: line", "expected tables of at most 64 values"]),
-        (nan, [has, "pitch: expected a finite number"]),
+        (long, [has, "pitch.forward.values: expected an array of at most 64, found an array of 65"]),
+        (nan, [has, "pitch.forward.values[0]: expected a finite number, found nan"]),
         (
             with_pitch(|values| values.iter().map(|_| 2e-3).collect()),
-            [has, "pitch: expected a number from -0.001 to 0.001"],
+            [has, "pitch.forward.values: expected a number from -0.001 to 0.001"],
         ),
         (
             with(text, "position_bound_m = 0.001", "position_bound_m = 0.02"),
-            [has, "position_bound_m: expected a number from 0 to 0.01"],
+            [has, "position_bound_m: expected a number from 0 to 0.01, found 0.02"],
         ),
         (without_force(text), [has, "stretch_m_per_n: expected together with force, which is missing"]),
         (
             with(text, "feedforward_percent = 100.0", "feedforward_percent = 300.0"),
-            ["c.toml: axis.x.controller.feedforward_percent", "expected a number from 0 to 200"],
+            ["axis.x.controller.feedforward_percent", "expected a number from 0 to 200, found 300.0"],
         ),
         (
             with(text, "feedforward_percent = 100.0", "position_gain_per_s = 0.0"),
-            ["c.toml: axis.x.controller.position_gain_per_s", "expected a number above 0"],
+            ["axis.x.controller.position_gain_per_s", "expected a number above 0, found 0.0"],
         ),
         (
             with(&without_ahead(text), "feedforward_percent = 100.0", "feedforward_ahead_s = nan"),
-            ["c.toml: axis.x.controller.feedforward_ahead_s", "expected a time from 0 to 0.008 s"],
+            ["axis.x.controller.feedforward_ahead_s", "expected a finite number, found nan"],
         ),
     ] {
         let folder = folder(MACHINE);
         std::fs::write(folder.path().join("c.toml"), content).unwrap();
         let before = folder.contents();
         let error = folder.fails(&format!("{SIMULATE} --compensation c.toml"), 2);
+        assert!(error.starts_with("lost-motion: c.toml: line "), "{error}");
         assert!(messages.iter().all(|message| error.contains(message)), "{messages:?}: {error}");
         assert!(folder.contents() == before, "outputs were written: {error}");
     }
@@ -204,7 +205,11 @@ fn models_that_cannot_be_compensated_are_refused() {
     // 100 mm/m: 2 mm at the ends of the travel.
     let beyond = format!("{MACHINE}{}", SLOPE.replace("400.0", "100000.0"));
     for (machine, message) in [
-        (beyond, "machine.toml: axis.x.compensation.pitch: expected a number from -0.001 to 0.001"),
+        (
+            beyond,
+            "machine.toml: axis.x: the compensation of pitch_progressive is beyond what the controller takes: \
+             pitch.forward.values: expected a number from -0.001 to 0.001",
+        ),
         (
             without(&mechanics) + SLOPE,
             "mass_kg: expected this key, which the prediction of the contour error requires",

@@ -142,7 +142,7 @@ fn a_prediction_is_checked_within_its_bound() {
         ["before", "after"].map(|side| number(&measured, &format!("/motions/0/contour_error_um/{side}/rms")));
     let predict = |after_um: f64, motion: &str| {
         let text = format!(
-            "name = \"c\"\n\n[[predicted]]\nmotion = \"{motion}\"\nbefore_um = {before}\nafter_um = {after_um}\n\
+            "machine = \"demo\"\n\n[[predicted]]\nmotion = \"{motion}\"\nbefore_um = {before}\nafter_um = {after_um}\n\
              bound_percent = 10.0\n"
         );
         fs::write(folder.path().join("c.toml"), text).unwrap();
@@ -166,9 +166,12 @@ fn a_prediction_is_checked_within_its_bound() {
     let error = folder.fails(&arguments, 2);
     assert!(error.contains("expected a prediction of circle_with, found small_circle"), "{error}");
     let text = fs::read_to_string(folder.path().join("c.toml")).unwrap();
-    fs::write(folder.path().join("c.toml"), format!("machine = \"another\"\n{text}")).unwrap();
+    fs::write(folder.path().join("c.toml"), text.replace("\"demo\"", "\"another\"")).unwrap();
     let error = folder.fails(&arguments, 2);
-    assert!(error.contains("machine: expected a compensation of the machine"), "{error}");
+    assert!(
+        error.contains("c.toml: line 1: machine: expected a compensation of machine demo, found"),
+        "{error}"
+    );
 }
 
 #[test]

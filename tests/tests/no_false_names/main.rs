@@ -10,6 +10,7 @@ mod controller;
 mod declared_values;
 mod intervals;
 mod load;
+mod local_defects;
 mod machine;
 mod nothing_to_find;
 mod reported;

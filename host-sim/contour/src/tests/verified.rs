@@ -1,7 +1,7 @@
 //! Pairs of logs and predictions.
 
 use super::{SAMPLE_S, assert_near};
-use crate::verification::{Change, Predictions, VerifiedMotion, pairs};
+use crate::verification::{Change, Prediction, Predictions, VerifiedMotion, pairs};
 use files::log::{AxisLog, Channel, Log, Unit};
 
 /// A log of a line of 40 mm with a constant offset of the tool across it, after 0.4 s of standstill. `steps` is its
@@ -25,21 +25,22 @@ fn line(source: &str, steps: u32, direction: [f64; 2], offset_um: f64) -> Log {
     }
 }
 
-const PREDICTED: &str = "
-[[item]]
-effect = 'backlash'
-
-[[predicted]]
-motion = 'some line'
-before_um = 6.0
-after_um = 2.0
-max_after_um = 3.0
-bound_percent = 10.0
-path_length_mm = 40.0
-";
+fn some_line() -> Predictions {
+    Predictions(vec![Prediction {
+        motion: "some line".to_owned(),
+        before_um: 6.0,
+        after_um: 2.0,
+        max_before_um: None,
+        max_after_um: Some(3.0),
+        circular_before_um: None,
+        circular_after_um: None,
+        bound_percent: 10.0,
+        path_length_mm: Some(40.0),
+    }])
+}
 
 fn verified(after_um: f64) -> VerifiedMotion {
-    let predictions = Predictions::parse(PREDICTED, "c.toml").unwrap();
+    let predictions = some_line();
     let before = line("logs/some_line_before.csv", 2000, [0.6, 0.8], 6.0);
     let after = line("some-line-after.csv.gz", 2000, [0.6, 0.8], after_um);
     VerifiedMotion::new(&before, &after, &predictions).unwrap()
@@ -85,7 +86,7 @@ fn the_json_has_the_keys_of_the_contract() {
 
 #[test]
 fn a_prediction_belongs_to_its_motion_only() {
-    let predictions = Predictions::parse(PREDICTED, "c.toml").unwrap();
+    let predictions = some_line();
     let found = |name: &str, length_mm| predictions.of_motion([name, "other.csv"], length_mm).is_some();
     for name in ["some line", "some_line.csv", "dir/before_some_line.csv.gz", "Some-Line.csv"] {
         assert!(found(name, 40.0), "{name}");
@@ -97,18 +98,13 @@ fn a_prediction_belongs_to_its_motion_only() {
 }
 
 #[test]
-fn bad_predictions_are_refused_with_their_key() {
-    let cases = [
-        ("bound_percent = 10.0", "", "missing field `bound_percent`"),
-        ("after_um = 2.0", "after_um = -2.0", "predicted[0].after_um: expected a number of at least 0"),
-        ("before_um = 6.0", "before_um = 'six'", "before_um"),
-    ];
-    for (old, new, wanted) in cases {
-        let message = Predictions::parse(&PREDICTED.replacen(old, new, 1), "c.toml").unwrap_err().to_string();
-        assert!(message.starts_with("c.toml: "), "{message}");
-        assert!(message.contains(wanted) || message.contains("bound_percent: expected"), "{message}");
-    }
-    assert!(Predictions::parse("name = 'no predictions'", "c.toml").unwrap().predicted.is_empty());
+fn numbers_below_0_are_refused() {
+    let Predictions(mut predictions) = some_line();
+    assert_eq!(predictions[0].refused(), None);
+    predictions[0].max_after_um = Some(-1e-9);
+    assert_eq!(predictions[0].refused(), Some("max_after_um"));
+    predictions[0].after_um = f64::NAN;
+    assert_eq!(predictions[0].refused(), Some("after_um"));
 }
 
 #[test]

@@ -6,7 +6,7 @@ use anyhow::Result;
 use clap::ValueEnum;
 
 use super::PortArguments;
-use crate::cli::outputs::{check_outputs, print};
+use crate::cli::outputs::{Output, check_outputs, print};
 use crate::cli::stop;
 use ::board::motion::POLL;
 use ::board::refusal::AXIS_NAMES;
@@ -66,7 +66,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         let expected = format!("seconds above 0 and up to {MAX_S}");
         return Err(InputError::expected("--seconds", expected, arguments.seconds).into());
     }
-    check_outputs(&[], &[("--out", arguments.out.as_ref())])?;
+    check_outputs(&[], &[Output::File("--out", arguments.out.as_ref())])?;
     let mut client = arguments.port.connect()?;
     let tick_hz = client.welcome().rates.velocity_loop_hz;
     if arguments.only != Some(Step::Read) {

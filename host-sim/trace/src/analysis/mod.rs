@@ -7,6 +7,7 @@
 
 pub mod binned_mean;
 pub mod empirical;
+pub mod fitted_bump;
 pub mod free_run;
 pub mod repeatability;
 pub mod residual_analysis;

@@ -4,6 +4,7 @@ use numerics::spectrum::PowerSpectrum;
 use serde::Serialize;
 
 use super::binned_mean::BinnedMean;
+use super::fitted_bump::fitted_bump;
 use super::variable::Variable;
 use crate::fit::exclusion::{ExcludedPart, Exclusion};
 use crate::fit::fit_data::{FitData, ResidualSeries};
@@ -123,8 +124,12 @@ impl UnexplainedResidual {
                 let of_stage: Vec<&ResidualSeries> =
                     residuals.iter().filter(|series| series.stage == self.channel).collect();
                 let mean = BinnedMean::of(data, &of_stage, Variable::Position)?;
-                let [from_mm, to_mm] = mean.local_defect(options.edge, options.max_width)?;
-                ExcludedPart::Position { from_mm, to_mm }
+                if let Some(bump) = fitted_bump(&mean, options.min_bump_fraction) {
+                    ExcludedPart::Bump(bump)
+                } else {
+                    let [from_mm, to_mm] = mean.local_defect(options.edge, options.max_width)?;
+                    ExcludedPart::Position { from_mm, to_mm }
+                }
             }
             _ => return None,
         };

@@ -2,7 +2,7 @@
 //! effect.
 //!
 //! A vibration or a local defect of the travel can be larger than an effect. If one of them dominates the residual at the
-//! end of the search, the search is repeated without the samples at that position, or with the oscillation at that frequency
+//! end of the search, the search is repeated without the samples at that position, or with the bump or the oscillation
 //! subtracted. The excluded part is reported as unexplained.
 
 use model::effects::Stage;
@@ -26,6 +26,8 @@ pub enum ExcludedPart {
         /// Upper end, exclusive.
         to_mm: f64,
     },
+    /// A bump over the position of the axis, whose height is fitted to all logs.
+    Bump(Bump),
     /// A sine, whose amplitude and phase are fitted in each log.
     Sine {
         /// Frequency, Hz.
@@ -33,11 +35,37 @@ pub enum ExcludedPart {
     },
 }
 
+/// Place and width of exp(−((x − centre)/width)²/2) over the position.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub struct Bump {
+    /// Its centre, mm.
+    pub centre_mm: f64,
+    /// Its standard deviation, mm.
+    pub width_mm: f64,
+}
+
+impl Bump {
+    /// Its height at a position, as a fraction of that at the centre.
+    #[must_use]
+    pub fn at(&self, position_mm: f64) -> f64 {
+        (-0.5 * ((position_mm - self.centre_mm) / self.width_mm).powi(2)).exp()
+    }
+}
+
 impl Exclusion {
     /// Whether a sample of a stage is excluded. `position_mm` returns the position of the axis, if it was measured.
     pub fn covers(&self, stage: Stage, position_mm: impl Fn() -> Option<f64>) -> bool {
         let ExcludedPart::Position { from_mm, to_mm } = self.part else { return false };
         self.stage == stage && position_mm().is_some_and(|mm| (from_mm..to_mm).contains(&mm))
+    }
+
+    /// The bump that is subtracted from a stage.
+    #[must_use]
+    pub fn bump(&self, stage: Stage) -> Option<Bump> {
+        match self.part {
+            ExcludedPart::Bump(bump) if self.stage == stage => Some(bump),
+            _ => None,
+        }
     }
 
     /// The frequency that is subtracted from a stage, Hz.

@@ -2,12 +2,13 @@
 //!
 //! - [`scope`]: stages that are fitted together
 //! - [`axis_model`], [`trim`], [`limits`]: free parameters, those of timing, and limits of their ranges
-//! - [`fit_data`], [`residual`], [`exclusion`]: residuals, and the parts excluded from them
+//! - [`fit_data`], [`residual`], [`exclusion`], [`bump_subtraction`]: residuals, and the parts excluded from them
 //! - [`least_squares`], [`normal_equations`], [`intervals`]: solution and confidence intervals
 //! - [`fitted_scope`], [`tables`]: what a fit to whole logs needs; tables of residuals
 //! - [`scope_fit`], [`final_fit`], [`model_bias`]: fits scope by scope, and with the error of the simulation subtracted
 
 pub mod axis_model;
+pub mod bump_subtraction;
 pub mod exclusion;
 pub mod final_fit;
 pub mod fit_data;

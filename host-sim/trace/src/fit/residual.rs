@@ -1,6 +1,7 @@
 //! Residuals of the stages: measured minus predicted, in µm and N.
 
 use super::axis_model::AxisModel;
+use super::bump_subtraction::BumpSubtraction;
 use super::exclusion::subtract_sine;
 use super::fit_data::{FitData, ResidualSeries};
 use super::scope::Scope;
@@ -28,6 +29,13 @@ impl FitData<'_> {
         for series in &mut residuals {
             self.subtract_bias(series);
             self.subtract_excluded_sines(series);
+        }
+        for &stage in &scope.stages {
+            for bump in self.exclusions.iter().filter_map(|exclusion| exclusion.bump(stage)) {
+                let has_means_subtracted = stage == Stage::Table && !model.axis.settings.has_mass();
+                let subtraction = BumpSubtraction { data: self, stage, bump, has_means_subtracted };
+                subtraction.subtract_from(&mut residuals);
+            }
         }
         residuals
     }

@@ -2,6 +2,7 @@
 //! other, and dropped again if later ones make them unnecessary.
 
 use super::ambiguity::rivals;
+use super::bump_of_map::bump_in_place_of_map;
 use super::candidates::{Candidate, Reference, rank};
 use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
@@ -83,6 +84,9 @@ impl EffectSearch<'_> {
             if let (true, Some(refused)) = (new.is_empty(), refused.and_then(|c| c.fitted.as_ref())) {
                 // A candidate may have been refused because of a part of the residual that is to be excluded.
                 new = new_exclusions(&data, refused, scope);
+            }
+            if new.is_empty() {
+                new.extend(bump_in_place_of_map(&data, &fitted, scope));
             }
             if new.is_empty() || exclusions.len() >= self.data.options.exclusion.max_count {
                 if !exclusions.is_empty() {
@@ -286,6 +290,9 @@ fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effe
     let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
     guesses.retain(|effect| force_windup::is_testable(effect, force_is_logged));
     guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
+    // A map would describe what the bump of a local defect leaves.
+    let has_bump = data.exclusions.iter().any(|exclusion| exclusion.bump(Stage::Table).is_some());
+    guesses.retain(|effect| !(has_bump && matches!(effect, Effect::PitchMap(_))));
     if model.found().iter().any(|effect| matches!(effect, Effect::PitchMap(_))) {
         // Between its knots a map deviates from the screw, in waves of a few knots.
         guesses.retain(|effect| !is_wave_of_own_period(effect, model.axis.settings.mechanics.lead_mm));
@@ -350,7 +357,7 @@ fn origin(data: &FitData<'_>, base: &Fitted, scope: &Scope, added: usize) -> Fit
 fn new_exclusions(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> Vec<Exclusion> {
     let has_map = fitted.model.found().iter().any(|effect| matches!(effect, Effect::PitchMap(_)));
     let is_of_map = |exclusion: &Exclusion| {
-        has_map && exclusion.stage == Stage::Table && matches!(exclusion.part, ExcludedPart::Position { .. })
+        has_map && exclusion.stage == Stage::Table && !matches!(exclusion.part, ExcludedPart::Sine { .. })
     };
     let of_stage = |&stage: &Stage| {
         let noise = data.noise(&fitted.model, stage);

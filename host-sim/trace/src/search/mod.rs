@@ -5,6 +5,7 @@
 //! with the closed loop ([`loop_check`]), and reports an [`ambiguity`] with a [`distinguishing_motion`].
 
 pub mod ambiguity;
+pub mod bump_of_map;
 pub mod candidates;
 pub mod distinguishing_motion;
 pub mod effect_search;

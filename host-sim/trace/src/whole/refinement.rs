@@ -101,11 +101,15 @@ impl AxisTrace {
     /// Replaces the residuals by those of the fitted and of the held-out parts of whole logs.
     fn replace_residuals(&mut self, index: usize, [fit, held_out]: [&[PieceSquares]; 2], max_ratio: f64) {
         for error in &mut self.errors {
+            let has_no_exclusion = error.beside_exclusions == error.after;
             if let Some([before, after]) = rms(fit, index, error.stage) {
                 (error.before.fit, error.after.fit) = (before, after);
             }
             if let Some([before, after]) = rms(held_out, index, error.stage) {
                 (error.before.validate, error.after.validate) = (before, after);
+            }
+            if has_no_exclusion {
+                error.beside_exclusions = error.after;
             }
         }
         let is_same = |stage: Stage| move |found: &UnexplainedResidual| found.channel == stage;

@@ -6,7 +6,7 @@ use super::super::port::SharedDrive;
 use super::super::refusal::{Refusal, UploadError};
 use super::super::report::SettingsSource;
 use super::state::{Access, CAPACITY, Requests, Upload};
-use crate::compensate::{AxisCompensation, CompensationSettings, Dependence};
+use crate::compensate::{AxisCompensation, AxisOf, CompensationSettings, Dependence};
 use crate::config::Rates;
 use crate::machine::{MachineConfig, MachineError};
 use crate::scalar::Scalar;
@@ -151,11 +151,12 @@ fn convert_and_set<'m, S: Scalar>(
     drive: &mut impl SharedDrive<'m, S>,
 ) -> Result<(), Refusal> {
     let dependence = Dependence::of(u8::try_from(axis).unwrap_or(u8::MAX), settings);
-    let set = AxisCompensation::<S>::convert_for(settings, rates, AXES, |compensation| {
-        drive.with(|drive| {
-            drive.is_off()?;
-            drive.machine_mut().set_compensation(axis, compensation, dependence).map_err(Refusal::from)
-        })
-    });
+    let set =
+        AxisCompensation::<S>::convert_for(settings, rates, AxisOf { axis, axes: AXES }, |compensation| {
+            drive.with(|drive| {
+                drive.is_off()?;
+                drive.machine_mut().set_compensation(axis, compensation, dependence).map_err(Refusal::from)
+            })
+        });
     set.unwrap_or_else(|error| Err(MachineError::Config { axis, error }.into()))
 }
