@@ -270,7 +270,7 @@ mod tests {
     #[test]
     fn a_lead_in_reaches_back_to_a_motion() {
         let log = log(20_000);
-        // At rest from 1000 to 2000: one second before 1990 is at rest, two seconds contain motion.
-        assert_eq!((lead_in(&log, 1995), lead_in(&log, 2500), lead_in(&log, 300)), (1995, 1000, 300));
+        // At rest from 1000 to 2000: one second before 2000 is at rest, two seconds contain motion.
+        assert_eq!((lead_in(&log, 2000), lead_in(&log, 2500), lead_in(&log, 300)), (2000, 1000, 300));
     }
 }
