@@ -8,13 +8,14 @@
 #   tests/deep.sh bits                 a million ticks of random motions, host against emulated core, fixed point and f32
 #   tests/deep.sh fuzz [SECONDS]       fuzzing of the link and of the lock-step protocol (600), with cargo-fuzz and nightly
 #
-# A PART is a module of shared/src: control, drive, safety, session, monitor. A file that is done is not repeated as long
+# A PART is a module of shared/src: control, drive, feedback, safety, monitor, machine, session, protocol unless named; link,
+# homing, storage, capture, compensate and others by name. A file that is done is not repeated as long
 # as neither source nor tests change, so that an interrupted run can be continued; FRESH=1 starts again. Installs
 # missing tools.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-parts=(control drive safety session monitor)
+parts=(control drive feedback safety monitor machine session protocol)
 # Minimum percentage of mutants that the tests detect; those listed as equivalent count as not detected.
 min_detected=95
 # Timeout of the tests of a mutant, s: a mutant may loop for ever.

@@ -21,3 +21,5 @@ pub mod emulator;
 #[cfg(feature = "servo")]
 pub mod servo;
 pub mod setup;
+#[cfg(feature = "usb")]
+pub mod usb_port;

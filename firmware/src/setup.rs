@@ -106,6 +106,13 @@ pub const IDENTITY: Identity = Identity {
     homing: [Some(HOMING); AXES],
 };
 
+/// Vendor and product of the USB port: the pair that V-USB gives to CDC-ACM devices, which the names tell apart. A product that is
+/// sold needs its own.
+pub const USB_IDS: (u16, u16) = (0x16c0, 0x27dd);
+
+/// Name of the manufacturer.
+pub const USB_MANUFACTURER: &str = "Lost Motion";
+
 /// The settings that the link reports until others are uploaded.
 pub const LINK_SETTINGS: BoardSettings = BoardSettings { rates: RATES, axes: SETTINGS };
 

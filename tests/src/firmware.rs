@@ -4,7 +4,8 @@ use std::ops::Range;
 use std::path::{Path, PathBuf};
 use std::process::Command;
 
-use crate::chip::depth::SelfCall;
+use crate::chip::depth::{Declared, SelfCall};
+use crate::chip::virtual_calls::VirtualCalls;
 
 /// Address of the program of an STM32F405, which begins with its vector table.
 pub const FLASH: u32 = 0x0800_0000;
@@ -21,8 +22,19 @@ pub const SERIAL: usize = 16 + 39;
 /// Main RAM of an STM32F405 (data sheet DS8626, memory map): 128 KiB.
 pub const RAM: Range<u32> = 0x2000_0000..0x2002_0000;
 
-/// `frexp` of a subnormal number calls itself once, with that number times 2⁶⁴, which is normal.
-pub const SELF_CALLS: [SelfCall; 1] = [SelfCall { name: "libm4math5frexp5frexp", frames: 2 }];
+/// What the programs do beside what their instructions say:
+///
+/// - `frexp` of a subnormal number calls itself once, with that number times 2⁶⁴, which is normal.
+/// - `UsbDevice` calls the methods of its classes as trait objects, and has no other calls through registers. `UsbClass` of
+///   usb-device 0.3 has 12 methods.
+pub const DECLARED: Declared<'_> = Declared {
+    self_calls: &[SelfCall { name: "libm4math5frexp5frexp", frames: 2 }],
+    virtual_calls: &[VirtualCalls {
+        callers: &["usb_device6device", "usb_port16CdcPort"],
+        method: "UsbClass$LT$B$GT$$GT$29get_configuration_descriptors",
+        methods: 12,
+    }],
+};
 
 /// The ELF file of `board` or `emulated`, built by the alias of that name.
 ///

@@ -5,6 +5,7 @@
 //! read-modify-write writes the changed bits alone.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use firmware::setup::CRYSTAL_HZ;
 use tests::board::log::{Access, written};
 use tests::board::{Chip, End};
 use tests::firmware::built;
@@ -31,9 +32,15 @@ const TIM1: [(&str, u32, u32); 9] = [
 ];
 
 /// Bits that must be set by a write to a register of a port or of RCC.
-const BITS: [(&str, &str, u32, u32); 29] = [
+const BITS: [(&str, &str, u32, u32); 34] = [
     // 7.3.21: the flags of the cause of the reset are cleared.
     ("RCC", "CSR: RMVF", 0x74, 1 << 24),
+    // 7.3.12 and 7.3.7: the clock of OTG_FS, and its reset.
+    ("RCC", "AHB2ENR: OTGFSEN", 0x34, 1 << 7),
+    ("RCC", "AHB2RSTR: OTGFSRST", 0x14, 1 << 7),
+    ("GPIOA", "PA11, PA12: alternate", 0x00, 0b10 << 22),
+    ("GPIOA", "PA11: OTG_FS (AF10)", 0x24, 10 << 12),
+    ("GPIOA", "PA12: OTG_FS (AF10)", 0x24, 10 << 16),
     ("GPIOA", "PA8, PA9: alternate", 0x00, 0b10 << 16),
     ("GPIOA", "PA9: alternate", 0x00, 0b10 << 18),
     ("GPIOA", "PA8: TIM1 (AF1)", 0x24, 1),
@@ -177,6 +184,8 @@ fn the_start_up_writes_the_table() {
         assert_eq!(found, value, "{name}: {found:#x}, expected {value:#x}");
     }
     assert!(chip.clocks.are_monitored(), "the clock security system is off");
+    // 34.4.3: 48 MHz; USB 2.0, 7.1.11: within 0.25 % with the crystal, which has far less.
+    assert_eq!(chip.clocks.usb_hz(CRYSTAL_HZ), 48_000_000);
 }
 
 /// The order of the writes in which the power stages get no unwanted pulse.

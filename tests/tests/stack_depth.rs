@@ -6,10 +6,11 @@
 use std::collections::BTreeMap;
 use std::fs;
 
-use tests::chip::depth::{Depths, Obstacle, SelfCall};
+use tests::chip::depth::{Declared, Depths, Obstacle, SelfCall};
 use tests::chip::image::{Function, Image, Section};
 use tests::chip::vectors::{EXCEPTION_FRAME, Vectors};
-use tests::firmware::{FLASH, RAM, SELF_CALLS, SETTINGS_SLOTS, TICK};
+use tests::chip::virtual_calls::VirtualCalls;
+use tests::firmware::{DECLARED, FLASH, RAM, SETTINGS_SLOTS, TICK};
 
 /// Bytes of the main RAM of the chip.
 const RAM_BYTES: u32 = RAM.end - RAM.start;
@@ -29,7 +30,7 @@ fn ram_use(program: &str, flash: u32) -> (Image, Vectors, [u32; 2]) {
     let path = tests::firmware::built(program);
     let image = Image::read(&fs::read(&path).expect("cargo has just built it"));
     let vectors = Vectors::read(&image, flash);
-    let worst = vectors.worst_case(&image, &SELF_CALLS).unwrap_or_else(|obstacles| {
+    let worst = vectors.worst_case(&image, &DECLARED).unwrap_or_else(|obstacles| {
         let lines: Vec<_> = obstacles.iter().map(|obstacle| obstacle.describe(&image)).collect();
         panic!("{program}: its stack depth is unknown: {lines:#?}")
     });
@@ -48,7 +49,7 @@ fn ram_use(program: &str, flash: u32) -> (Image, Vectors, [u32; 2]) {
 fn stack_and_static_data_of_the_board_fit_its_ram() {
     let (image, vectors, [data, stack]) = ram_use("board", FLASH);
     let tick = vectors.handler(TICK);
-    let tick = Depths::new(&image, &[tick], &[]).expect("known above").below(tick);
+    let tick = Depths::new(&image, &[tick], &Declared::NONE).expect("known above").below(tick);
     assert!(tick.bytes() >= MIN_TICK_BYTES, "a tick of {} B", tick.bytes());
     assert!(stack >= tick.bytes() + EXCEPTION_FRAME);
     assert!(data + stack + RESERVE_BYTES <= RAM_BYTES, "{data} B of static data, {stack} B of stack");
@@ -117,7 +118,7 @@ fn by_hand(functions: &[&[u16]]) -> Image {
 
 /// Bytes below the first function.
 fn depth(functions: &[&[u16]]) -> Result<u32, Vec<Obstacle>> {
-    Depths::new(&by_hand(functions), &[0x1000], &[]).map(|depths| depths.below(0x1000).bytes())
+    Depths::new(&by_hand(functions), &[0x1000], &Declared::NONE).map(|depths| depths.below(0x1000).bytes())
 }
 
 const LEAF: &[u16] = &[0x4770]; // bx lr
@@ -164,11 +165,36 @@ fn every_obstacle_is_reported() {
     assert_eq!(unknown(&[&[0xf7ff, 0xfffe, 0x4770]]), [Obstacle::Recursion(vec![0x1000])]);
     // The same with a limit of three frames: push {r4-r7, lr} and bl.
     let image = by_hand(&[&[0xb5f0, 0xf7ff, 0xfffd, 0xbdf0]]);
-    let three = Depths::new(&image, &[0x1000], &[SelfCall { name: "f0", frames: 3 }]).expect("an end");
+    let twice_more = [SelfCall { name: "f0", frames: 3 }];
+    let declared = Declared { self_calls: &twice_more, ..Declared::NONE };
+    let three = Depths::new(&image, &[0x1000], &declared).expect("an end");
     assert_eq!(three.below(0x1000).bytes(), 3 * 20);
     // f0 calls f1, which calls f0, and a leaf outside of the recursion
     let ring: [&[u16]; 3] = [&[0xf000, 0xf800], &[0xf7ff, 0xfffc, 0xf000, 0xf800], LEAF];
     assert_eq!(unknown(&ring), [Obstacle::Recursion(vec![0x1000, 0x1004])]);
+}
+
+/// A call through a register in a function that calls a trait object: the deepest of its methods counts, and a table that is too short
+/// for the trait does not.
+#[test]
+fn methods_of_a_trait_object_are_called_through_its_table() {
+    let caller: &[u16] = &[0xb510, 0x4798, 0xbd10]; // push of 8, blx r3, pop
+    let method: &[u16] = &[0xb5f0, 0xbdf0]; // push and pop of 20
+    let mut image = by_hand(&[caller, LEAF, method, LEAF]);
+    // No drop; 12 bytes, aligned to 4; two methods: f1 and f2. Behind it a constant.
+    let words = [0u32, 12, 4, 0x1007, 0x1009, 0x55];
+    let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();
+    image.sections.push(Section { address: 0x2000, bytes });
+    let depth = |name, methods| {
+        let calls = [VirtualCalls { callers: &["f0"], method: name, methods }];
+        let declared = Declared { virtual_calls: &calls, ..Declared::NONE };
+        Depths::new(&image, &[0x1000], &declared).map(|depths| depths.below(0x1000).bytes())
+    };
+    assert_eq!((depth("f1", 2), depth("f2", 2)), (Ok(8 + 20), Ok(8 + 20)));
+    let unknown = Err(vec![Obstacle::Indirect(0x1002)]);
+    assert_eq!((depth("f3", 2), depth("f1", 3)), (unknown.clone(), unknown.clone()));
+    // Not declared for this function.
+    assert_eq!(Depths::new(&image, &[0x1000], &Declared::NONE).map(|_| 0), unknown);
 }
 
 /// Nested exceptions, each with the frame that the core pushes.
@@ -179,7 +205,7 @@ fn exceptions_are_nested_with_the_frames_of_the_core() {
     let bytes = words.iter().flat_map(|word| word.to_le_bytes()).collect();
     image.sections.push(Section { address: 0, bytes });
     let vectors = Vectors::read(&image, 0);
-    let worst = vectors.worst_case(&image, &[]).expect("known");
+    let worst = vectors.worst_case(&image, &Declared::NONE).expect("known");
     // Handlers: f1 of 20 bytes and f2 as interrupts, f2 again as hard fault and as the non-maskable one.
     assert_eq!((vectors.initial_sp, vectors.exceptions().len()), (0x2000_8000, 2));
     assert_eq!(worst.bytes(), 8 + 20 + 4 * EXCEPTION_FRAME);

@@ -11,7 +11,8 @@ use firmware::board::drives_off;
 mod app {
     use firmware::board::flash::{SettingsFlash, settings_memory};
     use firmware::board::link::{Drive, Locked};
-    use firmware::board::uart::{Queues, Uart, UartInterrupt};
+    use firmware::board::uart::{Queues, UartInterrupt};
+    use firmware::board::usb::{self, Ports};
     use firmware::board::watchdog::Watchdog;
     use firmware::board::{Hardware, Parts};
     use firmware::setup::{AXES, IDENTITY, LINK_SETTINGS};
@@ -32,7 +33,7 @@ mod app {
     struct Local {
         hardware: Hardware,
         interrupt: UartInterrupt,
-        uart: Uart,
+        ports: Ports,
         /// Taken by the idle loop, with the fault that ended the previous run.
         start: Option<(FLASH, Option<Fault>)>,
     }
@@ -44,37 +45,38 @@ mod app {
     fn init(context: init::Context) -> (Shared, Local) {
         let init::LocalResources { machine, queues, .. } = context.local;
         let parts = Parts::new(context.device, machine, queues);
-        let Parts { hardware, drive, uart, interrupt, watchdog, flash, previous_fault } =
+        let Parts { hardware, drive, ports, interrupt, watchdog, flash, previous_fault } =
             parts.expect("the values are verified by a test on the host");
         let start = Some((flash, previous_fault));
-        (Shared { drive, watchdog }, Local { hardware, interrupt, uart, start })
+        (Shared { drive, watchdog }, Local { hardware, interrupt, ports, start })
     }
 
     /// One round of the idle loop. A function of its own, which the test on the emulated chip counts.
     #[inline(never)]
     fn serve<W: Mutex<T = Watchdog>>(
         server: &mut Server,
-        uart: &mut Uart,
+        ports: &mut Ports,
         drive: &mut impl SharedDrive<'static, Fixed>,
         memory: &mut SettingsMemory<SettingsFlash<W>>,
     ) {
-        server.poll(uart, drive, memory);
+        usb::service(ports, || drive.with(|drive| drive.host_is_silent()));
+        server.poll(ports, drive, memory);
     }
 
     /// Loads the settings, then serves the link, between ticks.
     #[idle(
-        local = [uart, start, server: Server = Server::new(IDENTITY, LINK_SETTINGS)],
+        local = [ports, start, server: Server = Server::new(IDENTITY, LINK_SETTINGS)],
         shared = [drive, watchdog]
     )]
     fn idle(context: idle::Context) -> ! {
-        let idle::LocalResources { uart, start, server, .. } = context.local;
+        let idle::LocalResources { ports, start, server, .. } = context.local;
         let idle::SharedResources { drive, watchdog, .. } = context.shared;
         let mut drive = Locked(drive);
         let (flash, previous_fault) = start.take().expect("set by init");
         let mut memory = settings_memory(flash, watchdog);
         server.load(&mut drive, &mut memory, previous_fault);
         loop {
-            serve(server, uart, &mut drive, &mut memory);
+            serve(server, ports, &mut drive, &mut memory);
         }
     }
 

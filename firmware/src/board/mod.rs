@@ -11,13 +11,14 @@ mod stage;
 mod switches;
 mod tick;
 pub mod uart;
+pub mod usb;
 pub mod watchdog;
 
 use shared::axis::Reading;
 use shared::drive::step::StepCounter;
 use shared::drive::{AxisInputs, Board, DriveSettings, DriveSignal, Inputs, LinearInput, StepOutput, Supply};
-use shared::link::HostedDrive;
 use shared::link::report::Identity;
+use shared::link::{HostedDrive, TwoPorts};
 use shared::machine::Machine;
 use shared::safety::Fault;
 use shared::scalar::Fixed;
@@ -57,9 +58,9 @@ pub struct Parts {
     pub hardware: Hardware,
     /// The controller, for the tick and the server of the link.
     pub drive: link::Drive,
-    /// Serial port of the link, for the server.
-    pub uart: uart::Uart,
-    /// The same, for its interrupt.
+    /// Ports of the link, for the server.
+    pub ports: usb::Ports,
+    /// The serial port, for its interrupt.
     pub interrupt: uart::UartInterrupt,
     /// Fed by each tick.
     pub watchdog: Watchdog,
@@ -119,11 +120,14 @@ impl Parts {
         switches::set_up((b.pb1, b.pb2, b.pb3, b.pb5, b.pb9, b.pb13, b.pb15), (c.pc9, c.pc12));
         let uart_pins = (b.pb10.into_alternate(), b.pb11.into_alternate());
         let (uart, interrupt) = uart::start(device.USART3, uart_pins, queues, &mut rcc);
+        // SAFETY: the peripherals exist once.
+        let (capture, usb_memory) = unsafe { link::core_coupled_memory() };
+        let core = (device.OTG_FS_GLOBAL, device.OTG_FS_DEVICE, device.OTG_FS_PWRCLK);
+        let usb_pins = (a.pa11.into_alternate(), a.pa12.into_alternate());
+        let ports = TwoPorts::new(uart, usb::start(core, usb_pins, usb_memory, &mut rcc));
 
         let system = setup::drive_system(machine, stages.full_counts())?;
         let Identity { tick_hz, times, steps, .. } = &setup::IDENTITY;
-        // SAFETY: the peripherals exist once.
-        let capture = unsafe { link::capture_memory() };
         let drive = HostedDrive::new(system, *tick_hz, *times, steps, capture);
         let tick_timer = TickTimer::new(device.TIM2, &mut rcc);
         let watchdog = Watchdog::start(device.IWDG);
@@ -142,7 +146,7 @@ impl Parts {
             switches: Switches::default(),
             conversions: Conversions::default(),
         };
-        Ok(Self { hardware, drive, uart, interrupt, watchdog, flash: device.FLASH, previous_fault })
+        Ok(Self { hardware, drive, ports, interrupt, watchdog, flash: device.FLASH, previous_fault })
     }
 }
 

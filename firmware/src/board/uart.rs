@@ -4,13 +4,10 @@
 //! a byte arrives every 10 µs, and the port holds one.
 
 use heapless::spsc::{Consumer, Producer, Queue};
-use shared::link::BytePort;
+use shared::link::port::{BAUD, BytePort};
 use stm32f4xx_hal::gpio::{Alternate, PB10, PB11};
 use stm32f4xx_hal::pac::USART3;
 use stm32f4xx_hal::rcc::{Enable, Rcc, Reset};
-
-/// Baud rate.
-pub const BAUD: u32 = 1_000_000;
 
 /// Capacity of a queue in bytes, plus one: several ticks of the port.
 pub const QUEUE: usize = 512;

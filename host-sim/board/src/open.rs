@@ -4,6 +4,7 @@ use std::os::unix::fs::FileTypeExt;
 use std::path::Path;
 
 use files::error::quoted;
+use serialport::{SerialPortInfo, SerialPortType};
 
 use crate::bench::Bench;
 use crate::error::BoardError;
@@ -35,8 +36,52 @@ pub fn is_bench(name: &str) -> bool {
 }
 
 /// The names of the serial ports of this computer, and of the emulated board.
-#[must_use]
-pub fn list() -> Vec<String> {
+fn list() -> Vec<String> {
     let ports = serialport::available_ports().unwrap_or_default();
     std::iter::once("bench".to_owned()).chain(ports.into_iter().map(|port| port.port_name)).collect()
+}
+
+/// A line for the emulated board, and one for each serial port of this computer: its name, and of a USB port vendor, product and
+/// their names.
+#[must_use]
+pub fn describe() -> Vec<String> {
+    let ports = serialport::available_ports().unwrap_or_default();
+    std::iter::once("bench".to_owned()).chain(ports.iter().map(line)).collect()
+}
+
+fn line(port: &SerialPortInfo) -> String {
+    let SerialPortType::UsbPort(usb) = &port.port_type else { return port.port_name.clone() };
+    let serial = usb.serial_number.as_ref().map(|serial| format!("serial number {serial}"));
+    let names = [&usb.manufacturer, &usb.product, &serial].into_iter().flatten();
+    // What a device tells of itself may be anything.
+    let names: String = names.map(|name| format!(", {}", name.escape_default())).collect();
+    format!("{}  USB {:04x}:{:04x}{names}", port.port_name, usb.vid, usb.pid)
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use serialport::UsbPortInfo;
+
+    #[test]
+    fn a_usb_port_has_its_vendor_and_product() {
+        let usb = |serial: Option<&str>, product: Option<&str>| {
+            let text = |text: Option<&str>| text.map(str::to_owned);
+            line(&SerialPortInfo {
+                port_name: "/dev/ttyACM0".into(),
+                port_type: SerialPortType::UsbPort(UsbPortInfo {
+                    vid: 0x16c0,
+                    pid: 0x7dd,
+                    serial_number: text(serial),
+                    manufacturer: text(Some("Lost Motion")),
+                    product: text(product),
+                }),
+            })
+        };
+        let expected = "/dev/ttyACM0  USB 16c0:07dd, Lost Motion, two drives, serial number 0a1b";
+        assert_eq!(usb(Some("0a1b"), Some("two drives")), expected);
+        assert_eq!(usb(None, Some("a\nb")), "/dev/ttyACM0  USB 16c0:07dd, Lost Motion, a\\nb");
+        let other = SerialPortInfo { port_name: "/dev/ttyS0".into(), port_type: SerialPortType::Unknown };
+        assert_eq!(line(&other), "/dev/ttyS0");
+    }
 }

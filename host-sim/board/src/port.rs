@@ -5,8 +5,7 @@ use std::os::unix::net::UnixStream;
 use std::path::Path;
 use std::time::Duration;
 
-/// Bits per second of a serial port. USB ignores it.
-const BAUD: u32 = 921_600;
+use shared::link::port::BAUD;
 
 /// Longest wait of a single read.
 const READ_TIMEOUT: Duration = Duration::from_millis(20);

@@ -59,6 +59,7 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::NotAvailable => "this board does not have this function".into(),
         Refusal::Storage => "the flash has not kept what was written".into(),
         Refusal::NothingToSave => "there is nothing to save: no settings were uploaded for it".into(),
+        Refusal::OtherPort => "a host uses its other port, and has not been silent for long enough".into(),
         Refusal::Busy => "the path changes too fast; try again".into(),
     }
 }

@@ -69,8 +69,8 @@ impl Phase {
         }
         let octant = octant(long, short);
         let quadrant = if steep { (1u32 << 30).wrapping_sub(octant) } else { octant };
-        let half = if cosine < 0 { (1u32 << 31).wrapping_sub(quadrant) } else { quadrant };
-        Some(Self(if sine < 0 { half.wrapping_neg() } else { half }))
+        let half = if cosine.is_negative() { (1u32 << 31).wrapping_sub(quadrant) } else { quadrant };
+        Some(Self(if sine.is_negative() { half.wrapping_neg() } else { half }))
     }
 }
 

@@ -35,3 +35,21 @@ impl Reading {
         Self { motor: self.motor + origin.motor, table: self.table.map(|table| table + origin.table) }
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A reading of 100 and 200 with shifts of 7 and −20: each by its own, and two shifts in a row by their sums.
+    #[test]
+    fn motor_and_scale_are_shifted_each_by_its_own_distance() {
+        let first = OriginShift { motor: 7, table: -20 };
+        let then = OriginShift { motor: 1000, table: 3 };
+        let reading = Reading { motor: Position(100), table: Some(Position(200)) };
+        let shifted = reading.shifted(first);
+        assert_eq!(shifted, Reading { motor: Position(107), table: Some(Position(180)) });
+        assert_eq!(shifted.shifted(then), reading.shifted(first.then(then)));
+        assert_eq!(first.then(then), OriginShift { motor: 1007, table: -17 });
+        assert_eq!(Reading { table: None, ..reading }.shifted(first).table, None);
+    }
+}

@@ -208,6 +208,19 @@ mod tests {
         assert!(!good(2047, 2047) && !good(-2048, 2047));
     }
 
+    /// The ratio of the gains is applied to the nearest count: with ½, 1 to 4 counts are 1 (½ is rounded up), 1, 2 (of 1½) and 2, and the
+    /// same below the offset, where −½ is 0 and −1½ is −1.
+    #[test]
+    fn the_ratio_is_rounded_to_the_nearest_count() {
+        let settings = ResolverSettings { gain_ratio: 0.5, ..ResolverSettings::TWELVE_BIT };
+        let mut resolver = Resolver::new(&settings, [2048 + 1500, 2048]).unwrap();
+        for (counts, rounded) in [(0, 0), (1, 1), (2, 1), (3, 2), (4, 2), (-1, 0), (-2, -1), (-3, -1)] {
+            let cosine = 2048u16.wrapping_add_signed(counts);
+            let squares = resolver.read([2048 + 1500, cosine]).amplitude_squared;
+            assert_eq!(squares, 1500 * 1500 + u32::try_from(rounded * rounded).unwrap(), "{counts}");
+        }
+    }
+
     #[test]
     fn invalid_settings_are_rejected() {
         let new = |change: fn(&mut ResolverSettings)| {

@@ -97,7 +97,8 @@ impl Transducer {
 
 /// The nearest integer to a ratio, if it fits.
 fn nearest(numerator: i128, denominator: i128) -> Option<i64> {
-    let half = if (numerator < 0) == (denominator < 0) { denominator / 2 } else { -denominator / 2 };
+    let same_sign = numerator.signum() == denominator.signum();
+    let half = if same_sign { denominator / 2 } else { -denominator / 2 };
     i64::try_from((numerator + half).checked_div(denominator)?).ok()
 }
 
@@ -176,6 +177,17 @@ mod tests {
     }
 
     proptest! {
+        /// The remainder of the nearest integer is at most half of the denominator, whatever the signs.
+        #[test]
+        fn a_ratio_is_rounded_to_the_nearest_integer(numerator in -1_000_000i128..1_000_000, denominator in -1000i128..1000) {
+            let Some(quotient) = nearest(numerator, denominator) else {
+                prop_assert_eq!(denominator, 0);
+                return Ok(());
+            };
+            let remainder = numerator - i128::from(quotient) * denominator;
+            prop_assert!(2 * remainder.abs() <= denominator.abs(), "{}", remainder);
+        }
+
         /// However far the axis has moved without a signal, the position is as if the signal had never been lost.
         #[test]
         fn a_signal_that_returns_is_assigned_to_its_cycle(

@@ -129,6 +129,17 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         self.watch.heard();
     }
 
+    /// A session was opened; a request has to follow ([`HostWatch::greeted`]).
+    pub const fn greeted(&mut self) {
+        self.watch.greeted();
+    }
+
+    /// Whether no host has opened a session or sent a request for [`Times::hold_ms`].
+    #[must_use]
+    pub const fn host_is_silent(&self) -> bool {
+        self.watch.is_silent()
+    }
+
     /// Ticks since the start.
     #[must_use]
     pub const fn now(&self) -> u64 {

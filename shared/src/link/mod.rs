@@ -12,6 +12,7 @@
 //! | [`server`] | the part that runs between ticks: executes requests |
 //! | [`settings_memory`] | what was uploaded, in flash |
 //! | [`port`] | what a board provides: bytes, and access to the part in the tick |
+//! | [`two_ports`] | two ports with one server: which of them is the host's |
 //!
 //! # Rules
 //!
@@ -19,6 +20,7 @@
 //!   and the switch alone enables nothing.
 //! - A host that is silent while the drives are on stops the path after [`Times::hold_ms`] and the drives after
 //!   [`Times::off_ms`]. A jog at a speed ends after [`Times::jog_ms`] unless it is renewed.
+//! - A board with two ports has one host: the other port opens a session only while the host is silent.
 //! - A motion is checked whole before it starts. A request that is refused changes nothing.
 
 pub mod conversation;
@@ -33,6 +35,7 @@ pub mod report;
 pub mod server;
 pub mod settings_memory;
 pub mod stream;
+pub mod two_ports;
 pub mod watch;
 
 pub use hosted_drive::HostedDrive;
@@ -44,3 +47,4 @@ pub use refusal::Refusal;
 pub use report::{Identity, Status, Times, Welcome};
 pub use server::Server;
 pub use settings_memory::SettingsMemory;
+pub use two_ports::TwoPorts;

@@ -2,7 +2,11 @@
 
 use super::hosted_drive::HostedDrive;
 use super::message::AXES;
+use super::report::UsbState;
 use crate::scalar::Scalar;
+
+/// Bits per second of a serial port; 8 data bits, no parity, one stop bit. USB ignores it.
+pub const BAUD: u32 = 1_000_000;
 
 /// A serial port that never waits.
 pub trait BytePort {
@@ -11,6 +15,25 @@ pub trait BytePort {
 
     /// Sends as many of the bytes as can be taken now. Returns their number.
     fn write(&mut self, bytes: &[u8]) -> usize;
+
+    /// The USB port of the board, for its status.
+    fn usb(&self) -> UsbState {
+        UsbState::None
+    }
+}
+
+impl<P: BytePort> BytePort for &mut P {
+    fn read(&mut self) -> Option<u8> {
+        (**self).read()
+    }
+
+    fn write(&mut self, bytes: &[u8]) -> usize {
+        (**self).write(bytes)
+    }
+
+    fn usb(&self) -> UsbState {
+        (**self).usb()
+    }
 }
 
 /// Access to the drives, which the tick uses at any time.

@@ -84,7 +84,7 @@ mod tests {
 
     use proptest::prelude::*;
 
-    use super::super::packet::{Frame, Header, encode, message};
+    use super::super::packet::{Frame, Header, VERSION, encode, message};
     use super::*;
 
     fn frame(sequence: u32) -> Frame {
@@ -138,8 +138,13 @@ mod tests {
         expected.checksum = 1;
         assert_eq!(receiver.counts(), expected);
         let mut other = Frame::new();
-        super::super::packet::encode_version(2, Header { session: 0, sequence: 0 }, &0u8, &mut other)
-            .unwrap();
+        super::super::packet::encode_version(
+            VERSION + 1,
+            Header { session: 0, sequence: 0 },
+            &0u8,
+            &mut other,
+        )
+        .unwrap();
         received(&mut receiver, &other);
         expected.version = 1;
         assert_eq!(receiver.counts(), expected);

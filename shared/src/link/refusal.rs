@@ -101,6 +101,8 @@ pub enum Refusal {
     Busy,
     /// No settings were uploaded since the last [`BeginSave`](super::Request::BeginSave), or an upload was refused since.
     NothingToSave,
+    /// A host uses the other port of the board, and is not silent.
+    OtherPort,
 }
 
 /// Why the direction of an axis cannot be checked.

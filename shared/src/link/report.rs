@@ -211,6 +211,20 @@ impl SettingsReport {
     pub const PROGRAM: Self = Self { source: SettingsSource::Program, stored: StoredRecord::None };
 }
 
+/// The USB port of a board.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq, Serialize, Deserialize)]
+pub enum UsbState {
+    /// The board has none.
+    #[default]
+    None,
+    /// It did not answer at the start, and is not used.
+    NotAnswering,
+    /// No host has configured it: there is no cable, or the host sleeps.
+    Detached,
+    /// A host has configured it.
+    Attached,
+}
+
 /// The state of a board.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 pub struct Status {
@@ -246,6 +260,8 @@ pub struct Status {
     pub settings: SettingsReport,
     /// What the link has received before this request.
     pub link: LinkCounts,
+    /// Its USB port.
+    pub usb: UsbState,
 }
 
 /// The state of a recording.

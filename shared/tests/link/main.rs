@@ -11,6 +11,7 @@ mod recordings;
 mod rig;
 mod saving;
 mod silence;
+mod two_ports;
 mod uploads;
 
 use rig::Rig;

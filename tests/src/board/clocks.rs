@@ -67,6 +67,12 @@ impl Clocks {
         // The clock of a timer is twice that of its bus where the bus has a divider.
         [slow, fast].map(|divider| core / divider * if divider == 1 { 1 } else { 2 })
     }
+
+    /// The clock of USB, Hz, for a crystal (Hz) that feeds the PLL.
+    #[must_use]
+    pub const fn usb_hz(&self, crystal_hz: u32) -> u32 {
+        crystal_hz / (self.pllcfgr & 63) * (self.pllcfgr >> 6 & 511) / (self.pllcfgr >> 24 & 15)
+    }
 }
 
 impl Default for Clocks {
@@ -120,7 +126,7 @@ impl Device for Clocks {
 #[test]
 fn a_correct_sequence_gives_ready_clocks_with_their_rates() {
     let mut clocks = Clocks::new();
-    clocks.write(PLLCFGR, FROM_CRYSTAL | 168 << 6 | 4);
+    clocks.write(PLLCFGR, 7 << 24 | FROM_CRYSTAL | 168 << 6 | 4);
     clocks.write(CR, HSI_ON | HSE_ON);
     assert_eq!(clocks.read(CR), (HSI_ON | HSE_ON) * 3);
     clocks.write(CR, HSI_ON | HSE_ON | PLL_ON);
@@ -129,6 +135,8 @@ fn a_correct_sequence_gives_ready_clocks_with_their_rates() {
     clocks.write(CFGR, 0b100 << 13 | 0b101 << 10 | 2);
     assert_eq!(clocks.read(CFGR) & 0xf, 0b1010);
     assert_eq!(clocks.timers_hz(8_000_000), [84_000_000, 168_000_000]);
+    // 336 MHz / 7.
+    assert_eq!(clocks.usb_hz(8_000_000), 48_000_000);
 }
 
 #[test]

@@ -6,13 +6,15 @@
 //! the start it fills the free RAM with a pattern.
 //!
 //! QEMU models no TIM1, GPIO, watchdog or encoder mode either. They read as 0, and writes to them are in the emulator's
-//! log ([`log`]). [`inputs`] provides switch and encoders where a test closes the loops.
+//! log ([`log`]). [`inputs`] provides switch and encoders where a test closes the loops, [`usb_core`] a USB core that
+//! is broken.
 #![allow(clippy::unwrap_used, clippy::missing_panics_doc, reason = "for tests, which fail by panicking")]
 
 pub mod clocks;
 mod device;
 pub mod inputs;
 pub mod log;
+pub mod usb_core;
 
 use std::fs;
 use std::path::{Path, PathBuf};
@@ -32,6 +34,7 @@ pub use device::Device;
 use clocks::Clocks;
 use inputs::Inputs;
 use log::Log;
+use usb_core::StuckUsbCore;
 
 /// Timeout of a run: a thousand ticks take four seconds on a slow machine.
 const TIMEOUT: Duration = Duration::from_secs(90);
@@ -66,6 +69,8 @@ pub struct Chip {
     pub clocks: Clocks,
     /// Model of the inputs; `None`: as in QEMU, pins read as 0 and the encoder counters run.
     pub inputs: Option<Inputs>,
+    /// Model of the USB core; `None`: as in QEMU, its registers read as 0.
+    pub usb: Option<StuckUsbCore>,
     /// The emulator's log.
     pub log: Log,
     /// For the log and the emulator's messages.
@@ -111,6 +116,7 @@ impl Chip {
             target,
             clocks: Clocks::new(),
             inputs,
+            usb: None,
             log,
             folder,
             idle_round: Vec::new(),
@@ -118,6 +124,19 @@ impl Chip {
         };
         chip.prepare().unwrap();
         chip
+    }
+
+    /// Gives the chip a USB core. To be called before it runs.
+    ///
+    /// # Errors
+    /// When the emulator does not reply.
+    pub fn attach_usb(&mut self, usb: StuckUsbCore) -> Result<(), GdbError> {
+        for &address in usb.registers() {
+            self.target.watch(Watch::Read, address)?;
+            self.target.watch(Watch::Write, address)?;
+        }
+        self.usb = Some(usb);
+        Ok(())
     }
 
     /// Fills the free RAM and sets breakpoints and watchpoints.
@@ -219,8 +238,9 @@ impl Chip {
         assert_eq!(conditional, 0, "{access:?} at {at:#x} is conditional: it cannot be skipped");
         let accessed = self.target.register(base)?.wrapping_add(added);
         assert_eq!(accessed, address, "{access:?} at {at:#x} is not at the watched address");
-        let device: &mut dyn Device = match &mut self.inputs {
-            Some(inputs) if inputs.registers().contains(&address) => inputs,
+        let device: &mut dyn Device = match (&mut self.inputs, &mut self.usb) {
+            (Some(inputs), _) if inputs.registers().contains(&address) => inputs,
+            (_, Some(usb)) if usb.registers().contains(&address) => usb,
             _ => &mut self.clocks,
         };
         if loads {

@@ -9,7 +9,8 @@ use std::collections::BTreeMap;
 use super::image::Image;
 use super::pointer::{Pointer, constant, pointer, upper_half};
 use super::thumb::{Flow, decode};
-use super::walk::{instructions, walk};
+use super::virtual_calls::VirtualCalls;
+use super::walk::{instructions, walk_with};
 
 /// Why a depth is unknown, with addresses of instructions.
 #[derive(Clone, Debug, PartialEq, Eq)]
@@ -35,6 +36,20 @@ pub struct SelfCall {
     pub frames: u32,
 }
 
+/// What is known of a program beside its instructions.
+#[derive(Clone, Copy, Debug)]
+pub struct Declared<'a> {
+    /// Functions that call themselves.
+    pub self_calls: &'a [SelfCall],
+    /// Functions that call the methods of a trait.
+    pub virtual_calls: &'a [VirtualCalls],
+}
+
+impl Declared<'_> {
+    /// Nothing.
+    pub const NONE: Self = Self { self_calls: &[], virtual_calls: &[] };
+}
+
 /// The deepest chain of calls below a function.
 #[derive(Clone, Debug, PartialEq, Eq)]
 pub struct Depth {
@@ -55,16 +70,16 @@ struct Known {
 pub struct Depths(BTreeMap<u32, Known>);
 
 impl Depths {
-    /// Sums the frames of all functions that are reachable from `roots` (starts), the frames of `self_calls` as often
-    /// as they allow.
+    /// Sums the frames of all functions that are reachable from `roots` (starts), the frames of functions that call
+    /// themselves as often as they may.
     ///
     /// # Errors
     /// Everything that makes a depth unknown.
     ///
     /// # Panics
     /// Where one of the addresses is not the start of a function.
-    pub fn new(image: &Image, roots: &[u32], self_calls: &[SelfCall]) -> Result<Self, Vec<Obstacle>> {
-        let mut walk = walk(image, roots);
+    pub fn new(image: &Image, roots: &[u32], declared: &Declared<'_>) -> Result<Self, Vec<Obstacle>> {
+        let mut walk = walk_with(image, roots, declared.virtual_calls);
         let mut obstacles: Vec<_> = walk.indirect.iter().copied().map(Obstacle::Indirect).collect();
         obstacles.extend(walk.without_function.iter().copied().map(Obstacle::NoFunction));
         let mut frames = BTreeMap::new();
@@ -79,7 +94,9 @@ impl Depths {
         }
         for (&start, bytes) in &mut frames {
             let of = |call: &&SelfCall| name(image, start).contains(call.name);
-            if let (Some(call), Some(calls)) = (self_calls.iter().find(of), walk.calls.get_mut(&start)) {
+            if let (Some(call), Some(calls)) =
+                (declared.self_calls.iter().find(of), walk.calls.get_mut(&start))
+            {
                 calls.remove(&start);
                 *bytes *= call.frames;
             }

@@ -54,7 +54,9 @@ impl Image {
                 SectionKind::Data | SectionKind::UninitializedData => image.data.push(address..end),
                 _ => {}
             }
-            if matches!(section.kind(), SectionKind::Text | SectionKind::ReadOnlyData) {
+            // Constants that the linker may merge are of the kind of strings.
+            let kinds = [SectionKind::Text, SectionKind::ReadOnlyData, SectionKind::ReadOnlyString];
+            if kinds.contains(&section.kind()) {
                 let bytes = section.data().expect("the file has the bytes").to_vec();
                 image.sections.push(Section { address, bytes });
             }

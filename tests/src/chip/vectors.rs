@@ -3,7 +3,7 @@
 use std::collections::BTreeSet;
 use std::ops::Range;
 
-use super::depth::{Depth, Depths, Obstacle, SelfCall};
+use super::depth::{Declared, Depth, Depths, Obstacle};
 use super::image::Image;
 
 /// Frame that the core pushes at an exception, bytes: 8 words, 18 of the floating-point unit, and one more where the
@@ -76,14 +76,14 @@ impl Vectors {
     ///
     /// # Errors
     /// Everything that makes a depth unknown.
-    pub fn worst_case(&self, image: &Image, self_calls: &[SelfCall]) -> Result<WorstCase, Vec<Obstacle>> {
+    pub fn worst_case(&self, image: &Image, declared: &Declared<'_>) -> Result<WorstCase, Vec<Obstacle>> {
         let configurable: BTreeSet<u32> =
             self.handlers[HARD_FAULT + 1..].iter().copied().filter(|&handler| handler != 0).collect();
         let above = [self.handlers[HARD_FAULT], self.handlers[NON_MASKABLE]];
         let exceptions: Vec<u32> = configurable.into_iter().chain(above).collect();
         let mut roots = exceptions.clone();
         roots.push(self.handlers[RESET]);
-        let depths = Depths::new(image, &roots, self_calls)?;
+        let depths = Depths::new(image, &roots, declared)?;
         let below = |root: u32| depths.below(root);
         Ok(WorstCase {
             thread: below(self.handlers[RESET]),

@@ -4,6 +4,7 @@ use std::collections::{BTreeMap, BTreeSet};
 
 use super::image::Image;
 use super::thumb::{Flow, decode};
+use super::virtual_calls::VirtualCalls;
 
 /// Results of a walk, with addresses of instructions.
 #[derive(Debug, Default)]
@@ -28,6 +29,15 @@ pub struct Walk {
 /// Where one of the addresses is not the start of a function.
 #[must_use]
 pub fn walk(image: &Image, roots: &[u32]) -> Walk {
+    walk_with(image, roots, &[])
+}
+
+/// The same, with the calls through registers in some functions known as calls of the methods of a trait.
+///
+/// # Panics
+/// Where one of the addresses is not the start of a function.
+#[must_use]
+pub fn walk_with(image: &Image, roots: &[u32], virtual_calls: &[VirtualCalls]) -> Walk {
     let mut walk = Walk::default();
     let mut waiting: Vec<(u32, Option<u32>)> = roots.iter().map(|&root| (root, None)).collect();
     while let Some((start, from)) = waiting.pop() {
@@ -37,6 +47,8 @@ pub fn walk(image: &Image, roots: &[u32]) -> Walk {
         walk.reached.insert(start, from);
         let calls = walk.calls.entry(start).or_default();
         let end = image.functions[&start].end;
+        let targets = virtual_calls.iter().find(|calls| calls.are_in(image, start));
+        let targets = targets.and_then(|calls| calls.targets(image));
         for (at, high, low) in instructions(image, start) {
             walk.instructions += 1;
             match decode(at, high, low).0 {
@@ -48,7 +60,13 @@ pub fn walk(image: &Image, roots: &[u32]) -> Walk {
                     }
                     None => _ = walk.without_function.insert(at),
                 },
-                Flow::Indirect => _ = walk.indirect.insert(at),
+                Flow::Indirect => match &targets {
+                    Some(targets) => {
+                        calls.extend(targets);
+                        waiting.extend(targets.iter().map(|target| (*target, Some(start))));
+                    }
+                    None => _ = walk.indirect.insert(at),
+                },
                 Flow::Trap => _ = walk.traps.insert(at),
                 Flow::Next => {}
             }

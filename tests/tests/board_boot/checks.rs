@@ -3,7 +3,7 @@
 use firmware::setup::{CRYSTAL_HZ, FULL_DUTY_N, METRES_PER_COUNT, SETTINGS, TICK_HZ};
 use shared::config::AxisSettings;
 use tests::chip::vectors::EXCEPTION_FRAME;
-use tests::firmware::{SELF_CALLS, TICK};
+use tests::firmware::{DECLARED, TICK};
 use tests::gdb::{SP, XPSR};
 
 use tests::board::Chip;
@@ -22,7 +22,7 @@ const NVIC_ISER0: u32 = 0xe000_e100;
 /// The used stack is at most the depth computed from the code, and at least that of one tick.
 pub fn stack_depth_is_as_computed(chip: &mut Chip) {
     let [used, room] = chip.stack().unwrap();
-    let worst = chip.vectors.worst_case(&chip.image, &SELF_CALLS).unwrap();
+    let worst = chip.vectors.worst_case(&chip.image, &DECLARED).unwrap();
     println!("{used} B of the stack were used, {} B computed, {room} B available", worst.bytes());
     assert!(
         used <= worst.bytes() && worst.bytes() <= room,

@@ -11,6 +11,7 @@ mod host;
 mod stored;
 
 use firmware::setup::{IDENTITY, RATES};
+use shared::link::report::UsbState;
 use shared::link::{Refusal, Reply, Request};
 use shared::safety::Power;
 use tests::firmware::{RAM, SERIAL, TICK, built};
@@ -22,6 +23,7 @@ use checks::{
 };
 use host::Host;
 use tests::board::inputs::{ARMED, CLOSED, COUNTS, Inputs, PUSHED};
+use tests::board::usb_core::StuckUsbCore;
 use tests::board::{Chip, End};
 
 /// Number of ticks.
@@ -88,10 +90,33 @@ fn a_host_at_the_serial_port_enables_the_drives_which_push_back() {
     host.send(&Request::Status);
     assert_eq!(chip.run(ticks + 40), Ok(End::Ticked), "{}", chip.diagnostics());
     let Some(Reply::Status(status)) = host.reply() else { panic!("no status") };
-    assert_eq!(status.power, Power::On);
+    // QEMU has no USB core: the board starts without it, and says so.
+    assert_eq!((status.power, status.usb), (Power::On, UsbState::NotAnswering));
     host.send(&Request::Disable);
     assert_eq!(chip.run(ticks + 80), Ok(End::Ticked), "{}", chip.diagnostics());
     assert_eq!((host.reply(), power_stages(&chip.log.accesses())), (Some(Reply::Done), [false, false]));
+}
+
+/// A USB core whose reset does not end: the board starts without it after a bounded number of reads, and takes commands at its serial
+/// port.
+#[test]
+fn a_usb_core_that_does_not_answer_does_not_stop_the_start() {
+    // The test pends the ticks: the period of QEMU's timer has the time of the start added.
+    let mut chip = Chip::start(&built("board"), Some(Inputs::default()));
+    chip.attach_usb(StuckUsbCore::default()).unwrap();
+    let mut host = Host::connect(&chip);
+    assert_eq!(chip.run(20), Ok(End::Ticked), "{}", chip.diagnostics());
+    let reads = chip.usb.as_ref().map(|usb| usb.reads).unwrap();
+    // One for AHBIDL, one before the reset, and those of the wait (`firmware/src/board/usb.rs`).
+    assert_eq!(reads, 1 + 1 + 1000);
+    assert!(!chip.log.text().contains("Invalid"), "its memory was accessed; {}", chip.diagnostics());
+    host.send(&Request::Hello { nonce: 5 });
+    assert_eq!(chip.run(100), Ok(End::Ticked), "{}", chip.diagnostics());
+    assert!(matches!(host.reply(), Some(Reply::Welcome(_))));
+    host.send(&Request::Status);
+    assert_eq!(chip.run(200), Ok(End::Ticked), "{}", chip.diagnostics());
+    let Some(Reply::Status(status)) = host.reply() else { panic!("no status") };
+    assert_eq!((status.power, status.usb), (Power::Off, UsbState::NotAnswering));
 }
 
 /// Each safety contact that opens, and the stop, switches the drives off in the next tick; a limit switch does not while nothing

@@ -4,10 +4,10 @@ use anyhow::Result;
 
 use crate::cli::outputs::print;
 
-/// Lists the serial ports of this computer and the emulated board.
+/// Lists the serial ports of this computer, with vendor and product of those at USB, and the emulated board.
 ///
 /// # Errors
 /// Output that cannot be written.
 pub fn run() -> Result<()> {
-    print(&board::open::list().join("\n"))
+    print(&board::open::describe().join("\n"))
 }

@@ -7,7 +7,7 @@ use crate::cli::outputs::print;
 use ::board::refusal::{self, AXIS_NAMES};
 use shared::interpolate::feed_hold::FeedState;
 use shared::link::message::{Reply, Request};
-use shared::link::report::{Activity, DirectionReport};
+use shared::link::report::{Activity, DirectionReport, UsbState};
 use shared::link::{Status, Welcome};
 use shared::safety::Power;
 
@@ -79,22 +79,38 @@ fn describe(welcome: &Welcome, status: &Status) -> Vec<String> {
             axis.force_n
         ));
     }
-    match status.direction {
-        DirectionReport::None => {}
-        DirectionReport::Running { axis } => lines.push(format!(
-            "direction check of {}: waits until the enable switch is closed, after it was open",
-            refusal::axis_name(axis)
-        )),
-        DirectionReport::Ended { axis, result } => {
-            lines.push(format!("direction check of {}", refusal::direction(axis, result)));
-        }
-    }
+    lines.extend(direction(status.direction));
+    lines.extend(usb(status.usb).map(str::to_owned));
     let link = &status.link;
     lines.push(format!(
         "link: {} packets; refused: {} too long, {} too short, {} wrong encoding, {} wrong checksum, {} other version",
         link.packets, link.too_long, link.too_short, link.encoding, link.checksum, link.version
     ));
     lines
+}
+
+/// The direction check in words.
+fn direction(report: DirectionReport) -> Option<String> {
+    match report {
+        DirectionReport::None => None,
+        DirectionReport::Running { axis } => Some(format!(
+            "direction check of {}: waits until the enable switch is closed, after it was open",
+            refusal::axis_name(axis)
+        )),
+        DirectionReport::Ended { axis, result } => {
+            Some(format!("direction check of {}", refusal::direction(axis, result)))
+        }
+    }
+}
+
+/// The USB port in words.
+const fn usb(state: UsbState) -> Option<&'static str> {
+    match state {
+        UsbState::None => None,
+        UsbState::NotAnswering => Some("usb: its core did not answer at the start; it is not used"),
+        UsbState::Detached => Some("usb: no host"),
+        UsbState::Attached => Some("usb: connected to a host"),
+    }
 }
 
 /// The power state in words.

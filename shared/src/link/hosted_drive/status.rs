@@ -4,12 +4,12 @@ use super::HostedDrive;
 use crate::homing::HomingStatus;
 use crate::link::message::AXES;
 use crate::link::receiver::LinkCounts;
-use crate::link::report::{AxisStatus, DirectionReport, HomingReport, SettingsReport, Status};
+use crate::link::report::{AxisStatus, DirectionReport, HomingReport, SettingsReport, Status, UsbState};
 use crate::machine::Reference;
 use crate::scalar::Scalar;
 
 impl<S: Scalar> HostedDrive<'_, S, AXES> {
-    /// The state, with what the server knows beside it.
+    /// The state, with what the server knows beside it; without the USB port.
     #[must_use]
     pub fn status(&self, link: LinkCounts, settings: SettingsReport) -> Status {
         let machine = self.machine();
@@ -47,6 +47,7 @@ impl<S: Scalar> HostedDrive<'_, S, AXES> {
             lost_samples: self.stream.lost(),
             settings,
             link,
+            usb: UsbState::None,
         }
     }
 }

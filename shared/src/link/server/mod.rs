@@ -16,7 +16,7 @@ use super::packet::{self, Frame, Header, Packet, PacketError, VERSION};
 use super::port::{BytePort, SharedDrive};
 use super::receiver::{LinkCounts, Receiver};
 use super::refusal::Refusal;
-use super::report::{Identity, SettingsReport, Welcome};
+use super::report::{Identity, SettingsReport, Status, UsbState, Welcome};
 use super::settings_memory::SettingsMemory;
 use crate::protocol::SOURCES;
 use crate::safety::Fault;
@@ -54,6 +54,7 @@ impl Server {
                 kept: Frame::new(),
                 settings,
                 report: SettingsReport::PROGRAM,
+                usb: UsbState::None,
                 upload: Upload::EMPTY,
                 motion: Motion::EMPTY,
                 stream_packets: 0,
@@ -87,6 +88,7 @@ impl Server {
         drive: &mut impl SharedDrive<'m, S>,
         memory: &mut SettingsMemory<F>,
     ) {
+        self.requests.usb = port.usb();
         self.flush(port);
         for _ in 0..BYTES_PER_POLL {
             // A reply is sent before the next request is read.
@@ -168,6 +170,7 @@ impl Requests {
     fn hello<'m, S: Scalar>(&mut self, nonce: u32, drive: &mut impl SharedDrive<'m, S>) -> Reply {
         let (now, rates, capture_bytes) = drive.with(|drive| {
             drive.stream().start(0);
+            drive.greeted();
             (drive.now(), self.settings.rates, drive.capture().capacity())
         });
         #[expect(clippy::cast_possible_truncation, reason = "the low half differs from run to run")]
@@ -211,7 +214,8 @@ impl Requests {
         let done = match request {
             Request::Status => {
                 let report = self.report;
-                return Reply::Status(drive.with(|drive| drive.status(counts, report)));
+                let usb = self.usb;
+                return Reply::Status(Status { usb, ..drive.with(|drive| drive.status(counts, report)) });
             }
             Request::FaultHistory => {
                 return Reply::FaultHistory(drive.with(|drive| drive.history().newest_first().collect()));

@@ -3,7 +3,7 @@
 use super::super::conversation::Conversation;
 use super::super::message::{AXES, BoardSettings, Jog, MOTION_BLOCKS};
 use super::super::packet::Frame;
-use super::super::report::{Identity, SettingsReport};
+use super::super::report::{Identity, SettingsReport, UsbState};
 use super::super::settings_memory::SettingsMemory;
 use crate::interpolate::{Block, Path};
 use crate::protocol::LONGEST_ORDER;
@@ -22,6 +22,8 @@ pub(super) struct Requests {
     pub(super) settings: BoardSettings,
     /// Where they are from, and what the flash holds.
     pub(super) report: SettingsReport,
+    /// The USB port of the board.
+    pub(super) usb: UsbState,
     pub(super) upload: Upload,
     pub(super) motion: Motion,
     /// Number of the next packet of the stream, and the tick of the last one.
