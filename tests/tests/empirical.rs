@@ -31,12 +31,8 @@ fn machine() -> Machine {
     machine
 }
 
-fn tool(error: &&StageError) -> bool {
-    error.stage == Stage::Tool
-}
-
 fn of_tool(trace: &Trace) -> StageError {
-    *trace.axes[0].errors.iter().find(tool).unwrap()
+    *trace.axes[0].errors.iter().find(|error| error.stage == Stage::Tool).unwrap()
 }
 
 fn traced(machine: &Machine, [fit, validate]: &[Vec<Log>; 2], task: Task, tables: bool) -> Trace {

@@ -11,11 +11,11 @@ use crate::fit::fit_data::{FitAndValidationRms, FitData};
 use crate::fit::fitted_scope::FittedScope;
 use crate::fit::least_squares::{self, Fitted};
 use crate::fit::model_bias::first_fit;
-use crate::fit::scope::Scope;
+use crate::fit::scope::{NotTestable, Scope};
 use crate::fit::scope_fit::{Progress, ScopeFit, fit_again, fit_jointly};
 use crate::fit::testable_scopes::scopes;
 use crate::fit::total_mass;
-use crate::not_testable::effects_not_testable;
+use crate::not_testable::{EffectNotTestable, effects_not_testable};
 use crate::outcome::{AxisTrace, StageError};
 use crate::search::ambiguity::Ambiguity;
 use crate::search::effect_search::EffectSearch;
@@ -81,13 +81,7 @@ pub fn trace(
         task,
         axis: fit_data.name().to_owned(),
         unit: fit_data.logs.iter().find_map(|log| log.axes[fit_data.axis].unit).unwrap_or(Unit::Millimetre),
-        effects_not_testable: effects_not_testable(
-            &declared.settings,
-            Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 },
-            &stages,
-            &not_testable,
-            &tried(declared, &rounds),
-        ),
+        effects_not_testable: untested(declared, fit_data, (&stages, &not_testable), &rounds),
         data_faults: Vec::new(),
         ambiguities,
         bias: validate.bias.to_vec(),
@@ -290,6 +284,17 @@ fn exclusions_of(fits: &[ScopeFit]) -> Vec<Exclusion> {
     let all = || fits.iter().flat_map(|fit| fit.exclusions.iter().copied());
     let of_motor = all().filter(|exclusion| exclusion.bump(Stage::Table).is_some());
     all().chain(of_motor.map(|exclusion| Exclusion { stage: Stage::Motor, ..exclusion })).collect()
+}
+
+/// The effects that could not be tested, and why, with the stages that were evaluated and those that could not be.
+fn untested(
+    declared: &Axis,
+    fit_data: &FitData<'_>,
+    (stages, missing): (&[Stage], &[NotTestable]),
+    rounds: &[Round],
+) -> Vec<EffectNotTestable> {
+    let neighbours = Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 };
+    effects_not_testable(&declared.settings, neighbours, stages, missing, &tried(declared, rounds))
 }
 
 /// Names of the effects that are declared or were tried.
