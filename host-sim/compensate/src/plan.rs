@@ -364,6 +364,13 @@ impl Planning<'_> {
                 }
             }
         }
+        let with_tables = self.model.axis.iter().filter(|(_, axis)| !axis.empirical.is_empty());
+        list.extend(with_tables.map(|(name, _)| NotCompensated {
+            effect: "empirical".to_owned(),
+            axis: name.clone(),
+            why: "a table of a residual does not say what causes it, and holds for motions like those measured".to_owned(),
+            instead: "find its cause; a table of the error over the position can be entered as a pitch_map".to_owned(),
+        }));
         list.extend(off.iter().map(|part| {
             let (effect, axis) = self.names(part);
             let (why, instead) = if idle.contains(part) {

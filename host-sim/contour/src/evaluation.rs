@@ -103,6 +103,12 @@ impl<'a> Evaluation<'a> {
         }
     }
 
+    /// The same from the first sample on, for a run that continues one whose settling has passed.
+    #[must_use]
+    pub fn without_settling(self) -> Self {
+        Self { settling: 0, ..self }
+    }
+
     /// Takes the next sample, m, and gives its error, m; `None` during settling.
     ///
     /// The error of two axes is positive to the left of the direction of travel. That of three axes has no sign.

@@ -2,7 +2,7 @@
 //!
 //! - [`path`]: the nominal path, from a motion's blocks or from a log's command
 //! - [`evaluation`]: the error of each sample, and its figures: maximum, rms, per block, circles, corners
-//! - [`logged`]: the same for a log
+//! - [`logged`], [`long_log`]: the same for a log, and for a long one section by section
 //! - [`circle`], [`circular_test`]: radial deviation F, circular deviation G and hysteresis H (ISO 230-4)
 //! - [`reversal_spike`]: peaks where an axis reverses
 //! - [`corner`]: overshoot and rounding
@@ -18,6 +18,7 @@ pub mod corner;
 pub mod evaluation;
 pub mod json;
 pub mod logged;
+pub mod long_log;
 pub mod path;
 pub mod path_circle;
 mod piece;

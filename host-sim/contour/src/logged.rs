@@ -1,6 +1,7 @@
 //! The contour error of a log.
 
 use super::evaluation::{ContourError, Evaluation};
+use super::long_log;
 use super::path::NominalPath;
 use super::vector::Point;
 use files::error::InputError;
@@ -67,7 +68,17 @@ impl LoggedMotion {
     /// The contour error relative to a path with the same axes in the same order.
     #[must_use]
     pub fn contour_error_on(&self, path: &NominalPath) -> Option<ContourError> {
-        let mut evaluation = Evaluation::new(path, self.sample_s);
+        self.evaluated(Evaluation::new(path, self.sample_s))
+    }
+
+    /// The contour error of a log that continues another one, so that no settling is left out.
+    #[must_use]
+    pub(crate) fn contour_error_of_continuation(&self) -> Option<ContourError> {
+        let path = NominalPath::of_command(&self.command_m, self.sample_s);
+        self.evaluated(Evaluation::new(&path, self.sample_s).without_settling())
+    }
+
+    fn evaluated(&self, mut evaluation: Evaluation<'_>) -> Option<ContourError> {
         let samples = self.command_m.iter().map(Vec::len).min().unwrap_or(0);
         for i in 0..samples {
             evaluation.add(&at(&self.command_m, i), &at(&self.measured_m, i));
@@ -118,8 +129,7 @@ impl LogError {
     /// The contour errors of those logs that have what it needs.
     pub fn all<'a>(logs: impl IntoIterator<Item = &'a Log>) -> Vec<Self> {
         let of_log = |log: &Log| {
-            let motion = LoggedMotion::of(log).ok()?;
-            let error = motion.contour_error()?;
+            let (motion, error) = long_log::contour_error(log)?;
             Some(Self { log: log_name(&log.source), axes: motion.axes, channel: motion.channel, error })
         };
         logs.into_iter().filter_map(of_log).collect()

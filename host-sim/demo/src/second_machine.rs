@@ -108,7 +108,13 @@ impl Plant for Running<'_> {
         });
         let forces_n = [0, 1].map(|i| self.sensors[i].force.read(self.forces_n[i], &mut self.random));
         let measured = positions_m.into_iter().zip(forces_n);
-        measured.map(|([table_m, tool_m], force_n)| Measurement { tool_m, table_m, force_n }).collect()
+        let measurement = |([table_m, tool_m], force_n): ([f64; 2], f64)| Measurement {
+            motor_offset_m: 0.0,
+            tool_m,
+            table_m,
+            force_n,
+        };
+        measured.map(measurement).collect()
     }
 
     fn step(&mut self, forces_n: impl Iterator<Item = f64>) {

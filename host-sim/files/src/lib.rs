@@ -2,6 +2,7 @@
 //!
 //! - [`document`]: TOML; errors contain key and line
 //! - [`table`]: CSV tables of numbers; errors contain line and column
+//! - [`segments`]: the text of a file in segments of whole lines
 //! - [`log`]: recordings of axes, stored as CSV tables
 //! - [`mod@format`]: printed numbers
 //! - [`axis_name`]: permitted names of axes
@@ -14,4 +15,5 @@ pub mod error;
 pub mod format;
 pub mod log;
 pub mod output;
+pub mod segments;
 pub mod table;

@@ -1,102 +1,77 @@
 //! CSV tables of numbers with one header line. Invalid cells are errors that contain line and column.
 //!
-//! Logs and friction maps are such tables; the permitted columns are defined in their modules.
+//! Logs and friction maps are such tables; the permitted columns are defined in their modules. A file is read in
+//! [`segments`](crate::segments), so that its text is never in memory as a whole.
 
 use std::fmt::Display;
-use std::fs;
-use std::io::{self, Read};
+use std::io::{Cursor, Read};
 use std::path::Path;
 
 use csv::{ByteRecord, Reader, ReaderBuilder};
-use flate2::read::MultiGzDecoder;
 
 use crate::error::{InputError, line_at, quoted};
-
-/// First two bytes of a gzip file (RFC 1952).
-const GZIP_MAGIC: [u8; 2] = [0x1f, 0x8b];
-const BYTE_ORDER_MARK: &str = "\u{feff}";
+use crate::segments::{Segments, open};
 
 /// Largest absolute value of a measured value, in mm, degrees, N or N·m. A larger one has a wrong unit or decimal point.
 const MAX_MEASURED: f64 = 1e9;
 
-/// Reads the bytes of a file; `-` is standard input. A gzip file, recognised by the suffix `.gz` or by its first bytes, is
-/// decompressed.
-///
-/// # Errors
-/// If the file cannot be read, or is an incomplete gzip file.
-pub fn read_bytes(path: &Path) -> Result<Vec<u8>, InputError> {
-    let source = path.display().to_string();
-    let bytes = if source == "-" { read_stdin() } else { fs::read(path) };
-    let bytes = bytes.map_err(|cause| InputError::unreadable(&source, &cause))?;
-    let has_suffix = path.extension().is_some_and(|suffix| suffix.eq_ignore_ascii_case("gz"));
-    if bytes.starts_with(&GZIP_MAGIC) || (has_suffix && !bytes.is_empty()) {
-        unpack(&bytes, &source)
-    } else {
-        Ok(bytes)
-    }
-}
-
-fn read_stdin() -> io::Result<Vec<u8>> {
-    let mut bytes = Vec::new();
-    io::stdin().lock().read_to_end(&mut bytes)?;
-    Ok(bytes)
-}
-
-fn unpack(packed: &[u8], source: &str) -> Result<Vec<u8>, InputError> {
-    // The compression ratio of logs is about 8.
-    let mut bytes = Vec::with_capacity(8 * packed.len());
-    match MultiGzDecoder::new(packed).read_to_end(&mut bytes) {
-        Ok(_) => Ok(bytes),
-        Err(cause) => Err(InputError::new(source, format!("expected a complete gzip file: {cause}"))),
-    }
-}
-
-/// The bytes as text, without the byte order mark.
-fn decode<'a>(bytes: &'a [u8], source: &str) -> Result<&'a str, InputError> {
-    let not_text = |at: usize| {
-        let found = format!("byte 0x{:02X}", bytes[at]);
-        InputError::expected(source, "a CSV text in UTF-8", found).at_line(line_at(bytes, at))
-    };
-    // A zero byte is valid UTF-8, but indicates a binary file.
-    if let Some(at) = bytes.iter().position(|&byte| byte == 0) {
-        return Err(not_text(at));
-    }
-    let text = str::from_utf8(bytes).map_err(|error| not_text(error.valid_up_to()))?;
-    let text = text.strip_prefix(BYTE_ORDER_MARK).unwrap_or(text);
-    if text.trim().is_empty() {
-        return Err(InputError::expected(source, "a header line", "an empty file"));
-    }
-    Ok(text)
-}
-
 /// A table that is read row by row.
 pub struct Table<'a> {
     source: &'a str,
-    text: &'a str,
-    reader: Reader<&'a [u8]>,
+    segments: Segments<'a>,
+    /// Reads the current segment.
+    reader: Reader<Cursor<Vec<u8>>>,
     /// The last row that was read.
     record: ByteRecord,
+    /// Offset in the current segment up to which its lines are counted, and the line there.
+    counted: (usize, usize),
+    /// Line of the last row that was read.
+    line: usize,
     header_line: usize,
+    /// Number of rows that were read.
+    rows: usize,
+    /// Rows after which the distance to the header's line, in lines, changes, with the new distance: blank lines.
+    gaps: Vec<(usize, usize)>,
     names: Vec<String>,
 }
 
 impl<'a> Table<'a> {
+    /// Opens a file and reads the header; `-` is standard input. A gzip file, recognised by the suffix `.gz` or by its first
+    /// bytes, is decompressed. `source` is the file name for error messages.
+    ///
+    /// # Errors
+    /// If the file cannot be read, is an incomplete gzip file, is not UTF-8, or is empty.
+    pub fn open(path: &Path, source: &'a str) -> Result<Self, InputError> {
+        Self::new(open(path, source)?, source)
+    }
+
     /// Reads the header; `source` is the file name for error messages.
     ///
     /// # Errors
     /// If the bytes are not UTF-8, or the text is empty.
     pub fn parse(bytes: &'a [u8], source: &'a str) -> Result<Self, InputError> {
-        let text = decode(bytes, source)?;
+        Self::new(Box::new(bytes), source)
+    }
+
+    fn new(input: Box<dyn Read + 'a>, source: &'a str) -> Result<Self, InputError> {
+        let mut segments = Segments::new(input, source);
+        let Some(first) = segments.next_segment()?.filter(|text| !text.trim_ascii().is_empty()) else {
+            return Err(InputError::expected(source, "a header line", "an empty file"));
+        };
         let mut table = Self {
             source,
-            text,
-            reader: reader(text),
+            segments,
+            reader: reader(first),
             record: ByteRecord::new(),
+            counted: (0, 1),
+            line: 1,
             header_line: 1,
+            rows: 0,
+            gaps: Vec::new(),
             names: Vec::new(),
         };
         table.advance()?;
-        table.header_line = table.line_of(&table.record);
+        table.header_line = table.line;
         table.names = table.record.iter().map(|name| trimmed(name).to_owned()).collect();
         Ok(table)
     }
@@ -110,8 +85,8 @@ impl<'a> Table<'a> {
     /// The next row; `None` after the last one.
     ///
     /// # Errors
-    /// If the number of cells differs from that of the header.
-    pub fn next_row(&mut self) -> Result<Option<Row<'_>>, InputError> {
+    /// If the number of cells differs from that of the header, or the file cannot be read on.
+    pub fn next_row(&mut self) -> Result<Option<Row<'_, 'a>>, InputError> {
         if !self.advance()? {
             return Ok(None);
         }
@@ -119,8 +94,13 @@ impl<'a> Table<'a> {
         if found != columns {
             let expected = format!("{columns} values as in the header");
             let error = InputError::expected(self.source, expected, found);
-            return Err(error.at_line(self.line_of(&self.record)));
+            return Err(error.at_line(self.line));
         }
+        let distance = self.line - self.header_line - self.rows;
+        if self.gaps.last().map_or(1, |(_, distance)| *distance) != distance {
+            self.gaps.push((self.rows, distance));
+        }
+        self.rows += 1;
         Ok(Some(Row { table: self }))
     }
 
@@ -129,42 +109,56 @@ impl<'a> Table<'a> {
         InputError::expected(self.source, expected, found).at_line(self.header_line)
     }
 
-    /// An error at the line of a row, counted from 0 after the header. Reads the table again up to this row.
+    /// An error at the line of a row that was read, counted from 0 after the header.
     pub fn row_error(&self, row: usize, expected: impl Display, found: impl Display) -> InputError {
+        let before = self.gaps.partition_point(|(first, _)| *first <= row);
+        let distance = before.checked_sub(1).map_or(1, |gap| self.gaps[gap].1);
         let error = InputError::expected(self.source, expected, found);
-        match reader(self.text).into_byte_records().nth(row + 1) {
-            Some(Ok(record)) => error.at_line(self.line_of(&record)),
-            _ => error,
+        error.at_line(self.header_line + row + distance)
+    }
+
+    /// Reads the next record, of the next segment if there is none left in this one.
+    fn advance(&mut self) -> Result<bool, InputError> {
+        loop {
+            let read = self.reader.read_byte_record(&mut self.record);
+            if read.map_err(|error| InputError::new(self.source, error.to_string()))? {
+                let start = self.record.position().map_or(0, csv::Position::byte);
+                self.line = self.line_at(usize::try_from(start).unwrap_or(usize::MAX));
+                return Ok(true);
+            }
+            let end = self.reader.get_ref().get_ref().len();
+            let line = self.line_at(end);
+            let Some(next) = self.segments.next_segment()? else { return Ok(false) };
+            self.reader = reader(next);
+            self.counted = (0, line);
         }
     }
 
-    fn advance(&mut self) -> Result<bool, InputError> {
-        let read = self.reader.read_byte_record(&mut self.record);
-        read.map_err(|error| InputError::new(self.source, error.to_string()))
-    }
-
-    /// The line of a row, computed from the position of its first byte. The line count of the reader stops at blank lines
-    /// and is too small by one with CRLF.
-    fn line_of(&self, record: &ByteRecord) -> usize {
-        let bytes = self.text.as_bytes();
-        let start = record.position().map_or(0, csv::Position::byte);
-        let start = usize::try_from(start).unwrap_or(usize::MAX).min(bytes.len());
-        let blank = bytes[start..].iter().take_while(|byte| b"\r\n".contains(byte)).count();
-        line_at(bytes, start + blank)
+    /// The line of the record at an offset of the segment, which is at or after that of the last call. The line count of the
+    /// reader stops at blank lines and is too small by one with CRLF.
+    fn line_at(&mut self, start: usize) -> usize {
+        let text = self.reader.get_ref().get_ref();
+        let start = start.min(text.len());
+        let blank = text[start..].iter().take_while(|byte| b"\r\n".contains(byte)).count();
+        let (from, line) = self.counted;
+        let line =
+            line + line_at(&text[from.min(start + blank)..], start + blank - from.min(start + blank)) - 1;
+        self.counted = (start + blank, line);
+        line
     }
 }
 
 /// A reader that accepts rows of any length, so that [`Table::next_row`] reports the error.
-fn reader(text: &str) -> Reader<&[u8]> {
-    ReaderBuilder::new().has_headers(false).flexible(true).from_reader(text.as_bytes())
+fn reader(text: Vec<u8>) -> Reader<Cursor<Vec<u8>>> {
+    ReaderBuilder::new().has_headers(false).flexible(true).from_reader(Cursor::new(text))
 }
 
 /// A row; the number of its cells is that of the columns.
-pub struct Row<'t> {
-    table: &'t Table<'t>,
+pub struct Row<'t, 'a> {
+    table: &'t Table<'a>,
 }
 
-impl Row<'_> {
+impl Row<'_, '_> {
     /// Text of a cell, trimmed.
     ///
     /// # Panics
@@ -210,7 +204,7 @@ impl Row<'_> {
         let text = String::from_utf8_lossy(&self.table.record[column]);
         let found = if text.trim().is_empty() { "nothing".to_owned() } else { quoted(&text) };
         let error = InputError::expected(self.table.source, expected, found);
-        error.at_line(self.table.line_of(&self.table.record)).at_key(&self.table.names[column])
+        error.at_line(self.table.line).at_key(&self.table.names[column])
     }
 }
 
@@ -254,7 +248,8 @@ mod tests {
 
     #[test]
     fn errors_of_header_and_row_contain_the_line() {
-        let table = Table::parse(b"\na,b\n1,2\n\n3,4\n", "t.csv").unwrap();
+        let mut table = Table::parse(b"\na,b\n1,2\n\n3,4\n", "t.csv").unwrap();
+        while table.next_row().unwrap().is_some() {}
         assert_eq!(table.header_error("X", "Y").to_string(), "t.csv: line 2: expected X, found Y");
         assert_eq!(table.row_error(1, "X", "Y").to_string(), "t.csv: line 5: expected X, found Y");
     }

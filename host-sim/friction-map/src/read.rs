@@ -4,7 +4,7 @@ use std::path::Path;
 
 use super::map::{FrictionMap, Run, Unit};
 use files::error::{InputError, quoted};
-use files::table::{Row, Table, read_bytes};
+use files::table::{Row, Table};
 
 /// The columns of both units, for error messages.
 const ALLOWED: &str = "speed_rpm and torque_mnm, with speed_sd_rpm, torque_sd_mnm and samples where known; \
@@ -25,7 +25,8 @@ impl FrictionMap {
     /// # Errors
     /// If the file cannot be read, is not a table with the known columns, or contains too few runs.
     pub fn read(path: &Path) -> Result<Self, InputError> {
-        Self::parse(&read_bytes(path)?, &path.display().to_string())
+        let source = path.display().to_string();
+        Self::of_table(Table::open(path, &source)?, &source)
     }
 
     /// Reads a map from the bytes of a CSV file; `source` names it in error messages.
@@ -33,7 +34,10 @@ impl FrictionMap {
     /// # Errors
     /// If it is not a table with the known columns, or contains too few runs.
     pub fn parse(bytes: &[u8], source: &str) -> Result<Self, InputError> {
-        let mut table = Table::parse(bytes, source)?;
+        Self::of_table(Table::parse(bytes, source)?, source)
+    }
+
+    fn of_table(mut table: Table<'_>, source: &str) -> Result<Self, InputError> {
         let header = Header::parse(&table)?;
         let mut runs = Vec::new();
         while let Some(row) = table.next_row()? {
@@ -88,7 +92,7 @@ impl Header {
         })
     }
 
-    fn run(&self, row: &Row<'_>) -> Result<Run, InputError> {
+    fn run(&self, row: &Row<'_, '_>) -> Result<Run, InputError> {
         let value = |column: usize| {
             let value = row.measured(column)?;
             let is_deviation = [self.speed_deviation, self.force_deviation].contains(&Some(column));

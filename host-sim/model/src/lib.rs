@@ -9,6 +9,7 @@
 //! - [`motion`]: the motion file.
 //! - [`servo`]: converts the settings of an axis, and the effects in its controller, into settings of [`shared`].
 //! - [`position_curve`]: a quantity over position, given at knots.
+//! - [`residual_table`]: a residual that no effect describes.
 //! - [`range`]: the range of a declared number.
 
 pub mod axis;
@@ -21,4 +22,5 @@ pub mod machine;
 pub mod motion;
 pub mod position_curve;
 pub mod range;
+pub mod residual_table;
 pub mod servo;

@@ -17,6 +17,7 @@
 //! | [`axis_motion`] | the state of an axis: positions, velocities, bristles |
 //! | [`coupled_axes`], [`multibody`] | instead of `mechanics` where the machine file describes rigid bodies |
 //! | [`tool_point`] | from table to tool: offsets by acceleration, position and time; resonance |
+//! | [`residual_tables`] | residuals that no effect describes |
 //! | [`delay`], [`sensors`] | latency, noise and quantisation of the readings and of the log |
 //! | [`lane`] | arithmetic for one axis, or for two in one SIMD register |
 //!
@@ -39,6 +40,7 @@ pub mod mechanics;
 pub mod multibody;
 pub mod parameters;
 pub mod presliding;
+pub mod residual_tables;
 pub mod screw;
 pub mod sensors;
 pub mod simulate;

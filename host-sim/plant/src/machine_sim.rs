@@ -12,6 +12,7 @@ use super::delay::{Delay, ForceDelay, LogDelay};
 use super::instruments::Instruments;
 use super::mechanics::Stepper;
 use super::parameters::AxisParameters;
+use super::residual_tables::{Displacement, TableInput, displacement};
 use super::tool_point::{self, Oscillation, OscillationStep, Tables};
 use model::bodies::StructureError;
 use model::effects::Channel;
@@ -27,6 +28,8 @@ pub fn position(m: f64) -> Position {
 /// What is logged of one axis besides command and motor, SI.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Measurement {
+    /// Displacement of the motor by a table of residuals, which its encoder reads in the log.
+    pub motor_offset_m: f64,
     /// Reading of the tool-point probe.
     pub tool_m: f64,
     /// Reading of the linear scale, with the latency of the log.
@@ -171,11 +174,28 @@ impl MachineSim {
             let tool_m = tool_m - lag_m(&mut axis.tool_log_delay, tool_m);
             let force_n =
                 axis.force_log_delay.as_ref().map_or(axis.commanded_n, |delay| delay.logged_n(next_n));
+            let displaced = match &axis.parameters.residual_tables[..] {
+                [] => Displacement::default(),
+                residuals => displacement(
+                    residuals,
+                    &TableInput {
+                        position_m: table_m,
+                        velocity: table_m_per_s,
+                        acceleration: acceleration[i],
+                        force_n,
+                        other: (0..position_m.len())
+                            .find(|other| *other != i)
+                            .map_or([0.0; 2], |other| [position_m[other], acceleration[other]]),
+                    },
+                ),
+            };
             measurements.push(Measurement {
-                tool_m: self.instruments.tool.read(tool_m, &mut self.random),
+                motor_offset_m: displaced.motor_m,
+                tool_m: displaced.tool_m + self.instruments.tool.read(tool_m, &mut self.random),
                 table_m: readings[i].table.map_or(table_m, Position::to_m)
-                    - lag_m(&mut axis.table_log_delay, table_m),
-                force_n: self.instruments.force.read(force_n, &mut self.random),
+                    - lag_m(&mut axis.table_log_delay, table_m)
+                    + displaced.table_m,
+                force_n: displaced.force_n + self.instruments.force.read(force_n, &mut self.random),
             });
         }
         measurements

@@ -11,6 +11,7 @@ use model::machine::{Axis, Machine};
 use super::friction::{self, Friction};
 use super::screw::{Screw, Spring};
 use model::bodies;
+use model::residual_table::ResidualTable;
 use model::servo::ServoParameters;
 
 /// The parameters of one axis, SI. Motor quantities are reflected to the table by the lead.
@@ -44,6 +45,8 @@ pub struct AxisParameters {
     pub servo: ServoParameters,
     /// Latencies of the logged channels.
     pub latency: Vec<Latency>,
+    /// Residuals of the logged channels that no effect describes.
+    pub residual_tables: Vec<ResidualTable>,
 }
 
 /// Forces on the table against motion in the + direction that do not depend on its velocity.
@@ -107,6 +110,7 @@ impl AxisParameters {
     pub fn of(axis: &Axis) -> Self {
         let mut parameters = Self {
             servo: ServoParameters::of(&axis.effect),
+            residual_tables: axis.empirical.clone(),
             ..Self::without_effects(&axis.settings.mechanics)
         };
         for effect in &axis.effect {

@@ -12,7 +12,7 @@ use files::log::Log;
 use files::output::write_whole;
 use model::machine::Machine;
 use report::trace_page::{self, Extra};
-use trace::Trace;
+use trace::{Request, Task, Trace};
 
 /// Arguments of `trace`.
 #[derive(clap::Args)]
@@ -34,7 +34,8 @@ pub struct Arguments {
     /// has its declared values fitted.
     #[arg(long, conflicts_with_all = ["propose", "friction_map"])]
     evaluate: bool,
-    /// Add the unexplained residuals as tables over the variables on which they depend, if held-out data support them.
+    /// Add the unexplained residuals as tables over the variables on which they depend, if held-out data support them; they
+    /// become part of the model.
     #[arg(long)]
     empirical: bool,
     /// Write the motion file that distinguishes two effects best, if the logs do not distinguish them.
@@ -81,14 +82,13 @@ fn trace_logs(arguments: &Arguments, machine: &Path) -> Result<()> {
     let progress = Progress::start();
     progress.show("reading the logs");
     let (fit, validate) = (read(&arguments.fit)?, read(&arguments.validate)?);
-    let show = |what: &str| progress.show(what);
-    let trace = if arguments.evaluate {
-        trace::evaluate(&machine, &fit, &validate, &show)?
-    } else {
-        trace::trace(&machine, &fit, &validate, &show)?
-    };
-    drop(progress);
+    // Before the trace, which leaves memory in pieces that a path cannot use.
     let contour_errors = LogError::all(fit.iter().chain(&validate));
+    let show = |what: &str| progress.show(what);
+    let task = if arguments.evaluate { Task::Evaluate } else { Task::Search };
+    let request = Request { task, tables: arguments.empirical };
+    let trace = trace::requested(&machine, [&fit, &validate], request, &show)?;
+    drop(progress);
     let mut output = summary::of_trace(&trace);
     if !contour_errors.is_empty() {
         output += &format!("\n\n{}", contour::text::of_logs(&contour_errors));

@@ -8,19 +8,20 @@ use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::Exclusion;
 use crate::fit::final_fit::{FinalFit, final_fit, kept};
 use crate::fit::fit_data::{FitAndValidationRms, FitData};
+use crate::fit::fitted_scope::FittedScope;
 use crate::fit::least_squares::{self, Fitted};
 use crate::fit::model_bias::first_fit;
-use crate::fit::scope::Scope;
+use crate::fit::scope::{NotTestable, Scope};
 use crate::fit::scope_fit::{Progress, ScopeFit, fit_again, fit_jointly};
 use crate::fit::testable_scopes::scopes;
 use crate::fit::total_mass;
-use crate::not_testable::effects_not_testable;
+use crate::not_testable::{EffectNotTestable, effects_not_testable};
 use crate::outcome::{AxisTrace, StageError};
 use crate::search::ambiguity::Ambiguity;
 use crate::search::effect_search::EffectSearch;
 use crate::search::round::Round;
 use crate::stages::stage_names;
-use crate::task::Task;
+use crate::task::{Request, Task};
 use crate::validation::confirmation::{Confirmed, confirm};
 use crate::validation::declared_value::declared_values;
 use crate::validation::fitted_axis::FittedAxis;
@@ -29,15 +30,17 @@ use crate::validation::misfit::{Evidence, is_of_another_machine};
 use files::log::Unit;
 use model::effects::{Effect, Neighbours, Stage};
 use model::machine::Axis;
+use model::residual_table::ResidualTable;
 
 /// Traces or evaluates one axis. `progress` is called with a message for each step.
 #[must_use]
 pub fn trace(
     declared: &Axis,
     [fit_data, validate]: [&FitData<'_>; 2],
-    task: Task,
+    request: Request,
     progress: &Progress<'_>,
 ) -> AxisTrace {
+    let task = request.task;
     let (scopes, not_testable) = scopes(declared, fit_data);
     let written = AxisModel::new(declared, fit_data.rates, fit_data.options.model);
     let stage = Tracing { fit_data, scopes: &scopes, progress };
@@ -59,6 +62,7 @@ pub fn trace(
     let axis = FittedAxis { declared: before.clone(), model, fits };
     let Confirmed { axis, mut found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
+    let fitted_scopes = FittedScope::of(&axis.fits);
     let declared_values = declared_values([fit_data, validate], &axis);
     let exclusions = exclusions_of(&axis.fits);
     let evidence =
@@ -69,21 +73,15 @@ pub fn trace(
     found.retain(|_| !is_of_another_machine);
     let before = stage.shown_before(task, declared, [before, model.clone()]);
     // "The verdict" and "Beside the residuals".
-    let Remainder { errors, unexplained, repeats, tables } =
-        remainder([fit_data, validate], [&before, &model], &scopes, &exclusions);
+    let (model, remains) = stage.with_tables(request, validate, [&before, &model], &exclusions);
+    let Remainder { errors, unexplained, repeats, tables } = remains;
     let free_runs = free_runs_of(validate, [&before, &model]);
     let ambiguities = named_ambiguities(&rounds, &mut found);
     AxisTrace {
         task,
         axis: fit_data.name().to_owned(),
         unit: fit_data.logs.iter().find_map(|log| log.axes[fit_data.axis].unit).unwrap_or(Unit::Millimetre),
-        effects_not_testable: effects_not_testable(
-            &declared.settings,
-            Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 },
-            &stages,
-            &not_testable,
-            &tried(declared, &rounds),
-        ),
+        effects_not_testable: untested(declared, fit_data, (&stages, &not_testable), &rounds),
         data_faults: Vec::new(),
         ambiguities,
         bias: validate.bias.to_vec(),
@@ -92,6 +90,8 @@ pub fn trace(
         declared: before,
         model,
         scopes,
+        fitted_scopes,
+        subtracts_bias: !fit_data.bias.is_empty(),
         not_testable,
         found,
         refused,
@@ -169,6 +169,27 @@ impl Tracing<'_> {
         model
     }
 
+    /// What remains of the residuals under both models. If requested, what the logs confirm of it is added to the second model as
+    /// tables, and what remains is that beside the tables.
+    fn with_tables(
+        &self,
+        request: Request,
+        validate: &FitData<'_>,
+        models: [&AxisModel; 2],
+        exclusions: &[Exclusion],
+    ) -> (AxisModel, Remainder) {
+        let data = [self.fit_data, validate];
+        let [before, model] = models;
+        let remains = remainder(data, models, self.scopes, exclusions);
+        let confirmed: Vec<ResidualTable> = remains.tables.iter().filter_map(Empirical::confirmed).collect();
+        if !request.tables || confirmed.is_empty() {
+            return (model.clone(), remains);
+        }
+        let model = model.with_further_tables(&confirmed);
+        let beside = remainder(data, [before, &model], self.scopes, exclusions);
+        (model, Remainder { tables: remains.tables, ..beside })
+    }
+
     /// Searches for effects, scope by scope, unless the task is to evaluate; then fits all parameters to force and motor
     /// stage jointly, see [`fit_jointly`].
     fn search(&self, before: &AxisModel, task: Task) -> (AxisModel, Vec<ScopeFit>, Vec<Round>) {
@@ -195,6 +216,7 @@ impl Tracing<'_> {
             fits.push(fit);
         }
         fit_jointly(self.fit_data, &mut model, &mut fits, self.scopes, self.progress);
+        search.rounds.iter_mut().for_each(Round::forget_data);
         (model, fits, search.rounds)
     }
 
@@ -262,6 +284,17 @@ fn exclusions_of(fits: &[ScopeFit]) -> Vec<Exclusion> {
     let all = || fits.iter().flat_map(|fit| fit.exclusions.iter().copied());
     let of_motor = all().filter(|exclusion| exclusion.bump(Stage::Table).is_some());
     all().chain(of_motor.map(|exclusion| Exclusion { stage: Stage::Motor, ..exclusion })).collect()
+}
+
+/// The effects that could not be tested, and why, with the stages that were evaluated and those that could not be.
+fn untested(
+    declared: &Axis,
+    fit_data: &FitData<'_>,
+    (stages, missing): (&[Stage], &[NotTestable]),
+    rounds: &[Round],
+) -> Vec<EffectNotTestable> {
+    let neighbours = Neighbours { is_first: fit_data.axis == 0, others: fit_data.names.len() - 1 };
+    effects_not_testable(&declared.settings, neighbours, stages, missing, &tried(declared, rounds))
 }
 
 /// Names of the effects that are declared or were tried.

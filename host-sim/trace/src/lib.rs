@@ -3,13 +3,14 @@
 //! The steps of a trace:
 //!
 //! 1. [`data_faults`]: faults of the data are named, and corrected where that is possible.
-//! 2. [`input`]: admission of logs, filtering of their signals.
+//! 2. [`input`] and [`prepare`]: admission of logs, filtering of their signals.
 //! 3. [`prediction`]: prediction of each stage by a model, from the measured signal upstream of the stage.
 //! 4. [`fit`]: residuals, and fit of the declared values within their tolerance.
 //! 5. [`search`]: addition of effects of the catalogue that held-out data support.
 //! 6. [`validation`]: removal of effects at a limit, and of effects that the validation logs refute.
 //! 7. [`analysis`]: analysis of the remaining residuals.
-//! 8. [`verdict`]: agreement of model and logs; [`json`]: the result as JSON.
+//! 8. [`mod@whole`]: of long logs, in stretches of which steps 2 to 7 search: fit and residuals of all samples.
+//! 9. [`verdict`]: agreement of model and logs; [`json`]: the result as JSON.
 //!
 //! [`axis_trace`] executes these steps for one axis. [`outcome`] contains their results, [`options`] the thresholds, and
 //! [`not_testable`] the effects that were not searched for.
@@ -24,11 +25,13 @@ pub mod not_testable;
 pub mod options;
 pub mod outcome;
 pub mod prediction;
+pub mod prepare;
 pub mod search;
 pub mod stages;
 pub mod task;
 pub mod validation;
 pub mod verdict;
+pub mod whole;
 
 /// Names of the effects that a trace may find.
 pub use model::effects::names as effect_names;
@@ -36,9 +39,7 @@ pub use model::effects::names as effect_names;
 pub use model::machine::Machine;
 pub use options::TraceOptions;
 pub use outcome::Trace;
-pub use task::Task;
-
-use std::borrow::Cow;
+pub use task::{Request, Task};
 
 use rayon::prelude::*;
 
@@ -48,8 +49,12 @@ use files::log::Log;
 use fit::axis_model::AxisModel;
 use fit::scope_fit::Progress;
 use input::admission::{self, Admitted};
+use input::checks;
+use input::parts::Parts;
 use input::signals::Signals;
-use input::{checks, saturation};
+use prepare::Preparation;
+use whole::WholeLogs;
+use whole::refinement::refine;
 
 /// Traces a machine with the default thresholds. Without validation logs the last quarter of each log is held out.
 ///
@@ -76,7 +81,20 @@ pub fn evaluate(
     validate: &[Log],
     progress: &Progress<'_>,
 ) -> Result<Trace, InputError> {
-    run(&TraceOptions::default(), machine, [fit, validate], Task::Evaluate, progress)
+    requested(machine, [fit, validate], Request { task: Task::Evaluate, tables: false }, progress)
+}
+
+/// Does what is requested, with the default thresholds, fit logs and validation logs.
+///
+/// # Errors
+/// As [`trace`].
+pub fn requested(
+    machine: &Machine,
+    logs: [&[Log]; 2],
+    request: Request,
+    progress: &Progress<'_>,
+) -> Result<Trace, InputError> {
+    run(&TraceOptions::default(), machine, logs, request, progress)
 }
 
 /// Traces a machine with the given thresholds, fit logs and validation logs.
@@ -89,14 +107,14 @@ pub fn trace_with(
     logs: [&[Log]; 2],
     progress: &Progress<'_>,
 ) -> Result<Trace, InputError> {
-    run(options, machine, logs, Task::Search, progress)
+    run(options, machine, logs, Request::default(), progress)
 }
 
 fn run(
     options: &TraceOptions,
     machine: &Machine,
     [fit, validate]: [&[Log]; 2],
-    task: Task,
+    request: Request,
     progress: &Progress<'_>,
 ) -> Result<Trace, InputError> {
     let Admitted { fit, validate, notes } =
@@ -115,62 +133,53 @@ fn run(
         }
     }
     let first = fit.first().map(|log| log.source.clone());
-    let (fit, validate) = if validate.is_empty() { split(&fit, options) } else { (fit, validate) };
-    let [fit_logs, validate_logs] = [&fit, &validate].map(|logs| {
-        let mut signals = prepared(logs, machine, &names, first.as_deref(), options);
-        data_faults::excluded::mark(&excluded, &names, &mut signals);
-        for log in &mut signals {
-            log.estimate_noise_without_faults(&options.samples);
-        }
-        signals
+    let parts = Parts::of([&fit, &validate], &options.admission);
+    let preparation =
+        Preparation { machine, names: &names, first: first.as_deref(), excluded: &excluded, options };
+    let [fit_logs, validate_logs] = [0, 1].map(|set| {
+        let searched = parts.searched(set, &options.admission);
+        searched.par_iter().map(|piece| preparation.signals(piece)).collect::<Vec<Signals>>()
     });
-    let machine = machine.clone();
-    let options = *options;
+    if parts.are_long {
+        notes.extend(parts.note(&options.admission));
+    }
     let model = |axis| AxisModel::new(axis, machine.rates(), options.model);
     let declared_axes = machine.axis.values().map(model).collect();
-    let axes = Vec::new();
-    let mut trace = Trace { axes, fit_logs, validate_logs, names, machine, declared_axes, options, notes };
-    faults.extend(trace.correct_late_commands());
-    let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
-        let [fit_data, validate] = [&trace.fit_logs, &trace.validate_logs].map(|logs| trace.data(logs, i));
-        axis_trace::trace(axis, [&fit_data, &validate], task, progress)
+    let mut trace = Trace {
+        axes: Vec::new(),
+        fit_logs,
+        validate_logs,
+        names: names.clone(),
+        machine: machine.clone(),
+        declared_axes,
+        options: *options,
+        notes,
     };
-    let axes: Vec<&model::machine::Axis> = trace.machine.axis.values().collect();
-    trace.axes = axes.into_par_iter().enumerate().map(of_axis).collect();
+    let (late_commands, late) = trace.correct_late_commands();
+    faults.extend(late_commands);
+    trace.trace_axes(request, !parts.are_long, progress);
+    if parts.are_long {
+        refine(&mut trace, &WholeLogs { parts: &parts, preparation, late }, progress);
+    }
     trace.assign(faults);
     trace.propose_motions();
     Ok(trace)
 }
 
-/// The signals of logs, with saturated samples marked; `first` is the source of the first fit log.
-fn prepared(
-    logs: &[Cow<'_, Log>],
-    machine: &Machine,
-    names: &[String],
-    first: Option<&str>,
-    options: &TraceOptions,
-) -> Vec<Signals> {
-    let signals = |log: &Cow<'_, Log>| {
-        let has_own_zero = first.is_some_and(|first| first != log.source);
-        Signals { has_own_zero, ..Signals::new(log, names, &options.samples) }
-    };
-    let mut signals: Vec<Signals> = logs.par_iter().map(signals).collect();
-    saturation::mark(machine, &mut signals, &options.admission);
-    signals
-}
-
-/// Splits each log into the part to be fitted and the held-out part at its end.
-fn split<'a>(logs: &[Cow<'_, Log>], options: &TraceOptions) -> (Vec<Cow<'a, Log>>, Vec<Cow<'a, Log>>) {
-    let parts = logs.iter().map(|log| {
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "a fraction of the length"
-        )]
-        let end = ((1.0 - options.admission.held_out) * log.len() as f64).round() as usize;
-        (Cow::Owned(log.slice(0..end)), Cow::Owned(log.slice(end..log.len())))
-    });
-    parts.unzip()
+impl Trace {
+    /// Traces all axes, at the same time unless their logs are long: memory would grow with their number.
+    fn trace_axes(&mut self, request: Request, at_once: bool, progress: &Progress<'_>) {
+        let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
+            let [fit_data, validate] = [&self.fit_logs, &self.validate_logs].map(|logs| self.data(logs, i));
+            axis_trace::trace(axis, [&fit_data, &validate], request, progress)
+        };
+        let axes: Vec<&model::machine::Axis> = self.machine.axis.values().collect();
+        self.axes = if at_once {
+            axes.into_par_iter().enumerate().map(of_axis).collect()
+        } else {
+            axes.into_iter().enumerate().map(of_axis).collect()
+        };
+    }
 }
 
 #[cfg(test)]

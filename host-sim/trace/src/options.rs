@@ -29,11 +29,13 @@ options! {
         ///
         /// Sweep: nothing changes.
         rate_tolerance: f64 = 1e-3,
-        /// Maximum number of samples of all fit logs together, and of all validation logs. A fit stores about 50 numbers
-        /// per sample and axis, and takes seconds per 100 000 samples.
+        /// Maximum number of samples of all fit logs together, and of all validation logs, in which effects are searched for as
+        /// a whole. The search stores about 50 numbers per sample and axis, and takes seconds per 100 000 samples.
         ///
         /// Sweep: the unit test of a long log fails with either; the cases are shorter.
         max_samples: usize = 204_000,
+        /// Number of samples of longer logs in which effects are searched for, those that are held out included.
+        searched_samples: usize = 48_000,
         /// Minimum number of samples of a log.
         ///
         /// Sweep: nothing changes.
@@ -325,10 +327,6 @@ options! {
         ///
         /// Sweep: nothing changes.
         min_frequency_hz: f64 = 2.0,
-        /// Minimum velocity at which the direction of motion is significant, m/s.
-        ///
-        /// Sweep: nothing changes.
-        min_direction_m_per_s: f64 = 1e-4,
         /// Minimum number of samples per point of an empirical table.
         ///
         /// Sweep: nothing changes; only `--empirical` uses it.

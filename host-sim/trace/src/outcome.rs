@@ -4,9 +4,11 @@ use crate::analysis::empirical::Empirical;
 use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
-use crate::data_faults::{DataFault, Treatment, late_command};
+use crate::data_faults::late_command::{self, Late};
+use crate::data_faults::{DataFault, Treatment};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
+use crate::fit::fitted_scope::FittedScope;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::{NotTestable, Scope};
 use crate::input::signals::Signals;
@@ -64,6 +66,10 @@ pub struct AxisTrace {
     pub model: AxisModel,
     /// Stages that could be evaluated, by scope.
     pub scopes: Vec<Scope>,
+    /// The scopes as they were fitted.
+    pub fitted_scopes: Vec<FittedScope>,
+    /// Whether the error of the tracer's own simulation is subtracted from the residuals.
+    pub subtracts_bias: bool,
     /// Stages that could not be evaluated, with the reasons.
     pub not_testable: Vec<NotTestable>,
     /// Effects that could not be searched for, with the reasons.
@@ -153,23 +159,25 @@ impl Trace {
     }
 
     /// Shifts commands back that are logged late, in all logs, and returns these faults.
-    pub(crate) fn correct_late_commands(&mut self) -> Vec<DataFault> {
+    pub(crate) fn correct_late_commands(&mut self) -> (Vec<DataFault>, Vec<Late>) {
         let rates = self.machine.rates();
-        let mut faults = Vec::new();
+        let (mut faults, mut all_late) = (Vec::new(), Vec::new());
         for (number, model) in self.declared_axes.iter().enumerate() {
             let data = |logs| FitData::new(logs, &self.names, number, rates, &self.options);
             let found =
                 [&self.fit_logs, &self.validate_logs].map(|logs| late_command::lateness(&data(logs), model));
             let of_session = late_command::of_session(&found.concat());
-            for (logs, found) in [&mut self.fit_logs, &mut self.validate_logs].into_iter().zip(found) {
-                for (log, lateness) in logs.iter_mut().zip(found) {
-                    if let Some(late) = of_session.or(lateness) {
-                        faults.push(late_command::shift_back(log, number, &self.names[number], late));
+            let sets = [&mut self.fit_logs, &mut self.validate_logs].into_iter().zip(found).enumerate();
+            for (set, (logs, found)) in sets {
+                for (log, (signals, lateness)) in logs.iter_mut().zip(found).enumerate() {
+                    if let Some(samples) = of_session.or(lateness) {
+                        faults.push(late_command::shift_back(signals, number, &self.names[number], samples));
+                        all_late.push(Late { set, log, axis: number, samples });
                     }
                 }
             }
         }
-        faults
+        (faults, all_late)
     }
 
     /// Assigns the faults to their axes, and adds to the missing channels of each stage why they are not used.

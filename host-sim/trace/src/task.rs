@@ -10,3 +10,12 @@ pub enum Task {
     /// and sampling instants of the logs are fitted; "after" is the file with its declared values fitted.
     Evaluate,
 }
+
+/// What is asked of a trace.
+#[derive(Clone, Copy, Debug, Default, PartialEq, Eq)]
+pub struct Request {
+    /// What it does with the machine file.
+    pub task: Task,
+    /// Whether residuals that no effect describes become tables of the model, where held-out data confirm them.
+    pub tables: bool,
+}

@@ -6,7 +6,7 @@ use super::clock::{self, Irregular};
 use super::{AxisLog, Channel, Log, Unit};
 use crate::axis_name::is_axis_name;
 use crate::error::{InputError, quoted, shortened};
-use crate::table::{Table, read_bytes};
+use crate::table::Table;
 
 const TIME: &str = "time_s";
 const ALLOWED: &str = "time_s, NAME_command|motor|table|tool_mm|deg or NAME_force|added_force_n|nm";
@@ -17,7 +17,8 @@ impl Log {
     /// # Errors
     /// If the file cannot be read, is not a table with the known columns, or is not uniformly sampled.
     pub fn read(path: &Path) -> Result<Self, InputError> {
-        Self::parse(&read_bytes(path)?, &path.display().to_string())
+        let source = path.display().to_string();
+        Self::of_table(Table::open(path, &source)?, &source)
     }
 
     /// Reads a log from the bytes of a CSV file; `source` is the file name for error messages.
@@ -25,7 +26,10 @@ impl Log {
     /// # Errors
     /// If the bytes are not a table with the known columns, or not uniformly sampled.
     pub fn parse(bytes: &[u8], source: &str) -> Result<Self, InputError> {
-        let mut table = Table::parse(bytes, source)?;
+        Self::of_table(Table::parse(bytes, source)?, source)
+    }
+
+    fn of_table(mut table: Table<'_>, source: &str) -> Result<Self, InputError> {
         let header = Header::parse(&table)?;
         let (columns, decimals) = read_columns(&mut table, header.time)?;
         let times_s = &columns[header.time];

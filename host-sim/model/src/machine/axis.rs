@@ -8,6 +8,7 @@ use crate::axis::{
 };
 use crate::effects::Effect;
 use crate::friction_curve::Curve;
+use crate::residual_table::ResidualTable;
 
 /// One declared axis.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -21,6 +22,8 @@ pub struct Axis {
     pub log_offsets: Option<LogOffsets>,
     /// Effects found, in the order in which they were added.
     pub effect: Vec<Effect>,
+    /// Residuals that no effect describes.
+    pub empirical: Vec<ResidualTable>,
 }
 
 impl Axis {
@@ -64,6 +67,8 @@ macro_rules! axis_table {
             log_offsets: Option<LogOffsets>,
             #[serde(skip_serializing_if = "Vec::is_empty")]
             effect: Vec<Effect>,
+            #[serde(skip_serializing_if = "Vec::is_empty")]
+            empirical: Vec<ResidualTable>,
         }
 
         impl From<AxisTable> for Axis {
@@ -73,6 +78,7 @@ macro_rules! axis_table {
                     nominal: table.nominal,
                     log_offsets: table.log_offsets,
                     effect: table.effect,
+                    empirical: table.empirical,
                 }
             }
         }
@@ -84,6 +90,7 @@ macro_rules! axis_table {
                     nominal: axis.nominal,
                     log_offsets: axis.log_offsets,
                     effect: axis.effect,
+                    empirical: axis.empirical,
                 }
             }
         }

@@ -1,5 +1,6 @@
 //! Checks of a machine file beyond the names and types of its keys.
 
+mod empirical;
 mod loops;
 mod nominal;
 
@@ -42,6 +43,7 @@ pub(super) fn machine(machine: &Machine, document: &Document<'_>) -> Result<(), 
         context.travel()?;
         context.mechanics()?;
         context.nominal()?;
+        context.empirical(machine)?;
         context.log_offsets(machine.sample_rate_hz)?;
         for (index, effect) in axis.effect.iter().enumerate() {
             let effect_key = format!("{key}.effect[{index}]");

@@ -35,7 +35,7 @@ impl Sample {
     pub(super) fn new(reading: &Reading, output: &AxisOutput, measured: &Measurement) -> Self {
         Self {
             command_mm: 1e3 * output.command.to_m(),
-            motor_mm: 1e3 * reading.motor.to_m(),
+            motor_mm: 1e3 * (reading.motor.to_m() + measured.motor_offset_m),
             table_mm: 1e3 * measured.table_m,
             tool_mm: 1e3 * measured.tool_m,
             force_n: measured.force_n,

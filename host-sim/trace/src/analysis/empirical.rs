@@ -9,6 +9,7 @@ use super::variable::{Variable, values};
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::normal_equations::FOLDS;
 use model::effects::Stage;
+use model::residual_table::{ResidualTable, TableChannel};
 
 /// Number of evenly spaced points of a table.
 const POINTS: usize = 32;
@@ -24,6 +25,9 @@ pub struct Empirical {
     pub variable: Variable,
     /// Variable and residual (µm or N), sorted by the variable; linear in between.
     pub table: Vec<[f64; 2]>,
+    /// Whether the table is part of the model: it also lowers the residual of the validation logs.
+    #[serde(skip)]
+    pub is_confirmed: bool,
     /// Rms without the table, µm or N.
     pub before: FitAndValidationRms,
     /// Rms with the table; for the fit logs, each third with the table of the other two.
@@ -69,8 +73,24 @@ pub fn empirical(
         variable,
         before: FitAndValidationRms { fit: rms(before, &fitted), validate: rms(held_out_before, &held_out) },
         after: FitAndValidationRms { fit: rms(after, &fitted), validate: rms(held_out_after, &held_out) },
+        is_confirmed: held_out_after < held_out_before,
         table,
     })
+}
+
+impl Empirical {
+    /// The table for the model; `None` if the validation logs do not confirm it.
+    #[must_use]
+    pub fn confirmed(&self) -> Option<ResidualTable> {
+        let channel = match self.channel {
+            Stage::Motor => TableChannel::Motor,
+            Stage::Table => TableChannel::Table,
+            Stage::Tool => TableChannel::Tool,
+            Stage::Force => TableChannel::Force,
+        };
+        let variable = self.variable.of_table().filter(|_| self.is_confirmed && self.table.len() > 1)?;
+        Some(ResidualTable::new(channel, variable, &self.table))
+    }
 }
 
 /// All samples of a stage that count; `None` if the variable was not measured.

@@ -3,7 +3,8 @@
 use serde::Serialize;
 
 use crate::fit::fit_data::FitData;
-use crate::input::smoothing::Smooth;
+use crate::prediction::table_variable;
+use model::residual_table::TableVariable;
 
 /// A physical variable that a residual may depend on.
 #[derive(Clone, Copy, Debug, PartialEq, Eq, Serialize)]
@@ -29,23 +30,25 @@ pub enum Variable {
     None,
 }
 
+impl Variable {
+    /// The variable of a table of residuals; `None` for a time, or for none.
+    #[must_use]
+    pub const fn of_table(self) -> Option<TableVariable> {
+        Some(match self {
+            Self::Position => TableVariable::PositionMm,
+            Self::Velocity => TableVariable::VelocityMPerS,
+            Self::Acceleration => TableVariable::AccelerationMPerS2,
+            Self::Direction => TableVariable::Direction,
+            Self::Force => TableVariable::ForceN,
+            Self::OtherPosition => TableVariable::OtherPositionMm,
+            Self::OtherAcceleration => TableVariable::OtherAccelerationMPerS2,
+            Self::Time | Self::None => return None,
+        })
+    }
+}
+
 /// Values of a variable over one log, if it was measured: mm, m/s, m/s², N, or −1 to 1 for the direction.
 #[must_use]
 pub fn values(data: &FitData<'_>, log: usize, variable: Variable) -> Option<Vec<f64>> {
-    let axes = &data.logs[log].axes;
-    let own = &axes[data.axis];
-    let other = axes.iter().enumerate().find(|(i, _)| *i != data.axis).map(|(_, axis)| axis);
-    let millimetres = |smooth: &Smooth| smooth.position.iter().map(|m| 1e3 * m).collect();
-    let min_m_per_s = data.options.analysis.min_direction_m_per_s;
-    let sign = |v: &f64| if v.abs() < min_m_per_s { 0.0 } else { v.signum() };
-    match variable {
-        Variable::Position => own.table_or_motor().map(millimetres),
-        Variable::Velocity => own.table_or_motor().map(|smooth| smooth.velocity.clone()),
-        Variable::Acceleration => own.table_or_motor().map(|smooth| smooth.acceleration.clone()),
-        Variable::Direction => own.table_or_motor().map(|smooth| smooth.velocity.iter().map(sign).collect()),
-        Variable::Force => own.force.as_ref().map(|force| force.position.clone()),
-        Variable::OtherPosition => other?.table_or_motor().map(millimetres),
-        Variable::OtherAcceleration => other?.table_or_motor().map(|smooth| smooth.acceleration.clone()),
-        Variable::Time | Variable::None => None,
-    }
+    table_variable::values(&data.logs[log], data.axis, variable.of_table()?)
 }

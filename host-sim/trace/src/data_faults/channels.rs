@@ -1,5 +1,8 @@
 //! The position channels of an axis: their references, their accuracy, and the stages that use them.
 
+use std::borrow::Cow;
+use std::ops::Range;
+
 use files::log::{AxisLog, Channel};
 use model::effects::Stage;
 
@@ -50,9 +53,36 @@ pub fn stages(axis: &AxisLog, channel: Channel) -> &'static [Stage] {
 /// repeated readings counted once, if that is less, as the difference after a repeated reading is that of two samples.
 #[must_use]
 pub fn noise(values: &[f64]) -> f64 {
+    let values = thinned(values);
     let mut changed = values.to_vec();
     changed.dedup();
-    median_noise(values).min(median_noise(&changed))
+    median_noise(&values).min(median_noise(&changed))
+}
+
+/// Length from which a channel is regarded in stretches where it is compared as a whole.
+const LONG: usize = 400_000;
+/// Number and length of these stretches.
+const STRETCHES: [usize; 2] = [8, 32_768];
+
+/// The values of a channel, or of a long one evenly spaced stretches: medians and quantiles of differences hardly depend on which
+/// part of a log they are from, and the few differences across two stretches do not affect them.
+#[must_use]
+pub fn thinned(values: &[f64]) -> Cow<'_, [f64]> {
+    if values.len() < LONG {
+        return Cow::Borrowed(values);
+    }
+    Cow::Owned(stretches(values.len()).into_iter().flat_map(|range| &values[range]).copied().collect())
+}
+
+/// The stretches in which a channel with this number of samples is regarded; one of all samples if it is short.
+#[must_use]
+pub fn stretches(samples: usize) -> Vec<Range<usize>> {
+    if samples < LONG {
+        return std::iter::once(0..samples).collect();
+    }
+    let [count, length] = STRETCHES;
+    let start = |i: usize| i * (samples - length) / (count - 1);
+    (0..count).map(|i| start(i)..start(i) + length).collect()
 }
 
 fn median_noise(values: &[f64]) -> f64 {

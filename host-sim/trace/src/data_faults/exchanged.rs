@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::channels::POSITIONS;
+use super::channels::{POSITIONS, thinned};
 use super::difference::deviation;
 use super::fault::{FaultKind, Treatment};
 use super::findings::{Findings, Place};
@@ -13,7 +13,8 @@ use files::log::{Channel, Log};
 const COMMAND_FACTOR: f64 = 0.15;
 
 fn difference(a: &[f64], b: &[f64]) -> f64 {
-    deviation(&a.iter().zip(b).map(|(a, b)| a - b).collect::<Vec<f64>>())
+    let (a, b) = (thinned(a), thinned(b));
+    deviation(&a.iter().zip(&*b).map(|(a, b)| a - b).collect::<Vec<f64>>())
 }
 
 /// Whether the channel of each of two axes is that of the other, by all their other position channels.

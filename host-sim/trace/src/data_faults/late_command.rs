@@ -137,6 +137,19 @@ pub fn of_session(lateness: &[Option<usize>]) -> Option<usize> {
     (is_most && shown.iter().all(|&late| late == first)).then_some(first)
 }
 
+/// A command that is late in a log.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Late {
+    /// 0: fit logs, 1: validation logs.
+    pub set: usize,
+    /// Index of the log.
+    pub log: usize,
+    /// Index of the axis.
+    pub axis: usize,
+    /// Number of samples by which it is late.
+    pub samples: usize,
+}
+
 /// Shifts the command of an axis of a log back, excludes the samples at its end from the motor stage, as their command was
 /// not logged, and returns the fault.
 pub fn shift_back(log: &mut Signals, axis: usize, name: &str, late: usize) -> DataFault {

@@ -18,13 +18,15 @@ pub fn repeated(log: &Log) -> Option<usize> {
         .flat_map(|axis| Channel::ALL.map(|channel| axis.channel(channel)))
         .flatten()
         .collect();
-    let changes: Vec<usize> = (1..log.len())
-        .filter(|&row| columns.iter().any(|column| column[row].to_bits() != column[row - 1].to_bits()))
-        .collect();
-    let steps = || changes.windows(2).map(|two| two[1] - two[0]);
-    let every = steps().min()?;
-    let is_regular = steps().all(|step| step % every == 0);
-    ((2..=MAX_REPEATED).contains(&every) && changes.len() >= MIN_CHANGES && is_regular).then_some(every)
+    let changes = || {
+        (1..log.len())
+            .filter(|&row| columns.iter().any(|column| column[row].to_bits() != column[row - 1].to_bits()))
+    };
+    let steps = || changes().skip(1).zip(changes()).map(|(next, row)| next - row);
+    // Most logs end this at the first step of one row.
+    let every = steps().find(|step| *step < 2).or_else(|| steps().min())?;
+    let is_repeated = (2..=MAX_REPEATED).contains(&every) && changes().count() >= MIN_CHANGES;
+    (is_repeated && steps().all(|step| step % every == 0)).then_some(every)
 }
 
 /// The fault of a log that is left out, for each of its axes.

@@ -1,5 +1,7 @@
 //! The ratio of the motions of two channels.
 
+use super::channels::thinned;
+
 /// Ratio of the motion of one channel to that of another.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub struct Ratio {
@@ -35,6 +37,7 @@ const MIN_COUNT: usize = 40;
 /// repeated samples. `None` if the reference moves too little.
 #[must_use]
 pub fn ratio(values: &[f64], reference: &[f64], sample_s: f64) -> Option<Ratio> {
+    let (values, reference) = (&*thinned(values), &*thinned(reference));
     INCREMENTS_S.into_iter().find_map(|increment_s| {
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
         let step = (increment_s / sample_s).round().max(1.0) as usize;

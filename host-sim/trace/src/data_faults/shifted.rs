@@ -3,7 +3,7 @@
 use std::borrow::Cow;
 
 use super::bridge::bridge;
-use super::channels::{SENSORS, references};
+use super::channels::{SENSORS, references, thinned};
 use super::difference::deviation;
 use super::fault::{FaultKind, Treatment};
 use super::findings::{Findings, Place};
@@ -33,7 +33,7 @@ fn shift(values: &[f64], reference: &[f64], sample_s: f64, options: &FaultOption
     let largest = samples(MAX_SHIFT_S).min(isize::try_from(values.len() / 4).unwrap_or(0));
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 1")]
     let step = (smallest as f64 / STEPS).round().max(1.0) as usize;
-    let unshifted = difference(values, reference, 0, step);
+    let unshifted = difference(&thinned(values), &thinned(reference), 0, step);
     if unshifted < options.min_shifted_mm {
         return None;
     }

@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::channels::SENSORS;
+use super::channels::{SENSORS, stretches};
 use super::fault::{FaultKind, Treatment};
 use super::findings::{Findings, Place};
 use crate::input::smoothing::Smooth;
@@ -85,15 +85,21 @@ fn force_factor(declared: &Axis, axis: &AxisLog, sample_s: f64, options: &Sample
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
     let half = ((options.smoothing_s / sample_s).round() as usize).clamp(2, 50);
-    let motion = Smooth::new(positions.iter().map(|mm| 1e-3 * mm).collect(), sample_s, half);
     let friction = |velocity: f64| {
         let coulomb =
             mechanics.coulomb_n.unwrap_or(0.0) * (velocity / options.max_standstill_m_per_s).clamp(-1.0, 1.0);
         coulomb + mechanics.viscous_n_s_per_m.unwrap_or(0.0) * velocity
     };
-    let required: Vec<f64> =
-        motion.velocity.iter().zip(&motion.acceleration).map(|(v, a)| mass * a + friction(*v)).collect();
-    let [logged, required, velocity] = [force, &required, &motion.velocity].map(|values| {
+    let (mut logged, mut required, mut velocity) = (Vec::new(), Vec::new(), Vec::new());
+    for range in stretches(force.len()) {
+        let metres = positions[range.clone()].iter().map(|mm| 1e-3 * mm).collect();
+        let motion = Smooth::new(metres, sample_s, half);
+        let of_motion = motion.velocity.iter().zip(&motion.acceleration);
+        required.extend(of_motion.map(|(v, a)| mass * a + friction(*v)));
+        velocity.extend(motion.velocity);
+        logged.extend_from_slice(&force[range]);
+    }
+    let [logged, required, velocity] = [&logged, &required, &velocity].map(|values| {
         let mean = numerics::mean(values.iter().copied());
         values.iter().map(|value| value - mean).collect::<Vec<f64>>()
     });

@@ -87,6 +87,9 @@ impl<'a> FitData<'a> {
     #[must_use]
     pub fn settling(&self, log: usize) -> usize {
         let log = &self.logs[log];
+        if log.lead_in > 0 {
+            return log.lead_in.min(log.len());
+        }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0.3 s of samples")]
         let samples = (self.options.samples.settling_s / log.sample_s) as usize;
         samples.min(log.len() / 4)
@@ -110,6 +113,7 @@ impl<'a> FitData<'a> {
     pub fn counting(&self, stage: Stage, log: usize) -> impl Fn(usize) -> bool {
         let signals = self.signals(log);
         let depends_on_friction = matches!(stage, Stage::Table | Stage::Force);
+        let end = self.logs[log].len().saturating_sub(self.logs[log].lead_out);
         let settling = self.settling(log).max(if depends_on_friction { signals.sliding_from } else { 0 });
         let standstill = if depends_on_friction { &signals.standstill[..] } else { &[] };
         let saturated = if stage == Stage::Force { &signals.saturated[..] } else { &[] };
@@ -122,7 +126,7 @@ impl<'a> FitData<'a> {
             self.exclusions.iter().any(|exclusion| exclusion.covers(stage, || position_mm(sample)))
         };
         move |sample| {
-            sample >= settling
+            (settling..end).contains(&sample)
                 && !is(standstill, sample)
                 && !is(saturated, sample)
                 && !is(faulty, sample)

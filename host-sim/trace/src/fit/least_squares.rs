@@ -46,6 +46,13 @@ pub struct Fitted {
 }
 
 impl Fitted {
+    /// Frees the memory of everything that grows with the logs or with their blocks.
+    pub fn forget_data(&mut self) {
+        self.blocks = Vec::new();
+        self.residuals = Vec::new();
+        self.columns = Vec::new();
+    }
+
     /// Weighted Σr² of a stage.
     #[must_use]
     pub fn squares(&self, stage: Stage) -> f64 {

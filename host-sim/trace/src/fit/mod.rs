@@ -4,6 +4,7 @@
 //! - [`axis_model`], [`trim`], [`limits`]: free parameters, those of timing, and limits of their ranges
 //! - [`fit_data`], [`residual`], [`exclusion`], [`bump_subtraction`]: residuals, and the parts excluded from them
 //! - [`least_squares`], [`normal_equations`], [`intervals`]: solution and confidence intervals
+//! - [`fitted_scope`], [`tables`]: what a fit to whole logs needs; tables of residuals
 //! - [`scope_fit`], [`final_fit`], [`model_bias`]: fits scope by scope, and with the error of the simulation subtracted
 
 pub mod axis_model;
@@ -11,6 +12,7 @@ pub mod bump_subtraction;
 pub mod exclusion;
 pub mod final_fit;
 pub mod fit_data;
+pub mod fitted_scope;
 pub mod intervals;
 pub mod least_squares;
 pub mod limits;
@@ -19,6 +21,7 @@ pub mod normal_equations;
 pub mod residual;
 pub mod scope;
 pub mod scope_fit;
+pub mod tables;
 pub mod testable_scopes;
 pub mod tool_bias;
 pub mod total_mass;

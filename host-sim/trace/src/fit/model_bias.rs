@@ -36,7 +36,9 @@ pub fn of(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualS
     if logs.len() < data.logs.len() {
         return Vec::new();
     }
-    FitData { logs: &logs, bias: &[], exclusions: &[], ..*data }.residuals(model, scope)
+    // The simulated logs are those of the model without its tables.
+    let without_tables = model.with_tables(Vec::new());
+    FitData { logs: &logs, bias: &[], exclusions: &[], ..*data }.residuals(&without_tables, scope)
 }
 
 /// The error of a model of a file that an earlier trace wrote, if subtracting it lowers the residuals: the values of such a

@@ -13,7 +13,7 @@ use crate::prediction::driven::{self, Driven, DrivenInput};
 use crate::prediction::force_sampling::ForceSampling;
 use crate::prediction::force_windup;
 use crate::prediction::initial_state::InitialState;
-use crate::prediction::tool;
+use crate::prediction::{table_variable, tool};
 use model::effects::Stage;
 use model::servo;
 use plant::parameters::AxisParameters;
@@ -63,6 +63,12 @@ impl FitData<'_> {
                     difference(measured, &tool.unwrap_or_default(), 1e6, model.tool_zero_um)
                 }
             };
+            for table in model.axis.empirical.iter().filter(|table| table.stage() == *stage) {
+                let Some(at) = table_variable::values(&self.logs[log], self.axis, table.variable) else {
+                    continue;
+                };
+                values.iter_mut().zip(at).for_each(|(value, at)| *value -= table.value(at));
+            }
             let counts = self.counting(*stage, log);
             for (i, value) in values.iter_mut().enumerate() {
                 if !counts(i) {

@@ -1,8 +1,8 @@
-//! Admission of logs: refusal, thinning, shortening.
+//! Admission of logs: refusal, thinning.
 
 use std::borrow::Cow;
 
-use super::{checks, copies, length, sampling_rate, saturation};
+use super::{checks, copies, sampling_rate, saturation};
 use crate::options::AdmissionOptions;
 use files::error::InputError;
 use files::log::Log;
@@ -15,7 +15,7 @@ pub struct Admitted<'a> {
     pub fit: Vec<Cow<'a, Log>>,
     /// Validation logs; empty if the fit logs are to be split.
     pub validate: Vec<Cow<'a, Log>>,
-    /// Sentences on logs that were thinned or shortened, and on missing channels.
+    /// Sentences on logs that were thinned, and on missing channels.
     pub notes: Vec<String>,
 }
 
@@ -37,7 +37,7 @@ pub fn at_machine_rate<'a>(
     Ok(Admitted { fit, validate, notes })
 }
 
-/// Checks logs at the rate of the machine, and shortens them.
+/// Checks logs at the rate of the machine.
 ///
 /// # Errors
 /// If a log does not match the machine file or the other logs, or contains no usable motion.
@@ -54,15 +54,12 @@ pub fn admit<'a>(
     copies::refuse(fit.iter().chain(&validate).map(AsRef::as_ref), options)?;
     notes.extend(checks::lacking(machine, &fit, &validate)?);
     saturation::check(machine, &fit, options, &mut notes)?;
-    let fit = length::limited(fit, options, &mut notes);
-    let validate = length::limited(validate, options, &mut notes);
     Ok(Admitted { fit, validate, notes })
 }
 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::input::length::{STRETCHES, limited};
     use crate::input::signals::Signals;
     use crate::options::SampleOptions;
     use files::log::{AxisLog, Unit};
@@ -219,23 +216,5 @@ mod tests {
         let fit = [Cow::Owned(log("a.csv", 1000.0, Unit::Millimetre))];
         let is_at_rest = |axis| checks::is_at_rest(&fit, axis, &AdmissionOptions::default());
         assert!(is_at_rest("y") && !is_at_rest("x"));
-    }
-
-    #[test]
-    fn a_log_that_is_too_long_is_reduced_to_stretches() {
-        let mut long = log("long.csv", 1000.0, Unit::Millimetre);
-        let options = AdmissionOptions::default();
-        let max = options.max_samples;
-        let count = 2 * max;
-        for axis in &mut long.axes {
-            axis.motor = Some((0..count).map(|i| i as f64).collect());
-            axis.force = None;
-        }
-        let mut notes = Vec::new();
-        let cut = limited(vec![Cow::Borrowed(&long)], &options, &mut notes);
-        assert_eq!((cut.len(), cut.iter().map(|log| log.len()).sum::<usize>()), (STRETCHES, max));
-        let first = |log: &Log| log.axes[0].motor.as_ref().unwrap()[0];
-        assert_eq!((first(&cut[0]), first(&cut[11])), (0.0, (count - max / STRETCHES) as f64));
-        assert!(notes[0].contains("12 stretches of 17 s"), "{notes:?}");
     }
 }

@@ -1,14 +1,14 @@
 //! Admission of logs, and preparation of their signals.
 //!
-//! [`admission`] applies [`sampling_rate`], [`checks`], [`copies`], [`saturation`] and [`length`] to the logs. [`signals`]
-//! prepares the admitted logs with [`smoothing`], [`motor_path`] and [`added_force`].
+//! [`admission`] applies [`sampling_rate`], [`checks`], [`copies`] and [`saturation`] to the logs. [`parts`] divides
+//! them into what is fitted and what is held out. [`signals`] prepares them with [`smoothing`], [`motor_path`] and [`added_force`].
 
 pub mod added_force;
 pub mod admission;
 pub mod checks;
 pub mod copies;
-pub mod length;
 pub mod motor_path;
+pub mod parts;
 pub mod sampling_rate;
 pub mod saturation;
 pub mod signals;

@@ -52,6 +52,11 @@ pub struct Signals {
     pub sample_s: f64,
     /// Whether the zeros of the encoders may differ from those of the first fitted log, as this is another recording.
     pub has_own_zero: bool,
+    /// Number of samples at the start that are simulated but not evaluated, if these signals are a piece of a longer log: the
+    /// state of the machine at the start of a piece is not known. 0: the settling time.
+    pub lead_in: usize,
+    /// Number of samples at the end that are not evaluated, as the filters reach beyond the end of a piece.
+    pub lead_out: usize,
     /// Signals of the axes, in the order of the machine.
     pub axes: Vec<AxisSignals>,
 }
@@ -75,6 +80,8 @@ impl Signals {
             start_s: log.start_s,
             sample_s,
             has_own_zero: false,
+            lead_in: 0,
+            lead_out: 0,
             axes: axes.iter().map(prepared).collect(),
         }
     }

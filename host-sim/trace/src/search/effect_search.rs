@@ -176,6 +176,8 @@ impl EffectSearch<'_> {
             (self.progress)(&format!("{name}: added {}", candidates[added].effect.name()));
         }
         let stages = scope.stages.clone();
+        // Of earlier rounds only the effects and their comparisons are needed.
+        self.rounds.iter_mut().for_each(Round::forget_data);
         self.rounds.push(Round { stages, candidates, added, ambiguities, options: data.options.search });
         best.map(|(_, fitted)| fitted)
     }

@@ -2,6 +2,7 @@
 
 use super::ambiguity::Ambiguity;
 use super::candidates::Candidate;
+use crate::fit::least_squares::Fitted;
 use crate::fit::limits::ParameterAtLimit;
 use crate::options::SearchOptions;
 use model::effects::Stage;
@@ -22,6 +23,12 @@ pub struct Round {
 }
 
 impl Round {
+    /// Frees the memory of the fits of its candidates: their effects and comparisons remain.
+    pub fn forget_data(&mut self) {
+        let fits = self.candidates.iter_mut().filter_map(|candidate| candidate.fitted.as_mut());
+        fits.for_each(Fitted::forget_data);
+    }
+
     /// Index of the best candidate with a large gain that was not supported. Candidates with a parameter at a limit are
     /// reported separately.
     #[must_use]

@@ -1,0 +1,99 @@
+//! Normal equations over whole logs.
+
+use nalgebra::{DMatrix, DVector};
+
+use super::WholeLogs;
+use crate::fit::fit_data::{FitData, ResidualSeries};
+use crate::fit::fitted_scope::FittedScope;
+use crate::fit::least_squares::derivatives;
+use crate::fit::model_bias;
+use crate::fit::normal_equations::{Block, blocks};
+use crate::input::signals::Signals;
+use crate::outcome::{AxisTrace, Trace};
+use model::effects::Stage;
+
+/// Weighted Σr², `Jᵀr` and `JᵀJ` of the scope of an axis over the fitted parts.
+#[derive(Clone, Debug)]
+pub struct NormalSums {
+    /// Weighted Σr².
+    pub squares: f64,
+    /// `Jᵀr`.
+    pub gradient: DVector<f64>,
+    /// `JᵀJ`.
+    pub curvature: DMatrix<f64>,
+}
+
+impl NormalSums {
+    fn of(blocks: &[Block], parameters: usize) -> Self {
+        let mut sums = Self {
+            squares: 0.0,
+            gradient: DVector::zeros(parameters),
+            curvature: DMatrix::zeros(parameters, parameters),
+        };
+        for block in blocks {
+            sums.squares += block.squares;
+            sums.gradient += &block.gradient;
+            sums.curvature += &block.curvature;
+        }
+        sums
+    }
+
+    fn add(&mut self, other: &Self) {
+        self.squares += other.squares;
+        self.gradient += &other.gradient;
+        self.curvature += &other.curvature;
+    }
+}
+
+/// The normal equations of the scope of each axis with this number, at the models of the axes; `None` for an axis with fewer
+/// scopes, or one whose model is not to be fitted.
+#[must_use]
+pub fn normal_sums(whole: &WholeLogs<'_>, trace: &Trace, number: usize) -> Vec<Option<NormalSums>> {
+    let of_pieces = whole.map(0, |piece, signals| {
+        let logs = [signals];
+        let of_axis = |axis: usize| of_piece(trace, axis, number, (piece.part, &logs));
+        (0..trace.axes.len()).map(of_axis).collect::<Vec<_>>()
+    });
+    let mut of_pieces = of_pieces.into_iter();
+    let mut sums = of_pieces.next().unwrap_or_default();
+    for piece in of_pieces {
+        for (sum, of_axis) in sums.iter_mut().zip(&piece) {
+            if let (Some(sum), Some(of_axis)) = (sum, of_axis) {
+                sum.add(of_axis);
+            }
+        }
+    }
+    sums
+}
+
+fn of_piece(
+    trace: &Trace,
+    index: usize,
+    number: usize,
+    (part, logs): (usize, &[Signals; 1]),
+) -> Option<NormalSums> {
+    let axis = &trace.axes[index];
+    let FittedScope { scope, exclusions, .. } = axis.fitted_scopes.get(number)?;
+    let weights = axis.fitted_scopes[number].weights_of_log(part);
+    let parameters = axis.model.free_parameters(scope).len();
+    if !axis.may_be_refined() || parameters == 0 || weights.is_empty() {
+        return None;
+    }
+    let data = trace.data(logs, index);
+    let bias = bias(&data, axis, &scope.stages);
+    let data = FitData { bias: &bias, exclusions, ..data };
+    let residuals = data.residuals(&axis.model, scope);
+    let columns = derivatives(&data, &axis.model, scope, 0..parameters, &residuals);
+    Some(NormalSums::of(&blocks(&data, &columns, &residuals, weights), parameters))
+}
+
+/// The error of the tracer's own simulation in some stages of a piece, if it is subtracted.
+#[must_use]
+pub fn bias(data: &FitData<'_>, axis: &AxisTrace, stages: &[Stage]) -> Vec<ResidualSeries> {
+    if !axis.subtracts_bias {
+        return Vec::new();
+    }
+    let of_stages =
+        axis.scopes.iter().filter(|scope| scope.stages.iter().any(|stage| stages.contains(stage)));
+    of_stages.flat_map(|scope| model_bias::of(data, &axis.model, scope)).collect()
+}
