@@ -5,7 +5,7 @@ use serde_json::{Map, Value, json};
 use super::circle::{CircleError, LapError};
 use super::corner::CornerError;
 use super::evaluation::{BlockError, ContourError};
-use super::logged::LogError;
+use super::log_error::LogError;
 
 /// All figures of a contour error. `axes` are the names of the axes.
 #[must_use]

@@ -2,7 +2,7 @@
 //!
 //! - [`path`]: the nominal path, from a motion's blocks or from a log's command
 //! - [`evaluation`]: the error of each sample, and its figures: maximum, rms, per block, circles, corners
-//! - [`logged`], [`long_log`]: the same for a log, and for a long one section by section
+//! - [`logged`], [`long_log`], [`log_error`]: the same for a log, for a long one section by section, and for several with their names
 //! - [`circle`], [`circular_test`]: radial deviation F, circular deviation G and hysteresis H (ISO 230-4)
 //! - [`reversal_spike`]: peaks where an axis reverses
 //! - [`corner`]: overshoot and rounding
@@ -17,6 +17,7 @@ pub mod comparison;
 pub mod corner;
 pub mod evaluation;
 pub mod json;
+pub mod log_error;
 pub mod logged;
 pub mod long_log;
 pub mod path;

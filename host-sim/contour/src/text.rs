@@ -3,7 +3,7 @@
 use super::circle::{CircleError, LapError};
 use super::corner::CornerError;
 use super::evaluation::{BlockError, ContourError};
-use super::logged::LogError;
+use super::log_error::LogError;
 use files::format::{fixed, signed, significant};
 use files::log::Channel;
 

@@ -15,7 +15,7 @@ use compensate::place::Place;
 use compensate::plan::{Plan, Planning};
 use compensate::prediction::{PredictionError, TestMotion};
 use compensate::round_trip::{self, Compared, RealMachine, SimulatedMachine};
-use contour::logged::LogError;
+use contour::log_error::LogError;
 use files::error::InputError;
 use files::log::Log;
 use link::controller::Format;

@@ -2,7 +2,7 @@
 
 use maud::{Markup, html};
 
-use contour::logged::LogError;
+use contour::log_error::LogError;
 use files::format::{fixed, signed};
 use model::effects::Effect;
 use pages::markup::{Column, note, number_cell, paragraph, table, text};

@@ -7,7 +7,7 @@ use maud::{Markup, html};
 use super::axis_view::AxisView;
 use super::before_after::{self, RoundTripMotion};
 use super::{circle_plots, ranking, residual_plots, sentences, tables};
-use contour::logged::LogError;
+use contour::log_error::LogError;
 use files::output::OutputError;
 use model::effects::Effect;
 use pages::file_name;

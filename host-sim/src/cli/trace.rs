@@ -7,7 +7,7 @@ use anyhow::Result;
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
 use super::{friction_map, summary};
-use contour::logged::LogError;
+use contour::log_error::LogError;
 use files::log::Log;
 use files::output::write_whole;
 use model::machine::Machine;

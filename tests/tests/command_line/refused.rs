@@ -241,17 +241,13 @@ fn machines_that_cannot_be_controlled() {
             SIMULATE,
             "machine.toml",
             huge,
-            &[
-                "machine.toml: axis.x.position_gain_per_s: expected a number from 4.768e-5 to 2048 in this number format",
-            ],
+            &["machine.toml: axis.x.position_gain_per_s: expected a number from 4.768e-5 to 2048"],
         ),
         bad(
             SIMULATE,
             "machine.toml",
             with(MACHINE, "lead_mm = 10.0", "lead_mm = 10.0\nfastest_mm_per_s = 1e12"),
-            &[
-                "machine.toml: axis.x.fastest_mm_per_s: expected a number from 0 to 8305 in this number format",
-            ],
+            &["machine.toml: axis.x.fastest_mm_per_s: expected a number from 0 to 8305"],
         ),
     ]);
 }

@@ -85,7 +85,7 @@ fn numbers_out_of_range_are_rejected() {
         (
             "following_error_limit_mm",
             "1e11",
-            "axis.x.following_error_limit_mm: expected a number from 0 to 132.9 in",
+            "axis.x.following_error_limit_mm: expected a number from 0 to 132.9",
         ),
     ] {
         assert_fails(&machine(&[(key, value)]), MOTION, 2, &["machine.toml: ", expected]);
