@@ -6,7 +6,8 @@ use shared::compensate::settings::{ForceModel, Pitch, PitchSource, Points};
 use shared::compensate::{AxisCompensation, AxisOf, CompensationKind, CompensationSettings, Dependence};
 use shared::config::{AxisSettings, Rates, Sensors};
 use shared::feedback::OriginShift;
-use shared::interpolate::Block;
+use shared::interpolate::path::QUEUE;
+use shared::interpolate::{Block, PathError};
 use shared::machine::{Machine, MachineError, Reading};
 use shared::safety::{Fault, FaultKind};
 use shared::scalar::{Fixed, Scalar};
@@ -161,4 +162,31 @@ fn a_warning_is_reported_until_the_drives_are_disabled() {
     }
     machine.disable();
     assert_eq!(machine.warning(), None);
+}
+
+/// There is room exactly as long as a block is accepted. A block that has ended makes room for one.
+#[test]
+fn there_is_room_as_long_as_blocks_are_accepted() {
+    let mut machine =
+        Machine::<Fixed, 2>::new(RATES, &[AxisSettings::default(); 2], [Position(0); 2]).unwrap();
+    let block = |k: usize| Block::line([1e-3 * k as f64, 0.0], 0.1, 1.0);
+    for k in 1..=QUEUE {
+        assert!(machine.has_room(), "block {k}");
+        machine.push(&block(k)).unwrap();
+    }
+    assert!(!machine.has_room());
+    assert_eq!(machine.push(&block(QUEUE + 1)), Err(PathError::QueueFull));
+    machine.enable();
+    let mut readings = AT_ZERO;
+    // A block of 1 mm at 1 m/s² takes less than 2·√(1 mm / 1 m/s²) = 63 ms, 1265 ticks; with its neighbours joined, less.
+    let waiting = (0..2000).take_while(|_| {
+        let commands = machine.tick(&readings).commands;
+        readings = commands.map(|motor| Reading { motor, table: None });
+        !machine.has_room()
+    });
+    // 1 mm at no more than 0.1 m/s takes 10 ms, 200 ticks.
+    let waited = waiting.count();
+    assert!((200..1265).contains(&waited), "{waited} ticks");
+    machine.push(&block(QUEUE + 1)).unwrap();
+    assert!(!machine.has_room());
 }
