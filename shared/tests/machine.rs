@@ -190,3 +190,19 @@ fn there_is_room_as_long_as_blocks_are_accepted() {
     machine.push(&block(QUEUE + 1)).unwrap();
     assert!(!machine.has_room());
 }
+
+/// A message names the axis and the setting, or what the path refuses; no two causes share a message.
+#[test]
+fn a_refusal_says_what_is_refused() {
+    let refused = AxisSettings { position_gain_per_s: -1.0, ..AxisSettings::default() };
+    let settings = [AxisSettings::default(), refused];
+    let error = Machine::<Fixed, 2>::new(RATES, &settings, [Position(0); 2]).unwrap_err();
+    let message = error.to_string();
+    assert!(message.contains("axis 1") && message.contains("position_gain_per_s"), "{message}");
+    assert_eq!(MachineError::from(PathError::QueueFull).to_string(), PathError::QueueFull.to_string());
+    let messages = [message]
+        .into_iter()
+        .chain([MachineError::PathRunning, MachineError::NoSuchAxis].map(|error| error.to_string()));
+    let messages: std::collections::BTreeSet<_> = messages.collect();
+    assert!(messages.len() == 3 && messages.iter().all(|message| message.len() > 10), "{messages:?}");
+}
