@@ -113,10 +113,11 @@ fn position_ticks_are_every_fifth_from_the_enable_on() {
     }
 }
 
-/// On a motor that does not move and without an integral part, F = Kv·Kp·(corrected command − motor). A pitch error of 5 µm is
-/// corrected by 5 µm, in the direction that the force shows.
-#[test]
-fn the_corrected_command_is_what_the_position_loop_follows() {
+/// Position gain · velocity gain of [`proportional`], N/m.
+const STIFFNESS_N_PER_M: f64 = 33.0 * 50_000.0;
+
+/// Two axes without an integral part, the drives on. The second has a pitch error of 5 µm and the load of [`compensation`].
+fn proportional() -> Machine<Fixed, 2> {
     let settings = AxisSettings {
         position_gain_per_s: 33.0,
         velocity_gain_n_s_per_m: 50_000.0,
@@ -128,17 +129,26 @@ fn the_corrected_command_is_what_the_position_loop_follows() {
     let compensation = CompensationSettings {
         pitch: Some(Pitch { of: PitchSource::Screw, forward, backward: None }),
         position_rate_m_per_s: 1e-3,
-        ..CompensationSettings::default()
+        ..compensation()
     };
     machine.compensate(1, &compensation).unwrap();
     machine.enable();
+    machine
+}
+
+/// On a motor that does not move and without an integral part, F = Kv·Kp·(corrected command − motor). A pitch error of 5 µm is
+/// corrected by 5 µm, in the direction that the force shows.
+#[test]
+fn the_corrected_command_is_what_the_position_loop_follows() {
+    let mut machine = proportional();
+    machine.switch(1, CompensationKind::Force, false).unwrap();
     // 5 µm at 1 mm/s take 100 ticks; after 4000 all filters have settled.
     let forces = (0..4000).map(|_| machine.tick(&AT_ZERO).forces).last().unwrap();
     let [x_m, y_m] = machine.corrected_command().map(Position::to_m);
     assert_eq!((machine.command(), x_m), ([Position(0); 2], 0.0));
     // A step of a table of corrections is below 1 nm.
     assert!((y_m.abs() - 5e-6).abs() < 1e-9, "{y_m} m");
-    let expected = 50_000.0 * 33.0 * y_m;
+    let expected = STIFFNESS_N_PER_M * y_m;
     // A step of the velocity command, 1 nm/s, is 0.05 mN; one of the force 0.06 mN.
     assert!((forces[1].value() - expected).abs() < 1e-3, "{:?}, not {expected} N", forces[1]);
 }
@@ -205,4 +215,26 @@ fn a_refusal_says_what_is_refused() {
         .chain([MachineError::PathRunning, MachineError::NoSuchAxis].map(|error| error.to_string()));
     let messages: std::collections::BTreeSet<_> = messages.collect();
     assert!(messages.len() == 3 && messages.iter().all(|message| message.len() > 10), "{messages:?}");
+}
+
+/// Each switch of the user acts on its own compensation of its own axis, also when it is set twice.
+#[test]
+fn compensations_are_switched_one_by_one() {
+    let mut machine = proportional();
+    for [pitch, load] in [[true, true], [true, false], [false, false], [false, true], [true, true]] {
+        for _ in 0..2 {
+            machine.switch(1, CompensationKind::Pitch, pitch).unwrap();
+            machine.switch(1, CompensationKind::Force, load).unwrap();
+            machine.switch(0, CompensationKind::Pitch, !pitch).unwrap();
+            machine.switch(0, CompensationKind::Force, !load).unwrap();
+        }
+        // 5 µm at 1 mm/s take 5 ms, 100 N at 10⁵ N/s one: both have ended after 0.2 s.
+        let forces = (0..4000).map(|_| machine.tick(&AT_ZERO).forces).last().unwrap();
+        let y_m = machine.corrected_command()[1].to_m();
+        assert!((y_m.abs() - if pitch { 5e-6 } else { 0.0 }).abs() < 1e-9, "{pitch}, {load}: {y_m} m");
+        let added = forces[1].value() - STIFFNESS_N_PER_M * y_m;
+        // Twice the tolerance above: the load and the output of the position loop are rounded separately.
+        assert!((added - if load { 100.0 } else { 0.0 }).abs() < 2e-3, "{pitch}, {load}: {added} N");
+        assert_eq!(forces[0], Fixed::ZERO);
+    }
 }
