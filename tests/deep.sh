@@ -36,6 +36,8 @@ files_of() {
 tests_of() {
   case ${1%%/*} in
   machine) echo enabling first_motion homing link machine monitor safety session ;;
+  drive) echo --lib amplifier first_motion homing inputs link pins ;;
+  homing) echo --lib homing ;;
   feedback) echo --lib dual_feedback ;;
   *) echo --lib --tests ;;
   esac
