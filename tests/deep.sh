@@ -9,9 +9,9 @@
 #   tests/deep.sh fuzz [SECONDS]       fuzzing of the link and of the lock-step protocol (600), with cargo-fuzz and nightly
 #
 # A PART is a module of shared/src: control, drive, feedback, safety, monitor, machine, session, protocol unless named; link,
-# homing, storage, capture, compensate and others by name. A file that is done is not repeated as long
-# as neither source nor tests change, so that an interrupted run can be continued; FRESH=1 starts again. Installs
-# missing tools.
+# homing, storage, capture, compensate and others by name; also a file of one, as machine/reference. A file that is done is
+# not repeated as long as neither source nor tests change, so that an interrupted run can be continued; FRESH=1 starts
+# again. Installs missing tools.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
@@ -31,8 +31,32 @@ files_of() {
   if [ -d "shared/src/$1" ]; then find "shared/src/$1" -name '*.rs' | sort; else echo "shared/src/$1.rs"; fi
 }
 
-# Hash of everything in the copy that a result depends on.
+# The tests that a mutant of a part is run with, a word each: --lib, --tests, or the name of a file in shared/tests. Those that
+# detect its mutants are listed, so that the others are neither built nor run; all where that was not measured.
+tests_of() {
+  case ${1%%/*} in
+  machine) echo enabling first_motion homing link machine monitor safety session ;;
+  drive) echo --lib amplifier first_motion homing inputs link pins ;;
+  homing) echo --lib homing ;;
+  feedback) echo --lib dual_feedback ;;
+  *) echo --lib --tests ;;
+  esac
+}
+
+# Arguments of cargo for the tests of a part.
+test_arguments() {
+  local test
+  for test in $(tests_of "$1"); do
+    case $test in --*) echo "--cargo-arg=$test" ;; *) echo "--cargo-arg=--test=$test" ;; esac
+  done
+}
+
+# Hash of everything in the copy that a result depends on, and the tests of a part.
 fingerprint() {
+  echo "$(hash_of_tree) $(tests_of "$1")"
+}
+
+hash_of_tree() {
   (
     cd "$tree"
     cat Cargo.lock Cargo.toml .cargo/mutants.toml rust-toolchain.toml shared/Cargo.toml
@@ -55,16 +79,18 @@ lines() { if [ -f "$1" ]; then wc -l <"$1"; else echo 0; fi; }
 
 mutants_of() { (cd "$tree" && cargo mutants --list --package shared --file "$1" "${@:2}" | wc -l); }
 
-# Tests every mutant of a file. No shrinking of failures, and the same random cases for all mutants.
+# Tests every mutant of a file of a part. No shrinking of failures, and the same random cases for all mutants.
 mutate() {
-  local file=$1 results=$work/mutants/$1 status=0
+  local file=$1 part=$2 results=$work/mutants/$1 status=0
+  local -a arguments
+  mapfile -t arguments < <(test_arguments "$part")
   rm -rf "$results"
   mkdir -p "$results"
   (cd "$tree" && CARGO_TARGET_DIR=$work/build PROPTEST_MAX_SHRINK_ITERS=0 PROPTEST_RNG_SEED=1 \
     PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 nice cargo mutants --in-place --package shared --file "$file" \
-    --output "$results" --timeout "$timeout_s" --caught --unviable --no-shuffle --colors never) || status=$?
+    --output "$results" --timeout "$timeout_s" --caught --unviable --no-shuffle --colors never "${arguments[@]}") || status=$?
   # 2: some were missed, 3: some timed out. Any other status is a failure of cargo-mutants.
-  case $status in 0 | 2 | 3) fingerprint >"$results/done" ;; *) exit "$status" ;; esac
+  case $status in 0 | 2 | 3) fingerprint "$part" >"$results/done" ;; *) exit "$status" ;; esac
 }
 
 mutants() {
@@ -84,9 +110,9 @@ mutants() {
       listed=$(mutants_of "$file")
       all=$(mutants_of "$file" --no-config)
       [ "$all" -gt 0 ] || continue
-      if [ "$(cat "$results/done" 2>/dev/null)" != "$(fingerprint)" ]; then
+      if [ "$(cat "$results/done" 2>/dev/null)" != "$(fingerprint "$part")" ]; then
         step "$file: $listed mutants"
-        if [ "$listed" -gt 0 ]; then mutate "$file"; fi
+        if [ "$listed" -gt 0 ]; then mutate "$file" "$part"; fi
       fi
       local -A of=([equivalent]=$((all - listed)))
       for kind in caught missed timeout unviable; do of[$kind]=$(lines "$results/mutants.out/$kind.txt"); done

@@ -2,12 +2,14 @@
 //! withdrawn.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
+use shared::compensate::CompensationSettings;
+use shared::compensate::settings::{Pitch, PitchSource, Points};
 use shared::config::{AxisSettings, Law, Rates, Sensors};
 use shared::interpolate::Block;
 use shared::machine::{Machine, Output, Reading};
 use shared::safety::Power;
 use shared::scalar::{Fixed, Scalar};
-use shared::units::Position;
+use shared::units::{PER_NM, Position};
 
 const DIVIDER: u32 = 5;
 
@@ -168,8 +170,6 @@ fn the_integral_is_reset_between_disable_and_enable() {
 /// A constant correction is added to the command when the drives are disabled and enabled again. Neither the command nor
 /// the correction changes, so the feed-forward is zero.
 fn force_stays_zero_with_a_correction<S: Scalar>() {
-    use shared::compensate::CompensationSettings;
-    use shared::compensate::settings::{Pitch, PitchSource, Points};
     let pitch = Points { start_m: -0.1, spacing_m: 0.1, values: [1e-4; 3].into_iter().collect() };
     let settings = CompensationSettings {
         pitch: Some(Pitch { of: PitchSource::Screw, forward: pitch, backward: None }),
@@ -196,4 +196,61 @@ fn feed_forward_does_not_kick_with_a_constant_correction() {
     force_stays_zero_with_a_correction::<Fixed>();
     force_stays_zero_with_a_correction::<f32>();
     force_stays_zero_with_a_correction::<f64>();
+}
+
+/// A pitch error of the screw is corrected in the command and in the reading of the scale alike, because a loop on the scale
+/// does not see it. The drives therefore come on where the scale is, as without the correction.
+fn comes_on_at_the_scale_with_a_correction<S: Scalar>(sensors: Sensors) {
+    let pitch = Points { start_m: -0.1, spacing_m: 0.1, values: [1e-4; 3].into_iter().collect() };
+    let settings = CompensationSettings {
+        pitch: Some(Pitch { of: PitchSource::Screw, forward: pitch, backward: None }),
+        ..CompensationSettings::default()
+    };
+    let mut machine = machine::<S>(&AxisSettings { sensors, ..AxisSettings::default() });
+    machine.compensate(0, &settings).unwrap();
+    machine.enable();
+    // 0.1 mm at 10 mm/s take 10 ms, 200 ticks.
+    for _ in 0..2000 {
+        tick(&mut machine, 0.0, Some(0.0));
+    }
+    let corrected_m = machine.corrected_command()[0].to_m() - machine.command()[0].to_m();
+    assert!((corrected_m.abs() - 1e-4).abs() < 1e-8, "{}: {corrected_m} m", S::NAME);
+    machine.disable();
+    for [motor_m, table_m] in [[2e-3, 1.2e-3], [-2e-3, -2.7e-3]] {
+        for _ in 0..3 {
+            let [command] = tick(&mut machine, motor_m, Some(table_m)).commands;
+            // Both corrections are the same number: the sum is exact but for the steps of f32, 10⁻⁷ of 0.1 mm.
+            assert!((command.to_m() - table_m).abs() < 1e-10, "{} {sensors:?}: {command:?}", S::NAME);
+        }
+        machine.enable();
+        for _ in 0..20 {
+            let output = tick(&mut machine, motor_m, Some(table_m));
+            assert_eq!(output.warning, None, "{} {sensors:?}", S::NAME);
+            // A following error of the correction, 0.1 mm, would be Kp·Kv·0.1 mm, above 100 N.
+            assert!(output.forces[0].value().abs() < 0.1, "{} {sensors:?}: {:?}", S::NAME, output.forces);
+        }
+        machine.disable();
+    }
+}
+
+#[test]
+fn with_a_correction_of_the_screw_the_drives_come_on_where_the_scale_is() {
+    for sensors in [Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }] {
+        comes_on_at_the_scale_with_a_correction::<Fixed>(sensors);
+        comes_on_at_the_scale_with_a_correction::<f32>(sensors);
+        comes_on_at_the_scale_with_a_correction::<f64>(sensors);
+    }
+}
+
+/// An axis may be 0.1 mm away from the start of its path in either direction, and no position unit more.
+#[test]
+fn a_path_starts_at_a_distance_of_a_tenth_of_a_millimetre_and_not_beyond() {
+    let limit = 100_000 * PER_NM;
+    for (distance, starts) in [(limit, true), (limit + 1, false), (-limit, true), (-limit - 1, false)] {
+        let mut machine = machine::<Fixed>(&AxisSettings::default());
+        machine.push(&Block::line([0.1], 0.1, 1.0)).unwrap();
+        machine.enable();
+        let output = machine.tick(&[Reading { motor: Position(distance), table: None }]);
+        assert_eq!((output.warning.is_none(), output.done), (starts, !starts), "{distance}");
+    }
 }

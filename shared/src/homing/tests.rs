@@ -2,6 +2,8 @@
 
 extern crate std;
 
+mod legs;
+
 use proptest::prelude::*;
 
 use super::*;
