@@ -231,8 +231,9 @@ mod tests {
         let options = AdmissionOptions::default();
         let parts = Parts::of([&logs, &[]], &options);
         let ranges =
-            |set: usize| parts.searched(set, &options).iter().map(Piece::samples).collect::<Vec<_>>();
-        assert_eq!((ranges(0), ranges(1), parts.are_long), (vec![0..3000], vec![3000..4000], false));
+            [0, 1].map(|set| parts.searched(set, &options).iter().map(Piece::samples).collect::<Vec<_>>());
+        assert_eq!(ranges.concat(), [0..3000, 3000..4000]);
+        assert!(ranges.iter().all(|of_set| of_set.len() == 1) && !parts.are_long);
     }
 
     #[test]
@@ -255,10 +256,10 @@ mod tests {
         let options = AdmissionOptions::default();
         let logs = [Cow::Owned(log(1_600_000))];
         let parts = Parts::of([&logs, &[]], &options);
-        for (set, share) in [(0, 0.75), (1, 0.25)] {
+        for (set, quarters) in [(0, 3), (1, 1)] {
             let pieces = parts.searched(set, &options);
             assert_eq!(pieces.len(), SECTIONS);
-            let length = (share * options.searched_samples as f64) as usize / SECTIONS;
+            let length = quarters * options.searched_samples / 4 / SECTIONS;
             assert!(pieces.iter().all(|piece| piece.evaluated.len().abs_diff(length) <= 1));
             // Within a stretch the axis moves in at least half of the time: amplitude 1 mm, 0.02 rad per sample.
             let values = logs[0].axes[0].motor.as_ref().unwrap();
