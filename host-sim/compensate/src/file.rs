@@ -70,7 +70,7 @@ impl AxisCompensation {
         match self.refused(name, machine) {
             Some(error) => {
                 let key = format!("axis.{name}.compensation.{}", error.name());
-                Err(document.refuse(&key, &expected(&error)))
+                Err(document.refuse(&key, &error.expectation().to_string()))
             }
             None => Ok(()),
         }
@@ -82,13 +82,6 @@ impl AxisCompensation {
         let place = AxisOf { axis, axes: machine.axis.len() };
         compensate::AxisCompensation::<Fixed>::new(&self.compensation, machine.rates(), place).err()
     }
-}
-
-/// What was expected of a setting.
-fn expected(error: &ConfigError) -> String {
-    let text = error.to_string();
-    let problem = text.strip_prefix(error.name()).unwrap_or(&text);
-    problem.trim_start_matches(": expected ").to_owned()
 }
 
 impl CompensationFile {
@@ -213,7 +206,8 @@ impl Refused {
     /// What was expected.
     #[must_use]
     pub fn problem(&self) -> String {
-        self.config().map_or_else(|| self.error.to_string(), |error| format!("expected {}", expected(error)))
+        self.config()
+            .map_or_else(|| self.error.to_string(), |error| format!("expected {}", error.expectation()))
     }
 
     const fn config(&self) -> Option<&ConfigError> {

@@ -43,15 +43,17 @@ pub fn write_whole(
 /// # Errors
 /// If there is none.
 pub fn check_folder(path: &Path) -> Result<(), OutputError> {
-    folder_of(path).map(drop).map_err(|cause| OutputError { path: path.to_owned(), cause })
+    existing_folder_of(path).map(drop).map_err(|cause| OutputError { path: path.to_owned(), cause })
 }
 
-/// The folder of a file.
-fn folder_of(path: &Path) -> io::Result<&Path> {
-    let folder = match path.parent() {
-        Some(folder) if !folder.as_os_str().is_empty() => folder,
-        _ => Path::new("."),
-    };
+/// The folder of a file, which need not exist; `.` for a file name alone.
+#[must_use]
+pub fn folder_of(path: &Path) -> &Path {
+    path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."))
+}
+
+fn existing_folder_of(path: &Path) -> io::Result<&Path> {
+    let folder = folder_of(path);
     if folder.is_dir() {
         Ok(folder)
     } else {
@@ -106,7 +108,7 @@ fn replace(path: &Path, fill: impl FnOnce(&mut dyn Write) -> io::Result<()>) -> 
 
 /// A temporary file in the folder of `path`, so that renaming does not cross file systems.
 fn temporary_beside(path: &Path) -> io::Result<NamedTempFile> {
-    let folder = folder_of(path)?;
+    let folder = existing_folder_of(path)?;
     let mut builder = Builder::new();
     builder.prefix(".lost-motion-");
     set_permissions(&mut builder);

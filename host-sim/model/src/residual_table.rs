@@ -110,12 +110,19 @@ impl ResidualTable {
     pub fn value(&self, variable: f64) -> f64 {
         let error = self.error();
         let above = self.at.partition_point(|x| *x < variable);
-        let point = |i: usize| Some((*self.at.get(i)?, *error.get(i)?));
-        match (above.checked_sub(1).and_then(point), point(above)) {
-            (Some((x0, y0)), Some((x1, y1))) => y0 + (y1 - y0) * (variable - x0) / (x1 - x0),
-            (Some((_, y)), None) | (None, Some((_, y))) => y,
-            (None, None) => 0.0,
-        }
+        let point = |i: usize| Some([*self.at.get(i)?, *error.get(i)?]);
+        between(above.checked_sub(1).and_then(point), point(above), variable)
+    }
+}
+
+/// The value between the neighbouring points (variable, value) of a table, on a straight line; beyond the last or the first point
+/// its value, and 0 without any.
+#[must_use]
+pub fn between(below: Option<[f64; 2]>, above: Option<[f64; 2]>, variable: f64) -> f64 {
+    match (below, above) {
+        (Some([x0, y0]), Some([x1, y1])) => y0 + (y1 - y0) * (variable - x0) / (x1 - x0),
+        (Some([_, y]), None) | (None, Some([_, y])) => y,
+        (None, None) => 0.0,
     }
 }
 

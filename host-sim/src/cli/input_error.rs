@@ -90,8 +90,6 @@ impl Inputs<'_> {
             }
             error => error,
         };
-        let text = error.to_string();
-        let problem = text.strip_prefix(&format!("{name}: ")).unwrap_or(&text);
-        InputError::new(self.machine_file, problem).at_key(&key)
+        InputError::new(self.machine_file, format!("expected {}", error.expectation())).at_key(&key)
     }
 }

@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use files::error::{InputError, quoted};
-use files::output::{check_folder, write_whole};
+use files::output::{check_folder, folder_of, write_whole};
 
 /// An output: its flag, and its path if it is given.
 #[derive(Clone, Copy, Debug)]
@@ -23,8 +23,7 @@ pub enum Output<'a> {
 /// The first output that cannot be written.
 pub fn check_outputs(inputs: &[&Path], outputs: &[Output<'_>]) -> anyhow::Result<()> {
     let canonical = |path: &Path| {
-        let folder = path.parent().filter(|folder| !folder.as_os_str().is_empty()).unwrap_or(Path::new("."));
-        let in_folder = || Some(folder.canonicalize().ok()?.join(path.file_name()?));
+        let in_folder = || Some(folder_of(path).canonicalize().ok()?.join(path.file_name()?));
         path.canonicalize().ok().or_else(in_folder).filter(|path| !path.exists() || path.is_file())
     };
     let mut taken: Vec<PathBuf> = inputs.iter().filter_map(|path| canonical(path)).collect();

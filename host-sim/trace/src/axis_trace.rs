@@ -251,8 +251,12 @@ fn remainder(
     for scope in scopes {
         let [fit_before, fit_after] = [before, model].map(|model| fit_data.residuals(model, scope));
         let [held_out_before, held_out_after] = [before, model].map(|model| validate.residuals(model, scope));
+        let has_exclusion = exclusions.iter().any(|exclusion| scope.stages.contains(&exclusion.stage));
+        let beside = has_exclusion.then(|| {
+            [fit_data, validate].map(|data| FitData { exclusions, ..*data }.residuals(model, scope))
+        });
         let [fit_beside, held_out_beside] =
-            [fit_data, validate].map(|data| FitData { exclusions, ..*data }.residuals(model, scope));
+            beside.as_ref().map_or([&fit_after, &held_out_after], |[fit, held_out]| [fit, held_out]);
         for &stage in &scope.stages {
             let noise = fit_data.noise(model, stage);
             let pair = |fitted, held_out| FitAndValidationRms {
@@ -263,7 +267,7 @@ fn remainder(
                 stage,
                 before: pair(&fit_before, &held_out_before),
                 after: pair(&fit_after, &held_out_after),
-                beside_exclusions: pair(&fit_beside, &held_out_beside),
+                beside_exclusions: pair(fit_beside, held_out_beside),
                 noise,
                 max_described: fit_data.options.verdict.max_described(noise),
             });

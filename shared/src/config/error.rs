@@ -1,5 +1,7 @@
 //! Why settings were rejected.
 
+use core::fmt;
+
 /// Why settings were rejected, with the name of the setting.
 #[derive(Clone, Copy, Debug, PartialEq)]
 pub enum ConfigError {
@@ -56,35 +58,39 @@ impl ConfigError {
             | Self::NotAnotherAxis { name, .. } => name,
         }
     }
-}
 
-impl core::fmt::Display for ConfigError {
-    fn fmt(&self, f: &mut core::fmt::Formatter<'_>) -> core::fmt::Result {
-        match self {
-            Self::NotFinite(name) => write!(f, "{name}: expected a finite number"),
-            Self::NotPositive(name) => write!(f, "{name}: expected a number above 0"),
-            Self::NotWhileRunning(name) => write!(f, "{name}: expected what the machine was made with"),
-            Self::Requires { name, other } => {
-                write!(f, "{name}: expected together with {other}, which is missing")
-            }
-            Self::OutOfRange { name, min, max } => {
-                write!(f, "{name}: expected a number from ")?;
+    /// What is expected of the setting, without its name: `a number above 0`.
+    #[must_use]
+    pub fn expectation(&self) -> impl fmt::Display + '_ {
+        fmt::from_fn(|f| match self {
+            Self::NotFinite(_) => f.write_str("a finite number"),
+            Self::NotPositive(_) => f.write_str("a number above 0"),
+            Self::NotWhileRunning(_) => f.write_str("what the machine was made with"),
+            Self::Requires { other, .. } => write!(f, "together with {other}, which is missing"),
+            Self::OutOfRange { min, max, .. } => {
+                f.write_str("a number from ")?;
                 write_number(f, *min)?;
                 f.write_str(" to ")?;
                 write_number(f, *max)
             }
-            Self::Count { name, max } => write!(f, "{name}: expected 2 to {max} values"),
-            Self::NotAnotherAxis { name, axes } => {
-                write!(f, "{name}: expected the number of another axis, of {axes} counted from 0")
+            Self::Count { max, .. } => write!(f, "2 to {max} values"),
+            Self::NotAnotherAxis { axes, .. } => {
+                write!(f, "the number of another axis, of {axes} counted from 0")
             }
-        }
+        })
+    }
+}
+
+impl fmt::Display for ConfigError {
+    fn fmt(&self, f: &mut fmt::Formatter<'_>) -> fmt::Result {
+        write!(f, "{}: expected {}", self.name(), self.expectation())
     }
 }
 
 impl core::error::Error for ConfigError {}
 
 /// Writes four significant digits, in scientific notation below 1e-3 and from 1e7.
-fn write_number(f: &mut core::fmt::Formatter<'_>, value: f64) -> core::fmt::Result {
+fn write_number(f: &mut fmt::Formatter<'_>, value: f64) -> fmt::Result {
     if value == 0.0 || !value.is_finite() {
         return write!(f, "{value}");
     }

@@ -36,6 +36,15 @@ pub enum Selected {
     Usb,
 }
 
+impl Selected {
+    const fn other(self) -> Self {
+        match self {
+            Self::Uart => Self::Usb,
+            Self::Usb => Self::Uart,
+        }
+    }
+}
+
 /// A USB port.
 #[derive(Debug)]
 pub struct UsbPort<'r, B> {
@@ -134,10 +143,7 @@ impl<'r, A: BytePort, B: BytePort> TwoPorts<'r, A, B> {
         for byte in core::iter::once(0).chain(frame) {
             let _ = self.hello.push_back(byte);
         }
-        self.selected = match self.selected {
-            Selected::Uart => Selected::Usb,
-            Selected::Usb => Selected::Uart,
-        };
+        self.selected = self.selected.other();
         // Ends what was sent at this port before.
         self.send(self.selected, &[0]);
     }
@@ -145,13 +151,9 @@ impl<'r, A: BytePort, B: BytePort> TwoPorts<'r, A, B> {
     /// A refusal that the port does not take is lost: the host repeats its request.
     #[inline(never)]
     fn refuse(&mut self, header: Header, refusal: Refusal) {
-        let other = match self.selected {
-            Selected::Uart => Selected::Usb,
-            Selected::Usb => Selected::Uart,
-        };
         let mut frame = Frame::new();
         if packet::encode(header, &FromBoard::Reply(Reply::Refused(refusal)), &mut frame).is_ok() {
-            self.send(other, &frame);
+            self.send(self.selected.other(), &frame);
         }
     }
 

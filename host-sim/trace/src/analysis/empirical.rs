@@ -9,7 +9,7 @@ use super::variable::{Variable, values};
 use crate::fit::fit_data::{FitAndValidationRms, FitData, ResidualSeries};
 use crate::fit::normal_equations::FOLDS;
 use model::effects::Stage;
-use model::residual_table::{ResidualTable, TableChannel};
+use model::residual_table::{ResidualTable, TableChannel, between};
 
 /// Number of evenly spaced points of a table.
 const POINTS: usize = 32;
@@ -146,11 +146,7 @@ fn squares<'a>(samples: impl Iterator<Item = &'a Sample>, table: &[[f64; 2]]) ->
 /// The table at a value: linear between its points, constant beyond them.
 fn at(table: &[[f64; 2]], value: f64) -> f64 {
     let above = table.partition_point(|[x, _]| *x < value);
-    match (above.checked_sub(1).map(|i| table[i]), table.get(above).copied()) {
-        (Some([x0, y0]), Some([x1, y1])) => y0 + (y1 - y0) * (value - x0) / (x1 - x0),
-        (Some([_, y]), None) | (None, Some([_, y])) => y,
-        (None, None) => 0.0,
-    }
+    between(above.checked_sub(1).map(|i| table[i]), table.get(above).copied(), value)
 }
 
 #[cfg(test)]

@@ -85,10 +85,11 @@ impl EffectSearch<'_> {
                 // A candidate may have been refused because of a part of the residual that is to be excluded.
                 new = new_exclusions(&data, refused, scope);
             }
-            if new.is_empty() {
+            let is_full = exclusions.len() >= self.data.options.exclusion.max_count;
+            if new.is_empty() && !is_full {
                 new.extend(bump_in_place_of_map(&data, &fitted, scope));
             }
-            if new.is_empty() || exclusions.len() >= self.data.options.exclusion.max_count {
+            if new.is_empty() || is_full {
                 if !exclusions.is_empty() {
                     fitted = self.drop_remains_of_exclusions(&data, fitted, scope);
                 }
