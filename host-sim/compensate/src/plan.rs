@@ -335,10 +335,7 @@ impl Planning<'_> {
     fn item(&self, part: &Part, before_um: f64, after_um: f64) -> Item {
         let (effect, axis) = self.names(part);
         let does = match part {
-            Part::Effect(index, effect) => match treatment::of(&self.model.axis[*index].effect[*effect]) {
-                Treatment::Compensated(does) => does,
-                Treatment::Not { .. } => "",
-            },
+            Part::Effect(index, effect) => &treatment::description(&self.model.axis[*index].effect[*effect]),
             Part::Force(_) => {
                 "the force for the commanded acceleration, friction and load is added to the controller's"
             }

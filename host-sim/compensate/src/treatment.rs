@@ -26,6 +26,20 @@ pub const fn of(effect: &Effect) -> Treatment {
     Treatment::Not { why, instead }
 }
 
+/// What the controller does about an effect, and what to set against what it leaves; empty if it does nothing.
+#[must_use]
+pub fn description(effect: &Effect) -> String {
+    match (of(effect), effect) {
+        (Treatment::Compensated(does), Effect::Resonance(resonance)) => format!(
+            "{does}; against the oscillation that steps of the acceleration excite, limit the jerk, or set smoothing_s = {:.4}, \
+             one period, on all axes of the machine file",
+            resonance.frequency_hz.recip()
+        ),
+        (Treatment::Compensated(does), _) => does.to_owned(),
+        (Treatment::Not { .. }, _) => String::new(),
+    }
+}
+
 /// What the controller does about an effect, if it can.
 const fn done(effect: &Effect) -> Option<&'static str> {
     Some(match effect {
@@ -107,12 +121,15 @@ const fn not_done(effect: &Effect) -> (&'static str, &'static str) {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::effects::{DriveLag, Intalk, Latency};
+    use model::effects::{DriveLag, Intalk, Latency, Resonance};
 
     #[test]
     fn an_effect_is_compensated_or_has_its_reason() {
         let intalk = of(&Effect::Intalk(Intalk::default()));
         assert!(matches!(intalk, Treatment::Compensated(does) if does.contains("acceleration")));
+        let channel = model::effects::Channel::Tool;
+        let resonance = Resonance { channel, frequency_hz: 62.5, damping_ratio: 0.02 };
+        assert!(description(&Effect::Resonance(resonance)).contains("smoothing_s = 0.0160,"));
         let latency = Latency { channel: model::effects::Channel::Tool, ms: 1.0 };
         for effect in [Effect::DriveLag(DriveLag::default()), Effect::Latency(latency)] {
             let Treatment::Not { why, .. } = of(&effect) else { panic!("{effect:?} is compensated") };
