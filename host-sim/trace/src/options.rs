@@ -293,6 +293,9 @@ options! {
         /// A map of the screw is a local defect if a bump explains at least this fraction of what the map describes beside a
         /// straight line.
         min_map_bump_fraction: f64 = 0.97,
+        /// Largest ratio of the table's residual with a bump to that with the map. In logs of six machines with a defect it is
+        /// 0.2 to 2.3; 8 and 45 in those of two machines with a pitch error whose map resembles a bump.
+        max_bump_residual: f64 = 4.0,
         /// Minimum fraction of the residual's power before the exclusion that an effect must explain in a scope with an
         /// exclusion. Smaller effects are residuals of the excluded part.
         ///

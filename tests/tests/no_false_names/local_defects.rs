@@ -3,6 +3,7 @@
 
 use model::effects::Stage;
 use self_test::case::Case;
+use self_test::kind::Kind;
 use trace::Trace;
 use trace::analysis::variable::Variable;
 use trace::verdict::{self, Verdict};
@@ -53,4 +54,29 @@ fn a_bump_of_the_table_is_no_map_of_the_screw() {
 #[test]
 fn a_bump_of_the_tool_is_no_effect_of_the_acceleration() {
     checked(115);
+}
+
+/// Two pitch errors of three long waves, of which half a wave was taken for the bump of a defect, beside a slope or a wave that the
+/// screw does not have; 0.3 and 0.5 µm were left of them.
+#[test]
+fn half_a_wave_of_a_pitch_error_is_no_bump() {
+    for number in [2, 7] {
+        let case = Case::draw_kind(Kind::Shape, 1, number).unwrap();
+        let trace = trace::trace(&case.machine, &case.fit, &case.validate, &|_| ()).unwrap();
+        let shape = case.extras.iter().find(|extra| extra.name == "pitch_shape").unwrap();
+        let mut expected: Vec<String> =
+            case.truths.iter().map(|truth| format!("{}: {}", truth.axis, truth.name)).collect();
+        expected.push(format!("{}: pitch_map", shape.axis));
+        // A map has no slope of its own.
+        let slope = format!("{}: pitch_progressive", shape.axis);
+        let mut found = trace.found_names();
+        found.retain(|name| *name != slope);
+        expected.sort();
+        found.sort();
+        assert_eq!(found, expected, "case {number}");
+        // The encoders have a noise of about 0.01 µm; a map with knots leaves a little more.
+        let of_axis = trace.axes.iter().find(|axis| axis.axis == shape.axis).unwrap();
+        let table = of_axis.errors.iter().find(|error| error.stage == Stage::Table).unwrap();
+        assert!(table.after.validate < 0.05, "case {number}: {table:?}");
+    }
 }
