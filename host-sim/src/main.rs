@@ -9,13 +9,18 @@ fn main() -> ExitCode {
     cli::run()
 }
 
-/// Keeps the size from which the allocator of the GNU C library returns freed memory to the system. It would raise this size to
-/// that of the largest block that was freed, up to 32 MB, and a trace of a long log would take twice its memory.
+/// Fixes the sizes from which the allocator of the GNU C library takes memory from the system for one block alone, and from which
+/// it returns freed memory. It would raise both with the largest block that was freed, up to 64 MB, and a trace of a long log would
+/// take twice its memory. The default sizes of 128 kB, if fixed, would ask the system for each signal of each simulation.
 fn return_freed_memory() {
     #[cfg(all(target_os = "linux", target_env = "gnu"))]
     {
-        const THRESHOLD_BYTES: libc::c_int = 1 << 17;
-        // SAFETY: sets a number of the allocator, before any other thread exists.
-        unsafe { libc::mallopt(libc::M_MMAP_THRESHOLD, THRESHOLD_BYTES) };
+        const BLOCK_BYTES: libc::c_int = 1 << 22;
+        const FREED_BYTES: libc::c_int = 1 << 25;
+        // SAFETY: sets numbers of the allocator, before any other thread exists.
+        unsafe {
+            libc::mallopt(libc::M_MMAP_THRESHOLD, BLOCK_BYTES);
+            libc::mallopt(libc::M_TRIM_THRESHOLD, FREED_BYTES);
+        }
     }
 }

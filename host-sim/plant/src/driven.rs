@@ -200,6 +200,12 @@ impl<'a> DrivenStep<'a> {
         }
     }
 
+    /// Steps per second.
+    #[must_use]
+    pub const fn per_second(&self) -> f64 {
+        self.time.per_second
+    }
+
     /// Friction of the step about a velocity, m/s.
     #[inline]
     fn friction(&self, bristle_m: f64, about: f64, sliding: SlidingState) -> StepFriction {

@@ -4,7 +4,6 @@
 //! of units and of the roughness of the motion. The normal equations are kept by block of the log: a fit without some
 //! blocks then costs a small linear solve, not another fit ([`crate::search::held_out`]).
 
-use std::ops::Range;
 use std::sync::Arc;
 
 use nalgebra::DVector;
@@ -12,7 +11,7 @@ use rayon::prelude::*;
 
 use super::axis_model::{AxisModel, FreeParameter};
 use super::fit_data::{FitData, ResidualSeries};
-use super::normal_equations::{Block, Column, blocks, normal, stepped};
+use super::normal_equations::{Block, Column, Known, blocks, normal, renewed_blocks, stepped};
 use super::scope::Scope;
 use model::effects::{Effect, Stage};
 
@@ -108,7 +107,8 @@ pub fn fit(data: &FitData<'_>, start: &AxisModel, scope: &Scope, steps: usize) -
 ///
 /// Each derivative requires a simulation. The derivatives with respect to the declared values hardly change during a fit and
 /// are computed again only after a step that gains less than predicted. The derivatives with respect to the last effect,
-/// whose parameters are less well known, are computed in each step.
+/// whose parameters are less well known, are computed in each step. The model is linear in the values of a map: their derivatives
+/// are computed once.
 #[must_use]
 pub fn fit_from(
     data: &FitData<'_>,
@@ -119,25 +119,35 @@ pub fn fit_from(
 ) -> Fitted {
     let mut point = Point::new(data, start, scope, known);
     let count = point.columns.len();
-    let moving = if known.is_empty() { start.indices_of_last(scope) } else { known.len()..count };
-    // The model is linear in the values of a map.
-    let is_map = |effect: &Effect| matches!(effect, Effect::PitchMap(_) | Effect::FrictionMap(_));
-    let moving = if start.found().last().is_some_and(is_map) { 0..0 } else { moving };
+    let last = if known.is_empty() { start.indices_of_last(scope) } else { known.len()..count };
+    let nonlinear: Vec<usize> = (0..count).filter(|&parameter| !is_of_map(start, scope, parameter)).collect();
+    let moving: Vec<usize> = nonlinear.iter().copied().filter(|parameter| last.contains(parameter)).collect();
+    point.has_old_columns = nonlinear.iter().any(|&parameter| parameter < known.len());
     for _ in 0..steps {
         let Gain { gained, predicted } = point.step(data, scope);
         point.weights = weights(data, &point.model, &point.residuals);
         let is_done = gained < MIN_GAIN;
         if is_done && !(point.has_old_columns && gained == 0.0) {
             if gained > 0.0 {
-                point.blocks = blocks(data, &point.columns, &point.residuals, &point.weights);
+                point.renew(data, scope, &[]);
             }
             break;
         }
-        let renewed = if gained > MIN_GAIN_OF_PREDICTED * predicted { moving.clone() } else { 0..count };
+        let renewed = if gained > MIN_GAIN_OF_PREDICTED * predicted { &moving } else { &nonlinear };
         point.renew(data, scope, renewed);
+        point.has_old_columns = renewed.len() < nonlinear.len();
     }
     let Point { model, residuals, weights, columns, blocks, .. } = point;
     Fitted { parameters: model.free_parameters(scope), model, blocks, weights, residuals, columns }
+}
+
+/// Whether a free parameter, by its index, is a value of a map.
+fn is_of_map(model: &AxisModel, scope: &Scope, parameter: usize) -> bool {
+    model.found().iter().enumerate().any(|(index, effect)| {
+        matches!(effect, Effect::PitchMap(_) | Effect::FrictionMap(_))
+            && scope.holds(effect)
+            && model.indices_of(scope, index).contains(&parameter)
+    })
 }
 
 /// A point of a fit.
@@ -147,7 +157,7 @@ struct Point {
     weights: Vec<f64>,
     damping: f64,
     columns: Vec<Column>,
-    /// Whether some of the columns were computed at another point.
+    /// Whether some of the columns, those of maps left aside, were computed at another point.
     has_old_columns: bool,
     blocks: Vec<Block>,
 }
@@ -165,7 +175,8 @@ impl Point {
         let weights = weights(data, &model, &residuals);
         let count = model.free_parameters(scope).len();
         let mut columns = known.to_vec();
-        columns.extend(derivatives(data, &model, scope, known.len()..count, &residuals));
+        let new: Vec<usize> = (known.len()..count).collect();
+        columns.extend(derivatives(data, &model, scope, &new, &residuals));
         let blocks = blocks(data, &columns, &residuals, &weights);
         let has_old_columns = !known.is_empty();
         Self { model, residuals, weights, damping: 1e-3, columns, has_old_columns, blocks }
@@ -202,12 +213,14 @@ impl Point {
         Gain { gained: 0.0, predicted: f64::INFINITY }
     }
 
-    /// Computes the derivatives with respect to a range of the parameters, and the normal equations.
-    fn renew(&mut self, data: &FitData<'_>, scope: &Scope, range: Range<usize>) {
-        self.has_old_columns = range.len() < self.columns.len();
-        let new = derivatives(data, &self.model, scope, range.clone(), &self.residuals);
-        self.columns.splice(range, new);
-        self.blocks = blocks(data, &self.columns, &self.residuals, &self.weights);
+    /// Computes the derivatives with respect to some of the parameters, and the normal equations.
+    fn renew(&mut self, data: &FitData<'_>, scope: &Scope, parameters: &[usize]) {
+        let new = derivatives(data, &self.model, scope, parameters, &self.residuals);
+        for (&index, column) in parameters.iter().zip(new) {
+            self.columns[index] = column;
+        }
+        let known = Known { blocks: &self.blocks, renewed: parameters };
+        self.blocks = renewed_blocks(data, &self.columns, known, &self.residuals, &self.weights);
     }
 }
 
@@ -234,21 +247,21 @@ fn cost(residuals: &[ResidualSeries], weights: &[f64], parameters: &[FreeParamet
     of_data + parameters.iter().map(of_prior).sum::<f64>()
 }
 
-/// Derivatives of all residuals with respect to a range of a model's free parameters, by one-sided differences, in
-/// parallel.
+/// Derivatives of all residuals with respect to some of a model's free parameters, by their indices, by one-sided differences,
+/// in parallel.
 #[must_use]
 pub fn derivatives(
     data: &FitData<'_>,
     model: &AxisModel,
     scope: &Scope,
-    range: Range<usize>,
+    indices: &[usize],
     residuals: &[ResidualSeries],
 ) -> Vec<Column> {
     let parameters = model.free_parameters(scope);
     let values: Vec<f64> = parameters.iter().map(|parameter| parameter.coordinate.value).collect();
-    range
-        .into_par_iter()
-        .map(|j| {
+    indices
+        .par_iter()
+        .map(|&j| {
             let coordinate = &parameters[j].coordinate;
             let is_inside = coordinate.value + coordinate.step <= coordinate.upper;
             let step = if is_inside { coordinate.step } else { -coordinate.step };

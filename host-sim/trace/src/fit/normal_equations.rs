@@ -56,7 +56,29 @@ pub fn blocks(
     residuals: &[ResidualSeries],
     weights: &[f64],
 ) -> Vec<Block> {
+    renewed_blocks(data, columns, Known { blocks: &[], renewed: &[] }, residuals, weights)
+}
+
+/// Normal equations of the same data with some of the columns.
+#[derive(Clone, Copy, Debug)]
+pub struct Known<'a> {
+    /// The normal equations.
+    pub blocks: &'a [Block],
+    /// Indices of the columns that are not in them, or have changed.
+    pub renewed: &'a [usize],
+}
+
+/// Normal equations as of [`blocks`]; the products of columns are taken from those that are known.
+#[must_use]
+pub fn renewed_blocks(
+    data: &FitData<'_>,
+    columns: &[Column],
+    known: Known<'_>,
+    residuals: &[ResidualSeries],
+    weights: &[f64],
+) -> Vec<Block> {
     let n = columns.len();
+    let is_known = |i: usize| !known.renewed.contains(&i);
     let of_series = |(index, series): (usize, &ResidualSeries)| {
         let weight = weights[index] * weights[index];
         let counts = data.counting(series.stage, series.log);
@@ -67,12 +89,18 @@ pub fn blocks(
             let residual = &series.values[range.clone()];
             let slices: Vec<&[f64]> =
                 columns.iter().map(|column| &column[index].values[range.clone()]).collect();
+            let is_this =
+                |block: &&Block| (block.stage, block.log, block.number) == (series.stage, series.log, number);
+            let known_block = known.blocks.iter().find(is_this);
             let mut gradient = DVector::zeros(n);
             let mut curvature = DMatrix::zeros(n, n);
             for i in 0..n {
                 gradient[i] = weight * dot(slices[i], residual);
                 for j in 0..=i {
-                    let product = weight * dot(slices[i], slices[j]);
+                    let product = match known_block.filter(|_| is_known(i) && is_known(j)) {
+                        Some(known) => (weights[index] / known.weight).powi(2) * known.curvature[(i, j)],
+                        None => weight * dot(slices[i], slices[j]),
+                    };
                     curvature[(i, j)] = product;
                     curvature[(j, i)] = product;
                 }

@@ -13,6 +13,7 @@ use crate::prediction::driven::{self, Driven, DrivenInput};
 use crate::prediction::force_sampling::ForceSampling;
 use crate::prediction::force_windup;
 use crate::prediction::initial_state::InitialState;
+use crate::prediction::table_motion::MeasuredMotor;
 use crate::prediction::{table_variable, tool};
 use model::effects::Stage;
 use model::servo;
@@ -47,8 +48,8 @@ impl FitData<'_> {
         scope: &Scope,
         log: usize,
     ) -> Vec<ResidualSeries> {
-        let is_driven = scope.stages.iter().any(|stage| matches!(stage, Stage::Table | Stage::Force));
-        let driven = if is_driven { self.driven(model, parameters, log) } else { None }.unwrap_or_default();
+        let driven =
+            if scope.is_driven() { self.driven(model, parameters, log) } else { None }.unwrap_or_default();
         let series = |stage: &Stage| {
             let mut values = match stage {
                 Stage::Table => self.table(model, parameters, &driven, log),
@@ -84,14 +85,17 @@ impl FitData<'_> {
     fn driven(&self, model: &AxisModel, parameters: &AxisParameters, log: usize) -> Option<Driven> {
         let signals = self.signals(log);
         let input = DrivenInput {
-            motor: signals.motor.as_ref()?,
-            path: signals.motor_path.as_ref()?,
+            measured: self.measured_motor(log)?,
             sample_s: self.logs[log].sample_s,
-            start_s: signals.start_s,
             sampling: ForceSampling::new(&model.axis.settings.controller, &parameters.servo, self.rates),
             added_n: signals.added_force.as_ref().map(AddedForce::filtered_n),
         };
         Some(driven::driven(parameters, &input))
+    }
+
+    fn measured_motor(&self, log: usize) -> Option<MeasuredMotor<'_>> {
+        let AxisSignals { motor, motor_path, start_s, .. } = self.signals(log);
+        Some(MeasuredMotor { motor: motor.as_ref()?, path: motor_path.as_ref()?, start_s: *start_s })
     }
 
     fn table(&self, model: &AxisModel, parameters: &AxisParameters, driven: &Driven, log: usize) -> Vec<f64> {

@@ -36,6 +36,12 @@ pub struct NotTestable {
 }
 
 impl Scope {
+    /// Whether the table driven by the measured motor is simulated for some of the stages.
+    #[must_use]
+    pub fn is_driven(&self) -> bool {
+        self.stages.iter().any(|stage| matches!(stage, Stage::Table | Stage::Force))
+    }
+
     /// Whether an effect is searched for and fitted in this scope. A mechanical effect also changes the motor stage, but is
     /// fitted there only if neither the table nor the force stage can be evaluated.
     #[must_use]

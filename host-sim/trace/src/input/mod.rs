@@ -13,3 +13,4 @@ pub mod sampling_rate;
 pub mod saturation;
 pub mod signals;
 pub mod smoothing;
+pub mod table_motions;

@@ -3,6 +3,7 @@
 //! It does not depend on the model and is therefore computed once per log, not in each simulation of a fit.
 
 use super::smoothing::Smooth;
+use super::table_motions::TableMotions;
 use plant::friction::smoothed_sign;
 
 /// Longest step of the driven table, s.
@@ -19,6 +20,8 @@ pub struct MotorPath {
     pub points: Vec<Point>,
     /// Smoothed sign of the velocity, −1 to 1, at each sample.
     pub sign: Vec<f64>,
+    /// Motions of the table behind this path that were computed last.
+    pub table_motions: TableMotions,
 }
 
 /// Reading of the motor encoder and its acceleration.
@@ -54,6 +57,6 @@ impl MotorPath {
             }
         }
         let sign = motor.velocity.iter().map(|&velocity| smoothed_sign(velocity)).collect();
-        Self { step_s: sample_s / per_sample, steps, points, sign }
+        Self { step_s: sample_s / per_sample, steps, points, sign, table_motions: TableMotions::default() }
     }
 }

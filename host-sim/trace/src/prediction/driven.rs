@@ -1,11 +1,10 @@
 //! The table and force stages: linear scale and drive force, predicted from the measured motor.
 
 use super::force_sampling::ForceSampling;
-use crate::input::motor_path::MotorPath;
-use crate::input::smoothing::Smooth;
+use super::table_motion::{self, MeasuredMotor};
+use crate::input::table_motions::TableMotion;
 use model::effects::Channel;
 use numerics::resample::{delayed_cubic, delayed_linear};
-use plant::driven::{DrivenStep, DrivenTable, ScrewMotion};
 use plant::parameters::AxisParameters;
 
 /// Table and force stage of one log.
@@ -20,14 +19,10 @@ pub struct Driven {
 /// The measured inputs of the driven mechanics.
 #[derive(Clone, Copy, Debug)]
 pub struct DrivenInput<'a> {
-    /// Motor encoder.
-    pub motor: &'a Smooth,
-    /// Position of the motor between the samples.
-    pub path: &'a MotorPath,
+    /// Motor.
+    pub measured: MeasuredMotor<'a>,
     /// Sample time, s.
     pub sample_s: f64,
-    /// Time of the first sample on the session's clock, s.
-    pub start_s: f64,
     /// Difference between the logged force and the mean force of a sample.
     pub sampling: ForceSampling,
     /// Force that was added to the controller's force, filtered, N.
@@ -41,22 +36,19 @@ pub struct DrivenInput<'a> {
 /// is computed from the path between the samples and then passes the same filter.
 #[must_use]
 pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
-    let DrivenInput { motor, path, sample_s, sampling, added_n, .. } = *input;
+    let DrivenInput { measured, sample_s, sampling, added_n } = *input;
+    let MeasuredMotor { motor, path, .. } = measured;
     if path.points.is_empty() {
         return Driven::default();
     }
-    // Stretch of the spring per acceleration of the table, m per m/s².
-    let stretch_s2 =
-        parameters.spring.as_ref().map_or(0.0, |spring| parameters.table_mass_kg / spring.stiffness_n_per_m);
-    let nonlinear = nonlinear_part(parameters, input, stretch_s2);
+    let motion = table_motion::of(parameters, measured);
     let mass = parameters.motor_mass_kg + parameters.table_mass_kg;
     // The force is the mean over the tick that ends at the sample, half a sample before it, and is logged late.
     let late = parameters.latency_s(Channel::Force) / sample_s;
     let age = 0.5 + late;
+    let nonlinear_n = nonlinear_force_n(parameters, measured, &motion);
     let (force_n, acceleration) =
-        (delayed_linear(&nonlinear.force_n, age), delayed_linear(&motor.acceleration, age));
-    let table_m =
-        sum(&motor.filtered(&nonlinear.table_m), |i| motor.position[i] - stretch_s2 * motor.acceleration[i]);
+        (delayed_linear(&nonlinear_n, age), delayed_linear(&motor.acceleration, age));
     let mut force_n = sum(&motor.filtered(&force_n), |i| mass * acceleration[i]);
     add_lead(&mut force_n, parameters.servo.drive_time_constant_s(0.0) / sample_s);
     let growth = delayed_linear(&motor.acceleration, sampling.growth_age + late);
@@ -64,61 +56,26 @@ pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
     add(&mut force_n, added_n, -1.0);
     sampling.last_ticks_from_means(&mut force_n, &growth, sample_s);
     add(&mut force_n, added_n, 1.0);
-    Driven { table_m: delayed_cubic(table_m, parameters.latency_s(Channel::Table), sample_s), force_n }
+    Driven {
+        table_m: delayed_cubic(motion.table_m.clone(), parameters.latency_s(Channel::Table), sample_s),
+        force_n,
+    }
 }
 
-/// Table and force at the samples without their linear parts. The linear part of the table is position −
-/// `stretch_s2`·acceleration, that of the force (motor mass + table mass)·acceleration.
-fn nonlinear_part(parameters: &AxisParameters, input: &DrivenInput<'_>, stretch_s2: f64) -> Driven {
-    let DrivenInput { motor, path, start_s, .. } = *input;
-    let first = path.points[0];
-    let n = motor.position.len();
-    let mut result = Driven { table_m: Vec::with_capacity(n), force_n: Vec::with_capacity(n) };
-    let mut motor_m = parameters.motor_of_reading_m(first.reading_m);
-    let nominal_m = parameters.screw.nominal_m(motor_m);
-    let mut screw = ScrewMotion {
-        nominal_m,
-        velocity: motor.velocity[0],
-        acceleration: motor.acceleration[0],
-        half_gap_m: parameters.screw.half_gap_m(motor_m),
-        time_s: start_s,
-        ..ScrewMotion::default()
+/// The force at the samples without its linear part, (motor mass + table mass)·acceleration.
+fn nonlinear_force_n(
+    parameters: &AxisParameters,
+    measured: MeasuredMotor<'_>,
+    motion: &TableMotion,
+) -> Vec<f64> {
+    let MeasuredMotor { motor, path, .. } = measured;
+    let force_n = |(i, transmitted_n): (usize, &f64)| {
+        parameters.motor_level_n(motor.velocity[i]) * path.sign[i]
+            - parameters.torque_ripple_n(motion.motor_m[i])
+            + transmitted_n
+            + parameters.motor_mass_kg * motion.dividing_acceleration[i]
     };
-    let mut dividing_error = Differentiated::new(motor_m - first.reading_m);
-    let mut screw_error = Differentiated::new(nominal_m - motor_m);
-    let mut table = DrivenTable::settled(parameters, screw);
-    let step = DrivenStep::new(parameters, path.step_s);
-    let per_step = path.step_s.recip();
-    let mut steps = path.points[1..].chunks_exact(path.steps);
-    let mut point = &first;
-    for i in 0..n {
-        for next in if i == 0 { &[][..] } else { steps.next().unwrap_or(&[]) } {
-            point = next;
-            motor_m = parameters.motor_of_reading_m(point.reading_m);
-            let nominal_m = parameters.screw.nominal_m(motor_m);
-            let velocity = (nominal_m - screw.nominal_m) * per_step;
-            dividing_error.advance(motor_m - point.reading_m, per_step);
-            screw_error.advance(nominal_m - motor_m, per_step);
-            screw = ScrewMotion {
-                nominal_m,
-                velocity,
-                acceleration: point.acceleration + dividing_error.acceleration + screw_error.acceleration,
-                error_velocity: screw_error.rate,
-                half_gap_m: parameters.screw.half_gap_m(motor_m),
-                time_s: screw.time_s + path.step_s,
-            };
-            table.step(&step, screw);
-        }
-        let table_m = table.position_m(parameters, screw);
-        let force = parameters.motor_level_n(motor.velocity[i]) * path.sign[i]
-            - parameters.torque_ripple_n(motor_m)
-            + table.transmitted_n
-            + parameters.motor_mass_kg * dividing_error.acceleration
-            - parameters.table_mass_kg * point.acceleration;
-        result.table_m.push(table_m - point.reading_m + stretch_s2 * point.acceleration);
-        result.force_n.push(force);
-    }
-    result
+    motion.transmitted_n.iter().enumerate().map(force_n).collect()
 }
 
 /// Replaces the acting force by the commanded one, which the drive follows with a lag of this time constant (samples):
@@ -147,28 +104,11 @@ fn sum(values: &[f64], other: impl Fn(usize) -> f64) -> Vec<f64> {
     values.iter().enumerate().map(|(i, value)| value + other(i)).collect()
 }
 
-/// A quantity with its first and second backward differences over time.
-struct Differentiated {
-    value: f64,
-    rate: f64,
-    acceleration: f64,
-}
-
-impl Differentiated {
-    fn new(value: f64) -> Self {
-        Self { value, rate: 0.0, acceleration: 0.0 }
-    }
-
-    fn advance(&mut self, value: f64, per_step: f64) {
-        let rate = (value - self.value) * per_step;
-        self.acceleration = (rate - self.rate) * per_step;
-        (self.value, self.rate) = (value, rate);
-    }
-}
-
 #[cfg(test)]
 mod tests {
     use super::*;
+    use crate::input::motor_path::MotorPath;
+    use crate::input::smoothing::Smooth;
     use crate::options::SampleOptions;
     use crate::prediction::closed_loop::{Controlled, closed_loop};
     use crate::prediction::initial_state::InitialState;
@@ -223,11 +163,10 @@ mod tests {
             closed_loop(&parameters, Controlled { settings: &settings, rates }, &command, &[], start)
                 .unwrap();
         let motor = Smooth::new(simulated.motor_m.clone(), 1e-3, 5);
+        let path = &MotorPath::new(&motor, SampleOptions::default().play_noise, 1e-3);
         let input = DrivenInput {
-            motor: &motor,
-            path: &MotorPath::new(&motor, SampleOptions::default().play_noise, 1e-3),
+            measured: MeasuredMotor { motor: &motor, path, start_s: 0.0 },
             sample_s: 1e-3,
-            start_s: 0.0,
             sampling: ForceSampling::new(&axis.settings.controller, &parameters.servo, rates),
             added_n: None,
         };

@@ -9,5 +9,6 @@ pub mod force_sampling;
 pub mod force_windup;
 pub mod initial_state;
 pub mod resonant_response;
+pub mod table_motion;
 pub mod table_variable;
 pub mod tool;

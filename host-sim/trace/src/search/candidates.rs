@@ -10,7 +10,7 @@ use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::{self, Fitted, derivatives};
 use crate::fit::limits::{self, ParameterAtLimit};
-use crate::fit::normal_equations::{Column, FOLDS, blocks, normal, stepped};
+use crate::fit::normal_equations::{Column, FOLDS, Known, normal, renewed_blocks, stepped};
 use crate::fit::scope::Scope;
 use crate::options::SearchOptions;
 use model::effects::{Effect, KINDS, Stage};
@@ -126,8 +126,10 @@ fn screen(data: &FitData<'_>, reference: Reference<'_>, scope: &Scope, effect: E
     // The parameters of the new effect are the last ones. The derivatives with respect to the others are those of the origin.
     let shared = origin.columns.len();
     let mut columns = origin.columns.clone();
-    columns.extend(derivatives(data, &model, scope, shared..parameters.len(), &residuals));
-    let blocks = blocks(data, &columns, &residuals, &base.weights);
+    let new: Vec<usize> = (shared..parameters.len()).collect();
+    columns.extend(derivatives(data, &model, scope, &new, &residuals));
+    let known = Known { blocks: &origin.blocks, renewed: &new };
+    let blocks = renewed_blocks(data, &columns, known, &residuals, &base.weights);
     let (curvature, gradient) = normal(&blocks, &parameters);
     let start = DVector::from_iterator(
         parameters.len(),

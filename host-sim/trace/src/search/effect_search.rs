@@ -13,6 +13,7 @@ use super::residual_shape::shape;
 use super::round::Round;
 use super::slope_of_map::is_slope_of_map;
 use crate::analysis::residual_analysis::unexplained;
+use crate::analysis::variable::Variable;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::exclusion::{ExcludedPart, Exclusion};
 use crate::fit::fit_data::{FitData, ResidualSeries};
@@ -43,14 +44,17 @@ impl EffectSearch<'_> {
     /// Adds effects to one scope. The declared values of `start` are fitted.
     ///
     /// Without an effect, a fit may move the declared values out of their tolerance in its place, from where the effect gains
-    /// too little. In this case the search is repeated with the tolerance as a bound. The result of the second search is taken
-    /// if, without the bound, it leaves less.
+    /// too little. In this case the search is repeated with the tolerance as a bound, unless the effects of the first search
+    /// brought the values back and left nothing that another effect could describe. The result of the second search is taken if,
+    /// without the bound, it leaves less.
     #[must_use]
     pub fn search(&mut self, start: &AxisModel, scope: &Scope) -> ScopeFit {
         let first_round = self.rounds.len();
         let free = self.search_from(start, scope);
         let is_beyond = |model: &AxisModel| scope.mechanics == Mechanics::All && model.is_beyond_tolerance();
-        if !is_beyond(start) && !is_beyond(&free.fitted.model) {
+        let needs_no_bound =
+            || !is_beyond(&free.fitted.model) && (!is_beyond(start) || self.leaves_nothing(&free));
+        if needs_no_bound() {
             return free;
         }
         let rounds_of_free = self.rounds.split_off(first_round);
@@ -68,6 +72,16 @@ impl EffectSearch<'_> {
         self.rounds.truncate(first_round);
         self.rounds.extend(rounds_of_free);
         free
+    }
+
+    /// Whether the residuals of a fit without exclusions depend on nothing that could show an effect.
+    fn leaves_nothing(&self, fit: &ScopeFit) -> bool {
+        let Fitted { model, residuals, .. } = &fit.fitted;
+        let is_left = |&stage: &Stage| {
+            let left = unexplained(self.data, residuals, stage, self.data.noise(model, stage));
+            left.is_some_and(|left| left.variable != Variable::None)
+        };
+        fit.exclusions.is_empty() && !fit.scope.stages.iter().any(is_left)
     }
 
     /// Adds effects to one scope. If a part of the remaining residual must be excluded, the search is repeated with this
@@ -258,7 +272,7 @@ impl EffectSearch<'_> {
             if is_slope_of_map(&effect, full.model.found()) {
                 return None;
             }
-            let without = least_squares::fit(data, &full.model.without(index), scope, least_squares::STEPS);
+            let without = least_squares::fit_without(data, full, scope, index);
             let comparison = compare(&scores(&without), &scores(full), &scope.stages, options);
             let gain = comparison.iter().map(|c| c.gain).sum();
             let judged =

@@ -83,7 +83,8 @@ fn of_piece(
     let bias = bias(&data, axis, &scope.stages);
     let data = FitData { bias: &bias, exclusions, ..data };
     let residuals = data.residuals(&axis.model, scope);
-    let columns = derivatives(&data, &axis.model, scope, 0..parameters, &residuals);
+    let all: Vec<usize> = (0..parameters).collect();
+    let columns = derivatives(&data, &axis.model, scope, &all, &residuals);
     Some(NormalSums::of(&blocks(&data, &columns, &residuals, weights), parameters))
 }
 
