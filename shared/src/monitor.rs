@@ -308,4 +308,16 @@ mod tests {
             }
         }
     }
+
+    /// The ends of the range of positions are outside of any travel, although the distance to its other end overflows there.
+    #[test]
+    fn the_ends_of_the_range_of_positions_are_outside_of_the_travel() {
+        let settings = AxisSettings { travel_m: Some([-0.02, 0.03]), ..AxisSettings::default() };
+        let monitor = monitor::<Fixed>(&settings);
+        for units in [i64::MIN, i64::MIN + 1, i64::MAX - 1, i64::MAX] {
+            let mut state = State::at(Position(0), Position(0));
+            let faults = monitor.position(&mut state, &input(Position(units), Position(0), 0.0));
+            assert!(faults.iter().eq([FaultKind::SoftLimit]), "{units}");
+        }
+    }
 }

@@ -210,3 +210,13 @@ fn jogs_stay_within_the_travel() {
     let nan = Jog { axis: 1, distance_m: Some(f64::NAN), ..other };
     assert!(matches!(rig.refusal(&Request::Jog(nan)), Refusal::Path { .. }));
 }
+
+/// A motion that has been started moves, although the axes still stand: nothing else can be started before its first block.
+#[test]
+fn a_started_motion_is_not_at_rest_before_its_first_block() {
+    let mut rig = Rig::enabled();
+    assert_eq!(rig.drive.can_start(), Ok(()));
+    rig.drive.start_motion(1);
+    assert!(rig.drive.machine().is_at_rest());
+    assert_eq!((rig.drive.is_at_rest(), rig.drive.can_start()), (Err(Refusal::Moving), Err(Refusal::Moving)));
+}
