@@ -148,12 +148,12 @@ mod tests {
         }
     }
 
-    const fn n(index: usize) -> u32 {
-        index as u32
+    fn n(index: usize) -> u32 {
+        u32::try_from(index).unwrap()
     }
 
-    /// A hello whose number mixes to 0 or to the present session gets another one: the numbers are those that the mixture of the
-    /// documentation maps there.
+    /// A hello whose number mixes to 0 or to the present session gets another one. Without entropy, the hello that mixes to
+    /// a number is the exclusive or of that number and the next session, rotated back.
     #[test]
     fn a_session_is_never_zero_and_never_the_previous_one() {
         let mut conversation = Conversation::NEW;
