@@ -37,8 +37,12 @@ tests_of() {
   case ${1%%/*} in
   machine) echo enabling first_motion homing link machine monitor safety session ;;
   drive) echo --lib amplifier first_motion homing inputs link pins ;;
-  homing) echo --lib homing ;;
-  feedback) echo --lib dual_feedback ;;
+  homing | feedback) echo --lib homing ;;
+  control) echo --lib control enabling gain_change homing velocity_loop ;;
+  monitor) echo --lib monitor safety ;;
+  session) echo --lib session ;;
+  safety | protocol) echo --lib ;;
+  link | capture | storage) echo --lib link ;;
   *) echo --lib --tests ;;
   esac
 }

@@ -224,3 +224,100 @@ impl<S: Scalar> Monitor<S> {
         saturated && state.saturated_quarters / 4 > self.saturation_budget_ticks
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::config::{AxisConfig, AxisSettings, Rates};
+    use crate::scalar::Fixed;
+    use crate::units::VELOCITY_M_PER_S;
+
+    const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+
+    fn monitor<S: Scalar>(settings: &AxisSettings) -> Monitor<S> {
+        AxisConfig::new(settings, RATES).unwrap().monitor
+    }
+
+    fn input<S: Scalar>(command: Position, motor: Position, velocity_m_per_s: f64) -> MonitorInput<S> {
+        MonitorInput {
+            following_error: S::ZERO,
+            command,
+            velocity_command: S::signal(velocity_m_per_s / VELOCITY_M_PER_S),
+            motor,
+            table: None,
+            uses_scale: false,
+        }
+    }
+
+    /// The tick in which a motor that stands is reported: the command moves by 10 µm in each. In one of the ticks the origin may be
+    /// shifted, by distances of metres that differ for command and motor.
+    fn frozen_after<S: Scalar>(shifted_at: Option<i64>) -> Option<i64> {
+        let settings = AxisSettings { frozen_encoder_limit_m: Some(1e-3), ..AxisSettings::default() };
+        let monitor = monitor::<S>(&settings);
+        let (mut command, mut motor) = (Position(0), Position(0));
+        let mut state = State::at(command, motor);
+        for tick in 1..200 {
+            command += 10_000 * PER_NM;
+            if shifted_at == Some(tick) {
+                let [command_shift, motor_shift] = [3_141_592_653_589_793, -271_828_182_845_904];
+                (command, motor) = (command + command_shift, motor + motor_shift);
+                state = state.shifted(command, command_shift, motor_shift);
+            }
+            // Twice the speed of the command: the integral leaves its limits half-way.
+            let faults = monitor.position(&mut state, &input(command, motor, 0.4));
+            if !faults.is_empty() {
+                assert!(faults.iter().eq([FaultKind::EncoderFrozen]));
+                return Some(tick);
+            }
+        }
+        None
+    }
+
+    /// 100 ticks of 10 µm are the limit of 1 mm, and the next exceeds it. An origin that is set meanwhile is no motion: before or
+    /// after the integral of the velocity command has left its limits, it neither delays the fault nor causes it.
+    #[test]
+    fn an_origin_that_is_set_does_not_move_a_frozen_encoder() {
+        for shifted_at in [None, Some(2), Some(30), Some(70), Some(99)] {
+            assert_eq!(frozen_after::<Fixed>(shifted_at), Some(101), "{shifted_at:?}");
+            assert_eq!(frozen_after::<f32>(shifted_at), Some(101), "{shifted_at:?}");
+            assert_eq!(frozen_after::<f64>(shifted_at), Some(101), "{shifted_at:?}");
+        }
+    }
+
+    /// An origin that puts the axis 3 mm outwards of an end of its travel: it may stay there and move inwards, and not further out
+    /// by more than the tolerance.
+    #[test]
+    fn the_soft_limits_apply_from_the_shifted_command_on() {
+        let settings = AxisSettings { travel_m: Some([-1e-3, 1e-3]), ..AxisSettings::default() };
+        let monitor = monitor::<Fixed>(&settings);
+        for sign in [1, -1] {
+            let outside = Position(sign * 4_000_000 * PER_NM);
+            let faults = |distance: i64| {
+                let mut state = State::at(Position(0), Position(0)).shifted(outside, outside.0, 0);
+                let command = outside + sign * distance;
+                let faults = monitor.position(&mut state, &input(command, Position(0), 0.0));
+                faults.iter().eq([FaultKind::SoftLimit])
+            };
+            for (distance, expected) in [
+                (-PER_NM, false),
+                (0, false),
+                (SOFT_LIMIT_TOLERANCE, false),
+                (SOFT_LIMIT_TOLERANCE + 1, true),
+            ] {
+                assert_eq!(faults(distance), expected, "{distance} units outwards");
+            }
+        }
+    }
+
+    /// The ends of the range of positions are outside of any travel, although the distance to its other end overflows there.
+    #[test]
+    fn the_ends_of_the_range_of_positions_are_outside_of_the_travel() {
+        let settings = AxisSettings { travel_m: Some([-0.02, 0.03]), ..AxisSettings::default() };
+        let monitor = monitor::<Fixed>(&settings);
+        for units in [i64::MIN, i64::MIN + 1, i64::MAX - 1, i64::MAX] {
+            let mut state = State::at(Position(0), Position(0));
+            let faults = monitor.position(&mut state, &input(Position(units), Position(0), 0.0));
+            assert!(faults.iter().eq([FaultKind::SoftLimit]), "{units}");
+        }
+    }
+}

@@ -2,13 +2,18 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::config::{AxisSettings, Rates};
+use shared::drive::analog::AnalogSettings;
 use shared::drive::direction_check::{DirectionCheckError, DirectionCheckSettings, DirectionResult};
-use shared::drive::{Amplifier, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight};
+use shared::drive::output::DriveOutput;
+use shared::drive::step::StepOutput;
+use shared::drive::{
+    Amplifier, AnyOutput, Board, DriveSettings, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight,
+};
 use shared::feedback::Reading;
 use shared::machine::Machine;
 use shared::safety::Power;
 use shared::scalar::Fixed;
-use shared::units::Position;
+use shared::units::{PER_M, Position};
 
 const TICK_HZ: f64 = 20_000.0;
 const MASS_KG: f64 = 15.0;
@@ -70,10 +75,14 @@ impl Board<2> for Bench {
 
 type System = DriveSystem<'static, Fixed, 2>;
 
-fn bench() -> (System, Bench) {
+fn machine() -> Machine<Fixed, 2> {
     let rates = Rates { velocity_loop_hz: TICK_HZ, position_loop_divider: 5 };
     let settings = AxisSettings { force_limit_n: 200.0, ..AxisSettings::default() };
-    let machine = Box::leak(Box::new(Machine::new(rates, &[settings; 2], [Position(0); 2]).unwrap()));
+    Machine::new(rates, &[settings; 2], [Position(0); 2]).unwrap()
+}
+
+fn bench() -> (System, Bench) {
+    let machine = Box::leak(Box::new(machine()));
     let amplifiers = [Amplifier::new(FULL_N, 8400).unwrap(); 2];
     let system = DriveSystem::new(machine, amplifiers, EnableSwitch::new(2), StatusLight::new(50));
     let bench = Bench {
@@ -231,7 +240,49 @@ fn settings_out_of_range_are_refused() {
     for time_s in [0.0, 1.1, f64::NAN] {
         assert_eq!(refused(0, DirectionCheckSettings { time_s, ..CHECK }), named("time_s"));
     }
-    for detect_m in [0.0, 6e-3, f64::NAN] {
+    // A position unit is 2⁻²⁰ nm: with less, an axis at rest would count as moved.
+    for detect_m in [0.0, 0.9 / PER_M, 6e-3, f64::NAN] {
         assert_eq!(refused(0, DirectionCheckSettings { detect_m, ..CHECK }), named("detect_m"));
     }
+}
+
+/// A switch that is still closed when the check is prepared, because something else has switched the drives off: it has to be opened
+/// before it can start the check, and opening it does not end the check that has not begun.
+#[test]
+fn a_closed_switch_is_opened_before_the_check_and_does_not_end_it() {
+    let (mut system, mut bench) = bench();
+    bench.run(&mut system, 10);
+    bench.closed = true;
+    bench.run(&mut system, 10);
+    assert_eq!(system.machine().power(), Power::On);
+    system.machine_mut().disable();
+    bench.run(&mut system, 10);
+    assert_eq!(system.machine().power(), Power::Off);
+    assert_eq!(bench.check(&mut system).0, DirectionResult::Ok);
+}
+
+/// Drives that take a force are checked, by PWM as by ±10 V. One that takes steps has no force, and is refused.
+#[test]
+fn a_step_drive_has_no_force_to_check() {
+    let drives = [
+        (DriveSettings::Pwm { full_duty_n: FULL_N }, None),
+        (
+            DriveSettings::Analog(AnalogSettings { full_scale_n: FULL_N, zero: 2048, span: 2047, max: 4095 }),
+            None,
+        ),
+        (DriveSettings::Steps { step_m: 1e-6 }, Some(DirectionCheckError::StepDrive)),
+    ];
+    for (drive, expected) in drives {
+        let output = AnyOutput::new(&drive, 8400, 1).unwrap();
+        assert_eq!(check_with(output).err(), expected, "{drive:?}");
+    }
+    let steps = StepOutput::new(1e-6, 1).unwrap();
+    assert_eq!(check_with(steps), Err(DirectionCheckError::StepDrive));
+}
+
+/// Prepares a check of X with this output.
+fn check_with<O: DriveOutput<Fixed> + Copy>(output: O) -> Result<(), DirectionCheckError> {
+    let mut machine = machine();
+    let mut system = DriveSystem::new(&mut machine, [output; 2], EnableSwitch::new(2), StatusLight::new(50));
+    system.check_direction(0, &CHECK)
 }

@@ -150,6 +150,7 @@ mod tests {
     fn a_recording_starts_at_its_trigger_and_ends_at_its_length() {
         let mut bytes = [0; 4096];
         let mut memory = CaptureMemory::<1>::new(&mut bytes);
+        assert_eq!(memory.capacity(), 4096);
         assert!(!memory.takes(0, true, true));
         memory.arm(Trigger::Motion, 3, 5);
         assert!(!memory.takes(1, false, true) && !memory.takes(2, true, false));
@@ -192,5 +193,16 @@ mod tests {
         memory.append(&[[1; 4]]);
         memory.end();
         assert_eq!((memory.state(), memory.samples()), (CaptureState::Complete, 1));
+    }
+
+    #[test]
+    fn a_recording_of_no_samples_has_none() {
+        let mut bytes = [0; 256];
+        let mut memory = CaptureMemory::<1>::new(&mut bytes);
+        memory.arm(Trigger::Now, 0, 1);
+        assert!(memory.takes(0, false, true));
+        memory.append(&[[1; 4]]);
+        assert_eq!((memory.state(), memory.samples()), (CaptureState::Complete, 0));
+        assert!(memory.bytes().is_empty());
     }
 }

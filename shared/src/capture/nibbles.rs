@@ -128,4 +128,17 @@ mod tests {
         assert!(writer.push(1, &mut bytes) && writer.push(-1, &mut bytes));
         assert!(!writer.push(1, &mut bytes));
     }
+
+    /// 21 groups have 63 bits. The last has the one that is left: 0 or 1, with none to follow.
+    #[test]
+    fn a_number_of_more_than_64_bits_is_none() {
+        for (last, expected) in
+            [(0, Some(0)), (1, Some(1i64 << 62)), (2, None), (7, None), (8, None), (9, None)]
+        {
+            // Zeros, each with more to follow.
+            let mut bytes = [0x88; LONGEST / 2];
+            bytes[LONGEST / 2 - 1] = last << 4 | 8;
+            assert_eq!(Reader::new(&bytes).pull(), expected, "{last}");
+        }
+    }
 }

@@ -243,4 +243,17 @@ mod tests {
         assert_eq!(steps.motor, [MIN_STEP, 262_144_000]);
         assert_eq!((steps.table, steps.force_bits), ([MAX_STEP; 2], 14));
     }
+
+    /// A force is recorded to the nearest step of 1/32 N, halves upwards.
+    #[test]
+    fn forces_are_recorded_to_the_nearest_step() {
+        let mut quantisers = Quantisers::new(&ChannelSteps::of_counts([0.25e-6], [50e-9], 5));
+        let reading = Reading { motor: Position(0), table: None };
+        for (steps, expected) in
+            [(0.0, 0), (0.4, 0), (0.5, 1), (0.6, 1), (1.4, 1), (-0.4, 0), (-0.6, -1), (-1.4, -1)]
+        {
+            let [sample] = quantisers.sample(&[Position(0)], &[reading], &[Fixed::signal(steps / 32.0)]);
+            assert_eq!(sample[FORCE], expected, "{steps} steps");
+        }
+    }
 }

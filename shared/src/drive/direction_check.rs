@@ -87,7 +87,8 @@ impl<const N: usize> DirectionCheck<N> {
     /// A check of an axis, in ticks at `tick_hz`. The force is checked against its limit by the caller.
     ///
     /// # Errors
-    /// [`DirectionCheckError::Setting`] for a time above 1 s or a distance above 5 mm, or one that is not positive.
+    /// [`DirectionCheckError::Setting`] for a time above 1 s or one that is not positive, and for a distance above 5 mm or below a
+    /// position unit, which an axis at rest would have moved by.
     pub fn new(
         axis: usize,
         settings: &DirectionCheckSettings,
@@ -97,7 +98,7 @@ impl<const N: usize> DirectionCheck<N> {
         if !(time_s > 0.0 && time_s <= MAX_TIME_S) {
             return Err(DirectionCheckError::Setting("time_s"));
         }
-        if !(detect_m > 0.0 && detect_m <= MAX_DETECT_M) {
+        if !(detect_m * PER_M >= 1.0 && detect_m <= MAX_DETECT_M) {
             return Err(DirectionCheckError::Setting("detect_m"));
         }
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "checked above")]

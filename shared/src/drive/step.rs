@@ -197,6 +197,32 @@ mod tests {
         }
     }
 
+    /// Three quarters of a step away a step follows, one unit before that none, in both directions.
+    #[test]
+    fn a_step_follows_at_three_quarters_and_no_unit_before() {
+        let threshold = STEP / 4 * 3;
+        for sign in [1, -1] {
+            for (distance, steps) in [(threshold - 1, 0), (threshold, 1)] {
+                let mut output = StepOutput::new(1e-6, 4).unwrap();
+                // The first tick sets the direction.
+                let (counter, _) = run(&mut output, [sign * distance; 3].into_iter());
+                assert_eq!(counter.position(), Position(sign * steps * STEP), "{distance} units");
+            }
+        }
+    }
+
+    /// The direction remains while the drives are off: the next step in it follows at once, and finds it settled.
+    #[test]
+    fn off_keeps_the_direction() {
+        for (step_m, reverse) in [(1e-6, true), (-1e-6, false)] {
+            let mut output = StepOutput::new(step_m, 1).unwrap();
+            let back = Demand { force: 0.0f64, command: Position(-100 * STEP) };
+            let _ = [(); 2].map(|()| output.signal(&back));
+            assert_eq!(DriveOutput::<f64>::off(&mut output), Steps { reverse, count: 0 });
+            assert_eq!(output.signal(&back), Steps { reverse, count: 1 });
+        }
+    }
+
     #[test]
     fn off_emits_nothing() {
         let mut output = StepOutput::new(1e-6, 4).unwrap();

@@ -3,6 +3,7 @@
 extern crate std;
 
 mod legs;
+mod limits;
 
 use proptest::prelude::*;
 

@@ -120,4 +120,56 @@ mod tests {
         assert_eq!(conversation.judge(&packet(other, 1, 5)), Verdict::Execute);
         assert_ne!(conversation.hello(78, 9), other);
     }
+
+    /// Of two runs, or of two hosts, neither gets the session of the other: the numbers of different hellos and of different starts
+    /// differ, whatever the other of both is.
+    #[test]
+    fn sessions_of_other_runs_and_other_hellos_have_other_numbers() {
+        for fixed in [1, 77, 0x5555_5555, u32::MAX] {
+            let session = |nonce, entropy| {
+                let mut conversation = Conversation::NEW;
+                let session = conversation.hello(nonce, entropy);
+                assert_eq!(conversation.session(), session);
+                session
+            };
+            let sessions: [[u32; 50]; 3] = [
+                core::array::from_fn(|k| session(fixed, n(k))),
+                core::array::from_fn(|k| session(n(k), fixed)),
+                core::array::from_fn(|k| session(n(k).rotate_right(13), fixed)),
+            ];
+            for sessions in sessions {
+                for (k, session) in sessions.iter().enumerate() {
+                    assert!(
+                        *session != 0 && !sessions[..k].contains(session),
+                        "{session} twice with {fixed}"
+                    );
+                }
+            }
+        }
+    }
+
+    fn n(index: usize) -> u32 {
+        u32::try_from(index).unwrap()
+    }
+
+    /// A hello whose number mixes to 0 or to the present session gets another one. Without entropy, the hello that mixes to
+    /// a number is the exclusive or of that number and the next session, rotated back.
+    #[test]
+    fn a_session_is_never_zero_and_never_the_previous_one() {
+        let mut conversation = Conversation::NEW;
+        let mut last = 0u32;
+        for step in 0..20u32 {
+            for to in [0, last] {
+                let nonce = (last.wrapping_add(1) ^ to).rotate_right(13);
+                let mut other = conversation;
+                other.executed(&packet(last, 1, step));
+                let session = other.hello(nonce, 0);
+                assert!(session != 0 && session != last, "{session} after {last}");
+            }
+            last = conversation.hello(1000 + step, 0);
+        }
+        // The greatest number is followed by 1, not by 0.
+        let mut conversation = Conversation { session: u32::MAX, last: 1, ..Conversation::NEW };
+        assert_eq!(conversation.hello(0, 0), 1);
+    }
 }

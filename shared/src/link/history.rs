@@ -84,3 +84,30 @@ impl FaultHistory {
         self.entries.iter().rev().copied()
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::safety::FaultKind;
+
+    /// A fault and a warning are recorded in the tick in which they appear, once for as long as they last, and again when they come
+    /// back.
+    #[test]
+    fn what_lasts_is_recorded_once() {
+        let mut history = FaultHistory::EMPTY;
+        let fault = Fault::Overrun;
+        let warning = Fault::Axis { axis: 1, kind: FaultKind::ScaleLost };
+        for tick in 0..40 {
+            let power =
+                if (10..20).contains(&tick) || tick >= 30 { Power::Faulted(fault) } else { Power::On };
+            history.update(tick, power, (15..25).contains(&tick).then_some(warning));
+        }
+        let entry = |tick, event| HistoryEntry { tick, event };
+        let expected = [
+            entry(30, HistoryEvent::Fault(fault)),
+            entry(15, HistoryEvent::Warning(warning)),
+            entry(10, HistoryEvent::Fault(fault)),
+        ];
+        assert!(history.newest_first().eq(expected), "{history:?}");
+    }
+}

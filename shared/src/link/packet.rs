@@ -214,4 +214,10 @@ mod tests {
         assert_eq!(encode(HEAD, &message(MAX_MESSAGE - 2), &mut frame), Ok(()));
         assert_eq!(encode(HEAD, &message(MAX_MESSAGE - 1), &mut frame), Err(MessageTooLong));
     }
+
+    /// The check value of CRC-32/ISO-HDLC.
+    #[test]
+    fn the_checksum_is_that_of_its_name() {
+        assert_eq!(checksum(b"123456789"), 0xcbf4_3926);
+    }
 }

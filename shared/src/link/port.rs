@@ -48,3 +48,38 @@ impl<'m, S: Scalar> SharedDrive<'m, S> for HostedDrive<'m, S, AXES> {
         access(self)
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A port that receives a number and takes three bytes.
+    struct Three(u8);
+
+    impl BytePort for Three {
+        fn read(&mut self) -> Option<u8> {
+            self.0.checked_sub(1).inspect(|left| self.0 = *left)
+        }
+
+        fn write(&mut self, bytes: &[u8]) -> usize {
+            bytes.len().min(3)
+        }
+
+        fn usb(&self) -> UsbState {
+            UsbState::Attached
+        }
+    }
+
+    #[test]
+    fn a_borrowed_port_is_the_port() {
+        fn uses(mut port: impl BytePort) {
+            assert_eq!([port.read(), port.read(), port.read()], [Some(2), Some(1), Some(0)]);
+            assert_eq!(port.read(), None);
+            assert_eq!((port.write(&[0; 2]), port.write(&[0; 5])), (2, 3));
+            assert_eq!(port.usb(), UsbState::Attached);
+        }
+        let mut port = Three(3);
+        uses(&mut port);
+        assert_eq!(port.0, 0);
+    }
+}

@@ -142,3 +142,69 @@ impl StreamPacket {
         Some(Self { first, start: 0, samples, period, lost: 0, bytes })
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::capture::Decoder;
+
+    const fn sample(k: i64) -> Sample<AXES> {
+        [[k; 4]; AXES]
+    }
+
+    /// The first sample is at a position tick; the others follow every third tick, wherever that is.
+    #[test]
+    fn a_stream_starts_at_a_position_tick() {
+        let mut queue = StreamQueue::<AXES>::OFF;
+        assert!(!queue.takes(0, true) && queue.decimation() == 0);
+        queue.start(3);
+        assert_eq!(queue.decimation(), 3);
+        assert!(!queue.takes(1, false) && !queue.takes(2, false));
+        let taken = [true, false, false, false, false, true, false].map({
+            let mut tick = 2;
+            let queue = &mut queue;
+            move |aligned| {
+                tick += 1;
+                queue.takes(tick, aligned)
+            }
+        });
+        assert_eq!((taken, queue.start_tick()), ([true, false, false, true, false, false, true], 3));
+    }
+
+    #[test]
+    fn only_the_sample_of_the_expected_number_is_taken() {
+        let mut queue = StreamQueue::<AXES>::OFF;
+        queue.start(1);
+        for k in 0..3 {
+            queue.append(&sample(k));
+        }
+        assert_eq!(queue.pop(Some(1)), None);
+        assert_eq!((queue.pop(Some(0)), queue.pop(None)), (Some((0, sample(0))), Some((1, sample(1)))));
+        assert_eq!((queue.pop(Some(3)), queue.waiting()), (None, 1));
+    }
+
+    /// Samples that do not change take a group of four bits per channel, and a packet has them until the longest one would not fit
+    /// the rest; it ends before a gap.
+    #[test]
+    fn a_packet_is_filled_until_it_is_full_or_there_is_a_gap() {
+        let fill = |available: u32| {
+            let mut number = 0..available;
+            let next = |expected: Option<u32>| {
+                let k = number.next()?;
+                assert_eq!(expected, (k > 0).then_some(k + 100));
+                Some((k + 100, sample(7)))
+            };
+            StreamPacket::fill(1, next).unwrap()
+        };
+        let full = fill(u32::MAX);
+        // Four channels of 22 groups, two of them in a byte.
+        let longest = AXES * 4 * 22 / 2;
+        assert!((STREAM_BYTES - longest..=STREAM_BYTES).contains(&full.bytes.len()), "{}", full.bytes.len());
+        for (packet, samples) in [(&fill(10), 10), (&full, full.samples)] {
+            assert_eq!((packet.first, packet.samples), (100, samples));
+            let mut decoder = Decoder::<AXES>::new(1, &packet.bytes);
+            assert!((0..samples).all(|_| decoder.next_sample() == Some(sample(7))));
+        }
+        assert!(full.samples > 10);
+    }
+}

@@ -1,6 +1,9 @@
 //! Loss of power at every byte, and records that are refused.
 
 extern crate std;
+
+mod reports;
+
 use std::vec::Vec;
 
 use embedded_storage::nor_flash::{ErrorType, NorFlash, NorFlashErrorKind, ReadNorFlash};

@@ -75,6 +75,8 @@ pub struct Bench {
     pub velocity: f64,
     pub closed: bool,
     pub index_m: f64,
+    /// The single index pulse of the scale.
+    pub scale_index_m: f64,
     /// Place at power-up, where both counters are zero.
     start_m: f64,
     previous_m: f64,
@@ -89,6 +91,7 @@ impl Bench {
             velocity: 0.0,
             closed: false,
             index_m: 0.0241,
+            scale_index_m: 0.0217,
             start_m: at_m,
             previous_m: at_m,
             duty: Duty::default(),
@@ -140,6 +143,7 @@ impl Board<1> for Bench {
             limits: [self.at_m < 0.005, self.at_m > 0.115],
             home: (0.020..=0.026).contains(&self.at_m),
             motor_index: index,
+            scale_index: (from..to).contains(&self.scale_index_m).then(|| self.count(self.scale_index_m)),
             ..AxisInputs::NONE
         };
         Inputs { axes: [axis], ..Inputs::NONE }

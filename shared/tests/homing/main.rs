@@ -32,6 +32,30 @@ fn an_axis_is_homed_with_motor_and_scale_together() {
     }
 }
 
+/// The readings at a pulse are latched from power-up on. Homed again, when the origin is no longer there, the axis reads the same place,
+/// by the index of the motor and by that of the scale, each from a mark of its own.
+#[test]
+fn an_axis_is_homed_again_to_the_same_place() {
+    for (mark, index) in [
+        (homing().mark, (|bench| bench.index_m) as fn(&Bench) -> f64),
+        (Mark::ScaleIndex { within_m: 0.01 }, |bench| bench.scale_index_m),
+    ] {
+        let mut bench = Bench::at(0.05);
+        let mut system = Bench::system();
+        bench.enable(&mut system);
+        let settings = shared::homing::HomingSettings { mark, ..homing() };
+        for time in 1..=3 {
+            assert_eq!(run_homing(&mut bench, &mut system, &settings), HomingStatus::Homed);
+            let true_m = bench.at_m - index(&bench) + settings.mark_position_m;
+            let [reading] = *system.readings();
+            // A count of 0.25 µm for the reading and one for the latched pulse.
+            for read in [reading.motor, reading.table.unwrap()] {
+                assert!((read.to_m() - true_m).abs() < 0.51e-6, "{time}: {} m, {true_m} m", read.to_m());
+            }
+        }
+    }
+}
+
 /// An axis with soft limits takes no block of a program before it is homed, and none beyond its travel afterwards.
 #[test]
 fn programs_are_refused_until_the_axis_is_homed() {

@@ -4,6 +4,7 @@
 
 mod direction;
 mod garbage;
+mod home;
 mod motions;
 mod order;
 mod power_loss;
@@ -11,6 +12,7 @@ mod recordings;
 mod rig;
 mod saving;
 mod silence;
+mod streams;
 mod two_ports;
 mod uploads;
 

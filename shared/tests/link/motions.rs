@@ -8,7 +8,7 @@ use shared::link::report::Activity;
 use shared::safety::Power;
 use shared::units::Position;
 
-use super::rig::Rig;
+use super::rig::{IDENTITY, Rig, settings};
 use super::{jog_at, jog_by, start};
 
 /// The command, m.
@@ -83,6 +83,38 @@ fn a_motion_that_is_too_fast_is_refused_before_it_starts() {
     assert_eq!(add(&mut rig, Block::line([0.05, 0.0], 0.19, 0.5)), Reply::Done);
     assert_eq!(add(&mut rig, Block::line([0.0, 0.05], 0.192, 0.5)), too_fast(2, 0));
     assert_eq!(add(&mut rig, Block::arc([0, 1], [0.0, 0.0], 0.1, 0.136, 0.5)), too_fast(2, 0));
+}
+
+/// The greatest speed itself is allowed, the next number is not. The way is a binary fraction, so that its direction is exactly 1.
+#[test]
+fn the_greatest_speed_of_an_axis_is_allowed() {
+    let mut rig = Rig::enabled();
+    assert_eq!(rig.request(&Request::NewMotion), Reply::Done);
+    let mut add = |to_m, feed: f64| rig.request(&Request::AddBlock(Block::line(to_m, feed, 0.5)));
+    let limit_m_per_s: f64 = 0.9 * 0.15;
+    assert_eq!(add([0.0, 0.03125], limit_m_per_s), Reply::Done);
+    let refused = Reply::Refused(Refusal::TooFast { block: 1, axis: 1, limit_m_per_s });
+    assert_eq!(add([0.0, 0.0], limit_m_per_s.next_up()), refused);
+    // From (0, 31.25 mm) 20 mm along x and 10 mm along y: x has 2/√5 of the feed, y half of that.
+    assert_eq!(add([0.02, 0.041_25], 0.134 * 5f64.sqrt() / 2.0), Reply::Done);
+    let refused = Reply::Refused(Refusal::TooFast { block: 2, axis: 0, limit_m_per_s });
+    assert_eq!(add([0.0, 0.031_25], 0.136 * 5f64.sqrt() / 2.0), refused);
+}
+
+/// An axis without soft limits can be jogged at a speed in either direction.
+#[test]
+fn without_soft_limits_a_jog_runs_in_either_direction() {
+    let mut settings = settings();
+    settings.axes[0].travel_m = None;
+    for velocity in [0.03, -0.03] {
+        let mut rig = Rig::of(IDENTITY, settings.clone());
+        rig.enable();
+        assert_eq!(rig.request(&jog_at(velocity)), Reply::Done);
+        rig.run(4000);
+        // 0.2 s at 30 mm/s, less half of the 60 ms of the acceleration, and the lag of the axis.
+        let moved_m = rig.bench.position_m[0] * velocity.signum();
+        assert!((4e-3..6e-3).contains(&moved_m), "{moved_m} m");
+    }
 }
 
 #[test]
@@ -177,4 +209,14 @@ fn jogs_stay_within_the_travel() {
     assert!(matches!(rig.refusal(&Request::Jog(standing)), Refusal::Path { .. }));
     let nan = Jog { axis: 1, distance_m: Some(f64::NAN), ..other };
     assert!(matches!(rig.refusal(&Request::Jog(nan)), Refusal::Path { .. }));
+}
+
+/// A motion that has been started moves, although the axes still stand: nothing else can be started before its first block.
+#[test]
+fn a_started_motion_is_not_at_rest_before_its_first_block() {
+    let mut rig = Rig::enabled();
+    assert_eq!(rig.drive.can_start(), Ok(()));
+    rig.drive.start_motion(1);
+    assert!(rig.drive.machine().is_at_rest());
+    assert_eq!((rig.drive.is_at_rest(), rig.drive.can_start()), (Err(Refusal::Moving), Err(Refusal::Moving)));
 }

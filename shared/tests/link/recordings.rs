@@ -130,6 +130,8 @@ fn lost_samples_are_counted() {
         next = packet.first + u32::from(packet.samples);
     }
     assert_eq!(gaps, lost);
+    // Each packet has the number that was lost up to its end.
+    assert_eq!((rig.streamed.first().unwrap().lost, rig.streamed.last().unwrap().lost), (0, lost));
 }
 
 #[test]

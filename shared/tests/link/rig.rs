@@ -5,7 +5,10 @@ use std::collections::VecDeque;
 use embedded_storage::nor_flash::NorFlash;
 use shared::capture::ChannelSteps;
 use shared::config::{AxisSettings, Rates};
-use shared::drive::{Amplifier, AnyOutput, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, StatusLight};
+use shared::drive::{
+    Amplifier, AnyOutput, AxisInputs, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, Inputs,
+    StatusLight,
+};
 use shared::feedback::Reading;
 use shared::link::message::{BoardSettings, FromBoard, Reply, Request};
 use shared::link::packet::{self, Frame, Header};
@@ -76,6 +79,8 @@ pub struct TestBench {
     pub switch_closed: bool,
     pub stopped: bool,
     pub scale_lost: bool,
+    /// Range in which the home switch of x is active, m.
+    pub home_switch_m: Option<[f64; 2]>,
 }
 
 impl TestBench {
@@ -97,6 +102,13 @@ impl TestBench {
 }
 
 impl Board<2, DriveSignal> for TestBench {
+    fn inputs(&mut self) -> Inputs<2> {
+        let [x_m, _] = self.position_m;
+        let home = self.home_switch_m.is_some_and(|[from_m, to_m]| (from_m..=to_m).contains(&x_m));
+        let x = AxisInputs { home, ..AxisInputs::NONE };
+        Inputs { axes: [x, AxisInputs::NONE], ..Inputs::NONE }
+    }
+
     fn readings(&mut self) -> [Reading; 2] {
         self.position_m.map(|m| {
             let position = Self::counted(m);
@@ -169,13 +181,15 @@ impl Rig {
         Self::with_flash(Memory::erased())
     }
 
+    /// The same with an identity and settings of its own.
+    pub fn of(identity: Identity, settings: BoardSettings) -> Self {
+        Self::assembled(Memory::erased(), None, identity, settings)
+    }
+
     /// With the drives on.
     pub fn enabled() -> Self {
         let mut rig = Self::new();
-        rig.close_switch();
-        assert_eq!(rig.request(&Request::Enable), Reply::Done);
-        rig.run(10);
-        assert_eq!(rig.status().power, Power::On);
+        rig.enable();
         rig
     }
 }
@@ -188,7 +202,15 @@ impl<F: NorFlash> Rig<F> {
 
     /// The same after a run that was ended by a fault.
     pub fn started(flash: F, previous_fault: Option<Fault>) -> Self {
-        let settings = settings();
+        Self::assembled(flash, previous_fault, IDENTITY, settings())
+    }
+
+    fn assembled(
+        flash: F,
+        previous_fault: Option<Fault>,
+        identity: Identity,
+        settings: BoardSettings,
+    ) -> Self {
         let machine = Box::leak(Box::new(
             Machine::<Fixed, 2>::new(settings.rates, &settings.axes, [Position(0); 2]).unwrap(),
         ));
@@ -197,7 +219,7 @@ impl<F: NorFlash> Rig<F> {
         let memory = vec![0; CAPTURE_BYTES].leak();
         let mut rig = Self {
             memory: SettingsMemory::new(Store::new(flash, SLOTS, BOARD).unwrap()),
-            server: Box::new(Server::new(IDENTITY, settings)),
+            server: Box::new(Server::new(identity, settings)),
             drive: HostedDrive::new(system, TICK_HZ, TIMES, &STEPS, memory),
             bench: TestBench::default(),
             line: Line::default(),
@@ -211,6 +233,13 @@ impl<F: NorFlash> Rig<F> {
         rig.server.load(&mut rig.drive, &mut rig.memory, previous_fault);
         rig.hello(1);
         rig
+    }
+
+    pub fn enable(&mut self) {
+        self.close_switch();
+        assert_eq!(self.request(&Request::Enable), Reply::Done);
+        self.run(10);
+        assert_eq!(self.status().power, Power::On);
     }
 
     pub fn close_switch(&mut self) {

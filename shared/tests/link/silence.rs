@@ -41,6 +41,34 @@ fn a_silent_host_holds_the_path_and_then_switches_the_drives_off() {
     assert!(rig.status().at_rest);
 }
 
+/// Axes that stand have no path to hold: the silence changes nothing before the drives go off.
+#[test]
+fn a_silent_host_holds_nothing_while_the_axes_stand() {
+    let mut rig = Rig::enabled();
+    rig.run(ticks(TIMES.hold_ms) + ticks(30));
+    assert_eq!(
+        (rig.drive.machine().feed_state(), rig.drive.machine().power()),
+        (FeedState::Running, Power::On)
+    );
+    let Reply::FaultHistory(history) = rig.request(&Request::FaultHistory) else { panic!("no history") };
+    assert!(history.is_empty(), "{history:?}");
+}
+
+/// A session that was opened is a host that is there, for the time after which a path is held.
+#[test]
+fn a_hello_is_heard_for_the_time_of_a_hold() {
+    let mut rig = Rig::new();
+    rig.run(ticks(TIMES.hold_ms) + 1);
+    assert!(rig.drive.host_is_silent());
+    rig.hello(2);
+    assert!(!rig.drive.host_is_silent());
+    // Two ticks and more were run for the hello.
+    rig.run(ticks(TIMES.hold_ms) - 10);
+    assert!(!rig.drive.host_is_silent());
+    rig.run(10);
+    assert!(rig.drive.host_is_silent());
+}
+
 /// A host that only asks for the status is not silent.
 #[test]
 fn a_host_that_asks_for_the_status_is_not_silent() {

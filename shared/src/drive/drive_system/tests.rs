@@ -227,3 +227,81 @@ fn a_warning_blinks() {
     assert_eq!(lit.filter(|lit| *lit).count(), 2 * BLINK as usize);
     assert!(bench.enabled);
 }
+
+/// A drive that records what is demanded of it.
+#[derive(Clone, Copy, Debug)]
+struct Recorder;
+
+impl DriveOutput<Fixed> for Recorder {
+    type Signal = Position;
+
+    fn signal(&mut self, demand: &Demand<Fixed>) -> Position {
+        demand.command
+    }
+
+    fn off(&mut self) -> Position {
+        Position(0)
+    }
+}
+
+/// A board with such a drive, whose axis follows it.
+struct Follower {
+    at: Position,
+    closed: bool,
+}
+
+impl Board<1, Position> for Follower {
+    fn readings(&mut self) -> [Reading; 1] {
+        [Reading { motor: self.at, table: None }]
+    }
+
+    fn enable_switch_closed(&mut self) -> bool {
+        self.closed
+    }
+
+    fn hardware_stop_active(&mut self) -> bool {
+        false
+    }
+
+    fn set_signals(&mut self, [command]: [Position; 1]) {
+        self.at = command;
+    }
+
+    fn set_enabled(&mut self, _: bool) {}
+
+    fn set_light(&mut self, _: bool) {}
+
+    fn next_tick_due(&mut self) -> bool {
+        false
+    }
+}
+
+/// A step drive counts from power-up. An origin that is set later changes the position of the axis and nothing that is demanded of
+/// its drive, at rest and in a motion afterwards.
+#[test]
+fn a_drive_that_follows_the_command_does_not_see_the_origin() {
+    let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
+    let mut machine = Machine::new(rates, &[AxisSettings::default()], [Position(0)]).unwrap();
+    let mut system =
+        DriveSystem::new(&mut machine, [Recorder], EnableSwitch::new(SETTLING), StatusLight::new(BLINK));
+    let mut board = Follower { at: Position(0), closed: false };
+    for tick in 0..4 * SETTLING {
+        board.closed = tick >= 2 * SETTLING;
+        system.tick(&mut board);
+    }
+    assert!(system.machine.power().is_on());
+    let shift = OriginShift { motor: 3_000_000_000, table: 0 };
+    let before = system.machine.command();
+    system.machine.set_origin(0, shift).unwrap();
+    system.shift_origin(0, before, shift);
+    system.tick(&mut board);
+    assert_eq!((board.at, system.machine.command()), (Position(0), [Position(shift.motor)]));
+    let [here] = system.machine.command();
+    system.machine.push(&Block::line([(here + 1_000_000_000).to_m()], 0.1, 5.0)).unwrap();
+    for _ in 0..4000 {
+        system.tick(&mut board);
+    }
+    // The end of the block is rounded to a position unit.
+    assert!((board.at.0 - 1_000_000_000).abs() <= 1, "{}", board.at.0);
+    assert!(system.machine.power().is_on());
+}
