@@ -11,12 +11,13 @@ fn wave(effect: &Effect) -> Option<[f64; 2]> {
     match effect {
         Effect::PitchCyclic(wave) => Some([wave.amplitude_um, wave.period_mm]),
         Effect::ResolverDividing(wave) => Some([wave.amplitude_um, wave.period_mm]),
+        Effect::EncoderEllipticity(wave) => Some([wave.amplitude_um, wave.period_mm]),
         _ => None,
     }
 }
 
-/// Whether an effect is a wave, longer than the distance of the knots, that is no larger than what a map of the same screw
-/// leaves between its knots.
+/// Whether an effect is a wave, longer than half the distance of the knots, that is no larger than what a map of the same screw
+/// leaves between its knots: a remainder that is zero at the knots, with the period of their distance, times the wave of the screw.
 #[must_use]
 pub fn is_remainder_of_map(effect: &Effect, found: &[Effect]) -> bool {
     let Some([amplitude_um, period_mm]) = wave(effect) else { return false };
@@ -24,7 +25,7 @@ pub fn is_remainder_of_map(effect: &Effect, found: &[Effect]) -> bool {
         let Effect::PitchMap(map) = other else { return false };
         let spacing_mm = map.positions_mm.windows(2).map(|pair| pair[1] - pair[0]).fold(0.0, f64::max);
         let size_um = numerics::peak_to_peak(map.error_um.iter().copied());
-        period_mm > spacing_mm && amplitude_um.abs() < MAX_FRACTION * size_um
+        period_mm > 0.5 * spacing_mm && amplitude_um.abs() < MAX_FRACTION * size_um
     })
 }
 
@@ -60,9 +61,10 @@ mod tests {
         assert!(
             is_remainder_of_map(&screw(0.02, 16.0), &found)
                 && is_remainder_of_map(&screw(-0.07, 16.0), &found)
+                && is_remainder_of_map(&screw(0.02, 10.0), &found)
         );
         assert!(!is_remainder_of_map(&screw(0.09, 16.0), &found), "larger than what a map leaves");
-        assert!(!is_remainder_of_map(&screw(0.02, 10.0), &found), "shorter than the distance of the knots");
+        assert!(!is_remainder_of_map(&screw(0.02, 5.0), &found), "shorter than half the distance");
         assert!(!is_remainder_of_map(&screw(0.02, 16.0), &[]), "no map");
     }
 
