@@ -10,27 +10,17 @@ pub(crate) fn mul_q32(value: i64, fraction_q32: u32) -> i64 {
     (high.wrapping_mul(i64::from(fraction_q32))).wrapping_add(low.cast_signed())
 }
 
-/// `value·fraction/2^(32 + shift)`, rounded towards −∞, for a shift below 32.
-#[must_use]
-#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the two words")]
-pub(crate) fn mul_q32_shifted(value: i64, fraction_q32: u32, shift: u32) -> i64 {
-    let product = mul_q32(value, fraction_q32);
-    let (low, high, shift) = (product as u32, (product >> 32) as i32, shift & 31);
-    // A shift by 32 in two steps: there is none in one.
-    let low = (low >> shift) | (((high as u32) << 1) << (31 - shift));
-    (i64::from(high >> shift) << 32) | i64::from(low)
-}
-
 /// `value·fraction/2³²`, rounded towards −∞, by four 32-bit products.
 #[must_use]
 #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "the four 32-bit words")]
 pub(crate) fn wide_mul_q32(value: i128, fraction_q32: u32) -> i128 {
-    let (high, low) = ((value >> 64) as i64, value as u64);
     let fraction = u64::from(fraction_q32);
-    let low = (low >> 32) * fraction + (((low & 0xffff_ffff) * fraction) >> 32);
-    let (top, middle) = ((high >> 32) * i64::from(fraction_q32), (high as u64 & 0xffff_ffff) * fraction);
-    (i128::from(top) << 64)
-        .wrapping_add((u128::from(middle) << 32).wrapping_add(u128::from(low)).cast_signed())
+    let word = |shift: u32| u64::from((value >> shift) as u32);
+    // Each product takes the upper word of the one before (`UMLAL`): none overflows.
+    let first = word(32) * fraction + ((word(0) * fraction) >> 32);
+    let second = word(64) * fraction + (first >> 32);
+    let third = (value >> 96) as i64 * i64::from(fraction_q32) + (second >> 32).cast_signed();
+    i128::from(third) << 64 | i128::from(second & 0xffff_ffff) << 32 | i128::from(first & 0xffff_ffff)
 }
 
 /// `a·b/2^SHIFT`, rounded once, to nearest.
@@ -67,11 +57,11 @@ impl Words {
         ]
     }
 
-    /// `a·b + c·d` over 2⁶⁴, off by up to a unit and a half, for magnitudes up to 2⁶¹.
+    /// `a·b/2⁶⁴`, off by up to 1.25 units, for magnitudes up to 2⁶³ − 2³¹: the product of the lower words is omitted.
     #[must_use]
-    pub(crate) fn sum_of_products(a: Self, b: Self, c: Self, d: Self) -> i64 {
-        let ([upper, cross], [more_upper, more_cross]) = (a.product(b), c.product(d));
-        upper.wrapping_add(more_upper).wrapping_add(cross.wrapping_add(more_cross) >> 32)
+    pub(crate) fn mul_high(self, other: Self) -> i64 {
+        let [upper, cross] = self.product(other);
+        upper.wrapping_add(cross >> 32)
     }
 }
 
@@ -84,11 +74,10 @@ pub(crate) fn mul_62(a: i64, b: i64) -> i64 {
     upper.wrapping_add(cross.wrapping_add(below).wrapping_add(1 << 31) >> 32)
 }
 
-/// `a·b/2⁶⁴`, off by up to 1.25 units, for magnitudes up to 2⁶³ − 2³¹: the product of the lower words is omitted.
+/// [`Words::mul_high`].
 #[must_use]
 pub(crate) fn mul_high(a: i64, b: i64) -> i64 {
-    let [upper, cross] = Words::of(a).product(Words::of(b));
-    upper.wrapping_add(cross >> 32)
+    Words::of(a).mul_high(Words::of(b))
 }
 
 /// `a·b/2^shift` modulo 2⁶⁴, for a shift from 32 to 63.
@@ -171,10 +160,10 @@ mod tests {
         }
 
         #[test]
-        fn a_sum_of_products_is_rounded_once(a in below(61), b in below(61), c in below(61), d in below(61)) {
-            let result = Words::sum_of_products(Words::of(a), Words::of(b), Words::of(c), Words::of(d));
-            let off = off(result, [a, b, c, d], 64);
-            prop_assert!((-1.5..=0.5).contains(&off), "{off}");
+        fn a_wide_product_is_rounded_down(value in -(1i128 << 126)..1 << 126, fraction: u32) {
+            let words = [value >> 32, value & 0xffff_ffff];
+            let [upper, lower] = words.map(|word| word * i128::from(fraction));
+            prop_assert_eq!(wide_mul_q32(value, fraction), upper + (lower >> 32));
         }
 
         /// Rounded to nearest but for 2⁻³² of a unit, the part of the lower words that is omitted.

@@ -21,3 +21,10 @@ pub mod scalar;
 pub mod session;
 pub mod storage;
 pub mod units;
+
+/// Keeps the compiler from loading what is computed next while the registers hold what is computed now. No instruction.
+#[inline(always)]
+#[expect(clippy::inline_always, reason = "no instruction")]
+fn one_after_the_other() {
+    core::sync::atomic::compiler_fence(core::sync::atomic::Ordering::SeqCst);
+}

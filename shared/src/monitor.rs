@@ -43,17 +43,19 @@ pub struct Monitor<S: Scalar> {
 /// Limits of a motor reading that stands still.
 ///
 /// The encoder is frozen when, since the reading last moved, the command has travelled by `limit` and the integral of
-/// the velocity command has left `integral_limits`. Neither alone is sufficient: when the command reverses while the motor is
+/// the velocity command has exceeded `integral_limit`. Neither alone is sufficient: when the command reverses while the motor is
 /// far behind, the command moves although the motor has to stand; and a velocity loop without an integral part
 /// commands a velocity that is never reached while it holds a load.
 #[derive(Clone, Copy, Debug)]
 pub struct FrozenEncoder<S: Scalar> {
     /// Travel of the command, position units.
     pub limit: u64,
-    /// A motor reading that has moved by less counts as standing, position units: see [`FrozenEncoder::new`].
-    standstill: u64,
-    /// ∓ the same travel as an integral of the velocity command, error units.
-    pub integral_limits: [S::Sum; 2],
+    /// A motor reading that has moved by less counts as standing, position units: 1/64 of the limit.
+    standstill: i64,
+    /// The same in both directions.
+    standing_range: u64,
+    /// The same travel as an integral of the velocity command, error units.
+    pub integral_limit: S,
     /// Error units per velocity unit and position tick.
     pub per_tick: S::Gain,
 }
@@ -62,9 +64,14 @@ impl<S: Scalar> FrozenEncoder<S> {
     /// For a travel in position units, the same as an error signal, and error units per velocity unit and position tick.
     #[must_use]
     pub fn new(limit: u64, error: S, per_tick: S::Gain) -> Self {
-        let error = error.widen();
-        let integral_limits = [S::ZERO_SUM - error, error];
-        Self { limit, standstill: limit / STANDSTILL_DIVISOR, integral_limits, per_tick }
+        let standstill = limit / STANDSTILL_DIVISOR;
+        Self {
+            limit,
+            standstill: standstill.cast_signed(),
+            standing_range: 2 * standstill,
+            integral_limit: error,
+            per_tick,
+        }
     }
 }
 
@@ -186,12 +193,12 @@ impl<S: Scalar> Monitor<S> {
     fn is_frozen(&self, state: &mut State<S>, input: &MonitorInput<S>) -> bool {
         let Some(frozen) = &self.frozen_encoder else { return false };
         let [command, motor] = state.last_motion;
-        if (input.motor - motor).unsigned_abs() > frozen.standstill {
+        // Both directions in one comparison.
+        if (input.motor + frozen.standstill - motor).cast_unsigned() > frozen.standing_range {
             (state.last_motion, state.velocity_integral) = ([input.command, input.motor], S::ZERO_SUM);
             return false;
         }
-        let [min, max] = frozen.integral_limits;
-        if state.velocity_integral >= min && state.velocity_integral <= max {
+        if !S::sum_exceeds(state.velocity_integral, frozen.integral_limit) {
             state.velocity_integral += input.velocity_command * frozen.per_tick;
             return false;
         }

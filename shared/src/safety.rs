@@ -111,7 +111,7 @@ impl FaultKind {
 
 /// The faults of an axis in one tick.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub struct FaultSet(u16);
+pub struct FaultSet(u32);
 
 impl FaultSet {
     /// No fault.
@@ -120,7 +120,7 @@ impl FaultSet {
     /// The set with `kind` added if it is `present`.
     #[must_use]
     pub const fn with(self, kind: FaultKind, present: bool) -> Self {
-        Self(self.0 | (present as u16) << kind as u8)
+        Self(self.0 | (present as u32) << kind as u8)
     }
 
     /// Whether there is no fault.

@@ -57,10 +57,10 @@ fn the_step_response_of_the_position_loop_matches_its_closed_form() {
             ("f32", step_response::<f32>(Law::P, rate_hz), step_response::<f32>(Law::Hpc, rate_hz)),
             ("f64", step_response::<f64>(Law::P, rate_hz), step_response::<f64>(Law::Hpc, rate_hz)),
         ] {
-            // A velocity rounded by r leaves an error of r/Kp. Fixed point: half a step of 1 nm/s, 12.5 pm, and 1 pm of
-            // the reading. f32: 2⁻²⁴ of Kp·1 mm, 60 pm.
+            // A velocity rounded by r leaves an error of r/Kp. Fixed point: a step of 1 nm/s, 25 pm, a step of the error, 62 pm,
+            // and 1 pm of the reading. f32: 2⁻²⁴ of Kp·1 mm, 60 pm.
             let rounding = match name {
-                "fixed" => 2e-5,
+                "fixed" => 9e-5,
                 "f32" => 6e-5,
                 _ => 1e-9,
             };

@@ -10,8 +10,8 @@ use super::kind::CompensationKind;
 use super::motion::CommandMotion;
 use super::pitch::Pitch;
 use super::reversal::Reversal;
-use super::settings::PitchSource;
 use super::slew::Slew;
+use super::slow::{Inputs, SlowList};
 use super::state::{Correction, SlowTerms, State};
 use super::table::Table;
 use super::talk::Talk;
@@ -52,61 +52,6 @@ pub struct AxisCompensation<S: Scalar> {
     pub(super) load: Option<Table<Fixed>>,
     pub(super) friction_map: Option<Table<Fixed>>,
     pub(super) drift: Option<Drift<S>>,
-}
-
-/// What slow terms depend on.
-#[derive(Clone, Copy)]
-pub(super) struct Inputs<'a, S: Scalar, const N: usize> {
-    pub motions: &'a [CommandMotion<S>; N],
-    /// Ticks of the machine.
-    pub clock: u64,
-}
-
-/// Number of slow terms.
-const SLOW_TERMS: usize = 7;
-
-/// A term that changes slowly with position or time.
-#[derive(Clone, Copy, Debug, PartialEq, Eq)]
-pub(super) enum SlowTerm {
-    Pitch,
-    Straightness,
-    Intalk,
-    Crosstalk,
-    Drift,
-    Load,
-    AdditionalFriction,
-}
-
-/// The slow terms of an axis.
-#[derive(Clone, Copy, Debug)]
-pub(super) struct SlowList {
-    count: u8,
-    /// Those from the count on are not used.
-    terms: [SlowTerm; SLOW_TERMS],
-}
-
-impl SlowList {
-    const EMPTY: Self = Self { count: 0, terms: [SlowTerm::Pitch; SLOW_TERMS] };
-
-    /// Adds a term; each of them once.
-    pub fn push(&mut self, term: SlowTerm) {
-        if let Some(slot) = self.terms.get_mut(usize::from(self.count)) {
-            *slot = term;
-            self.count += 1;
-        }
-    }
-
-    // Clippy compares the size with that of a pointer.
-    #[cfg_attr(
-        target_pointer_width = "64",
-        expect(
-            clippy::trivially_copy_pass_by_ref,
-            reason = "read where it is: 5 instructions less in a tick"
-        )
-    )]
-    fn get(&self, place: u8) -> Option<SlowTerm> {
-        self.terms.get(usize::from(place)).copied().filter(|_| place < self.count)
-    }
 }
 
 impl<S: Scalar> AxisCompensation<S> {
@@ -177,27 +122,13 @@ impl<S: Scalar> AxisCompensation<S> {
 
     /// Evaluates all slow terms, and starts the force model with the present motion: for a compensation that has just been
     /// set. Not part of a tick.
-    pub(super) fn start<const N: usize>(&self, state: &mut State<S>, axis: usize, inputs: Inputs<'_, S, N>) {
+    pub(super) fn start<const N: usize>(&self, state: &mut State<S>, axis: usize, inputs: &Inputs<S, N>) {
         (state.slow, state.set_at) = (SlowTerms::NONE, inputs.clock);
-        for term in (0..self.slow.count).filter_map(|place| self.slow.get(place)) {
+        for term in self.slow.iter() {
             self.evaluate(term, state, axis, inputs);
         }
         if let (Some(model), Some(own)) = (&self.model, inputs.motions.get(axis)) {
             model.start(&mut state.model, own);
-        }
-    }
-
-    /// Evaluates the next of the slow terms.
-    pub(super) fn next_slow_term<const N: usize>(
-        &self,
-        state: &mut State<S>,
-        axis: usize,
-        inputs: Inputs<'_, S, N>,
-    ) {
-        if let Some(term) = self.slow.get(state.slow.next) {
-            let next = state.slow.next.wrapping_add(1);
-            state.slow.next = if next < self.slow.count { next } else { 0 };
-            self.evaluate(term, state, axis, inputs);
         }
     }
 
@@ -254,60 +185,6 @@ impl<S: Scalar> AxisCompensation<S> {
         {
             let (load, friction) = (state.slow.load, state.slow.friction);
             model.update(&mut state.model, own.position, Surroundings { load, friction });
-        }
-    }
-
-    /// Evaluates a slow term: at 1 m/s and 4 kHz with all seven on two axes, each of them is evaluated every 3.5 mm.
-    #[inline(never)]
-    fn evaluate<const N: usize>(
-        &self,
-        term: SlowTerm,
-        state: &mut State<S>,
-        axis: usize,
-        Inputs { motions, clock }: Inputs<'_, S, N>,
-    ) {
-        let Some(own) = motions.get(axis) else { return };
-        let active = &state.active;
-        let ticks = clock.wrapping_sub(state.set_at);
-        match term {
-            SlowTerm::Pitch => {
-                let pitch = self.pitch.as_ref().filter(|_| active.has(CompensationKind::Pitch));
-                let correction = pitch.map_or(S::ZERO, |pitch| pitch.correction(own));
-                match self.pitch.as_ref().map(Pitch::source) {
-                    Some(PitchSource::Scale) => state.slow.scale_pitch = correction,
-                    _ => state.slow.screw_pitch = correction,
-                }
-                state.slow.add_up();
-            }
-            SlowTerm::Straightness => {
-                let shape = self.straightness.as_ref().filter(|_| active.has(CompensationKind::Straightness));
-                let correction = |(source, shape): &(u8, Straightness<S>)| {
-                    shape.correction(motions.get(usize::from(*source)).unwrap_or(own))
-                };
-                state.slow.straightness = shape.map_or(S::ZERO, correction);
-                state.slow.add_up();
-            }
-            SlowTerm::Intalk => {
-                let talk = self.intalk.as_ref().filter(|_| active.has(CompensationKind::Intalk));
-                state.slow.intalk = talk.map_or(S::ZERO, |talk| talk.correction(own.position)).to_gain();
-            }
-            SlowTerm::Crosstalk => {
-                let talk = self.crosstalk.as_ref().filter(|_| active.has(CompensationKind::Crosstalk));
-                state.slow.crosstalk = talk.map_or(S::ZERO, |talk| talk.correction(own.position)).to_gain();
-            }
-            SlowTerm::Drift => {
-                let drift = self.drift.as_ref().filter(|_| active.has(CompensationKind::Drift));
-                state.slow.drift = drift.map_or(S::ZERO, |drift| drift.correction(ticks));
-                state.slow.add_up();
-            }
-            SlowTerm::Load => {
-                state.slow.load = self.load.as_ref().map_or(Fixed::ZERO, |load| load.at(own.position));
-            }
-            SlowTerm::AdditionalFriction => {
-                let map = self.friction_map.as_ref().map_or(Fixed::ZERO, |map| map.at(own.position));
-                let cold = self.model.as_ref().map_or(Fixed::ZERO, |model| model.cold_friction(ticks));
-                state.slow.friction = map + cold;
-            }
         }
     }
 

@@ -1,6 +1,6 @@
 //! Checks of the compensation settings of an axis, and their conversion to what a tick computes with.
 
-use super::axis::{AxisCompensation, SlowTerm};
+use super::axis::AxisCompensation;
 use super::backlash::Backlash;
 use super::cycles::Cycles;
 use super::drift::Drift;
@@ -11,6 +11,7 @@ use super::pitch::Pitch;
 use super::reversal::Reversal;
 use super::settings::CompensationSettings;
 use super::slew::Slew;
+use super::slow::SlowTerm;
 use super::table::{Table, ValueRange};
 use super::talk::Talk;
 use crate::config::check::{gain, positive, ranged};

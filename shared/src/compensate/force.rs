@@ -168,7 +168,8 @@ impl Force {
 
     /// Sets the state to a motion that has been steady, keeping the friction of the bristles if there is one.
     pub fn start<S: Scalar>(&self, state: &mut State, motion: &CommandMotion<S>) {
-        let increment = motion.increment_units;
+        // 1.024 µm are 64 increment units.
+        let increment = motion.increment.distance() >> 6;
         // A ramp lags by (1 − f)/f ticks with the fraction f = 1/(1 + lag).
         state.position = motion.position - mul_shift::<16>(increment, self.lag_ticks_q16);
         state.increment = increment;

@@ -1,10 +1,12 @@
 //! The compensations of all axes of a machine.
 
-use super::axis::{AxisCompensation, Inputs};
+use super::axis::AxisCompensation;
 use super::kind::CompensationKind;
 use super::motion::CommandMotion;
+use super::slow::{Inputs, Schedule};
 use super::state::{Correction, State};
 use crate::feedback::Reading;
+use crate::one_after_the_other;
 use crate::scalar::Scalar;
 use crate::units::Position;
 
@@ -12,19 +14,18 @@ use crate::units::Position;
 pub const MAX_WAIT: u8 = 4;
 
 /// The compensations of all axes, with their state.
+// In this order: an instruction reaches the first 4 KiB.
+#[repr(C)]
 #[derive(Clone, Debug)]
 pub struct Compensation<S: Scalar, const N: usize> {
-    axes: [AxisCompensation<S>; N],
+    inputs: Inputs<S, N>,
     states: [State<S>; N],
-    motions: [CommandMotion<S>; N],
-    /// Ticks.
-    clock: u64,
     /// Ticks for which the slow terms have waited.
     waited: u8,
-    /// The axis whose slow terms are next.
-    turn: usize,
     /// Whether a compensation has been set, for each axis.
     is_set: [bool; N],
+    schedule: Schedule<N>,
+    axes: [AxisCompensation<S>; N],
 }
 
 impl<S: Scalar, const N: usize> Compensation<S, N> {
@@ -32,24 +33,24 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     pub const NONE: Self = Self {
         axes: [const { AxisCompensation::NONE }; N],
         states: [State::NEW; N],
-        motions: [CommandMotion::at(Position(0)); N],
-        clock: 0,
+        inputs: Inputs { motions: [CommandMotion::at(Position(0)); N], clock: 0 },
         waited: 0,
-        turn: 0,
+        schedule: Schedule::EMPTY,
         is_set: [false; N],
     };
 
     /// No compensation, axes at `start`.
     #[must_use]
     pub fn none(start: [Position; N]) -> Self {
-        Self { motions: start.map(CommandMotion::at), ..Self::NONE }
+        Self { inputs: Inputs { motions: start.map(CommandMotion::at), clock: 0 }, ..Self::NONE }
     }
 
     /// Resets to no compensation, axes at `start`, in place: tables are large.
     pub fn reset(&mut self, start: &[Position; N]) {
         self.states = [State::NEW; N];
-        self.motions = start.map(CommandMotion::at);
+        self.inputs.motions = start.map(CommandMotion::at);
         self.is_set = [false; N];
+        self.schedule = Schedule::EMPTY;
     }
 
     /// Replaces the compensation of an axis. Its corrections change over at their limited rates.
@@ -59,10 +60,16 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
         if let (Some(slot), Some(state)) = (self.axes.get_mut(axis), self.states.get_mut(axis)) {
             *slot = *compensation;
             slot.activate(state);
-            slot.start(state, axis, Inputs { motions: &self.motions, clock: self.clock });
+            slot.start(state, axis, &self.inputs);
         }
         if let Some(is_set) = self.is_set.get_mut(axis) {
             *is_set = true;
+        }
+        self.schedule = Schedule::EMPTY;
+        for ((axis, compensation), is_set) in (0..).zip(&self.axes).zip(&self.is_set) {
+            if *is_set {
+                self.schedule.add(axis, compensation.slow);
+            }
         }
     }
 
@@ -77,15 +84,15 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// Sets the axes to rest at other positions, without force.
     pub fn rest_at(&mut self, positions: &[Position; N]) {
-        self.motions = positions.map(CommandMotion::at);
-        for (state, motion) in self.states.iter_mut().zip(&self.motions) {
+        self.inputs.motions = positions.map(CommandMotion::at);
+        for (state, motion) in self.states.iter_mut().zip(&self.inputs.motions) {
             state.rest_at(motion);
         }
     }
 
     /// Continues after the command of an axis has been shifted by a distance, position units.
     pub fn shift(&mut self, axis: usize, command: i64) {
-        if let (Some(motion), Some(state)) = (self.motions.get_mut(axis), self.states.get_mut(axis)) {
+        if let (Some(motion), Some(state)) = (self.inputs.motions.get_mut(axis), self.states.get_mut(axis)) {
             *motion = motion.shifted(command);
             state.model.shift(command);
         }
@@ -99,16 +106,23 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
 
     /// The readings with the errors of the resolvers corrected, once per tick.
     pub fn readings(&mut self, readings: &[Reading; N]) -> [Reading; N] {
-        self.clock = self.clock.wrapping_add(1);
         let mut corrected = *readings;
+        self.correct(&mut corrected);
+        corrected
+    }
+
+    /// Corrects the errors of the resolvers, once per tick.
+    #[inline(never)]
+    pub fn correct(&mut self, readings: &mut [Reading; N]) {
+        self.inputs.clock = self.inputs.clock.wrapping_add(1);
         for (((reading, axis), state), is_set) in
-            corrected.iter_mut().zip(&self.axes).zip(&mut self.states).zip(&self.is_set)
+            readings.iter_mut().zip(&self.axes).zip(&mut self.states).zip(&self.is_set)
         {
             if *is_set {
                 reading.motor = axis.reading(state, reading.motor);
             }
+            one_after_the_other();
         }
-        corrected
     }
 
     /// The corrections of the commands, once per command.
@@ -126,7 +140,7 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
     /// motion starts from the motion of the axes. If this tick takes longer than others, slow terms wait, for up to
     /// [`MAX_WAIT`] ticks.
     pub fn advance(&mut self, commands: &[Position; N], is_long_tick: bool) {
-        for (motion, command) in self.motions.iter_mut().zip(commands) {
+        for (motion, command) in self.inputs.motions.iter_mut().zip(commands) {
             motion.step(*command);
         }
         if is_long_tick && self.waited < MAX_WAIT {
@@ -134,20 +148,19 @@ impl<S: Scalar, const N: usize> Compensation<S, N> {
             return;
         }
         self.waited = 0;
-        self.turn = if self.turn + 1 < N { self.turn + 1 } else { 0 };
-        let turn = self.turn;
-        if let (Some(true), Some(compensation), Some(state)) =
-            (self.is_set.get(turn), self.axes.get(turn), self.states.get_mut(turn))
+        if let Some((axis, term)) = self.schedule.advance()
+            && let (Some(compensation), Some(state)) = (self.axes.get(axis), self.states.get_mut(axis))
         {
-            let inputs = Inputs { motions: &self.motions, clock: self.clock };
-            compensation.next_slow_term(state, turn, inputs);
+            compensation.evaluate(term, state, axis, &self.inputs);
         }
     }
 
     /// The correction of the command of an axis, once after each [`Compensation::advance`].
     pub fn command(&mut self, axis: usize) -> Correction<S> {
         match (self.is_set.get(axis), self.axes.get(axis), self.states.get_mut(axis)) {
-            (Some(true), Some(compensation), Some(state)) => compensation.command(state, axis, &self.motions),
+            (Some(true), Some(compensation), Some(state)) => {
+                compensation.command(state, axis, &self.inputs.motions)
+            }
             _ => Correction::NONE,
         }
     }

@@ -19,7 +19,7 @@
 //! Corrections of the command are computed from the command, which has no noise, and added up; so are those of the force.
 //! Each sum, and the correction of the reading, passes a slew-rate limiter ([`slew`]), so that nothing jumps when a
 //! compensation is switched or replaced, or the axis reverses. Tables over the travel change slowly: one table of the
-//! machine is evaluated with each command, axis by axis and in turn.
+//! machine is evaluated with each command, in turn.
 //!
 //! # With a scale in the loop
 //!
@@ -59,6 +59,7 @@ pub mod presliding;
 pub mod reversal;
 pub mod settings;
 pub mod slew;
+mod slow;
 pub mod speed_curves;
 pub mod state;
 pub mod table;

@@ -8,6 +8,8 @@ use crate::units::{PER_NM, Position};
 pub struct CommandMotion<S: Scalar> {
     /// Command.
     pub position: Position,
+    /// Change of the command per tick, increment units.
+    pub increment: S,
     /// Change of the increment per tick, increment units.
     pub acceleration: S,
     /// Whether the last direction of travel was positive. A command at rest, or one that moves back by less than
@@ -17,8 +19,6 @@ pub struct CommandMotion<S: Scalar> {
     pub reversed: bool,
     /// The extreme command in the present direction.
     extreme: Position,
-    /// Change of the command per tick, position units.
-    pub(super) increment_units: i64,
 }
 
 /// Distance that a command has to move back to count as reversed, nm.
@@ -30,11 +30,11 @@ impl<S: Scalar> CommandMotion<S> {
     pub const fn at(position: Position) -> Self {
         Self {
             position,
+            increment: S::ZERO,
             acceleration: S::ZERO,
             forward: true,
             reversed: false,
             extreme: position,
-            increment_units: 0,
         }
     }
 
@@ -46,12 +46,12 @@ impl<S: Scalar> CommandMotion<S> {
 
     /// Updates the motion with the next command.
     pub fn step(&mut self, position: Position) {
-        let increment = position - self.position;
-        self.acceleration = S::from_increment(increment.wrapping_sub(self.increment_units));
-        (self.position, self.increment_units) = (position, increment);
+        let increment = S::from_increment(position - self.position);
+        self.acceleration = increment - self.increment;
+        (self.position, self.increment) = (position, increment);
         let from_extreme = position - self.extreme;
         self.reversed = false;
-        if (from_extreme > 0) == self.forward {
+        if (from_extreme >= 0) == self.forward {
             self.extreme = position;
         } else if from_extreme.unsigned_abs() > (REVERSAL_NM * PER_NM).unsigned_abs() {
             (self.forward, self.reversed, self.extreme) = (!self.forward, true, position);

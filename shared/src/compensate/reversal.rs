@@ -10,7 +10,7 @@ use super::settings;
 use crate::config::ConfigError;
 use crate::config::check::{gain, positive, ranged};
 use crate::scalar::Scalar;
-use crate::units::{INCREMENT_M, PER_M};
+use crate::units::INCREMENT_M;
 
 /// Constants of the pulse.
 #[derive(Clone, Copy, Debug)]
@@ -22,8 +22,8 @@ pub struct Reversal<S: Scalar> {
     fade: S::Gain,
     /// The signal 1.
     one: S,
-    /// v₀, position units per position tick: there is no force at this speed and above.
-    zero_from: u64,
+    /// v₀, increment units: there is no force above this speed.
+    zero_above: S,
 }
 
 impl<S: Scalar> Reversal<S> {
@@ -39,8 +39,7 @@ impl<S: Scalar> Reversal<S> {
             decay: gain::<S>("reversal.decay_s", -libm::expm1(-1.0 / (decay * rate_hz)), 1.0)?,
             fade: gain::<S>("reversal.fade_m_per_s", rate_hz / fade, INCREMENT_M)?,
             one: S::signal(1.0),
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates")]
-            zero_from: libm::ceil(fade / rate_hz * PER_M) as u64,
+            zero_above: S::signal(fade / rate_hz / INCREMENT_M),
         })
     }
 
@@ -51,12 +50,12 @@ impl<S: Scalar> Reversal<S> {
         } else {
             *pulse = *pulse - S::round(*pulse * self.decay);
         }
-        let speed = own.increment_units.unsigned_abs();
-        if speed >= self.zero_from {
+        if own.increment.exceeds(self.zero_above) {
             return S::ZERO;
         }
-        // Below the greatest speed: within the range of the number, and not above 1 but for rounding.
-        let speed_ratio = S::round(S::from_increment(speed.cast_signed()) * self.fade);
+        let speed = if own.increment < S::ZERO { -own.increment } else { own.increment };
+        // Not above 1 but for rounding.
+        let speed_ratio = S::round(speed * self.fade);
         pulse.product(self.one - speed_ratio)
     }
 }

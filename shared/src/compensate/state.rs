@@ -47,8 +47,6 @@ pub struct State<S: Scalar> {
 /// Terms that change slowly: one of them is evaluated with each command, in turn.
 #[derive(Clone, Copy, Debug)]
 pub(super) struct SlowTerms<S: Scalar> {
-    /// Place of the next term in the list of those that the axis has.
-    pub next: u8,
     pub screw_pitch: S,
     pub scale_pitch: S,
     pub straightness: S,
@@ -64,7 +62,6 @@ pub(super) struct SlowTerms<S: Scalar> {
 impl<S: Scalar> SlowTerms<S> {
     /// All zero.
     pub const NONE: Self = Self {
-        next: 0,
         screw_pitch: S::ZERO,
         scale_pitch: S::ZERO,
         straightness: S::ZERO,

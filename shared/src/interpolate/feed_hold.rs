@@ -83,6 +83,12 @@ impl FeedHold {
     /// The time by which the path advances in this tick, 32 fraction bits.
     #[inline]
     pub fn advance(&mut self) -> u64 {
+        if self.state == FeedState::Running { TICK } else { self.change_rate() }
+    }
+
+    #[cold]
+    #[inline(never)]
+    fn change_rate(&mut self) -> u64 {
         match self.state {
             FeedState::Running => {}
             FeedState::Holding | FeedState::Held | FeedState::Discarding => {

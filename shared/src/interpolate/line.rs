@@ -66,13 +66,10 @@ impl<const N: usize> Line<N> {
         core::array::from_fn(|i| [self.start[i].min(self.end[i]), self.start[i].max(self.end[i])])
     }
 
-    /// The point at a path length, each axis exact to one position unit.
-    #[must_use]
-    pub fn at(&self, length: i64) -> [Position; N] {
-        let mut point = self.start;
-        for (position, direction) in point.iter_mut().zip(&self.direction) {
-            *position += mul_62(length, *direction);
+    /// Sets a point to that at a path length, each axis exact to one position unit.
+    pub fn set_to(&self, point: &mut [Position; N], length: i64) {
+        for ((position, start), direction) in point.iter_mut().zip(self.start).zip(&self.direction) {
+            *position = start + mul_62(length, *direction);
         }
-        point
     }
 }

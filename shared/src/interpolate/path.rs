@@ -20,20 +20,19 @@ use crate::units::Position;
 pub const QUEUE: usize = 16;
 
 /// A path through N axes, with a filter per axis behind it.
+// In this order: an instruction reaches the first 1 KiB.
+#[repr(C)]
 #[derive(Clone, Debug)]
 pub struct Path<const N: usize> {
-    blocks: Deque<PlannedBlock<N>, QUEUE>,
+    started: bool,
+    feed_hold: FeedHold,
+    braking: Option<Brake>,
     /// Progress of the first block, if `started`.
     progress: Progress,
-    started: bool,
-    braking: Option<Brake>,
-    feed_hold: FeedHold,
-    /// Changes with every change of the queue, so that a copy of it is known to be out of date.
-    revision: u32,
     /// Position on the path, before the filters.
     position: [Position; N],
-    filters: Filters<N>,
-    filter_state: FilterState<N>,
+    /// Changes with every change of the queue, so that a copy of it is known to be out of date.
+    revision: u32,
     /// End of the last block in the queue.
     planned_end: [Position; N],
     rate_hz: f64,
@@ -41,6 +40,9 @@ pub struct Path<const N: usize> {
     travel: [[Position; 2]; N],
     /// Whether a limit switch blocks motion in the negative and in the positive direction.
     blocked: [[bool; 2]; N],
+    filters: Filters<N>,
+    filter_state: FilterState<N>,
+    blocks: Deque<PlannedBlock<N>, QUEUE>,
 }
 
 /// A stop along the path.
@@ -234,13 +236,13 @@ impl<const N: usize> Path<N> {
     }
 
     fn is_settled(&self) -> bool {
-        !self.filters.active || self.filter_state.is_settled(&self.filters)
+        !self.filters.active || self.filter_state.is_settled(&self.filters, &self.position)
     }
 
     /// The last command.
     #[must_use]
     pub const fn command(&self) -> [Position; N] {
-        if self.filters.active { *self.filter_state.outputs() } else { self.position }
+        *self.filter_state.outputs()
     }
 
     /// Discards every block and rests at a position.
@@ -301,41 +303,44 @@ impl<const N: usize> Path<N> {
     /// Advances by a tick.
     #[inline(never)]
     fn step(&mut self) {
-        match self.braking {
+        let moves = match self.braking {
             None => self.follow(),
-            Some(brake) => self.braking = Some(self.follow_braking(brake)),
-        }
-        if self.filters.active {
-            self.filter_state.step(&self.filters, &self.position);
-        }
+            Some(brake) => self.follow_braking(brake),
+        };
+        self.filter_state.step(&self.filters, &self.position, moves);
     }
 
-    /// Advances the position on the path by a tick.
-    fn follow(&mut self) {
+    /// Advances the position on the path by a tick. Whether it may have changed.
+    fn follow(&mut self) -> bool {
         let time = self.feed_hold.advance();
         if time == 0 {
             if self.feed_hold.is_to_be_discarded() {
                 self.discard_rest();
             }
-            return;
+            return false;
         }
-        let Some(block) = self.blocks.front() else { return };
+        let Some(block) = self.blocks.front() else { return false };
         if !self.started {
             if block.entry == 0 && !self.is_settled() {
-                return;
+                return false;
             }
             block.start(&mut self.progress);
             self.started = true;
             self.revision = self.revision.wrapping_add(1);
         }
         match block.advance(&mut self.progress, time) {
-            Step::Within(length) => self.position = block.at(length),
-            Step::Beyond(remaining) => self.cross_joint(remaining),
+            Step::Within(length) => block.set_to(&mut self.position, length),
+            Step::Beyond(remaining) => {
+                let before = self.position;
+                self.cross_joint(remaining);
+                self.position != before
+            }
         }
     }
 
     /// Continues after a block has ended within the tick: the next block gets the remaining time, unless the path stops.
     #[cold]
+    #[inline(never)]
     fn cross_joint(&mut self, mut remaining: u64) {
         self.started = false;
         self.revision = self.revision.wrapping_add(1);
@@ -349,7 +354,7 @@ impl<const N: usize> Path<N> {
             self.started = true;
             match block.advance(&mut self.progress, remaining) {
                 Step::Within(length) => {
-                    self.position = block.at(length);
+                    let _ = block.set_to(&mut self.position, length);
                     return;
                 }
                 Step::Beyond(time) => remaining = time,
@@ -358,8 +363,18 @@ impl<const N: usize> Path<N> {
         }
     }
 
-    /// Advances the position on the path by a tick of a stop.
-    fn follow_braking(&mut self, mut brake: Brake) -> Brake {
+    /// Advances the position on the path by a tick of a stop. Whether it has changed.
+    // Not inlined, as other cases that are rare: the usual one then has more registers.
+    #[cold]
+    #[inline(never)]
+    fn follow_braking(&mut self, brake: Brake) -> bool {
+        let before = self.position;
+        self.braking = Some(self.braked(brake));
+        self.position != before
+    }
+
+    /// A stop after another tick.
+    fn braked(&mut self, mut brake: Brake) -> Brake {
         let Some(block) = self.blocks.front() else { return Brake { speed: 0, ..brake } };
         brake.speed = brake.speed.saturating_sub(brake.deceleration.max(block.acceleration()));
         brake.distance += i128::from(brake.speed) << (FRACTION - 16);
@@ -368,7 +383,7 @@ impl<const N: usize> Path<N> {
             let Some(block) = self.blocks.front() else { break };
             let beyond = brake.distance - (i128::from(block.length()) << FRACTION);
             if beyond < 0 {
-                self.position = block.at(whole(brake.distance));
+                let _ = block.set_to(&mut self.position, whole(brake.distance));
                 return brake;
             }
             self.position = block.end();

@@ -255,6 +255,8 @@ impl<const N: usize> PlannedBlock<N> {
     }
 
     /// Sets a progress to the start of the block.
+    #[cold]
+    #[inline(never)]
     pub fn start(&self, progress: &mut Progress) {
         match &self.timing {
             Timing::Profile(profile) => {
@@ -280,14 +282,17 @@ impl<const N: usize> PlannedBlock<N> {
         }
     }
 
-    /// The point at a path length.
-    #[must_use]
-    pub fn at(&self, length: i64) -> [Position; N] {
+    /// Sets a point to that at a path length. Whether the block moves.
+    pub fn set_to(&self, point: &mut [Position; N], length: i64) -> bool {
         match &self.geometry {
-            Geometry::Point(position) => *position,
-            Geometry::Line(line) => line.at(length),
-            Geometry::Arc(arc) => arc.at(length),
+            Geometry::Point(position) => {
+                *point = *position;
+                return false;
+            }
+            Geometry::Line(line) => line.set_to(point, length),
+            Geometry::Arc(arc) => arc.set_to(point, length),
         }
+        true
     }
 }
 

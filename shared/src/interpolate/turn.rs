@@ -77,6 +77,7 @@ fn tabulated(k: usize) -> (i64, i64) {
 
 /// Sine and cosine of `phase`/2⁶⁴ of a turn, in units of 1/[`ONE`], each within [`ERROR`].
 #[must_use]
+#[inline(never)]
 #[expect(clippy::cast_possible_truncation, reason = "the upper 32 bits of each number are used")]
 pub fn sin_cos(phase: u64) -> (i64, i64) {
     let nearest = phase.wrapping_add(1 << (STEP_BITS - 1)) >> STEP_BITS;

@@ -19,12 +19,14 @@ use crate::units::Position;
 ///
 /// It is large (tables, blocks, filter windows). On a chip it is a static that is initialised at compile time
 /// ([`Machine::UNCONFIGURED`]) and configured in place ([`Machine::configure`]), so that it never has to be on a stack.
+// In this order: see `State`.
+#[repr(C)]
 #[derive(Clone, Debug)]
 pub struct Machine<S: Scalar, const N: usize> {
     /// `None`: not configured; the drives stay off.
     config: Option<MachineConfig<S, N>>,
-    state: State<S, N>,
     references: References<N>,
+    state: State<S, N>,
 }
 
 impl<S: Scalar, const N: usize> Machine<S, N> {

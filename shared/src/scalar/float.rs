@@ -127,6 +127,10 @@ macro_rules! float {
                 sum
             }
 
+            fn sum_exceeds(sum: $float, limit: $float) -> bool {
+                sum.exceeds(limit)
+            }
+
             fn clamp_magnitude(self, limit: $float) -> $float {
                 if self > limit {
                     limit

@@ -27,12 +27,12 @@ fn ticks_to_correction(axis: usize, is_long_tick: bool) -> usize {
 
 #[test]
 fn one_table_of_the_machine_is_evaluated_with_each_command() {
-    assert_eq!([0, 1].map(|axis| ticks_to_correction(axis, false)), [2, 1]);
+    assert_eq!([0, 1].map(|axis| ticks_to_correction(axis, false)), [1, 2]);
 }
 
 /// However many ticks in succession take long: one of `MAX_WAIT` + 1 evaluates a table.
 #[test]
 fn long_ticks_delay_a_table_by_a_limited_number() {
     let turn = usize::from(MAX_WAIT) + 1;
-    assert_eq!([0, 1].map(|axis| ticks_to_correction(axis, true)), [2 * turn, turn]);
+    assert_eq!([0, 1].map(|axis| ticks_to_correction(axis, true)), [turn, 2 * turn]);
 }

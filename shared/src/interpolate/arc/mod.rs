@@ -1,9 +1,8 @@
 //! A circular arc in the plane of two of N axes.
 //!
-//! The radius vector (dx, dy) of the start point is rotated by the phase φ of the path length:
-//! x = cx + dx·cos φ − dy·sin φ, y = cy + dx·sin φ + dy·cos φ. So the arc starts exactly at its start point, and a full
-//! turn closes exactly. A given end point, which lies on the circle only to the digits of the program, is met exactly by
-//! [`EndCorrection`].
+//! The phase φ grows from that of the start point with the path length: x = cx + R·cos φ, y = cy + R·sin φ. The arc starts
+//! within a position unit of its start point, and a full turn closes exactly. A given end point, which lies on the circle only to
+//! the digits of the program, is met exactly by [`EndCorrection`].
 
 mod end_correction;
 #[cfg(test)]
@@ -12,9 +11,12 @@ mod tests;
 use end_correction::EndCorrection;
 
 use super::error::{Field, PathError};
-use super::turn::{ONE, sin_cos};
-use crate::integer::{Words, mul_shift, shifted_product};
+use super::turn::sin_cos;
+use crate::integer::{Words, shifted_product};
 use crate::units::{PER_M, PER_NM, Position, TRAVEL_LIMIT_M};
+
+/// Fraction bits of the radius, so that a product with a sine has two of them.
+const RADIUS_BITS: u32 = 4;
 
 /// 2π with 61 fraction bits.
 const TAU_Q61: u128 = 14_488_038_916_154_245_685;
@@ -24,6 +26,9 @@ const MAX_TURNS: f64 = 1000.0;
 
 /// One turn with 48 fraction bits.
 const TURN_Q48: f64 = 281_474_976_710_656.0;
+
+/// One turn as a phase.
+const TURN_Q64: f64 = 18_446_744_073_709_551_616.0;
 
 /// Greatest distance of a given end point from the circle, nm: enough for coordinates written in µm.
 pub const END_TOLERANCE_NM: i64 = 2000;
@@ -40,15 +45,20 @@ const MAX_CORRECTION_PER_LENGTH: u128 = 1 << 22;
 pub struct Arc<const N: usize> {
     start: [Position; N],
     end: [Position; N],
+    /// In ascending order.
     plane: [usize; 2],
-    centre: [Position; 2],
-    /// Start − centre, position units.
-    radius: [i64; 2],
+    /// Position units with two fraction bits, half a unit further: the shift by these then rounds to nearest.
+    centre_q2: [i64; 2],
+    /// Radius, position units with [`RADIUS_BITS`] fraction bits.
+    radius: Words,
+    /// Phase of the start point, 2⁶⁴ per turn.
+    start_phase: u64,
     /// Turns per position unit with `phase_shift` + 64 fraction bits. It has 64 significant bits, so that the phase at
     /// the end of the longest arc has a relative error of 2⁻⁶¹.
     phase_per_unit: u64,
     phase_shift: u32,
-    clockwise: bool,
+    /// All bits set for an arc in the negative direction.
+    backwards: u64,
     length: i64,
     /// Length of the radius, position units.
     curvature_radius: i64,
@@ -68,6 +78,12 @@ impl<const N: usize> Arc<N> {
         centre: [Position; 2],
         turns: f64,
     ) -> Result<Self, PathError> {
+        // Seen from the other side, the axes of the plane are in ascending order.
+        if let ([x, y], [centre_x, centre_y]) = (plane, centre)
+            && x > y
+        {
+            return Self::plan(start, [y, x], [centre_y, centre_x], -turns);
+        }
         if !turns.is_finite() {
             return Err(PathError::NotFinite(Field::Turns));
         }
@@ -84,14 +100,18 @@ impl<const N: usize> Arc<N> {
         )]
         let turns_q48 = libm::rint(libm::fabs(turns) * TURN_Q48) as u64;
         let mut arc = Self::circle(start, plane, centre)?;
-        arc.clockwise = turns < 0.0;
+        arc.backwards = if turns < 0.0 { u64::MAX } else { 0 };
         let length = (u128::from(arc.length.unsigned_abs()) * u128::from(turns_q48)) >> 48;
         arc.length = i64::try_from(length).map_err(|_| PathError::TooLarge(Field::Turns))?;
         if arc.length == 0 {
             return Err(PathError::ZeroLength);
         }
         // Whole turns are shifted out: they end at the start point.
-        arc.end = arc.rotated(turns_q48 << 16);
+        if turns_q48 << 16 != 0 {
+            let mut end = start;
+            arc.set_on_circle(&mut end, arc.turned_by(turns_q48 << 16));
+            arc.end = end;
+        }
         Ok(arc)
     }
 
@@ -107,18 +127,22 @@ impl<const N: usize> Arc<N> {
         end: [Position; 2],
         positive: bool,
     ) -> Result<Self, PathError> {
+        if let ([x, y], [centre_x, centre_y], [end_x, end_y]) = (plane, centre, end)
+            && x > y
+        {
+            return Self::plan_to(start, [y, x], [centre_y, centre_x], [end_y, end_x], !positive);
+        }
         let circle = Self::circle(start, plane, centre)?;
         let to = [end[0] - centre[0], end[1] - centre[1]];
-        if to == circle.radius {
+        if plane.map(|axis| start.get(axis).copied()) == end.map(Some) {
             return Err(PathError::CoincidentEndPoints);
         }
         let off = magnitude(to).abs_diff(circle.curvature_radius.unsigned_abs().into());
         if off > u128::from((END_TOLERANCE_NM * PER_NM).unsigned_abs()) {
             return Err(PathError::EndOffArc);
         }
-        let angle = |[x, y]: [i64; 2]| libm::atan2(y as f64, x as f64) / core::f64::consts::TAU;
-        let turn = angle(to) - angle(circle.radius);
-        let forward = if turn > 0.0 { turn } else { turn + 1.0 };
+        let turn = phase_of(to).wrapping_sub(circle.start_phase);
+        let forward = if turn == 0 { 1.0 } else { turn as f64 / TURN_Q64 };
         let mut arc = Self::plan(start, plane, centre, if positive { forward } else { forward - 1.0 })?;
         let [x, y] = plane;
         let (Some(end_x), Some(end_y)) = (arc.end.get_mut(x).copied(), arc.end.get_mut(y).copied()) else {
@@ -149,7 +173,8 @@ impl<const N: usize> Arc<N> {
             return Err(PathError::BadPlane);
         }
         let radius = [x - centre[0], y - centre[1]];
-        let curvature_radius = magnitude(radius);
+        let radius_q4 = magnitude(radius.map(|r| r << RADIUS_BITS));
+        let curvature_radius = radius_q4 >> RADIUS_BITS;
         // The whole circle must lie within the travel limit.
         let reach = |c: Position| u128::from((c - Position(0)).unsigned_abs()) + curvature_radius;
         if centre.into_iter().any(|c| reach(c) > MAX_REACH) {
@@ -168,11 +193,12 @@ impl<const N: usize> Arc<N> {
             start,
             end: start,
             plane,
-            centre,
-            radius,
+            centre_q2: centre.map(|c| ((c - Position(0)) << 2) + 2),
+            radius: Words::of(radius_q4 as i64),
+            start_phase: phase_of(radius),
             phase_per_unit: phase_per_unit as u64,
             phase_shift,
-            clockwise: false,
+            backwards: 0,
             length: circumference as i64,
             curvature_radius: curvature_radius as i64,
             correction: None,
@@ -208,14 +234,14 @@ impl<const N: usize> Arc<N> {
     pub fn bounds(&self) -> [[Position; 2]; N] {
         let mut bounds =
             core::array::from_fn(|i| [self.start[i].min(self.end[i]), self.start[i].max(self.end[i])]);
-        let [x, y] = self.radius.map(|r| r as f64);
         let turns = self.length as f64 / (core::f64::consts::TAU * self.curvature_radius as f64);
-        let from = libm::atan2(y, x) / core::f64::consts::TAU;
-        let [from, to] = if self.clockwise { [from - turns, from] } else { [from, from + turns] };
+        let from = self.start_phase as f64 / TURN_Q64;
+        let [from, to] = if self.backwards != 0 { [from - turns, from] } else { [from, from + turns] };
         // The arc passes an angle if the angle plus a whole number of turns lies between its ends.
         let passes = |angle: f64| libm::ceil(from - angle) <= to - angle;
         let radius = self.curvature_radius;
-        for ((axis, centre), angle) in self.plane.into_iter().zip(self.centre).zip([0.0, 0.25]) {
+        let centre = self.centre_q2.map(|centre| Position(centre >> 2));
+        for ((axis, centre), angle) in self.plane.into_iter().zip(centre).zip([0.0, 0.25]) {
             let Some([min, max]) = bounds.get_mut(axis) else { continue };
             if passes(angle) {
                 *max = (*max).max(centre + radius);
@@ -231,16 +257,8 @@ impl<const N: usize> Arc<N> {
     #[must_use]
     pub fn direction(&self, length: i64) -> [i64; N] {
         let mut direction = [0; N];
-        let (sine, cosine) = self.sin_cos(self.phase_at(length));
-        // The unit radius vector, rotated by the phase and a quarter turn.
-        let radius = i128::from(self.curvature_radius.max(1));
-        #[expect(clippy::cast_possible_truncation, reason = "at most one")]
-        let [x, y] = self.radius.map(|r| (i128::from(r) * i128::from(ONE) / radius) as i64);
-        let sign = if self.clockwise { -1 } else { 1 };
-        let tangent = [
-            -(mul_shift::<62>(x, sine) + mul_shift::<62>(y, cosine)) * sign,
-            (mul_shift::<62>(x, cosine) - mul_shift::<62>(y, sine)) * sign,
-        ];
+        let (sine, cosine) = sin_cos(self.phase_at(length));
+        let tangent = if self.backwards != 0 { [sine, -cosine] } else { [-sine, cosine] };
         let correction = self.correction.as_ref().map_or([0; 2], |c| c.direction(self.length));
         for ((axis, tangent), correction) in self.plane.into_iter().zip(tangent).zip(correction) {
             if let Some(component) = direction.get_mut(axis) {
@@ -250,10 +268,9 @@ impl<const N: usize> Arc<N> {
         direction
     }
 
-    /// The point at a path length.
-    #[must_use]
-    pub fn at(&self, length: i64) -> [Position; N] {
-        let mut point = self.rotated(self.phase_at(length));
+    /// Sets a point to that at a path length.
+    pub fn set_to(&self, point: &mut [Position; N], length: i64) {
+        self.set_on_circle(point, self.phase_at(length));
         if let Some(correction) = &self.correction {
             for (axis, offset) in self.plane.into_iter().zip(correction.at(length)) {
                 if let Some(position) = point.get_mut(axis) {
@@ -261,46 +278,51 @@ impl<const N: usize> Arc<N> {
                 }
             }
         }
-        point
     }
 
     /// The phase at a path length, 2⁶⁴ per turn, without whole turns.
     fn phase_at(&self, length: i64) -> u64 {
-        shifted_product(length.cast_unsigned(), self.phase_per_unit, self.phase_shift)
+        self.turned_by(shifted_product(length.cast_unsigned(), self.phase_per_unit, self.phase_shift))
     }
 
-    /// Sine and cosine of a phase, signed by the direction of the arc.
-    fn sin_cos(&self, phase: u64) -> (i64, i64) {
-        sin_cos(if self.clockwise { phase.wrapping_neg() } else { phase })
+    /// The phase after a part of a turn in the direction of the arc. The complement is the negative, to 2⁻⁶⁴ turns.
+    const fn turned_by(&self, phase: u64) -> u64 {
+        self.start_phase.wrapping_add(phase ^ self.backwards)
     }
 
-    /// The start point rotated about the centre by a phase (2⁶⁴ per turn).
-    fn rotated(&self, phase: u64) -> [Position; N] {
-        let mut point = self.start;
+    /// Sets a point to that of the circle at a phase.
+    fn set_on_circle(&self, point: &mut [Position; N], phase: u64) {
+        let (sine, cosine) = sin_cos(phase);
+        let coordinate =
+            |centre_q2: i64, value: i64| Position((centre_q2 + self.radius.mul_high(Words::of(value))) >> 2);
+        let [x, y] = self.centre_q2;
+        let coordinates = [coordinate(x, cosine), coordinate(y, sine)];
+        if let Ok(both) = <&mut [Position; 2]>::try_from(point.as_mut_slice()) {
+            // With two axes, both are in the plane.
+            *both = coordinates;
+            return;
+        }
+        *point = self.start;
         // `plan` has checked the plane; `get_mut` compiles to no panic.
-        for (axis, coordinate) in self.plane.into_iter().zip(self.rotated_in_plane(phase)) {
+        for (axis, coordinate) in self.plane.into_iter().zip(coordinates) {
             if let Some(position) = point.get_mut(axis) {
                 *position = coordinate;
             }
         }
-        point
     }
+}
 
-    /// The two coordinates of [`Arc::rotated`].
-    // Not inlined: the compiler would move a part of the products behind a test of the plane, and not see there that their
-    // factors are words.
-    #[inline(never)]
-    fn rotated_in_plane(&self, phase: u64) -> [Position; 2] {
-        let (sine, cosine) = self.sin_cos(phase);
-        // Two more fraction bits, so that the sum of the products is within a unit.
-        let [dx, dy] = self.radius.map(|r| Words::of(r << 4));
-        let (minus_sine, sine, cosine) = (Words::of(-sine), Words::of(sine), Words::of(cosine));
-        let rounded = |quarters: i64| (quarters + 2) >> 2;
-        [
-            self.centre[0] + rounded(Words::sum_of_products(dx, cosine, dy, minus_sine)),
-            self.centre[1] + rounded(Words::sum_of_products(dx, sine, dy, cosine)),
-        ]
-    }
+/// The phase of a vector, 2⁶⁴ per turn, such that [`sin_cos`] gives its direction.
+#[expect(clippy::cast_possible_truncation, reason = "at most half a turn, and the correction of a double")]
+fn phase_of([x, y]: [i64; 2]) -> u64 {
+    const PER_RADIAN: f64 = TURN_Q64 / core::f64::consts::TAU;
+    let phase = ((libm::atan2(y as f64, x as f64) * PER_RADIAN) as i64).cast_unsigned();
+    // A double has 53 bits. The angle that remains is the component across the direction.
+    let (sine, cosine) = sin_cos(phase);
+    let across = i128::from(y) * i128::from(cosine) - i128::from(x) * i128::from(sine);
+    let along = i128::from(x) * i128::from(cosine) + i128::from(y) * i128::from(sine);
+    let remaining = across as f64 / (along as f64).max(1.0) * PER_RADIAN;
+    phase.wrapping_add_signed(remaining as i64)
 }
 
 /// √(x² + y²), rounded down.

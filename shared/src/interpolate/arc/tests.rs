@@ -4,6 +4,12 @@ use proptest::prelude::*;
 
 use super::*;
 
+fn at(arc: &Arc<2>, length: i64) -> [Position; 2] {
+    let mut point = [Position(0); 2];
+    arc.set_to(&mut point, length);
+    point
+}
+
 fn metres(m: f64) -> Position {
     Position::from_m(m).unwrap()
 }
@@ -26,12 +32,42 @@ proptest! {
             (square(p[0] - about[0]) + square(p[1] - about[1])).unsigned_abs().isqrt()
         };
         let distance = (arc.length() as f64 * fraction) as i64;
-        let off = r(arc.at(distance)).abs_diff(r(start));
+        let off = r(at(&arc, distance)).abs_diff(r(start));
         prop_assert!(off < u128::from(PER_NM.unsigned_abs()) / 10, "{off} units off");
         // The point at the full length agrees with the end point: the phase is accurate to 0.1 nm.
-        let last = arc.at(arc.length());
+        let last = at(&arc, arc.length());
         prop_assert!((last[0] - start[0]).abs() < PER_NM / 5);
         prop_assert!((last[1] - start[1]).abs() < PER_NM / 5);
+    }
+}
+
+proptest! {
+    /// Up to a radius of 1 m the error of the sine is a quarter of a unit, that of the product half a unit, and those of radius and
+    /// start phase together less than a quarter.
+    #[test]
+    fn starts_within_a_unit_of_its_start(
+        centre in -2.0..2.0f64, radius in 1e-6..1.0f64, angle in 0.0..core::f64::consts::TAU, turns in -3.0..3.0f64,
+    ) {
+        prop_assume!(turns != 0.0);
+        let start = [metres(centre + radius * angle.cos()), metres(-centre + radius * angle.sin())];
+        let arc = Arc::plan(start, [0, 1], [metres(centre), metres(-centre)], turns).unwrap();
+        let [x, y] = at(&arc, 0);
+        prop_assert!((x - start[0]).abs() <= 1 && (y - start[1]).abs() <= 1, "{} {}", x - start[0], y - start[1]);
+    }
+
+    /// The same arc with the axes of its plane exchanged, seen from the other side: the same points but for the rounding of the
+    /// sine.
+    #[test]
+    fn the_axes_of_a_plane_can_be_exchanged(
+        radius in 1e-3..1.0f64, angle in 0.0..core::f64::consts::TAU, turns in -3.0..3.0f64, fraction in 0.0..1.0f64,
+    ) {
+        prop_assume!(turns.abs() > 1e-6);
+        let start = [metres(radius * angle.cos()), metres(radius * angle.sin())];
+        let arc = Arc::plan(start, [0, 1], [metres(0.0); 2], turns).unwrap();
+        let exchanged = Arc::plan([start[1], start[0]], [1, 0], [metres(0.0); 2], turns).unwrap();
+        let length = (arc.length() as f64 * fraction) as i64;
+        let ([x, y], [exchanged_x, exchanged_y]) = (at(&arc, length), at(&exchanged, length));
+        prop_assert!((exchanged_y - x).abs() <= 2 && (exchanged_x - y).abs() <= 2);
     }
 }
 
@@ -47,7 +83,7 @@ proptest! {
         let arc = Arc::plan(start, [0, 1], [metres(0.0); 2], turns).unwrap();
         let [mut min, mut max] = [start; 2];
         for k in 0..=4096 {
-            let point = arc.at((i128::from(arc.length()) * k / 4096) as i64);
+            let point = at(&arc, (i128::from(arc.length()) * k / 4096) as i64);
             min = core::array::from_fn(|i| min[i].min(point[i]));
             max = core::array::from_fn(|i| max[i].max(point[i]));
         }

@@ -185,7 +185,7 @@ impl Profile {
         let place = &mut progress.place;
         let SegmentEnd { motion, segment, time: until } = &mut progress.segment_end;
         if !core::mem::take(&mut progress.has_segment_end) || time < *until {
-            *motion = place.motion();
+            *motion = place.motion(self.jerk_sixth(place.segment));
             return self.across_segments(motion, time, place);
         }
         let (next, time) = (*segment + 1, time - *until);
@@ -199,6 +199,10 @@ impl Profile {
         motion.advance(jerk_sixth, time);
         place.set(motion, jerk_sixth);
         (place.segment, place.remaining) = (next, duration - time);
+        if next == CRUISE && place.remaining < TICK {
+            // A short cruise: its end is quickly computed.
+            self.look_ahead(progress);
+        }
         Step::Within(progress.distance())
     }
 
@@ -208,19 +212,27 @@ impl Profile {
     fn look_ahead(&self, progress: &mut Progress) {
         let place = &progress.place;
         let SegmentEnd { motion, segment, time } = &mut progress.segment_end;
-        (*motion, *segment, *time) = (place.motion(), place.segment, place.remaining);
-        motion.advance(self.jerk_sixth(*segment), *time);
+        let jerk_sixth = self.jerk_sixth(place.segment);
+        *motion = place.motion(jerk_sixth);
+        (*segment, *time) = (place.segment, place.remaining);
+        #[expect(clippy::cast_possible_truncation, reason = "less than a tick remains")]
+        motion.advance_by(jerk_sixth, *time as u32);
         while let Some(&duration) = self.durations.get(usize::from(*segment) + 1)
             && duration <= TICK - *time
         {
             *segment += 1;
-            self.enter(motion, *segment);
-            if duration > 0 {
-                motion.advance(self.jerk_sixth(*segment), duration);
-            }
+            self.pass(motion, *segment, duration);
             *time += duration;
         }
         (progress.has_segment_end, progress.was_at_segment_end) = (true, true);
+    }
+
+    /// Advances a motion by a whole segment.
+    // Not inlined: the compiler would load the rates before a loop in which they are seldom used.
+    #[inline(never)]
+    fn pass(&self, motion: &mut Motion, segment: u8, duration: u64) {
+        self.enter(motion, segment);
+        motion.advance(self.jerk_sixth(segment), duration);
     }
 
     /// Advances a motion at a place by a time in which segments may end, and the place with it.

@@ -100,10 +100,8 @@ impl Place {
     }
 
     /// The inverse of [`Place::set`].
-    pub(super) fn motion(&self) -> Motion {
+    pub(super) fn motion(&self, jerk_sixth: i128) -> Motion {
         let acceleration = self.second_difference - self.third_difference;
-        // The jerk is six times an integer: the product with 1/6 is too small by less than one.
-        let jerk_sixth = wide_mul_q32(self.third_difference, SIXTH_Q32);
         Motion {
             distance: self.distance,
             velocity: self.first_difference - (acceleration >> 1) - jerk_sixth,
@@ -111,9 +109,6 @@ impl Place {
         }
     }
 }
-
-/// 1/6 with 32 fraction bits.
-const SIXTH_Q32: u32 = 715_827_883;
 
 /// Distance, speed and acceleration at one time, per tick with 64 fraction bits.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
@@ -124,26 +119,32 @@ pub(super) struct Motion {
 }
 
 impl Motion {
-    /// d += t·(v + t·(a/2 + t·j/6)), v += t·(a + t·j/2), a += t·j.
+    /// Advances by a time up to a tick, 32 fraction bits.
     pub(super) fn advance(&mut self, jerk_sixth: i128, time: u64) {
-        let Ok(time) = u32::try_from(time) else {
+        match u32::try_from(time) {
+            Ok(0) => {}
+            Ok(time) => self.advance_by(jerk_sixth, time),
             // A whole tick.
-            self.distance += self.velocity + (self.acceleration >> 1) + jerk_sixth;
-            self.velocity += self.acceleration + 3 * jerk_sixth;
-            self.acceleration += 6 * jerk_sixth;
-            return;
-        };
-        if time == 0 {
-            return;
+            Err(_) => {
+                self.distance += self.velocity + (self.acceleration >> 1) + jerk_sixth;
+                self.velocity += self.acceleration + 3 * jerk_sixth;
+                self.acceleration += 6 * jerk_sixth;
+            }
         }
+    }
+
+    /// d += t·(v + t·(a/2 + t·j/6)), v += t·(a + t·j/2), a += t·j.
+    // Not inlined: the compiler would not see that the time is one word.
+    #[inline(never)]
+    pub(super) fn advance_by(&mut self, jerk_sixth: i128, time_q32: u32) {
         if self.acceleration == 0 && jerk_sixth == 0 {
-            self.distance += wide_mul_q32(self.velocity, time);
+            self.distance += wide_mul_q32(self.velocity, time_q32);
             return;
         }
-        let sixth = wide_mul_q32(jerk_sixth, time);
-        let velocity_change = wide_mul_q32(self.acceleration + 3 * sixth, time);
+        let sixth = wide_mul_q32(jerk_sixth, time_q32);
+        let velocity_change = wide_mul_q32(self.acceleration + 3 * sixth, time_q32);
         self.distance +=
-            wide_mul_q32(self.velocity + wide_mul_q32((self.acceleration >> 1) + sixth, time), time);
+            wide_mul_q32(self.velocity + wide_mul_q32((self.acceleration >> 1) + sixth, time_q32), time_q32);
         self.velocity += velocity_change;
         self.acceleration += 6 * sixth;
     }

@@ -22,7 +22,10 @@
 //!
 //! let filters = Filters::new(&[Smoothing::Trapezoid { time_s: 0.004 }], 1000.0)?;
 //! let mut state = State::at([Position(0)]);
-//! let outputs = [(); 5].map(|()| state.step(&filters, &[Position(4000)])[0].0);
+//! let outputs = [(); 5].map(|()| {
+//!     state.step(&filters, &[Position(4000)], true);
+//!     state.outputs()[0].0
+//! });
 //! assert_eq!(outputs, [1000, 2000, 3000, 4000, 4000]);
 //! # Ok::<(), shared::interpolate::PathError>(())
 //! ```
@@ -110,7 +113,7 @@ impl CornerRounding {
 pub enum Filter {
     /// No filter.
     Pass,
-    /// A moving mean over a number of ticks.
+    /// A moving mean over a number of ticks, and twice that number.
     Mean(u16, Divisor),
     /// Two moving means in series, the longer first, and the product of their ticks.
     Means([u16; 2], Divisor),
@@ -118,23 +121,36 @@ pub enum Filter {
     Lag(u32),
 }
 
-/// A divisor and its reciprocal.
+/// A divisor n and its reciprocal.
 #[derive(Clone, Copy, Debug, PartialEq, Eq)]
 pub struct Divisor {
     value: u32,
-    /// 2^(32 + `shift`)/value, rounded up: 32 bits.
-    reciprocal: u32,
-    shift: u32,
+    /// 2³²/n, rounded up, so that a multiple of n is divided exactly.
+    upper: i32,
+    /// (2⁶⁴/n − 2³²·`upper`)/2, rounded down.
+    half_lower: i32,
 }
 
 impl Divisor {
-    /// From 2 to [`WINDOW`]².
+    /// From 3 to 2¹⁶.
     fn new(value: u32) -> Self {
-        let value = value.max(2);
-        let shift = (value - 1).ilog2();
-        let reciprocal = (1u64 << (32 + shift)).div_ceil(u64::from(value));
-        #[expect(clippy::cast_possible_truncation, reason = "the value is above 2^shift")]
-        Self { value, reciprocal: reciprocal as u32, shift }
+        let value = value.clamp(3, 1 << 16);
+        let upper = (1u64 << 32).div_ceil(u64::from(value)).cast_signed();
+        let lower = (1i128 << 64) / i128::from(value) - (i128::from(upper) << 32);
+        #[expect(clippy::cast_possible_truncation, reason = "below 2³¹, and from −2³² to 0")]
+        Self { value, upper: upper as i32, half_lower: (lower >> 1) as i32 }
+    }
+
+    /// x/n: rounded down from 0 to 2³¹, off by up to two units for other numbers up to 2⁶⁰ in magnitude.
+    fn quotient(&self, x: i64) -> i64 {
+        #[expect(
+            clippy::cast_possible_truncation,
+            reason = "the words, both signed: one instruction for a product"
+        )]
+        let (upper, lower) = ((x.wrapping_add(1 << 31) >> 32) as i32, x as i32);
+        let word = |a: i32, b: i32| i64::from(a).wrapping_mul(i64::from(b));
+        let cross = word(lower, self.upper).wrapping_add(word(upper << 1, self.half_lower));
+        word(upper, self.upper).wrapping_add(cross >> 32)
     }
 }
 
@@ -176,7 +192,7 @@ impl Filter {
     fn of(long: u16, short: u16) -> Self {
         match (long, short) {
             (0 | 1, _) => Self::Pass,
-            (_, 0 | 1) => Self::Mean(long, Divisor::new(long.into())),
+            (_, 0 | 1) => Self::Mean(long, Divisor::new(2 * u32::from(long))),
             _ => Self::Means([long, short], Divisor::new(u32::from(long) * u32::from(short))),
         }
     }
@@ -297,4 +313,27 @@ fn ticks(seconds: f64, rate_hz: f64) -> Result<u16, PathError> {
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 512")]
     Ok(ticks as u16)
+}
+
+#[cfg(test)]
+mod tests {
+    use proptest::prelude::*;
+
+    use super::*;
+
+    proptest! {
+        /// The upper word of the reciprocal alone divides a positive word, and is rounded up by less than one: for n up to 2¹⁶ the
+        /// excess, x/2³², does not reach the next multiple below n·2¹⁶. The products of the lower words are omitted, less than
+        /// two units together.
+        #[test]
+        fn a_quotient_is_exact_near_zero_and_near_elsewhere(n in 3u32..=1 << 16, x in -(1i64 << 60)..1 << 60, small in 0i64..1 << 16) {
+            let divisor = Divisor::new(n);
+            prop_assert_eq!(divisor.quotient(small), small / i64::from(n));
+            prop_assert_eq!(divisor.quotient(i64::from(n)), 1);
+            prop_assert_eq!(divisor.quotient(i64::from(n) - 1), 0);
+            prop_assert!(divisor.quotient(-small) < 0 || small == 0);
+            let off = divisor.quotient(x) - x.div_euclid(i64::from(n));
+            prop_assert!(off.abs() <= 2, "{off}");
+        }
+    }
 }

@@ -1,25 +1,28 @@
 //! The windows of the axis filters, and their step.
 
 use super::{CommonMeans, Divisor, Filter, Filters, WINDOW};
-use crate::integer::{mul_q32, mul_q32_shifted};
+use crate::integer::mul_q32;
+use crate::one_after_the_other;
 use crate::units::Position;
 
 /// State of the filters of all axes.
+// In this order: an instruction reaches the first 1 KiB.
+#[repr(C)]
 #[derive(Clone, Debug)]
 pub struct State<const N: usize> {
-    /// The last inputs; the next ones are written at `next`. Inputs before the last [`State::rest_at`] count as those of it, so
-    /// that the window need not be written then.
-    window: [[i64; N]; WINDOW],
-    next: u16,
-    /// Number of inputs written, up to the length of the window.
-    written: u16,
-    /// Whether every filter has all the inputs that it depends on.
-    is_filled: bool,
-    /// Number of ticks for which no input has changed.
-    unchanged_ticks: u16,
     axes: [AxisState; N],
     /// Last outputs.
     outputs: [Position; N],
+    next: u16,
+    /// Number of inputs written, up to the length of the window.
+    written: u16,
+    /// Number of ticks for which no input has changed.
+    unchanged_ticks: u16,
+    /// Whether every filter has all the inputs that it depends on.
+    is_filled: bool,
+    /// The last inputs; the next ones are written at `next`. Inputs before the last [`State::rest_at`] count as those of it, so
+    /// that the window need not be written then.
+    window: [[i64; N]; WINDOW],
 }
 
 /// State of the filter of an axis.
@@ -31,14 +34,11 @@ struct AxisState {
     growth: i64,
     /// Sum − divisor·output of the means.
     remainder: i64,
-    /// Last input.
-    input: i64,
 }
 
 impl AxisState {
     const fn at(position: Position) -> Self {
-        let position = position.0;
-        Self { initial: position, growth: 0, remainder: 0, input: position }
+        Self { initial: position.0, growth: 0, remainder: 0 }
     }
 
     /// Two means: inputs now, after the ticks of each, and after the sum of both.
@@ -51,9 +51,8 @@ impl AxisState {
     /// Adds to the sum that the output is a fraction of.
     fn add(&mut self, output: &mut Position, growth: i64, divisor: &Divisor) {
         let remainder = self.remainder.wrapping_add(growth);
-        // The reciprocal is rounded up: a remainder of n gives 1, one below n gives 0. An excess for a large remainder is
-        // corrected in the next tick, since the remainder itself is exact.
-        let change = mul_q32_shifted(remainder, divisor.reciprocal, divisor.shift);
+        // An error for a large remainder is corrected in the next tick, since the remainder itself is exact.
+        let change = divisor.quotient(remainder);
         *output += change;
         self.remainder = remainder.wrapping_sub(change.wrapping_mul(i64::from(divisor.value)));
     }
@@ -89,44 +88,44 @@ impl<const N: usize> State<N> {
         &self.outputs
     }
 
-    /// The commands for positions on the path, once per position tick.
-    pub fn step(&mut self, filters: &Filters<N>, inputs: &[Position; N]) -> [Position; N] {
-        let mut changed = false;
-        for (axis, input) in self.axes.iter_mut().zip(inputs) {
-            changed |= axis.input != input.0;
-            axis.input = input.0;
+    /// Computes the commands for positions on the path, once per position tick. `changed`: whether these may differ from those of the
+    /// previous tick.
+    pub fn step(&mut self, filters: &Filters<N>, inputs: &[Position; N], changed: bool) {
+        if !filters.active {
+            self.outputs = *inputs;
+            return;
         }
         self.unchanged_ticks = if changed { 0 } else { self.unchanged_ticks.saturating_add(1) };
         match &filters.common_means {
-            Some(means) if self.is_filled => self.step_together(means),
-            _ => self.step_each(filters),
+            Some(means) if self.is_filled => self.step_together(means, inputs),
+            _ => self.step_each(filters, inputs),
         }
         if let Some(slot) = self.window.get_mut(Self::index(self.next)) {
             *slot = inputs.map(|input| input.0);
         }
         self.next = self.next.wrapping_add(1);
-        self.outputs
     }
 
     /// Two means that are the same on every axis, for a window that has been filled.
-    fn step_together(&mut self, means: &CommonMeans) {
+    fn step_together(&mut self, means: &CommonMeans, inputs: &[Position; N]) {
         let [long, short] = means.ticks;
         let delayed = |ticks| self.window.get(Self::index(self.next.wrapping_sub(ticks)));
         let (Some(longs), Some(shorts), Some(both)) = (delayed(long), delayed(short), delayed(long + short))
         else {
             return;
         };
-        for ((((axis, output), long), short), both) in
-            self.axes.iter_mut().zip(&mut self.outputs).zip(longs).zip(shorts).zip(both)
+        for (((((axis, output), input), long), short), both) in
+            self.axes.iter_mut().zip(&mut self.outputs).zip(inputs).zip(longs).zip(shorts).zip(both)
         {
-            axis.add_to_means(output, [axis.input, *long, *short, *both], &means.divisor);
+            axis.add_to_means(output, [input.0, *long, *short, *both], &means.divisor);
+            one_after_the_other();
         }
     }
 
     /// Any filters.
     #[inline(never)]
-    fn step_each(&mut self, filters: &Filters<N>) {
-        for (i, filter) in filters.axes.iter().enumerate() {
+    fn step_each(&mut self, filters: &Filters<N>, inputs: &[Position; N]) {
+        for (i, (filter, input)) in filters.axes.iter().zip(inputs).enumerate() {
             let delayed = |ticks| self.delayed(i, ticks);
             let taps = match filter {
                 Filter::Mean(long, _) => [delayed(*long), 0, 0],
@@ -134,10 +133,10 @@ impl<const N: usize> State<N> {
                 Filter::Pass | Filter::Lag(_) => [0; 3],
             };
             let (Some(axis), Some(output)) = (self.axes.get_mut(i), self.outputs.get_mut(i)) else { return };
-            let ([long, short, both], input) = (taps, axis.input);
+            let ([long, short, both], input) = (taps, input.0);
             match filter {
                 Filter::Pass => *output = Position(input),
-                Filter::Mean(_, divisor) => axis.add(output, input.wrapping_sub(long), divisor),
+                Filter::Mean(_, divisor) => axis.add(output, input.wrapping_sub(long) << 1, divisor),
                 Filter::Means(_, divisor) => axis.add_to_means(output, [input, long, short, both], divisor),
                 Filter::Lag(alpha) => {
                     let lag = Position(input) - *output;
@@ -164,10 +163,9 @@ impl<const N: usize> State<N> {
         usize::from(count) % WINDOW
     }
 
-    /// Whether the commands have reached the inputs, and stay there while these do not change.
+    /// Whether the commands have reached the last inputs, and stay there while these do not change.
     #[must_use]
-    pub fn is_settled(&self, filters: &Filters<N>) -> bool {
-        self.unchanged_ticks >= filters.memory
-            && self.axes.iter().zip(&self.outputs).all(|(axis, output)| output.0 == axis.input)
+    pub fn is_settled(&self, filters: &Filters<N>, inputs: &[Position; N]) -> bool {
+        self.unchanged_ticks >= filters.memory && self.outputs == *inputs
     }
 }
