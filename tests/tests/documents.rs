@@ -1,8 +1,9 @@
-//! Files that documents name in backticks exist, and so do the targets of their links.
+//! Files that documents name in backticks exist, and so do the targets of their links and the program that they call.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use std::fs;
 use std::path::{Path, PathBuf};
+use std::process::Command;
 
 fn workspace() -> PathBuf {
     Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap().to_owned()
@@ -56,4 +57,15 @@ fn targets_of_links_exist() {
         }
     }
     assert!(missing.is_empty(), "links that lead nowhere:\n{}", missing.join("\n"));
+}
+
+/// The documents call the program by `cargo run`: the workspace must not leave open which program that is.
+#[test]
+fn cargo_runs_the_program() {
+    let arguments = ["metadata", "--no-deps", "--format-version", "1", "--offline"];
+    let output = Command::new(env!("CARGO")).args(arguments).current_dir(workspace()).output().unwrap();
+    let metadata: serde_json::Value = serde_json::from_slice(&output.stdout).unwrap();
+    let packages = metadata["packages"].as_array().unwrap().iter();
+    let defaults: Vec<&str> = packages.filter_map(|package| package["default_run"].as_str()).collect();
+    assert_eq!(defaults, ["lost-motion"]);
 }

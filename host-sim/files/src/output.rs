@@ -46,6 +46,36 @@ pub fn check_folder(path: &Path) -> Result<(), OutputError> {
     existing_folder_of(path).map(drop).map_err(|cause| OutputError { path: path.to_owned(), cause })
 }
 
+/// Removes a file, if there is one.
+///
+/// # Errors
+/// If it cannot be removed.
+pub fn remove(path: &Path) -> Result<(), OutputError> {
+    match fs::remove_file(path) {
+        Err(cause) if cause.kind() != io::ErrorKind::NotFound => {
+            Err(OutputError { path: path.to_owned(), cause })
+        }
+        _ => Ok(()),
+    }
+}
+
+/// Checks that a file can be written in a folder that may have to be created with its parents.
+///
+/// # Errors
+/// If the file is a folder, or what exists of its path is none.
+pub fn check_new_folder(path: &Path) -> Result<(), OutputError> {
+    let refused = |cause: String| OutputError { path: path.to_owned(), cause: io::Error::other(cause) };
+    if path.is_dir() {
+        return Err(refused("expected a file, found a folder".to_owned()));
+    }
+    match folder_of(path).ancestors().find(|folder| folder.exists()) {
+        Some(existing) if !existing.is_dir() => {
+            Err(refused(format!("expected a folder, found a file: {}", existing.display())))
+        }
+        _ => Ok(()),
+    }
+}
+
 /// The folder of a file, which need not exist; `.` for a file name alone.
 #[must_use]
 pub fn folder_of(path: &Path) -> &Path {
@@ -133,6 +163,29 @@ mod tests {
     fn names(folder: &Path) -> Vec<String> {
         let entries = fs::read_dir(folder).unwrap();
         entries.map(|entry| entry.unwrap().file_name().into_string().unwrap()).collect()
+    }
+
+    #[test]
+    fn a_new_folder_is_below_folders_and_its_file_is_no_folder() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = |name: &str| folder.path().join(name);
+        fs::write(path("file"), "text").unwrap();
+        assert!(check_new_folder(&path("a/b/page.html")).is_ok());
+        let message = check_new_folder(&path("file/b/page.html")).unwrap_err().to_string();
+        assert!(message.ends_with(&format!("expected a folder, found a file: {}", path("file").display())));
+        let message = check_new_folder(folder.path()).unwrap_err().to_string();
+        assert!(message.ends_with("expected a file, found a folder"));
+        assert!(!path("a").exists());
+    }
+
+    #[test]
+    fn a_file_is_removed_and_no_file_is_no_error() {
+        let folder = tempfile::tempdir().unwrap();
+        let path = folder.path().join("file");
+        fs::write(&path, "text").unwrap();
+        assert!(remove(&path).is_ok() && !path.exists());
+        assert!(remove(&path).is_ok());
+        assert!(remove(folder.path()).is_err());
     }
 
     #[test]

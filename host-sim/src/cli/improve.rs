@@ -11,7 +11,7 @@ use compensate::place::Place;
 use compensate::prediction::TestMotion;
 use compensate::round_trip::SimulatedMachine;
 use files::error::InputError;
-use files::output::write_whole;
+use files::output::{remove, write_whole};
 use improve::outcome::Improvement;
 use improve::{ImproveError, Improving};
 use model::machine::Machine;
@@ -136,6 +136,9 @@ fn write(arguments: &Arguments, declared: &Machine, improvement: &Improvement) -
         write_whole(&model, |out| out.write_all(kept.model.to_toml().as_bytes()))?;
         let toml = kept.plan.file.to_toml()?;
         write_whole(&compensation, |out| out.write_all(toml.as_bytes()))?;
+    } else {
+        // Those of an earlier run do not belong to this page.
+        [model, compensation].iter().try_for_each(|path| remove(path))?;
     }
     write_json(Some(&json), &improvement.json())?;
     Ok(page)

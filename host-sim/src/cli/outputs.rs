@@ -6,7 +6,7 @@ use std::path::{Path, PathBuf};
 use serde::Serialize;
 
 use files::error::{InputError, quoted};
-use files::output::{check_folder, folder_of, write_whole};
+use files::output::{check_folder, check_new_folder, folder_of, write_whole};
 
 /// An output: its flag, and its path if it is given.
 #[derive(Clone, Copy, Debug)]
@@ -29,8 +29,10 @@ pub fn check_outputs(inputs: &[&Path], outputs: &[Output<'_>]) -> anyhow::Result
     let mut taken: Vec<PathBuf> = inputs.iter().filter_map(|path| canonical(path)).collect();
     for output in outputs {
         let (Output::File(flag, path) | Output::InNewFolder(flag, path)) = output;
-        if let Output::File(_, Some(path)) = output {
-            check_folder(path)?;
+        match output {
+            Output::File(_, Some(path)) => check_folder(path)?,
+            Output::InNewFolder(_, Some(path)) => check_new_folder(path)?,
+            _ => {}
         }
         let Some(path) = path.and_then(|path| canonical(path)) else { continue };
         if taken.contains(&path) {

@@ -157,7 +157,7 @@ fn an_output_that_cannot_be_written_is_named() {
     }
     // The folder for the page is the path of an existing file.
     let message = folder.fails("trace --machine machine.toml --fit fit.csv --report motion.toml", 1);
-    assert!(message.contains("motion.toml"), "{message}");
+    assert!(message.contains("expected a folder, found a file: motion.toml"), "{message}");
     assert!(folder.contents() == before);
 }
 
