@@ -60,6 +60,7 @@ pub mod reversal;
 pub mod settings;
 pub mod slew;
 mod slow;
+mod slow_evaluation;
 pub mod speed_curves;
 pub mod state;
 pub mod table;

@@ -81,7 +81,9 @@ impl EffectSearch<'_> {
             let left = unexplained(self.data, residuals, stage, self.data.noise(model, stage));
             left.is_some_and(|left| left.variable != Variable::None)
         };
-        fit.exclusions.is_empty() && !fit.scope.stages.iter().any(is_left)
+        std::env::var_os("LM_NOSKIP").is_none()
+            && fit.exclusions.is_empty()
+            && !fit.scope.stages.iter().any(is_left)
     }
 
     /// Adds effects to one scope. If a part of the remaining residual must be excluded, the search is repeated with this

@@ -79,11 +79,9 @@ impl<const N: usize> Arc<N> {
         turns: f64,
     ) -> Result<Self, PathError> {
         // Seen from the other side, the axes of the plane are in ascending order.
-        if let ([x, y], [centre_x, centre_y]) = (plane, centre)
-            && x > y
-        {
-            return Self::plan(start, [y, x], [centre_y, centre_x], -turns);
-        }
+        let ([x, y], [centre_x, centre_y]) = (plane, centre);
+        let (plane, centre, turns) =
+            if x > y { ([y, x], [centre_y, centre_x], -turns) } else { (plane, centre, turns) };
         if !turns.is_finite() {
             return Err(PathError::NotFinite(Field::Turns));
         }
@@ -127,11 +125,12 @@ impl<const N: usize> Arc<N> {
         end: [Position; 2],
         positive: bool,
     ) -> Result<Self, PathError> {
-        if let ([x, y], [centre_x, centre_y], [end_x, end_y]) = (plane, centre, end)
-            && x > y
-        {
-            return Self::plan_to(start, [y, x], [centre_y, centre_x], [end_y, end_x], !positive);
-        }
+        let ([x, y], [centre_x, centre_y], [end_x, end_y]) = (plane, centre, end);
+        let (plane, centre, end, positive) = if x > y {
+            ([y, x], [centre_y, centre_x], [end_y, end_x], !positive)
+        } else {
+            (plane, centre, end, positive)
+        };
         let circle = Self::circle(start, plane, centre)?;
         let to = [end[0] - centre[0], end[1] - centre[1]];
         if plane.map(|axis| start.get(axis).copied()) == end.map(Some) {
