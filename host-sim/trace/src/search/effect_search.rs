@@ -52,9 +52,7 @@ impl EffectSearch<'_> {
         let first_round = self.rounds.len();
         let free = self.search_from(start, scope);
         let is_beyond = |model: &AxisModel| scope.mechanics == Mechanics::All && model.is_beyond_tolerance();
-        let needs_no_bound =
-            || !is_beyond(&free.fitted.model) && (!is_beyond(start) || self.leaves_nothing(&free));
-        if needs_no_bound() {
+        if !is_beyond(&free.fitted.model) && (!is_beyond(start) || self.leaves_nothing(&free)) {
             return free;
         }
         let rounds_of_free = self.rounds.split_off(first_round);
@@ -81,9 +79,7 @@ impl EffectSearch<'_> {
             let left = unexplained(self.data, residuals, stage, self.data.noise(model, stage));
             left.is_some_and(|left| left.variable != Variable::None)
         };
-        std::env::var_os("LM_NOSKIP").is_none()
-            && fit.exclusions.is_empty()
-            && !fit.scope.stages.iter().any(is_left)
+        fit.exclusions.is_empty() && !fit.scope.stages.iter().any(is_left)
     }
 
     /// Adds effects to one scope. If a part of the remaining residual must be excluded, the search is repeated with this
