@@ -25,7 +25,8 @@ fn floor(bits: i128) -> i128 {
 
 proptest! {
     /// A signal has 14 fraction bits and a gain 24, so that every product is a multiple of 2⁻³⁸ and their sum is exact in
-    /// integers. In every tick the force is below this sum by less than a signal step, whatever was integrated before. The motor moves by whole steps of an increment signal, 2¹⁰ position units.
+    /// integers. In every tick the force is below this sum by less than a signal step, whatever was integrated before. The motor
+    /// moves by whole steps of an increment signal, 2¹⁰ position units.
     #[test]
     fn fixed_point_is_within_a_step_of_exact_arithmetic(
         kv in 1e4..1e6f64,

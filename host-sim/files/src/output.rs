@@ -8,6 +8,9 @@ use std::sync::{Mutex, PoisonError};
 use tempfile::{Builder, NamedTempFile};
 use thiserror::Error;
 
+/// Why a folder is refused in the place of a file.
+const IS_FOLDER: &str = "expected a file, found a folder";
+
 /// A file that could not be written. A previous file of that name is unchanged.
 #[derive(Debug, Error)]
 #[error("{}: not written: {cause}", path.display())]
@@ -29,7 +32,7 @@ pub fn write_whole(
     fill: impl FnOnce(&mut dyn Write) -> io::Result<()>,
 ) -> Result<(), OutputError> {
     let written = match fs::metadata(path) {
-        Ok(metadata) if metadata.is_dir() => Err(io::Error::other("expected a file, found a folder")),
+        Ok(metadata) if metadata.is_dir() => Err(io::Error::other(IS_FOLDER)),
         Ok(metadata) if !metadata.is_file() => write_in_place(path, fill),
         // A link is kept; its target is replaced.
         Ok(_) => fs::canonicalize(path).and_then(|target| replace(&target, fill)),
@@ -66,7 +69,7 @@ pub fn remove(path: &Path) -> Result<(), OutputError> {
 pub fn check_new_folder(path: &Path) -> Result<(), OutputError> {
     let refused = |cause: String| OutputError { path: path.to_owned(), cause: io::Error::other(cause) };
     if path.is_dir() {
-        return Err(refused("expected a file, found a folder".to_owned()));
+        return Err(refused(IS_FOLDER.to_owned()));
     }
     match folder_of(path).ancestors().find(|folder| folder.exists()) {
         Some(existing) if !existing.is_dir() => {

@@ -120,9 +120,8 @@ pub fn fit_from(
     let mut point = Point::new(data, start, scope, known);
     let count = point.columns.len();
     let last = if known.is_empty() { start.indices_of_last(scope) } else { known.len()..count };
-    let nonlinear: Vec<usize> = (0..count).filter(|&parameter| !is_of_map(start, scope, parameter)).collect();
-    let moving: Vec<usize> = nonlinear.iter().copied().filter(|parameter| last.contains(parameter)).collect();
-    point.has_old_columns = nonlinear.iter().any(|&parameter| parameter < known.len());
+    let all = point.nonlinear.clone();
+    let of_last: Vec<usize> = all.iter().copied().filter(|parameter| last.contains(parameter)).collect();
     for _ in 0..steps {
         let Gain { gained, predicted } = point.step(data, scope);
         point.weights = weights(data, &point.model, &point.residuals);
@@ -133,9 +132,7 @@ pub fn fit_from(
             }
             break;
         }
-        let renewed = if gained > MIN_GAIN_OF_PREDICTED * predicted { &moving } else { &nonlinear };
-        point.renew(data, scope, renewed);
-        point.has_old_columns = renewed.len() < nonlinear.len();
+        point.renew(data, scope, if gained > MIN_GAIN_OF_PREDICTED * predicted { &of_last } else { &all });
     }
     let Point { model, residuals, weights, columns, blocks, .. } = point;
     Fitted { parameters: model.free_parameters(scope), model, blocks, weights, residuals, columns }
@@ -157,7 +154,9 @@ struct Point {
     weights: Vec<f64>,
     damping: f64,
     columns: Vec<Column>,
-    /// Whether some of the columns, those of maps left aside, were computed at another point.
+    /// Indices of the parameters whose columns change from point to point: all but the values of maps.
+    nonlinear: Vec<usize>,
+    /// Whether some of these columns were computed at another point.
     has_old_columns: bool,
     blocks: Vec<Block>,
 }
@@ -178,8 +177,10 @@ impl Point {
         let new: Vec<usize> = (known.len()..count).collect();
         columns.extend(derivatives(data, &model, scope, &new, &residuals));
         let blocks = blocks(data, &columns, &residuals, &weights);
-        let has_old_columns = !known.is_empty();
-        Self { model, residuals, weights, damping: 1e-3, columns, has_old_columns, blocks }
+        let nonlinear: Vec<usize> =
+            (0..count).filter(|&parameter| !is_of_map(&model, scope, parameter)).collect();
+        let has_old_columns = nonlinear.iter().any(|&parameter| parameter < known.len());
+        Self { model, residuals, weights, damping: 1e-3, columns, nonlinear, has_old_columns, blocks }
     }
 
     /// Moves to a point of lower cost, if one of the dampings leads to one.
@@ -215,6 +216,7 @@ impl Point {
 
     /// Computes the derivatives with respect to some of the parameters, and the normal equations.
     fn renew(&mut self, data: &FitData<'_>, scope: &Scope, parameters: &[usize]) {
+        self.has_old_columns = !self.nonlinear.iter().all(|parameter| parameters.contains(parameter));
         let new = derivatives(data, &self.model, scope, parameters, &self.residuals);
         for (&index, column) in parameters.iter().zip(new) {
             self.columns[index] = column;
