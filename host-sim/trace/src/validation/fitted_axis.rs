@@ -27,6 +27,8 @@ impl FittedAxis {
     pub fn without(&self, data: &FitData<'_>, index: usize) -> Self {
         let effect = &self.model.found()[index];
         let mut model = self.model.without(index);
+        // Without any effect the model is the declared one, which is already fitted.
+        let steps = if model.found().is_empty() { 0 } else { least_squares::STEPS };
         let mut fits = self.fits.clone();
         // Scopes that were fitted jointly share one fit. Later scopes depend on earlier ones: the timing of the table, for
         // example, affects the tool.
@@ -52,7 +54,7 @@ impl FittedAxis {
             }
             let known = fitted.columns_without(&self.model, fitted_scope, index);
             let data = FitData { exclusions, ..*data };
-            let fitted = least_squares::fit_from(&data, &model, fitted_scope, least_squares::STEPS, &known);
+            let fitted = least_squares::fit_from(&data, &model, fitted_scope, steps, &known);
             model = total_mass::pinned(&data, &fitted, [scope, fitted_scope]);
             fits[i].fitted = fitted;
             first_refitted = Some(i);
