@@ -30,6 +30,14 @@ pub enum BoardError {
     /// The drives have gone off.
     #[error("{0}")]
     Stopped(String),
+    /// The board has held the path.
+    #[error(
+        "the path is held: this program was silent for {silent_s} s, or another port holds it; resume continues it, stop discards it"
+    )]
+    Held {
+        /// Silence after which the board holds the path.
+        silent_s: f64,
+    },
     /// The message is longer than a packet.
     #[error("link: the request is too long")]
     TooLong,

@@ -3,6 +3,7 @@
 use std::time::{Duration, Instant};
 
 use shared::interpolate::Block;
+use shared::interpolate::feed_hold::FeedState;
 use shared::link::message::{AXES, Request};
 use shared::link::report::{Activity, Status};
 use shared::safety::Power;
@@ -59,7 +60,7 @@ impl Client {
     /// Waits until nothing moves. `each` gets the state at every request and ends the wait by returning false.
     ///
     /// # Errors
-    /// [`BoardError::Stopped`] if the drives have gone off; any other.
+    /// [`BoardError::Stopped`] if the drives have gone off, [`BoardError::Held`] if the path is held; any other.
     pub fn wait(
         &mut self,
         mut each: impl FnMut(&mut Self, &Status) -> Result<bool, BoardError>,
@@ -69,6 +70,9 @@ impl Client {
             let goes_on = each(self, &status)?;
             if status.power != Power::On {
                 return Err(stopped(&status));
+            }
+            if status.feed == FeedState::Held && status.activity != Activity::Idle {
+                return Err(BoardError::Held { silent_s: f64::from(self.welcome().times.hold_ms) / 1e3 });
             }
             if !goes_on || status.at_rest && status.activity == Activity::Idle {
                 return Ok(status);

@@ -112,8 +112,8 @@ impl CompensationFile {
             axis.check(&document, name, machine)?;
         }
         for (index, prediction) in file.predicted.iter().enumerate() {
-            if let Some(key) = prediction.refused() {
-                return Err(document.refuse(&format!("predicted[{index}].{key}"), "a number of at least 0"));
+            if let Some((key, expected)) = prediction.refused() {
+                return Err(document.refuse(&format!("predicted[{index}].{key}"), expected));
             }
         }
         Ok(file)

@@ -148,6 +148,9 @@ impl Planning<'_> {
                 _ => break without,
             }
         };
+        if best_um >= total_rms_um(&before) {
+            choice.off.extend(self.parts());
+        }
         let idle = self.without_effect(&choice)?;
         choice.off.extend(idle.iter().cloned());
         let mut file = self.file(&choice)?;

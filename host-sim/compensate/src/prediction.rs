@@ -36,7 +36,7 @@ pub enum PredictionError {
     /// The machine does not complete it.
     #[error("{motion}: {error}")]
     Simulation {
-        /// Name of the motion.
+        /// File of the motion.
         motion: String,
         /// Why.
         error: SimulationError,
@@ -89,7 +89,7 @@ pub fn log_of_plant<P: Plant>(
 ) -> Result<Log, PredictionError> {
     let machine = &file.applied_to(machine);
     let path = MachinePath::new(&test.motion, machine, &test.source)?;
-    let failed = |error| PredictionError::Simulation { motion: test.motion.name.clone(), error };
+    let failed = |error| PredictionError::Simulation { motion: test.source.clone(), error };
     let mut controller = place.controller(machine, &path.start_m).map_err(failed)?;
     file.set(machine, controller.as_mut())?;
     let mut plant = plant(machine, &path.start_m).map_err(failed)?;

@@ -24,6 +24,9 @@ use outcome::{Improvement, Stop};
 use retrace::Logs;
 use round::Round;
 
+/// Number of the first run of a judged motion in round 1, by which its noise is selected: after those of the fit.
+const JUDGED: u64 = 500;
+
 /// Why a machine cannot be improved.
 #[derive(Debug, thiserror::Error)]
 pub enum ImproveError {
@@ -62,7 +65,7 @@ impl Improving<'_> {
     ) -> Result<Improvement, ImproveError> {
         let none = CompensationFile::none(self.declared);
         progress("round 1: running the machine");
-        let mut logs = Logs::new(self.run(self.fit, &none, 0)?, self.run(self.judged, &none, 0)?);
+        let mut logs = Logs::new(self.run(self.fit, &none, 0)?, self.run(self.judged, &none, JUDGED)?);
         let mut rounds: Vec<Round> = Vec::new();
         let first = errors(&logs.judged, self.declared)?;
         let mut before = first.clone();

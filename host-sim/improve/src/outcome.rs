@@ -137,6 +137,7 @@ impl Improvement {
             json!({
                 "round": number,
                 "effects": trace::json::effects(&round.trace),
+                "verdict": trace::verdict::of(&round.trace),
                 "contour_error_um": {"before": before, "predicted": predicted, "after": after},
                 "motions": self.motions_json(round),
                 "kept": round.is_kept(),

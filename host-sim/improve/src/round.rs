@@ -10,6 +10,8 @@ use margins::change::first_too_little;
 use model::machine::Machine;
 use plant::instruments::Instruments;
 use trace::Trace;
+use trace::outcome::AxisTrace;
+use trace::verdict::{self, Verdict};
 
 /// One round: what was traced, and the motions before, as predicted, and after.
 pub struct Round {
@@ -43,13 +45,20 @@ impl Round {
         [&self.before, &self.predicted, &self.after].map(|errors| total_rms_um(errors))
     }
 
-    /// The effects found in this round, as `axis: name`.
+    /// The effects found in this round, as `axis: name`; and the axes whose logs the model does not describe.
     #[must_use]
     pub fn found_words(&self) -> String {
-        match self.trace.found_names() {
+        let found = match self.trace.found_names() {
             found if found.is_empty() => "nothing new".to_owned(),
             found => found.join(", "),
+        };
+        let is_wrong = |axis: &&AxisTrace| verdict::of_axis(axis) == Verdict::ModelDoesNotFit;
+        let wrong: Vec<&str> =
+            self.trace.axes.iter().filter(is_wrong).map(|axis| axis.axis.as_str()).collect();
+        if wrong.is_empty() {
+            return found;
         }
+        format!("{found}; the model does not describe the logs of {}", wrong.join(", "))
     }
 }
 

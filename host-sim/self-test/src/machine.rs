@@ -113,14 +113,16 @@ impl<'a> MovingAxis<'a> {
         }
     }
 
-    /// Steps the mode between table and tool. `table_m` is the position of the table before the step: with the position
-    /// after it, the tool would be one step early.
-    fn step_mode(&mut self, table_m: f64) {
+    /// Steps the mode between table and tool. `from_m` is the position of the table before the step: it moves evenly to that
+    /// after it. With either of them for the whole step, the tool would be half a step late or early.
+    fn step_mode(&mut self, from_m: f64) {
         match self.axis.resonance {
             None => self.mode_m = self.state.table_m,
             Some([omega, zeta]) => {
                 // A step h of the plant would shift the frequency by ζωh/2, more than its confidence interval.
-                for _ in 0..MODE_STEPS {
+                for step in 0..MODE_STEPS {
+                    let fraction = f64::from(step) / f64::from(MODE_STEPS);
+                    let table_m = from_m + fraction * (self.state.table_m - from_m);
                     let acceleration =
                         omega * omega * (table_m - self.mode_m) - 2.0 * zeta * omega * self.mode_m_per_s;
                     self.mode_m_per_s += MODE_STEP_S * acceleration;
@@ -201,9 +203,9 @@ impl<'a> TwoAxes<'a> {
     pub fn step(&mut self, forces_n: [f64; 2]) {
         for (axis, force_n) in self.axes.iter_mut().zip(forces_n) {
             let acting_n = axis.drive.acting_n(force_n);
-            let table_m = axis.state.table_m;
+            let from_m = axis.state.table_m;
             axis.axis.mechanics.step(&mut axis.state, acting_n);
-            axis.step_mode(table_m);
+            axis.step_mode(from_m);
         }
         self.steps += 1;
         let tools_m = self.tools_m();

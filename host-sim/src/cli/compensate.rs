@@ -6,6 +6,7 @@ use anyhow::{Error, Result};
 use serde_json::{Value, json};
 
 use super::compensation::check_margins;
+use super::input_error::Inputs;
 use super::margins::LimitArguments;
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
@@ -19,7 +20,6 @@ use margins::axis_margins::{self, AxisMargins, MarginError};
 use model::machine::Machine;
 use model::motion::Motion;
 use plant::instruments::Instruments;
-use plant::simulate::SimulationError;
 
 /// Motions whose contour error counts if none is given.
 const MOTIONS: [(&str, &str); 2] = [
@@ -79,7 +79,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let progress = Progress::start();
     progress.show("simulating the motions with and without each compensation");
-    let plan = planning.plan().map_err(|error| input_or_failure(error, &model_file))?;
+    let plan = planning.plan().map_err(|error| input_or_failure(error, &model, &model_file))?;
     drop(progress);
     check_margins(&plan.file, &model_file, &model, limits)?;
     let toml = plan.file.to_toml()?;
@@ -143,12 +143,11 @@ pub fn test_motions(paths: &[PathBuf], start_s: f64) -> Result<Vec<TestMotion>, 
 }
 
 /// A model that lacks a key, or a setting that the controller refuses, is an error of the input.
-pub fn input_or_failure(error: PredictionError, model_file: &str) -> Error {
+pub fn input_or_failure(error: PredictionError, machine: &Machine, machine_file: &str) -> Error {
     match error {
         PredictionError::Input(error) => error.into(),
-        PredictionError::Simulation { error: SimulationError::Lacks { axis, key }, .. } => {
-            let expected = "this key, which the prediction of the contour error requires";
-            InputError::expected(model_file, expected, "none").at_key(&format!("axis.{axis}.{key}")).into()
+        PredictionError::Simulation { motion, error } => {
+            Inputs { machine, machine_file, motion_file: &motion }.error(error)
         }
         PredictionError::Beyond { part, refused } => {
             let problem = format!(
@@ -156,8 +155,8 @@ pub fn input_or_failure(error: PredictionError, model_file: &str) -> Error {
                 refused.setting(),
                 refused.problem()
             );
-            InputError::new(model_file, problem).at_key(&format!("axis.{}", refused.axis)).into()
+            InputError::new(machine_file, problem).at_key(&format!("axis.{}", refused.axis)).into()
         }
-        error => InputError::new(model_file, error.to_string()).into(),
+        error => InputError::new(machine_file, error.to_string()).into(),
     }
 }

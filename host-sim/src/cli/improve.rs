@@ -118,8 +118,20 @@ fn motions_of(arguments: &Arguments) -> Result<(Vec<TestMotion>, Vec<TestMotion>
     let fit: Vec<TestMotion> =
         fit.map(|(path, number)| read(path, MOTION_EVERY_S * f64::from(number))).collect::<Result<_, _>>()?;
     let set_at_s = MOTION_EVERY_S * fit.len() as f64;
-    let judged = arguments.motion.iter().map(|path| read(path, set_at_s)).collect::<Result<_, _>>()?;
+    let judged: Vec<TestMotion> =
+        arguments.motion.iter().map(|path| read(path, set_at_s)).collect::<Result<_, _>>()?;
+    for test in &judged {
+        if let Some(same) = fit.iter().find(|fitted| is_same_motion(fitted, test)) {
+            let expected = "a motion that is not one of --fit: its log is held out of the fits";
+            return Err(InputError::expected(&test.source, expected, format!("that of {}", same.source)));
+        }
+    }
     Ok((fit, judged))
+}
+
+/// Whether two motions differ at most by their names.
+fn is_same_motion(one: &TestMotion, other: &TestMotion) -> bool {
+    one.motion == Motion { name: one.motion.name.clone(), ..other.motion.clone() }
 }
 
 /// Writes model, compensation and figures of the round that is kept, and the page of all rounds.

@@ -53,7 +53,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let tuning = Tuning { machine: &machine, instruments, limits, tests: &tests };
     let file = arguments.machine.display().to_string();
     let proposal = tuning.propose().map_err(|error| match error {
-        TuningError::Simulation(error) => input_or_failure(error, &file),
+        TuningError::Simulation(error) => input_or_failure(error, &machine, &file),
         error => Error::from(InputError::new(&file, error.to_string())),
     })?;
     drop(progress);

@@ -10,7 +10,7 @@ use super::progress::Progress;
 use compensate::CompensationFile;
 use compensate::alignment::aligned;
 use contour::comparison;
-use contour::verification::{Change, Predictions, VerifiedMotion, pairs};
+use contour::verification::{Change, Prediction, Predictions, VerifiedMotion, pairs};
 use files::error::InputError;
 use files::log::{Log, Unit};
 use model::machine::Machine;
@@ -81,8 +81,12 @@ fn check_predictions(
     if motions.iter().any(|motion| motion.predicted.is_some()) {
         return Ok(());
     }
-    let logged: Vec<&str> = motions.iter().map(|motion| motion.name.as_str()).collect();
-    let predicted: Vec<&str> = predictions.0.iter().map(|entry| entry.motion.as_str()).collect();
+    let path = |name: &str, length_mm: f64| format!("{name} (a path of {length_mm:.3} mm)");
+    let logged: Vec<String> = motions.iter().map(|motion| path(&motion.name, motion.length_mm)).collect();
+    let entry = |entry: &Prediction| {
+        entry.path_length_mm.map_or_else(|| entry.motion.clone(), |length_mm| path(&entry.motion, length_mm))
+    };
+    let predicted: Vec<String> = predictions.0.iter().map(entry).collect();
     let found = if predicted.is_empty() { "none".to_owned() } else { predicted.join(", ") };
     let expected = format!("a prediction of {}", logged.join(" or "));
     Err(InputError::expected(&file.display().to_string(), expected, found).at_key("predicted"))

@@ -194,7 +194,9 @@ impl<S: Scalar> AxisCompensation<S> {
             self.friction_map = Some(Table::new(&points_names!("force.friction.map"), map, forces)?);
         }
         if let Some(m_per_n) = settings.stretch_m_per_n {
-            self.stretch = Some(gain::<S>("stretch_m_per_n", m_per_n, 1.0 / LENGTH_M)?);
+            let name = "stretch_m_per_n";
+            let m_per_n = ranged(name, m_per_n, 0.0, S::GAIN_LIMIT * LENGTH_M)?;
+            self.stretch = Some(gain::<S>(name, m_per_n, 1.0 / LENGTH_M)?);
         }
         Ok(())
     }

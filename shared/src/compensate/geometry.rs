@@ -5,7 +5,7 @@ use super::names::points_names;
 use super::settings;
 use super::table::{Table, ValueRange};
 use crate::config::ConfigError;
-use crate::config::check::gain;
+use crate::config::check::signed_gain;
 use crate::scalar::Scalar;
 use crate::units::{LENGTH_M, Position, SCALED_POSITION_M};
 
@@ -35,7 +35,7 @@ impl<S: Scalar> Squareness<S> {
     /// # Errors
     /// [`ConfigError`] with `squareness[1]`.
     pub fn new(m_per_m: f64) -> Result<Self, ConfigError> {
-        Ok(Self { minus_k: gain::<S>("squareness[1]", -m_per_m, SCALED_POSITION_M / LENGTH_M)? })
+        Ok(Self { minus_k: signed_gain::<S>("squareness[1]", -m_per_m, SCALED_POSITION_M / LENGTH_M)? })
     }
 
     /// −k: the correction of the command is −k·y, error units, for y in units of [`Scalar::from_position`].
@@ -62,7 +62,7 @@ impl<S: Scalar> Straightness<S> {
     pub fn new(settings: &settings::Straightness, bound_m: f64) -> Result<Self, ConfigError> {
         Ok(match settings {
             settings::Straightness::Quadratic(m_per_m2) => Self::Quadratic(
-                gain::<S>("straightness[1].Quadratic", *m_per_m2, SQUARED_M * SQUARED_M / LENGTH_M)?,
+                signed_gain::<S>("straightness[1].Quadratic", *m_per_m2, SQUARED_M * SQUARED_M / LENGTH_M)?,
                 S::gain(POSITION_M / SQUARED_M),
                 S::signal(MAX_SQUARED_M / SQUARED_M),
             ),

@@ -25,6 +25,7 @@
 use super::names::{CycleNames, PointsNames};
 use super::settings::{self, POINTS, Points};
 use crate::config::ConfigError;
+use crate::config::check::ranged;
 use crate::integer::shifted;
 use crate::scalar::Scalar;
 use crate::units::{PER_M, Position, TRAVEL_LIMIT_M};
@@ -53,6 +54,9 @@ pub struct Table<S: Scalar> {
     /// Points per shifted unit, 55 fraction bits. A span has 30 bits, so that this has 25 to 32.
     per_unit: u32,
 }
+
+/// Least period, m: that of an interferometer, below which no screw, encoder or motor has one.
+const MIN_PERIOD_M: f64 = 1e-7;
 
 /// Values over a period.
 #[derive(Clone, Copy, Debug)]
@@ -114,8 +118,7 @@ impl<S: Scalar> PeriodicTable<S> {
     /// Converts the points of a period in SI, the first at position zero.
     ///
     /// # Errors
-    /// [`ConfigError`] with one of `names`: not 2 to [`POINTS`] points, a period that is not from 2¹² position units (3.9 pm) to
-    /// 100 m, or a value that is not finite or exceeds the bound.
+    /// [`ConfigError`] with one of `names`: not 2 to [`POINTS`] points, a period that is not from 0.1 µm to 100 m, or a value that is not finite or exceeds the bound.
     pub fn new(names: &CycleNames, cycle: &settings::Cycle, range: ValueRange) -> Result<Self, ConfigError> {
         let points = &cycle.values;
         let count = points.len();
@@ -133,11 +136,8 @@ impl<S: Scalar> PeriodicTable<S> {
         let values = signals(names.values, &resampled, range)?;
         let [first, .., last] = resampled;
         check_difference::<S>(names.values, first - last, range.unit)?;
-        let units = cycle.period_m * PER_M / 4096.0;
-        if !(units >= 1.0 && cycle.period_m < TRAVEL_LIMIT_M) {
-            let name = names.period;
-            return Err(ConfigError::OutOfRange { name, min: 4096.0 / PER_M, max: TRAVEL_LIMIT_M });
-        }
+        let period_m = ranged(names.period, cycle.period_m, MIN_PERIOD_M, TRAVEL_LIMIT_M)?;
+        let units = period_m * PER_M / 4096.0;
         #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "saturates at one unit")]
         let per_unit = libm::rint(18_446_744_073_709_551_616.0 / units) as u64;
         Ok(Self { values, per_unit })

@@ -29,6 +29,14 @@ pub(crate) fn gain<S: Scalar>(name: &'static str, si: f64, unit: f64) -> Result<
     }
 }
 
+/// The same of a setting that may be negative.
+pub(crate) fn signed_gain<S: Scalar>(name: &'static str, si: f64, unit: f64) -> Result<S::Gain, ConfigError> {
+    gain::<S>(name, si, unit).map_err(|error| match error {
+        ConfigError::OutOfRange { name, max, .. } => ConfigError::OutOfRange { name, min: -max, max },
+        error => error,
+    })
+}
+
 /// Least gain in steps of the format: the rounding error is then at most 1 %.
 const MIN_GAIN_STEPS: f64 = 50.0;
 

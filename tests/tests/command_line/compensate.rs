@@ -210,11 +210,12 @@ fn models_that_cannot_be_compensated_are_refused() {
             "machine.toml: axis.x: the compensation of pitch_progressive is beyond what the controller takes: \
              pitch.forward.values: expected a number from -0.001 to 0.001",
         ),
+        (without(&mechanics) + SLOPE, "mass_kg: expected this key, which a closed loop requires"),
+        (without(&controller) + SLOPE, "axis.x.controller: expected this key, which a closed loop"),
         (
-            without(&mechanics) + SLOPE,
-            "mass_kg: expected this key, which the prediction of the contour error requires",
+            MACHINE.replacen("position_gain_per_s = 50.0", "position_gain_per_s = 1e6", 1),
+            "machine.toml: axis.x.position_gain_per_s: expected a number from ",
         ),
-        (without(&controller) + SLOPE, "axis.x.controller: expected this key, which the prediction"),
         (format!("{MACHINE}{}", SLOPE.replace("slope_um_per_m", "slope")), "machine.toml: line "),
     ] {
         let folder = folder(&machine);

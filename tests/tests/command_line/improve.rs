@@ -70,3 +70,35 @@ fn another_machine_is_refused() {
     assert!(error.contains("true.toml") && error.contains("name: expected the machine"), "{error}");
     assert!(!folder.path().join("out").exists());
 }
+
+#[test]
+fn a_motion_of_the_fit_is_not_held_out() {
+    let folder = folder(MACHINE);
+    let renamed = include_str!("../../../host-sim/motions/demo_circle.toml").replacen(
+        "name = \"",
+        "name = \"other_",
+        1,
+    );
+    std::fs::write(folder.path().join("motion.toml"), renamed).unwrap();
+    let error = folder.fails(IMPROVE, 2);
+    assert_eq!(
+        error,
+        "lost-motion: motion.toml: expected a motion that is not one of --fit: its log is held out of the fits, found that of \
+         fit.toml\n"
+    );
+    assert!(!folder.path().join("out").exists());
+}
+
+/// With masses of three times those of the machine that runs, no model of the catalogue describes the forces.
+#[test]
+fn a_machine_file_of_another_machine_is_named() {
+    let declared = MACHINE
+        .replace("motor_mass_kg = 90.0", "motor_mass_kg = 270.0")
+        .replace("table_mass_kg = 160.0", "table_mass_kg = 480.0");
+    let folder = folder(MACHINE);
+    std::fs::write(folder.path().join("machine.toml"), declared).unwrap();
+    let stdout = folder.succeeds(&format!("{IMPROVE} --rounds 1"));
+    assert!(stdout.contains("; the model does not describe the logs of x\n"), "{stdout}");
+    let json: serde_json::Value = serde_json::from_str(&folder.read("out/improvement.json")).unwrap();
+    assert_eq!(json["rounds"][0]["verdict"], "model_does_not_fit");
+}

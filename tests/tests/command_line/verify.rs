@@ -127,9 +127,15 @@ fn a_worse_machine_fails() {
     let error = folder.fails(&arguments, 1);
     assert_eq!(error, "lost-motion: the contour error became larger: circle_without\n");
     assert_eq!(json(&folder)["motions"][0]["change"], "worse", "the result is written nevertheless");
-    // The same log twice: neither better nor worse.
-    let stdout = folder.succeeds(&format!("{VERIFY} --before circle_with.csv --after circle_with.csv"));
+    // Another run of the same machine: neither better nor worse.
+    let machine = format!("{MACHINE}{BACKLASH}");
+    fs::write(folder.path().join("with.toml"), machine).unwrap();
+    fs::write(folder.path().join("circle.toml"), CIRCLE).unwrap();
+    folder.succeeds("simulate --machine with.toml --motion circle.toml --seed 2 --out again.csv");
+    let stdout = folder.succeeds(&format!("{VERIFY} --before circle_with.csv --after again.csv"));
     assert!(stdout.contains("not distinguishable in 1"), "{stdout}");
+    let error = folder.fails(&format!("{VERIFY} --before circle_with.csv --after circle_with.csv"), 2);
+    assert!(error.contains("circle_with.csv: expected another run of the motion"), "{error}");
 }
 
 #[test]
@@ -164,7 +170,10 @@ fn a_prediction_is_checked_within_its_bound() {
     }
     predict(after / 2.0, "small_circle");
     let error = folder.fails(&arguments, 2);
-    assert!(error.contains("expected a prediction of circle_with, found small_circle"), "{error}");
+    assert!(
+        error.contains("expected a prediction of circle_with (a path of 376.991 mm), found small_circle"),
+        "{error}"
+    );
     let text = fs::read_to_string(folder.path().join("c.toml")).unwrap();
     fs::write(folder.path().join("c.toml"), text.replace("\"demo\"", "\"another\"")).unwrap();
     let error = folder.fails(&arguments, 2);

@@ -1,6 +1,9 @@
 //! Logs of the board: what they contain, and what the tracer finds in them.
 
 use std::fs;
+use std::process::Command;
+use std::thread::sleep;
+use std::time::Duration;
 
 use super::bench::Bench;
 
@@ -58,4 +61,33 @@ fn the_tracer_finds_the_undeclared_backlash_of_the_board() {
     // A count is 0.05 µm.
     assert!((width - BACKLASH_UM).abs() < 0.5, "{width} µm");
     assert!(effects.iter().all(|effect| effect["axis"] == "x"), "{effects:#?}");
+}
+
+/// The program that records is stopped for longer than the board waits: the path is held, its rest is discarded, and no log is
+/// written.
+#[test]
+fn a_recording_of_a_silent_host_fails_and_leaves_nothing_held() {
+    let Some(bench) = Bench::armed() else { return };
+    let motion = Bench::file("host-sim/motions/bench_travel.toml").display().to_string();
+    let record = bench.start(&format!("record --port bench --motion {motion} --out travel.csv"));
+    // Of 7 s of motion.
+    sleep(Duration::from_secs(2));
+    let signal = |name: &str| {
+        let id = record.id().to_string();
+        assert!(Command::new("kill").args([name, &id]).status().unwrap().success());
+    };
+    signal("-STOP");
+    // The board holds after 0.5 s and switches off after 10 s of its own time, which may run more slowly.
+    sleep(Duration::from_secs(6));
+    signal("-CONT");
+    let output = record.wait_with_output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(1), "{message}");
+    assert!(
+        message.contains("the board held the path, since this program was silent for 0.5 s"),
+        "{message}"
+    );
+    assert!(!bench.path().join("travel.csv").exists());
+    let status = bench.succeeds("status --port bench");
+    assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
 }

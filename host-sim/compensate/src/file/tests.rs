@@ -89,9 +89,14 @@ const REFUSED: &[[&str; 3]] = &[
         "line 8: axis.x.compensation.squareness: expected an array of 2, found 20e-6",
     ],
     [
+        "squareness = [1, 20e-6]",
+        "squareness = [1, -0.2]",
+        "line 8: axis.x.compensation.squareness[1]: expected a number from -0.125 to 0.125, found -0.2",
+    ],
+    [
         "period_m = 0.01",
         "period_m = 0.0",
-        "line 9: axis.x.compensation.screw[0].period_m: expected a number from 3.906e-12 to 100, found 0.0",
+        "line 9: axis.x.compensation.screw[0].period_m: expected a number from 1.000e-7 to 100, found 0.0",
     ],
     [
         "values = [1e-6, -1e-6]",
@@ -123,6 +128,11 @@ const REFUSED: &[[&str; 3]] = &[
         "after_um = 0.5",
         "after_um = -0.5",
         "line 22: predicted[0].after_um: expected a number of at least 0, found -0.5",
+    ],
+    [
+        "bound_percent = 15.0",
+        "bound_percent = 101.0",
+        "line 23: predicted[0].bound_percent: expected a number from 0 to 100, found 101.0",
     ],
     ["bound_percent = 15.0", "", "line 19: predicted[0].bound_percent: expected this key, found none"],
 ];

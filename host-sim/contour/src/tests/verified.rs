@@ -102,22 +102,33 @@ fn numbers_below_0_are_refused() {
     let Predictions(mut predictions) = some_line();
     assert_eq!(predictions[0].refused(), None);
     predictions[0].max_after_um = Some(-1e-9);
-    assert_eq!(predictions[0].refused(), Some("max_after_um"));
+    assert_eq!(predictions[0].refused(), Some(("max_after_um", "a number of at least 0")));
     predictions[0].after_um = f64::NAN;
-    assert_eq!(predictions[0].refused(), Some("after_um"));
+    assert_eq!(predictions[0].refused(), Some(("after_um", "a number of at least 0")));
 }
 
 #[test]
 fn logs_are_paired_by_their_command() {
-    let log = |name: &str, steps, direction| line(name, steps, direction, 1.0);
-    let before = [log("a", 2000, [1.0, 0.0]), log("b", 2000, [0.6, 0.8]), log("c", 3000, [1.0, 0.0])];
-    let after = [log("c2", 3000, [1.0, 0.0]), log("a2", 2000, [1.0, 0.0]), log("b2", 2000, [0.6, 0.8])];
+    let before = |name: &str, steps, direction| line(name, steps, direction, 1.0);
+    let after = |name: &str, steps, direction| line(name, steps, direction, 2.0);
+    let before =
+        [before("a", 2000, [1.0, 0.0]), before("b", 2000, [0.6, 0.8]), before("c", 3000, [1.0, 0.0])];
+    let after = [after("c2", 3000, [1.0, 0.0]), after("a2", 2000, [1.0, 0.0]), after("b2", 2000, [0.6, 0.8])];
     assert_eq!(pairs(&before, &after).unwrap(), [1, 2, 0]);
     let message = pairs(&before, &after[..2]).unwrap_err().to_string();
     assert!(message.starts_with("b: expected a log of the same motion"), "{message}");
     assert!(message.contains("c2, a2"), "{message}");
     let message = pairs(&before[..1], &after[..2]).unwrap_err().to_string();
     assert!(message.starts_with("c2: ") && message.ends_with("other motions in a"), "{message}");
+    let again = line("a3", 2000, [1.0, 0.0], 3.0);
+    let message = pairs(&before[..1], &[after[1].clone(), again]).unwrap_err().to_string();
+    assert_eq!(
+        message,
+        "a3: expected one log before the change for each log of this motion, found only a, which another log is compared with"
+    );
+    let copy = Log { source: "copy".to_owned(), ..before[0].clone() };
+    let message = pairs(&before[..1], &[copy]).unwrap_err().to_string();
+    assert_eq!(message, "copy: expected another run of the motion, after the change, found the samples of a");
 }
 
 #[test]

@@ -31,6 +31,8 @@ pub struct VerifiedMotion {
     pub before: ContourError,
     /// Contour error after.
     pub after: ContourError,
+    /// Length of the commanded path, mm.
+    pub length_mm: f64,
     /// The prediction for this motion.
     pub predicted: Option<Prediction>,
 }
@@ -65,6 +67,7 @@ impl VerifiedMotion {
             channel,
             before: before_error,
             after: after_error,
+            length_mm,
             predicted,
         })
     }

@@ -24,31 +24,59 @@ const MAX_DURATION_SAMPLES: f64 = 4.0;
 /// The indices of the logs of `after`, one for each of `before`, that have the same command; each is used once.
 ///
 /// # Errors
-/// If a log has no counterpart, or lacks a command; the message names the log and the other side.
+/// If a log has no counterpart, is a copy of its counterpart, or lacks a command; the message names the log and the other side.
 pub fn pairs(before: &[Log], after: &[Log]) -> Result<Vec<usize>, InputError> {
     let motions = |logs: &[Log]| -> Result<Vec<LoggedMotion>, InputError> {
         logs.iter().map(|log| LoggedMotion::of(log).map_err(|missing| missing.in_log(log))).collect()
     };
     let (motions_before, motions_after) = (motions(before)?, motions(after)?);
+    let is_same = |i: usize, j: usize| is_same_motion(&motions_before[i], &motions_after[j]);
     let mut taken = vec![false; after.len()];
     let mut pairs = Vec::with_capacity(before.len());
-    for (log, motion) in before.iter().zip(&motions_before) {
-        let is_free = |index: &usize| !taken[*index] && is_same_motion(motion, &motions_after[*index]);
-        let index = (0..after.len()).find(is_free).ok_or_else(|| no_counterpart(log, after, "after"))?;
+    for (i, log) in before.iter().enumerate() {
+        let candidates: Vec<usize> = (0..after.len()).filter(|&j| is_same(i, j)).collect();
+        let index = candidates.iter().copied().find(|&j| !taken[j]);
+        let index = index.ok_or_else(|| no_counterpart(log, (after, &candidates), "after"))?;
+        check_other_run(log, &after[index])?;
         taken[index] = true;
         pairs.push(index);
     }
     match taken.iter().position(|taken| !taken) {
-        Some(index) => Err(no_counterpart(&after[index], before, "before")),
+        Some(j) => {
+            let candidates: Vec<usize> = (0..before.len()).filter(|&i| is_same(i, j)).collect();
+            Err(no_counterpart(&after[j], (before, &candidates), "before"))
+        }
         None => Ok(pairs),
     }
 }
 
-fn no_counterpart(log: &Log, others: &[Log], side: &str) -> InputError {
-    let names: Vec<&str> = others.iter().map(|other| other.source.as_str()).collect();
-    let expected =
-        format!("a log of the same motion (axes, path and duration of the command) {side} the change");
-    InputError::expected(&log.source, expected, format!("other motions in {}", names.join(", ")))
+/// A log that lacks a counterpart among the others, of which some are of the same motion but belong to other logs.
+fn no_counterpart(log: &Log, (others, of_same_motion): (&[Log], &[usize]), side: &str) -> InputError {
+    let names = |logs: &mut dyn Iterator<Item = &Log>| {
+        logs.map(|log| log.source.as_str()).collect::<Vec<_>>().join(", ")
+    };
+    let (expected, found) = if of_same_motion.is_empty() {
+        (
+            format!("a log of the same motion (axes, path and duration of the command) {side} the change"),
+            format!("other motions in {}", names(&mut others.iter())),
+        )
+    } else {
+        let taken = names(&mut of_same_motion.iter().map(|&index| &others[index]));
+        (
+            format!("one log {side} the change for each log of this motion"),
+            format!("only {taken}, which another log is compared with"),
+        )
+    };
+    InputError::expected(&log.source, expected, found)
+}
+
+/// Checks that two logs are not the same recording: no two runs of a machine have the same samples.
+fn check_other_run(before: &Log, after: &Log) -> Result<(), InputError> {
+    if before.axes != after.axes {
+        return Ok(());
+    }
+    let expected = "another run of the motion, after the change";
+    Err(InputError::expected(&after.source, expected, format!("the samples of {}", before.source)))
 }
 
 /// Whether two commands have the same axes, the same path and the same duration.

@@ -32,16 +32,16 @@ pub struct Prediction {
     pub circular_before_um: Option<f64>,
     /// The same with compensation, µm.
     pub circular_after_um: Option<f64>,
-    /// How far the rms after may lie from `after_um`, percent of `after_um`.
+    /// How far the rms after may lie from `after_um`, percent of `after_um`, at most 100.
     pub bound_percent: f64,
     /// Length of the path, mm: a log of another length is another motion.
     pub path_length_mm: Option<f64>,
 }
 
 impl Prediction {
-    /// The first key whose value is not a number of at least 0.
+    /// The first key whose value is not possible, and what was expected of it.
     #[must_use]
-    pub fn refused(&self) -> Option<&'static str> {
+    pub fn refused(&self) -> Option<(&'static str, &'static str)> {
         let values = [
             ("before_um", Some(self.before_um)),
             ("after_um", Some(self.after_um)),
@@ -49,11 +49,14 @@ impl Prediction {
             ("max_after_um", self.max_after_um),
             ("circular_before_um", self.circular_before_um),
             ("circular_after_um", self.circular_after_um),
-            ("bound_percent", Some(self.bound_percent)),
             ("path_length_mm", self.path_length_mm),
         ];
         let is_bad = |value: f64| !(value.is_finite() && value >= 0.0);
-        values.into_iter().find(|(_, value)| value.is_some_and(is_bad)).map(|(key, _)| key)
+        let bad = values.into_iter().find(|(_, value)| value.is_some_and(is_bad));
+        // A prediction that may be wrong by more than itself predicts nothing.
+        let is_bound = (0.0..=100.0).contains(&self.bound_percent);
+        bad.map(|(key, _)| (key, "a number of at least 0"))
+            .or_else(|| (!is_bound).then_some(("bound_percent", "a number from 0 to 100")))
     }
 }
 

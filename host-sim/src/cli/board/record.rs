@@ -20,6 +20,7 @@ use plant::machine_path::MachinePath;
 use shared::interpolate::{Block, PathError};
 use shared::link::message::{AXES, MOTION_BLOCKS, Request};
 use shared::link::refusal::Refusal;
+use shared::link::report::Status;
 
 /// The machine file of the emulated board, used without `--machine`.
 pub const BENCH_MACHINE: &str = include_str!("../../../machines/bench.toml");
@@ -148,7 +149,7 @@ fn run_and_stream(
         }
         Ok(f64::from(next) * f64::from(decimation) / tick_hz)
     };
-    client.wait(|client, _| {
+    let waited = client.wait(|client, _| {
         let time_s = take(client)?;
         progress.show(&format!("{time_s:.1} s"));
         if stop::is_interrupted() && !interrupted {
@@ -156,7 +157,8 @@ fn run_and_stream(
             client.command(&Request::Stop)?;
         }
         Ok(true)
-    })?;
+    });
+    waited.or_else(|error| discard_if_held(client, error))?;
     client.command(&Request::Stream { decimation: 0 })?;
     take(client)?;
     if interrupted {
@@ -169,6 +171,16 @@ fn run_and_stream(
         );
     }
     Ok(collected)
+}
+
+/// The error of a wait. If the path is held, its rest is discarded: a recording with a standstill in a block is of no use.
+fn discard_if_held(client: &mut Client, error: BoardError) -> Result<Status> {
+    let BoardError::Held { silent_s } = error else { return Err(error.into()) };
+    client.command(&Request::Stop)?;
+    anyhow::bail!(
+        "the board held the path, since this program was silent for {silent_s} s; the rest of the path is discarded, and no log is \
+         written"
+    )
 }
 
 /// A block that the board refuses is an error of the motion file.
