@@ -38,9 +38,9 @@ pub fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Si
         let model = if axis == data.axis { model } else { data.declared_axes.get(axis)? };
         let (of_axis, parameters) = (FitData { axis, ..*data }, model.parameters());
         let mut run = of_axis.closed_loop(model, &parameters, &measured.axes[axis])?;
-        run.table_m.iter_mut().for_each(|m| *m += 1e-6 * model.table_zero_um);
+        run.table_with_tool_m.iter_mut().for_each(|m| *m += 1e-6 * model.table_zero_um);
         let late_s = parameters.latency_s(Channel::Table);
-        let table_m = delayed_cubic(run.table_m.clone(), late_s, measured.sample_s);
+        let table_m = delayed_cubic(run.table_with_tool_m.clone(), late_s, measured.sample_s);
         replace(&mut result.axes[axis].table, table_m, measured.sample_s)?;
         runs[axis] = Some(run);
     }
@@ -64,7 +64,7 @@ fn tool_m(
     let parameters = model.parameters();
     let own = runs[data.axis].as_ref()?;
     let position_m = |axis: usize, i: usize| match &runs[axis] {
-        Some(run) => run.table_m[i],
+        Some(run) => run.table_with_tool_m[i],
         None => measured.axes[axis].table_or_motor().map_or(0.0, |table| table.position[i]),
     };
     let axes = 0..data.names.len();
@@ -75,9 +75,9 @@ fn tool_m(
         let tables = Tables { names: data.names, position_m: &positions, acceleration: &accelerations };
         let time_s = measured.start_s + i as f64 * measured.sample_s;
         let offset_m = tool_point::offset_m(&parameters.tool, data.axis, &tables, time_s);
-        own.table_m[i] + own.oscillation_m[i] + offset_m + 1e-6 * model.tool_zero_um
+        own.table_with_tool_m[i] + own.oscillation_m[i] + offset_m + 1e-6 * model.tool_zero_um
     };
-    Some((0..own.table_m.len()).map(tool_m).collect())
+    Some((0..own.table_with_tool_m.len()).map(tool_m).collect())
 }
 
 /// Replaces a channel by simulated values, filtered alike; `None` if the log lacks the channel.
