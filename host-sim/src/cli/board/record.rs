@@ -72,6 +72,7 @@ pub fn run(recording: &Recording<'_>) -> Result<()> {
     }
     let mut client = connect(recording.port, recording.timeout_s)?;
     let tick_hz = client.welcome().rates.velocity_loop_hz;
+    check_ticks(machine, recording.machine_file, tick_hz)?;
     let decimation = decimation(machine, recording.machine_file, tick_hz)?;
     client.enable()?;
     stop::write_partial_result();
@@ -93,6 +94,16 @@ pub fn run(recording: &Recording<'_>) -> Result<()> {
         if has_scale { "" } else { " Without the scales: a signal was missing." },
         summary(&samples)
     ))
+}
+
+/// The rate of the velocity loop has to be the tick rate of the board, as for an upload.
+fn check_ticks(machine: &Machine, machine_file: &str, tick_hz: f64) -> Result<(), InputError> {
+    let found_hz = machine.rates().velocity_loop_hz;
+    if found_hz.to_bits() == tick_hz.to_bits() {
+        return Ok(());
+    }
+    let expected = format!("{tick_hz}, the tick rate of the board");
+    Err(InputError::expected(machine_file, expected, found_hz).at_key("velocity_loop_rate_hz"))
 }
 
 /// Ticks per row of the log.
@@ -166,7 +177,8 @@ fn run_and_stream(
     }
     if lost > 0 {
         anyhow::bail!(
-            "{lost} samples were lost on the link, {} arrived: a lower sample_rate_hz takes less",
+            "{lost} samples were lost on the link, {} arrived: repeat it while this computer does less, or give a machine file \
+             (--machine) with a lower sample_rate_hz",
             collected.len()
         );
     }
