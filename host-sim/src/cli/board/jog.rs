@@ -85,7 +85,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Some(seconds) if seconds > 0.0 && seconds <= MAX_S => Some(Duration::from_secs_f64(seconds)),
         Some(seconds) => {
             let expected = format!("seconds above 0 and up to {MAX_S}");
-            return Err(InputError::expected("--for-s", expected, seconds).into());
+            return Err(InputError::expected("--for-s", expected, format!("{seconds:?}")).into());
         }
         None => None,
     };
