@@ -49,7 +49,7 @@ fn numbers_of_a_jog() {
 fn numbers_of_a_direction_check() {
     const FORCE: &str = "--force-n: expected newtons above 0 and up to the force limit of the axis, found";
     const TIME: &str = "--time-s: expected seconds above 0 and up to 1, found";
-    const DISTANCE: &str = "--distance-mm: expected a distance above 0 and up to 5 mm, found";
+    const DISTANCE: &str = "--distance-mm: expected a distance from 1e-12 to 5 mm, found";
     for (option, message) in [
         ("--force-n NaN", format!("{FORCE} NaN")),
         ("--force-n -5", format!("{FORCE} -5.0")),

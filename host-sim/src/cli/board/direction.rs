@@ -74,12 +74,7 @@ fn settings(arguments: &Arguments) -> Result<DirectionCheckSettings, InputError>
         _ => None,
     };
     check_value("--time-s", "seconds above 0 and up to 1", problem != Some("time_s"), time_s)?;
-    check_value(
-        "--distance-mm",
-        "a distance above 0 and up to 5 mm",
-        problem != Some("detect_m"),
-        distance_mm,
-    )?;
+    check_value("--distance-mm", "a distance from 1e-12 to 5 mm", problem != Some("detect_m"), distance_mm)?;
     Ok(settings)
 }
 

@@ -20,7 +20,6 @@ use plant::machine_path::MachinePath;
 use shared::interpolate::{Block, PathError};
 use shared::link::message::{AXES, MOTION_BLOCKS, Request};
 use shared::link::refusal::Refusal;
-use shared::link::report::Status;
 
 /// The machine file of the emulated board, used without `--machine`.
 pub const BENCH_MACHINE: &str = include_str!("../../../machines/bench.toml");
@@ -131,7 +130,7 @@ fn approach(client: &mut Client, start_m: &[f64], motion_file: &str) -> Result<S
     let sent = client.send_motion(&[line]);
     sent.map_err(|error| refused_at(error, motion_file, |_| "start_mm".to_owned()))?;
     client.start_motion(1)?;
-    super::simple::wait(client)?;
+    super::simple::wait(client).or_else(|error| discard_if_held(client, error))?;
     let at: Vec<String> =
         AXIS_NAMES.iter().zip(to_m).map(|(name, m)| format!("{name} {:.3}", 1e3 * m)).collect();
     Ok(format!(" The axes were moved to its start first ({} mm).", at.join(", ")))
@@ -169,7 +168,7 @@ fn run_and_stream(
         }
         Ok(true)
     });
-    waited.or_else(|error| discard_if_held(client, error))?;
+    waited.map(drop).or_else(|error| discard_if_held(client, error.into()))?;
     client.command(&Request::Stream { decimation: 0 })?;
     take(client)?;
     if interrupted {
@@ -186,8 +185,8 @@ fn run_and_stream(
 }
 
 /// The error of a wait. If the path is held, its rest is discarded: a recording with a standstill in a block is of no use.
-fn discard_if_held(client: &mut Client, error: BoardError) -> Result<Status> {
-    let BoardError::Held { silent_s } = error else { return Err(error.into()) };
+fn discard_if_held(client: &mut Client, error: anyhow::Error) -> Result<()> {
+    let Some(BoardError::Held { silent_s }) = error.downcast_ref() else { return Err(error) };
     client.command(&Request::Stop)?;
     anyhow::bail!(
         "the board held the path, since this program was silent for {silent_s} s; the rest of the path is discarded, and no log is \
