@@ -1,6 +1,7 @@
 //! Refusals, faults and events in words, each with what helps.
 
 use shared::drive::direction_check::DirectionResult;
+use shared::interpolate::PathError;
 use shared::link::Refusal;
 use shared::link::history::HistoryEvent;
 use shared::link::refusal::{DirectionProblem, SettingProblem, UploadError};
@@ -35,7 +36,7 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::TickRate { board_hz } => {
             format!("velocity_loop_rate_hz: expected {board_hz}, the tick rate of the board")
         }
-        Refusal::Path { block, error } => format!("block {block}: {error}"),
+        Refusal::Path { block, error } => format!("block {block}: {}", path(*error)),
         Refusal::TooFast { block, axis, limit_m_per_s } => format!(
             "block {block}: {} would exceed {:.0} mm/min (90 % of fastest_mm_per_s)",
             axis_name(*axis),
@@ -61,6 +62,22 @@ pub fn text(refusal: &Refusal) -> String {
         Refusal::NothingToSave => "there is nothing to save: no settings were uploaded for it".into(),
         Refusal::OtherPort => "a host uses its other port, and has not been silent for long enough".into(),
         Refusal::Busy => "the path changes too fast; try again".into(),
+    }
+}
+
+/// What is wrong with a block, with the name of the axis.
+fn path(error: PathError) -> String {
+    match error {
+        PathError::BeyondTravel { axis } => {
+            format!("{}: the block leads out of the travel", axis_name(axis))
+        }
+        PathError::LimitSwitch { axis } => {
+            format!("{}: the block leads onto an active limit switch", axis_name(axis))
+        }
+        PathError::NotHomed { axis } => {
+            format!("{}: it has to be homed before a program moves it", axis_name(axis))
+        }
+        error => error.to_string(),
     }
 }
 
@@ -145,7 +162,7 @@ pub fn homing(failure: HomingFailure) -> String {
         HomingFailure::Timeout => "the homing took too long".into(),
         HomingFailure::Stopped => "it was stopped".into(),
         HomingFailure::DrivesOff => "the drives went off".into(),
-        HomingFailure::Path(error) => format!("a motion was rejected: {error}"),
+        HomingFailure::Path(error) => format!("a motion was rejected: {}", path(error)),
     }
 }
 
@@ -211,5 +228,23 @@ pub fn event(event: HistoryEvent) -> String {
         HistoryEvent::Fault(fault) => format!("fault: {}", self::fault(fault)),
         HistoryEvent::Warning(fault) => format!("warning: {}", self::fault(fault)),
         HistoryEvent::HostSilentHold => "the host was silent: path held".into(),
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    #[test]
+    fn a_block_that_is_refused_names_its_axis() {
+        for (error, problem) in [
+            (PathError::BeyondTravel { axis: 1 }, "y: the block leads out of the travel"),
+            (PathError::LimitSwitch { axis: 1 }, "y: the block leads onto an active limit switch"),
+            (PathError::NotHomed { axis: 1 }, "y: it has to be homed before a program moves it"),
+            (PathError::ZeroLength, "the block ends where it starts"),
+        ] {
+            assert_eq!(text(&Refusal::Path { block: 3, error }), format!("block 3: {problem}"));
+            assert_eq!(homing(HomingFailure::Path(error)), format!("a motion was rejected: {problem}"));
+        }
     }
 }

@@ -41,12 +41,14 @@ pub fn write_whole(
     written.map_err(|cause| OutputError { path: path.to_owned(), cause })
 }
 
-/// Checks that there is a folder for a file that will be written.
+/// Checks that there is a folder for a file that will be written, and that the file is not itself a folder.
 ///
 /// # Errors
-/// If there is none.
+/// If there is none, or the file is one.
 pub fn check_folder(path: &Path) -> Result<(), OutputError> {
-    existing_folder_of(path).map(drop).map_err(|cause| OutputError { path: path.to_owned(), cause })
+    let checked =
+        if path.is_dir() { Err(io::Error::other(IS_FOLDER)) } else { existing_folder_of(path).map(drop) };
+    checked.map_err(|cause| OutputError { path: path.to_owned(), cause })
 }
 
 /// Removes a file, if there is one.
@@ -179,6 +181,16 @@ mod tests {
         let message = check_new_folder(folder.path()).unwrap_err().to_string();
         assert!(message.ends_with("expected a file, found a folder"));
         assert!(!path("a").exists());
+    }
+
+    #[test]
+    fn a_file_in_a_folder_that_exists_is_no_folder_itself() {
+        let folder = tempfile::tempdir().unwrap();
+        assert!(check_folder(&folder.path().join("out.csv")).is_ok());
+        let message = check_folder(&folder.path().join("missing/out.csv")).unwrap_err().to_string();
+        assert!(message.contains("out.csv: not written: there is no folder"), "{message}");
+        let message = check_folder(folder.path()).unwrap_err().to_string();
+        assert!(message.ends_with("not written: expected a file, found a folder"), "{message}");
     }
 
     #[test]

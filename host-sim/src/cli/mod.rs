@@ -29,7 +29,6 @@ use std::process::ExitCode;
 use clap::{Parser, Subcommand};
 
 use files::error::InputError;
-use shared::link::Request;
 use stop::Stopped;
 
 /// Identifies effects of a machine that are missing from its declared model.
@@ -46,7 +45,8 @@ enum Command {
     Demo(demo::Arguments),
     /// Run a motion on a simulated machine in closed loop and log it.
     Simulate(simulate::Arguments),
-    /// Run a motion with the controller on the emulated core, or on a servo board, and log it.
+    /// Run a motion with the controller on the emulated core, or on a servo board, and log it. On a board it switches the drives
+    /// on if they are off.
     Record(record::Arguments),
     /// List the serial ports, and the emulated servo board.
     Ports,
@@ -60,11 +60,11 @@ enum Command {
     Disable(board::simple::Arguments),
     /// Acknowledge a fault of a servo board.
     Clear(board::simple::Arguments),
-    /// Move one axis of a servo board.
+    /// Move one axis of a servo board. Switches the drives on if they are off.
     Jog(board::jog::Arguments),
     /// Push an axis of a servo board with a small force, loops open, and tell whether it moves the right way.
     CheckDirection(board::direction::Arguments),
-    /// Move an axis of a servo board to its reference.
+    /// Move an axis of a servo board to its reference. Switches the drives on if they are off.
     Home(board::AxisArguments),
     /// Feed hold: decelerate along the path, which `resume` continues.
     Hold(board::simple::Arguments),
@@ -113,16 +113,12 @@ pub fn run() -> ExitCode {
         Command::Status(arguments) => board::status::run(&arguments),
         Command::Upload(arguments) => board::upload::run(&arguments),
         Command::Enable(arguments) => board::simple::enable(&arguments),
-        Command::Disable(arguments) => {
-            board::simple::send(&arguments, &Request::Disable, "The drives are off.")
-        }
-        Command::Clear(arguments) => {
-            board::simple::send(&arguments, &Request::Clear, "The fault is acknowledged.")
-        }
+        Command::Disable(arguments) => board::simple::disable(&arguments),
+        Command::Clear(arguments) => board::simple::clear(&arguments),
         Command::Jog(arguments) => board::jog::run(&arguments),
         Command::CheckDirection(arguments) => board::direction::run(&arguments),
         Command::Home(arguments) => board::simple::home(&arguments),
-        Command::Hold(arguments) => board::simple::send(&arguments, &Request::Hold, "The path is held."),
+        Command::Hold(arguments) => board::simple::hold(&arguments),
         Command::Resume(arguments) => board::simple::resume(&arguments),
         Command::Stop(arguments) => board::simple::stop(&arguments),
         Command::Monitor(arguments) => board::monitor::run(&arguments),

@@ -56,8 +56,13 @@ pub fn write_json(path: Option<&PathBuf>, value: &impl Serialize) -> anyhow::Res
 
 /// Prints the result on stdout. A closed pipe is not an error: all files have been written before.
 pub fn print(text: &str) -> anyhow::Result<()> {
+    print_to_reader(text).map(drop)
+}
+
+/// Prints a line on stdout. False if the pipe is closed: nobody reads it any more.
+pub fn print_to_reader(text: &str) -> anyhow::Result<bool> {
     match writeln!(stdout().lock(), "{text}") {
-        Err(error) if error.kind() != ErrorKind::BrokenPipe => Err(error.into()),
-        _ => Ok(()),
+        Err(error) if error.kind() == ErrorKind::BrokenPipe => Ok(false),
+        written => Ok(written.map(|()| true)?),
     }
 }

@@ -47,7 +47,7 @@ pub struct Arguments {
     #[arg(long)]
     compensation: Option<PathBuf>,
     /// Timeout for an answer of the emulated core, s.
-    #[arg(long, value_name = "SECONDS", default_value_t = DEFAULT_TIMEOUT.as_secs_f64())]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = DEFAULT_TIMEOUT.as_secs_f64())]
     timeout_s: f64,
     /// Seed of the sensors' noise.
     #[arg(long, default_value_t = 1)]

@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod accepted;
+mod board_arguments;
 mod compare;
 mod compensate;
 mod improve;

@@ -72,6 +72,11 @@ impl Bench {
         self.command(arguments).stdout(Stdio::null()).stderr(Stdio::piped()).spawn().unwrap()
     }
 
+    /// The same, with its output for the test.
+    pub fn start_with_output(&self, arguments: &str) -> Child {
+        self.command(arguments).stdout(Stdio::piped()).stderr(Stdio::null()).spawn().unwrap()
+    }
+
     /// Runs a command that has to succeed. Returns its output. A recording whose samples the link has lost, or whose path the board
     /// has held, because this computer has not run the program for 20 ms or 0.5 s, is repeated as its user would do.
     pub fn succeeds(&self, arguments: &str) -> String {

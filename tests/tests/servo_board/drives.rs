@@ -1,7 +1,8 @@
 //! Drives: who may switch them on, what switches them off, and what a host that goes away leaves behind.
 
+use std::io::{BufRead, BufReader};
 use std::thread::sleep;
-use std::time::Duration;
+use std::time::{Duration, Instant};
 
 use super::bench::Bench;
 
@@ -66,8 +67,53 @@ fn a_wrong_setting_is_refused_by_name() {
     std::fs::write(bench.path().join("wrong.toml"), wrong).unwrap();
     let refused = bench.fails(2, "upload --port bench --machine wrong.toml");
     assert!(refused.contains("wrong.toml") && refused.contains("expected 20000"), "{refused}");
+    let motion = Bench::file("host-sim/motions/bench_travel.toml").display().to_string();
+    let record = format!("record --port bench --machine wrong.toml --motion {motion} --out out.csv");
+    let refused = bench.fails(2, &record);
+    assert!(refused.contains("wrong.toml: velocity_loop_rate_hz: expected 20000, the tick"), "{refused}");
     std::fs::write(bench.path().join("machine.toml"), machine).unwrap();
     bench.succeeds("upload --port bench --machine machine.toml");
+}
+
+/// Nothing moves, and there is no fault: the commands say so.
+#[test]
+fn commands_without_an_effect_say_so() {
+    let Some(bench) = Bench::new() else { return };
+    assert_eq!(bench.succeeds("hold --port bench"), "No path runs: nothing is held.\n");
+    assert_eq!(bench.succeeds("clear --port bench"), "There is no fault to acknowledge.\n");
+    let nothing = bench.fails(1, "capture --port bench --only read --out out.csv");
+    assert!(nothing.contains("nothing was recorded"), "{nothing}");
+    bench.succeeds("capture --port bench --only arm");
+    let nothing = bench.fails(1, "capture --port bench --only read --out out.csv");
+    assert!(nothing.contains("nothing was recorded: the recording is armed"), "{nothing}");
+    assert!(!bench.path().join("out.csv").exists());
+    // Only the board knows the force limit.
+    let refused = bench.fails(2, "check-direction --port bench --axis x --force-n 201");
+    assert!(refused.contains("--force-n: expected newtons above 0 and up to the force limit"), "{refused}");
+}
+
+/// A program that prints for nobody must not keep the drives on.
+#[test]
+fn a_monitor_ends_with_its_reader() {
+    let Some(bench) = Bench::new() else { return };
+    let mut monitor = bench.start_with_output("monitor --port bench --interval-s 0.1");
+    let mut output = BufReader::new(monitor.stdout.take().unwrap());
+    let mut line = String::new();
+    output.read_line(&mut line).unwrap();
+    assert!(line.contains("drives off"), "{line}");
+    drop(output);
+    let started = Instant::now();
+    let ended = loop {
+        if let Some(status) = monitor.try_wait().unwrap() {
+            break Some(status);
+        }
+        if started.elapsed() > Duration::from_secs(30) {
+            monitor.kill().unwrap();
+            break None;
+        }
+        sleep(Duration::from_millis(50));
+    };
+    assert_eq!(ended.and_then(|status| status.code()), Some(0));
 }
 
 #[test]

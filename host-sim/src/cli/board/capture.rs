@@ -2,12 +2,13 @@
 
 use std::path::{Path, PathBuf};
 
-use anyhow::Result;
+use anyhow::{Result, bail};
 use clap::ValueEnum;
 
 use super::PortArguments;
 use crate::cli::outputs::{Output, check_outputs, print};
 use crate::cli::stop;
+use ::board::Client;
 use ::board::motion::POLL;
 use ::board::refusal::AXIS_NAMES;
 use ::board::samples::AxisSample;
@@ -29,7 +30,7 @@ pub struct Arguments {
     #[arg(long, value_enum, default_value = "motion")]
     trigger: When,
     /// Duration.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.5)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = 0.5)]
     seconds: f64,
     /// Log to write (CSV, or .csv.gz).
     #[arg(long, required_unless_present = "only")]
@@ -60,49 +61,81 @@ const MAX_S: f64 = 3600.0;
 /// Runs the command.
 ///
 /// # Errors
-/// Invalid arguments, a board that cannot be reached, output that cannot be written.
+/// Invalid arguments, a board that cannot be reached, nothing recorded, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
     if !(arguments.seconds > 0.0 && arguments.seconds <= MAX_S) {
         let expected = format!("seconds above 0 and up to {MAX_S}");
-        return Err(InputError::expected("--seconds", expected, arguments.seconds).into());
+        return Err(InputError::expected("--seconds", expected, format!("{:?}", arguments.seconds)).into());
     }
-    check_outputs(&[], &[Output::File("--out", arguments.out.as_ref())])?;
+    let out = log_to_write(arguments)?;
+    check_outputs(&[], &[Output::File("--out", out)])?;
     let mut client = arguments.port.connect()?;
-    let tick_hz = client.welcome().rates.velocity_loop_hz;
     if arguments.only != Some(Step::Read) {
-        let trigger = match arguments.trigger {
-            When::Now => Trigger::Now,
-            When::Motion => Trigger::Motion,
-        };
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 3600 s")]
-        let samples = (arguments.seconds * tick_hz).round() as u32;
-        client.command(&Request::Arm { trigger, samples })?;
-        if arguments.only == Some(Step::Arm) {
-            return print("The recording is armed.");
-        }
-        stop::write_partial_result();
-        while client.capture_report()?.state != CaptureState::Complete {
-            if stop::is_interrupted() {
-                client.command(&Request::EndCapture)?;
-                return Err(stop::Stopped { done: 0, asked: 1, what: "recordings" }.into());
-            }
-            client.listen(POLL)?;
-        }
+        arm(&mut client, arguments)?;
     }
-    let Some(out) = &arguments.out else {
-        return Err(InputError::expected("--out", "a log to write", "none").into());
+    let Some(out) = out else { return print("The recording is armed.") };
+    if arguments.only.is_none() {
+        wait(&mut client)?;
+    }
+    read(&mut client, out)
+}
+
+/// The log to write; `None` if the recording is only armed.
+fn log_to_write(arguments: &Arguments) -> Result<Option<&PathBuf>, InputError> {
+    match (&arguments.out, arguments.only) {
+        (Some(_), Some(Step::Arm)) => {
+            Err(InputError::new("--out", "cannot be used with --only arm, which writes no log"))
+        }
+        (None, Some(Step::Read)) => Err(InputError::expected("--out", "a log to write", "none")),
+        (out, _) => Ok(out.as_ref()),
+    }
+}
+
+fn arm(client: &mut Client, arguments: &Arguments) -> Result<()> {
+    let trigger = match arguments.trigger {
+        When::Now => Trigger::Now,
+        When::Motion => Trigger::Motion,
     };
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "up to 3600 s")]
+    let samples = (arguments.seconds * client.welcome().rates.velocity_loop_hz).round() as u32;
+    Ok(client.command(&Request::Arm { trigger, samples })?)
+}
+
+/// Waits for the end of the recording. An interrupt ends it.
+fn wait(client: &mut Client) -> Result<()> {
+    stop::write_partial_result();
+    while client.capture_report()?.state != CaptureState::Complete {
+        if stop::is_interrupted() {
+            client.command(&Request::EndCapture)?;
+            return Err(stop::Stopped { done: 0, asked: 1, what: "recordings" }.into());
+        }
+        client.listen(POLL)?;
+    }
+    Ok(())
+}
+
+/// Reads the recording, which may still run, into a log.
+fn read(client: &mut Client, out: &Path) -> Result<()> {
     while client.capture_report()?.state == CaptureState::Recording {
         client.listen(POLL)?;
     }
-    let bytes = client.capture_report()?.bytes;
+    let report = client.capture_report()?;
+    match report.state {
+        CaptureState::Armed => {
+            bail!("nothing was recorded: the recording is armed, and nothing has moved since")
+        }
+        CaptureState::Complete if report.samples > 0 => {}
+        _ => bail!("nothing was recorded: --only arm prepares a recording"),
+    }
     let samples = client.read_capture()?;
+    let tick_hz = client.welcome().rates.velocity_loop_hz;
     let has_scale = write_log(out, 1.0 / tick_hz, &samples)?;
     let missing = if has_scale { "" } else { " Without the scales: a signal was missing." };
     print(&format!(
-        "{} samples at {tick_hz} Hz in {}, {bytes} bytes in the memory of the board.{missing}",
+        "{} samples at {tick_hz} Hz in {}, {} bytes in the memory of the board.{missing}",
         samples.len(),
-        out.display()
+        out.display(),
+        report.bytes
     ))
 }
 

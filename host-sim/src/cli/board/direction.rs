@@ -5,17 +5,25 @@ use std::time::Duration;
 
 use anyhow::{Result, bail};
 
-use super::AxisArguments;
+use super::{AxisArguments, check_value};
 use crate::cli::outputs::print;
 use crate::cli::progress::Progress;
 use crate::cli::stop;
-use ::board::{Client, refusal};
-use shared::drive::direction_check::{DirectionCheckSettings, DirectionResult};
-use shared::link::Request;
+use ::board::{BoardError, Client, refusal};
+use files::error::InputError;
+use shared::drive::direction_check::{
+    DirectionCheck, DirectionCheckError, DirectionCheckSettings, DirectionResult,
+};
+use shared::link::message::AXES;
+use shared::link::refusal::DirectionProblem;
 use shared::link::report::DirectionReport;
+use shared::link::{Refusal, Request};
 
 /// Time between two looks at the board.
 const POLL: Duration = Duration::from_millis(50);
+
+/// Forces of a check.
+const FORCES: &str = "newtons above 0 and up to the force limit of the axis";
 
 /// Arguments of `check-direction`.
 #[derive(clap::Args)]
@@ -23,13 +31,13 @@ pub struct Arguments {
     #[command(flatten)]
     axis: AxisArguments,
     /// Force, N: slightly more than the friction of the axis.
-    #[arg(long)]
+    #[arg(long, allow_negative_numbers = true)]
     force_n: f64,
     /// Longest time of the force, s; up to 1.
-    #[arg(long, default_value_t = 0.2, value_name = "SECONDS")]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 0.2, value_name = "SECONDS")]
     time_s: f64,
     /// Distance that counts as motion and ends the force, mm; up to 5. More than the backlash.
-    #[arg(long, default_value_t = 0.1, value_name = "MM")]
+    #[arg(long, allow_negative_numbers = true, default_value_t = 0.1, value_name = "MM")]
     distance_mm: f64,
     /// Do not wait for the enable switch: `status` shows the result.
     #[arg(long)]
@@ -42,19 +50,42 @@ pub struct Arguments {
 /// A board that cannot be reached or refuses it, a result other than ok.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let axis = arguments.axis.number()?;
+    let settings = settings(arguments)?;
     let mut client = arguments.axis.port.connect()?;
-    let settings = DirectionCheckSettings {
-        force_n: arguments.force_n,
-        time_s: arguments.time_s,
-        detect_m: 1e-3 * arguments.distance_mm,
-    };
-    client.command(&Request::CheckDirection { axis, settings })?;
+    client
+        .command(&Request::CheckDirection { axis, settings })
+        .map_err(|error| refused(error, arguments.force_n))?;
     if arguments.no_wait {
         return print("The check starts when the enable switch is closed, after it was open.");
     }
     let result = wait(&mut client)?;
     let sentence = refusal::direction(axis, result);
     if result == DirectionResult::Ok { print(&format!("{sentence}.")) } else { bail!(sentence) }
+}
+
+/// The settings, whose numbers are checked before the board gets them.
+fn settings(arguments: &Arguments) -> Result<DirectionCheckSettings, InputError> {
+    let Arguments { force_n, time_s, distance_mm, .. } = *arguments;
+    check_value("--force-n", FORCES, force_n > 0.0 && force_n.is_finite(), force_n)?;
+    let settings = DirectionCheckSettings { force_n, time_s, detect_m: 1e-3 * distance_mm };
+    // The check of the board itself: neither axis nor tick rate matters to it.
+    let problem = match DirectionCheck::<AXES>::new(0, &settings, 1.0) {
+        Err(DirectionCheckError::Setting(name)) => Some(name),
+        _ => None,
+    };
+    check_value("--time-s", "seconds above 0 and up to 1", problem != Some("time_s"), time_s)?;
+    check_value("--distance-mm", "a distance from 1e-12 to 5 mm", problem != Some("detect_m"), distance_mm)?;
+    Ok(settings)
+}
+
+/// Only the board knows the force limit of the axis.
+fn refused(error: BoardError, force_n: f64) -> anyhow::Error {
+    match error {
+        BoardError::Refused(Refusal::Direction(DirectionProblem::Force)) => {
+            InputError::expected("--force-n", FORCES, format!("{force_n:?}")).into()
+        }
+        error => error.into(),
+    }
 }
 
 /// Waits for the result. An interrupt ends the check.

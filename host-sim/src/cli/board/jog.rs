@@ -1,10 +1,11 @@
-//! `lost-motion jog`: moves one axis.
+//! `lost-motion jog`: moves one axis, with the drives switched on if they are off.
 
+use std::ops::RangeInclusive;
 use std::time::{Duration, Instant};
 
 use anyhow::Result;
 
-use super::{AxisArguments, simple};
+use super::{AxisArguments, check_value, simple};
 use crate::cli::outputs::print;
 use crate::cli::stop;
 use ::board::motion::POLL;
@@ -15,6 +16,15 @@ use shared::link::message::Jog;
 /// Longest jog at a speed, s.
 const MAX_S: f64 = 3600.0;
 
+/// Distances, mm: those of a line in a motion file.
+const DISTANCES_MM: RangeInclusive<f64> = 1e-6..=1e5;
+
+/// Speeds, mm/min. The board refuses those that are too fast for the axis.
+const SPEEDS_MM_PER_MIN: RangeInclusive<f64> = 1e-3..=1e6;
+
+/// Accelerations, m/s².
+const ACCELERATIONS_M_PER_S2: RangeInclusive<f64> = 1e-6..=1e3;
+
 /// Arguments of `jog`.
 #[derive(clap::Args)]
 pub struct Arguments {
@@ -24,17 +34,45 @@ pub struct Arguments {
     #[arg(long, value_name = "MM", allow_negative_numbers = true, conflicts_with = "for_s")]
     by_mm: Option<f64>,
     /// Time for a jog at a speed. It ends by itself if this program ends.
-    #[arg(long, value_name = "SECONDS", required_unless_present = "by_mm")]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, required_unless_present = "by_mm")]
     for_s: Option<f64>,
-    /// Speed; signed for a jog at a speed.
+    /// Speed; signed for a jog at a speed, positive for one by a distance.
     #[arg(long, value_name = "MM_PER_MIN", allow_negative_numbers = true, default_value_t = 300.0)]
     speed_mm_per_min: f64,
     /// Acceleration.
-    #[arg(long, value_name = "M_PER_S2", default_value_t = 0.5)]
+    #[arg(long, value_name = "M_PER_S2", allow_negative_numbers = true, default_value_t = 0.5)]
     acceleration_m_per_s2: f64,
     /// Do not wait for the end: the board holds the path when it does not hear of a host, and `resume` continues it.
     #[arg(long)]
     no_wait: bool,
+}
+
+/// The request. Its numbers are checked here: the drives are switched on before the board gets it.
+fn request(arguments: &Arguments) -> Result<Jog, InputError> {
+    let axis = arguments.axis.number()?;
+    let speed = arguments.speed_mm_per_min;
+    let (least, greatest) = (SPEEDS_MM_PER_MIN.start(), SPEEDS_MM_PER_MIN.end());
+    if let Some(distance) = arguments.by_mm {
+        let (from, to) = (DISTANCES_MM.start(), DISTANCES_MM.end());
+        let expected = format!("a distance from {from} to {to} mm, positive or negative");
+        check_value("--by-mm", &expected, DISTANCES_MM.contains(&distance.abs()), distance)?;
+        let expected = format!("a number from {least} to {greatest} (the direction is the sign of --by-mm)");
+        check_value("--speed-mm-per-min", &expected, SPEEDS_MM_PER_MIN.contains(&speed), speed)?;
+    } else {
+        let expected = format!("a number from {least} to {greatest}, positive or negative");
+        check_value("--speed-mm-per-min", &expected, SPEEDS_MM_PER_MIN.contains(&speed.abs()), speed)?;
+    }
+    let acceleration = arguments.acceleration_m_per_s2;
+    let (least, greatest) = (ACCELERATIONS_M_PER_S2.start(), ACCELERATIONS_M_PER_S2.end());
+    let expected = format!("a number from {least} to {greatest}");
+    let is_valid = ACCELERATIONS_M_PER_S2.contains(&acceleration);
+    check_value("--acceleration-m-per-s2", &expected, is_valid, acceleration)?;
+    Ok(Jog {
+        axis,
+        distance_m: arguments.by_mm.map(|mm| 1e-3 * mm),
+        velocity_m_per_s: speed / 60e3,
+        acceleration_m_per_s2: acceleration,
+    })
 }
 
 /// Runs the command.
@@ -42,20 +80,14 @@ pub struct Arguments {
 /// # Errors
 /// Invalid arguments, a board that cannot be reached or refuses the jog, an interrupt.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    let axis = arguments.axis.number()?;
+    let jog = request(arguments)?;
     let duration = match arguments.for_s {
         Some(seconds) if seconds > 0.0 && seconds <= MAX_S => Some(Duration::from_secs_f64(seconds)),
         Some(seconds) => {
             let expected = format!("seconds above 0 and up to {MAX_S}");
-            return Err(InputError::expected("--for-s", expected, seconds).into());
+            return Err(InputError::expected("--for-s", expected, format!("{seconds:?}")).into());
         }
         None => None,
-    };
-    let jog = Jog {
-        axis,
-        distance_m: arguments.by_mm.map(|mm| 1e-3 * mm),
-        velocity_m_per_s: arguments.speed_mm_per_min / 60e3,
-        acceleration_m_per_s2: arguments.acceleration_m_per_s2,
     };
     let mut client = arguments.axis.port.connect()?;
     client.enable()?;
@@ -74,6 +106,6 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     simple::wait(&mut client)?;
     let status = client.status()?;
-    let at = &status.axes[usize::from(axis)];
+    let at = &status.axes[usize::from(jog.axis)];
     print(&format!("{} is at {:.4} mm.", arguments.axis.axis, 1e3 * at.command.to_m()))
 }

@@ -29,7 +29,7 @@ pub struct PortArguments {
     #[arg(long)]
     port: String,
     /// Timeout for a reply of the board, s.
-    #[arg(long, value_name = "SECONDS", default_value_t = 2.0)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = 2.0)]
     timeout_s: f64,
 }
 
@@ -91,4 +91,13 @@ impl AxisArguments {
                 InputError::expected("--axis", names.join(" or "), files::error::quoted(&self.axis))
             })
     }
+}
+
+/// Refuses the value of an option that is not valid, before the board is asked for anything.
+///
+/// # Errors
+/// A value that is not valid.
+pub fn check_value(option: &str, expected: &str, is_valid: bool, value: f64) -> Result<(), InputError> {
+    // Not `Display`, which writes 1e300 with all its digits.
+    if is_valid { Ok(()) } else { Err(InputError::expected(option, expected, format!("{value:?}"))) }
 }

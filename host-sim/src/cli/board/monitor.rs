@@ -7,7 +7,7 @@ use anyhow::Result;
 
 use super::PortArguments;
 use super::status::{path, power};
-use crate::cli::outputs::print;
+use crate::cli::outputs::print_to_reader;
 use crate::cli::stop;
 use ::board::refusal::AXIS_NAMES;
 use files::error::InputError;
@@ -22,7 +22,7 @@ pub struct Arguments {
     #[command(flatten)]
     port: PortArguments,
     /// Time between two lines.
-    #[arg(long, value_name = "SECONDS", default_value_t = 0.5)]
+    #[arg(long, value_name = "SECONDS", allow_negative_numbers = true, default_value_t = 0.5)]
     interval_s: f64,
     /// Number of lines; without it until an interrupt.
     #[arg(long)]
@@ -46,7 +46,10 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     while left != Some(0) && !stop::is_interrupted() {
         let started = Instant::now();
         let status = client.status()?;
-        print(&line(&status, tick_hz))?;
+        if !print_to_reader(&line(&status, tick_hz))? {
+            // Further requests would keep the drives on.
+            break;
+        }
         left = left.map(|lines| lines - 1);
         if left != Some(0) {
             thread::sleep(interval.saturating_sub(started.elapsed()));

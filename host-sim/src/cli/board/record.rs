@@ -20,7 +20,6 @@ use plant::machine_path::MachinePath;
 use shared::interpolate::{Block, PathError};
 use shared::link::message::{AXES, MOTION_BLOCKS, Request};
 use shared::link::refusal::Refusal;
-use shared::link::report::Status;
 
 /// The machine file of the emulated board, used without `--machine`.
 pub const BENCH_MACHINE: &str = include_str!("../../../machines/bench.toml");
@@ -72,6 +71,7 @@ pub fn run(recording: &Recording<'_>) -> Result<()> {
     }
     let mut client = connect(recording.port, recording.timeout_s)?;
     let tick_hz = client.welcome().rates.velocity_loop_hz;
+    check_ticks(machine, recording.machine_file, tick_hz)?;
     let decimation = decimation(machine, recording.machine_file, tick_hz)?;
     client.enable()?;
     stop::write_partial_result();
@@ -93,6 +93,16 @@ pub fn run(recording: &Recording<'_>) -> Result<()> {
         if has_scale { "" } else { " Without the scales: a signal was missing." },
         summary(&samples)
     ))
+}
+
+/// The rate of the velocity loop has to be the tick rate of the board, as for an upload.
+fn check_ticks(machine: &Machine, machine_file: &str, tick_hz: f64) -> Result<(), InputError> {
+    let found_hz = machine.rates().velocity_loop_hz;
+    if found_hz.to_bits() == tick_hz.to_bits() {
+        return Ok(());
+    }
+    let expected = format!("{tick_hz}, the tick rate of the board");
+    Err(InputError::expected(machine_file, expected, found_hz).at_key("velocity_loop_rate_hz"))
 }
 
 /// Ticks per row of the log.
@@ -120,7 +130,7 @@ fn approach(client: &mut Client, start_m: &[f64], motion_file: &str) -> Result<S
     let sent = client.send_motion(&[line]);
     sent.map_err(|error| refused_at(error, motion_file, |_| "start_mm".to_owned()))?;
     client.start_motion(1)?;
-    super::simple::wait(client)?;
+    super::simple::wait(client).or_else(|error| discard_if_held(client, error))?;
     let at: Vec<String> =
         AXIS_NAMES.iter().zip(to_m).map(|(name, m)| format!("{name} {:.3}", 1e3 * m)).collect();
     Ok(format!(" The axes were moved to its start first ({} mm).", at.join(", ")))
@@ -158,7 +168,7 @@ fn run_and_stream(
         }
         Ok(true)
     });
-    waited.or_else(|error| discard_if_held(client, error))?;
+    waited.map(drop).or_else(|error| discard_if_held(client, error.into()))?;
     client.command(&Request::Stream { decimation: 0 })?;
     take(client)?;
     if interrupted {
@@ -166,7 +176,8 @@ fn run_and_stream(
     }
     if lost > 0 {
         anyhow::bail!(
-            "{lost} samples were lost on the link, {} arrived: a lower sample_rate_hz takes less",
+            "{lost} samples were lost on the link, {} arrived: repeat it while this computer does less, or give a machine file \
+             (--machine) with a lower sample_rate_hz",
             collected.len()
         );
     }
@@ -174,8 +185,8 @@ fn run_and_stream(
 }
 
 /// The error of a wait. If the path is held, its rest is discarded: a recording with a standstill in a block is of no use.
-fn discard_if_held(client: &mut Client, error: BoardError) -> Result<Status> {
-    let BoardError::Held { silent_s } = error else { return Err(error.into()) };
+fn discard_if_held(client: &mut Client, error: anyhow::Error) -> Result<()> {
+    let Some(BoardError::Held { silent_s }) = error.downcast_ref() else { return Err(error) };
     client.command(&Request::Stop)?;
     anyhow::bail!(
         "the board held the path, since this program was silent for {silent_s} s; the rest of the path is discarded, and no log is \

@@ -1,4 +1,4 @@
-//! `enable`, `disable`, `clear`, `hold`, `resume`, `stop` and `home`: one request each.
+//! `enable`, `disable`, `clear`, `hold`, `resume`, `stop` and `home`.
 
 use anyhow::{Result, bail};
 
@@ -6,8 +6,10 @@ use super::{AxisArguments, PortArguments};
 use crate::cli::outputs::print;
 use crate::cli::stop;
 use ::board::{BoardError, Client, refusal};
+use shared::interpolate::feed_hold::FeedState;
 use shared::link::Request;
-use shared::link::report::HomingReport;
+use shared::link::report::{Activity, HomingReport};
+use shared::safety::Power;
 
 /// Arguments of a command that needs nothing but the port.
 #[derive(clap::Args)]
@@ -30,13 +32,42 @@ pub fn enable(arguments: &Arguments) -> Result<()> {
     ))
 }
 
-/// Sends a request that is done at once.
+/// Disables the drives.
+///
+/// # Errors
+/// A board that cannot be reached.
+pub fn disable(arguments: &Arguments) -> Result<()> {
+    arguments.port.connect()?.command(&Request::Disable)?;
+    print("The drives are off.")
+}
+
+/// Acknowledges a fault.
 ///
 /// # Errors
 /// A board that cannot be reached or refuses it.
-pub fn send(arguments: &Arguments, request: &Request, done: &str) -> Result<()> {
-    arguments.port.connect()?.command(request)?;
-    print(done)
+pub fn clear(arguments: &Arguments) -> Result<()> {
+    let mut client = arguments.port.connect()?;
+    let power = client.status()?.power;
+    client.command(&Request::Clear)?;
+    print(match power {
+        Power::Faulted(_) | Power::Stopping(_) => "The fault is acknowledged.",
+        Power::Off | Power::On => "There is no fault to acknowledge.",
+    })
+}
+
+/// Holds the path.
+///
+/// # Errors
+/// A board that cannot be reached.
+pub fn hold(arguments: &Arguments) -> Result<()> {
+    let mut client = arguments.port.connect()?;
+    let status = client.status()?;
+    client.command(&Request::Hold)?;
+    print(match (status.activity, status.feed) {
+        (Activity::Idle, _) => "No path runs: nothing is held.",
+        (_, FeedState::Discarding) => "The path is being stopped: nothing is held.",
+        _ => "The path is held.",
+    })
 }
 
 /// Stops the path and waits until the axes are at rest.
@@ -64,7 +95,7 @@ pub fn resume(arguments: &Arguments) -> Result<()> {
     print("The path has ended.")
 }
 
-/// Moves an axis to its reference and waits for the end.
+/// Enables the drives if they are off, moves an axis to its reference and waits for the end.
 ///
 /// # Errors
 /// A board that cannot be reached or refuses it, an axis that it does not have.

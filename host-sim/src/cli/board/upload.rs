@@ -7,6 +7,7 @@ use anyhow::Result;
 use super::PortArguments;
 use crate::cli::compensation::check_margins;
 use crate::cli::outputs::print;
+use ::board::refusal::AXIS_NAMES;
 use ::board::{BoardError, Client};
 use compensate::CompensationFile;
 use files::error::{InputError, quoted};
@@ -70,8 +71,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
 /// The settings of the board from a machine file.
 ///
 /// # Errors
-/// A machine with another number of axes, a key that is missing.
+/// A machine with other axes than the board, a key that is missing.
 pub fn settings(machine: &Machine, source: &str) -> Result<BoardSettings, InputError> {
+    check_axes(machine, source)?;
     let axes = machine.axis.iter().map(|(name, axis)| {
         servo::settings(&axis.settings, &ServoParameters::of(&axis.effect)).map_err(|key| {
             InputError::expected(source, "this key, which a controller requires", "none")
@@ -84,6 +86,18 @@ pub fn settings(machine: &Machine, source: &str) -> Result<BoardSettings, InputE
         InputError::expected(source, format!("{AXES} axes, as the board has"), count).at_key("axis")
     })?;
     Ok(BoardSettings { rates: machine.rates(), axes })
+}
+
+/// The axes have to be those of the board, in its order: it knows them by their numbers.
+fn check_axes(machine: &Machine, source: &str) -> Result<(), InputError> {
+    for (name, known) in machine.axis.keys().zip(AXIS_NAMES) {
+        if name != known {
+            let expected = format!("axis {known} here (the board has {})", AXIS_NAMES.join(", "));
+            let error = InputError::expected(source, expected, quoted(name));
+            return Err(error.at_key(&format!("axis.{name}")));
+        }
+    }
+    Ok(())
 }
 
 /// Sends the compensation of every axis; an axis without one gets an empty one.
