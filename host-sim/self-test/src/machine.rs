@@ -77,15 +77,18 @@ impl Drive {
         Self { lag_s, acting_n: 0.0 }
     }
 
-    /// Force on the motor over the next step of the plant, N: exact for a constant command.
+    /// Force on the motor in a step over which a force is commanded, N: with a lag, that at the start of the step.
+    ///
+    /// The plant moves the positions with the velocities in the middle of the steps, which the force at the start changes: with that
+    /// at the end, the lag would be a step too short. Without a lag the force acts half a step early, which the tracer has to find.
     fn acting_n(&mut self, force_n: f64) -> f64 {
         if self.lag_s == 0.0 {
             return force_n;
         }
-        // The mean of the lag over the step differs from its value at the end by less than h/(2·lag).
+        let before_n = self.acting_n;
         let kept = (-STEP_S / self.lag_s).exp();
-        self.acting_n = force_n + kept * (self.acting_n - force_n);
-        self.acting_n
+        self.acting_n = force_n + kept * (before_n - force_n);
+        before_n
     }
 }
 
@@ -119,13 +122,14 @@ impl<'a> MovingAxis<'a> {
         match self.axis.resonance {
             None => self.mode_m = self.state.table_m,
             Some([omega, zeta]) => {
-                // A step h of the plant would shift the frequency by ζωh/2, more than its confidence interval.
+                // The damping is that of the mean of the velocities before and after: otherwise a step h would shift the
+                // frequency by ζωh/2.
                 for step in 0..MODE_STEPS {
                     let fraction = f64::from(step) / f64::from(MODE_STEPS);
                     let table_m = from_m + fraction * (self.state.table_m - from_m);
-                    let acceleration =
-                        omega * omega * (table_m - self.mode_m) - 2.0 * zeta * omega * self.mode_m_per_s;
-                    self.mode_m_per_s += MODE_STEP_S * acceleration;
+                    let damping = zeta * omega * MODE_STEP_S;
+                    let pull = MODE_STEP_S * omega * omega * (table_m - self.mode_m);
+                    self.mode_m_per_s = (self.mode_m_per_s * (1.0 - damping) + pull) / (1.0 + damping);
                     self.mode_m += MODE_STEP_S * self.mode_m_per_s;
                 }
             }
@@ -271,7 +275,8 @@ mod tests {
     fn a_lag_of_the_drive_delays_a_step_of_force_by_its_time_constant() {
         let (lag_s, commanded_n) = (0.4e-3, 500.0);
         let mut drive = Drive::new(lag_s);
-        for step in 1..=20 {
+        // The force at the start of each step.
+        for step in 0..20 {
             let expected_n = commanded_n * -(-f64::from(step) * STEP_S / lag_s).exp_m1();
             let acting_n = drive.acting_n(commanded_n);
             assert!((acting_n - expected_n).abs() < 1e-9 * commanded_n, "{step}: {acting_n} {expected_n}");
