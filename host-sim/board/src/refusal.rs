@@ -65,19 +65,16 @@ pub fn text(refusal: &Refusal) -> String {
     }
 }
 
-/// What is wrong with a block, with the name of the axis.
+/// What is wrong with a block, with the name of the axis in the place of its number.
 fn path(error: PathError) -> String {
+    use PathError::{BeyondTravel, LimitSwitch, NotHomed};
+
+    let problem = error.to_string();
     match error {
-        PathError::BeyondTravel { axis } => {
-            format!("{}: the block leads out of the travel", axis_name(axis))
+        BeyondTravel { axis } | LimitSwitch { axis } | NotHomed { axis } => {
+            problem.replacen(&format!("axis {axis}"), &axis_name(axis), 1)
         }
-        PathError::LimitSwitch { axis } => {
-            format!("{}: the block leads onto an active limit switch", axis_name(axis))
-        }
-        PathError::NotHomed { axis } => {
-            format!("{}: it has to be homed before a program moves it", axis_name(axis))
-        }
-        error => error.to_string(),
+        _ => problem,
     }
 }
 

@@ -148,6 +148,7 @@ impl Planning<'_> {
                 _ => break without,
             }
         };
+        // What is compensated together may be worse than nothing, and still better than without one of its parts.
         if best_um >= total_rms_um(&before) {
             choice.off.extend(self.parts());
         }

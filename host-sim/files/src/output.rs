@@ -41,14 +41,17 @@ pub fn write_whole(
     written.map_err(|cause| OutputError { path: path.to_owned(), cause })
 }
 
+fn check_no_folder(path: &Path) -> io::Result<()> {
+    if path.is_dir() { Err(io::Error::other(IS_FOLDER)) } else { Ok(()) }
+}
+
 /// Checks that there is a folder for a file that will be written, and that the file is not itself a folder.
 ///
 /// # Errors
 /// If there is none, or the file is one.
 pub fn check_folder(path: &Path) -> Result<(), OutputError> {
-    let checked =
-        if path.is_dir() { Err(io::Error::other(IS_FOLDER)) } else { existing_folder_of(path).map(drop) };
-    checked.map_err(|cause| OutputError { path: path.to_owned(), cause })
+    let checked = check_no_folder(path).and_then(|()| existing_folder_of(path));
+    checked.map(drop).map_err(|cause| OutputError { path: path.to_owned(), cause })
 }
 
 /// Removes a file, if there is one.
@@ -69,16 +72,14 @@ pub fn remove(path: &Path) -> Result<(), OutputError> {
 /// # Errors
 /// If the file is a folder, or what exists of its path is none.
 pub fn check_new_folder(path: &Path) -> Result<(), OutputError> {
-    let refused = |cause: String| OutputError { path: path.to_owned(), cause: io::Error::other(cause) };
-    if path.is_dir() {
-        return Err(refused(IS_FOLDER.to_owned()));
-    }
-    match folder_of(path).ancestors().find(|folder| folder.exists()) {
+    let existing = folder_of(path).ancestors().find(|folder| folder.exists());
+    let checked = check_no_folder(path).and_then(|()| match existing {
         Some(existing) if !existing.is_dir() => {
-            Err(refused(format!("expected a folder, found a file: {}", existing.display())))
+            Err(io::Error::other(format!("expected a folder, found a file: {}", existing.display())))
         }
         _ => Ok(()),
-    }
+    });
+    checked.map_err(|cause| OutputError { path: path.to_owned(), cause })
 }
 
 /// The folder of a file, which need not exist; `.` for a file name alone.

@@ -118,7 +118,8 @@ impl<S: Scalar> PeriodicTable<S> {
     /// Converts the points of a period in SI, the first at position zero.
     ///
     /// # Errors
-    /// [`ConfigError`] with one of `names`: not 2 to [`POINTS`] points, a period that is not from 0.1 µm to 100 m, or a value that is not finite or exceeds the bound.
+    /// [`ConfigError`] with one of `names`: not 2 to [`POINTS`] points, a period that is not from 0.1 µm to 100 m, or a value
+    /// that is not finite or exceeds the bound.
     pub fn new(names: &CycleNames, cycle: &settings::Cycle, range: ValueRange) -> Result<Self, ConfigError> {
         let points = &cycle.values;
         let count = points.len();

@@ -52,22 +52,24 @@ pub fn pairs(before: &[Log], after: &[Log]) -> Result<Vec<usize>, InputError> {
 
 /// A log that lacks a counterpart among the others, of which some are of the same motion but belong to other logs.
 fn no_counterpart(log: &Log, (others, of_same_motion): (&[Log], &[usize]), side: &str) -> InputError {
-    let names = |logs: &mut dyn Iterator<Item = &Log>| {
-        logs.map(|log| log.source.as_str()).collect::<Vec<_>>().join(", ")
-    };
     let (expected, found) = if of_same_motion.is_empty() {
         (
             format!("a log of the same motion (axes, path and duration of the command) {side} the change"),
-            format!("other motions in {}", names(&mut others.iter())),
+            format!("other motions in {}", sources(others)),
         )
     } else {
-        let taken = names(&mut of_same_motion.iter().map(|&index| &others[index]));
+        let taken = sources(of_same_motion.iter().map(|&index| &others[index]));
         (
             format!("one log {side} the change for each log of this motion"),
             format!("only {taken}, which another log is compared with"),
         )
     };
     InputError::expected(&log.source, expected, found)
+}
+
+/// The files of logs.
+fn sources<'a>(logs: impl IntoIterator<Item = &'a Log>) -> String {
+    logs.into_iter().map(|log| log.source.as_str()).collect::<Vec<_>>().join(", ")
 }
 
 /// Checks that two logs are not the same recording: no two runs of a machine have the same samples.

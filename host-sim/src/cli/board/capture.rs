@@ -5,7 +5,7 @@ use std::path::{Path, PathBuf};
 use anyhow::{Result, bail};
 use clap::ValueEnum;
 
-use super::PortArguments;
+use super::{PortArguments, check_value};
 use crate::cli::outputs::{Output, check_outputs, print};
 use crate::cli::stop;
 use ::board::Client;
@@ -63,10 +63,9 @@ const MAX_S: f64 = 3600.0;
 /// # Errors
 /// Invalid arguments, a board that cannot be reached, nothing recorded, output that cannot be written.
 pub fn run(arguments: &Arguments) -> Result<()> {
-    if !(arguments.seconds > 0.0 && arguments.seconds <= MAX_S) {
-        let expected = format!("seconds above 0 and up to {MAX_S}");
-        return Err(InputError::expected("--seconds", expected, format!("{:?}", arguments.seconds)).into());
-    }
+    let seconds = arguments.seconds;
+    let expected = format!("seconds above 0 and up to {MAX_S}");
+    check_value("--seconds", &expected, seconds > 0.0 && seconds <= MAX_S, seconds)?;
     let out = log_to_write(arguments)?;
     check_outputs(&[], &[Output::File("--out", out)])?;
     let mut client = arguments.port.connect()?;

@@ -81,14 +81,11 @@ fn request(arguments: &Arguments) -> Result<Jog, InputError> {
 /// Invalid arguments, a board that cannot be reached or refuses the jog, an interrupt.
 pub fn run(arguments: &Arguments) -> Result<()> {
     let jog = request(arguments)?;
-    let duration = match arguments.for_s {
-        Some(seconds) if seconds > 0.0 && seconds <= MAX_S => Some(Duration::from_secs_f64(seconds)),
-        Some(seconds) => {
-            let expected = format!("seconds above 0 and up to {MAX_S}");
-            return Err(InputError::expected("--for-s", expected, format!("{seconds:?}")).into());
-        }
-        None => None,
-    };
+    if let Some(seconds) = arguments.for_s {
+        let expected = format!("seconds above 0 and up to {MAX_S}");
+        check_value("--for-s", &expected, seconds > 0.0 && seconds <= MAX_S, seconds)?;
+    }
+    let duration = arguments.for_s.map(Duration::from_secs_f64);
     let mut client = arguments.axis.port.connect()?;
     client.enable()?;
     stop::write_partial_result();
