@@ -14,6 +14,7 @@ mod local_defects;
 mod machine;
 mod nothing_to_find;
 mod reported;
+mod resonance;
 mod screw;
 mod slices;
 mod wave_periods;

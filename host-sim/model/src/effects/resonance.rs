@@ -44,14 +44,16 @@ impl EffectModel for Resonance {
     }
 
     fn initial_guesses(_context: &EffectContext<'_>) -> Vec<Self> {
-        [15.0, 30.0, 60.0, 120.0]
+        [15.0, 30.0, 60.0, 120.0, 240.0, 480.0]
             .map(|frequency_hz| Self { channel: tool(), frequency_hz, damping_ratio: 0.05 })
             .to_vec()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
         vec![
-            Coordinate { step: 0.1, ..Coordinate::scale(self.frequency_hz, 1.0, 400.0) },
+            // A mode far above the frequencies of the motion is an in-talk of −1/(2π·frequency)², which the search shall know as
+            // its rival.
+            Coordinate { step: 0.1, ..Coordinate::scale(self.frequency_hz, 1.0, 1000.0) },
             // A more strongly damped mode cannot be distinguished from a latency.
             Coordinate::scale(self.damping_ratio, 0.001, 0.3),
         ]

@@ -106,6 +106,13 @@ impl Covariance {
         self
     }
 
+    /// The same with one more deviation of the parameters added, which is at most as large as this.
+    #[must_use]
+    pub fn with_half_width(self, shift: &DVector<f64>) -> Self {
+        let t = student_t_975(self.degrees_of_freedom);
+        self.with_shifts(&[shift / t])
+    }
+
     /// Half width of the 95 % confidence interval of a free parameter, by Student's t.
     #[must_use]
     pub fn half_width(&self, index: usize) -> f64 {

@@ -3,7 +3,7 @@
 //! - [`scope`]: stages that are fitted together
 //! - [`axis_model`], [`trim`], [`limits`]: free parameters, those of timing, and limits of their ranges
 //! - [`fit_data`], [`residual`], [`exclusion`], [`bump_subtraction`]: residuals, and the parts excluded from them
-//! - [`least_squares`], [`normal_equations`], [`intervals`]: solution and confidence intervals
+//! - [`least_squares`], [`normal_equations`], [`intervals`], [`upstream`], [`scale_noise`]: solution and confidence intervals
 //! - [`fitted_scope`], [`tables`]: what a fit to whole logs needs; tables of residuals
 //! - [`scope_fit`], [`final_fit`], [`model_bias`]: fits scope by scope, and with the error of the simulation subtracted
 
@@ -19,6 +19,7 @@ pub mod limits;
 pub mod model_bias;
 pub mod normal_equations;
 pub mod residual;
+pub mod scale_noise;
 pub mod scope;
 pub mod scope_fit;
 pub mod tables;

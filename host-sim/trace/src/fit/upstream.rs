@@ -2,7 +2,8 @@
 //!
 //! The motor stage is fitted with the masses, friction and stiffness that table and force determine. With their covariance V₁,
 //! the later parameters θ₂ move by dθ₂ = −H₂⁻¹·J₂ᵀ·W·dr, where dr is the change of the later residuals over a step of one
-//! standard deviation along each principal direction of V₁. The squares of these shifts add to the variances of θ₂.
+//! standard deviation along each principal direction of V₁. The squares of these shifts add to the variances of θ₂. The tool is
+//! predicted from the measured table, whose noise shifts a mode ([`super::scale_noise`]).
 
 use nalgebra::{DVector, SymmetricEigen};
 use rayon::prelude::*;
@@ -11,6 +12,7 @@ use super::axis_model::AxisModel;
 use super::fit_data::FitData;
 use super::intervals::{Covariance, covariance};
 use super::least_squares::Fitted;
+use super::scale_noise;
 use super::scope::{Mechanics, Scope};
 use super::scope_fit::ScopeFit;
 
@@ -34,7 +36,10 @@ pub fn covariance_after(
             let shifts = shifts(data, earlier, model, (scope, fitted, &own));
             own.with_shifts(&shifts)
         }
-        None => own,
+        None => {
+            let shift = own.shift_by(&scale_noise::gradient(data, scope, fitted));
+            own.with_half_width(&shift)
+        }
     }
 }
 

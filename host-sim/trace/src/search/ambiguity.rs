@@ -5,10 +5,11 @@
 
 use super::candidates::Candidate;
 use super::distinguishing_motion::Proposal;
-use super::held_out::{compare, scores};
+use super::held_out::{Comparison, compare, scores};
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::scope::Scope;
+use crate::options::SearchOptions;
 use model::effects::Effect;
 
 /// Two effects of which the logs show one but do not determine which.
@@ -24,30 +25,57 @@ pub struct Ambiguity {
     pub proposal: Option<Proposal>,
 }
 
-/// The supported candidates that are, in every stage, not significantly worse than the added one, or worse by less than the
-/// minimum reduction of an effect.
+/// The candidates that held-out data support and that are, in every stage, not significantly worse than the added one, or worse by
+/// less than the minimum reduction of an effect. A parameter at a limit is no objection: what is not measured may still be the
+/// cause.
 #[must_use]
 pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope: &Scope) -> Vec<Ambiguity> {
     let options = &data.options.search;
-    let Some(best) = candidates[added].fitted.as_ref() else { return Vec::new() };
-    let of_best = scores(best);
-    let is_as_good = |candidate: &Candidate| {
-        let Some(fitted) = candidate.fitted.as_ref().filter(|_| candidate.is_supported(options)) else {
-            return false;
-        };
-        let comparison = compare(&scores(fitted), &of_best, &scope.stages, options);
-        comparison.iter().all(|stage| stage.t < options.chance_t || stage.reduction < options.min_reduction)
+    let added = &candidates[added];
+    let is_as_good =
+        |stage: &Comparison| stage.t < options.chance_t || stage.reduction < options.min_reduction;
+    let is_rival = |other: &&Candidate| {
+        !std::ptr::eq(*other, added)
+            && other.stands_out(options)
+            && gain_over(other, added, scope, options).is_some_and(|stages| stages.iter().all(is_as_good))
     };
-    let others = candidates.iter().enumerate().filter(|(index, _)| *index != added);
-    let rivals = others.filter(|(_, candidate)| is_as_good(candidate));
-    rivals
-        .filter_map(|(_, candidate)| {
-            Some(Ambiguity {
-                added: candidates[added].effect.clone(),
-                rival: candidate.effect.clone(),
-                with_rival: candidate.fitted.as_ref()?.model.clone(),
-                proposal: None,
-            })
+    let ambiguity = |rival: &Candidate| {
+        Some(Ambiguity {
+            added: added.effect.clone(),
+            rival: rival.effect.clone(),
+            with_rival: rival.fitted.as_ref()?.model.clone(),
+            proposal: None,
         })
-        .collect()
+    };
+    candidates.iter().filter(is_rival).filter_map(ambiguity).collect()
+}
+
+/// Moves the best candidate with the fewest parameters to the front, of those between which and the best one chance
+/// decides. A further parameter follows chance: where two effects explain the same, that with more parameters often gains
+/// a little more.
+pub fn prefer_fewer_parameters(candidates: &mut [Candidate], scope: &Scope, options: &SearchOptions) {
+    let Some(best) = candidates.first() else { return };
+    let is_chance =
+        |stage: &Comparison| stage.t < options.chance_t && stage.reduction < options.min_reduction;
+    let is_equal = |other: &Candidate| {
+        other.is_supported(options)
+            && gain_over(other, best, scope, options).is_some_and(|stages| stages.iter().all(is_chance))
+    };
+    let parameters = |candidate: &Candidate| candidate.effect.coordinates().len();
+    let equals = candidates.iter().enumerate().skip(1).filter(|(_, other)| is_equal(other));
+    let simplest = equals.min_by_key(|(_, other)| parameters(other));
+    if let Some((index, _)) = simplest.filter(|(_, other)| parameters(other) < parameters(best)) {
+        candidates[..=index].rotate_right(1);
+    }
+}
+
+/// What `best` gains over another candidate, stage by stage; `None` if one of them was not fitted.
+fn gain_over(
+    other: &Candidate,
+    best: &Candidate,
+    scope: &Scope,
+    options: &SearchOptions,
+) -> Option<Vec<Comparison>> {
+    let [other, best] = [other.fitted.as_ref()?, best.fitted.as_ref()?].map(scores);
+    Some(compare(&other, &best, &scope.stages, options))
 }

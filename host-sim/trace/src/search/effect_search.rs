@@ -1,15 +1,16 @@
 //! The search for effects that a model lacks, scope by scope. Effects that held-out data support are added one after the
 //! other, and dropped again if later ones make them unnecessary.
 
-use super::ambiguity::rivals;
+use super::ambiguity::{prefer_fewer_parameters, rivals};
 use super::bump_of_map::bump_in_place_of_map;
 use super::candidates::{Candidate, Reference, rank};
 use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
 use super::map_refinement::with_finer_map;
-use super::map_remainder::{is_remainder_of_map, is_wave_of_own_period};
+use super::map_remainder::is_remainder_of_map;
 use super::mass_check::takes_place_of_mass;
-use super::residual_shape::shape;
+use super::missing_effects::missing_effects;
+use super::provisional::{self, is_gross};
 use super::round::Round;
 use super::slope_of_map::is_slope_of_map;
 use crate::analysis::residual_analysis::unexplained;
@@ -22,9 +23,8 @@ use crate::fit::least_squares::{self, Fitted};
 use crate::fit::model_bias::{self, first_fit};
 use crate::fit::scope::{Mechanics, Scope};
 use crate::fit::scope_fit::{Progress, ScopeFit};
-use crate::prediction::force_windup;
 use crate::stages::stage_names;
-use model::effects::{Effect, EffectContext, Stage, initial_guesses};
+use model::effects::{Effect, Stage};
 
 /// The search for effects that the model of an axis lacks.
 pub struct EffectSearch<'a> {
@@ -137,7 +137,7 @@ impl EffectSearch<'_> {
         }
     }
 
-    /// Adds effects until no further one is supported.
+    /// Adds effects until no further one is supported, see also [`provisional`].
     fn add_until_none(
         &mut self,
         data: &FitData<'_>,
@@ -147,17 +147,45 @@ impl EffectSearch<'_> {
     ) -> (Fitted, Vec<ResidualSeries>) {
         let in_scope = |model: &AxisModel| model.found().iter().filter(|effect| scope.holds(effect)).count();
         let mut added = in_scope(&base.model);
+        let mut before: Option<provisional::Before> = None;
         while added < data.options.search.max_effects {
             (base, bias) = without_bias(data, base, bias, scope);
             let data = &FitData { bias: &bias, ..*data };
             let origin = origin(data, &base, scope, added);
-            let Some(fitted) = self.round(data, Reference { base: &base, origin: &origin }, scope) else {
-                break;
-            };
+            let fitted = self
+                .round(data, Reference { base: &base, origin: &origin }, scope)
+                .or_else(|| self.add_provisionally(data, (&base, &bias), scope, &mut before));
+            let Some(fitted) = fitted else { break };
             base = fitted;
             added += 1;
         }
-        (base, bias)
+        let Some(before) = before else { return (base, bias) };
+        let kept = self.drop_from(&FitData { bias: &bias, ..*data }, base.clone(), scope);
+        if provisional::is_complete(data, &kept, scope) {
+            return (base, bias);
+        }
+        self.rounds = before.rounds;
+        (before.fitted, before.bias)
+    }
+
+    /// Adds an effect that is not supported alone. The search before the first such effect is kept in `before`.
+    fn add_provisionally(
+        &mut self,
+        data: &FitData<'_>,
+        (base, bias): (&Fitted, &[ResidualSeries]),
+        scope: &Scope,
+        before: &mut Option<provisional::Before>,
+    ) -> Option<Fitted> {
+        let round = self.rounds.last_mut()?;
+        let without = round.clone();
+        let fitted = provisional::add(data, base, round, scope)?;
+        let (_, earlier) = self.rounds.split_last()?;
+        before.get_or_insert_with(|| provisional::Before {
+            fitted: base.clone(),
+            bias: bias.to_vec(),
+            rounds: [earlier, &[without]].concat(),
+        });
+        Some(fitted)
     }
 
     /// The fit with a finer map, and without effects that are unnecessary or uncertain.
@@ -182,6 +210,7 @@ impl EffectSearch<'_> {
         let mut initial_guesses = missing_effects(data, reference.base, scope);
         initial_guesses.retain(|effect| !self.dropped.iter().any(|dropped| dropped.is_same(effect)));
         let mut candidates = rank(data, reference, scope, initial_guesses);
+        prefer_fewer_parameters(&mut candidates, scope, &data.options.search);
         let best = self.best(data, reference.base, &mut candidates, scope);
         let added = best.as_ref().map(|(index, _)| *index);
         let ambiguities = added.map_or_else(Vec::new, |added| rivals(data, &candidates, added, scope));
@@ -283,41 +312,6 @@ impl EffectSearch<'_> {
             })
         })
     }
-}
-
-/// All initial guesses of the effects that the model does not yet contain.
-fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<Effect> {
-    let model = &base.model;
-    let others: Vec<String> = data.names.iter().filter(|name| *name != data.name()).cloned().collect();
-    let residual = shape(data, &base.residuals, model.axis.settings.mechanics.lead_mm);
-    let context = EffectContext {
-        axis: &model.axis.settings,
-        first: data.axis == 0,
-        others: &others,
-        stages: &scope.stages,
-        travel_mm: data.travel_mm(),
-        has_backlash: model.axis.effect.iter().any(|effect| matches!(effect, Effect::Backlash(_))),
-        residual: &residual,
-    };
-    let mut guesses = initial_guesses(&context);
-    let force_is_logged = data.logs.iter().all(|log| log.axes[data.axis].force.is_some());
-    guesses.retain(|effect| force_windup::is_testable(effect, force_is_logged));
-    guesses.retain(|effect| !model.found().iter().any(|found| found.is_same(effect)));
-    // A map would describe what the bump of a local defect leaves.
-    let has_bump = data.exclusions.iter().any(|exclusion| exclusion.bump(Stage::Table).is_some());
-    guesses.retain(|effect| !(has_bump && matches!(effect, Effect::PitchMap(_))));
-    if model.found().iter().any(|effect| matches!(effect, Effect::PitchMap(_))) {
-        // Between its knots a map deviates from the screw, in waves of a few knots.
-        guesses.retain(|effect| !is_wave_of_own_period(effect, model.axis.settings.mechanics.lead_mm));
-    }
-    guesses
-}
-
-/// Whether a fit does not describe a stage of its scope.
-fn is_gross(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> bool {
-    let is_gross =
-        |&stage: &Stage| data.rms(&fitted.residuals, stage) > data.max_described(&fitted.model, stage);
-    scope.stages.iter().any(is_gross)
 }
 
 /// Drops each effect of a scope for which `better` returns a fit without it.

@@ -1,0 +1,42 @@
+//! A mode of the tool above the frequencies of the motions.
+
+use std::f64::consts::TAU;
+
+use super::machine::TestMachine;
+use super::reported::{assert_named, assert_value, context, found};
+
+/// A machine whose x axis has a mode of this frequency, with a damping ratio of 0.05.
+fn with_mode(frequency_hz: f64) -> TestMachine {
+    let mut machine = TestMachine::new(3);
+    machine.drawn.axes[0].resonance = Some([TAU * frequency_hz, 0.05]);
+    machine
+}
+
+/// Far below its frequency, the tool follows by −a/ω². Once: from 150 Hz on "the tool is displaced by −0.283 ± 0.004 µm per m/s² of
+/// the axis's own acceleration", certain.
+#[test]
+fn a_mode_far_above_the_motion_is_not_certainly_an_intalk() {
+    // 0.283 and 0.158 µm s²/m.
+    for frequency_hz in [300.0, 400.0] {
+        let trace = with_mode(frequency_hz).trace();
+        let [found] = trace.axes[0].found.as_slice() else { panic!("{}", context(&trace)) };
+        let [rival] = found.rivals.as_slice() else { panic!("{}", context(&trace)) };
+        let mut names = [found.effect.name(), rival.name()];
+        names.sort_unstable();
+        assert_eq!(names, ["intalk", "resonance"], "{}", context(&trace));
+    }
+}
+
+/// Once 200 Hz was an in-talk, too. The noise of the scale excites the model of the mode, for which the fit chooses more damping
+/// (0.093 at 200 Hz); a mode that no sample of the motion excites is not damped by less than zero.
+#[test]
+fn a_fast_mode_has_its_frequency_and_damping() {
+    for (frequency_hz, max_damping_half_width) in [(100.0, 0.005), (150.0, 0.01), (200.0, 0.1)] {
+        let trace = with_mode(frequency_hz).trace();
+        assert_named(&trace, &[("x", "resonance")]);
+        let found = found(&trace, 0, "resonance");
+        assert!(found.rivals.is_empty(), "{}", context(&trace));
+        assert_value(found, "frequency_hz", frequency_hz, 0.05 * frequency_hz);
+        assert_value(found, "damping_ratio", 0.05, max_damping_half_width);
+    }
+}
