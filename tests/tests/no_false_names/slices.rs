@@ -64,22 +64,14 @@ fn named_slices(
     places.iter().filter_map(names).collect()
 }
 
-/// Slices of the sweep below that still name an effect falsely, of 60: a corner, in which a following error of 1.7 µm is taken
-/// for a wrong feed-forward (docs/testing.md).
-const STILL_NAMED: [(&str, usize, usize); 2] =
-    [("validate_corner", 3_506, 1_500), ("validate_corner", 3_479, 1_500)];
-
 /// A slice that cannot bear its blocks, whose first samples have an unknown friction, or whose last quarter contradicts it
-/// decides nothing.
+/// decides nothing. Once a corner, in most of which the axis moves at one speed, had a position gain 0.5 % above the declared one: the
+/// zero of its scale, which the loop uses, was 1.6 µm off beside a late reading.
 #[test]
 fn random_slices_of_simulated_logs_without_effects_have_none() {
     let machine = TestMachine::new(1);
     let [fit, validate] = machine.logs();
-    let named = named_slices(&machine.file(), &[fit, validate].concat(), 12, 1);
-    let is_known = |(log, first_row, rows): &(String, usize, usize)| {
-        STILL_NAMED.contains(&(log.as_str(), *first_row, *rows))
-    };
-    assert!(named.iter().all(is_known), "{named:?}");
+    assert_eq!(named_slices(&machine.file(), &[fit, validate].concat(), 12, 1), []);
 }
 
 /// The same of the first blind case.

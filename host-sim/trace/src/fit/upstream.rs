@@ -15,6 +15,7 @@ use super::least_squares::Fitted;
 use super::scale_noise;
 use super::scope::{Mechanics, Scope};
 use super::scope_fit::ScopeFit;
+use model::effects::Stage;
 
 /// Principal directions with less than this fraction of the largest variance in units of the parameters' steps are left out.
 const MIN_VARIANCE: f64 = 1e-6;
@@ -56,10 +57,12 @@ fn shifts(
     if before.parameters() != parameters.len() {
         return Vec::new();
     }
-    // The later fit determines the mass of the motor itself. Zeros and instants of the channels do not change the motor.
+    // The later fit determines the mass of the motor itself. The zero of the table, which comes first, changes the motor if the
+    // loop uses the scale: in motion at one speed it cannot be told from a late reading. The instants of the channels do not.
     let declared: Vec<usize> = model.declared_values(from).map(|(index, ..)| index).collect();
     let (Some(&mass), Some(&last)) = (declared.first(), declared.last()) else { return Vec::new() };
-    let indices: Vec<usize> = (mass + 1..=last).chain(last + 1..parameters.len()).collect();
+    let zero = usize::from(from.stages.contains(&Stage::Table));
+    let indices: Vec<usize> = (0..zero).chain(mass + 1..=last).chain(last + 1..parameters.len()).collect();
     let steps = DVector::from_iterator(indices.len(), indices.iter().map(|&i| parameters[i].coordinate.step));
     let scaled = before.of(&indices).component_div(&(&steps * steps.transpose()));
     let principal = SymmetricEigen::new(scaled);
