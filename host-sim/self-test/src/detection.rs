@@ -165,8 +165,10 @@ pub struct Detection {
     pub size: f64,
     /// Whether it was found by name and axis.
     pub is_found: bool,
-    /// Names and axes of effects that were found and are not there.
+    /// Names and axes of effects that were found and are not there, without those that the trace calls ambiguous.
     pub false_names: Vec<(String, String)>,
+    /// Those that it calls ambiguous.
+    pub ambiguous_names: Vec<(String, String)>,
 }
 
 /// Traces a case and compares.
@@ -175,12 +177,16 @@ pub struct Detection {
 /// When the tracer refuses a log.
 pub fn detect(sized: &SizedCase, progress: &(dyn Fn(&str) + Sync)) -> Result<Detection, InputError> {
     let outcome: Outcome = super::trace_and_score(&sized.case, progress)?;
+    let certain = outcome.certain_false_finds();
+    let (false_names, ambiguous_names) =
+        outcome.false_finds().into_iter().cloned().partition(|found| certain.contains(&found));
     Ok(Detection {
         number: outcome.number,
         truth: outcome.truths[0].clone(),
         size: sized.size,
         is_found: outcome.missed().is_empty(),
-        false_names: outcome.false_finds().into_iter().cloned().collect(),
+        false_names,
+        ambiguous_names,
     })
 }
 

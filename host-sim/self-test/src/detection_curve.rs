@@ -16,9 +16,11 @@ pub struct Bin {
     pub size: f64,
     /// Cases in which the effect was found.
     pub found: Proportion,
-    /// Cases in which an effect was found that is not there.
+    /// Cases in which an effect was found that is not there, and not called ambiguous.
     pub with_false_name: usize,
-    /// Names that were given, and those of them that are correct.
+    /// Cases in which one was found that is called ambiguous.
+    pub with_ambiguous_name: usize,
+    /// Names that were given without being called ambiguous, and those of them that are correct.
     pub names: Proportion,
 }
 
@@ -66,6 +68,7 @@ impl Curve {
                 found: Proportion::of(inside().map(|detection| detection.is_found)),
                 names: names(inside()),
                 with_false_name: inside().filter(|detection| !detection.false_names.is_empty()).count(),
+                with_ambiguous_name: inside().filter(|d| !d.ambiguous_names.is_empty()).count(),
             }
         };
         let of = |name: &'static str| {
@@ -105,7 +108,7 @@ impl Curve {
     /// Its entry in the JSON of the self-test.
     #[must_use]
     pub fn json(&self) -> Value {
-        let bin = |bin: &Bin| json!({"size": bin.size, "found": bin.found.json(), "with_false_name": bin.with_false_name, "names_correct": bin.names.json()});
+        let bin = |bin: &Bin| json!({"size": bin.size, "found": bin.found.json(), "with_false_name": bin.with_false_name, "with_ambiguous_name": bin.with_ambiguous_name, "names_correct": bin.names.json()});
         let effect = |effect: &EffectDetections| {
             let entry = json!({
                 "cases": effect.points.len(),
@@ -147,6 +150,7 @@ pub fn json(seed: u64, asked: u64, detections: &[Detection], curve: &Curve) -> V
             "size": detection.size,
             "found": detection.is_found,
             "false": detection.false_names,
+            "ambiguous": detection.ambiguous_names,
         })
     };
     json!({
@@ -169,6 +173,11 @@ pub(super) mod tests {
             size,
             is_found,
             false_names: if number == 2 { vec![("intalk".to_owned(), "x".to_owned())] } else { Vec::new() },
+            ambiguous_names: if number == 4 {
+                vec![("latency".to_owned(), "y".to_owned())]
+            } else {
+                Vec::new()
+            },
         };
         let points = [
             ("backlash", 0.11, false),
@@ -189,6 +198,7 @@ pub(super) mod tests {
         assert_eq!(at(3.06).found, Proportion { hits: 1, trials: 2 });
         assert_eq!((at(0.31).found.trials, at(0.31).with_false_name), (1, 1));
         assert_eq!((at(0.31).names, at(3.06).names.trials), (Proportion { hits: 0, trials: 1 }, 1));
+        assert_eq!((at(0.31).with_ambiguous_name, at(3.06).with_ambiguous_name), (0, 1));
         assert_eq!(curve.bins.iter().map(|bin| bin.found.trials).sum::<usize>(), 7);
         // The bounds between sizes are their geometric means: √(9.58 · 17.0) = 12.76.
         assert_eq!((bin_of(12.7), bin_of(12.8)), (8, 9));

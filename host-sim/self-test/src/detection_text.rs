@@ -57,18 +57,19 @@ pub fn sentences(seed: u64, detections: &[Detection], curve: &Curve) -> Vec<Stri
 #[must_use]
 pub fn tables(detections: &[Detection], curve: &Curve) -> String {
     let mut lines = vec![format!(
-        "{:<14}{:>8}{:>8}{:>16}{:>14}",
-        "size / noise", "cases", "found", "95 % interval", "false names"
+        "{:<14}{:>8}{:>8}{:>16}{:>14}{:>12}",
+        "size / noise", "cases", "found", "95 % interval", "false names", "ambiguous"
     )];
     for bin in curve.bins.iter().filter(|bin| bin.found.trials > 0) {
         let [low, high] = bin.found.interval().map(percent);
         lines.push(format!(
-            "{:<14}{:>8}{:>8}{:>16}{:>14}",
+            "{:<14}{:>8}{:>8}{:>16}{:>14}{:>12}",
             digits(bin.size),
             bin.found.trials,
             percent(bin.found.fraction()),
             format!("{low} to {high}"),
-            bin.with_false_name
+            bin.with_false_name,
+            bin.with_ambiguous_name
         ));
     }
     lines.push(format!("\n{:<24}{:>8}{:>14}{:>18}", "effect", "cases", "found from", "largest missed"));
@@ -82,7 +83,7 @@ pub fn tables(detections: &[Detection], curve: &Curve) -> String {
             shown(effect.largest_missed())
         ));
     }
-    let named: Vec<String> = detections.iter().filter_map(false_line).collect();
+    let named: Vec<String> = detections.iter().filter_map(wrong_line).collect();
     if !named.is_empty() {
         lines.push(String::new());
         lines.extend(named);
@@ -90,18 +91,24 @@ pub fn tables(detections: &[Detection], curve: &Curve) -> String {
     lines.join("\n") + "\n"
 }
 
-/// The false names of a case.
-fn false_line(detection: &Detection) -> Option<String> {
-    let names: Vec<_> =
-        detection.false_names.iter().map(|(name, axis)| format!("{name} on {axis}")).collect();
-    (!names.is_empty()).then(|| {
-        let Detection { number, truth, size, .. } = detection;
+/// The false names of a case, and the ambiguous ones.
+fn wrong_line(detection: &Detection) -> Option<String> {
+    let Detection { number, truth, size, false_names, ambiguous_names, .. } = detection;
+    let listed = |how: &str, names: &[(String, String)]| {
+        let names: Vec<_> = names.iter().map(|(name, axis)| format!("{name} on {axis}")).collect();
+        (!names.is_empty()).then(|| format!("; {how} {}", names.join(", ")))
+    };
+    let wrong: Vec<String> = [("false", false_names), ("ambiguous", ambiguous_names)]
+        .iter()
+        .filter_map(|(how, names)| listed(how, names))
+        .collect();
+    (!wrong.is_empty()).then(|| {
         format!(
-            "case {number}: true {} on {} ({} × noise); false {}",
+            "case {number}: true {} on {} ({} × noise){}",
             truth.name,
             truth.axis,
             digits(*size),
-            names.join(", ")
+            wrong.concat()
         )
     })
 }
@@ -170,6 +177,7 @@ mod tests {
         assert_eq!(cells("3.1")[1..5], ["2", "50", "%", "9"].map(str::to_owned));
         assert_eq!(cells("windup"), ["windup", "3", "9.0", "2.9"]);
         assert!(text.contains("case 2: true windup on x (0.30 × noise); false intalk on x"), "{text}");
+        assert!(text.contains("case 4: true windup on x (2.9 × noise); ambiguous latency on y"), "{text}");
     }
 
     #[test]

@@ -138,13 +138,13 @@ impl Outcome {
 
     /// False effects that the trace does not call ambiguous.
     #[must_use]
-    pub fn certain_false_finds(&self) -> usize {
+    pub fn certain_false_finds(&self) -> Vec<&(String, String)> {
         let is_certain = |(name, axis): &&(String, String)| {
             let mut same =
                 self.effects.iter().filter(|e| string(e, "name") == *name && string(e, "axis") == *axis);
             same.any(|effect| string(effect, "certainty") != "ambiguous")
         };
-        self.false_finds().into_iter().filter(|found| is_certain(found)).count()
+        self.false_finds().into_iter().filter(|found| is_certain(found)).collect()
     }
 
     /// Reported faults of the data that are not there, by kind and axis, each once.

@@ -133,7 +133,7 @@ impl Summary {
             exact: Proportion::of(outcomes.iter().map(Outcome::is_exact)),
             found: Proportion { hits: there - missed, trials: there },
             false_finds: outcomes.iter().map(|outcome| outcome.false_finds().len()).sum(),
-            certain_false_finds: outcomes.iter().map(Outcome::certain_false_finds).sum(),
+            certain_false_finds: outcomes.iter().map(|outcome| outcome.certain_false_finds().len()).sum(),
             duplicates: outcomes.iter().map(Outcome::duplicates).sum(),
             clean: Proportion::of(clean.map(Outcome::is_exact)),
             outside: Proportion::of(outside.copied()),

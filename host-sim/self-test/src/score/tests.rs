@@ -109,7 +109,7 @@ fn a_false_effect_is_certain_unless_it_is_called_ambiguous() {
         Outcome::new(1, &[], &json!({"effects": [effect]}))
     };
     let [certain, unsaid, ambiguous] = [json!("certain"), Value::Null, json!("ambiguous")]
-        .map(|certainty| of(certainty).certain_false_finds());
+        .map(|certainty| of(certainty).certain_false_finds().len());
     assert_eq!((certain, unsaid, ambiguous), (1, 1, 0));
     assert_eq!(of(json!("ambiguous")).false_finds().len(), 1);
 }
