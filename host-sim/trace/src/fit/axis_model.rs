@@ -277,7 +277,7 @@ impl AxisModel {
             let declared = self.nominal.effect.get(i).map(Effect::coordinates);
             for (j, coordinate) in effect.coordinates_at(self.rates).into_iter().enumerate() {
                 parameters.push(match &declared {
-                    None => free(coordinate),
+                    None => FreeParameter { coordinate, prior: self.knot_prior(effect) },
                     Some(_) if self.is_untolerated(effect) => free(coordinate),
                     Some(declared) => {
                         let centre = declared[j].value;
@@ -288,6 +288,13 @@ impl AxisModel {
             }
         }
         parameters
+    }
+
+    /// Prior of the values of a friction map: zero, with a standard deviation of the Coulomb friction. A fit without a fold knows
+    /// nothing of positions that only this fold contains.
+    fn knot_prior(&self, effect: &Effect) -> Option<(f64, f64)> {
+        let coulomb_n = self.nominal.settings.mechanics.coulomb_n.filter(|force_n| *force_n > 0.0);
+        coulomb_n.filter(|_| matches!(effect, Effect::FrictionMap(_))).map(|force_n| (0.0, force_n))
     }
 
     /// A declared value as a free parameter within its range; a pinned mass within 1 % of all masses or its half width.

@@ -25,9 +25,12 @@ pub struct Ambiguity {
     pub proposal: Option<Proposal>,
 }
 
-/// The candidates that held-out data support and that are, in every stage, not significantly worse than the added one, or worse by
-/// less than the minimum reduction of an effect. A parameter at a limit is no objection: what is not measured may still be the
-/// cause.
+/// Smallest gain of a rival that held-out data do not support by itself, as a fraction of the gain of the added effect.
+const MIN_GAIN: f64 = 0.5;
+
+/// The candidates that are, in every stage, not significantly worse than the added one, or worse by less than the minimum reduction
+/// of an effect; they are supported by held-out data or gain at least [`MIN_GAIN`] of what the added one does. A parameter at a limit
+/// is no objection: what is not measured may still be the cause.
 #[must_use]
 pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope: &Scope) -> Vec<Ambiguity> {
     let options = &data.options.search;
@@ -36,7 +39,7 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
         |stage: &Comparison| stage.t < options.chance_t || stage.reduction < options.min_reduction;
     let is_rival = |other: &&Candidate| {
         !std::ptr::eq(*other, added)
-            && other.stands_out(options)
+            && (other.stands_out(options) || other.exceeds_tolerance && other.gain >= MIN_GAIN * added.gain)
             && gain_over(other, added, scope, options).is_some_and(|stages| stages.iter().all(is_as_good))
     };
     let ambiguity = |rival: &Candidate| {

@@ -47,16 +47,28 @@ impl Candidate {
     /// does a stage lose more than a small fraction of the total gain.
     #[must_use]
     pub fn stands_out(&self, options: &SearchOptions) -> bool {
-        self.helps(options, |c| c.t >= c.min_t)
+        self.helps(options, |c| c.t >= c.min_t, |c| c.worst_log)
+    }
+
+    /// The same of an effect that is to be kept beside others. Of a stage that gets worse, the fitted data must show it, too: a
+    /// map of many knots is poorly determined without a fold, and changes there by chance.
+    #[must_use]
+    pub fn is_needed(&self, options: &SearchOptions) -> bool {
+        self.helps(options, |c| c.t >= c.min_t, |c| c.worst_log.max(c.worst_fitted_log))
     }
 
     /// The same as [`Self::is_supported`] without the test of significance.
     #[must_use]
     pub fn is_consistent(&self, options: &SearchOptions) -> bool {
-        self.limit.is_none() && self.helps(options, |c| c.t >= 0.0)
+        self.limit.is_none() && self.helps(options, |c| c.t >= 0.0, |c| c.worst_log)
     }
 
-    fn helps(&self, options: &SearchOptions, is_significant: impl Fn(&Comparison) -> bool) -> bool {
+    fn helps(
+        &self,
+        options: &SearchOptions,
+        is_significant: impl Fn(&Comparison) -> bool,
+        worst_log: impl Fn(&Comparison) -> f64,
+    ) -> bool {
         let is_better = |c: &Comparison| {
             is_shown_in(&self.effect, c.stage)
                 && c.reduction.min(c.fitted_reduction) >= options.min_reduction
@@ -64,7 +76,7 @@ impl Candidate {
                 && is_significant(c)
                 && c.folds_better == FOLDS
         };
-        let loss = |c: &Comparison| 0.5 * (1.0 - c.worst_log.min(0.0)).ln();
+        let loss = |c: &Comparison| 0.5 * (1.0 - worst_log(c).min(0.0)).ln();
         let tolerable = options.tolerable_loss(self.gain);
         self.exceeds_tolerance
             && self.comparison.iter().any(is_better)

@@ -305,7 +305,7 @@ impl EffectSearch<'_> {
             let judged =
                 Candidate { effect, comparison, gain, fitted: None, exceeds_tolerance: true, limit: None };
             let is_alone = scope.stages == [Stage::Force];
-            let is_needed = judged.is_supported(options) || is_alone && judged.is_consistent(options);
+            let is_needed = judged.is_needed(options) || is_alone && judged.is_consistent(options);
             (!is_needed).then(|| {
                 (self.progress)(&format!("{}: {} is no longer needed", data.name(), judged.effect.name()));
                 without

@@ -87,6 +87,8 @@ pub struct Comparison {
     pub folds_better: usize,
     /// Smallest reduction of any log.
     pub worst_log: f64,
+    /// The same of the fitted data.
+    pub worst_fitted_log: f64,
     /// Gain in log-likelihood per sample, each log with its own noise: ½·ln(Σr² of the first / Σr² of the second), averaged
     /// over the logs with their numbers of samples as weights.
     pub gain: f64,
@@ -147,10 +149,8 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage, options: &Sear
         let ratio = log.before.max(f64::MIN_POSITIVE) / log.after.max(f64::MIN_POSITIVE);
         0.5 * ratio.ln() * log.samples as f64 / total
     };
-    let fitted_reduction = |log: &OfLog| {
-        let [before, after] = log.fitted;
-        (1.0 - after / before.max(f64::MIN_POSITIVE)) * log.samples as f64 / total
-    };
+    let reduced = |before: f64, after: f64| 1.0 - after / before.max(f64::MIN_POSITIVE);
+    let fitted_reduction = |log: &OfLog| reduced(log.fitted[0], log.fitted[1]) * log.samples as f64 / total;
     Comparison {
         stage,
         reduction: reductions.iter().sum(),
@@ -159,7 +159,8 @@ fn compare_stage(first: &[Score], second: &[Score], stage: Stage, options: &Sear
         min_t: options.min_t_of(gains.len()),
         evidence: INDEPENDENT * used().map(gain_of).sum::<f64>() * total,
         folds_better: (0..FOLDS).filter(|&fold| in_fold(fold).sum::<f64>() > 0.0).count(),
-        worst_log: numerics::min(used().map(|l| 1.0 - l.after / l.before.max(f64::MIN_POSITIVE))).min(1.0),
+        worst_log: numerics::min(used().map(|l| reduced(l.before, l.after))).min(1.0),
+        worst_fitted_log: numerics::min(used().map(|l| reduced(l.fitted[0], l.fitted[1]))).min(1.0),
         gain: used().map(gain_of).sum(),
     }
 }

@@ -1,12 +1,13 @@
 //! Effects that are added provisionally, because each hides the others.
 //!
 //! Of several large effects of similar size none may be supported alone: beside what the others leave, it improves some folds
-//! and not others, or resembles a candidate at its limit. The candidate that gains most is then added provisionally, and the
-//! search goes on. All that follows is kept only if in the end the residual is that of the noise and every effect is supported
-//! beside the others; otherwise the search ends where it was before.
+//! and not others, makes a log worse in which two of them compensate each other, or resembles a candidate at its limit. The
+//! candidate that gains most is then added provisionally, and the search goes on. All that follows is kept only if in the end
+//! the residual is that of the noise and every effect is supported beside the others; otherwise the search ends where it was
+//! before.
 //!
-//! Only effects of the tool are added in this way. Those of the screw and of the controller compensate each other, and declared
-//! values besides: with enough of them any machine file would describe any machine.
+//! No setting of the controller is added in this way. They compensate each other: with enough of them any controller would
+//! describe any motion.
 
 use super::candidates::Candidate;
 use super::mass_check::takes_place_of_mass;
@@ -16,8 +17,8 @@ use crate::fit::least_squares::{self, Fitted};
 use crate::fit::scope::Scope;
 use model::effects::Stage;
 
-/// Largest residual of the tool, in units of the noise, beside effects that were added provisionally. What is larger has another cause,
-/// of which they may describe parts.
+/// Largest residual, in units of the noise, beside effects that were added provisionally. What is larger has another cause, of
+/// which they may describe parts.
 const MAX_REMAINDER: f64 = 2.0;
 
 /// A search before its first provisional effect.
@@ -35,7 +36,7 @@ pub struct Before {
 /// describes the logs without it, or no candidate gains as much as a supported one has to.
 #[must_use]
 pub fn add(data: &FitData<'_>, base: &Fitted, round: &mut Round, scope: &Scope) -> Option<Fitted> {
-    if scope.stages != [Stage::Tool] || !is_gross(data, base, scope) {
+    if scope.stages.contains(&Stage::Motor) || !is_gross(data, base, scope) {
         return None;
     }
     let options = &data.options.search;
@@ -52,13 +53,15 @@ pub fn add(data: &FitData<'_>, base: &Fitted, round: &mut Round, scope: &Scope) 
     Some(fitted)
 }
 
-/// Whether a fit with effects that were added provisionally leaves no more than the noise.
+/// Whether a fit with effects that were added provisionally leaves no more than the noise. One effect alone must be supported
+/// by itself.
 #[must_use]
 pub fn is_complete(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> bool {
     let is_noise = |&stage: &Stage| {
         data.rms(&fitted.residuals, stage) <= MAX_REMAINDER * data.noise(&fitted.model, stage)
     };
-    scope.stages.iter().all(is_noise)
+    let effects = fitted.model.found().iter().filter(|effect| scope.holds(effect)).count();
+    effects > 1 && scope.stages.iter().all(is_noise)
 }
 
 /// Whether a fit does not describe a stage of its scope.
