@@ -13,7 +13,8 @@
 //!   measured data (`tests/tests/measured_data.rs`: the axis EMPS, a robot, a lead screw) and on corrupted logs
 //!   (`tests/tests/corrupted.rs`). A test is named if it fails.
 //!
-//! Options without such a line were not halved and doubled, as those of [`FaultOptions`], which decide before any fit.
+//! Options without such a line were not halved and doubled, as those of [`FaultOptions`], which decide before any fit, and the
+//! latest ones of the search.
 
 mod declaration;
 mod significance;
@@ -254,6 +255,11 @@ options! {
         /// Maximum of this loss however large the gain is: a constant error of the force gains as much as it is large, and
         /// makes the closed loop worse.
         max_stage_loss: f64 = 0.25,
+        /// Smallest gain of a rival that held-out data do not support by itself, as a fraction of the gain of the added effect.
+        min_rival_gain: f64 = 0.5,
+        /// Largest ratio of residual to noise beside effects that were added provisionally. A larger residual has another cause, of
+        /// which they may describe parts.
+        max_provisional_ratio: f64 = 2.0,
         /// Above this ratio of residual to noise, candidates are fitted from the nominal values: an effect of that size
         /// moves the declared values to their bounds in the fit without it.
         ///

@@ -8,6 +8,7 @@
 mod broken_data;
 mod controller;
 mod declared_values;
+mod hidden;
 mod intervals;
 mod load;
 mod local_defects;

@@ -31,17 +31,14 @@ pub fn covariance_after(
 ) -> Covariance {
     let own = covariance(data, fitted);
     let earlier = fits.iter().find(|fit| fit.fitted_scope.mechanics == Mechanics::All);
-    match earlier.filter(|earlier| scope.mechanics == Mechanics::MotorMass && earlier.fitted_scope != *scope)
-    {
-        Some(earlier) => {
-            let shifts = shifts(data, earlier, model, (scope, fitted, &own));
-            own.with_shifts(&shifts)
-        }
-        None => {
-            let shift = own.shift_by(&scale_noise::gradient(data, scope, fitted));
-            own.with_half_width(&shift)
-        }
+    let is_later =
+        |earlier: &&ScopeFit| scope.mechanics == Mechanics::MotorMass && earlier.fitted_scope != *scope;
+    if let Some(earlier) = earlier.filter(is_later) {
+        let shifts = shifts(data, earlier, model, (scope, fitted, &own));
+        return own.with_shifts(&shifts);
     }
+    let shift = own.shift_by(&scale_noise::gradient(data, scope, fitted));
+    own.with_half_width(&shift)
 }
 
 /// The shifts of the later parameters.

@@ -25,11 +25,8 @@ pub struct Ambiguity {
     pub proposal: Option<Proposal>,
 }
 
-/// Smallest gain of a rival that held-out data do not support by itself, as a fraction of the gain of the added effect.
-const MIN_GAIN: f64 = 0.5;
-
 /// The candidates that are, in every stage, not significantly worse than the added one, or worse by less than the minimum reduction
-/// of an effect; they are supported by held-out data or gain at least [`MIN_GAIN`] of what the added one does. A parameter at a limit
+/// of an effect; they are supported by held-out data or gain [enough](SearchOptions::min_rival_gain). A parameter at a limit
 /// is no objection: what is not measured may still be the cause.
 #[must_use]
 pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope: &Scope) -> Vec<Ambiguity> {
@@ -38,8 +35,9 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
     let is_as_good =
         |stage: &Comparison| stage.t < options.chance_t || stage.reduction < options.min_reduction;
     let is_rival = |other: &&Candidate| {
+        let gains_enough = other.exceeds_tolerance && other.gain >= options.min_rival_gain * added.gain;
         !std::ptr::eq(*other, added)
-            && (other.stands_out(options) || other.exceeds_tolerance && other.gain >= MIN_GAIN * added.gain)
+            && (other.stands_out(options) || gains_enough)
             && gain_over(other, added, scope, options).is_some_and(|stages| stages.iter().all(is_as_good))
     };
     let ambiguity = |rival: &Candidate| {

@@ -2,7 +2,8 @@
 //!
 //! [`effect_search`] adds one effect per [`round`]. The [`residual_shape`] gives the knots of maps and the periods of
 //! harmonics with which candidates start. A round ranks the [`candidates`], compares them on [`held_out`] data and
-//! with the closed loop ([`loop_check`]), adds one [`provisional`]ly where several hide each other, and reports an [`ambiguity`] with a [`distinguishing_motion`].
+//! with the closed loop ([`loop_check`]), adds one [`provisional`]ly where several hide each other, and reports an
+//! [`ambiguity`] with a [`distinguishing_motion`].
 
 pub mod ambiguity;
 pub mod bump_of_map;

@@ -17,10 +17,6 @@ use crate::fit::least_squares::{self, Fitted};
 use crate::fit::scope::Scope;
 use model::effects::Stage;
 
-/// Largest residual, in units of the noise, beside effects that were added provisionally. What is larger has another cause, of
-/// which they may describe parts.
-const MAX_REMAINDER: f64 = 2.0;
-
 /// A search before its first provisional effect.
 #[derive(Clone, Debug)]
 pub struct Before {
@@ -57,9 +53,9 @@ pub fn add(data: &FitData<'_>, base: &Fitted, round: &mut Round, scope: &Scope) 
 /// by itself.
 #[must_use]
 pub fn is_complete(data: &FitData<'_>, fitted: &Fitted, scope: &Scope) -> bool {
-    let is_noise = |&stage: &Stage| {
-        data.rms(&fitted.residuals, stage) <= MAX_REMAINDER * data.noise(&fitted.model, stage)
-    };
+    let ratio = data.options.search.max_provisional_ratio;
+    let is_noise =
+        |&stage: &Stage| data.rms(&fitted.residuals, stage) <= ratio * data.noise(&fitted.model, stage);
     let effects = fitted.model.found().iter().filter(|effect| scope.holds(effect)).count();
     effects > 1 && scope.stages.iter().all(is_noise)
 }
