@@ -259,7 +259,7 @@ options! {
         min_rival_gain: f64 = 0.5,
         /// Largest ratio of residual to noise beside effects that were added provisionally. A larger residual has another cause, of
         /// which they may describe parts.
-        max_provisional_ratio: f64 = 2.0,
+        max_provisional_ratio: f64 = 5.0,
         /// Above this ratio of residual to noise, candidates are fitted from the nominal values: an effect of that size
         /// moves the declared values to their bounds in the fit without it.
         ///
@@ -300,8 +300,8 @@ options! {
         /// straight line.
         min_map_bump_fraction: f64 = 0.97,
         /// Largest ratio of the table's residual with a bump to that with the map. In logs of six machines with a defect it is
-        /// 0.2 to 2.3; 8 and 45 in those of two machines with a pitch error whose map resembles a bump.
-        max_bump_residual: f64 = 4.0,
+        /// 0.2 to 2.3; 3.9, 8 and 45 in those of three machines with a pitch error whose map resembles a bump.
+        max_bump_residual: f64 = 3.0,
         /// Minimum fraction of the residual's power before the exclusion that an effect must explain in a scope with an
         /// exclusion. Smaller effects are residuals of the excluded part.
         ///

@@ -43,3 +43,15 @@ fn a_load_beside_a_map_of_the_screw() {
 fn friction_at_positions_that_a_fold_lacks() {
     assert_exact(Kind::Friction, 1401, 1);
 }
+
+/// A backlash of 14 µm beside a dividing error of 3 µm: each makes a stage worse without the other.
+#[test]
+fn a_backlash_beside_a_dividing_error() {
+    assert_exact(Kind::Many, 1601, 3);
+}
+
+/// A pitch wave of 5 µm was a dividing error with a period of its own, which left waves of 0.01 µm under three further names.
+#[test]
+fn a_wave_of_the_screw_that_was_first_taken_for_one_of_the_resolver() {
+    assert_exact(Kind::Jerk, 1601, 6);
+}

@@ -6,6 +6,7 @@
 use super::candidates::Candidate;
 use super::distinguishing_motion::Proposal;
 use super::held_out::{Comparison, compare, scores};
+use super::slope_of_map::is_slope_of_map;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::scope::Scope;
@@ -36,7 +37,10 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
         |stage: &Comparison| stage.t < options.chance_t || stage.reduction < options.min_reduction;
     let is_rival = |other: &&Candidate| {
         let gains_enough = other.exceeds_tolerance && other.gain >= options.min_rival_gain * added.gain;
+        // A map is tried together with its slope, which explains as much alone.
+        let contains_added = is_slope_of_map(&added.effect, std::slice::from_ref(&other.effect));
         !std::ptr::eq(*other, added)
+            && !contains_added
             && (other.stands_out(options) || gains_enough)
             && gain_over(other, added, scope, options).is_some_and(|stages| stages.iter().all(is_as_good))
     };

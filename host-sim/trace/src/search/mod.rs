@@ -10,6 +10,7 @@ pub mod bump_of_map;
 pub mod candidates;
 pub mod distinguishing_motion;
 pub mod effect_search;
+pub mod exchanged_wave;
 pub mod held_out;
 pub mod loop_check;
 pub mod map_refinement;
