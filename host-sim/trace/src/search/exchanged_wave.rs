@@ -79,3 +79,38 @@ fn of_other_part(effect: &Effect, settings: &Settings, travel_mm: [f64; 2]) -> O
         _ => None,
     }
 }
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// With four pole pairs on a lead of 16 mm, a wave of 16 mm is no order of the resolver, one of 4 mm is its first and the fourth of
+    /// the screw. Over a travel of 120 mm, 16.02 mm is a turn: a quarter of a wave is 0.53 mm.
+    #[test]
+    fn a_wave_keeps_its_period_or_takes_that_of_an_order() {
+        let mut settings = Settings::default();
+        settings.mechanics.lead_mm = Some(16.0);
+        settings.sensors.resolver_pole_pairs = Some(4);
+        let of_screw = |period_mm: f64, fitted_period_mm: Option<[f64; 2]>| {
+            Effect::PitchCyclic(PitchCyclic {
+                amplitude_um: 5.0,
+                period_mm,
+                phase_rad: 0.5,
+                fitted_period_mm,
+            })
+        };
+        let other = |effect: &Effect| of_other_part(effect, &settings, [-60.0, 60.0]).unwrap();
+        let values = |effect: &Effect| effect.values()[1];
+        let around = Some([15.5, 16.5]);
+
+        let of_resolver = other(&of_screw(16.02, around));
+        assert_eq!((of_resolver.name(), values(&of_resolver)), ("resolver_dividing", 16.02));
+        let back = other(&of_resolver);
+        assert_eq!((back.name(), values(&back), back.coordinates().len()), ("pitch_cyclic", 16.0, 2));
+        let electrical = other(&of_screw(4.01, Some([3.9, 4.1])));
+        assert_eq!((values(&electrical), electrical.coordinates().len()), (4.0, 2));
+
+        settings.sensors.resolver_pole_pairs = None;
+        assert!(of_other_part(&of_screw(4.0, None), &settings, [-60.0, 60.0]).is_none());
+    }
+}
