@@ -12,9 +12,9 @@ use model::effects::Stage;
 pub struct Round {
     /// Stages of the scope.
     pub stages: Vec<Stage>,
-    /// All candidates, best first.
+    /// All candidates, best first; a candidate with fewer parameters that only chance separates from the best comes before it.
     pub candidates: Vec<Candidate>,
-    /// Index of the added candidate: the best of those that held-out data support.
+    /// Index of the added candidate: the first of those that held-out data support, or one that was added provisionally.
     pub added: Option<usize>,
     /// Candidates that explain the residual as well as the added one.
     pub ambiguities: Vec<Ambiguity>,
