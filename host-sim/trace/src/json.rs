@@ -14,7 +14,7 @@ use crate::search::ambiguity::Ambiguity;
 use crate::stages::residual_unit;
 use crate::validation::declared_value::DeclaredValue;
 use crate::validation::found_effect::FoundEffect;
-use crate::verdict;
+use crate::verdict::{self, Verdict};
 use files::log::{Channel, Unit};
 use model::effects::{Effect, Stage};
 
@@ -179,13 +179,18 @@ fn unexplained(axis: &AxisTrace, residual: &UnexplainedResidual) -> Value {
     entry
 }
 
+/// Whether no other effect explains the logs as well, and the model with it describes its axis.
+fn is_certain(axis: &AxisTrace, found: &FoundEffect) -> bool {
+    found.rivals.is_empty() && verdict::of_axis(axis) != Verdict::ModelDoesNotFit
+}
+
 fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
     let parameters = parameters(&found.effect, &found.half_widths, axis.unit == Unit::Degree);
     let mut entry = json!({
         "name": found.effect.name(),
         "axis": axis.axis,
         "parameters": parameters,
-        "certainty": if found.rivals.is_empty() { "certain" } else { "ambiguous" },
+        "certainty": if is_certain(axis, found) { "certain" } else { "ambiguous" },
         "rivals": found.rivals.iter().map(Effect::name).collect::<Vec<_>>(),
         "channel": found.stage,
         "validate_reduction_percent": found.validate_reduction_percent(),

@@ -65,3 +65,23 @@ fn a_wrong_unit_or_sign_and_a_dead_force_are_named_and_no_effect() {
     assert_eq!(stages(0), all);
     assert_eq!(&all - &stages(1), [Stage::Force].into());
 }
+
+/// A probe that wanders by up to 0.3 mm leaves the model of x undescribed: what is found beside it is not certain.
+#[test]
+fn no_effect_is_certain_beside_a_gross_residual() {
+    let machine = TestMachine::new(5).with_mechanics(0, |mechanics| {
+        (mechanics.stribeck_n, mechanics.stribeck_m_per_s) = (120.0, 6e-3);
+    });
+    let wander_mm = |i: usize| 0.3 * (1.0e-3 * i as f64).sin() * (1.7e-3 * i as f64).sin();
+    let certainty = |change: &dyn Fn(&mut Log)| {
+        let json = trace::json::effects(&machine.trace_of(change));
+        let stribeck =
+            json.iter().find(|effect| effect["name"] == "stribeck" && effect["axis"] == "x").unwrap();
+        stribeck["certainty"].clone()
+    };
+    assert_eq!(certainty(&|_| {}), "certain");
+    let wandering = |log: &mut Log| {
+        log.axes[0].tool.iter_mut().flatten().enumerate().for_each(|(i, mm)| *mm += wander_mm(i));
+    };
+    assert_eq!(certainty(&wandering), "ambiguous");
+}

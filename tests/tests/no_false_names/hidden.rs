@@ -1,8 +1,13 @@
 //! Several large effects of which none was supported beside what the others left. Once none of them was named, or one was in the
 //! place of another. All are cases of the self-test with seeds that no change of the tracer had been tried on.
 
+use std::f64::consts::TAU;
+
 use self_test::case::Case;
 use self_test::kind::Kind;
+
+use super::machine::TestMachine;
+use super::reported::{assert_named, assert_value, found};
 
 /// Asserts that exactly the effects of a case are found, of the catalogue and from outside it.
 fn assert_exact(kind: Kind, seed: u64, number: u64) {
@@ -54,4 +59,17 @@ fn a_backlash_beside_a_dividing_error() {
 #[test]
 fn a_wave_of_the_screw_that_was_first_taken_for_one_of_the_resolver() {
     assert_exact(Kind::Jerk, 1601, 6);
+}
+
+/// A mode of 90 Hz on a tool that is 0.8 ms late: once a mode with the damping ratio that delays as much, 2ζ/ω, certain, and no latency.
+#[test]
+fn a_mode_beside_a_late_reading() {
+    let mut machine = TestMachine::new(3);
+    machine.drawn.axes[0].resonance = Some([TAU * 90.0, 0.04]);
+    machine.drawn.axes[0].tool_delay_s = 0.8e-3;
+    let trace = machine.trace();
+    assert_named(&trace, &[("x", "latency"), ("x", "resonance")]);
+    assert_value(found(&trace, 0, "latency"), "ms", 0.8, 0.01);
+    assert_value(found(&trace, 0, "resonance"), "frequency_hz", 90.0, 0.5);
+    assert_value(found(&trace, 0, "resonance"), "damping_ratio", 0.04, 0.004);
 }

@@ -4,6 +4,7 @@
 use super::ambiguity::{prefer_fewer_parameters, rivals};
 use super::bump_of_map::bump_in_place_of_map;
 use super::candidates::{Candidate, Reference, rank};
+use super::delayed_mode::with_delayed_mode;
 use super::exchanged_wave::with_exchanged_waves;
 use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
@@ -198,6 +199,7 @@ impl EffectSearch<'_> {
         // The derivatives of the search are in part those of earlier points.
         base = least_squares::fit(data, &base.model, scope, least_squares::STEPS);
         base = with_finer_map(data, base, scope);
+        base = with_delayed_mode(data, base, scope);
         if count > 1 {
             base = with_exchanged_waves(data, base, scope);
             base = self.drop_unnecessary(data, base, scope);

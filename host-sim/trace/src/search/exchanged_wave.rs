@@ -5,11 +5,10 @@
 
 use std::f64::consts::PI;
 
-use super::held_out::{Comparison, compare, scores};
+use super::held_out::{compare, is_better, scores};
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::{self, Fitted};
 use crate::fit::scope::Scope;
-use crate::options::SearchOptions;
 use model::axis::Settings;
 use model::effects::{Effect, PitchCyclic, ResolverDividing};
 
@@ -33,14 +32,6 @@ pub fn with_exchanged_waves(data: &FitData<'_>, mut base: Fitted, scope: &Scope)
         }
     }
     base
-}
-
-/// Whether a stage gains by more than chance, and none loses by more than chance.
-fn is_better(comparison: &[Comparison], options: &SearchOptions) -> bool {
-    comparison.iter().any(|stage| stage.t > options.chance_t && stage.reduction >= options.min_reduction)
-        && comparison
-            .iter()
-            .all(|stage| stage.t > -options.chance_t || stage.reduction > -options.min_reduction)
 }
 
 /// The wave of the other part with the same size over the position: table − reading is the error of the screw, or minus that of the

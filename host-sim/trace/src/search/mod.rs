@@ -8,6 +8,7 @@
 pub mod ambiguity;
 pub mod bump_of_map;
 pub mod candidates;
+pub mod delayed_mode;
 pub mod distinguishing_motion;
 pub mod effect_search;
 pub mod exchanged_wave;
