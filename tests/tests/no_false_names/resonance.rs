@@ -12,7 +12,7 @@ fn with_mode(frequency_hz: f64) -> TestMachine {
     machine
 }
 
-/// Far below its frequency, the tool follows by −a/ω². Once: from 150 Hz on "the tool is displaced by −0.283 ± 0.004 µm per m/s² of
+/// Far below its frequency, the tool follows by −a/ω². Once: "the tool is displaced by −0.283 ± 0.004 µm per m/s² of
 /// the axis's own acceleration", certain.
 #[test]
 fn a_mode_far_above_the_motion_is_not_certainly_an_intalk() {
@@ -27,8 +27,8 @@ fn a_mode_far_above_the_motion_is_not_certainly_an_intalk() {
     }
 }
 
-/// Once 200 Hz was an in-talk, too. The noise of the scale excites the model of the mode, for which the fit chooses more damping
-/// (0.093 at 200 Hz); a mode that no sample of the motion excites is not damped by less than zero.
+/// Once 200 Hz was an in-talk, too. The noise of the scale excites the model of the mode, so that the fit chooses more damping (0.093
+/// at 200 Hz), which the interval has to contain.
 #[test]
 fn a_fast_mode_has_its_frequency_and_damping() {
     for (frequency_hz, max_damping_half_width) in [(100.0, 0.005), (150.0, 0.01), (200.0, 0.1)] {

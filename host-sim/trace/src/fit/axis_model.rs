@@ -265,10 +265,10 @@ impl AxisModel {
                 parameters.push(free(Coordinate::signed(zero, 0.01, 1e6)));
             }
         }
-        let trimmed = self.trimmed(scope).into_iter();
-        let prior = |spread| Some((0.0, spread));
         parameters.extend(
-            trimmed.map(|(_, coordinate, spread)| FreeParameter { coordinate, prior: prior(spread) }),
+            self.trimmed(scope)
+                .into_iter()
+                .map(|(_, coordinate, spread)| FreeParameter { coordinate, prior: Some((0.0, spread)) }),
         );
         parameters.extend(
             self.adjustable(scope).map(|(key, centre)| self.declared_value(key, centre, scope.mechanics)),
@@ -293,8 +293,8 @@ impl AxisModel {
     /// Prior of the values of a friction map: zero, with a standard deviation of the Coulomb friction. A fit without a fold knows
     /// nothing of positions that only this fold contains.
     fn knot_prior(&self, effect: &Effect) -> Option<(f64, f64)> {
-        let coulomb_n = self.nominal.settings.mechanics.coulomb_n.filter(|force_n| *force_n > 0.0);
-        coulomb_n.filter(|_| matches!(effect, Effect::FrictionMap(_))).map(|force_n| (0.0, force_n))
+        let coulomb_n = self.nominal.settings.mechanics.coulomb_n.filter(|force_n| *force_n > 0.0)?;
+        matches!(effect, Effect::FrictionMap(_)).then_some((0.0, coulomb_n))
     }
 
     /// A declared value as a free parameter within its range; a pinned mass within 1 % of all masses or its half width.

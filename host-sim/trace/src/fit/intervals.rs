@@ -106,7 +106,7 @@ impl Covariance {
         self
     }
 
-    /// The same with one more deviation of the parameters added, which is at most as large as this.
+    /// The same with one more deviation of the parameters added, whose 95 % interval has this half width.
     #[must_use]
     pub fn with_half_width(self, shift: &DVector<f64>) -> Self {
         let t = student_t_975(self.degrees_of_freedom);

@@ -24,12 +24,11 @@ const STEP: f64 = 1e-3;
 #[must_use]
 pub fn gradient(data: &FitData<'_>, scope: &Scope, fitted: &Fitted) -> DVector<f64> {
     let mut gradient = DVector::zeros(fitted.parameters.len());
-    let found = fitted.model.found().iter().enumerate();
-    let mut mode = found.filter_map(|(index, effect)| match effect {
+    let mode = fitted.model.found().iter().enumerate().find_map(|(index, effect)| match effect {
         Effect::Resonance(resonance) if scope.holds(effect) => Some((index, resonance)),
         _ => None,
     });
-    let Some((index, resonance)) = mode.next_back() else { return gradient };
+    let Some((index, resonance)) = mode else { return gradient };
     let first = fitted.model.indices_of(scope, index).start;
     let series = fitted.residuals.iter().zip(&fitted.weights);
     for (series, weight) in series.filter(|(series, _)| series.stage == Stage::Tool) {

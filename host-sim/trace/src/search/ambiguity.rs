@@ -35,6 +35,7 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
     let added = &candidates[added];
     let is_as_good =
         |stage: &Comparison| stage.t < options.chance_t || stage.reduction < options.min_reduction;
+    let gain_over = gain_of(added, scope, options);
     let is_rival = |other: &&Candidate| {
         let gains_enough = other.exceeds_tolerance && other.gain >= options.min_rival_gain * added.gain;
         // A map is tried together with its slope, which explains as much alone.
@@ -42,7 +43,7 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
         !std::ptr::eq(*other, added)
             && !contains_added
             && (other.stands_out(options) || gains_enough)
-            && gain_over(other, added, scope, options).is_some_and(|stages| stages.iter().all(is_as_good))
+            && gain_over(other).is_some_and(|stages| stages.iter().all(is_as_good))
     };
     let ambiguity = |rival: &Candidate| {
         Some(Ambiguity {
@@ -55,32 +56,40 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
     candidates.iter().filter(is_rival).filter_map(ambiguity).collect()
 }
 
-/// Moves the best candidate with the fewest parameters to the front, of those between which and the best one chance
-/// decides. A further parameter follows chance: where two effects explain the same, that with more parameters often gains
-/// a little more.
+/// Moves the candidate with the fewest parameters to the front, among those that do not differ significantly from the best one. An
+/// additional parameter also follows the noise: of two effects that explain the same, the one with more parameters often gains
+/// slightly more.
 pub fn prefer_fewer_parameters(candidates: &mut [Candidate], scope: &Scope, options: &SearchOptions) {
-    let Some(best) = candidates.first() else { return };
-    let is_chance =
-        |stage: &Comparison| stage.t < options.chance_t && stage.reduction < options.min_reduction;
-    let is_equal = |other: &Candidate| {
-        other.is_supported(options)
-            && gain_over(other, best, scope, options).is_some_and(|stages| stages.iter().all(is_chance))
-    };
-    let parameters = |candidate: &Candidate| candidate.effect.coordinates().len();
-    let equals = candidates.iter().enumerate().skip(1).filter(|(_, other)| is_equal(other));
-    let simplest = equals.min_by_key(|(_, other)| parameters(other));
-    if let Some((index, _)) = simplest.filter(|(_, other)| parameters(other) < parameters(best)) {
+    if let Some(index) = simplest_equal(candidates, scope, options) {
         candidates[..=index].rotate_right(1);
     }
 }
 
-/// What `best` gains over another candidate, stage by stage; `None` if one of them was not fitted.
-fn gain_over(
-    other: &Candidate,
-    best: &Candidate,
+/// The candidate with the fewest parameters, by its index, if it has fewer than the first one and does not differ significantly.
+fn simplest_equal(candidates: &[Candidate], scope: &Scope, options: &SearchOptions) -> Option<usize> {
+    let (best, others) = candidates.split_first()?;
+    let is_chance =
+        |stage: &Comparison| stage.t < options.chance_t && stage.reduction < options.min_reduction;
+    let parameters = |candidate: &Candidate| candidate.effect.coordinates().len();
+    let gain_over = gain_of(best, scope, options);
+    let is_equal = |other: &Candidate| {
+        parameters(other) < parameters(best)
+            && other.is_supported(options)
+            && gain_over(other).is_some_and(|stages| stages.iter().all(is_chance))
+    };
+    let equals = (1..).zip(others).filter(|(_, other)| is_equal(other));
+    equals.min_by_key(|(_, other)| parameters(other)).map(|(index, _)| index)
+}
+
+/// What a candidate gains over another one, stage by stage; `None` if one of them was not fitted.
+fn gain_of(
+    candidate: &Candidate,
     scope: &Scope,
     options: &SearchOptions,
-) -> Option<Vec<Comparison>> {
-    let [other, best] = [other.fitted.as_ref()?, best.fitted.as_ref()?].map(scores);
-    Some(compare(&other, &best, &scope.stages, options))
+) -> impl Fn(&Candidate) -> Option<Vec<Comparison>> {
+    let of_candidate = candidate.fitted.as_ref().map(scores);
+    move |other| {
+        let of_other = scores(other.fitted.as_ref()?);
+        Some(compare(&of_other, of_candidate.as_ref()?, &scope.stages, options))
+    }
 }

@@ -50,8 +50,8 @@ impl Candidate {
         self.helps(options, |c| c.t >= c.min_t, |c| c.worst_log)
     }
 
-    /// The same of an effect that is to be kept beside others. Of a stage that gets worse, the fitted data must show it, too: a
-    /// map of many knots is poorly determined without a fold, and changes there by chance.
+    /// The same for an effect that is to be kept beside others. A loss of a stage counts only if the fitted data show it, too: a fit
+    /// without a fold determines a map of many knots poorly, so that its error on that fold changes by chance.
     #[must_use]
     pub fn is_needed(&self, options: &SearchOptions) -> bool {
         self.helps(options, |c| c.t >= c.min_t, |c| c.worst_log.max(c.worst_fitted_log))

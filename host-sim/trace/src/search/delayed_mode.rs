@@ -4,13 +4,13 @@
 //! damping ratio that is too high, from where no latency improves it. Once all effects are found, such a mode is tried with little
 //! damping and a latency.
 
-use super::held_out::{compare, is_better, scores};
+use super::replacement::better;
 use crate::fit::fit_data::FitData;
-use crate::fit::least_squares::{self, Fitted};
+use crate::fit::least_squares::Fitted;
 use crate::fit::scope::Scope;
 use model::effects::{Channel, Effect, Latency, Resonance};
 
-/// Damping ratio of a structure, from which the fit starts.
+/// Damping ratio from which the fit starts, as structures have it.
 const START: f64 = 0.04;
 
 /// The fit with a mode and a late reading in place of a mode with more damping, if that explains the logs better.
@@ -31,7 +31,5 @@ pub fn with_delayed_mode(data: &FitData<'_>, base: Fitted, scope: &Scope) -> Fit
     let less_damped = Effect::Resonance(Resonance { damping_ratio: START, ..mode.clone() });
     let late = Effect::Latency(Latency { channel: Channel::Tool, ms: late_ms });
     let start = base.model.without(index).with(late).with(less_damped);
-    let delayed = least_squares::fit(data, &start, scope, least_squares::STEPS);
-    let comparison = compare(&scores(&base), &scores(&delayed), &scope.stages, &data.options.search);
-    if is_better(&comparison, &data.options.search) { delayed } else { base }
+    better(data, base, &start, scope)
 }

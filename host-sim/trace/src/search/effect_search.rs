@@ -125,10 +125,15 @@ impl EffectSearch<'_> {
         let (mut base, mut bias) = first_fit(data, start, scope);
         self.dropped.clear();
         loop {
-            (base, bias) = self.add_until_none(data, base, bias, scope);
-            let data = FitData { bias: &bias, ..*data };
-            let added = base.model.found().to_vec();
-            base = self.drop_from(&data, base, scope);
+            let before;
+            (base, bias, before) = self.add_until_none(data, base, bias, scope);
+            let mut added = base.model.found().to_vec();
+            base = self.drop_from(&FitData { bias: &bias, ..*data }, base, scope);
+            if let Some(before) = before.filter(|_| !provisional::is_complete(data, &base, scope)) {
+                (base, bias, self.rounds) = (before.fitted, before.bias, before.rounds);
+                added = base.model.found().to_vec();
+                base = self.drop_from(&FitData { bias: &bias, ..*data }, base, scope);
+            }
             let is_left = |effect: &Effect| base.model.found().iter().any(|found| found.is_same(effect));
             let dropped: Vec<Effect> = added.into_iter().filter(|effect| !is_left(effect)).collect();
             // What was dropped may have hidden another effect. The search goes on once, without it.
@@ -139,14 +144,14 @@ impl EffectSearch<'_> {
         }
     }
 
-    /// Adds effects until no further one is supported, see also [`provisional`].
+    /// Adds effects until no further one is supported. Also returns the search before effects that are [`provisional`].
     fn add_until_none(
         &mut self,
         data: &FitData<'_>,
         mut base: Fitted,
         mut bias: Vec<ResidualSeries>,
         scope: &Scope,
-    ) -> (Fitted, Vec<ResidualSeries>) {
+    ) -> (Fitted, Vec<ResidualSeries>, Option<provisional::Before>) {
         let in_scope = |model: &AxisModel| model.found().iter().filter(|effect| scope.holds(effect)).count();
         let mut added = in_scope(&base.model);
         let mut before: Option<provisional::Before> = None;
@@ -161,13 +166,7 @@ impl EffectSearch<'_> {
             base = fitted;
             added += 1;
         }
-        let Some(before) = before else { return (base, bias) };
-        let kept = self.drop_from(&FitData { bias: &bias, ..*data }, base.clone(), scope);
-        if provisional::is_complete(data, &kept, scope) {
-            return (base, bias);
-        }
-        self.rounds = before.rounds;
-        (before.fitted, before.bias)
+        (base, bias, before)
     }
 
     /// Adds an effect that is not supported alone. The search before the first such effect is kept in `before`.
@@ -178,15 +177,13 @@ impl EffectSearch<'_> {
         scope: &Scope,
         before: &mut Option<provisional::Before>,
     ) -> Option<Fitted> {
-        let round = self.rounds.last_mut()?;
-        let without = round.clone();
-        let fitted = provisional::add(data, base, round, scope)?;
-        let (_, earlier) = self.rounds.split_last()?;
+        let (index, fitted) = provisional::candidate(data, base, self.rounds.last()?, scope)?;
         before.get_or_insert_with(|| provisional::Before {
             fitted: base.clone(),
             bias: bias.to_vec(),
-            rounds: [earlier, &[without]].concat(),
+            rounds: self.rounds.clone(),
         });
+        self.rounds.last_mut()?.added = Some(index);
         Some(fitted)
     }
 

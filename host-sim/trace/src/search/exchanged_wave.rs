@@ -1,34 +1,30 @@
 //! Waves of the screw that were taken for waves of the resolver, and vice versa.
 //!
-//! Both are waves of table − motor with the same size. They differ by what they do to the closed loop's force, which is small beside what
-//! other effects left when the first of them was added. Once all effects are found, each wave is tried as that of the other part.
+//! Both are waves of table − motor with the same size. They differ by the force that the closed loop applies, which is small beside
+//! what other effects left when the first of them was added. Once all effects are found, each wave is tried as that of the other
+//! part.
 
 use std::f64::consts::PI;
 
-use super::held_out::{compare, is_better, scores};
+use super::replacement::better;
 use crate::fit::fit_data::FitData;
-use crate::fit::least_squares::{self, Fitted};
+use crate::fit::least_squares::Fitted;
 use crate::fit::scope::Scope;
 use model::axis::Settings;
-use model::effects::{Effect, PitchCyclic, ResolverDividing};
+use model::effects::{Effect, PitchCyclic, ResolverDividing, harmonic};
 
-/// The fit with each wave that of the part of which it explains the logs better.
+/// The fit in which each wave is an error of the screw or of the resolver, whichever explains the logs better.
 #[must_use]
 pub fn with_exchanged_waves(data: &FitData<'_>, mut base: Fitted, scope: &Scope) -> Fitted {
-    let travel_mm = data.travel_mm();
-    let options = &data.options.search;
+    let [lowest_mm, highest_mm] = data.travel_mm();
     for effect in base.model.found().to_vec() {
         let found = base.model.found();
         let Some(index) = found.iter().position(|other| *other == effect) else { continue };
-        let Some(other) = of_other_part(&effect, &base.model.axis.settings, travel_mm) else { continue };
-        if !scope.holds(&effect) || found.iter().any(|found| found.is_same(&other)) {
-            continue;
-        }
-        let start = base.model.without(index).with(other);
-        let exchanged = least_squares::fit(data, &start, scope, least_squares::STEPS);
-        let comparison = compare(&scores(&base), &scores(&exchanged), &scope.stages, options);
-        if is_better(&comparison, options) {
-            base = exchanged;
+        let other = of_other_part(&effect, &base.model.axis.settings, highest_mm - lowest_mm);
+        let Some(other) = other else { continue };
+        if scope.holds(&effect) && !found.iter().any(|found| found.is_same(&other)) {
+            let start = base.model.without(index).with(other);
+            base = better(data, base, &start, scope);
         }
     }
     base
@@ -36,35 +32,27 @@ pub fn with_exchanged_waves(data: &FitData<'_>, mut base: Fitted, scope: &Scope)
 
 /// The wave of the other part with the same size over the position: table − reading is the error of the screw, or minus that of the
 /// resolver. `None`: no wave, or the machine has no such part.
-fn of_other_part(effect: &Effect, settings: &Settings, travel_mm: [f64; 2]) -> Option<Effect> {
+fn of_other_part(effect: &Effect, settings: &Settings, travel_mm: f64) -> Option<Effect> {
     let lead_mm = settings.mechanics.lead_mm?;
-    let period = |period_mm: f64, fitted_period_mm, turn_mm: f64| {
-        // Periods within a quarter of a wave over the travel are the same.
-        let of_order = turn_mm / (turn_mm / period_mm).round().max(1.0);
-        let is_of_order =
-            (of_order - period_mm).abs() < 0.25 * period_mm * period_mm / (travel_mm[1] - travel_mm[0]);
-        if is_of_order { (of_order, None) } else { (period_mm, fitted_period_mm) }
+    let period = |period_mm, fitted_period_mm, fundamental_mm| match harmonic::order(
+        period_mm,
+        fundamental_mm,
+        travel_mm,
+    ) {
+        Some(order) => (fundamental_mm / order, None),
+        None => (period_mm, fitted_period_mm),
     };
     match *effect {
         Effect::PitchCyclic(PitchCyclic { amplitude_um, period_mm, phase_rad, fitted_period_mm }) => {
             let electrical_mm = lead_mm / f64::from(settings.sensors.resolver_pole_pairs?);
             let (period_mm, fitted_period_mm) = period(period_mm, fitted_period_mm, electrical_mm);
             let phase_rad = phase_rad + PI;
-            Some(Effect::ResolverDividing(ResolverDividing {
-                amplitude_um,
-                period_mm,
-                phase_rad,
-                fitted_period_mm,
-            }))
+            let wave = ResolverDividing { amplitude_um, period_mm, phase_rad, fitted_period_mm };
+            Some(Effect::ResolverDividing(wave))
         }
-        Effect::ResolverDividing(ResolverDividing {
-            amplitude_um,
-            period_mm,
-            phase_rad,
-            fitted_period_mm,
-        }) => {
-            let (period_mm, fitted_period_mm) = period(period_mm, fitted_period_mm, lead_mm);
-            let phase_rad = phase_rad + PI;
+        Effect::ResolverDividing(ref wave) => {
+            let (period_mm, fitted_period_mm) = period(wave.period_mm, wave.fitted_period_mm, lead_mm);
+            let (amplitude_um, phase_rad) = (wave.amplitude_um, wave.phase_rad + PI);
             Some(Effect::PitchCyclic(PitchCyclic { amplitude_um, period_mm, phase_rad, fitted_period_mm }))
         }
         _ => None,
@@ -90,7 +78,7 @@ mod tests {
                 fitted_period_mm,
             })
         };
-        let other = |effect: &Effect| of_other_part(effect, &settings, [-60.0, 60.0]).unwrap();
+        let other = |effect: &Effect| of_other_part(effect, &settings, 120.0).unwrap();
         let values = |effect: &Effect| effect.values()[1];
         let around = Some([15.5, 16.5]);
 
@@ -102,6 +90,6 @@ mod tests {
         assert_eq!((values(&electrical), electrical.coordinates().len()), (4.0, 2));
 
         settings.sensors.resolver_pole_pairs = None;
-        assert!(of_other_part(&of_screw(4.0, None), &settings, [-60.0, 60.0]).is_none());
+        assert!(of_other_part(&of_screw(4.0, None), &settings, 120.0).is_none());
     }
 }

@@ -105,15 +105,6 @@ pub fn compare(
     stages.iter().map(|&stage| compare_stage(first, second, stage, options)).collect()
 }
 
-/// Whether a stage gains by more than chance, and none loses by more than chance.
-#[must_use]
-pub fn is_better(comparison: &[Comparison], options: &SearchOptions) -> bool {
-    comparison.iter().any(|stage| stage.t > options.chance_t && stage.reduction >= options.min_reduction)
-        && comparison
-            .iter()
-            .all(|stage| stage.t > -options.chance_t || stage.reduction > -options.min_reduction)
-}
-
 /// Σr² of one log under both models.
 #[derive(Clone, Copy, Default)]
 struct OfLog {

@@ -20,6 +20,7 @@ pub mod mass_check;
 pub mod missing_effects;
 pub mod position_spectrum;
 pub mod provisional;
+pub mod replacement;
 pub mod residual_samples;
 pub mod residual_shape;
 pub mod round;

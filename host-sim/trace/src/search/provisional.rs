@@ -28,25 +28,23 @@ pub struct Before {
     pub rounds: Vec<Round>,
 }
 
-/// Adds the candidate of a round that gains most, although it is not supported, and returns its fit. `None` if the model
+/// The candidate of a round that gains most although it is not supported, by its index, with its fit. `None` if the model
 /// describes the logs without it, or no candidate gains as much as a supported one has to.
 #[must_use]
-pub fn add(data: &FitData<'_>, base: &Fitted, round: &mut Round, scope: &Scope) -> Option<Fitted> {
+pub fn candidate(data: &FitData<'_>, base: &Fitted, round: &Round, scope: &Scope) -> Option<(usize, Fitted)> {
     if scope.stages.contains(&Stage::Motor) || !is_gross(data, base, scope) {
         return None;
     }
     let options = &data.options.search;
-    let may_be_added = |(index, candidate): (usize, &Candidate)| {
-        let is_possible =
+    let possible = |(index, candidate): (usize, &Candidate)| {
+        let may_be_added =
             candidate.exceeds_tolerance && candidate.limit.is_none() && candidate.gain >= options.min_gain();
-        let start = candidate.fitted.as_ref().filter(|_| is_possible)?;
+        let start = candidate.fitted.as_ref().filter(|_| may_be_added)?;
         let fitted = least_squares::fit_from(data, &start.model, scope, least_squares::STEPS, &start.columns);
         let is_limited = fitted.model.at_limit(fitted.model.found().len() - 1).is_some();
         (!is_limited && !takes_place_of_mass(data, base, &fitted, scope)).then_some((index, fitted))
     };
-    let (index, fitted) = round.candidates.iter().enumerate().find_map(may_be_added)?;
-    round.added = Some(index);
-    Some(fitted)
+    round.candidates.iter().enumerate().find_map(possible)
 }
 
 /// Whether a fit with effects that were added provisionally leaves no more than the noise. One effect alone must be supported

@@ -58,6 +58,15 @@ pub struct HarmonicGuess {
     pub fitted_period_mm: Option<[f64; 2]>,
 }
 
+/// The order of a fundamental period that a period is, as far as waves over the travel tell; all in mm. `None`: it is none.
+#[must_use]
+pub fn order(period_mm: f64, fundamental_mm: f64, travel_mm: f64) -> Option<f64> {
+    let order = (fundamental_mm / period_mm).round();
+    let waves = [period_mm, fundamental_mm / order].map(|mm| travel_mm / mm);
+    let is_order = (1.0..=HIGHEST_FOUND_ORDER).contains(&order) && (waves[0] - waves[1]).abs() < SAME_WAVES;
+    is_order.then_some(order)
+}
+
 /// The harmonics of a fundamental period (mm) from order 1 to the highest order, and the waves found in a residual: with the
 /// period of their order, if they have one above the highest, or with a period of their own.
 #[must_use]
@@ -72,18 +81,13 @@ pub fn guesses(
     let orders = fundamental_mm.into_iter().flat_map(|mm| periods(mm, highest_order)).map(still);
     let travel_mm = context.travel_mm[1] - context.travel_mm[0];
     let found = context.residual.waves.iter().filter(|wave| wave.of == of).filter_map(|wave| {
-        let order = fundamental_mm.map(|mm| (mm / wave.period_mm).round()).filter(|order| *order >= 1.0);
-        let of_order = fundamental_mm.zip(order).map(|(mm, order)| mm / order).filter(|period_mm| {
-            let waves = [wave.period_mm, *period_mm].map(|mm| travel_mm / mm);
-            (waves[0] - waves[1]).abs() < SAME_WAVES
-        });
-        let is_order = of_order.is_some() && order.is_some_and(|order| order <= HIGHEST_FOUND_ORDER);
-        let is_tried = is_order && order.is_some_and(|order| order <= f64::from(highest_order));
+        let of_order = fundamental_mm.and_then(|mm| Some((mm, order(wave.period_mm, mm, travel_mm)?)));
+        let is_tried = of_order.is_some_and(|(_, order)| order <= f64::from(highest_order));
         (!is_tried).then_some(HarmonicGuess {
-            period_mm: of_order.filter(|_| is_order).unwrap_or(wave.period_mm),
+            period_mm: of_order.map_or(wave.period_mm, |(mm, order)| mm / order),
             amplitude: wave.amplitude,
             phase_rad: wave.phase_rad,
-            fitted_period_mm: (!is_order).then(|| {
+            fitted_period_mm: of_order.is_none().then(|| {
                 let waves = travel_mm / wave.period_mm;
                 [waves + PEAK_WAVES, waves - PEAK_WAVES].map(|waves| travel_mm / waves)
             }),
