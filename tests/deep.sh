@@ -154,6 +154,12 @@ properties() {
 # A million ticks of random motions to the last bit.
 bits() { cargo test --release --package tests --test random_motions -- --ignored --nocapture; }
 
+# Traces of random parts of the blind cases, of each case as many as given; other parts on every run.
+sweep() {
+  SWEEP_VARIANTS=$1 SWEEP_SEED=${BASE_SEED:-$(date +%s)} \
+    cargo test --release --package tests --test incomplete_logs -- --ignored --nocapture
+}
+
 # Fuzzing, half of the time for each target. The corpus is kept in fuzz/corpus for the next run.
 fuzz() {
   command -v cargo-fuzz >/dev/null || cargo install cargo-fuzz --locked
@@ -171,6 +177,7 @@ case ${1:-all} in
 all)
   properties 100
   bits
+  sweep 20
   fuzz 600
   mutants "${parts[@]}"
   step "Miri"
@@ -191,11 +198,14 @@ properties)
 bits)
   bits
   ;;
+sweep)
+  sweep "${2:-100}"
+  ;;
 fuzz)
   fuzz "${2:-600}"
   ;;
 *)
-  echo "$1: expected mutants, miri, properties, bits or fuzz" >&2
+  echo "$1: expected mutants, miri, properties, bits, sweep or fuzz" >&2
   exit 2
   ;;
 esac

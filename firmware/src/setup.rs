@@ -63,6 +63,8 @@ pub struct AxisTable {
     pub limit_switches: bool,
     /// Whether the fault output of the drive is connected.
     pub drive_fault: bool,
+    /// Whether the signal output of the scale is connected: low, the scale has no signal.
+    pub scale_signal: bool,
 }
 
 /// The homing of both axes: towards the negative end, on the index pulse of the motor encoder, one per turn.
@@ -88,6 +90,7 @@ pub static TABLE: [AxisTable; AXES] = {
             drive: DriveSettings::Pwm { full_duty_n: FULL_DUTY_N[index] },
             limit_switches: true,
             drive_fault: true,
+            scale_signal: true,
         }
     }
     [axis(0), axis(1)]
@@ -145,16 +148,14 @@ pub const SETTINGS: [AxisSettings; AXES] = [AxisSettings {
     notch: None,
     low_pass: None,
     force_limit_n: 200.0,
-    sensors: Sensors::Motor,
+    // At a reversal on a circle, friction of 20 N holds an axis for slightly more than 0.1 mm of the command.
+    sensors: Sensors::Motor { scale_disagreement_limit_m: None, frozen_encoder_limit_m: Some(0.3e-3) },
     scale_fade_time_s: 0.1,
     following_error_limit_m: 1e-3,
     // 9 m/min.
     fastest_m_per_s: Some(0.15),
-    // At a reversal on a circle, friction of 20 N holds an axis for slightly more than 0.1 mm of the command.
-    frozen_encoder_limit_m: Some(0.3e-3),
     saturation_time_s: 0.2,
     travel_m: None,
-    scale_disagreement_limit_m: None,
     stop_deceleration_m_per_s2: 2.0,
     smoothing: Smoothing::None,
 }; AXES];

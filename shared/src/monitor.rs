@@ -19,6 +19,13 @@
 //! assert!(saturated().iter().eq([FaultKind::ForceSaturated]));
 //! ```
 
+mod band;
+mod standing;
+
+pub use band::Band;
+pub use standing::Apart;
+use standing::{KeptReadings, STANDSTILL_DIVISOR};
+
 use crate::safety::{FaultKind, FaultSet};
 use crate::scalar::Scalar;
 use crate::units::{PER_NM, Position};
@@ -28,10 +35,12 @@ use crate::units::{PER_NM, Position};
 pub struct Monitor<S: Scalar> {
     /// Greatest following error (command − feedback), error units.
     pub following_error: S,
-    /// Greatest difference between scale and motor, position units; `u64::MAX`: not monitored.
-    pub disagreement: u64,
+    /// Difference between scale and motor; [`Band::UNLIMITED`]: not monitored.
+    pub disagreement: Band,
     /// Greatest motion of the motor reading per tick, increment units; `None`: not monitored.
     pub encoder_step: Option<S>,
+    /// Limits of motor and scale of which one stands, of a loop that uses the scale.
+    pub apart: Apart,
     /// Detection of a frozen motor encoder; `None`: not monitored.
     pub frozen_encoder: Option<FrozenEncoder<S>>,
     /// Saturation budget in ticks; each unsaturated tick earns back a quarter.
@@ -50,10 +59,8 @@ pub struct Monitor<S: Scalar> {
 pub struct FrozenEncoder<S: Scalar> {
     /// Travel of the command, position units.
     pub limit: u64,
-    /// A motor reading that has moved by less counts as standing, position units: 1/64 of the limit.
-    standstill: i64,
-    /// The same in both directions.
-    standing_range: u64,
+    /// Motion of a motor reading that counts as standing: 1/64 of the limit.
+    standstill: Band,
     /// The same travel as an integral of the velocity command, error units.
     pub integral_limit: S,
     /// Error units per velocity unit and position tick.
@@ -64,14 +71,7 @@ impl<S: Scalar> FrozenEncoder<S> {
     /// For a travel in position units, the same as an error signal, and error units per velocity unit and position tick.
     #[must_use]
     pub fn new(limit: u64, error: S, per_tick: S::Gain) -> Self {
-        let standstill = limit / STANDSTILL_DIVISOR;
-        Self {
-            limit,
-            standstill: standstill.cast_signed(),
-            standing_range: 2 * standstill,
-            integral_limit: error,
-            per_tick,
-        }
+        Self { limit, standstill: Band::new(limit / STANDSTILL_DIVISOR), integral_limit: error, per_tick }
     }
 }
 
@@ -86,6 +86,8 @@ pub struct State<S: Scalar> {
     last_motion: [Position; 2],
     /// Integral of the velocity command since then, error units; it stops one tick beyond its limit.
     velocity_integral: S::Sum,
+    /// Motor and scale of the loop when both had last moved.
+    kept: KeptReadings,
 }
 
 impl<S: Scalar> State<S> {
@@ -97,27 +99,25 @@ impl<S: Scalar> State<S> {
             allowed_command: command,
             last_motion: [command, motor],
             velocity_integral: S::ZERO_SUM,
+            kept: KeptReadings::UNKNOWN,
         }
     }
 }
 
 impl<S: Scalar> State<S> {
     /// The same after command and motor reading have been shifted by these distances, position units. The soft limits apply
-    /// from the shifted command on.
+    /// from the shifted command on, and motor and scale are compared from their next readings on.
     #[must_use]
     pub fn shifted(self, command: Position, command_shift: i64, motor_shift: i64) -> Self {
         let [last_command, last_motor] = self.last_motion;
         Self {
             allowed_command: command,
             last_motion: [last_command + command_shift, last_motor + motor_shift],
+            kept: KeptReadings::UNKNOWN,
             ..self
         }
     }
 }
-
-/// A motor reading counts as standing while it has moved by less than 1/64 of [`FrozenEncoder::limit`]: an encoder with one
-/// of its two wires broken toggles between adjacent counts.
-const STANDSTILL_DIVISOR: u64 = 64;
 
 /// Tolerance of the soft limits, position units: 1 pm. The axis filters settle at the end of a path from a unit or two
 /// beyond it.
@@ -151,24 +151,32 @@ impl<S: Scalar> Monitor<S> {
         if !frozen
             && (input.command - min) | (max - input.command) >= 0
             && !input.following_error.exceeds(self.following_error)
-            && !self.disagree(input)
-            && !Self::is_lost(input)
+            && self.scale_is_usual(state, input)
         {
             state.allowed_command = input.command;
             return FaultSet::NONE;
         }
+        let standing = self.apart.standing_sensor(&mut state.kept, input.motor, input.table);
         FaultSet::NONE
             .with(FaultKind::FollowingError, input.following_error.exceeds(self.following_error))
             .with(FaultKind::Disagreement, self.disagree(input))
-            .with(FaultKind::EncoderFrozen, frozen)
+            .with(FaultKind::EncoderFrozen, frozen || standing == Some(FaultKind::EncoderFrozen))
+            .with(FaultKind::ScaleFrozen, standing == Some(FaultKind::ScaleFrozen))
             .with(FaultKind::SoftLimit, self.leaves_travel(state, input.command))
             .with(FaultKind::ScaleLost, Self::is_lost(input))
     }
 
-    /// Whether scale and motor disagree.
+    /// Whether the scale is read where the loop uses it, with a difference from the motor that is within its limit and has not changed.
     #[inline]
+    fn scale_is_usual(&self, state: &State<S>, input: &MonitorInput<S>) -> bool {
+        let Some(table) = input.table else { return !input.uses_scale };
+        let difference = table - input.motor;
+        self.disagreement.contains(difference) && !self.apart.has_changed(state.kept, difference)
+    }
+
+    /// Whether scale and motor disagree.
     fn disagree(&self, input: &MonitorInput<S>) -> bool {
-        input.table.is_some_and(|table| (table - input.motor).unsigned_abs() > self.disagreement)
+        input.table.is_some_and(|table| !self.disagreement.contains(table - input.motor))
     }
 
     /// Whether the scale of the loop has no reading.
@@ -193,8 +201,7 @@ impl<S: Scalar> Monitor<S> {
     fn is_frozen(&self, state: &mut State<S>, input: &MonitorInput<S>) -> bool {
         let Some(frozen) = &self.frozen_encoder else { return false };
         let [command, motor] = state.last_motion;
-        // Both directions in one comparison.
-        if (input.motor + frozen.standstill - motor).cast_unsigned() > frozen.standing_range {
+        if !frozen.standstill.contains(input.motor - motor) {
             (state.last_motion, state.velocity_integral) = ([input.command, input.motor], S::ZERO_SUM);
             return false;
         }
@@ -235,7 +242,7 @@ impl<S: Scalar> Monitor<S> {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use crate::config::{AxisConfig, AxisSettings, Rates};
+    use crate::config::{AxisConfig, AxisSettings, Rates, Sensors};
     use crate::scalar::Fixed;
     use crate::units::VELOCITY_M_PER_S;
 
@@ -259,7 +266,10 @@ mod tests {
     /// The tick in which a motor that stands is reported: the command moves by 10 µm in each. In one of the ticks the origin may be
     /// shifted, by distances of metres that differ for command and motor.
     fn frozen_after<S: Scalar>(shifted_at: Option<i64>) -> Option<i64> {
-        let settings = AxisSettings { frozen_encoder_limit_m: Some(1e-3), ..AxisSettings::default() };
+        let settings = AxisSettings {
+            sensors: Sensors::Motor { scale_disagreement_limit_m: None, frozen_encoder_limit_m: Some(1e-3) },
+            ..AxisSettings::default()
+        };
         let monitor = monitor::<S>(&settings);
         let (mut command, mut motor) = (Position(0), Position(0));
         let mut state = State::at(command, motor);

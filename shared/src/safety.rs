@@ -30,6 +30,7 @@
 //! | motor and scale disagree | every position tick | drives off | a coupling or a sensor has failed; which one is unknown |
 //! | encoder step | every tick | drives off | a motor cannot jump: the reading is wrong |
 //! | encoder frozen: the command has moved, the motor reading has not | every position tick | drives off | a broken wire or a blocked axis: the force would grow without feedback |
+//! | scale frozen: with a scale in the loop, the motor has moved and the scale has not (the reverse is a frozen encoder) | every position tick | drives off | a dead scale or a broken coupling: the motor would move without end |
 //! | overrun | every tick | drives off | the loops have missed their deadline |
 //! | hardware stop | every tick, by the board | drives off | emergency stop or a fault of a power stage; the hardware has already disabled the stage |
 //! | emergency stop | every tick, by the board | drives off | the hardware has cut the stages, or is about to |
@@ -65,7 +66,7 @@ pub enum FaultKind {
     SoftLimit,
     /// The loop uses a linear scale and has no reading of it.
     ScaleLost,
-    /// The command has moved while the motor reading stood still.
+    /// The command, or the scale of the loop, has moved while the motor reading stood still.
     EncoderFrozen,
     /// The axis was enabled away from the start of the waiting path.
     Displaced,
@@ -75,15 +76,18 @@ pub enum FaultKind {
     EncoderSignal,
     /// The command moves further onto an active limit switch.
     LimitSwitch,
+    /// The motor has moved while the scale of the loop stood still.
+    ScaleFrozen,
 }
 
 impl FaultKind {
     /// Every kind, the most severe reaction first.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 12] = [
         Self::FollowingError,
         Self::Disagreement,
         Self::EncoderStep,
         Self::EncoderFrozen,
+        Self::ScaleFrozen,
         Self::DriveFault,
         Self::EncoderSignal,
         Self::ForceSaturated,
@@ -101,6 +105,7 @@ impl FaultKind {
             | Self::Disagreement
             | Self::EncoderStep
             | Self::EncoderFrozen
+            | Self::ScaleFrozen
             | Self::DriveFault
             | Self::EncoderSignal => Reaction::DriveOff,
             Self::ForceSaturated | Self::SoftLimit | Self::LimitSwitch => Reaction::Stop,

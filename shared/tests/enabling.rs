@@ -4,7 +4,7 @@
 
 use shared::compensate::CompensationSettings;
 use shared::compensate::settings::{Pitch, PitchSource, Points};
-use shared::config::{AxisSettings, Law, Rates, Sensors};
+use shared::config::{AxisSettings, Law, Rates, ScaleLimits, Sensors};
 use shared::interpolate::Block;
 use shared::machine::{Machine, Output, Reading};
 use shared::safety::Power;
@@ -12,6 +12,9 @@ use shared::scalar::{Fixed, Scalar};
 use shared::units::{PER_NM, Position};
 
 const DIVIDER: u32 = 5;
+
+/// For readings of motor and scale that differ by some millimetres.
+const WIDE: ScaleLimits = ScaleLimits { disagreement_m: 0.02, ..ScaleLimits::DEFAULT };
 
 fn position(m: f64) -> Position {
     Position::from_m(m).unwrap()
@@ -70,7 +73,7 @@ fn starts_at_the_scale_reading<S: Scalar>(sensors: Sensors, law: Law) {
 
 #[test]
 fn with_a_scale_the_drives_come_on_where_the_scale_is() {
-    for sensors in [Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }] {
+    for sensors in [Sensors::Table(WIDE), Sensors::Dual { time_constant_s: 0.05, limits: WIDE }] {
         for law in [Law::P, Law::Hpc] {
             starts_at_the_scale_reading::<Fixed>(sensors, law);
             starts_at_the_scale_reading::<f32>(sensors, law);
@@ -81,8 +84,10 @@ fn with_a_scale_the_drives_come_on_where_the_scale_is() {
 
 #[test]
 fn without_a_scale_reading_the_drives_come_on_at_the_motor_reading() {
-    let settings =
-        AxisSettings { sensors: Sensors::Dual { time_constant_s: 0.05 }, ..AxisSettings::default() };
+    let settings = AxisSettings {
+        sensors: Sensors::Dual { time_constant_s: 0.05, limits: WIDE },
+        ..AxisSettings::default()
+    };
     let mut machine = machine::<Fixed>(&settings);
     machine.enable();
     tick(&mut machine, 0.0, Some(0.0));
@@ -97,8 +102,11 @@ fn without_a_scale_reading_the_drives_come_on_at_the_motor_reading() {
 /// would see 1 mm per position tick, 4 m/s.
 fn force_stays_zero<S: Scalar>() {
     for motor_m in [1e-3, -1e-3] {
-        let settings =
-            AxisSettings { sensors: Sensors::Table, feedforward_percent: 100.0, ..AxisSettings::default() };
+        let settings = AxisSettings {
+            sensors: Sensors::Table(WIDE),
+            feedforward_percent: 100.0,
+            ..AxisSettings::default()
+        };
         let mut machine = machine::<S>(&settings);
         machine.enable();
         for _ in 0..20 {
@@ -235,7 +243,7 @@ fn comes_on_at_the_scale_with_a_correction<S: Scalar>(sensors: Sensors) {
 
 #[test]
 fn with_a_correction_of_the_screw_the_drives_come_on_where_the_scale_is() {
-    for sensors in [Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }] {
+    for sensors in [Sensors::Table(WIDE), Sensors::Dual { time_constant_s: 0.05, limits: WIDE }] {
         comes_on_at_the_scale_with_a_correction::<Fixed>(sensors);
         comes_on_at_the_scale_with_a_correction::<f32>(sensors);
         comes_on_at_the_scale_with_a_correction::<f64>(sensors);

@@ -22,6 +22,8 @@ const FULL_N: f64 = 400.0;
 /// 30 N for at most 200 ms. Against 20 N of friction, 0.2 mm take √(2·0.2 mm/(10 N/15 kg)) = 24 ms.
 const CHECK: DirectionCheckSettings = DirectionCheckSettings { force_n: 30.0, time_s: 0.2, detect_m: 0.2e-3 };
 
+const START_M: [f64; 2] = [0.01, -0.02];
+
 struct Bench {
     at_m: [f64; 2],
     velocity: [f64; 2],
@@ -30,6 +32,9 @@ struct Bench {
     force_sign: f64,
     motor_sign: f64,
     scale_sign: Option<f64>,
+    /// Way of the motors from the start before the scales move, m.
+    backlash_m: f64,
+    late: bool,
     friction_n: f64,
     duties: [Duty; 2],
     enabled: bool,
@@ -46,7 +51,7 @@ impl Board<2> for Bench {
     fn readings(&mut self) -> [Reading; 2] {
         self.at_m.map(|m| Reading {
             motor: Position::from_m(self.motor_sign * m).unwrap(),
-            table: self.scale_sign.and_then(|sign| Position::from_m(sign * m)),
+            table: self.scale_sign.and_then(|sign| Position::from_m(sign * m.max(self.scale_starts_m()))),
         })
     }
 
@@ -69,7 +74,7 @@ impl Board<2> for Bench {
     fn set_light(&mut self, _: bool) {}
 
     fn next_tick_due(&mut self) -> bool {
-        false
+        self.late
     }
 }
 
@@ -86,12 +91,14 @@ fn bench() -> (System, Bench) {
     let amplifiers = [Amplifier::new(FULL_N, 8400).unwrap(); 2];
     let system = DriveSystem::new(machine, amplifiers, EnableSwitch::new(2), StatusLight::new(50));
     let bench = Bench {
-        at_m: [0.01, -0.02],
+        at_m: START_M,
         velocity: [0.0; 2],
         drives: [0, 1],
         force_sign: 1.0,
         motor_sign: 1.0,
         scale_sign: None,
+        backlash_m: 0.0,
+        late: false,
         friction_n: 20.0,
         duties: [Duty::default(); 2],
         enabled: false,
@@ -118,10 +125,20 @@ impl Bench {
         }
     }
 
+    /// Where the scale of an axis that is pushed forwards starts to move, m.
+    fn scale_starts_m(&self) -> f64 {
+        if self.backlash_m > 0.0 { START_M[0] + self.backlash_m } else { f64::NEG_INFINITY }
+    }
+
     /// Runs a check of X to its end and to rest. Returns the result and the greatest motion of an axis.
     fn check(&mut self, system: &mut System) -> (DirectionResult, f64) {
+        self.check_of(system, 0)
+    }
+
+    /// The same for any axis.
+    fn check_of(&mut self, system: &mut System, checked: usize) -> (DirectionResult, f64) {
         let start_m = self.at_m;
-        system.check_direction(0, &CHECK).unwrap();
+        system.check_direction(checked, &CHECK).unwrap();
         self.closed = false;
         self.run(system, 10);
         assert!(system.is_checking() && !self.enabled, "it waits for the switch");
@@ -130,7 +147,7 @@ impl Bench {
         assert!(!self.enabled && self.velocity.iter().all(|v| v.abs() < 1e-6));
         let moved = self.at_m.iter().zip(start_m).map(|(m, start)| (m - start).abs());
         let (axis, result) = system.direction_check().unwrap();
-        assert_eq!(axis, 0);
+        assert_eq!(axis, checked);
         (result.unwrap(), moved.fold(0.0, f64::max))
     }
 }
@@ -148,6 +165,7 @@ fn the_result_names_the_sign_that_is_wrong() {
                 let forwards = force_sign * motor_sign > 0.0;
                 let expected = match scale_sign {
                     _ if !forwards => DirectionResult::Reversed,
+                    None => DirectionResult::OkWithoutScale,
                     Some(sign) if sign * force_sign < 0.0 => DirectionResult::ScaleReversed,
                     _ => DirectionResult::Ok,
                 };
@@ -159,10 +177,7 @@ fn the_result_names_the_sign_that_is_wrong() {
 }
 
 #[test]
-fn exchanged_plugs_a_closed_brake_and_a_dead_scale_are_named() {
-    let (mut system, mut exchanged) = bench();
-    exchanged.drives = [1, 0];
-    assert_eq!(exchanged.check(&mut system).0, DirectionResult::WrongAxis(1));
+fn a_closed_brake_is_named() {
     let (mut system, mut braked) = bench();
     braked.friction_n = 40.0;
     let (result, moved_m) = braked.check(&mut system);
@@ -170,12 +185,74 @@ fn exchanged_plugs_a_closed_brake_and_a_dead_scale_are_named() {
     assert!(moved_m < 0.2e-3);
     // 200 ms, and the tick in which the time is over.
     assert!((4000..=4002).contains(&braked.enabled_ticks), "{}", braked.enabled_ticks);
-    // A scale that does not move with its axis: four times 0.2 mm, and half as much to coast.
-    let (mut system, mut dead) = bench();
-    dead.scale_sign = Some(0.0);
-    let (result, moved_m) = dead.check(&mut system);
-    assert_eq!(result, DirectionResult::ScaleWithoutMotion);
-    assert!((0.8e-3..1.21e-3).contains(&moved_m), "{moved_m}");
+}
+
+/// One of motor and scale stands, with either sign of the force: the force ends at 0.2 mm all the same, and the axis coasts half as far.
+/// Both stand: the force ends after 200 ms, in which 10 N move 15 kg by 13 mm, and as far again by half to stop.
+#[test]
+fn any_reading_that_moves_ends_the_force_and_the_result_names_the_one_that_stands() {
+    for force_sign in [1.0, -1.0] {
+        for (motor_sign, scale_sign, expected) in [
+            (1.0, Some(0.0), DirectionResult::ScaleWithoutMotion),
+            (-1.0, Some(0.0), DirectionResult::ScaleWithoutMotion),
+            (0.0, Some(1.0), DirectionResult::MotorWithoutMotion),
+            (0.0, Some(-1.0), DirectionResult::MotorWithoutMotion),
+            (0.0, Some(0.0), DirectionResult::NoMotion),
+        ] {
+            let (mut system, mut dead) = bench();
+            (dead.force_sign, dead.motor_sign, dead.scale_sign) = (force_sign, motor_sign, scale_sign);
+            let (result, moved_m) = dead.check(&mut system);
+            assert_eq!(result, expected, "{force_sign} {motor_sign} {scale_sign:?}");
+            let (least_m, most_m) =
+                if expected == DirectionResult::NoMotion { (13.3e-3, 20.1e-3) } else { (0.2e-3, 0.31e-3) };
+            assert!((least_m..most_m).contains(&moved_m), "{moved_m} m: {result:?}");
+        }
+    }
+}
+
+/// With exchanged plugs the other axis moves, whichever of both is checked and whichever of its sensors works.
+#[test]
+fn another_axis_that_moves_ends_the_force() {
+    for axis in [0, 1] {
+        for (motor_sign, scale_sign) in [(1.0, None), (0.0, Some(1.0)), (0.0, Some(-1.0))] {
+            let (mut system, mut bench) = bench();
+            bench.drives = [1, 0];
+            (bench.motor_sign, bench.scale_sign) = (motor_sign, scale_sign);
+            let (result, moved_m) = bench.check_of(&mut system, axis);
+            assert_eq!(result, DirectionResult::WrongAxis(1 - u8::try_from(axis).unwrap()));
+            assert!((0.2e-3..0.31e-3).contains(&moved_m), "{moved_m} m");
+        }
+    }
+}
+
+/// Backlash of half of the distance: the scale has moved by the other half when the force ends.
+#[test]
+fn a_scale_behind_a_backlash_of_half_the_distance_does_not_stand() {
+    for (backlash_m, expected) in
+        [(0.1e-3, DirectionResult::Ok), (0.17e-3, DirectionResult::ScaleWithoutMotion)]
+    {
+        let (mut system, mut bench) = bench();
+        (bench.scale_sign, bench.backlash_m) = (Some(1.0), backlash_m);
+        assert_eq!(bench.check(&mut system).0, expected, "{backlash_m}");
+    }
+}
+
+/// Ticks that are late while the check waits do not end it; one that is late while the force acts does.
+#[test]
+fn a_late_tick_ends_a_check_only_while_the_force_acts() {
+    let (mut system, mut bench) = bench();
+    system.check_direction(0, &CHECK).unwrap();
+    bench.late = true;
+    bench.run(&mut system, 100);
+    assert_eq!(system.direction_check(), Some((0, None)));
+    bench.late = false;
+    bench.closed = true;
+    bench.run(&mut system, 50);
+    assert!(bench.enabled);
+    bench.late = true;
+    bench.run(&mut system, 1);
+    assert_eq!(system.direction_check(), Some((0, Some(DirectionResult::Aborted))));
+    assert!(!bench.enabled);
 }
 
 /// The loops stay open until the check has ended and the switch has been opened and closed again; then the axes hold where they
@@ -191,7 +268,7 @@ fn the_next_enable_holds_the_axes_where_they_stand() {
     assert_eq!(system.check_direction(1, &CHECK), Err(DirectionCheckError::NotReady));
     bench.closed = true;
     bench.run(&mut system, 8000);
-    assert_eq!(system.direction_check(), Some((0, Some(DirectionResult::Ok))));
+    assert_eq!(system.direction_check(), Some((0, Some(DirectionResult::OkWithoutScale))));
     assert_eq!((system.machine().power(), bench.enabled), (Power::Off, false));
     let at_m = bench.at_m;
     bench.closed = false;
@@ -258,7 +335,7 @@ fn a_closed_switch_is_opened_before_the_check_and_does_not_end_it() {
     system.machine_mut().disable();
     bench.run(&mut system, 10);
     assert_eq!(system.machine().power(), Power::Off);
-    assert_eq!(bench.check(&mut system).0, DirectionResult::Ok);
+    assert_eq!(bench.check(&mut system).0, DirectionResult::OkWithoutScale);
 }
 
 /// Drives that take a force are checked, by PWM as by ±10 V. One that takes steps has no force, and is refused.

@@ -4,7 +4,7 @@
 
 use shared::compensate::settings::{ForceModel, Pitch, PitchSource, Points};
 use shared::compensate::{AxisCompensation, AxisOf, CompensationKind, CompensationSettings, Dependence};
-use shared::config::{AxisSettings, Rates, Sensors};
+use shared::config::{AxisSettings, Rates, ScaleLimits, Sensors};
 use shared::feedback::OriginShift;
 use shared::interpolate::path::QUEUE;
 use shared::interpolate::{Block, PathError};
@@ -78,7 +78,11 @@ fn a_machine_without_settings_refuses_every_axis() {
 
 #[test]
 fn a_machine_reports_its_settings() {
-    let sensors = [Sensors::Motor, Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }];
+    let sensors = [
+        Sensors::MOTOR,
+        Sensors::Table(ScaleLimits::DEFAULT),
+        Sensors::Dual { time_constant_s: 0.05, limits: ScaleLimits::DEFAULT },
+    ];
     let limits_n = [1500.0, 250.0, 4000.0];
     let settings = [0, 1, 2].map(|axis| AxisSettings {
         sensors: sensors[axis],

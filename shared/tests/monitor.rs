@@ -3,7 +3,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use proptest::prelude::*;
-use shared::config::{AxisConfig, AxisSettings, Rates, Sensors};
+use shared::config::{AxisConfig, AxisSettings, Rates, ScaleLimits, Sensors};
 use shared::interpolate::Block;
 use shared::machine::{Machine, Output, Reading};
 use shared::monitor::{Monitor, MonitorInput, State};
@@ -24,6 +24,10 @@ fn position(m: f64) -> Position {
 
 const fn on(axis: u8, kind: FaultKind) -> Power {
     Power::Faulted(Fault::Axis { axis, kind })
+}
+
+const fn frozen_alone(limit_m: f64) -> Sensors {
+    Sensors::Motor { scale_disagreement_limit_m: None, frozen_encoder_limit_m: Some(limit_m) }
 }
 
 /// A machine that has been on for a tick at zero, with these settings of the second axis.
@@ -47,16 +51,14 @@ fn tick_second_axis<S: Scalar>(
 
 #[test]
 fn motor_and_scale_may_differ_by_the_limit_and_no_unit_more_either_way() {
-    // 2⁻¹⁰ m is a whole number of position units.
-    let limit_m = 1.0 / 1024.0;
+    // 2⁻¹² m is a whole number of position units, and less than what one reading may move alone.
+    let limit_m = 1.0 / 4096.0;
     let limit = position(limit_m).0;
-    for sensors in [Sensors::Motor, Sensors::Dual { time_constant_s: 1.0 }] {
+    let alone = Sensors::Motor { scale_disagreement_limit_m: Some(limit_m), frozen_encoder_limit_m: None };
+    let limits = ScaleLimits { disagreement_m: limit_m, ..ScaleLimits::DEFAULT };
+    for sensors in [alone, Sensors::Dual { time_constant_s: 1.0, limits }] {
         for sign in [1, -1] {
-            let axis = AxisSettings {
-                sensors,
-                scale_disagreement_limit_m: Some(limit_m),
-                ..AxisSettings::default()
-            };
+            let axis = AxisSettings { sensors, ..AxisSettings::default() };
             let mut machine = at_standstill::<Fixed>(&axis, 1);
             tick_second_axis(&mut machine, Position(0), Some(Position(sign * limit)));
             assert_eq!(machine.power(), Power::On, "{sensors:?} {sign}");
@@ -274,7 +276,7 @@ fn the_tolerance_of_the_soft_limit_does_not_accumulate_over_small_steps() {
 #[test]
 fn a_frozen_encoder_needs_command_and_velocity_integral_beyond_the_limit() {
     // 2⁻¹⁰ m and 1/64 of it are whole numbers of position units.
-    let axis = AxisSettings { frozen_encoder_limit_m: Some(1.0 / 1024.0), ..AxisSettings::default() };
+    let axis = AxisSettings { sensors: frozen_alone(1.0 / 1024.0), ..AxisSettings::default() };
     let monitor = AxisConfig::<Fixed>::new(&axis, rates(1)).unwrap().monitor;
     let (limit, part) = (position(1.0 / 1024.0).0, position(1.0 / 65_536.0).0);
     // A velocity unit is 2⁴ error units per second: 2⁻⁸ error units, or 2²² position units, in a tick of 2⁻¹² s.

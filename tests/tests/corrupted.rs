@@ -9,6 +9,7 @@ use trace::{Trace, trace};
 
 const FIT: &str = model::examples::DEMO_CIRCLE;
 const VALIDATE: &str = model::examples::DEMO_BALLBAR;
+const TRAVEL: &str = include_str!("../../host-sim/motions/demo_travel.toml");
 
 /// The demo's machine with a text of its file replaced, at its first occurrence: that of axis x.
 fn machine(old: &str, new: &str) -> Machine {
@@ -48,7 +49,9 @@ fn an_effect_at_the_limit_of_its_search_is_rejected_by_name() {
     assert!(trace.better_machine().axis["x"].effect.is_empty(), "expected no effect in the model");
     let json = trace::json::of(&trace, false);
     let refused = json["refused"].as_array().unwrap();
-    assert_eq!(refused.len(), 1, "{refused:?}");
+    // A late command resembles a gain, and ended at its limit of a sample as well.
+    let names: Vec<&str> = refused.iter().filter_map(|one| one["name"].as_str()).collect();
+    assert_eq!(names, ["servo_mismatch", "latency"], "{refused:?}");
     let of = |key: &str| &refused[0][key];
     assert_eq!(
         (of("name"), of("axis"), of("parameter")),
@@ -148,4 +151,34 @@ fn validation_logs_that_the_model_does_not_describe_are_reported() {
     assert!(
         sentences::of_axis(&trace.axes[1]).iter().all(|sentence| !sentence.contains("does not describe"))
     );
+}
+
+/// The slope of a pitch error is added before its map, and alone makes logs worse that cover one half of the travel: 0.01 µm/mm
+/// there has the other sign than the wave. Once it was listed as found with "increases the residual". Beside the map it removes
+/// 0.4 to 0.9 µm of a residual that is otherwise noise.
+#[test]
+fn each_effect_is_stated_with_the_share_that_shows_it() {
+    let positions: Vec<f64> = (-9..=9).map(|i| 10.0 * f64::from(i)).collect();
+    let error = |mm: f64| 4.0 * (std::f64::consts::PI * mm / 90.0).cos() + 0.01 * mm;
+    let list = |values: Vec<f64>| values.iter().map(|v| format!("{v:.6}")).collect::<Vec<_>>().join(", ");
+    let errors = list(positions.iter().map(|&mm| error(mm)).collect());
+    let map = format!(
+        "[[axis.x.effect]]\nname = \"pitch_map\"\npositions_mm = [{}]\nerror_um = [{errors}]\n\n[axis.y]",
+        list(positions)
+    );
+    let truth = machine("[axis.y]", &map);
+    let fit = demo::log(&truth, TRAVEL, 0.0, 1).unwrap();
+    let whole = demo::log(&truth, TRAVEL, 40.0, 2).unwrap();
+    let motor = whole.axes[0].motor.as_ref().unwrap();
+    let first = motor.iter().position(|mm| *mm > 40.0).unwrap();
+    let beyond = motor[first..].iter().take_while(|mm| **mm > 40.0).count();
+    let trace = traced(&declared(), [fit, whole.slice(first..first + beyond)]);
+    let slope = trace.axes[0].found.iter().find(|found| found.effect.name() == "pitch_progressive").unwrap();
+    // The mean slope of the wave over the travel is zero, as it is even.
+    let value = slope.effect.values()[0];
+    assert!((value - 10.0).abs() < 2.0 * slope.half_widths[0].max(0.5), "{value}");
+    // 0.3 µm of 0.65 µm rms may be taken over by the zero of the scale; noise is 0.05 µm.
+    assert!((50.0..100.0).contains(&slope.validate_reduction_percent()), "{slope:?}");
+    let summary = sentences::summary(&trace).join("\n");
+    assert!(!summary.contains("neither show") && !summary.contains("increases the"), "{summary}");
 }

@@ -28,7 +28,11 @@ fn the_listed_keys_are_sufficient_and_names_are_required() {
         }));
         for (key, _) in kind.named_keys {
             assert!(serde_json::from_value::<Effect>(entry.clone().into()).is_err(), "{}, {key}", kind.name);
-            let value = if *key == "channel" { "tool" } else { "y" };
+            let value = match *key {
+                "channel" => "tool",
+                "part" => "scale",
+                _ => "y",
+            };
             entry.insert((*key).to_owned(), value.into());
         }
         let effect: Effect = serde_json::from_value(entry.into()).unwrap();
@@ -49,10 +53,9 @@ fn table() -> String {
 }
 
 fn row(kind: &Kind) -> String {
-    let name = kind.distinguishing_key.map_or_else(
-        || format!("`{}`", kind.name),
-        |key| format!("`{}` with `{key}`, without masses", kind.name),
-    );
+    let name = kind
+        .distinguishing_key
+        .map_or_else(|| format!("`{}`", kind.name), |key| format!("`{}` with `{key}`", kind.name));
     let list =
         |of: &dyn Fn(&Parameter) -> String| kind.parameters.iter().map(of).collect::<Vec<_>>().join("<br>");
     let range = |parameter: &Parameter| match parameter.range {

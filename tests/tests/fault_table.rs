@@ -23,11 +23,12 @@ enum Does {
 }
 
 /// Faults of an axis.
-const OF_AN_AXIS: [(FaultKind, Does); 11] = [
+const OF_AN_AXIS: [(FaultKind, Does); 12] = [
     (FaultKind::FollowingError, Does::Off),
     (FaultKind::Disagreement, Does::Off),
     (FaultKind::EncoderStep, Does::Off),
     (FaultKind::EncoderFrozen, Does::Off),
+    (FaultKind::ScaleFrozen, Does::Off),
     (FaultKind::DriveFault, Does::Off),
     (FaultKind::EncoderSignal, Does::Off),
     (FaultKind::ForceSaturated, Does::Stop),
@@ -189,7 +190,7 @@ impl Side {
             }
         }
         println!("{cases} cases");
-        assert_eq!(cases, 5 * (2 * 11 + 9));
+        assert_eq!(cases, 5 * (2 * 12 + 9));
     }
 }
 

@@ -215,7 +215,7 @@ mod all_features {
         TableFriction, Talk, TimePoints,
     };
     use shared::compensate::{CompensationKind, CompensationSettings};
-    use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
+    use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
     use shared::interpolate::{Block, Ramps, Smoothing};
     use shared::machine::Reading;
     use shared::protocol::{Format, LONGEST_ORDER, PART, Part, Setup};
@@ -235,11 +235,12 @@ mod all_features {
             velocity_lag_s: 25e-6,
             notch: Some(Notch { frequency_hz: 300.0, width_hz: 100.0, depth: 0.9 }),
             low_pass: Some(LowPass { frequency_hz: 900.0, damping_ratio: 0.7 }),
-            sensors: Sensors::Dual { time_constant_s: 0.03 },
+            sensors: Sensors::Dual {
+                time_constant_s: 0.03,
+                limits: ScaleLimits { disagreement_m: 1e-3, ..ScaleLimits::DEFAULT },
+            },
             smoothing: Smoothing::SCurve { time_s: 0.01, jerk_time_s: 0.004 },
-            scale_disagreement_limit_m: Some(1e-3),
             fastest_m_per_s: Some(1.0),
-            frozen_encoder_limit_m: Some(0.01),
             travel_m: Some([-0.1, 0.1]),
             ..AxisSettings::default()
         }

@@ -6,7 +6,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use firmware::setup::CRYSTAL_HZ;
-use tests::board::log::{Access, written};
+use tests::board::log::{Access, watchdog_periods_ms, written};
 use tests::board::{Chip, End};
 use tests::firmware::built;
 
@@ -71,9 +71,12 @@ const BITS: [(&str, &str, u32, u32); 34] = [
     ("GPIOC", "PC11: output", 0x00, 0b01 << 22),
 ];
 
-/// Contacts on port B with pull-downs, so that a broken wire is active: limit switches, drive faults. And on port C, where it is
+/// Contacts on port B with pull-downs, so that a broken wire is active: limit switches, drive faults. On port A, where a broken wire is
+/// a scale without a signal. And on port C, where it is
 /// a switch that is not found: home switches.
-const PULLED_DOWN: [(&str, u32); 8] = [
+const PULLED_DOWN: [(&str, u32); 10] = [
+    ("GPIOA", 3),
+    ("GPIOA", 10),
     ("GPIOB", 1),
     ("GPIOB", 5),
     ("GPIOB", 9),
@@ -183,6 +186,7 @@ fn the_start_up_writes_the_table() {
         };
         assert_eq!(found, value, "{name}: {found:#x}, expected {value:#x}");
     }
+    watchdog_periods_ms(&accesses, &[10.0]);
     assert!(chip.clocks.are_monitored(), "the clock security system is off");
     // 34.4.3: 48 MHz; USB 2.0, 7.1.11: within 0.25 % with the crystal, which has far less.
     assert_eq!(chip.clocks.usb_hz(CRYSTAL_HZ), 48_000_000);

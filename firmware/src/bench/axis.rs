@@ -42,6 +42,15 @@ const STEP_S: f32 = 1.0 / (TICK_HZ * STEPS) as f32;
 #[expect(clippy::cast_possible_truncation, reason = "rounded to 24 bits")]
 const UNITS: f32 = PER_M as f32;
 
+/// Which sensors of an axis are frozen.
+#[derive(Clone, Copy, Debug, Default)]
+pub struct Frozen {
+    /// The encoder of the motor.
+    pub encoder: bool,
+    /// The linear scale.
+    pub scale: bool,
+}
+
 /// An axis.
 #[derive(Clone, Copy, Debug)]
 pub struct AxisPlant {
@@ -53,8 +62,9 @@ pub struct AxisPlant {
     /// Velocities, m/s.
     motor_velocity: f32,
     table_velocity: f32,
-    /// The motor as its encoder reads it.
+    /// Motor and table as their sensors read them.
     read_motor: i64,
+    read_table: i64,
     /// Position at power-up, position units: readings count from there.
     start: i64,
     /// Turn of the motor from index pulse to index pulse.
@@ -75,14 +85,15 @@ impl AxisPlant {
             motor_velocity: 0.0,
             table_velocity: 0.0,
             read_motor: start,
+            read_table: start,
             start,
             turn: turn(start),
             index: None,
         }
     }
 
-    /// Moves by the time of a tick under a force (N) on the motor. A frozen encoder is not read.
-    pub fn step(&mut self, force_n: f32, read: bool) {
+    /// Moves by the time of a tick under a force (N) on the motor. A sensor that is frozen is not read.
+    pub fn step(&mut self, force_n: f32, frozen: Frozen) {
         for _ in 0..STEPS {
             let screw_n = self.screw_force();
             self.motor_velocity += STEP_S / MOTOR_MASS_KG * (force_n - screw_n);
@@ -95,8 +106,11 @@ impl AxisPlant {
             self.motor = self.motor.wrapping_add(way(self.motor_velocity));
             self.table = self.table.wrapping_add(way(self.table_velocity));
         }
-        if read {
+        if !frozen.encoder {
             self.read_motor = self.motor;
+        }
+        if !frozen.scale {
+            self.read_table = self.table;
         }
         let turn = turn(self.motor);
         if turn != self.turn {
@@ -146,7 +160,7 @@ impl AxisPlant {
 
     /// Encoder and scale in whole counts.
     pub fn reading(&self) -> Reading {
-        Reading { motor: self.counted(self.read_motor), table: Some(self.counted(self.table)) }
+        Reading { motor: self.counted(self.read_motor), table: Some(self.counted(self.read_table)) }
     }
 }
 

@@ -6,7 +6,7 @@
 mod axis;
 
 use shared::capture::ChannelSteps;
-use shared::config::AxisSettings;
+use shared::config::{AxisSettings, Sensors};
 use shared::drive::{
     Amplifier, AnyOutput, AxisInputs, Board, DriveSignal, DriveSystem, Duty, EnableSwitch, Inputs,
     StatusLight, Supply, SupplyLimits,
@@ -21,7 +21,7 @@ use shared::units::{PER_NM, Position};
 
 use crate::setup::{self, AXES, RATES, SWITCH_SETTLING_TICKS, SetupError, TICK_HZ};
 pub use axis::COUNT;
-use axis::{AxisPlant, INDEX_M, LEAD_M};
+use axis::{AxisPlant, Frozen, INDEX_M, LEAD_M};
 
 /// Width of the dead zone between screw and table, m. Not declared in the machine file.
 pub const BACKLASH_M: [f64; AXES] = [14e-6, 0.0];
@@ -72,7 +72,10 @@ pub const SETTINGS: BoardSettings = BoardSettings {
     rates: RATES,
     axes: [AxisSettings {
         travel_m: Some(TRAVEL_M),
-        scale_disagreement_limit_m: Some(0.5e-3),
+        sensors: Sensors::Motor {
+            scale_disagreement_limit_m: Some(0.5e-3),
+            frozen_encoder_limit_m: setup::SETTINGS[0].sensors.frozen_encoder_limit_m(),
+        },
         ..setup::SETTINGS[0]
     }; AXES],
 };
@@ -105,8 +108,8 @@ pub struct Hands {
     pub enable_switch: bool,
     /// The emergency stop is pressed.
     pub emergency_stop: bool,
-    /// The encoder of the x motor is frozen.
-    pub x_encoder_frozen: bool,
+    /// Which sensors of x are frozen.
+    pub x_frozen: Frozen,
     /// The signal of the x scale is lost.
     pub x_scale_lost: bool,
     /// The status light is lit.
@@ -124,7 +127,7 @@ impl Bench {
             hands: Hands {
                 enable_switch: false,
                 emergency_stop: false,
-                x_encoder_frozen: false,
+                x_frozen: Frozen { encoder: false, scale: false },
                 x_scale_lost: false,
                 light: false,
             },
@@ -138,9 +141,9 @@ impl Bench {
 
     /// Moves the machine by the time of a tick.
     pub fn step(&mut self) {
-        let frozen = self.hands.x_encoder_frozen;
-        for (number, (axis, force)) in self.axes.iter_mut().zip(self.forces).enumerate() {
-            axis.step(if self.enabled { force } else { 0.0 }, !(frozen && number == 0));
+        let frozen = [self.hands.x_frozen, Frozen::default()];
+        for ((axis, force), frozen) in self.axes.iter_mut().zip(self.forces).zip(frozen) {
+            axis.step(if self.enabled { force } else { 0.0 }, frozen);
         }
     }
 }

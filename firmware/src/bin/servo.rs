@@ -171,7 +171,9 @@ fn run() -> Option<()> {
             if now - served_at > ABANDONED_TICKS {
                 end(true);
             }
-            wait(now < AWAKE_TICKS + served_at || with_plant(|plant| plant.drive.machine().power().is_on()));
+            let drive_waits =
+                |drive: &HostedDrive<'_, Fixed, AXES>| drive.machine().power().is_on() || drive.is_checking();
+            wait(now < AWAKE_TICKS + served_at || with_plant(|plant| drive_waits(&plant.drive)));
         }
     }
 }
@@ -211,8 +213,8 @@ unsafe impl interrupt::InterruptNumber for Interrupt {
 const PAUSE: u32 = 2000;
 
 /// Lets time pass. Awake, by instructions: while a processor sleeps, QEMU takes the time from the host, which skips ticks when
-/// it is late, and a drive that comes on then would find its next tick due. With the drives off and nobody there, a skipped tick
-/// does not matter, and the host has less to do.
+/// it is late, and a drive that comes on then would find its next tick due. With the drives off and neither a direction check nor a host
+/// there, a skipped tick does not matter, and the host has less to do.
 fn wait(awake: bool) {
     if awake {
         cortex_m::asm::delay(PAUSE);

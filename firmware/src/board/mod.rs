@@ -70,6 +70,11 @@ pub struct Parts {
     pub previous_fault: Option<Fault>,
 }
 
+/// A converter's input by slope and offset, in the units of its value.
+fn linear_input([slope, offset]: [f64; 2]) -> Result<LinearInput, SetupError> {
+    LinearInput::new(slope, offset).ok_or(SetupError::Converter)
+}
+
 impl Parts {
     /// Initialises clocks, pins and timers, configures the machine, and starts the ticks with the drives off.
     ///
@@ -96,9 +101,8 @@ impl Parts {
             Pins { enable, directions: (c.pc10.into_push_pull_output(), c.pc11.into_push_pull_output()) };
         // With the pull-down, a broken wire stops the drives.
         let stop = b.pb12.into_alternate().internal_resistor(Pull::Down);
-        let timer_pins = (a.pa8.into_alternate(), a.pa9.into_alternate(), stop);
-        let stages = Stages::new(device.TIM1, pins, timer_pins, analog, &mut rcc);
-
+        let pwm = (a.pa8.into_alternate(), a.pa9.into_alternate(), stop);
+        let stages = Stages::new(device.TIM1, pins, pwm, analog, &mut rcc);
         // Pull-ups: an open input does not float.
         macro_rules! counter_inputs {
             ($($pin:expr => $function:literal,)*) => {
@@ -111,15 +115,19 @@ impl Parts {
             a.pa0 => 2, a.pa1 => 2, a.pa2 => 2,
             c.pc6 => 3, c.pc7 => 3, c.pc8 => 3,
         }
-        let supply_pins = (c.pc0.into_analog(), c.pc1.into_analog());
-        let x_pins = (c.pc2.into_analog(), c.pc3.into_analog());
-        let pins = (supply_pins, x_pins, (c.pc4.into_analog(), c.pc5.into_analog()));
+        let (supply, x) =
+            ((c.pc0.into_analog(), c.pc1.into_analog()), (c.pc2.into_analog(), c.pc3.into_analog()));
+        let pins = (supply, x, (c.pc4.into_analog(), c.pc5.into_analog()));
         let converters = Converters::new(device.ADC1, device.ADC2, &device.ADC_COMMON, pins, &mut rcc);
         let timers = Timers { x: device.TIM3, y: device.TIM4, x_scale: device.TIM5, y_scale: device.TIM8 };
         let sensors = Sensors::new(table, timers, &mut rcc)?;
-        switches::set_up((b.pb1, b.pb2, b.pb3, b.pb5, b.pb9, b.pb13, b.pb15), (c.pc9, c.pc12));
-        let uart_pins = (b.pb10.into_alternate(), b.pb11.into_alternate());
-        let (uart, interrupt) = uart::start(device.USART3, uart_pins, queues, &mut rcc);
+        switches::set_up(
+            (a.pa3, a.pa10),
+            (b.pb1, b.pb2, b.pb3, b.pb5, b.pb9, b.pb13, b.pb15),
+            (c.pc9, c.pc12),
+        );
+        let pins = (b.pb10.into_alternate(), b.pb11.into_alternate());
+        let (uart, interrupt) = uart::start(device.USART3, pins, queues, &mut rcc);
         // SAFETY: the peripherals exist once.
         let (capture, usb_memory) = unsafe { link::core_coupled_memory() };
         let core = (device.OTG_FS_GLOBAL, device.OTG_FS_DEVICE, device.OTG_FS_PWRCLK);
@@ -129,20 +137,18 @@ impl Parts {
         let system = setup::drive_system(machine, stages.full_counts())?;
         let Identity { tick_hz, times, steps, .. } = &setup::IDENTITY;
         let drive = HostedDrive::new(system, *tick_hz, *times, steps, capture);
-        let tick_timer = TickTimer::new(device.TIM2, &mut rcc);
         let watchdog = Watchdog::start(device.IWDG);
 
-        let linear = |[slope, offset]: [f64; 2]| LinearInput::new(slope, offset).ok_or(SetupError::Converter);
         let hardware = Hardware {
             table,
             sensors,
             converters,
-            bus: linear([setup::BUS_MV_PER_COUNT, 0.0])?,
-            temperature: linear(setup::TEMPERATURE_MC)?,
+            bus: linear_input([setup::BUS_MV_PER_COUNT, 0.0])?,
+            temperature: linear_input(setup::TEMPERATURE_MC)?,
             stages,
             steps: table.map(step_counter),
             fault_light: c.pc13.into_push_pull_output_in_state(PinState::High),
-            tick_timer,
+            tick_timer: TickTimer::new(device.TIM2, &mut rcc),
             switches: Switches::default(),
             conversions: Conversions::default(),
         };
@@ -173,7 +179,7 @@ impl Hardware {
         self.tick_timer.acknowledge();
         self.switches = Switches::read();
         self.conversions = self.converters.read();
-        self.sensors.read(&self.conversions);
+        self.sensors.read(&self.conversions, self.switches.scale_signals(self.table));
     }
 
     fn axis_inputs(&mut self, axis: usize) -> AxisInputs {

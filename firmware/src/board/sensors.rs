@@ -1,6 +1,7 @@
 //! The position sensors of both axes, by the table of the board.
 
 use shared::axis::Reading;
+use shared::feedback::ScaleSignal;
 use shared::feedback::resolver::Resolver;
 use shared::units::Position;
 use stm32f4xx_hal::pac::{TIM3, TIM4, TIM5, TIM8};
@@ -76,6 +77,7 @@ pub struct Sensors {
     y: Motor<TIM4>,
     x_scale: Option<LongQuadrature<TIM5>>,
     y_scale: Option<Quadrature<TIM8>>,
+    scale_signals: [ScaleSignal; AXES],
     readings: [Reading; AXES],
 }
 
@@ -93,16 +95,28 @@ impl Sensors {
             y: Motor::new(timers.y, &y.motor, rcc)?,
             x_scale: x_scale.transpose()?,
             y_scale: y_scale.transpose()?,
+            scale_signals: [ScaleSignal::NEW; AXES],
             readings: [Reading { motor: Position(0), table: None }; AXES],
         })
     }
 
-    /// Reads all sensors.
-    pub fn read(&mut self, conversions: &Conversions) {
+    /// Reads all sensors. A scale that has no signal, or had none meanwhile, has no reading.
+    pub fn read(&mut self, conversions: &Conversions, have_signal: [bool; AXES]) {
         let [x, y] = conversions.resolvers;
+        // Each is read in every tick: a counter of 16 bits must not wrap unseen.
+        let mut tables = [
+            self.x_scale.as_ref().map(LongQuadrature::position),
+            self.y_scale.as_mut().map(Quadrature::position),
+        ];
+        for ((table, signal), present) in tables.iter_mut().zip(&mut self.scale_signals).zip(have_signal) {
+            if !signal.update(present) {
+                *table = None;
+            }
+        }
+        let [x_table, y_table] = tables;
         self.readings = [
-            Reading { motor: self.x.read(x), table: self.x_scale.as_ref().map(LongQuadrature::position) },
-            Reading { motor: self.y.read(y), table: self.y_scale.as_mut().map(Quadrature::position) },
+            Reading { motor: self.x.read(x), table: x_table },
+            Reading { motor: self.y.read(y), table: y_table },
         ];
     }
 

@@ -6,7 +6,7 @@ use shared::compensate::settings::{
     Cycle, ForceModel, FrictionWarmUp, Pitch, PitchSource, Points, Reversal, Straightness, Stribeck,
     TableFriction, Talk, TimePoints,
 };
-use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
+use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
 use shared::machine::{Machine, Output};
 use shared::scalar::Scalar;
@@ -64,12 +64,13 @@ pub fn full_axis() -> AxisSettings {
         notch: Some(Notch { frequency_hz: 400.0, width_hz: 100.0, depth: 0.9 }),
         low_pass: Some(LowPass { frequency_hz: 900.0, damping_ratio: 0.7 }),
         force_limit_n: 8000.0,
-        sensors: Sensors::Dual { time_constant_s: 0.05 },
+        sensors: Sensors::Dual {
+            time_constant_s: 0.05,
+            limits: ScaleLimits { disagreement_m: 0.001, ..ScaleLimits::DEFAULT },
+        },
         smoothing: Smoothing::SCurve { time_s: 0.004, jerk_time_s: 0.002 },
         following_error_limit_m: 0.05,
-        scale_disagreement_limit_m: Some(0.001),
         fastest_m_per_s: Some(1.0),
-        frozen_encoder_limit_m: Some(0.01),
         saturation_time_s: 0.5,
         travel_m: Some([-0.1, 0.1]),
         stop_deceleration_m_per_s2: 2.0,

@@ -121,6 +121,12 @@ impl Bench {
         Err(BoardError::Silent { seconds: CONFIRM_TIMEOUT.as_secs_f64() })
     }
 
+    /// The file of the lock of the link.
+    #[must_use]
+    pub fn link_lock(&self) -> PathBuf {
+        self.folder.join("link.lock")
+    }
+
     fn link_socket(&self) -> PathBuf {
         self.folder.join(LINK)
     }
@@ -174,7 +180,9 @@ impl Bench {
     }
 }
 
-fn folder() -> PathBuf {
+/// The folder of sockets, locks and log.
+#[must_use]
+pub fn folder() -> PathBuf {
     if let Some(folder) = std::env::var_os(FOLDER_VARIABLE) {
         return folder.into();
     }
@@ -185,8 +193,7 @@ fn folder() -> PathBuf {
     std::env::temp_dir().join(format!("lost-motion-bench-{user}"))
 }
 
-/// The program of the board: beside this program, or in the target folder of its workspace, where it is built if it is missing
-/// and cargo is installed.
+/// The program of the board: beside this program, or in the target folder of its workspace. It is not built here: that takes minutes.
 fn program() -> Result<PathBuf, BoardError> {
     const NAME: &str = "thumbv7em-none-eabihf/firmware/servo";
     let this_program = std::env::current_exe().ok();
@@ -194,25 +201,13 @@ fn program() -> Result<PathBuf, BoardError> {
     let targets = this_program.iter().flat_map(|program| program.ancestors().skip(1)).map(|up| up.join(NAME));
     let workspace = workspace();
     let built = std::env::var_os("CARGO_TARGET_DIR").map_or_else(|| workspace.join("target"), PathBuf::from);
-    let built = built.join(NAME);
-    let candidates = beside.chain(targets).chain(std::iter::once(built.clone()));
-    if let Some(found) = candidates.into_iter().find(|path| path.is_file()) {
-        return Ok(found);
-    }
-    let missing = |problem: &str| {
-        BoardError::Port(format!("bench: the program of the emulated board is missing, and {problem}"))
-    };
-    if !workspace.join("firmware/Cargo.toml").is_file() {
-        return Err(missing("there are no sources to build it from: build it with `cargo servo`"));
-    }
-    eprintln!("building the program of the emulated board (once)");
-    let cargo = std::env::var_os("CARGO").unwrap_or_else(|| "cargo".into());
-    let output = Command::new(cargo).arg("servo").current_dir(&workspace).stdin(Stdio::null()).output();
-    match output {
-        Ok(output) if output.status.success() && built.is_file() => Ok(built),
-        Ok(_) => Err(missing("`cargo servo` fails (is the target thumbv7em-none-eabihf installed?)")),
-        Err(_) => Err(missing("cargo is not installed to build it: `cargo servo`")),
-    }
+    let mut candidates = beside.chain(targets).chain(std::iter::once(built.join(NAME)));
+    candidates.find(|path| path.is_file()).ok_or_else(|| {
+        let folder = workspace.display();
+        BoardError::Port(format!(
+            "bench: the program of the emulated board is missing: build it with `cargo servo` in {folder} (once, some minutes)"
+        ))
+    })
 }
 
 /// The folder of the workspace that this program was built from.

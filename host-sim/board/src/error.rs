@@ -10,6 +10,16 @@ pub enum BoardError {
     /// The port cannot be opened, or the emulated board not started.
     #[error("port {0}")]
     Port(String),
+    /// Another program uses the port.
+    #[error(
+        "port {port}: in use by {holder}, which has to end first; the enable switch and the emergency stop act at any time"
+    )]
+    InUse {
+        /// Name of the port.
+        port: String,
+        /// The other program, in words.
+        holder: String,
+    },
     /// The port has failed.
     #[error("link: {0}")]
     Link(#[from] std::io::Error),

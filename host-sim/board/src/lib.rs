@@ -1,6 +1,7 @@
 //! A servo board at the end of a byte stream: the host's side of [`shared::link`].
 //!
 //! - [`port`]: an open serial port or socket
+//! - [`port_lock`]: one program at a port
 //! - [`mod@open`]: ports by their names
 //! - [`mod@bench`]: the emulated servo board, which lives on between commands, and the switches of its machine
 //! - [`client`]: requests with their replies, repeated where they are lost
@@ -15,6 +16,7 @@ pub mod error;
 pub mod motion;
 pub mod open;
 pub mod port;
+pub mod port_lock;
 pub mod refusal;
 pub mod samples;
 pub mod transfer;

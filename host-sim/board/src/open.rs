@@ -1,32 +1,50 @@
 //! Ports by their names.
 
 use std::os::unix::fs::FileTypeExt;
-use std::path::Path;
+use std::path::{Path, PathBuf};
 
 use files::error::quoted;
 use serialport::{SerialPortInfo, SerialPortType};
 
-use crate::bench::Bench;
+use crate::bench::{self, Bench};
 use crate::error::BoardError;
 use crate::port::Port;
+use crate::port_lock::{self, PortLock};
 
 /// Opens a port: `bench` or `emulated` for the emulated servo board, which is started if it does not run; the path of a
-/// socket; otherwise the name of a serial port.
+/// socket; otherwise the name of a serial port. It is held until it is dropped.
 ///
 /// # Errors
-/// [`BoardError::Port`] in one line.
+/// [`BoardError::Port`] in one line, [`BoardError::InUse`] with the program that uses it.
 pub fn open(name: &str) -> Result<Port, BoardError> {
+    let in_use = |holder| BoardError::InUse { port: quoted(name), holder };
     if is_bench(name) {
-        return Bench::start()?.link();
+        let bench = Bench::start()?;
+        let lock = PortLock::take(&bench.link_lock()).map_err(in_use)?;
+        return Ok(bench.link()?.held_by(lock));
     }
     let failed = |problem: String| BoardError::Port(format!("{}: {problem}", quoted(name)));
-    let is_socket = std::fs::metadata(name).is_ok_and(|file| file.file_type().is_socket());
+    let path = Path::new(name);
+    let lock = PortLock::take(&lock_of(path)).map_err(in_use)?;
+    let is_socket = std::fs::metadata(path).is_ok_and(|file| file.file_type().is_socket());
     if is_socket {
-        return Port::socket(Path::new(name)).map_err(|error| failed(error.to_string()));
+        let port = Port::socket(path).map_err(|error| failed(error.to_string()))?;
+        return Ok(port.held_by(lock));
     }
-    Port::serial(name).map_err(|error| {
+    if let Some(holder) = port_lock::other_user_of(path) {
+        return Err(in_use(holder));
+    }
+    let port = Port::serial(name).map_err(|error| {
         failed(format!("{error}; expected emulated, bench, or one of: {}", list().join(", ")))
-    })
+    })?;
+    Ok(port.held_by(lock))
+}
+
+/// The file of the lock of a port, by its true name: links lead to the same port.
+fn lock_of(port: &Path) -> PathBuf {
+    let port = std::fs::canonicalize(port).unwrap_or_else(|_| port.to_owned());
+    let name = port.to_string_lossy().replace(std::path::MAIN_SEPARATOR, "_");
+    bench::folder().join(format!("port{name}.lock"))
 }
 
 /// Whether a name is that of the emulated servo board.

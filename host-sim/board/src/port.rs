@@ -7,6 +7,8 @@ use std::time::Duration;
 
 use shared::link::port::BAUD;
 
+use crate::port_lock::PortLock;
+
 /// Longest wait of a single read.
 const READ_TIMEOUT: Duration = Duration::from_millis(20);
 
@@ -16,7 +18,11 @@ trait ByteStream: Read + Write + Send {}
 impl<T: Read + Write + Send> ByteStream for T {}
 
 /// An open port.
-pub struct Port(Box<dyn ByteStream>);
+pub struct Port {
+    stream: Box<dyn ByteStream>,
+    /// Held while the port is open.
+    _lock: Option<PortLock>,
+}
 
 impl std::fmt::Debug for Port {
     fn fmt(&self, f: &mut std::fmt::Formatter<'_>) -> std::fmt::Result {
@@ -32,7 +38,7 @@ impl Port {
     pub fn socket(path: &Path) -> io::Result<Self> {
         let stream = UnixStream::connect(path)?;
         stream.set_read_timeout(Some(READ_TIMEOUT))?;
-        Ok(Self(Box::new(stream)))
+        Ok(Self { stream: Box::new(stream), _lock: None })
     }
 
     /// A serial port.
@@ -42,7 +48,13 @@ impl Port {
     pub fn serial(path: &str) -> serialport::Result<Self> {
         // Opened for this program only.
         let port = serialport::new(path, BAUD).timeout(READ_TIMEOUT).open()?;
-        Ok(Self(Box::new(port)))
+        Ok(Self { stream: Box::new(port), _lock: None })
+    }
+
+    /// The same with a lock that other programs respect.
+    #[must_use]
+    pub fn held_by(self, lock: Option<PortLock>) -> Self {
+        Self { _lock: lock, ..self }
     }
 
     /// Sends bytes.
@@ -50,8 +62,8 @@ impl Port {
     /// # Errors
     /// The failure of the port.
     pub fn send(&mut self, bytes: &[u8]) -> io::Result<()> {
-        self.0.write_all(bytes)?;
-        self.0.flush()
+        self.stream.write_all(bytes)?;
+        self.stream.flush()
     }
 
     /// Receives what has arrived; waits at most 20 ms. 0: nothing has.
@@ -59,7 +71,7 @@ impl Port {
     /// # Errors
     /// The failure of the port, or its end.
     pub fn receive(&mut self, bytes: &mut [u8]) -> io::Result<usize> {
-        match self.0.read(bytes) {
+        match self.stream.read(bytes) {
             Ok(0) => Err(io::ErrorKind::UnexpectedEof.into()),
             Err(error)
                 if matches!(

@@ -119,6 +119,9 @@ pub fn direction(axis: u8, result: DirectionResult) -> String {
     let axis = axis_name(axis);
     match result {
         DirectionResult::Ok => format!("{axis}: force, motor encoder and scale have the same direction"),
+        DirectionResult::OkWithoutScale => {
+            format!("{axis}: force and motor encoder have the same direction; there is no reading of a scale")
+        }
         DirectionResult::Reversed => format!(
             "{axis}: a positive force moves the motor encoder in the negative direction: change the sign of the force or that \
              of the encoder"
@@ -129,7 +132,10 @@ pub fn direction(axis: u8, result: DirectionResult) -> String {
             )
         }
         DirectionResult::ScaleWithoutMotion => {
-            format!("{axis}: the motor has moved, the scale has not: check its plug and the coupling")
+            format!("{axis}: the motor has moved, the scale stands: check its plug and the coupling")
+        }
+        DirectionResult::MotorWithoutMotion => {
+            format!("{axis}: the scale has moved, the motor encoder stands: check its plug")
         }
         DirectionResult::WrongAxis(other) => {
             format!("{axis}: {} has moved instead: two plugs are exchanged", axis_name(other))
@@ -137,6 +143,9 @@ pub fn direction(axis: u8, result: DirectionResult) -> String {
         DirectionResult::NoMotion => format!(
             "{axis}: nothing has moved: the force is too small, the brake is closed, the drive is not ready, or an encoder is \
              not connected"
+        ),
+        DirectionResult::Expired => format!(
+            "{axis}: ended before the enable switch was closed: the host was silent, or another session was opened"
         ),
         DirectionResult::Aborted => format!("{axis}: ended by a fault, or by the enable switch"),
     }
@@ -211,6 +220,7 @@ const fn kind_text(kind: FaultKind) -> &'static str {
         FaultKind::SoftLimit => "the command has left the travel",
         FaultKind::ScaleLost => "the scale has no signal",
         FaultKind::EncoderFrozen => "the motor reading does not move",
+        FaultKind::ScaleFrozen => "the motor moves and the scale reading does not",
         FaultKind::DriveFault => "the drive reports a fault",
         FaultKind::EncoderSignal => "the encoder signal is too weak or too strong",
         FaultKind::LimitSwitch => "the command moves onto an active limit switch; jog back",

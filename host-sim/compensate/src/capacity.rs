@@ -1,7 +1,8 @@
 //! What of a model is beyond what the controller can compensate.
 
+use crate::choice::{Choice, Part};
 use crate::file::{CompensationFile, Refused};
-use crate::plan::{Choice, Part, Planning};
+use crate::planning::Planning;
 use crate::prediction::PredictionError;
 
 impl Planning<'_> {

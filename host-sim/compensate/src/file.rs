@@ -53,6 +53,9 @@ pub struct Provenance {
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct AxisCompensation {
+    /// Least and greatest position, mm, between which the tables over the position are known; absent: there are none.
+    #[serde(default, skip_serializing_if = "Option::is_none")]
+    pub mapped_mm: Option<[f64; 2]>,
     /// Settings of the drive.
     #[serde(default, skip_serializing_if = "ControllerChange::is_empty")]
     pub controller: ControllerChange,
@@ -66,6 +69,11 @@ impl AxisCompensation {
     fn check(&self, document: &Document<'_>, name: &str, machine: &Machine) -> Result<(), InputError> {
         if let Some((key, expected)) = self.controller.refused(1.0 / machine.rates().position_loop_hz()) {
             return Err(document.refuse(&format!("axis.{name}.controller.{key}"), &expected));
+        }
+        let is_travel = |[from, to]: [f64; 2]| from.is_finite() && to.is_finite() && from < to;
+        if self.mapped_mm.is_some_and(|mm| !is_travel(mm)) {
+            let expected = "two positions, the second above the first";
+            return Err(document.refuse(&format!("axis.{name}.mapped_mm"), expected));
         }
         match self.refused(name, machine) {
             Some(error) => {

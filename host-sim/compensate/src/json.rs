@@ -3,8 +3,9 @@
 use serde_json::{Value, json};
 
 use crate::plan::Plan;
+use crate::watched::Watched;
 
-/// `{"items": […], "not_compensated": […], "predicted": […]}`; see `docs/files.md`.
+/// `{"items": […], "not_compensated": […], "predicted": […], "watched": […], "beyond_mapped": […]}`; see `docs/files.md`.
 #[must_use]
 pub fn of(plan: &Plan) -> Value {
     let items: Vec<Value> = plan
@@ -25,5 +26,23 @@ pub fn of(plan: &Plan) -> Value {
         .map(|not| json!({"effect": not.effect, "axis": not.axis, "why": not.why, "instead": not.instead}))
         .collect();
     let predicted: Vec<Value> = plan.file.predicted.iter().map(|p| json!(p)).collect();
-    json!({"items": items, "not_compensated": not, "predicted": predicted})
+    let watched = |watched: &Watched| json!({"motion": watched.motion, "before_um": watched.before_um, "after_um": watched.after_um});
+    let beyond = plan.beyond.iter().flat_map(|(motion, axes)| {
+        axes.iter().map(move |axis| {
+            json!({
+                "motion": motion,
+                "axis": axis.axis,
+                "mapped_mm": axis.mapped_mm,
+                "reached_mm": axis.reached_mm,
+                "unknown": axis.what,
+            })
+        })
+    });
+    json!({
+        "items": items,
+        "not_compensated": not,
+        "predicted": predicted,
+        "watched": plan.watched.iter().map(watched).collect::<Vec<_>>(),
+        "beyond_mapped": beyond.collect::<Vec<_>>(),
+    })
 }

@@ -5,6 +5,10 @@
 //! - [`treatment`]: what is done about each effect, or why nothing can be
 //! - [`prediction`]: the contour error of the model with and without a compensation
 //! - [`plan`]: the compensation of a model, without the items that the prediction does not support
+//! - `choice`: what of a possible compensation is used; [`watched`]: motions that it may not make worse, such as the
+//!   [`standard_motions`]
+//! - [`mapped`]: the travel that a compensation is made for, and motions that leave it
+//! - [`listed`]: the items of a plan, and what is left out
 //! - `capacity`: what of a model is beyond what the controller can compensate
 //! - [`round_trip`]: the same motions before and after on a simulated machine, whose controller runs where [`place`] says
 //! - [`limits`]: what limits the error that is left: noise, resolution, bandwidth, or what the model does not describe
@@ -15,19 +19,25 @@
 
 pub mod alignment;
 mod capacity;
+mod choice;
 pub mod cycles;
 pub mod file;
 pub mod force;
 pub mod json;
 pub mod limits;
+pub mod listed;
+pub mod mapped;
 pub mod place;
 pub mod plan;
+pub mod planning;
 pub mod prediction;
 pub mod round_trip;
 pub mod servo;
+pub mod standard_motions;
 pub mod tables;
 pub mod text;
 pub mod treatment;
+pub mod watched;
 
 pub use file::CompensationFile;
 pub use plan::Plan;

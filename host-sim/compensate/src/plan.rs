@@ -7,101 +7,28 @@ use std::f64::consts::PI;
 use rayon::prelude::*;
 use shared::compensate::CompensationSettings;
 
+use crate::choice::{Choice, Part, Strength};
 use crate::file::{AxisCompensation, CompensationFile, Provenance};
+use crate::listed::{Item, LeftOut, NotCompensated};
+use crate::mapped::{self, Beyond};
+use crate::planning::Planning;
 use crate::prediction::{self, PredictionError, TestMotion, contour_errors, total_rms_um};
 use crate::servo::ControllerChange;
 use crate::treatment::{self, Treatment};
+use crate::watched::{Watch, Watched};
 use crate::{force, tables};
 use contour::ContourError;
+use contour::verification::Prediction;
 use model::axis::Law;
 use model::effects::Effect;
-use model::machine::Machine;
-use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::parameters::AxisParameters;
 
 /// A part of a compensation is left out if the contour error is lower without it by more than this fraction.
 const MIN_LOSS: f64 = 2e-3;
 
-/// Part of the travel of the motions that the tables cover beyond it, on both sides.
-const BEYOND_TRAVEL: f64 = 0.02;
-
 /// How far the measured error may be from the predicted one, percent.
 const BOUND_PERCENT: f64 = 15.0;
-
-/// Why a part has no setting, and what to do instead.
-const NO_SETTING: (&str, &str) = (
-    "no setting of the controller is left for it: tables of two periods, one source of cross-talk and straightness, friction \
-     only as part of the force feed-forward",
-    "remove its cause, or join effects of the same period",
-);
-
-/// A part of a compensation that can be left out.
-#[derive(Clone, Debug, PartialEq, Eq, PartialOrd, Ord)]
-pub enum Part {
-    /// The compensation of an effect: index of the axis, and of the effect among those of the axis.
-    Effect(usize, usize),
-    /// Force feed-forward of an axis from its declared masses, friction and loads.
-    Force(usize),
-    /// The stretch of an axis's drive under the modelled force.
-    Stretch(usize),
-    /// Velocity feed-forward of 100 % on all axes.
-    Feedforward,
-    /// P control in place of HPC on all axes: HPC filters the feed-forward, too, and overshoots with 100 % of it.
-    Law,
-}
-
-/// Times by which the velocity feed-forward is ahead of the command that are tried, position ticks. Its backward difference is
-/// one tick late; drive and velocity reading change that by a part of a tick.
-const AHEAD_TICKS: [f64; 7] = [0.0, 0.5, 0.75, 1.0, 1.25, 1.5, 2.0];
-
-/// What of the possible compensation is used.
-#[derive(Clone, Debug, Default)]
-pub(crate) struct Choice {
-    off: BTreeSet<Part>,
-    /// Time by which the velocity feed-forward is ahead of the command, s.
-    ahead_s: f64,
-}
-
-impl Choice {
-    fn has(&self, part: &Part) -> bool {
-        !self.off.contains(part)
-    }
-
-    pub(crate) fn without(&self, part: &Part) -> Self {
-        let mut choice = self.clone();
-        choice.off.insert(part.clone());
-        choice
-    }
-}
-
-/// What is compensated, and what the model predicts of it.
-#[derive(Clone, Debug, PartialEq)]
-pub struct Item {
-    /// Name of the effect, or of the part of the declared model.
-    pub effect: String,
-    /// Name of the axis; all axes: empty.
-    pub axis: String,
-    /// What the controller does.
-    pub does: String,
-    /// Rms of the contour error without this item and with all others, µm.
-    pub before_um: f64,
-    /// Rms of the contour error with all items, µm.
-    pub after_um: f64,
-}
-
-/// What is not compensated.
-#[derive(Clone, Debug, PartialEq, Eq)]
-pub struct NotCompensated {
-    /// Name of the effect, or of the part of the declared model.
-    pub effect: String,
-    /// Name of the axis; all axes: empty.
-    pub axis: String,
-    /// Why.
-    pub why: String,
-    /// What to do instead.
-    pub instead: String,
-}
 
 /// A compensation with its predictions.
 #[derive(Clone, Debug)]
@@ -112,21 +39,10 @@ pub struct Plan {
     pub items: Vec<Item>,
     /// What is not.
     pub not_compensated: Vec<NotCompensated>,
-}
-
-/// From what a compensation is planned.
-#[derive(Clone, Copy, Debug)]
-pub struct Planning<'a> {
-    /// The model, with the effects found.
-    pub model: &'a Machine,
-    /// Its file.
-    pub model_file: &'a str,
-    /// The motions whose contour error counts.
-    pub tests: &'a [TestMotion],
-    /// Sensors and drives of the machine.
-    pub instruments: Instruments,
-    /// Time on the session clock at which the compensation is set, s.
-    pub set_at_s: f64,
+    /// The motions that may not become worse, beginning with those whose contour error counts.
+    pub watched: Vec<Watched>,
+    /// The motions whose contour error counts that leave the mapped travel: their names, and on which axes.
+    pub beyond: Vec<(String, Vec<Beyond>)>,
 }
 
 impl Planning<'_> {
@@ -137,30 +53,64 @@ impl Planning<'_> {
     pub fn plan(&self) -> Result<Plan, PredictionError> {
         self.check_capacity()?;
         let before = self.errors(&CompensationFile::none(self.model))?;
-        let (mut best_um, mut choice) = self.start()?;
-        let without = loop {
-            let without = self.without_each(&choice)?;
-            match without.iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
-                Some((part, rms_um)) if *rms_um <= best_um * (1.0 - MIN_LOSS) => {
-                    best_um = *rms_um;
-                    choice.off.insert(part.clone());
+        let unknown = self.unknown()?;
+        let (mut best_um, mut choice) = self.start(&unknown)?;
+        loop {
+            match self.without_each(&choice)?.into_iter().min_by(|a, b| a.1.total_cmp(&b.1)) {
+                Some((part, rms_um)) if rms_um <= best_um * (1.0 - MIN_LOSS) => {
+                    best_um = rms_um;
+                    choice.off.insert(part);
                 }
-                _ => break without,
+                _ => break,
             }
-        };
+        }
         // What is compensated together may be worse than nothing, and still better than without one of its parts.
         if best_um >= total_rms_um(&before) {
             choice.off.extend(self.parts());
         }
+        let watch = Watch::new(self);
+        let (mut choice, worse) = watch.guarded(choice)?;
         let idle = self.without_effect(&choice)?;
         choice.off.extend(idle.iter().cloned());
         let mut file = self.file(&choice)?;
-        let after = self.errors(&file)?;
-        file.predicted = prediction::predictions(self.model, self.tests, [&before, &after], BOUND_PERCENT)?;
-        let after_um = total_rms_um(&after);
-        let without = without.into_iter().filter(|(part, _)| choice.has(part));
-        let items = without.map(|(part, before_um)| self.item(&part, before_um, after_um)).collect();
-        Ok(Plan { file, items, not_compensated: self.not_compensated(&choice.off, &idle) })
+        let after_um = total_rms_um(&self.errors(&file)?);
+        let beyond = self.leaving(&file)?;
+        file.predicted = self.predictions(&file, &beyond)?;
+        let without = self.without_each(&choice)?.into_iter();
+        let items =
+            without.map(|(part, before_um)| self.item((&part, &choice), before_um, after_um)).collect();
+        let not_compensated = self.not_compensated(&choice.off, &LeftOut { idle, unknown, worse });
+        let watched = watch.figures(&file)?;
+        Ok(Plan { file, items, not_compensated, watched, beyond })
+    }
+
+    /// The motions that leave the mapped travel of a file, by their names.
+    fn leaving(&self, file: &CompensationFile) -> Result<Vec<(String, Vec<Beyond>)>, PredictionError> {
+        let of_motion = |test: &TestMotion| {
+            let path = MachinePath::new(&test.motion, self.model, &test.source)?;
+            let path = contour::NominalPath::of_blocks(&path.start_m, &path.blocks);
+            Ok((test.motion.name.clone(), mapped::beyond_on_path(file, self.model, &path)))
+        };
+        let all: Vec<_> = self.tests.iter().map(of_motion).collect::<Result<_, PredictionError>>()?;
+        Ok(all.into_iter().filter(|(_, beyond)| !beyond.is_empty()).collect())
+    }
+
+    /// The predictions of the motions: without the noise of the probe, which each log has its own of. Beyond the mapped travel
+    /// nothing is known of the error.
+    fn predictions(
+        &self,
+        file: &CompensationFile,
+        beyond: &[(String, Vec<Beyond>)],
+    ) -> Result<Vec<Prediction>, PredictionError> {
+        let mut predictions = prediction::predictions(self.model, file, self.tests, self.instruments)?;
+        for prediction in &mut predictions {
+            prediction.bound_percent = BOUND_PERCENT;
+            if let Some((_, axes)) = beyond.iter().find(|(name, _)| *name == prediction.motion) {
+                prediction.bound_percent = 100.0;
+                prediction.beyond_mapped = axes.iter().map(|beyond| beyond.axis.clone()).collect();
+            }
+        }
+        Ok(predictions)
     }
 
     /// The parts that change no setting: the controller has no table left for them, or the force feed-forward to which they
@@ -176,17 +126,33 @@ impl Planning<'_> {
         Ok(idle)
     }
 
-    /// All parts, with the best time of the velocity feed-forward and the better control law, and the contour error, µm rms.
-    fn start(&self) -> Result<(f64, Choice), PredictionError> {
-        let tick_s = 1.0 / self.model.rates().position_loop_hz();
-        let laws = if self.parts().contains(&Part::Law) {
-            vec![BTreeSet::new(), BTreeSet::from([Part::Law])]
-        } else {
-            vec![BTreeSet::new()]
-        };
-        let choices = laws
-            .iter()
-            .flat_map(|off| AHEAD_TICKS.map(|ticks| Choice { off: off.clone(), ahead_s: ticks * tick_s }));
+    /// A tick of the position loop, s.
+    pub(crate) fn tick_s(&self) -> f64 {
+        1.0 / self.model.rates().position_loop_hz()
+    }
+
+    /// The errors over the position that motions leave far behind.
+    fn unknown(&self) -> Result<BTreeSet<Part>, PredictionError> {
+        let mut unknown = BTreeSet::new();
+        for (index, axis) in self.model.axis.values().enumerate() {
+            if mapped::is_far_beyond(self.model, self.tests, index)? {
+                let effects =
+                    axis.effect.iter().enumerate().filter(|(_, effect)| mapped::is_over_position(effect));
+                unknown.extend(effects.map(|(effect, _)| Part::Effect(index, effect)));
+            }
+        }
+        Ok(unknown)
+    }
+
+    /// All parts but some, with the best time of the velocity feed-forward and the better control law, and the contour error, µm rms.
+    fn start(&self, off: &BTreeSet<Part>) -> Result<(f64, Choice), PredictionError> {
+        let mut laws = vec![off.clone()];
+        if self.parts().contains(&Part::Law) {
+            laws.push(off.iter().cloned().chain([Part::Law]).collect());
+        }
+        let choices = laws.iter().flat_map(|off| {
+            Strength::full(self.tick_s()).map(|strength| Choice { off: off.clone(), strength })
+        });
         let choices: Vec<Choice> = choices.collect();
         let tried = choices.into_par_iter().map(|choice| Ok((self.rms_um(&choice)?, choice)));
         let tried: Vec<(f64, Choice)> = tried.collect::<Result<_, PredictionError>>()?;
@@ -195,7 +161,7 @@ impl Planning<'_> {
     }
 
     /// Rms of the contour error over all motions, µm.
-    fn rms_um(&self, choice: &Choice) -> Result<f64, PredictionError> {
+    pub(crate) fn rms_um(&self, choice: &Choice) -> Result<f64, PredictionError> {
         Ok(total_rms_um(&self.errors(&self.file(choice)?)?))
     }
 
@@ -267,21 +233,20 @@ impl Planning<'_> {
             choice.has(&Part::Effect(index, effect - 1))
         });
         let parameters = AxisParameters::of(&axis);
-        let travel_m = self.travel_m(index)?;
+        let travel_m = mapped::known_m(&axis, mapped::travel_m(self.model, self.tests, index)?);
         let mut controller = ControllerChange::to_declared(&axis.settings, &parameters.servo);
         if choice.has(&Part::Feedforward) {
-            let full = 100.0 - parameters.servo.feedforward.percent;
-            controller.feedforward_percent = Some(full.clamp(0.0, 200.0));
-            controller.feedforward_ahead_s = (choice.ahead_s > 0.0).then_some(choice.ahead_s);
-            axis.settings.controller.feedforward_percent = Some(100.0);
+            let Strength { percent, ahead_s, .. } = choice.strength;
+            let set = percent - parameters.servo.feedforward.percent;
+            controller.feedforward_percent = Some(set.clamp(0.0, 200.0));
+            controller.feedforward_ahead_s = (ahead_s > 0.0).then_some(ahead_s);
+            axis.settings.controller.feedforward_percent = Some(percent);
         }
-        if let (Some(resonance), Some(gain_per_s)) =
-            (&parameters.tool.resonance, axis.settings.controller.position_gain_per_s)
-        {
-            controller.add_lead(
-                gain_per_s * resonance.damping_ratio / (PI * resonance.frequency_hz),
-                &axis.settings,
-            );
+        if let Some(gain_per_s) = axis.settings.controller.position_gain_per_s {
+            for mode in &parameters.tool.resonances {
+                let lag_s = mode.participation * mode.damping_ratio / (PI * mode.frequency_hz);
+                controller.add_lead(gain_per_s * lag_s, &axis.settings);
+            }
         }
         let is_hpc = axis.settings.controller.law == Some(Law::Hpc);
         controller.law = (is_hpc && choice.has(&Part::Law)).then_some(Law::P);
@@ -299,92 +264,13 @@ impl Planning<'_> {
                 .spring
                 .as_ref()
                 .filter(|_| has_stretch)
-                .map(|spring| spring.stiffness_n_per_m.recip());
+                .map(|spring| choice.strength.stretch / spring.stiffness_n_per_m);
         }
         limit(&mut compensation, axis.settings.controller.force_limit_n);
-        Ok((name, AxisCompensation { controller, compensation }))
-    }
-
-    /// The travel that the tables of an axis cover, m: its soft limits, or that of the motions and a little more.
-    fn travel_m(&self, index: usize) -> Result<[f64; 2], PredictionError> {
-        if let Some([from, to]) = self.model.axis[index].settings.limits.travel_mm {
-            return Ok([1e-3 * from, 1e-3 * to]);
-        }
-        let mut travel_m = [f64::INFINITY, f64::NEG_INFINITY];
-        for test in self.tests {
-            let path = MachinePath::new(&test.motion, self.model, &test.source)?;
-            let path = contour::NominalPath::of_blocks(&path.start_m, &path.blocks);
-            let [from, to] = path.extent_m(index);
-            travel_m = [travel_m[0].min(from), travel_m[1].max(to)];
-        }
-        // An axis that does not move still has tables, of 2 mm.
-        let beyond_m = (BEYOND_TRAVEL * (travel_m[1] - travel_m[0])).max(1e-3);
-        Ok([travel_m[0] - beyond_m, travel_m[1] + beyond_m])
-    }
-
-    /// Names of effect and axis of a part.
-    pub(crate) fn names(&self, part: &Part) -> (String, String) {
-        let axis = |index: usize| self.model.axis.get_index(index).map_or("", |(name, _)| name).to_owned();
-        match *part {
-            Part::Effect(index, effect) => {
-                (self.model.axis[index].effect[effect].name().to_owned(), axis(index))
-            }
-            Part::Force(index) => ("force_feedforward".to_owned(), axis(index)),
-            Part::Stretch(index) => ("stretch".to_owned(), axis(index)),
-            Part::Feedforward => ("velocity_feedforward".to_owned(), String::new()),
-            Part::Law => ("control_law".to_owned(), String::new()),
-        }
-    }
-
-    fn item(&self, part: &Part, before_um: f64, after_um: f64) -> Item {
-        let (effect, axis) = self.names(part);
-        let does = match part {
-            Part::Effect(index, effect) => &treatment::description(&self.model.axis[*index].effect[*effect]),
-            Part::Force(_) => {
-                "the force for the commanded acceleration, friction and load is added to the controller's"
-            }
-            Part::Stretch(_) => "the stretch of the drive under the modelled force is added to the command",
-            Part::Feedforward => "Kf is set to 100 % on all axes",
-            Part::Law => "P control takes the place of HPC, which filters the feed-forward, too",
-        };
-        Item { effect, axis, does: does.to_owned(), before_um, after_um }
-    }
-
-    fn not_compensated(&self, off: &BTreeSet<Part>, idle: &BTreeSet<Part>) -> Vec<NotCompensated> {
-        let mut list = Vec::new();
-        for (name, axis) in &self.model.axis {
-            for effect in &axis.effect {
-                if let Treatment::Not { why, instead } = treatment::of(effect) {
-                    let (why, instead) = (why.to_owned(), instead.to_owned());
-                    list.push(NotCompensated {
-                        effect: effect.name().to_owned(),
-                        axis: name.clone(),
-                        why,
-                        instead,
-                    });
-                }
-            }
-        }
-        let with_tables = self.model.axis.iter().filter(|(_, axis)| !axis.empirical.is_empty());
-        list.extend(with_tables.map(|(name, _)| NotCompensated {
-            effect: "empirical".to_owned(),
-            axis: name.clone(),
-            why: "a table of a residual does not say what causes it, and holds for motions like those measured".to_owned(),
-            instead: "find its cause; a table of the error over the position can be entered as a pitch_map".to_owned(),
-        }));
-        list.extend(off.iter().map(|part| {
-            let (effect, axis) = self.names(part);
-            let (why, instead) = if idle.contains(part) {
-                NO_SETTING
-            } else {
-                (
-                    "the simulated contour error is smaller without it",
-                    "measure with motions that show it more",
-                )
-            };
-            NotCompensated { effect, axis, why: why.to_owned(), instead: instead.to_owned() }
-        }));
-        list
+        let has_tables = !mapped::over_position(&compensation).is_empty();
+        let mapped_m = if has_tables { Some(travel_m) } else { mapped::maps_m(&self.model.axis[index]) };
+        let mapped_mm = mapped_m.map(|ends| ends.map(|m| 1e3 * m));
+        Ok((name, AxisCompensation { mapped_mm, controller, compensation }))
     }
 }
 

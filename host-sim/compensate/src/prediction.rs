@@ -5,8 +5,8 @@ use rayon::prelude::*;
 use crate::alignment::aligned;
 use crate::file::{CompensationFile, Refused};
 use crate::place::Place;
-use contour::verification::Prediction;
-use contour::{ContourError, LoggedMotion, NominalPath};
+use contour::verification::{Commanded, Prediction};
+use contour::{ContourError, LoggedMotion};
 use files::error::InputError;
 use files::log::Log;
 use model::machine::Machine;
@@ -14,6 +14,7 @@ use model::motion::Motion;
 use plant::instruments::Instruments;
 use plant::machine_path::MachinePath;
 use plant::machine_sim::MachineSim;
+use plant::sensors::Sensor;
 use plant::simulate::{ClosedLoop, Plant, SimulationError};
 
 /// A motion that is simulated, and the time on the session clock at which it starts, s.
@@ -109,13 +110,20 @@ pub fn contour_errors(
     tests: &[TestMotion],
     instruments: Instruments,
 ) -> Result<Vec<ContourError>, PredictionError> {
-    tests
-        .par_iter()
-        .map(|test| {
-            let log = log(machine, file, test, (instruments, Place::Host))?;
-            contour_error(&log, machine)
-        })
-        .collect()
+    tests.par_iter().map(|test| contour_error_on(machine, file, test, instruments)).collect()
+}
+
+/// Contour error of a machine on one motion with a compensation.
+///
+/// # Errors
+/// As [`log`].
+pub fn contour_error_on(
+    machine: &Machine,
+    file: &CompensationFile,
+    test: &TestMotion,
+    instruments: Instruments,
+) -> Result<ContourError, PredictionError> {
+    contour_error(&log(machine, file, test, (instruments, Place::Host))?, machine)
 }
 
 /// Contour error of a log, whose channels are aligned by the model.
@@ -135,29 +143,29 @@ pub fn total_rms_um(errors: &[ContourError]) -> f64 {
     (squares / samples.max(1) as f64).sqrt()
 }
 
-/// The predictions of a compensation file from the errors before and after.
+/// The predictions of a compensation file for motions of a machine, without a bound. The probe has the resolution of the
+/// instruments and no noise: what the logs have of it is removed where they are compared.
 ///
 /// # Errors
-/// If a motion does not fit the machine.
+/// As [`log`].
 pub fn predictions(
     machine: &Machine,
+    file: &CompensationFile,
     tests: &[TestMotion],
-    [before, after]: [&[ContourError]; 2],
-    bound_percent: f64,
-) -> Result<Vec<Prediction>, InputError> {
-    let one = |((test, before), after): ((&TestMotion, &ContourError), &ContourError)| {
-        let path = MachinePath::new(&test.motion, machine, &test.source)?;
-        Ok(Prediction {
-            motion: test.motion.name.clone(),
-            before_um: before.rms_um,
-            after_um: after.rms_um,
-            max_before_um: Some(before.max_um),
-            max_after_um: Some(after.max_um),
-            circular_before_um: before.circular_um(),
-            circular_after_um: after.circular_um(),
-            bound_percent,
-            path_length_mm: Some(1e3 * NominalPath::of_blocks(&path.start_m, &path.blocks).length_m()),
-        })
+    instruments: Instruments,
+) -> Result<Vec<Prediction>, PredictionError> {
+    let tool = Sensor { noise: 0.0, ..instruments.tool };
+    let instruments = Instruments { tool, ..instruments };
+    let none = CompensationFile::none(machine);
+    let one = |test: &TestMotion| {
+        let measured = |file| {
+            let log = aligned(&log(machine, file, test, (instruments, Place::Host))?, machine);
+            let motion = LoggedMotion::of(&log).ok();
+            let both = motion.and_then(|motion| Some((motion.contour_error()?, motion)));
+            both.ok_or_else(|| PredictionError::NoContour { motion: test.motion.name.clone() })
+        };
+        let [(before, _), (after, motion)] = [measured(&none)?, measured(file)?];
+        Ok(Prediction::new(&test.motion.name, [&before, &after], &Commanded::of(&motion)))
     };
-    tests.iter().zip(before).zip(after).map(one).collect()
+    tests.par_iter().map(one).collect()
 }

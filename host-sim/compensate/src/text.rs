@@ -30,6 +30,13 @@ pub fn of(plan: &Plan) -> String {
         ];
         lines.push(format!("{:<24}{}", motion.motion, figures.map(cell).concat()));
     }
+    // The first of those that are watched are the motions above.
+    let watched = plan.watched.iter().skip(plan.file.predicted.len());
+    lines.extend(watched.map(|watched| {
+        let figures = [Some(watched.before_um), Some(watched.after_um), None, None, None, None];
+        let worse = if watched.is_worse { "  worse: not planned for" } else { "  watched" };
+        format!("{:<24}{}{worse}", watched.motion, figures.map(cell).concat())
+    }));
     lines.push(String::new());
     lines.push(format!("{:<24}{:<6}{:>14}{:>10}", "item", "axis", "without it µm", "with µm"));
     for item in &plan.items {
@@ -45,6 +52,9 @@ pub fn of(plan: &Plan) -> String {
             "\n{axis}: {} is not compensated: {}. Instead: {}.",
             not.effect, not.why, not.instead
         ));
+    }
+    for (motion, beyond) in &plan.beyond {
+        lines.extend(beyond.iter().map(|beyond| format!("\n{motion}: {}", beyond.sentence())));
     }
     lines.join("\n")
 }

@@ -87,7 +87,18 @@ const fn done(effect: &Effect) -> Option<&'static str> {
         | Effect::ShearThinning(_)
         | Effect::FrictionMemory(_)
         | Effect::VelocityLag(_)
+        | Effect::VelocityFilter(_)
         | Effect::DriveLag(_)
+        | Effect::DriveAsymmetry(_)
+        | Effect::DriveDeadTime(_)
+        | Effect::LoopDelay(_)
+        | Effect::PositionDelay(_)
+        | Effect::ScaleGain(_)
+        | Effect::ScaleCyclic(_)
+        | Effect::ThermalGrowth(_)
+        | Effect::ProbeRotation(_)
+        | Effect::ProbeGain(_)
+        | Effect::ThermalRate(_)
         | Effect::Latency(_) => return None,
     })
 }
@@ -103,13 +114,36 @@ const fn not_done(effect: &Effect) -> (&'static str, &'static str) {
             "the force feed-forward has no friction that falls towards standstill or depends on the past speed",
             "check the lubricant, or move at speeds at which its film carries",
         ),
-        Effect::VelocityLag(_) => (
+        Effect::VelocityLag(_) | Effect::VelocityFilter(_) => (
             "the delay is in the drive's own velocity reading",
             "reduce the averaging of the velocity in the drive",
+        ),
+        Effect::DriveAsymmetry(_) => (
+            "the gains of the drive differ between both directions",
+            "adjust the current measurement of the drive",
+        ),
+        Effect::DriveDeadTime(_) | Effect::LoopDelay(_) | Effect::PositionDelay(_) => (
+            "the delay is in the computation, the bus or the drive",
+            "shorten the cycle of the controller, or read the sensors later in it",
         ),
         Effect::DriveLag(_) => {
             ("the lag is in the drive's current loop", "tune the current loop of the drive")
         }
+        Effect::ProbeRotation(_) | Effect::ProbeGain(_) => {
+            ("it is the alignment of the probe, not the machine", "align the probe, or correct its readings")
+        }
+        Effect::ScaleGain(_) | Effect::ScaleCyclic(_) => (
+            "only the scale reads it; the controller has no table for the error of a scale",
+            "correct it in the electronics of the scale, or close the loop by the motor",
+        ),
+        Effect::ThermalGrowth(_) => (
+            "the controller has no table of the position that changes with time",
+            "warm the machine up, close the loop by the scale, or correct the scale by its temperature",
+        ),
+        Effect::ThermalRate(_) => (
+            "the logs show neither the time constant nor the end of the drift, so that it cannot be continued",
+            "record until the drift ends, or warm the machine up",
+        ),
         Effect::Latency(_) => (
             "only the log is late, the machine is not",
             "read the channels at the same instant; this program moves the channel back where it evaluates logs",
@@ -127,8 +161,7 @@ mod tests {
     fn an_effect_is_compensated_or_has_its_reason() {
         let intalk = of(&Effect::Intalk(Intalk::default()));
         assert!(matches!(intalk, Treatment::Compensated(does) if does.contains("acceleration")));
-        let channel = model::effects::Channel::Tool;
-        let resonance = Resonance { channel, frequency_hz: 62.5, damping_ratio: 0.02 };
+        let resonance = Resonance::of_tool(62.5, 0.02);
         assert!(description(&Effect::Resonance(resonance)).contains("smoothing_s = 0.0160,"));
         let latency = Latency { channel: model::effects::Channel::Tool, ms: 1.0 };
         for effect in [Effect::DriveLag(DriveLag::default()), Effect::Latency(latency)] {

@@ -100,11 +100,6 @@ impl CornerSum {
         Self { corner, outward_max_m: 0.0, steady_m: 0.0, steady_samples: 0, smallest_m: f64::INFINITY }
     }
 
-    /// Whether a length of the path is so close to the corner that its nearest point may jump.
-    pub fn is_within_span(&self, progress_m: f64) -> bool {
-        (progress_m - self.corner.progress_m).abs() < SPAN_M
-    }
-
     /// Adds a position of the tool with its nearest point.
     pub fn add(&mut self, tool: &Point, nearest: &Nearest) {
         let after_m = nearest.progress_m - self.corner.progress_m;

@@ -1,5 +1,6 @@
 //! The contour error of a run, sample by sample, in constant memory.
 
+use super::across::{Across, AcrossSum};
 use super::circle::{CircleError, CircleSum};
 use super::corner::{self, Corner, CornerError, CornerSum};
 use super::path::{Nearest, NominalPath};
@@ -30,8 +31,10 @@ pub struct ContourError {
     pub rms_um: f64,
     /// Samples evaluated.
     pub samples: u64,
-    /// Standard deviation of the sensors' noise in the distance, µm, from third differences.
+    /// Standard deviation of the sensors' noise across the path, µm, from third differences of tool minus command.
     pub noise_um: f64,
+    /// What a displacement of the tool adds.
+    pub across: Across,
     /// Blocks in which the tool was, in the order of the path.
     pub blocks: Vec<BlockError>,
     /// The corners.
@@ -43,10 +46,39 @@ pub struct ContourError {
 }
 
 impl ContourError {
+    /// Mean square without that of the noise, µm²; below zero if chance makes the estimate of the noise larger.
+    #[must_use]
+    pub fn mean_square_um2(&self) -> f64 {
+        self.rms_um.powi(2) - self.noise_um.powi(2)
+    }
+
+    /// Root mean square without the noise, µm; zero if the noise is larger.
+    #[must_use]
+    pub fn rms_without_noise_um(&self) -> f64 {
+        self.mean_square_um2().max(0.0).sqrt()
+    }
+
     /// Circular deviation G of the largest full circle, the larger of its directions, µm.
     #[must_use]
     pub fn circular_um(&self) -> Option<f64> {
-        self.circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius)).map(CircleError::circular_um)
+        self.largest_circle().map(CircleError::circular_um)
+    }
+
+    /// Circular hysteresis H of the largest circle that is full in both directions, µm.
+    #[must_use]
+    pub fn hysteresis_um(&self) -> Option<f64> {
+        self.largest_circle()?.hysteresis_um
+    }
+
+    /// Peak at a reversal of the largest full circle, the largest of all in magnitude, µm.
+    #[must_use]
+    pub fn reversal_peak_um(&self) -> Option<f64> {
+        let spikes_um = self.largest_circle()?.laps.iter().flat_map(|lap| lap.spikes_um);
+        spikes_um.max_by(|a, b| a.abs().total_cmp(&b.abs()))
+    }
+
+    fn largest_circle(&self) -> Option<&CircleError> {
+        self.circles.iter().max_by(|a, b| a.radius.total_cmp(&b.radius))
     }
 
     /// Largest overshoot of a corner, µm.
@@ -76,7 +108,8 @@ pub struct Evaluation<'a> {
     last_command: Option<Point>,
     command_progress_m: f64,
     total: Magnitude,
-    noise: Noise,
+    noise: Vec<Noise>,
+    across: AcrossSum,
     blocks: Vec<Magnitude>,
     corners: Vec<CornerSum>,
     circles: Vec<CircleSum>,
@@ -96,7 +129,8 @@ impl<'a> Evaluation<'a> {
             last_command: None,
             command_progress_m: 0.0,
             total: Magnitude::default(),
-            noise: Noise::new(),
+            noise: vec![Noise::new(); path.axes()],
+            across: AcrossSum::default(),
             blocks: vec![Magnitude::default(); path.blocks()],
             corners: corners.into_iter().map(CornerSum::new).collect(),
             circles: path.circles().iter().map(CircleSum::new).collect(),
@@ -121,9 +155,12 @@ impl<'a> Evaluation<'a> {
         if self.taken <= self.settling {
             return None;
         }
+        let difference = minus(tool, command);
+        self.noise.iter_mut().zip(difference).for_each(|(noise, difference_m)| noise.add(difference_m));
         if self.path.axes() == 1 {
             let error_m = tool[0] - command[0];
             self.count(error_m, &on_path);
+            self.across.add(tool, &Nearest { point: *command, ..on_path }, 1);
             return Some(error_m);
         }
         let reach_m = WINDOW_PER_DISTANCE * distance(tool, command) + MARGIN_M;
@@ -131,6 +168,7 @@ impl<'a> Evaluation<'a> {
             self.path.nearest(tool, self.command_progress_m - reach_m, self.command_progress_m + reach_m);
         let error_m = signed_m(tool, &nearest, self.path.axes());
         self.count(error_m, &nearest);
+        self.across.add(tool, &nearest, self.path.axes());
         corner::near(&mut self.corners, nearest.progress_m).for_each(|corner| corner.add(tool, &nearest));
         if step_m > 0.0 {
             self.circles.iter_mut().for_each(|circle| circle.add(tool, nearest.progress_m));
@@ -143,24 +181,26 @@ impl<'a> Evaluation<'a> {
         if let Some(block) = self.blocks.get_mut(nearest.block) {
             block.add(error_m);
         }
-        // At a corner the nearest point jumps from one line to the other.
-        let progress_m = nearest.progress_m;
-        if corner::near(&mut self.corners, progress_m).any(|corner| corner.is_within_span(progress_m)) {
-            self.noise.interrupt();
-        } else {
-            self.noise.add(error_m);
-        }
+    }
+
+    /// Deviation of the noise along each axis, m.
+    fn noise_m(&self) -> [f64; 3] {
+        let mut deviations = [0.0; 3];
+        deviations.iter_mut().zip(&self.noise).for_each(|(deviation, noise)| *deviation = noise.deviation());
+        deviations
     }
 
     /// The figures of all samples taken; `None` if all were settling.
     #[must_use]
     pub fn finish(&self) -> Option<ContourError> {
         let blocks = self.blocks.iter().enumerate().filter(|(_, sum)| sum.samples() > 0);
+        let across = self.across.finish();
         (self.total.samples() > 0).then(|| ContourError {
             max_um: 1e6 * self.total.max(),
             rms_um: 1e6 * self.total.rms(),
             samples: self.total.samples(),
-            noise_um: 1e6 * self.noise.deviation(),
+            noise_um: 1e6 * across.deviation(self.noise_m()),
+            across,
             blocks: blocks
                 .map(|(block, sum)| BlockError { block, max_um: 1e6 * sum.max(), rms_um: 1e6 * sum.rms() })
                 .collect(),

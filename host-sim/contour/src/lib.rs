@@ -2,6 +2,7 @@
 //!
 //! - [`path`]: the nominal path, from a motion's blocks or from a log's command
 //! - [`evaluation`]: the error of each sample, and its figures: maximum, rms, per block, circles, corners
+//! - [`across`]: what a displacement of the tool and the noise of its reading add
 //! - [`logged`], [`long_log`], [`log_error`]: the same for a log, for a long one section by section, and for several with their names
 //! - [`circle`], [`circular_test`]: radial deviation F, circular deviation G and hysteresis H (ISO 230-4)
 //! - [`reversal_spike`]: peaks where an axis reverses
@@ -10,6 +11,7 @@
 //! - [`verification`], [`comparison`]: the error before and after a change
 //! - [`text`], [`json`]: the figures for a terminal, and for a file
 
+pub mod across;
 pub mod circle;
 pub mod circle_fit;
 pub mod circular_test;

@@ -6,6 +6,7 @@
 
 use std::ops::Range;
 
+use super::across::Across;
 use super::evaluation::{BlockError, ContourError};
 use super::logged::LoggedMotion;
 use files::log::{Channel, Log, Unit};
@@ -60,6 +61,7 @@ fn merged(first: ContourError, second: ContourError) -> ContourError {
         rms_um: mean_square(first.rms_um, second.rms_um),
         samples,
         noise_um: mean_square(first.noise_um, second.noise_um),
+        across: Across::merged([(&first.across, first.samples), (&second.across, second.samples)]),
         is_along_axis: first.is_along_axis,
         blocks: first.blocks.iter().copied().chain(later).collect(),
         circles: if first.circles.is_empty() || radius(&second) > radius(&first) {

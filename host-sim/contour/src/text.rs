@@ -39,19 +39,22 @@ pub fn of(error: &ContourError, channel: Channel, axes: &[String]) -> String {
 #[must_use]
 pub fn of_logs(logs: &[LogError]) -> String {
     let heading = format!(
-        "{:<24}{:<10}{:>10}{:>11}{:>9}{:>16}",
-        "contour error, µm", "channel", "rms", "greatest", "G", "overshoot"
+        "{:<24}{:<10}{:>10}{:>11}{:>9}{:>9}{:>9}{:>16}",
+        "contour error, µm", "channel", "rms", "greatest", "G", "H", "peak", "overshoot"
     );
     let line = |log: &LogError| {
         let shown = |value: Option<f64>| value.map_or("–".to_owned(), |um| format!("{um:.2}"));
         format!(
-            "{:<24}{:<10}{:>10.3}{:>11.3}{:>9}{:>16}",
+            "{:<24}{:<10}{:>10.3}{:>11.3}{:>9}{:>9}{:>9}{:>16}{}",
             log.log,
             log.channel.word(),
             log.error.rms_um,
             log.error.max_um,
             shown(log.error.circular_um()),
-            shown(log.error.overshoot_um())
+            shown(log.error.hysteresis_um()),
+            shown(log.error.reversal_peak_um()),
+            shown(log.error.overshoot_um()),
+            if log.error.is_along_axis { "  (one axis: following error)" } else { "" }
         )
     };
     let lines: Vec<String> = logs.iter().map(line).collect();

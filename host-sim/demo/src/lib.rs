@@ -12,7 +12,8 @@ use serde_json::{Value, json};
 use compensate::file::CompensationFile;
 use compensate::limits::Limits;
 use compensate::place::Place;
-use compensate::plan::{Plan, Planning};
+use compensate::plan::Plan;
+use compensate::planning::Planning;
 use compensate::prediction::{PredictionError, TestMotion};
 use compensate::round_trip::{self, Compared, RealMachine, SimulatedMachine};
 use contour::log_error::LogError;
@@ -144,8 +145,15 @@ pub fn compensated(
 ) -> Result<Compensated, DemoError> {
     let instruments = Instruments::typical(seed);
     let tests = CHOSEN_ON.map(test_motion).into_iter().collect::<Result<Vec<_>, _>>()?;
-    let planning =
-        Planning { model, model_file: "the traced model", tests: &tests, instruments, set_at_s: SET_AT_S };
+    // The gain that the demonstration states is that of its own motions; `compensate` watches others, too.
+    let planning = Planning {
+        model,
+        model_file: "the traced model",
+        tests: &tests,
+        watched: &[],
+        instruments,
+        set_at_s: SET_AT_S,
+    };
     let plan = planning.plan()?;
     let run_on = RUN_ON.map(test_motion).into_iter().collect::<Result<Vec<_>, _>>()?;
     let motions = round_trip::compare(real, (model, instruments), [before, &plan.file], &run_on)?;

@@ -88,7 +88,7 @@ struct Running<'a> {
 
 impl Plant for Running<'_> {
     fn read(&mut self, readings: &mut [Reading]) {
-        let (motors_m, tables_m) = (self.axes.readings_m(), self.axes.tables_m());
+        let (motors_m, tables_m) = (self.axes.readings_m(), self.axes.scales_m());
         for ((reading, motor_m), table_m) in readings.iter_mut().zip(motors_m).zip(tables_m) {
             *reading = Reading { motor: position(motor_m), table: Some(position(table_m)) };
         }

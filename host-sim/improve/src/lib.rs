@@ -14,6 +14,7 @@ use rayon::prelude::*;
 use compensate::file::CompensationFile;
 use compensate::prediction::{self, PredictionError, TestMotion, contour_error};
 use compensate::round_trip::{RealMachine, Sensing, SimulatedMachine};
+use compensate::standard_motions;
 use contour::ContourError;
 use files::error::InputError;
 use files::log::Log;
@@ -88,12 +89,12 @@ impl Improving<'_> {
                 prediction::contour_errors(&traced, &plan.file, self.judged, self.real.instruments)?;
             let after = errors(&logs.judged, &traced)?;
             let round = Round { trace, model: traced, plan, before, predicted, after };
-            let is_kept = round.is_kept();
+            let (fits, is_kept) = (round.fits(), round.is_kept());
             before = if is_kept { round.after.clone() } else { round.before.clone() };
             model = round.model.clone();
             rounds.push(round);
             if !is_kept {
-                stop = Stop::NothingGained;
+                stop = if fits { Stop::NothingGained } else { Stop::ModelDoesNotFit };
                 break;
             }
             if number < max_rounds {
@@ -107,10 +108,12 @@ impl Improving<'_> {
     /// The compensation of a model.
     fn plan(&self, model: &Machine) -> Result<compensate::plan::Plan, PredictionError> {
         let set_at_s = self.judged.iter().map(|test| test.start_s).fold(0.0, f64::max);
-        let planning = compensate::plan::Planning {
+        let watched = standard_motions::all(model, self.judged, set_at_s)?;
+        let planning = compensate::planning::Planning {
             model,
             model_file: "the traced model",
             tests: self.judged,
+            watched: &watched,
             instruments: self.real.instruments,
             set_at_s,
         };

@@ -16,6 +16,8 @@ pub enum Stop {
     NothingGained,
     /// The compensation would take a loop below its margins.
     Margins,
+    /// The model does not describe the logs of an axis.
+    ModelDoesNotFit,
 }
 
 impl Stop {
@@ -24,6 +26,9 @@ impl Stop {
             Self::Rounds => "The greatest number of rounds is reached.",
             Self::NothingGained => {
                 "The last round made no motion better by more than chance, or one worse; its compensation is not kept."
+            }
+            Self::ModelDoesNotFit => {
+                "The model does not describe the logs of an axis; its compensation is not kept. Check the machine file."
             }
             Self::Margins => {
                 "The next compensation would take a loop below its margins and was not executed."
@@ -36,6 +41,7 @@ impl Stop {
             Self::Rounds => "rounds",
             Self::NothingGained => "nothing_gained",
             Self::Margins => "margins",
+            Self::ModelDoesNotFit => "model_does_not_fit",
         }
     }
 }

@@ -30,13 +30,20 @@ pub struct Round {
 }
 
 impl Round {
-    /// Whether the compensation is kept: at least one motion became better by more than chance, and none became worse.
+    /// Whether the traced model describes the logs of every axis.
+    #[must_use]
+    pub fn fits(&self) -> bool {
+        verdict::of(&self.trace) != Verdict::ModelDoesNotFit
+    }
+
+    /// Whether the compensation is kept: its model describes the logs, at least one motion became better by more than chance, and
+    /// none became worse. What a model that does not fit makes better on these motions, it can make worse on others.
     #[must_use]
     pub fn is_kept(&self) -> bool {
         let is = |changed: fn(&ContourError, &ContourError) -> bool| {
             self.before.iter().zip(&self.after).any(|(before, after)| changed(before, after))
         };
-        is(is_better) && !is(is_worse)
+        self.fits() && is(is_better) && !is(is_worse)
     }
 
     /// Rms over all motions before, as predicted, and after, µm.

@@ -213,9 +213,9 @@ impl LinearAxis {
     /// Feedback position and next shift (m) by `shared/src/feedback/dual.rs`.
     fn feedback(&self, motor: f64, table: f64, shift: f64) -> (f64, f64) {
         match self.feedback {
-            Sensors::Motor => (motor, 0.0),
-            Sensors::Table => (table, 0.0),
-            Sensors::Dual { time_constant_s } => {
+            Sensors::Motor { .. } => (motor, 0.0),
+            Sensors::Table(_) => (table, 0.0),
+            Sensors::Dual { time_constant_s, .. } => {
                 let fraction = -(-self.position_tick_s() / time_constant_s).exp_m1();
                 let shift = shift + fraction * (table - motor - shift);
                 (motor + shift, shift)

@@ -1,12 +1,12 @@
 //! Conversion of the controller's keys in the machine file to settings of `shared`.
 
-use shared::config::{self, AxisSettings, LowPass, Notch};
+use shared::config::{self, AxisSettings, LowPass, Notch, ScaleLimits};
 use shared::interpolate::Smoothing;
 
-use crate::axis::{Controller, Feedback, Filters, Law, Settings};
+use crate::axis::{Controller, Feedback, Filters, Law, Limits, Sensors, Settings};
 use crate::effects::{
-    DriveLag, Effect, FeedforwardMismatch, IntegralTimeMismatch, ServoMismatch, VelocityGainMismatch,
-    VelocityLag,
+    DriveDeadTime, DriveLag, Effect, FeedforwardMismatch, IntegralTimeMismatch, LoopDelay, PositionDelay,
+    ServoMismatch, VelocityFilter, VelocityGainMismatch, VelocityLag,
 };
 
 /// Following error at which the drives are switched off if the machine file declares no limit, m.
@@ -30,6 +30,14 @@ pub struct ServoParameters {
     pub drive_lag: Option<DriveLag>,
     /// Delay of the velocity reading.
     pub lag: VelocityLag,
+    /// Filter of the velocity reading.
+    pub velocity_filter: VelocityFilter,
+    /// Dead time of the force.
+    pub dead_time: DriveDeadTime,
+    /// Delay of the velocity command.
+    pub loop_delay: LoopDelay,
+    /// Delay of the position that the position loop uses.
+    pub position_delay: PositionDelay,
     /// When the force acts relative to the reading of the sensors, s; negative: the sensors are read later; positive: time
     /// constant of a first-order lag, without a [`Self::drive_lag`].
     pub drive_late_s: f64,
@@ -50,6 +58,10 @@ impl ServoParameters {
                 Effect::IntegralTimeMismatch(mismatch) => parameters.integral_time = mismatch.clone(),
                 Effect::DriveLag(lag) => parameters.drive_lag = Some(lag.clone()),
                 Effect::VelocityLag(lag) => parameters.lag = lag.clone(),
+                Effect::VelocityFilter(filter) => parameters.velocity_filter = filter.clone(),
+                Effect::DriveDeadTime(delay) => parameters.dead_time = delay.clone(),
+                Effect::LoopDelay(delay) => parameters.loop_delay = delay.clone(),
+                Effect::PositionDelay(delay) => parameters.position_delay = delay.clone(),
                 _ => {}
             }
         }
@@ -66,6 +78,18 @@ impl ServoParameters {
     #[must_use]
     pub fn velocity_integral_time_s(&self, controller: &Controller) -> Option<f64> {
         controller.velocity_integral_time_s.map(|time_s| self.integral_time.factor() * time_s)
+    }
+
+    /// The effect that the controller of `shared` cannot have, if the axis has one: signals that only one of its loops receives
+    /// late.
+    #[must_use]
+    pub fn not_in_controller(&self) -> Option<&'static str> {
+        let effects = [
+            (self.loop_delay.ms, "loop_delay"),
+            (self.position_delay.ms, "position_delay"),
+            (self.velocity_filter.time_constant_ms, "velocity_lag with time_constant_ms"),
+        ];
+        effects.into_iter().find(|(size, _)| *size > 0.0).map(|(_, name)| name)
     }
 
     /// Time constant of the drive's force, s; `otherwise` without a known one.
@@ -85,13 +109,7 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
         Law::P => config::Law::P,
         Law::Hpc => config::Law::Hpc,
     };
-    let feedback = match sensors.feedback {
-        Feedback::Motor => config::Sensors::Motor,
-        Feedback::Table => config::Sensors::Table,
-        Feedback::Dual => config::Sensors::Dual {
-            time_constant_s: sensors.dual_feedback_time_constant_s.ok_or("dual_feedback_time_constant_s")?,
-        },
-    };
+    let feedback = feedback(sensors, limits)?;
     let defaults = AxisSettings::default();
     let factor = effects.mismatch.factor();
     Ok(AxisSettings {
@@ -110,18 +128,40 @@ pub fn settings(axis: &Settings, effects: &ServoParameters) -> Result<AxisSettin
         smoothing: smoothing(filters),
         notch: notch(filters),
         low_pass: low_pass(filters),
-        following_error_limit_m: limits
-            .following_error_limit_mm
-            .map_or(FOLLOWING_ERROR_LIMIT_M, |mm| 1e-3 * mm),
-        scale_disagreement_limit_m: limits.scale_disagreement_limit_mm.map(|mm| 1e-3 * mm),
+        following_error_limit_m: following_error_limit_m(limits),
         fastest_m_per_s: limits.fastest_mm_per_s.map(|mm_per_s| 1e-3 * mm_per_s),
-        frozen_encoder_limit_m: limits.frozen_encoder_limit_mm.map(|mm| 1e-3 * mm),
         saturation_time_s: limits.saturation_time_s.unwrap_or(defaults.saturation_time_s),
         travel_m: limits.travel_mm.map(|ends| ends.map(|mm| 1e-3 * mm)),
         stop_deceleration_m_per_s2: limits
             .stop_deceleration_m_per_s2
             .unwrap_or(defaults.stop_deceleration_m_per_s2),
         ..defaults
+    })
+}
+
+fn following_error_limit_m(limits: &Limits) -> f64 {
+    limits.following_error_limit_mm.map_or(FOLLOWING_ERROR_LIMIT_M, |mm| 1e-3 * mm)
+}
+
+/// The sensors of the position loop. With a scale in it, limits that the machine file does not declare are those of
+/// [`ScaleLimits::DEFAULT`].
+fn feedback(sensors: &Sensors, limits: &Limits) -> Result<config::Sensors, &'static str> {
+    let [disagreement_m, frozen_m] =
+        [limits.scale_disagreement_limit_mm, limits.frozen_encoder_limit_mm].map(|mm| mm.map(|mm| 1e-3 * mm));
+    let with_scale = ScaleLimits {
+        disagreement_m: disagreement_m.unwrap_or(ScaleLimits::DEFAULT.disagreement_m),
+        frozen_m: frozen_m.unwrap_or(ScaleLimits::DEFAULT.frozen_m.min(following_error_limit_m(limits))),
+    };
+    Ok(match sensors.feedback {
+        Feedback::Motor => config::Sensors::Motor {
+            scale_disagreement_limit_m: disagreement_m,
+            frozen_encoder_limit_m: frozen_m,
+        },
+        Feedback::Table => config::Sensors::Table(with_scale),
+        Feedback::Dual => config::Sensors::Dual {
+            time_constant_s: sensors.dual_feedback_time_constant_s.ok_or("dual_feedback_time_constant_s")?,
+            limits: with_scale,
+        },
     })
 }
 

@@ -17,6 +17,13 @@ impl Delay {
     /// A latency (s) of a position that has been constant at `start_m`; `None` if there is no latency.
     #[must_use]
     pub fn new(delay_s: f64, tick_s: f64, start_m: f64) -> Option<Self> {
+        Self::in_motion(delay_s, tick_s, start_m, 0.0)
+    }
+
+    /// A latency (s) of a position that has moved steadily at `velocity` (m/s) and is at `start_m` in the first tick; `None` if
+    /// there is no latency.
+    #[must_use]
+    pub fn in_motion(delay_s: f64, tick_s: f64, start_m: f64, velocity: f64) -> Option<Self> {
         if delay_s <= 0.0 {
             return None;
         }
@@ -28,7 +35,9 @@ impl Delay {
         )]
         let whole_ticks = ticks.floor() as usize;
         Some(Self {
-            past: VecDeque::from(vec![(start_m, 0.0); whole_ticks + 2]),
+            past: (1..=whole_ticks + 2)
+                .map(|age| (start_m - velocity * tick_s * age as f64, velocity))
+                .collect(),
             whole_ticks,
             fraction: ticks.fract(),
             tick_s,
@@ -71,6 +80,32 @@ impl LogDelay {
             Some(delay) => position_m - delay.read(position_m, velocity),
             None => -self.early_s * (velocity + 0.5 * self.early_s * acceleration),
         }
+    }
+}
+
+/// Latency of the logged command (the effect `latency`), of at most one sample either way: the parabola through the last three
+/// commands, exact for a constant acceleration.
+#[derive(Clone, Debug)]
+pub struct CommandDelay {
+    late_samples: f64,
+    /// The last two commands, m, the newest first.
+    past_m: Option<[f64; 2]>,
+}
+
+impl CommandDelay {
+    /// A latency (s) of a command that is logged once per sample.
+    #[must_use]
+    pub fn new(latency_s: f64, sample_s: f64) -> Self {
+        Self { late_samples: latency_s / sample_s, past_m: None }
+    }
+
+    /// The logged command, m, at a sample with this command (m). To be called once per sample.
+    pub fn logged_m(&mut self, command_m: f64) -> f64 {
+        let [last_m, before_m] = self.past_m.unwrap_or([command_m; 2]);
+        self.past_m = Some([command_m, last_m]);
+        let late = self.late_samples;
+        let curvature = before_m - 2.0 * last_m + command_m;
+        command_m + late * (last_m - command_m) + 0.5 * late * (late - 1.0) * curvature
     }
 }
 
@@ -118,6 +153,43 @@ impl ForceDelay {
     }
 }
 
+/// Dead time of a force that is commanded once per tick and acts later (the effect `drive_dead_time`).
+#[derive(Clone, Debug)]
+pub struct DeadTime {
+    /// Commanded forces, N, the newest first, up to the oldest that still acts.
+    commanded_n: VecDeque<f64>,
+    whole_ticks: usize,
+    /// The rest of the dead time, as a fraction of a tick.
+    fraction: f64,
+}
+
+impl DeadTime {
+    /// A dead time (s) of a force that has been `start_n`; `None` if there is none.
+    #[must_use]
+    pub fn new(delay_s: f64, tick_s: f64, start_n: f64) -> Option<Self> {
+        if delay_s <= 0.0 {
+            return None;
+        }
+        let ticks = delay_s / tick_s;
+        #[expect(
+            clippy::cast_possible_truncation,
+            clippy::cast_sign_loss,
+            reason = "not negative, and saturates"
+        )]
+        let whole_ticks = ticks.floor() as usize;
+        let commanded_n = VecDeque::from(vec![start_n; whole_ticks + 2]);
+        Some(Self { commanded_n, whole_ticks, fraction: ticks.fract() })
+    }
+
+    /// Mean force that acts during a tick, N, whose commanded force is `force_n`. To be called once per tick.
+    pub fn acting_n(&mut self, force_n: f64) -> f64 {
+        self.commanded_n.rotate_right(1);
+        self.commanded_n[0] = force_n;
+        let [newer_n, older_n] = [self.whole_ticks, self.whole_ticks + 1].map(|age| self.commanded_n[age]);
+        self.fraction * older_n + (1.0 - self.fraction) * newer_n
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
@@ -153,6 +225,40 @@ mod tests {
             );
         }
         assert!(ForceDelay::new(0.0, 1e-3).is_none());
+    }
+
+    /// A force of 1 N from tick 0 on, 1.3 ticks late: it acts from 0.3 of tick 1 on.
+    #[test]
+    fn a_force_acts_one_dead_time_later() {
+        let mut drive = DeadTime::new(1.3e-3, 1e-3, 0.0).unwrap();
+        for expected_n in [0.0, 0.7, 1.0] {
+            let acting_n = drive.acting_n(1.0);
+            assert!((acting_n - expected_n).abs() < 1e-9, "{acting_n}");
+        }
+        assert!(DeadTime::new(0.0, 1e-3, 0.0).is_none());
+    }
+
+    /// x = 3t + 2t².
+    #[test]
+    fn a_logged_command_has_its_latency() {
+        let at = |t: f64| 3.0 * t + 2.0 * t * t;
+        for late_s in [0.4e-3, -0.7e-3, 0.0] {
+            let mut delay = CommandDelay::new(late_s, 1e-3);
+            for i in 0..20 {
+                let t = 1e-3 * f64::from(i);
+                let logged = delay.logged_m(at(t));
+                assert!(i < 2 || (logged - at(t - late_s)).abs() < 1e-12, "{late_s} at {t}: {logged}");
+            }
+        }
+    }
+
+    #[test]
+    fn a_position_in_motion_is_read_behind_it() {
+        let mut delay = Delay::in_motion(2.5e-3, 1e-3, 7.0, 0.2).unwrap();
+        assert!((0..10).all(|tick| {
+            (delay.read(7.0 + 2e-4 * f64::from(tick), 0.2) - 7.0 - 2e-4 * (f64::from(tick) - 2.5)).abs()
+                < 1e-12
+        }));
     }
 
     #[test]

@@ -12,11 +12,12 @@
 //! | [`mechanics`] | one step of an axis from its drive to its table: motor, screw, guide |
 //! | [`transition`] | its linear part: masses, spring, viscous friction and drive lag, exact |
 //! | [`screw`] | pitch errors, backlash and elasticity between motor and table |
+//! | [`scale`] | errors of the linear scale |
 //! | [`guide`] | force of the guideway over a step: implicit friction, load |
 //! | [`friction`], [`presliding`] | the friction laws |
 //! | [`axis_motion`] | the state of an axis: positions, velocities, bristles |
 //! | [`coupled_axes`], [`multibody`] | instead of `mechanics` where the machine file describes rigid bodies |
-//! | [`tool_point`] | from table to tool: offsets by acceleration, position and time; resonance |
+//! | [`tool_point`] | from table to tool: offsets by acceleration, position and time; modes; alignment of the probe |
 //! | [`residual_tables`] | residuals that no effect describes |
 //! | [`delay`], [`sensors`] | latency, noise and quantisation of the readings and of the log |
 //! | [`lane`] | arithmetic for one axis, or for two in one SIMD register |
@@ -40,7 +41,9 @@ pub mod mechanics;
 pub mod multibody;
 pub mod parameters;
 pub mod presliding;
+pub mod probe;
 pub mod residual_tables;
+pub mod scale;
 pub mod screw;
 pub mod sensors;
 pub mod simulate;

@@ -8,12 +8,12 @@ use wide::f64x2;
 
 use super::axis_motion::AxisMotion;
 use super::coupled_axes::CoupledAxes;
-use super::delay::{Delay, ForceDelay, LogDelay};
+use super::delay::{DeadTime, Delay, ForceDelay, LogDelay};
 use super::instruments::Instruments;
 use super::mechanics::Stepper;
 use super::parameters::AxisParameters;
 use super::residual_tables::{Displacement, TableInput, displacement};
-use super::tool_point::{self, Oscillation, OscillationStep, Tables};
+use super::tool_point::{self, Modes, Tables};
 use model::bodies::StructureError;
 use model::effects::Channel;
 use model::machine::Machine;
@@ -42,17 +42,20 @@ struct SimulatedAxis {
     parameters: AxisParameters,
     stepper: Stepper<f64>,
     motion: AxisMotion,
-    oscillation: Oscillation,
-    /// `None`: the tool has no resonance.
-    oscillation_step: Option<OscillationStep>,
+    modes: Modes,
     motor_delay: Option<Delay>,
     table_delay: Option<Delay>,
     table_log_delay: LogDelay,
     tool_log_delay: LogDelay,
     force_log_delay: Option<ForceDelay>,
+    /// `None`: the drive has no dead time.
+    dead_time: Option<DeadTime>,
     /// Tool − table by the bodies of the structure, m.
     structure_offset_m: f64,
+    /// Force that the controller commanded for the tick, N.
     commanded_n: f64,
+    /// Force at the input of the drive, behind its dead time, N.
+    drive_n: f64,
 }
 
 /// Independent axes that are stepped in one register.
@@ -74,6 +77,8 @@ pub struct MachineSim {
     random: ChaCha8Rng,
     step_s: f64,
     substeps: u32,
+    /// Time of the session, s.
+    time_s: f64,
 }
 
 impl MachineSim {
@@ -123,12 +128,14 @@ impl MachineSim {
             random: ChaCha8Rng::seed_from_u64(instruments.seed),
             step_s: timing.step_s,
             substeps,
+            time_s: 0.0,
         })
     }
 
     /// The same machine, whose run starts at this time of the session, s.
     #[must_use]
     pub fn starting_at(mut self, start_s: f64) -> Self {
+        self.time_s = start_s;
         for axis in &mut self.axes {
             axis.motion.time_s = start_s;
         }
@@ -147,6 +154,7 @@ impl MachineSim {
             let motor_m = delayed(&mut axis.motor_delay, motor_m, motor_m_per_s);
             let table_m = delayed(&mut axis.table_delay, table_m, table_m_per_s);
             let motor_m = motor_m + axis.parameters.resolver_error_m(motor_m);
+            let table_m = table_m + axis.parameters.scale.error_m(table_m, self.time_s);
             reading.motor = position(self.instruments.motor.read(motor_m, &mut self.random));
             reading.table = Some(position(self.instruments.table.read(table_m, &mut self.random)));
         }
@@ -166,11 +174,12 @@ impl MachineSim {
         let mut measurements = Vec::with_capacity(self.axes.len());
         for ((i, axis), next_n) in self.axes.iter_mut().enumerate().zip(next_n) {
             let offset =
-                axis.oscillation.offset_m + tool_point::offset_m(&axis.parameters.tool, i, &tables, time_s);
+                axis.modes.offset_m() + tool_point::offset_m(&axis.parameters.tool, i, &tables, time_s);
             let AxisMotion { table_m, table_m_per_s, .. } = axis.motion;
             let lag_m =
                 |delay: &mut LogDelay, position_m| delay.lag_m(position_m, table_m_per_s, acceleration[i]);
-            let tool_m = table_m + axis.structure_offset_m + offset;
+            let grown_m = axis.parameters.scale.displacement_m(table_m, time_s);
+            let tool_m = table_m + grown_m + axis.structure_offset_m + offset;
             let tool_m = tool_m - lag_m(&mut axis.tool_log_delay, tool_m);
             let force_n =
                 axis.force_log_delay.as_ref().map_or(axis.commanded_n, |delay| delay.logged_n(next_n));
@@ -212,10 +221,13 @@ impl MachineSim {
     pub fn step(&mut self, forces_n: impl Iterator<Item = f64>) {
         for (axis, force_n) in self.axes.iter_mut().zip(forces_n) {
             axis.commanded_n = force_n;
+            let force_n = axis.dead_time.as_mut().map_or(force_n, |drive| drive.acting_n(force_n));
+            axis.drive_n = axis.parameters.drive_asymmetry.acting_n(force_n);
             if let Some(delay) = &mut axis.force_log_delay {
                 delay.push(force_n);
             }
         }
+        self.time_s += f64::from(self.substeps) * self.step_s;
         match &mut self.coupled_axes {
             None => {
                 for group in &self.groups {
@@ -277,7 +289,7 @@ fn groups(axes: &[SimulatedAxis]) -> Vec<Group> {
 fn step_pair(stepper: &Stepper<f64x2>, axes: [&mut SimulatedAxis; 2], steps: u32) {
     let [a, b] = axes;
     let mut motion = AxisMotion::pair([&a.motion, &b.motion]);
-    let force_n = f64x2::new([a.commanded_n, b.commanded_n]);
+    let force_n = f64x2::new([a.drive_n, b.drive_n]);
     for _ in 0..steps {
         stepper.step([&a.parameters, &b.parameters], &mut motion, force_n);
     }
@@ -286,7 +298,7 @@ fn step_pair(stepper: &Stepper<f64x2>, axes: [&mut SimulatedAxis; 2], steps: u32
 
 fn step_coupled(coupled_axes: &mut CoupledAxes, axes: &mut [SimulatedAxis], step_s: f64) {
     for (i, axis) in axes.iter_mut().enumerate() {
-        coupled_axes.drive(i, &axis.parameters, &mut axis.motion, axis.commanded_n);
+        coupled_axes.drive(i, &axis.parameters, &mut axis.motion, axis.drive_n);
     }
     for (i, axis) in axes.iter_mut().enumerate() {
         coupled_axes.apply_guide(i, &axis.parameters, &mut axis.motion);
@@ -304,38 +316,36 @@ impl SimulatedAxis {
         let Timing { tick_s, step_s, sample_s } = timing;
         let latency_s = |channel| parameters.latency_s(channel);
         let lag_s = parameters.servo.drive_time_constant_s(instruments.drive_time_constant_s);
-        let resonance = parameters.tool.resonance.as_ref();
         Self {
             stepper: Stepper::new(&parameters, lag_s, step_s),
             motion: AxisMotion::at_rest(&parameters, start_m),
-            oscillation: Oscillation::default(),
-            oscillation_step: resonance.map(|resonance| OscillationStep::new(resonance, step_s)),
+            modes: Modes::at_rest(&parameters.tool.resonances, step_s),
             motor_delay: Delay::new(instruments.motor_latency_s, tick_s, start_m),
             table_delay: Delay::new(instruments.table_latency_s, tick_s, parameters.screw.nominal_m(start_m)),
             table_log_delay: LogDelay::new(latency_s(Channel::Table), sample_s, start_m),
             tool_log_delay: LogDelay::new(latency_s(Channel::Tool), sample_s, start_m),
             force_log_delay: ForceDelay::new(latency_s(Channel::Force), tick_s),
+            dead_time: DeadTime::new(parameters.servo.dead_time.seconds(), tick_s, 0.0),
             structure_offset_m: 0.0,
             commanded_n: 0.0,
+            drive_n: 0.0,
             parameters,
         }
     }
 
     /// Whether it may share a register with another axis. An oscillation needs the acceleration of every step.
     fn can_be_paired(&self) -> bool {
-        self.stepper.can_be_paired(&self.parameters) && self.parameters.tool.resonance.is_none()
+        self.stepper.can_be_paired(&self.parameters) && self.modes.is_empty()
     }
 
     fn step(&mut self, step_s: f64) {
         let before = self.motion.table_m_per_s;
-        self.stepper.step(&self.parameters, &mut self.motion, self.commanded_n);
+        self.stepper.step(&self.parameters, &mut self.motion, self.drive_n);
         self.oscillate(self.motion.table_m_per_s - before, step_s);
     }
 
     /// Oscillation of the tool over a step that has changed the velocity of the table by `change`, m/s.
     fn oscillate(&mut self, change: f64, step_s: f64) {
-        if let Some(step) = &self.oscillation_step {
-            self.oscillation.step(step, change / step_s, self.motion.table_m_per_s);
-        }
+        self.modes.step(change / step_s, self.motion.table_m_per_s);
     }
 }

@@ -3,13 +3,17 @@
 
 use model::axis::Mechanics;
 use model::effects::{
-    Channel, ConstantLoad, Crosstalk, Effect, ForceWindup, Intalk, Latency, MotorStribeck, PeriodicError,
-    PositionLoad, Resonance, Squareness, Straightness, ThermalDrift, TorqueRipple,
+    Channel, ConstantLoad, Crosstalk, DriveAsymmetry, Effect, ForceWindup, Intalk, Latency, MotorStribeck,
+    PeriodicError, PositionLoad, Resonance, Squareness, Straightness, ThermalDrift, ThermalRate,
+    TorqueRipple,
 };
 use model::machine::{Axis, Machine};
 
 use super::friction::{self, Friction};
+use super::probe::Probe;
+use super::scale::Scale;
 use super::screw::{Screw, Spring};
+
 use model::bodies;
 use model::residual_table::ResidualTable;
 use model::servo::ServoParameters;
@@ -39,6 +43,10 @@ pub struct AxisParameters {
     pub ripple: Vec<TorqueRipple>,
     /// Errors of the motor's resolver or encoder.
     pub resolver: Vec<PeriodicError>,
+    /// Difference of the drive's gain between both directions.
+    pub drive_asymmetry: DriveAsymmetry,
+    /// Errors of the linear scale.
+    pub scale: Scale,
     /// Effects between table and tool.
     pub tool: ToolParameters,
     /// Effects in the controller.
@@ -78,10 +86,14 @@ pub struct ToolParameters {
     pub squareness: Squareness,
     /// Offset per squared position of another axis.
     pub straightness: Vec<Straightness>,
-    /// Offset over the time of the session.
-    pub drift: Option<ThermalDrift>,
-    /// Oscillation of the tool against the table.
-    pub resonance: Option<Resonance>,
+    /// Offsets over the time of the session that approach an end.
+    pub drifts: Vec<ThermalDrift>,
+    /// Offset in proportion to the time of the session.
+    pub rate: ThermalRate,
+    /// Modes in which the tool oscillates against the table.
+    pub resonances: Vec<Resonance>,
+    /// Alignment of the probe that reads the tool.
+    pub probe: Probe,
 }
 
 impl AxisParameters {
@@ -158,11 +170,16 @@ impl AxisParameters {
                 self.friction.bristle_damping_n_s_per_m = e.damping_n_s_per_m;
             }
             Effect::TorqueRipple(e) => self.ripple.push(e),
+            Effect::DriveAsymmetry(e) => self.drive_asymmetry = e,
             Effect::ConstantLoad(e) => self.load.constant.force_n += e.force_n,
             Effect::PositionLoad(e) => self.load.position = Some(e),
             // Part of the controller: see `ServoParameters::of`.
             Effect::ServoMismatch(_)
             | Effect::VelocityLag(_)
+            | Effect::VelocityFilter(_)
+            | Effect::DriveDeadTime(_)
+            | Effect::LoopDelay(_)
+            | Effect::PositionDelay(_)
             | Effect::FeedforwardMismatch(_)
             | Effect::VelocityGainMismatch(_)
             | Effect::IntegralTimeMismatch(_)
@@ -173,8 +190,14 @@ impl AxisParameters {
             Effect::Crosstalk(e) => self.tool.crosstalk.push(e),
             Effect::Squareness(e) => self.tool.squareness.um_per_m += e.um_per_m,
             Effect::Straightness(e) => self.tool.straightness.push(e),
-            Effect::ThermalDrift(e) => self.tool.drift = Some(e),
-            Effect::Resonance(e) => self.tool.resonance = Some(e),
+            Effect::ThermalDrift(e) => self.tool.drifts.push(e),
+            Effect::ThermalRate(e) => self.tool.rate.um_per_min += e.um_per_min,
+            Effect::ProbeRotation(e) => self.tool.probe.rotation.um_per_m += e.um_per_m,
+            Effect::ProbeGain(e) => self.tool.probe.gain.um_per_m += e.um_per_m,
+            Effect::ScaleGain(e) => self.scale.gain.um_per_m += e.um_per_m,
+            Effect::ThermalGrowth(e) => self.scale.growth = Some(e),
+            Effect::ScaleCyclic(e) => self.scale.periodic.push(e.error()),
+            Effect::Resonance(e) => self.tool.resonances.push(e),
             Effect::Latency(e) => self.latency.push(e),
             Effect::Backlash(e) => self.screw.backlash = e,
             Effect::PitchProgressive(e) => self.screw.progressive.slope_um_per_m += e.slope_um_per_m,

@@ -2,7 +2,7 @@
 
 use nalgebra::Matrix3;
 
-use model::effects::{Crosstalk, Resonance, Straightness};
+use model::effects::{Crosstalk, Resonance, Straightness, ThermalDrift};
 
 use super::parameters::ToolParameters;
 
@@ -23,7 +23,7 @@ impl Tables<'_> {
     }
 }
 
-/// Tool − table of one axis, m, without its resonance, at a time of the session (s).
+/// What the probe reads less the table of one axis, m, without the modes of the tool, at a time of the session (s).
 #[must_use]
 pub fn offset_m(tool: &ToolParameters, axis: usize, tables: &Tables<'_>, time_s: f64) -> f64 {
     let other = (0..tables.names.len()).find(|&i| i != axis);
@@ -34,7 +34,47 @@ pub fn offset_m(tool: &ToolParameters, axis: usize, tables: &Tables<'_>, time_s:
         + tool.crosstalk.iter().map(crosstalk).sum::<f64>()
         + other.map_or(0.0, |i| tool.squareness.offset_m(tables.position_m[i]))
         + tool.straightness.iter().map(straightness).sum::<f64>()
-        + tool.drift.as_ref().map_or(0.0, |drift| drift.offset_m(time_s))
+        + tool.drifts.iter().map(|drift: &ThermalDrift| drift.offset_m(time_s)).sum::<f64>()
+        + tool.rate.offset_m(time_s)
+        + tool.probe.gain.offset_m(tables.position_m[axis])
+        + other.map_or(0.0, |i| tool.probe.rotation.offset_m(axis, tables.position_m[i]))
+}
+
+/// The modes in which the tool of one axis oscillates against its table.
+#[derive(Clone, Debug, Default, PartialEq)]
+pub struct Modes {
+    /// Each with its participation.
+    modes: Vec<(f64, Oscillation, OscillationStep)>,
+}
+
+impl Modes {
+    /// The modes at rest, with steps of a length (s).
+    #[must_use]
+    pub fn at_rest(resonances: &[Resonance], step_s: f64) -> Self {
+        let mode = |resonance: &Resonance| {
+            (resonance.participation, Oscillation::default(), OscillationStep::new(resonance, step_s))
+        };
+        Self { modes: resonances.iter().map(mode).collect() }
+    }
+
+    /// One step under the table's acceleration (m/s²), at whose end the table has a velocity (m/s).
+    pub fn step(&mut self, acceleration: f64, velocity: f64) {
+        for (_, oscillation, step) in &mut self.modes {
+            oscillation.step(step, acceleration, velocity);
+        }
+    }
+
+    /// Tool − table by all modes, m.
+    #[must_use]
+    pub fn offset_m(&self) -> f64 {
+        self.modes.iter().map(|(participation, oscillation, _)| participation * oscillation.offset_m).sum()
+    }
+
+    /// Whether the tool is rigid.
+    #[must_use]
+    pub fn is_empty(&self) -> bool {
+        self.modes.is_empty()
+    }
 }
 
 /// The oscillation of the tool of one axis against its table.
@@ -91,12 +131,11 @@ impl Oscillation {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::effects::Channel;
 
     /// Without damping and under a constant acceleration a, d = −a/ω²·(1 − cos ωt), at any step.
     #[test]
     fn oscillates_about_the_static_offset() {
-        let resonance = Resonance { channel: Channel::Tool, frequency_hz: 300.0, damping_ratio: 0.0 };
+        let resonance = Resonance::of_tool(300.0, 0.0);
         let omega = std::f64::consts::TAU * 300.0;
         for step_s in [2e-5, 1e-3, 7e-3] {
             let (step, mut tool) = (OscillationStep::new(&resonance, step_s), Oscillation::default());
@@ -112,7 +151,7 @@ mod tests {
     #[test]
     fn lags_by_its_damping_at_a_steady_speed() {
         for damping_ratio in [0.02, 0.7, 30.0] {
-            let resonance = Resonance { channel: Channel::Tool, frequency_hz: 60.0, damping_ratio };
+            let resonance = Resonance::of_tool(60.0, damping_ratio);
             let (step, mut tool) = (OscillationStep::new(&resonance, 1e-3), Oscillation::default());
             (0..100_000).for_each(|_| tool.step(&step, 0.0, 0.1));
             let lag_m = 0.1 * 2.0 * damping_ratio / (std::f64::consts::TAU * 60.0);

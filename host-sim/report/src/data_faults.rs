@@ -1,7 +1,7 @@
 //! Sentences on faults of the data.
 
 use files::format::significant;
-use files::log::Unit;
+use files::log::{Channel, Unit};
 use pages::file_name;
 use trace::data_faults::{DataFault, FaultKind, Treatment};
 use trace::outcome::AxisTrace;
@@ -36,16 +36,7 @@ fn description(fault: &DataFault, unit: Unit) -> String {
             format!("the {what} reading slips by {sign}{figure} {position} at {at_s} s"),
             "the step is removed and both sides are used",
         ),
-        FaultKind::Stuck if fault.count > 1 => (
-            format!(
-                "the {what} reading is repeated {} times, {figure} s in total, first at {at_s} s",
-                fault.count
-            ),
-            "it is left out there",
-        ),
-        FaultKind::Stuck => {
-            (format!("the {what} reading is stuck for {figure} s from {at_s} s on"), "it is left out there")
-        }
+        FaultKind::Stuck => stuck(fault, &what, &at_s),
         FaultKind::Spike => (
             format!(
                 "the {what} reading has {} {}, the largest of {sign}{figure} {position}, the first at {at_s} s",
@@ -73,6 +64,7 @@ fn description(fault: &DataFault, unit: Unit) -> String {
             ),
             "it is converted",
         ),
+        FaultKind::Hum => (hum(fault, unit), "it is subtracted"),
         FaultKind::Dead => (format!("the {what} does not change while the axis moves"), "it is not used"),
     };
     let treatment = match fault.treatment {
@@ -83,10 +75,43 @@ fn description(fault: &DataFault, unit: Unit) -> String {
     format!("{is}; {treatment}")
 }
 
+/// A reading, or a whole row, that is repeated, and what the trace does about it.
+fn stuck(fault: &DataFault, what: &str, at_s: &str) -> (String, &'static str) {
+    let figure = significant(fault.size.unwrap_or(0.0).abs(), 3);
+    match (fault.channel, fault.count) {
+        (None, rows) => (
+            format!(
+                "{rows} rows were lost and the rows before them repeated, {figure} s in total, first at {at_s} s"
+            ),
+            "they are left out",
+        ),
+        (Some(_), count @ 2..) => (
+            format!("the {what} reading is repeated {count} times, {figure} s in total, first at {at_s} s"),
+            "it is left out there",
+        ),
+        (Some(_), _) => {
+            (format!("the {what} reading is stuck for {figure} s from {at_s} s on"), "it is left out there")
+        }
+    }
+}
+
+/// The amplitude and the frequency of a hum.
+fn hum(fault: &DataFault, unit: Unit) -> String {
+    let unit = match (fault.channel, unit) {
+        (Some(Channel::Force), Unit::Millimetre) => "N",
+        (Some(Channel::Force), Unit::Degree) => "N·m",
+        (_, Unit::Degree) => "mdeg",
+        (_, Unit::Millimetre) => "µm",
+    };
+    let channel = fault.channel.map_or("all channels", Channel::word).replace('_', " ");
+    let size = significant(fault.size.unwrap_or(0.0).abs(), 3);
+    let hz = significant(fault.frequency_hz.unwrap_or(0.0), 4);
+    format!("the {channel} reading has a hum of {size} {unit} at {hz} Hz")
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
-    use files::log::Channel;
 
     fn fault(kind: FaultKind, size: Option<f64>, treatment: Treatment) -> DataFault {
         DataFault {
@@ -96,6 +121,7 @@ mod tests {
             log: "a/fit.csv".to_owned(),
             at_s: Some(16.846),
             size,
+            frequency_hz: None,
             count: 1,
             treatment,
         }
@@ -115,6 +141,20 @@ mod tests {
              effect is searched in the stages that need it"
         );
         let twice = DataFault { count: 2, ..fault(FaultKind::Spike, Some(20.0), Treatment::Corrected) };
+        let hum = DataFault {
+            frequency_hz: Some(50.02),
+            at_s: None,
+            ..fault(FaultKind::Hum, Some(0.06), Treatment::Corrected)
+        };
+        assert_eq!(
+            description(&hum, Unit::Millimetre),
+            "the table reading has a hum of 0.0600 µm at 50.02 Hz; it is subtracted"
+        );
+        let stuck = DataFault { count: 90, ..fault(FaultKind::Stuck, Some(0.095), Treatment::Corrected) };
+        assert_eq!(
+            description(&DataFault { channel: None, ..stuck }, Unit::Millimetre),
+            "90 rows were lost and the rows before them repeated, 0.0950 s in total, first at 16.846 s; they are left out"
+        );
         assert_eq!(
             description(&twice, Unit::Degree),
             "the table reading has 2 spikes, the largest of +20.0 mdeg, the first at 16.846 s; it is left out there"

@@ -13,7 +13,7 @@ use trace::fit::scope::NotTestable;
 use trace::outcome::AxisTrace;
 use trace::search::ambiguity::Ambiguity;
 use trace::stages::{residual_unit, stage_names};
-use trace::validation::declared_value::DeclaredValue;
+use trace::validation::declared_value::{DeclaredValue, mean_factor};
 use trace::validation::found_effect::FoundEffect;
 use trace::verdict::{self, Verdict};
 use trace::{Task, Trace};
@@ -68,17 +68,33 @@ pub fn look_alike(axis: &AxisTrace, alike: &Ambiguity) -> String {
 pub fn sentence(axis: &str, unit: Unit, found: &FoundEffect) -> String {
     let is_rotary = unit == Unit::Degree;
     let mut what = found.effect.sentence(&found.half_widths, is_rotary);
-    if !found.rivals.is_empty() {
-        let rivals: Vec<String> = found.rivals.iter().map(|rival| rival.sentence(&[], is_rotary)).collect();
-        what = format!("either {what}, or {} (these logs do not tell which)", rivals.join(", or "));
+    let mut others: Vec<String> = found.rivals.iter().map(|rival| rival.sentence(&[], is_rotary)).collect();
+    others.extend(found.imitations.iter().map(|imitation| imitation.clause.to_owned()));
+    if !others.is_empty() {
+        let decided_by: Vec<&str> = found.imitations.iter().map(|imitation| imitation.decided_by).collect();
+        let decided_by = match &decided_by[..] {
+            [] => String::new(),
+            all => format!("; to tell: {}", all.join("; ")),
+        };
+        what =
+            format!("either {what}, or {} (these logs do not tell which{decided_by})", others.join(", or "));
+    }
+    if let Some(remaining) = found.remaining {
+        let (to_noise, stage) = (significant(remaining.to_noise, 2), stage_names(&[remaining.stage]));
+        what += &format!(" (not certain: {to_noise} times the noise remains in the {stage} residual)");
     }
     let stage = stage_names(&[found.stage]);
     let held_out = "on held-out motions";
     let gain = found.validate_reduction_percent();
-    if gain >= 0.0 {
+    if gain.is_nan() {
+        format!("{axis}: {what}; no held-out motion has a {stage} residual to show it.")
+    } else if gain >= 0.0 {
         format!("{axis}: {what}; reduces the {stage} residual {held_out} by {}.", percent(gain))
     } else {
-        format!("{axis}: {what}; increases the {stage} residual {held_out} by {}.", percent(-gain))
+        let rise = percent(-gain);
+        format!(
+            "{axis}: {what}; the held-out motions neither show nor refute it: their {stage} residual is {rise} larger."
+        )
     }
 }
 
@@ -94,6 +110,20 @@ pub fn beyond_tolerance(axis: &str, value: &DeclaredValue) -> String {
         significant(declared, 4),
         significant(100.0 * tolerance, 3)
     )
+}
+
+/// That the scale of the logged force may be wrong.
+fn of_force_scale(axis: &AxisTrace) -> Option<String> {
+    let percent = 100.0 * (mean_factor(&axis.declared_values) - 1.0);
+    let how = if percent > 0.0 { "above" } else { "below" };
+    axis.has_force_scale.then(|| {
+        format!(
+            "{}: masses, stiffness and friction are together {} % {how} the declared ones. One cause is enough: the logged force \
+             is wrong by a factor (its scale, the torque constant of the motor), or all of these values are.",
+            axis.axis,
+            significant(percent.abs(), 2)
+        )
+    })
 }
 
 /// The results for an axis: whether the model fails to describe the logs; one sentence for each effect, or one sentence
@@ -113,7 +143,14 @@ pub fn of_axis(axis: &AxisTrace) -> Vec<String> {
     let misfit = caveats::misfit(axis).into_iter().chain(caveats::misfit_held_out(axis));
     let beyond = axis.declared_values.iter().filter(|value| value.is_beyond_tolerance);
     let beyond = beyond.map(|value| beyond_tolerance(&axis.axis, value));
-    misfit.chain(beyond).chain(none).chain(found).chain(refuted).chain(at_limit).collect()
+    misfit
+        .chain(of_force_scale(axis))
+        .chain(beyond)
+        .chain(none)
+        .chain(found)
+        .chain(refuted)
+        .chain(at_limit)
+        .collect()
 }
 
 /// The result for an axis on which no effect was found.
@@ -290,6 +327,7 @@ mod tests {
             stages: &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force],
             travel_mm: [0.0, 100.0],
             has_backlash: false,
+            modes: 0,
             residual: &ResidualShape {
                 pitch_knots: Some(5),
                 friction_knots: Some(4),
@@ -297,7 +335,13 @@ mod tests {
             },
         };
         let alone = EffectContext { stages: &[Stage::Force], ..context };
-        let all = [initial_guesses(&context), initial_guesses(&alone)].concat();
+        let second = EffectContext { first: false, ..context };
+        let of_scale =
+            ["name = 'scale_gain'\num_per_m = 5", "name = 'scale_cyclic'\namplitude_um = 1\nperiod_mm = 40"]
+                .map(|effect| toml::from_str(effect).unwrap());
+        let all =
+            [initial_guesses(&context), initial_guesses(&alone), initial_guesses(&second), of_scale.to_vec()]
+                .concat();
         let first = |name: &&str| all.iter().find(|effect| effect.name() == *name).unwrap().clone();
         let moved = |effect: Effect| {
             let values: Vec<f64> =
@@ -314,7 +358,7 @@ mod tests {
             let half_widths = vec![0.01; parameters.len()];
             let stage = effect.stages()[0];
             let [before, after] = [100.0, 9.4].map(|validate| FitAndValidationRms { fit: 1.0, validate });
-            let found = FoundEffect { effect, half_widths, stage, before, after, rivals: Vec::new() };
+            let found = FoundEffect::new((effect, half_widths), stage, [before, after]);
             let text = sentence("ax", Unit::Millimetre, &found);
             assert!(text.starts_with("ax: "), "{text}");
             assert!(text.ends_with("residual on held-out motions by 91 %."), "{text}");
@@ -344,16 +388,19 @@ mod tests {
     }
 
     #[test]
-    fn an_effect_that_increases_the_residual_is_reported_as_such() {
+    fn an_effect_that_no_held_out_motion_shows_is_reported_as_such() {
         let effect: Effect = toml::from_str("name = 'backlash'\nwidth_um = 9.8").unwrap();
         let [before, after] = [100.0, 103.2].map(|validate| FitAndValidationRms { fit: 1.0, validate });
-        let rivals = Vec::new();
-        let mut found =
-            FoundEffect { effect, half_widths: vec![0.1], stage: Stage::Table, before, after, rivals };
+        let mut found = FoundEffect::new((effect, vec![0.1]), Stage::Table, [before, after]);
         assert_eq!(
             sentence("x", Unit::Millimetre, &found),
-            "x: 9.8 ± 0.1 µm backlash between screw and table; increases the table residual on held-out motions by \
-             3 %."
+            "x: 9.8 ± 0.1 µm backlash between screw and table; the held-out motions neither show nor refute it: their \
+             table residual is 3 % larger."
+        );
+        found.before.validate = f64::NAN;
+        assert_eq!(
+            sentence("x", Unit::Millimetre, &found),
+            "x: 9.8 ± 0.1 µm backlash between screw and table; no held-out motion has a table residual to show it."
         );
         let slope = "name = 'pitch_progressive'\nslope_um_per_m = 12.5";
         found.rivals.push(toml::from_str(slope).unwrap());

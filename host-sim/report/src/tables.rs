@@ -75,14 +75,16 @@ fn after_cell(before: f64, after: f64) -> Markup {
     html! { td.n.gained[after < 0.95 * before] { (text(&fixed(after, 3))) } }
 }
 
-const CONTOUR_NOTE: &str = "Distance of the measured position from the path of the command, in the samples as logged. G: \
-                            circular deviation of the largest full circle, the larger of its directions (ISO 230-4). \
-                            F: radial deviation about the programmed centre. Overshoot: the largest of all corners.";
+const CONTOUR_NOTE: &str = "Distance of the measured position from the path of the command, in the samples as logged; of a single \
+                            axis, its following error. G: circular deviation of the largest full circle, the larger of its \
+                            directions (ISO 230-4). H: circular hysteresis between its directions. Peak: the largest at a \
+                            reversal. F: radial deviation about the programmed centre. Overshoot: the largest of all corners.";
 
 /// The contour error of each log; empty without logs.
 pub fn contour_errors(logs: &[LogError]) -> Markup {
     const WORDS: [&str; 2] = ["log", "channel"];
-    const NUMBERS: [&str; 5] = ["rms, µm", "greatest, µm", "G, µm", "F, µm", "overshoot, µm"];
+    const NUMBERS: [&str; 7] =
+        ["rms, µm", "greatest, µm", "G, µm", "H, µm", "peak, µm", "F, µm", "overshoot, µm"];
     if logs.is_empty() {
         return Markup::default();
     }
@@ -105,10 +107,12 @@ fn contour_row(log: &LogError) -> Markup {
     html! {
         tr {
             th scope="row" { (text(&log.log)) }
-            td { (log.channel.word()) }
+            td { (log.channel.word()) @if error.is_along_axis { " (one axis: following error)" } }
             (number_cell(&fixed(error.rms_um, 3)))
             (number_cell(&fixed(error.max_um, 3)))
             (number_cell(&shown(error.circular_um())))
+            (number_cell(&shown(error.hysteresis_um())))
+            (number_cell(&shown(error.reversal_peak_um())))
             (number_cell(&radial))
             (number_cell(&shown(error.overshoot_um())))
         }

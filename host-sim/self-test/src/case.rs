@@ -13,7 +13,7 @@ use super::effect_draw::{draw_beside, draw_textbook};
 use super::kind::Kind;
 use super::machine::Axis;
 use super::truth::Truth;
-use super::{draw, effect, extra, fault, motion, simulation};
+use super::{chain, draw, effect, extra, fault, gap, motion, simulation};
 use files::error::InputError;
 use files::log::Log;
 use files::output::{OutputError, write_whole};
@@ -64,6 +64,9 @@ impl Case {
         let Session { drawn, motions, truths, mut extras } = Session::draw(kind, seed, number);
         let stream = |purpose| stream(kind.index(), seed, number, purpose);
         let mut logs = run_session(&drawn, &motions, |log| stream(Purpose::Log(log)));
+        if kind == Kind::Sparse {
+            gap::thin(gap::of_case(number), &mut logs);
+        }
         if kind == Kind::Slip {
             extras.extend(fault::draw(&mut logs, &mut stream(Purpose::Fault)));
         }
@@ -126,7 +129,12 @@ impl Case {
             return json!({"effects": effects});
         }
         let names: Vec<_> = self.extras.iter().map(|extra| [extra.name, extra.axis]).collect();
-        json!({"effects": effects, "extra": names, "extra_parameters": of(&self.extras)})
+        let kind = self
+            .extras
+            .first()
+            .filter(|_| self.kind.is_judged())
+            .map_or(self.kind.name(), |extra| extra.name);
+        json!({"kind": kind, "effects": effects, "extra": names, "extra_parameters": of(&self.extras)})
     }
 }
 
@@ -141,10 +149,15 @@ struct Session {
 impl Session {
     fn draw(kind: Kind, seed: u64, number: u64) -> Self {
         let mut random = stream(kind.index(), seed, number, Purpose::Machine);
-        let deviations = if kind == Kind::Offspec { draw::BEYOND_TOLERANCE } else { draw::WITHIN_TOLERANCE };
+        let deviations = match kind {
+            Kind::Offspec => draw::BEYOND_TOLERANCE,
+            Kind::Sensors if chain::is_declared_truly(chain::of_case(number)) => draw::TRUE,
+            Kind::Sparse if gap::is_declared_truly(gap::of_case(number)) => draw::TRUE,
+            _ => draw::WITHIN_TOLERANCE,
+        };
         let mut drawn = draw::machine(&deviations, &mut random);
         let mut motions = draw::session(&mut random);
-        let (truths, extras) = undeclared(kind, &mut drawn, &mut random);
+        let (truths, extras) = undeclared((kind, number), &mut drawn, &mut random);
         if kind == Kind::Jerk {
             let averaged_samples = random.random_range(AVERAGED_SAMPLES);
             for motion in &mut motions {
@@ -156,7 +169,11 @@ impl Session {
 }
 
 /// Draws the undeclared effects of the catalogue, and what else the machine has.
-fn undeclared(kind: Kind, drawn: &mut Drawn, random: &mut ChaCha8Rng) -> (Vec<Truth>, Vec<Truth>) {
+fn undeclared(
+    (kind, number): (Kind, u64),
+    drawn: &mut Drawn,
+    random: &mut ChaCha8Rng,
+) -> (Vec<Truth>, Vec<Truth>) {
     match kind {
         Kind::Textbook => (draw_textbook(drawn, random), Vec::new()),
         Kind::Controller => {
@@ -168,7 +185,11 @@ fn undeclared(kind: Kind, drawn: &mut Drawn, random: &mut ChaCha8Rng) -> (Vec<Tr
             (truths, Vec::new())
         }
         _ => {
-            let extras = extra::draw(kind, drawn, random);
+            let extras = match kind {
+                Kind::Sensors => chain::draw(chain::of_case(number), drawn, random),
+                Kind::Sparse => gap::draw(gap::of_case(number), drawn, random),
+                _ => extra::draw(kind, drawn, random),
+            };
             (draw_beside(&extras, kind, drawn, random), extras)
         }
     }
@@ -191,9 +212,11 @@ pub(super) fn run_session(
             (motion.name, positions, own_start_s)
         })
         .collect();
-    let run = |(index, (name, positions, start_s)): (usize, (&str, Vec<_>, f64))| Log {
-        source: name.to_owned(),
-        ..simulation::run(&drawn.axes, &positions, start_s, &mut noise(index as u64))
+    let run = |(index, (name, positions, start_s)): (usize, (&str, Vec<_>, f64))| {
+        let (mut random, times_s) = (noise(index as u64), [start_s, drawn.recorder.jitter_s]);
+        let mut log = simulation::run_jittered(&drawn.axes, &positions, times_s, &mut random);
+        drawn.recorder.lose_rows(&mut log, &mut random);
+        Log { source: name.to_owned(), ..log }
     };
     timed.into_par_iter().enumerate().map(run).collect()
 }

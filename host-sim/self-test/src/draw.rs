@@ -6,6 +6,7 @@ use rand_chacha::ChaCha8Rng;
 use super::machine::{AXES, Axis};
 use super::motion::{Pace, Segment};
 use super::plant::Mechanics;
+use super::recording::Recorder;
 use super::servo::Settings;
 
 /// Largest relative differences between declared and true values, in the order of [`MechanicalValues`].
@@ -14,6 +15,8 @@ pub type Deviations = [f64; 7];
 pub const WITHIN_TOLERANCE: Deviations = [0.06; 7];
 /// Masses, stiffness and friction of the table outside it.
 pub const BEYOND_TOLERANCE: Deviations = [0.25, 0.25, 0.25, 0.06, 0.25, 0.25, 0.06];
+/// The declared values are the true ones, to the digits of the file.
+pub const TRUE: Deviations = [1e-12; 7];
 /// Tolerance of these values in the machine file.
 const TOLERANCE_PERCENT: f64 = 10.0;
 /// σ0 (N/µm) and σ1 (N s/m); the declared values are the true ones.
@@ -40,6 +43,8 @@ pub struct Drawn {
     pub axes: [Axis; 2],
     /// Declared values.
     pub declared: [Declared; 2],
+    /// Errors of the recorder.
+    pub recorder: Recorder,
 }
 
 /// What both axes of a machine have in common.
@@ -72,7 +77,7 @@ pub fn machine(deviations: &Deviations, random: &mut ChaCha8Rng) -> Drawn {
         pole_pairs: one_of(&[2, 4, 5], random),
     };
     let [(x, declared_x), (y, declared_y)] = AXES.map(|name| axis(name, &design, deviations, random));
-    Drawn { axes: [x, y], declared: [declared_x, declared_y] }
+    Drawn { axes: [x, y], declared: [declared_x, declared_y], recorder: Recorder::default() }
 }
 
 /// Draws the true and the declared values of an axis. The order of the draws determines the result of a seed.
@@ -117,7 +122,7 @@ fn settings(drive: &DriveValues, design: &Design) -> Settings {
         integral_s: drive.velocity_integral_time_s,
         limit_n: FORCE_LIMIT_N,
         dual_s: drive.dual_feedback_time_s,
-        lag_s: 0.0,
+        ..Settings::default()
     }
 }
 
@@ -239,6 +244,17 @@ fn corner(centre: [f64; 2], half_diagonal: f64) -> Motion {
     ];
     let segments = [REST].into_iter().chain(ends.map(Segment::Line)).chain([REST]).collect();
     Motion { name: "", start: [left, middle], segments, pace: NO_PACE }
+}
+
+/// The name of a case whose number determines it; numbers count from 1.
+#[must_use]
+pub fn in_turn(names: &[&'static str], number: u64) -> &'static str {
+    let count = names.len() as u64;
+    names
+        .iter()
+        .zip(0..)
+        .find(|(_, index)| *index == (number + count - 1) % count)
+        .map_or("", |(name, _)| *name)
 }
 
 /// One of several values, each with the same probability.

@@ -40,6 +40,7 @@ pub fn draw_beside(extras: &[Truth], kind: Kind, machine: &mut Drawn, random: &m
     let count = match kind {
         Kind::Many => random.random_range(4..=5),
         Kind::Small => random.random_range(1..=3),
+        Kind::Sensors | Kind::Sparse => random.random_range(0..=2),
         _ if kind.may_stand_alone() && random.random_bool(EXTRA_ALONE_PROBABILITY) => 0,
         _ => draw_count(random),
     };
@@ -93,7 +94,7 @@ fn add_effects(truths: &mut Vec<Truth>, count: usize, machine: &mut Drawn, rando
 /// Pairs that are not drawn on one axis. A load greater than the friction keeps the screw on one side of its gap. The
 /// others have the same consequence: a pitch shape has a slope, a second harmonic of the screw the period of a resolver
 /// with two pole pairs, and the loop multiplies Kp by Kv and by feed-forward.
-const EXCLUSIONS: [[&str; 2]; 10] = [
+const EXCLUSIONS: [[&str; 2]; 25] = [
     ["backlash", "constant_load"],
     ["backlash", "cable_drag"],
     ["backlash", "backlash_varies"],
@@ -104,6 +105,21 @@ const EXCLUSIONS: [[&str; 2]; 10] = [
     ["servo_mismatch", "velocity_gain_mismatch"],
     ["servo_mismatch", "integral_time_mismatch"],
     ["servo_mismatch", "drive_lag"],
+    ["servo_mismatch", "feedback_late"],
+    ["servo_mismatch", "feedback_notch"],
+    ["servo_mismatch", "feedback_low_pass"],
+    ["servo_mismatch", "dead_time"],
+    ["servo_mismatch", "loop_delay"],
+    ["servo_mismatch", "velocity_fresh"],
+    ["servo_mismatch", "command_shifted"],
+    ["constant_load", "drive_asymmetry"],
+    ["friction_asymmetry", "drive_asymmetry"],
+    ["thermal_drift", "two_drifts"],
+    ["thermal_drift", "linear_drift"],
+    ["resonance", "two_modes"],
+    ["latency", "two_modes"],
+    ["windup", "stiffness_varies"],
+    ["windup", "no_stiffness"],
 ];
 
 /// Whether one effect on an axis hides the other.

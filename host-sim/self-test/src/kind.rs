@@ -3,6 +3,8 @@
 use std::fmt::{self, Display, Formatter};
 use std::str::FromStr;
 
+use super::{chain, gap};
+
 /// What a case has beyond a machine with undeclared effects.
 #[derive(Clone, Copy, Debug, Default, PartialEq, Eq, PartialOrd, Ord, Hash)]
 pub enum Kind {
@@ -29,11 +31,15 @@ pub enum Kind {
     Slip,
     /// A setting of the controller, or a lag of the drive, that is not as declared.
     Controller,
+    /// Errors of the measuring chain and of the loop: see [`super::chain`].
+    Sensors,
+    /// A machine file or logs that lack something: see [`super::gap`].
+    Sparse,
 }
 
 impl Kind {
     /// All kinds; the position of a kind determines its random numbers.
-    pub const ALL: [Self; 11] = [
+    pub const ALL: [Self; 13] = [
         Self::Textbook,
         Self::Coarse,
         Self::Many,
@@ -45,6 +51,8 @@ impl Kind {
         Self::Foreign,
         Self::Slip,
         Self::Controller,
+        Self::Sensors,
+        Self::Sparse,
     ];
 
     /// Its name on the command line and in results.
@@ -62,6 +70,8 @@ impl Kind {
             Self::Foreign => "foreign",
             Self::Slip => "slip",
             Self::Controller => "controller",
+            Self::Sensors => "sensors",
+            Self::Sparse => "sparse",
         }
     }
 
@@ -85,6 +95,22 @@ impl Kind {
     #[must_use]
     pub fn index(self) -> u64 {
         Self::ALL.iter().zip(0..).find(|(kind, _)| **kind == self).map_or(0, |(_, index)| index)
+    }
+
+    /// The error or gap that the number of a case determines, of the kinds that have one.
+    #[must_use]
+    pub fn subject(self, number: u64) -> Option<&'static str> {
+        match self {
+            Self::Sensors => Some(chain::of_case(number)),
+            Self::Sparse => Some(gap::of_case(number)),
+            _ => None,
+        }
+    }
+
+    /// Whether its cases are scored by what the trace states as certain: see [`super::judgement`].
+    #[must_use]
+    pub fn is_judged(self) -> bool {
+        matches!(self, Self::Sensors | Self::Sparse)
     }
 
     /// Whether its cases may have no effect of the catalogue beside what makes the kind, so that a false name is seen

@@ -6,34 +6,47 @@
 //!
 //! | step | module |
 //! |---|---|
-//! | draw a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`effect_draw`], [`extra`] |
-//! | simulate it | [`simulation`], [`machine`], [`plant`], [`servo`], [`sensors`], [`fault`] |
+//! | draw a machine, its motions and its undeclared effects | [`kind`], [`draw`], [`motion`], [`truth`], [`effect`], [`effect_draw`], [`extra`], [`chain`], [`gap`] |
+//! | simulate it | [`simulation`], [`machine`], [`plant`], [`servo`], [`sensors`], [`pickup`], [`scale`], [`recording`], [`fault`] |
 //! | one machine with its logs | [`case`] |
-//! | compare a trace with the true effects | [`score`], [`outside`] |
+//! | compare a trace with the true effects | [`score`], [`outside`], [`judgement`] |
 //! | statistics of all cases | [`summary`], [`confusion`] |
 //! | how often an effect of a given size is found | [`detection`], [`detection_curve`], [`detection_text`], `detection_plot` |
 //! | text and page | [`text_summary`], [`page`], `kind_table`, `confusion_plot`, `parameter_plot` |
 
+mod accepted;
 pub mod case;
+pub mod chain;
+mod chain_size;
 pub mod confusion;
 mod confusion_plot;
+mod delay_line;
 pub mod detection;
 pub mod detection_curve;
 mod detection_plot;
 pub mod detection_text;
 pub mod draw;
+mod drive;
 pub mod effect;
 pub mod effect_draw;
 pub mod extra;
 pub mod fault;
+pub mod gap;
+pub mod judgement;
+mod judgement_text;
 pub mod kind;
 mod kind_table;
 pub mod machine;
+mod mode;
 pub mod motion;
+mod naming;
 pub mod outside;
 pub mod page;
 mod parameter_plot;
+pub mod pickup;
 pub mod plant;
+pub mod recording;
+pub mod scale;
 pub mod score;
 pub mod sensors;
 pub mod servo;
@@ -83,6 +96,8 @@ pub fn json(seed: u64, asked: u64, outcomes: &[Outcome], summary: &Summary) -> V
     })
 }
 
+#[cfg(test)]
+mod chain_tests;
 #[cfg(test)]
 mod kind_tests;
 #[cfg(test)]

@@ -2,34 +2,12 @@
 
 use serde_json::{Value, json};
 
+use super::accepted;
+use super::naming::{Naming, fault, named};
 use super::truth::Truth;
 
 /// The name of an effect or fault, and its axis.
 pub type Named = (String, String);
-
-/// How a thing from outside the textbook catalogue is to be named.
-struct Naming {
-    /// Name of the thing in `truth.json`.
-    extra: &'static str,
-    /// Effects that may be reported for it without being false.
-    accepted: &'static [&'static str],
-    /// Those of them that name it.
-    names: &'static [&'static str],
-    /// Kind of data fault that names it.
-    fault: Option<&'static str>,
-    /// The effect whose parameters are its own, with the names of the parameters that are compared.
-    estimated: Option<(&'static str, &'static [&'static str])>,
-}
-
-/// A thing that is named by any effect that is accepted for it.
-const fn named(extra: &'static str, accepted: &'static [&'static str]) -> Naming {
-    Naming { extra, accepted, names: accepted, fault: None, estimated: None }
-}
-
-/// A thing that is named by a data fault.
-const fn fault(extra: &'static str, kind: &'static str) -> Naming {
-    Naming { extra, accepted: &[], names: &[], fault: Some(kind), estimated: None }
-}
 
 /// Kinds of data fault that a trace may report.
 pub const FAULT_KINDS: [&str; 9] =
@@ -68,7 +46,7 @@ const NAMINGS: [Naming; 12] = [
 ];
 
 fn naming(extra: &str) -> Option<&'static Naming> {
-    NAMINGS.iter().find(|naming| naming.extra == extra)
+    NAMINGS.iter().chain(&accepted::NAMINGS).find(|naming| naming.extra == extra)
 }
 
 /// Whether an effect may be reported for a thing from outside, on the same axis, without being false.

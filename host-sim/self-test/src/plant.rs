@@ -66,6 +66,8 @@ pub struct Mechanics {
     pub table_kg: f64,
     /// Stiffness between screw and table.
     pub stiffness_n_per_m: f64,
+    /// Relative variation of the stiffness over the motor's position, 1 over m; amplitude below 1.
+    pub stiffness_wave: Sinusoid,
     /// Damping between screw and table, while they are in contact.
     pub damping_n_s_per_m: f64,
     /// Coulomb friction of the table.
@@ -184,7 +186,8 @@ impl Mechanics {
             return 0.0;
         };
         let speed = state.motor_m_per_s - state.table_m_per_s;
-        self.stiffness_n_per_m * stretch_m + self.damping_n_s_per_m * speed
+        let stiffness_n_per_m = self.stiffness_n_per_m * (1.0 + self.stiffness_wave.at(state.motor_m));
+        stiffness_n_per_m * stretch_m + self.damping_n_s_per_m * speed
     }
 
     /// Friction level at which the bristles slide: C + S·exp(−(v/vs)²) + C'(x) + W·exp(−t/τ).

@@ -3,6 +3,7 @@
 use serde_json::{Map, Value, json};
 
 use super::case::Case;
+use super::judgement::Judgement;
 use super::kind::Kind;
 use super::outside::{self, Answer, ReportedFault};
 use super::truth::Truth;
@@ -72,6 +73,8 @@ pub struct Outcome {
     pub answers: Vec<Answer>,
     /// Faults of the data that it reports.
     pub faults: Vec<ReportedFault>,
+    /// What it states as certain, of the kinds that are judged by it.
+    pub judgement: Judgement,
 }
 
 impl Outcome {
@@ -82,10 +85,11 @@ impl Outcome {
     }
 
     /// Adds the kind of the case and what is outside the textbook catalogue.
-    fn with_kind(mut self, kind: Kind, extras: &[Truth], trace: &Value) -> Self {
+    pub(super) fn with_kind(mut self, kind: Kind, extras: &[Truth], trace: &Value) -> Self {
         let unexplained: Vec<String> =
             trace["unexplained"].as_array().into_iter().flatten().map(|u| string(u, "axis")).collect();
         self.kind = kind;
+        self.judgement = Judgement::new(&self.truths, extras, trace);
         self.answers =
             extras.iter().map(|extra| Answer::new(extra, &self.found, &self.faults, &unexplained)).collect();
         let same = extras.iter().filter_map(outside::as_effect);
@@ -107,6 +111,7 @@ impl Outcome {
             kind: Kind::Textbook,
             number,
             answers: Vec::new(),
+            judgement: Judgement::default(),
             faults: entries("data_faults").iter().map(ReportedFault::new).collect(),
             described: described.collect(),
             estimates: estimates.collect(),
@@ -120,14 +125,22 @@ impl Outcome {
     /// True effects of the catalogue that were not found.
     #[must_use]
     pub fn missed(&self) -> Vec<&Truth> {
+        let is_rival = |truth: &&Truth| {
+            self.kind.is_judged() && !self.judgement.missed.iter().any(|missed| is_same(truth, missed))
+        };
         let catalogued = self.truths.iter().filter(|truth| !truth.is_outside());
-        catalogued.filter(|truth| !self.found.iter().any(|found| is_same(truth, found))).collect()
+        catalogued
+            .filter(|truth| !is_rival(truth) && !self.found.iter().any(|found| is_same(truth, found)))
+            .collect()
     }
 
     /// False effects: found but not true, and not accepted for something outside the catalogue. One that is found twice
     /// on its axis counts once.
     #[must_use]
     pub fn false_finds(&self) -> Vec<&(String, String)> {
+        if self.kind.is_judged() {
+            return self.judgement.sure_false.iter().chain(&self.judgement.unsure_false).collect();
+        }
         let is_true = |found: &(String, String)| self.truths.iter().any(|truth| is_same(truth, found));
         let is_accepted = |(name, axis): &(String, String)| {
             self.answers.iter().any(|a| a.extra.axis == axis && outside::is_accepted(a.extra.name, name))
@@ -180,13 +193,20 @@ impl Outcome {
     /// Whether exactly the true effects of the catalogue were found.
     #[must_use]
     pub fn is_exact(&self) -> bool {
-        self.missed().is_empty() && self.false_finds().is_empty()
+        let is_judged_exact = !self.kind.is_judged() || self.judgement.is_exact();
+        self.missed().is_empty() && self.false_finds().is_empty() && is_judged_exact
     }
 
     /// Whether the machine has no undeclared effect.
     #[must_use]
     pub fn is_clean(&self) -> bool {
         self.truths.is_empty() && self.answers.is_empty()
+    }
+
+    /// The first error or the gap of a case that is judged by what is stated as certain.
+    #[must_use]
+    pub fn subject(&self) -> Option<&'static str> {
+        self.answers.first().filter(|_| self.kind.is_judged()).map(|answer| answer.extra.name)
     }
 
     /// The case in words: `case 3`, `offspec case 3`.
@@ -214,6 +234,7 @@ impl Outcome {
             "outside_said": self.described,
             "after_over_noise": ratios,
             "outside": self.answers.iter().map(Answer::json).collect::<Vec<_>>(),
+            "judgement": self.kind.is_judged().then(|| self.judgement.json()),
             "data_faults": self.faults.iter().map(|fault| fault.entry.clone()).collect::<Vec<_>>(),
         })
     }

@@ -1,5 +1,8 @@
 //! The controller of the second simulator in f64, with the equations in docs/self-test.md; see [`super::plant`].
 
+use std::collections::VecDeque;
+
+use super::pickup::Pickup;
 use super::plant::STEP_S;
 
 /// Steps of the plant in a tick of the velocity loop: 4 kHz.
@@ -9,12 +12,12 @@ pub const STEPS_PER_SAMPLE: u32 = 20;
 /// Period of the position loop and of the log, s.
 pub const SAMPLE_S: f64 = 1e-3;
 /// Period of the velocity loop, s.
-const VELOCITY_TICK_S: f64 = 0.25e-3;
+pub const VELOCITY_TICK_S: f64 = 0.25e-3;
 
 /// k1 and k2 of the HPC filter; see [`Servo::filtered`].
 const HPC: [f64; 2] = [8.0 / 3.0, 6.0];
 
-/// Settings of one drive, SI units. The lag is that of its power stage, [`super::machine`].
+/// Settings of one drive, SI units. Lag, dead time and weakness are those of its power stage, [`super::drive`].
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Settings {
     /// Whether the HPC filter is in front of the position gain.
@@ -33,6 +36,18 @@ pub struct Settings {
     pub dual_s: Option<f64>,
     /// Time constant with which the force follows the commanded force; 0: at once.
     pub lag_s: f64,
+    /// Time after which a commanded force begins to act.
+    pub dead_s: f64,
+    /// Part of the force that is missing, below 1: positive in the positive direction, negative in the other.
+    pub weakness: f64,
+    /// The way of the positions to the position loop.
+    pub pickup: Pickup,
+    /// Time over which the velocity is measured, at most the period of the velocity loop; none: from one tick to the next.
+    pub velocity_window_s: Option<f64>,
+    /// Time constant of a filter of the measured velocity; 0: none.
+    pub velocity_filter_s: f64,
+    /// Ticks of the velocity loop from the reading to the force.
+    pub delay_ticks: usize,
 }
 
 /// One drive with its state.
@@ -46,6 +61,9 @@ pub struct Servo {
     filtered_m_per_s: f64,
     dual_m: f64,
     integral_m: f64,
+    filtered_speed: f64,
+    /// Forces that are computed but not yet commanded, the oldest in front.
+    pending_n: VecDeque<f64>,
     force_n: f64,
 }
 
@@ -53,8 +71,11 @@ impl Servo {
     /// At rest at the start of the command; `reading_m` is the reading of the motor's sensor there.
     #[must_use]
     pub fn new(settings: Settings, command_m: f64, reading_m: f64) -> Self {
+        let pending_n = vec![0.0; settings.delay_ticks].into();
         Self {
             settings,
+            pending_n,
+            filtered_speed: 0.0,
             last_command_m: command_m,
             last_reading_m: reading_m,
             set_m_per_s: 0.0,
@@ -103,18 +124,35 @@ impl Servo {
         self.filtered_m
     }
 
-    /// Tick of the velocity loop: Kv·(ev + ∫ev dt/Ti), with the integral held while the force is at its limit.
-    pub fn velocity_tick(&mut self, reading_m: f64) {
+    /// Tick of the velocity loop: Kv·(ev + ∫ev dt/Ti), with the integral held while the force is at its limit. `earlier_m` is the
+    /// reading of [`Settings::velocity_window_s`] ago.
+    pub fn velocity_tick(&mut self, reading_m: f64, earlier_m: Option<f64>) {
+        let speed = self.speed(reading_m, earlier_m);
         let settings = &self.settings;
-        let speed = (reading_m - self.last_reading_m) / VELOCITY_TICK_S;
-        self.last_reading_m = reading_m;
         let error = self.set_m_per_s - speed;
         let integral_m = self.integral_m + VELOCITY_TICK_S * error;
         let force_n = settings.velocity_gain_n_s_per_m * (error + integral_m / settings.integral_s);
-        self.force_n = force_n.clamp(-settings.limit_n, settings.limit_n);
+        self.pending_n.push_back(force_n.clamp(-settings.limit_n, settings.limit_n));
         if force_n.abs() <= settings.limit_n {
             self.integral_m = integral_m;
         }
+        self.force_n = self.pending_n.pop_front().unwrap_or_default();
+    }
+
+    /// The measured velocity, m/s.
+    fn speed(&mut self, reading_m: f64, earlier_m: Option<f64>) -> f64 {
+        let (since_m, window_s) = match (earlier_m, self.settings.velocity_window_s) {
+            (Some(earlier_m), Some(window_s)) => (earlier_m, window_s),
+            _ => (self.last_reading_m, VELOCITY_TICK_S),
+        };
+        self.last_reading_m = reading_m;
+        let speed = (reading_m - since_m) / window_s;
+        if self.settings.velocity_filter_s == 0.0 {
+            return speed;
+        }
+        let kept = (-VELOCITY_TICK_S / self.settings.velocity_filter_s).exp();
+        self.filtered_speed = speed + kept * (self.filtered_speed - speed);
+        self.filtered_speed
     }
 }
 
@@ -139,6 +177,48 @@ mod tests {
         assert!((lag_m / slope - lag_s).abs() < STEP_S, "{} {lag_s}", lag_m / slope);
     }
 
+    type Change = fn(&mut Settings);
+
+    /// Speeds that a velocity loop measures of a position t²/2, 1 m/s², in ticks from 0 on.
+    fn speeds(change: impl Fn(&mut Settings), ticks: u32) -> Vec<f64> {
+        let mut settings = Settings {
+            position_gain_per_s: 1.0,
+            velocity_gain_n_s_per_m: 1.0,
+            integral_s: f64::INFINITY,
+            limit_n: f64::INFINITY,
+            ..Settings::default()
+        };
+        change(&mut settings);
+        let at_m = |time_s: f64| 0.5 * time_s * time_s;
+        let window_s = settings.velocity_window_s;
+        let mut servo = Servo::new(settings, 0.0, 0.0);
+        let mut measured = |tick: u32| {
+            let time_s = VELOCITY_TICK_S * f64::from(tick);
+            servo.velocity_tick(at_m(time_s), window_s.map(|window_s| at_m(time_s - window_s)));
+            // The set speed is 0, and Kv 1: the force is −speed.
+            -servo.force_n()
+        };
+        (1..=ticks).map(&mut measured).collect()
+    }
+
+    #[test]
+    fn a_measured_velocity_is_as_old_as_its_window_filter_and_delay_say() {
+        let filter_s = 0.45e-3;
+        let kept = (-VELOCITY_TICK_S / filter_s).exp();
+        let cases: [(Change, f64); 4] = [
+            (|_| {}, 0.5 * VELOCITY_TICK_S),
+            (|settings| settings.velocity_window_s = Some(0.1e-3), 0.05e-3),
+            // A ramp behind y = x + kept·(y − x) is kept/(1 − kept) ticks late.
+            (|settings| settings.velocity_filter_s = 0.45e-3, VELOCITY_TICK_S * (0.5 + kept / (1.0 - kept))),
+            (|settings| settings.delay_ticks = 1, 1.5 * VELOCITY_TICK_S),
+        ];
+        for (change, age_s) in cases {
+            let speed = speeds(change, 200)[199];
+            // At 1 m/s², the speed is the time; the filter has settled to e^−110.
+            assert!((200.0 * VELOCITY_TICK_S - speed - age_s).abs() < 1e-9, "{speed} {age_s}");
+        }
+    }
+
     #[test]
     fn the_integral_is_held_while_the_force_is_at_its_limit() {
         let settings = Settings {
@@ -150,7 +230,7 @@ mod tests {
         };
         let mut servo = Servo::new(settings, 0.0, 0.0);
         servo.position_tick(0.1, 0.0, 0.0);
-        (0..1000).for_each(|_| servo.velocity_tick(0.0));
+        (0..1000).for_each(|_| servo.velocity_tick(0.0, None));
         assert_eq!(servo.force_n().to_bits(), 500.0_f64.to_bits());
         assert!(servo.integral_m.abs() < 1e-12, "{}", servo.integral_m);
     }

@@ -3,6 +3,7 @@
 use rand_chacha::ChaCha8Rng;
 
 use super::machine::{AXES, Axis, TwoAxes};
+use super::recording::jittered;
 use super::sensors::{Sensors, rounded};
 use super::servo::{SAMPLE_S, STEPS_PER_SAMPLE, STEPS_PER_VELOCITY_TICK, Servo};
 use files::log::{AxisLog, Log, Unit};
@@ -13,25 +14,47 @@ const COMMAND_STEPS_PER_MM: f64 = 1e6;
 /// Runs both axes along commanded positions (mm, one per sample) and logs them.
 #[must_use]
 pub fn run(axes: &[Axis; 2], positions: &[[f64; 2]], start_s: f64, random: &mut ChaCha8Rng) -> Log {
+    run_jittered(axes, positions, [start_s, 0.0], random)
+}
+
+/// The same with channels that are read at instants that scatter by a standard deviation around those of the samples. Both times are
+/// in s, that of the start on the clock of the session.
+#[must_use]
+pub fn run_jittered(
+    axes: &[Axis; 2],
+    positions: &[[f64; 2]],
+    [start_s, jitter_s]: [f64; 2],
+    random: &mut ChaCha8Rng,
+) -> Log {
     let first_m = positions.first().copied().unwrap_or_default().map(|mm| 1e-3 * mm);
     let mut machine = TwoAxes::new(axes, first_m, start_s);
     let readings_m = machine.readings_m();
     let mut servos = [0, 1].map(|i| Servo::new(axes[i].servo.clone(), first_m[i], readings_m[i]));
     let mut columns = AXES.map(|_| Columns::default());
-    for position_mm in positions {
-        let rows = rows(&machine, *position_mm, servos.each_ref().map(Servo::force_n));
-        for ((columns, axis), row) in columns.iter_mut().zip(axes).zip(rows) {
-            columns.add(axis.sensors, row, random);
+    let mut before = measured(&machine, axes);
+    for (sample, position_mm) in positions.iter().enumerate() {
+        let readings = jittered(measured(&machine, axes), before, jitter_s, random);
+        for (i, columns) in columns.iter_mut().enumerate() {
+            let Axis { recording, sensors, .. } = &axes[i];
+            let command_mm = recording.command_mm(positions, sample, i);
+            let [motor_mm, table_mm, tool_mm] = readings[i];
+            let force_n = (1.0 + recording.force_gain) * servos[i].force_n();
+            columns.add(*sensors, [command_mm, motor_mm, table_mm, tool_mm, force_n], random);
         }
-        let (readings_m, tables_m) = (machine.readings_m(), machine.tables_m());
-        for (i, servo) in servos.iter_mut().enumerate() {
-            servo.position_tick(1e-3 * position_mm[i], readings_m[i], tables_m[i]);
+        for ((servo, [motor_m, table_m]), command_mm) in
+            servos.iter_mut().zip(machine.feedback_m()).zip(position_mm)
+        {
+            servo.position_tick(1e-3 * command_mm, motor_m, table_m);
         }
         for step in 0..STEPS_PER_SAMPLE {
             if step % STEPS_PER_VELOCITY_TICK == 0 {
-                for (servo, reading_m) in servos.iter_mut().zip(machine.readings_m()) {
-                    servo.velocity_tick(reading_m);
+                let readings_m = machine.readings_m().into_iter().zip(machine.earlier_readings_m());
+                for (servo, (reading_m, earlier_m)) in servos.iter_mut().zip(readings_m) {
+                    servo.velocity_tick(reading_m, earlier_m);
                 }
+            }
+            if step + 1 == STEPS_PER_SAMPLE {
+                before = measured(&machine, axes);
             }
             machine.step(servos.each_ref().map(Servo::force_n));
         }
@@ -40,11 +63,14 @@ pub fn run(axes: &[Axis; 2], positions: &[[f64; 2]], start_s: f64, random: &mut 
     Log { source: String::new(), start_s, sample_time_s: SAMPLE_S, axes }
 }
 
-/// The true values of a row of the log: command, motor, table and tool, mm, and force, N.
-fn rows(machine: &TwoAxes<'_>, command_mm: [f64; 2], force_n: [f64; 2]) -> [[f64; 5]; 2] {
+/// What the sensors of motor, table and tool read without noise, mm.
+fn measured(machine: &TwoAxes<'_>, axes: &[Axis; 2]) -> [[f64; 3]; 2] {
     let motors_m = machine.continuous_readings_m();
     let (tables_m, tools_m) = (machine.logged_tables_m(), machine.logged_tools_m());
-    [0, 1].map(|i| [command_mm[i], 1e3 * motors_m[i], 1e3 * tables_m[i], 1e3 * tools_m[i], force_n[i]])
+    [0, 1].map(|i| {
+        let tool_m = axes[i].recording.probed_m(tools_m[i], tools_m[1 - i]);
+        [1e3 * motors_m[i], 1e3 * tables_m[i], 1e3 * tool_m]
+    })
 }
 
 #[derive(Default)]

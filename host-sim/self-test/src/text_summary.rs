@@ -1,6 +1,7 @@
 //! The result of a self-test as plain text: sentences and tables.
 
 use super::confusion::Confusion;
+use super::judgement_text;
 use super::kind_table;
 use super::outside::Answer;
 use super::score::Outcome;
@@ -115,6 +116,10 @@ pub fn tables(outcomes: &[Outcome], summary: &Summary) -> String {
     let mut lines = Vec::new();
     if kind_table::is_needed(outcomes) {
         lines.extend([kind_table::text(outcomes), String::new()]);
+    }
+    let judged = judgement_text::text(outcomes);
+    if !judged.is_empty() {
+        lines.extend([judged, String::new()]);
     }
     for outcome in outcomes.iter().filter(|outcome| !is_right(outcome)) {
         let (there, found) = true_and_found(outcome);

@@ -10,9 +10,9 @@ use super::input_error::Inputs;
 use super::margins::LimitArguments;
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
-use compensate::plan::Planning;
+use compensate::planning::Planning;
 use compensate::prediction::{PredictionError, TestMotion};
-use compensate::{CompensationFile, text};
+use compensate::{CompensationFile, standard_motions, text};
 use files::error::InputError;
 use files::output::write_whole;
 use margins::MarginLimits;
@@ -70,10 +70,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let model = Machine::read(&arguments.model)?;
     let model_file = arguments.model.display().to_string();
     let tests = test_motions(&arguments.motion, arguments.set_at_s)?;
+    let watched = standard_motions::all(&model, &tests, arguments.set_at_s)?;
     let planning = Planning {
         model: &model,
         model_file: &model_file,
         tests: &tests,
+        watched: &watched,
         instruments: Instruments::of(&model, arguments.seed),
         set_at_s: arguments.set_at_s,
     };

@@ -4,13 +4,15 @@ use std::path::Path;
 
 use anyhow::Result;
 
-use compensate::CompensationFile;
+use compensate::{CompensationFile, mapped};
+use contour::NominalPath;
 use files::error::InputError;
 use link::controller::Controller;
 use margins::MarginLimits;
 use margins::change::first_too_little;
 use model::machine::Machine;
 use plant::instruments::Instruments;
+use plant::machine_path::MachinePath;
 
 /// A compensation file and the machine with the drive settings that it changes.
 pub struct Compensated {
@@ -30,6 +32,14 @@ impl Compensated {
         let source = path.display().to_string();
         check_margins(&file, &source, &machine, MarginLimits::default())?;
         Ok(Self { machine: file.applied_to(&machine), file: Some((file, source)) })
+    }
+
+    /// A sentence for each axis on which a motion leaves the travel that the compensation is made for, as a paragraph.
+    pub fn remarks(&self, path: &MachinePath) -> String {
+        let Some((file, _)) = &self.file else { return String::new() };
+        let path = NominalPath::of_blocks(&path.start_m, &path.blocks);
+        let beyond = mapped::beyond_on_path(file, &self.machine, &path);
+        beyond.iter().map(|beyond| format!("\n\n{}", beyond.sentence())).collect()
     }
 
     /// Sets the compensations of a controller whose drives are off.

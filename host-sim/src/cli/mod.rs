@@ -18,6 +18,7 @@ mod reproduce;
 mod self_test;
 mod sensors;
 mod simulate;
+mod sound_logs;
 mod stop;
 mod summary;
 mod trace;

@@ -92,14 +92,15 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let statistics =
         logged_run::run(&run, &mut controller, &arguments.out, &inputs, |status| costs.add(status.cost))?;
     print(&format!(
-        "{} ran {} on {}: {} samples in {}.\n\n{}{}",
+        "{} ran {} on {}: {} samples in {}.\n\n{}{}{}",
         machine.name,
         motion.name,
         arguments.port,
         statistics.samples,
         arguments.out.display(),
         statistics.summary(),
-        costs.summary()
+        costs.summary(),
+        compensated.remarks(&path)
     ))
 }
 

@@ -31,11 +31,14 @@ pub struct Arguments {
     #[arg(long, default_value_t = 1)]
     seed: u64,
     /// Kinds of cases, separated by commas: textbook, coarse, many, small, jerk, offspec, shape, friction, foreign, slip,
-    /// controller.
+    /// controller, sensors, sparse.
     #[arg(long, value_delimiter = ',', default_value = "textbook")]
     kind: Vec<Kind>,
+    /// Of the kinds sensors and sparse, only the cases with this error or gap.
+    #[arg(long)]
+    only: Option<String>,
     /// How often an effect of a given size, in units of the noise, is found; all effects and sizes once in 187 cases.
-    #[arg(long, conflicts_with_all = ["kind", "keep"])]
+    #[arg(long, conflicts_with_all = ["kind", "keep", "only"])]
     detection: bool,
     /// Write the result as JSON.
     #[arg(long)]
@@ -73,6 +76,13 @@ fn check(arguments: &Arguments) -> Result<()> {
         }
         seen.push(kind);
     }
+    if let Some(only) = &arguments.only
+        && arguments.kind.iter().any(|&kind| numbers(arguments, kind).next().is_none())
+    {
+        let expected =
+            "--kind sensors or sparse and one of its errors or gaps (docs/self-test.md)".to_owned();
+        return Err(InputError::expected("--only", expected, only).into());
+    }
     let page = pages::file_in(arguments.report.as_ref());
     check_outputs(
         &[],
@@ -93,7 +103,7 @@ fn ended<T>(results: &Results<T>) -> Result<()> {
 /// Draws and traces the cases of each kind.
 fn run_kinds(arguments: &Arguments) -> Result<()> {
     let cases =
-        arguments.kind.iter().flat_map(|&kind| (1..=arguments.cases).map(move |number| (kind, number)));
+        arguments.kind.iter().flat_map(|&kind| numbers(arguments, kind).map(move |number| (kind, number)));
     let jobs = cases.map(|(kind, number)| (kind.case_words(number), (kind, number))).collect();
     let own = arguments.clone();
     let work = move |&(kind, number): &(Kind, u64), show: Show<'_>| run_case(&own, (kind, number), show);
@@ -111,6 +121,17 @@ fn run_kinds(arguments: &Arguments) -> Result<()> {
         print(&format!("{} cases drawn.", results.done.len()))?;
     }
     ended(&results)
+}
+
+/// Numbers of the cases of a kind: with `--only`, those of its error or gap.
+fn numbers(arguments: &Arguments, kind: Kind) -> impl Iterator<Item = u64> {
+    let is_asked = move |number: &u64| match (&arguments.only, kind.subject(*number)) {
+        (None, _) => true,
+        (Some(only), Some(subject)) => only == subject,
+        (Some(_), None) => false,
+    };
+    let asked = usize::try_from(arguments.cases).unwrap_or(usize::MAX);
+    (1..=MAX_CASES).filter(is_asked).take(asked)
 }
 
 fn run_case(arguments: &Arguments, (kind, number): (Kind, u64), show: Show<'_>) -> Result<Option<Outcome>> {

@@ -88,11 +88,12 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     };
     let statistics = logged_run::run(&run, controller.as_mut(), &arguments.out, &inputs, |_| {})?;
     print(&format!(
-        "{} ran {}: {} samples in {}.\n\n{}",
+        "{} ran {}: {} samples in {}.\n\n{}{}",
         machine.name,
         motion.name,
         statistics.samples,
         arguments.out.display(),
-        statistics.summary()
+        statistics.summary(),
+        compensated.remarks(&path)
     ))
 }

@@ -42,6 +42,21 @@ pub fn write_partial_result() {
     WRITES_PARTIAL_RESULT.store(true, Ordering::SeqCst);
 }
 
+/// Before a motion is started: whether the program has been interrupted.
+///
+/// # Errors
+/// [`Stopped`] if it has been.
+pub fn check_before_motion() -> Result<(), Stopped> {
+    if is_interrupted() {
+        return Err(Stopped { done: 0, asked: 1, what: "motions; it was not started" });
+    }
+    Ok(())
+}
+
+/// The error of a motion that an interrupt has stopped.
+pub const MOTION_STOPPED: Stopped =
+    Stopped { done: 0, asked: 1, what: "motions; the axes stand, and the rest of the path is discarded" };
+
 /// Whether the program has been interrupted.
 #[must_use]
 pub fn is_interrupted() -> bool {

@@ -7,8 +7,9 @@ use serde_json::json;
 
 use super::outputs::{Output, check_outputs, print, write_json};
 use super::progress::Progress;
-use compensate::CompensationFile;
+use super::sound_logs::SoundLogs;
 use compensate::alignment::aligned;
+use compensate::{CompensationFile, mapped};
 use contour::comparison;
 use contour::verification::{Change, Prediction, Predictions, VerifiedMotion, pairs};
 use files::error::InputError;
@@ -53,17 +54,17 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         &[Output::File("--json", arguments.json.as_ref()), Output::InNewFolder("--report", page.as_ref())],
     )?;
     let machine = Machine::read(&arguments.machine)?;
-    let predictions = match &arguments.predicted {
-        Some(file) => Predictions(CompensationFile::read(file, &machine)?.predicted),
-        None => Predictions::default(),
-    };
-    let motions = verified(arguments, &machine, &predictions)?;
+    let compensation = arguments.predicted.as_deref().map(|file| CompensationFile::read(file, &machine));
+    let compensation = compensation.transpose()?.unwrap_or_default();
+    let predictions = Predictions(compensation.predicted.clone());
+    let (motions, mut remarks) = verified(arguments, &machine, &predictions)?;
+    remarks.extend(motions.iter().flat_map(|motion| beyond(motion, &compensation)));
     if let Some(file) = &arguments.predicted {
         check_predictions(file, &predictions, &motions)?;
     }
     let all: Vec<_> = motions.iter().map(VerifiedMotion::json).collect();
     write_json(arguments.json.as_ref(), &json!({"motions": all}))?;
-    let mut output = text(&motions, arguments.predicted.is_some());
+    let mut output = text(&motions, arguments.predicted.is_some(), &remarks);
     if let Some(folder) = &arguments.report {
         let path = verification_page::write(folder, &machine.name, &motions)?;
         output += &format!("\n\nReport: {}", path.display());
@@ -82,22 +83,40 @@ fn check_predictions(
         return Ok(());
     }
     let path = |name: &str, length_mm: f64| format!("{name} (a path of {length_mm:.3} mm)");
-    let logged: Vec<String> = motions.iter().map(|motion| path(&motion.name, motion.length_mm)).collect();
+    let logged: Vec<String> =
+        motions.iter().map(|motion| path(&motion.name, motion.command.length_mm)).collect();
+    let others: Vec<&str> = motions.iter().filter_map(|motion| motion.not_comparable.as_deref()).collect();
     let entry = |entry: &Prediction| {
         entry.path_length_mm.map_or_else(|| entry.motion.clone(), |length_mm| path(&entry.motion, length_mm))
     };
     let predicted: Vec<String> = predictions.0.iter().map(entry).collect();
-    let found = if predicted.is_empty() { "none".to_owned() } else { predicted.join(", ") };
+    let found = match (predicted.is_empty(), others.is_empty()) {
+        (true, _) => "none".to_owned(),
+        (false, true) => predicted.join(", "),
+        (false, false) => format!("one that is not comparable: {}", others.join("; ")),
+    };
     let expected = format!("a prediction of {}", logged.join(" or "));
     Err(InputError::expected(&file.display().to_string(), expected, found).at_key("predicted"))
 }
 
-/// The motions of all pairs of logs.
+/// A sentence for each axis on which a motion leaves the travel that the compensation is made for.
+fn beyond(motion: &VerifiedMotion, file: &CompensationFile) -> Vec<String> {
+    let reached_m = |name: &str| {
+        let points_mm = motion.command.reached_mm.get(name)?;
+        Some(points_mm.map(|mm| 1e-3 * mm))
+    };
+    mapped::beyond(file, reached_m)
+        .iter()
+        .map(|beyond| format!("{}: {}", motion.name, beyond.sentence()))
+        .collect()
+}
+
+/// The motions of all pairs of logs, and a sentence for each fault of their data.
 fn verified(
     arguments: &Arguments,
     machine: &Machine,
     predictions: &Predictions,
-) -> Result<Vec<VerifiedMotion>, InputError> {
+) -> Result<(Vec<VerifiedMotion>, Vec<String>), InputError> {
     let progress = Progress::start();
     progress.show("reading the logs");
     let read = |paths: &[PathBuf]| paths.iter().map(|path| Log::read(path)).collect::<Result<Vec<_>, _>>();
@@ -105,11 +124,14 @@ fn verified(
     for log in before.iter().chain(&after) {
         check_axes(log, machine)?;
     }
-    let [before, after] =
-        [before, after].map(|logs| -> Vec<Log> { logs.iter().map(|log| aligned(log, machine)).collect() });
     let pairs = pairs(&before, &after)?;
+    let [before, after] = [SoundLogs::of(before, machine)?, SoundLogs::of(after, machine)?];
+    let remarks = before.remarks.into_iter().chain(after.remarks).collect();
+    let [before, after] = [before.logs, after.logs]
+        .map(|logs| -> Vec<Log> { logs.iter().map(|log| aligned(log, machine)).collect() });
     let motions = before.iter().zip(pairs);
-    motions.map(|(log, index)| VerifiedMotion::new(log, &after[index], predictions)).collect()
+    let motions = motions.map(|(log, index)| VerifiedMotion::new(log, &after[index], predictions));
+    Ok((motions.collect::<Result<_, _>>()?, remarks))
 }
 
 /// Checks that the machine has the linear axes of a log.
@@ -126,7 +148,7 @@ fn check_axes(log: &Log, machine: &Machine) -> Result<(), InputError> {
 }
 
 /// A sentence, a table, and remarks.
-fn text(motions: &[VerifiedMotion], has_predictions: bool) -> String {
+fn text(motions: &[VerifiedMotion], has_predictions: bool, more: &[String]) -> String {
     let mut lines = vec![
         summary(motions),
         String::new(),
@@ -134,11 +156,14 @@ fn text(motions: &[VerifiedMotion], has_predictions: bool) -> String {
     ];
     let mut remarks = remarks(motions);
     if has_predictions {
-        let missing = motions.iter().filter(|motion| motion.predicted.is_none());
+        let is_missing =
+            |motion: &&VerifiedMotion| motion.predicted.is_none() && motion.not_comparable.is_none();
+        let missing = motions.iter().filter(is_missing);
         remarks.extend(
             missing.map(|motion| format!("{}: the compensation file has no prediction.", motion.name)),
         );
     }
+    remarks.extend(more.iter().cloned());
     if !remarks.is_empty() {
         lines.push(String::new());
         lines.extend(remarks);

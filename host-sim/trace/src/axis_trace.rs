@@ -1,5 +1,6 @@
-//! The trace of one axis, in the order of docs/tracing.md.
+//! The trace of one axis, in the order of `docs/tracing.md`, "Order".
 
+use crate::alignment::{self, drift_rate, wave};
 use crate::analysis::empirical::{Empirical, empirical};
 use crate::analysis::free_run::{FreeRun, free_runs};
 use crate::analysis::repeatability::{Repeatability, repeatability};
@@ -27,6 +28,7 @@ use crate::validation::declared_value::declared_values;
 use crate::validation::fitted_axis::FittedAxis;
 use crate::validation::found_effect::FoundEffect;
 use crate::validation::misfit::{Evidence, is_of_another_machine};
+use crate::validation::tool_slopes::ToolSlopes;
 use files::log::Unit;
 use model::effects::{Effect, Neighbours, Stage};
 use model::machine::Axis;
@@ -45,7 +47,7 @@ pub fn trace(
     let written = AxisModel::new(declared, fit_data.rates, fit_data.options.model);
     let stage = Tracing { fit_data, scopes: &scopes, progress };
 
-    // "Order", 1 to 4: the declared values, then the effects, scope by scope, then the joint fit to force and motor.
+    // The declared values, then the effects, scope by scope, then the joint fit to force and motor.
     let (before, declared_fits) = stage.fit_declared(&written);
     let (model, fits, rounds) = stage.search(&before, task);
     // 5: fit with the error of the tracer's own simulation subtracted.
@@ -57,13 +59,14 @@ pub fn trace(
     // 6: the declared model, fitted in the same way.
     let before =
         if model.found().is_empty() { model.clone() } else { stage.fit_alike(&before, declared_fits, &fits) };
-    // "What the validation logs decide".
+    // What the validation logs refute.
     let stages: Vec<Stage> = scopes.iter().flat_map(|scope| scope.stages.iter().copied()).collect();
-    let axis = FittedAxis { declared: before.clone(), model, fits };
+    let axis = drift_rate::with_rates(fit_data, FittedAxis { declared: before.clone(), model, fits });
     let Confirmed { axis, mut found, refused, refuted } =
         confirm([fit_data, validate], axis, &stages, &rounds, progress);
     let fitted_scopes = FittedScope::of(&axis.fits);
     let declared_values = declared_values([fit_data, validate], &axis);
+    let tool_slopes = ToolSlopes::of(fit_data, &axis);
     let exclusions = exclusions_of(&axis.fits);
     let evidence =
         Evidence { models: [&before, &axis.model], values: &declared_values, refused: refused.len() };
@@ -72,11 +75,11 @@ pub fn trace(
     let model = if is_of_another_machine { before.clone() } else { kept };
     found.retain(|_| !is_of_another_machine);
     let before = stage.shown_before(task, declared, [before, model.clone()]);
-    // "The verdict" and "Beside the residuals".
+    // What remains.
     let (model, remains) = stage.with_tables(request, validate, [&before, &model], &exclusions);
     let Remainder { errors, unexplained, repeats, tables } = remains;
-    let free_runs = free_runs_of(validate, [&before, &model]);
     let ambiguities = named_ambiguities(&rounds, &mut found);
+    alignment::doubt(fit_data, &model, &scopes, &mut found);
     AxisTrace {
         task,
         axis: fit_data.name().to_owned(),
@@ -84,8 +87,10 @@ pub fn trace(
         effects_not_testable: untested(declared, fit_data, (&stages, &not_testable), &rounds),
         data_faults: Vec::new(),
         ambiguities,
+        free_runs: free_runs_of(validate, [&before, &model]),
         bias: validate.bias.to_vec(),
         declared_values,
+        has_force_scale: false,
         is_of_another_machine,
         declared: before,
         model,
@@ -96,10 +101,10 @@ pub fn trace(
         found,
         refused,
         refuted,
+        tool_slopes,
         errors,
         unexplained,
         repeats,
-        free_runs,
         tables,
         rounds,
     }
@@ -204,6 +209,9 @@ impl Tracing<'_> {
         let mut model = before.clone();
         let mut fits = Vec::new();
         for scope in self.scopes {
+            if task == Task::Search && scope.stages == [Stage::Tool] {
+                model = wave::with_waves_of_scale(self.fit_data, model, scope);
+            }
             let fit = match task {
                 Task::Search => search.search(&model, scope),
                 Task::Evaluate => {

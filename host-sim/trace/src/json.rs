@@ -5,6 +5,7 @@ use serde_json::{Map, Value, json};
 use crate::analysis::free_run::FreeRun;
 use crate::analysis::repeatability::Repeatability;
 use crate::analysis::residual_analysis::UnexplainedResidual;
+use crate::certainty::is_certain;
 use crate::data_faults::DataFault;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::NotTestable;
@@ -12,9 +13,9 @@ use crate::not_testable::EffectNotTestable;
 use crate::outcome::{AxisTrace, StageError, Trace};
 use crate::search::ambiguity::Ambiguity;
 use crate::stages::residual_unit;
-use crate::validation::declared_value::DeclaredValue;
+use crate::validation::declared_value::{self, DeclaredValue};
 use crate::validation::found_effect::FoundEffect;
-use crate::verdict::{self, Verdict};
+use crate::verdict;
 use files::log::{Channel, Unit};
 use model::effects::{Effect, Stage};
 
@@ -50,6 +51,7 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
         "residual": residual,
         "effects": effects(trace),
         "declared": of_axes(trace, |axis| axis.declared_values.iter().map(|value| declared(axis, value)).collect()),
+        "common_factor": of_axes(trace, |axis| common_factor(axis).into_iter().collect()),
         "refuted": of_axes(trace, |axis| axis.refuted.iter().map(|found| effect(axis, found)).collect()),
         "refused": of_axes(trace, |axis| axis.refused.iter().map(|limit| refused(axis, limit)).collect()),
         "unexplained": unexplained,
@@ -69,11 +71,12 @@ pub fn of(trace: &Trace, with_tables: bool) -> Value {
 fn data_fault(fault: &DataFault) -> Value {
     json!({
         "axis": fault.axis,
-        "channel": fault.channel.map(Channel::word),
+        "channel": fault.channel.map_or("all", Channel::word),
         "kind": fault.kind.name(),
         "log": fault.log,
         "at_s": fault.at_s,
         "size": fault.size,
+        "frequency_hz": fault.frequency_hz,
         "count": fault.count,
         "treatment": fault.treatment.name(),
     })
@@ -102,6 +105,12 @@ pub fn effects(trace: &Trace) -> Vec<Value> {
 
 fn of_axes(trace: &Trace, of: impl Fn(&AxisTrace) -> Vec<Value>) -> Vec<Value> {
     trace.axes.iter().flat_map(of).collect()
+}
+
+/// The factor by which all declared values of an axis deviate, if it may be that of the logged force.
+fn common_factor(axis: &AxisTrace) -> Option<Value> {
+    let factor = declared_value::mean_factor(&axis.declared_values);
+    axis.has_force_scale.then(|| json!({"axis": axis.axis, "factor": factor}))
 }
 
 /// A declared value with its fit.
@@ -179,11 +188,6 @@ fn unexplained(axis: &AxisTrace, residual: &UnexplainedResidual) -> Value {
     entry
 }
 
-/// Whether no other effect explains the logs as well, and the model with it describes its axis.
-fn is_certain(axis: &AxisTrace, found: &FoundEffect) -> bool {
-    found.rivals.is_empty() && verdict::of_axis(axis) != Verdict::ModelDoesNotFit
-}
-
 fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
     let parameters = parameters(&found.effect, &found.half_widths, axis.unit == Unit::Degree);
     let mut entry = json!({
@@ -191,7 +195,7 @@ fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
         "axis": axis.axis,
         "parameters": parameters,
         "certainty": if is_certain(axis, found) { "certain" } else { "ambiguous" },
-        "rivals": found.rivals.iter().map(Effect::name).collect::<Vec<_>>(),
+        "rivals": found.rival_names(),
         "channel": found.stage,
         "validate_reduction_percent": found.validate_reduction_percent(),
     });
@@ -201,6 +205,12 @@ fn effect(axis: &AxisTrace, found: &FoundEffect) -> Value {
         entry.insert(format!("after_{unit}"), json!(found.after));
         if let Some(source) = found.effect.distinction().source() {
             entry.insert("source".to_owned(), json!(source));
+        }
+        if let Effect::ThermalGrowth(growth) = &found.effect {
+            entry.insert("part".to_owned(), json!(growth.part));
+        }
+        if let Some(remaining) = found.remaining {
+            entry.insert("remaining_to_noise".to_owned(), json!(remaining.to_noise));
         }
     }
     entry

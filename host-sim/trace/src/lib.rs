@@ -8,15 +8,17 @@
 //! 4. [`fit`]: residuals, and fit of the declared values within their tolerance.
 //! 5. [`search`]: addition of effects of the catalogue that held-out data support.
 //! 6. [`validation`]: removal of effects at a limit, and of effects that the validation logs refute.
-//! 7. [`analysis`]: analysis of the remaining residuals.
+//! 7. [`analysis`]: analysis of the remaining residuals; [`alignment`]: names of the machine that the measuring chain imitates.
 //! 8. [`mod@whole`]: of long logs, in stretches of which steps 2 to 7 search: fit and residuals of all samples.
 //! 9. [`verdict`]: agreement of model and logs; [`json`]: the result as JSON.
 //!
 //! [`axis_trace`] executes these steps for one axis. [`outcome`] contains their results, [`options`] the thresholds, and
 //! [`not_testable`] the effects that were not searched for.
 
+pub mod alignment;
 pub mod analysis;
 pub mod axis_trace;
+pub mod certainty;
 pub mod data_faults;
 pub mod fit;
 pub mod input;
@@ -43,10 +45,12 @@ pub use task::{Request, Task};
 
 use rayon::prelude::*;
 
+use certainty::state_doubts;
 use data_faults::Examined;
 use files::error::InputError;
 use files::log::Log;
 use fit::axis_model::AxisModel;
+use fit::held_effects;
 use fit::scope_fit::Progress;
 use input::admission::{self, Admitted};
 use input::checks;
@@ -132,6 +136,9 @@ fn run(
             notes.push(format!("{name}: did not move; only what other axes do to it can be seen."));
         }
     }
+    for (name, axis) in &machine.axis {
+        notes.extend(held_effects::notes(name, &axis.effect));
+    }
     let first = fit.first().map(|log| log.source.clone());
     let parts = Parts::of([&fit, &validate], &options.admission);
     let preparation =
@@ -157,24 +164,27 @@ fn run(
     };
     let (late_commands, late) = trace.correct_late_commands();
     faults.extend(late_commands);
-    trace.trace_axes(request, !parts.are_long, progress);
+    trace.trace_axes(request, progress);
     if parts.are_long {
         refine(&mut trace, &WholeLogs { parts: &parts, preparation, late }, progress);
     }
+    alignment::decide(&mut trace);
     trace.assign(faults);
+    state_doubts(&mut trace);
     trace.propose_motions();
     Ok(trace)
 }
 
 impl Trace {
     /// Traces all axes, at the same time unless their logs are long: memory would grow with their number.
-    fn trace_axes(&mut self, request: Request, at_once: bool, progress: &Progress<'_>) {
+    fn trace_axes(&mut self, request: Request, progress: &Progress<'_>) {
         let of_axis = |(i, axis): (usize, &model::machine::Axis)| {
             let [fit_data, validate] = [&self.fit_logs, &self.validate_logs].map(|logs| self.data(logs, i));
             axis_trace::trace(axis, [&fit_data, &validate], request, progress)
         };
         let axes: Vec<&model::machine::Axis> = self.machine.axis.values().collect();
-        self.axes = if at_once {
+        let samples: usize = self.fit_logs.iter().map(Signals::len).sum();
+        self.axes = if samples * axes.len() <= self.options.admission.max_samples_at_once {
             axes.into_par_iter().enumerate().map(of_axis).collect()
         } else {
             axes.into_iter().enumerate().map(of_axis).collect()

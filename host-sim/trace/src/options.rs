@@ -31,10 +31,15 @@ options! {
         /// Sweep: nothing changes.
         rate_tolerance: f64 = 1e-3,
         /// Maximum number of samples of all fit logs together, and of all validation logs, in which effects are searched for as
-        /// a whole. The search stores about 50 numbers per sample and axis, and takes seconds per 100 000 samples.
+        /// a whole. With many effects the search stores about 7 kB for each sample of an axis: its derivatives with respect to
+        /// all parameters, for several candidates.
         ///
         /// Sweep: the unit test of a long log fails with either; the cases are shorter.
-        max_samples: usize = 204_000,
+        max_samples: usize = 96_000,
+        /// Maximum number of samples of all fit logs times number of axes up to which the axes are traced at the same time.
+        ///
+        /// Sweep: nothing changes but time and memory.
+        max_samples_at_once: usize = 128_000,
         /// Number of samples of longer logs in which effects are searched for, those that are held out included.
         searched_samples: usize = 48_000,
         /// Minimum number of samples of a log.
@@ -213,7 +218,7 @@ options! {
         /// Maximum number of candidates of a round that get a full fit.
         ///
         /// Sweep: ×0.5: `the_trace_of_emps_matches_the_readme` fails; ×2: nothing changes.
-        fitted_candidates: usize = 4,
+        fitted_candidates: usize = 5,
         /// A candidate gets a full fit if the predicted gain of its linear step is at least this fraction of
         /// [`Self::min_gain`]. Of 800 candidates of 30 traces, all that were accepted had at least four times as much.
         ///
@@ -358,6 +363,9 @@ options! {
         /// Sweep: the unit test of gross errors fails with either, as it states the limit; ×2:
         /// `a_model_that_does_not_describe_the_log_is_reported` fails.
         max_noise_ratio: f64 = 50.0,
+        /// Maximum ratio of residual to noise in the stage of an effect that is certain. A larger residual has a cause of which
+        /// the effect may describe a part. It is at most 1.5 for the true effects of the nine blind cases.
+        max_certain_ratio: f64 = 2.0,
         /// Minimum noise that is assumed, µm or mdeg (N or N·m): the resolution of logs.
         ///
         /// Sweep: the unit test of gross errors fails with either, as it states the limit.

@@ -20,6 +20,7 @@ use crate::search::round::Round;
 use crate::task::Task;
 use crate::validation::declared_value::DeclaredValue;
 use crate::validation::found_effect::FoundEffect;
+use crate::validation::tool_slopes::ToolSlopes;
 use files::log::Unit;
 use model::effects::Stage;
 use model::machine::Machine;
@@ -60,6 +61,8 @@ pub struct AxisTrace {
     pub declared: AxisModel,
     /// The declared mechanical values, as fitted with the effects found.
     pub declared_values: Vec<DeclaredValue>,
+    /// Whether the scale of the logged force may be wrong, instead of masses, stiffness, friction and the gain of the loop.
+    pub has_force_scale: bool,
     /// Whether the machine file is that of another machine, so that no effect is reported.
     pub is_of_another_machine: bool,
     /// The model with the effects found.
@@ -81,6 +84,8 @@ pub struct AxisTrace {
     /// Effects that the fit logs support and the validation logs refute. They are not in the model; `before` is the
     /// residual without the effect.
     pub refuted: Vec<FoundEffect>,
+    /// Slopes of the tool over the tables, whether or not an effect was found.
+    pub tool_slopes: ToolSlopes,
     /// Errors by stage.
     pub errors: Vec<StageError>,
     /// Error of the tracer's own simulation on the validation logs.

@@ -10,7 +10,7 @@ use dsp_process::SplitProcess;
 use idsp::iir::coefficients::Filter;
 use idsp::iir::{Biquad, BiquadClamp, DirectForm1};
 use shared::axis::Reading;
-use shared::config::{AxisConfig, AxisSettings, Law, Rates, Sensors};
+use shared::config::{AxisConfig, AxisSettings, Law, Rates, ScaleLimits, Sensors};
 use shared::control::{feedforward, filter, position, velocity};
 use shared::feedback::dual;
 use shared::scalar::{Fixed, Scalar};
@@ -43,7 +43,7 @@ fn config<S: Scalar>(law: Law) -> AxisConfig<S> {
         law,
         feedforward_percent: 80.0,
         velocity_lag_s: 0.5 / RATE_HZ,
-        sensors: Sensors::Dual { time_constant_s: 0.05 },
+        sensors: Sensors::Dual { time_constant_s: 0.05, limits: ScaleLimits::DEFAULT },
         ..AxisSettings::default()
     };
     AxisConfig::new(&settings, Rates { velocity_loop_hz: RATE_HZ, position_loop_divider: 1 }).unwrap()

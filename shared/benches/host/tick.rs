@@ -3,7 +3,7 @@
 use std::hint::black_box;
 
 use shared::axis::Reading;
-use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
+use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
 use shared::interpolate::Block;
 use shared::machine::Machine;
 use shared::scalar::{Fixed, Scalar};
@@ -22,7 +22,7 @@ fn full_settings() -> AxisSettings {
         velocity_lag_s: 0.5 / 20_000.0,
         notch: Some(Notch { frequency_hz: 400.0, width_hz: 100.0, depth: 0.9 }),
         low_pass: Some(LowPass { frequency_hz: 900.0, damping_ratio: 0.7 }),
-        sensors: Sensors::Dual { time_constant_s: 0.05 },
+        sensors: Sensors::Dual { time_constant_s: 0.05, limits: ScaleLimits::DEFAULT },
         // The simulated axes follow their commands exactly, so that the force may stay saturated.
         saturation_time_s: 1e5,
         ..AxisSettings::default()

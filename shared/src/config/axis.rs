@@ -2,7 +2,7 @@
 
 use super::check::{finite, gain, gain_over_time, positive, ranged, resolved_gain};
 use super::error::ConfigError;
-use super::settings::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
+use super::settings::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
 use crate::control::feedforward::Feedforward;
 use crate::control::filter::Filter;
 use crate::control::hpc::Hpc;
@@ -10,7 +10,7 @@ use crate::control::position::PositionControl;
 use crate::control::velocity::VelocityControl;
 use crate::feedback::dual::Feedback;
 use crate::feedback::fade::Fade;
-use crate::monitor::{FrozenEncoder, Monitor};
+use crate::monitor::{Apart, Band, FrozenEncoder, Monitor};
 use crate::scalar::Scalar;
 use crate::units::{INCREMENT_M, LENGTH_M, PER_M, Position, TRAVEL_LIMIT_M, VELOCITY_M_PER_S};
 
@@ -142,7 +142,7 @@ fn velocity_control<S: Scalar>(
         }
         None => S::gain(0.0),
     };
-    let lag = ranged("velocity_lag_s", settings.velocity_lag_s, 0.0, tick * (1.0 + 1e-9))?;
+    let lag = ranged("velocity_lag_s", settings.velocity_lag_s, -tick * (1.0 + 1e-9), tick * (1.0 + 1e-9))?;
     let limit = positive("force_limit_n", settings.force_limit_n)?;
     let unit = INCREMENT_M / VELOCITY_M_PER_S;
     Ok(VelocityControl {
@@ -159,9 +159,9 @@ fn feedback<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Fee
     let fade_time = positive("scale_fade_time_s", settings.scale_fade_time_s)?;
     let fade = Fade::new(fade_time * rates.position_rate);
     Ok(match settings.sensors {
-        Sensors::Motor => Feedback::Motor,
-        Sensors::Table => Feedback::Table { fade },
-        Sensors::Dual { time_constant_s } => {
+        Sensors::Motor { .. } => Feedback::Motor,
+        Sensors::Table(_) => Feedback::Table { fade },
+        Sensors::Dual { time_constant_s, .. } => {
             let time = positive("dual_feedback_time_constant_s", time_constant_s)?;
             let fraction = -libm::expm1(-1.0 / (rates.position_rate * time));
             Feedback::Dual {
@@ -200,26 +200,23 @@ fn monitor<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Moni
         Ok(S::signal(ranged(name, value, 0.0, 0.99 * S::SIGNAL_LIMIT * unit)? / unit))
     };
     let ticks = positive("saturation_time_s", settings.saturation_time_s)? / rates.tick;
-    let distance = |name, m: Option<f64>, max_m| match m {
-        #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 100 m")]
-        Some(m) => Ok(Some((ranged(name, m, 0.0, max_m)? * PER_M) as u64)),
-        None => Ok(None),
-    };
-    let max_frozen_m = settings.following_error_limit_m.min(TRAVEL_LIMIT_M);
-    let frozen_encoder = |limit: u64| {
-        let per_tick = S::gain(VELOCITY_M_PER_S / LENGTH_M * rates.position_tick);
-        FrozenEncoder::new(limit, S::signal(limit as f64 / PER_M / LENGTH_M), per_tick)
-    };
+    let sensors = &settings.sensors;
     Ok(Monitor {
         following_error: signal("following_error_limit_m", settings.following_error_limit_m, LENGTH_M)?,
-        disagreement: distance(
-            "scale_disagreement_limit_m",
-            settings.scale_disagreement_limit_m,
-            TRAVEL_LIMIT_M,
-        )?
-        .unwrap_or(u64::MAX),
-        frozen_encoder: distance("frozen_encoder_limit_m", settings.frozen_encoder_limit_m, max_frozen_m)?
-            .map(frozen_encoder),
+        disagreement: match sensors.scale_disagreement_limit_m() {
+            Some(m) => Band::new(distance("scale_disagreement_limit_m", m, TRAVEL_LIMIT_M)?),
+            None => Band::UNLIMITED,
+        },
+        apart: match sensors {
+            Sensors::Motor { .. } => Apart::NOT_MONITORED,
+            Sensors::Table(_) | Sensors::Dual { .. } => {
+                frozen_limit(settings)?.map_or(Apart::NOT_MONITORED, Apart::new)
+            }
+        },
+        frozen_encoder: frozen_limit(settings)?.map(|limit| {
+            let per_tick = S::gain(VELOCITY_M_PER_S / LENGTH_M * rates.position_tick);
+            FrozenEncoder::new(limit, S::signal(limit as f64 / PER_M / LENGTH_M), per_tick)
+        }),
         encoder_step: match settings.fastest_m_per_s {
             Some(m_per_s) => Some(signal("fastest_m_per_s", m_per_s, INCREMENT_M / rates.tick)?),
             None => None,
@@ -228,6 +225,26 @@ fn monitor<S: Scalar>(settings: &AxisSettings, rates: &LoopRates) -> Result<Moni
         saturation_budget_ticks: (ticks as u32).min(u32::MAX / 4 - 1),
         travel: travel(settings.travel_m)?,
     })
+}
+
+/// A distance in position units.
+fn distance(name: &'static str, m: f64, max_m: f64) -> Result<u64, ConfigError> {
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "0 to 100 m")]
+    Ok((ranged(name, m, 0.0, max_m)? * PER_M) as u64)
+}
+
+/// [`Sensors::frozen_encoder_limit_m`] in position units.
+fn frozen_limit(settings: &AxisSettings) -> Result<Option<u64>, ConfigError> {
+    let name = "frozen_encoder_limit_m";
+    let Some(limit_m) = settings.sensors.frozen_encoder_limit_m() else { return Ok(None) };
+    let max_m = match settings.sensors {
+        Sensors::Motor { .. } => TRAVEL_LIMIT_M,
+        Sensors::Table(_) | Sensors::Dual { .. } => {
+            positive(name, limit_m)?;
+            ScaleLimits::MOST_FROZEN_M
+        }
+    };
+    distance(name, limit_m, settings.following_error_limit_m.min(max_m)).map(Some)
 }
 
 /// The travel of an axis without soft limits: ±[`TRAVEL_LIMIT_M`].
@@ -309,7 +326,9 @@ mod tests {
         settings.velocity_integral_time_s = Some(1e6);
         assert!(AxisConfig::<f32>::new(&settings, RATES).is_ok());
 
-        let slow = error_of(|s| s.sensors = Sensors::Dual { time_constant_s: 1e4 });
+        let slow = error_of(|s| {
+            s.sensors = Sensors::Dual { time_constant_s: 1e4, limits: ScaleLimits::DEFAULT };
+        });
         // The gain 1/(rate·T) must be at least 50·2⁻²⁴: T ≤ 16.8 s at 20 kHz.
         assert!(matches!(slow, ConfigError::OutOfRange { name: "dual_feedback_time_constant_s", max, .. }
             if (16.7..16.8).contains(&max)));

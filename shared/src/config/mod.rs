@@ -27,4 +27,4 @@ pub mod settings;
 
 pub use axis::{AxisConfig, UNLIMITED};
 pub use error::ConfigError;
-pub use settings::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
+pub use settings::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};

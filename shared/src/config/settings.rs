@@ -30,18 +30,81 @@ pub enum Law {
     Hpc,
 }
 
-/// Sensors that close the position loop.
+/// Sensors that close the position loop, with the limits beyond which their readings switch the drives off.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
 pub enum Sensors {
-    /// Motor encoder (semi-closed loop).
-    Motor,
+    /// Motor encoder (semi-closed loop). A linear scale is only compared with it.
+    Motor {
+        /// Greatest difference between motor and scale; `None`: not monitored.
+        scale_disagreement_limit_m: Option<f64>,
+        /// Distance that both command and velocity command may cover while the motor reading stands still, at most
+        /// [`AxisSettings::following_error_limit_m`]; `None`: not monitored.
+        frozen_encoder_limit_m: Option<f64>,
+    },
     /// Linear scale (full-closed loop).
-    Table,
+    Table(ScaleLimits),
     /// Both ([`crate::feedback::dual`]).
     Dual {
         /// Time constant of the crossover from motor to scale, s.
         time_constant_s: f64,
+        /// Limits of both readings.
+        limits: ScaleLimits,
     },
+}
+
+impl Sensors {
+    /// The motor encoder, neither compared with a scale nor monitored for standstill.
+    pub const MOTOR: Self = Self::Motor { scale_disagreement_limit_m: None, frozen_encoder_limit_m: None };
+
+    /// Greatest difference between motor and scale, m; `None`: not monitored.
+    #[must_use]
+    pub const fn scale_disagreement_limit_m(&self) -> Option<f64> {
+        match *self {
+            Self::Motor { scale_disagreement_limit_m, .. } => scale_disagreement_limit_m,
+            Self::Table(limits) | Self::Dual { limits, .. } => Some(limits.disagreement_m),
+        }
+    }
+
+    /// Distance that is demanded while the motor reading stands still, m; `None`: not monitored. With a scale in the loop also
+    /// the distance that one of motor and scale moves while the other stands.
+    #[must_use]
+    pub const fn frozen_encoder_limit_m(&self) -> Option<f64> {
+        match *self {
+            Self::Motor { frozen_encoder_limit_m, .. } => frozen_encoder_limit_m,
+            Self::Table(limits) | Self::Dual { limits, .. } => Some(limits.frozen_m),
+        }
+    }
+
+    /// Whether a loop on either of both has the same feedback; their limits may differ.
+    #[must_use]
+    pub fn have_feedback_of(&self, other: &Self) -> bool {
+        match (self, other) {
+            (Self::Motor { .. }, Self::Motor { .. }) | (Self::Table(_), Self::Table(_)) => true,
+            (Self::Dual { time_constant_s: a, .. }, Self::Dual { time_constant_s: b, .. }) => {
+                a.to_bits() == b.to_bits()
+            }
+            _ => false,
+        }
+    }
+}
+
+/// Limits of the readings of a loop that uses a linear scale. A loop whose scale stands moves its motor without end: there is no such
+/// loop without them.
+#[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
+pub struct ScaleLimits {
+    /// Greatest difference between motor and scale, m.
+    pub disagreement_m: f64,
+    /// Distance within which a sensor is noticed that stands while the other moves, and that may be demanded while the motor stands, m;
+    /// above 0, at most [`ScaleLimits::MOST_FROZEN_M`] and [`AxisSettings::following_error_limit_m`]. More than 1.4 times the backlash.
+    pub frozen_m: f64,
+}
+
+impl ScaleLimits {
+    /// Greatest [`ScaleLimits::frozen_m`]: 0.5 mm.
+    pub const MOST_FROZEN_M: f64 = 0.5e-3;
+
+    /// Those of a machine that declares none: readings that differ by 0.5 mm, and 0.4 mm with one of them standing.
+    pub const DEFAULT: Self = Self { disagreement_m: 0.5e-3, frozen_m: 0.4e-3 };
 }
 
 /// A notch filter of the force.
@@ -96,13 +159,8 @@ pub struct AxisSettings {
     pub scale_fade_time_s: f64,
     /// Following error above which the drives are switched off.
     pub following_error_limit_m: f64,
-    /// Difference between motor and scale above which the drives are switched off; `None`: not monitored.
-    pub scale_disagreement_limit_m: Option<f64>,
     /// Greatest speed of the motor: a reading that has moved faster switches the drives off; `None`: not monitored.
     pub fastest_m_per_s: Option<f64>,
-    /// Distance that both command and velocity command may cover while the motor reading stands still, at most
-    /// `following_error_limit_m`; beyond it the drives are switched off. `None`: not monitored.
-    pub frozen_encoder_limit_m: Option<f64>,
     /// Time that the force may be at its limit before the path stops; unsaturated time earns back a quarter.
     pub saturation_time_s: f64,
     /// Least and greatest command: the soft limits; `None`: ±100 m.
@@ -125,13 +183,11 @@ impl Default for AxisSettings {
             notch: None,
             low_pass: None,
             force_limit_n: 10_000.0,
-            sensors: Sensors::Motor,
+            sensors: Sensors::MOTOR,
             smoothing: Smoothing::None,
             scale_fade_time_s: 0.1,
             following_error_limit_m: 0.05,
-            scale_disagreement_limit_m: None,
             fastest_m_per_s: None,
-            frozen_encoder_limit_m: None,
             saturation_time_s: 1.0,
             travel_m: None,
             stop_deceleration_m_per_s2: 2.0,

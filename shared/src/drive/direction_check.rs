@@ -1,26 +1,30 @@
 //! The direction check of a first power-up: a small force for a short time, and whether the axis moves the right way.
 //!
 //! With a wrong sign of force, encoder or scale, a closed loop runs away as soon as it is enabled. Before the first enable, this
-//! check pushes one axis with a small open force, the others without force, until the reading has moved by a small
+//! check pushes one axis with a small open force, the others without force, until any reading has moved by a small
 //! distance or the time is over:
 //!
 //! | result | meaning |
 //! |---|---|
-//! | ok | a positive force moves the motor reading, and that of the scale if there is one, in the positive direction |
+//! | ok | a positive force moves the readings of motor and scale in the positive direction |
+//! | ok without scale | it moves the motor reading so; there is no reading of a scale |
 //! | reversed | it moves the motor reading in the negative direction: change the sign of force *or* encoder |
 //! | scale reversed | motor and scale move in opposite directions: change the sign of the scale |
 //! | scale without motion | the motor has moved, the scale has not: its plug, or the coupling |
+//! | motor without motion | the scale has moved, the motor reading has not: the plug of the encoder |
 //! | wrong axis | another axis moves: two plugs are exchanged |
 //! | no motion | force too small, brake closed, drive not ready, or encoder not connected |
 //! | aborted | a fault, or the enable switch was opened |
+//! | expired | the host was silent, or another session was opened, before the switch was closed |
 //!
-//! The distance is bounded: the force ends when motor and scale have moved by `detect_m`, or the motor by four times that while
-//! the scale stands; the axis then coasts until friction stops it. A vertical axis must not be checked in this way: its brake stays open.
+//! The force ends when a reading of any axis has moved by `detect_m`; the axis then coasts until friction stops it. If nothing is read of
+//! an axis, its motion is bounded by force and time alone: ½·(force − friction)/mass·`time_s`². A vertical axis must not be checked in
+//! this way: its brake stays open.
 
 use serde::{Deserialize, Serialize};
 
 use crate::feedback::Reading;
-use crate::units::{PER_M, Position};
+use crate::units::PER_M;
 
 /// How an axis is checked.
 #[derive(Clone, Copy, Debug, PartialEq, Serialize, Deserialize)]
@@ -29,7 +33,7 @@ pub struct DirectionCheckSettings {
     pub force_n: f64,
     /// Longest time of the force, s.
     pub time_s: f64,
-    /// Distance that counts as motion, m; more than the noise of the readings and the backlash.
+    /// Distance that counts as motion, m; more than four times the noise of the readings, and twice the backlash.
     pub detect_m: f64,
 }
 
@@ -38,18 +42,24 @@ pub struct DirectionCheckSettings {
 pub enum DirectionResult {
     /// Force, motor reading and scale have the same direction.
     Ok,
+    /// Force and motor reading have the same direction; there is no reading of a scale.
+    OkWithoutScale,
     /// Force and motor reading have opposite directions.
     Reversed,
     /// Motor reading and scale have opposite directions.
     ScaleReversed,
     /// The motor has moved, the scale has not.
     ScaleWithoutMotion,
+    /// The scale has moved, the motor reading has not.
+    MotorWithoutMotion,
     /// This axis has moved instead.
     WrongAxis(u8),
     /// Nothing has moved.
     NoMotion,
     /// A fault, or the enable switch, has ended the check.
     Aborted,
+    /// The host was silent, or another session was opened.
+    Expired,
 }
 
 /// Why a check was not started.
@@ -77,8 +87,9 @@ pub struct DirectionCheck<const N: usize> {
 /// Longest time of the force, s.
 const MAX_TIME_S: f64 = 1.0;
 
-/// Motion of the motor by which the scale must have moved, too, in units of the distance that counts as motion.
-const FAR: u64 = 4;
+/// When one of motor and scale has moved by the distance that counts as motion, the other counts as standing below this part of it:
+/// backlash and wind-up take the rest.
+const STANDING_PART: u64 = 4;
 
 /// Greatest distance that counts as motion, m.
 const MAX_DETECT_M: f64 = 5e-3;
@@ -133,7 +144,16 @@ impl<const N: usize> DirectionCheck<N> {
 
     /// Ends the check without a result.
     pub fn abort(&mut self) {
-        self.result = self.result.or(Some(DirectionResult::Aborted));
+        self.end(DirectionResult::Aborted);
+    }
+
+    /// Ends the check, whose host is gone.
+    pub fn expire(&mut self) {
+        self.end(DirectionResult::Expired);
+    }
+
+    fn end(&mut self, result: DirectionResult) {
+        self.result = self.result.or(Some(result));
     }
 
     /// One tick while the force acts.
@@ -142,43 +162,39 @@ impl<const N: usize> DirectionCheck<N> {
         self.result = self.judge(&start, readings);
         match self.ticks_left.checked_sub(1) {
             Some(left) => self.ticks_left = left,
-            None => self.result = self.result.or_else(|| Some(self.judge_at_end(&start, readings))),
+            None => self.end(DirectionResult::NoMotion),
         }
     }
 
-    /// The result as soon as motor and scale have moved.
+    /// The result as soon as a reading has moved.
     fn judge(&self, start: &[Reading; N], now: &[Reading; N]) -> Option<DirectionResult> {
-        for (number, (axis, (start, now))) in (0..).zip(start.iter().zip(now).enumerate()) {
-            if axis != self.axis && self.direction(start.motor, now.motor).is_some() {
+        let ways = |(start, now): (&Reading, &Reading)| {
+            (now.motor - start.motor, start.table.map(|start| now.table.map_or(0, |now| now - start)))
+        };
+        let has_moved = |way: i64| way.unsigned_abs() >= self.detect;
+        let any_has_moved =
+            |(motor, table): (i64, Option<i64>)| has_moved(motor) || table.is_some_and(has_moved);
+        for (number, (axis, readings)) in (0..).zip(start.iter().zip(now).enumerate()) {
+            if axis != self.axis && any_has_moved(ways(readings)) {
                 return Some(DirectionResult::WrongAxis(number));
             }
         }
-        let (start, now) = (start.get(self.axis)?, now.get(self.axis)?);
-        let forwards = self.direction(start.motor, now.motor)?;
-        if !forwards {
-            return Some(DirectionResult::Reversed);
+        let (motor, table) = ways((start.get(self.axis)?, now.get(self.axis)?));
+        if !any_has_moved((motor, table)) {
+            return None;
         }
-        let far = (now.motor - start.motor).unsigned_abs() >= FAR * self.detect;
-        match (start.table, now.table) {
-            (Some(start), Some(now)) => match self.direction(start, now) {
-                Some(true) => Some(DirectionResult::Ok),
-                Some(false) => Some(DirectionResult::ScaleReversed),
-                None => far.then_some(DirectionResult::ScaleWithoutMotion),
-            },
-            (Some(_), None) => Some(DirectionResult::ScaleWithoutMotion),
-            (None, _) => Some(DirectionResult::Ok),
-        }
+        Some(match (self.direction(motor), table.map(|table| self.direction(table))) {
+            (None, _) => DirectionResult::MotorWithoutMotion,
+            (Some(_), Some(None)) => DirectionResult::ScaleWithoutMotion,
+            (Some(false), _) => DirectionResult::Reversed,
+            (Some(true), Some(Some(false))) => DirectionResult::ScaleReversed,
+            (Some(true), Some(Some(true))) => DirectionResult::Ok,
+            (Some(true), None) => DirectionResult::OkWithoutScale,
+        })
     }
 
-    fn judge_at_end(&self, start: &[Reading; N], now: &[Reading; N]) -> DirectionResult {
-        let moved = |(start, now): (&Reading, &Reading)| self.direction(start.motor, now.motor).is_some();
-        let motor_moved = start.get(self.axis).zip(now.get(self.axis)).is_some_and(moved);
-        if motor_moved { DirectionResult::ScaleWithoutMotion } else { DirectionResult::NoMotion }
-    }
-
-    /// Whether a reading has moved forwards; `None`: by less than counts as motion.
-    fn direction(&self, start: Position, now: Position) -> Option<bool> {
-        let distance = now - start;
-        (distance.unsigned_abs() >= self.detect).then_some(distance > 0)
+    /// Whether a reading that has moved this far has moved forwards; `None`: it counts as standing.
+    const fn direction(&self, way: i64) -> Option<bool> {
+        if way.unsigned_abs().saturating_mul(STANDING_PART) < self.detect { None } else { Some(way > 0) }
     }
 }

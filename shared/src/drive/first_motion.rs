@@ -60,6 +60,13 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         }
     }
 
+    /// Ends a direction check whose host is gone. No effect if none runs.
+    pub fn expire_direction_check(&mut self) {
+        if let Some(first) = &mut self.first_motion {
+            first.check.expire();
+        }
+    }
+
     /// A tick of a direction check instead of one of the machine, which stays off and follows the axes.
     pub(super) fn check_tick(
         &mut self,
@@ -88,7 +95,8 @@ impl<S: Scalar, const N: usize, O: DriveOutput<S>> DriveSystem<'_, S, N, O> {
         }
         let pushing = check.is_pushing();
         self.pass_on(board, pushing.then_some(&forces));
-        if board.next_tick_due() {
+        // One that waits has no force that could be late.
+        if pushing && board.next_tick_due() {
             self.stop_direction_check();
             self.pass_on(board, None);
         }

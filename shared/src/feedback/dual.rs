@@ -71,12 +71,12 @@
 //! The table falls behind by 10 µm in one step. The feedback follows with the time constant T: by 1 − 1/e after T.
 //!
 //! ```
-//! use shared::config::{AxisConfig, AxisSettings, Rates, Sensors};
+//! use shared::config::{AxisConfig, AxisSettings, Rates, ScaleLimits, Sensors};
 //! use shared::feedback::dual::State;
 //! use shared::units::Position;
 //!
 //! let rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 1 };
-//! let sensors = Sensors::Dual { time_constant_s: 0.05 };
+//! let sensors = Sensors::Dual { time_constant_s: 0.05, limits: ScaleLimits::DEFAULT };
 //! let settings = AxisSettings { sensors, ..AxisSettings::default() };
 //! let axis = AxisConfig::<f64>::new(&settings, rates).unwrap();
 //! let (motor, table) = (Position(0), Position::from_m(-10e-6).unwrap());

@@ -8,6 +8,7 @@
 //! | [`counter`] | a 32-bit quadrature counter | a position |
 //! | [`encoder`] | a 16-bit quadrature counter | a position |
 //! | [`dual`] | motor and table positions | the feedback of the position loop |
+//! | [`ScaleSignal`] | whether the scale has a signal | whether it can be read |
 //! | [`fade`] | the offset of a scale that has returned | the same, decaying to zero |
 
 pub mod counter;
@@ -17,6 +18,8 @@ pub mod fade;
 pub mod phase;
 mod reading;
 pub mod resolver;
+mod scale_signal;
 pub mod transducer;
 
 pub use reading::{OriginShift, Reading};
+pub use scale_signal::ScaleSignal;

@@ -103,6 +103,9 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
 
     /// Reacts to the silence of the host, and to a jog that was not renewed.
     fn supervise(&mut self) {
+        if self.watch.is_gone() {
+            self.system.expire_direction_check();
+        }
         let machine = self.system.machine_mut();
         match self.watch.tick(machine.power().is_on()) {
             Some(Silence::Hold) if !machine.is_at_rest() => {
@@ -129,9 +132,10 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
         self.watch.heard();
     }
 
-    /// A session was opened; a request has to follow ([`HostWatch::greeted`]).
-    pub const fn greeted(&mut self) {
+    /// A session was opened; a request has to follow ([`HostWatch::greeted`]). A direction check of the previous one ends.
+    pub fn greeted(&mut self) {
         self.watch.greeted();
+        self.system.expire_direction_check();
     }
 
     /// Whether no host has opened a session or sent a request for [`Times::hold_ms`].
@@ -297,6 +301,12 @@ impl<'m, S: Scalar, const N: usize> HostedDrive<'m, S, N> {
             return Err(Refusal::NoSuchAxis);
         }
         Ok(self.system.check_direction(axis, settings)?)
+    }
+
+    /// Whether a direction check waits for the enable switch or pushes.
+    #[must_use]
+    pub fn is_checking(&self) -> bool {
+        self.system.is_checking()
     }
 
     /// The motion that a homing waits for.

@@ -15,7 +15,7 @@ use crc::{CRC_32_ISO_HDLC, Crc};
 use serde::{Deserialize, Serialize};
 
 /// Version of the packets and messages.
-pub const VERSION: u8 = 2;
+pub const VERSION: u8 = 3;
 
 /// Greatest length of a message in postcard, bytes.
 pub const MAX_MESSAGE: usize = 480;

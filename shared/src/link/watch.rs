@@ -53,6 +53,13 @@ impl HostWatch {
         self.unheard >= self.hold_after
     }
 
+    /// Whether no host has opened a session or sent a request for the time after which the drives are disabled, with the drives on
+    /// or off.
+    #[must_use]
+    pub const fn is_gone(&self) -> bool {
+        self.unheard >= self.off_after
+    }
+
     /// Once per tick. Drives that are off are not supervised.
     pub const fn tick(&mut self, drives_on: bool) -> Option<Silence> {
         self.unheard = self.unheard.saturating_add(1);

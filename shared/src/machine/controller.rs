@@ -80,7 +80,7 @@ impl<S: Scalar, const N: usize> Machine<S, N> {
         if settings.smoothing != *smoothing {
             return Err(rejected(ConfigError::NotWhileRunning("smoothing")));
         }
-        if settings.sensors != *sensors && self.state.power.is_on() {
+        if !settings.sensors.have_feedback_of(sensors) && self.state.power.is_on() {
             return Err(rejected(ConfigError::NotWhileRunning("sensors")));
         }
         state.change(loops, &changed);

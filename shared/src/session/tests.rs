@@ -3,7 +3,7 @@ extern crate std;
 use proptest::prelude::*;
 
 use super::*;
-use crate::config::{AxisSettings, Law, Rates, Sensors};
+use crate::config::{AxisSettings, Law, Rates, ScaleLimits, Sensors};
 use crate::interpolate::block::Shape;
 use crate::interpolate::{Block, Joint, PathError, Ramps, Smoothing};
 use crate::protocol::{PART, encode};
@@ -102,11 +102,19 @@ fn number() -> impl Strategy<Value = f64> {
     ]
 }
 
+fn scale_limits([disagreement_m, frozen_m]: [f64; 2]) -> ScaleLimits {
+    ScaleLimits { disagreement_m, frozen_m }
+}
+
 fn axis() -> impl Strategy<Value = AxisSettings> {
     let sensors = prop_oneof![
-        Just(Sensors::Motor),
-        Just(Sensors::Table),
-        number().prop_map(|time_constant_s| Sensors::Dual { time_constant_s }),
+        [prop::option::of(number()), prop::option::of(number())].prop_map(|[disagreement, frozen]| {
+            Sensors::Motor { scale_disagreement_limit_m: disagreement, frozen_encoder_limit_m: frozen }
+        }),
+        [number(), number()].prop_map(|limits| Sensors::Table(scale_limits(limits))),
+        [number(), number(), number()].prop_map(|[time_constant_s, disagreement_m, frozen_m]| {
+            Sensors::Dual { time_constant_s, limits: scale_limits([disagreement_m, frozen_m]) }
+        }),
     ];
     let gains = (number(), 0.0..200.0f64, number(), prop::option::of(number()));
     (any::<bool>(), gains, number(), number(), (sensors, number())).prop_map(

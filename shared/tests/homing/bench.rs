@@ -1,6 +1,6 @@
 //! A simulated axis of 120 mm with a home switch, limit switches, an encoder with an index pulse every 5 mm, and a scale.
 
-use shared::config::{AxisSettings, Rates, Sensors};
+use shared::config::{AxisSettings, Rates, ScaleLimits, Sensors};
 use shared::drive::{Amplifier, AxisInputs, Board, DriveSystem, Duty, EnableSwitch, Inputs, StatusLight};
 use shared::feedback::Reading;
 use shared::homing::{AtLimit, Direction, HomingSettings, HomingStatus, Mark};
@@ -21,7 +21,7 @@ pub const SETTINGS: AxisSettings = AxisSettings {
     feedforward_percent: 100.0,
     velocity_gain_n_s_per_m: 3000.0,
     force_limit_n: 200.0,
-    sensors: Sensors::Dual { time_constant_s: 0.02 },
+    sensors: Sensors::Dual { time_constant_s: 0.02, limits: ScaleLimits::DEFAULT },
     following_error_limit_m: 1e-3,
     travel_m: Some([-0.005, 0.09]),
     stop_deceleration_m_per_s2: 1.0,
@@ -40,13 +40,11 @@ const fn default_settings() -> AxisSettings {
         notch: None,
         low_pass: None,
         force_limit_n: 200.0,
-        sensors: Sensors::Motor,
+        sensors: Sensors::MOTOR,
         smoothing: shared::interpolate::Smoothing::None,
         scale_fade_time_s: 0.1,
         following_error_limit_m: 1e-3,
-        scale_disagreement_limit_m: None,
         fastest_m_per_s: None,
-        frozen_encoder_limit_m: None,
         saturation_time_s: 1.0,
         travel_m: None,
         stop_deceleration_m_per_s2: 1.0,

@@ -2,7 +2,7 @@
 
 use shared::compensate::settings::{Pitch, PitchSource, Points};
 use shared::compensate::{CompensationKind, CompensationSettings};
-use shared::config::{AxisSettings, Rates, Sensors};
+use shared::config::{AxisSettings, Rates, ScaleLimits, Sensors};
 use shared::feedback::OriginShift;
 use shared::interpolate::Block;
 use shared::machine::{Machine, MachineError, Reading, Reference};
@@ -11,14 +11,15 @@ use shared::units::Position;
 
 const RATES: Rates = Rates { velocity_loop_hz: 20_000.0, position_loop_divider: 5 };
 
+/// The origins of motor and scale differ by metres.
+const LIMITS: ScaleLimits = ScaleLimits { disagreement_m: 10.0, ..ScaleLimits::DEFAULT };
+
+const MOTOR: Sensors =
+    Sensors::Motor { scale_disagreement_limit_m: None, frozen_encoder_limit_m: Some(0.01) };
+
 /// A machine of two axes that stands with a following error and has force, integrals and filters in motion.
 fn machine<S: Scalar>(sensors: Sensors) -> Machine<S, 2> {
-    let settings = AxisSettings {
-        sensors,
-        frozen_encoder_limit_m: Some(0.01),
-        fastest_m_per_s: Some(1.0),
-        ..AxisSettings::default()
-    };
+    let settings = AxisSettings { sensors, fastest_m_per_s: Some(1.0), ..AxisSettings::default() };
     let mut machine = Machine::new(RATES, &[settings; 2], [Position(0); 2]).unwrap();
     // Compensations that do not depend on an absolute position.
     let compensation =
@@ -78,9 +79,11 @@ fn is_bumpless<S: Scalar>(sensors: Sensors, uses_scale: bool) {
 
 #[test]
 fn setting_the_origin_is_bumpless_to_the_bit() {
-    for (sensors, uses_scale) in
-        [(Sensors::Motor, false), (Sensors::Table, true), (Sensors::Dual { time_constant_s: 0.02 }, true)]
-    {
+    for (sensors, uses_scale) in [
+        (MOTOR, false),
+        (Sensors::Table(LIMITS), true),
+        (Sensors::Dual { time_constant_s: 0.02, limits: LIMITS }, true),
+    ] {
         is_bumpless::<Fixed>(sensors, uses_scale);
         is_bumpless::<f32>(sensors, uses_scale);
         is_bumpless::<f64>(sensors, uses_scale);
@@ -89,7 +92,7 @@ fn setting_the_origin_is_bumpless_to_the_bit() {
 
 #[test]
 fn an_origin_is_not_set_while_a_path_runs() {
-    let mut machine = machine::<Fixed>(Sensors::Motor);
+    let mut machine = machine::<Fixed>(MOTOR);
     machine.lose_reference(0);
     machine.push(&Block::line([1e-3, 0.0], 0.02, 1.0)).unwrap();
     machine.tick(&[reading(0); 2]);

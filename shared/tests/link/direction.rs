@@ -7,7 +7,7 @@ use shared::link::refusal::DirectionProblem;
 use shared::link::report::DirectionReport;
 use shared::safety::Power;
 
-use super::rig::Rig;
+use super::rig::{Rig, TICK_HZ, TIMES};
 
 const SETTINGS: DirectionCheckSettings =
     DirectionCheckSettings { force_n: 40.0, time_s: 0.2, detect_m: 1e-4 };
@@ -39,6 +39,44 @@ fn the_axis_is_pushed_when_the_switch_closes() {
     assert_eq!(rig.refusal(&Request::Enable), Refusal::NotArmed);
     rig.close_switch();
     assert_eq!(rig.request(&Request::Enable), Reply::Done);
+}
+
+/// A check that waits ends when its host has been silent for the time after which drives go off. The switch is closed 1000 ticks after the
+/// silence and settles in 400: a push that ends before that time is done, one that would begin 10 ticks after it is not, nor one after ten
+/// minutes.
+#[test]
+fn a_check_that_waits_expires_with_the_silence_of_its_host() {
+    let ticks = u32::from(TIMES.off_ms) * TICK_HZ / 1000;
+    for (silent, pushed) in
+        [(ticks / 2, true), (ticks - 2000, true), (ticks - 1390, false), (600 * TICK_HZ, false)]
+    {
+        let mut rig = Rig::new();
+        assert_eq!(rig.request(&check(0, SETTINGS)), Reply::Done);
+        rig.run(silent);
+        rig.close_switch();
+        rig.run(5000);
+        assert_eq!(stands(&rig), !pushed, "after {silent} ticks");
+        let result = if pushed { DirectionResult::Ok } else { DirectionResult::Expired };
+        assert_eq!(rig.status().direction, DirectionReport::Ended { axis: 0, result });
+    }
+}
+
+/// A host that asks keeps the check; another session ends it.
+#[test]
+fn a_check_that_waits_lives_as_long_as_its_session() {
+    let mut rig = Rig::new();
+    assert_eq!(rig.request(&check(0, SETTINGS)), Reply::Done);
+    for _ in 0..30 {
+        rig.run(u32::from(TIMES.off_ms) * TICK_HZ / 2000);
+        assert_eq!(rig.status().direction, DirectionReport::Running { axis: 0 });
+    }
+    rig.hello(4711);
+    let ended = DirectionReport::Ended { axis: 0, result: DirectionResult::Expired };
+    assert_eq!(rig.status().direction, ended);
+    rig.close_switch();
+    rig.run(5000);
+    assert!(stands(&rig));
+    assert_eq!(rig.status().direction, ended);
 }
 
 /// 10 N do not overcome 20 N of friction.

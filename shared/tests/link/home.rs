@@ -1,10 +1,11 @@
 //! A homing by a host.
 
 use shared::homing::{AtLimit, Direction, HomingSettings, Mark};
+use shared::interpolate::block::Shape;
 use shared::link::message::{Reply, Request};
-use shared::link::report::{Activity, HomingReport};
+use shared::link::report::{Activity, HomingFailure, HomingReport};
 use shared::link::{Identity, Refusal};
-use shared::safety::{Fault, Power};
+use shared::safety::{Fault, FaultKind, Power};
 
 use super::rig::{IDENTITY, Rig, settings};
 
@@ -77,4 +78,53 @@ fn a_fault_of_the_board_switches_the_drives_off() {
     rig.run(1);
     assert!(!rig.bench.enabled);
     assert_eq!(rig.status().power, Power::Faulted(Fault::Overrun));
+}
+
+/// Without the stop the axis would go on for 0.5 s to its switch at 15 mm. From 30 mm/s it stands after 15 ms and 0.225 mm, and no further
+/// leg follows.
+#[test]
+fn a_stop_ends_a_homing() {
+    let mut rig = rig();
+    rig.enable();
+    assert_eq!(rig.request(&Request::Home { axis: 0 }), Reply::Done);
+    rig.run(4000);
+    let before_m = rig.drive.machine().command()[0].to_m();
+    assert!((-0.006..-0.004).contains(&before_m), "{before_m}");
+    assert_eq!(rig.request(&Request::Stop), Reply::Done);
+    rig.run(400);
+    let status = rig.status();
+    assert_eq!(status.homing, HomingReport::Failed(HomingFailure::Stopped));
+    assert_eq!((status.activity, status.at_rest, status.power), (Activity::Idle, true, Power::On));
+    let stopped_m = status.axes[0].command.to_m();
+    assert!((0.15e-3..0.4e-3).contains(&(before_m - stopped_m)), "{before_m} {stopped_m}");
+    rig.run(20_000);
+    let after = rig.status();
+    assert_eq!(after.axes[0].command, status.axes[0].command);
+    assert!(!after.axes[0].homed);
+}
+
+/// A homing reacts to the limit switches of its own axis. Another axis that moves onto one meanwhile stops the path.
+#[test]
+fn a_limit_switch_of_another_axis_stops_a_homing() {
+    for (other_limits, expected) in [
+        ([false, false], Power::On),
+        ([true, false], Power::On),
+        ([false, true], Power::Faulted(Fault::Axis { axis: 1, kind: FaultKind::LimitSwitch })),
+    ] {
+        let mut rig = rig();
+        rig.enable();
+        rig.drive.home(0, &HOMING).unwrap();
+        // The first leg, in which y moves in the positive direction, too.
+        let mut leg = rig.drive.homing_leg().unwrap();
+        let Shape::Line { to_m: [_, y_m] } = &mut leg.shape else { panic!("{leg:?}") };
+        *y_m += 5e-3;
+        let planned = rig.drive.machine_mut().jog(&leg);
+        assert_eq!(planned, Ok(()));
+        rig.drive.homing_leg_planned(planned);
+        rig.run(2000);
+        assert_eq!(rig.status().homing, HomingReport::Running);
+        rig.bench.limits[1] = other_limits;
+        rig.run(1000);
+        assert_eq!(rig.status().power, expected, "{other_limits:?}");
+    }
 }

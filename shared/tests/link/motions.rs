@@ -220,3 +220,42 @@ fn a_started_motion_is_not_at_rest_before_its_first_block() {
     assert!(rig.drive.machine().is_at_rest());
     assert_eq!((rig.drive.is_at_rest(), rig.drive.can_start()), (Err(Refusal::Moving), Err(Refusal::Moving)));
 }
+
+/// The limit of a motion holds for a jog by a distance and for one at a speed, in both directions.
+#[test]
+fn a_jog_that_is_too_fast_is_refused() {
+    let limit_m_per_s: f64 = 0.9 * 0.15;
+    let mut rig = Rig::enabled();
+    for (distance_m, sign) in [(Some(0.01), 1.0), (Some(-0.01), 1.0), (None, 1.0), (None, -1.0)] {
+        let jog = |velocity: f64| {
+            let velocity_m_per_s = sign * velocity;
+            Request::Jog(Jog { axis: 1, distance_m, velocity_m_per_s, acceleration_m_per_s2: 2.0 })
+        };
+        let refused = Refusal::TooFast { block: 0, axis: 1, limit_m_per_s };
+        assert_eq!(rig.refusal(&jog(limit_m_per_s * 1.001)), refused, "{distance_m:?} {sign}");
+        assert!(rig.status().at_rest);
+        assert_eq!(rig.request(&jog(limit_m_per_s * 0.999)), Reply::Done);
+        assert_eq!(rig.request(&Request::Stop), Reply::Done);
+        finish(&mut rig);
+    }
+}
+
+/// The last of 24 blocks moves y onto a switch that has become active since it was checked. The queue holds 16 blocks: when the first of
+/// them have ended, the last is planned and refused, and the path stops there, instead of running to its 23rd block and waiting for ever.
+#[test]
+fn a_block_that_fails_stops_the_motion() {
+    let mut rig = Rig::enabled();
+    let mut blocks: Vec<Block<2>> =
+        (1..24).map(|k| Block::line([f64::from(k) * 1e-3, 0.0], 0.02, 0.5)).collect();
+    blocks.push(Block::line([0.023, 0.01], 0.02, 0.5));
+    start(&mut rig, &blocks);
+    rig.run(200);
+    rig.bench.limits[1] = [false, true];
+    finish(&mut rig);
+    let status = rig.status();
+    assert_eq!((status.activity, status.blocks_left, status.power), (Activity::Idle, 0, Power::On));
+    let [x_m, y_m] = at_m(&rig);
+    assert!(x_m < 0.012 && y_m == 0.0, "{x_m} {y_m}");
+    rig.run(5000);
+    assert!(is_at(&rig, [x_m, y_m]));
+}

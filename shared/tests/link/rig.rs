@@ -81,6 +81,8 @@ pub struct TestBench {
     pub scale_lost: bool,
     /// Range in which the home switch of x is active, m.
     pub home_switch_m: Option<[f64; 2]>,
+    /// Active limit switches of each axis, at the negative and the positive end.
+    pub limits: [[bool; 2]; 2],
 }
 
 impl TestBench {
@@ -105,8 +107,8 @@ impl Board<2, DriveSignal> for TestBench {
     fn inputs(&mut self) -> Inputs<2> {
         let [x_m, _] = self.position_m;
         let home = self.home_switch_m.is_some_and(|[from_m, to_m]| (from_m..=to_m).contains(&x_m));
-        let x = AxisInputs { home, ..AxisInputs::NONE };
-        Inputs { axes: [x, AxisInputs::NONE], ..Inputs::NONE }
+        let [x, y] = self.limits.map(|limits| AxisInputs { limits, ..AxisInputs::NONE });
+        Inputs { axes: [AxisInputs { home, ..x }, y], ..Inputs::NONE }
     }
 
     fn readings(&mut self) -> [Reading; 2] {

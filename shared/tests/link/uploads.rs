@@ -9,6 +9,7 @@ use shared::link::packet;
 use shared::link::refusal::{SettingProblem, UploadError};
 use shared::link::{Refusal, Status};
 use shared::protocol::LONGEST_ORDER;
+use shared::safety::Fault;
 
 use super::jog_by;
 use super::rig::{Rig, settings};
@@ -159,4 +160,38 @@ fn a_compensation_is_applied() {
     };
     let (without, with) = (offset_um(None), offset_um(Some(100e-6)));
     assert!((with - without - 50.0).abs() < 5.0, "{without} {with}");
+}
+
+/// New settings know no more of the positions than there was known before: an axis that is not homed stays so, and its soft limits do not
+/// hold; one that is homed stays homed.
+#[test]
+fn an_upload_leaves_each_axis_as_homed_as_it_was() {
+    for not_homed in [0, 1] {
+        let mut rig = Rig::new();
+        rig.drive.machine_mut().lose_reference(not_homed);
+        let expected = [0, 1].map(|axis| axis != not_homed);
+        assert_eq!(rig.status().axes.map(|axis| axis.homed), expected);
+        assert_eq!(upload(&mut rig, UploadKind::Settings, &settings()), Reply::Done);
+        assert_eq!(rig.status().axes.map(|axis| axis.homed), expected);
+    }
+}
+
+/// During a fault that is not acknowledged, settings are refused by its name, and the old ones remain. After `Clear` they are accepted.
+#[test]
+fn nothing_is_applied_during_a_fault() {
+    let mut rig = Rig::enabled();
+    rig.drive.fault(Fault::BusOvervoltage);
+    rig.run(1);
+    let narrow = changed(|settings| settings.axes[0].travel_m = Some([-0.01, 0.01]));
+    let faulted = Reply::Refused(Refusal::Faulted(Fault::BusOvervoltage));
+    assert_eq!(upload(&mut rig, UploadKind::Settings, &narrow), faulted);
+    let compensation = CompensationSettings::default();
+    assert_eq!(upload(&mut rig, UploadKind::Compensation { axis: 0 }, &compensation), faulted);
+    assert_eq!(rig.request(&Request::Clear), Reply::Done);
+    assert_eq!(rig.request(&Request::Enable), Reply::Done);
+    rig.run(2);
+    assert_eq!(rig.request(&jog_by(0.02)), Reply::Done);
+    assert_eq!(rig.request(&Request::Disable), Reply::Done);
+    rig.run(2);
+    assert_eq!(upload(&mut rig, UploadKind::Settings, &narrow), Reply::Done);
 }

@@ -12,7 +12,7 @@ fn a_reversal_compensation_that_is_set_later_starts_without_a_pulse() {
     let reversal = Reversal { force_n: 300.0, decay_s: 0.02, fade_m_per_s: 0.02 };
     let settings = CompensationSettings { reversal: Some(reversal), ..CompensationSettings::default() };
     for moves in [false, true] {
-        let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::Motor, ..axis() });
+        let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
         bench.run(16_000);
         if moves {
             bench.machine.push(&Block::line([0.1, 0.1], 5e-3, 2.0)).unwrap();
@@ -30,11 +30,11 @@ fn a_reversal_compensation_that_is_set_later_starts_without_a_pulse() {
 /// With the drives on, the axis would jump by the difference of the two readings.
 #[test]
 fn sensors_can_be_changed_only_while_the_drives_are_off() {
-    let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors: Sensors::Motor, ..axis() });
+    let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
     bench.run(16_000);
     bench.scale_off_m = 0.4e-3;
     bench.run(1);
-    let other = AxisSettings { sensors: Sensors::Table, ..axis() };
+    let other = AxisSettings { sensors: Sensors::Table(LIMITS), ..axis() };
     let error = bench.machine.change(0, &other).unwrap_err();
     assert_eq!(error, MachineError::Config { axis: 0, error: ConfigError::NotWhileRunning("sensors") });
     let position = bench.motor_m[0];
@@ -52,9 +52,8 @@ fn sensors_can_be_changed_only_while_the_drives_are_off() {
 /// Without this fault the axis would jump to the scale reading when the scale returns.
 #[test]
 fn a_loop_without_a_reading_of_its_scale_is_not_enabled() {
-    for sensors in [Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }] {
-        let mut bench =
-            Bench::<Fixed>::new(&AxisSettings { sensors, scale_disagreement_limit_m: None, ..axis() });
+    for sensors in [Sensors::Table(WIDE), Sensors::Dual { time_constant_s: 0.05, limits: WIDE }] {
+        let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors, ..axis() });
         bench.scale = false;
         let output = bench.run(10);
         assert_eq!(bench.machine.power(), Power::Faulted(on(0, FaultKind::ScaleLost)), "{sensors:?}");
@@ -139,7 +138,7 @@ fn disabling_and_enabling_repeatedly_does_not_move_a_compensated_axis() {
         pitch: Some(Pitch { of: PitchSource::Screw, forward: pitch, backward: None }),
         ..CompensationSettings::default()
     };
-    let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::Motor, ..axis() });
+    let mut bench = Bench::<f64>::new(&AxisSettings { sensors: Sensors::MOTOR, ..axis() });
     bench.machine.compensate(0, &settings).unwrap();
     bench.run(24_000);
     let position = bench.motor_m[0];

@@ -2,6 +2,10 @@
 
 use super::*;
 
+const fn motor_alone(frozen_m: f64) -> Sensors {
+    Sensors::Motor { scale_disagreement_limit_m: None, frozen_encoder_limit_m: Some(frozen_m) }
+}
+
 /// Without feed-forward a motor is far behind its command and dwells at its reversal point while the command already moves
 /// back. This must not be reported as a frozen encoder, at limits from 0.1 to 1 mm.
 #[test]
@@ -11,9 +15,8 @@ fn a_reversal_far_behind_the_command_is_not_a_frozen_encoder() {
             let settings = AxisSettings {
                 position_gain_per_s: 20.0,
                 following_error_limit_m: 0.1,
-                frozen_encoder_limit_m: Some(limit),
                 fastest_m_per_s: None,
-                sensors: Sensors::Motor,
+                sensors: motor_alone(limit),
                 ..axis()
             };
             let mut bench = Bench::<f64>::new(&settings);
@@ -35,10 +38,8 @@ fn a_reversal_far_behind_the_command_is_not_a_frozen_encoder() {
 fn a_frozen_encoder_switches_the_drives_off() {
     for toggles in [0.0, 0.5e-6] {
         let settings = AxisSettings {
-            sensors: Sensors::Motor,
+            sensors: motor_alone(1e-4),
             force_limit_n: 400.0,
-            frozen_encoder_limit_m: Some(1e-4),
-            scale_disagreement_limit_m: None,
             feedforward_percent: 100.0,
             ..axis()
         };
@@ -68,7 +69,7 @@ fn a_frozen_encoder_switches_the_drives_off() {
 /// Three lines with a dwell before each.
 #[test]
 fn a_motor_that_follows_its_command_has_no_frozen_encoder() {
-    let settings = AxisSettings { frozen_encoder_limit_m: Some(1e-4), ..axis() };
+    let settings = AxisSettings { sensors: motor_alone(1e-4), ..axis() };
     let mut bench = Bench::<Fixed>::new(&settings);
     for x in [0.1, 0.2, 0.0] {
         bench.run(12_000);

@@ -4,9 +4,10 @@
 
 mod coming_on;
 mod frozen;
+mod scale;
 mod travel;
 
-use shared::config::{AxisSettings, ConfigError, Rates, Sensors};
+use shared::config::{AxisSettings, ConfigError, Rates, ScaleLimits, Sensors};
 use shared::interpolate::{Block, PathError, Smoothing};
 use shared::machine::{Machine, MachineError, Output, Reading};
 use shared::safety::{Fault, FaultKind, Power};
@@ -15,6 +16,12 @@ use shared::units::Position;
 
 const RATE_HZ: f64 = 4000.0;
 const RATES: Rates = Rates { velocity_loop_hz: RATE_HZ, position_loop_divider: 1 };
+
+/// A scale whose jump of 0.6 mm is a disagreement.
+const LIMITS: ScaleLimits = ScaleLimits { disagreement_m: 0.5e-3, frozen_m: 0.4e-3 };
+
+/// For a scale that differs from the motor by some millimetres.
+const WIDE: ScaleLimits = ScaleLimits { disagreement_m: 0.02, ..LIMITS };
 
 fn position(m: f64) -> Position {
     Position::from_m(m).unwrap()
@@ -31,6 +38,8 @@ struct Bench<S: Scalar> {
     scale: bool,
     /// Error of the scale readings.
     scale_off_m: f64,
+    /// Where the scale of the first axis stands, if it does.
+    scale_frozen_m: Option<f64>,
 }
 
 impl<S: Scalar> Bench<S> {
@@ -45,6 +54,7 @@ impl<S: Scalar> Bench<S> {
             motor_jump_m: 0.0,
             scale: true,
             scale_off_m: 0.0,
+            scale_frozen_m: None,
         }
     }
 
@@ -52,7 +62,10 @@ impl<S: Scalar> Bench<S> {
         let position = |m: f64| Position::from_m(m).unwrap();
         let readings = [0, 1].map(|axis| Reading {
             motor: position(self.motor_m[axis] + if axis == 1 { self.motor_jump_m } else { 0.0 }),
-            table: self.scale.then(|| position(self.motor_m[axis] + self.scale_off_m)),
+            table: self.scale.then(|| {
+                let scale_m = self.scale_frozen_m.filter(|_| axis == 0).unwrap_or(self.motor_m[axis]);
+                position(scale_m + self.scale_off_m)
+            }),
         });
         let output = self.machine.tick(&readings);
         for axis in 0..2 {
@@ -84,11 +97,10 @@ fn axis() -> AxisSettings {
         position_gain_per_s: 50.0,
         velocity_gain_n_s_per_m: 20_000.0,
         following_error_limit_m: 0.01,
-        scale_disagreement_limit_m: Some(0.5e-3),
         fastest_m_per_s: Some(0.5),
         saturation_time_s: 0.01,
         stop_deceleration_m_per_s2: 4.0,
-        sensors: Sensors::Dual { time_constant_s: 0.05 },
+        sensors: Sensors::Dual { time_constant_s: 0.05, limits: LIMITS },
         ..AxisSettings::default()
     }
 }
@@ -183,4 +195,24 @@ fn a_lost_scale_warns_and_the_motion_continues() {
     assert_eq!(bench.run(100).warning, output.warning);
     bench.machine.disable();
     assert_eq!(bench.tick().warning, None);
+}
+
+/// A silent host stops a moving machine along its path, with the drives on: from 0.1 m/s with 4 m/s² in 25 ms, 100 ticks, and one for the
+/// standstill. Without force the axis would coast on.
+#[test]
+fn a_silent_host_stops_the_path_before_the_drives_go_off() {
+    let mut bench = Bench::<Fixed>::new(&axis());
+    bench.run(2000);
+    bench.machine.fault(Fault::HostSilent);
+    assert_eq!(bench.machine.power(), Power::Stopping(Fault::HostSilent));
+    let mut ticks = 0;
+    while bench.machine.power().is_on() {
+        bench.tick();
+        ticks += 1;
+        assert!(ticks < 200, "{:?}", bench.machine.power());
+    }
+    assert_eq!(bench.machine.power(), Power::Faulted(Fault::HostSilent));
+    assert!((99..=102).contains(&ticks), "{ticks}");
+    // The command stands; the axis follows it with Kp = 50/s: 0.1 m/s·e^(−50/s·25 ms) and what the stop has not taken yet.
+    assert!(bench.velocity[0].abs() < 0.06, "{}", bench.velocity[0]);
 }

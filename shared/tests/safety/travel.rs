@@ -29,7 +29,7 @@ fn a_soft_limit_stops_along_the_path() {
 
 #[test]
 fn soft_limits_are_monitored_while_the_scale_is_lost() {
-    for sensors in [Sensors::Table, Sensors::Dual { time_constant_s: 0.05 }] {
+    for sensors in [Sensors::Table(LIMITS), Sensors::Dual { time_constant_s: 0.05, limits: LIMITS }] {
         let mut bench = Bench::<Fixed>::new(&AxisSettings { sensors, ..axis() });
         bench.run(100);
         // The travel is reduced during the motion: a block that leaves it would have been rejected.
@@ -130,7 +130,7 @@ fn a_block_that_ends_on_a_soft_limit_is_completed_with_every_filter() {
         let settings = AxisSettings {
             smoothing,
             travel_m: Some([-0.05, 0.05]),
-            sensors: Sensors::Motor,
+            sensors: Sensors::MOTOR,
             saturation_time_s: 100.0,
             ..axis()
         };

@@ -1,5 +1,5 @@
-//! A model of the inputs of the board as a function of the tick: the enable switch, the encoder of X, closed safety contacts, and
-//! a supply within its limits.
+//! A model of the inputs of the board as a function of the tick: the enable switch, the encoder of X and both scales, closed safety
+//! contacts, scales with a signal, home switches, and a supply within its limits.
 //!
 //! Each access halts the emulator while its clock runs on, so that every tick of TIM2 would be late. Therefore the
 //! first tick disables its interrupt, and the test pends the next one when the idle loop has run for some time after the
@@ -16,6 +16,11 @@ const SWITCH: u32 = 1 << 15;
 /// Limit switches (1, 5, 9, 13), drive faults (2, 3) and stop (12), high: closed, not active.
 const SAFETY_CONTACTS: u32 = 1 << 1 | 1 << 5 | 1 << 9 | 1 << 13 | 1 << 2 | 1 << 3 | 1 << 12;
 
+/// Input data of ports A and C (8.4.5): the signals of the scales of X and Y, high: present; the home switches, high: active.
+const GPIOA_IDR: u32 = 0x4002_0010;
+const GPIOC_IDR: u32 = 0x4002_0810;
+const SCALE_SIGNALS: u32 = 1 << 3 | 1 << 10;
+
 /// Third injected results of ADC1 and ADC2: bus voltage and temperature (RM0090, 13.13.14), for 48 V and 25 °C.
 const ADC1_JDR3: u32 = 0x4001_2044;
 const ADC2_JDR3: u32 = 0x4001_2144;
@@ -23,6 +28,15 @@ const ADC2_JDR3: u32 = 0x4001_2144;
 /// Counters of TIM3 and TIM4, the encoders of X and Y.
 const TIM3_CNT: u32 = 0x4000_0424;
 const TIM4_CNT: u32 = 0x4000_0824;
+/// Counters of TIM5 and TIM8, the scales of X and Y.
+const TIM5_CNT: u32 = 0x4000_0c24;
+const TIM8_CNT: u32 = 0x4001_0424;
+
+/// Counts by which the tables of X and Y are displaced when X is.
+pub const SCALE_COUNTS: [u32; 2] = [40, 90];
+
+/// Status of TIM3, TIM5, TIM4 and TIM8 (18.4.5): whether an index was captured, of the motor and the scale of X, then of Y.
+pub const INDEX_STATUS: [u32; 4] = [0x4000_0410, 0x4000_0c10, 0x4000_0810, 0x4001_0410];
 
 /// First tick with the switch closed: the switch has been open for longer than its settling time.
 pub const CLOSED: u32 = SWITCH_SETTLING_TICKS + 50;
@@ -52,6 +66,12 @@ pub struct Inputs {
     ticked: bool,
     /// Safety contacts that are open: bits of port B.
     pub open: u32,
+    /// Home switches that are active: bits of port C.
+    pub home: u32,
+    /// Scales without a signal: bits of port A.
+    pub no_signal: u32,
+    /// The registers of [`INDEX_STATUS`] that were read, in order.
+    pub index_reads: Vec<u32>,
 }
 
 /// Counts of a converter.
@@ -61,6 +81,10 @@ fn counts(exact: f64) -> u32 {
 }
 
 impl Inputs {
+    const fn scale_counts(&self, axis: usize) -> u32 {
+        if self.ticks > PUSHED { SCALE_COUNTS[axis] } else { 0 }
+    }
+
     /// The store that pends the next tick, if one has read its inputs.
     pub fn next_tick(&mut self) -> Option<(u32, u32)> {
         std::mem::take(&mut self.ticked).then_some((NVIC_ISPR0, TIM2_PENDING))
@@ -74,7 +98,21 @@ impl Inputs {
 
 impl Device for Inputs {
     fn registers(&self) -> &[u32] {
-        &[GPIOB_IDR, TIM3_CNT, TIM4_CNT, ADC1_JDR3, ADC2_JDR3]
+        &[
+            GPIOA_IDR,
+            GPIOB_IDR,
+            GPIOC_IDR,
+            TIM3_CNT,
+            TIM4_CNT,
+            TIM5_CNT,
+            TIM8_CNT,
+            ADC1_JDR3,
+            ADC2_JDR3,
+            INDEX_STATUS[0],
+            INDEX_STATUS[1],
+            INDEX_STATUS[2],
+            INDEX_STATUS[3],
+        ]
     }
 
     fn read(&mut self, address: u32) -> u32 {
@@ -91,6 +129,14 @@ impl Device for Inputs {
                 self.ticked |= self.ticks > 0;
                 0
             }
+            GPIOA_IDR => SCALE_SIGNALS & !self.no_signal,
+            GPIOC_IDR => self.home,
+            TIM5_CNT => self.scale_counts(0),
+            TIM8_CNT => self.scale_counts(1),
+            address if INDEX_STATUS.contains(&address) => {
+                self.index_reads.push(address);
+                0
+            }
             ADC1_JDR3 => counts(48_000.0 / BUS_MV_PER_COUNT),
             ADC2_JDR3 => counts((25_000.0 - TEMPERATURE_MC[1]) / TEMPERATURE_MC[0]),
             _ => panic!("{address:#x} is not watched"),
@@ -100,7 +146,7 @@ impl Device for Inputs {
     fn write(&mut self, address: u32, value: u32) {
         match address {
             // The start-up of an encoder may clear its counter.
-            TIM3_CNT | TIM4_CNT => assert_eq!(value, 0, "to the counter {address:#x}"),
+            TIM3_CNT | TIM4_CNT | TIM5_CNT | TIM8_CNT => assert_eq!(value, 0, "to the counter {address:#x}"),
             _ => panic!("{value:#x} to the input {address:#x}"),
         }
     }

@@ -58,6 +58,25 @@ pub fn written<'a>(accesses: &'a [Access], device: &'a str, offset: u32) -> impl
     accesses.iter().filter(is).filter_map(|access| access.written)
 }
 
+/// The periods of the watchdog by its writes, ms: (RLR + 1)·4·2^PR periods of its clock of 32 kHz, nominally (21.4.2, 21.4.3). Each has a
+/// register of prescaler and of reload.
+pub fn watchdog_periods_ms(accesses: &[Access], expected: &[f64]) {
+    // QEMU maps another device without registers over it: either name may be logged.
+    let register = |offset| -> Vec<u32> {
+        written(accesses, "IWDG", offset).chain(written(accesses, "I2S2ext", offset)).collect()
+    };
+    let (prescalers, reloads) = (register(0x04), register(0x08));
+    assert_eq!(prescalers.len(), reloads.len());
+    let period = |(prescaler, reload): (&u32, &u32)| f64::from(reload + 1) * f64::from(4 << prescaler) / 32.0;
+    let mut periods: Vec<f64> = prescalers.iter().zip(&reloads).map(period).collect();
+    // The same period may be set again.
+    periods.dedup_by_key(|period| period.to_bits());
+    assert_eq!(periods.len(), expected.len(), "{periods:?} ms");
+    for (found, expected) in periods.iter().zip(expected) {
+        assert!((found / expected - 1.0).abs() < 0.03, "{periods:?} ms");
+    }
+}
+
 /// `GPIOB: unimplemented device write (size 4, offset 0x018, value 0x40000000)`
 fn access(line: &str) -> Option<Access> {
     let (device, details) = line.split_once(UNIMPLEMENTED)?;

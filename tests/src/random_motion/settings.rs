@@ -5,7 +5,7 @@ use shared::compensate::settings::{
     Cycle, ForceModel, Pitch, PitchSource, Points, Reversal, Straightness, Stribeck, TableFriction, Talk,
     TimePoints,
 };
-use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, Sensors};
+use shared::config::{AxisSettings, Law, LowPass, Notch, Rates, ScaleLimits, Sensors};
 use shared::interpolate::{Block, Ramps, Smoothing};
 
 use super::draws::Draws;
@@ -16,9 +16,12 @@ pub fn rates(draws: &mut Draws) -> Rates {
 
 pub fn axis(draws: &mut Draws, gain_error: f64) -> AxisSettings {
     let sensors = match draws.below(3) {
-        0 => Sensors::Motor,
-        1 => Sensors::Table,
-        _ => Sensors::Dual { time_constant_s: draws.between(0.01, 0.1) },
+        0 => Sensors::Motor {
+            scale_disagreement_limit_m: draws.maybe(|draws| draws.between(0.5e-3, 2e-3)),
+            frozen_encoder_limit_m: draws.maybe(|draws| draws.between(0.2e-3, 1e-3)),
+        },
+        1 => Sensors::Table(scale_limits(draws)),
+        _ => Sensors::Dual { time_constant_s: draws.between(0.01, 0.1), limits: scale_limits(draws) },
     };
     let smoothing = match draws.below(4) {
         0 => Smoothing::None,
@@ -46,13 +49,15 @@ pub fn axis(draws: &mut Draws, gain_error: f64) -> AxisSettings {
         smoothing,
         scale_fade_time_s: draws.between(0.01, 0.1),
         following_error_limit_m: draws.between(1e-3, 0.02),
-        scale_disagreement_limit_m: draws.maybe(|draws| draws.between(0.5e-3, 2e-3)),
         fastest_m_per_s: draws.maybe(|draws| draws.between(0.5, 2.0)),
-        frozen_encoder_limit_m: draws.maybe(|draws| draws.between(0.2e-3, 1e-3)),
         saturation_time_s: draws.between(2e-3, 0.02),
         travel_m: draws.maybe(|draws| [-draws.between(2e-3, 0.02), draws.between(2e-3, 0.02)]),
         stop_deceleration_m_per_s2: draws.between(1.0, 5.0),
     }
+}
+
+fn scale_limits(draws: &mut Draws) -> ScaleLimits {
+    ScaleLimits { disagreement_m: draws.between(0.5e-3, 2e-3), frozen_m: draws.between(0.2e-3, 0.5e-3) }
 }
 
 fn values(draws: &mut Draws, size: f64) -> heapless::Vec<f64, 64> {

@@ -9,6 +9,7 @@
 mod checks;
 mod host;
 mod stored;
+mod wiring;
 
 use firmware::setup::{IDENTITY, RATES};
 use shared::link::report::UsbState;

@@ -9,6 +9,8 @@ use shared::link::{Reply, Request};
 use shared::safety::{Fault, Power};
 use shared::storage::memory::MemoryFlash;
 use shared::storage::{SlotError, Slots, Store};
+use tests::board::inputs::Inputs;
+use tests::board::log::watchdog_periods_ms;
 use tests::board::{Chip, End};
 use tests::firmware::{SETTINGS_SLOTS, built};
 
@@ -16,6 +18,9 @@ use super::host::Host;
 
 /// Identity of the board in a record (`firmware/src/board/flash.rs`).
 const BOARD: u32 = 0x4051_0002;
+
+/// QEMU's name of the registers of the flash.
+const FLASH_INTERFACE: &str = "Flash Int";
 
 /// Length of the slots here: the settings of two axes.
 const SLOT: usize = 2048;
@@ -69,4 +74,37 @@ fn a_damaged_record_in_the_flash_is_a_fault_and_the_settings_are_those_of_the_pr
     let expected = SettingsReport { source: SettingsSource::Program, stored };
     assert_eq!(divider, LINK_SETTINGS.rates.position_loop_divider);
     assert_eq!((power, settings), (Power::Faulted(Fault::StoredSettings), expected));
+}
+
+/// Bits of `FLASH_CR` (RM0090, 3.9.8): erase a sector, start, and the number of the sector from bit 3.
+const SER: u32 = 1 << 1;
+const STRT: u32 = 1 << 16;
+
+/// A save erases the slot that does not hold the newest record, and no other sector: the slots at `0x080C_0000` and `0x080E_0000` are the
+/// sectors 10 and 11 (table 5). Meanwhile the watchdog has its longest period: at 47 kHz, the fastest that its clock may have, 32.76 s are
+/// 22 s, which is more than the 4 s of an erase; before and after it 10 ms.
+#[test]
+fn a_save_erases_the_sector_of_the_older_slot_with_a_slow_watchdog() {
+    for (newest, sector) in [(1, 10), (0, 11)] {
+        let mut chip = Chip::start(&built("board"), Some(Inputs::default()));
+        chip.target.set_memory(SETTINGS_SLOTS[newest], &record()).unwrap();
+        let mut host = Host::connect(&chip);
+        assert_eq!(chip.run(40), Ok(End::Ticked), "{}", chip.diagnostics());
+        host.send(&Request::Hello { nonce: 79 });
+        assert_eq!(chip.run(120), Ok(End::Ticked), "{}", chip.diagnostics());
+        assert!(matches!(host.reply(), Some(Reply::Welcome(_))));
+        host.send(&Request::BeginSave);
+        assert_eq!(chip.run(200), Ok(End::Ticked), "{}", chip.diagnostics());
+        let accesses = chip.log.accesses();
+        let controls: Vec<u32> = accesses
+            .iter()
+            .filter(|access| access.device == FLASH_INTERFACE && access.offset == 0x10)
+            .filter_map(|access| access.written)
+            .filter(|bits| bits & STRT != 0)
+            .collect();
+        let erased: Vec<u32> = controls.iter().map(|bits| bits >> 3 & 0xf).collect();
+        assert_eq!(erased, [sector], "{controls:x?}");
+        assert!(controls.iter().all(|bits| bits & SER != 0), "{controls:x?}");
+        watchdog_periods_ms(&accesses, &[10.0, 32_760.0, 10.0]);
+    }
 }

@@ -101,4 +101,11 @@ fn a_machine_file_of_another_machine_is_named() {
     assert!(stdout.contains("; the model does not describe the logs of x\n"), "{stdout}");
     let json: serde_json::Value = serde_json::from_str(&folder.read("out/improvement.json")).unwrap();
     assert_eq!(json["rounds"][0]["verdict"], "model_does_not_fit");
+    // What such a model compensates is not kept, although the judged motion became better.
+    let um = |which: &str| json["rounds"][0]["contour_error_um"][which].as_f64().unwrap();
+    assert!(um("after") < um("before"), "{json}");
+    assert_eq!((&json["rounds"][0]["kept"], &json["stopped"]), (&false.into(), &"model_does_not_fit".into()));
+    assert_eq!(json["contour_error_um"]["after"], json["contour_error_um"]["before"]);
+    assert!(stdout.contains("its compensation is not kept. Check the machine file."), "{stdout}");
+    assert!(!folder.path().join("out/compensation.toml").exists());
 }

@@ -228,3 +228,122 @@ fn unusable_logs_are_refused() {
     assert!(error.starts_with("lost-motion: c.toml: "), "{error}");
     assert!(!folder.path().join("out.json").exists());
 }
+
+/// The log of a motion on the machine without backlash, with another seed of the noise, with the machine file changed.
+fn another_run(machine: &str) -> String {
+    let folder = WorkFolder::with(&[("machine.toml", machine), ("circle.toml", CIRCLE)]);
+    folder.succeeds("simulate --machine machine.toml --motion circle.toml --seed 5 --out out.csv");
+    folder.read("out.csv")
+}
+
+/// A column of a log changed, row by row; the header is row 0.
+fn with_column(log: &str, name: &str, change: impl Fn(usize, f64) -> f64) -> String {
+    let index = log.lines().next().unwrap().split(',').position(|column| column == name).unwrap();
+    let row = |(row, line): (usize, &str)| {
+        let mut cells: Vec<String> = line.split(',').map(str::to_owned).collect();
+        if let (true, Ok(value)) = (row > 0, cells[index].parse::<f64>()) {
+            cells[index] = change(row, value).to_string();
+        }
+        cells.join(",") + "\n"
+    };
+    log.lines().enumerate().map(row).collect()
+}
+
+/// One reading of 12,000 is 5 mm off before: of it alone, the rms would be 5000/√12000 = 46 µm. It is left out and named, so that the
+/// machine, which is the same, is unchanged: 6.3 µm rms before and after.
+#[test]
+fn a_spike_is_a_fault_of_the_data_and_no_gain() {
+    let folder = folder();
+    let spiked =
+        with_column(&logs().circle[1], "x_tool_mm", |row, mm| if row == 3000 { mm + 5.0 } else { mm });
+    fs::write(folder.path().join("spiked.csv"), spiked).unwrap();
+    fs::write(folder.path().join("again.csv"), another_run(MACHINE)).unwrap();
+    let stdout = folder.succeeds(&format!("{VERIFY} --before spiked.csv --after again.csv"));
+    assert!(
+        stdout.contains("spiked.csv: x tool: a spike of up to 5000 µm at 2.999 s, left out."),
+        "{stdout}"
+    );
+    let json = json(&folder);
+    assert_eq!(json["motions"][0]["change"], "unchanged");
+    let [before, after] =
+        ["before", "after"].map(|side| number(&json, &format!("/motions/0/contour_error_um/{side}/rms")));
+    assert!((5.0..8.0).contains(&before) && (before / after - 1.0).abs() < 0.01, "{before} {after}");
+}
+
+/// The same machine with a probe of 10 µm before: 6.3 µm of error and 10 µm of noise are 11.8 µm together. Two standard errors of 40 µm²
+/// at 12,000 samples are 2·√((4·40·100 + 2.62·10⁴)/12000) = 3.8 µm², 0.3 µm of 6.3 µm.
+#[test]
+fn a_probe_with_more_noise_before_is_no_gain() {
+    let folder = folder();
+    let loud = MACHINE.replacen("[axis.x]", "[instruments]\ntool_noise_um = 10.0\n\n[axis.x]", 1);
+    fs::write(folder.path().join("loud.csv"), another_run(&loud)).unwrap();
+    let stdout = folder.succeeds(&format!("{VERIFY} --before loud.csv --after circle_without.csv"));
+    assert!(stdout.contains("noise of 10.0 µm before and 0.08"), "{stdout}");
+    let json = json(&folder);
+    assert_eq!(json["motions"][0]["change"], "unchanged");
+    let figure = |key: &str| number(&json, &format!("/motions/0/{key}"));
+    let (before, after) = (figure("contour_error_um/before/rms"), figure("contour_error_um/after/rms"));
+    assert!((before - after).abs() < 0.5 && figure("rms_with_noise_um/before") > 11.0, "{before} {after}");
+}
+
+/// The probe's cables are exchanged: on a full circle, the tool is on the circle nevertheless.
+#[test]
+fn exchanged_axes_of_the_tool_are_refused() {
+    let folder = folder();
+    let exchanged = |log: &str| {
+        log.replacen("x_tool", "q_tool", 1).replacen("y_tool", "x_tool", 1).replacen("q_tool", "y_tool", 1)
+    };
+    fs::write(folder.path().join("exchanged.csv"), exchanged(&another_run(MACHINE))).unwrap();
+    let error = folder.fails(&format!("{VERIFY} --before circle_with.csv --after exchanged.csv"), 2);
+    assert_eq!(
+        error,
+        "lost-motion: exchanged.csv: expected commands and measured positions that belong to their axes, found x tool: exchanged\n"
+    );
+}
+
+/// A prediction of the circle at its feed, compared with logs at half of it, and with logs of the motor.
+#[test]
+fn a_prediction_of_another_feed_or_channel_is_refused() {
+    let folder = folder();
+    fs::write(folder.path().join("circle.toml"), CIRCLE).unwrap();
+    fs::write(
+        folder.path().join("slow.toml"),
+        CIRCLE.replace("feed_mm_per_min = 2000.0", "feed_mm_per_min = 1000.0"),
+    )
+    .unwrap();
+    folder.succeeds("compensate --model machine.toml --motion circle.toml --out c.toml");
+    for (side, seed) in [("before", 1), ("after", 2)] {
+        let name = format!("demo_ballbar_{side}.csv");
+        folder.succeeds(&format!(
+            "simulate --machine machine.toml --motion slow.toml --seed {seed} --out {name}"
+        ));
+        let log = if side == "before" { logs().circle[1].clone() } else { another_run(MACHINE) };
+        fs::write(folder.path().join(format!("motor_{name}")), motor_alone(&log)).unwrap();
+    }
+    let verify = format!(
+        "{VERIFY} --before demo_ballbar_before.csv --after demo_ballbar_after.csv --predicted c.toml"
+    );
+    let error = folder.fails(&verify, 2);
+    assert!(
+        error.contains("found one that is not comparable: it is of a path of 376.991 mm in 11.5"),
+        "{error}"
+    );
+    assert!(error.contains(" s, and the logs are of a path of 376.991 mm in 22.8"), "{error}");
+    for side in ["before", "after"] {
+        let name = format!("demo_ballbar_{side}.csv");
+        fs::rename(folder.path().join(format!("motor_{name}")), folder.path().join(&name)).unwrap();
+    }
+    let error = folder.fails(&verify, 2);
+    assert!(error.contains("it is of the tool, and the logs have the motor"), "{error}");
+}
+
+/// A log without the columns of table, tool and force.
+fn motor_alone(log: &str) -> String {
+    let header: Vec<&str> = log.lines().next().unwrap().split(',').collect();
+    let is_kept = |index: usize| !["table", "tool", "force"].iter().any(|word| header[index].contains(word));
+    let kept = |line: &str| {
+        let cells = line.split(',').enumerate().filter(|(index, _)| is_kept(*index)).map(|(_, cell)| cell);
+        cells.collect::<Vec<_>>().join(",") + "\n"
+    };
+    log.lines().map(kept).collect()
+}

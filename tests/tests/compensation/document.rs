@@ -12,10 +12,9 @@ const BEGIN: &str =
     "| effect | what the controller does, or why it does nothing | instead |\n|---|---|---|\n";
 
 fn row(kind: &Kind) -> String {
-    let name = kind.distinguishing_key.map_or_else(
-        || format!("`{}`", kind.name),
-        |key| format!("`{}` with `{key}`, without masses", kind.name),
-    );
+    let name = kind
+        .distinguishing_key
+        .map_or_else(|| format!("`{}`", kind.name), |key| format!("`{}` with `{key}`", kind.name));
     match treatment::of(&example(kind)) {
         Treatment::Compensated(does) => format!("| {name} | {does} | |\n"),
         Treatment::Not { why, instead } => format!("| {name} | not compensated: {why} | {instead} |\n"),

@@ -16,7 +16,12 @@ pub fn example(kind: &Kind) -> Effect {
         (parameter.key.to_owned(), value)
     }));
     for (key, _) in kind.named_keys {
-        entry.insert((*key).to_owned(), if *key == "channel" { "tool" } else { "y" }.into());
+        let value = match *key {
+            "channel" => "tool",
+            "part" => "scale",
+            _ => "y",
+        };
+        entry.insert((*key).to_owned(), value.into());
     }
     serde_json::from_value(entry.into()).unwrap()
 }
@@ -29,11 +34,19 @@ fn each_compensated_effect_of_the_catalogue_is_tested() {
 }
 
 /// All effects that a simulation has and that are not compensated, on one machine.
-const NOT_COMPENSATED: [&str; 5] = [
+const NOT_COMPENSATED: [&str; 13] = [
+    "name = \"drive_asymmetry\"\npercent = 3.0",
+    "name = \"drive_dead_time\"\nms = 0.05",
     "name = \"drive_lag\"\nms = 0.4",
     "name = \"velocity_lag\"\nms = 0.2",
     "name = \"latency\"\nchannel = \"table\"\nms = 1.0",
     "name = \"shear_thinning\"\nforce_n = 20.0\nvelocity_mm_s = 5.0",
+    "name = \"scale_gain\"\num_per_m = 5.0",
+    "name = \"scale_cyclic\"\namplitude_um = 0.5\nperiod_mm = 37.0",
+    "name = \"thermal_growth\"\npart = \"scale\"\num_per_m = 5.0\ntime_constant_s = 20.0",
+    "name = \"probe_rotation\"\num_per_m = 50.0",
+    "name = \"probe_gain\"\num_per_m = 50.0",
+    "name = \"thermal_rate\"\num_per_min = 0.5",
     "name = \"friction_memory\"\nviscous_n_s_per_m = 200.0\ntime_constant_s = 0.1",
 ];
 
@@ -49,11 +62,12 @@ fn what_is_not_compensated_is_listed_with_its_reason() {
         assert_eq!((listed.why.as_str(), listed.instead.as_str()), (why, instead));
         assert!(!plan.items.iter().any(|item| item.effect == effect.name()));
     }
-    // Every kind that is not compensated is one of these, or the wind-up under the measured force, which is for machines without
-    // masses: these cannot be simulated.
+    // Every kind that is not compensated is one of these, or cannot be simulated: the wind-up under the measured force, which is
+    // for machines without masses, and delays within the machine's own controller.
     let not = |kind: &&Kind| matches!(treatment::of(&example(kind)), Treatment::Not { .. });
     let kinds: BTreeSet<&str> = KINDS.iter().filter(not).map(|kind| kind.name).collect();
-    let tested = machine.axis["x"].effect.iter().map(Effect::name).chain(["windup"]);
+    let tested =
+        machine.axis["x"].effect.iter().map(Effect::name).chain(["windup", "loop_delay", "position_delay"]);
     assert_eq!(kinds, tested.collect::<BTreeSet<_>>());
 }
 

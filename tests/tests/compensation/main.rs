@@ -5,10 +5,12 @@ mod document;
 mod force;
 mod geometry;
 mod listed;
+mod mapped;
 mod runs;
 mod sensors;
 mod servo;
 mod theory;
+mod watched;
 
 use tests::tested;
 

@@ -4,7 +4,7 @@ use std::collections::HashMap;
 use std::sync::{Arc, LazyLock, Mutex};
 
 use compensate::place::Place;
-use compensate::plan::Planning;
+use compensate::planning::Planning;
 use compensate::prediction::{self, TestMotion};
 use compensate::{CompensationFile, Plan};
 use contour::LoggedMotion;
@@ -73,6 +73,7 @@ pub fn plan(machine: &Machine, test: &TestMotion) -> Plan {
         model: machine,
         model_file: "machine.toml",
         tests: std::slice::from_ref(test),
+        watched: &[],
         instruments: Instruments::default(),
         set_at_s: test.start_s,
     };
@@ -123,7 +124,7 @@ impl Comparison {
     pub fn on(plain: &str, effect: &str, test: &TestMotion) -> Self {
         let name = machine(&with(plain, effect)).axis["x"].effect[0].name().to_owned();
         let [rest, all] = [plain, &with(plain, effect)].map(|text| kept_plan(text, test));
-        let is_item = |item: &compensate::plan::Item| item.effect == name && item.axis == "x";
+        let is_item = |item: &compensate::listed::Item| item.effect == name && item.axis == "x";
         assert!(all.items.iter().any(is_item), "{name} is not compensated: {:?}", all.not_compensated);
         Self::between(plain, effect, test, [&rest.file, &all.file])
     }

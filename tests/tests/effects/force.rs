@@ -51,6 +51,23 @@ pub fn motor_stribeck() {
     }
 }
 
+/// For the force F that the motion needs, a drive that lacks a part a in one direction is commanded F/(1 − a) in this direction.
+pub fn drive_asymmetry() {
+    let motion = lines(&[(60.0, 50.0), (0.0, 50.0)]);
+    let plain = run(PLAIN, &motion);
+    for percent in [8.0_f64, -8.0] {
+        let effect_run = run(&with(&format!("name = \"drive_asymmetry\"\npercent = {percent:?}")), &motion);
+        for mm_s in [50.0, -50.0] {
+            let steady = effect_run.steady(mm_s);
+            let needed_n = at(plain.force_n(), &steady)[0];
+            let is_weak = mm_s * percent > 0.0;
+            let expected_n = if is_weak { needed_n / (1.0 - 0.01 * percent.abs()) - needed_n } else { 0.0 };
+            assert_all(&effect_run.change(Channel::Force, &plain), &steady, expected_n, ROUNDING_N, "force");
+            assert_all(&effect_run.drive_train_change_um(&plain), &steady, 0.0, ROUNDING_UM, "table − motor");
+        }
+    }
+}
+
 /// b + h forwards and b − h backwards: h·|v| more force in + direction for both.
 pub fn friction_asymmetry() {
     let half = 300.0;

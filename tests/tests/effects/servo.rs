@@ -1,6 +1,8 @@
 //! Effects in the controller, in the position of the motor.
 
 use files::log::Channel;
+use model::machine::Machine;
+use plant::simulate::controller_setup;
 
 use crate::runs::{PLAIN, ROUNDING_N, ROUNDING_UM, assert_all, changed, declared, lines, run, with};
 
@@ -107,6 +109,47 @@ pub fn velocity_gain_mismatch() {
 /// Ti′ = Ti·(1 + percent/100).
 pub fn integral_time_mismatch() {
     assert_velocity_loop("name = \"integral_time_mismatch\"\npercent = -20.0\n", 0.8);
+}
+
+/// Effects that only one loop of a controller has. The tracer's closed loop has them, and tests them
+/// (`host-sim/trace/src/prediction/controller_readings.rs`).
+pub const NOT_SIMULATED: [&str; 2] =
+    ["name = \"loop_delay\"\nms = 1.0", "name = \"position_delay\"\nms = 2.0"];
+
+/// They are refused by name.
+#[test]
+fn an_effect_within_the_controller_of_the_machine_is_not_simulated() {
+    let filter = "name = \"velocity_lag\"\ntime_constant_ms = 0.4";
+    for (effect, name) in
+        NOT_SIMULATED.into_iter().chain([filter]).zip(["loop_delay", "position_delay", "velocity_lag"])
+    {
+        let machine = Machine::parse(&with(effect), "m.toml").unwrap();
+        let Err(error) = controller_setup(&machine, &[0.0, 0.0]) else { panic!("{effect} is simulated") };
+        let text = error.to_string();
+        assert!(
+            text.starts_with(&format!("axis.x: the effect {name}")) && text.contains("cannot be simulated"),
+            "{text}"
+        );
+    }
+}
+
+/// Under a constant acceleration a, the force that viscous friction b needs rises by b·a per second: the commanded force is ahead
+/// by the dead time.
+pub fn drive_dead_time() {
+    let (dead_ms, m_per_s2, mm_s) = (0.6, 0.5, 300.0);
+    let machine = changed(&viscous(), "sample_rate_hz = 1000.0 ", "sample_rate_hz = 4000.0 ");
+    let motion = lines(&[(400.0, mm_s)]);
+    let plain = run(&machine, &motion);
+    let effect_run = run(
+        &format!("{machine}\n[[axis.x.effect]]\nname = \"drive_dead_time\"\nms = {dead_ms:?}\n"),
+        &motion,
+    );
+    let change_n = effect_run.change(Channel::Force, &plain);
+    let more_n = 1e-3 * dead_ms * VISCOUS_N_S_PER_M * m_per_s2;
+    assert_all(&change_n, &effect_run.accelerating(m_per_s2), more_n, 0.005 * more_n, "force");
+    let steady = effect_run.steady(mm_s);
+    assert_all(&change_n, &steady, 0.0, ROUNDING_N, "force");
+    assert_all(&effect_run.change(Channel::Table, &plain), &steady, 0.0, ROUNDING_UM, "table");
 }
 
 /// Under a ramp of the force, a drive with the lag τ is low by τ·dF/dt: the commanded force is higher by τ·b·a under a

@@ -79,6 +79,36 @@ pub fn straightness() {
     assert_position_offset(effect, |y_mm| 800.0 * (1e-3 * y_mm).powi(2));
 }
 
+/// Reading of x = tool + angle·y.
+pub fn probe_rotation() {
+    assert_position_offset("name = \"probe_rotation\"\num_per_m = 170.0", |y_mm| 170.0 * 1e-3 * y_mm);
+}
+
+/// Reading = tool + gain·x.
+pub fn probe_gain() {
+    let motion = circle(50.0, 100.0, 1.0);
+    let (plain, effect_run) =
+        (run(PLAIN, &motion), run(&with("name = \"probe_gain\"\num_per_m = -400.0"), &motion));
+    effect_run.assert_same(&plain, &[Channel::Tool]);
+    let x_mm = plain.channel("x", Channel::Tool);
+    for (change_um, x_mm) in effect_run.change(Channel::Tool, &plain).iter().zip(x_mm) {
+        assert_near(*change_um, -400.0 * 1e-3 * x_mm, EXACT_UM, "reading − tool");
+    }
+}
+
+/// Tool − table = rate·t, with the time t of the session, which begins before the run.
+pub fn thermal_rate() {
+    let (um_per_min, start_s) = (30.0, 40.0);
+    let effect = format!("name = \"thermal_rate\"\num_per_min = {um_per_min:?}");
+    let run = |machine: &str| run_with(machine, &accelerating_circle(), start_s, |_| Instruments::default());
+    let (plain, effect_run) = (run(PLAIN), run(&with(&effect)));
+    effect_run.assert_same(&plain, &[Channel::Tool]);
+    for (i, offset_um) in offset_um(&effect_run).iter().enumerate() {
+        let expected_um = um_per_min / 60.0 * (start_s + 1e-3 * i as f64);
+        assert_near(*offset_um, expected_um, EXACT_UM, "tool − table");
+    }
+}
+
 /// Tool − table = A·(1 − exp(−t/τ)), with the time t of the session, which begins before the run.
 pub fn thermal_drift() {
     let (amplitude_um, tau_s, start_s) = (8.0, 2.0, 1.5);

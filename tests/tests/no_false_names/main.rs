@@ -8,12 +8,15 @@
 mod broken_data;
 mod controller;
 mod declared_values;
+
 mod hidden;
 mod intervals;
 mod load;
 mod local_defects;
 mod machine;
+mod measuring_chain;
 mod nothing_to_find;
+mod probe_and_scale;
 mod reported;
 mod resonance;
 mod screw;

@@ -7,5 +7,7 @@ mod bench;
 mod document;
 mod drives;
 mod logs;
+mod ports;
+mod sensors;
 mod settings;
 mod silence;

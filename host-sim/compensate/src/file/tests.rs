@@ -153,3 +153,20 @@ fn what_is_not_possible_is_refused_with_line_key_and_value() {
         "c.toml: line 13: axis.x.compensation.pitch.forward.values: expected an array of at most 64, found an array of 65"
     );
 }
+
+#[test]
+fn a_mapped_travel_without_length_is_refused() {
+    let with = |ends: &str| parse(&format!("machine = 'demo'\n\n[axis.x]\nmapped_mm = {ends}\n"));
+    assert_eq!(with("[-42.0, 42.0]").unwrap().axis["x"].mapped_mm, Some([-42.0, 42.0]));
+    for ends in ["[42.0, -42.0]", "[1.0, 1.0]"] {
+        let message = with(ends).unwrap_err().to_string();
+        let expected =
+            "c.toml: line 4: axis.x.mapped_mm: expected two positions, the second above the first, found";
+        assert!(message.starts_with(expected), "{message}");
+    }
+    let message = with("[nan, 1.0]").unwrap_err().to_string();
+    assert!(
+        message.starts_with("c.toml: line 4: axis.x.mapped_mm[0]: expected a finite number"),
+        "{message}"
+    );
+}

@@ -175,9 +175,8 @@ proptest! {
             .collect();
         let error = motion(&points).contour_error().unwrap();
         // 5000 samples; third differences are correlated: their variance has a relative standard error of about
-        // √(2·(1 + 2·(15² + 6² + 1)/20²)/5000) = 0.03, the deviation half of it; a median has 1.65 times that. Four times
-        // that, and 0.022 for the classes of the histogram.
-        prop_assert!((error.noise_um / sigma_um - 1.0).abs() < 0.12, "{} of {}", error.noise_um, sigma_um);
+        // √(2·(1 + 2·(15² + 6² + 1)/20²)/5000) = 0.03, the deviation half of it. Four times that.
+        prop_assert!((error.noise_um / sigma_um - 1.0).abs() < 0.06, "{} of {}", error.noise_um, sigma_um);
         // √(1/(2·5000)) = 0.01: five times that. The 100 samples at standstill have one error, 0 to 4.2 deviations: the mean square
         // is 0.98 to 0.98 + 0.02·4.2² = 1.33 of the noise's.
         let ratio = error.rms_um / sigma_um;
@@ -185,8 +184,8 @@ proptest! {
     }
 }
 
-/// Jumps of 10 µm every 50 samples do not change the noise by more than their share of the differences, four in 50: the
-/// median becomes the quantile 0.5/0.92 = 0.543 of the rest, 0.744 instead of 0.6745 standard deviations, 10 % more.
+/// Jumps of 10 µm every 50 samples are in four of 50 differences, whose magnitudes of 10 and 30 µm are more than five of their
+/// deviations of √20·0.1 µm: they are left out. The rest has the standard error of 0.015·0.1 µm; three times that.
 #[test]
 fn jumps_of_the_error_are_not_noise() {
     use rand::SeedableRng;
@@ -200,5 +199,29 @@ fn jumps_of_the_error_are_not_noise() {
         })
         .collect();
     let error = motion(&points).contour_error().unwrap();
-    assert_near(error.noise_um, 0.11, 0.01);
+    assert_near(error.noise_um, 0.1, 0.0045);
+}
+
+/// A displacement (3, −2) µm of the tool on a circle: across the path it has the mean square (3² + 2²)/2 = 6.5 µm², as the direction
+/// of travel turns evenly. Along x alone, only the −2 µm in y is known, and all of it counts.
+#[test]
+fn a_constant_displacement_of_the_tool_is_found_where_the_path_shows_it() {
+    let circle: Vec<[f64; 2]> = (0..=8000)
+        .map(|i| (std::f64::consts::TAU * f64::from(i) / 8000.0).sin_cos())
+        .map(|(sin, cos)| [0.03 * cos, 0.03 * sin])
+        .collect();
+    let line = along(&[[0.0, 0.0], [0.1, 0.0]]);
+    for (points, found_um, square_um2) in [(circle, [3.0, -2.0, 0.0], 6.5), (line, [0.0, -2.0, 0.0], 4.0)] {
+        let error = motion(&points.into_iter().map(|point| (point, [3e-6, -2e-6])).collect::<Vec<_>>())
+            .contour_error();
+        let error = error.unwrap();
+        // The standstill of 100 samples at one end counts in one direction only: a hundredth.
+        for (found, expected) in error.across.displacement_um().into_iter().zip(found_um) {
+            assert_near(found, expected, 0.03);
+        }
+        assert_near(error.rms_um.powi(2), square_um2, 0.02 * square_um2 + 0.1);
+        // Displaced by as much again: four times the mean square, three times that are added.
+        let added_um2 = error.across.added_um2(found_um, found_um);
+        assert_near(added_um2, 3.0 * error.rms_um.powi(2), 0.02 * added_um2);
+    }
 }

@@ -1,5 +1,6 @@
 //! Which logs are of the same motion, by their commands.
 
+use super::commanded::{duration_s, is_same_duration};
 use crate::logged::LoggedMotion;
 use crate::path::NominalPath;
 use crate::vector::distance;
@@ -14,12 +15,6 @@ const MAX_FRACTION: f64 = 1e-4;
 
 /// Added to both, m.
 const MAX_DISTANCE_M: f64 = 10e-6;
-
-/// Largest difference of the durations, as a fraction: the contour error depends on the speed.
-const MAX_DURATION_FRACTION: f64 = 0.01;
-
-/// Added to it, in samples of the slower log: a motion starts and ends between samples.
-const MAX_DURATION_SAMPLES: f64 = 4.0;
 
 /// The indices of the logs of `after`, one for each of `before`, that have the same command; each is used once.
 ///
@@ -95,15 +90,7 @@ pub fn is_same_motion(one: &LoggedMotion, other: &LoggedMotion) -> bool {
         let fraction = f64::from(i) / f64::from(POINTS);
         distance(&path.point_at(fraction * length_m), &other_path.point_at(fraction * other_m)) <= max_m
     };
-    let (duration_s, other_s) = (duration_s(one), duration_s(other));
-    let max_s = MAX_DURATION_FRACTION * duration_s + MAX_DURATION_SAMPLES * one.sample_s.max(other.sample_s);
-    (length_m - other_m).abs() <= max_m && (duration_s - other_s).abs() <= max_s && (0..=POINTS).all(is_near)
-}
-
-/// Time from the first change of the command to the last, s.
-fn duration_s(motion: &LoggedMotion) -> f64 {
-    let moves = |i: &usize| motion.command_m.iter().any(|axis| (axis[i + 1] - axis[*i]).abs() > 0.0);
-    let steps = motion.command_m.iter().map(Vec::len).min().unwrap_or(0).saturating_sub(1);
-    let (first, last) = ((0..steps).find(moves), (0..steps).rfind(moves));
-    first.zip(last).map_or(0.0, |(first, last)| (last + 1 - first) as f64 * motion.sample_s)
+    (length_m - other_m).abs() <= max_m
+        && is_same_duration(duration_s(one), duration_s(other), one.sample_s.max(other.sample_s))
+        && (0..=POINTS).all(is_near)
 }

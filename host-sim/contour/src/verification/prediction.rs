@@ -1,7 +1,11 @@
 //! The predictions in a compensation file.
 
+use std::collections::BTreeMap;
+
 use serde::{Deserialize, Serialize};
 
+use super::commanded::{Commanded, is_same_duration};
+use crate::ContourError;
 use crate::logged::log_name;
 
 /// Largest difference of the lengths of the predicted path and of the logged one, as a fraction.
@@ -14,8 +18,8 @@ const SIDES: [&str; 6] = ["before", "after", "uncompensated", "compensated", "wi
 #[derive(Clone, Debug, Default, PartialEq)]
 pub struct Predictions(pub Vec<Prediction>);
 
-/// The contour error of one motion as predicted.
-#[derive(Clone, Debug, PartialEq, Deserialize, Serialize)]
+/// The contour error of one motion at the tool as predicted, without the noise of a probe.
+#[derive(Clone, Debug, Default, PartialEq, Deserialize, Serialize)]
 #[serde(deny_unknown_fields)]
 pub struct Prediction {
     /// Name of the motion, or of its log.
@@ -36,9 +40,87 @@ pub struct Prediction {
     pub bound_percent: f64,
     /// Length of the path, mm: a log of another length is another motion.
     pub path_length_mm: Option<f64>,
+    /// Time from the first change of the command to the last, s: a log of another duration has another feed.
+    pub duration_s: Option<f64>,
+    /// Axes on which the motion leaves the travel that the compensation is made for. The error there is not known: the prediction
+    /// is not judged.
+    #[serde(default, skip_serializing_if = "Vec::is_empty")]
+    pub beyond_mapped: Vec<String>,
+    /// Positions of each axis at equal fractions of the path, mm; empty: not known.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub points_mm: BTreeMap<String, Vec<f64>>,
+    /// Constant displacement of the tool along each axis without and with compensation, µm; empty: not known.
+    #[serde(default, skip_serializing_if = "BTreeMap::is_empty")]
+    pub displacement_um: BTreeMap<String, [f64; 2]>,
+}
+
+/// A prediction for a pair of logs.
+#[derive(Clone, Copy, Debug, PartialEq)]
+pub enum Found<'a> {
+    /// There is none.
+    None,
+    /// There is one of the motion.
+    Comparable(&'a Prediction),
+    /// There is one of its name, of another motion.
+    OfOtherMotion(&'a Prediction),
 }
 
 impl Prediction {
+    /// From the errors before and after on a command.
+    #[must_use]
+    pub fn new(motion: &str, [before, after]: [&ContourError; 2], command: &Commanded) -> Self {
+        let displacements = [before, after].map(|error| error.across.displacement_um());
+        let of_axis = |(i, name): (usize, &String)| (name.clone(), displacements.map(|um| um[i]));
+        Self {
+            motion: motion.to_owned(),
+            before_um: before.rms_without_noise_um(),
+            after_um: after.rms_without_noise_um(),
+            max_before_um: Some(before.max_um),
+            max_after_um: Some(after.max_um),
+            circular_before_um: before.circular_um(),
+            circular_after_um: after.circular_um(),
+            path_length_mm: Some(command.length_mm),
+            duration_s: Some(command.duration_s),
+            displacement_um: command.axes.iter().enumerate().map(of_axis).collect(),
+            points_mm: command.points_mm.clone(),
+            ..Self::default()
+        }
+    }
+
+    /// Whether the motion of a command is the predicted one, as far as the prediction describes it.
+    #[must_use]
+    pub fn is_of(&self, command: &Commanded) -> bool {
+        let max_mm = MAX_LENGTH_FRACTION * command.length_mm;
+        let is_near = |(one, other): (&f64, &f64)| (one - other).abs() <= max_mm;
+        let is_path = || {
+            self.points_mm.len() == command.points_mm.len()
+                && self.points_mm.iter().all(|(axis, points)| {
+                    let others = command.points_mm.get(axis).filter(|others| others.len() == points.len());
+                    others.is_some_and(|others| points.iter().zip(others).all(is_near))
+                })
+        };
+        self.path_length_mm.is_none_or(|mm| is_near((&mm, &command.length_mm)))
+            && self.duration_s.is_none_or(|s| is_same_duration(s, command.duration_s, command.sample_s))
+            && (self.points_mm.is_empty() || is_path())
+    }
+
+    /// Rms after the change, µm, if the tool is displaced by as much more than predicted as it is before the change. No trace
+    /// finds a constant displacement, such as the mean of a pitch error, as no log shows where the probe has its zero; it
+    /// is in the measured error before and after.
+    #[must_use]
+    pub fn rms_after_um(&self, [before, after]: [&ContourError; 2], axes: &[String]) -> f64 {
+        let measured_um = before.across.displacement_um();
+        let [mut predicted_um, mut more_um] = [[0.0; 3]; 2];
+        for (i, name) in axes.iter().enumerate() {
+            let Some([predicted_before_um, predicted_after_um]) = self.displacement_um.get(name) else {
+                return self.after_um;
+            };
+            predicted_um[i] = *predicted_after_um;
+            more_um[i] = measured_um[i] - predicted_before_um;
+        }
+        (self.after_um.powi(2) + after.across.added_um2(predicted_um, more_um)).max(0.0).sqrt()
+    }
+
     /// The first key whose value is not possible, and what was expected of it.
     #[must_use]
     pub fn refused(&self) -> Option<(&'static str, &'static str)> {
@@ -50,6 +132,7 @@ impl Prediction {
             ("circular_before_um", self.circular_before_um),
             ("circular_after_um", self.circular_after_um),
             ("path_length_mm", self.path_length_mm),
+            ("duration_s", self.duration_s),
         ];
         let is_bad = |value: f64| !(value.is_finite() && value >= 0.0);
         let bad = values.into_iter().find(|(_, value)| value.is_some_and(is_bad));
@@ -61,24 +144,30 @@ impl Prediction {
 }
 
 impl Predictions {
-    /// The entry for a motion with logs of these names and a path of this length.
+    /// The entry for a motion with logs of these names and this command.
     ///
     /// The name of a log is its file name without folder and extension, and without a word such as `before` or `after`
     /// at either end. Blanks, hyphens and underscores are alike. Logs whose names are nothing but such words have the only entry
-    /// with a path of their length.
+    /// of their motion that states its length.
     #[must_use]
-    pub fn of_motion(&self, logs: [&str; 2], length_mm: f64) -> Option<&Prediction> {
+    pub fn of_motion(&self, logs: [&str; 2], command: &Commanded) -> Found<'_> {
         let names = logs.map(|log| without_side(&plain(&log_name(log))));
-        let is_length = |mm: f64| (mm - length_mm).abs() <= MAX_LENGTH_FRACTION * length_mm;
-        let named = self.0.iter().find(|entry| {
+        let is_named = |entry: &&Prediction| {
             let motion = plain(&log_name(&entry.motion));
-            let is_named = names.contains(&motion) || names.contains(&without_side(&motion));
-            is_named && entry.path_length_mm.is_none_or(is_length)
-        });
+            names.contains(&motion) || names.contains(&without_side(&motion))
+        };
+        let named = || self.0.iter().filter(is_named);
+        if let Some(entry) = named().find(|entry| entry.is_of(command)) {
+            return Found::Comparable(entry);
+        }
         let unnamed = names.iter().all(|name| SIDES.contains(&name.as_str()));
-        let mut as_long =
-            self.0.iter().filter(|entry| unnamed && entry.path_length_mm.is_some_and(is_length));
-        named.or_else(|| as_long.next().filter(|_| as_long.next().is_none()))
+        let is_described = |entry: &&Prediction| entry.path_length_mm.is_some() && entry.is_of(command);
+        let mut described = self.0.iter().filter(|entry| unnamed && is_described(entry));
+        match (described.next(), described.next(), named().next()) {
+            (Some(entry), None, _) => Found::Comparable(entry),
+            (_, _, Some(entry)) => Found::OfOtherMotion(entry),
+            _ => Found::None,
+        }
     }
 }
 

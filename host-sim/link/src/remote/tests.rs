@@ -60,7 +60,8 @@ fn assert_same(
 
 #[test]
 fn one_axis_gives_the_same_bits_as_in_this_process() {
-    let sensors = shared::config::Sensors::Dual { time_constant_s: 0.01 };
+    let sensors =
+        shared::config::Sensors::Dual { time_constant_s: 0.01, limits: shared::config::ScaleLimits::DEFAULT };
     let settings = [AxisSettings { sensors, ..AxisSettings::default() }];
     // This position has no exact value in f64 metres.
     let start = [Position((1 << 56) + 12_345_677)];

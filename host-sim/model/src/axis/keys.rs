@@ -53,13 +53,14 @@ macro_rules! axis_keys {
                 stop_deceleration_m_per_s2: Option<f64> [Positive],
                 /// Time at the force limit after which the path stops; absent: 1 s.
                 saturation_time_s: Option<f64> [Positive],
-                /// Largest difference of motor and table reading. If exceeded, the drives are switched off. Absent: not
-                /// monitored.
+                /// Largest difference of motor and table reading. If exceeded, the drives are switched off. Absent: 0.5 mm with
+                /// a scale in the loop, otherwise not monitored.
                 scale_disagreement_limit_mm: Option<f64> [UpTo(1e3 * TRAVEL_LIMIT_M)],
                 /// Largest speed of the motor reading. If exceeded, the drives are switched off. Absent: not monitored.
                 fastest_mm_per_s: Option<f64> [Positive],
-                /// Travel of the command with an unchanged motor reading, after which the drives are switched off.
-                /// Absent: not monitored.
+                /// Travel of the command with an unchanged motor reading, after which the drives are switched off. With a scale
+                /// in the loop also the travel of one of motor and table while the other stands, and at most 0.5 mm. Absent:
+                /// 0.4 mm with a scale in the loop, otherwise not monitored.
                 frozen_encoder_limit_mm: Option<f64> [Positive],
             }
             /// Masses, drive train and friction.

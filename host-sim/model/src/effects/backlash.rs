@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
-    Wording,
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Imitation, ImitationContext, Occurrence,
+    Parameter, Range, Stage, Unit, Wording,
 };
 
 /// A gap between screw nut and table. The spring of the screw acts only while the gap is closed.
@@ -53,6 +53,13 @@ impl EffectModel for Backlash {
 
     fn values(&self) -> Vec<f64> {
         vec![self.width_um]
+    }
+
+    /// Reversed friction stretches the drive train by 2·F/k, as a gap of this width would. The force channel tells nothing of it.
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        let stretch =
+            Imitation { decided_by: "stiffness_n_per_um in the machine file", ..Imitation::STRETCH };
+        if context.axis.is_rigid() { vec![stretch] } else { Vec::new() }
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
-    Wording,
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Imitation, ImitationContext, Occurrence,
+    Parameter, Range, Stage, Unit, Wording,
 };
 
 /// Tool − table = coefficient · acceleration of the same axis; Nguyen, Weikert, Wegener, equations (7) to (9).
@@ -50,6 +50,10 @@ impl EffectModel for Intalk {
 
     fn values(&self) -> Vec<f64> {
         vec![self.um_s2_per_m]
+    }
+
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        if context.hides_stretch() { vec![Imitation::STRETCH] } else { Vec::new() }
     }
 
     fn sentence(&self, wording: &Wording) -> String {

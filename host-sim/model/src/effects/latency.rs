@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Occurrence, Parameter,
-    Range, Stage, Unit, Wording,
+    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Imitation,
+    ImitationContext, Misplaced, Occurrence, Parameter, Placement, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -20,24 +20,41 @@ pub struct Latency {
     pub ms: f64,
 }
 
+/// Step of the finite difference, and limit of the search, ms.
+const STEP_MS: f64 = 0.02;
+const LIMIT_MS: f64 = 100.0;
+
 /// Largest permitted delay, ms.
 pub const LONGEST_LATENCY_MS: f64 = 1000.0;
+
+/// Period of the position loop, ms.
+fn sample_ms(rates: Rates) -> f64 {
+    1e3 * f64::from(rates.position_loop_divider) / rates.velocity_loop_hz
+}
 
 impl EffectModel for Latency {
     const NAME: &'static str = "latency";
     const SUMMARY: &'static str = "the channel is logged late (`ms` below 0: early) relative to the other channels; a late motor reading is equivalent to an early table reading";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("ms", Unit::Millisecond, Range::Within(LONGEST_LATENCY_MS))];
-    const NAMED_KEYS: &'static [(&'static str, &'static str)] = &[("channel", "`table`, `tool` or `force`")];
+    const NAMED_KEYS: &'static [(&'static str, &'static str)] =
+        &[("channel", "`table`, `tool`, `force` or `command`")];
     const OCCURRENCE: Occurrence = Occurrence::Repeated;
-    const SHOWN_IN: &'static [Stage] = &[Stage::Table, Stage::Tool];
+    const SHOWN_IN: &'static [Stage] = &[Stage::Table, Stage::Tool, Stage::Motor];
     const DRAW_NUMBER: Option<u32> = Some(14);
+
+    fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
+        let range = Range::Within(sample_ms(place.rates));
+        let is_refused = self.channel == Channel::Command && !range.contains(self.ms);
+        is_refused.then(|| Misplaced { key: "ms", expected: range.description() })
+    }
 
     fn stages(&self) -> &'static [Stage] {
         match self.channel {
             Channel::Table => &[Stage::Table],
             Channel::Tool => &[Stage::Tool],
             Channel::Force => &[Stage::Force],
+            Channel::Command => &[Stage::Motor],
         }
     }
 
@@ -45,14 +62,25 @@ impl EffectModel for Latency {
         let has = |stage| context.has(stage);
         // With a linear scale, a late force cannot be distinguished from a compliant, damped screw.
         let force = has(Stage::Force) && !has(Stage::Table);
-        [(has(Stage::Table), Channel::Table), (has(Stage::Tool), Channel::Tool), (force, Channel::Force)]
-            .into_iter()
-            .filter_map(|(is_tried, channel)| is_tried.then_some(Self { channel, ms: 0.0 }))
-            .collect()
+        [
+            (has(Stage::Table), Channel::Table),
+            (has(Stage::Tool), Channel::Tool),
+            (force, Channel::Force),
+            (has(Stage::Motor), Channel::Command),
+        ]
+        .into_iter()
+        .filter_map(|(is_tried, channel)| is_tried.then_some(Self { channel, ms: 0.0 }))
+        .collect()
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::signed(self.ms, 0.02, 100.0)]
+        vec![Coordinate::signed(self.ms, STEP_MS, LIMIT_MS)]
+    }
+
+    /// A command that is late by more than a sample is a fault of the data, `shifted`.
+    fn coordinates_at(&self, rates: Rates) -> Vec<Coordinate> {
+        let limit_ms = if self.channel == Channel::Command { sample_ms(rates) } else { LIMIT_MS };
+        vec![Coordinate::signed(self.ms, STEP_MS, limit_ms)]
     }
 
     /// The instants at which channels are read are known to a tenth of a sample.
@@ -72,11 +100,17 @@ impl EffectModel for Latency {
         Distinction::Channel(self.channel)
     }
 
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        let is_of_tool = self.channel == Channel::Tool;
+        if is_of_tool && context.hides_stretch() { vec![Imitation::STRETCH] } else { Vec::new() }
+    }
+
     fn sentence(&self, wording: &Wording) -> String {
         let channel = match self.channel {
             Channel::Table => "table reading",
             Channel::Tool => "tool reading",
             Channel::Force => "force",
+            Channel::Command => "command",
         };
         let how = wording.by_sign("late", "early");
         format!("the {channel} is logged {} {how}", wording.size(0))

@@ -15,6 +15,8 @@ mod declaration;
 mod backlash;
 mod constant_load;
 mod crosstalk;
+mod drive_asymmetry;
+mod drive_dead_time;
 mod drive_lag;
 mod encoder_ellipticity;
 mod feedforward_mismatch;
@@ -27,22 +29,31 @@ mod friction_warm_up;
 mod intalk;
 mod integral_time_mismatch;
 mod latency;
+mod loop_delay;
 mod motor_stribeck;
 mod pitch_cyclic;
 mod pitch_map;
 mod pitch_progressive;
+mod position_delay;
 mod position_load;
 mod preload_variation;
 mod presliding;
+mod probe_gain;
+mod probe_rotation;
 mod resolver_dividing;
 mod resonance;
+mod scale_cyclic;
+mod scale_gain;
 mod servo_mismatch;
 mod shear_thinning;
 mod squareness;
 mod straightness;
 mod stribeck;
 mod thermal_drift;
+mod thermal_growth;
+mod thermal_rate;
 mod torque_ripple;
+mod velocity_filter;
 mod velocity_gain_mismatch;
 mod velocity_lag;
 mod windup;
@@ -57,14 +68,16 @@ use crate::axis::Settings;
 use declaration::{EntryValue, catalogue};
 
 pub use declaration::{
-    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Misplaced, Neighbours,
-    Occurrence, Parameter, PeriodicError, Placement, Prerequisite, ResidualShape, ResidualWave, Stage, Unit,
-    WaveOf, Wording, harmonic,
+    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Imitation,
+    ImitationContext, LEAST_SLOPE_UM_PER_M, Misplaced, Neighbours, Occurrence, Parameter, PeriodicError,
+    Placement, Prerequisite, ResidualShape, ResidualWave, Stage, Unit, WaveOf, Wording, harmonic,
 };
 
 pub use backlash::Backlash;
 pub use constant_load::ConstantLoad;
 pub use crosstalk::Crosstalk;
+pub use drive_asymmetry::DriveAsymmetry;
+pub use drive_dead_time::DriveDeadTime;
 pub use drive_lag::DriveLag;
 pub use encoder_ellipticity::EncoderEllipticity;
 pub use feedforward_mismatch::FeedforwardMismatch;
@@ -77,22 +90,31 @@ pub use friction_warm_up::FrictionWarmUp;
 pub use intalk::Intalk;
 pub use integral_time_mismatch::IntegralTimeMismatch;
 pub use latency::{LONGEST_LATENCY_MS, Latency};
+pub use loop_delay::LoopDelay;
 pub use motor_stribeck::MotorStribeck;
 pub use pitch_cyclic::PitchCyclic;
 pub use pitch_map::PitchMap;
 pub use pitch_progressive::PitchProgressive;
+pub use position_delay::PositionDelay;
 pub use position_load::PositionLoad;
 pub use preload_variation::PreloadVariation;
 pub use presliding::Presliding;
+pub use probe_gain::ProbeGain;
+pub use probe_rotation::ProbeRotation;
 pub use resolver_dividing::ResolverDividing;
 pub use resonance::Resonance;
+pub use scale_cyclic::ScaleCyclic;
+pub use scale_gain::ScaleGain;
 pub use servo_mismatch::ServoMismatch;
 pub use shear_thinning::ShearThinning;
 pub use squareness::Squareness;
 pub use straightness::Straightness;
 pub use stribeck::Stribeck;
 pub use thermal_drift::ThermalDrift;
+pub use thermal_growth::{GrowingPart, ThermalGrowth};
+pub use thermal_rate::ThermalRate;
 pub use torque_ripple::TorqueRipple;
+pub use velocity_filter::VelocityFilter;
 pub use velocity_gain_mismatch::VelocityGainMismatch;
 pub use velocity_lag::VelocityLag;
 pub use windup::Windup;
@@ -105,12 +127,16 @@ catalogue! {
     ResolverDividing,
     EncoderEllipticity,
     PitchMap,
+    ScaleGain,
+    ScaleCyclic,
+    ThermalGrowth,
     Windup,
     ForceWindup,
     Stribeck,
     FrictionAsymmetry,
     TorqueRipple,
     ConstantLoad,
+    DriveAsymmetry,
     PositionLoad,
     MotorStribeck,
     FrictionWarmUp,
@@ -122,15 +148,22 @@ catalogue! {
     FrictionRipple,
     ServoMismatch,
     VelocityLag,
+    VelocityFilter,
     FeedforwardMismatch,
     VelocityGainMismatch,
     IntegralTimeMismatch,
     DriveLag,
+    DriveDeadTime,
+    LoopDelay,
+    PositionDelay,
     Intalk,
     Crosstalk,
     Squareness,
     Straightness,
+    ProbeRotation,
+    ProbeGain,
     ThermalDrift,
+    ThermalRate,
     Latency,
     Resonance,
 }
@@ -160,6 +193,7 @@ mod tests {
             stages: &stages,
             travel_mm,
             has_backlash: true,
+            modes: 0,
             residual,
         };
         // Some effects are searched for only without a linear scale, or only if no presliding is declared.
@@ -168,13 +202,24 @@ mod tests {
         bare.mechanics.presliding_damping_n_s_per_m = None;
         let stages = [Stage::Force, Stage::Motor];
         let without_table = EffectContext { axis: &bare, others: &[], stages: &stages, ..with_all_stages };
+        // The angle of the probe is searched on the second axis.
+        let second = EffectContext { first: false, ..with_all_stages };
         let mut all = initial_guesses(&with_all_stages);
         let added = initial_guesses(&without_table)
             .into_iter()
+            .chain(initial_guesses(&second))
+            .chain(of_the_scale())
             .filter(|effect| !all.contains(effect))
             .collect::<Vec<_>>();
         all.extend(added);
         all
+    }
+
+    /// Errors of the scale are searched as those of the screw, and exchanged for them where the probe shows them.
+    fn of_the_scale() -> [Effect; 2] {
+        let cyclic =
+            ScaleCyclic { amplitude_um: 1.0, period_mm: 40.0, phase_rad: 0.3, fitted_period_mm: None };
+        [Effect::ScaleGain(ScaleGain::default()), Effect::ScaleCyclic(cyclic)]
     }
 
     #[test]

@@ -4,8 +4,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
-    Wording,
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, LEAST_SLOPE_UM_PER_M, Occurrence, Parameter,
+    Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -47,10 +47,8 @@ impl EffectModel for PitchProgressive {
         vec![Coordinate::signed(self.slope_um_per_m, 5.0, 1e5)]
     }
 
-    /// A temperature difference of 0.05 K changes the length of steel by 0.5 µm/m.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
-        const LEAST_UM_PER_M: f64 = 0.5;
-        self.slope_um_per_m.abs() > LEAST_UM_PER_M
+        self.slope_um_per_m.abs() > LEAST_SLOPE_UM_PER_M
     }
 
     fn at(&self, x: &[f64]) -> Self {

@@ -3,11 +3,12 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Channel, Coordinate, EffectContext, EffectModel, Misplaced, Occurrence, Parameter, Placement,
-    Range, Stage, Unit, Wording,
+    Abscissa, Channel, Coordinate, Distinction, EffectContext, EffectModel, Imitation, ImitationContext,
+    Misplaced, Occurrence, Parameter, Placement, Range, Stage, Unit, Wording,
 };
 
-/// Transfer function from table to tool: ω²/(s² + 2ζωs + ω²).
+/// Tool − table = participation·(H − 1)·table, H = ω²/(s² + 2ζωs + ω²). The contributions of several modes add up (modal
+/// superposition); two modes in series are such a sum, too, with participations of opposite signs whose sum is 1.
 #[derive(Clone, Debug, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct Resonance {
@@ -18,7 +19,53 @@ pub struct Resonance {
     pub frequency_hz: f64,
     /// ζ.
     pub damping_ratio: f64,
+    /// Displacement of the tool in the mode, relative to that of the mass which the table drives; 1: the tool is this mass.
+    #[serde(default = "one", skip_serializing_if = "is_one")]
+    pub participation: f64,
+    /// Whether a fit changes the participation: of each mode beside another one. Not in files.
+    #[serde(skip)]
+    pub fits_participation: bool,
 }
+
+const fn one() -> f64 {
+    1.0
+}
+
+#[expect(clippy::trivially_copy_pass_by_ref, clippy::float_cmp, reason = "as serde calls it; 1 is exact")]
+fn is_one(value: &f64) -> bool {
+    *value == 1.0
+}
+
+impl Resonance {
+    /// Second modes with which a fit starts, without any participation yet.
+    pub fn second_modes() -> impl Iterator<Item = Self> {
+        (0..22).map(|power| Self {
+            participation: 0.0,
+            fits_participation: true,
+            ..Self::of_tool(15.0 * GUESS_RATIO.powi(power), 0.05)
+        })
+    }
+
+    fn has_participation(&self) -> bool {
+        self.fits_participation || !is_one(&self.participation)
+    }
+
+    /// A mode of the tool with a participation of 1.
+    #[must_use]
+    pub const fn of_tool(frequency_hz: f64, damping_ratio: f64) -> Self {
+        Self {
+            channel: Channel::Tool,
+            frequency_hz,
+            damping_ratio,
+            participation: 1.0,
+            fits_participation: false,
+        }
+    }
+}
+
+/// Ratio of neighbouring frequencies with which the fit of a second mode starts. A mode with a damping ratio of 0.05 is half as
+/// wide.
+const GUESS_RATIO: f64 = 1.15;
 
 fn tool() -> Channel {
     Channel::Tool
@@ -26,12 +73,14 @@ fn tool() -> Channel {
 
 impl EffectModel for Resonance {
     const NAME: &'static str = "resonance";
-    const SUMMARY: &'static str = "tool follows table as a second-order mode";
+    const SUMMARY: &'static str =
+        "tool follows table as a second-order mode; a second mode adds up, each with its participation";
     const PARAMETERS: &'static [Parameter] = &[
         Parameter::new("frequency_hz", Unit::Hertz, Range::Positive),
         Parameter::new("damping_ratio", Unit::One, Range::NotNegative),
+        Parameter::new("participation", Unit::One, Range::Signed),
     ];
-    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
 
     fn misplaced(&self, _place: &Placement<'_>) -> Option<Misplaced> {
@@ -43,36 +92,63 @@ impl EffectModel for Resonance {
         &[Stage::Tool]
     }
 
-    fn initial_guesses(_context: &EffectContext<'_>) -> Vec<Self> {
-        [15.0, 30.0, 60.0, 120.0, 240.0, 480.0]
-            .map(|frequency_hz| Self { channel: tool(), frequency_hz, damping_ratio: 0.05 })
-            .to_vec()
+    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
+        match context.modes {
+            0 => [15.0, 30.0, 60.0, 120.0, 240.0, 480.0].map(|hz| Self::of_tool(hz, 0.05)).to_vec(),
+            1 => Self::second_modes().collect(),
+            _ => Vec::new(),
+        }
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
-        vec![
+        let mut coordinates = vec![
             // A mode far above the frequencies of the motion is an in-talk of −1/(2π·frequency)², which the search shall know as
             // its rival.
             Coordinate { step: 0.1, ..Coordinate::scale(self.frequency_hz, 1.0, 1000.0) },
             // A more strongly damped mode cannot be distinguished from a latency.
             Coordinate::scale(self.damping_ratio, 0.001, 0.3),
-        ]
+        ];
+        if self.fits_participation {
+            coordinates.push(Coordinate::signed(self.participation, 0.01, 10.0));
+        }
+        coordinates
     }
 
     fn at(&self, x: &[f64]) -> Self {
-        Self { frequency_hz: x[0], damping_ratio: x[1], ..self.clone() }
+        let participation = if self.fits_participation { x[2] } else { self.participation };
+        Self { frequency_hz: x[0], damping_ratio: x[1], participation, ..*self }
     }
 
     fn values(&self) -> Vec<f64> {
-        vec![self.frequency_hz, self.damping_ratio]
+        let mut values = vec![self.frequency_hz, self.damping_ratio];
+        if self.has_participation() {
+            values.push(self.participation);
+        }
+        values
+    }
+
+    fn lengths(&self) -> Vec<usize> {
+        vec![1; if self.has_participation() { 3 } else { 2 }]
+    }
+
+    fn distinction(&self) -> Distinction<'_> {
+        Distinction::Frequency(self.frequency_hz)
+    }
+
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        if context.hides_stretch() { vec![Imitation::STRETCH] } else { Vec::new() }
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!(
+        let mode = format!(
             "the tool oscillates relative to the table at {}, with a damping ratio of {}",
             wording.value(0),
             wording.value(1)
-        )
+        );
+        if self.has_participation() {
+            return format!("{mode} and a participation of {}", wording.value(2));
+        }
+        mode
     }
 
     fn abscissa(&self) -> Abscissa {

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Neighbours, Occurrence, Parameter, Prerequisite,
-    Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Imitation, ImitationContext, Neighbours,
+    Occurrence, Parameter, Prerequisite, Range, Stage, Unit, Wording,
 };
 use crate::axis::Settings;
 use crate::friction_law::stribeck_rise_n;
@@ -80,6 +80,19 @@ impl EffectModel for Stribeck {
 
     fn values(&self) -> Vec<f64> {
         vec![self.static_excess_n, self.velocity_mm_s]
+    }
+
+    /// The logged force is that of the last velocity tick of a sample. Without Kv, how it differs from the mean is not known, which
+    /// shows where the force changes fast: at reversals.
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        let is_sampled = context.rates.position_loop_divider > 1;
+        let is_gain_unknown = context.axis.controller.velocity_gain_n_s_per_m.is_none();
+        let sampling = Imitation {
+            name: "force_sampling",
+            clause: "the logged force is not the mean of its sample",
+            decided_by: "velocity_gain_n_s_per_m in the machine file",
+        };
+        if is_sampled && is_gain_unknown { vec![sampling] } else { Vec::new() }
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit,
-    Wording,
+    Abscissa, Coordinate, Distinction, Draw, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage,
+    Unit, Wording,
 };
 
 /// Tool − table = amplitude·(1 − exp(−t/τ)), where t is the time on the session clock.
@@ -32,7 +32,7 @@ impl EffectModel for ThermalDrift {
         Parameter::new("amplitude_um", Unit::Micrometre, Range::Signed),
         Parameter::new("time_constant_s", Unit::Second, Range::Positive),
     ];
-    const OCCURRENCE: Occurrence = Occurrence::Once;
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
     const DRAW_NUMBER: Option<u32> = Some(13);
 
@@ -57,6 +57,10 @@ impl EffectModel for ThermalDrift {
 
     fn values(&self) -> Vec<f64> {
         vec![self.amplitude_um, self.time_constant_s]
+    }
+
+    fn distinction(&self) -> Distinction<'_> {
+        Distinction::TimeConstant(self.time_constant_s)
     }
 
     fn sentence(&self, wording: &Wording) -> String {

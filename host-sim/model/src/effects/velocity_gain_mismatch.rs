@@ -4,7 +4,9 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{Abscissa, EffectContext, EffectModel, Stage, Wording, relative_deviation};
+use super::declaration::{
+    Abscissa, EffectContext, EffectModel, Imitation, ImitationContext, Stage, Wording, relative_deviation,
+};
 use crate::axis::Settings;
 
 /// True Kv = declared Kv · (1 + percent/100). The logged force of the last velocity tick contains Kv as well.
@@ -36,6 +38,19 @@ impl EffectModel for VelocityGainMismatch {
     /// The response to a force depends on Kv divided by the mass, which is known to 1 %; twice as much is required.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.percent.abs() > 2.0
+    }
+
+    /// The loop shows Kv relative to the masses. Without a force, a factor of masses, friction and Kv is not known; with one, they
+    /// all contain the error of its scale.
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        if !context.has(Stage::Force) {
+            return vec![Imitation {
+                name: "motor_mass_kg",
+                clause: "masses, friction and stiffness deviate from the declared ones by a common factor",
+                decided_by: "a force channel",
+            }];
+        }
+        if context.allows_force_scale(self.factor()) { vec![Imitation::FORCE_GAIN] } else { Vec::new() }
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -10,17 +10,18 @@ use super::declaration::{
 use super::latency::LONGEST_LATENCY_MS;
 use crate::axis::Settings;
 
-/// The drive averages or filters its velocity reading. The loop uses a velocity that is `ms` old.
+/// The drive averages its velocity reading: the loop uses a velocity that is `ms` older than a backward difference, which is half
+/// a period of the loop old itself. A negative value is a fresher velocity, as that of a tachometer or an observer.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
 #[serde(deny_unknown_fields)]
 pub struct VelocityLag {
-    /// Mean age of the velocity in addition to that of a backward difference; at most one period of the loop.
+    /// Mean age of the velocity in addition to that of a backward difference; at most one period of the loop, either way.
     pub ms: f64,
 }
 
 impl VelocityLag {
-    /// Largest lag with these loop rates, ms: one period of the velocity loop, as the simulated loop computes the
-    /// velocity from two readings. It limits the value in machine files and the search of the tracer.
+    /// Largest size with these loop rates, ms: one period of the velocity loop, as the simulated loop computes the
+    /// velocity from three readings. It limits the value in machine files and the search of the tracer.
     #[must_use]
     pub fn longest_ms(rates: Rates) -> f64 {
         1e3 / rates.velocity_loop_hz
@@ -31,7 +32,7 @@ impl VelocityLag {
     pub fn within(&self, rates: Rates) -> Coordinate {
         let longest_ms = Self::longest_ms(rates);
         // The step fits into the range on at least one side of any value.
-        Coordinate::between(self.ms, STEP_MS.min(0.25 * longest_ms), 0.0, longest_ms)
+        Coordinate::between(self.ms, STEP_MS.min(0.25 * longest_ms), -longest_ms, longest_ms)
     }
 }
 
@@ -40,15 +41,15 @@ const STEP_MS: f64 = 0.02;
 
 impl EffectModel for VelocityLag {
     const NAME: &'static str = "velocity_lag";
-    const SUMMARY: &'static str =
-        "age of the velocity that the velocity loop uses, at most one period of the loop";
+    const SUMMARY: &'static str = "age of the velocity that the velocity loop uses beyond that of a backward difference, at most one period of the \
+         loop (`ms` below 0: fresher)";
     const PARAMETERS: &'static [Parameter] =
         &[Parameter::new("ms", Unit::Millisecond, Range::Within(LONGEST_LATENCY_MS))];
     const OCCURRENCE: Occurrence = Occurrence::Once;
     const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
 
     fn misplaced(&self, place: &Placement<'_>) -> Option<Misplaced> {
-        let range = Range::UpTo(Self::longest_ms(place.rates));
+        let range = Range::Within(Self::longest_ms(place.rates));
         (!range.contains(self.ms)).then(|| Misplaced { key: "ms", expected: range.description() })
     }
 
@@ -62,12 +63,12 @@ impl EffectModel for VelocityLag {
 
     fn coordinates(&self) -> Vec<Coordinate> {
         // The upper bound depends on the loop rates: see [`Self::within`].
-        vec![Coordinate::between(self.ms, STEP_MS, 0.0, f64::INFINITY)]
+        vec![Coordinate::signed(self.ms, STEP_MS, f64::INFINITY)]
     }
 
     /// The discretization of a drive's filters is not declared; the choices differ by a quarter of a tick.
     fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
-        1e-3 * self.ms * rates.velocity_loop_hz > 0.25
+        1e-3 * self.ms.abs() * rates.velocity_loop_hz > 0.25
     }
 
     fn at(&self, x: &[f64]) -> Self {
@@ -83,7 +84,11 @@ impl EffectModel for VelocityLag {
     }
 
     fn sentence(&self, wording: &Wording) -> String {
-        format!("the velocity loop uses a velocity that is {} old", wording.value(0))
+        let how = wording.by_sign("older", "fresher");
+        format!(
+            "the velocity loop uses a velocity that is {} {how} than a backward difference",
+            wording.size(0)
+        )
     }
 
     fn abscissa(&self) -> Abscissa {

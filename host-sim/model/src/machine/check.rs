@@ -241,7 +241,7 @@ fn entries<'d>(axis: &str, document: &'d Document<'_>) -> Vec<&'d str> {
     inside.filter(|key| key.ends_with(']')).collect()
 }
 
-/// Checks the types of the keys of an effect with this name: `name`, `source` and `channel` are texts, all others numbers
+/// Checks the types of the keys of an effect with this name: `name`, `source`, `channel` and `part` are texts, all others numbers
 /// or lists of numbers.
 fn numbers(effect: &str, name: &str, document: &Document<'_>) -> Result<(), InputError> {
     let parameters = KINDS.iter().filter(|kind| kind.name == name).flat_map(|kind| kind.parameters);
@@ -249,7 +249,7 @@ fn numbers(effect: &str, name: &str, document: &Document<'_>) -> Result<(), Inpu
         .filter(|parameter| parameter.is_list)
         .map(|list| format!("{effect}.{}", list.key))
         .collect();
-    let names = ["name", "source", "channel"].map(|name| format!("{effect}.{name}"));
+    let names = ["name", "source", "channel", "part"].map(|name| format!("{effect}.{name}"));
     for key in document.children(effect) {
         if names.iter().any(|name| name == key) {
             document.deserialize_at::<String>(key)?;

@@ -10,10 +10,13 @@ use shared::units::Position;
 
 use super::error::{self, MAX_RUN_S, SimulationError};
 use super::sample::Sample;
+use crate::delay::CommandDelay;
 use crate::machine_sim::{MachineSim, Measurement};
+use crate::parameters::AxisParameters;
 use files::log::{AxisLog, Log, Unit};
 use link::controller::{AxisOutput, Controller, ControllerError, PathBlock, Status};
-use model::machine::Machine;
+use model::effects::Channel;
+use model::machine::{Axis, Machine};
 
 /// A machine that a controller can move.
 pub trait Plant {
@@ -86,6 +89,7 @@ impl ClosedLoop<'_> {
         let mut readings = vec![Reading { motor: Position(0), table: None }; axes];
         let mut outputs = vec![AxisOutput::default(); axes];
         let mut samples = Vec::with_capacity(axes);
+        let mut commands = self.command_delays();
         controller.enable()?;
         for tick in 0u64.. {
             let time_s = tick as f64 * tick_s;
@@ -97,10 +101,15 @@ impl ClosedLoop<'_> {
             if tick.is_multiple_of(divider) {
                 let forces_n = outputs.iter().map(|output| output.force_n);
                 let measured = plant.measure(&readings, forces_n, self.start_s + time_s);
-                let rows = readings.iter().zip(&outputs).zip(&measured);
+                let logged_m = commands
+                    .iter_mut()
+                    .zip(&outputs)
+                    .map(|(log, output)| log.logged_m(output.command.to_m()));
+                let rows = readings.iter().zip(logged_m).zip(&measured);
                 samples.clear();
-                samples
-                    .extend(rows.map(|((reading, output), measured)| Sample::new(reading, output, measured)));
+                samples.extend(
+                    rows.map(|((reading, command_m), measured)| Sample::new(reading, command_m, measured)),
+                );
                 if !samples.iter().flat_map(Sample::values).all(f64::is_finite) {
                     return Err(error::not_finite(time_s));
                 }
@@ -115,6 +124,13 @@ impl ClosedLoop<'_> {
             plant.step(outputs.iter().map(|output| output.force_n));
         }
         Ok(())
+    }
+
+    /// The latencies of the logged commands.
+    fn command_delays(&self) -> Vec<CommandDelay> {
+        let latency_s = |axis: &Axis| AxisParameters::of(axis).latency_s(Channel::Command);
+        let sample_s = 1.0 / self.machine.sample_rate_hz;
+        self.machine.axis.values().map(|axis| CommandDelay::new(latency_s(axis), sample_s)).collect()
     }
 
     /// Whether the run may continue.

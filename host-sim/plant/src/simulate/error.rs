@@ -35,6 +35,14 @@ pub enum SimulationError {
         /// Key.
         key: &'static str,
     },
+    /// The machine file contains an effect that lies within the controller and that this program's controller does not have.
+    #[error("axis.{axis}: the effect {effect} is in the machine's own controller and cannot be simulated")]
+    NotSimulated {
+        /// Axis.
+        axis: String,
+        /// What it is, as in the machine file.
+        effect: &'static str,
+    },
     /// An axis needs shorter steps than the simulation takes.
     #[error("axis.{axis}: {key} requires steps of {step_s:.1e} s")]
     TooFast {
@@ -110,7 +118,7 @@ fn described(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str)
             (format!("following error beyond its limit of {limit_mm} mm"), UNSTABLE)
         }
         FaultKind::Disagreement => {
-            let limit_mm = mm(settings.scale_disagreement_limit_m);
+            let limit_mm = mm(settings.sensors.scale_disagreement_limit_m());
             (format!("difference between motor and linear scale beyond its limit of {limit_mm} mm"), "")
         }
         FaultKind::EncoderStep => {
@@ -130,10 +138,19 @@ fn described(kind: FaultKind, settings: &AxisSettings) -> (String, &'static str)
         }
         FaultKind::ScaleLost => ("no reading of the linear scale".to_owned(), ""),
         FaultKind::EncoderFrozen => {
-            let limit_mm = mm(settings.frozen_encoder_limit_m);
+            let limit_mm = mm(settings.sensors.frozen_encoder_limit_m());
             (
                 format!(
-                    "the motor reading does not change while the command moves by more than {limit_mm} mm"
+                    "the motor reading does not change while the command or the scale moves by more than {limit_mm} mm"
+                ),
+                "",
+            )
+        }
+        FaultKind::ScaleFrozen => {
+            let limit_mm = mm(settings.sensors.frozen_encoder_limit_m());
+            (
+                format!(
+                    "the reading of the linear scale does not change while the motor moves by more than {limit_mm} mm"
                 ),
                 "",
             )

@@ -4,7 +4,6 @@ use shared::axis::Reading;
 
 use crate::machine_sim::Measurement;
 use files::log::Channel;
-use link::controller::AxisOutput;
 
 /// The logged channels of one axis at one instant.
 #[derive(Clone, Copy, Debug, PartialEq)]
@@ -32,9 +31,9 @@ impl Sample {
         [self.command_mm, self.motor_mm, self.table_mm, self.tool_mm, self.force_n]
     }
 
-    pub(super) fn new(reading: &Reading, output: &AxisOutput, measured: &Measurement) -> Self {
+    pub(super) fn new(reading: &Reading, command_m: f64, measured: &Measurement) -> Self {
         Self {
-            command_mm: 1e3 * output.command.to_m(),
+            command_mm: 1e3 * command_m,
             motor_mm: 1e3 * (reading.motor.to_m() + measured.motor_offset_m),
             table_mm: 1e3 * measured.table_m,
             tool_mm: 1e3 * measured.tool_m,

@@ -43,6 +43,9 @@ pub fn controller_setup(
         if step_s * machine.velocity_rate_hz() * MAX_SUBSTEPS < 1.0 {
             return Err(SimulationError::TooFast { axis: name.clone(), key, step_s });
         }
+        if let Some(effect) = parameters.servo.not_in_controller() {
+            return Err(SimulationError::NotSimulated { axis: name.clone(), effect });
+        }
         settings.push(servo::settings(&axis.settings, &parameters.servo).map_err(lacks)?);
     }
     let start = start_m.iter().map(|&m| Position::from_m(m).unwrap_or_default()).collect();

@@ -21,6 +21,10 @@ pub enum Action {
     FreezeEncoder,
     /// The encoder of the x motor works again.
     ThawEncoder,
+    /// The x scale freezes: it has a signal, and its reading stands.
+    FreezeScale,
+    /// The x scale works again.
+    ThawScale,
     /// The x scale loses its signal.
     LoseScale,
     /// The x scale has its signal again.
@@ -50,6 +54,8 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         Action::ReleaseStop => (b'r', "The emergency stop is released."),
         Action::FreezeEncoder => (b'f', "The encoder of x is frozen."),
         Action::ThawEncoder => (b't', "The encoder of x works."),
+        Action::FreezeScale => (b'k', "The scale of x is frozen."),
+        Action::ThawScale => (b'm', "The scale of x works."),
         Action::LoseScale => (b'l', "The scale of x has no signal."),
         Action::RestoreScale => (b'g', "The scale of x has its signal."),
         Action::End => (END, "The emulator has ended."),

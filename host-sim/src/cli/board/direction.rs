@@ -36,7 +36,7 @@ pub struct Arguments {
     /// Longest time of the force, s; up to 1.
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.2, value_name = "SECONDS")]
     time_s: f64,
-    /// Distance that counts as motion and ends the force, mm; up to 5. More than the backlash.
+    /// Distance that counts as motion and ends the force, mm; up to 5. More than twice the backlash.
     #[arg(long, allow_negative_numbers = true, default_value_t = 0.1, value_name = "MM")]
     distance_mm: f64,
     /// Do not wait for the enable switch: `status` shows the result.
@@ -52,15 +52,23 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     let axis = arguments.axis.number()?;
     let settings = settings(arguments)?;
     let mut client = arguments.axis.port.connect()?;
+    stop::write_partial_result();
     client
         .command(&Request::CheckDirection { axis, settings })
         .map_err(|error| refused(error, arguments.force_n))?;
     if arguments.no_wait {
-        return print("The check starts when the enable switch is closed, after it was open.");
+        let off_s = f64::from(client.welcome().times.off_ms) / 1e3;
+        return print(&format!(
+            "The check starts when the enable switch is closed, after it was open, within {off_s} s and before another command \
+             opens a session."
+        ));
     }
     let result = wait(&mut client)?;
     let sentence = refusal::direction(axis, result);
-    if result == DirectionResult::Ok { print(&format!("{sentence}.")) } else { bail!(sentence) }
+    match result {
+        DirectionResult::Ok | DirectionResult::OkWithoutScale => print(&format!("{sentence}.")),
+        _ => bail!(sentence),
+    }
 }
 
 /// The settings, whose numbers are checked before the board gets them.
@@ -90,7 +98,6 @@ fn refused(error: BoardError, force_n: f64) -> anyhow::Error {
 
 /// Waits for the result. An interrupt ends the check.
 fn wait(client: &mut Client) -> Result<DirectionResult> {
-    stop::write_partial_result();
     let progress = Progress::start();
     progress.show("waiting for the enable switch to be opened and closed");
     loop {
@@ -99,7 +106,7 @@ fn wait(client: &mut Client) -> Result<DirectionResult> {
         }
         if stop::is_interrupted() {
             client.command(&Request::Stop)?;
-            return Err(stop::Stopped { done: 0, asked: 1, what: "checks" }.into());
+            return Err(stop::Stopped { done: 0, asked: 1, what: "checks; the axis is not pushed" }.into());
         }
         sleep(POLL);
     }

@@ -87,8 +87,9 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     }
     let duration = arguments.for_s.map(Duration::from_secs_f64);
     let mut client = arguments.axis.port.connect()?;
-    client.enable()?;
     stop::write_partial_result();
+    client.enable()?;
+    stop::check_before_motion()?;
     client.command(&Request::Jog(jog))?;
     if let Some(duration) = duration {
         let started = Instant::now();
@@ -98,7 +99,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
         }
         client.command(&Request::Stop)?;
     }
-    if arguments.no_wait {
+    if arguments.no_wait && !stop::is_interrupted() {
         return print("The jog has started.");
     }
     simple::wait(&mut client)?;

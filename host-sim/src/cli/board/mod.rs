@@ -24,7 +24,7 @@ const MAX_TIMEOUT_S: f64 = 3600.0;
 /// The port of a board.
 #[derive(clap::Args)]
 pub struct PortArguments {
-    /// `bench` (or `emulated`): the emulated servo board, which is started if it does not run; otherwise a serial port
+    /// `bench` (or `emulated`): the emulated servo board, which is started if it does not run (`cargo servo` builds it); otherwise a serial port
     /// (`ports` lists them) or a socket.
     #[arg(long)]
     port: String,

@@ -73,8 +73,9 @@ pub fn run(recording: &Recording<'_>) -> Result<()> {
     let tick_hz = client.welcome().rates.velocity_loop_hz;
     check_ticks(machine, recording.machine_file, tick_hz)?;
     let decimation = decimation(machine, recording.machine_file, tick_hz)?;
-    client.enable()?;
     stop::write_partial_result();
+    client.enable()?;
+    stop::check_before_motion()?;
     let progress = Progress::start();
     progress.show("to the start");
     let approach = approach(&mut client, &path.start_m, motion_file)?;
@@ -146,6 +147,8 @@ fn run_and_stream(
     let steps = client.welcome().steps;
     let tick_hz = client.welcome().rates.velocity_loop_hz;
     client.command(&Request::Stream { decimation })?;
+    // Sending the blocks takes time.
+    stop::check_before_motion()?;
     client.start_motion(blocks)?;
     let mut collected = Vec::new();
     let (mut next, mut lost, mut interrupted) = (0u32, 0u32, false);
@@ -172,7 +175,7 @@ fn run_and_stream(
     client.command(&Request::Stream { decimation: 0 })?;
     take(client)?;
     if interrupted {
-        return Err(stop::Stopped { done: 0, asked: 1, what: "motions; the axes have been stopped" }.into());
+        return Err(stop::MOTION_STOPPED.into());
     }
     if lost > 0 {
         anyhow::bail!(

@@ -104,6 +104,7 @@ pub fn home(arguments: &AxisArguments) -> Result<()> {
     let mut client = arguments.port.connect()?;
     stop::write_partial_result();
     client.enable()?;
+    stop::check_before_motion()?;
     client.command(&Request::Home { axis })?;
     wait(&mut client)?;
     let status = client.status()?;
@@ -131,7 +132,7 @@ pub fn wait(client: &mut Client) -> Result<()> {
         Ok(true)
     })?;
     if interrupted {
-        return Err(stop::Stopped { done: 0, asked: 1, what: "motions; the axes have been stopped" }.into());
+        return Err(stop::MOTION_STOPPED.into());
     }
     Ok(())
 }

@@ -16,7 +16,7 @@ use rayon::prelude::*;
 use serde::Serialize;
 
 use compensate::CompensationFile;
-use compensate::plan::Planning;
+use compensate::planning::Planning;
 use compensate::prediction::{PredictionError, TestMotion, contour_errors};
 use files::error::InputError;
 use margins::MarginLimits;
@@ -142,7 +142,14 @@ fn row(machine: &Machine, tests: &[TestMotion], limits: MarginLimits) -> Result<
     let instruments = Instruments::of(machine, SEED);
     let none = CompensationFile::none(machine);
     let before = contour_errors(machine, &none, tests, instruments)?;
-    let planning = Planning { model: machine, model_file: "machine.toml", tests, instruments, set_at_s: 0.0 };
+    let planning = Planning {
+        model: machine,
+        model_file: "machine.toml",
+        tests,
+        watched: &[],
+        instruments,
+        set_at_s: 0.0,
+    };
     let plan = planning.plan()?;
     let after = contour_errors(machine, &plan.file, tests, instruments)?;
     let axes = axis_margins::of_machine(machine, &instruments, limits)?;

@@ -6,7 +6,9 @@ use rayon::prelude::*;
 
 use super::fault::{DataFault, Treatment};
 use super::findings::{Findings, Place};
-use super::{agreement, dead, exchanged, rate, shifted, sign, slip, stuck, stuck_force, unit};
+use super::{
+    agreement, dead, exchanged, hum, rate, repeated_rows, shifted, sign, slip, stuck, stuck_force, unit,
+};
 use crate::options::TraceOptions;
 use files::error::InputError;
 use files::log::{Channel, Log};
@@ -51,6 +53,7 @@ pub fn examine<'a>(
             examined.excluded.extend(findings.excluded);
         }
     }
+    examined.faults.extend(hum::correct_all(&mut examined.logs));
     Ok(examined)
 }
 
@@ -92,6 +95,10 @@ fn leave_out(results: &mut Vec<(Cow<'_, Log>, Findings)>, faults: &mut Vec<DataF
 fn of_log(machine: &Machine, log: &mut Cow<'_, Log>, options: &TraceOptions) -> Findings {
     let mut findings = Findings::default();
     let faults = &options.faults;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+    // The filter, and a second difference of its output.
+    let margin = (options.samples.smoothing_s / log.sample_time_s).round() as usize + 1;
+    repeated_rows::correct(log, margin, &mut findings);
     dead::remove(log, options, &mut findings);
     exchanged::correct(log, faults, &mut findings);
     for axis in 0..log.axes.len() {
@@ -107,9 +114,6 @@ fn of_log(machine: &Machine, log: &mut Cow<'_, Log>, options: &TraceOptions) -> 
         }
     }
     unit::correct_forces(machine, log, options, &mut findings);
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
-    // The filter, and a second difference of its output.
-    let margin = (options.samples.smoothing_s / log.sample_time_s).round() as usize + 1;
     shifted::correct(log, margin, faults, &mut findings);
     for axis in 0..log.axes.len() {
         for channel in [Channel::Motor, Channel::Table, Channel::Tool, Channel::Command] {

@@ -23,6 +23,8 @@ pub enum FaultKind {
     Unit,
     /// The reading does not change while the axis moves.
     Dead,
+    /// The reading contains an oscillation that the other channels do not show.
+    Hum,
 }
 
 impl FaultKind {
@@ -39,6 +41,7 @@ impl FaultKind {
             Self::Rate => "rate",
             Self::Unit => "unit",
             Self::Dead => "dead",
+            Self::Hum => "hum",
         }
     }
 }
@@ -80,8 +83,10 @@ pub struct DataFault {
     /// Time of the fault, or of the first of several, on the session's clock, s; `None` if it extends over the log.
     pub at_s: Option<f64>,
     /// Size: slip and largest spike, µm (mdeg) added to the reading; stuck, total duration, s; shifted, ms late (negative:
-    /// early); unit and rate, factor between reading and truth; otherwise `None`.
+    /// early); unit and rate, factor between reading and truth; hum, amplitude, µm (mdeg) or N; otherwise `None`.
     pub size: Option<f64>,
+    /// Frequency of a hum, Hz; otherwise `None`.
+    pub frequency_hz: Option<f64>,
     /// Number of occurrences that this entry combines.
     pub count: usize,
     /// What the trace does about it.

@@ -45,6 +45,7 @@ impl<'a> Place<'a> {
             log: self.log.source.clone(),
             at_s: None,
             size,
+            frequency_hz: None,
             count: 1,
             treatment,
         }

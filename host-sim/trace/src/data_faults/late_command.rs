@@ -166,6 +166,7 @@ pub fn shift_back(log: &mut Signals, axis: usize, name: &str, late: usize) -> Da
         log: log.source.clone(),
         at_s: None,
         size: Some(1e3 * late as f64 * log.sample_s),
+        frequency_hz: None,
         count: 1,
         treatment: Treatment::Corrected,
     }

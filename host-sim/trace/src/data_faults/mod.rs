@@ -4,8 +4,9 @@
 //! ([`excluded`]); a channel that cannot be used is removed from its log. Either is reported as a [`DataFault`].
 //!
 //! Only what the channels of a log contradict among themselves is reported. Each kind of fault has its file: [`dead`],
-//! [`exchanged`], [`sign`], [`mod@unit`], [`shifted`], [`stuck`], [`spike`], [`slip`], [`rate`]. They are looked for in this
-//! order, as each requires that the earlier ones are corrected; [`late_command`] requires a model of the loop and follows
+//! [`exchanged`], [`sign`], [`mod@unit`], [`shifted`], [`stuck`], [`spike`], [`slip`], [`hum`], [`rate`],
+//! [`repeated_rows`]. They are looked for
+//! in this order, as each requires that the earlier ones are corrected; [`late_command`] requires a model of the loop and follows
 //! the filtering of the signals.
 
 pub mod agreement;
@@ -18,14 +19,17 @@ pub mod exchanged;
 pub mod excluded;
 pub mod fault;
 pub mod findings;
+pub mod hum;
 pub mod jumps;
 pub mod late_command;
 pub mod rate;
 pub mod ratio;
+pub mod repeated_rows;
 pub mod shifted;
 pub mod sign;
 pub mod slip;
 pub mod spike;
+pub mod steady_line;
 pub mod step;
 pub mod stuck;
 pub mod stuck_force;

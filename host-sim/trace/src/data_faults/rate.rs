@@ -38,6 +38,7 @@ pub fn faults(log: &Log, every: usize) -> impl Iterator<Item = DataFault> {
         log: log.source.clone(),
         at_s: None,
         size: Some(every as f64),
+        frequency_hz: None,
         count: 1,
         treatment: Treatment::LogLeftOut,
     })

@@ -34,7 +34,7 @@ fn repeated(values: &[f64]) -> Vec<Range<usize>> {
 /// Number of repetitions in a log from which they are regarded as frequent.
 const FREQUENT: usize = 10;
 /// Largest number of samples in a row whose neighbours are not excluded.
-const MAX_INTERPOLATED: usize = 2;
+pub const MAX_INTERPOLATED: usize = 2;
 
 /// Smallest number of readings for a travel that a spike does not affect.
 const MIN_CONSTANT: usize = 20;

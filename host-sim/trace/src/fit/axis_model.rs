@@ -2,9 +2,11 @@
 
 use shared::config::Rates;
 
+use super::held_effects;
 use super::limits::{self, ParameterAtLimit};
 use super::scope::{Mechanics, Scope};
 use super::trim::{Instant, Trims};
+use super::unknown_friction::unknown_motor_friction;
 use crate::options::ModelOptions;
 use model::effects::{Coordinate, Effect, Stage};
 use model::machine::Axis;
@@ -28,6 +30,8 @@ pub struct AxisModel {
     trims: Trims,
     rates: Rates,
     options: ModelOptions,
+    /// Whether each declared effect is held at its declared values: see [`held_effects`].
+    held: Vec<bool>,
     /// Keys whose values are bounded by their tolerance.
     within_tolerance: Vec<&'static str>,
     /// Value of the mass that [`Mechanics::MotorMass`] fits, from the fit to table and force.
@@ -57,6 +61,7 @@ impl AxisModel {
             trims: Trims::of(declared, rates, &options),
             rates,
             options,
+            held: held_effects::held(&declared.effect),
             within_tolerance: Vec::new(),
             pinned_mass_kg: None,
         }
@@ -273,6 +278,10 @@ impl AxisModel {
         parameters.extend(
             self.adjustable(scope).map(|(key, centre)| self.declared_value(key, centre, scope.mechanics)),
         );
+        parameters.extend(
+            self.unknown_friction(scope)
+                .map(|(coordinate, spread_n)| FreeParameter { coordinate, prior: Some((0.0, spread_n)) }),
+        );
         for (i, effect) in self.effects_of(scope) {
             let declared = self.nominal.effect.get(i).map(Effect::coordinates);
             for (j, coordinate) in effect.coordinates_at(self.rates).into_iter().enumerate() {
@@ -288,6 +297,11 @@ impl AxisModel {
             }
         }
         parameters
+    }
+
+    fn unknown_friction(&self, scope: &Scope) -> Option<(Coordinate, f64)> {
+        let value_n = self.axis.settings.mechanics.motor_coulomb_n;
+        unknown_motor_friction(&self.nominal.settings, value_n, scope)
     }
 
     /// Prior of the values of a friction map: zero, with a standard deviation of the Coulomb friction. A fit without a fold knows
@@ -329,6 +343,9 @@ impl AxisModel {
         }
         for (key, centre) in self.adjustable(scope) {
             (key.set)(&mut model.axis.settings, next(centre));
+        }
+        if let Some((coordinate, _)) = self.unknown_friction(scope) {
+            model.axis.settings.mechanics.motor_coulomb_n = Some(next(coordinate.value));
         }
         for (i, effect) in self.effects_of(scope) {
             let moved: Vec<f64> = effect.coordinates().iter().map(|c| next(c.value)).collect();
@@ -397,7 +414,10 @@ impl AxisModel {
         matches!(declared, Effect::ConstantLoad(_)) && self.found().iter().any(is_asymmetry)
     }
 
+    /// The effects that a scope fits, each with its index.
     fn effects_of(&self, scope: &Scope) -> impl Iterator<Item = (usize, &Effect)> {
-        self.axis.effect.iter().enumerate().filter(move |(_, effect)| scope.holds(effect))
+        let is_held = |index: usize| self.held.get(index).copied().unwrap_or(false);
+        let all = self.axis.effect.iter().enumerate();
+        all.filter(move |(index, effect)| scope.holds(effect) && !is_held(*index))
     }
 }

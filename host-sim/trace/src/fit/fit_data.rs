@@ -75,6 +75,24 @@ impl<'a> FitData<'a> {
         &self.logs[log].axes[self.axis]
     }
 
+    /// Whether a log contains the channels of a stage: the measured one, and the one that drives the prediction. Otherwise the
+    /// residual of the stage over this log has no samples.
+    #[must_use]
+    pub fn has(&self, stage: Stage, log: usize) -> bool {
+        let signals = self.signals(log);
+        match stage {
+            Stage::Motor => signals.command.is_some() && signals.motor.is_some(),
+            Stage::Table => signals.motor.is_some() && signals.table.is_some(),
+            Stage::Tool => signals.tool.is_some() && signals.table_or_motor().is_some(),
+            Stage::Force => signals.motor.is_some() && signals.force.is_some(),
+        }
+    }
+
+    /// The logs that contain the channels of a stage.
+    pub fn logs_with(&self, stage: Stage) -> impl Iterator<Item = usize> {
+        (0..self.logs.len()).filter(move |&log| self.has(stage, log))
+    }
+
     /// Least and greatest position of the table, or of the motor without a table channel, mm.
     #[must_use]
     pub fn travel_mm(&self) -> [f64; 2] {

@@ -81,7 +81,11 @@ impl Fitted {
         if !scope.holds(effect) {
             return self.columns.clone();
         }
-        if matches!(effect, Effect::Latency(_) | Effect::VelocityLag(_) | Effect::DriveLag(_)) {
+        let replaces_trim = matches!(
+            effect,
+            Effect::Latency(_) | Effect::VelocityLag(_) | Effect::VelocityFilter(_) | Effect::DriveLag(_)
+        );
+        if replaces_trim {
             return Vec::new();
         }
         let indices = model.indices_of(scope, index);

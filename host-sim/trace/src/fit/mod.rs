@@ -1,7 +1,8 @@
 //! The fit of a model's parameters to the residuals of its stages.
 //!
 //! - [`scope`]: stages that are fitted together
-//! - [`axis_model`], [`trim`], [`limits`]: free parameters, those of timing, and limits of their ranges
+//! - [`axis_model`], [`held_effects`], [`trim`], [`limits`]: free parameters, those that are not fitted, those of timing, and
+//!   limits of their ranges
 //! - [`fit_data`], [`residual`], [`exclusion`], [`bump_subtraction`]: residuals, and the parts excluded from them
 //! - [`least_squares`], [`normal_equations`], [`intervals`], [`upstream`], [`scale_noise`]: solution and confidence intervals
 //! - [`fitted_scope`], [`tables`]: what a fit to whole logs needs; tables of residuals
@@ -13,6 +14,7 @@ pub mod exclusion;
 pub mod final_fit;
 pub mod fit_data;
 pub mod fitted_scope;
+pub mod held_effects;
 pub mod intervals;
 pub mod least_squares;
 pub mod limits;
@@ -27,4 +29,5 @@ pub mod testable_scopes;
 pub mod tool_bias;
 pub mod total_mass;
 pub mod trim;
+pub mod unknown_friction;
 pub mod upstream;

@@ -32,10 +32,13 @@ pub fn of(data: &FitData<'_>, model: &AxisModel, scope: &Scope) -> Vec<ResidualS
         stages if stages.iter().all(is_driven) => simulated,
         _ => return Vec::new(),
     };
-    let logs: Vec<Signals> = (0..data.logs.len()).map_while(|log| simulated(data, model, log)).collect();
-    if logs.len() < data.logs.len() {
+    // A log without the channels of the scope has no residual.
+    let is_evaluated = |log: usize| scope.stages.iter().any(|&stage| data.has(stage, log));
+    let of_log =
+        |log| if is_evaluated(log) { simulated(data, model, log) } else { Some(data.logs[log].clone()) };
+    let Some(logs) = (0..data.logs.len()).map(of_log).collect::<Option<Vec<Signals>>>() else {
         return Vec::new();
-    }
+    };
     // The simulated logs are those of the model without its tables.
     let without_tables = model.with_tables(Vec::new());
     FitData { logs: &logs, bias: &[], exclusions: &[], ..*data }.residuals(&without_tables, scope)

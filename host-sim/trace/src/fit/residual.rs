@@ -1,5 +1,7 @@
 //! Residuals of the stages: measured minus predicted, in µm and N.
 
+use std::borrow::Cow;
+
 use super::axis_model::AxisModel;
 use super::bump_subtraction::BumpSubtraction;
 use super::exclusion::subtract_sine;
@@ -15,8 +17,9 @@ use crate::prediction::force_windup;
 use crate::prediction::initial_state::InitialState;
 use crate::prediction::table_motion::MeasuredMotor;
 use crate::prediction::{table_variable, tool};
-use model::effects::Stage;
+use model::effects::{Channel, Stage};
 use model::servo;
+use numerics::resample::delayed_cubic;
 use plant::parameters::AxisParameters;
 
 impl FitData<'_> {
@@ -101,7 +104,11 @@ impl FitData<'_> {
     fn table(&self, model: &AxisModel, parameters: &AxisParameters, driven: &Driven, log: usize) -> Vec<f64> {
         let signals = self.signals(log);
         let measured = signals.table.as_ref().map_or(&[][..], |table| &table.position);
-        let mut residual = difference(measured, &driven.table_m, 1e6, model.table_zero_um);
+        let log_of_axis = &self.logs[log];
+        let time_s = |sample: usize| log_of_axis.start_s + sample as f64 * log_of_axis.sample_s;
+        let table_m = driven.table_m.iter().enumerate();
+        let read_m: Vec<f64> = table_m.map(|(i, m)| m + parameters.scale.error_m(*m, time_s(i))).collect();
+        let mut residual = difference(measured, &read_m, 1e6, model.table_zero_um);
         force_windup::add_stretch(&mut residual, parameters.forced_windup.as_ref(), signals);
         if self.logs[log].has_own_zero && !model.axis.settings.has_mass() {
             self.subtract_mean(log, &mut residual);
@@ -151,6 +158,17 @@ impl FitData<'_> {
         difference(&motor.raw, simulated.as_ref().unwrap_or(command), 1e6, 0.0)
     }
 
+    /// The command that the controller received, m: the logged one at the instants at which it was in force.
+    fn commanded<'s>(&self, parameters: &AxisParameters, signals: &'s AxisSignals) -> Option<Cow<'s, [f64]>> {
+        let command = signals.command.as_ref()?;
+        let late_s = parameters.latency_s(Channel::Command);
+        if late_s == 0.0 {
+            return Some(Cow::Borrowed(command));
+        }
+        let sample_s = f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz;
+        Some(Cow::Owned(delayed_cubic(command.clone(), -late_s, sample_s)))
+    }
+
     /// The model simulated in closed loop with a log's command; `None` if a channel or a setting is missing or the loop
     /// cannot be simulated.
     #[must_use]
@@ -163,14 +181,17 @@ impl FitData<'_> {
         if !model.axis.settings.has_mass() {
             return None;
         }
-        let command = signals.command.as_ref()?;
+        let command = self.commanded(parameters, signals)?;
         let settings = servo::settings(&model.axis.settings, &parameters.servo).ok()?;
-        let start = InitialState::of(command, signals, 1e-6 * model.table_zero_um, &self.options.samples)?;
+        let mut start =
+            InitialState::of(&command, signals, 1e-6 * model.table_zero_um, &self.options.samples)?;
+        start.table_m =
+            start.table_m.map(|reading_m| parameters.scale.table_of_reading_m(reading_m, start.time_s));
         let sample_s = f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz;
         let added =
             signals.added_force.as_ref().map(|added| added.from_sample_n(&model.axis.effect, sample_s));
         let controlled = Controlled { settings: &settings, rates: self.rates };
-        closed_loop(parameters, controlled, command, &added.unwrap_or_default(), start)
+        closed_loop(parameters, controlled, &command, &added.unwrap_or_default(), start)
     }
 
     /// Standard deviation of the white noise in a stage's residual, µm or N: the smallest residual that a model can reach.
@@ -179,7 +200,7 @@ impl FitData<'_> {
     /// increases the estimate.
     #[must_use]
     pub fn noise(&self, model: &AxisModel, stage: Stage) -> f64 {
-        let noise = (0..self.logs.len()).map(|log| self.noise_of_log(model, stage, log));
+        let noise = self.logs_with(stage).map(|log| self.noise_of_log(model, stage, log));
         noise.reduce(f64::min).unwrap_or(0.0)
     }
 

@@ -24,16 +24,18 @@ const STEP: f64 = 1e-3;
 #[must_use]
 pub fn gradient(data: &FitData<'_>, scope: &Scope, fitted: &Fitted) -> DVector<f64> {
     let mut gradient = DVector::zeros(fitted.parameters.len());
-    let mode = fitted.model.found().iter().enumerate().find_map(|(index, effect)| match effect {
-        Effect::Resonance(resonance) if scope.holds(effect) => Some((index, resonance)),
-        _ => None,
-    });
-    let Some((index, resonance)) = mode else { return gradient };
-    let first = fitted.model.indices_of(scope, index).start;
-    let series = fitted.residuals.iter().zip(&fitted.weights);
-    for (series, weight) in series.filter(|(series, _)| series.stage == Stage::Tool) {
-        for (parameter, slope) in slopes(data, series, resonance).into_iter().enumerate() {
-            gradient[first + parameter] += 0.5 * weight * weight * slope;
+    for (index, effect) in fitted.model.found().iter().enumerate() {
+        let Effect::Resonance(resonance) = effect else { continue };
+        if !scope.holds(effect) {
+            continue;
+        }
+        let first = fitted.model.indices_of(scope, index).start;
+        let share = resonance.participation.powi(2);
+        let series = fitted.residuals.iter().zip(&fitted.weights);
+        for (series, weight) in series.filter(|(series, _)| series.stage == Stage::Tool) {
+            for (parameter, slope) in slopes(data, series, resonance).into_iter().enumerate() {
+                gradient[first + parameter] += 0.5 * weight * weight * share * slope;
+            }
         }
     }
     gradient
@@ -71,7 +73,6 @@ fn variance_um2(channel: &Smooth, resonance: &Resonance, sample_s: f64) -> f64 {
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::effects::Channel;
 
     /// A mode amplifies noise of a one-sided density of 2σ²·T per Hz, which the filter passes, by π·f/(4·ζ) Hz around its frequency
     /// (the bandwidth of a resonance with a gain of one below it).
@@ -81,7 +82,7 @@ mod tests {
         let mut channel = Smooth::new(vec![0.0; 100], sample_s, 2);
         channel.noise = noise_m;
         for damping_ratio in [0.02, 0.05] {
-            let resonance = Resonance { channel: Channel::Tool, frequency_hz, damping_ratio };
+            let resonance = Resonance::of_tool(frequency_hz, damping_ratio);
             // The filter over five samples passes 60 Hz; the mode suppresses what is beyond it.
             let variance = variance_um2(&channel, &resonance, sample_s);
             let density = 2.0 * (1e6 * noise_m).powi(2) * sample_s;

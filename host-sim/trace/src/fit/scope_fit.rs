@@ -36,18 +36,25 @@ pub fn fit_again(
 ) -> (AxisModel, Vec<ScopeFit>) {
     let (mut model, mut fits) = (model.clone(), fits.to_vec());
     for fit in &mut fits {
-        let data = FitData { exclusions: &fit.exclusions, ..*data };
-        // The derivatives of the last fit are reused, except those of the joint fit, which has other stages.
-        let is_own = fit.fitted_scope.stages == fit.scope.stages;
-        let known = if is_own { &fit.fitted.columns[..] } else { &[] };
-        fit.fitted = least_squares::fit_from(&data, &model, &fit.scope, least_squares::STEPS, known);
-        model = total_mass::pinned(&data, &fit.fitted, [&fit.scope; 2]);
+        fit.fit_from(data, &mut model);
     }
     fit_jointly(data, &mut model, &mut fits, scopes, progress);
     (model, fits)
 }
 
-/// Fits the model to force and motor stage jointly, if there is no table stage.
+impl ScopeFit {
+    /// Fits the scope alone again, from the model, which takes the fitted values.
+    fn fit_from(&mut self, data: &FitData<'_>, model: &mut AxisModel) {
+        let data = FitData { exclusions: &self.exclusions, ..*data };
+        // The derivatives of the last fit are reused, except those of the joint fit, which has other stages.
+        let is_own = self.fitted_scope.stages == self.scope.stages;
+        let known = if is_own { &self.fitted.columns[..] } else { &[] };
+        self.fitted = least_squares::fit_from(&data, model, &self.scope, least_squares::STEPS, known);
+        *model = total_mass::pinned(&data, &self.fitted, [&self.scope; 2]);
+    }
+}
+
+/// Fits the model to force and motor stage jointly, if there is no table stage, and the other scopes to the result.
 pub fn fit_jointly(
     data: &FitData<'_>,
     model: &mut AxisModel,
@@ -59,9 +66,13 @@ pub fn fit_jointly(
     progress(&format!("{}: fitting all to {}", data.name(), stage_names(&joint.stages)));
     let fitted = least_squares::fit(data, model, &joint, least_squares::STEPS);
     *model = fitted.model.clone();
-    // The confidence intervals of all effects are those of the joint fit.
     for fit in fits {
-        (fit.fitted_scope, fit.fitted) = (joint.clone(), fitted.clone());
+        // The confidence intervals of the effects of force and motor are those of the joint fit. The tool is no part of it.
+        if fit.scope.stages.iter().all(|stage| joint.stages.contains(stage)) {
+            (fit.fitted_scope, fit.fitted) = (joint.clone(), fitted.clone());
+        } else {
+            fit.fit_from(data, model);
+        }
     }
 }
 

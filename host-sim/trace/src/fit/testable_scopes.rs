@@ -13,8 +13,11 @@ pub fn scopes(axis: &Axis, data: &FitData<'_>) -> (Vec<Scope>, Vec<NotTestable>)
     let mut testable = Vec::new();
     let mut not_testable = Vec::new();
     for (stage, needs) in requirements(axis, data) {
-        let missing: Vec<&str> =
+        let mut missing: Vec<&str> =
             needs.iter().filter(|(is_present, _)| !is_present).map(|(_, what)| *what).collect();
+        if missing.is_empty() && data.logs_with(stage).next().is_none() {
+            missing.push("a log with all its channels");
+        }
         if missing.is_empty() {
             testable.push(stage);
         } else {
@@ -40,14 +43,15 @@ pub fn scopes(axis: &Axis, data: &FitData<'_>) -> (Vec<Scope>, Vec<NotTestable>)
 /// The requirements of each stage, with a flag whether each is met, in the order in which missing ones are reported.
 fn requirements(axis: &Axis, data: &FitData<'_>) -> [(Stage, Vec<(bool, &'static str)>); 4] {
     let logs = || (0..data.logs.len()).map(|log| data.signals(log));
-    let all_have = |has: fn(&AxisSignals) -> bool| !data.logs.is_empty() && logs().all(has);
+    // A stage is evaluated on the logs that have its channels.
+    let one_has = |has: fn(&AxisSignals) -> bool| logs().any(has);
     let min_travel_mm = data.options.admission.min_travel_mm;
-    let motor = (all_have(|a| a.motor.is_some()), "a motor channel");
-    let table = (all_have(|a| a.table.is_some()), "a table channel");
+    let motor = (one_has(|a| a.motor.is_some()), "a motor channel");
+    let table = (one_has(|a| a.table.is_some()), "a table channel");
     let table_or_motor = (table.0 || motor.0, "a table or motor channel");
-    let command = (all_have(|a| a.command.is_some()), "a command channel");
-    let tool = (all_have(|a| a.tool.is_some()), "a tool channel");
-    let force = (all_have(|a| a.force.is_some()), "a force channel");
+    let command = (one_has(|a| a.command.is_some()), "a command channel");
+    let tool = (one_has(|a| a.tool.is_some()), "a tool channel");
+    let force = (one_has(|a| a.force.is_some()), "a force channel");
     let controller = (axis.settings.has_controller(), "the controller's keys in the machine file");
     let masses = (axis.settings.has_mass(), "masses in the machine file");
     let motion = (logs().any(|signals| signals.moves(min_travel_mm)), "motion of the axis");

@@ -13,13 +13,14 @@ use crate::input::smoothing::Smooth;
 use crate::prediction::closed_loop::ClosedLoopRun;
 use model::effects::Channel;
 use numerics::resample::delayed_cubic;
+use plant::parameters::AxisParameters;
 use plant::tool_point::{self, Tables};
 
 /// Whether an effect of the tool depends on an acceleration; the error is zero otherwise.
 #[must_use]
 pub fn is_needed(model: &AxisModel) -> bool {
     let tool = model.parameters().tool;
-    tool.intalk.um_s2_per_m != 0.0 || !tool.crosstalk.is_empty() || tool.resonance.is_some()
+    tool.intalk.um_s2_per_m != 0.0 || !tool.crosstalk.is_empty() || !tool.resonances.is_empty()
 }
 
 /// A log in which the tables of this axis and of the axes that excite its tool, and its tool, are those of the models in
@@ -40,7 +41,8 @@ pub fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Si
         let mut run = of_axis.closed_loop(model, &parameters, &measured.axes[axis])?;
         run.table_with_tool_m.iter_mut().for_each(|m| *m += 1e-6 * model.table_zero_um);
         let late_s = parameters.latency_s(Channel::Table);
-        let table_m = delayed_cubic(run.table_with_tool_m.clone(), late_s, measured.sample_s);
+        let read_m = read_m(&run, &parameters, measured);
+        let table_m = delayed_cubic(read_m, late_s, measured.sample_s);
         replace(&mut result.axes[axis].table, table_m, measured.sample_s)?;
         runs[axis] = Some(run);
     }
@@ -52,6 +54,13 @@ pub fn simulated(data: &FitData<'_>, model: &AxisModel, log: usize) -> Option<Si
         measured.sample_s,
     )?;
     Some(result)
+}
+
+/// What the scale reads of a simulated table, m.
+fn read_m(run: &ClosedLoopRun, parameters: &AxisParameters, measured: &Signals) -> Vec<f64> {
+    let time_s = |sample: usize| measured.start_s + sample as f64 * measured.sample_s;
+    let table_m = run.table_with_tool_m.iter().enumerate();
+    table_m.map(|(i, m)| m + parameters.scale.error_m(*m, time_s(i))).collect()
 }
 
 /// The tool of the axis in simulated loops, m. The tables of axes that were not simulated are the measured ones.
@@ -75,7 +84,8 @@ fn tool_m(
         let tables = Tables { names: data.names, position_m: &positions, acceleration: &accelerations };
         let time_s = measured.start_s + i as f64 * measured.sample_s;
         let offset_m = tool_point::offset_m(&parameters.tool, data.axis, &tables, time_s);
-        own.table_with_tool_m[i] + own.oscillation_m[i] + offset_m + 1e-6 * model.tool_zero_um
+        let grown_m = parameters.scale.displacement_m(own.table_with_tool_m[i], time_s);
+        own.table_with_tool_m[i] + grown_m + own.oscillation_m[i] + offset_m + 1e-6 * model.tool_zero_um
     };
     Some((0..own.table_with_tool_m.len()).map(tool_m).collect())
 }

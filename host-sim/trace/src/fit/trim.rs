@@ -75,7 +75,7 @@ impl Instant {
             Self::Table | Self::Tool => [-options.position_trim * sample_s, options.position_trim * sample_s],
             // Force and position have different bounds: a force is a mean over an interval, a position belongs to an instant.
             Self::Force => [-options.force_trim * sample_s, options.force_trim * sample_s],
-            Self::Speed => [0.0, options.velocity_trim * tick_s],
+            Self::Speed => [-options.velocity_trim * tick_s, options.velocity_trim * tick_s],
             Self::Drive => [-options.drive_trim * tick_s, longest_drive_lag_s(tick_s, options)],
             Self::Filter => [0.0, options.position_trim * sample_s],
         }
@@ -88,8 +88,9 @@ impl Instant {
                 Channel::Table => self == Self::Table,
                 Channel::Tool => self == Self::Tool,
                 Channel::Force => self == Self::Force,
+                Channel::Command => false,
             },
-            Effect::VelocityLag(_) => self == Self::Speed,
+            Effect::VelocityLag(_) | Effect::VelocityFilter(_) => self == Self::Speed,
             _ => false,
         }
     }

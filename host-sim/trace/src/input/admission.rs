@@ -2,7 +2,7 @@
 
 use std::borrow::Cow;
 
-use super::{checks, copies, sampling_rate, saturation};
+use super::{checks, copies, missing_channels, sampling_rate, saturation};
 use crate::options::AdmissionOptions;
 use files::error::InputError;
 use files::log::Log;
@@ -46,13 +46,14 @@ pub fn admit<'a>(
     at_rate: Admitted<'a>,
     options: &AdmissionOptions,
 ) -> Result<Admitted<'a>, InputError> {
-    let Admitted { fit, validate, mut notes } = at_rate;
+    let Admitted { mut fit, mut validate, mut notes } = at_rate;
     for log in fit.iter().chain(&validate) {
         checks::check(machine, log, options)?;
     }
     checks::same_units(&fit, &validate)?;
     copies::refuse(fit.iter().chain(&validate).map(AsRef::as_ref), options)?;
-    notes.extend(checks::lacking(machine, &fit, &validate)?);
+    notes.extend(missing_channels::notes(machine, &fit, &validate)?);
+    notes.extend(missing_channels::remove_undriven_tools([&mut fit, &mut validate]));
     saturation::check(machine, &fit, options, &mut notes)?;
     Ok(Admitted { fit, validate, notes })
 }

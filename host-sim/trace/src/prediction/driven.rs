@@ -44,12 +44,16 @@ pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
     let motion = table_motion::of(parameters, measured);
     let mass = parameters.motor_mass_kg + parameters.table_mass_kg;
     // The force is the mean over the tick that ends at the sample, half a sample before it, and is logged late.
-    let late = parameters.latency_s(Channel::Force) / sample_s;
+    // The commanded force is ahead of the acting one by the dead time of the drive.
+    let late = (parameters.latency_s(Channel::Force) - parameters.servo.dead_time.seconds()) / sample_s;
     let age = 0.5 + late;
     let nonlinear_n = nonlinear_force_n(parameters, measured, &motion);
     let (force_n, acceleration) =
         (delayed_linear(&nonlinear_n, age), delayed_linear(&motor.acceleration, age));
     let mut force_n = sum(&motor.filtered(&force_n), |i| mass * acceleration[i]);
+    for force_n in &mut force_n {
+        *force_n = parameters.drive_asymmetry.commanded_n(*force_n);
+    }
     add_lead(&mut force_n, parameters.servo.drive_time_constant_s(0.0) / sample_s);
     let growth = delayed_linear(&motor.acceleration, sampling.growth_age + late);
     // The correction for sampling applies only to the force of the controller.

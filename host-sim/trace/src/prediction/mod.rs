@@ -4,6 +4,7 @@
 //! the tool point from the measured tables. [`force_windup`] replaces the mechanics if no masses are declared.
 
 pub mod closed_loop;
+pub mod controller_readings;
 pub mod driven;
 pub mod force_sampling;
 pub mod force_windup;

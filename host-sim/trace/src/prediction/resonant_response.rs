@@ -46,7 +46,6 @@ pub fn resonant_response(signal: &Smooth, resonance: &Resonance, sample_s: f64) 
 #[cfg(test)]
 mod tests {
     use super::*;
-    use model::effects::Channel;
 
     #[test]
     fn a_mode_has_the_gain_and_phase_of_its_transfer_function() {
@@ -55,7 +54,7 @@ mod tests {
         let position = |i: u32| (omega * 1e-3 * f64::from(i)).sin();
         let signal = Smooth::new((0..3000).map(position).collect(), sample_s, 2);
         let (omega_0, zeta) = (std::f64::consts::TAU * 75.0, 0.06);
-        let resonance = Resonance { channel: Channel::Tool, frequency_hz: 75.0, damping_ratio: zeta };
+        let resonance = Resonance::of_tool(75.0, zeta);
         let tool = resonant_response(&signal, &resonance, sample_s);
         // H = 1/(1 − r² + 2jζr), r = ω/ω0.
         let r = omega / omega_0;

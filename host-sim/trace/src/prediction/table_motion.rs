@@ -5,7 +5,7 @@ use std::sync::Arc;
 use crate::input::motor_path::{MotorPath, Point};
 use crate::input::smoothing::Smooth;
 use crate::input::table_motions::TableMotion;
-use model::effects::MotorStribeck;
+use model::effects::{DriveAsymmetry, MotorStribeck};
 use model::servo::ServoParameters;
 use plant::driven::{DrivenStep, DrivenTable, ScrewMotion};
 use plant::parameters::{AxisParameters, ToolParameters};
@@ -36,6 +36,7 @@ fn of_table(parameters: &AxisParameters) -> AxisParameters {
         motor_coulomb_n: 0.0,
         motor_stribeck: MotorStribeck::default(),
         forced_windup: None,
+        drive_asymmetry: DriveAsymmetry::default(),
         ripple: Vec::new(),
         tool: ToolParameters::default(),
         servo: ServoParameters::default(),

@@ -20,10 +20,13 @@ pub fn tool(
 ) -> Option<Vec<f64>> {
     let tables: Vec<Option<&Smooth>> = signals.axes.iter().map(AxisSignals::table_or_motor).collect();
     let own = tables.get(axis).copied().flatten()?;
-    let mut tool_m = match &parameters.tool.resonance {
-        Some(resonance) => resonant_response(own, resonance, signals.sample_s),
-        None => own.position.clone(),
-    };
+    let is_scale = signals.axes[axis].table.is_some();
+    let mut tool_m = own.position.clone();
+    for resonance in &parameters.tool.resonances {
+        let response = resonant_response(own, resonance, signals.sample_s);
+        let offsets = response.iter().zip(&own.position).map(|(response, table)| response - table);
+        tool_m.iter_mut().zip(offsets).for_each(|(tool, offset)| *tool += resonance.participation * offset);
+    }
     let mut positions = vec![0.0; names.len()];
     let mut accelerations = vec![0.0; names.len()];
     for (i, position_m) in tool_m.iter_mut().enumerate() {
@@ -34,6 +37,10 @@ pub fn tool(
         let all = Tables { names, position_m: &positions, acceleration: &accelerations };
         let time_s = signals.start_s + i as f64 * signals.sample_s;
         *position_m += tool_point::offset_m(&parameters.tool, axis, &all, time_s);
+        if is_scale {
+            *position_m -= parameters.scale.error_m(own.position[i], time_s)
+                - parameters.scale.displacement_m(own.position[i], time_s);
+        }
     }
     let table_late_s =
         signals.axes[axis].table.as_ref().map_or(0.0, |_| parameters.latency_s(Channel::Table));

@@ -40,6 +40,13 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
         let gains_enough = other.exceeds_tolerance && other.gain >= options.min_rival_gain * added.gain;
         // A map is tried together with its slope, which explains as much alone.
         let contains_added = is_slope_of_map(&added.effect, std::slice::from_ref(&other.effect));
+        // A drift with a long time constant contains its rate, a growth with a short one the slope.
+        let contains_added = contains_added
+            || matches!(
+                (&added.effect, &other.effect),
+                (Effect::ThermalRate(_), Effect::ThermalDrift(_))
+                    | (Effect::PitchProgressive(_), Effect::ThermalGrowth(_))
+            );
         !std::ptr::eq(*other, added)
             && !contains_added
             && (other.stands_out(options) || gains_enough)
@@ -65,20 +72,34 @@ pub fn prefer_fewer_parameters(candidates: &mut [Candidate], scope: &Scope, opti
     }
 }
 
-/// The candidate with the fewest parameters, by its index, if it has fewer than the first one and does not differ significantly.
+/// The candidate with the fewest parameters, by its index, if it is simpler than the first one, or its ordinary
+/// form, and does not differ significantly.
 fn simplest_equal(candidates: &[Candidate], scope: &Scope, options: &SearchOptions) -> Option<usize> {
     let (best, others) = candidates.split_first()?;
     let is_chance =
         |stage: &Comparison| stage.t < options.chance_t && stage.reduction < options.min_reduction;
+    // A special form must gain as much over the ordinary one as an effect must.
+    let is_no_gain = |stage: &Comparison| stage.reduction < options.min_reduction;
     let parameters = |candidate: &Candidate| candidate.effect.coordinates().len();
     let gain_over = gain_of(best, scope, options);
     let is_equal = |other: &Candidate| {
-        parameters(other) < parameters(best)
-            && other.is_supported(options)
-            && gain_over(other).is_some_and(|stages| stages.iter().all(is_chance))
+        if !other.is_supported(options) {
+            return false;
+        }
+        let is_ordinary = is_special_form(&best.effect, &other.effect);
+        let is_simpler = parameters(other) < parameters(best);
+        gain_over(other).is_some_and(|stages| {
+            is_simpler && stages.iter().all(is_chance) || is_ordinary && stages.iter().all(is_no_gain)
+        })
     };
     let equals = (1..).zip(others).filter(|(_, other)| is_equal(other));
     equals.min_by_key(|(_, other)| parameters(other)).map(|(index, _)| index)
+}
+
+/// Whether the first effect is a special form of the second one, and both are not the same kind.
+#[must_use]
+pub fn is_special_form(special: &Effect, ordinary: &Effect) -> bool {
+    special.kind().special_form_of == Some(ordinary.name()) && ordinary.kind().special_form_of.is_none()
 }
 
 /// What a candidate gains over another one, stage by stage; `None` if one of them was not fitted.

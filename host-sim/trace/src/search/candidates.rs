@@ -1,9 +1,12 @@
 //! The candidates of a round: screened by one linear step, then fitted, then cross-validated.
 
+use std::mem::{Discriminant, discriminant};
+
 use nalgebra::DVector;
 use rayon::prelude::*;
 
 use super::held_out::{Comparison, Score, compare, scores};
+use super::second_mode::{at_best_frequency, with_free_modes};
 use super::slope_of_map::with_slope_of_map;
 use super::varying_gap::with_map_of_gap;
 use crate::fit::axis_model::AxisModel;
@@ -162,13 +165,13 @@ fn screen(data: &FitData<'_>, reference: Reference<'_>, scope: &Scope, effect: E
     Candidate { effect, comparison: Vec::new(), gain, fitted: None, exceeds_tolerance: false, limit: None }
 }
 
-/// Keeps the best of several initial guesses of one effect. Effects of different sources, or with different numbers of
-/// coordinates, are different effects.
+/// Keeps the best of several initial guesses of one effect. Effects of different kinds, of different sources, or with different
+/// numbers of coordinates, are different effects.
 fn keep_best_guess(sorted: &mut Vec<Candidate>) {
-    let mut known: Vec<(&'static str, Option<String>, usize)> = Vec::new();
+    let mut known: Vec<(Discriminant<Effect>, Option<String>, usize)> = Vec::new();
     sorted.retain(|Candidate { effect, .. }| {
         let source = effect.distinction().source().map(str::to_owned);
-        let identity = (effect.name(), source, effect.coordinates().len());
+        let identity = (discriminant(effect), source, effect.coordinates().len());
         let is_new = !known.contains(&identity);
         known.push(identity);
         is_new
@@ -194,7 +197,14 @@ fn try_out(
         )
     };
     let start = with_slope_of_map(&origin.model, candidate.effect.clone());
-    *candidate = fit(&start, &origin.columns).unwrap_or_else(|| candidate.clone());
+    let (start, columns) = with_free_modes(start, scope, &origin.columns);
+    *candidate = fit(&start, columns).unwrap_or_else(|| candidate.clone());
+    let gains = candidate.gain >= data.options.search.min_gain();
+    let better_mode =
+        candidate.fitted.as_ref().filter(|_| gains).and_then(|fitted| at_best_frequency(data, fitted, scope));
+    if let Some(refitted) = better_mode.and_then(|start| fit(&start, &[])) {
+        *candidate = refitted;
+    }
     let options = &data.options.search;
     if candidate.is_supported(options) || candidate.gain < options.min_gain() {
         return;

@@ -1,7 +1,7 @@
 //! The search for effects that a model lacks, scope by scope. Effects that held-out data support are added one after the
 //! other, and dropped again if later ones make them unnecessary.
 
-use super::ambiguity::{prefer_fewer_parameters, rivals};
+use super::ambiguity::{is_special_form, prefer_fewer_parameters, rivals};
 use super::bump_of_map::bump_in_place_of_map;
 use super::candidates::{Candidate, Reference, rank};
 use super::delayed_mode::with_delayed_mode;
@@ -234,13 +234,15 @@ impl EffectSearch<'_> {
         scope: &Scope,
     ) -> Option<(usize, Fitted)> {
         let check = LoopCheck { data: self.data, servo: self.servo.as_ref(), scope };
-        let stands_out = |candidate: &Candidate| candidate.stands_out(&data.options.search);
-        let is_any_limited =
-            candidates.iter().any(|candidate| candidate.limit.is_some() && stands_out(candidate));
-        let mut is_limited = false;
+        let at_limit = |candidate: &Candidate| {
+            let stands_out = candidate.limit.is_some() && candidate.stands_out(&data.options.search);
+            stands_out.then(|| candidate.effect.clone())
+        };
+        let all_limited: Vec<Effect> = candidates.iter().filter_map(at_limit).collect();
+        let mut limited: Vec<Effect> = Vec::new();
         for (index, candidate) in candidates.iter_mut().enumerate() {
             if !check.supports(&base.model, candidate) {
-                is_limited |= candidate.limit.is_some() && stands_out(candidate);
+                limited.extend(at_limit(candidate));
                 continue;
             }
             let Some(start) = &candidate.fitted else { continue };
@@ -249,14 +251,20 @@ impl EffectSearch<'_> {
             let last = fitted.model.found().len() - 1;
             candidate.limit = fitted.model.at_limit(last);
             // If a candidate ended at its limit, the true value may be beyond it, and this candidate may compensate a part of
-            // the same deviation. Settings of one controller compensate each other.
-            let is_substitute = is_limited && scope.stages == [Stage::Motor]
-                || is_any_limited && is_gross(data, &fitted, scope);
+            // the same deviation. Settings of one controller compensate each other. A special form goes on beyond the limit of
+            // its ordinary one.
+            let may_replace = |limited: &[Effect]| {
+                limited.iter().any(|limited| !is_special_form(&candidate.effect, limited))
+            };
+            let is_substitute = may_replace(&limited) && scope.stages == [Stage::Motor]
+                || may_replace(&all_limited) && is_gross(data, &fitted, scope);
             let is_substitute = is_substitute || takes_place_of_mass(data, base, &fitted, scope);
             if candidate.limit.is_none() && !is_substitute {
                 return Some((index, fitted));
             }
-            is_limited |= candidate.limit.is_some();
+            if candidate.limit.is_some() {
+                limited.push(candidate.effect.clone());
+            }
         }
         None
     }

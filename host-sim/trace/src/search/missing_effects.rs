@@ -21,6 +21,7 @@ pub fn missing_effects(data: &FitData<'_>, base: &Fitted, scope: &Scope) -> Vec<
         stages: &scope.stages,
         travel_mm: data.travel_mm(),
         has_backlash: model.axis.effect.iter().any(|effect| matches!(effect, Effect::Backlash(_))),
+        modes: model.axis.effect.iter().filter(|effect| matches!(effect, Effect::Resonance(_))).count(),
         residual: &residual,
     };
     let mut guesses = initial_guesses(&context);

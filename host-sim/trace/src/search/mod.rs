@@ -24,5 +24,6 @@ pub mod replacement;
 pub mod residual_samples;
 pub mod residual_shape;
 pub mod round;
+pub mod second_mode;
 pub mod slope_of_map;
 pub mod varying_gap;

@@ -86,7 +86,8 @@ pub fn confirm(
             axis = refutation.without;
             refuted.push(refutation.found);
         } else {
-            let found = reported.into_iter().map(|one| one.found).collect();
+            let found =
+                reported.into_iter().map(|one| one.shown([fit_data, validate], &axis, stages)).collect();
             add_refused(&mut refused, &axis, rounds);
             return Confirmed { axis, found, refused, refuted };
         }
@@ -110,6 +111,22 @@ struct Reported {
     index: usize,
     /// The (negative) gain in log-likelihood of the validation logs, if it refutes the effect.
     loss: Option<f64>,
+}
+
+impl Reported {
+    /// The effect with the residuals that show it best: if it did not reduce any as it was first added, because effects that were
+    /// added later hid it, those of the final model without it and with it.
+    fn shown(self, data: [&FitData<'_>; 2], axis: &FittedAxis, stages: &[Stage]) -> FoundEffect {
+        if self.found.validate_reduction_percent() > 0.0 {
+            return self.found;
+        }
+        match refutation::reduced_beside_others(data, axis, self.index, stages) {
+            Some((stage, before, after)) if after.validate < before.validate => {
+                FoundEffect { stage, before, after, ..self.found }
+            }
+            _ => self.found,
+        }
+    }
 }
 
 /// The effects found, each with its confidence intervals and with two residuals: of the model with the effects before it,
@@ -141,7 +158,7 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             });
             let half_widths = axis.full_half_widths(fit_data, index);
             let effect = effect.clone();
-            let found = FoundEffect { effect, half_widths, stage, before, after, rivals: Vec::new() };
+            let found = FoundEffect::new((effect, half_widths), stage, [before, after]);
             all.push(Reported { found, index, loss });
             last = next;
         }

@@ -11,3 +11,4 @@ pub mod found_effect;
 pub mod likelihood;
 pub mod misfit;
 pub mod refutation;
+pub mod tool_slopes;

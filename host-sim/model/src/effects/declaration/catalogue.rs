@@ -16,6 +16,7 @@ macro_rules! catalogue {
             name: $variant::NAME,
             summary: $variant::SUMMARY,
             distinguishing_key: $variant::DISTINGUISHING_KEY,
+            special_form_of: $variant::SPECIAL_FORM_OF,
             parameters: $variant::PARAMETERS,
             named_keys: $variant::NAMED_KEYS,
             occurrence: $variant::OCCURRENCE,
@@ -30,6 +31,16 @@ macro_rules! catalogue {
             #[must_use]
             pub fn name(&self) -> &'static str {
                 match self { $(Self::$variant(_) => $variant::NAME,)+ }
+            }
+
+            /// Its declaration.
+            #[must_use]
+            pub fn kind(&self) -> &'static Kind {
+                let same_name = |kind: &&Kind| kind.name == self.name();
+                let key = match self { $(Self::$variant(_) => $variant::DISTINGUISHING_KEY,)+ };
+                let mut kinds = KINDS.iter().filter(same_name);
+                // Every variant has its entry in the list.
+                kinds.find(|kind| kind.distinguishing_key == key).unwrap_or(&KINDS[0])
             }
 
             /// The declaration of each value, in the order of [`Effect::values`].
@@ -82,6 +93,12 @@ macro_rules! catalogue {
             #[must_use]
             pub fn exceeds_tolerance(&self, declared: &Settings, rates: Rates) -> bool {
                 match self { $(Self::$variant(e) => e.exceeds_tolerance(declared, rates),)+ }
+            }
+
+            /// See [`EffectModel::imitations`].
+            #[must_use]
+            pub fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+                match self { $(Self::$variant(e) => e.imitations(context),)+ }
             }
 
             /// Values of the parameters, those of a list one after the other.
@@ -157,6 +174,8 @@ macro_rules! catalogue {
             pub summary: &'static str,
             /// [`EffectModel::DISTINGUISHING_KEY`].
             pub distinguishing_key: Option<&'static str>,
+            /// [`EffectModel::SPECIAL_FORM_OF`].
+            pub special_form_of: Option<&'static str>,
             /// [`EffectModel::PARAMETERS`].
             pub parameters: &'static [Parameter],
             /// [`EffectModel::NAMED_KEYS`].

@@ -21,6 +21,8 @@ pub struct EffectContext<'a> {
     pub travel_mm: [f64; 2],
     /// Whether the model already contains a backlash.
     pub has_backlash: bool,
+    /// Number of modes of the tool in the model.
+    pub modes: usize,
     /// How the residual depends on the position.
     pub residual: &'a ResidualShape,
 }

@@ -7,6 +7,7 @@ use super::context::{EffectContext, Misplaced, Neighbours, Placement, Prerequisi
 use super::coordinate::Coordinate;
 use super::draw::Draw;
 use super::identity::{Distinction, Occurrence};
+use super::imitation::{Imitation, ImitationContext};
 use super::parameter::Parameter;
 use super::stage::Stage;
 use super::wording::Wording;
@@ -23,6 +24,10 @@ pub trait EffectModel: Sized + Clone {
 
     /// Key that distinguishes this kind from another kind of the same name, if there is one.
     const DISTINGUISHING_KEY: Option<&'static str> = None;
+
+    /// Name of the ordinary effect of which this one is a special form: it is taken in place of that only if it gains as much as
+    /// another effect must.
+    const SPECIAL_FORM_OF: Option<&'static str> = None;
 
     /// Parameters in the order of [`EffectModel::values`]. Trailing parameters may be absent from an effect.
     const PARAMETERS: &'static [Parameter];
@@ -74,6 +79,12 @@ pub trait EffectModel: Sized + Clone {
     /// Whether the effect is larger than the accuracy of a declared model. A smaller effect is not added.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         true
+    }
+
+    /// What the logged channels do not tell apart from the effect, of the size and with the interval that were found. With one
+    /// of them the effect is not certain.
+    fn imitations(&self, _context: &ImitationContext<'_>) -> Vec<Imitation> {
+        Vec::new()
     }
 
     /// Values of the parameters, those of a list one after the other.

@@ -191,6 +191,7 @@ mod tests {
             stages: &[Stage::Table],
             travel_mm: [-100.0, 200.0],
             has_backlash: false,
+            modes: 0,
             residual: &residual,
         };
         let of = |of, lead_mm| {

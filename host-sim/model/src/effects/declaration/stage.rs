@@ -28,4 +28,6 @@ pub enum Channel {
     /// Drive force. By the log format, it is the force of the tick that ends at the sample. A log with the force of the
     /// tick that begins at the sample is one tick early.
     Force,
+    /// Command.
+    Command,
 }

@@ -14,6 +14,8 @@ pub enum Unit {
     MicrometrePerMetre,
     /// µm/m²; millidegrees per (1000°)².
     MicrometrePerSquareMetre,
+    /// µm/min; millidegrees per minute.
+    MicrometrePerMinute,
     /// µm per m/s²; millidegrees per 1000°/s².
     MicrometrePerAcceleration,
     /// N; N·m.
@@ -50,6 +52,7 @@ impl Unit {
             Self::MillimetrePerSecond => ["mm_s", "deg_s"],
             Self::MicrometrePerMetre => ["um_per_m", "mdeg_per_kdeg"],
             Self::MicrometrePerSquareMetre => ["um_per_m2", "mdeg_per_kdeg2"],
+            Self::MicrometrePerMinute => ["um_per_min", "mdeg_per_min"],
             Self::MicrometrePerAcceleration => ["um_s2_per_m", "mdeg_s2_per_kdeg"],
             Self::Newton => ["n", "nm"],
             Self::NewtonPerMetre => ["n_per_m", "nm_per_kdeg"],
@@ -74,6 +77,7 @@ impl Unit {
             Self::MillimetrePerSecond => ["mm/s", "°/s"],
             Self::MicrometrePerMetre => ["µm/m", "mdeg per 1000°"],
             Self::MicrometrePerSquareMetre => ["µm/m²", "mdeg per (1000°)²"],
+            Self::MicrometrePerMinute => ["µm/min", "mdeg/min"],
             Self::MicrometrePerAcceleration => ["µm per m/s²", "mdeg per 1000°/s²"],
             Self::Newton => ["N", "N·m"],
             Self::NewtonPerMetre => ["N/m", "N·m per 1000°"],

@@ -44,7 +44,8 @@ fn filters_and_limits_are_converted_to_the_units_of_the_controller() {
     close(greatest, 0.3105);
     close(given.stop_deceleration_m_per_s2, 3.0);
     close(given.saturation_time_s, 0.25);
-    close(given.scale_disagreement_limit_m.unwrap(), 0.4e-3);
+    close(given.sensors.scale_disagreement_limit_m().unwrap(), 0.4e-3);
+    close(given.sensors.frozen_encoder_limit_m().unwrap(), 0.3e-3);
     close(given.fastest_m_per_s.unwrap(), 0.9);
 
     let trapezoid = settings(&with("smoothing_s = 0.02\n"));
@@ -54,9 +55,31 @@ fn filters_and_limits_are_converted_to_the_units_of_the_controller() {
 
     let (none, default) = (settings(MACHINE), shared::config::AxisSettings::default());
     assert_eq!((none.smoothing, none.notch, none.low_pass), (Smoothing::None, None, None));
-    assert_eq!((none.travel_m, none.fastest_m_per_s, none.scale_disagreement_limit_m), (None, None, None));
+    assert_eq!((none.travel_m, none.fastest_m_per_s), (None, None));
     close(none.stop_deceleration_m_per_s2, default.stop_deceleration_m_per_s2);
     close(none.saturation_time_s, default.saturation_time_s);
+}
+
+/// A loop with a scale has limits of its readings, declared or not; a loop on the motor has those that are declared.
+#[test]
+fn a_loop_with_a_scale_has_limits_without_their_keys() {
+    use shared::config::{ScaleLimits, Sensors};
+
+    let sensors = |text: &str| {
+        let machine = Machine::parse(text, "m.toml").unwrap();
+        let axis = &machine.axis["y"];
+        crate::servo::settings(&axis.settings, &crate::servo::ServoParameters::default()).unwrap().sensors
+    };
+    assert!(matches!(sensors(MACHINE), Sensors::Dual { limits, .. } if limits == ScaleLimits::DEFAULT));
+    let table = MACHINE.replace("feedback = \"dual\"", "feedback = \"table\"");
+    assert_ne!(table, MACHINE);
+    assert_eq!(sensors(&table), Sensors::Table(ScaleLimits::DEFAULT));
+    let motor = MACHINE.replace("feedback = \"dual\"", "feedback = \"motor\"");
+    assert_eq!(sensors(&motor), Sensors::MOTOR);
+    // 0.25 mm is less than the 0.4 mm that hold otherwise.
+    let narrow = sensors(&with("following_error_limit_mm = 0.25\n"));
+    assert_eq!(narrow.frozen_encoder_limit_m(), Some(0.25e-3));
+    assert_eq!(narrow.scale_disagreement_limit_m(), Some(0.5e-3));
 }
 
 /// Keys and the expected error. The sample rate is 1 kHz, the rate of the velocity loop 4 kHz.

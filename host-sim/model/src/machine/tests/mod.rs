@@ -115,6 +115,7 @@ fn every_written_effect_is_read_as_the_same_effect() {
         stages: &stages,
         travel_mm: [0.0, 100.0],
         has_backlash: true,
+        modes: 0,
         residual: &crate::effects::ResidualShape {
             pitch_knots: Some(6),
             pitch_knots_each_way: Some(4),
@@ -123,7 +124,14 @@ fn every_written_effect_is_read_as_the_same_effect() {
         },
     };
     let force_only = crate::effects::EffectContext { stages: &stages[3..], ..with_all_stages };
-    let all = [with_all_stages, force_only].map(|context| crate::effects::initial_guesses(&context)).concat();
+    // The angle of the probe is searched on the second axis; errors of the scale are searched as those of the screw.
+    let second = crate::effects::EffectContext { first: false, ..with_all_stages };
+    let of_scale =
+        ["name = 'scale_gain'\num_per_m = 5", "name = 'scale_cyclic'\namplitude_um = 1\nperiod_mm = 40"];
+    let mut all = [with_all_stages, force_only, second]
+        .map(|context| crate::effects::initial_guesses(&context))
+        .concat();
+    all.extend(of_scale.map(|effect| toml::from_str::<Effect>(effect).unwrap()));
     let names: Vec<&str> = all.iter().map(Effect::name).collect();
     assert!(crate::effects::names().iter().all(|name| names.contains(name)));
     for effect in all {

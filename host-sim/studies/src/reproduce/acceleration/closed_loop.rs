@@ -6,7 +6,7 @@
 use rand::SeedableRng;
 use rand_chacha::ChaCha8Rng;
 use shared::axis::Reading;
-use shared::config::{AxisSettings, Rates, Sensors};
+use shared::config::{AxisSettings, Rates, ScaleLimits, Sensors};
 use shared::interpolate::Block;
 use shared::machine::{Machine, MachineError};
 use shared::safety::Power;
@@ -165,7 +165,7 @@ fn axis_settings(gains: Gains, effective_kg: f64) -> AxisSettings {
         position_gain_per_s: gains.position_per_s,
         velocity_gain_n_s_per_m: velocity_per_s * effective_kg,
         velocity_integral_time_s: Some(gains.integral_ratio / velocity_per_s),
-        sensors: Sensors::Table,
+        sensors: Sensors::Table(ScaleLimits::DEFAULT),
         force_limit_n: FORCE_LIMIT_N,
         ..AxisSettings::default()
     }

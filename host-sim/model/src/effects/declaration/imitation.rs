@@ -1,0 +1,86 @@
+//! What looks like an effect in logs and is none: errors of the measuring chain, and parts of the machine that are not known.
+
+use shared::config::Rates;
+
+use super::stage::Stage;
+use crate::axis::Settings;
+
+/// Something that is not told apart from an effect by the channels that were logged.
+#[derive(Clone, Copy, Debug, PartialEq, Eq)]
+pub struct Imitation {
+    /// Its name among the rivals of the effect.
+    pub name: &'static str,
+    /// Description as a clause without a full stop.
+    pub clause: &'static str,
+    /// The channel, key or log that decides between both.
+    pub decided_by: &'static str,
+}
+
+/// With what an effect was found.
+#[derive(Clone, Copy, Debug)]
+pub struct ImitationContext<'a> {
+    /// Declared settings of the axis.
+    pub axis: &'a Settings,
+    /// Stages that were evaluated on this axis.
+    pub stages: &'a [Stage],
+    /// Whether the axis has a linear scale in the logs.
+    pub has_table: bool,
+    /// Rates of the loops.
+    pub rates: Rates,
+    /// Half widths of the 95 % confidence intervals of the effect's parameters.
+    pub half_widths: &'a [f64],
+    /// Fitted masses, stiffness and friction relative to the declared ones, as far as the logs determine them.
+    pub fitted_to_declared: &'a [f64],
+    /// Declared relative tolerance of these values.
+    pub tolerance: f64,
+    /// Time from the start of the first log to the end of the last one, s.
+    pub session_s: f64,
+}
+
+impl Imitation {
+    /// The stretch of the drive train between motor and table, under friction and acceleration.
+    pub const STRETCH: Self = Self {
+        name: "windup",
+        clause: "the drive train is stretched by the forces that it transmits",
+        decided_by: "the readings of a linear scale",
+    };
+
+    /// An error of the scale of the logged force.
+    pub const FORCE_GAIN: Self = Self {
+        name: "force_gain",
+        clause: "the logged force is too large or too small by this factor, as by a wrong torque constant",
+        decided_by: "a force measured apart from the drive",
+    };
+}
+
+impl ImitationContext<'_> {
+    /// Whether a stage was evaluated.
+    #[must_use]
+    pub fn has(&self, stage: Stage) -> bool {
+        self.stages.contains(&stage)
+    }
+
+    /// Whether the stretch of the drive train is part of tool − motor: the tool is predicted from the motor, as no linear scale is
+    /// logged.
+    #[must_use]
+    pub const fn hides_stretch(&self) -> bool {
+        !self.has_table
+    }
+
+    /// Whether all fitted values are within their tolerance if the forces of the log are too large by a factor. The tolerance is two
+    /// standard deviations; three are allowed, as the largest deviation of several values counts.
+    #[must_use]
+    pub fn allows_force_scale(&self, factor: f64) -> bool {
+        !self.fitted_to_declared.is_empty()
+            && self
+                .fitted_to_declared
+                .iter()
+                .all(|fitted| (fitted / factor - 1.0).abs() <= 1.5 * self.tolerance)
+    }
+
+    /// Period of the position loop, s: that of the logs.
+    #[must_use]
+    pub fn sample_s(&self) -> f64 {
+        f64::from(self.rates.position_loop_divider) / self.rates.velocity_loop_hz
+    }
+}

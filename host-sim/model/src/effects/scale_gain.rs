@@ -1,0 +1,73 @@
+//! Gain of the linear scale: its grating is too long or too short.
+
+use serde::{Deserialize, Serialize};
+use shared::config::Rates;
+
+use super::declaration::{
+    Abscissa, Coordinate, EffectContext, EffectModel, LEAST_SLOPE_UM_PER_M, Occurrence, Parameter, Range,
+    Stage, Unit, Wording,
+};
+use crate::axis::Settings;
+
+/// Reading of the scale = (1 + gain) × table position.
+#[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
+#[serde(deny_unknown_fields)]
+pub struct ScaleGain {
+    /// Relative error of the reading, µm per m (ppm).
+    pub um_per_m: f64,
+}
+
+impl ScaleGain {
+    /// Reading − table, m.
+    #[must_use]
+    #[inline]
+    pub fn error_m(&self, table_m: f64) -> f64 {
+        1e-6 * self.um_per_m * table_m
+    }
+}
+
+impl EffectModel for ScaleGain {
+    const NAME: &'static str = "scale_gain";
+    const SUMMARY: &'static str = "reading of the linear scale = (1 + gain) × table position; the probe tells it from `pitch_progressive`";
+    const PARAMETERS: &'static [Parameter] =
+        &[Parameter::new("um_per_m", Unit::MicrometrePerMetre, Range::Signed)];
+    const OCCURRENCE: Occurrence = Occurrence::Repeated;
+    const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
+
+    fn stages(&self) -> &'static [Stage] {
+        &[Stage::Table, Stage::Tool]
+    }
+
+    /// A `pitch_progressive` has the same regressor in the table stage, where it is searched; the tool stage decides between them.
+    fn initial_guesses(_context: &EffectContext<'_>) -> Vec<Self> {
+        Vec::new()
+    }
+
+    fn coordinates(&self) -> Vec<Coordinate> {
+        vec![Coordinate::signed(self.um_per_m, 5.0, 1e5)]
+    }
+
+    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
+        self.um_per_m.abs() > LEAST_SLOPE_UM_PER_M
+    }
+
+    fn at(&self, x: &[f64]) -> Self {
+        Self { um_per_m: x[0] }
+    }
+
+    fn values(&self) -> Vec<f64> {
+        vec![self.um_per_m]
+    }
+
+    fn sentence(&self, wording: &Wording) -> String {
+        format!(
+            "the linear scale reads {} {} than the table moves",
+            wording.size(0),
+            wording.by_sign("more", "less")
+        )
+    }
+
+    fn abscissa(&self) -> Abscissa {
+        Abscissa::Position
+    }
+}

@@ -1,0 +1,116 @@
+//! Waves and growth of the scale against those of screw and motor encoder.
+//!
+//! A wave of the scale's reading looks in the table stage like a wave of the screw. The tool, which is predicted from the scale, then
+//! has the same wave with the opposite sign; with a wave of the screw it has none.
+
+use std::f64::consts::PI;
+
+use crate::fit::axis_model::AxisModel;
+use crate::fit::fit_data::FitData;
+use crate::fit::scope::Scope;
+use crate::validation::found_effect::FoundEffect;
+use model::axis::Settings;
+use model::effects::{Effect, GrowingPart, ScaleCyclic, Stage, harmonic};
+
+/// Share of a wave that the tool shows, up to which it is not that of the scale.
+const LEAST_SHARE: f64 = 0.15;
+
+/// The wave or growth of the scale that shows the same in the table stage.
+fn of_scale(effect: &Effect) -> Option<Effect> {
+    let (amplitude_um, period_mm, phase_rad, fitted_period_mm) = match effect {
+        Effect::ThermalGrowth(growth) if growth.part == GrowingPart::Screw => {
+            return Some(Effect::ThermalGrowth(growth.of_scale()));
+        }
+        Effect::PitchCyclic(w) => (w.amplitude_um, w.period_mm, w.phase_rad, w.fitted_period_mm),
+        Effect::ResolverDividing(w) => (w.amplitude_um, w.period_mm, w.phase_rad + PI, w.fitted_period_mm),
+        Effect::EncoderEllipticity(w) => (w.amplitude_um, w.period_mm, w.phase_rad + PI, None),
+        _ => return None,
+    };
+    Some(Effect::ScaleCyclic(ScaleCyclic { amplitude_um, period_mm, phase_rad, fitted_period_mm }))
+}
+
+/// The model with another effect in the place of a found one, by its index.
+fn with_exchanged(model: &AxisModel, found: usize, effect: Effect) -> AxisModel {
+    let mut exchanged = model.clone();
+    let declared = exchanged.axis.effect.len() - exchanged.found().len();
+    exchanged.axis.effect[declared + found] = effect;
+    exchanged
+}
+
+/// Σr² of the tool stage about its mean, and Σr·w with the wave w that an exchange adds, and Σw².
+struct Sums {
+    residual: f64,
+    product: f64,
+    wave: f64,
+}
+
+impl Sums {
+    fn of(data: &FitData<'_>, model: &AxisModel, exchanged: &AxisModel, scope: &Scope) -> Self {
+        let mut sums = Self { residual: 0.0, product: 0.0, wave: 0.0 };
+        let residuals = [model, exchanged].map(|model| data.residuals(model, scope));
+        for (base, other) in residuals[0].iter().zip(&residuals[1]) {
+            let counts = data.counting(Stage::Tool, base.log);
+            let counted = || (0..base.values.len()).filter(|&i| counts(i));
+            let wave = |i: usize| other.values[i] - base.values[i];
+            let [mean, mean_wave] =
+                [numerics::mean(counted().map(|i| base.values[i])), numerics::mean(counted().map(wave))];
+            for i in counted() {
+                let (residual, wave) = (base.values[i] - mean, wave(i) - mean_wave);
+                sums.residual += residual * residual;
+                sums.product += residual * wave;
+                sums.wave += wave * wave;
+            }
+        }
+        sums
+    }
+
+    /// Share of the wave that the tool shows: 1 if it is that of the scale, 0 if the tool follows it.
+    fn share(&self) -> f64 {
+        -self.product / self.wave.max(f64::MIN_POSITIVE)
+    }
+}
+
+/// The model in which waves are the scale's where that removes a part of the tool's residual, before other effects of the tool are
+/// known.
+#[must_use]
+pub fn with_waves_of_scale(data: &FitData<'_>, mut model: AxisModel, tool: &Scope) -> AxisModel {
+    for index in 0..model.found().len() {
+        let Some(effect) = of_scale(&model.found()[index]) else { continue };
+        let exchanged = with_exchanged(&model, index, effect);
+        let sums = Sums::of(data, &model, &exchanged, tool);
+        let removed = -2.0 * sums.product - sums.wave;
+        if sums.share() > 0.5 && removed > data.options.search.min_reduction * sums.residual {
+            model = exchanged;
+        }
+    }
+    model
+}
+
+/// Names the scale as a rival of the waves for which the tool decides neither way; `tool`: its scope, if it can be evaluated.
+pub fn doubt(data: &FitData<'_>, model: &AxisModel, tool: Option<&Scope>, found: &mut [FoundEffect]) {
+    let [lowest_mm, highest_mm] = data.travel_mm();
+    for one in found {
+        let Some(rival) = of_scale(&one.effect) else { continue };
+        let index = model.found().iter().position(|effect| effect.is_same(&one.effect));
+        let is_of_machine = match (tool, index) {
+            (Some(tool), Some(index)) => {
+                let exchanged = with_exchanged(model, index, rival.clone());
+                Sums::of(data, model, &exchanged, tool).share() < LEAST_SHARE
+            }
+            _ => is_of_a_turn(&one.effect, &model.axis.settings, highest_mm - lowest_mm),
+        };
+        if !is_of_machine {
+            one.rivals.push(rival);
+        }
+    }
+}
+
+/// Whether a wave has a whole number of periods per turn of the motor or per electrical period: then it is hardly the scale's.
+fn is_of_a_turn(effect: &Effect, settings: &Settings, travel_mm: f64) -> bool {
+    let period_mm = match effect {
+        Effect::ThermalGrowth(_) => return false,
+        wave => wave.values()[1],
+    };
+    let Some(lead_mm) = settings.mechanics.lead_mm else { return false };
+    harmonic::order(period_mm, lead_mm, travel_mm).is_some()
+}

@@ -1,0 +1,85 @@
+//! What speaks against the effects that were found: without any of it, an effect is certain.
+//!
+//! Three things do: another effect of the catalogue that explains the logs as well ([`crate::search::ambiguity`]), something that
+//! the logged channels cannot tell apart from it ([`Imitation`]), and a residual that stands out in its
+//! stage: it has a cause of which the effect may describe a part.
+
+use crate::outcome::{AxisTrace, StageError, Trace};
+use crate::validation::declared_value;
+use crate::validation::found_effect::{FoundEffect, Remaining};
+use crate::verdict::{self, Verdict};
+use model::effects::{Imitation, ImitationContext, Stage};
+use model::machine::Machine;
+
+/// Whether no other effect explains the logs as well, nothing imitates it, and the model with it describes its axis.
+#[must_use]
+pub fn is_certain(axis: &AxisTrace, found: &FoundEffect) -> bool {
+    found.is_certain() && verdict::of_axis(axis) != Verdict::ModelDoesNotFit
+}
+
+/// Adds to the effects found what imitates them, and what remains in their stages.
+pub fn state_doubts(trace: &mut Trace) {
+    let ends_s =
+        trace.fit_logs.iter().map(|log| [log.start_s, log.start_s + log.len() as f64 * log.sample_s]);
+    let (starts_s, ends_s): (Vec<f64>, Vec<f64>) = ends_s.map(|[start_s, end_s]| (start_s, end_s)).unzip();
+    let session_s = numerics::max(ends_s) - numerics::min(starts_s);
+    let Trace { axes, machine, options, fit_logs, .. } = trace;
+    for (number, axis) in axes.iter_mut().enumerate() {
+        // The tool of a log without the table is not used if another log has the table.
+        let has_table = fit_logs.iter().any(|log| log.axes[number].table.is_some());
+        of_axis(axis, machine, (has_table, session_s), options.verdict.max_certain_ratio);
+    }
+}
+
+fn of_axis(axis: &mut AxisTrace, machine: &Machine, (has_table, session_s): (bool, f64), max_ratio: f64) {
+    let stages: Vec<Stage> = axis.errors.iter().map(|error| error.stage).collect();
+    let Some(declared) = machine.axis.get(&axis.axis) else { return };
+    let determined = axis.declared_values.iter().filter(|value| value.is_determined());
+    let fitted_to_declared: Vec<f64> = determined.map(|value| value.fitted / value.declared).collect();
+    let tolerance = axis.declared_values.first().map_or(0.0, |value| value.tolerance);
+    for found in &mut axis.found {
+        let context = ImitationContext {
+            axis: &declared.settings,
+            stages: &stages,
+            has_table,
+            rates: machine.rates(),
+            half_widths: &found.half_widths,
+            fitted_to_declared: &fitted_to_declared,
+            tolerance,
+            session_s,
+        };
+        found.imitations = found.effect.imitations(&context);
+        let shown = axis.errors.iter().filter(|error| is_shown(found, error.stage));
+        let remaining = shown.map(|error| Remaining { stage: error.stage, to_noise: ratio_to_noise(error) });
+        let largest = remaining.max_by(|a, b| a.to_noise.total_cmp(&b.to_noise));
+        found.remaining = largest.filter(|remaining| remaining.to_noise > max_ratio);
+    }
+    withdraw_declared(axis);
+}
+
+/// Withdraws that declared values are outside their tolerance where the model does not describe the axis, and where the scale of
+/// the logged force explains all of them: together with the gain of the loop, which contradicts the masses by the same factor, or
+/// where no loop could be evaluated.
+fn withdraw_declared(axis: &mut AxisTrace) {
+    let imitations = axis.found.iter().flat_map(|found| &found.imitations);
+    let has_loop = axis.errors.iter().any(|error| error.stage == Stage::Motor);
+    let is_explained = imitations.into_iter().any(|imitation| *imitation == Imitation::FORCE_GAIN);
+    axis.has_force_scale =
+        is_explained || !has_loop && declared_value::are_off_by_one_factor(&axis.declared_values);
+    let is_undescribed = !axis.is_of_another_machine && verdict::of_axis(axis) == Verdict::ModelDoesNotFit;
+    if axis.has_force_scale || is_undescribed {
+        axis.declared_values.iter_mut().for_each(|value| value.is_beyond_tolerance = false);
+    }
+}
+
+/// Whether an effect is searched for in a stage, or reduces its residual most.
+fn is_shown(found: &FoundEffect, stage: Stage) -> bool {
+    let is_searched = found.effect.stages().contains(&stage) && found.effect.kind().shown_in.contains(&stage);
+    stage == found.stage || is_searched
+}
+
+/// What remains in a stage of the fitted logs, without the vibrations and local defects that are reported apart, as a multiple of
+/// the noise.
+fn ratio_to_noise(error: &StageError) -> f64 {
+    error.beside_exclusions.fit / error.noise.max(f64::MIN_POSITIVE)
+}

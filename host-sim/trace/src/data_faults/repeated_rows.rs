@@ -1,0 +1,219 @@
+//! Repeated rows: the logger lost samples and wrote the previous row again, for all channels of all axes.
+//!
+//! In contrast to a channel that is [`stuck`](super::stuck), no other channel of the row tells where the axis was. The lost rows are
+//! interpolated between their neighbours, as the filters and the simulated loop need a value, and excluded from all residuals.
+
+use std::borrow::Cow;
+use std::ops::Range;
+
+use super::channels::{Accuracy, POSITIONS};
+use super::fault::{DataFault, FaultKind, Treatment};
+use super::findings::{Findings, Place};
+use super::stuck::MAX_INTERPOLATED;
+use files::log::{AxisLog, Channel, Log};
+use model::effects::Stage;
+
+/// Largest number of successive rows that are interpolated. Of a longer gap the motion is not known.
+const MAX_ROWS: usize = 20;
+/// Smallest number of gaps at which an axis jumps by the motion that was missed. An axis at rest repeats its rows, too.
+const MIN_JUMPS: usize = 3;
+/// A jump is greater than the steps before and after by this factor. After one lost row it is twice as large.
+const MIN_JUMP: f64 = 1.5;
+/// Smallest jump in steps of the encoder, and in standard deviations of the noise.
+const MIN_STEPS: f64 = 3.0;
+const MIN_NOISE: f64 = 8.0;
+
+const ALL_STAGES: &[Stage] = &[Stage::Motor, Stage::Table, Stage::Tool, Stage::Force];
+
+/// The channels of all axes: index of the axis, channel, values.
+fn columns(log: &Log) -> impl Iterator<Item = (usize, Channel, &[f64])> {
+    let of_axis = |(index, axis)| {
+        Channel::ALL
+            .into_iter()
+            .filter_map(move |channel| AxisLog::channel(axis, channel).map(|values| (index, channel, values)))
+    };
+    log.axes.iter().enumerate().flat_map(of_axis)
+}
+
+/// The ranges of rows that equal the row before the range in every channel.
+fn repeated(log: &Log) -> Vec<Range<usize>> {
+    let columns: Vec<&[f64]> = columns(log).map(|(.., values)| values).collect();
+    let is_repeated =
+        |row: usize| columns.iter().all(|values| values[row].to_bits() == values[row - 1].to_bits());
+    let mut ranges: Vec<Range<usize>> = Vec::new();
+    for row in (1..log.len()).filter(|&row| is_repeated(row)) {
+        match ranges.last_mut() {
+            Some(last) if last.end == row => last.end += 1,
+            _ => ranges.push(row..row + 1),
+        }
+    }
+    ranges
+}
+
+/// Whether a position jumps after the range by the motion that was missed.
+fn jumps(values: &[f64], range: &Range<usize>, smallest: f64) -> bool {
+    let change = |row: usize| Some(values.get(row)? - values.get(row.checked_sub(1)?)?);
+    let beside = [range.start.checked_sub(1).and_then(change), change(range.end + 1)];
+    let (Some(jump), [Some(before), Some(after)]) = (change(range.end), beside) else { return false };
+    jump.abs() > smallest && jump.abs() > MIN_JUMP * before.abs().max(after.abs())
+}
+
+/// The rows that were lost.
+fn lost(log: &Log) -> Vec<Range<usize>> {
+    let mut ranges = repeated(log);
+    ranges.retain(|range| range.len() <= MAX_ROWS && range.start > 1 && range.end + 1 < log.len());
+    let smallest = |values: &[f64]| {
+        let Accuracy { noise, resolution } = Accuracy::of(values);
+        (MIN_STEPS * resolution).max(MIN_NOISE * noise)
+    };
+    let positions: Vec<(&[f64], f64)> = columns(log)
+        .filter(|(_, channel, _)| POSITIONS.contains(channel))
+        .map(|(.., values)| (values, smallest(values)))
+        .collect();
+    let is_shown =
+        |range: &&Range<usize>| positions.iter().any(|(values, smallest)| jumps(values, range, *smallest));
+    if ranges.iter().filter(is_shown).count() < MIN_JUMPS { Vec::new() } else { ranges }
+}
+
+/// Finds and reports repeated rows, and interpolates them. `margin` is the number of neighbours that are excluded beside a gap
+/// that a filter does not bridge.
+pub fn correct(log: &mut Cow<'_, Log>, margin: usize, findings: &mut Findings) {
+    let ranges = lost(log);
+    let Some(first) = ranges.first() else { return };
+    let rows: usize = ranges.iter().map(Range::len).sum();
+    for axis in 0..log.axes.len() {
+        let place = Place { log, axis, channel: Channel::Motor };
+        let fault = place.fault_at(FaultKind::Stuck, first.start, rows as f64 * log.sample_time_s);
+        let fault =
+            DataFault { channel: None, count: ranges.len(), treatment: Treatment::Corrected, ..fault };
+        findings.faults.push(fault);
+        for range in &ranges {
+            let margin = if range.len() > MAX_INTERPOLATED { margin } else { 0 };
+            findings.exclude_stages(&place, range, margin, ALL_STAGES);
+        }
+    }
+    let mut is_lost = vec![false; log.len()];
+    for range in &ranges {
+        is_lost[range.clone()].fill(true);
+    }
+    let places: Vec<(usize, Channel)> = columns(log).map(|(axis, channel, _)| (axis, channel)).collect();
+    let log = log.to_mut();
+    for (axis, channel) in places {
+        let Some(values) = log.axes[axis].channel_mut(channel).as_mut() else { continue };
+        let resolution = Accuracy::of(values).resolution;
+        for range in &ranges {
+            if let Some(knots) = knots(range, &is_lost) {
+                interpolate(values, range, knots, resolution);
+            }
+        }
+    }
+}
+
+/// The nearest two rows before a range and the nearest two after it that are not lost.
+fn knots(range: &Range<usize>, is_lost: &[bool]) -> Option<[usize; 4]> {
+    let mut before = (0..range.start).rev().filter(|&row| !is_lost[row]);
+    let mut after = (range.end..is_lost.len()).filter(|&row| !is_lost[row]);
+    let [last, next] = [before.next()?, after.next()?];
+    Some([before.next()?, last, next, after.next()?])
+}
+
+/// Replaces the values of a range by those of the cubic through the values of four rows, in steps of the encoder.
+fn interpolate(values: &mut [f64], range: &Range<usize>, knots: [usize; 4], resolution: f64) {
+    let knots = knots.map(|row| (row as f64, values[row]));
+    for row in range.clone() {
+        let at = row as f64;
+        let basis = |i: usize| -> f64 {
+            let others = (0..4).filter(|&j| j != i);
+            others.map(|j| (at - knots[j].0) / (knots[i].0 - knots[j].0)).product()
+        };
+        let value: f64 = (0..4).map(|i| knots[i].1 * basis(i)).sum();
+        values[row] = if resolution > 0.0 { (value / resolution).round() * resolution } else { value };
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use files::log::Unit;
+
+    const RESOLUTION_MM: f64 = 1e-3;
+
+    /// 5 s of an axis with 60 mm/s at most that stands still for the last second, read in steps of 1 µm.
+    fn log() -> Log {
+        let at = |i: u32| 20.0 * (3e-3 * f64::from(i.min(4000))).sin();
+        let read = |mm: f64| (mm / RESOLUTION_MM).round() * RESOLUTION_MM;
+        let mut axis = AxisLog::new("x", Unit::Millimetre);
+        axis.command = Some((0..5000).map(at).collect());
+        axis.motor = Some((0..5000).map(|i| read(at(i))).collect());
+        axis.table = Some((0..5000).map(|i| read(at(i) + 0.1)).collect());
+        Log { source: "l".to_owned(), start_s: 10.0, sample_time_s: 1e-3, axes: vec![axis] }
+    }
+
+    /// The same with rows replaced by the row before them.
+    fn losing(rows: &[Range<usize>]) -> Log {
+        let mut log = log();
+        for channel in [Channel::Command, Channel::Motor, Channel::Table] {
+            let values = log.axes[0].channel_mut(channel).as_mut().unwrap();
+            for range in rows {
+                let last = values[range.start - 1];
+                values[range.clone()].fill(last);
+            }
+        }
+        log
+    }
+
+    fn corrected(log: &Log) -> (Cow<'_, Log>, Findings) {
+        let (mut log, mut findings) = (Cow::Borrowed(log), Findings::default());
+        correct(&mut log, 6, &mut findings);
+        (log, findings)
+    }
+
+    #[test]
+    fn lost_rows_are_one_fault_and_interpolated() {
+        let rows = [100..101, 700..702, 1500..1501, 2500..2510];
+        let broken = losing(&rows);
+        let (log, findings) = corrected(&broken);
+        let [fault] = &findings.faults[..] else { panic!("{:?}", findings.faults) };
+        assert_eq!((fault.kind, fault.channel, fault.count), (FaultKind::Stuck, None, 4));
+        assert!((fault.at_s.unwrap() - 10.1).abs() < 1e-9 && (fault.size.unwrap() - 0.014).abs() < 1e-9);
+        // The cubic through rounded values is off by at most 1.25 roundings of half a step between them, and is rounded itself;
+        // across ten rows the fourth derivative adds (ωT)⁴·20 mm·(6·5)²/24 = 0.06 µm.
+        for (values, sound) in [
+            (&log.axes[0].motor, &self::log().axes[0].motor),
+            (&log.axes[0].table, &self::log().axes[0].table),
+        ] {
+            let error =
+                numerics::max_abs(values.iter().flatten().zip(sound.iter().flatten()).map(|(a, b)| a - b));
+            assert!(error < 2.1 * RESOLUTION_MM, "{error}");
+        }
+        let command = |log: &Log| log.axes[0].command.clone().unwrap();
+        let error = numerics::max_abs(command(&log).iter().zip(command(&self::log())).map(|(a, b)| a - b));
+        assert!(error < 1e-4, "{error}");
+        assert_eq!(findings.excluded.len(), 4);
+        // Only the gap of ten rows spoils its neighbours: 22 samples.
+        let excluded_s: f64 = findings.excluded.iter().map(|e| e.to_s - e.from_s).sum();
+        assert!((excluded_s - 0.026).abs() < 1e-9, "{excluded_s}");
+    }
+
+    #[test]
+    fn an_axis_at_rest_and_a_coarse_encoder_repeat_no_rows() {
+        assert!(corrected(&log()).1.faults.is_empty());
+        // Two gaps may be chance.
+        assert!(corrected(&losing(&[100..101, 1500..1501])).1.faults.is_empty());
+        // At rest all rows are equal but for a probe with noise, whose readings differ by chance.
+        let mut noisy = log();
+        let reading = |i: u32| if i % 10 < 2 { 0.0 } else { 1e-5 * f64::from(i * i % 7) };
+        noisy.axes[0].tool = Some((0..5000).map(reading).collect());
+        assert!(corrected(&noisy).1.faults.is_empty());
+        // Without a command, below 1 mm/s rows are equal by rounding.
+        let mut slow = log();
+        slow.axes[0].command = None;
+        for channel in [Channel::Motor, Channel::Table] {
+            let values = slow.axes[0].channel_mut(channel).as_mut().unwrap();
+            for mm in values {
+                *mm = (0.01 * *mm / RESOLUTION_MM).round() * RESOLUTION_MM;
+            }
+        }
+        assert!(corrected(&slow).1.faults.is_empty());
+    }
+}

@@ -1,0 +1,230 @@
+//! Errors of the measuring chain, and knowledge that is missing: none of them is told as a fact about the machine.
+
+use files::log::{AxisLog, Log};
+use numerics::resample::delayed_cubic;
+use self_test::pickup::Filter;
+use self_test::plant::Mechanics;
+use trace::Trace;
+use trace::certainty::is_certain;
+
+use super::machine::TestMachine;
+use super::reported::{assert_value, context, found, named};
+
+/// A machine with P control, and its period of the velocity loop, ms.
+const P: u64 = 1;
+const TICK_MS: f64 = 0.25;
+
+/// Axes and names of the effects that are told as facts.
+fn certain(trace: &Trace) -> Vec<(&str, &str)> {
+    let of_axis = |axis| move |found: &_| is_certain(axis, found);
+    let mut certain = Vec::new();
+    for axis in &trace.axes {
+        let names = axis.found.iter().filter(|found| of_axis(axis)(found)).map(|found| found.effect.name());
+        certain.extend(names.map(|name| (axis.axis.as_str(), name)));
+    }
+    certain
+}
+
+/// Keys of the declared values that are told to be outside their tolerance.
+fn beyond_tolerance(trace: &Trace) -> Vec<&str> {
+    let values = trace.axes.iter().flat_map(|axis| &axis.declared_values);
+    values.filter(|value| value.is_beyond_tolerance).map(|value| value.key).collect()
+}
+
+/// Once: feed-forward 5.6 %, position gain 14.6 %, velocity gain −12 %, all certain.
+#[test]
+fn a_late_position_feedback_is_named() {
+    let mut machine = TestMachine::new(P);
+    machine.drawn.axes[0].servo.pickup.delay_s = 2e-3;
+    let trace = machine.trace();
+    assert_eq!(named(&trace), [("x", "position_delay")], "{}", context(&trace));
+    // The loop of the simulator is read between its ticks, the tracer's at them: a tenth of a tick.
+    assert_value(found(&trace, 0, "position_delay"), "ms", 2.0, 0.1 * TICK_MS);
+}
+
+/// A notch of 60 Hz delays slow motions by 2·ζ/ω. It is no gain of the controller.
+#[test]
+fn a_notch_in_the_feedback_is_no_certain_gain() {
+    let mut machine = TestMachine::new(P);
+    machine.drawn.axes[0].servo.pickup.filter = Filter::Notch([std::f64::consts::TAU * 60.0, 0.3]);
+    let trace = machine.trace();
+    let gains =
+        ["servo_mismatch", "feedforward_mismatch", "velocity_gain_mismatch", "integral_time_mismatch"];
+    assert!(!certain(&trace).iter().any(|(_, name)| gains.contains(name)), "{}", context(&trace));
+}
+
+/// Once: nothing, or a velocity gain. The velocity command of the second axis is a sample late, its velocity filtered.
+#[test]
+fn a_filter_and_a_delay_of_the_loop_are_named() {
+    let mut machine = TestMachine::new(P);
+    machine.drawn.axes[0].servo.velocity_filter_s = 0.5e-3;
+    let trace = machine.trace();
+    assert_eq!(named(&trace), [("x", "velocity_lag")], "{}", context(&trace));
+    assert_value(found(&trace, 0, "velocity_lag"), "time_constant_ms", 0.5, 0.1 * TICK_MS);
+}
+
+/// Once: drive lag 0.54 ms, certain.
+#[test]
+fn a_dead_time_of_the_drive_is_no_certain_lag() {
+    let mut machine = TestMachine::new(P);
+    machine.drawn.axes[0].servo.dead_s = 0.5e-3;
+    let trace = machine.trace();
+    let names: Vec<&str> = certain(&trace).into_iter().map(|(_, name)| name).collect();
+    assert!(names.iter().all(|name| *name == "drive_dead_time"), "{}", context(&trace));
+}
+
+/// Once: "position gain is 11.0 ± 0.5 % below", certain. A velocity over 0.2 of a tick is 0.1 ticks old, a backward difference 0.5.
+#[test]
+fn a_velocity_fresher_than_the_backward_difference_is_no_position_gain() {
+    let mut machine = TestMachine::new(P);
+    machine.drawn.axes[0].servo.velocity_window_s = Some(0.2e-3 * TICK_MS);
+    let trace = machine.trace();
+    assert_eq!(named(&trace), [("x", "velocity_lag")], "{}", context(&trace));
+    assert_value(found(&trace, 0, "velocity_lag"), "ms", -0.4 * TICK_MS, 0.1 * TICK_MS);
+}
+
+/// Once: feed-forward 2.000 ± 0.001 % on both axes and a velocity lag, certain; early: five certain names.
+#[test]
+fn a_command_that_is_logged_late_is_no_feedforward() {
+    for samples in [0.4, -0.4] {
+        let trace = TestMachine::new(P).trace_of(|log| {
+            let sample_s = log.sample_time_s;
+            for command in log.axes.iter_mut().filter_map(|axis| axis.command.as_mut()) {
+                *command = delayed_cubic(std::mem::take(command), samples * sample_s, sample_s);
+            }
+        });
+        assert_eq!(named(&trace), [("x", "latency"), ("y", "latency")], "{}", context(&trace));
+        for axis in 0..2 {
+            // A tenth of a sample: what the instants of channels are known to.
+            assert_value(found(&trace, axis, "latency"), "ms", samples, 0.1);
+        }
+    }
+}
+
+/// The force channel of all axes times a factor.
+fn scale_force(log: &mut Log, factor: f64) {
+    let forces = log.axes.iter_mut().filter_map(|axis| axis.force.as_mut()).flatten();
+    forces.for_each(|force_n| *force_n *= factor);
+}
+
+/// Once: a velocity gain wrong by 5, 10, 15 %, certain, and masses, stiffness and friction "beyond tolerance" by the same factor.
+#[test]
+fn a_wrong_torque_constant_is_one_doubt_and_no_fact() {
+    for percent in [15.0, -12.0, 5.0] {
+        let trace = TestMachine::new(P).trace_of(|log| scale_force(log, 1.0 + 0.01 * percent));
+        assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
+        for axis in 0..2 {
+            let gain = found(&trace, axis, "velocity_gain_mismatch");
+            assert_eq!(gain.rival_names(), ["force_gain"]);
+            // The loop shows the factor to half a percent.
+            assert!((gain.effect.values()[0] - percent).abs() < 0.5, "{}", context(&trace));
+        }
+    }
+}
+
+/// A velocity gain that is 40 % off cannot be an error of the force: the masses would be far off, too.
+#[test]
+fn a_velocity_gain_that_no_force_scale_explains_is_certain() {
+    let machine = TestMachine::new(P).with_declared(0, "velocity_gain_n_s_per_m", |kv| kv / 1.4);
+    let trace = machine.trace();
+    assert_eq!(certain(&trace), [("x", "velocity_gain_mismatch")], "{}", context(&trace));
+}
+
+/// Once: a constant load and a friction asymmetry, certain.
+#[test]
+fn a_drive_that_is_weaker_in_one_direction_is_named() {
+    let mut machine = TestMachine::new(P);
+    machine.drawn.axes[0].servo.weakness = 0.15;
+    let trace = machine.trace();
+    assert_eq!(named(&trace), [("x", "drive_asymmetry")], "{}", context(&trace));
+    assert_value(found(&trace, 0, "drive_asymmetry"), "percent", 15.0, 0.5);
+}
+
+/// Once: backlash 15.9 ± 0.1 µm, certain, where 12 is backlash and the rest 2·F/k; and 2.9 µm on an axis that has none, as here.
+#[test]
+fn lost_motion_without_a_declared_stiffness_is_not_certainly_backlash() {
+    let mut machine = TestMachine::new(P);
+    let mechanics = [
+        "motor_mass_kg",
+        "table_mass_kg",
+        "stiffness_n_per_um",
+        "damping_n_s_per_m",
+        "coulomb_n",
+        "viscous_n_s_per_m",
+        "motor_coulomb_n",
+        "presliding_stiffness_n_per_um",
+        "presliding_damping_n_s_per_m",
+    ];
+    for axis in &mut machine.drawn.declared {
+        axis.text = without_keys(&axis.text, &mechanics);
+    }
+    let trace = machine.trace_of(|log| without(log, |axis| axis.force = None));
+    let backlash = found(&trace, 1, "backlash");
+    // The stretch by friction, 2·F/k; viscous friction and acceleration add to it.
+    let Mechanics { stiffness_n_per_m, coulomb_n, .. } = machine.drawn.axes[1].mechanics;
+    let lost_um = 2e6 * coulomb_n / stiffness_n_per_m;
+    let width_um = backlash.effect.values()[0];
+    assert!((1.0..1.6).contains(&(width_um / lost_um)), "{lost_um}: {}", context(&trace));
+    assert_eq!(backlash.rival_names(), ["windup"], "{}", context(&trace));
+    assert!(!certain(&trace).iter().any(|(_, name)| *name == "backlash"), "{}", context(&trace));
+}
+
+/// Lines of a machine file without some keys.
+fn without_keys(text: &str, keys: &[&str]) -> String {
+    let is_left = |line: &&str| !keys.iter().any(|key| line.starts_with(&format!("{key} = ")));
+    text.lines().filter(is_left).map(|line| format!("{line}\n")).collect()
+}
+
+/// Once: `motor_stribeck` on both axes, certain. An absent value is unknown, not zero.
+#[test]
+fn a_motor_friction_that_is_not_declared_is_unknown() {
+    let mut machine = TestMachine::new(P);
+    for axis in &mut machine.drawn.declared {
+        axis.text = without_keys(&axis.text, &["motor_coulomb_n"]);
+    }
+    let trace = machine.trace();
+    assert_eq!(named(&trace), [], "{}", context(&trace));
+    for (traced, true_axis) in trace.axes.iter().zip(&machine.drawn.axes) {
+        let fitted_n = traced.model.axis.settings.mechanics.motor_coulomb_n.unwrap();
+        let true_n = true_axis.mechanics.motor_coulomb_n;
+        assert!((fitted_n / true_n - 1.0).abs() < 0.05, "{fitted_n} {true_n}");
+    }
+}
+
+/// The log without some channels.
+fn without(log: &mut Log, remove: impl Fn(&mut AxisLog)) {
+    log.axes.iter_mut().for_each(remove);
+}
+
+/// Once: "velocity gain 5.13 ± 0.01 % below", certain: without a force, a factor of masses, friction and Kv is not observable.
+#[test]
+fn without_a_force_the_velocity_gain_is_not_certain() {
+    let machine = TestMachine::new(P).with_declared(0, "velocity_gain_n_s_per_m", |kv| 1.3 * kv);
+    let trace = machine.trace_of(|log| without(log, |axis| axis.force = None));
+    assert!(
+        !certain(&trace).iter().any(|(_, name)| *name == "velocity_gain_mismatch"),
+        "{}",
+        context(&trace)
+    );
+}
+
+/// Once: in-talk 1.728 ± 0.008 (true 2.041) and a mode of 175.6 Hz that does not exist: the stretch of the drive.
+#[test]
+fn without_a_table_the_stretch_of_the_drive_is_no_certain_effect_of_the_tool() {
+    let trace = TestMachine::new(P).trace_of(|log| without(log, |axis| axis.table = None));
+    assert_eq!(certain(&trace), [], "{}", context(&trace));
+}
+
+/// Once: "table mass 22.39 ± 0.03 % below", "motor mass 31.4 ± 0.1 % above" on machines declared exactly, with an encoder of 0.5 or
+/// 1 µm and with motor and force alone: the sum of the masses is known.
+#[test]
+fn motor_and_force_alone_do_not_divide_the_masses() {
+    for step_mm in [0.5e-3, 1e-3] {
+        let trace = TestMachine::new(P).trace_of(|log| {
+            without(log, |axis| (axis.table, axis.tool) = (None, None));
+            let motors = log.axes.iter_mut().filter_map(|axis| axis.motor.as_mut()).flatten();
+            motors.for_each(|mm| *mm = (*mm / step_mm).round() * step_mm);
+        });
+        assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
+    }
+}

@@ -1,0 +1,117 @@
+//! A second program at the port, an interrupt of a program that moves an axis, and a program of the board that is missing.
+
+use std::fs;
+use std::process::{Child, Command, Stdio};
+use std::thread::sleep;
+use std::time::{Duration, Instant};
+
+use serialport::{SerialPort, TTYPort};
+
+use super::bench::Bench;
+
+/// Motions of 6 s and more, with what prepares them.
+const MOTIONS: [(&[&str], &str); 4] = [
+    (&[], "jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600"),
+    (&[], "jog --port bench --axis x --for-s 20 --speed-mm-per-min 300"),
+    (&[], "home --port bench --axis y"),
+    (
+        &[
+            "enable --port bench",
+            "jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600 --no-wait",
+            "hold --port bench",
+        ],
+        "resume --port bench",
+    ),
+];
+
+fn interrupt(child: &Child) {
+    let sent = Command::new("kill").args(["-INT", &child.id().to_string()]).status().unwrap();
+    assert!(sent.success());
+}
+
+/// The command of an axis, mm, by the status.
+fn at_mm(status: &str, axis: &str) -> f64 {
+    let line = status.lines().find(|line| line.starts_with(axis)).unwrap();
+    line.split_whitespace().nth(1).unwrap().parse().unwrap()
+}
+
+/// Ctrl-C stops each command that moves an axis, which says that the axes stand and ends with 130. Nothing moves afterwards, the drives
+/// are on, and the path does not go on: the axis has not reached its target.
+#[test]
+fn an_interrupt_of_a_motion_leaves_standing_axes() {
+    for (before, motion) in MOTIONS {
+        let Some(bench) = Bench::armed() else { return };
+        for command in before {
+            bench.succeeds(command);
+        }
+        let moving = bench.start(motion);
+        sleep(Duration::from_secs(2));
+        interrupt(&moving);
+        let output = moving.wait_with_output().unwrap();
+        let message = String::from_utf8_lossy(&output.stderr);
+        assert_eq!(output.status.code(), Some(130), "{motion}: {message}");
+        assert!(
+            message.contains("the axes stand, and the rest of the path is discarded"),
+            "{motion}: {message}"
+        );
+        let status = bench.succeeds("status --port bench");
+        assert!(status.contains("path: at rest") && status.contains("drives: on"), "{motion}: {status}");
+        let [x_mm, y_mm] = ["x ", "y "].map(|axis| at_mm(&status, axis));
+        assert!(x_mm.abs() < 55.0 && y_mm.abs() < 105.0, "{motion}: {status}");
+        sleep(Duration::from_millis(500));
+        let later = bench.succeeds("status --port bench");
+        assert!((at_mm(&later, "x ") - x_mm).abs() < 1e-9, "{motion}: {status} {later}");
+    }
+}
+
+/// While one program moves an axis, another one is refused at once, with the command and the process of the first. The first goes on.
+#[test]
+fn a_second_program_is_told_who_holds_the_port() {
+    let Some(bench) = Bench::armed() else { return };
+    let moving = bench.start("jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600");
+    sleep(Duration::from_secs(1));
+    for command in ["stop", "disable", "status", "hold"] {
+        let started = Instant::now();
+        let refused = bench.fails(1, &format!("{command} --port bench"));
+        assert!(started.elapsed() < Duration::from_secs(2), "{command}: {:?}", started.elapsed());
+        let holder =
+            format!("jog --port bench --axis x --by-mm 60 --speed-mm-per-min 600 (process {})", moving.id());
+        assert!(refused.contains("in use by lost-motion") && refused.contains(&holder), "{refused}");
+    }
+    interrupt(&moving);
+    assert_eq!(moving.wait_with_output().unwrap().status.code(), Some(130));
+    bench.succeeds("stop --port bench");
+}
+
+/// A serial port that another program has open, here a pseudo-terminal that this test holds: refused by its name.
+#[test]
+fn a_serial_port_of_another_program_is_refused_by_its_name() {
+    let Some(bench) = Bench::new() else { return };
+    let (_master, slave) = TTYPort::pair().unwrap();
+    let name = SerialPort::name(&slave).unwrap();
+    let refused = bench.fails(1, &format!("stop --port {name}"));
+    assert!(refused.contains(&format!("(process {})", std::process::id())), "{refused}");
+}
+
+/// Without the program of the board nothing is built: each command says at once how to build it.
+#[test]
+fn a_missing_program_of_the_board_is_not_built() {
+    let Some(bench) = Bench::new() else { return };
+    let alone = bench.path().join("lost-motion");
+    fs::copy(tests::program::lost_motion(), &alone).unwrap();
+    for command in ["status", "stop", "enable", "monitor", "clear"] {
+        let started = Instant::now();
+        let output = Command::new(&alone)
+            .args([command, "--port", "bench"])
+            .env("LOST_MOTION_BENCH", bench.path().join("none"))
+            .env("CARGO_TARGET_DIR", bench.path().join("target"))
+            .stdin(Stdio::null())
+            .output()
+            .unwrap();
+        let message = String::from_utf8(output.stderr).unwrap();
+        assert_eq!(output.status.code(), Some(2), "{command}: {message}");
+        assert!(message.contains("build it with `cargo servo`") && message.lines().count() == 1, "{message}");
+        assert!(started.elapsed() < Duration::from_secs(5), "{command}: {:?}", started.elapsed());
+    }
+    assert!(!bench.path().join("target").exists());
+}
