@@ -103,8 +103,7 @@ fn numbers_out_of_range_are_rejected() {
             "effect[0].channel: expected \"tool\"",
         ),
         (
-            "\"thermal_drift\"\namplitude_um = 1.0\ntime_constant_s = 5.0\n[[axis.x.effect]]\nname = \"thermal_drift\"\n\
-             amplitude_um = 1.0\ntime_constant_s = 9.0",
+            "\"servo_mismatch\"\npercent = 1.0\n[[axis.x.effect]]\nname = \"servo_mismatch\"\npercent = 2.0",
             "effect[1]: expected at most one effect of this name",
         ),
     ] {
