@@ -2,6 +2,13 @@
 
 use std::collections::VecDeque;
 
+/// Whole ticks of a delay and the rest as a fraction of a tick; `None` if there is no delay.
+fn in_ticks(delay_s: f64, tick_s: f64) -> Option<(usize, f64)> {
+    let ticks = delay_s / tick_s;
+    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "positive, and saturates")]
+    (delay_s > 0.0).then(|| (ticks.floor() as usize, ticks.fract()))
+}
+
 /// A constant latency of a position that is read once per tick.
 #[derive(Clone, Debug)]
 pub struct Delay {
@@ -24,22 +31,13 @@ impl Delay {
     /// there is no latency.
     #[must_use]
     pub fn in_motion(delay_s: f64, tick_s: f64, start_m: f64, velocity: f64) -> Option<Self> {
-        if delay_s <= 0.0 {
-            return None;
-        }
-        let ticks = delay_s / tick_s;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "not negative, and saturates"
-        )]
-        let whole_ticks = ticks.floor() as usize;
+        let (whole_ticks, fraction) = in_ticks(delay_s, tick_s)?;
         Some(Self {
             past: (1..=whole_ticks + 2)
                 .map(|age| (start_m - velocity * tick_s * age as f64, velocity))
                 .collect(),
             whole_ticks,
-            fraction: ticks.fract(),
+            fraction,
             tick_s,
         })
     }
@@ -167,18 +165,9 @@ impl DeadTime {
     /// A dead time (s) of a force that has been `start_n`; `None` if there is none.
     #[must_use]
     pub fn new(delay_s: f64, tick_s: f64, start_n: f64) -> Option<Self> {
-        if delay_s <= 0.0 {
-            return None;
-        }
-        let ticks = delay_s / tick_s;
-        #[expect(
-            clippy::cast_possible_truncation,
-            clippy::cast_sign_loss,
-            reason = "not negative, and saturates"
-        )]
-        let whole_ticks = ticks.floor() as usize;
+        let (whole_ticks, fraction) = in_ticks(delay_s, tick_s)?;
         let commanded_n = VecDeque::from(vec![start_n; whole_ticks + 2]);
-        Some(Self { commanded_n, whole_ticks, fraction: ticks.fract() })
+        Some(Self { commanded_n, whole_ticks, fraction })
     }
 
     /// Mean force that acts during a tick, N, whose commanded force is `force_n`. To be called once per tick.

@@ -26,7 +26,7 @@ pub fn write(folder: &Path, machine: &str, motions: &[VerifiedMotion]) -> Result
 pub fn html(machine: &str, motions: &[VerifiedMotion]) -> String {
     let sections = html! {
         (section("Contour error", &errors(motions)))
-        @for motion in motions { (section(&format!("The circle of {}", motion.name), &circles(motion))) }
+        @for motion in motions { (section(&format!("Radial deviation of {}", motion.name), &circles(motion))) }
     };
     let lead = paragraph(&summary(motions));
     pages::render(&format!("Before and after: {machine}"), &lead, &sections)

@@ -35,45 +35,41 @@ pub fn is_declared_truly(name: &str) -> bool {
     name == "coarse_log"
 }
 
+/// Keys of the controller.
+const CONTROLLER_KEYS: [&str; 8] = [
+    "controller",
+    "position_gain_per_s",
+    "feedforward_percent",
+    "velocity_gain_n_s_per_m",
+    "velocity_integral_time_s",
+    "force_limit_n",
+    "feedback",
+    "dual_feedback_time_constant_s",
+];
+
+/// Keys of the masses. A stiffness between unknown masses is refused in a machine file.
+const MASS_KEYS: [&str; 4] = ["motor_mass_kg", "table_mass_kg", "stiffness_n_per_um", "damping_n_s_per_m"];
+
+/// Keys of friction and of the accuracy of all mechanical values.
+const FRICTION_KEYS: [&str; 6] = [
+    "coulomb_n",
+    "viscous_n_s_per_m",
+    "motor_coulomb_n",
+    "presliding_stiffness_n_per_um",
+    "presliding_damping_n_s_per_m",
+    "plant_tolerance_percent",
+];
+
 /// Keys of the machine file that a gap takes away.
-fn lost_keys(name: &str) -> &'static [&'static str] {
+fn lost_keys(name: &str) -> Vec<&'static str> {
     match name {
-        "no_stiffness" => &["stiffness_n_per_um", "damping_n_s_per_m"],
-        "no_motor_coulomb" => &["motor_coulomb_n"],
-        "no_controller" => &[
-            "controller",
-            "position_gain_per_s",
-            "feedforward_percent",
-            "velocity_gain_n_s_per_m",
-            "velocity_integral_time_s",
-            "force_limit_n",
-            "feedback",
-            "dual_feedback_time_constant_s",
-        ],
-        // A stiffness between unknown masses is refused in a machine file.
-        "no_masses" => &["motor_mass_kg", "table_mass_kg", "stiffness_n_per_um", "damping_n_s_per_m"],
+        "no_stiffness" => vec!["stiffness_n_per_um", "damping_n_s_per_m"],
+        "no_motor_coulomb" => vec!["motor_coulomb_n"],
+        "no_controller" => CONTROLLER_KEYS.to_vec(),
+        "no_masses" => MASS_KEYS.to_vec(),
         // The pitch of the screw and the poles of the resolver are known alone.
-        "no_drive" => &[
-            "controller",
-            "position_gain_per_s",
-            "feedforward_percent",
-            "velocity_gain_n_s_per_m",
-            "velocity_integral_time_s",
-            "force_limit_n",
-            "feedback",
-            "dual_feedback_time_constant_s",
-            "motor_mass_kg",
-            "table_mass_kg",
-            "stiffness_n_per_um",
-            "damping_n_s_per_m",
-            "coulomb_n",
-            "viscous_n_s_per_m",
-            "motor_coulomb_n",
-            "presliding_stiffness_n_per_um",
-            "presliding_damping_n_s_per_m",
-            "plant_tolerance_percent",
-        ],
-        _ => &[],
+        "no_drive" => [&CONTROLLER_KEYS[..], &MASS_KEYS, &FRICTION_KEYS].concat(),
+        _ => Vec::new(),
     }
 }
 
@@ -93,7 +89,7 @@ fn lost_channels(name: &str) -> &'static [Channel] {
 /// Takes the keys of a gap out of a machine that has none of the other kinds' extras, and draws what it leaves unknown.
 pub fn draw(name: &'static str, machine: &mut Drawn, random: &mut ChaCha8Rng) -> Vec<Truth> {
     for (axis, declared) in machine.axes.iter_mut().zip(&mut machine.declared) {
-        declared.text = without(&declared.text, lost_keys(name));
+        declared.text = without(&declared.text, &lost_keys(name));
         match name {
             "no_motor_coulomb" => axis.mechanics.motor_coulomb_n = random.random_range(10.0..40.0),
             "coarse_log" => {

@@ -4,9 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit, Wording,
-};
+use super::declaration::{Abscissa, EffectModel, Wording, delay};
 use crate::axis::Settings;
 
 /// Dead time between the commanded force and the acting one, as of a bus cycle or of the pulse width modulation. The logged
@@ -17,9 +15,6 @@ pub struct DriveDeadTime {
     /// Dead time in addition to the hold of one tick.
     pub ms: f64,
 }
-
-/// Longest delay, ms. A slower drive could not be controlled.
-const LONGEST_MS: f64 = 10.0;
 
 impl DriveDeadTime {
     /// The dead time, s. Finite differences at zero evaluate a negative one, which counts as none.
@@ -33,35 +28,13 @@ impl EffectModel for DriveDeadTime {
     const NAME: &'static str = "drive_dead_time";
     const SUMMARY: &'static str = "dead time between the commanded and the acting force";
     const SPECIAL_FORM_OF: Option<&'static str> = Some("drive_lag");
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("ms", Unit::Millisecond, Range::UpTo(LONGEST_MS))];
-    const OCCURRENCE: Occurrence = Occurrence::Once;
-    const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
 
-    fn stages(&self) -> &'static [Stage] {
-        &[Stage::Motor]
-    }
-
-    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let times_ms: &[f64] = if context.has(Stage::Motor) { &[0.25, 1.0] } else { &[] };
-        times_ms.iter().map(|&ms| Self { ms }).collect()
-    }
-
-    fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::between(self.ms, 0.02, 0.0, LONGEST_MS)]
-    }
+    // A slower drive could not be controlled.
+    delay!(longest 10.0, guesses [0.25, 1.0]);
 
     /// The instants within a tick at which a drive reads and acts are not declared.
     fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms * rates.velocity_loop_hz > 0.25
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        Self { ms: x[0] }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.ms]
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -4,9 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit, Wording,
-};
+use super::declaration::{Abscissa, EffectModel, Wording, delay};
 use crate::axis::Settings;
 
 /// The acting force follows the commanded one as a first-order lag, as that of a current loop: τ·F' = command − F. It
@@ -17,9 +15,6 @@ pub struct DriveLag {
     /// τ.
     pub ms: f64,
 }
-
-/// Longest lag, ms. A slower drive could not be controlled.
-const LONGEST_MS: f64 = 10.0;
 
 impl DriveLag {
     /// τ, s. Finite differences at zero evaluate a negative lag, which counts as none.
@@ -33,35 +28,13 @@ impl EffectModel for DriveLag {
     const NAME: &'static str = "drive_lag";
     const SUMMARY: &'static str =
         "time constant of a first-order lag between the commanded and the acting force";
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("ms", Unit::Millisecond, Range::UpTo(LONGEST_MS))];
-    const OCCURRENCE: Occurrence = Occurrence::Once;
-    const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
 
-    fn stages(&self) -> &'static [Stage] {
-        &[Stage::Motor]
-    }
-
-    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let times_ms: &[f64] = if context.has(Stage::Motor) { &[0.3, 1.5] } else { &[] };
-        times_ms.iter().map(|&ms| Self { ms }).collect()
-    }
-
-    fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::between(self.ms, 0.02, 0.0, LONGEST_MS)]
-    }
+    // A slower drive could not be controlled.
+    delay!(longest 10.0, guesses [0.3, 1.5]);
 
     /// Current loops have time constants of about 0.1 ms, which no machine file declares.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
         self.ms > 0.15
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        Self { ms: x[0] }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.ms]
     }
 
     fn sentence(&self, wording: &Wording) -> String {

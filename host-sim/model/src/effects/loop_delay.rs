@@ -4,9 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit, Wording,
-};
+use super::declaration::{Abscissa, EffectModel, Wording, delay};
 use crate::axis::Settings;
 
 /// Time between the readings of the position loop and the velocity command that follows from them: a cycle of the control or of
@@ -17,9 +15,6 @@ pub struct LoopDelay {
     /// Delay in addition to the hold of one sample.
     pub ms: f64,
 }
-
-/// Longest delay, ms.
-const LONGEST_MS: f64 = 20.0;
 
 impl LoopDelay {
     /// The delay, s. Finite differences at zero evaluate a negative one, which counts as none.
@@ -32,36 +27,13 @@ impl LoopDelay {
 impl EffectModel for LoopDelay {
     const NAME: &'static str = "loop_delay";
     const SUMMARY: &'static str = "delay of the velocity command between position loop and velocity loop";
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("ms", Unit::Millisecond, Range::UpTo(LONGEST_MS))];
-    const OCCURRENCE: Occurrence = Occurrence::Once;
-    const SHOWN_IN: &'static [Stage] = &[Stage::Motor];
 
-    fn stages(&self) -> &'static [Stage] {
-        &[Stage::Motor]
-    }
-
-    fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
-        let times_ms: &[f64] = if context.has(Stage::Motor) { &[0.5, 2.0] } else { &[] };
-        times_ms.iter().map(|&ms| Self { ms }).collect()
-    }
-
-    fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::between(self.ms, 0.02, 0.0, LONGEST_MS)]
-    }
+    delay!(longest 20.0, guesses [0.5, 2.0]);
 
     /// Delays of this kind are cycles of a control or a bus. A smaller fraction of a sample is not told from the age of the velocity
     /// (EMPS: 0.17 samples beside a mean of two readings).
     fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms * rates.velocity_loop_hz > 0.3 * f64::from(rates.position_loop_divider)
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        Self { ms: x[0] }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.ms]
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -1,13 +1,8 @@
 //! Progressive pitch error: the mean lead of the screw deviates from the nominal lead.
 
 use serde::{Deserialize, Serialize};
-use shared::config::Rates;
 
-use super::declaration::{
-    Abscissa, Coordinate, Draw, EffectContext, EffectModel, LEAST_SLOPE_UM_PER_M, Occurrence, Parameter,
-    Range, Stage, Unit, Wording,
-};
-use crate::axis::Settings;
+use super::declaration::{Draw, EffectContext, EffectModel, Stage, Wording, slope};
 
 /// Table = (1 + slope) · motor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -29,11 +24,10 @@ impl PitchProgressive {
 impl EffectModel for PitchProgressive {
     const NAME: &'static str = "pitch_progressive";
     const SUMMARY: &'static str = "displacement of the table = (1 + slope) × displacement of the motor";
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("slope_um_per_m", Unit::MicrometrePerMetre, Range::Signed)];
-    const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Table];
     const DRAW_NUMBER: Option<u32> = Some(1);
+
+    slope!(slope_um_per_m);
 
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Table]
@@ -41,22 +35,6 @@ impl EffectModel for PitchProgressive {
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         if context.has(Stage::Table) { vec![Self::default()] } else { Vec::new() }
-    }
-
-    fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::signed(self.slope_um_per_m, 5.0, 1e5)]
-    }
-
-    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
-        self.slope_um_per_m.abs() > LEAST_SLOPE_UM_PER_M
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        Self { slope_um_per_m: x[0] }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.slope_um_per_m]
     }
 
     fn sentence(&self, wording: &Wording) -> String {
@@ -67,10 +45,6 @@ impl EffectModel for PitchProgressive {
             wording.by_sign("more", "less"),
             wording.by_axis("lead", "ratio")
         )
-    }
-
-    fn abscissa(&self) -> Abscissa {
-        Abscissa::Position
     }
 
     fn draw(draw: &mut Draw<'_>) -> Option<Self> {

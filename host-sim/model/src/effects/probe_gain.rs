@@ -1,13 +1,8 @@
 //! Gain of the probe: its reading is a constant factor too large or too small.
 
 use serde::{Deserialize, Serialize};
-use shared::config::Rates;
 
-use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, LEAST_SLOPE_UM_PER_M, Occurrence, Parameter, Range,
-    Stage, Unit, Wording,
-};
-use crate::axis::Settings;
+use super::declaration::{EffectContext, EffectModel, Stage, Wording, slope};
 
 /// Reading = tool + gain × table position.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -28,10 +23,9 @@ impl ProbeGain {
 impl EffectModel for ProbeGain {
     const NAME: &'static str = "probe_gain";
     const SUMMARY: &'static str = "the reading of the tool-point probe += gain × table position";
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("um_per_m", Unit::MicrometrePerMetre, Range::Signed)];
-    const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
+
+    slope!(um_per_m);
 
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Tool]
@@ -41,31 +35,11 @@ impl EffectModel for ProbeGain {
         vec![Self::default()]
     }
 
-    fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::signed(self.um_per_m, 5.0, 1e5)]
-    }
-
-    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
-        self.um_per_m.abs() > LEAST_SLOPE_UM_PER_M
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        Self { um_per_m: x[0] }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.um_per_m]
-    }
-
     fn sentence(&self, wording: &Wording) -> String {
         format!(
             "the probe reads {} {} than the table moves (alignment)",
             wording.size(0),
             wording.by_sign("more", "less")
         )
-    }
-
-    fn abscissa(&self) -> Abscissa {
-        Abscissa::Position
     }
 }

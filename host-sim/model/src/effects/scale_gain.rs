@@ -1,13 +1,8 @@
 //! Gain of the linear scale: its grating is too long or too short.
 
 use serde::{Deserialize, Serialize};
-use shared::config::Rates;
 
-use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, LEAST_SLOPE_UM_PER_M, Occurrence, Parameter, Range,
-    Stage, Unit, Wording,
-};
-use crate::axis::Settings;
+use super::declaration::{EffectContext, EffectModel, Stage, Wording, slope};
 
 /// Reading of the scale = (1 + gain) × table position.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -29,10 +24,9 @@ impl ScaleGain {
 impl EffectModel for ScaleGain {
     const NAME: &'static str = "scale_gain";
     const SUMMARY: &'static str = "reading of the linear scale = (1 + gain) × table position; the probe tells it from `pitch_progressive`";
-    const PARAMETERS: &'static [Parameter] =
-        &[Parameter::new("um_per_m", Unit::MicrometrePerMetre, Range::Signed)];
-    const OCCURRENCE: Occurrence = Occurrence::Repeated;
     const SHOWN_IN: &'static [Stage] = &[Stage::Tool];
+
+    slope!(um_per_m);
 
     fn stages(&self) -> &'static [Stage] {
         &[Stage::Table, Stage::Tool]
@@ -43,31 +37,11 @@ impl EffectModel for ScaleGain {
         Vec::new()
     }
 
-    fn coordinates(&self) -> Vec<Coordinate> {
-        vec![Coordinate::signed(self.um_per_m, 5.0, 1e5)]
-    }
-
-    fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
-        self.um_per_m.abs() > LEAST_SLOPE_UM_PER_M
-    }
-
-    fn at(&self, x: &[f64]) -> Self {
-        Self { um_per_m: x[0] }
-    }
-
-    fn values(&self) -> Vec<f64> {
-        vec![self.um_per_m]
-    }
-
     fn sentence(&self, wording: &Wording) -> String {
         format!(
             "the linear scale reads {} {} than the table moves",
             wording.size(0),
             wording.by_sign("more", "less")
         )
-    }
-
-    fn abscissa(&self) -> Abscissa {
-        Abscissa::Position
     }
 }

@@ -1,4 +1,5 @@
-//! Repeated rows: the logger lost samples and wrote the previous row again, for all channels of all axes.
+//! Repeated rows: the logger lost samples and wrote the previous row again, for all channels of all axes, or for all that are
+//! measured: a control knows its commands.
 //!
 //! In contrast to a channel that is [`stuck`](super::stuck), no other channel of the row tells where the axis was. The lost rows are
 //! interpolated between their neighbours, as the filters and the simulated loop need a value, and excluded from all residuals.
@@ -35,9 +36,14 @@ fn columns(log: &Log) -> impl Iterator<Item = (usize, Channel, &[f64])> {
     log.axes.iter().enumerate().flat_map(of_axis)
 }
 
-/// The ranges of rows that equal the row before the range in every channel.
+/// The ranges of rows that equal the row before the range in every measured channel, or in every channel if only one is measured:
+/// that one may be [`stuck`](super::stuck) by itself.
 fn repeated(log: &Log) -> Vec<Range<usize>> {
-    let columns: Vec<&[f64]> = columns(log).map(|(.., values)| values).collect();
+    let is_measured = |channel: Channel| !matches!(channel, Channel::Command | Channel::AddedForce);
+    let measured = columns(log).filter(|(_, channel, _)| is_measured(*channel)).count();
+    let is_compared = |channel: Channel| measured < 2 || is_measured(channel);
+    let columns: Vec<&[f64]> =
+        columns(log).filter(|(_, channel, _)| is_compared(*channel)).map(|(.., values)| values).collect();
     let is_repeated =
         |row: usize| columns.iter().all(|values| values[row].to_bits() == values[row - 1].to_bits());
     let mut ranges: Vec<Range<usize>> = Vec::new();
@@ -102,11 +108,16 @@ pub fn correct(log: &mut Cow<'_, Log>, margin: usize, findings: &mut Findings) {
         let Some(values) = log.axes[axis].channel_mut(channel).as_mut() else { continue };
         let resolution = Accuracy::of(values).resolution;
         for range in &ranges {
-            if let Some(knots) = knots(range, &is_lost) {
+            if let Some(knots) = knots(range, &is_lost).filter(|_| is_constant(values, range)) {
                 interpolate(values, range, knots, resolution);
             }
         }
     }
+}
+
+/// Whether the values of a range are that before it. A command may go on.
+fn is_constant(values: &[f64], range: &Range<usize>) -> bool {
+    values[range.start - 1..range.end].windows(2).all(|two| two[0].to_bits() == two[1].to_bits())
 }
 
 /// The nearest two rows before a range and the nearest two after it that are not lost.
@@ -166,6 +177,23 @@ mod tests {
         let (mut log, mut findings) = (Cow::Borrowed(log), Findings::default());
         correct(&mut log, 6, &mut findings);
         (log, findings)
+    }
+
+    /// A control that knows its command repeats the measured channels alone: the motor must not be replaced by the motion of the table,
+    /// which is repeated as well, and the command is kept.
+    #[test]
+    fn rows_are_lost_although_the_command_goes_on() {
+        let mut broken = losing(&[100..101, 700..702, 1500..1501]);
+        broken.axes[0].command.clone_from(&self::log().axes[0].command);
+        let (log, findings) = corrected(&broken);
+        assert_eq!((findings.faults.len(), findings.faults[0].count), (1, 3));
+        assert_eq!(log.axes[0].command, broken.axes[0].command);
+        let motor = |log: &Log| log.axes[0].motor.clone().unwrap();
+        let error = numerics::max_abs(motor(&log).iter().zip(motor(&self::log())).map(|(a, b)| a - b));
+        assert!(error < 2.1 * RESOLUTION_MM, "{error}");
+        // A motor that is the only sensor may be stuck by itself.
+        broken.axes[0].table = None;
+        assert!(corrected(&broken).1.faults.is_empty());
     }
 
     #[test]

@@ -7,6 +7,7 @@ pub mod added_force;
 pub mod admission;
 pub mod checks;
 pub mod copies;
+pub mod encoder_step;
 pub mod missing_channels;
 pub mod motor_path;
 pub mod parts;

@@ -1,5 +1,7 @@
 //! Filtering and differentiation of a channel, and estimation of its noise.
 
+use super::encoder_step::encoder_step;
+
 /// One channel of a log with its filtered value and derivatives. Position channels are in m, force channels in N.
 ///
 /// Measured and modelled signals pass the same filter before they are compared, so that the distortion by the filter cancels
@@ -20,6 +22,8 @@ pub struct Smooth {
     pub position_noise: f64,
     /// Standard deviation of that noise in `acceleration`.
     pub acceleration_noise: f64,
+    /// Standard deviation of the rounding to the steps of `raw`, below which its noise is not.
+    rounding: f64,
     /// Half width of the filter's window, samples.
     half_window: usize,
 }
@@ -32,9 +36,11 @@ impl Smooth {
         let cubic = Cubic::new(half_window);
         let position = cubic.filtered(&raw);
         let (velocity, acceleration) = differences(&position, sample_s);
-        let noise = noise(&raw);
+        let rounding = rounding(&raw);
+        let noise = noise(&raw).max(rounding);
         Self {
             noise,
+            rounding,
             position_noise: noise * norm(&cubic.middle),
             acceleration_noise: noise * norm(&second_difference(&cubic.middle)) / (sample_s * sample_s),
             raw,
@@ -49,6 +55,7 @@ impl Smooth {
     /// interpolation. Unchanged without any reading.
     pub fn estimate_noise_without(&mut self, replaced: &[bool]) {
         let noise = noise_without(&self.raw, |sample| replaced.get(sample).copied().unwrap_or(false));
+        let noise = noise.max(self.rounding);
         if noise > 0.0 && self.noise > 0.0 {
             let factor = noise / self.noise;
             self.noise *= factor;
@@ -169,6 +176,12 @@ fn norm(weights: &[f64]) -> f64 {
 fn second_difference(kernel: &[f64]) -> Vec<f64> {
     let padded: Vec<f64> = [0.0; 2].into_iter().chain(kernel.iter().copied()).chain([0.0; 2]).collect();
     padded.windows(3).map(|w| w[2] - 2.0 * w[1] + w[0]).collect()
+}
+
+/// Standard deviation of the rounding of readings to steps of q, q/√12. At slow motion it is correlated from sample to sample, so that
+/// third differences show only a part of it.
+fn rounding(values: &[f64]) -> f64 {
+    encoder_step(values).map_or(0.0, |step| step / 12f64.sqrt())
 }
 
 /// Standard deviation of the white noise of a channel, from its third differences, which are zero for a parabola. Their
