@@ -79,9 +79,13 @@ fn description(fault: &DataFault, unit: Unit) -> String {
 fn stuck(fault: &DataFault, what: &str, at_s: &str) -> (String, &'static str) {
     let figure = significant(fault.size.unwrap_or(0.0).abs(), 3);
     match (fault.channel, fault.count) {
-        (None, rows) => (
+        (None, 1) => (
+            format!("rows were lost and the row before them repeated for {figure} s from {at_s} s on"),
+            "they are left out",
+        ),
+        (None, places) => (
             format!(
-                "{rows} rows were lost and the rows before them repeated, {figure} s in total, first at {at_s} s"
+                "rows were lost and the rows before them repeated in {places} places, {figure} s in total, first at {at_s} s"
             ),
             "they are left out",
         ),
@@ -153,7 +157,7 @@ mod tests {
         let stuck = DataFault { count: 90, ..fault(FaultKind::Stuck, Some(0.095), Treatment::Corrected) };
         assert_eq!(
             description(&DataFault { channel: None, ..stuck }, Unit::Millimetre),
-            "90 rows were lost and the rows before them repeated, 0.0950 s in total, first at 16.846 s; they are left out"
+            "rows were lost and the rows before them repeated in 90 places, 0.0950 s in total, first at 16.846 s; they are left out"
         );
         assert_eq!(
             description(&twice, Unit::Degree),

@@ -4,6 +4,7 @@
 //! the logged channels cannot tell apart from it ([`Imitation`]), and a residual that stands out in its
 //! stage: it has a cause of which the effect may describe a part.
 
+use crate::options::VerdictOptions;
 use crate::outcome::{AxisTrace, StageError, Trace};
 use crate::validation::declared_value;
 use crate::validation::found_effect::{FoundEffect, Remaining};
@@ -27,11 +28,16 @@ pub fn state_doubts(trace: &mut Trace) {
     for (number, axis) in axes.iter_mut().enumerate() {
         // The tool of a log without the table is not used if another log has the table.
         let has_table = fit_logs.iter().any(|log| log.axes[number].table.is_some());
-        of_axis(axis, machine, (has_table, session_s), options.verdict.max_certain_ratio);
+        of_axis(axis, machine, (has_table, session_s), &options.verdict);
     }
 }
 
-fn of_axis(axis: &mut AxisTrace, machine: &Machine, (has_table, session_s): (bool, f64), max_ratio: f64) {
+fn of_axis(
+    axis: &mut AxisTrace,
+    machine: &Machine,
+    (has_table, session_s): (bool, f64),
+    options: &VerdictOptions,
+) {
     let stages: Vec<Stage> = axis.errors.iter().map(|error| error.stage).collect();
     let Some(declared) = machine.axis.get(&axis.axis) else { return };
     let determined = axis.declared_values.iter().filter(|value| value.is_determined());
@@ -50,9 +56,10 @@ fn of_axis(axis: &mut AxisTrace, machine: &Machine, (has_table, session_s): (boo
         };
         found.imitations = found.effect.imitations(&context);
         let shown = axis.errors.iter().filter(|error| is_shown(found, error.stage));
-        let remaining = shown.map(|error| Remaining { stage: error.stage, to_noise: ratio_to_noise(error) });
+        let remaining =
+            shown.map(|error| Remaining { stage: error.stage, to_noise: ratio_to_noise(error, options) });
         let largest = remaining.max_by(|a, b| a.to_noise.total_cmp(&b.to_noise));
-        found.remaining = largest.filter(|remaining| remaining.to_noise > max_ratio);
+        found.remaining = largest.filter(|remaining| remaining.to_noise > options.max_certain_ratio);
     }
     withdraw_declared(axis);
 }
@@ -80,6 +87,6 @@ fn is_shown(found: &FoundEffect, stage: Stage) -> bool {
 
 /// What remains in a stage of the fitted logs, without the vibrations and local defects that are reported apart, as a multiple of
 /// the noise.
-fn ratio_to_noise(error: &StageError) -> f64 {
-    error.beside_exclusions.fit / error.noise.max(f64::MIN_POSITIVE)
+fn ratio_to_noise(error: &StageError, options: &VerdictOptions) -> f64 {
+    error.beside_exclusions.fit / error.noise.max(options.min_noise)
 }

@@ -96,9 +96,11 @@ fn of_log(machine: &Machine, log: &mut Cow<'_, Log>, options: &TraceOptions) -> 
     let mut findings = Findings::default();
     let faults = &options.faults;
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+    let samples = |seconds: f64| (seconds / log.sample_time_s).round() as usize;
     // The filter, and a second difference of its output.
-    let margin = (options.samples.smoothing_s / log.sample_time_s).round() as usize + 1;
-    repeated_rows::correct(log, margin, &mut findings);
+    let margin = samples(options.samples.smoothing_s) + 1;
+    let settling = samples(options.samples.settling_s);
+    repeated_rows::correct(log, [margin, settling], &mut findings);
     dead::remove(log, options, &mut findings);
     exchanged::correct(log, faults, &mut findings);
     for axis in 0..log.axes.len() {

@@ -1,5 +1,5 @@
-//! Repeated rows: the logger lost samples and wrote the previous row again, for all channels of all axes, or for all that are
-//! measured: a control knows its commands.
+//! Repeated rows: the logger lost samples and wrote the previous row again, for all channels, or for all that are measured, as a
+//! control knows its commands; of all axes, or of one that is read over a bus of its own.
 //!
 //! In contrast to a channel that is [`stuck`](super::stuck), no other channel of the row tells where the axis was. The lost rows are
 //! interpolated between their neighbours, as the filters and the simulated loop need a value, and excluded from all residuals.
@@ -15,9 +15,19 @@ use files::log::{AxisLog, Channel, Log};
 use model::effects::Stage;
 
 /// Largest number of successive rows that are interpolated. Of a longer gap the motion is not known.
-const MAX_ROWS: usize = 20;
-/// Smallest number of gaps at which an axis jumps by the motion that was missed. An axis at rest repeats its rows, too.
+const MAX_ROWS: usize = 100;
+/// Number of successive rows from which the interpolation is a motion that the machine did not make: the drive train then
+/// oscillates in the model, and the settling time is left out.
+const MIN_LONG: usize = 20;
+/// Smallest number of gaps at which an axis jumps by the motion that was missed. An axis at rest repeats its rows, too. One gap is
+/// enough if it has [`MIN_ALONE`] rows, or if this many channels are repeated.
 const MIN_JUMPS: usize = 3;
+/// Number of rows that are not equal by chance before a jump.
+const MIN_ALONE: usize = 5;
+/// Number of channels that are not equal by chance before a jump.
+const MIN_CHANNELS: usize = 3;
+/// Smallest change across a gap, in steps of a channel. What changes by less is equal by the rounding of its readings.
+const MIN_CHANGE: f64 = 1.5;
 /// A jump is greater than the steps before and after by this factor. After one lost row it is twice as large.
 const MIN_JUMP: f64 = 1.5;
 /// Smallest jump in steps of the encoder, and in standard deviations of the noise.
@@ -36,18 +46,32 @@ fn columns(log: &Log) -> impl Iterator<Item = (usize, Channel, &[f64])> {
     log.axes.iter().enumerate().flat_map(of_axis)
 }
 
-/// The ranges of rows that equal the row before the range in every measured channel, or in every channel if only one is measured:
-/// that one may be [`stuck`](super::stuck) by itself.
-fn repeated(log: &Log) -> Vec<Range<usize>> {
-    let is_measured = |channel: Channel| !matches!(channel, Channel::Command | Channel::AddedForce);
-    let measured = columns(log).filter(|(_, channel, _)| is_measured(*channel)).count();
-    let is_compared = |channel: Channel| measured < 2 || is_measured(channel);
-    let columns: Vec<&[f64]> =
-        columns(log).filter(|(_, channel, _)| is_compared(*channel)).map(|(.., values)| values).collect();
+const fn is_measured(channel: Channel) -> bool {
+    !matches!(channel, Channel::Command | Channel::AddedForce)
+}
+
+/// The measured channels of an axis, or all of the log if only one is measured: that one may be [`stuck`](super::stuck) by itself.
+fn of_axis(log: &Log, axis: usize) -> Vec<(Channel, &[f64])> {
+    let all = || columns(log).map(|(_, channel, values)| (channel, values));
+    let of_axis = columns(log).filter(|(index, channel, _)| *index == axis && is_measured(*channel));
+    let of_axis: Vec<_> = of_axis.map(|(_, channel, values)| (channel, values)).collect();
+    if of_axis.len() > 1 { of_axis } else { all().collect() }
+}
+
+/// The measured channels of all axes, or all channels if only one is measured.
+fn of_log(log: &Log) -> Vec<(Channel, &[f64])> {
+    let all: Vec<_> = columns(log).map(|(_, channel, values)| (channel, values)).collect();
+    let measured: Vec<_> = all.iter().copied().filter(|(channel, _)| is_measured(*channel)).collect();
+    if measured.len() > 1 { measured } else { all }
+}
+
+/// The ranges of rows that equal the row before the range in each of these columns.
+fn repeated<'a>(columns: impl Iterator<Item = &'a [f64]>, rows: usize) -> Vec<Range<usize>> {
+    let columns: Vec<&[f64]> = columns.collect();
     let is_repeated =
         |row: usize| columns.iter().all(|values| values[row].to_bits() == values[row - 1].to_bits());
     let mut ranges: Vec<Range<usize>> = Vec::new();
-    for row in (1..log.len()).filter(|&row| is_repeated(row)) {
+    for row in (1..rows).filter(|&row| is_repeated(row)) {
         match ranges.last_mut() {
             Some(last) if last.end == row => last.end += 1,
             _ => ranges.push(row..row + 1),
@@ -64,50 +88,72 @@ fn jumps(values: &[f64], range: &Range<usize>, smallest: f64) -> bool {
     jump.abs() > smallest && jump.abs() > MIN_JUMP * before.abs().max(after.abs())
 }
 
-/// The rows that were lost.
-fn lost(log: &Log) -> Vec<Range<usize>> {
-    let mut ranges = repeated(log);
-    ranges.retain(|range| range.len() <= MAX_ROWS && range.start > 1 && range.end + 1 < log.len());
-    let smallest = |values: &[f64]| {
-        let Accuracy { noise, resolution } = Accuracy::of(values);
-        (MIN_STEPS * resolution).max(MIN_NOISE * noise)
+/// The rows that were lost of these columns.
+fn lost(columns: &[(Channel, &[f64])], rows: usize) -> Vec<Range<usize>> {
+    let accuracy: Vec<Accuracy> = columns.iter().map(|(_, values)| Accuracy::of(values)).collect();
+    let columns: Vec<_> = columns.iter().zip(accuracy).collect();
+    let changes = |range: &Range<usize>| {
+        columns.iter().any(|((_, values), Accuracy { resolution, .. })| {
+            (values[range.end] - values[range.start]).abs() > MIN_CHANGE * resolution
+        })
     };
-    let positions: Vec<(&[f64], f64)> = columns(log)
-        .filter(|(_, channel, _)| POSITIONS.contains(channel))
-        .map(|(.., values)| (values, smallest(values)))
-        .collect();
-    let is_shown =
-        |range: &&Range<usize>| positions.iter().any(|(values, smallest)| jumps(values, range, *smallest));
-    if ranges.iter().filter(is_shown).count() < MIN_JUMPS { Vec::new() } else { ranges }
+    let jumps = |range: &&Range<usize>| {
+        columns.iter().filter(|((channel, _), _)| POSITIONS.contains(channel)).any(
+            |((_, values), Accuracy { noise, resolution })| {
+                jumps(values, range, (MIN_STEPS * resolution).max(MIN_NOISE * noise))
+            },
+        )
+    };
+    let mut ranges = repeated(columns.iter().map(|((_, values), _)| *values), rows);
+    ranges
+        .retain(|range| range.len() <= MAX_ROWS && range.start > 1 && range.end + 1 < rows && changes(range));
+    let shown = ranges.iter().filter(jumps);
+    let are_many = columns.len() >= MIN_CHANNELS;
+    let is_decisive = shown.clone().any(|range| are_many || range.len() >= MIN_ALONE);
+    if is_decisive || shown.count() >= MIN_JUMPS { ranges } else { Vec::new() }
 }
 
 /// Finds and reports repeated rows, and interpolates them. `margin` is the number of neighbours that are excluded beside a gap
-/// that a filter does not bridge.
-pub fn correct(log: &mut Cow<'_, Log>, margin: usize, findings: &mut Findings) {
-    let ranges = lost(log);
-    let Some(first) = ranges.first() else { return };
-    let rows: usize = ranges.iter().map(Range::len).sum();
-    for axis in 0..log.axes.len() {
+/// that a filter does not bridge, `settling` that beside a long gap.
+///
+/// Axes may be read over buses of their own: the rows of each are looked at by themselves. An axis that shows no jump, as it
+/// stands still, has lost those of the log.
+pub fn correct(log: &mut Cow<'_, Log>, [margin, settling]: [usize; 2], findings: &mut Findings) {
+    let of_all = lost(&of_log(log), log.len());
+    let of_axes: Vec<Vec<Range<usize>>> = (0..log.axes.len())
+        .map(|axis| lost(&of_axis(log, axis), log.len()))
+        .map(|ranges| if ranges.is_empty() { of_all.clone() } else { ranges })
+        .collect();
+    for (axis, ranges) in of_axes.iter().enumerate() {
+        let Some(first) = ranges.first() else { continue };
+        let rows: usize = ranges.iter().map(Range::len).sum();
         let place = Place { log, axis, channel: Channel::Motor };
         let fault = place.fault_at(FaultKind::Stuck, first.start, rows as f64 * log.sample_time_s);
         let fault =
             DataFault { channel: None, count: ranges.len(), treatment: Treatment::Corrected, ..fault };
         findings.faults.push(fault);
-        for range in &ranges {
-            let margin = if range.len() > MAX_INTERPOLATED { margin } else { 0 };
+        for range in ranges {
+            let margin = match range.len() {
+                ..=MAX_INTERPOLATED => 0,
+                MIN_LONG.. => settling,
+                _ => margin,
+            };
             findings.exclude_stages(&place, range, margin, ALL_STAGES);
         }
+        interpolate_axis(log.to_mut(), axis, ranges);
     }
+}
+
+/// Interpolates the channels of an axis over lost rows.
+fn interpolate_axis(log: &mut Log, axis: usize, ranges: &[Range<usize>]) {
     let mut is_lost = vec![false; log.len()];
-    for range in &ranges {
+    for range in ranges {
         is_lost[range.clone()].fill(true);
     }
-    let places: Vec<(usize, Channel)> = columns(log).map(|(axis, channel, _)| (axis, channel)).collect();
-    let log = log.to_mut();
-    for (axis, channel) in places {
+    for channel in Channel::ALL {
         let Some(values) = log.axes[axis].channel_mut(channel).as_mut() else { continue };
         let resolution = Accuracy::of(values).resolution;
-        for range in &ranges {
+        for range in ranges {
             if let Some(knots) = knots(range, &is_lost).filter(|_| is_constant(values, range)) {
                 interpolate(values, range, knots, resolution);
             }
@@ -175,7 +221,7 @@ mod tests {
 
     fn corrected(log: &Log) -> (Cow<'_, Log>, Findings) {
         let (mut log, mut findings) = (Cow::Borrowed(log), Findings::default());
-        correct(&mut log, 6, &mut findings);
+        correct(&mut log, [6, 300], &mut findings);
         (log, findings)
     }
 
@@ -194,6 +240,29 @@ mod tests {
         // A motor that is the only sensor may be stuck by itself.
         broken.axes[0].table = None;
         assert!(corrected(&broken).1.faults.is_empty());
+    }
+
+    /// Each axis loses rows of its own; the third axis is at rest and repeats all.
+    #[test]
+    fn axes_lose_rows_of_their_own() {
+        let mut broken = losing(&[100..101, 700..702, 1500..1501]);
+        let [mut y, mut at_rest] = [losing(&[200..201, 900..901, 1700..1701, 2500..2501]), log()];
+        y.axes[0].name = "y".to_owned();
+        at_rest.axes[0].name = "z".to_owned();
+        for channel in [Channel::Command, Channel::Motor, Channel::Table] {
+            at_rest.axes[0].channel_mut(channel).as_mut().unwrap().fill(1.0);
+        }
+        broken.axes.extend([y, at_rest].into_iter().flat_map(|log| log.axes));
+        let (log, findings) = corrected(&broken);
+        let counts: Vec<(&str, usize)> =
+            findings.faults.iter().map(|fault| (fault.axis.as_str(), fault.count)).collect();
+        assert_eq!(counts, [("x", 3), ("y", 4)]);
+        for axis in &log.axes[..2] {
+            let sound = self::log().axes[0].motor.clone().unwrap();
+            let motor = axis.motor.as_ref().unwrap();
+            let error = numerics::max_abs(motor.iter().zip(sound).map(|(a, b)| a - b));
+            assert!(error < 2.1 * RESOLUTION_MM, "{}: {error}", axis.name);
+        }
     }
 
     #[test]
@@ -226,8 +295,14 @@ mod tests {
     #[test]
     fn an_axis_at_rest_and_a_coarse_encoder_repeat_no_rows() {
         assert!(corrected(&log()).1.faults.is_empty());
-        // Two gaps may be chance.
+        // Two gaps may be chance, one of five rows is not.
         assert!(corrected(&losing(&[100..101, 1500..1501])).1.faults.is_empty());
+        assert_eq!(corrected(&losing(&[1500..1505])).1.faults.len(), 1);
+        // Nor is one of a single row in three channels.
+        let mut of_three = losing(&[1500..1501]);
+        let table = of_three.axes[0].table.clone();
+        of_three.axes[0].tool = table;
+        assert_eq!(corrected(&of_three).1.faults.len(), 1);
         // At rest all rows are equal but for a probe with noise, whose readings differ by chance.
         let mut noisy = log();
         let reading = |i: u32| if i % 10 < 2 { 0.0 } else { 1e-5 * f64::from(i * i % 7) };

@@ -17,5 +17,6 @@ fn an_option_is_scaled_by_its_name_alone() {
 fn a_count_is_rounded_and_at_least_one() {
     let options = TraceOptions::default();
     assert_eq!(options.scaled("exclusion.max_count", 0.1).unwrap().exclusion.max_count, 1);
-    assert_eq!(options.scaled("search.fitted_candidates", 0.6).unwrap().search.fitted_candidates, 2);
+    // 0.75 × 5 = 3.75.
+    assert_eq!(options.scaled("search.fitted_candidates", 0.75).unwrap().search.fitted_candidates, 4);
 }
