@@ -230,7 +230,7 @@ mod tests {
     #[test]
     fn rows_are_lost_although_the_command_goes_on() {
         let mut broken = losing(&[100..101, 700..702, 1500..1501]);
-        broken.axes[0].command.clone_from(&self::log().axes[0].command);
+        broken.axes[0].command.clone_from(&log().axes[0].command);
         let (log, findings) = corrected(&broken);
         assert_eq!((findings.faults.len(), findings.faults[0].count), (1, 3));
         assert_eq!(log.axes[0].command, broken.axes[0].command);
@@ -297,9 +297,9 @@ mod tests {
         assert!(corrected(&log()).1.faults.is_empty());
         // Two gaps may be chance, one of five rows is not.
         assert!(corrected(&losing(&[100..101, 1500..1501])).1.faults.is_empty());
-        assert_eq!(corrected(&losing(&[1500..1505])).1.faults.len(), 1);
+        assert_eq!(corrected(&losing(std::slice::from_ref(&(1500..1505)))).1.faults.len(), 1);
         // Nor is one of a single row in three channels.
-        let mut of_three = losing(&[1500..1501]);
+        let mut of_three = losing(std::slice::from_ref(&(1500..1501)));
         let table = of_three.axes[0].table.clone();
         of_three.axes[0].tool = table;
         assert_eq!(corrected(&of_three).1.faults.len(), 1);
