@@ -29,7 +29,7 @@ pub fn open(port: &str, timeout: Duration) -> Result<Emulator, ControllerError> 
         Some(("emulated", path)) if !path.is_empty() => PathBuf::from(path),
         _ => {
             return Err(ControllerError::Port(format!(
-                "expected emulated or emulated:PROGRAM (a board on a serial port cannot be reached yet), found {}",
+                "expected emulated or emulated:PROGRAM, found {}",
                 quoted(port)
             )));
         }
