@@ -54,7 +54,7 @@ pub fn run(arguments: &Arguments) -> Result<()> {
     write_json(arguments.json.as_ref(), &comparison)?;
     let mut output = summary(&comparison);
     if let Some(folder) = &arguments.report {
-        let path = compare::page::write(folder, &comparison, &sentences(&comparison))?;
+        let path = compare::page::write(folder, &comparison, &sentences(&comparison, NOT_STARTED))?;
         output += &format!("\n\nReport: {}", path.display());
     }
     print(&output)
@@ -71,8 +71,11 @@ fn emulator(arguments: &Arguments) -> Result<(Option<PathBuf>, Option<String>)> 
     }
 }
 
-/// The results in sentences.
-fn sentences(comparison: &Comparison) -> Vec<String> {
+/// Why the instructions of a page were not counted: a page is passed on, and names no file of this computer.
+const NOT_STARTED: &str = "the program of the emulated core could not be started";
+
+/// The results in sentences; `not_counted` is the reason if no instructions were counted.
+fn sentences(comparison: &Comparison, not_counted: &str) -> Vec<String> {
     let fixed = Pipeline::Of(Format::Fixed);
     let worst = |figure: fn(&Row) -> f64| numerics::max_abs(comparison.of(fixed).map(figure));
     let of = |pipeline, motion: Motion| comparison.of(pipeline).find(|row| row.motion == motion.name());
@@ -97,9 +100,10 @@ fn sentences(comparison: &Comparison) -> Vec<String> {
             nanometres(1e-6 * day.drift_nm.unwrap_or(f64::NAN)),
         ));
     }
-    lines.push(match &comparison.not_counted {
-        Some(problem) => format!("Instructions were not counted: {problem}."),
-        None => cost(comparison),
+    lines.push(if comparison.not_counted.is_some() {
+        format!("Instructions were not counted: {not_counted}.")
+    } else {
+        cost(comparison)
     });
     lines
 }
@@ -126,7 +130,8 @@ fn cost(comparison: &Comparison) -> String {
 
 /// The sentences, then a table with a row per motion and number format.
 fn summary(comparison: &Comparison) -> String {
-    let mut lines = sentences(comparison);
+    let problem = comparison.not_counted.as_deref().unwrap_or_default();
+    let mut lines = sentences(comparison, problem);
     lines.push(String::new());
     lines.push(format!(
         "{:<10}{:<14}{:>26}{:>26}{:>13}{:>8}",
