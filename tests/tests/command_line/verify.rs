@@ -101,7 +101,7 @@ fn a_better_machine_is_confirmed_on_every_motion() {
     assert!((20.0..=41.0).contains(&(before - after)), "{before} {after}");
     assert!(motions[1].get("circular_deviation_um").is_none(), "no full circle");
     let page = fs::read_to_string(folder.path().join("report/report.html")).unwrap();
-    assert!(page.contains("The circle of circle_with") && page.contains("Measured at the tool."));
+    assert!(page.contains("Radial deviation of circle_with") && page.contains("Measured at the tool."));
     assert!(page.contains("Radial deviation from the programmed circle"));
     assert_eq!(page.matches("magnified").count() % 2, 0, "before and after, each in picture and caption");
 }
