@@ -1,7 +1,5 @@
 //! The step of an encoder, from its readings.
 
-use crate::data_faults::channels::thinned;
-
 /// Smallest share of the differences between successive readings that are whole numbers of steps. The others are those of readings
 /// that were replaced.
 const MIN_WHOLE: f64 = 0.8;
@@ -18,12 +16,15 @@ const MIN_SAME: usize = 3;
 /// Number of sets of equal differences that are tried, the smallest first.
 const TRIED: usize = 20;
 
+/// Number of readings, from the first on, that are looked at.
+const MAX_READINGS: usize = 400_000;
+
 /// The step of which nearly all differences between successive readings are whole multiples. `None` if there is none, or if it is so
 /// small compared with the motion from reading to reading that hardly any difference is one step. At constant
 /// speed differences are equal, too, but those of a start or a stop are no multiples of them.
 #[must_use]
 pub fn encoder_step(values: &[f64]) -> Option<f64> {
-    let values = thinned(values);
+    let values = &values[..values.len().min(MAX_READINGS)];
     let greatest = values.iter().fold(0.0, |greatest: f64, value| greatest.max(value.abs()));
     let differences = values.windows(2).map(|two| (two[1] - two[0]).abs());
     // Smaller differences are rounding errors of the computation.
