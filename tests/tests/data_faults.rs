@@ -1,8 +1,6 @@
 //! Broken data are named before any effect is looked for, and what is sound is traced.
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
-use std::borrow::Cow;
-
 use files::log::{AxisLog, Channel, Log};
 use model::effects::Stage;
 use model::machine::Machine;
@@ -229,8 +227,9 @@ fn a_log_shorter_than_its_settling_is_refused() {
 
 /// The faults of logs at their own rate.
 fn examined(machine: &Machine, logs: &[Log]) -> Vec<data_faults::DataFault> {
-    let logs = logs.iter().map(Cow::Borrowed).collect();
-    data_faults::examine(machine, [logs, Vec::new()], &TraceOptions::default()).unwrap().faults
+    let options = TraceOptions::default();
+    let interpolated = data_faults::interpolate_lost_rows(machine, [logs, &[]], &options);
+    data_faults::examine(machine, interpolated, &options).unwrap().faults
 }
 
 #[test]

@@ -1,14 +1,12 @@
 //! Logs whose positions are compared, without the faults of their data: a channel that is not that of its axis is refused, spikes
 //! are left out. The faults are those that a trace finds.
 
-use std::borrow::Cow;
-
 use contour::logged::{POSITIONS, has};
 use files::error::InputError;
 use files::format::significant;
 use files::log::{Channel, Log};
 use model::machine::Machine;
-use trace::data_faults::{DataFault, FaultKind, examine};
+use trace::data_faults::{DataFault, FaultKind, examine, interpolate_lost_rows};
 use trace::options::TraceOptions;
 
 /// Logs before or after a change, and a sentence for each fault of their data.
@@ -40,7 +38,9 @@ fn without_faults(mut log: Log, machine: &Machine) -> Result<(Log, Vec<String>),
         return Ok((log, Vec::new()));
     };
     // As a log of the validation: that of a fit is refused if its rows are repeated, before its fault is named.
-    let examined = examine(machine, [Vec::new(), vec![Cow::Borrowed(&log)]], &TraceOptions::default())?;
+    let options = TraceOptions::default();
+    let interpolated = interpolate_lost_rows(machine, [&[], std::slice::from_ref(&log)], &options);
+    let examined = examine(machine, interpolated, &options)?;
     let concerns = |fault: &&DataFault| fault.channel.is_none_or(|c| c == measured || c == Channel::Command);
     let faults: Vec<&DataFault> = examined.faults.iter().filter(concerns).collect();
     if let Some(fault) = faults.iter().find(|fault| is_wrong_channel(fault.kind)) {

@@ -117,14 +117,15 @@ pub fn trace_with(
 fn run(
     options: &TraceOptions,
     machine: &Machine,
-    [fit, validate]: [&[Log]; 2],
+    logs: [&[Log]; 2],
     request: Request,
     progress: &Progress<'_>,
 ) -> Result<Trace, InputError> {
-    let Admitted { fit, validate, notes } =
-        admission::at_machine_rate(machine, [fit, validate], &options.admission)?;
+    let Examined { logs, faults, excluded } = data_faults::interpolate_lost_rows(machine, logs, options);
+    let Admitted { fit, validate, notes } = admission::at_machine_rate(machine, logs, &options.admission)?;
+    let interpolated = Examined { logs: [fit, validate], faults, excluded };
     let Examined { logs: [fit, validate], mut faults, excluded } =
-        data_faults::examine(machine, [fit, validate], options)?;
+        data_faults::examine(machine, interpolated, options)?;
     let Admitted { fit, validate, mut notes } =
         admission::admit(machine, Admitted { fit, validate, notes }, &options.admission)?;
     for log in fit.iter().chain(&validate) {

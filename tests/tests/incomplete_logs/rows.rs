@@ -32,15 +32,41 @@ fn damage(log: &mut Log, channels: &[Channel], random: &mut ChaCha8Rng) {
     }
 }
 
-/// Cases with effects that an encoder of 1 µm shows. Once none of them was found beside lost rows: of all channels, or of those that
-/// are measured, while the command of the control goes on.
+/// The log as a logger of N times its rate would write it: values between the samples lie on straight lines.
+fn at_times_the_rate(log: &Log, times: u32) -> Log {
+    let between = |values: &[f64]| -> Vec<f64> {
+        let pairs = values.windows(2).flat_map(|pair| {
+            let &[from, to] = pair else { unreachable!("windows of two") };
+            (0..times).map(move |step| from + (to - from) * f64::from(step) / f64::from(times))
+        });
+        pairs.chain(values.last().copied()).collect()
+    };
+    let mut fast = log.clone();
+    fast.sample_time_s /= f64::from(times);
+    for axis in &mut fast.axes {
+        for channel in Channel::ALL {
+            if let Some(values) = axis.channel_mut(channel) {
+                *values = between(values);
+            }
+        }
+    }
+    fast
+}
+
+/// Cases with effects that an encoder of 1 µm shows. Once none of them was found beside lost rows: of all channels, of those that
+/// are measured while the command of the control goes on, or in a log at four times the rate of the machine.
 #[test]
 fn effects_are_found_beside_lost_rows() {
     const MEASURED: [Channel; 4] = [Channel::Motor, Channel::Table, Channel::Tool, Channel::Force];
-    for (name, channels) in [("case-2", &Channel::ALL[..]), ("case-6", &MEASURED[..])] {
+    for (name, channels, times) in
+        [("case-2", &Channel::ALL[..], 1), ("case-6", &MEASURED[..], 1), ("case-2", &MEASURED[..], 4)]
+    {
         let Some(mut case) = Case::blind_named(name) else { return };
         let mut random = ChaCha8Rng::seed_from_u64(1);
-        case.logs.iter_mut().flatten().for_each(|log| damage(log, channels, &mut random));
+        for log in case.logs.iter_mut().flatten() {
+            *log = at_times_the_rate(log, times);
+            damage(log, channels, &mut random);
+        }
         let [fit, validate] = &case.logs;
         let trace = trace(&case.machine(), fit, validate, &|_| {}).unwrap();
         let found = trace.axes.iter().flat_map(|axis| {

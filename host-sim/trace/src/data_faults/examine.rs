@@ -27,16 +27,59 @@ pub struct Examined<'a> {
     pub excluded: Vec<Excluded>,
 }
 
-/// Examines logs at the rate of the machine.
+impl<'a> Examined<'a> {
+    /// Adds fit logs (set 0) or validation logs (set 1) with what was found in them.
+    fn add(&mut self, set: usize, results: Vec<(Cow<'a, Log>, Findings)>) {
+        for (log, findings) in results {
+            self.logs[set].push(log);
+            self.faults.extend(findings.faults);
+            self.excluded.extend(findings.excluded);
+        }
+    }
+}
+
+/// Finds and interpolates lost rows, in logs at their own rate: thinned to that of the machine, a repeated row no longer equals the
+/// one before it.
+#[must_use]
+pub fn interpolate_lost_rows<'a>(
+    machine: &Machine,
+    logs: [&'a [Log]; 2],
+    options: &TraceOptions,
+) -> Examined<'a> {
+    let machine_sample_s = 1.0 / machine.sample_rate_hz;
+    let of_log = |log: &'a Log| {
+        let mut log = Cow::Borrowed(log);
+        let mut findings = Findings::default();
+        // A log whose rows are all repeated is left out or refused by `examine`.
+        if rate::repeated(&log).is_none() {
+            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+            let samples = |seconds: f64| (seconds / log.sample_time_s).round() as usize;
+            // The filter, and a second difference of its output.
+            let margin = samples(options.samples.smoothing_s + machine_sample_s);
+            let settling = samples(options.samples.settling_s);
+            repeated_rows::correct(&mut log, [margin, settling], &mut findings);
+        }
+        (log, findings)
+    };
+    let mut examined = Examined::default();
+    for (set, logs) in logs.into_iter().enumerate() {
+        let results: Vec<(Cow<'a, Log>, Findings)> = logs.par_iter().map(of_log).collect();
+        examined.add(set, results);
+    }
+    examined
+}
+
+/// Examines logs at the rate of the machine, whose lost rows are interpolated.
 ///
 /// # Errors
 /// If the rows of all fit logs are repeated.
 pub fn examine<'a>(
     machine: &Machine,
-    logs: [Vec<Cow<'a, Log>>; 2],
+    interpolated: Examined<'a>,
     options: &TraceOptions,
 ) -> Result<Examined<'a>, InputError> {
-    let mut examined = Examined::default();
+    let Examined { logs, faults, excluded } = interpolated;
+    let mut examined = Examined { logs: Default::default(), faults, excluded };
     let of_log = |mut log: Cow<'a, Log>| {
         let findings = of_log(machine, &mut log, options);
         (log, findings)
@@ -47,11 +90,7 @@ pub fn examine<'a>(
         if set == 0 {
             leave_out(&mut results, &mut examined.faults);
         }
-        for (log, findings) in results {
-            examined.logs[set].push(log);
-            examined.faults.extend(findings.faults);
-            examined.excluded.extend(findings.excluded);
-        }
+        examined.add(set, results);
     }
     examined.faults.extend(hum::correct_all(&mut examined.logs));
     Ok(examined)
@@ -99,8 +138,6 @@ fn of_log(machine: &Machine, log: &mut Cow<'_, Log>, options: &TraceOptions) -> 
     let samples = |seconds: f64| (seconds / log.sample_time_s).round() as usize;
     // The filter, and a second difference of its output.
     let margin = samples(options.samples.smoothing_s) + 1;
-    let settling = samples(options.samples.settling_s);
-    repeated_rows::correct(log, [margin, settling], &mut findings);
     dead::remove(log, options, &mut findings);
     exchanged::correct(log, faults, &mut findings);
     for axis in 0..log.axes.len() {

@@ -3,11 +3,11 @@
 //! A fault that can be corrected is corrected, and the samples that it spoils are excluded from the residuals
 //! ([`excluded`]); a channel that cannot be used is removed from its log. Either is reported as a [`DataFault`].
 //!
-//! Only what the channels of a log contradict among themselves is reported. Each kind of fault has its file: [`dead`],
-//! [`exchanged`], [`sign`], [`mod@unit`], [`shifted`], [`stuck`], [`spike`], [`slip`], [`hum`], [`rate`],
-//! [`repeated_rows`]. They are looked for
-//! in this order, as each requires that the earlier ones are corrected; [`late_command`] requires a model of the loop and follows
-//! the filtering of the signals.
+//! Only what the channels of a log contradict among themselves is reported. Each kind of fault has its file:
+//! [`repeated_rows`], [`rate`], [`dead`], [`exchanged`], [`sign`], [`mod@unit`], [`shifted`], [`stuck`], [`slip`], [`spike`],
+//! [`hum`]. They are looked for in this order, as each requires that the earlier ones are corrected: repeated rows before a log is
+//! thinned to the rate of the machine, the others after it. [`late_command`] requires a model of the loop and follows the filtering
+//! of the signals.
 
 pub mod agreement;
 pub mod bridge;
@@ -35,5 +35,5 @@ pub mod stuck;
 pub mod stuck_force;
 pub mod unit;
 
-pub use examine::{Examined, examine};
+pub use examine::{Examined, examine, interpolate_lost_rows};
 pub use fault::{DataFault, FaultKind, Treatment};

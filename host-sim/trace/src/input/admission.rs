@@ -25,12 +25,14 @@ pub struct Admitted<'a> {
 /// For a log at a rate that is not a multiple of it.
 pub fn at_machine_rate<'a>(
     machine: &Machine,
-    logs: [&'a [Log]; 2],
+    logs: [Vec<Cow<'a, Log>>; 2],
     options: &AdmissionOptions,
 ) -> Result<Admitted<'a>, InputError> {
     let mut notes = Vec::new();
-    let mut at_rate = |logs: &'a [Log]| -> Result<Vec<Cow<'a, Log>>, InputError> {
-        logs.iter().map(|log| sampling_rate::at_machine_rate(machine, log, options, &mut notes)).collect()
+    let mut at_rate = |logs: Vec<Cow<'a, Log>>| -> Result<Vec<Cow<'a, Log>>, InputError> {
+        logs.into_iter()
+            .map(|log| sampling_rate::at_machine_rate(machine, log, options, &mut notes))
+            .collect()
     };
     let [fit, validate] = logs;
     let (fit, validate) = (at_rate(fit)?, at_rate(validate)?);
@@ -93,7 +95,8 @@ mod tests {
         validate: &'a [Log],
         options: &AdmissionOptions,
     ) -> Result<Admitted<'a>, InputError> {
-        super::admit(machine, at_machine_rate(machine, [fit, validate], options)?, options)
+        let logs = [fit, validate].map(|logs| logs.iter().map(Cow::Borrowed).collect());
+        super::admit(machine, at_machine_rate(machine, logs, options)?, options)
     }
 
     fn refused(fit: &[Log], validate: &[Log]) -> String {

@@ -13,7 +13,7 @@ use model::machine::Machine;
 /// For any other rate.
 pub fn at_machine_rate<'a>(
     machine: &Machine,
-    log: &'a Log,
+    log: Cow<'a, Log>,
     options: &AdmissionOptions,
     notes: &mut Vec<String>,
 ) -> Result<Cow<'a, Log>, InputError> {
@@ -30,7 +30,7 @@ pub fn at_machine_rate<'a>(
         return Err(InputError::expected(&log.source, what, format!("{rate:.6} Hz: {why}")));
     }
     if whole < 1.5 {
-        return Ok(Cow::Borrowed(log));
+        return Ok(log);
     }
     #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "at least 2")]
     let every = whole as usize;
@@ -42,8 +42,8 @@ pub fn at_machine_rate<'a>(
         ordinal(every),
         0.5 * machine.sample_rate_hz
     ));
-    let mut thinned = log.clone();
-    thinned.sample_time_s = log.sample_time_s * whole;
+    let mut thinned = log.into_owned();
+    thinned.sample_time_s *= whole;
     for axis in &mut thinned.axes {
         for channel in Channel::ALL {
             if let Some(samples) = axis.channel_mut(channel) {
