@@ -4,6 +4,7 @@
 //! the logged channels cannot tell apart from it ([`Imitation`]), and a residual that stands out in its
 //! stage: it has a cause of which the effect may describe a part.
 
+use crate::analysis::variable::Variable;
 use crate::options::VerdictOptions;
 use crate::outcome::{AxisTrace, StageError, Trace};
 use crate::validation::declared_value;
@@ -11,6 +12,10 @@ use crate::validation::found_effect::{FoundEffect, Remaining};
 use crate::verdict::{self, Verdict};
 use model::effects::{Imitation, ImitationContext, Stage};
 use model::machine::Machine;
+
+/// Smallest share of its noise that a difference of two independent channels keeps. Filters and encoder steps leave 0.35 and more,
+/// instants that jitter by 20 to 40 µs leave 0.1 and less.
+const MAX_OWN_NOISE: f64 = 0.2;
 
 /// Whether no other effect explains the logs as well, nothing imitates it, and the model with it describes its axis.
 #[must_use]
@@ -25,11 +30,32 @@ pub fn state_doubts(trace: &mut Trace) {
     let (starts_s, ends_s): (Vec<f64>, Vec<f64>) = ends_s.map(|[start_s, end_s]| (start_s, end_s)).unzip();
     let session_s = numerics::max(ends_s) - numerics::min(starts_s);
     let Trace { axes, machine, options, fit_logs, .. } = trace;
+    let jitters = axes.iter().any(has_common_noise);
     for (number, axis) in axes.iter_mut().enumerate() {
         // The tool of a log without the table is not used if another log has the table.
         let has_table = fit_logs.iter().any(|log| log.axes[number].table.is_some());
         of_axis(axis, machine, (has_table, session_s), &options.verdict);
+        if jitters {
+            doubt_the_loop(axis);
+        }
     }
+}
+
+/// Whether the channels of an axis share their noise, so that little of it is left in their differences. Sensors are independent:
+/// what they share is a motion, or the instants at which all of them were read, times the velocity.
+fn has_common_noise(axis: &AxisTrace) -> bool {
+    let is_difference = |error: &&StageError| matches!(error.stage, Stage::Table | Stage::Tool);
+    let mut differences = axis.errors.iter().filter(is_difference);
+    differences.any(|error| error.after.fit < MAX_OWN_NOISE * error.noise)
+}
+
+/// Names the clock as an imitation of all that is found in the stages of force and motor, which are no differences of readings, and
+/// withdraws that declared values are beyond their tolerance.
+fn doubt_the_loop(axis: &mut AxisTrace) {
+    for found in axis.found.iter_mut().filter(|found| matches!(found.stage, Stage::Force | Stage::Motor)) {
+        found.imitations.push(Imitation::CLOCK);
+    }
+    axis.declared_values.iter_mut().for_each(|value| value.is_beyond_tolerance = false);
 }
 
 fn of_axis(
@@ -43,6 +69,7 @@ fn of_axis(
     let determined = axis.declared_values.iter().filter(|value| value.is_determined());
     let fitted_to_declared: Vec<f64> = determined.map(|value| value.fitted / value.declared).collect();
     let tolerance = axis.declared_values.first().map_or(0.0, |value| value.tolerance);
+    let tool_follows_scale = follows_scale(axis, options);
     for found in &mut axis.found {
         let context = ImitationContext {
             axis: &declared.settings,
@@ -53,6 +80,7 @@ fn of_axis(
             fitted_to_declared: &fitted_to_declared,
             tolerance,
             session_s,
+            tool_follows_scale,
         };
         found.imitations = found.effect.imitations(&context);
         let shown = axis.errors.iter().filter(|error| is_shown(found, error.stage));
@@ -64,12 +92,22 @@ fn of_axis(
     withdraw_declared(axis);
 }
 
+/// See [`ImitationContext::tool_follows_scale`].
+fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
+    let tool = axis.errors.iter().find(|error| error.stage == Stage::Tool);
+    let depends_on_position = axis
+        .unexplained
+        .iter()
+        .any(|residual| residual.channel == Stage::Tool && residual.variable == Variable::Position);
+    tool.is_some_and(|tool| ratio_to_noise(tool, options) < options.max_certain_ratio || !depends_on_position)
+}
+
 /// Withdraws that declared values are outside their tolerance where the model does not describe the axis, and where the scale of
 /// the logged force explains all of them: together with the gain of the loop, which contradicts the masses by the same factor, or
-/// where no loop could be evaluated.
+/// where no loop could be evaluated or described.
 fn withdraw_declared(axis: &mut AxisTrace) {
     let imitations = axis.found.iter().flat_map(|found| &found.imitations);
-    let has_loop = axis.errors.iter().any(|error| error.stage == Stage::Motor);
+    let has_loop = !axis.is_of_another_machine && axis.errors.iter().any(|error| error.stage == Stage::Motor);
     let is_explained = imitations.into_iter().any(|imitation| *imitation == Imitation::FORCE_GAIN);
     axis.has_force_scale =
         is_explained || !has_loop && declared_value::are_off_by_one_factor(&axis.declared_values);

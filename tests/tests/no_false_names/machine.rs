@@ -78,7 +78,8 @@ impl TestMachine {
             let positions = motion::sampled(motion.start, &motion.segments, motion.pace);
             let mut random = ChaCha8Rng::seed_from_u64(self.seed);
             random.set_stream(index);
-            let log = simulation::run(&self.drawn.axes, &positions, start_s, &mut random);
+            let times_s = [start_s, self.drawn.recorder.jitter_s];
+            let log = simulation::run_jittered(&self.drawn.axes, &positions, times_s, &mut random);
             // Whole ms, as in a log.
             start_s = (1e3 * (start_s + PAUSE_S) + positions.len() as f64).round() / 1e3;
             Log { source: motion.name.to_owned(), ..log }

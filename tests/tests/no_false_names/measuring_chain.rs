@@ -228,3 +228,39 @@ fn motor_and_force_alone_do_not_divide_the_masses() {
         assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
     }
 }
+
+/// Rows that are read up to 0.1 ms beside their times. Once: "velocity gain 5.4 ± 0.1 % below", certain, and masses and friction
+/// beyond their tolerance. Speed times jitter is in all positions alike and cancels in their differences.
+#[test]
+fn instants_that_jitter_are_no_certain_velocity_gain() {
+    let mut machine = TestMachine::new(P).with_declared(0, "velocity_gain_n_s_per_m", |kv| kv / 1.4);
+    machine.drawn.recorder.jitter_s = 35e-6;
+    let trace = machine.trace();
+    assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
+    let gain = found(&trace, 0, "velocity_gain_mismatch");
+    assert!(gain.rival_names().contains(&"timestamp_jitter"), "{}", context(&trace));
+}
+
+/// Once: "motor mass 17.0 ± 0.4 % below", on 9 of 9 machines without the gains of their loop: between two rows of the log, the force
+/// changes in a way that is then not known.
+#[test]
+fn without_the_gains_of_the_loop_the_masses_are_not_divided() {
+    let loop_keys = [
+        "controller",
+        "position_gain_per_s",
+        "feedforward_percent",
+        "velocity_gain_n_s_per_m",
+        "velocity_integral_time_s",
+        "force_limit_n",
+        "feedback",
+        "dual_feedback_time_constant_s",
+    ];
+    for seed in [P, 2] {
+        let mut machine = TestMachine::new(seed);
+        for axis in &mut machine.drawn.declared {
+            axis.text = without_keys(&axis.text, &loop_keys);
+        }
+        let trace = machine.trace();
+        assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
+    }
+}

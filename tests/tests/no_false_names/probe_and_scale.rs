@@ -135,6 +135,20 @@ fn a_wave_of_the_scale_is_not_the_screw() {
     assert_rival(&trace, 0, "pitch_cyclic", "scale_cyclic");
 }
 
+/// A wave of the scale that is about as long as the travel. Once: an error map of the screw, certain, although the probe contradicts it.
+#[test]
+fn a_long_error_of_the_scale_is_no_certain_map_of_the_screw() {
+    let wave = |mm: f64| 2.7e-3 * (std::f64::consts::TAU * mm / 90.0 + 0.4).sin();
+    let trace = machine().trace_of(|log| {
+        log.axes[1].table.as_mut().unwrap().iter_mut().for_each(|mm| *mm += wave(*mm));
+    });
+    let of_screw = ["pitch_map", "pitch_cyclic", "pitch_progressive"];
+    let y = &trace.axes[1];
+    let certain: Vec<&str> =
+        y.found.iter().filter(|found| is_certain(y, found)).map(|found| found.effect.name()).collect();
+    assert!(!certain.iter().any(|name| of_screw.contains(name)), "{}", context(&trace));
+}
+
 /// Adds a displacement (µm) over the time of the session (s) to the tool of x.
 fn drift(log: &mut Log, um: impl Fn(f64) -> f64) {
     let (start_s, sample_s) = (log.start_s, log.sample_time_s);

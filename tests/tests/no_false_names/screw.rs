@@ -6,6 +6,7 @@ use model::effects::Effect;
 use model::effects::PitchMap;
 use self_test::plant::Sinusoid;
 use trace::Trace;
+use trace::certainty::is_certain;
 
 use super::machine::{TestMachine, wave_um};
 use super::reported::{assert_named, assert_value, context, found, named};
@@ -56,7 +57,11 @@ fn a_smooth_pitch_error_is_a_map() {
         // A hundredth of the peak-to-peak error of 11 µm; the noise of a reading is 0.05 µm.
         let largest = largest_difference(pairs);
         assert!(largest < 0.1, "{largest} {map:?}");
+        // The probe follows the table, so that the scale is right.
+        assert!(is_certain(&trace.axes[axis], found(&trace, axis, "pitch_map")), "{}", context(&trace));
     }
+    let trace = machine.trace_of(|log| log.axes[0].tool = None);
+    assert_eq!(found(&trace, 0, "pitch_map").rival_names(), ["scale_cyclic"], "{}", context(&trace));
 }
 
 /// Once a dividing error of the resolver or a torque ripple; the belt once a wave of one lead.

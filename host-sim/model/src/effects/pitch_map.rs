@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, KeptPart, Misplaced, Occurrence, Parameter, Placement,
-    Range, Stage, Unit, Wording, knots,
+    Abscissa, Coordinate, EffectContext, EffectModel, Imitation, ImitationContext, KeptPart, Misplaced,
+    Occurrence, Parameter, Placement, Range, Stage, Unit, Wording, knots,
 };
 use crate::position_curve::PositionCurve;
 
@@ -132,6 +132,12 @@ impl EffectModel for PitchMap {
             error_um: edge(-1.0).collect(),
             error_negative_um: Some(edge(1.0).collect()),
         }
+    }
+
+    /// Motor and scale alone do not tell an error of the screw from one of the scale. The latter is the same both ways.
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        let is_one_curve = self.error_negative_um.is_none();
+        if is_one_curve && !context.tool_follows_scale { vec![Imitation::SCALE] } else { Vec::new() }
     }
 
     fn values(&self) -> Vec<f64> {

@@ -17,6 +17,10 @@ pub struct VelocityGainMismatch {
     pub percent: f64,
 }
 
+/// Smallest deviation that is told from the masses, percent: the response to a force depends on Kv divided by the mass, which is
+/// known to 1 %; twice as much is required.
+const MIN_PERCENT: f64 = 2.0;
+
 impl VelocityGainMismatch {
     /// True gain divided by the declared one.
     #[must_use]
@@ -35,19 +39,26 @@ impl EffectModel for VelocityGainMismatch {
         if context.has(Stage::Motor) { vec![Self::default()] } else { Vec::new() }
     }
 
-    /// The response to a force depends on Kv divided by the mass, which is known to 1 %; twice as much is required.
     fn exceeds_tolerance(&self, _declared: &Settings, _rates: Rates) -> bool {
-        self.percent.abs() > 2.0
+        self.percent.abs() > MIN_PERCENT
     }
 
     /// The loop shows Kv relative to the masses. Without a force, a factor of masses, friction and Kv is not known; with one, they
-    /// all contain the error of its scale.
+    /// all contain the error of its scale. An interval that reaches the smallest deviation leaves the masses open.
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         if !context.has(Stage::Force) {
             return vec![Imitation {
                 name: "motor_mass_kg",
                 clause: "masses, friction and stiffness deviate from the declared ones by a common factor",
                 decided_by: "a force channel",
+            }];
+        }
+        let half_width = context.half_widths.first().copied().unwrap_or(0.0);
+        if self.percent.abs() - half_width < MIN_PERCENT {
+            return vec![Imitation {
+                name: "motor_mass_kg",
+                clause: "the masses deviate from the fitted ones by as much as they are uncertain",
+                decided_by: "logs with less noise or more acceleration",
             }];
         }
         if context.allows_force_scale(self.factor()) { vec![Imitation::FORCE_GAIN] } else { Vec::new() }

@@ -71,11 +71,15 @@ pub fn declared_values([fit_data, validate]: [&FitData<'_>; 2], axis: &FittedAxi
     let Some(fit) = axis.fits.iter().rfind(fits_values) else { return Vec::new() };
     let (model, covariance) = (&fit.fitted.model, covariance(fit_data, &fit.fitted));
     let at_bounds = model.at_bounds();
-    // Motor and force show the sum of the masses; how it is divided follows from the small stretch of the screw. Without the table,
-    // or with noise above it, as of a coarse encoder or of instants that jitter, errors of the readings decide.
+    // Motor and force show the sum of the masses and of the friction; how it is divided follows from the small stretch of the screw.
+    // Without the table, or with noise above it, as of a coarse encoder or of instants that jitter, errors of the readings decide;
+    // without the gains of the loop, the force between the rows of the log does, which is not known.
     let has_table = fit.fitted_scope.stages.contains(&Stage::Table);
+    let has_loop = axis.fits.iter().any(|fit| fit.fitted_scope.stages.contains(&Stage::Motor));
     let is_elastic = !model.axis.settings.is_rigid();
-    let is_divided = |key: &str| is_elastic && (is_mass(key) || key == "stiffness_n_per_um");
+    let shows_division = has_table && has_loop;
+    let is_divided =
+        |key: &str| is_elastic && (is_mass(key) || ["stiffness_n_per_um", "motor_coulomb_n"].contains(&key));
     let value = |(index, key, declared): (usize, &'static Tolerated, f64)| {
         let fitted = DeclaredValue {
             key: key.key,
@@ -88,7 +92,7 @@ pub fn declared_values([fit_data, validate]: [&FitData<'_>; 2], axis: &FittedAxi
             is_beyond_tolerance: false,
         };
         let is_precise = fitted.half_width < 0.5 * fitted.tolerance * declared;
-        let is_beyond_tolerance = (has_table && is_precise || !is_divided(key.key))
+        let is_beyond_tolerance = (shows_division && is_precise || !is_divided(key.key))
             && fitted.is_fitted_beyond_tolerance()
             && is_confirmed([fit_data, validate], fit, key);
         DeclaredValue { is_beyond_tolerance, ..fitted }

@@ -35,6 +35,8 @@ pub struct ImitationContext<'a> {
     pub tolerance: f64,
     /// Time from the start of the first log to the end of the last one, s.
     pub session_s: f64,
+    /// Whether the tool follows the readings of the linear scale but for noise, and not for an error over its position.
+    pub tool_follows_scale: bool,
 }
 
 impl Imitation {
@@ -50,6 +52,20 @@ impl Imitation {
         name: "force_gain",
         clause: "the logged force is too large or too small by this factor, as by a wrong torque constant",
         decided_by: "a force measured apart from the drive",
+    };
+
+    /// An error of the linear scale over its length, as of its mounting.
+    pub const SCALE: Self = Self {
+        name: "scale_cyclic",
+        clause: "the linear scale reads positions with this error",
+        decided_by: "a probe whose readings follow the table over the travel",
+    };
+
+    /// Rows that were read before or after the instants of their times.
+    pub const CLOCK: Self = Self {
+        name: "timestamp_jitter",
+        clause: "rows were read before or after the instants of their times",
+        decided_by: "a log that the drive writes in its own cycle",
     };
 }
 
