@@ -7,6 +7,7 @@ use super::judgement::Judgement;
 use super::kind::Kind;
 use super::outside::{self, Answer, ReportedFault};
 use super::truth::Truth;
+use files::error::InputError;
 
 /// Largest error of the frequency of a described vibration, Hz.
 const MAX_ERROR_HZ: f64 = 1.5;
@@ -75,6 +76,8 @@ pub struct Outcome {
     pub faults: Vec<ReportedFault>,
     /// What it states as certain, of the kinds that are judged by it.
     pub judgement: Judgement,
+    /// Why the tracer refused the case, if it did.
+    pub refusal: Option<String>,
 }
 
 impl Outcome {
@@ -82,6 +85,12 @@ impl Outcome {
     #[must_use]
     pub fn of(case: &Case, trace: &Value) -> Self {
         Self::new(case.number, &case.truths, trace).with_kind(case.kind, &case.extras, trace)
+    }
+
+    /// The score of a case that the tracer refused: nothing was found.
+    #[must_use]
+    pub fn refused(case: &Case, why: &InputError) -> Self {
+        Self { refusal: Some(why.to_string()), ..Self::of(case, &Value::Null) }
     }
 
     /// Adds the kind of the case and what is outside the textbook catalogue.
@@ -112,6 +121,7 @@ impl Outcome {
             number,
             answers: Vec::new(),
             judgement: Judgement::default(),
+            refusal: None,
             faults: entries("data_faults").iter().map(ReportedFault::new).collect(),
             described: described.collect(),
             estimates: estimates.collect(),
@@ -194,7 +204,8 @@ impl Outcome {
     #[must_use]
     pub fn is_exact(&self) -> bool {
         let is_judged_exact = !self.kind.is_judged() || self.judgement.is_exact();
-        self.missed().is_empty() && self.false_finds().is_empty() && is_judged_exact
+        let is_complete = self.missed().is_empty() && self.false_finds().is_empty() && self.refusal.is_none();
+        is_complete && is_judged_exact
     }
 
     /// Whether the machine has no undeclared effect.
@@ -235,6 +246,7 @@ impl Outcome {
             "after_over_noise": ratios,
             "outside": self.answers.iter().map(Answer::json).collect::<Vec<_>>(),
             "judgement": self.kind.is_judged().then(|| self.judgement.json()),
+            "refused": self.refusal,
             "data_faults": self.faults.iter().map(|fault| fault.entry.clone()).collect::<Vec<_>>(),
         })
     }

@@ -180,6 +180,18 @@ fn a_kept_case_is_the_traced_one() {
     assert_eq!(truth["effects"].as_array().unwrap().len(), case.truths.len());
 }
 
+/// A machine of which every name would be right, as it has none.
+#[test]
+fn a_refused_case_is_not_exact() {
+    let case = Case::draw(1, 15).unwrap();
+    assert!(case.truths.is_empty());
+    let outcome = Outcome::refused(&case, &InputError::expected("fit", "a force", "none"));
+    assert!(!outcome.is_exact());
+    let outcomes = [outcome];
+    let tables = text_summary::tables(&outcomes, &Summary::new(&outcomes));
+    assert!(tables.contains("case 15: refused: fit: expected a force, found none"), "{tables}");
+}
+
 /// The whole chain on two machines, one with an effect and one without.
 #[test]
 fn two_machines_come_out_as_they_were_drawn() {

@@ -122,6 +122,10 @@ pub fn tables(outcomes: &[Outcome], summary: &Summary) -> String {
         lines.extend([judged, String::new()]);
     }
     for outcome in outcomes.iter().filter(|outcome| !is_right(outcome)) {
+        if let Some(why) = &outcome.refusal {
+            lines.push(format!("{}: refused: {why}", outcome.name()));
+            continue;
+        }
         let (there, found) = true_and_found(outcome);
         lines.push(format!("{}: true {there}; found {found}", outcome.name()));
     }

@@ -143,7 +143,8 @@ fn run_case(arguments: &Arguments, (kind, number): (Kind, u64), show: Show<'_>) 
     if arguments.no_trace {
         return Ok(None);
     }
-    Ok(Some(self_test::trace_and_score(&case, show)?))
+    // A drawn loop that oscillates at the limit of its force is refused, and is no reason to lose the results of the others.
+    Ok(Some(self_test::trace_and_score(&case, show).unwrap_or_else(|why| Outcome::refused(&case, &why))))
 }
 
 /// Writes the files, then prints the summary.
