@@ -36,7 +36,7 @@ pub fn state_doubts(trace: &mut Trace) {
         let has_table = fit_logs.iter().any(|log| log.axes[number].table.is_some());
         of_axis(axis, machine, (has_table, session_s), &options.verdict);
         if jitters {
-            doubt_the_loop(axis);
+            doubt_the_clock(axis);
         }
     }
 }
@@ -49,11 +49,16 @@ fn has_common_noise(axis: &AxisTrace) -> bool {
     differences.any(|error| error.after.fit < MAX_OWN_NOISE * error.noise)
 }
 
-/// Names the clock as an imitation of all that is found in the stages of force and motor, which are no differences of readings, and
-/// withdraws that declared values are beyond their tolerance.
-fn doubt_the_loop(axis: &mut AxisTrace) {
-    for found in axis.found.iter_mut().filter(|found| matches!(found.stage, Stage::Force | Stage::Motor)) {
-        found.imitations.push(Imitation::CLOCK);
+/// Names the clock as an imitation of all that is found in the stages of force and motor, which are no differences of readings, and of
+/// what is smaller than the common noise. Withdraws that declared values are beyond their tolerance.
+fn doubt_the_clock(axis: &mut AxisTrace) {
+    let AxisTrace { found, errors, .. } = axis;
+    for found in found {
+        let is_of_loop = matches!(found.stage, Stage::Force | Stage::Motor);
+        let is_within = |error: &StageError| error.stage == found.stage && found.before.fit < error.noise;
+        if is_of_loop || errors.iter().any(is_within) {
+            found.imitations.push(Imitation::CLOCK);
+        }
     }
     axis.declared_values.iter_mut().for_each(|value| value.is_beyond_tolerance = false);
 }

@@ -7,7 +7,7 @@ use self_test::plant::Mechanics;
 use trace::Trace;
 use trace::certainty::is_certain;
 
-use super::machine::TestMachine;
+use super::machine::{TestMachine, wave_um};
 use super::reported::{assert_value, context, found, named};
 
 /// A machine with P control, and its period of the velocity loop, ms.
@@ -239,6 +239,31 @@ fn instants_that_jitter_are_no_certain_velocity_gain() {
     assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
     let gain = found(&trace, 0, "velocity_gain_mismatch");
     assert!(gain.rival_names().contains(&"timestamp_jitter"), "{}", context(&trace));
+}
+
+/// Once: 0.5 ± 0.1 µm of backlash, certain: less than the noise that the instants make of the speed.
+#[test]
+fn what_is_below_the_noise_of_the_instants_is_not_certain() {
+    let mut machine = TestMachine::new(P).with_mechanics(1, |y| y.backlash_m = 0.6e-6);
+    machine.drawn.recorder.jitter_s = 35e-6;
+    let trace = machine.trace();
+    assert_eq!(certain(&trace), [], "{}", context(&trace));
+    let rivals = found(&trace, 1, "backlash").rival_names();
+    assert!(rivals.contains(&"timestamp_jitter"), "{}", context(&trace));
+}
+
+/// Once: a torque ripple of 1.0 ± 0.2 N, certain. A wave of 8 µm with a period of p = 10 mm accelerates 200 kg at 20 mm/s by
+/// A·(2πv/p)², which needs 0.25 N, and four times as much at twice the speed.
+#[test]
+fn without_a_table_a_wave_of_the_screw_is_no_certain_torque_ripple() {
+    let lead_mm = TestMachine::new(P).declared(0, "lead_mm");
+    let machine =
+        TestMachine::new(P).with_mechanics(0, |x| x.screw_waves = vec![wave_um(10.0, lead_mm, 1.0)]);
+    let trace = machine.trace_of(|log| without(log, |axis| (axis.table, axis.tool) = (None, None)));
+    let ripples = trace.axes[0].found.iter().filter(|found| found.effect.name() == "torque_ripple");
+    let rivals: Vec<_> = ripples.map(|found| found.rival_names()).collect();
+    assert!(!rivals.is_empty() && rivals.iter().all(|names| names.contains(&"pitch_cyclic")));
+    assert_eq!(certain(&trace), [], "{}", context(&trace));
 }
 
 /// Once: "motor mass 17.0 ± 0.4 % below", on 9 of 9 machines without the gains of their loop: between two rows of the log, the force

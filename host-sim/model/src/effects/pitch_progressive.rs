@@ -2,7 +2,9 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::declaration::{Draw, EffectContext, EffectModel, Stage, Wording, slope};
+use super::declaration::{
+    Draw, EffectContext, EffectModel, Imitation, ImitationContext, Stage, Wording, slope,
+};
 
 /// Table = (1 + slope) · motor.
 #[derive(Clone, Debug, Default, PartialEq, Serialize, Deserialize)]
@@ -35,6 +37,12 @@ impl EffectModel for PitchProgressive {
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         if context.has(Stage::Table) { vec![Self::default()] } else { Vec::new() }
+    }
+
+    /// The slope of a long wave of the scale, to which the probe has no slope of its own.
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        let is_contradicted = context.has(Stage::Tool) && !context.tool_follows_scale;
+        if is_contradicted { vec![Imitation::SCALE] } else { Vec::new() }
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Neighbours, Prerequisite, Stage, Unit, WaveOf, Wording, harmonic,
-    harmonic_effect,
+    Draw, EffectContext, EffectModel, Imitation, ImitationContext, Neighbours, Prerequisite, Stage, Unit,
+    WaveOf, Wording, harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -67,6 +67,17 @@ impl EffectModel for TorqueRipple {
         };
         let lead_mm = context.axis.mechanics.lead_mm;
         harmonic::guesses(context, WaveOf::Force, lead_mm, HIGHEST_ORDER).into_iter().map(guess).collect()
+    }
+
+    /// A periodic error of the screw or of the motor's reading accelerates the table, which needs a periodic force.
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        let is_table_seen = context.has(Stage::Table) || context.has(Stage::Tool);
+        let screw = Imitation {
+            name: "pitch_cyclic",
+            clause: "the screw or the motor encoder has a periodic error, with which the table accelerates",
+            decided_by: "the readings of a linear scale or a probe",
+        };
+        if is_table_seen { Vec::new() } else { vec![screw] }
     }
 
     fn sentence(&self, wording: &Wording) -> String {
