@@ -107,8 +107,8 @@ fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
     tool.is_some_and(|tool| ratio_to_noise(tool, options) < options.max_certain_ratio || !depends_on_position)
 }
 
-/// Withdraws that declared values are outside their tolerance where the model does not describe the axis, and where the scale of
-/// the logged force explains all of them: together with the gain of the loop, which contradicts the masses by the same factor, or
+/// Withdraws that declared values are outside their tolerance where the model does not describe the axis, where no force was logged
+/// (the loop then shows them relative to its gain only), and where the scale of the logged force explains all of them: together with the gain of the loop, which contradicts the masses by the same factor, or
 /// where no loop could be evaluated or described.
 fn withdraw_declared(axis: &mut AxisTrace) {
     let imitations = axis.found.iter().flat_map(|found| &found.imitations);
@@ -116,8 +116,9 @@ fn withdraw_declared(axis: &mut AxisTrace) {
     let is_explained = imitations.into_iter().any(|imitation| *imitation == Imitation::FORCE_GAIN);
     axis.has_force_scale =
         is_explained || !has_loop && declared_value::are_off_by_one_factor(&axis.declared_values);
+    let has_force = axis.errors.iter().any(|error| error.stage == Stage::Force);
     let is_undescribed = !axis.is_of_another_machine && verdict::of_axis(axis) == Verdict::ModelDoesNotFit;
-    if axis.has_force_scale || is_undescribed {
+    if !has_force || axis.has_force_scale || is_undescribed {
         axis.declared_values.iter_mut().for_each(|value| value.is_beyond_tolerance = false);
     }
 }
