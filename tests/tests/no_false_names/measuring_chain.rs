@@ -3,9 +3,10 @@
 use files::log::{AxisLog, Log};
 use numerics::resample::delayed_cubic;
 use self_test::pickup::Filter;
-use self_test::plant::Mechanics;
+use self_test::plant::{Mechanics, Sinusoid};
 use trace::Trace;
 use trace::certainty::is_certain;
+use trace::validation::found_effect::FoundEffect;
 
 use super::machine::{TestMachine, wave_um};
 use super::reported::{assert_value, context, found, named};
@@ -53,14 +54,27 @@ fn a_notch_in_the_feedback_is_no_certain_gain() {
     assert!(!certain(&trace).iter().any(|(_, name)| gains.contains(name)), "{}", context(&trace));
 }
 
-/// Once: nothing, or a velocity gain. The velocity command of the second axis is a sample late, its velocity filtered.
+/// Once: nothing, or a velocity gain.
 #[test]
-fn a_filter_and_a_delay_of_the_loop_are_named() {
+fn a_filter_of_the_velocity_is_named() {
     let mut machine = TestMachine::new(P);
     machine.drawn.axes[0].servo.velocity_filter_s = 0.5e-3;
     let trace = machine.trace();
     assert_eq!(named(&trace), [("x", "velocity_lag")], "{}", context(&trace));
     assert_value(found(&trace, 0, "velocity_lag"), "time_constant_ms", 0.5, 0.1 * TICK_MS);
+}
+
+/// A belt or long screw: once false, ambiguous names. No effect describes a stiffness that varies along the travel; that something does
+/// is said.
+#[test]
+fn a_stiffness_that_varies_is_said_and_has_no_certain_name() {
+    let wave = Sinusoid { amplitude: 0.3, period: 0.2, phase: 0.5 };
+    let machine = TestMachine::new(P).with_mechanics(0, |x| x.stiffness_wave = wave);
+    let trace = machine.trace();
+    let false_names = certain(&trace).into_iter().filter(|(_, name)| *name != "windup");
+    assert_eq!(false_names.collect::<Vec<_>>(), [], "{}", context(&trace));
+    let [x, y] = &trace.axes[..] else { panic!("{}", context(&trace)) };
+    assert!(!x.unexplained.is_empty() && y.found.is_empty(), "{}", context(&trace));
 }
 
 /// Once: drive lag 0.54 ms, certain.
@@ -261,7 +275,7 @@ fn without_a_table_a_wave_of_the_screw_is_no_certain_torque_ripple() {
         TestMachine::new(P).with_mechanics(0, |x| x.screw_waves = vec![wave_um(10.0, lead_mm, 1.0)]);
     let trace = machine.trace_of(|log| without(log, |axis| (axis.table, axis.tool) = (None, None)));
     let ripples = trace.axes[0].found.iter().filter(|found| found.effect.name() == "torque_ripple");
-    let rivals: Vec<_> = ripples.map(|found| found.rival_names()).collect();
+    let rivals: Vec<_> = ripples.map(FoundEffect::rival_names).collect();
     assert!(!rivals.is_empty() && rivals.iter().all(|names| names.contains(&"pitch_cyclic")));
     assert_eq!(certain(&trace), [], "{}", context(&trace));
 }
