@@ -25,7 +25,7 @@ impl Stop {
         match self {
             Self::Rounds => "The greatest number of rounds is reached.",
             Self::NothingGained => {
-                "The last round made no motion better by more than chance, or one worse; its compensation is not kept."
+                "The last round improved no motion by more than the noise, or made a motion worse; its compensation is not kept."
             }
             Self::ModelDoesNotFit => {
                 "The model does not describe the logs of an axis; its compensation is not kept. Check the machine file."

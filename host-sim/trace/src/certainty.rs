@@ -17,6 +17,10 @@ use model::machine::Machine;
 /// instants that jitter by 20 to 40 µs leave 0.1 and less.
 const MAX_OWN_NOISE: f64 = 0.2;
 
+/// Largest residual of the motor stage, in multiples of its noise, beside which declared values are told from errors of the loop. A
+/// control that computes for one tick before it acts, which no effect describes, leaves 20 to 200.
+const MAX_LOOP_RATIO: f64 = 10.0;
+
 /// Whether no other effect explains the logs as well, nothing imitates it, and the model with it describes its axis.
 #[must_use]
 pub fn is_certain(axis: &AxisTrace, found: &FoundEffect) -> bool {
@@ -94,7 +98,7 @@ fn of_axis(
         let largest = remaining.max_by(|a, b| a.to_noise.total_cmp(&b.to_noise));
         found.remaining = largest.filter(|remaining| remaining.to_noise > options.max_certain_ratio);
     }
-    withdraw_declared(axis);
+    withdraw_declared(axis, options);
 }
 
 /// See [`ImitationContext::tool_follows_scale`].
@@ -107,17 +111,22 @@ fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
     tool.is_some_and(|tool| ratio_to_noise(tool, options) < options.max_certain_ratio || !depends_on_position)
 }
 
-/// Withdraws that declared values are outside their tolerance where the model does not describe the axis, where no force was logged
+/// Withdraws that declared values are outside their tolerance where the model does not describe the axis or its loop, where no force was logged
 /// (the loop then shows them relative to its gain only), and where the scale of the logged force explains all of them: together with the gain of the loop, which contradicts the masses by the same factor, or
 /// where no loop could be evaluated or described.
-fn withdraw_declared(axis: &mut AxisTrace) {
+fn withdraw_declared(axis: &mut AxisTrace, options: &VerdictOptions) {
     let imitations = axis.found.iter().flat_map(|found| &found.imitations);
     let has_loop = !axis.is_of_another_machine && axis.errors.iter().any(|error| error.stage == Stage::Motor);
     let is_explained = imitations.into_iter().any(|imitation| *imitation == Imitation::FORCE_GAIN);
     axis.has_force_scale =
         is_explained || !has_loop && declared_value::are_off_by_one_factor(&axis.declared_values);
     let has_force = axis.errors.iter().any(|error| error.stage == Stage::Force);
-    let is_undescribed = !axis.is_of_another_machine && verdict::of_axis(axis) == Verdict::ModelDoesNotFit;
+    let is_loop_unknown = axis
+        .errors
+        .iter()
+        .any(|error| error.stage == Stage::Motor && ratio_to_noise(error, options) > MAX_LOOP_RATIO);
+    let is_undescribed = !axis.is_of_another_machine
+        && (is_loop_unknown || verdict::of_axis(axis) == Verdict::ModelDoesNotFit);
     if !has_force || axis.has_force_scale || is_undescribed {
         axis.declared_values.iter_mut().for_each(|value| value.is_beyond_tolerance = false);
     }
