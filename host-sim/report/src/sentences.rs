@@ -195,7 +195,7 @@ pub fn summary(trace: &Trace) -> Vec<String> {
 #[must_use]
 pub fn remainder(axis: &AxisTrace, rest: &UnexplainedResidual) -> String {
     let (unit, _) = residual_unit(axis.unit, rest.channel);
-    let noise = axis.errors.iter().find(|error| error.stage == rest.channel).map_or(0.0, |error| error.noise);
+    let noise = axis.error(rest.channel).map_or(0.0, |error| error.noise);
     let share = percent(rest.share_percent);
     let dependence = match rest.variable {
         Variable::None => "it does not depend on any of the variables tested".to_owned(),

@@ -36,7 +36,7 @@ pub fn is_declared_truly(name: &str) -> bool {
 }
 
 /// Keys of the controller.
-const CONTROLLER_KEYS: [&str; 8] = [
+pub const CONTROLLER_KEYS: [&str; 8] = [
     "controller",
     "position_gain_per_s",
     "feedforward_percent",

@@ -180,7 +180,7 @@ fn a_kept_case_is_the_traced_one() {
     assert_eq!(truth["effects"].as_array().unwrap().len(), case.truths.len());
 }
 
-/// A machine of which every name would be right, as it has none.
+/// A machine without effects: to find nothing on it would be exact.
 #[test]
 fn a_refused_case_is_not_exact() {
     let case = Case::draw(1, 15).unwrap();

@@ -13,9 +13,9 @@ use crate::verdict::{self, Verdict};
 use model::effects::{Imitation, ImitationContext, Stage};
 use model::machine::Machine;
 
-/// Smallest share of its noise that a difference of two independent channels keeps. Filters and encoder steps leave 0.35 and more,
-/// instants that jitter by 20 to 40 µs leave 0.1 and less.
-const MAX_OWN_NOISE: f64 = 0.2;
+/// Share of the noise below which the residual of a difference of two channels shows that they share their noise. Independent channels
+/// with filters and encoder steps leave 0.35 and more, instants that jitter by 20 to 40 µs leave 0.1 and less.
+const MIN_OWN_NOISE: f64 = 0.2;
 
 /// Largest residual of the motor stage, in multiples of its noise, beside which declared values are told from errors of the loop. A
 /// control that computes for one tick before it acts, which no effect describes, leaves 20 to 200.
@@ -38,10 +38,7 @@ pub fn state_doubts(trace: &mut Trace) {
     for (number, axis) in axes.iter_mut().enumerate() {
         // The tool of a log without the table is not used if another log has the table.
         let has_table = fit_logs.iter().any(|log| log.axes[number].table.is_some());
-        of_axis(axis, machine, (has_table, session_s), &options.verdict);
-        if jitters {
-            doubt_the_clock(axis);
-        }
+        of_axis(axis, machine, Logged { has_table, session_s, jitters }, &options.verdict);
     }
 }
 
@@ -50,27 +47,30 @@ pub fn state_doubts(trace: &mut Trace) {
 fn has_common_noise(axis: &AxisTrace) -> bool {
     let is_difference = |error: &&StageError| matches!(error.stage, Stage::Table | Stage::Tool);
     let mut differences = axis.errors.iter().filter(is_difference);
-    differences.any(|error| error.after.fit < MAX_OWN_NOISE * error.noise)
+    differences.any(|error| error.after.fit < MIN_OWN_NOISE * error.noise)
 }
 
-/// Names the clock as an imitation of all that is found in the stages of force and motor, which are no differences of readings, and of
-/// what is smaller than the common noise. Withdraws that declared values are beyond their tolerance.
-fn doubt_the_clock(axis: &mut AxisTrace) {
-    let AxisTrace { found, errors, .. } = axis;
-    for found in found {
-        let is_of_loop = matches!(found.stage, Stage::Force | Stage::Motor);
-        let is_within = |error: &StageError| error.stage == found.stage && found.before.fit < error.noise;
-        if is_of_loop || errors.iter().any(is_within) {
-            found.imitations.push(Imitation::CLOCK);
-        }
-    }
-    axis.declared_values.iter_mut().for_each(|value| value.is_beyond_tolerance = false);
+/// Whether instants that jitter may explain an effect: what is found in the stages of force and motor, which are no differences of
+/// readings, and what is smaller than the common noise.
+fn is_within_jitter(found: &FoundEffect, errors: &[StageError]) -> bool {
+    let is_within = |error: &StageError| error.stage == found.stage && found.before.fit < error.noise;
+    matches!(found.stage, Stage::Force | Stage::Motor) || errors.iter().any(is_within)
+}
+
+/// What is known of the logs of an axis.
+struct Logged {
+    /// Whether the linear scale was logged.
+    has_table: bool,
+    /// Time from the start of the first log to the end of the last one, s.
+    session_s: f64,
+    /// Whether the rows were read at instants that jitter.
+    jitters: bool,
 }
 
 fn of_axis(
     axis: &mut AxisTrace,
     machine: &Machine,
-    (has_table, session_s): (bool, f64),
+    Logged { has_table, session_s, jitters }: Logged,
     options: &VerdictOptions,
 ) {
     let stages: Vec<Stage> = axis.errors.iter().map(|error| error.stage).collect();
@@ -92,42 +92,46 @@ fn of_axis(
             tool_follows_scale,
         };
         found.imitations = found.effect.imitations(&context);
+        if jitters && is_within_jitter(found, &axis.errors) {
+            found.imitations.push(Imitation::CLOCK);
+        }
         let shown = axis.errors.iter().filter(|error| is_shown(found, error.stage));
         let remaining =
             shown.map(|error| Remaining { stage: error.stage, to_noise: ratio_to_noise(error, options) });
         let largest = remaining.max_by(|a, b| a.to_noise.total_cmp(&b.to_noise));
         found.remaining = largest.filter(|remaining| remaining.to_noise > options.max_certain_ratio);
     }
-    withdraw_declared(axis, options);
+    withdraw_declared(axis, jitters, options);
 }
 
 /// See [`ImitationContext::tool_follows_scale`].
 fn follows_scale(axis: &AxisTrace, options: &VerdictOptions) -> bool {
-    let tool = axis.errors.iter().find(|error| error.stage == Stage::Tool);
     let depends_on_position = axis
         .unexplained
         .iter()
         .any(|residual| residual.channel == Stage::Tool && residual.variable == Variable::Position);
-    tool.is_some_and(|tool| ratio_to_noise(tool, options) < options.max_certain_ratio || !depends_on_position)
+    let is_left = |tool: &StageError| ratio_to_noise(tool, options) >= options.max_certain_ratio;
+    axis.error(Stage::Tool).is_some_and(|tool| !(is_left(tool) && depends_on_position))
 }
 
-/// Withdraws that declared values are outside their tolerance where the model does not describe the axis or its loop, where no force was logged
-/// (the loop then shows them relative to its gain only), and where the scale of the logged force explains all of them: together with the gain of the loop, which contradicts the masses by the same factor, or
-/// where no loop could be evaluated or described.
-fn withdraw_declared(axis: &mut AxisTrace, options: &VerdictOptions) {
-    let imitations = axis.found.iter().flat_map(|found| &found.imitations);
-    let has_loop = !axis.is_of_another_machine && axis.errors.iter().any(|error| error.stage == Stage::Motor);
-    let is_explained = imitations.into_iter().any(|imitation| *imitation == Imitation::FORCE_GAIN);
+/// Withdraws that declared values are outside their tolerance
+///
+/// - where rows were read at instants that jitter;
+/// - where the model does not describe the axis or its loop;
+/// - where no force was logged: the loop shows the values relative to its gain only;
+/// - where the scale of the logged force explains all of them: together with the gain of the loop, which contradicts the masses by
+///   the same factor, or where no loop could be evaluated or described.
+fn withdraw_declared(axis: &mut AxisTrace, jitters: bool, options: &VerdictOptions) {
+    let (motor, has_force) = (axis.error(Stage::Motor), axis.error(Stage::Force).is_some());
+    let has_loop = !axis.is_of_another_machine && motor.is_some();
+    let is_loop_unknown = motor.is_some_and(|motor| ratio_to_noise(motor, options) > MAX_LOOP_RATIO);
+    let mut imitations = axis.found.iter().flat_map(|found| &found.imitations);
+    let is_explained = imitations.any(|imitation| *imitation == Imitation::FORCE_GAIN);
     axis.has_force_scale =
         is_explained || !has_loop && declared_value::are_off_by_one_factor(&axis.declared_values);
-    let has_force = axis.errors.iter().any(|error| error.stage == Stage::Force);
-    let is_loop_unknown = axis
-        .errors
-        .iter()
-        .any(|error| error.stage == Stage::Motor && ratio_to_noise(error, options) > MAX_LOOP_RATIO);
     let is_undescribed = !axis.is_of_another_machine
         && (is_loop_unknown || verdict::of_axis(axis) == Verdict::ModelDoesNotFit);
-    if !has_force || axis.has_force_scale || is_undescribed {
+    if jitters || !has_force || axis.has_force_scale || is_undescribed {
         axis.declared_values.iter_mut().for_each(|value| value.is_beyond_tolerance = false);
     }
 }

@@ -121,6 +121,14 @@ pub struct StageError {
     pub max_described: f64,
 }
 
+impl AxisTrace {
+    /// The error of a stage, if it was evaluated.
+    #[must_use]
+    pub fn error(&self, stage: Stage) -> Option<&StageError> {
+        self.errors.iter().find(|error| error.stage == stage)
+    }
+}
+
 impl Trace {
     /// The effects found, as `axis: name`.
     #[must_use]

@@ -2,6 +2,7 @@
 
 use files::log::{AxisLog, Log};
 use numerics::resample::delayed_cubic;
+use self_test::gap::CONTROLLER_KEYS;
 use self_test::pickup::Filter;
 use self_test::plant::{Mechanics, Sinusoid};
 use trace::Trace;
@@ -277,8 +278,8 @@ fn what_is_below_the_noise_of_the_instants_is_not_certain() {
     assert!(rivals.contains(&"timestamp_jitter"), "{}", context(&trace));
 }
 
-/// Once: a torque ripple of 1.0 ± 0.2 N, certain. A wave of 8 µm with a period of p = 10 mm accelerates 200 kg at 20 mm/s by
-/// A·(2πv/p)², which needs 0.25 N, and four times as much at twice the speed.
+/// Once: a torque ripple of 1.0 ± 0.2 N, certain. At a speed v, a wave of the screw with amplitude A and period p accelerates the table by
+/// A·(2πv/p)², which needs a force of the same period.
 #[test]
 fn without_a_table_a_wave_of_the_screw_is_no_certain_torque_ripple() {
     let lead_mm = TestMachine::new(P).declared(0, "lead_mm");
@@ -295,20 +296,10 @@ fn without_a_table_a_wave_of_the_screw_is_no_certain_torque_ripple() {
 /// changes in a way that is then not known.
 #[test]
 fn without_the_gains_of_the_loop_the_masses_are_not_divided() {
-    let loop_keys = [
-        "controller",
-        "position_gain_per_s",
-        "feedforward_percent",
-        "velocity_gain_n_s_per_m",
-        "velocity_integral_time_s",
-        "force_limit_n",
-        "feedback",
-        "dual_feedback_time_constant_s",
-    ];
     for seed in [P, 2] {
         let mut machine = TestMachine::new(seed);
         for axis in &mut machine.drawn.declared {
-            axis.text = without_keys(&axis.text, &loop_keys);
+            axis.text = without_keys(&axis.text, &CONTROLLER_KEYS);
         }
         let trace = machine.trace();
         assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));

@@ -39,7 +39,7 @@ impl EffectModel for PitchProgressive {
         if context.has(Stage::Table) { vec![Self::default()] } else { Vec::new() }
     }
 
-    /// The slope of a long wave of the scale, to which the probe has no slope of its own.
+    /// A wave of the scale that is longer than the travel has a slope, too; the probe then does not follow the scale.
     fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
         let is_contradicted = context.has(Stage::Tool) && !context.tool_follows_scale;
         if is_contradicted { vec![Imitation::SCALE] } else { Vec::new() }

@@ -52,11 +52,9 @@ pub fn interpolate_lost_rows<'a>(
         let mut findings = Findings::default();
         // A log whose rows are all repeated is left out or refused by `examine`.
         if rate::repeated(&log).is_none() {
-            #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
-            let samples = |seconds: f64| (seconds / log.sample_time_s).round() as usize;
             // The filter, and a second difference of its output.
-            let margin = samples(options.samples.smoothing_s + machine_sample_s);
-            let settling = samples(options.samples.settling_s);
+            let margin = samples(&log, options.samples.smoothing_s + machine_sample_s);
+            let settling = samples(&log, options.samples.settling_s);
             repeated_rows::correct(&mut log, [margin, settling], &mut findings);
         }
         (log, findings)
@@ -130,14 +128,18 @@ fn leave_out(results: &mut Vec<(Cow<'_, Log>, Findings)>, faults: &mut Vec<DataF
     });
 }
 
+/// Number of samples of a log in a time, s.
+#[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
+fn samples(log: &Log, seconds: f64) -> usize {
+    (seconds / log.sample_time_s).round() as usize
+}
+
 /// Finds and corrects the faults of a log.
 fn of_log(machine: &Machine, log: &mut Cow<'_, Log>, options: &TraceOptions) -> Findings {
     let mut findings = Findings::default();
     let faults = &options.faults;
-    #[expect(clippy::cast_possible_truncation, clippy::cast_sign_loss, reason = "a few samples")]
-    let samples = |seconds: f64| (seconds / log.sample_time_s).round() as usize;
     // The filter, and a second difference of its output.
-    let margin = samples(options.samples.smoothing_s) + 1;
+    let margin = samples(log, options.samples.smoothing_s) + 1;
     dead::remove(log, options, &mut findings);
     exchanged::correct(log, faults, &mut findings);
     for axis in 0..log.axes.len() {

@@ -64,7 +64,7 @@ fn a_long_log_is_fitted_and_evaluated_as_a_whole() {
     let data = FitData::new(&logs, &traced.names, 0, machine.rates(), &options);
     let scope = &axis.scopes[0];
     let residuals = data.residuals(&axis.model, scope);
-    let error = axis.errors.iter().find(|error| error.stage == Stage::Force).unwrap();
+    let error = axis.error(Stage::Force).unwrap();
     // The first 0.3 s are left out of one, the last 20 samples of the other: 0.1 % of the samples.
     let ratio = error.after.fit / data.rms(&residuals, Stage::Force);
     assert!((ratio - 1.0).abs() < 2e-3, "{ratio}");
