@@ -46,6 +46,8 @@ pub struct Settings {
     pub velocity_window_s: Option<f64>,
     /// Time constant of a filter of the measured velocity; 0: none.
     pub velocity_filter_s: f64,
+    /// Ticks of the velocity loop from the output of the position loop to the velocity loop.
+    pub command_delay_ticks: usize,
     /// Ticks of the velocity loop from the reading to the force.
     pub delay_ticks: usize,
 }
@@ -57,6 +59,8 @@ pub struct Servo {
     last_command_m: f64,
     last_reading_m: f64,
     set_m_per_s: f64,
+    /// Velocities that are set but not yet followed, m/s, the oldest in front.
+    pending_m_per_s: VecDeque<f64>,
     filtered_m: f64,
     filtered_m_per_s: f64,
     dual_m: f64,
@@ -72,9 +76,11 @@ impl Servo {
     #[must_use]
     pub fn new(settings: Settings, command_m: f64, reading_m: f64) -> Self {
         let pending_n = vec![0.0; settings.delay_ticks].into();
+        let pending_m_per_s = vec![0.0; settings.command_delay_ticks].into();
         Self {
             settings,
             pending_n,
+            pending_m_per_s,
             filtered_speed: 0.0,
             last_command_m: command_m,
             last_reading_m: reading_m,
@@ -128,8 +134,10 @@ impl Servo {
     /// reading of [`Settings::velocity_window_s`] ago.
     pub fn velocity_tick(&mut self, reading_m: f64, earlier_m: Option<f64>) {
         let speed = self.speed(reading_m, earlier_m);
+        self.pending_m_per_s.push_back(self.set_m_per_s);
+        let followed_m_per_s = self.pending_m_per_s.pop_front().unwrap_or_default();
         let settings = &self.settings;
-        let error = self.set_m_per_s - speed;
+        let error = followed_m_per_s - speed;
         let integral_m = self.integral_m + VELOCITY_TICK_S * error;
         let force_n = settings.velocity_gain_n_s_per_m * (error + integral_m / settings.integral_s);
         self.pending_n.push_back(force_n.clamp(-settings.limit_n, settings.limit_n));
@@ -216,6 +224,25 @@ mod tests {
             let speed = speeds(change, 200)[199];
             // At 1 m/s², the speed is the time; the filter has settled to e^−110.
             assert!((200.0 * VELOCITY_TICK_S - speed - age_s).abs() < 1e-9, "{speed} {age_s}");
+        }
+    }
+
+    /// Kp = Kv = 1 and no integral: the force is the command of the position loop, which came 3 ticks earlier.
+    #[test]
+    fn a_velocity_command_reaches_the_velocity_loop_its_delay_later() {
+        let settings = Settings {
+            position_gain_per_s: 1.0,
+            velocity_gain_n_s_per_m: 1.0,
+            integral_s: 1e9,
+            limit_n: 1e9,
+            command_delay_ticks: 3,
+            ..Settings::default()
+        };
+        let mut servo = Servo::new(settings, 0.0, 0.0);
+        servo.position_tick(0.1, 0.0, 0.0);
+        for expected_n in [0.0, 0.0, 0.0, 0.1, 0.1] {
+            servo.velocity_tick(0.0, None);
+            assert!((servo.force_n() - expected_n).abs() < 1e-9, "{}", servo.force_n());
         }
     }
 

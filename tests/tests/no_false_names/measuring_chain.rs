@@ -65,6 +65,19 @@ fn a_filter_of_the_velocity_is_named() {
     assert_value(found(&trace, 0, "velocity_lag"), "time_constant_ms", 0.5, 0.1 * TICK_MS);
 }
 
+/// A cycle of a bus between position loop and velocity loop, beside a filter of the velocity. Once: nothing, or a velocity gain.
+#[test]
+fn a_late_velocity_command_beside_a_filter_is_named() {
+    let mut machine = TestMachine::new(P);
+    machine.drawn.axes[0].servo.velocity_filter_s = 0.4e-3;
+    machine.drawn.axes[0].servo.command_delay_ticks = 4;
+    let trace = machine.trace();
+    assert_eq!(named(&trace), [("x", "loop_delay"), ("x", "velocity_lag")], "{}", context(&trace));
+    // Two settings of one loop share their error: a tenth of the position loop's sample of 1 ms for each.
+    assert_value(found(&trace, 0, "velocity_lag"), "time_constant_ms", 0.4, 0.1);
+    assert_value(found(&trace, 0, "loop_delay"), "ms", 4.0 * TICK_MS, 0.1);
+}
+
 /// A belt or long screw: once false, ambiguous names. No effect describes a stiffness that varies along the travel; that something does
 /// is said.
 #[test]

@@ -5,8 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Imitation,
-    ImitationContext, Misplaced, Occurrence, Parameter, Placement, Range, Stage, Unit, Wording,
+    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Found, Imitation,
+    ImitationContext, Misplaced, Occurrence, Parameter, Placement, Range, Stage, Substitute, Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -23,6 +23,9 @@ pub struct Latency {
 /// Step of the finite difference, and limit of the search, ms.
 const STEP_MS: f64 = 0.02;
 const LIMIT_MS: f64 = 100.0;
+
+/// Damping ratio of a mode of the tool, as structures have it.
+const LITTLE_DAMPING: f64 = 0.04;
 
 /// Largest permitted delay, ms.
 pub const LONGEST_LATENCY_MS: f64 = 1000.0;
@@ -81,6 +84,18 @@ impl EffectModel for Latency {
     fn coordinates_at(&self, rates: Rates) -> Vec<Coordinate> {
         let limit_ms = if self.channel == Channel::Command { sample_ms(rates) } else { LIMIT_MS };
         vec![Coordinate::signed(self.ms, STEP_MS, limit_ms)]
+    }
+
+    /// Far below its frequency ω a mode of the tool delays by 2ζ/ω. If the reading of the tool is late as well, the fit of the mode
+    /// alone ends at a damping ratio that is too high, from where no latency improves it.
+    fn in_place_of(found: &Found<'_>) -> Option<Substitute<Self>> {
+        let [frequency_hz, damping_ratio] = [found.value("frequency_hz")?, found.value("damping_ratio")?];
+        let omega = std::f64::consts::TAU * frequency_hz;
+        let late = Self { channel: Channel::Tool, ms: 1e3 * 2.0 * (damping_ratio - LITTLE_DAMPING) / omega };
+        let mut mode: Vec<f64> = found.coordinates.iter().map(|coordinate| coordinate.value).collect();
+        *mode.get_mut(1)? = LITTLE_DAMPING;
+        let is_damped = found.name == "resonance" && damping_ratio > 2.0 * LITTLE_DAMPING;
+        is_damped.then_some(Substitute { effect: late, beside: Some(mode) })
     }
 
     /// The instants at which channels are read are known to a tenth of a sample.

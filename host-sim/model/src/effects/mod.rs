@@ -68,9 +68,9 @@ use crate::axis::Settings;
 use declaration::{EntryValue, catalogue};
 
 pub use declaration::{
-    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Imitation,
+    Abscissa, Channel, Coordinate, Distinction, Draw, EffectContext, EffectModel, Found, Imitation,
     ImitationContext, LEAST_SLOPE_UM_PER_M, Misplaced, Neighbours, Occurrence, Parameter, PeriodicError,
-    Placement, Prerequisite, ResidualShape, ResidualWave, Stage, Unit, WaveOf, Wording, harmonic,
+    Placement, Prerequisite, ResidualShape, ResidualWave, Stage, Substitute, Unit, WaveOf, Wording, harmonic,
 };
 
 pub use backlash::Backlash;

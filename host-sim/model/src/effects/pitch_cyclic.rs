@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Neighbours, PeriodicError, Prerequisite, Stage, Unit, WaveOf, Wording,
-    harmonic, harmonic_effect,
+    Draw, EffectContext, EffectModel, Found, Neighbours, PeriodicError, Prerequisite, Stage, Substitute,
+    Unit, WaveOf, Wording, harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -36,6 +36,15 @@ impl PitchCyclic {
         let Self { amplitude_um, period_mm, phase_rad, .. } = *self;
         PeriodicError { amplitude_um, period_mm, phase_rad }
     }
+
+    const fn of(guess: harmonic::HarmonicGuess) -> Self {
+        Self {
+            amplitude_um: guess.amplitude,
+            period_mm: guess.period_mm,
+            phase_rad: guess.phase_rad,
+            fitted_period_mm: guess.fitted_period_mm,
+        }
+    }
 }
 
 impl EffectModel for PitchCyclic {
@@ -58,14 +67,13 @@ impl EffectModel for PitchCyclic {
         if !context.has(Stage::Table) {
             return Vec::new();
         }
-        let guess = |guess: harmonic::HarmonicGuess| Self {
-            amplitude_um: guess.amplitude,
-            period_mm: guess.period_mm,
-            phase_rad: guess.phase_rad,
-            fitted_period_mm: guess.fitted_period_mm,
-        };
         let lead_mm = context.axis.mechanics.lead_mm;
-        harmonic::guesses(context, WaveOf::Table, lead_mm, HIGHEST_ORDER).into_iter().map(guess).collect()
+        harmonic::guesses(context, WaveOf::Table, lead_mm, HIGHEST_ORDER).into_iter().map(Self::of).collect()
+    }
+
+    fn in_place_of(found: &Found<'_>) -> Option<Substitute<Self>> {
+        let lead_mm = found.axis.mechanics.lead_mm.filter(|_| found.name == "resolver_dividing")?;
+        harmonic::of_other_part(found, lead_mm).map(|wave| Substitute::alone(Self::of(wave)))
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -3,8 +3,8 @@
 use serde::{Deserialize, Serialize};
 
 use super::declaration::{
-    Draw, EffectContext, EffectModel, Neighbours, PeriodicError, Prerequisite, Stage, Unit, WaveOf, Wording,
-    harmonic, harmonic_effect,
+    Draw, EffectContext, EffectModel, Found, Neighbours, PeriodicError, Prerequisite, Stage, Substitute,
+    Unit, WaveOf, Wording, harmonic, harmonic_effect,
 };
 use crate::axis::Settings;
 
@@ -36,6 +36,20 @@ impl ResolverDividing {
         let Self { amplitude_um, period_mm, phase_rad, .. } = *self;
         PeriodicError { amplitude_um, period_mm, phase_rad }
     }
+
+    const fn of(guess: harmonic::HarmonicGuess) -> Self {
+        Self {
+            amplitude_um: guess.amplitude,
+            period_mm: guess.period_mm,
+            phase_rad: guess.phase_rad,
+            fitted_period_mm: guess.fitted_period_mm,
+        }
+    }
+
+    /// Length of an electrical period on the axis, mm; `None`: not declared.
+    fn electrical_mm(axis: &Settings) -> Option<f64> {
+        Some(axis.mechanics.lead_mm? / f64::from(axis.sensors.resolver_pole_pairs?))
+    }
 }
 
 impl EffectModel for ResolverDividing {
@@ -57,21 +71,19 @@ impl EffectModel for ResolverDividing {
 
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let lead = context.axis.mechanics.lead_mm.filter(|_| context.has(Stage::Table));
-        let electrical_mm = lead.zip(context.axis.sensors.resolver_pole_pairs);
-        let electrical_mm = electrical_mm.map(|(lead_mm, pole_pairs)| lead_mm / f64::from(pole_pairs));
-        let guess = |guess: harmonic::HarmonicGuess| Self {
-            amplitude_um: guess.amplitude,
-            period_mm: guess.period_mm,
-            phase_rad: guess.phase_rad,
-            fitted_period_mm: guess.fitted_period_mm,
-        };
+        let electrical_mm = lead.and_then(|_| Self::electrical_mm(context.axis));
         // A resolver has at least one electrical period per turn; a longer wave is not its.
         let is_possible =
             |guess: &harmonic::HarmonicGuess| lead.is_some_and(|lead_mm| guess.period_mm <= lead_mm);
         let guesses = |mm: f64| {
             harmonic::guesses(context, WaveOf::Table, Some(mm), HIGHEST_ORDER).into_iter().filter(is_possible)
         };
-        electrical_mm.into_iter().flat_map(guesses).map(guess).collect()
+        electrical_mm.into_iter().flat_map(guesses).map(Self::of).collect()
+    }
+
+    fn in_place_of(found: &Found<'_>) -> Option<Substitute<Self>> {
+        let electrical_mm = Self::electrical_mm(found.axis).filter(|_| found.name == "pitch_cyclic")?;
+        harmonic::of_other_part(found, electrical_mm).map(|wave| Substitute::alone(Self::of(wave)))
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -5,7 +5,8 @@ use serde::{Deserialize, Serialize};
 use shared::config::Rates;
 
 use super::declaration::{
-    Abscissa, Coordinate, EffectContext, EffectModel, Occurrence, Parameter, Range, Stage, Unit, Wording,
+    Abscissa, Coordinate, EffectContext, EffectModel, Found, Occurrence, Parameter, Range, Stage, Substitute,
+    Unit, Wording,
 };
 use crate::axis::Settings;
 
@@ -30,6 +31,12 @@ impl VelocityFilter {
     pub fn time_constant_s(&self) -> f64 {
         1e-3 * self.time_constant_ms.max(0.0)
     }
+
+    /// The filter with a mean age of the velocity, in periods of the loop, which are of this length: the inverse of
+    /// [`Self::exceeds_tolerance`]'s equation.
+    fn of_age(age: f64, tick_ms: f64) -> Self {
+        Self { time_constant_ms: tick_ms / ((1.0 + age) / age).ln() }
+    }
 }
 
 impl EffectModel for VelocityFilter {
@@ -49,6 +56,12 @@ impl EffectModel for VelocityFilter {
     fn initial_guesses(context: &EffectContext<'_>) -> Vec<Self> {
         let times_ms: &[f64] = if context.has(Stage::Motor) { &[0.4, 1.5] } else { &[] };
         times_ms.iter().map(|&time_constant_ms| Self { time_constant_ms }).collect()
+    }
+
+    /// Beside a delay of the loop, the fit of an age alone ends where the delay is too short, from where the filter differs little.
+    fn in_place_of(found: &Found<'_>) -> Option<Substitute<Self>> {
+        let older_ms = found.value("ms").filter(|ms| found.name == Self::NAME && *ms > 0.0)?;
+        Some(Substitute::alone(Self::of_age((older_ms / found.tick_ms()).max(MIN_AGE), found.tick_ms())))
     }
 
     fn coordinates(&self) -> Vec<Coordinate> {
@@ -79,5 +92,19 @@ impl EffectModel for VelocityFilter {
 
     fn abscissa(&self) -> Abscissa {
         Abscissa::Acceleration
+    }
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+
+    /// A ramp behind y += (1 − q)·(x − y), with q = e^(−T/τ), is q/(1 − q) periods T late.
+    #[test]
+    fn a_filter_has_the_age_with_which_it_is_made() {
+        for age in [0.7, 1.2, 5.0] {
+            let left = (-0.25 / VelocityFilter::of_age(age, 0.25).time_constant_ms).exp();
+            assert!((left / (1.0 - left) / age - 1.0).abs() < 1e-12, "{age}");
+        }
     }
 }

@@ -35,12 +35,14 @@ pub fn covariance(data: &FitData<'_>, fitted: &Fitted) -> Covariance {
     let mut regular =
         curvature.clone() + DMatrix::from_diagonal(&(curvature.diagonal() * 1e-9).add_scalar(1e-12));
     // A parameter at a bound is treated as known.
-    for (i, parameter) in fitted.parameters.iter().enumerate() {
+    let is_at_bound = |parameter: &FreeParameter| {
         let Coordinate { value, lower, upper, .. } = parameter.coordinate;
         let near = 1e-6 * (upper - lower);
-        if value - lower < near || upper - value < near {
-            regular[(i, i)] += 1e9 * (1.0 + curvature[(i, i)]);
-        }
+        value - lower < near || upper - value < near
+    };
+    let at_bound: Vec<usize> = (0..n).filter(|&i| is_at_bound(&fitted.parameters[i])).collect();
+    for &i in &at_bound {
+        regular[(i, i)] += 1e9 * (1.0 + curvature[(i, i)]);
     }
     let inverse = regular.cholesky().map_or_else(|| DMatrix::zeros(n, n), |c| c.inverse());
     // The gradients of all stages over one block of one log are summed. Blocks without a sample that counts are skipped.
@@ -55,8 +57,17 @@ pub fn covariance(data: &FitData<'_>, fitted: &Fitted) -> Covariance {
     let precision = |parameter: &FreeParameter| parameter.prior.map_or(0.0, |(_, spread)| spread.powi(-2));
     let priors = DVector::from_iterator(n, fitted.parameters.iter().map(precision));
     let outer_products = sums.iter().fold(DMatrix::zeros(n, n), |sum, (_, g)| sum + g * g.transpose());
+    let mut matrix = &inverse * (outer_products + DMatrix::from_diagonal(&priors)) * &inverse;
+    // Where the fit of a value stops is no knowledge of it. If it has a prior, it may as well be there: by this the others move.
+    for &i in &at_bound {
+        if let Some((mean, spread)) = fitted.parameters[i].prior {
+            let deviation = spread.min((fitted.parameters[i].coordinate.value - mean).abs());
+            let shift = &inverse * curvature.column(i) * deviation;
+            matrix += &shift * shift.transpose();
+        }
+    }
     Covariance {
-        matrix: &inverse * (outer_products + DMatrix::from_diagonal(&priors)) * &inverse,
+        matrix,
         bias_shift: &inverse * bias_gradient(data, fitted),
         inverse,
         degrees_of_freedom: sums.len().saturating_sub(1),

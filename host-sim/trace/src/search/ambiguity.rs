@@ -33,8 +33,6 @@ pub struct Ambiguity {
 pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope: &Scope) -> Vec<Ambiguity> {
     let options = &data.options.search;
     let added = &candidates[added];
-    let is_as_good =
-        |stage: &Comparison| stage.t < options.chance_t || stage.reduction < options.min_reduction;
     let gain_over = gain_of(added, scope, options);
     let is_rival = |other: &&Candidate| {
         let gains_enough = other.exceeds_tolerance && other.gain >= options.min_rival_gain * added.gain;
@@ -50,7 +48,7 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
         !std::ptr::eq(*other, added)
             && !contains_added
             && (other.stands_out(options) || gains_enough)
-            && gain_over(other).is_some_and(|stages| stages.iter().all(is_as_good))
+            && gain_over(other).is_some_and(|stages| stages.iter().all(|stage| is_as_good(stage, options)))
     };
     let ambiguity = |rival: &Candidate| {
         Some(Ambiguity {
@@ -61,6 +59,12 @@ pub fn rivals(data: &FitData<'_>, candidates: &[Candidate], added: usize, scope:
         })
     };
     candidates.iter().filter(is_rival).filter_map(ambiguity).collect()
+}
+
+/// Whether what an effect gains over a rival in a stage is chance, or less than the minimum reduction of an effect.
+#[must_use]
+pub fn is_as_good(gain: &Comparison, options: &SearchOptions) -> bool {
+    gain.t < options.chance_t || gain.reduction < options.min_reduction
 }
 
 /// Moves the candidate with the fewest parameters to the front, among those that do not differ significantly from the best one. An

@@ -1,11 +1,10 @@
 //! The search for effects that a model lacks, scope by scope. Effects that held-out data support are added one after the
 //! other, and dropped again if later ones make them unnecessary.
 
+use super::alternatives::with_better_alternatives;
 use super::ambiguity::{is_special_form, prefer_fewer_parameters, rivals};
 use super::bump_of_map::bump_in_place_of_map;
 use super::candidates::{Candidate, Reference, rank};
-use super::delayed_mode::with_delayed_mode;
-use super::exchanged_wave::with_exchanged_waves;
 use super::held_out::{compare, scores};
 use super::loop_check::LoopCheck;
 use super::map_refinement::with_finer_map;
@@ -188,7 +187,7 @@ impl EffectSearch<'_> {
     }
 
     /// The fit with a finer map, and without effects that are unnecessary or uncertain.
-    fn drop_from(&self, data: &FitData<'_>, mut base: Fitted, scope: &Scope) -> Fitted {
+    fn drop_from(&mut self, data: &FitData<'_>, mut base: Fitted, scope: &Scope) -> Fitted {
         let count = base.model.found().iter().filter(|effect| scope.holds(effect)).count();
         if count == 0 {
             return base;
@@ -196,9 +195,8 @@ impl EffectSearch<'_> {
         // The derivatives of the search are in part those of earlier points.
         base = least_squares::fit(data, &base.model, scope, least_squares::STEPS);
         base = with_finer_map(data, base, scope);
-        base = with_delayed_mode(data, base, scope);
+        base = with_better_alternatives(data, base, &mut self.rounds, scope);
         if count > 1 {
-            base = with_exchanged_waves(data, base, scope);
             base = self.drop_unnecessary(data, base, scope);
         }
         self.drop_uncertain(data, base, scope)

@@ -5,13 +5,12 @@
 //! with the closed loop ([`loop_check`]), adds one [`provisional`]ly where several hide each other, and reports an
 //! [`ambiguity`] with a [`distinguishing_motion`].
 
+pub mod alternatives;
 pub mod ambiguity;
 pub mod bump_of_map;
 pub mod candidates;
-pub mod delayed_mode;
 pub mod distinguishing_motion;
 pub mod effect_search;
-pub mod exchanged_wave;
 pub mod held_out;
 pub mod loop_check;
 pub mod map_refinement;
@@ -20,7 +19,6 @@ pub mod mass_check;
 pub mod missing_effects;
 pub mod position_spectrum;
 pub mod provisional;
-pub mod replacement;
 pub mod residual_samples;
 pub mod residual_shape;
 pub mod round;

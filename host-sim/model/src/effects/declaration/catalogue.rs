@@ -24,6 +24,10 @@ macro_rules! catalogue {
             draw_number: $variant::DRAW_NUMBER,
             prerequisite: $variant::prerequisite,
             draw: |draw| $variant::draw(draw).map(Effect::$variant),
+            in_place_of: |found| {
+                let Substitute { effect, beside } = $variant::in_place_of(found)?;
+                Some(Substitute { effect: Effect::$variant(effect), beside })
+            },
         }),+];
 
         impl Effect {
@@ -190,6 +194,8 @@ macro_rules! catalogue {
             pub prerequisite: fn(&Settings, Neighbours) -> Prerequisite,
             /// [`EffectModel::draw`].
             pub draw: fn(&mut Draw<'_>) -> Option<Effect>,
+            /// [`EffectModel::in_place_of`].
+            pub in_place_of: fn(&Found<'_>) -> Option<Substitute<Effect>>,
         }
 
         /// Names of all effects, in catalogue order, each once.

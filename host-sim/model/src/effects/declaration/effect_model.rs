@@ -6,6 +6,7 @@ use super::abscissa::Abscissa;
 use super::context::{EffectContext, Misplaced, Neighbours, Placement, Prerequisite};
 use super::coordinate::Coordinate;
 use super::draw::Draw;
+use super::found::{Found, Substitute};
 use super::identity::{Distinction, Occurrence};
 use super::imitation::{Imitation, ImitationContext};
 use super::parameter::Parameter;
@@ -85,6 +86,12 @@ pub trait EffectModel: Sized + Clone {
     /// of them the effect is not certain.
     fn imitations(&self, _context: &ImitationContext<'_>) -> Vec<Imitation> {
         Vec::new()
+    }
+
+    /// This effect, if it may have been taken for the found one: both explain most of the same residual, and the other effects that
+    /// decide between them are found later. Once all are found, it is tried in place of the found one.
+    fn in_place_of(_found: &Found<'_>) -> Option<Substitute<Self>> {
+        None
     }
 
     /// Values of the parameters, those of a list one after the other.

@@ -1,8 +1,8 @@
 //! Common part of harmonic effects: amplitude·sin(2π·position/period + phase).
 
-use std::f64::consts::TAU;
+use std::f64::consts::{PI, TAU};
 
-use super::{Coordinate, EffectContext, WaveOf};
+use super::{Coordinate, EffectContext, Found, WaveOf};
 
 /// sin(2π·position/period + phase).
 #[must_use]
@@ -96,6 +96,21 @@ pub fn guesses(
     orders.chain(found).collect()
 }
 
+/// A found wave of one part as that of another one, whose fundamental period is given, mm; its sign is reversed. Both are waves of
+/// table − motor with the same size: table − reading is the error of the screw, or minus that of the resolver. They differ by the force
+/// that the closed loop applies, which is small beside what other effects left when the wave was added. `None`: no wave.
+#[must_use]
+pub fn of_other_part(found: &Found<'_>, fundamental_mm: f64) -> Option<HarmonicGuess> {
+    let [amplitude, period_mm, phase_rad] =
+        [found.value("amplitude_um")?, found.value("period_mm")?, found.value("phase_rad")?];
+    let (period_mm, fitted_period_mm) = match order(period_mm, fundamental_mm, found.travel_mm) {
+        Some(order) => (fundamental_mm / order, None),
+        // The period is the coordinate after those of sine and cosine.
+        None => (period_mm, found.coordinates.get(2).map(|period| [period.lower, period.upper])),
+    };
+    Some(HarmonicGuess { period_mm, amplitude, phase_rad: phase_rad + PI, fitted_period_mm })
+}
+
 /// The coordinate of a period that is fitted within a range, mm.
 #[must_use]
 pub fn period(period_mm: f64, [lower, upper]: [f64; 2]) -> Coordinate {
@@ -176,6 +191,7 @@ mod tests {
     use super::*;
     use crate::axis::Settings;
     use crate::effects::{ResidualShape, ResidualWave, Stage};
+    use shared::config::Rates;
 
     /// Over a travel of 300 mm, waves of 37 mm (belt), 3.205 mm (93.60 waves; a fifth of a lead of 16 mm: 93.75), 8 mm (an order
     /// that is tried in any case), and 3.3 mm (90.9 waves, far from 93.75).
@@ -202,5 +218,26 @@ mod tests {
         assert_eq!(of(WaveOf::Table, Some(16.0)), expected);
         assert_eq!(of(WaveOf::Table, None), [(37.0, true), (3.205, true), (8.0, true), (3.3, true)]);
         assert_eq!(of(WaveOf::Force, Some(16.0)), expected[..2]);
+    }
+
+    /// On a lead of 16 mm, 4 mm are an electrical period of four pole pairs: a wave of 16 mm is no order of it, one of 4 mm the first.
+    /// Over a travel of 120 mm, 16.02 mm is a turn: a quarter of a wave is 0.53 mm.
+    #[test]
+    fn a_wave_of_another_part_keeps_its_period_or_takes_that_of_an_order() {
+        let axis = Settings::default();
+        let rates = Rates { velocity_loop_hz: 4000.0, position_loop_divider: 4 };
+        let other = |period_mm: f64, fitted_mm: Option<[f64; 2]>, fundamental_mm: f64| {
+            let mut coordinates = parts(5.0, 0.5, 0.1, 1e3);
+            coordinates.extend(fitted_mm.map(|range| period(period_mm, range)));
+            let parameters = vec![("amplitude_um", 5.0), ("period_mm", period_mm), ("phase_rad", 0.5)];
+            let found = Found { name: "", parameters, coordinates, axis: &axis, rates, travel_mm: 120.0 };
+            let wave = of_other_part(&found, fundamental_mm).unwrap();
+            assert_eq!((wave.amplitude, wave.phase_rad), (5.0, 0.5 + PI));
+            (wave.period_mm, wave.fitted_period_mm)
+        };
+        let around = Some([15.5, 16.5]);
+        assert_eq!(other(16.02, around, 4.0), (16.02, around));
+        assert_eq!(other(16.02, around, 16.0), (16.0, None));
+        assert_eq!(other(4.01, Some([3.9, 4.1]), 4.0), (4.0, None));
     }
 }
