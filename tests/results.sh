@@ -36,7 +36,9 @@ write() {
   fi
   for case in "$LOST_MOTION_DATA"/cases*/*/; do
     name=$(basename "$(dirname "$case")")-$(basename "$case")
-    trace_case "$program" "$case" "$folder/$name.json" >/dev/null
+    # A case that is refused has its message in place of its result.
+    trace_case "$program" "$case" "$folder/$name.json" >/dev/null 2>"$folder/$name.error" && rm "$folder/$name.error" ||
+      sed -i "s,$LOST_MOTION_DATA,," "$folder/$name.error"
   done
   local data=$LOST_MOTION_DATA/data
   "$program" trace --machine "$data/emps/machine.toml" --fit "$data/emps/train.csv" --json "$folder/emps.json" >/dev/null

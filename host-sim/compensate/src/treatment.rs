@@ -91,6 +91,7 @@ const fn done(effect: &Effect) -> Option<&'static str> {
         | Effect::DriveLag(_)
         | Effect::DriveAsymmetry(_)
         | Effect::DriveDeadTime(_)
+        | Effect::ComputationDelay(_)
         | Effect::LoopDelay(_)
         | Effect::PositionDelay(_)
         | Effect::ScaleGain(_)
@@ -122,7 +123,10 @@ const fn not_done(effect: &Effect) -> (&'static str, &'static str) {
             "the gains of the drive differ between both directions",
             "adjust the current measurement of the drive",
         ),
-        Effect::DriveDeadTime(_) | Effect::LoopDelay(_) | Effect::PositionDelay(_) => (
+        Effect::DriveDeadTime(_)
+        | Effect::ComputationDelay(_)
+        | Effect::LoopDelay(_)
+        | Effect::PositionDelay(_) => (
             "the delay is in the computation, the bus or the drive",
             "shorten the cycle of the controller, or read the sensors later in it",
         ),

@@ -138,6 +138,8 @@ impl LinearAxis {
     ) -> Self {
         let tick_s = rates.velocity_loop_hz.recip();
         let lag_s = axis.servo.drive_time_constant_s(instruments.drive_time_constant_s);
+        // A force that acts late closes the loop as late readings of both sensors do.
+        let late_s = axis.servo.force_late_s(tick_s);
         let mechanics = Mechanics::new(axis, lag_s, condition);
         let (a, b) = mechanics.after(tick_s);
         let gain = settings.velocity_gain_n_s_per_m;
@@ -160,8 +162,8 @@ impl LinearAxis {
             low_pass: settings
                 .low_pass
                 .map(|l| Filter::new(l.frequency_hz, tick_s, 2.0 * l.damping_ratio, None)),
-            motor_latency: Latency::new(instruments.motor_latency_s, tick_s),
-            table_latency: Latency::new(instruments.table_latency_s, tick_s),
+            motor_latency: Latency::new(instruments.motor_latency_s + late_s, tick_s),
+            table_latency: Latency::new(instruments.table_latency_s + late_s, tick_s),
             feedback: settings.sensors,
             position_gain_per_s: settings.position_gain_per_s,
             law: settings.law,

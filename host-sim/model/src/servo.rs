@@ -5,8 +5,8 @@ use shared::interpolate::Smoothing;
 
 use crate::axis::{Controller, Feedback, Filters, Law, Limits, Sensors, Settings};
 use crate::effects::{
-    DriveDeadTime, DriveLag, Effect, FeedforwardMismatch, IntegralTimeMismatch, LoopDelay, PositionDelay,
-    ServoMismatch, VelocityFilter, VelocityGainMismatch, VelocityLag,
+    ComputationDelay, DriveDeadTime, DriveLag, Effect, FeedforwardMismatch, IntegralTimeMismatch, LoopDelay,
+    PositionDelay, ServoMismatch, VelocityFilter, VelocityGainMismatch, VelocityLag,
 };
 
 /// Following error at which the drives are switched off if the machine file declares no limit, m.
@@ -32,6 +32,8 @@ pub struct ServoParameters {
     pub lag: VelocityLag,
     /// Filter of the velocity reading.
     pub velocity_filter: VelocityFilter,
+    /// Periods from the readings to the force.
+    pub computation_delay: ComputationDelay,
     /// Dead time of the force.
     pub dead_time: DriveDeadTime,
     /// Delay of the velocity command.
@@ -60,12 +62,19 @@ impl ServoParameters {
                 Effect::VelocityLag(lag) => parameters.lag = lag.clone(),
                 Effect::VelocityFilter(filter) => parameters.velocity_filter = filter.clone(),
                 Effect::DriveDeadTime(delay) => parameters.dead_time = delay.clone(),
+                Effect::ComputationDelay(delay) => parameters.computation_delay = delay.clone(),
                 Effect::LoopDelay(delay) => parameters.loop_delay = delay.clone(),
                 Effect::PositionDelay(delay) => parameters.position_delay = delay.clone(),
                 _ => {}
             }
         }
         parameters
+    }
+
+    /// Time from the readings of the velocity loop, which has this period (s), until its force acts, s.
+    #[must_use]
+    pub fn force_late_s(&self, tick_s: f64) -> f64 {
+        tick_s * self.computation_delay.periods + self.dead_time.seconds()
     }
 
     /// True Kv, N·s/m, of a controller that declares one.

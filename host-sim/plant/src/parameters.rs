@@ -178,6 +178,7 @@ impl AxisParameters {
             | Effect::VelocityLag(_)
             | Effect::VelocityFilter(_)
             | Effect::DriveDeadTime(_)
+            | Effect::ComputationDelay(_)
             | Effect::LoopDelay(_)
             | Effect::PositionDelay(_)
             | Effect::FeedforwardMismatch(_)

@@ -3,8 +3,15 @@
 use super::naming::{Naming, fault, named};
 
 /// Names of a delay in the loop, wherever in it.
-const DELAYS: &[&str] =
-    &["loop_delay", "velocity_filter", "velocity_lag", "drive_lag", "position_delay", "dead_time"];
+const DELAYS: &[&str] = &[
+    "computation_delay",
+    "loop_delay",
+    "velocity_filter",
+    "velocity_lag",
+    "drive_lag",
+    "position_delay",
+    "dead_time",
+];
 /// Names of a late or filtered position feedback.
 const POSITION: &[&str] = &["position_delay", "position_filter", "loop_delay"];
 /// Names of backlash and wind-up that nothing separates.

@@ -19,6 +19,7 @@ use crate::fit::total_mass;
 use crate::not_testable::{EffectNotTestable, effects_not_testable};
 use crate::outcome::{AxisTrace, StageError};
 use crate::search::ambiguity::Ambiguity;
+use crate::search::assumption::{self, Searched};
 use crate::search::effect_search::EffectSearch;
 use crate::search::round::Round;
 use crate::stages::stage_names;
@@ -49,7 +50,11 @@ pub fn trace(
 
     // The declared values, then the effects, scope by scope, then the joint fit to force and motor.
     let (before, declared_fits) = stage.fit_declared(&written);
-    let (model, fits, rounds) = stage.search(&before, task);
+    let search = |from: &AxisModel| stage.search(from, task);
+    let Searched { model, fits, rounds } = match task {
+        Task::Search => assumption::searched(fit_data, &scopes, &before, search),
+        Task::Evaluate => search(&before),
+    };
     // 5: fit with the error of the tracer's own simulation subtracted.
     let FinalFit { model, fits, bias } =
         final_fit([fit_data, validate], &written, (model, fits), &scopes, progress);
@@ -197,7 +202,7 @@ impl Tracing<'_> {
 
     /// Searches for effects, scope by scope, unless the task is to evaluate; then fits all parameters to force and motor
     /// stage jointly, see [`fit_jointly`].
-    fn search(&self, before: &AxisModel, task: Task) -> (AxisModel, Vec<ScopeFit>, Vec<Round>) {
+    fn search(&self, before: &AxisModel, task: Task) -> Searched {
         let servo = self.scopes.iter().find(|scope| scope.stages == [Stage::Motor]).cloned();
         let mut search = EffectSearch {
             data: self.fit_data,
@@ -225,7 +230,7 @@ impl Tracing<'_> {
         }
         fit_jointly(self.fit_data, &mut model, &mut fits, self.scopes, self.progress);
         search.rounds.iter_mut().for_each(Round::forget_data);
-        (model, fits, search.rounds)
+        Searched { model, fits, rounds: search.rounds }
     }
 
     /// Fits the declared model with the same exclusions and the same error subtracted as the model with effects.

@@ -34,9 +34,10 @@ fn each_compensated_effect_of_the_catalogue_is_tested() {
 }
 
 /// All effects that a simulation has and that are not compensated, on one machine.
-const NOT_COMPENSATED: [&str; 13] = [
+const NOT_COMPENSATED: [&str; 14] = [
     "name = \"drive_asymmetry\"\npercent = 3.0",
     "name = \"drive_dead_time\"\nms = 0.05",
+    "name = \"computation_delay\"\nperiods = 0.1",
     "name = \"drive_lag\"\nms = 0.4",
     "name = \"velocity_lag\"\nms = 0.2",
     "name = \"latency\"\nchannel = \"table\"\nms = 1.0",

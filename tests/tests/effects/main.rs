@@ -26,7 +26,7 @@ tested! {
         friction_map, presliding, shear_thinning, friction_memory,
         preload_variation, friction_ripple;
     servo: servo_mismatch, velocity_lag, feedforward_mismatch, velocity_gain_mismatch, integral_time_mismatch,
-        drive_lag, drive_dead_time;
+        drive_lag, drive_dead_time, computation_delay;
     tool: intalk, crosstalk, squareness, straightness, probe_rotation, probe_gain, thermal_drift, thermal_rate,
         latency, resonance;
 }

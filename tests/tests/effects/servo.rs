@@ -4,7 +4,7 @@ use files::log::Channel;
 use model::machine::Machine;
 use plant::simulate::controller_setup;
 
-use crate::runs::{PLAIN, ROUNDING_N, ROUNDING_UM, assert_all, changed, declared, lines, run, with};
+use crate::runs::{PLAIN, ROUNDING_N, ROUNDING_UM, RunLog, assert_all, changed, declared, lines, run, with};
 
 /// At a constant velocity command − motor = v·(1 − Kf)/Kp′ with Kp′ = Kp·(1 + percent/100).
 pub fn servo_mismatch() {
@@ -150,6 +150,24 @@ pub fn drive_dead_time() {
     let steady = effect_run.steady(mm_s);
     assert_all(&change_n, &steady, 0.0, ROUNDING_N, "force");
     assert_all(&effect_run.change(Channel::Table, &plain), &steady, 0.0, ROUNDING_UM, "table");
+}
+
+/// The first force follows the first step of the command two periods later. Once the acceleration is constant, the integral has
+/// taken up the delay: position and acting force, which is the logged one, are as without it.
+pub fn computation_delay() {
+    let (periods, m_per_s2, mm_s) = (2, 0.5, 300.0);
+    let machine = changed(&viscous(), "sample_rate_hz = 1000.0 ", "sample_rate_hz = 4000.0 ");
+    let motion = lines(&[(400.0, mm_s)]);
+    let plain = run(&machine, &motion);
+    let effect = format!("\n[[axis.x.effect]]\nname = \"computation_delay\"\nperiods = {periods}.0\n");
+    let effect_run = run(&(machine + &effect), &motion);
+    let first =
+        |run: &RunLog| run.channel("x", Channel::Force).iter().position(|n| n.abs() > ROUNDING_N).unwrap();
+    assert_eq!(first(&effect_run) - first(&plain), periods);
+    for samples in [effect_run.accelerating(m_per_s2), effect_run.steady(mm_s)] {
+        assert_all(&effect_run.change(Channel::Force, &plain), &samples, 0.0, ROUNDING_N, "force");
+        assert_all(&effect_run.change(Channel::Motor, &plain), &samples, 0.0, ROUNDING_UM, "motor");
+    }
 }
 
 /// Under a ramp of the force, a drive with the lag τ is low by τ·dF/dt: the commanded force is higher by τ·b·a under a

@@ -9,11 +9,18 @@
 use crate::axis_margins::AxisLoops;
 use crate::mechanics::Condition;
 use crate::tests::machine;
+use model::effects::{ComputationDelay, DriveDeadTime, Effect};
 use plant::instruments::Instruments;
 
 /// Rigid, without viscous friction and integral part.
 fn rigid() -> AxisLoops {
+    rigid_with(Vec::new())
+}
+
+/// The same with effects.
+fn rigid_with(effects: Vec<Effect>) -> AxisLoops {
     let mut machine = machine("p", "motor");
+    machine.axis[0].effect = effects;
     let settings = &mut machine.axis[0].settings;
     settings.mechanics.stiffness_n_per_um = None;
     settings.mechanics.damping_n_s_per_m = None;
@@ -33,6 +40,22 @@ fn the_velocity_loop_of_a_rigid_mass_has_the_margins_of_its_closed_form() {
     assert!((phase.value - (90.0 - angle.to_degrees())).abs() < 1e-6, "{phase:?}");
     assert!((phase.hz - angle / std::f64::consts::TAU * 4000.0).abs() < 1e-3, "{phase:?}");
     assert_eq!(margins.unstable, None);
+}
+
+/// A delay of n periods turns L(z) by −n·θ, and leaves its magnitude.
+#[test]
+fn a_late_force_reduces_the_phase_margin_by_its_delay() {
+    let (before, condition) = rigid().velocity().phase_deg.unwrap();
+    let theta_deg = before.hz / 4000.0 * 360.0;
+    let computed = Effect::ComputationDelay(ComputationDelay { periods: 2.0 });
+    let dead = Effect::DriveDeadTime(DriveDeadTime { ms: 0.25 });
+    for (effects, periods) in
+        [(vec![computed.clone()], 2.0), (vec![dead.clone()], 1.0), (vec![computed, dead], 3.0)]
+    {
+        let (after, same) = rigid_with(effects).velocity().phase_deg.unwrap();
+        assert!((before.value - after.value - periods * theta_deg).abs() < 1e-6, "{periods}: {after:?}");
+        assert!((after.hz / before.hz - 1.0).abs() < 1e-9 && same == condition, "{periods}: {after:?}");
+    }
 }
 
 /// Far below the bandwidth of the velocity loop the position loop is Kp/s behind a delay, and the phase margin is 90° less Kp

@@ -4,7 +4,7 @@ use serde::{Deserialize, Serialize};
 
 use shared::config::Rates;
 
-use super::declaration::{Abscissa, EffectModel, Wording, delay};
+use super::declaration::{Abscissa, EffectModel, Imitation, ImitationContext, Stage, Wording, delay};
 use crate::axis::Settings;
 
 /// Dead time between the commanded force and the acting one, as of a bus cycle or of the pulse width modulation. The logged
@@ -24,6 +24,12 @@ impl DriveDeadTime {
     }
 }
 
+const COMPUTATION: Imitation = Imitation {
+    name: "computation_delay",
+    clause: "the velocity loop outputs its force this time after its readings",
+    decided_by: "a force channel",
+};
+
 impl EffectModel for DriveDeadTime {
     const NAME: &'static str = "drive_dead_time";
     const SUMMARY: &'static str = "dead time between the commanded and the acting force";
@@ -35,6 +41,11 @@ impl EffectModel for DriveDeadTime {
     /// The instants within a tick at which a drive reads and acts are not declared.
     fn exceeds_tolerance(&self, _declared: &Settings, rates: Rates) -> bool {
         1e-3 * self.ms * rates.velocity_loop_hz > 0.25
+    }
+
+    /// Only the force tells whether it is logged as computed or as output.
+    fn imitations(&self, context: &ImitationContext<'_>) -> Vec<Imitation> {
+        if context.has(Stage::Force) { Vec::new() } else { vec![COMPUTATION] }
     }
 
     fn sentence(&self, wording: &Wording) -> String {

@@ -13,6 +13,7 @@
 mod declaration;
 
 mod backlash;
+mod computation_delay;
 mod constant_load;
 mod crosstalk;
 mod drive_asymmetry;
@@ -74,6 +75,7 @@ pub use declaration::{
 };
 
 pub use backlash::Backlash;
+pub use computation_delay::ComputationDelay;
 pub use constant_load::ConstantLoad;
 pub use crosstalk::Crosstalk;
 pub use drive_asymmetry::DriveAsymmetry;
@@ -154,6 +156,7 @@ catalogue! {
     IntegralTimeMismatch,
     DriveLag,
     DriveDeadTime,
+    ComputationDelay,
     LoopDelay,
     PositionDelay,
     Intalk,
@@ -209,6 +212,7 @@ mod tests {
             .into_iter()
             .chain(initial_guesses(&second))
             .chain(of_the_scale())
+            .chain(KINDS.iter().flat_map(|kind| (kind.assumed)()))
             .filter(|effect| !all.contains(effect))
             .collect::<Vec<_>>();
         all.extend(added);
@@ -223,7 +227,7 @@ mod tests {
     }
 
     #[test]
-    fn every_effect_has_an_initial_guess() {
+    fn every_effect_has_an_initial_guess_or_is_assumed() {
         let tried: std::collections::BTreeSet<&str> = all().iter().map(Effect::name).collect();
         assert_eq!(tried, names().into_iter().collect());
     }

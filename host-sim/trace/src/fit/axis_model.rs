@@ -218,6 +218,31 @@ impl AxisModel {
         model
     }
 
+    /// The declared model with an effect assumed, which is held at its values as if it were declared.
+    #[must_use]
+    pub fn assuming(&self, effect: &Effect) -> Self {
+        let mut model = self.clone();
+        for axis in [&mut model.declared, &mut model.nominal, &mut model.axis] {
+            axis.effect.push(effect.clone());
+        }
+        model.held.push(true);
+        model
+    }
+
+    /// The model in which the effect that was [assumed](Self::assuming) is one of those found, in the order of the scopes in which they
+    /// are found.
+    #[must_use]
+    pub fn with_assumed_as_found(&self, scopes: &[Scope]) -> Self {
+        let mut model = self.clone();
+        for axis in [&mut model.declared, &mut model.nominal] {
+            axis.effect.pop();
+        }
+        model.held.pop();
+        let scope_of = |effect: &Effect| scopes.iter().position(|scope| scope.holds(effect));
+        model.axis.effect[self.declared.effect.len() - 1..].sort_by_key(scope_of);
+        model
+    }
+
     /// The same model without the found effect at an index of [`AxisModel::found`].
     #[must_use]
     pub fn without(&self, found: usize) -> Self {

@@ -42,6 +42,17 @@ pub fn fit_again(
     (model, fits)
 }
 
+/// A model after fits to the scopes one after the other, without a joint fit.
+#[must_use]
+pub fn fitted_in_order(data: &FitData<'_>, mut model: AxisModel, fits: &[ScopeFit]) -> AxisModel {
+    for ScopeFit { scope, exclusions, .. } in fits {
+        let data = FitData { exclusions, ..*data };
+        let fitted = least_squares::fit(&data, &model, scope, least_squares::STEPS);
+        model = total_mass::pinned(&data, &fitted, [scope; 2]);
+    }
+    model
+}
+
 impl ScopeFit {
     /// Fits the scope alone again, from the model, which takes the fitted values.
     fn fit_from(&mut self, data: &FitData<'_>, model: &mut AxisModel) {

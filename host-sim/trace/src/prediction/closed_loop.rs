@@ -93,6 +93,8 @@ pub fn closed_loop(
         Reading { motor: before(motor, velocity), table: Some(before(known_table_m, velocity)) };
     let mut state = AxisState::<f64>::at_rest(command_before, reading_before);
     let mut readings = ControllerReadings::new(&parameters.servo, tick_s, read(&motion, 0), &motion);
+    let mut computation =
+        DeadTime::new(tick_s * parameters.servo.computation_delay.periods, tick_s, motion.drive_n);
     let mut dead_time = DeadTime::new(parameters.servo.dead_time.seconds(), tick_s, motion.drive_n);
 
     let mut result = ClosedLoopRun::default();
@@ -113,6 +115,7 @@ pub fn closed_loop(
                 state.position_tick(&config, position(command), Correction::NONE, for_position);
             }
             let (force, _) = state.velocity_tick(&config, for_velocity, added_n);
+            let force = computation.as_mut().map_or(force, |delay| delay.acting_n(force));
             last_n = force;
             let delayed_n = dead_time.as_mut().map_or(force, |drive| drive.acting_n(force));
             let acting_n = parameters.drive_asymmetry.acting_n(delayed_n);

@@ -55,10 +55,10 @@ pub fn driven(parameters: &AxisParameters, input: &DrivenInput<'_>) -> Driven {
         *force_n = parameters.drive_asymmetry.commanded_n(*force_n);
     }
     add_lead(&mut force_n, parameters.servo.drive_time_constant_s(0.0) / sample_s);
-    let growth = delayed_linear(&motor.acceleration, sampling.growth_age + late);
+    let acceleration_before = |samples: f64| delayed_linear(&motor.acceleration, samples + late);
     // The correction for sampling applies only to the force of the controller.
     add(&mut force_n, added_n, -1.0);
-    sampling.last_ticks_from_means(&mut force_n, &growth, sample_s);
+    sampling.last_ticks_from_means(&mut force_n, acceleration_before, sample_s);
     add(&mut force_n, added_n, 1.0);
     Driven {
         table_m: delayed_cubic(motion.table_m.clone(), parameters.latency_s(Channel::Table), sample_s),

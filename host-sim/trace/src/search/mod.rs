@@ -3,10 +3,11 @@
 //! [`effect_search`] adds one effect per [`round`]. The [`residual_shape`] gives the knots of maps and the periods of
 //! harmonics with which candidates start. A round ranks the [`candidates`], compares them on [`held_out`] data and
 //! with the closed loop ([`loop_check`]), adds one [`provisional`]ly where several hide each other, and reports an
-//! [`ambiguity`] with a [`distinguishing_motion`].
+//! [`ambiguity`] with a [`distinguishing_motion`]. Effects that the fit of the mechanics hides are an [`assumption`].
 
 pub mod alternatives;
 pub mod ambiguity;
+pub mod assumption;
 pub mod bump_of_map;
 pub mod candidates;
 pub mod distinguishing_motion;

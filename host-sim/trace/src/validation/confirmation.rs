@@ -9,7 +9,7 @@ use crate::fit::intervals::{has_unknown_shape, may_be_zero};
 use crate::fit::least_squares;
 use crate::fit::limits::ParameterAtLimit;
 use crate::fit::scope::Scope;
-use crate::fit::scope_fit::{Progress, ScopeFit};
+use crate::fit::scope_fit::{Progress, ScopeFit, fitted_in_order};
 use crate::search::map_remainder::is_remainder_of_map;
 use crate::search::round::{Round, refused_at_limit};
 use crate::search::slope_of_map::is_slope_of_map;
@@ -140,7 +140,12 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             if !scope.holds(effect) {
                 continue;
             }
-            let next = least_squares::fit(&data, &last.with(effect.clone()), scope, STEPS).model;
+            let with = last.with(effect.clone());
+            let next = if !(effect.kind().assumed)().is_empty() {
+                fitted_in_order(fit_data, with, &axis.fits)
+            } else {
+                least_squares::fit(&data, &with, scope, STEPS).model
+            };
             let fitted = [&last, &next].map(|model| fit_data.residuals(model, scope));
             let held_out = [&last, &next].map(|model| validate.residuals(model, scope));
             // A slope is tested with its map.

@@ -24,6 +24,7 @@ macro_rules! catalogue {
             draw_number: $variant::DRAW_NUMBER,
             prerequisite: $variant::prerequisite,
             draw: |draw| $variant::draw(draw).map(Effect::$variant),
+            assumed: || $variant::assumed().into_iter().map(Effect::$variant).collect(),
             in_place_of: |found| {
                 let Substitute { effect, beside } = $variant::in_place_of(found)?;
                 Some(Substitute { effect: Effect::$variant(effect), beside })
@@ -194,6 +195,8 @@ macro_rules! catalogue {
             pub prerequisite: fn(&Settings, Neighbours) -> Prerequisite,
             /// [`EffectModel::draw`].
             pub draw: fn(&mut Draw<'_>) -> Option<Effect>,
+            /// [`EffectModel::assumed`].
+            pub assumed: fn() -> Vec<Effect>,
             /// [`EffectModel::in_place_of`].
             pub in_place_of: fn(&Found<'_>) -> Option<Substitute<Effect>>,
         }

@@ -94,6 +94,12 @@ pub trait EffectModel: Sized + Clone {
         None
     }
 
+    /// The forms of this effect that may be assumed before the mechanics are fitted, if it changes the force as a mass does: without it
+    /// the fit of the mechanics has another mass, beside which no effect of the closed loop describes the motor.
+    fn assumed() -> Vec<Self> {
+        Vec::new()
+    }
+
     /// Values of the parameters, those of a list one after the other.
     fn values(&self) -> Vec<f64>;
 
