@@ -31,28 +31,19 @@ files_of() {
   if [ -d "shared/src/$1" ]; then find "shared/src/$1" -name '*.rs' | sort; else echo "shared/src/$1.rs"; fi
 }
 
-# The tests that a mutant of a part is run with, a word each: --lib, --tests, or the name of a file in shared/tests. Those that
-# detect its mutants are listed, so that the others are neither built nor run; all where that was not measured.
+# The tests that a mutant of a part is run with, as filters of their paths: the modules of shared/tests that detect its mutants, and
+# tests:: for all unit tests. None for all tests, where that was not measured.
 tests_of() {
   case ${1%%/*} in
-  machine) echo enabling first_motion homing link machine monitor safety session ;;
-  drive) echo --lib amplifier first_motion homing inputs link pins ;;
-  homing | feedback) echo --lib homing ;;
-  control) echo --lib control enabling gain_change homing velocity_loop ;;
-  monitor) echo --lib monitor safety ;;
-  session) echo --lib session ;;
-  safety | protocol) echo --lib ;;
-  link | capture | storage) echo --lib link ;;
-  *) echo --lib --tests ;;
+  machine) echo enabling:: first_motion:: homing:: link:: machine:: monitor:: safety:: session:: ;;
+  drive) echo tests:: amplifier:: first_motion:: homing:: inputs:: link:: pins:: ;;
+  homing | feedback) echo tests:: homing:: ;;
+  control) echo tests:: control:: enabling:: gain_change:: homing:: velocity_loop:: ;;
+  monitor) echo tests:: monitor:: safety:: ;;
+  session) echo tests:: session:: ;;
+  safety | protocol) echo tests:: ;;
+  link | capture | storage) echo tests:: link:: ;;
   esac
-}
-
-# Arguments of cargo for the tests of a part.
-test_arguments() {
-  local test
-  for test in $(tests_of "$1"); do
-    case $test in --*) echo "--cargo-arg=$test" ;; *) echo "--cargo-arg=--test=$test" ;; esac
-  done
 }
 
 # Hash of everything in the copy that a result depends on, and the tests of a part.
@@ -86,13 +77,13 @@ mutants_of() { (cd "$tree" && cargo mutants --list --package shared --file "$1" 
 # Tests every mutant of a file of a part. No shrinking of failures, and the same random cases for all mutants.
 mutate() {
   local file=$1 part=$2 results=$work/mutants/$1 status=0
-  local -a arguments
-  mapfile -t arguments < <(test_arguments "$part")
+  local -a filters
+  read -ra filters < <(tests_of "$part"; echo)
   rm -rf "$results"
   mkdir -p "$results"
   (cd "$tree" && CARGO_TARGET_DIR=$work/build PROPTEST_MAX_SHRINK_ITERS=0 PROPTEST_RNG_SEED=1 \
     PROPTEST_DISABLE_FAILURE_PERSISTENCE=1 nice cargo mutants --in-place --package shared --file "$file" \
-    --output "$results" --timeout "$timeout_s" --caught --unviable --no-shuffle --colors never "${arguments[@]}") || status=$?
+    --output "$results" --timeout "$timeout_s" --caught --unviable --no-shuffle --colors never -- --lib --tests -- "${filters[@]}") || status=$?
   # 2: some were missed, 3: some timed out. Any other status is a failure of cargo-mutants.
   case $status in 0 | 2 | 3) fingerprint "$part" >"$results/done" ;; *) exit "$status" ;; esac
 }
@@ -152,12 +143,12 @@ properties() {
 }
 
 # A million ticks of random motions to the last bit.
-bits() { cargo test --release --package tests --test random_motions -- --ignored --nocapture; }
+bits() { cargo test --release --package tests --test chip random_motions:: -- --ignored --nocapture; }
 
 # Traces of random parts of the blind cases, of each case as many as given; other parts on every run.
 sweep() {
   SWEEP_VARIANTS=$1 SWEEP_SEED=${BASE_SEED:-$(date +%s)} \
-    cargo test --release --package tests --test incomplete_logs -- --ignored --nocapture
+    cargo test --release --package tests --test host incomplete_logs:: -- --ignored --nocapture
 }
 
 # Fuzzing, half of the time for each target. The corpus is kept in fuzz/corpus for the next run.

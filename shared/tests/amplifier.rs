@@ -1,5 +1,4 @@
 //! Rejected data of a power stage, and their error messages.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::drive::{Amplifier, DriveError};
 use shared::scalar::Fixed;

@@ -1,5 +1,4 @@
 //! Step responses of the loops against their transfer functions, and changes of gains and law during motion.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use proptest::prelude::*;
 use shared::axis::{AxisState, Reading};

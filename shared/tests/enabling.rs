@@ -1,6 +1,5 @@
 //! Enabling and disabling the drives: no jump, no state from before the enable, and no effect of an enable that was
 //! withdrawn.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::compensate::CompensationSettings;
 use shared::compensate::settings::{Pitch, PitchSource, Points};

@@ -1,5 +1,4 @@
 //! The direction check on a simulated bench of two axes, with both signs of force, encoder and scale.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::config::{AxisSettings, Rates};
 use shared::drive::analog::AnalogSettings;

@@ -1,5 +1,4 @@
 //! Changes of gains and law in operation: velocity command and force in every tick after the change.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::axis::{AxisState, Reading};
 use shared::compensate::Correction;

@@ -1,6 +1,5 @@
 //! Every input of a board raises its fault, with the reaction of the table in `shared::safety`, in the tick in which it appears.
 //! Each row fails if the check of its input is taken out of the drive system.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::config::{AxisSettings, Rates};
 use shared::drive::{

@@ -1,6 +1,5 @@
 //! What a machine reports, and calls that name an axis: one that it does not have is refused, and so is any axis of a machine
 //! without settings.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::compensate::settings::{ForceModel, Pitch, PitchSource, Points};
 use shared::compensate::{AxisCompensation, AxisOf, CompensationKind, CompensationSettings, Dependence};

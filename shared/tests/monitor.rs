@@ -1,6 +1,5 @@
 //! The limits of the monitor, for both signs: the greatest value that passes, the least that is a fault, and the tick in
 //! which the fault is raised.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use proptest::prelude::*;
 use shared::config::{AxisConfig, AxisSettings, Rates, ScaleLimits, Sensors};

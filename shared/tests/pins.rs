@@ -1,5 +1,4 @@
 //! The pins of drives against a list of the accesses that they have to make, in order (`embedded-hal-mock`).
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use embedded_hal_mock::eh1::digital::{Mock as Pin, State, Transaction as PinAccess};
 use embedded_hal_mock::eh1::pwm::{Mock as Pwm, Transaction as PwmAccess};

@@ -1,5 +1,4 @@
 //! The board side of the protocol: each order calls the machine, and the answer contains the output of the machine.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use shared::compensate::settings::{Pitch, PitchSource, Points};
 use shared::compensate::{CompensationKind, CompensationSettings};

@@ -1,5 +1,4 @@
 //! The velocity loop against its equation F = Kv·(e + Σe·T/Ti), rounded once, and its anti-windup at the force limit.
-#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 use proptest::prelude::*;
 use shared::config::{AxisConfig, AxisSettings, Rates};

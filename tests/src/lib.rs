@@ -2,7 +2,7 @@
 //!
 //! [`program`] builds `lost-motion`, [`cases`] finds the blind cases in the folder of [`data`]; [`firmware`] builds the
 //! programs of the chip, [`chip`] analyses them, and [`board`] runs them on an emulated chip through [`gdb`]; [`listed`] is
-//! for tests that are compared with a catalogue; [`random_motion`] is a controller's random motion for comparisons to the bit.
+//! for tests that are compared with a catalogue.
 
 pub mod board;
 pub mod cases;
@@ -12,4 +12,3 @@ pub mod firmware;
 pub mod gdb;
 pub mod listed;
 pub mod program;
-pub mod random_motion;

@@ -10,8 +10,8 @@
 //!   changed which effects are found or described in any case. "Values" are figures that change without changing a name;
 //!   where an option is not reached in these cases, nothing changes.
 //! - in the unit tests of this crate, and for the options of search, exclusion, validation and verdict in the tests on
-//!   measured data (`tests/tests/measured_data.rs`: the axis EMPS, a robot, a lead screw) and on corrupted logs
-//!   (`tests/tests/corrupted.rs`). A test is named if it fails.
+//!   measured data (`tests/tests/host/measured_data.rs`: the axis EMPS, a robot, a lead screw) and on corrupted logs
+//!   (`tests/tests/host/corrupted.rs`). A test is named if it fails.
 //!
 //! Options without such a line were not halved and doubled, as those of [`FaultOptions`], which decide before any fit, and the
 //! latest ones of the search.

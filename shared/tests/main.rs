@@ -1,0 +1,20 @@
+//! Interaction of the parts of the controller: see `docs/testing.md`. The equations of a control law are tested in its own file.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod amplifier;
+mod compensation;
+mod control;
+mod dual_feedback;
+mod enabling;
+mod first_motion;
+mod gain_change;
+mod homing;
+mod inputs;
+mod link;
+mod machine;
+mod monitor;
+mod path;
+mod pins;
+mod safety;
+mod session;
+mod velocity_loop;

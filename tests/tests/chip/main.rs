@@ -1,0 +1,13 @@
+//! The programs of the chip: their instructions, stack and registers, and runs on an emulated core or board.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod board_boot;
+mod cost;
+mod fault_table;
+mod panic_free;
+mod processor_in_the_loop;
+mod random_motions;
+mod record;
+mod registers;
+mod servo_board;
+mod stack_depth;

@@ -1,0 +1,213 @@
+//! The registers after the start-up of the board against a table, in a run of the flashed ELF file on an emulated STM32F405
+//! ([`tests::board`]).
+//!
+//! Bits and addresses are those of the reference manual RM0090. A device that QEMU does not model reads as 0, so that a
+//! read-modify-write writes the changed bits alone.
+
+use firmware::setup::CRYSTAL_HZ;
+use tests::board::log::{Access, watchdog_periods_ms, written};
+use tests::board::{Chip, End};
+use tests::firmware::built;
+
+/// Registers of TIM1: name, offset, final value.
+const TIM1: [(&str, u32, u32); 9] = [
+    // 16.4.3: an update is the trigger output to TIM2 (MMS 010); idle outputs are low (OIS 0).
+    ("CR2", 0x04, 0b010 << 4),
+    // No interrupts and no DMA.
+    ("DIER", 0x0c, 0),
+    // 16.4.7: PWM mode 2 (111), buffered, on both channels.
+    ("CCMR1", 0x18, 0x7878),
+    // 16.4.9: both outputs on, active high; complementary outputs off.
+    ("CCER", 0x20, 0x0011),
+    // A period of 8400 counts without a pulse.
+    ("ARR", 0x2c, 8399),
+    ("CCR1", 0x34, 8400),
+    ("CCR2", 0x38, 8400),
+    // 16.4.18: break on (12), active low (13), no automatic output (14), main output off (15); outputs are driven when
+    // running and idle (11, 10); lock level 2 (9:8), which protects these bits, too.
+    ("BDTR", 0x44, 1 << 12 | 1 << 11 | 1 << 10 | 2 << 8),
+    // The last write: counter enabled, with a buffered period.
+    ("CR1", 0x00, 0x81),
+];
+
+/// Bits that must be set by a write to a register of a port or of RCC.
+const BITS: [(&str, &str, u32, u32); 34] = [
+    // 7.3.21: the flags of the cause of the reset are cleared.
+    ("RCC", "CSR: RMVF", 0x74, 1 << 24),
+    // 7.3.12 and 7.3.7: the clock of OTG_FS, and its reset.
+    ("RCC", "AHB2ENR: OTGFSEN", 0x34, 1 << 7),
+    ("RCC", "AHB2RSTR: OTGFSRST", 0x14, 1 << 7),
+    ("GPIOA", "PA11, PA12: alternate", 0x00, 0b10 << 22),
+    ("GPIOA", "PA11: OTG_FS (AF10)", 0x24, 10 << 12),
+    ("GPIOA", "PA12: OTG_FS (AF10)", 0x24, 10 << 16),
+    ("GPIOA", "PA8, PA9: alternate", 0x00, 0b10 << 16),
+    ("GPIOA", "PA9: alternate", 0x00, 0b10 << 18),
+    ("GPIOA", "PA8: TIM1 (AF1)", 0x24, 1),
+    ("GPIOA", "PA9: TIM1 (AF1)", 0x24, 1 << 4),
+    ("GPIOA", "PA6: TIM3 (AF2)", 0x20, 2 << 24),
+    ("GPIOA", "PA7: TIM3 (AF2)", 0x20, 2 << 28),
+    ("GPIOA", "PA6: pulled up", 0x0c, 0b01 << 12),
+    ("GPIOA", "PA7: pulled up", 0x0c, 0b01 << 14),
+    ("GPIOA", "PA0: TIM5 (AF2)", 0x20, 2),
+    ("GPIOA", "PA1: TIM5 (AF2)", 0x20, 2 << 4),
+    ("GPIOA", "PA2: TIM5 (AF2)", 0x20, 2 << 8),
+    ("GPIOA", "PA4, PA5: analogue", 0x00, 0b11 << 8),
+    ("GPIOB", "PB0: TIM3 (AF2)", 0x20, 2),
+    ("GPIOB", "PB6: TIM4 (AF2)", 0x20, 2 << 24),
+    ("GPIOB", "PB7: TIM4 (AF2)", 0x20, 2 << 28),
+    ("GPIOB", "PB8: TIM4 (AF2)", 0x24, 2),
+    ("GPIOB", "PB6: pulled up", 0x0c, 0b01 << 12),
+    ("GPIOB", "PB7: pulled up", 0x0c, 0b01 << 14),
+    ("GPIOB", "PB10: USART3 (AF7)", 0x24, 7 << 8),
+    ("GPIOB", "PB11: USART3 (AF7)", 0x24, 7 << 12),
+    ("GPIOB", "PB12: TIM1 break (AF1)", 0x24, 1 << 16),
+    ("GPIOB", "PB12: pulled down, a broken wire stops", 0x0c, 0b10 << 24),
+    ("GPIOB", "PB14: output", 0x00, 0b01 << 28),
+    ("GPIOB", "PB15: pulled down, a broken wire is open", 0x0c, 0b10 << 30),
+    ("GPIOC", "PC6: TIM8 (AF3)", 0x20, 3 << 24),
+    ("GPIOC", "PC7: TIM8 (AF3)", 0x20, 3 << 28),
+    ("GPIOC", "PC10: output", 0x00, 0b01 << 20),
+    ("GPIOC", "PC11: output", 0x00, 0b01 << 22),
+];
+
+/// Contacts on port B with pull-downs, so that a broken wire is active: limit switches, drive faults. On port A, where a broken wire is
+/// a scale without a signal. And on port C, where it is
+/// a switch that is not found: home switches.
+const PULLED_DOWN: [(&str, u32); 10] = [
+    ("GPIOA", 3),
+    ("GPIOA", 10),
+    ("GPIOB", 1),
+    ("GPIOB", 5),
+    ("GPIOB", 9),
+    ("GPIOB", 13),
+    ("GPIOB", 2),
+    ("GPIOB", 3),
+    ("GPIOC", 9),
+    ("GPIOC", 12),
+];
+
+/// Last values written to devices that QEMU does not model: TIM8 as the scale of Y (17.4), and the DAC (14.5).
+const LAST: [(&str, &str, u32, u32); 8] = [
+    ("timer[8]", "CCMR1", 0x18, 0x5151),
+    ("timer[8]", "CCMR2: TI3, filtered", 0x1c, 0x51),
+    ("timer[8]", "CCER", 0x20, 0x0111),
+    ("timer[8]", "SMCR", 0x08, 0b011),
+    ("timer[8]", "CR1", 0x00, 1),
+    ("DAC", "CR: both channels on, without a trigger", 0x00, 1 << 16 | 1),
+    ("DAC", "DHR12R1: 0 V", 0x08, 2048),
+    ("DAC", "DHR12R2: 0 V", 0x14, 2048),
+];
+
+/// Registers of the modelled devices after the start-up: the timers TIM2 to TIM5, the converters and the serial port.
+const TIMERS: [(&str, u32, u32); 30] = [
+    // 18.4.3: reset (SMS 100) by TIM1 (TS 000).
+    ("TIM2 SMCR", 0x4000_0008, 0b100),
+    ("TIM2 DIER", 0x4000_000c, 1),
+    // 18.4.7: PWM mode 2; rises 600 counts, 7.1 µs, before the tick and triggers the converters.
+    ("TIM2 CCMR1", 0x4000_0018, 0x70),
+    ("TIM2 CCER", 0x4000_0020, 1),
+    ("TIM2 CCR1", 0x4000_0034, 3600),
+    ("TIM2 CR1", 0x4000_0000, 1),
+    // 18.4.7: all inputs on their own pins (01), filter of 8 samples at half the timer clock (0101).
+    ("TIM3 CCMR1", 0x4000_0418, 0x5151),
+    ("TIM3 CCMR2", 0x4000_041c, 0x51),
+    // Inputs 1 and 2, and the capture of the index, at rising edges.
+    ("TIM3 CCER", 0x4000_0420, 0x0111),
+    // 18.4.3: counts the edges of both inputs (SMS 011).
+    ("TIM3 SMCR", 0x4000_0408, 0b011),
+    ("TIM3 ARR", 0x4000_042c, 0xffff),
+    ("TIM3 CR1", 0x4000_0400, 1),
+    ("TIM4 CCMR1", 0x4000_0818, 0x5151),
+    ("TIM4 CCMR2", 0x4000_081c, 0x51),
+    ("TIM4 CCER", 0x4000_0820, 0x0111),
+    ("TIM4 SMCR", 0x4000_0808, 0b011),
+    ("TIM4 ARR", 0x4000_082c, 0xffff),
+    ("TIM4 CR1", 0x4000_0800, 1),
+    ("TIM5 CCMR1", 0x4000_0c18, 0x5151),
+    ("TIM5 CCMR2", 0x4000_0c1c, 0x51),
+    ("TIM5 CCER", 0x4000_0c20, 0x0111),
+    ("TIM5 SMCR", 0x4000_0c08, 0b011),
+    ("TIM5 ARR", 0x4000_0c2c, 0xffff_ffff),
+    ("TIM5 CR1", 0x4000_0c00, 1),
+    // 13.13.12: three channels (JL 2), 12, 14 and 10; 13, 15 and 11.
+    ("ADC1 JSQR", 0x4001_2038, 2 << 20 | 10 << 15 | 14 << 10 | 12 << 5),
+    ("ADC2 JSQR", 0x4001_2138, 2 << 20 | 11 << 15 | 15 << 10 | 13 << 5),
+    // 13.13.3: on, injected conversions at rising edges (20) of TIM2 channel 1 (16: 0010).
+    ("ADC1 CR2", 0x4001_2008, 1 << 20 | 2 << 16 | 1),
+    ("ADC2 CR2", 0x4001_2108, 1),
+    // 30.6.3 and 30.6.4: 42 MHz / 42; on, transmitter and receiver, interrupt of the receiver.
+    ("USART3 BRR", 0x4000_4808, 42),
+    ("USART3 CR1", 0x4000_480c, 1 << 13 | 1 << 5 | 1 << 3 | 1 << 2),
+];
+
+/// Enabled interrupts: 28, TIM2, and 39, USART3. Their priorities, in the highest byte of each word (ARMv7-M, B3.4.4 and B3.4.9): the
+/// lowest of 16 for the tick, the second lowest for the serial port (RTIC's priorities 1 and 2).
+const INTERRUPTS: [(&str, u32, u32); 4] = [
+    ("ISER0", 0xe000_e100, 1 << 28),
+    ("ISER1", 0xe000_e104, 1 << 7),
+    ("IPR7, lowest byte", 0xe000_e41c, 0xf0),
+    ("IPR9, highest byte", 0xe000_e424, 0xe0),
+];
+
+fn position(accesses: &[Access], device: &str, offset: u32) -> usize {
+    let is = |access: &Access| access.device == device && access.offset == offset && access.written.is_some();
+    accesses.iter().position(is).unwrap_or_else(|| panic!("{device} + {offset:#x} is never written"))
+}
+
+#[test]
+fn the_start_up_writes_the_table() {
+    let mut chip = Chip::start(&built("board"), None);
+    assert_eq!(chip.run(1), Ok(End::Ticked), "{}", chip.diagnostics());
+    let accesses = chip.log.accesses();
+    for (name, offset, value) in TIM1 {
+        let last = written(&accesses, "timer[1]", offset).last().unwrap_or(0);
+        assert_eq!(last, value, "TIM1 {name}: {last:#x}, expected {value:#x}");
+    }
+    for (device, what, offset, bits) in BITS {
+        let sets = written(&accesses, device, offset).any(|value| value & bits == bits);
+        assert!(sets, "{device} {what}: bits {bits:#x} at {offset:#x}");
+    }
+    for (device, bit) in PULLED_DOWN {
+        // An input (MODER 00, the state after a reset but for PB3) with a pull-down.
+        let sets = written(&accesses, device, 0x0c).any(|value| value >> (2 * bit) & 0b11 == 0b10);
+        assert!(sets, "pin {bit} of {device} is not pulled down");
+    }
+    for (device, what, offset, value) in LAST {
+        let last = written(&accesses, device, offset).last();
+        assert_eq!(last, Some(value), "{device} {what}");
+    }
+    for (name, address, value) in TIMERS.into_iter().chain(INTERRUPTS) {
+        let found = chip.target.word(address).unwrap();
+        let found = match name {
+            "IPR7, lowest byte" => found & 0xff,
+            "IPR9, highest byte" => found >> 24,
+            _ => found,
+        };
+        assert_eq!(found, value, "{name}: {found:#x}, expected {value:#x}");
+    }
+    watchdog_periods_ms(&accesses, &[10.0]);
+    assert!(chip.clocks.are_monitored(), "the clock security system is off");
+    // 34.4.3: 48 MHz; USB 2.0, 7.1.11: within 0.25 % with the crystal, which has far less.
+    assert_eq!(chip.clocks.usb_hz(CRYSTAL_HZ), 48_000_000);
+}
+
+/// The order of the writes in which the power stages get no unwanted pulse.
+#[test]
+fn the_power_stages_are_off_before_anything_can_switch_them_on() {
+    let mut chip = Chip::start(&built("board"), None);
+    assert_eq!(chip.run(1), Ok(End::Ticked), "{}", chip.diagnostics());
+    let accesses = chip.log.accesses();
+    let at = |device, offset| position(&accesses, device, offset);
+    // PB14 is low before the wait for the crystal, after which the clock of TIM1 is enabled.
+    let tim1_clock = accesses.iter().position(|access| {
+        (access.device.as_str(), access.offset) == ("RCC", 0x44)
+            && access.written.is_some_and(|bits| bits & 1 == 1)
+    });
+    assert!(at("GPIOB", 0x18) < at("GPIOB", 0x00) && at("GPIOB", 0x00) < tim1_clock.unwrap());
+    // TIM1: no pulse, and the break is set up, before the counter is enabled.
+    for before in [0x18, 0x34, 0x38, 0x44] {
+        assert!(at("timer[1]", before) < at("timer[1]", 0x00), "{before:#x} after CR1");
+    }
+    // The start-up never enables the main output.
+    assert!(written(&accesses, "timer[1]", 0x44).all(|bits| bits & 1 << 15 == 0));
+}

@@ -1,0 +1,12 @@
+//! The commands for a servo board, on the emulated board: QEMU runs its program with its own ticks.
+//!
+//! Without `qemu-system-arm` the tests are skipped with a message.
+
+mod bench;
+mod document;
+mod drives;
+mod logs;
+mod ports;
+mod sensors;
+mod settings;
+mod silence;

@@ -1,0 +1,15 @@
+//! The command line: exit codes, one-line errors, complete outputs.
+
+mod accepted;
+mod board_arguments;
+mod compare;
+mod compensate;
+mod improve;
+mod margins;
+mod refused;
+mod reproduce;
+mod stopped;
+mod tune;
+mod verify;
+mod work_folder;
+mod worked_example;

@@ -1,0 +1,23 @@
+//! Requirements across crates that need no program of the chip.
+#![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
+
+mod added_force;
+mod blind_cases;
+mod board_setup;
+mod command_line;
+mod compensation;
+mod corrupted;
+mod data_faults;
+mod demo_seeds;
+mod documents;
+mod effect_table;
+mod effects;
+mod empirical;
+mod example_machines;
+mod hum;
+mod incomplete_logs;
+mod measured_data;
+mod model_again;
+mod module_circles;
+mod no_false_names;
+mod usb_port;

@@ -1,0 +1,23 @@
+//! Traces that once reported an effect that the machine does not have: none of these names is reported, and what is
+//! reported instead has the true values.
+//!
+//! The logs are those of the second simulator ([`machine`]), except where a test says so. `docs/testing.md` lists each case
+//! with the test that contains it.
+
+mod broken_data;
+mod controller;
+mod declared_values;
+
+mod hidden;
+mod intervals;
+mod load;
+mod local_defects;
+mod machine;
+mod measuring_chain;
+mod nothing_to_find;
+mod probe_and_scale;
+mod reported;
+mod resonance;
+mod screw;
+mod slices;
+mod wave_periods;
