@@ -22,6 +22,8 @@ pub struct Covariance {
     /// Shift of the parameters by the subtracted error of the tracer's own simulation. It is taken as uncertain as it is large:
     /// the machine does not step as the simulation does, and nothing but the simulation confirms it.
     bias_shift: DVector<f64>,
+    /// Shifts of the parameters by each value whose fit stopped at a bound: see [`Self::with_values_at_bounds`].
+    bound_shifts: Vec<DVector<f64>>,
     /// Number of blocks less one.
     degrees_of_freedom: usize,
 }
@@ -57,17 +59,14 @@ pub fn covariance(data: &FitData<'_>, fitted: &Fitted) -> Covariance {
     let precision = |parameter: &FreeParameter| parameter.prior.map_or(0.0, |(_, spread)| spread.powi(-2));
     let priors = DVector::from_iterator(n, fitted.parameters.iter().map(precision));
     let outer_products = sums.iter().fold(DMatrix::zeros(n, n), |sum, (_, g)| sum + g * g.transpose());
-    let mut matrix = &inverse * (outer_products + DMatrix::from_diagonal(&priors)) * &inverse;
-    // Where the fit of a value stops is no knowledge of it. If it has a prior, it may as well be there: by this the others move.
-    for &i in &at_bound {
-        if let Some((mean, spread)) = fitted.parameters[i].prior {
-            let deviation = spread.min((fitted.parameters[i].coordinate.value - mean).abs());
-            let shift = &inverse * curvature.column(i) * deviation;
-            matrix += &shift * shift.transpose();
-        }
-    }
+    let shift_of_bound = |&i: &usize| {
+        let (mean, spread) = fitted.parameters[i].prior?;
+        let deviation = spread.min((fitted.parameters[i].coordinate.value - mean).abs());
+        Some(&inverse * curvature.column(i) * deviation)
+    };
     Covariance {
-        matrix,
+        bound_shifts: at_bound.iter().filter_map(shift_of_bound).collect(),
+        matrix: &inverse * (outer_products + DMatrix::from_diagonal(&priors)) * &inverse,
         bias_shift: &inverse * bias_gradient(data, fitted),
         inverse,
         degrees_of_freedom: sums.len().saturating_sub(1),
@@ -115,6 +114,14 @@ impl Covariance {
             self.matrix += shift * shift.transpose();
         }
         self
+    }
+
+    /// The same with the uncertainty of values at a bound, which a fit takes as known. Where it stops is no knowledge of a value: if it has a
+    /// prior, it may as well be there. An interval that is reported contains this; a search goes by what a fit knows.
+    #[must_use]
+    pub fn with_values_at_bounds(mut self) -> Self {
+        let shifts = std::mem::take(&mut self.bound_shifts);
+        self.with_shifts(&shifts)
     }
 
     /// The same with one more deviation of the parameters added, whose 95 % interval has this half width.

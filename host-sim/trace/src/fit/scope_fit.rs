@@ -44,8 +44,12 @@ pub fn fit_again(
 
 /// A model after fits to the scopes one after the other, without a joint fit.
 #[must_use]
-pub fn fitted_in_order(data: &FitData<'_>, mut model: AxisModel, fits: &[ScopeFit]) -> AxisModel {
-    for ScopeFit { scope, exclusions, .. } in fits {
+pub fn fitted_in_order<'a>(
+    data: &FitData<'_>,
+    mut model: AxisModel,
+    scopes: impl IntoIterator<Item = (&'a Scope, &'a [Exclusion])>,
+) -> AxisModel {
+    for (scope, exclusions) in scopes {
         let data = FitData { exclusions, ..*data };
         let fitted = least_squares::fit(&data, &model, scope, least_squares::STEPS);
         model = total_mass::pinned(&data, &fitted, [scope; 2]);

@@ -29,7 +29,7 @@ pub fn covariance_after(
     model: &AxisModel,
     (scope, fitted): (&Scope, &Fitted),
 ) -> Covariance {
-    let own = covariance(data, fitted);
+    let own = covariance(data, fitted).with_values_at_bounds();
     let earlier = fits.iter().find(|fit| fit.fitted_scope.mechanics == Mechanics::All);
     let is_later =
         |earlier: &&ScopeFit| scope.mechanics == Mechanics::MotorMass && earlier.fitted_scope != *scope;

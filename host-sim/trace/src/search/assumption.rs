@@ -10,7 +10,7 @@ use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
 use crate::fit::least_squares::Fitted;
 use crate::fit::scope::Scope;
-use crate::fit::scope_fit::ScopeFit;
+use crate::fit::scope_fit::{ScopeFit, fitted_in_order};
 use model::effects::{Effect, KINDS, Stage};
 
 /// The result of a search in all scopes.
@@ -23,8 +23,11 @@ pub struct Searched {
     pub rounds: Vec<Round>,
 }
 
-/// The search from the declared model, or, if that does not describe the closed loop, the first search from an assumed effect that leaves no more than
-/// the noise of the motor: a wrong assumption describes it roughly, with other effects that are wrong, too.
+/// The search from the declared model; if it leaves more of the motor than noise, the first search from an assumed effect that does not. A
+/// wrong assumption may describe the motor roughly, beside other effects that are wrong, too.
+///
+/// A search takes long. Where the model describes the motor but for a part of it, an effect is assumed only if the declared model alone
+/// describes the logs better with it.
 #[must_use]
 pub fn searched(
     data: &FitData<'_>,
@@ -33,27 +36,26 @@ pub fn searched(
     search: impl Fn(&AxisModel) -> Searched,
 ) -> Searched {
     let plain = search(declared);
-    let described = |model: &AxisModel| data.max_described(model, Stage::Motor);
-    if leaves_at_most(data, scopes, &plain.model, described(&plain.model)) {
+    let Some(scope) = scopes.iter().find(|scope| scope.stages.contains(&Stage::Motor)) else { return plain };
+    let residual = |model: &AxisModel| data.rms(&data.residuals(model, scope), Stage::Motor);
+    let leaves_noise = |model: &AxisModel| {
+        residual(model) <= data.options.search.max_provisional_ratio * data.noise(model, Stage::Motor)
+    };
+    if leaves_noise(&plain.model) {
         return plain;
     }
-    let noise =
-        |model: &AxisModel| data.options.search.max_provisional_ratio * data.noise(model, Stage::Motor);
+    let is_described = residual(&plain.model) <= data.max_described(&plain.model, Stage::Motor);
+    let describes_better = |model: &AxisModel| {
+        let fitted = fitted_in_order(data, model.clone(), scopes.iter().map(|scope| (scope, &[][..])));
+        residual(&fitted) < residual(declared)
+    };
     let is_declared = |effect: &Effect| declared.axis.effect.iter().any(|other| other.is_same(effect));
     let assumed = KINDS.iter().flat_map(|kind| (kind.assumed)()).filter(|effect| !is_declared(effect));
-    let mut searches = assumed.map(|effect| search(&declared.assuming(&effect)));
-    searches
-        .find(|with| leaves_at_most(data, scopes, &with.model, noise(&with.model)))
-        .map_or(plain, |with| with.with_assumed_as_found(scopes))
-}
-
-/// Whether the residual of the motor in closed loop, if this stage can be evaluated, is at most this, µm rms.
-fn leaves_at_most(data: &FitData<'_>, scopes: &[Scope], model: &AxisModel, most_um: f64) -> bool {
-    let mut loops = scopes.iter().filter(|scope| scope.stages.contains(&Stage::Motor));
-    loops.all(|scope| {
-        let residuals = data.residuals(model, scope);
-        data.rms(&residuals, Stage::Motor) <= most_um
-    })
+    let mut searches = assumed
+        .map(|effect| declared.assuming(&effect))
+        .filter(|model| !is_described || describes_better(model))
+        .map(|model| search(&model));
+    searches.find(|with| leaves_noise(&with.model)).map_or(plain, |with| with.with_assumed_as_found(scopes))
 }
 
 impl Searched {

@@ -142,7 +142,7 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
             }
             let with = last.with(effect.clone());
             let next = if !(effect.kind().assumed)().is_empty() {
-                fitted_in_order(fit_data, with, &axis.fits)
+                fitted_in_order(fit_data, with, axis.fits.iter().map(|fit| (&fit.scope, &fit.exclusions[..])))
             } else {
                 least_squares::fit(&data, &with, scope, STEPS).model
             };

@@ -6,6 +6,7 @@ use files::log::{AxisLog, Log};
 use model::effects::{Effect, GrowingPart};
 use trace::Trace;
 use trace::certainty::is_certain;
+use trace::verdict::{self, Verdict};
 
 use super::machine::{TestMachine, wave_um};
 use super::reported::{assert_named, assert_value, context, found};
@@ -70,6 +71,31 @@ fn a_squareness_is_measured_by_a_turned_probe() {
         assert_value(found(&trace, 0, "squareness"), "um_per_m", 60.0, 0.5);
         assert_certain(&trace, 0, "squareness");
         assert_value(found(&trace, 1, "probe_rotation"), "um_per_m", 1e6 * angle, 0.5);
+    }
+}
+
+/// The alignment of ordinary probes beside a true squareness. Once: "the model does not fit", seven ambiguous names, true effects missed.
+#[test]
+fn a_squareness_is_measured_by_a_probe_that_is_turned_and_has_a_gain() {
+    for (angle, gain) in [(0.6e-3, 0.6e-3), (0.2e-3, 0.2e-3)] {
+        let mut machine = machine();
+        machine.drawn.axes[0].squareness = 60e-6;
+        let trace = machine.trace_of(|log| mount(log, angle, gain));
+        let expected = [
+            ("x", "probe_gain"),
+            ("x", "probe_rotation"),
+            ("x", "squareness"),
+            ("y", "probe_gain"),
+            ("y", "probe_rotation"),
+        ];
+        assert_named(&trace, &expected);
+        assert_certain(&trace, 0, "squareness");
+        assert_value(found(&trace, 0, "squareness"), "um_per_m", 60.0 * (1.0 + gain), 0.5);
+        for axis in [0, 1] {
+            assert_value(found(&trace, axis, "probe_gain"), "um_per_m", 1e6 * gain, 0.5);
+            assert_value(found(&trace, axis, "probe_rotation"), "um_per_m", 1e6 * angle * (1.0 + gain), 0.5);
+        }
+        assert!(verdict::of(&trace) < Verdict::ModelDoesNotFit, "{}", context(&trace));
     }
 }
 
