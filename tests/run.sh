@@ -1,22 +1,40 @@
 #!/usr/bin/env bash
-# Everything that must hold: format, lints, documentation, both chip programs, all tests.
-# Installs what is missing: the target of the chip, and the emulator by the system's package manager.
+# The tests of a change, and of everything:
+#
+#   tests/run.sh        format, the programs of the chip, and the tests that take minutes
+#   tests/run.sh all    also lints, documentation and the long tests: what a submission has to pass
+#
+# docs/testing.md lists what each part would catch and how long it takes. Installs what is missing: the target of the chip, and
+# the emulator by the system's package manager.
 set -euo pipefail
 cd "$(dirname "$0")/.."
 
-step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
-
 target=thumbv7em-none-eabihf
 
-step "tools"
-if command -v rustup >/dev/null; then
-  rustup target list --installed | grep -qx "$target" || rustup target add "$target"
-  for component in rustfmt clippy; do
-    cargo "${component/rustfmt/fmt}" --version >/dev/null 2>&1 || rustup component add "$component"
-  done
-fi
-if ! command -v qemu-system-arm >/dev/null; then
-  as_root=""
+# Tests of the programs `chip` and `host` that are left to `all`, by parts of their names. They repeat at length, or on other logs, what
+# another test would catch: no mutant of `shared` and no false name of docs/testing.md is found by one of these alone.
+long=(
+  cost:: random_motions_are_the_same_without_optimisation
+  compensation::watched:: example_machines:: demo_seeds::
+  command_line::improve:: command_line::reproduce:: command_line::compare:: command_line::worked_example::
+  model_again::a_model_of_a_case_is_stable model_again::a_model_of_measured_data_is_stable
+  incomplete_logs::sweep::parts_of_the_blind_cases
+)
+
+step() { printf '\n== %s (%d s)\n' "$1" "$SECONDS"; }
+
+install_tools() {
+  if command -v rustup >/dev/null; then
+    rustup target list --installed | grep -qx "$target" || rustup target add "$target"
+    for component in rustfmt clippy; do
+      cargo "${component/rustfmt/fmt}" --version >/dev/null 2>&1 || rustup component add "$component"
+    done
+  fi
+  command -v qemu-system-arm >/dev/null || install_emulator
+}
+
+install_emulator() {
+  local as_root=""
   [ "$(id -u)" = 0 ] || as_root="$(command -v sudo || true)"
   if command -v apt-get >/dev/null; then
     $as_root apt-get update -qq
@@ -31,31 +49,67 @@ if ! command -v qemu-system-arm >/dev/null; then
     echo "qemu-system-arm is missing, and no package manager that this script knows: please install it" >&2
     exit 1
   fi
-fi
+}
 
+lints() {
+  cargo clippy --workspace --exclude firmware --all-targets -- -D warnings
+  local program
+  for program in board emulated servo cost; do
+    cargo clippy --package firmware --bin "$program" --features "$program" --target "$target" -- -D warnings
+  done
+}
+
+documentation() {
+  # A module's front page may point at its private parts: they are documented, too.
+  RUSTDOCFLAGS="-D warnings -A rustdoc::private_intra_doc_links" \
+    cargo doc --no-deps --document-private-items --workspace --exclude firmware --exclude tests --exclude random-motion
+}
+
+# All tests but those of documentation and examples; the arguments are for those of `chip` and `host`. Targets are chosen and not
+# packages, with which cargo would compile dependencies again with other features. The tests that talk to an emulated board, which
+# ticks in real time, run before the traces, which use all cores.
+tests() {
+  cargo test --release --lib --bins
+  cargo test --release --test integration --test memory
+  cargo test --release --test chip -- "$@"
+  cargo test --release --test host -- "$@"
+}
+
+case ${1:-} in
+"" | all) ;;
+*)
+  echo "$1: expected nothing, or all" >&2
+  exit 2
+  ;;
+esac
+
+step "tools"
+install_tools
 step "format"
 cargo fmt --all --check
-
-step "lints"
-cargo clippy --workspace --exclude firmware --all-targets -- -D warnings
-for program in board emulated servo cost; do
-  cargo clippy --package firmware --bin "$program" --features "$program" --target "$target" -- -D warnings
-done
-
-step "documentation"
-# A module's front page may point at its private parts: they are documented, too.
-RUSTDOCFLAGS="-D warnings -A rustdoc::private_intra_doc_links" \
-  cargo doc --no-deps --document-private-items --workspace --exclude firmware --exclude tests
-
+if [ "${1:-}" = all ]; then
+  step "lints"
+  lints
+  step "documentation"
+  documentation
+fi
 step "programs of the chip"
 cargo board
 cargo emulated
 cargo servo
-
 step "tests"
 if [ -z "${LOST_MOTION_DATA:-}" ]; then
   echo "LOST_MOTION_DATA is not set: tests on measured data will be skipped"
 fi
-cargo test --release
-
+if [ "${1:-}" = all ]; then
+  tests
+  step "the second simulator, and examples in the documentation"
+  cargo test --release --test second_simulator
+  cargo test --release --doc
+  cargo test --release --examples
+else
+  skipped=()
+  for module in "${long[@]}"; do skipped+=(--skip "$module"); done
+  tests "${skipped[@]}"
+fi
 step "done"

@@ -34,9 +34,8 @@ pub fn open(name: &str) -> Result<Port, BoardError> {
     if let Some(holder) = port_lock::other_user_of(path) {
         return Err(in_use(holder));
     }
-    let port = Port::serial(name).map_err(|error| {
-        failed(format!("{error}; expected emulated, bench, or one of: {}", list().join(", ")))
-    })?;
+    let port = Port::serial(name)
+        .map_err(|error| failed(format!("{error}; expected {}", expected(&serial_ports()))))?;
     Ok(port.held_by(lock))
 }
 
@@ -53,10 +52,19 @@ pub fn is_bench(name: &str) -> bool {
     name == "bench" || name == "emulated"
 }
 
-/// The names of the serial ports of this computer, and of the emulated board.
-fn list() -> Vec<String> {
+/// The names of the serial ports of this computer.
+fn serial_ports() -> Vec<String> {
     let ports = serialport::available_ports().unwrap_or_default();
-    std::iter::once("bench".to_owned()).chain(ports.into_iter().map(|port| port.port_name)).collect()
+    ports.into_iter().map(|port| port.port_name).collect()
+}
+
+/// What a port may be, on a computer with these serial ports.
+fn expected(serial_ports: &[String]) -> String {
+    if serial_ports.is_empty() {
+        "emulated or bench, as this computer has no serial port".to_owned()
+    } else {
+        format!("emulated, bench, or one of: {}", serial_ports.join(", "))
+    }
 }
 
 /// A line for the emulated board, and one for each serial port of this computer: its name, and of a USB port vendor, product and
@@ -80,6 +88,17 @@ fn line(port: &SerialPortInfo) -> String {
 mod tests {
     use super::*;
     use serialport::UsbPortInfo;
+
+    #[test]
+    fn every_expected_port_is_listed_once() {
+        let ports = |names: &[&str]| expected(&names.iter().map(|&name| name.to_owned()).collect::<Vec<_>>());
+        assert_eq!(ports(&[]), "emulated or bench, as this computer has no serial port");
+        assert_eq!(ports(&["/dev/ttyACM0"]), "emulated, bench, or one of: /dev/ttyACM0");
+        assert_eq!(
+            ports(&["/dev/ttyS0", "/dev/ttyACM0"]),
+            "emulated, bench, or one of: /dev/ttyS0, /dev/ttyACM0"
+        );
+    }
 
     #[test]
     fn a_usb_port_has_its_vendor_and_product() {

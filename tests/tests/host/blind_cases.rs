@@ -2,10 +2,8 @@
 
 use std::collections::BTreeSet;
 
-use files::log::Log;
-use model::machine::Machine;
+use crate::traces;
 use tests::cases;
-use trace::trace;
 
 type Effects = BTreeSet<(String, String)>;
 
@@ -21,17 +19,13 @@ fn truth(folder: &std::path::Path) -> Effects {
         .collect()
 }
 
-fn logs(folder: &std::path::Path, kind: &str) -> Vec<Log> {
-    cases::logs(folder, kind).iter().map(|path| Log::read(path).unwrap()).collect()
-}
-
 #[test]
 fn the_effects_found_in_every_case_are_exactly_the_true_ones() {
     let Some(folders) = cases::folders() else { return };
     for folder in folders {
-        let machine = Machine::read(&folder.join("machine.toml")).unwrap();
-        let trace = trace(&machine, &logs(&folder, "fit_"), &logs(&folder, "validate_"), &|_| {}).unwrap();
-        let found: Effects = trace
+        let traced = traces::of_case(&folder);
+        let found: Effects = traced
+            .trace
             .axes
             .iter()
             .flat_map(|axis| axis.found.iter().map(|f| (axis.axis.clone(), f.effect.name().to_owned())))

@@ -68,3 +68,48 @@ fn cargo_runs_the_program() {
     let defaults: Vec<&str> = packages.filter_map(|package| package["default_run"].as_str()).collect();
     assert_eq!(defaults, ["lost-motion"]);
 }
+
+/// Source files below a folder, without examples and tests.
+fn sources(folder: &Path) -> Vec<PathBuf> {
+    let entries = fs::read_dir(folder).unwrap().map(|entry| entry.unwrap().path());
+    let is_source = |path: &PathBuf| {
+        let is_other = || ["examples", "tests", "benches"].iter().any(|name| path.ends_with(name));
+        if path.is_dir() { !is_other() } else { path.extension().is_some_and(|end| end == "rs") }
+    };
+    let kept = entries.filter(is_source);
+    kept.flat_map(|path| if path.is_dir() { sources(&path) } else { vec![path] }).collect()
+}
+
+/// Once: "four places", and "the tracer needs no change", of an effect that six files name.
+#[test]
+fn the_page_on_adding_an_effect_names_every_file_that_names_its_example() {
+    let page = fs::read_to_string(workspace().join("docs/adding-an-effect.md")).unwrap();
+    let names_example = |path: &PathBuf| fs::read_to_string(path).unwrap().contains("EncoderEllipticity");
+    let files: Vec<PathBuf> =
+        sources(&workspace().join("host-sim")).into_iter().filter(names_example).collect();
+    for file in &files {
+        let file = file.strip_prefix(workspace()).unwrap().to_str().unwrap();
+        assert!(page.contains(&format!("`{file}`")), "{file}");
+    }
+    assert_eq!(files.len(), 6, "{files:?}");
+    assert!(page.contains("changes six files of the program"));
+}
+
+/// The table of the declaration's items has every item that an effect may declare.
+#[test]
+fn the_page_on_adding_an_effect_has_every_item_of_the_declaration() {
+    let page = fs::read_to_string(workspace().join("docs/adding-an-effect.md")).unwrap();
+    let declaration = workspace().join("host-sim/model/src/effects/declaration/effect_model.rs");
+    let declaration = fs::read_to_string(declaration).unwrap();
+    let item = |line: &str| {
+        let line = line.trim_start();
+        let rest = line.strip_prefix("fn ").or_else(|| line.strip_prefix("const "))?;
+        Some(rest.split(|c: char| !c.is_alphanumeric() && c != '_').next()?.to_owned())
+    };
+    let items: Vec<String> = declaration.lines().filter_map(item).collect();
+    assert!(items.len() > 20, "{items:?}");
+    let rows: Vec<&str> = page.lines().filter(|line| line.starts_with("| `")).collect();
+    for item in items {
+        assert!(rows.iter().any(|row| row.contains(&format!("`{item}`"))), "{item}");
+    }
+}

@@ -20,4 +20,5 @@ mod measured_data;
 mod model_again;
 mod module_circles;
 mod no_false_names;
+mod traces;
 mod usb_port;

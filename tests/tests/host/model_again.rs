@@ -3,6 +3,7 @@
 
 use std::path::Path;
 
+use crate::traces::{self, Traced};
 use files::log::Log;
 use model::machine::Machine;
 use tests::cases;
@@ -29,16 +30,17 @@ fn residuals(trace: &Trace, of: fn(&StageError) -> FitAndValidationRms) -> Vec<(
 }
 
 /// Asserts that a second and a third trace, each from the model of the one before, change nothing.
-fn assert_is_stable(name: &str, machine: &Machine, fit: &[Log], validate: &[Log]) {
-    let mut previous = trace(machine, fit, validate, &|_| {}).unwrap();
+fn assert_is_stable(name: &str, first: &Trace, fit: &[Log], validate: &[Log]) {
+    let mut last: Option<Trace> = None;
     for round in ["second", "third"] {
+        let previous = last.as_ref().unwrap_or(first);
         let text = previous.better_machine().to_toml();
         let again = Machine::parse(&text, "better.toml").unwrap();
         assert_eq!(again, previous.better_machine(), "{name}: the file is the model");
         let next = trace(&again, fit, validate, &|_| {}).unwrap();
         let found: Vec<_> = next.axes.iter().flat_map(|axis| &axis.found).collect();
         assert!(found.is_empty(), "{name}, {round}: {found:?}");
-        let reported = residuals(&previous, |error| error.after);
+        let reported = residuals(previous, |error| error.after);
         let given = residuals(&next, |error| error.before);
         assert_eq!(reported.len(), given.len());
         for ((what, reported), (_, given)) in reported.iter().zip(&given) {
@@ -47,7 +49,7 @@ fn assert_is_stable(name: &str, machine: &Machine, fit: &[Log], validate: &[Log]
                 "{name}, {round}: {what}: {reported} -> {given}"
             );
         }
-        previous = next;
+        last = Some(next);
     }
 }
 
@@ -60,22 +62,21 @@ fn a_model_of_the_demo_is_stable() {
         let drawn = demo::draw(&declared, seed);
         names.push(drawn.effect.name());
         let [fit, validate] = demo::logs(&drawn.truth, seed).unwrap();
-        assert_is_stable(&format!("seed {seed}"), &declared, &fit, &validate);
+        let first = trace(&declared, &fit, &validate, &|_| {}).unwrap();
+        assert_is_stable(&format!("seed {seed}"), &first, &fit, &validate);
     }
     assert!(names.contains(&"backlash"), "{names:?}");
 }
 
-fn logs(folder: &Path, kind: &str) -> Vec<Log> {
-    cases::logs(folder, kind).iter().map(|path| Log::read(path).unwrap()).collect()
+fn assert_is_stable_on(folder: &Path, traced: &Traced) {
+    assert_is_stable(&folder.display().to_string(), &traced.trace, &traced.fit, &traced.validate);
 }
 
 #[test]
 fn a_model_of_a_case_is_stable() {
     let Some(folders) = cases::folders() else { return };
     for folder in folders {
-        let machine = Machine::read(&folder.join("machine.toml")).unwrap();
-        let name = folder.display().to_string();
-        assert_is_stable(&name, &machine, &logs(&folder, "fit_"), &logs(&folder, "validate_"));
+        assert_is_stable_on(&folder, &traces::of_case(&folder));
     }
 }
 
@@ -83,8 +84,6 @@ fn a_model_of_a_case_is_stable() {
 fn a_model_of_measured_data_is_stable() {
     let (Some(emps), Some(kuka)) = (data_folder("data/emps"), data_folder("data/kuka")) else { return };
     for (folder, log) in [(emps, "train.csv"), (kuka, "recording_a.csv")] {
-        let machine = Machine::read(&folder.join("machine.toml")).unwrap();
-        let log = Log::read(&folder.join(log)).unwrap();
-        assert_is_stable(&folder.display().to_string(), &machine, &[log], &[]);
+        assert_is_stable_on(&folder, &traces::of_measured(&folder, log));
     }
 }

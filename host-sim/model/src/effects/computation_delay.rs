@@ -69,7 +69,7 @@ impl EffectModel for ComputationDelay {
     }
 
     fn sentence(&self, _wording: &Wording) -> String {
-        let plural = if self.periods == 1.0 { "" } else { "s" };
+        let plural = if self.periods.to_bits() == 1f64.to_bits() { "" } else { "s" };
         format!("the velocity loop outputs its force {} period{plural} after its readings", self.periods)
     }
 

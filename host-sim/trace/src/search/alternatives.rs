@@ -26,9 +26,12 @@ pub fn with_better_alternatives(
         for substitute in substitutes(data, &base.model, &effect) {
             let index = base.model.found().iter().position(|found| *found == effect);
             let Some(index) = index.filter(|_| scope.holds(&effect)) else { break };
-            let taken = substitute.effect.clone();
+            let (taken, is_alone) = (substitute.effect.clone(), substitute.beside.is_none());
             let Some(start) = replaced(&base.model, index, substitute) else { continue };
             let Some(other) = better(data, &base, &start, scope) else { continue };
+            if is_alone && has_needless(data, &other.model) && !has_needless(data, &base.model) {
+                continue;
+            }
             base = other;
             for round in &mut *rounds {
                 let is_of_other = |ambiguity: &Ambiguity| !ambiguity.added.is_same(&taken);
@@ -78,16 +81,16 @@ fn is_still_as_good(data: &FitData<'_>, base: &Fitted, ambiguity: &Ambiguity, sc
     stages.iter().all(|stage| is_as_good(stage, options))
 }
 
-/// The fit from another start, if on held-out data a stage gains significantly and none loses significantly. An effect that is within
-/// the tolerance of the declared model is no explanation.
+/// Whether a found effect is within the tolerance of the declared model, which is no explanation. Beside another one it is dropped later.
+fn has_needless(data: &FitData<'_>, model: &AxisModel) -> bool {
+    let settings = &model.nominal().settings;
+    model.found().iter().any(|effect| !effect.exceeds_tolerance(settings, data.rates))
+}
+
+/// The fit from another start, if on held-out data a stage gains significantly and none loses significantly.
 fn better(data: &FitData<'_>, base: &Fitted, start: &AxisModel, scope: &Scope) -> Option<Fitted> {
     let options = &data.options.search;
     let other = least_squares::fit(data, start, scope, least_squares::STEPS);
-    let settings = &other.model.nominal().settings;
-    let is_needless = |effect: &Effect| !effect.exceeds_tolerance(settings, data.rates);
-    if other.model.found().iter().any(is_needless) && !base.model.found().iter().any(is_needless) {
-        return None;
-    }
     let stages = compare(&scores(base), &scores(&other), &scope.stages, options);
     let gains = stages.iter().any(|c| c.t > options.chance_t && c.reduction >= options.min_reduction);
     let loses = stages.iter().any(|c| c.t <= -options.chance_t && c.reduction <= -options.min_reduction);

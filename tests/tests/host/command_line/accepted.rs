@@ -121,10 +121,51 @@ fn no_effect_is_found_without_undeclared_effects() {
     assert!(
         stdout.contains("contour error, µm") && folder.read("report/report.html").contains("Contour error")
     );
+    assert_contour_table(&stdout, &json);
     assert!(at(&json, "/unexplained").is_array());
     // The model that was written is a complete machine file.
     folder.succeeds(&SIMULATE.replace("machine.toml", "out.toml"));
     assert!(folder.read("report/report.html").starts_with("<!DOCTYPE html>"));
+}
+
+/// The summary shows circular deviation G, hysteresis H and the largest reversal peak of the JSON, rounded to 0.01 µm.
+fn assert_contour_table(stdout: &str, json: &Value) {
+    let mut lines = stdout.lines().skip_while(|line| !line.starts_with("contour error, µm"));
+    let heading: Vec<&str> = lines.next().unwrap().split_whitespace().skip(3).collect();
+    assert_eq!(heading, ["channel", "rms", "greatest", "G", "H", "peak", "overshoot"]);
+    let row: Vec<&str> = lines.next().unwrap().split_whitespace().collect();
+    assert_eq!((row.len(), row[0], row[1]), (1 + heading.len(), "fit", "tool"), "{row:?}");
+    let circle = at(json, "/contour/0/circles/0");
+    let laps = at(circle, "/laps").as_array().unwrap();
+    let peaks = laps.iter().flat_map(|lap| at(lap, "/reversal_spikes_um").as_array().unwrap());
+    let peak = peaks.map(|um| um.as_f64().unwrap()).max_by(|a, b| a.abs().total_cmp(&b.abs())).unwrap();
+    let um = |key: &str| at(circle, key).as_f64().unwrap();
+    let expected = [um("/circular_deviation_um"), um("/circular_hysteresis_um"), peak];
+    assert_eq!(row[4..7], expected.map(|um| format!("{um:.2}")), "{row:?}");
+    // The lines of the demo's friction: a figure that is not evaluated would be exactly 0.
+    assert!(expected.iter().all(|um| um.abs() > 0.01), "{expected:?}");
+}
+
+/// A log of one axis has no direction across its path: its error is named for what it is.
+#[test]
+fn the_error_of_a_single_axis_is_called_its_following_error() {
+    let y = MACHINE.find("[axis.y]").unwrap();
+    let motion = "name = \"line\"\nfeed_mm_per_min = 3000.0\nacceleration_m_per_s2 = 2.0\nstart_mm = { x = 0.0 }\n\
+                  [[block]]\nline_to_mm = { x = 30.0 }\n[[block]]\nline_to_mm = { x = 0.0 }\n";
+    let folder = WorkFolder::with(&[("machine.toml", &MACHINE[..y]), ("motion.toml", motion)]);
+    let simulated = folder.succeeds(&SIMULATE.replace("out.csv", "fit.csv"));
+    let stdout = folder.succeeds(TRACE);
+    let json: Value = serde_json::from_str(&folder.read("out.json")).unwrap();
+    assert_eq!(at(&json, "/contour/0/is_along_axis"), true);
+    assert!(simulated.contains("error along the axis at the tool, µm"), "{simulated}");
+    assert!(!simulated.contains("contour error"), "{simulated}");
+    let row = stdout.lines().find(|line| line.starts_with("fit ")).unwrap();
+    assert!(row.ends_with("  (one axis: following error)"), "{stdout}");
+    let page = folder.read("report/report.html");
+    assert!(page.contains("tool (one axis: following error)"));
+    for text in [&simulated, &stdout, &page] {
+        assert!(!text.to_lowercase().contains("distance from the path"), "{text}");
+    }
 }
 
 #[test]

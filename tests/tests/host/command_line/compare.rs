@@ -1,5 +1,7 @@
 //! `lost-motion compare`: table, JSON, page, and rejected arguments.
 
+use std::path::Path;
+
 use serde_json::Value;
 
 use super::work_folder::WorkFolder;
@@ -47,6 +49,23 @@ fn table_json_and_page_have_every_motion_and_format() {
     // Two plots per motion, and two samples in the legend.
     assert_eq!(page.matches("<svg").count(), 12);
     assert!(!page.contains("http") && !page.contains("<script"));
+    // A page is passed on: it names no folder of the computer that wrote it. Both folders, as links may lead to them, too.
+    let workspace = Path::new(env!("CARGO_MANIFEST_DIR")).parent().unwrap();
+    for path in [folder.path(), workspace, &std::env::temp_dir()] {
+        for path in [path.to_owned(), path.canonicalize().unwrap()] {
+            assert!(!page.contains(path.to_str().unwrap()), "{}", path.display());
+        }
+    }
+    // Any other path: one that begins at the root has two separators at least. Tags and units have one.
+    let rooted = |word: &str| word.starts_with('/') && word.matches('/').count() > 1;
+    let text = |part: &str| part.split_once('>').map_or(String::new(), |(_, text)| text.to_owned());
+    let words: Vec<String> = page
+        .split('<')
+        .flat_map(|part| text(part).split_whitespace().map(str::to_owned).collect::<Vec<_>>())
+        .collect();
+    assert!(words.len() > 100, "{} words of text", words.len());
+    assert!(!words.iter().any(|word| rooted(word.trim_matches(['(', '`', '"', '\'']))), "{words:?}");
+    assert!(!page.contains("of circle of"), "a section is named by its motion once");
 }
 
 #[test]

@@ -104,6 +104,31 @@ fn against_the_rest() -> WorkFolder {
     folder
 }
 
+/// Each command that has a motion and a compensation says where they do not belong together. Once, knots to ±42 mm and a circle of 85 mm:
+/// 6.82 µm became 10.02 µm without a word. Here a circle of 40 mm leaves the tables of one of 20 mm, which end a fortieth of their
+/// travel beyond it.
+#[test]
+fn a_motion_beyond_the_mapped_travel_is_named_by_simulate_and_verify() {
+    let (folder, verify) = verified(compensation());
+    let run = SIMULATE.replace("out.csv", "circle_after.csv --compensation c.toml --seed 7");
+    for command in [run.as_str(), verify] {
+        let stdout = folder.succeeds(command);
+        assert!(!stdout.contains("mapped travel"), "{stdout}");
+    }
+    std::fs::write(folder.path().join("motion.toml"), CIRCLE.replace("x = 20.0", "x = 40.0")).unwrap();
+    let without = folder.succeeds(&SIMULATE.replace("out.csv", "wide_before.csv"));
+    assert!(!without.contains("mapped travel"), "without a compensation: {without}");
+    let with = folder.succeeds(&run.replace("circle_after", "wide_after"));
+    let sentence = "x: the motion covers -40.0 to 40.0 mm and leaves the mapped travel, -21.0 to 21.0 mm, beyond which the errors over the \
+                    position are not known. There the tables of pitch error hold their last values, and the error may be larger than \
+                    without the compensation.";
+    assert!(with.contains(&format!("\n\n{sentence}\n")), "{with}");
+    // The prediction is that of the small circle.
+    let stdout = folder.succeeds(&format!("{verify} --before wide_before.csv --after wide_after.csv"));
+    assert!(stdout.contains(&format!("wide_before: {sentence}")), "{stdout}");
+    assert!(!stdout.contains("circle: x: the motion covers"), "{stdout}");
+}
+
 /// A compensation that cannot be used: one line, exit code 2, no output.
 #[test]
 fn compensations_that_do_not_fit_are_refused() {

@@ -310,14 +310,36 @@ fn motions() {
 
 #[test]
 fn ports() {
-    const SERIAL: &[&str] = &["--port: ", "expected emulated, bench, or one of: "];
+    const SERIAL: &[&str] = &["--port: ", "expected emulated"];
     for (port, expected) in [
-        ("/dev/ttyUSB0", SERIAL),
+        ("/dev/no-such-port", SERIAL),
         ("emulator", SERIAL),
         ("emulated:", &["--port: expected emulated or emulated:PROGRAM"]),
     ] {
         refuse([bad(&with(RECORD, "emulated", port), "other.txt", "", expected)]);
     }
+}
+
+/// The whole message. Once: "a board on a serial port cannot be reached yet"; and `bench` twice among what is expected.
+#[test]
+fn the_message_of_a_missing_port_lists_every_port_of_this_computer_once() {
+    let folder = WorkFolder::with(&[("machine.toml", MACHINE), ("motion.toml", MOTION)]);
+    let ports = folder.succeeds("ports");
+    // Names begin the lines; the emulated board is the first.
+    let names: Vec<&str> = ports.lines().filter_map(|line| line.split_whitespace().next()).collect();
+    let expected = match names.split_first() {
+        Some((&"bench", [])) => "emulated or bench, as this computer has no serial port".to_owned(),
+        Some((&"bench", others)) => format!("emulated, bench, or one of: {}", others.join(", ")),
+        _ => panic!("{ports}"),
+    };
+    for port in ["/dev/no-such-port", "emulator"] {
+        let message = folder.fails(&with(RECORD, "emulated", port), 2);
+        let whole =
+            format!("lost-motion: --port: \"{port}\": No such file or directory; expected {expected}\n");
+        assert_eq!(message, whole);
+    }
+    let message = folder.fails(&with(RECORD, "emulated", "emulated:"), 2);
+    assert_eq!(message, "lost-motion: --port: expected emulated or emulated:PROGRAM, found \"emulated:\"\n");
 }
 
 #[test]

@@ -237,45 +237,95 @@ fn an_interrupted_self_test_keeps_its_finished_cases() {
     assert!(truth.contains("\"effects\""), "{truth}");
 }
 
-/// Every program that computes ends within a second of an interrupt, without an output. A second is what a person waits before the
-/// second attempt; the polls take 50 ms, and the rest is for a busy computer.
+/// A line there and back with 20 s of standstill.
+const LONG: &str = "name = \"long\"\nfeed_mm_per_min = 6000.0\nacceleration_m_per_s2 = 1.0\nstart_mm = { x = 0.0, y = 0.0 }\n\
+                    [[block]]\ndwell_s = 1.0\n[[block]]\nline_to_mm = { x = 90.0, y = 60.0 }\n[[block]]\ndwell_s = 20.0\n\
+                    [[block]]\nline_to_mm = { x = 0.0, y = 0.0 }\n";
+
+/// Blocks of 100 circles, 126 s each; a block holds a limited number of turns.
+fn circles(blocks: usize) -> String {
+    let block =
+        "[[block]]\narc = { plane = [\"x\", \"y\"], centre_mm = { x = 0.0, y = 0.0 }, turns = 100.0 }\n";
+    "name = \"circles\"\nfeed_mm_per_min = 6000.0\nacceleration_m_per_s2 = 1.0\nstart_mm = { x = 20.0, y = 0.0 }\n".to_owned()
+        + &block.repeat(blocks)
+}
+
+/// The machine with a calibration table of axis x: a wave of 1 µm at 1000 points.
+fn with_calibration_table() -> String {
+    let list = |value: fn(f64) -> f64| {
+        let at = |i: u32| value(-100.0 + 200.0 * f64::from(i) / 999.0);
+        (0..1000).map(|i| format!("{:.6}", at(i))).collect::<Vec<_>>().join(", ")
+    };
+    let (positions, errors) = (list(|mm| mm), list(|mm| (0.05 * mm).sin()));
+    format!(
+        "{MACHINE}\n[[axis.x.effect]]\nname = \"pitch_map\"\npositions_mm = [{positions}]\nerror_um = [{errors}]\n"
+    )
+}
+
+/// Starts a command, interrupts it after 0.3 s, and asserts that it ends within a second, without an output. A second is what a person
+/// waits before the second attempt; the polls take 50 ms, and the rest is for a busy computer.
 #[cfg(unix)]
-#[test]
-fn long_computations_end_within_a_second() {
+fn assert_ends_within_a_second(folder: &WorkFolder, arguments: &str) {
     use std::process::{Command, Stdio};
     use std::time::{Duration, Instant};
 
-    let long = "name = \"long\"\nfeed_mm_per_min = 6000.0\nacceleration_m_per_s2 = 1.0\nstart_mm = { x = 0.0, y = 0.0 }\n\
-                [[block]]\ndwell_s = 1.0\n[[block]]\nline_to_mm = { x = 90.0, y = 60.0 }\n[[block]]\ndwell_s = 20.0\n\
-                [[block]]\nline_to_mm = { x = 0.0, y = 0.0 }\n";
-    let folder = WorkFolder::with(&[("machine.toml", MACHINE), ("motion.toml", long)]);
-    let run = |arguments: &str| {
-        let mut command = Command::new(tests::program::lost_motion());
-        command.args(arguments.split_whitespace()).current_dir(folder.path());
-        command.stdout(Stdio::null()).stderr(Stdio::null());
-        command
-    };
-    assert!(
-        run("simulate --machine machine.toml --motion motion.toml --out log.csv").status().unwrap().success()
-    );
     let before = folder.contents();
+    let mut command = Command::new(tests::program::lost_motion());
+    command.args(arguments.split_whitespace()).current_dir(folder.path());
+    let mut child = command.stdout(Stdio::null()).stderr(Stdio::null()).spawn().unwrap();
+    std::thread::sleep(Duration::from_millis(300));
+    assert!(child.try_wait().unwrap().is_none(), "{arguments}: expected seconds of work");
+    let start = Instant::now();
+    assert!(Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status().unwrap().success());
+    assert_eq!(child.wait().unwrap().code(), Some(130), "{arguments}");
+    assert!(start.elapsed() < Duration::from_secs(1), "{arguments}: {:?}", start.elapsed());
+    assert!(folder.contents() == before, "{arguments}");
+}
+
+/// The commands that search, in a log or among settings.
+#[cfg(unix)]
+#[test]
+fn long_computations_end_within_a_second() {
+    let folder = WorkFolder::with(&[
+        ("machine.toml", MACHINE),
+        ("table.toml", with_calibration_table().as_str()),
+        ("motion.toml", LONG),
+    ]);
+    folder.succeeds("simulate --machine machine.toml --motion motion.toml --out log.csv");
     for arguments in [
         "trace --machine machine.toml --fit log.csv --json out.json --model out.toml --report report",
+        "trace --machine table.toml --fit log.csv --json out.json --model out.toml --report report",
         "compare --json out.json",
         "reproduce --json out.json",
         "sensors --json out.json",
         "demo --json out.json --report report",
+        "self-test --cases 1000 --seed 3",
         "tune --machine machine.toml --out out.toml",
+        "margins --machine machine.toml --json out.json",
     ] {
-        let mut child = run(arguments).spawn().unwrap();
-        std::thread::sleep(Duration::from_millis(300));
-        assert!(child.try_wait().unwrap().is_none(), "{arguments}: expected seconds of work");
-        let start = Instant::now();
-        assert!(
-            Command::new("kill").args(["-s", "INT", &child.id().to_string()]).status().unwrap().success()
-        );
-        assert_eq!(child.wait().unwrap().code(), Some(130), "{arguments}");
-        assert!(start.elapsed() < Duration::from_secs(1), "{arguments}: {:?}", start.elapsed());
-        assert!(folder.contents() == before, "{arguments}");
+        assert_ends_within_a_second(&folder, arguments);
+    }
+}
+
+/// The commands that run or evaluate motions: 52 minutes of circles, and logs of two minutes.
+#[cfg(unix)]
+#[test]
+fn commands_that_run_long_motions_end_within_a_second() {
+    let folder = WorkFolder::with(&[
+        ("machine.toml", MACHINE),
+        ("fit.toml", include_str!("../../../../host-sim/motions/demo_circle.toml")),
+        ("circles.toml", circles(1).as_str()),
+        ("hour.toml", circles(25).as_str()),
+    ]);
+    folder.succeeds("simulate --machine machine.toml --motion circles.toml --out before.csv");
+    folder.succeeds("simulate --machine machine.toml --motion circles.toml --out after.csv --seed 2");
+    for arguments in [
+        "simulate --machine machine.toml --motion hour.toml --out out.csv",
+        "simulate --machine machine.toml --motion hour.toml --out out.csv.gz",
+        "compensate --model machine.toml --motion hour.toml --out c.toml --json out.json",
+        "verify --machine machine.toml --before before.csv --after after.csv --json out.json --report report",
+        "improve --machine machine.toml --plant machine.toml --fit fit.toml --motion hour.toml --out out",
+    ] {
+        assert_ends_within_a_second(&folder, arguments);
     }
 }

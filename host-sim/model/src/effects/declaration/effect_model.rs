@@ -90,12 +90,14 @@ pub trait EffectModel: Sized + Clone {
 
     /// This effect, if it may have been taken for the found one: both explain most of the same residual, and the other effects that
     /// decide between them are found later. Once all are found, it is tried in place of the found one.
+    #[must_use]
     fn in_place_of(_found: &Found<'_>) -> Option<Substitute<Self>> {
         None
     }
 
     /// The forms of this effect that may be assumed before the mechanics are fitted, if it changes the force as a mass does: without it
     /// the fit of the mechanics has another mass, beside which no effect of the closed loop describes the motor.
+    #[must_use]
     fn assumed() -> Vec<Self> {
         Vec::new()
     }
