@@ -2,6 +2,8 @@
 
 use std::collections::VecDeque;
 
+use model::servo::ServoParameters;
+
 /// Whole ticks of a delay and the rest as a fraction of a tick; `None` if there is no delay.
 fn in_ticks(delay_s: f64, tick_s: f64) -> Option<(usize, f64)> {
     let ticks = delay_s / tick_s;
@@ -179,9 +181,38 @@ impl DeadTime {
     }
 }
 
+/// A force on its way from the velocity loop to the motor (the effects `computation_delay` and `drive_dead_time`).
+#[derive(Clone, Debug)]
+pub struct ForcePath {
+    computation: Option<DeadTime>,
+    dead_time: Option<DeadTime>,
+}
+
+impl ForcePath {
+    /// The path of a force that has been `start_n`.
+    #[must_use]
+    pub fn new(servo: &ServoParameters, tick_s: f64, start_n: f64) -> Self {
+        Self {
+            computation: DeadTime::new(tick_s * servo.computation_delay.periods, tick_s, start_n),
+            dead_time: DeadTime::new(servo.dead_time.seconds(), tick_s, start_n),
+        }
+    }
+
+    /// The force that is output, and logged, in a tick, and the mean force that acts, N, from the one that the velocity loop computes. To be
+    /// called once per tick.
+    pub fn output_and_acting_n(&mut self, computed_n: f64) -> [f64; 2] {
+        let late = |delay: &mut Option<DeadTime>, force_n| {
+            delay.as_mut().map_or(force_n, |delay| delay.acting_n(force_n))
+        };
+        let output_n = late(&mut self.computation, computed_n);
+        [output_n, late(&mut self.dead_time, output_n)]
+    }
+}
+
 #[cfg(test)]
 mod tests {
     use super::*;
+    use model::effects::{ComputationDelay, DriveDeadTime};
 
     /// x = 2 + 3t + 2t²: the reading is x(t − τ), for whole ticks and for fractions of them.
     #[test]
@@ -225,6 +256,25 @@ mod tests {
             assert!((acting_n - expected_n).abs() < 1e-9, "{acting_n}");
         }
         assert!(DeadTime::new(0.0, 1e-3, 0.0).is_none());
+    }
+
+    /// One period to compute, and half a period until the drive acts.
+    #[test]
+    fn a_force_is_output_after_its_computation_and_acts_after_the_dead_time() {
+        let servo = ServoParameters {
+            computation_delay: ComputationDelay { periods: 1.0 },
+            dead_time: DriveDeadTime { ms: 0.5 },
+            ..ServoParameters::default()
+        };
+        let (mut late, mut at_once) =
+            (ForcePath::new(&servo, 1e-3, 0.0), ForcePath::new(&ServoParameters::default(), 1e-3, 0.0));
+        let assert_near = |found: [f64; 2], expected: [f64; 2]| {
+            assert!(found.iter().zip(expected).all(|(a, b)| (a - b).abs() < 1e-9), "{found:?} {expected:?}");
+        };
+        for expected_n in [[0.0, 0.0], [1.0, 0.5], [1.0, 1.0]] {
+            assert_near(late.output_and_acting_n(1.0), expected_n);
+            assert_near(at_once.output_and_acting_n(1.0), [1.0, 1.0]);
+        }
     }
 
     /// x = 3t + 2t².

@@ -8,7 +8,7 @@ use wide::f64x2;
 
 use super::axis_motion::AxisMotion;
 use super::coupled_axes::CoupledAxes;
-use super::delay::{DeadTime, Delay, ForceDelay, LogDelay};
+use super::delay::{Delay, ForceDelay, ForcePath, LogDelay};
 use super::instruments::Instruments;
 use super::mechanics::Stepper;
 use super::parameters::AxisParameters;
@@ -49,8 +49,7 @@ struct SimulatedAxis {
     tool_log_delay: LogDelay,
     force_log_delay: Option<ForceDelay>,
     /// `None`: the drive has no dead time.
-    computation: Option<DeadTime>,
-    dead_time: Option<DeadTime>,
+    force_path: ForcePath,
     /// Tool − table by the bodies of the structure, m.
     structure_offset_m: f64,
     /// Force that the controller commanded for the tick, N.
@@ -221,10 +220,9 @@ impl MachineSim {
     /// Moves the machine over one tick under the commanded forces, N.
     pub fn step(&mut self, forces_n: impl Iterator<Item = f64>) {
         for (axis, force_n) in self.axes.iter_mut().zip(forces_n) {
-            let force_n = axis.computation.as_mut().map_or(force_n, |delay| delay.acting_n(force_n));
-            axis.commanded_n = force_n;
-            let force_n = axis.dead_time.as_mut().map_or(force_n, |drive| drive.acting_n(force_n));
-            axis.drive_n = axis.parameters.drive_asymmetry.acting_n(force_n);
+            let [output_n, acting_n] = axis.force_path.output_and_acting_n(force_n);
+            axis.commanded_n = output_n;
+            axis.drive_n = axis.parameters.drive_asymmetry.acting_n(acting_n);
             if let Some(delay) = &mut axis.force_log_delay {
                 delay.push(axis.commanded_n);
             }
@@ -327,8 +325,7 @@ impl SimulatedAxis {
             table_log_delay: LogDelay::new(latency_s(Channel::Table), sample_s, start_m),
             tool_log_delay: LogDelay::new(latency_s(Channel::Tool), sample_s, start_m),
             force_log_delay: ForceDelay::new(latency_s(Channel::Force), tick_s),
-            computation: DeadTime::new(tick_s * parameters.servo.computation_delay.periods, tick_s, 0.0),
-            dead_time: DeadTime::new(parameters.servo.dead_time.seconds(), tick_s, 0.0),
+            force_path: ForcePath::new(&parameters.servo, tick_s, 0.0),
             structure_offset_m: 0.0,
             commanded_n: 0.0,
             drive_n: 0.0,

@@ -50,11 +50,7 @@ pub fn trace(
 
     // The declared values, then the effects, scope by scope, then the joint fit to force and motor.
     let (before, declared_fits) = stage.fit_declared(&written);
-    let search = |from: &AxisModel| stage.search(from, task);
-    let Searched { model, fits, rounds } = match task {
-        Task::Search => assumption::searched(fit_data, &scopes, &before, search),
-        Task::Evaluate => search(&before),
-    };
+    let Searched { model, fits, rounds } = stage.searched(&before, task);
     // 5: fit with the error of the tracer's own simulation subtracted.
     let FinalFit { model, fits, bias } =
         final_fit([fit_data, validate], &written, (model, fits), &scopes, progress);
@@ -198,6 +194,15 @@ impl Tracing<'_> {
         let model = model.with_further_tables(&confirmed);
         let beside = remainder(data, [before, &model], self.scopes, exclusions);
         (model, Remainder { tables: remains.tables, ..beside })
+    }
+
+    /// The search, also from an assumed effect where that describes the logs better.
+    fn searched(&self, before: &AxisModel, task: Task) -> Searched {
+        let search = |from: &AxisModel| self.search(from, task);
+        match task {
+            Task::Search => assumption::searched(self.fit_data, self.scopes, before, search),
+            Task::Evaluate => search(before),
+        }
     }
 
     /// Searches for effects, scope by scope, unless the task is to evaluate; then fits all parameters to force and motor

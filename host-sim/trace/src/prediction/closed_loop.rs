@@ -11,7 +11,7 @@ use super::initial_state::{InitialState, steady_motion};
 use model::servo::ServoParameters;
 use numerics::resample::delayed_cubic;
 use plant::axis_motion::AxisMotion;
-use plant::delay::DeadTime;
+use plant::delay::ForcePath;
 use plant::mechanics::Stepper;
 use plant::parameters::AxisParameters;
 use plant::tool_point::Modes;
@@ -93,9 +93,7 @@ pub fn closed_loop(
         Reading { motor: before(motor, velocity), table: Some(before(known_table_m, velocity)) };
     let mut state = AxisState::<f64>::at_rest(command_before, reading_before);
     let mut readings = ControllerReadings::new(&parameters.servo, tick_s, read(&motion, 0), &motion);
-    let mut computation =
-        DeadTime::new(tick_s * parameters.servo.computation_delay.periods, tick_s, motion.drive_n);
-    let mut dead_time = DeadTime::new(parameters.servo.dead_time.seconds(), tick_s, motion.drive_n);
+    let mut force_path = ForcePath::new(&parameters.servo, tick_s, motion.drive_n);
 
     let mut result = ClosedLoopRun::default();
     let mut last_n = 0.0;
@@ -115,9 +113,8 @@ pub fn closed_loop(
                 state.position_tick(&config, position(command), Correction::NONE, for_position);
             }
             let (force, _) = state.velocity_tick(&config, for_velocity, added_n);
-            let force = computation.as_mut().map_or(force, |delay| delay.acting_n(force));
-            last_n = force;
-            let delayed_n = dead_time.as_mut().map_or(force, |drive| drive.acting_n(force));
+            let [output_n, delayed_n] = force_path.output_and_acting_n(force);
+            last_n = output_n;
             let acting_n = parameters.drive_asymmetry.acting_n(delayed_n);
             for _ in 0..substeps {
                 let before = motion.table_m_per_s;

@@ -141,10 +141,12 @@ fn reported(fit_data: &FitData<'_>, validate: &FitData<'_>, axis: &FittedAxis) -
                 continue;
             }
             let with = last.with(effect.clone());
-            let next = if !(effect.kind().assumed)().is_empty() {
-                fitted_in_order(fit_data, with, axis.fits.iter().map(|fit| (&fit.scope, &fit.exclusions[..])))
-            } else {
+            // An assumed effect goes with other masses.
+            let next = if (effect.kind().assumed)().is_empty() {
                 least_squares::fit(&data, &with, scope, STEPS).model
+            } else {
+                let scopes = axis.fits.iter().map(|fit| (&fit.scope, &fit.exclusions[..]));
+                fitted_in_order(fit_data, with, scopes)
             };
             let fitted = [&last, &next].map(|model| fit_data.residuals(model, scope));
             let held_out = [&last, &next].map(|model| validate.residuals(model, scope));
