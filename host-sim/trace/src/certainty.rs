@@ -7,18 +7,15 @@
 use crate::analysis::variable::Variable;
 use crate::options::VerdictOptions;
 use crate::outcome::{AxisTrace, StageError, Trace};
+use crate::validation::common_noise;
 use crate::validation::declared_value;
 use crate::validation::found_effect::{FoundEffect, Remaining};
 use crate::verdict::{self, Verdict};
 use model::effects::{Imitation, ImitationContext, Stage};
 use model::machine::Machine;
 
-/// Share of the noise below which the residual of a difference of two channels shows that they share their noise. Independent channels
-/// with filters and encoder steps leave 0.35 and more, instants that jitter by 20 to 40 µs leave 0.1 and less.
-const MIN_OWN_NOISE: f64 = 0.2;
-
 /// Largest residual of the motor stage, in multiples of its noise, beside which declared values are told from errors of the loop. A
-/// control that computes for one tick before it acts, which no effect describes, leaves 20 to 200.
+/// delay of the loop that no effect describes leaves 20 to 200.
 const MAX_LOOP_RATIO: f64 = 10.0;
 
 /// Whether no other effect explains the logs as well, nothing imitates it, and the model with it describes its axis.
@@ -42,12 +39,9 @@ pub fn state_doubts(trace: &mut Trace) {
     }
 }
 
-/// Whether the channels of an axis share their noise, so that little of it is left in their differences. Sensors are independent:
-/// what they share is a motion, or the instants at which all of them were read, times the velocity.
+/// Whether the channels of an axis share their noise: see [`common_noise`].
 fn has_common_noise(axis: &AxisTrace) -> bool {
-    let is_difference = |error: &&StageError| matches!(error.stage, Stage::Table | Stage::Tool);
-    let mut differences = axis.errors.iter().filter(is_difference);
-    differences.any(|error| error.after.fit < MIN_OWN_NOISE * error.noise)
+    axis.errors.iter().any(|error| common_noise::is_common(error.stage, error.after.fit, error.noise))
 }
 
 /// Whether instants that jitter may explain an effect: what is found in the stages of force and motor, which are no differences of

@@ -7,7 +7,10 @@
 //!   that the fit with effects has moved to the end of their range;
 //! - a stage that depends on the mechanics and that the model does not describe even with effects, and several parameters that
 //!   contradict the file: at the end of their range, or outside their tolerance.
+//!
+//! Rows that were read at instants that jitter have both signs, too, on the machine of the file.
 
+use super::common_noise;
 use super::declared_value::DeclaredValue;
 use crate::fit::axis_model::AxisModel;
 use crate::fit::fit_data::FitData;
@@ -39,6 +42,9 @@ pub struct Evidence<'a> {
 #[must_use]
 pub fn is_of_another_machine(data: &FitData<'_>, evidence: Evidence<'_>, scopes: &[Scope]) -> bool {
     let Evidence { models: [declared, with_effects], values, refused } = evidence;
+    if common_noise::is_left_out(data, with_effects, scopes) {
+        return false;
+    }
     let at_bounds = values.iter().filter(|value| value.is_undetermined()).count();
     if at_bounds >= MIN_AT_BOUNDS && leaves_gross_residuals(data, declared, scopes) {
         return true;

@@ -4,6 +4,7 @@
 //! twice: as it was added, and by removing it from the final model ([`refutation`]). Both tests compare the [`likelihood`] of
 //! the validation logs. The remaining effects are reported as [`found_effect`].
 
+pub mod common_noise;
 pub mod confirmation;
 pub mod declared_value;
 pub mod fitted_axis;

@@ -344,6 +344,8 @@ fn instants_that_jitter_are_no_certain_backlash() {
         machine.drawn.recorder.jitter_s = 50e-6;
         let trace = machine.trace();
         assert_eq!((certain(&trace), beyond_tolerance(&trace)), (vec![], vec![]), "{}", context(&trace));
+        // Nor is the machine file that of another machine.
+        assert!(!trace.axes.iter().any(|axis| axis.is_of_another_machine), "{}", context(&trace));
     }
 }
 
