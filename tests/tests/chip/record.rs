@@ -138,8 +138,10 @@ fn wait_for<T>(mut poll: impl FnMut() -> Option<T>) -> T {
 fn an_emulator_that_never_replies_times_out() {
     let stand_in = StandIn::new("cat 3>&1 > /dev/null");
     let program = stand_in.folder.path().join("motion.toml");
+    // Builds `lost-motion` if no test has done so.
+    let mut record = stand_in.record(&program);
     let start = Instant::now();
-    let output = stand_in.record(&program).output().unwrap();
+    let output = record.output().unwrap();
     stand_in.assert_timed_out(&output);
     // The timeout, plus the start of two programs on a busy computer.
     let waited_s = start.elapsed().as_secs_f64();
