@@ -71,10 +71,12 @@ impl ForceSampling {
         acceleration_before: impl Fn(f64) -> Vec<f64>,
         sample_s: f64,
     ) {
-        let [in_sample, from_sample_to_sample] = self.ages.map(acceleration_before);
+        let [age_in_sample, age_between_samples] = self.ages;
+        let in_sample = acceleration_before(age_in_sample);
+        let late =
+            (self.delay > 0.0).then(|| (self.changes(force_n), acceleration_before(age_between_samples)));
         let (ahead, low_pass) = (self.ahead_s / self.integral_s, -(-sample_s / self.integral_s).exp_m1());
         let mut of_integral_n = force_n.first().copied().unwrap_or(0.0);
-        let change_n = self.changes(force_n);
         for (i, force_n) in force_n.iter_mut().enumerate() {
             let before_n = of_integral_n;
             of_integral_n += low_pass * (*force_n - before_n);
@@ -82,9 +84,9 @@ impl ForceSampling {
             let proportional_n = *force_n - 0.5 * (before_n + of_integral_n);
             *force_n += ahead * (proportional_n - self.integral_kg * in_sample[i]);
             *force_n -= self.proportional_kg * in_sample[i];
-            if self.delay > 0.0 {
+            if let Some((change_n, between_samples)) = &late {
                 let step_n = change_n[i] - proportional_n * sample_s / self.integral_s;
-                *force_n += self.delay * step_n + self.command_kg * from_sample_to_sample[i];
+                *force_n += self.delay * step_n + self.command_kg * between_samples[i];
             }
         }
     }
