@@ -106,7 +106,7 @@ fn wait(client: &mut Client) -> Result<DirectionResult> {
         }
         if stop::is_interrupted() {
             client.command(&Request::Stop)?;
-            return Err(stop::Stopped { done: 0, asked: 1, what: "checks; the axis is not pushed" }.into());
+            return Err(stop::Stopped { done: 0, asked: 1, what: "checks; the force is off" }.into());
         }
         sleep(POLL);
     }

@@ -64,6 +64,56 @@ fn an_interrupt_of_a_motion_leaves_standing_axes() {
     }
 }
 
+/// Ctrl-C during a recording stops the motion, and no log is left: neither a whole one nor a part of it.
+#[test]
+fn an_interrupt_of_a_recording_leaves_standing_axes_and_no_log() {
+    let Some(bench) = Bench::armed() else { return };
+    let motion = Bench::file("host-sim/motions/bench_travel.toml").display().to_string();
+    for axis in ["x", "y"] {
+        bench.succeeds(&format!("home --port bench --axis {axis}"));
+        bench.succeeds(&format!("jog --port bench --axis {axis} --by-mm 91.7 --speed-mm-per-min 6000"));
+    }
+    let recording = bench.start(&format!("record --port bench --motion {motion} --out travel.csv"));
+    // Of 7 s of motion.
+    sleep(Duration::from_secs(2));
+    interrupt(&recording);
+    let output = recording.wait_with_output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    assert!(message.contains("the axes stand, and the rest of the path is discarded"), "{message}");
+    let left: Vec<_> = fs::read_dir(bench.path()).unwrap().map(|entry| entry.unwrap().file_name()).collect();
+    assert!(left.iter().all(|name| !name.to_string_lossy().contains("travel")), "{left:?}");
+    let status = bench.succeeds("status --port bench");
+    assert!(status.contains("path: at rest") && status.contains("drives: on"), "{status}");
+    sleep(Duration::from_millis(500));
+    let later = bench.succeeds("status --port bench");
+    for axis in ["x ", "y "] {
+        assert!((at_mm(&later, axis) - at_mm(&status, axis)).abs() < 1e-9, "{status} {later}");
+    }
+}
+
+/// Ctrl-C ends a direction check that waits for the switch: closing the switch afterwards pushes nothing.
+#[test]
+fn an_interrupt_of_a_direction_check_ends_it() {
+    let Some(bench) = Bench::new() else { return };
+    bench.succeeds("status --port bench");
+    let checking = bench.start("check-direction --port bench --axis x --force-n 40");
+    sleep(Duration::from_secs(1));
+    interrupt(&checking);
+    let output = checking.wait_with_output().unwrap();
+    let message = String::from_utf8_lossy(&output.stderr);
+    assert_eq!(output.status.code(), Some(130), "{message}");
+    assert!(message.contains("the force is off"), "{message}");
+    bench.succeeds("bench close-switch");
+    sleep(Duration::from_millis(500));
+    let status = bench.succeeds("status --port bench");
+    let line = status.lines().find(|line| line.starts_with("x ")).unwrap();
+    // Motor and scale: the axis stands where it was.
+    for mm in line.split_whitespace().skip(2).take(2) {
+        assert!(mm.parse::<f64>().unwrap().abs() < 1e-3, "{status}");
+    }
+}
+
 /// While one program moves an axis, another one is refused at once, with the command and the process of the first. The first goes on.
 #[test]
 fn a_second_program_is_told_who_holds_the_port() {
