@@ -2,6 +2,7 @@
 #![allow(clippy::unwrap_used, reason = "a test fails by panicking")]
 
 mod calibration_table;
+mod long_log;
 mod run_length;
 
 use std::sync::Mutex;

@@ -93,8 +93,19 @@ impl Case {
 
 /// The effects of a result, each with its axis, that are certain.
 pub fn certain(json: &serde_json::Value) -> BTreeSet<Named> {
+    of(json, |effect| effect["certainty"] == "certain")
+}
+
+/// All effects of a result, each with its axis.
+pub fn named(json: &serde_json::Value) -> BTreeSet<Named> {
+    of(json, |_| true)
+}
+
+fn of(json: &serde_json::Value, is_asked: impl Fn(&serde_json::Value) -> bool) -> BTreeSet<Named> {
     let word = |effect: &serde_json::Value, key: &str| effect[key].as_str().unwrap().to_owned();
     let effects = json["effects"].as_array().unwrap().iter();
-    let certain = effects.filter(|effect| effect["certainty"] == "certain");
-    certain.map(|effect| (word(effect, "axis"), word(effect, "name"))).collect()
+    effects
+        .filter(|effect| is_asked(effect))
+        .map(|effect| (word(effect, "axis"), word(effect, "name")))
+        .collect()
 }

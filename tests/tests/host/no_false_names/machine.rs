@@ -95,7 +95,7 @@ impl TestMachine {
     }
 
     /// The trace of its logs, each changed.
-    pub fn trace_of(&self, change: impl Fn(&mut Log)) -> Trace {
+    pub fn trace_of(&self, change: impl FnMut(&mut Log)) -> Trace {
         let [mut fit, mut validate] = self.logs();
         fit.iter_mut().chain(&mut validate).for_each(change);
         trace(&self.file(), &fit, &validate, &|_| {}).unwrap()
