@@ -12,7 +12,12 @@ use crate::compensate::CompensationKind;
 use crate::config::{AxisSettings, Rates};
 use crate::drive::direction_check::DirectionCheckSettings;
 use crate::interpolate::Block;
-pub use crate::protocol::AXES;
+
+/// Number of axes of the link.
+pub const AXES: usize = 2;
+
+/// Length of the longest upload in bytes: a compensation with every table at its capacity has 7.6 kB.
+pub const LONGEST_UPLOAD: usize = 7680;
 
 /// Greatest number of bytes of an upload in a request.
 pub const PART: usize = 384;
@@ -193,4 +198,18 @@ pub enum FromBoard {
     Reply(Reply),
     /// Samples of the stream.
     Stream(StreamPacket),
+}
+
+#[cfg(test)]
+mod tests {
+    use super::*;
+    use crate::compensate::CompensationSettings;
+
+    /// Less than a part remains free, so that the capacity is not larger than necessary.
+    #[test]
+    fn the_longest_upload_fits_its_capacity() {
+        let mut bytes = [0; LONGEST_UPLOAD];
+        let length = postcard::to_slice(&CompensationSettings::longest(), &mut bytes).unwrap().len();
+        assert!(length > LONGEST_UPLOAD - PART, "{length} bytes");
+    }
 }

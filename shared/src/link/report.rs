@@ -59,7 +59,7 @@ pub struct Welcome {
     pub board: heapless::String<32>,
     /// Version of its program.
     pub software: heapless::String<16>,
-    /// The sources of its program: [`SOURCES`](crate::protocol::SOURCES).
+    /// The sources of its program: [`SOURCES`](crate::SOURCES).
     pub sources: u64,
     /// Number of axes.
     pub axes: u8,

@@ -58,7 +58,7 @@ pub fn connect(port: &str, timeout_s: f64) -> Result<Client> {
         error => anyhow::Error::from(error),
     })?;
     let client = Client::connect(port, Duration::from_secs_f64(timeout_s))?;
-    if is_bench && client.welcome().sources != shared::protocol::SOURCES {
+    if is_bench && client.welcome().sources != shared::SOURCES {
         let problem = "the emulated board runs a program of other sources: end it (`bench end`) and build it again \
                        (`cargo servo`)";
         return Err(InputError::new("--port", problem).into());
