@@ -36,7 +36,7 @@ files_of() {
 tests_of() {
   case ${1%%/*} in
   machine) echo enabling:: first_motion:: homing:: link:: machine:: monitor:: safety:: lockstep:: ;;
-  drive) echo tests:: amplifier:: first_motion:: homing:: inputs:: link:: pins:: ;;
+  drive) echo tests:: amplifier:: first_motion:: homing:: inputs:: link:: ;;
   homing | feedback) echo tests:: homing:: ;;
   control) echo tests:: control:: enabling:: gain_change:: homing:: velocity_loop:: ;;
   monitor) echo tests:: monitor:: safety:: ;;

@@ -15,6 +15,5 @@ mod lockstep;
 mod machine;
 mod monitor;
 mod path;
-mod pins;
 mod safety;
 mod velocity_loop;
