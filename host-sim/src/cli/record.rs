@@ -112,7 +112,7 @@ fn is_core(port: &str) -> bool {
 /// Runs the motion on a servo board.
 fn on_board(arguments: &Arguments) -> Result<()> {
     if arguments.compensation.is_some() {
-        let problem = "a board keeps its compensation: send it with `upload` before";
+        let problem = "a board keeps its compensation: send it with `board upload` before";
         return Err(InputError::new("--compensation", problem).into());
     }
     let machine_path = arguments.machine.as_deref().unwrap_or(&arguments.motion);

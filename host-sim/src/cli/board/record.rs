@@ -5,7 +5,8 @@ use std::path::Path;
 use anyhow::Result;
 
 use super::capture::write_log;
-use super::{connect, upload};
+use super::port::connect;
+use super::upload;
 use crate::cli::outputs::print;
 use crate::cli::progress::Progress;
 use crate::cli::stop;
