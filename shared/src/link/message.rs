@@ -4,6 +4,7 @@ use serde::{Deserialize, Serialize};
 
 pub use super::history::HISTORY;
 use super::history::HistoryEntry;
+pub use super::packet::AXES;
 use super::refusal::Refusal;
 use super::report::{CaptureReport, Status, Welcome};
 use super::stream::StreamPacket;
@@ -12,9 +13,6 @@ use crate::compensate::CompensationKind;
 use crate::config::{AxisSettings, Rates};
 use crate::drive::direction_check::DirectionCheckSettings;
 use crate::interpolate::Block;
-
-/// Number of axes of the link.
-pub const AXES: usize = 2;
 
 /// Length of the longest upload in bytes: a compensation with every table at its capacity has 7.6 kB.
 pub const LONGEST_UPLOAD: usize = 7680;

@@ -2,7 +2,7 @@
 
 use serde::{Deserialize, Serialize};
 
-use super::message::AXES;
+use super::packet::AXES;
 use super::receiver::LinkCounts;
 use crate::capture::{CaptureState, ChannelSteps};
 use crate::config::Rates;
